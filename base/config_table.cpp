@@ -1,0 +1,260 @@
+#include "base/config_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include <toml++/toml.h>
+
+#include "base/files.hpp"
+
+namespace kasumi {
+
+struct ConfigTable::File {
+  std::filesystem::path path;
+  toml::table root;
+  Problems problems;
+  std::set<std::string> read;  // full keys somebody asked for
+};
+
+struct ConfigTable::Node {
+  const toml::table* table;  // inside File::root, or the empty table for a missing one
+  std::string prefix;        // "sky.lens." or ""
+  bool missing = false;      // already reported: say nothing about its keys
+};
+
+namespace {
+
+const toml::table kEmptyTable;
+
+std::string shown(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&](const auto& value) { out << value; });
+  auto text = out.str();
+  if (text.size() > 80) text = text.substr(0, 77) + "...";
+  return text;
+}
+
+std::string describe(Range range, std::string_view noun) {
+  const bool low = std::isfinite(range.lowest), high = std::isfinite(range.highest);
+  if (low && high) return fmt::format("{} from {} to {}", noun, range.lowest, range.highest);
+  if (low) return fmt::format("{} >= {}", noun, range.lowest);
+  if (high) return fmt::format("{} <= {}", noun, range.highest);
+  return std::string(noun);
+}
+
+bool inside(double value, Range range) {
+  return std::isfinite(value) && value >= range.lowest && value <= range.highest;
+}
+
+void list_keys(const toml::table& table, const std::string& prefix, std::vector<std::string>& keys) {
+  for (const auto& [key, node] : table) {
+    const std::string full = prefix + std::string(key.str());
+    keys.push_back(full);
+    if (const auto* inner = node.as_table()) list_keys(*inner, full + ".", keys);
+    if (const auto* array = node.as_array(); array && array->is_array_of_tables())
+      for (std::size_t i = 0; i < array->size(); ++i)
+        list_keys(*(*array)[i].as_table(), fmt::format("{}[{}].", full, i), keys);
+  }
+}
+
+}  // namespace
+
+Result<ConfigTable> ConfigTable::read_file(const std::filesystem::path& path) {
+  auto text = read_text_file(path);
+  if (!text) return fail(text.error());
+  return parse(*text, path);
+}
+
+Result<ConfigTable> ConfigTable::parse(std::string_view text, const std::filesystem::path& name) {
+  auto file = std::make_shared<File>();
+  file->path = name;
+  try {
+    file->root = toml::parse(text, name.string());
+  } catch (const toml::parse_error& error) {
+    const auto at = error.source().begin;
+    return fail(FaultKind::bad_input, "{}:{}:{}: not valid TOML: {}", name.string(), at.line, at.column,
+                error.description());
+  }
+  auto node = std::make_shared<Node>(Node{&file->root, ""});
+  return ConfigTable(std::move(file), std::move(node));
+}
+
+std::string ConfigTable::full_key(std::string_view key) const {
+  return node_->prefix + std::string(key);
+}
+
+bool ConfigTable::has(std::string_view key) const {
+  return node_->table->contains(key);
+}
+
+void ConfigTable::problem(std::string_view key, std::string_view expected) const {
+  if (node_->missing) return;
+  const auto* node = node_->table->get(key);
+  if (node)
+    file_->problems.add("{}: {} = {}: expected {}", file_->path.string(), full_key(key), shown(*node), expected);
+  else
+    file_->problems.add("{}: {} is missing: expected {}", file_->path.string(), full_key(key), expected);
+}
+
+double ConfigTable::number(std::string_view key, Range range, std::optional<double> fallback) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  if (!node && fallback) return *fallback;
+  const auto value = node ? node->value<double>() : std::nullopt;
+  if (value && node->is_number() && inside(*value, range)) return *value;
+  problem(key, describe(range, "a number"));
+  return fallback.value_or(std::isfinite(range.lowest) ? range.lowest : 0.0);
+}
+
+int ConfigTable::integer(std::string_view key, Range range, std::optional<int> fallback) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  if (!node && fallback) return *fallback;
+  range.lowest = std::max(range.lowest, double{std::numeric_limits<int>::min()});
+  range.highest = std::min(range.highest, double{std::numeric_limits<int>::max()});
+  if (node && node->is_integer()) {
+    const auto value = node->value<std::int64_t>();
+    if (value && inside(static_cast<double>(*value), range)) return static_cast<int>(*value);
+  }
+  problem(key, describe(range, "a whole number"));
+  return fallback.value_or(0);
+}
+
+bool ConfigTable::flag(std::string_view key, std::optional<bool> fallback) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  if (!node && fallback) return *fallback;
+  if (node && node->is_boolean()) return *node->value<bool>();
+  problem(key, "true or false");
+  return fallback.value_or(false);
+}
+
+std::string ConfigTable::text(std::string_view key, std::optional<std::string> fallback) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  if (!node && fallback) return *fallback;
+  if (node && node->is_string()) return *node->value<std::string>();
+  problem(key, "a text in quotes");
+  return fallback.value_or("");
+}
+
+std::string ConfigTable::choice(std::string_view key, std::initializer_list<std::string_view> words,
+                                std::optional<std::string> fallback) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  if (!node && fallback) return *fallback;
+  if (node && node->is_string()) {
+    const auto value = *node->value<std::string>();
+    if (std::find(words.begin(), words.end(), value) != words.end()) return value;
+  }
+  problem(key, fmt::format("one of \"{}\"", fmt::join(words, "\", \"")));
+  return fallback.value_or(std::string(*words.begin()));
+}
+
+std::vector<double> ConfigTable::numbers(std::string_view key, std::size_t count, Range range,
+                                         std::optional<std::vector<double>> fallback) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  if (!node && fallback) return *fallback;
+  std::vector<double> values;
+  if (const auto* array = node ? node->as_array() : nullptr) {
+    for (const auto& element : *array) {
+      const auto value = element.is_number() ? element.value<double>() : std::nullopt;
+      if (value && inside(*value, range)) values.push_back(*value);
+    }
+    if (values.size() == array->size() && !values.empty() && (count == 0 || values.size() == count)) return values;
+  }
+  const auto noun = count == 0 ? std::string("a list of numbers") : fmt::format("a list of {} numbers", count);
+  problem(key, describe(range, noun));
+  return fallback.value_or(std::vector<double>(count, 0.0));
+}
+
+Utc ConfigTable::utc(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  const auto* value = node ? node->as_date_time() : nullptr;
+  if (!value || !(*value)->offset) {
+    problem(key, "a date and time with offset like 2026-06-21T03:00:00Z");
+    return {};
+  }
+  const toml::date_time& at = **value;
+  const std::chrono::year_month_day date{std::chrono::year{at.date.year}, std::chrono::month{at.date.month},
+                                         std::chrono::day{at.date.day}};
+  return std::chrono::sys_days{date} + std::chrono::hours{at.time.hour} + std::chrono::minutes{at.time.minute} +
+         std::chrono::seconds{at.time.second} + std::chrono::nanoseconds{at.time.nanosecond} -
+         std::chrono::minutes{at.offset->minutes};
+}
+
+std::optional<std::filesystem::path> ConfigTable::optional_file(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  if (!has(key)) return std::nullopt;
+  return file(key);
+}
+
+std::filesystem::path ConfigTable::file(std::string_view key) const {
+  const auto name = text(key);
+  if (name.empty()) return {};
+  auto path = folder() / name;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    problem(key, fmt::format("an existing file (looked for {})", path.string()));
+  return path;
+}
+
+ConfigTable ConfigTable::table(std::string_view key) const {
+  if (auto found = optional_table(key)) return *found;
+  if (!has(key)) problem(key, fmt::format("a table [{}]", full_key(key)));
+  return ConfigTable(file_, std::make_shared<Node>(Node{&kEmptyTable, full_key(key) + ".", true}));
+}
+
+std::optional<ConfigTable> ConfigTable::optional_table(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  if (!node) return std::nullopt;
+  if (const auto* inner = node->as_table())
+    return ConfigTable(file_, std::make_shared<Node>(Node{inner, full_key(key) + "."}));
+  problem(key, fmt::format("a table [{}]", full_key(key)));
+  return std::nullopt;
+}
+
+std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  std::vector<ConfigTable> result;
+  const auto* node = node_->table->get(key);
+  if (!node) return result;
+  const auto* array = node->as_array();
+  if (!array || !array->is_array_of_tables()) {
+    problem(key, fmt::format("tables [[{}]]", full_key(key)));
+    return result;
+  }
+  for (std::size_t i = 0; i < array->size(); ++i)
+    result.push_back(ConfigTable(
+        file_, std::make_shared<Node>(Node{(*array)[i].as_table(), fmt::format("{}[{}].", full_key(key), i)})));
+  return result;
+}
+
+const std::filesystem::path& ConfigTable::path() const {
+  return file_->path;
+}
+
+std::filesystem::path ConfigTable::folder() const {
+  return file_->path.parent_path();
+}
+
+Result<> ConfigTable::finish() const {
+  std::vector<std::string> keys;
+  list_keys(file_->root, "", keys);
+  std::string skipped;  // keys inside a table nobody asked for need no line of their own
+  for (const auto& key : keys) {
+    if (file_->read.contains(key)) continue;
+    if (!skipped.empty() && key.starts_with(skipped)) continue;
+    file_->problems.add("{}: {}: not a key that is known here", file_->path.string(), key);
+    skipped = key + ".";
+  }
+  if (file_->problems.empty()) return {};
+  return fail(file_->problems.fault());
+}
+
+}  // namespace kasumi

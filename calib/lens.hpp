@@ -1,0 +1,61 @@
+// Lens models: between pixels and rays of the camera frame (x right, y down, z along the optical axis).
+// Pixel coordinates: the centre of the top left pixel is (0, 0).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "base/config_table.hpp"
+#include "base/units.hpp"
+
+namespace kasumi {
+
+class Lens {
+ public:
+  virtual ~Lens() = default;
+  virtual std::string_view name() const = 0;  // as written in the configuration
+  // Where a ray (any length) is seen; empty when the model does not reach it (behind a pinhole, beyond the fisheye's
+  // largest angle).
+  virtual std::optional<glm::dvec2> project(const glm::dvec3& ray) const = 0;
+  // The unit ray a pixel sees; empty outside the model's reach.
+  virtual std::optional<glm::dvec3> unproject(const glm::dvec2& pixel) const = 0;
+};
+
+using LensPtr = std::shared_ptr<const Lens>;
+
+// r = f theta
+LensPtr equidistant_lens(glm::dvec2 centre, double focal_px, Radians largest_angle);
+// r = 2 f sin(theta / 2)
+LensPtr equisolid_lens(glm::dvec2 centre, double focal_px, Radians largest_angle);
+// OpenCV's fisheye model: theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
+LensPtr opencv_fisheye_lens(glm::dvec2 focal_px, glm::dvec2 centre, std::array<double, 4> k, Radians largest_angle);
+// Scaramuzza's (OCamCalib's) model: ray = (u, v, a0 + a1 rho + a2 rho^2 + ...) with the affine stretch [c d; e 1].
+struct ScaramuzzaModel {
+  std::vector<double>
+      polynomial;     // a0, a1, a2, ... in pixels, OCamCalib's sign (a0 < 0 for a lens that looks along +z here)
+  glm::dvec2 centre;  // column, row
+  double c = 1.0, d = 0.0, e = 0.0;
+};
+LensPtr scaramuzza_lens(ScaramuzzaModel model, Radians largest_angle);
+
+// Pinhole with Brown's radial and tangential distortion, as OpenCV orders it: k1 k2 p1 p2 k3.
+struct PinholeModel {
+  glm::dvec2 focal_px{};
+  glm::dvec2 centre{};
+  std::array<double, 5> distortion{};
+};
+LensPtr pinhole_lens(const PinholeModel& model);
+// The model behind a pinhole lens, for the renderer's projection; empty for every other lens.
+std::optional<PinholeModel> pinhole_model(const Lens& lens);
+
+// [lens] of a camera: model = "equidistant" | "equisolid" | "opencv_fisheye" | "scaramuzza" | "pinhole" and that
+// model's keys. Problems are left in the table's file; the result is then some valid lens, so that reading can go on.
+LensPtr read_lens(const ConfigTable& table);
+
+}  // namespace kasumi

@@ -1,0 +1,71 @@
+// From a camera's numbers to light: response curve, vignetting, spectral sensitivity, white balance.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "base/config_table.hpp"
+#include "base/result.hpp"
+
+namespace kasumi {
+
+// Encoded value (0..1) <-> linear light (0..1), the same curve for the three channels unless a table says otherwise.
+class Response {
+ public:
+  enum class Kind { linear, srgb, table };
+  static Response linear();
+  static Response srgb();
+  // Linear light at evenly spaced encoded values 0..1, strictly increasing from 0 to 1, one table per channel.
+  static Response table(std::array<std::vector<double>, 3> light);
+
+  Kind kind() const { return kind_; }
+  glm::dvec3 to_light(const glm::dvec3& encoded) const;
+  glm::dvec3 to_encoded(const glm::dvec3& light) const;
+  // d light / d encoded, for carrying quantisation and noise over.
+  glm::dvec3 slope(const glm::dvec3& encoded) const;
+
+ private:
+  Kind kind_ = Kind::srgb;
+  std::array<std::vector<double>, 3> light_;
+};
+
+// Relative illumination 1 + v2 r^2 + v4 r^4 + v6 r^6 at r = distance from the optical centre / reference radius. Always
+// > 0.
+struct Vignetting {
+  glm::dvec2 centre{};
+  double radius_px = 1.0;
+  std::array<double, 3> coefficients{};
+  double at(const glm::dvec2& pixel) const;
+};
+
+// q_c(lambda): relative response of the three channels, evenly spaced wavelengths.
+struct SpectralSensitivity {
+  std::string name;
+  double first_nm = 380.0;
+  double step_nm = 5.0;
+  std::vector<glm::dvec3> samples;  // R, G, B
+  double last_nm() const { return first_nm + step_nm * static_cast<double>(samples.size() - 1); }
+  glm::dvec3 at(double wavelength_nm) const;  // linear between samples, zero outside
+};
+
+// The ACES community's rawtoaces JSON, or a CSV of wavelength and three columns (header names R, G, B in any order; a
+// fourth is ignored; percent or fractions; uneven steps are resampled). Each is normalised so that the largest sample
+// is 1.
+Result<SpectralSensitivity> read_spectral_sensitivity(const std::filesystem::path& path);
+// Three smooth bells around 600, 540 and 450 nm: what a camera without a data sheet is taken for.
+SpectralSensitivity generic_sensitivity();
+
+// Largest relative residual of expressing XYZ of CIE daylight spectra (4000..25000 K) through this camera is reported
+// with the matrix. The daylight spectra span three dimensions, so that three channels determine XYZ of sky light
+// exactly (M Eq 7; Wyszecki and Stiles). Light is in the camera's channels after division by the white balance gains.
+glm::dmat3 camera_to_xyz(const SpectralSensitivity& sensitivity);
+// Linear sRGB to XYZ (IEC 61966-2-1).
+glm::dmat3 srgb_to_xyz();
+
+}  // namespace kasumi

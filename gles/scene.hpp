@@ -1,0 +1,67 @@
+// What the renderer is given: plain numbers, no camera and no solver behind them. Light is linear, in any unit common
+// to all fields of one struct.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+namespace kasumi {
+
+// Where the scene camera stands and what its lens does. Pixel coordinates: the centre of the top left pixel is (0, 0).
+struct SceneView {
+  int width = 0;
+  int height = 0;
+  glm::dvec2 focal_px{};
+  glm::dvec2 centre_px{};
+  std::array<double, 5> distortion{};  // Brown: k1 k2 p1 p2 k3
+  glm::dmat4 world_to_camera{
+      1.0};  // world: metres east, north, up of the camera's site; camera: x right, y down, z forward
+  double near_m = 100.0;
+  double far_m = 100e3;
+};
+
+// Attenuation by two Gauss nodes per channel (physics 4):
+//   Gamma_c = sum over k of weight[k][c] exp(-rayleigh_per_m[k][c] s_R - mie_per_m[k][c] s_M)
+// where s_R and s_M are the path's lengths weighted by density (scale heights below, altitudes above sea level, exact
+// for slanted paths).
+constexpr int kHazeNodes = 2;
+struct Haze {
+  std::array<glm::dvec3, kHazeNodes> weight{};
+  std::array<glm::dvec3, kHazeNodes> rayleigh_per_m{};  // at sea level
+  std::array<glm::dvec3, kHazeNodes> mie_per_m{};       // at sea level
+  double rayleigh_scale_height_m = 7994.0;
+  double mie_scale_height_m = 1200.0;
+  double observer_altitude_m = 0.0;
+};
+
+// Light that falls on the object, in the scene camera's channels.
+struct ObjectLight {
+  glm::dvec3 sun_direction{0, 0, 1};              // towards the sun, world frame
+  glm::dvec3 sun_irradiance{0};                   // on a surface facing the sun
+  std::array<glm::dvec3, 9> sky_irradiance_sh{};  // irradiance on a surface of normal n = sum of coefficient * real SH
+                                                  // basis(n), order 2, sky and ground together; basis order 1, y, z, x,
+                                                  // xy, yz, 3z^2-1, xz, x^2-y^2 with the usual constants
+};
+
+// Light from infinity over the object's part of the picture, on a grid, bilinear between its points and held beyond its
+// edges.
+struct AirlightGrid {
+  static constexpr int kColumns = 8;
+  static constexpr int kRows = 3;
+  glm::dvec2 first_px{};  // pixel of point (0, 0)
+  glm::dvec2 last_px{};   // pixel of point (kColumns - 1, kRows - 1)
+  std::array<glm::dvec3, kColumns * kRows> light{};
+};
+
+// Encoded value (0..1) to linear light (0..1), strictly increasing, evenly spaced, per channel; at least 2 entries. The
+// display shows the camera's own encoding, so that pixels without object pass unchanged.
+struct ResponseCurve {
+  enum class Kind { linear, srgb, table } kind = Kind::srgb;
+  std::array<std::vector<double>, 3> light;
+};
+
+}  // namespace kasumi

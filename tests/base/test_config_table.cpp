@@ -1,0 +1,69 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/config_table.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ConfigTable, EveryProblemIsReportedAtOnceWithFileKeyValueAndExpectation) {
+  const auto root = ConfigTable::parse("[lens]\nfocal_px = -3\nmodel = 'banana'\ntypo_px = 1\n", "camera.toml").value();
+  const auto lens = root.table("lens");
+  lens.number("focal_px", {0.1, 1e5});
+  lens.choice("model", {"pinhole", "equidistant"});
+  lens.numbers("centre_px", 2);
+  const auto result = root.finish();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().kind, FaultKind::bad_input);
+  EXPECT_THAT(result.error().message,
+              HasSubstr("camera.toml: lens.focal_px = -3: expected a number from 0.1 to 100000"));
+  EXPECT_THAT(result.error().message, HasSubstr("lens.model = 'banana': expected one of \"pinhole\", \"equidistant\""));
+  EXPECT_THAT(result.error().message, HasSubstr("lens.centre_px is missing"));
+  EXPECT_THAT(result.error().message, HasSubstr("lens.typo_px: not a key that is known here"));
+}
+
+TEST(ConfigTable, AMissingTableIsOneProblemNotOnePerKey) {
+  const auto root = ConfigTable::parse("", "a.toml").value();
+  const auto lens = root.table("lens");
+  lens.number("focal_px");
+  lens.text("model");
+  const auto result = root.finish();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().message, "a.toml: lens is missing: expected a table [lens]");
+}
+
+TEST(ConfigTable, NumbersThatAreNoNumbersAreRefused) {
+  for (const char* text : {"a = nan", "a = inf", "a = '1'", "a = true", "a = [1]"}) {
+    const auto root = ConfigTable::parse(text, "a.toml").value();
+    root.number("a");
+    EXPECT_FALSE(root.finish()) << text;
+  }
+}
+
+TEST(ConfigTable, AWholeNumberIsANumberButNotTheOtherWayRound) {
+  const auto root = ConfigTable::parse("a = 3\nb = 3.5", "a.toml").value();
+  EXPECT_EQ(root.number("a"), 3.0);
+  EXPECT_EQ(root.integer("a"), 3);
+  EXPECT_TRUE(ConfigTable::parse("", "x")->finish());
+  root.integer("b");
+  EXPECT_FALSE(root.finish());
+}
+
+TEST(ConfigTable, TimeNeedsAnOffset) {
+  const auto root = ConfigTable::parse("a = 2003-10-17T12:30:30-07:00\nb = 2003-10-17T12:30:30", "a.toml").value();
+  using namespace std::chrono;
+  EXPECT_EQ(root.utc("a"), Utc{sys_days{2003y / October / 17} + 19h + 30min + 30s});
+  root.utc("b");
+  EXPECT_FALSE(root.finish());
+}
+
+TEST(ConfigTable, ASyntaxErrorNamesLineAndColumn) {
+  const auto result = ConfigTable::parse("a = 1\nb = = 2", "bad.toml");
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message, HasSubstr("bad.toml:2:"));
+}
+
+}  // namespace
+}  // namespace kasumi
