@@ -21,7 +21,14 @@ struct FourCc {
   std::string text() const { return std::string(code.begin(), code.end()); }
   friend bool operator==(const FourCc&, const FourCc&) = default;
 };
+// Error (bad_input): none of the above.
 Result<FourCc> parse_four_cc(std::string_view text);
+constexpr FourCc four_cc(const char (&text)[5]) {
+  return {{text[0], text[1], text[2], text[3]}};
+}
+constexpr FourCc kMjpg = four_cc("MJPG");
+// How the pixels of an uncompressed format lie in memory; empty for MJPG and for unknown codes.
+std::optional<PixelLayout> layout_of(FourCc format);
 
 enum class FrameStatus {
   good,       // everything is valid
@@ -44,13 +51,27 @@ struct FrameMetadata {
   FrameStatus status = FrameStatus::good;
 };
 
+// Nothing a driver or a file says about a frame is believed beyond these.
+constexpr int kLargestSide = 16384;                  // pixels
+constexpr std::int64_t kMostPixels = 1 << 26;        // 64 Mpx
+constexpr std::uint32_t kLargestStride = 1u << 18;   // bytes
+constexpr std::uint32_t kLargestPayload = 1u << 28;  // bytes
+
+// Whether format, size, stride and bytes_used are possible. Error (bad_input): every one that is not, one per line.
+Result<> check_geometry(const FrameMetadata& metadata);
+// The fewest bytes a whole picture takes, the last row without its padding; 1 for MJPG. Geometry must have been
+// checked.
+std::uint64_t bytes_needed(const FrameMetadata& metadata);
+// What a source delivers the frame as. Geometry must have been checked.
+FrameStatus judge(const FrameMetadata& metadata, std::size_t payload_bytes, bool driver_error);
+
 struct Frame {
   FrameMetadata metadata;
   std::shared_ptr<const std::vector<std::uint8_t>> payload;  // never null; may be empty
 };
 
-// Pixels of a frame. Uncompressed formats are seen in place (keep the frame); JPEG is decoded to its own YUV planes by
-// libjpeg-turbo. Owns whatever it needs.
+// Pixels of a frame. Uncompressed formats are seen in place; JPEG is decoded to its own YUV planes (i420, i422, i444 or
+// grey8) by libjpeg-turbo. Shares the payload or owns the planes, so it may outlive the frame.
 class DecodedPicture {
  public:
   const PictureView& view() const { return view_; }
@@ -62,8 +83,9 @@ class DecodedPicture {
 };
 
 // `encoding` says what the YUV of uncompressed formats means; JPEG is always bt601_full.
-// Errors (bad_input): status not good, payload too short for size and stride, unknown format, damaged JPEG, JPEG of
-// another size.
+// Strides of further planes follow from the first as V4L2 has it: NV12 the same, YU12 half (odd ones rounded up).
+// Errors (bad_input): status not good, payload too short for size and stride, unknown format, impossible size, damaged
+// JPEG, JPEG of another size, JPEG that no camera delivers (progressive, CMYK, unusual subsampling).
 Result<DecodedPicture> decode(const Frame& frame, YuvEncoding encoding);
 
 }  // namespace kasumi
