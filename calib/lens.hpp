@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include <glm/vec3.hpp>
 
 #include "base/config_table.hpp"
+#include "base/result.hpp"
 #include "base/units.hpp"
 
 namespace kasumi {
@@ -35,11 +37,11 @@ LensPtr equidistant_lens(glm::dvec2 centre, double focal_px, Radians largest_ang
 LensPtr equisolid_lens(glm::dvec2 centre, double focal_px, Radians largest_angle);
 // OpenCV's fisheye model: theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
 LensPtr opencv_fisheye_lens(glm::dvec2 focal_px, glm::dvec2 centre, std::array<double, 4> k, Radians largest_angle);
-// Scaramuzza's (OCamCalib's) model: ray = (u, v, a0 + a1 rho + a2 rho^2 + ...) with the affine stretch [c d; e 1].
+// Scaramuzza's (OCamCalib's) model, in OCamCalib's own terms: from the centre a pixel lies c v + d u rows down and
+// e v + u columns right, and sees (right, down, forward) = (u, v, -(a0 + a1 rho + a2 rho^2 + ...)), rho = |(u, v)|.
 struct ScaramuzzaModel {
-  std::vector<double>
-      polynomial;     // a0, a1, a2, ... in pixels, OCamCalib's sign (a0 < 0 for a lens that looks along +z here)
-  glm::dvec2 centre;  // column, row
+  std::vector<double> polynomial;  // a0, a1, a2, ... in pixels; a0 < 0, for OCamCalib's z axis points into the camera
+  glm::dvec2 centre{};             // column, row; the centre of the top left pixel is (0, 0)
   double c = 1.0, d = 0.0, e = 0.0;
 };
 LensPtr scaramuzza_lens(ScaramuzzaModel model, Radians largest_angle);
@@ -54,8 +56,15 @@ LensPtr pinhole_lens(const PinholeModel& model);
 // The model behind a pinhole lens, for the renderer's projection; empty for every other lens.
 std::optional<PinholeModel> pinhole_model(const Lens& lens);
 
-// [lens] of a camera: model = "equidistant" | "equisolid" | "opencv_fisheye" | "scaramuzza" | "pinhole" and that
-// model's keys. Problems are left in the table's file; the result is then some valid lens, so that reading can go on.
+// The text file OCamCalib exports (calib_results.txt). Its inverse polynomial is left aside: that is only a fit.
+Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path);
+
+// [lens] of a camera. Problems are left in the table's file; the result is then some valid lens, so that reading can go
+// on. Keys by model (docs/cameras.md), fisheyes also largest_angle_deg (default 90, or fov_deg / 2):
+//   model = "equidistant" | "equisolid":  focal_px = f, centre_px = [x, y]   or   fov_deg, circle_px = [x, y, radius]
+//   model = "opencv_fisheye":             focal_px = [fx, fy], centre_px, k = [k1, k2, k3, k4]
+//   model = "scaramuzza":                 polynomial = [a0, ...], centre_px, affine = [c, d, e]   or   ocamcalib = "file"
+//   model = "pinhole":                    focal_px = [fx, fy], centre_px, distortion = [k1, k2, p1, p2, k3]
 LensPtr read_lens(const ConfigTable& table);
 
 }  // namespace kasumi

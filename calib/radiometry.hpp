@@ -16,6 +16,7 @@
 namespace kasumi {
 
 // Encoded value (0..1) <-> linear light (0..1), the same curve for the three channels unless a table says otherwise.
+// Every curve goes on monotonically outside 0..1.
 class Response {
  public:
   enum class Kind { linear, srgb, table };
@@ -61,11 +62,13 @@ Result<SpectralSensitivity> read_spectral_sensitivity(const std::filesystem::pat
 // Three smooth bells around 600, 540 and 450 nm: what a camera without a data sheet is taken for.
 SpectralSensitivity generic_sensitivity();
 
-// Largest relative residual of expressing XYZ of CIE daylight spectra (4000..25000 K) through this camera is reported
-// with the matrix. The daylight spectra span three dimensions, so that three channels determine XYZ of sky light
-// exactly (M Eq 7; Wyszecki and Stiles). Light is in the camera's channels after division by the white balance gains.
+// XYZ of sky light from the integrals of L q_c: CIE daylight spectra span three dimensions, so that three channels
+// determine XYZ of every mixture of them exactly (M Eq 7; Wyszecki and Stiles). Light is in the camera's channels after
+// division by the white balance gains; XYZ are integrals over nm of the same L, 380-780 nm at 1 nm, without 683 lm/W.
 glm::dmat3 camera_to_xyz(const SpectralSensitivity& sensitivity);
-// Linear sRGB to XYZ (IEC 61966-2-1).
+// Whether the three channels see sky light differently enough for camera_to_xyz; a grey camera's do not.
+bool separates_daylight(const SpectralSensitivity& sensitivity);
+// Linear sRGB to XYZ (IEC 61966-2-1), white (1, 1, 1) to D65 with Y = 1.
 glm::dmat3 srgb_to_xyz();
 
 }  // namespace kasumi

@@ -1,0 +1,22 @@
+// Where the picture of a fisheye lies in its frame.
+#pragma once
+
+#include <optional>
+
+#include <glm/vec2.hpp>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+
+namespace kasumi {
+
+struct ImageCircle {
+  glm::dvec2 centre{};
+  double radius_px = 0.0;
+};
+
+// The bright disc of a fisheye picture on a dark surround. Trees, buildings and a rim that is partly dark or cut by the
+// image's border are allowed, as long as a good quarter of the rim shows. Empty when there is no such disc.
+std::optional<ImageCircle> find_image_circle(const Image<Rgb8>& picture);
+
+}  // namespace kasumi
