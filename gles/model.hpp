@@ -1,0 +1,97 @@
+// A model on the CPU: what a glTF file comes down to for us. Axes as in glTF: y up, metres.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <glm/gtc/type_precision.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "base/units.hpp"
+
+namespace kasumi {
+
+struct ModelVertex {
+  glm::vec3 position{};       // model frame, node transforms applied
+  glm::vec3 normal{0, 1, 0};  // unit length
+  glm::vec2 texture{};        // (0, 0) is the first texel of the first row
+  glm::vec4 colour{1};        // linear; multiplies the material's base colour
+};
+
+struct ModelMaterial {
+  enum class Alpha { opaque, mask, blend };
+  std::string name;
+  glm::vec4 base_colour{1};  // linear
+  int texture = -1;          // index into Model::textures; -1: none
+  Alpha alpha = Alpha::opaque;
+  float alpha_cutoff = 0.5f;
+  bool double_sided = false;
+};
+
+enum class TextureWrap { repeat, mirrored_repeat, clamp };
+struct ModelTexture {
+  Image<glm::u8vec4> pixels;  // sRGB encoded, alpha linear, not premultiplied
+  TextureWrap wrap_s = TextureWrap::repeat;
+  TextureWrap wrap_t = TextureWrap::repeat;
+  bool nearest = false;  // no filtering when magnified
+};
+
+struct ModelPart {  // triangles of one material
+  int material = 0;
+  std::vector<ModelVertex> vertices;
+  std::vector<std::uint32_t> indices;  // three per triangle, counter-clockwise seen from the front
+};
+
+struct ModelBounds {
+  glm::vec3 lowest{};
+  glm::vec3 highest{};
+};
+
+struct Model {
+  std::string name;
+  std::vector<ModelPart> parts;
+  std::vector<ModelMaterial> materials;
+  std::vector<ModelTexture> textures;
+  std::vector<std::string> notes;  // what was left out or mended, for the log
+
+  std::size_t triangle_count() const;
+  ModelBounds bounds() const;
+};
+
+// Limits against hostile files.
+struct ModelLimits {
+  std::size_t file_bytes = std::size_t{512} << 20;  // each file of the model
+  std::size_t triangles = 10'000'000;
+  std::size_t vertices = 30'000'000;
+  std::size_t nodes = 1'000'000;
+  int texture_size = 16384;                             // pixels along one side
+  std::size_t texture_pixels = std::size_t{256} << 20;  // of all textures together
+};
+
+// .glb, or .gltf with its buffers and pictures from the same folder tree; never from elsewhere, never from a network.
+// Errors: bad_input, naming the file and what is wrong with it; io.
+Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits = {});
+
+// A model made in memory, held to the same rules as one from a file: indices in range, finite positions, at least one
+// triangle. Errors: bad_input.
+Result<> check(const Model& model);
+
+// Where a model stands: metres from the scene camera's site, turned clockwise about the vertical.
+struct Placement {
+  double east_m = 0.0;
+  double north_m = 0.0;
+  double up_m = 0.0;
+  Radians heading{};
+  double scale = 1.0;
+};
+// Model frame to world frame; at heading 0 the model's x points east, y up, -z north.
+glm::dmat4 model_to_world(const Placement& placement);
+
+}  // namespace kasumi

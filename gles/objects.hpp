@@ -1,0 +1,63 @@
+// Owners of GL objects: move-only, deleted with their owner. Make and drop them under the context they belong to.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "base/result.hpp"
+
+namespace kasumi {
+
+// One GL name and how it is deleted.
+template <void (*Delete)(unsigned)>
+class GlName {
+ public:
+  GlName() = default;
+  explicit GlName(unsigned name) : name_(name) {}
+  GlName(GlName&& other) noexcept : name_(std::exchange(other.name_, 0u)) {}
+  GlName& operator=(GlName&& other) noexcept {
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  GlName(const GlName&) = delete;
+  GlName& operator=(const GlName&) = delete;
+  ~GlName() {
+    if (name_ != 0) Delete(name_);
+  }
+
+  unsigned name() const { return name_; }
+  explicit operator bool() const { return name_ != 0; }
+
+ private:
+  unsigned name_ = 0;
+};
+
+namespace gl_delete {
+void texture(unsigned name);
+void buffer(unsigned name);
+void framebuffer(unsigned name);
+void renderbuffer(unsigned name);
+void program(unsigned name);
+}  // namespace gl_delete
+
+using GlTexture = GlName<gl_delete::texture>;
+using GlBuffer = GlName<gl_delete::buffer>;
+using GlFramebuffer = GlName<gl_delete::framebuffer>;
+using GlRenderbuffer = GlName<gl_delete::renderbuffer>;
+using GlProgram = GlName<gl_delete::program>;
+
+GlTexture make_texture();
+GlBuffer make_buffer();
+GlFramebuffer make_framebuffer();
+GlRenderbuffer make_renderbuffer();
+
+// A fault that names `what` when GL has recorded errors since the last call; all of them are taken.
+Result<> check_gl(std::string_view what);
+// The framebuffer bound now. Errors: device, with GL's reason.
+Result<> check_framebuffer(std::string_view what);
+
+// Compiles and links. `name` is for the message, which carries the driver's log.
+Result<GlProgram> link_program(std::string_view name, const std::string& vertex_text, const std::string& fragment_text);
+
+}  // namespace kasumi

@@ -1,0 +1,110 @@
+// Draws the camera's picture with the building under today's air in it.
+//
+//   auto context = open_headless_context();
+//   auto renderer = Renderer::create(**context);
+//   renderer->set_model(model); set_response(...); set_view(view, model_to_world(placement)); set_foreground(mask);
+//   renderer->redraw_layer(appearance);              // when air, sun or pose changed
+//   renderer->upload(frame);                         // each frame
+//   renderer->draw(measured_airlight, target);
+//
+// Everything happens in the context's thread. Same inputs, same driver: same bits.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "base/result.hpp"
+#include "gles/context.hpp"
+#include "gles/model.hpp"
+#include "gles/scene.hpp"
+#include "gles/target.hpp"
+
+namespace kasumi {
+
+struct RendererOptions {
+  bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) although the driver has half floats
+  bool force_encoded_textures = false;  // decode sRGB after filtering although the driver has sRGB textures
+};
+
+// How the object looks before the camera's exposure enters.
+struct ObjectAppearance {
+  Haze haze;
+  ObjectLight light;
+  AirlightGrid horizon;            // the sky model's light from infinity, in the unit of `light`; > 0
+  bool aerial_perspective = true;  // false: as if there were no air between, the "before" picture
+};
+
+// Pixels [left, right) x [top, bottom) of the camera's picture.
+struct PixelBox {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+  bool empty() const { return right <= left || bottom <= top; }
+  friend bool operator==(const PixelBox&, const PixelBox&) = default;
+};
+
+enum class HazeDetail { per_vertex, per_fragment };
+
+class Renderer {
+ public:
+  // `context` must be current and outlive the renderer. Errors: device, unsupported (shaders, limits).
+  static Result<Renderer> create(GlContext& context, const RendererOptions& options = {});
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+  ~Renderer();
+
+  // Each of these makes the layer stale. Errors: bad_input with all that is wrong; device.
+  // Textures larger than the driver takes are halved until they fit; notes() tells.
+  Result<> set_model(const Model& model);
+  // model_to_world: model frame to world metres of the scene camera's site (see Placement).
+  Result<> set_view(const SceneView& view, const glm::dmat4& model_to_world);
+  // Scene camera's size; 0 where something stands in front of the object, 255 where nothing does, soft in between. An
+  // empty image: nothing stands in front.
+  Result<> set_foreground(const Image<std::uint8_t>& mask);
+
+  // The scene camera's response. Does not make the layer stale.
+  Result<> set_response(const ResponseCurve& response);
+
+  // Where the object can appear; empty when it is out of the picture. The grids of airlight need to be good here only.
+  PixelBox object_box() const;
+
+  // Draws the object into the cached layer. Needs a model and a view. Takes long (supersampling); the result stays
+  // valid for every exposure, that is for every measured airlight.
+  Result<> redraw_layer(const ObjectAppearance& appearance);
+  // The layer as it is: premultiplied N = rho Gamma + 1 - Gamma in rgb, coverage in a (physics 6), one element per
+  // pixel of object_box(). For tests and masks.
+  Result<Image<glm::vec4>> read_layer();
+
+  // The camera's picture, of the view's size (any other is refused: bad_input). Its planes may go when this returns.
+  Result<> upload(const PictureView& frame);
+
+  // The uploaded picture with the cached layer in it. `measured`: airlight in the camera's light, full scale = 1.
+  // Without a layer (no model, nothing redrawn yet): the camera's picture alone. Errors: bad_input (grid), device.
+  Result<> draw(const AirlightGrid& measured, const DrawTarget& target);
+
+  // One pass without a layer, for a view that moves every frame: object first, then the picture behind it. No
+  // supersampling; edges are as smooth as the target's multisampling makes them. The target needs a depth buffer.
+  Result<> draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured, const DrawTarget& target,
+                       HazeDetail detail = HazeDetail::per_vertex);
+
+  // The uploaded picture alone.
+  Result<> draw_background(const DrawTarget& target);
+
+  const std::vector<std::string>& notes() const;  // what was adapted to this driver, for the log
+
+ private:
+  struct State;
+  explicit Renderer(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+// Bilinear between the grid's points, held beyond its edges. `pixel`: (0, 0) is the centre of the top left pixel.
+glm::dvec3 airlight_at(const AirlightGrid& grid, const glm::dvec2& pixel);
+
+}  // namespace kasumi
