@@ -59,8 +59,10 @@ constexpr std::uint32_t kLargestPayload = 1u << 28;  // bytes
 
 // Whether format, size, stride and bytes_used are possible. Error (bad_input): every one that is not, one per line.
 Result<> check_geometry(const FrameMetadata& metadata);
-// The fewest bytes a whole picture takes, the last row without its padding; 1 for MJPG. Geometry must have been
-// checked.
+// Strides of further planes follow from the first as V4L2 has it: NV12 the same, YU12 half; odd ones rounded up.
+std::uint32_t stride_of_plane(PixelLayout layout, std::uint32_t first_stride, int plane);
+// The fewest bytes a whole picture takes, the last row without its padding; for MJPG a bound no JPEG of that size
+// undercuts. Geometry must have been checked.
 std::uint64_t bytes_needed(const FrameMetadata& metadata);
 // What a source delivers the frame as. Geometry must have been checked.
 FrameStatus judge(const FrameMetadata& metadata, std::size_t payload_bytes, bool driver_error);
@@ -83,7 +85,6 @@ class DecodedPicture {
 };
 
 // `encoding` says what the YUV of uncompressed formats means; JPEG is always bt601_full.
-// Strides of further planes follow from the first as V4L2 has it: NV12 the same, YU12 half (odd ones rounded up).
 // Errors (bad_input): status not good, payload too short for size and stride, unknown format, impossible size, damaged
 // JPEG, JPEG of another size, JPEG that no camera delivers (progressive, CMYK, unusual subsampling).
 Result<DecodedPicture> decode(const Frame& frame, YuvEncoding encoding);

@@ -1,0 +1,53 @@
+// libjpeg reports errors by never returning: this brings them back. Only for the .cpp files that use libjpeg.
+#pragma once
+
+#include <csetjmp>
+#include <cstdio>  // jpeglib.h needs it and does not include it
+#include <string>
+
+#include <jerror.h>
+#include <jpeglib.h>
+
+namespace kasumi {
+
+class JpegErrors {
+ public:
+  JpegErrors() {
+    jpeg_std_error(&base_);
+    base_.error_exit = [](j_common_ptr info) { leave(info); };
+    base_.emit_message = [](j_common_ptr info, int level) {
+      if (level < 0 && !harmless(info->err->msg_code)) leave(info);  // level < 0: a warning, the data are damaged
+    };
+  }
+  JpegErrors(const JpegErrors&) = delete;  // libjpeg keeps its address
+  JpegErrors& operator=(const JpegErrors&) = delete;
+
+  jpeg_error_mgr* manager() { return &base_; }
+  const char* message() const { return message_; }
+
+  // Runs `calls`; false when libjpeg gave up. longjmp leaves it from within, so nothing in it may need a destructor.
+  template <class Calls>
+  bool guard(Calls&& calls) {
+    if (setjmp(jump_) != 0) return false;
+    calls();
+    return true;
+  }
+
+ private:
+  // Cameras pad between segments, write odd JFIF versions and forget the end marker. Should pixels be missing too,
+  // JWRN_HIT_MARKER says so.
+  static bool harmless(int code) {
+    return code == JWRN_EXTRANEOUS_DATA || code == JWRN_JFIF_MAJOR || code == JWRN_JPEG_EOF;
+  }
+  [[noreturn]] static void leave(j_common_ptr info) {
+    auto* errors = reinterpret_cast<JpegErrors*>(info->err);
+    errors->base_.format_message(info, errors->message_);
+    std::longjmp(errors->jump_, 1);
+  }
+
+  jpeg_error_mgr base_{};  // first, so that libjpeg's pointer to it is a pointer to this
+  std::jmp_buf jump_{};
+  char message_[JMSG_LENGTH_MAX] = "";
+};
+
+}  // namespace kasumi
