@@ -1,0 +1,93 @@
+#include "estimator/airlight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+
+namespace kasumi {
+namespace {
+
+// A channel of the model's sky never falls below this share of the sky's luminance: chromaticities at the edge of the
+// model (T near 20, sun near the horizon) leave the gamut of linear sRGB.
+constexpr double kLeastShare = 1e-3;
+
+// The model's sky at a direction in the camera's channels, in units of its zenith luminance.
+glm::dvec3 model_light(const SkyModel& model, const Direction& direction, const glm::dmat3& xyz_to_light) {
+  const glm::dvec3 xyz = model.relative_xyz(direction);
+  const glm::dvec3 light = xyz_to_light * xyz;
+  const glm::dvec3 grey = xyz_to_light * glm::dvec3{xyz.y};
+  glm::dvec3 safe;
+  for (int c = 0; c < 3; ++c) {
+    const double least = kLeastShare * std::max(std::abs(grey[c]), 1e-12);
+    safe[c] = std::isfinite(light[c]) ? std::max(light[c], least) : least;
+  }
+  return safe;
+}
+
+// M Eq 13's numerator.
+double first_perez_factor(const SkyModel& model, double cos_theta) {
+  const PerezCoefficients k = perez_coefficients(PerezQuantity::luminance, model.turbidity());
+  return 1.0 + k.a * std::exp(k.b / clamp_cosine(cos_theta));
+}
+
+}  // namespace
+
+std::string_view name_of(ZetaForm form) {
+  return form == ZetaForm::paper ? "paper" : "full";
+}
+
+std::optional<ZetaForm> zeta_form_named(std::string_view name) {
+  for (const auto form : {ZetaForm::full, ZetaForm::paper}) {
+    if (name == name_of(form)) return form;
+  }
+  return std::nullopt;
+}
+
+Direction raised_to_horizon(const Direction& direction) {
+  if (direction.z >= 0.0) return direction;
+  const double flat = std::hypot(direction.x, direction.y);
+  return flat > 0.0 ? Direction{direction.x / flat, direction.y / flat, 0.0} : Direction{0.0, 1.0, 0.0};
+}
+
+glm::dvec3 zeta(ZetaForm form, const SkyModel& model, const Direction& direction, const Direction& reference,
+                const glm::dmat3& xyz_to_light) {
+  if (form == ZetaForm::paper) {
+    return glm::dvec3{first_perez_factor(model, direction.z) / first_perez_factor(model, reference.z)};
+  }
+  return model_light(model, raised_to_horizon(direction), xyz_to_light) /
+         model_light(model, raised_to_horizon(reference), xyz_to_light);
+}
+
+Airlight::Airlight(HorizonLight horizon, Turbidity turbidity, const SunDirection& sun, const glm::dmat3& light_to_xyz,
+                   ZetaForm form)
+    : horizon_(std::move(horizon)),
+      model_(turbidity, raised_to_horizon(sun)),
+      xyz_to_light_(glm::inverse(light_to_xyz)),
+      form_(form) {}
+
+glm::dvec3 Airlight::from(const Direction& direction) const {
+  const HorizonColumn column = column_at(horizon_, azimuth_angle(direction));
+  const Direction reference = direction_from(column.zenith, column.azimuth);
+  return glm::max(column.light, glm::dvec3{0.0}) * zeta(form_, model_, direction, reference, xyz_to_light_);
+}
+
+std::optional<double> sky_to_scene_scale(const HorizonLight& scene, const HorizonLight& ring, Turbidity turbidity,
+                                         const SunDirection& sun, const glm::dmat3& light_to_xyz) {
+  if (!scene.usable()) return std::nullopt;
+  const Airlight airlight(scene, turbidity, sun, light_to_xyz);
+  std::vector<double> ratios;
+  for (const HorizonColumn& column : ring.columns) {
+    const double seen_by_sky = (light_to_xyz * column.light).y;
+    const double seen_by_scene = (light_to_xyz * airlight.from(direction_from(column.zenith, column.azimuth))).y;
+    if (seen_by_sky > 0.0 && seen_by_scene > 0.0) ratios.push_back(seen_by_scene / seen_by_sky);
+  }
+  if (ratios.empty()) return std::nullopt;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+}  // namespace kasumi

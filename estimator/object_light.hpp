@@ -1,0 +1,76 @@
+// The light on the virtual object from the same sky as its airlight, in absolute units, so that rho = L0 / Linf is free
+// of the camera's exposure and white balance (physics 6).
+#pragma once
+
+#include <array>
+#include <functional>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "base/geometry.hpp"
+#include "calib/camera.hpp"
+#include "estimator/atmosphere.hpp"
+#include "estimator/sky_model.hpp"
+
+namespace kasumi {
+
+// Irradiance on a surface of normal n = sum over i of coefficient[i] * basis_i(n), the real spherical harmonics of
+// order 2 with their usual constants: 1, y, z, x, xy, yz, 3z^2-1, xz, x^2-y^2.
+using IrradianceHarmonics = std::array<glm::dvec3, 9>;
+std::array<double, 9> harmonic_basis(const Direction& normal);
+glm::dvec3 irradiance(const IrradianceHarmonics& harmonics, const Direction& normal);
+// Of a radiance given over the upper hemisphere, dark below (Ramamoorthi and Hanrahan 2001).
+IrradianceHarmonics sky_harmonics(const std::function<glm::dvec3(const Direction&)>& radiance);
+// Of a ground of even radiance below the horizon, dark above.
+IrradianceHarmonics ground_harmonics(const glm::dvec3& radiance);
+
+// Light in the scene camera's channels: the integral of W m-2 nm-1 (sr-1) times q_c when its colour space is sensor;
+// when it is srgb, the same mixed into linear sRGB as the camera does it (exact for daylight; white of 683 lm is 1).
+struct LightOnObject {
+  SunDirection sun_direction{0, 0, 1};
+  glm::dvec3 sun_irradiance{0};             // on a surface facing the sun; zero when the sun is hidden
+  IrradianceHarmonics sky_irradiance_sh{};  // sky and ground together
+};
+
+// Kasten and Young's relative optical air mass; held below the horizon.
+double air_mass(Radians sun_zenith);
+// Extraterrestrial, at the mean distance: ASTM G173-03 in 10 nm means, 370-790 nm. W m-2 nm-1.
+double solar_irradiance(double wavelength_nm);
+// Share of direct sunlight that reaches the site: Rayleigh (Preetham 1999 A.1, by the site's pressure), aerosol
+// (Angstrom), ozone (.35 cm). Water vapour and oxygen, which take some percent beyond 680 nm, are left out.
+double sun_transmittance(Turbidity turbidity, Radians sun_zenith, double altitude_m, double wavelength_nm);
+
+struct DaylightOptions {
+  SkyCondition sky = SkyCondition::clear;  // overcast: no sun, the CIE overcast sky
+  double ground_albedo = 0.2;
+  double altitude_m = 0.0;
+};
+
+// Sun, sky and ground for one turbidity and sun. Costs some milliseconds.
+class Daylight {
+ public:
+  Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options = {});
+
+  const LightOnObject& on_object() const { return light_; }
+  // The model's sky radiance in a direction; at or below the horizon the horizon's. Always > 0.
+  glm::dvec3 airlight(const Direction& direction) const;
+
+  // For people and for tests.
+  double sun_normal_lux() const { return sun_normal_lux_; }          // on a surface facing the sun
+  double sky_horizontal_lux() const { return sky_horizontal_lux_; }  // diffuse, on the ground
+
+ private:
+  glm::dvec3 sky_xyz(const Direction& direction) const;  // cd m-2
+
+  DaylightOptions options_;
+  SunDirection sun_;
+  SkyModel model_;
+  double zenith_cd_m2_ = 0.0;
+  glm::dmat3 xyz_to_light_{1.0};
+  LightOnObject light_;
+  double sun_normal_lux_ = 0.0;
+  double sky_horizontal_lux_ = 0.0;
+};
+
+}  // namespace kasumi
