@@ -43,6 +43,7 @@ struct ScaramuzzaModel {
   std::vector<double> polynomial;  // a0, a1, a2, ... in pixels; a0 < 0, for OCamCalib's z axis points into the camera
   glm::dvec2 centre{};             // column, row; the centre of the top left pixel is (0, 0)
   double c = 1.0, d = 0.0, e = 0.0;
+  int width = 0, height = 0;  // of the calibration's pictures; 0: not known
 };
 LensPtr scaramuzza_lens(ScaramuzzaModel model, Radians largest_angle);
 
@@ -63,8 +64,8 @@ Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path);
 // on. Keys by model (docs/cameras.md), fisheyes also largest_angle_deg (default 90, or fov_deg / 2):
 //   model = "equidistant" | "equisolid":  focal_px = f, centre_px = [x, y]   or   fov_deg, circle_px = [x, y, radius]
 //   model = "opencv_fisheye":             focal_px = [fx, fy], centre_px, k = [k1, k2, k3, k4]
-//   model = "scaramuzza":                 polynomial = [a0, ...], centre_px, affine = [c, d, e]   or   ocamcalib = "file"
-//   model = "pinhole":                    focal_px = [fx, fy], centre_px, distortion = [k1, k2, p1, p2, k3]
+//   model = "scaramuzza":                 polynomial = [a0, ...], centre_px, affine = [c, d, e]   or   ocamcalib =
+//   "file" model = "pinhole":                    focal_px = [fx, fy], centre_px, distortion = [k1, k2, p1, p2, k3]
 LensPtr read_lens(const ConfigTable& table);
 
 }  // namespace kasumi
