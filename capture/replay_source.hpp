@@ -34,8 +34,8 @@ class ReplayTimeline {
 struct ReplayOptions {
   // Begins anew for ever: captured_at and sequence run on, utc stays as recorded (the sky shows that sun).
   bool loop = false;
-  std::optional<Instant> starts_at;          // see ReplayTimeline
-  std::shared_ptr<ReplayTimeline> timeline;  // replaces starts_at; null: the source's own
+  std::optional<Instant> starts_at{};          // see ReplayTimeline
+  std::shared_ptr<ReplayTimeline> timeline{};  // replaces starts_at; null: the source's own
 };
 
 // Delivers every row of the index, in the order of rows, as soon as clock.now() has reached its recorded instant on the
