@@ -34,8 +34,10 @@ struct SkySample {
 // What does not change from picture to picture: one element per element of a SkyPicture.
 struct SkyGeometry {
   Image<glm::vec3> direction;  // world frame; zero where the lens does not reach
+  Image<glm::vec3> gain;       // light of a full-scale pixel: vignetting and white balance undone
   Image<float> solid_angle;    // [sr] of the element
   Image<std::uint8_t> open;    // 1: above the horizon and not under the obstruction mask
+  glm::dmat3 light_to_xyz{1.0};
   double step = 1.0;
   glm::dvec2 first{};
   bool fits(const SkyPicture& picture) const;
