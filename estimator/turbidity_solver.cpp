@@ -1,0 +1,201 @@
+// Consensus first (turbidity_consensus.hpp), then weighted least squares over the inliers, in double precision.
+#include "estimator/turbidity_solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "estimator/perez_log.hpp"
+#include "estimator/turbidity_consensus.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr std::size_t kFewestSamples = 8;
+constexpr double kLeastVariance = 1e-10;  // of ln Y: samples of a perfect picture still weigh finitely
+
+double square(double x) {
+  return x * x;
+}
+
+// Variable projection: for every T the best ln k is the weighted mean residual, which leaves one unknown.
+class LeastSquares {
+ public:
+  explicit LeastSquares(std::span<const SkySample> samples) : residual_(samples.size()), slope_(samples.size()) {
+    points_.reserve(samples.size());
+    log_y_.reserve(samples.size());
+    for (const SkySample& sample : samples) {
+      points_.push_back(perez_point(sample));
+      log_y_.push_back(static_cast<double>(sample.log_luminance));
+    }
+  }
+
+  // ln Y - ln F and d ln F / dT at the T last evaluated.
+  const std::vector<double>& residual() const { return residual_; }
+  const std::vector<double>& slope() const { return slope_; }
+
+  struct Sums {
+    double cost = 0.0, log_gain = 0.0, gradient = 0.0, information = 0.0, mean_slope = 0.0;
+  };
+  Sums evaluate(std::span<const double> weights, double t) {
+    const PerezLog model(Turbidity{t});
+    double w = 0.0, ws = 0.0, wr = 0.0, wss = 0.0, wsr = 0.0, wrr = 0.0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const auto [log_f, slope] = model.at(points_[i]);
+      const double r = log_y_[i] - log_f;
+      residual_[i] = r;
+      slope_[i] = slope;
+      w += weights[i];
+      ws += weights[i] * slope;
+      wr += weights[i] * r;
+      wss += weights[i] * slope * slope;
+      wsr += weights[i] * slope * r;
+      wrr += weights[i] * r * r;
+    }
+    if (!(w > 0.0)) return {};
+    return {wrr - wr * wr / w, wr / w, wsr - ws * wr / w, wss - ws * ws / w, ws / w};
+  }
+
+  // Gauss-Newton in T; residual() and slope() are those of the result afterwards.
+  LocalSolution solve(std::span<const double> weights, double start) {
+    double t = start;
+    Sums now = evaluate(weights, t);
+    bool converged = false, current = true;
+    constexpr int kRounds = 30;
+    for (int round = 0; round < kRounds && !converged && now.information > 0.0; ++round) {
+      double next = std::clamp(t + now.gradient / now.information, kLowestTurbidity.value, kHighestTurbidity.value);
+      Sums then = evaluate(weights, next);
+      for (int halving = 0; halving < 20 && then.cost > now.cost && std::abs(next - t) > 1e-9 * t; ++halving) {
+        next = 0.5 * (t + next);
+        then = evaluate(weights, next);
+      }
+      converged = std::abs(next - t) <= 1e-6 * t;
+      current = then.cost <= now.cost;
+      if (!current) break;  // no step that helps is left: rounding
+      t = next;
+      now = then;
+    }
+    if (!current) {
+      now = evaluate(weights, t);
+      converged = true;
+    }
+    return {Turbidity{t}, now.log_gain, now.information, now.cost, converged};
+  }
+
+ private:
+  std::vector<PerezPoint> points_;
+  std::vector<double> log_y_, residual_, slope_;
+};
+
+// Standard deviation of T when neighbours err alike (lens, response and model errors do): the scatter of whole patches
+// of the sky's (zenith angle, sun distance) plane instead of single samples.
+double patch_sigma(std::span<const SkySample> samples, std::span<const double> weights, const LeastSquares& fit,
+                   const LocalSolution& solution, double mean_slope) {
+  constexpr int kZenith = 4, kSun = 8;
+  constexpr double kPatch = 0.35;  // [rad]
+  std::array<double, kZenith * kSun> pull{};
+  std::array<bool, kZenith * kSun> used{};
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!(weights[i] > 0.0)) continue;
+    const int z = std::min(kZenith - 1, static_cast<int>(static_cast<double>(samples[i].zenith) / kPatch));
+    const int s = std::min(kSun - 1, static_cast<int>(static_cast<double>(samples[i].sun_distance) / kPatch));
+    const auto patch = static_cast<std::size_t>(z * kSun + s);
+    pull[patch] += weights[i] * (fit.slope()[i] - mean_slope) * (fit.residual()[i] - solution.log_gain);
+    used[patch] = true;
+  }
+  const auto patches = static_cast<double>(std::ranges::count(used, true));
+  if (patches < 3.0) return std::numeric_limits<double>::infinity();
+  double sum = 0.0;
+  for (const double p : pull) sum += p * p;
+  return std::sqrt(sum * patches / (patches - 1.0)) / solution.information;
+}
+
+}  // namespace
+
+LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start) {
+  return LeastSquares(samples).solve(weights, clamp_turbidity(start).value);
+}
+
+TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options) {
+  TurbiditySolution solution;
+  solution.inlier.assign(samples.size(), 0);
+  if (samples.size() < kFewestSamples) return solution;
+
+  const std::size_t n = samples.size();
+  std::vector<double> own(n);  // variance by quantisation and shot noise
+  double own_sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) own_sum += own[i] = square(static_cast<double>(samples[i].sigma));
+  const double typical = std::sqrt(own_sum / static_cast<double>(n));
+  const Consensus consensus =
+      find_consensus(samples, static_cast<float>(std::max(options.narrowest_window, 2.5 * typical)),
+                     static_cast<float>(options.widest_window));
+  if (!std::isfinite(consensus.score)) return solution;
+
+  // What the samples' own variance does not explain of the residuals is the model's error, which weighs on all alike.
+  // The window holds about 2.5 standard deviations.
+  LeastSquares fit(samples);
+  std::vector<double> weights(n, 1.0);
+  fit.evaluate(weights, static_cast<double>(consensus.t));
+  LocalSolution local{Turbidity{static_cast<double>(consensus.t)}, static_cast<double>(consensus.log_gain)};
+  double model_variance = 0.0;
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    double seen = 0.0, known = 0.0;
+    int inliers = 0;
+    bool changed = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double r = fit.residual()[i] - local.log_gain;
+      const double limit = round == 0 ? 1.2 * static_cast<double>(consensus.window)
+                                      : 3.5 * std::sqrt(std::max(kLeastVariance, own[i] + model_variance));
+      const bool inlier = std::abs(r) <= limit;
+      changed = changed || inlier != (solution.inlier[i] != 0);
+      solution.inlier[i] = inlier ? 1 : 0;
+      if (!inlier) continue;
+      ++inliers;
+      seen += r * r;
+      known += own[i];
+    }
+    solution.inliers = inliers;
+    if (inliers < static_cast<int>(kFewestSamples)) return solution;
+    if (!changed) break;
+    model_variance = std::max(0.0, (seen - known) / inliers);
+    for (std::size_t i = 0; i < n; ++i)
+      weights[i] = solution.inlier[i] != 0 ? 1.0 / std::max(kLeastVariance, own[i] + model_variance) : 0.0;
+    local = fit.solve(weights, local.turbidity.value);
+  }
+
+  double squares = 0.0, chi = 0.0, mean_slope = 0.0, weight = 0.0;
+  double q = 0.0, qs = 0.0, qss = 0.0;  // for the quantisation's bound
+  for (std::size_t i = 0; i < n; ++i) {
+    if (solution.inlier[i] == 0) continue;
+    const double r2 = square(fit.residual()[i] - local.log_gain), s = fit.slope()[i];
+    squares += r2;
+    chi += weights[i] * r2;
+    weight += weights[i];
+    mean_slope += weights[i] * s;
+    const double quantum = square(static_cast<double>(samples[i].quantisation));
+    const double w = quantum > 0.0 ? 1.0 / quantum : 0.0;
+    q += w;
+    qs += w * s;
+    qss += w * s * s;
+  }
+  solution.turbidity = local.turbidity;
+  solution.log_gain = local.log_gain;
+  solution.log_residual = std::sqrt(squares / solution.inliers);
+  solution.model_error = std::sqrt(model_variance);
+  constexpr double kEdge = 1e-3;
+  solution.at_edge =
+      local.turbidity.value < kLowestTurbidity.value + kEdge || local.turbidity.value > kHighestTurbidity.value - kEdge;
+  if (!(local.information > 0.0)) return solution;
+  const double from_residuals = std::sqrt(chi / (solution.inliers - 2) / local.information);
+  const double from_patches = patch_sigma(samples, weights, fit, local, mean_slope / weight);
+  const double quantisation_information = q > 0.0 ? qss - qs * qs / q : 0.0;
+  const double bound = quantisation_information > 0.0 ? 1.0 / std::sqrt(quantisation_information) : 0.0;
+  solution.sigma = std::max({from_residuals, from_patches, bound});
+  solution.solved = std::isfinite(solution.sigma);
+  return solution;
+}
+
+}  // namespace kasumi
