@@ -108,9 +108,9 @@ TEST(FixtureWriter, ACutAfterAnyByteOfTheIndexLeavesEveryWholeRow) {
   const auto whole = read_index(folder).value();
   const auto text = read_text_file(folder / "index.csv").value();
   ASSERT_EQ(whole.size(), 13u);
-  for (std::size_t length = 0; length <= text.size(); ++length) {
+  for (std::size_t length = text.size() + 1; length-- > 0;) {
     const auto cut = std::string_view(text).substr(0, length);
-    ASSERT_TRUE(write_text_file(folder / "index.csv", cut));
+    std::filesystem::resize_file(folder / "index.csv", length);
     const auto rows = read_index(folder);
     ASSERT_TRUE(rows) << "after " << length << " bytes: " << rows.error().message;
     const auto lines = static_cast<std::size_t>(std::ranges::count(cut, '\n'));

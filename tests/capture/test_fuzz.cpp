@@ -127,7 +127,9 @@ TEST(Fuzz, DamagedIndexes) {
   int refused = 0, frames = 0, pictures = 0;
   for (int round = 0; round < kRounds; ++round) {
     {
-      std::ofstream file(folder / "index.csv", std::ios::binary);  // beside-and-rename would take most of the time
+      // A new file each time: waiting for the disk, as replacing one does, would take most of the time.
+      std::filesystem::remove(folder / "index.csv");
+      std::ofstream file(folder / "index.csv", std::ios::binary);
       file << mutator.damaged(index);
     }
     UnhurriedClock clock{Utc{}};
