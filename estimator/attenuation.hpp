@@ -43,9 +43,9 @@ SpectralMeasure weighted_by_daylight(SpectralMeasure measure, double x, double y
 glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, Turbidity turbidity,
                                  const OpticalPath& path);
 
-// Gauss nodes of a measure, refined to the least worst error over T 1.7-20 and paths to 50 km: they depend on the
-// sensor alone, so that a new turbidity changes 2 coefficients per node. Worst error of M's q_c over all cameras we
-// have data of: Gauss in 1/lambda 7e-4, refined 2.8e-4; of sRGB mixes 6.5e-4.
+// Nodes of a measure in the manner of Gauss, of least worst error over T 1.7-20 and paths to 50 km: they depend on the
+// sensor alone, so that a new turbidity changes 2 coefficients per node. Worst error over all cameras we have data of:
+// 2.6e-4 for M's q_c (Gauss nodes in 1 / wavelength 7e-4), 6e-4 for its mix into sRGB.
 constexpr int kAttenuationNodes = 2;
 struct AttenuationNodes {
   std::array<glm::dvec3, kAttenuationNodes> weight{};  // each channel's sum is 1

@@ -1,10 +1,9 @@
-// Where the nodes of a spectral measure lie. Gauss nodes in 1 / wavelength are the start; a fit of weight and two
-// wavelengths to the 1 nm reference over a logarithmic grid of turbidities and paths halves their worst error.
+// Where the nodes of a spectral measure lie: a fit of weight and two wavelengths to the 1 nm reference over a
+// logarithmic grid of turbidities and paths. It halves the worst error of the Gauss nodes in 1 / wavelength.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include <ceres/ceres.h>
@@ -126,57 +125,47 @@ void refine(Pair& pair, const std::vector<Depths>& points, const std::vector<dou
   ceres::Solve(options, &problem, &summary);
 }
 
-// Golub and Welsch for two nodes: roots of the orthogonal polynomial from the moments of 1 / wavelength. A signed
-// measure may have none.
-std::optional<Pair> gauss_pair(const SpectralMeasure& measure, int channel) {
-  std::array<double, 4> m{};
-  for (std::size_t i = 0; i < measure.weight.size(); ++i) {
-    double power = measure.weight[i][channel];
-    for (double& moment : m) {
-      moment += power;
-      power *= kUnit_nm / (measure.first_nm + static_cast<double>(i));
-    }
-  }
-  const double determinant = m[0] * m[2] - m[1] * m[1];
-  if (!(std::abs(determinant) > 1e-12)) return std::nullopt;
-  // x^2 + b x + c
-  const double b = (m[1] * m[2] - m[0] * m[3]) / determinant;
-  const double c = (m[1] * m[3] - m[2] * m[2]) / determinant;
-  const double discriminant = b * b / 4.0 - c;
-  if (!(discriminant > 0.0)) return std::nullopt;
-  const double x1 = -b / 2.0 + std::sqrt(discriminant), x2 = -b / 2.0 - std::sqrt(discriminant);
-  if (!(x2 > 0.4 && x1 < 2.5)) return std::nullopt;
-  return Pair{(m[1] / m[0] - x2) / (x1 - x2), 1.0 / x1, 1.0 / x2};
-}
-
-Pair best_pair(const SpectralMeasure& measure, int channel, const std::vector<Depths>& points,
-               const std::vector<double>& gamma) {
-  std::vector<Pair> starts;
-  if (const auto gauss = gauss_pair(measure, channel)) {
-    starts.push_back(*gauss);
-  }
-  const bool is_signed =
-      std::any_of(measure.weight.begin(), measure.weight.end(), [&](const auto& w) { return w[channel] < 0.0; });
-  if (starts.empty() || is_signed) {
-    // A main lobe, and a small one on either side of it with either sign.
-    double mean = 0.0;
-    for (std::size_t i = 0; i < measure.weight.size(); ++i) {
-      mean += measure.weight[i][channel] * (measure.first_nm + static_cast<double>(i)) / kUnit_nm;
-    }
-    mean = std::clamp(mean, 0.7, 1.4);
-    for (const double minor : {-0.1, 0.1}) {
-      for (const double side : {0.8, 1.2}) starts.push_back({minor, mean * side, mean});
-    }
+// Least squares over a coarse grid of both wavelengths; the weight that belongs to them is linear and comes in closed
+// form. A search, because a signed measure has several minima and need not have Gauss nodes at all.
+Pair coarse_pair(const std::vector<Depths>& points, const std::vector<double>& gamma) {
+  constexpr double kShortest = 0.5, kStep = 0.025;
+  constexpr int kWavelengths = 41;
+  std::vector<std::vector<double>> through(kWavelengths, std::vector<double>(points.size()));
+  for (std::size_t i = 0; i < through.size(); ++i) {
+    const double wavelength = kShortest + kStep * static_cast<double>(i);
+    for (std::size_t p = 0; p < points.size(); ++p) through[i][p] = transmittance(points[p], wavelength);
   }
   Pair best{0.5, 1.0, 1.0};
   double least = std::numeric_limits<double>::infinity();
-  for (Pair pair : starts) {
-    for (const int power : {1, 4}) {
-      refine(pair, points, gamma, power);
-      if (const double worst = worst_error(pair, points, gamma); worst < least) {
-        least = worst;
-        best = pair;
+  for (std::size_t i = 0; i < through.size(); ++i) {
+    for (std::size_t j = i + 1; j < through.size(); ++j) {
+      double dd = 0.0, dr = 0.0, rr = 0.0;
+      for (std::size_t p = 0; p < points.size(); ++p) {
+        const double difference = through[i][p] - through[j][p];
+        const double rest = gamma[p] - through[j][p];
+        dd += difference * difference;
+        dr += difference * rest;
+        rr += rest * rest;
       }
+      const double squares = rr - dr * dr / dd;
+      if (squares < least) {
+        least = squares;
+        best = {dr / dd, kShortest + kStep * static_cast<double>(i), kShortest + kStep * static_cast<double>(j)};
+      }
+    }
+  }
+  return best;
+}
+
+Pair best_pair(const std::vector<Depths>& points, const std::vector<double>& gamma) {
+  Pair best = coarse_pair(points, gamma);
+  double least = worst_error(best, points, gamma);
+  Pair pair = best;
+  for (const int power : {1, 4}) {
+    refine(pair, points, gamma, power);
+    if (const double worst = worst_error(pair, points, gamma); worst < least) {
+      least = worst;
+      best = pair;
     }
   }
   return best;
@@ -191,7 +180,7 @@ AttenuationNodes attenuation_nodes(const SpectralMeasure& measure) {
   for (int c = 0; c < 3; ++c) {
     std::vector<double> channel(points.size());
     for (std::size_t p = 0; p < points.size(); ++p) channel[p] = gamma[p][c];
-    const Pair pair = best_pair(measure, c, points, channel);
+    const Pair pair = best_pair(points, channel);
     nodes.weight[0][c] = pair[0];
     nodes.weight[1][c] = 1.0 - pair[0];
     nodes.wavelength_nm[0][c] = pair[1] * kUnit_nm;

@@ -17,17 +17,6 @@ constexpr double kLumensPerWatt = 683.0;
 constexpr double kDarkestZenith_cd_m2 = 200.0;
 constexpr double kSunRadius_deg = 0.2666;
 
-// Daylight spectra span three dimensions, so XYZ (in cd m-2) gives their spectrum and that the sensor's channels.
-glm::dmat3 daylight_xyz_to_sensor(const SpectralSensitivity& sensitivity) {
-  glm::dmat3 to_xyz{0.0}, to_sensor{0.0};
-  for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
-    const glm::dvec3 components = daylight_components(nm);
-    to_xyz += glm::outerProduct(kLumensPerWatt * colour_matching(nm), components);
-    to_sensor += glm::outerProduct(sensitivity.at(nm), components);
-  }
-  return to_sensor * glm::inverse(to_xyz);
-}
-
 double visible_share_of_sun(Radians zenith) {
   const double elevation_deg = 90.0 - to_degrees(zenith);
   return std::clamp(0.5 + 0.5 * elevation_deg / kSunRadius_deg, 0.0, 1.0);
@@ -45,7 +34,8 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
   const bool overcast = options.sky == SkyCondition::overcast;
   zenith_cd_m2_ = overcast ? overcast_zenith(sun) : std::max(kDarkestZenith_cd_m2, 1000.0 * model_.zenith_luminance());
 
-  const glm::dmat3 xyz_to_sensor = daylight_xyz_to_sensor(scene.sensitivity);
+  // Daylight spectra span three dimensions, so XYZ gives their spectrum and that the sensor's channels.
+  const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLumensPerWatt;
   const bool srgb = scene.colour_space == Camera::ColourSpace::srgb;
   xyz_to_light_ = srgb ? glm::inverse(srgb_to_xyz()) / kLumensPerWatt : xyz_to_sensor;
   const glm::dmat3 sensor_to_light = xyz_to_light_ * glm::inverse(xyz_to_sensor);  // identity for a sensor

@@ -35,7 +35,7 @@ struct LightOnObject {
 
 // Kasten and Young's relative optical air mass; held below the horizon.
 double air_mass(Radians sun_zenith);
-// Extraterrestrial, at the mean distance: ASTM G173-03 in 10 nm means, 370-790 nm. W m-2 nm-1.
+// Extraterrestrial irradiance at the mean distance (Preetham 1999, Table 2). W m-2 nm-1.
 double solar_irradiance(double wavelength_nm);
 // Share of direct sunlight that reaches the site: Rayleigh (Preetham 1999 A.1, by the site's pressure), aerosol
 // (Angstrom), ozone (.35 cm). Water vapour and oxygen, which take some percent beyond 680 nm, are left out.

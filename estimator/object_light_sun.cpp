@@ -21,12 +21,14 @@ struct EvenTable {
   }
 };
 
-// Means of 10 nm, 370-380, 380-390, ... 780-790: first centre 375 nm. W m-2 nm-1.
-constexpr std::array kSolar = {1.14259, 1.01249, 1.14716, 1.72765, 1.73054, 1.68870, 1.61253, 1.91198, 2.03474,
-                               2.02042, 2.02212, 1.93377, 1.95809, 1.91686, 1.82980, 1.86850, 1.89310, 1.85149,
-                               1.85040, 1.83410, 1.83450, 1.81470, 1.78158, 1.75330, 1.69650, 1.68194, 1.64654,
-                               1.60480, 1.52143, 1.55622, 1.51130, 1.47400, 1.44820, 1.41018, 1.36775, 1.34188,
-                               1.31429, 1.28303, 1.26758, 1.23670, 1.20820, 1.18737};
+// Radiance of the sun's disc above the atmosphere, W cm-2 um-1 sr-1, 380-750 nm in 10 nm steps, held beyond (Preetham
+// 1999, Table 2). The sky model was made with this sun, so sun and sky keep their ratio: newer spectra (ASTM G173) are
+// 5-7 % brighter.
+constexpr std::array kSolar = {1655.90, 1623.37, 2112.75, 2588.82, 2582.91, 2423.23, 2676.05, 2965.83, 3054.54, 3005.75,
+                               3066.37, 2883.04, 2871.21, 2782.50, 2710.06, 2723.36, 2636.13, 2550.38, 2506.02, 2531.16,
+                               2535.59, 2513.42, 2463.15, 2417.32, 2368.53, 2321.21, 2282.77, 2233.98, 2197.02, 2152.67,
+                               2109.79, 2072.83, 2024.04, 1987.08, 1942.72, 1907.24, 1862.89, 1825.92};
+constexpr double kSunDisc_sr = 6.797e-5;  // of .2665 deg radius, at the mean distance
 
 // Ozone's absorption, 1/cm, 440-790 nm in 10 nm steps (Preetham 1999, Table 2, after Iqbal 1983).
 constexpr std::array kOzone = {0.0,   0.003, 0.006, 0.009, 0.014, 0.021, 0.030, 0.040, 0.048, 0.063, 0.075, 0.085,
@@ -42,7 +44,9 @@ double air_mass(Radians sun_zenith) {
 }
 
 double solar_irradiance(double wavelength_nm) {
-  return EvenTable{375.0, 10.0, kSolar.data(), static_cast<int>(kSolar.size())}.at(wavelength_nm);
+  constexpr double kToPerM2PerNm = 10.0;  // from W cm-2 um-1
+  return kSunDisc_sr * kToPerM2PerNm *
+         EvenTable{380.0, 10.0, kSolar.data(), static_cast<int>(kSolar.size())}.at(wavelength_nm);
 }
 
 double sun_transmittance(Turbidity turbidity, Radians sun_zenith, double altitude_m, double wavelength_nm) {
