@@ -16,13 +16,18 @@ struct CloudMaskOptions {
 
 struct CloudMaskResult {
   double clear_fraction = 0.0;  // of the solid angle that could be judged
-  double whiteness = 0.0;       // median ln R/B of what is left, against the model's at its best T
   Turbidity turbidity;          // at which the sky's colour was expected
 };
 
 // Turns PixelUse::clear into PixelUse::cloud where a cloud stands. The expected R/B follows the sky model in direction
 // and T with a free white balance, so that a clear whitish sky (T = 9) is not taken for cloud.
-CloudMaskResult mask_clouds(SkyLight& sky, const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-                            const SunDirection& sun, const CloudMaskOptions& options = {});
+CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
+                            const CloudMaskOptions& options = {});
+
+// After a first fit: turns into PixelUse::cloud what stands out of the fitted sky's luminance by more than `limit` of
+// ln Y, and its surroundings. Catches the thin edges that colour does not show. Returns the clear share that is left of
+// what was clear before.
+double mask_strangers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
+                      double log_gain, double limit);
 
 }  // namespace kasumi
