@@ -66,20 +66,23 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
     return values[values.size() / 2];
   };
   const glm::vec2 origin = glm::vec2{middle(0), middle(1)} - 0.5f * kSide * kStep;
-  std::array<int, kSide * kSide> count{};
+  // Counts summed from the corner, so that a cell of any width costs four look-ups.
+  constexpr int kSums = kSide + 1;
+  std::array<int, kSums * kSums> sums{};
+  const auto sum_to = [&sums](int x, int y) -> int& { return sums[static_cast<std::size_t>(y * kSums + x)]; };
   for (const glm::vec2& r : residuals) {
-    const glm::ivec2 cell((r - origin) / kStep);
-    if (cell.x >= 0 && cell.y >= 0 && cell.x < kSide && cell.y < kSide)
-      ++count[static_cast<std::size_t>(cell.y * kSide + cell.x)];
+    const glm::vec2 cell = (r - origin) / kStep;
+    if (cell.x >= 0.0f && cell.y >= 0.0f && cell.x < kSide && cell.y < kSide)
+      ++sum_to(static_cast<int>(cell.x) + 1, static_cast<int>(cell.y) + 1);
   }
+  for (int y = 1; y <= kSide; ++y)
+    for (int x = 1; x <= kSide; ++x) sum_to(x, y) += sum_to(x - 1, y) + sum_to(x, y - 1) - sum_to(x - 1, y - 1);
   const auto all = static_cast<double>(residuals.size());
   for (const int width : {2, 4, 8}) {
     int most = 0, at = 0;
     for (int y = 0; y + width <= kSide; ++y)
       for (int x = 0; x + width <= kSide; ++x) {
-        int sum = 0;
-        for (int j = 0; j < width; ++j)
-          for (int i = 0; i < width; ++i) sum += count[static_cast<std::size_t>((y + j) * kSide + x + i)];
+        const int sum = sum_to(x + width, y + width) - sum_to(x, y + width) - sum_to(x + width, y) + sum_to(x, y);
         if (sum > most) most = sum, at = x;
       }
     // Log likelihood of so many in so small a cell, the rest anywhere.
@@ -176,21 +179,20 @@ float quantile(std::vector<float> values, double share) {
 }
 
 // Turns what is marked into cloud, cleaned and grown: single elements are noise, and what is left has soft edges a
-// degree or two wide. Returns the share of the clear solid angle that stays clear.
+// degree or two wide. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
 double take_out(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b marked) {
   cv::medianBlur(marked, marked, 3);
-  const int grow = 2 * std::max(1, static_cast<int>(std::lround(0.006 * std::min(marked.cols, marked.rows)))) + 1;
-  cv::dilate(marked, marked, cv::getStructuringElement(cv::MORPH_ELLIPSE, {grow, grow}));
+  cv::Mat1b grown;
+  const int side = 2 * std::max(1, static_cast<int>(std::lround(0.006 * std::min(marked.cols, marked.rows)))) + 1;
+  cv::dilate(marked, grown, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
   double clear = 0.0, all = 0.0;
   for (int y = 0; y < marked.rows; ++y)
     for (int x = 0; x < marked.cols; ++x) {
       if (sky.use.at(x, y) != PixelUse::clear) continue;
       const auto angle = static_cast<double>(geometry.solid_angle.at(x, y));
       all += angle;
-      if (marked(y, x) != 0)
-        sky.use.at(x, y) = PixelUse::cloud;
-      else
-        clear += angle;
+      if (marked(y, x) == 0) clear += angle;
+      if (grown(y, x) != 0) sky.use.at(x, y) = PixelUse::cloud;
     }
   return all > 0.0 ? clear / all : 0.0;
 }

@@ -70,6 +70,8 @@ SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geomet
       const glm::vec3& encoded = picture.encoded.at(x, y);
       levels.push_back(std::max({encoded.r, encoded.g, encoded.b}));
       const PixelUse use = sky.use.at(x, y);
+      if (use == PixelUse::near_sun)
+        statistics.brightest = std::max(statistics.brightest, static_cast<double>(levels.back()));
       if (use == PixelUse::outside || use == PixelUse::near_sun) continue;
       const auto angle = static_cast<double>(geometry.solid_angle.at(x, y));
       statistics.solid_angle += angle;
@@ -88,7 +90,7 @@ SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geomet
   if (!levels.empty()) {
     const auto at = levels.begin() + static_cast<std::ptrdiff_t>(0.9995 * static_cast<double>(levels.size() - 1));
     std::ranges::nth_element(levels, at);
-    statistics.brightest = static_cast<double>(*at);
+    statistics.brightest = std::max(statistics.brightest, static_cast<double>(*at));
   }
   float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
   for (std::vector<float>& patch : patches) {

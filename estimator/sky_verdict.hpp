@@ -22,7 +22,7 @@ struct SkyStatistics {
   double solid_angle = 0.0;  // [sr] looked at: open, high enough, away from the sun
   double saturated = 0.0;    // shares of it
   double dark = 0.0;
-  double brightest = 0.0;  // encoded level anywhere in the lens' reach, 0..1 (a high quantile of the fullest channel)
+  double brightest = 0.0;  // encoded, 0..1: the fullest channel near the sun or, a high quantile, anywhere
   double spread = 0.0;     // of ln Y over large patches of the sky: highest minus lowest
 };
 SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geometry, const SkyLight& sky);

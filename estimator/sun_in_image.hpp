@@ -42,8 +42,7 @@ struct SunCheck {
 };
 
 // With a trusted clock the ephemeris wins (it is a thousand times more precise), and a disagreement speaks of the
-// camera's orientation. Without, the image wins; the ephemeris is used only when the image shows no sun and
-// `clock_trusted`.
+// camera's orientation. Without, the image wins, and a sun that is not seen is not known.
 SunCheck cross_check(const std::optional<SunDirection>& ephemeris, const std::optional<SunBlob>& blob,
                      bool clock_trusted, Radians tolerance = from_degrees(3.0));
 

@@ -8,14 +8,18 @@
 
 namespace kasumi {
 
+// Numbers without a unit are of ln(T - 1): 0.1 is a tenth more or less haze.
 struct TrackerOptions {
-  double drift_per_root_hour = 0.15;  // standard deviation of ln(T - 1) after an hour without news
-  double gate = 4.0;                  // a usable estimate further off than this many sigmas is doubted ...
-  int agreeing_doubts = 3;            // ... until so many in a row say the same: then the air has changed
-  Duration doubts_span = std::chrono::seconds(20);  // ... over at least this time: a bird is quick, weather is not
-  double largest_rate_per_minute = 0.10;  // of ln(haze), haze ~ T - 1: the picture's visibility moves 10 % a minute
+  double drift_per_root_hour = 0.3;  // standard deviation after an hour without news
+  // A usable estimate further off than so many sigmas, and than the least, is doubted until so many in a row say the
+  // same over at least this time: then the air has changed. A bird is quick, weather is not.
+  double gate = 4.0;
+  double least_gate = 0.05;
+  int agreeing_doubts = 3;
+  Duration doubts_span = std::chrono::seconds(20);
+  double largest_rate_per_minute = 0.30;         // half a percent of haze a second: below what an eye takes for a step
   Duration trusted_for = std::chrono::hours(2);  // without a usable estimate
-  double largest_trusted_sigma = 0.35;           // of ln(T - 1)
+  double largest_trusted_sigma = 0.35;
 };
 
 struct TrackedTurbidity {
@@ -50,9 +54,12 @@ class TurbidityTracker {
 
   TrackerOptions options_;
   std::optional<State> state_;
-  int doubts_ = 0;
-  Instant first_doubt_{};
-  double doubted_ = 0.0;
+  struct Doubt {
+    double value = 0.0;
+    int count = 0;
+    Instant first{};
+  };
+  Doubt doubt_;
 };
 std::string_view name_of(TurbidityTracker::Verdict verdict);
 

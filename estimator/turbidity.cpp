@@ -9,7 +9,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kClearSky = 0.85;       // from this share on the sky is called clear
+constexpr double kClearSky = 0.80;       // from this share on the sky is called clear
 constexpr double kStrange = 3.0;         // standard deviations of the first fit's residuals ...
 constexpr double kLeastStrange = 0.004;  // ... and at least so much of ln Y, for elements that are no clear sky
 
