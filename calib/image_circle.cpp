@@ -18,7 +18,7 @@ namespace kasumi {
 namespace {
 
 constexpr int kDirections = 720;
-constexpr int kWorkingSize_px = 800;  // larger pictures are shrunk first: the circle is wanted to a per cent
+constexpr int kWorkingSize_px = 640;  // larger pictures are shrunk first: the circle is wanted to a per cent
 // How bright the picture must be to stand out from the surround, in 1/255; tried from the darkest on.
 constexpr std::array kThresholds{1, 2, 3, 5, 8, 12, 18, 27, 40, 60, 90, 130};
 
@@ -60,15 +60,21 @@ bool on_frame(const cv::Mat& lit, const glm::dvec2& point, double margin) {
   return point.x < margin || point.y < margin || point.x > lit.cols - 1 - margin || point.y > lit.rows - 1 - margin;
 }
 
+// How far a point inside the picture is from its frame along a direction.
+double way_to_frame(const cv::Mat& picture, const glm::dvec2& from, const glm::dvec2& direction) {
+  const glm::dvec2 far{direction.x > 0.0 ? picture.cols - from.x : from.x + 1.0,
+                       direction.y > 0.0 ? picture.rows - from.y : from.y + 1.0};
+  return std::min(far.x / std::max(std::abs(direction.x), 1e-9), far.y / std::max(std::abs(direction.y), 1e-9));
+}
+
 // The outermost lit point in every direction from a point. Points on the picture's frame are left out: there the rim is
 // cut off.
 std::vector<glm::dvec2> outermost_lit(const cv::Mat& lit, const glm::dvec2& from) {
-  const double diagonal = std::hypot(lit.cols, lit.rows) + glm::length(from);
   std::vector<glm::dvec2> points;
   for (int i = 0; i < kDirections; ++i) {
     const double turn = 2.0 * kPi * i / kDirections;
     const glm::dvec2 direction{std::cos(turn), std::sin(turn)};
-    double r = diagonal;
+    double r = way_to_frame(lit, from, direction);
     while (r > 0.0 && !lit_at(lit, from + r * direction)) r -= 0.5;
     const auto point = from + (r + 0.25) * direction;
     if (r > 0.0 && !on_frame(lit, point, 1.5)) points.push_back(point);
