@@ -84,14 +84,16 @@ Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& li
 Result<> check(const Model& model);
 
 // Where a model stands: metres from the scene camera's site, turned clockwise about the vertical.
+enum class UpAxis { y, z };  // glTF says y; some exporters leave z
 struct Placement {
   double east_m = 0.0;
   double north_m = 0.0;
   double up_m = 0.0;
   Radians heading{};
   double scale = 1.0;
+  UpAxis up_axis = UpAxis::y;
 };
-// Model frame to world frame; at heading 0 the model's x points east, y up, -z north.
+// Model frame to world frame; at heading 0 the model's x points east, y up, -z north (up_axis z: y north, z up).
 glm::dmat4 model_to_world(const Placement& placement);
 
 }  // namespace kasumi

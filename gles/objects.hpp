@@ -1,6 +1,7 @@
 // Owners of GL objects: move-only, deleted with their owner. Make and drop them under the context they belong to.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -57,7 +58,13 @@ Result<> check_gl(std::string_view what);
 // The framebuffer bound now. Errors: device, with GL's reason.
 Result<> check_framebuffer(std::string_view what);
 
-// Compiles and links. `name` is for the message, which carries the driver's log.
-Result<GlProgram> link_program(std::string_view name, const std::string& vertex_text, const std::string& fragment_text);
+// Compiles and links, with vertex attributes at given places. `name` is for the message, which carries the driver's
+// log.
+struct AttributePlace {
+  unsigned place;
+  const char* name;
+};
+Result<GlProgram> link_program(std::string_view name, const std::string& vertex_text, const std::string& fragment_text,
+                               std::initializer_list<AttributePlace> attributes);
 
 }  // namespace kasumi

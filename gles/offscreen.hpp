@@ -30,7 +30,7 @@ class Offscreen {
   GlRenderbuffer drawn_colour_;
   GlRenderbuffer depth_;
   GlFramebuffer resolved_;
-  GlRenderbuffer resolved_colour_;
+  GlTexture resolved_colour_;
 };
 
 }  // namespace kasumi

@@ -1,0 +1,50 @@
+// The object drawn once for a fixed view (physics 6): premultiplied N = rho Gamma + 1 - Gamma and coverage, averaged
+// over 17 samples per pixel.
+#pragma once
+
+#include <functional>
+
+#include <glm/vec4.hpp>
+
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "gles/context.hpp"
+#include "gles/gpu_model.hpp"
+#include "gles/objects.hpp"
+#include "gles/programs.hpp"
+#include "gles/projection.hpp"
+
+namespace kasumi {
+
+class ObjectLayer {
+ public:
+  struct Options {
+    bool in_8_bits = false;  // RGBA8 with square roots instead of half floats
+    double unit = 1.0;       // 8 bits: the largest N that occurs
+    bool aerial_perspective = true;
+    bool foreground = false;  // something is bound to kForegroundUnit
+  };
+  // `set_appearance` sets the uniforms of light and air. The dither pattern is bound to kDitherUnit.
+  // Errors: device.
+  static Result<ObjectLayer> draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
+                                  const Options& options, const GlInfo& info, Programs& programs,
+                                  const std::function<void(const Program&)>& set_appearance);
+
+  const PixelBox& box() const { return box_; }
+  // Uniforms of picture.frag, the texture to kLayerUnit.
+  void bind(const Program& program, bool smooth) const;
+  void add_defines(Defines& defines) const;
+  // One element per pixel of the box, linear.
+  Result<Image<glm::vec4>> read() const;
+
+ private:
+  ObjectLayer() = default;
+  PixelBox box_;
+  bool in_8_bits_ = false;
+  double unit_ = 1.0;
+  bool filters_ = false;  // the driver filters this kind of texture
+  GlTexture texture_;
+  GlFramebuffer framebuffer_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,88 @@
+#include "gles/program.hpp"
+
+#include <vector>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "gles/gl.hpp"
+#include "gles/shader_text.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr std::string_view kFragmentPrecision =
+    "#ifdef GL_FRAGMENT_PRECISION_HIGH\nprecision highp float;\n#else\nprecision mediump float;\n#endif\n";
+
+Result<std::string> assemble(const Defines& defines, std::string_view preamble,
+                             std::initializer_list<std::string_view> files) {
+  std::string text = "#version 100\n";
+  for (const std::string& define : defines) text += fmt::format("#define {}\n", define);
+  text += preamble;
+  for (const std::string_view file : files) {
+    const std::string_view body = shader_text(file);
+    if (body.empty()) return fail(FaultKind::device, "shader file {} is not part of this program", file);
+    text += body;
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<Program> Program::build(const Defines& defines, std::initializer_list<std::string_view> vertex_files,
+                               std::initializer_list<std::string_view> fragment_files) {
+  const auto vertex = assemble(defines, "", vertex_files);
+  if (!vertex) return tl::unexpected(vertex.error());
+  const auto fragment = assemble(defines, kFragmentPrecision, fragment_files);
+  if (!fragment) return tl::unexpected(fragment.error());
+  std::string name;
+  for (const std::string_view file : fragment_files) name = file;
+  for (const std::string& define : defines) name += fmt::format(" {}", define);
+  auto linked = link_program(
+      name, *vertex, *fragment,
+      {{kPosition, "position"}, {kNormal, "normal"}, {kTexturePlace, "texture_place"}, {kColour, "colour"}});
+  if (!linked) return tl::unexpected(linked.error());
+  return Program(std::move(*linked));
+}
+
+void Program::use() const {
+  glUseProgram(program_.name());
+}
+
+int Program::place_of(std::string_view name) const {
+  const auto known = places_.find(name);
+  if (known != places_.end()) return known->second;
+  const std::string text(name);
+  return places_.emplace(text, glGetUniformLocation(program_.name(), text.c_str())).first->second;
+}
+
+void Program::set(std::string_view name, int value) const {
+  glUniform1i(place_of(name), value);
+}
+void Program::set(std::string_view name, double value) const {
+  glUniform1f(place_of(name), static_cast<float>(value));
+}
+void Program::set(std::string_view name, const glm::dvec2& value) const {
+  glUniform2fv(place_of(name), 1, glm::value_ptr(glm::vec2(value)));
+}
+void Program::set(std::string_view name, const glm::dvec3& value) const {
+  glUniform3fv(place_of(name), 1, glm::value_ptr(glm::vec3(value)));
+}
+void Program::set(std::string_view name, const glm::dvec4& value) const {
+  glUniform4fv(place_of(name), 1, glm::value_ptr(glm::vec4(value)));
+}
+void Program::set(std::string_view name, const glm::dmat3& value) const {
+  glUniformMatrix3fv(place_of(name), 1, GL_FALSE, glm::value_ptr(glm::mat3(value)));
+}
+void Program::set(std::string_view name, const glm::dmat4& value) const {
+  glUniformMatrix4fv(place_of(name), 1, GL_FALSE, glm::value_ptr(glm::mat4(value)));
+}
+void Program::set(std::string_view name, std::span<const glm::dvec2> values) const {
+  const std::vector<glm::vec2> floats(values.begin(), values.end());
+  glUniform2fv(place_of(name), static_cast<GLsizei>(floats.size()), glm::value_ptr(floats.front()));
+}
+void Program::set(std::string_view name, std::span<const glm::dvec3> values) const {
+  const std::vector<glm::vec3> floats(values.begin(), values.end());
+  glUniform3fv(place_of(name), static_cast<GLsizei>(floats.size()), glm::value_ptr(floats.front()));
+}
+
+}  // namespace kasumi

@@ -1,0 +1,348 @@
+#include "gles/renderer.hpp"
+
+#include <array>
+#include <optional>
+
+#include "gles/airlight.hpp"
+#include "gles/appearance.hpp"
+#include "gles/camera_planes.hpp"
+#include "gles/gl.hpp"
+#include "gles/gpu_model.hpp"
+#include "gles/object_layer.hpp"
+#include "gles/picture_mesh.hpp"
+#include "gles/response_table.hpp"
+
+namespace kasumi {
+namespace {
+
+// Bayer's order: every 2 x 2, 4 x 4 and 8 x 8 block holds evenly spread thresholds.
+GlTexture make_dither_pattern() {
+  std::array<std::uint8_t, 64> texels{};
+  for (unsigned y = 0; y < 8; ++y)
+    for (unsigned x = 0; x < 8; ++x) {
+      unsigned rank = 0;
+      for (unsigned bit = 0; bit < 3; ++bit) {
+        const unsigned bx = (x >> bit) & 1u, by = (y >> bit) & 1u;
+        rank += ((((bx ^ by) << 1u) | by) << (2u * (2u - bit)));
+      }
+      texels[8 * y + x] = static_cast<std::uint8_t>(4 * rank + 2);
+    }
+  GlTexture texture = make_texture();
+  glActiveTexture(GL_TEXTURE0 + kDitherUnit);
+  glBindTexture(GL_TEXTURE_2D, texture.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE, 8, 8, 0, GL_LUMINANCE, GL_UNSIGNED_BYTE, texels.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  return texture;
+}
+
+// Where a target shows the picture, and how pixels get there.
+struct Shown {
+  Letterbox box;
+  bool same_size = true;
+  glm::dmat3 pixel_to_clip{1.0};
+  glm::dmat3 fragment_to_picture{1.0};
+
+  Shown(const DrawTarget& target, int width, int height) : box(letterbox(target, width, height)) {
+    const double w = width, h = height, up = target.top_row_first ? 1.0 : -1.0;
+    same_size = box.width == width && box.height == height;
+    pixel_to_clip =
+        glm::dmat3({2.0 / w, 0.0, 0.0}, {0.0, up * 2.0 / h, 0.0}, {1.0 / w - 1.0, up * (1.0 / h - 1.0), 1.0});
+    const double bw = box.width, bh = box.height;
+    fragment_to_picture = glm::dmat3({1.0 / bw, 0.0, 0.0}, {0.0, up / bh, 0.0},
+                                     {-box.x / bw, target.top_row_first ? -box.y / bh : 1.0 + box.y / bh, 1.0});
+  }
+};
+
+}  // namespace
+
+struct Renderer::State {
+  State(const GlInfo& gl_info, const RendererOptions& given) : info(gl_info), options(given) {}
+
+  const GlInfo& info;
+  RendererOptions options;
+  Programs programs;
+  GlTexture dither;
+  CameraPlanes camera;
+  std::optional<ResponseOnGpu> response;
+  std::optional<GpuModel> model;
+  std::optional<Projection> projection;
+  PixelBox box;              // of the object
+  Image<std::uint8_t> mask;  // as given; empty: nothing in front
+  GlTexture foreground;
+  std::optional<ObjectLayer> layer;
+  std::optional<PictureMesh> mesh;  // of the camera's picture around and under the layer
+  std::vector<std::string> notes;
+
+  bool layer_in_8_bits() const {
+    return options.force_rgba8 ||
+           !(info.has("GL_EXT_color_buffer_half_float") || info.has("GL_EXT_color_buffer_float"));
+  }
+
+  void drop_layer() {
+    layer.reset();
+    mesh.reset();
+  }
+
+  void look() {
+    drop_layer();
+    box = model && projection ? model->look_from(*projection) : PixelBox{};
+  }
+
+  bool has_foreground() const { return !mask.empty(); }
+
+  Result<> ready_for_frame(const DrawTarget& target) const {
+    if (camera.empty()) return fail(FaultKind::bad_input, "no camera picture has been uploaded to draw");
+    if (target.width < 1 || target.height < 1)
+      return fail(FaultKind::bad_input, "a target of {} x {} pixels: expected at least 1 x 1", target.width,
+                  target.height);
+    if (projection && (camera.width() != projection->view.width || camera.height() != projection->view.height))
+      return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", camera.width(),
+                  camera.height(), projection->view.width, projection->view.height);
+    return {};
+  }
+
+  Result<> ready_for_object() const {
+    Problems problems;
+    if (!model) problems.add("no model has been set to draw");
+    if (!projection) problems.add("no view has been set to draw from");
+    if (projection && has_foreground() &&
+        (mask.width() != projection->view.width || mask.height() != projection->view.height))
+      problems.add("foreground mask of {} x {} pixels: the view is of {} x {}", mask.width(), mask.height(),
+                   projection->view.width, projection->view.height);
+    if (!problems.empty()) return fail(problems.fault());
+    return {};
+  }
+
+  void begin(const DrawTarget& target, const Shown& shown, bool with_depth) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+    glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
+    const bool bars = shown.box.width != target.width || shown.box.height != target.height;
+    glClearColor(0, 0, 0, 1);
+    if (bars || with_depth) glClear((bars ? GL_COLOR_BUFFER_BIT : 0u) | (with_depth ? GL_DEPTH_BUFFER_BIT : 0u));
+  }
+
+  // What every program that shows the camera's picture needs.
+  void bind_frame(const Program& program, const Shown& shown) const {
+    camera.bind(program, !shown.same_size);
+    response->bind(program, kResponseUnit);
+    glActiveTexture(GL_TEXTURE0 + kDitherUnit);
+    glBindTexture(GL_TEXTURE_2D, dither.name());
+    program.set("dither_pattern", kDitherUnit);
+    program.set("picture_size", glm::dvec2{camera.width(), camera.height()});
+    program.set("pixel_to_clip", shown.pixel_to_clip);
+  }
+
+  void bind_foreground() const {
+    if (!has_foreground()) return;
+    glActiveTexture(GL_TEXTURE0 + kForegroundUnit);
+    glBindTexture(GL_TEXTURE_2D, foreground.name());
+  }
+
+  Result<> draw_area(PictureArea area, const PictureMesh& on, const Shown& shown, const AirlightGrid* measured) {
+    if (on.empty(area)) return {};
+    // Areas that do not need the camera or its response share one variant.
+    Defines defines;
+    if (area != PictureArea::covered) defines.insert(camera.define());
+    if (area == PictureArea::covered) defines.insert({"COVERED", "LAYOUT_RGB"});
+    if (area == PictureArea::edge) defines.insert("EDGE");
+    if (area != PictureArea::plain) {
+      defines.insert(response->define());
+      layer->add_defines(defines);
+    }
+    const auto program = programs.find(ProgramKind::picture, defines);
+    if (!program) return tl::unexpected(program.error());
+    (*program)->use();
+    bind_frame(**program, shown);
+    if (area != PictureArea::plain) {
+      layer->bind(**program, !shown.same_size);
+      set_airlight(**program, "measured", *measured);
+    }
+    on.draw(area);
+    return check_gl("drawing the picture");
+  }
+
+  PictureMesh whole_picture() const {
+    return PictureMesh::upload(cut_picture(camera.width(), camera.height(), {}, {}));
+  }
+};
+
+Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& options) {
+  constexpr GLint kUniforms = 64, kTextures = 8;
+  GLint uniforms = 0, textures = 0;
+  glGetIntegerv(GL_MAX_FRAGMENT_UNIFORM_VECTORS, &uniforms);
+  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &textures);
+  if (uniforms < kUniforms || textures < kTextures)
+    return fail(FaultKind::unsupported, "{}: {} fragment uniform vectors and {} texture units: need {} and {}",
+                context.info().renderer, uniforms, textures, kUniforms, kTextures);
+  auto state = std::make_unique<State>(context.info(), options);
+  state->dither = make_dither_pattern();
+  auto response = ResponseOnGpu::create({});
+  if (!response) return tl::unexpected(response.error());
+  state->response = std::move(*response);
+  if (!state->info.highp_fragments)
+    state->notes.emplace_back(
+        "fragment shaders compute in medium precision: distances beyond 60 km and fine dithering suffer");
+  if (state->layer_in_8_bits()) state->notes.emplace_back("the object's layer is kept in 8 bits (square roots)");
+  if (auto made = check_gl("making the renderer"); !made) return tl::unexpected(made.error());
+  return Renderer(std::move(state));
+}
+
+Result<> Renderer::set_model(const Model& model) {
+  auto uploaded = GpuModel::upload(model, state_->info, state_->options.force_encoded_textures, state_->notes);
+  if (!uploaded) return tl::unexpected(uploaded.error());
+  state_->model = std::move(*uploaded);
+  state_->look();
+  return {};
+}
+
+Result<> Renderer::set_view(const SceneView& view, const glm::dmat4& model_to_world) {
+  auto projection = make_projection(view, model_to_world);
+  if (!projection) return tl::unexpected(projection.error());
+  state_->projection = *projection;
+  state_->look();
+  return {};
+}
+
+Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask) {
+  state_->drop_layer();
+  state_->mask = mask;
+  if (mask.empty()) return {};
+  if (mask.width() > state_->info.max_texture_size || mask.height() > state_->info.max_texture_size)
+    return fail(FaultKind::bad_input, "foreground mask of {} x {} pixels: this driver takes {} at most", mask.width(),
+                mask.height(), state_->info.max_texture_size);
+  state_->foreground = make_texture();
+  glActiveTexture(GL_TEXTURE0 + kForegroundUnit);
+  glBindTexture(GL_TEXTURE_2D, state_->foreground.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE, mask.width(), mask.height(), 0, GL_LUMINANCE, GL_UNSIGNED_BYTE,
+               mask.elements().data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  return check_gl("uploading the foreground mask");
+}
+
+Result<> Renderer::set_response(const ResponseCurve& response) {
+  auto made = ResponseOnGpu::create(response);
+  if (!made) return tl::unexpected(made.error());
+  state_->response = std::move(*made);
+  return {};
+}
+
+PixelBox Renderer::object_box() const {
+  return state_->box;
+}
+
+Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
+  State& s = *state_;
+  if (auto ready = s.ready_for_object(); !ready) return ready;
+  Problems problems;
+  check(appearance, problems);
+  if (!problems.empty()) return fail(problems.fault());
+  const int width = s.projection->view.width, height = s.projection->view.height;
+  s.drop_layer();
+  if (s.box.empty()) return {};
+
+  glActiveTexture(GL_TEXTURE0 + kDitherUnit);
+  glBindTexture(GL_TEXTURE_2D, s.dither.name());
+  s.bind_foreground();
+  auto layer =
+      ObjectLayer::draw(*s.model, *s.projection, s.box,
+                        {s.layer_in_8_bits(), largest_n(appearance), appearance.aerial_perspective, s.has_foreground()},
+                        s.info, s.programs, [&](const Program& program) { set_appearance(program, appearance); });
+  if (!layer) return tl::unexpected(layer.error());
+  const auto texels = layer->read();
+  if (!texels) return tl::unexpected(texels.error());
+  Image<float> coverage(texels->width(), texels->height());
+  for (std::size_t i = 0; i < coverage.elements().size(); ++i) coverage.elements()[i] = texels->elements()[i].a;
+  s.mesh = PictureMesh::upload(cut_picture(width, height, s.box, coverage));
+  s.layer = std::move(*layer);
+  return check_gl("cutting the picture");
+}
+
+Result<Image<glm::vec4>> Renderer::read_layer() {
+  if (!state_->layer) return Image<glm::vec4>();
+  return state_->layer->read();
+}
+
+Result<> Renderer::upload(const PictureView& frame) {
+  return state_->camera.upload(frame, state_->info);
+}
+
+Result<> Renderer::draw_background(const DrawTarget& target) {
+  State& s = *state_;
+  if (auto ready = s.ready_for_frame(target); !ready) return ready;
+  const Shown shown(target, s.camera.width(), s.camera.height());
+  s.begin(target, shown, false);
+  return s.draw_area(PictureArea::plain, s.whole_picture(), shown, nullptr);
+}
+
+Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target) {
+  State& s = *state_;
+  if (!s.layer) return draw_background(target);
+  if (auto ready = s.ready_for_frame(target); !ready) return ready;
+  Problems problems;
+  check(measured, "measured airlight", false, problems);
+  if (!problems.empty()) return fail(problems.fault());
+  const Shown shown(target, s.camera.width(), s.camera.height());
+  s.begin(target, shown, false);
+  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
+    if (auto drawn = s.draw_area(area, *s.mesh, shown, &measured); !drawn) return drawn;
+  return {};
+}
+
+Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured,
+                               const DrawTarget& target, HazeDetail detail) {
+  State& s = *state_;
+  if (auto ready = s.ready_for_object(); !ready) return ready;
+  if (auto ready = s.ready_for_frame(target); !ready) return ready;
+  Problems problems;
+  check(appearance, problems);
+  check(measured, "measured airlight", false, problems);
+  if (!problems.empty()) return fail(problems.fault());
+
+  const Shown shown(target, s.camera.width(), s.camera.height());
+  s.begin(target, shown, true);
+  Defines defines{"FINAL_COLOUR", s.response->define(), s.camera.define()};
+  if (!appearance.aerial_perspective)
+    defines.insert("NO_AIR");
+  else if (detail == HazeDetail::per_fragment)
+    defines.insert("HAZE_PER_FRAGMENT");
+  if (s.has_foreground()) defines.insert("FOREGROUND");
+  if (s.projection->distorted) defines.insert("DISTORTED");
+  s.bind_foreground();
+  const DepthRange depth = depth_range(*s.projection, s.model->bounds());
+  glFrontFace(s.projection->mirrored == target.top_row_first ? GL_CCW : GL_CW);
+  const auto set_uniforms = [&](const Program& program) {
+    s.bind_frame(program, shown);
+    set_projection(program, *s.projection, depth);
+    set_appearance(program, appearance);
+    set_airlight(program, "measured", measured);
+    program.set("foreground", kForegroundUnit);
+    program.set("fragment_to_picture", shown.fragment_to_picture);
+  };
+  // Nearest first: the early depth test then spares the background under the object.
+  if (auto drawn = s.model->draw(GpuModel::Which::solid, s.programs, defines, {}, set_uniforms); !drawn) return drawn;
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_FALSE);
+  const auto background = s.draw_area(PictureArea::plain, s.whole_picture(), shown, nullptr);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  if (!background || !s.model->has_blended()) return background;
+  return s.model->draw(GpuModel::Which::blended, s.programs, defines, {}, set_uniforms);
+}
+
+const std::vector<std::string>& Renderer::notes() const {
+  return state_->notes;
+}
+
+}  // namespace kasumi

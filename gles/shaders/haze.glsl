@@ -1,0 +1,10 @@
+// Attenuation of a path by two Gauss nodes per channel (physics 4). Kilometres, so that mediump can hold them.
+uniform vec3 haze_weight[2];
+uniform vec3 haze_rayleigh_per_km[2];
+uniform vec3 haze_mie_per_km[2];
+
+// path: density-weighted lengths, Rayleigh and Mie.
+vec3 attenuation(vec2 path_km) {
+  return haze_weight[0] * exp(-(haze_rayleigh_per_km[0] * path_km.x + haze_mie_per_km[0] * path_km.y)) +
+         haze_weight[1] * exp(-(haze_rayleigh_per_km[1] * path_km.x + haze_mie_per_km[1] * path_km.y));
+}

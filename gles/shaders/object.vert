@@ -1,0 +1,66 @@
+// The building's vertices: where they are seen, and what the air does on the way.
+attribute vec3 position;
+attribute vec3 normal;
+attribute vec2 texture_place;
+attribute vec4 colour;
+
+uniform mat4 model_to_camera;   // metres; composed in double precision
+uniform mat3 normal_to_world;
+uniform vec3 camera_up;         // the world's vertical in the camera's frame
+uniform vec2 focal_px;
+uniform vec2 centre_px;
+uniform float near_m;
+uniform vec2 depth_to_clip;     // clip z = x * depth + y
+uniform mat3 pixel_to_clip;     // homogeneous pixels to clip x, y
+
+varying vec3 v_normal;
+varying vec2 v_texture;
+varying vec4 v_colour;
+#if defined(HAZE_PER_FRAGMENT)
+varying vec2 v_path_km;
+#endif
+#if defined(FINAL_COLOUR)
+uniform vec3 measured_light[AIRLIGHT_COLUMNS * AIRLIGHT_ROWS];
+uniform vec4 measured_place;
+uniform vec3 horizon_light[AIRLIGHT_COLUMNS * AIRLIGHT_ROWS];
+uniform vec4 horizon_place;
+varying vec3 v_gain;       // of the object's radiance
+#if !defined(NO_AIR)
+varying vec3 v_airlight;
+#endif
+#endif
+
+void main() {
+  vec3 camera = (model_to_camera * vec4(position, 1.0)).xyz;
+#if defined(DISTORTED)
+  // Behind the near plane there is nothing to see, only an end of an edge to be clipped: kept finite.
+  float depth = max(camera.z, near_m);
+  vec2 across = distorted(camera.xy / depth) * depth;
+#else
+  vec2 across = camera.xy;
+#endif
+  vec3 pixel = vec3(focal_px * across + centre_px * camera.z, camera.z);
+  gl_Position = vec4((pixel_to_clip * pixel).xy, depth_to_clip.x * camera.z + depth_to_clip.y, camera.z);
+
+  v_normal = normal_to_world * normal;
+  v_texture = texture_place;
+  v_colour = colour;
+#if !defined(NO_AIR)
+  vec2 path_km = weighted_path_km(0.001 * length(camera), 0.001 * dot(camera_up, camera));
+#endif
+#if defined(HAZE_PER_FRAGMENT)
+  v_path_km = path_km;
+#endif
+#if defined(FINAL_COLOUR)
+  vec2 seen = pixel.xy / max(camera.z, near_m);
+  vec3 airlight = airlight_on(measured_light, measured_place, seen);
+  v_gain = airlight / airlight_on(horizon_light, horizon_place, seen);
+#if defined(HAZE_PER_FRAGMENT)
+  v_airlight = airlight;
+#elif !defined(NO_AIR)
+  vec3 passed = attenuation(path_km);
+  v_gain *= passed;
+  v_airlight = airlight * (1.0 - passed);
+#endif
+#endif
+}
