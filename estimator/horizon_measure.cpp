@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kBandShare = 0.025;    // of the picture's height: the horizon region
 constexpr double kMarginShare = 0.006;  // above the silhouette, whose pixels are mixed
-constexpr double kSearchShare = 0.10;   // above the segmentation's edge, where a faded hill may hide
+constexpr double kSearchShare = 0.15;   // above the segmentation's edge, where a faded hill may hide
 constexpr int kClipped = 252;           // encoded
-constexpr double kSoftestHill = 0.02;   // relative drop of light that counts as a hill's edge
+constexpr double kSoftestHill = 0.03;   // relative drop of light that counts as a hill's edge: 3 steps of 8 bits
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -82,31 +82,43 @@ double row_brightness(const Scene& scene, int x0, int x1, int y) {
   return median(std::move(values));
 }
 
-// A hill faded into the sky is a drop of brightness on the way down: the lowest row above all such drops near `bottom`.
-int above_faded_hills(const Scene& scene, int x0, int x1, int bottom) {
-  const int height = scene.picture.height();
-  const int reach = std::max(3, height / 150);  // rows averaged on each side of an edge
-  const int top = std::max(0, bottom - static_cast<int>(kSearchShare * height) - 2 * reach);
-  if (bottom - top < 4 * reach) return bottom;
-  std::vector<double> profile;  // from the top down
-  for (int y = top; y <= bottom; ++y) profile.push_back(row_brightness(scene, x0, x1, y));
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < profile.size(); ++i) steps.push_back(std::abs(profile[i] - profile[i - 1]));
-  const double noise = 1.4826 * median(steps);
-  const auto mean = [&](int first, int count) {
+// First index of a step down in a profile, seen through means of `reach` values; -1 when there is none. A silhouette's
+// light changes little right above and right below its edge and does not come back soon; a cloud's does one or the
+// other.
+int first_step_down(const std::vector<double>& profile, int reach, double noise) {
+  const auto mean = [&](int first) {
     double sum = 0.0;
-    for (int i = 0; i < count; ++i) sum += profile[static_cast<std::size_t>(first + i)];
-    return sum / count;
+    for (int i = 0; i < reach; ++i) sum += profile[static_cast<std::size_t>(first + i)];
+    return sum / reach;
   };
   const int size = static_cast<int>(profile.size());
-  for (int i = reach; i + reach <= size; ++i) {
-    const double above = mean(i - reach, reach), below = mean(i, reach);
-    const double drop = above - below;
-    // A gradient loses a little with every row; an edge loses within `reach` much more than the rows above it do.
-    const double earlier = i >= 2 * reach ? std::abs(mean(i - 2 * reach, reach) - above) : 0.0;
-    if (drop > kSoftestHill * above && drop > 4.0 * noise && drop > 2.5 * earlier) return top + i - reach / 2 - 1;
+  for (int i = 2 * reach; i + 2 * reach <= size; ++i) {
+    const double above = mean(i - reach), below = mean(i), drop = above - below;
+    const double beside = std::max(std::abs(mean(i - 2 * reach) - above), std::abs(below - mean(i + reach)));
+    if (drop < kSoftestHill * above || drop < 4.0 * noise || drop < 2.5 * beside) continue;
+    const auto first_below = profile.begin() + i + reach / 2;
+    const double brightest_below = *std::max_element(first_below, profile.begin() + std::min(size, i + 4 * reach));
+    if (brightest_below < above - 0.5 * drop) return i - reach / 2 - 1;
   }
-  return bottom;
+  return -1;
+}
+
+// The row above the silhouette of a hill that has faded into the sky, near `bottom`; `bottom` itself when there is
+// none.
+int above_faded_hills(const Scene& scene, int x0, int x1, int bottom) {
+  const int height = scene.picture.height();
+  const int top = std::max(0, bottom - static_cast<int>(kSearchShare * height));
+  std::vector<double> profile;  // from the top down
+  for (int y = top; y <= bottom; ++y) profile.push_back(row_brightness(scene, x0, x1, y));
+  std::vector<double> changes;
+  for (std::size_t i = 1; i < profile.size(); ++i) changes.push_back(std::abs(profile[i] - profile[i - 1]));
+  const double noise = 1.4826 * median(changes);
+  int highest = bottom;
+  // Sharp edges and, in fog, soft ones.
+  for (const int reach : {std::max(3, height / 150), std::max(5, height / 75), std::max(8, height / 40)}) {
+    if (const int step = first_step_down(profile, reach, noise); step >= 0) highest = std::min(highest, top + step);
+  }
+  return highest;
 }
 
 struct Measured {

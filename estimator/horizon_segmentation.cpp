@@ -142,24 +142,23 @@ cv::Mat stretched(const Working& w, const cv::Mat& sky) {
   return result;
 }
 
-// What the ground does not hold by the bottom edge hangs in the sky (a bird, a cloud's dark belly) and is sky.
+// What is not sky but wholly surrounded by it hangs in the sky (a bird, a cloud's dark belly) and counts as sky.
 void fill_holes(cv::Mat& sky, const cv::Mat& never_sky) {
   const cv::Mat ground = sky == 0;
   cv::Mat labels;
   const int count = cv::connectedComponents(ground, labels, 8, CV_32S);
-  std::vector<bool> grounded(static_cast<std::size_t>(count), false);
+  std::vector<bool> held(static_cast<std::size_t>(count), false);
   for (int y = 0; y < sky.rows; ++y) {
     for (int x = 0; x < sky.cols; ++x) {
-      const bool at_bottom = y == sky.rows - 1;
-      const bool at_side = (x == 0 || x == sky.cols - 1) && y > sky.rows / 3;
-      if (at_bottom || at_side || never_sky.at<std::uint8_t>(y, x) != 0) {
-        grounded[static_cast<std::size_t>(labels.at<int>(y, x))] = true;
+      const bool at_rim = x == 0 || y == 0 || x == sky.cols - 1 || y == sky.rows - 1;
+      if (at_rim || never_sky.at<std::uint8_t>(y, x) != 0) {
+        held[static_cast<std::size_t>(labels.at<int>(y, x))] = true;
       }
     }
   }
   for (int y = 0; y < sky.rows; ++y) {
     for (int x = 0; x < sky.cols; ++x) {
-      if (!grounded[static_cast<std::size_t>(labels.at<int>(y, x))]) sky.at<std::uint8_t>(y, x) = 255;
+      if (!held[static_cast<std::size_t>(labels.at<int>(y, x))]) sky.at<std::uint8_t>(y, x) = 255;
     }
   }
 }
