@@ -186,6 +186,20 @@ TEST(Camera, AnOcamcalibFileOfAnotherPictureSizeIsRefused) {
   EXPECT_THAT(read(sky(kUp, lens)).problems, HasSubstr("a calibration of 200 x 160 pictures (it is of 400 x 320)"));
 }
 
+TEST(Camera, TheManualsExampleIsRead) {
+  const auto manual = read_text_file(fs::path(KASUMI_SOURCE_DIR) / "docs/cameras.md").value();
+  const auto start = manual.find("```toml\n") + 8;
+  ASSERT_TRUE(cv::imwrite((folder() / "sky-mask.png").string(), cv::Mat(500, 500, CV_8UC1, cv::Scalar(255))));
+  const auto root =
+      ConfigTable::parse(manual.substr(start, manual.find("```", start) - start), folder() / "manual.toml").value();
+  const auto sky_camera = read_camera(root.table("sky"), "sky");
+  const auto scene_camera = read_camera(root.table("scene"), "scene");
+  const auto finished = root.finish();
+  EXPECT_TRUE(finished) << finished.error().message;
+  EXPECT_NEAR(to_degrees(azimuth_angle(sky_camera.direction_at({251.3, 100.0}).value())), 12.0, 1e-9);
+  EXPECT_NEAR(to_degrees(azimuth_angle(scene_camera.direction_at({968.2, 531.7}).value())), 214.5, 1e-9);
+}
+
 TEST(Site, IsReadWithinItsRanges) {
   const auto good = ConfigTable::parse("latitude_deg = 34.7\nlongitude_deg = 135.8\naltitude_m = 60", "s.toml").value();
   const auto site = read_site(good);
