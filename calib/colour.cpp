@@ -29,7 +29,7 @@ glm::dmat3 camera_to_xyz(const SpectralSensitivity& sensitivity) {
 }
 
 bool separates_daylight(const SpectralSensitivity& sensitivity) {
-  // The volume the channels' unit vectors span: 2e-3 to 9e-3 for real cameras and the eye, 0 for a grey one.
+  // The volume the channels' unit vectors span: 3.3e-3 to 8.2e-3 for measured cameras and the eye, 0 for a grey one.
   const auto channels = glm::transpose(camera_of_daylight(sensitivity));
   for (int c = 0; c < 3; ++c)
     if (!(glm::length(channels[c]) > 0.0)) return false;
