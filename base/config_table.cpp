@@ -29,6 +29,8 @@ namespace {
 const toml::table kEmptyTable;
 
 std::string shown(const toml::node& node) {
+  if (const auto* number = node.as_floating_point())
+    return fmt::format("{}", number->get());  // 134.7, not 134.69999999999999
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
   auto text = out.str();

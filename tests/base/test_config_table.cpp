@@ -51,6 +51,12 @@ TEST(ConfigTable, AWholeNumberIsANumberButNotTheOtherWayRound) {
   EXPECT_FALSE(root.finish());
 }
 
+TEST(ConfigTable, AValueIsShownAsItWasWritten) {
+  const auto root = ConfigTable::parse("a = 134.7", "a.toml").value();
+  root.number("a", {0, 100});
+  EXPECT_THAT(root.finish().error().message, HasSubstr("a = 134.7: expected"));
+}
+
 TEST(ConfigTable, TimeNeedsAnOffset) {
   const auto root = ConfigTable::parse("a = 2003-10-17T12:30:30-07:00\nb = 2003-10-17T12:30:30", "a.toml").value();
   using namespace std::chrono;

@@ -1,0 +1,69 @@
+#include "pipeline/air_for_gles.hpp"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "estimator/scattering.hpp"
+
+namespace kasumi {
+
+Haze haze_for_gles(const HazeCoefficients& haze, double observer_altitude_m) {
+  static_assert(kHazeNodes == kAttenuationNodes);
+  return {haze.weight,       haze.rayleigh_per_m, haze.mie_per_m, kRayleighScaleHeight_m,
+          kMieScaleHeight_m, observer_altitude_m};
+}
+
+ObjectLight light_for_gles(const LightOnObject& light) {
+  return {light.sun_direction, light.sun_irradiance, light.sky_irradiance_sh};
+}
+
+ResponseCurve response_for_gles(const Response& response) {
+  ResponseCurve curve;
+  switch (response.kind()) {
+    case Response::Kind::linear: curve.kind = ResponseCurve::Kind::linear; return curve;
+    case Response::Kind::srgb: curve.kind = ResponseCurve::Kind::srgb; return curve;
+    case Response::Kind::table: break;
+  }
+  curve.kind = ResponseCurve::Kind::table;
+  constexpr int kEntries = 1024;
+  for (int i = 0; i < kEntries; ++i) {
+    const glm::dvec3 light = response.to_light(glm::dvec3{static_cast<double>(i) / (kEntries - 1)});
+    for (int c = 0; c < 3; ++c) curve.light[static_cast<std::size_t>(c)].push_back(light[c]);
+  }
+  return curve;
+}
+
+SceneView view_for_gles(const Camera& scene, const glm::dvec3& object_centre_m, double object_radius_m) {
+  const auto pinhole = pinhole_model(*scene.lens).value_or(PinholeModel{});
+  SceneView view;
+  view.width = scene.width;
+  view.height = scene.height;
+  view.focal_px = pinhole.focal_px;
+  view.centre_px = pinhole.centre;
+  view.distortion = pinhole.distortion;
+  view.world_to_camera = glm::dmat4{glm::transpose(scene.to_world)};
+  // Planar depth at the picture's edge is well below the range: half the nearest range leaves room.
+  const double distance = glm::length(object_centre_m);
+  view.near_m = std::max(0.5, 0.5 * (distance - object_radius_m));
+  view.far_m = 2.0 * (distance + object_radius_m);
+  return view;
+}
+
+AirlightGrid airlight_grid(const Camera& scene, const PixelBox& box,
+                           const std::function<glm::dvec3(const glm::dvec2&, const Direction&)>& light) {
+  AirlightGrid grid;
+  grid.first_px = {box.left - 0.5, box.top - 0.5};
+  grid.last_px = {box.right - 0.5, box.bottom - 0.5};
+  for (int row = 0; row < AirlightGrid::kRows; ++row)
+    for (int column = 0; column < AirlightGrid::kColumns; ++column) {
+      const glm::dvec2 share{column / (AirlightGrid::kColumns - 1.0), row / (AirlightGrid::kRows - 1.0)};
+      const glm::dvec2 pixel = grid.first_px + share * (grid.last_px - grid.first_px);
+      const auto direction = scene.direction_at(pixel).value_or(scene.to_world * glm::dvec3{0, 0, 1});
+      grid.light[static_cast<std::size_t>(row * AirlightGrid::kColumns + column)] = light(pixel, direction);
+    }
+  return grid;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,31 @@
+// Figures of `kasumi bench`: ratios of two things measured in turn in one process, so that the machine's own speed and
+// mood cancel out.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+
+namespace kasumi {
+
+struct BenchRow {
+  std::string name;  // "cached composite / plain blit, full HD"
+  double value = 0.0;
+  std::string unit = "x";
+  std::optional<double> goal;  // none: for orientation only
+  bool at_most = true;         // the goal is an upper bound; else a lower one
+  bool reached() const { return !goal || (at_most ? value <= *goal : value >= *goal); }
+};
+
+// Seconds of one call.
+double seconds_of(const std::function<void()>& work);
+// Runs a and b in turn, `pairs` times after one unmeasured pair, and gives the median of time(a) / time(b).
+double paired_ratio(const std::function<void()>& a, const std::function<void()>& b, int pairs);
+
+std::vector<BenchRow> bench_turbidity();
+std::vector<BenchRow> bench_air();
+
+}  // namespace kasumi

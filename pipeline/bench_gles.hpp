@@ -1,0 +1,14 @@
+// What drawing costs, side by side (docs/performance.md).
+#pragma once
+
+#include <vector>
+
+#include "base/result.hpp"
+#include "pipeline/bench.hpp"
+
+namespace kasumi {
+
+// Opens a headless context of its own; full HD. Errors: unsupported (no GL here), device.
+Result<std::vector<BenchRow>> bench_gles();
+
+}  // namespace kasumi

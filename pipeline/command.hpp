@@ -1,0 +1,21 @@
+// The commands of `kasumi`. Each registers its options and, when it is the one asked for, leaves what is to be done.
+#pragma once
+
+#include <functional>
+
+#include "base/result.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace kasumi {
+
+// Returns the exit code: 0, or 2 when some of many inputs could not be read (each was reported).
+using Action = std::function<Result<int>()>;
+
+void add_replay_command(CLI::App& app, Action& action);
+void add_estimate_command(CLI::App& app, Action& action);
+void add_bench_command(CLI::App& app, Action& action);
+
+}  // namespace kasumi

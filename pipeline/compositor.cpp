@@ -1,0 +1,60 @@
+#include "pipeline/compositor.hpp"
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "pipeline/air_for_gles.hpp"
+
+namespace kasumi {
+
+namespace {
+
+// Below what the eye can see in one step: half a percent of the haze, a tenth of a degree of the sun.
+constexpr double kLeastHazeChange = 0.005;
+constexpr Radians kLeastSunMove = from_degrees(0.1);
+
+}  // namespace
+
+Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, SceneAirOptions options) {
+  auto model = read_gltf(installation.object.model);
+  if (!model) return fail(model.error());
+  auto renderer = Renderer::create(context);
+  if (!renderer) return fail(renderer.error());
+  if (auto set = renderer->set_model(*model); !set) return fail(set.error());
+
+  const auto to_world = model_to_world(installation.object.placement);
+  const auto bounds = model->bounds();
+  const glm::dvec3 lowest(bounds.lowest), highest(bounds.highest);
+  const glm::dvec3 centre(to_world * glm::dvec4(0.5 * (lowest + highest), 1.0));
+  const double radius = 0.5 * glm::length(highest - lowest) * installation.object.placement.scale;
+  const auto view = view_for_gles(installation.scene, centre, radius);
+  if (auto set = renderer->set_view(view, to_world); !set) return fail(set.error());
+  if (auto set = renderer->set_foreground(installation.scene.mask); !set) return fail(set.error());
+  if (auto set = renderer->set_response(response_for_gles(installation.scene.response)); !set) return fail(set.error());
+  return Compositor(std::move(*renderer), SceneAir(installation, options), installation.scene.yuv_encoding);
+}
+
+bool Compositor::is_stale(const SceneConditions& now) const {
+  if (!layer_ || layer_->sky != now.sky) return true;
+  const double haze = now.turbidity.value - 1.0, drawn = layer_->turbidity.value - 1.0;
+  return std::abs(haze - drawn) > kLeastHazeChange * drawn || angle_between(now.sun, layer_->sun) > kLeastSunMove;
+}
+
+Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTarget& target) {
+  const auto picture = decode(frame, encoding_);
+  if (!picture) return fail(picture.error());
+  air_.observe(frame.metadata, picture->view(), sky.picture ? &sky.picture->view() : nullptr);
+
+  const auto conditions = air_.conditions(sky);
+  const auto box = renderer_.object_box();
+  if (is_stale(conditions)) {
+    if (auto drawn = renderer_.redraw_layer(air_.appearance(conditions, box)); !drawn) return drawn;
+    layer_ = conditions;
+    ++layers_drawn_;
+  }
+  if (auto uploaded = renderer_.upload(picture->view()); !uploaded) return uploaded;
+  return renderer_.draw(air_.measured(conditions, box), target);
+}
+
+}  // namespace kasumi

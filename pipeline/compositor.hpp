@@ -1,0 +1,38 @@
+// The scene camera's half of the pipeline: its frames and today's air in, the picture with the building out.
+#pragma once
+
+#include <optional>
+
+#include "gles/context.hpp"
+#include "gles/renderer.hpp"
+#include "pipeline/scene_air.hpp"
+
+namespace kasumi {
+
+// Belongs to the thread of its GL context.
+class Compositor {
+ public:
+  // Reads the model, tells the renderer what never changes. Errors: bad_input (model, mask), device.
+  static Result<Compositor> create(GlContext& context, const Installation& installation, SceneAirOptions options);
+
+  // Draws the frame with the building under the report's air. Errors: bad_input (a frame without a picture: it is not
+  // drawn and the caller keeps the last one), device.
+  Result<> draw(const Frame& frame, const SkyReport& sky, const DrawTarget& target);
+
+  const SceneAir& air() const { return air_; }
+  std::uint64_t layers_drawn() const { return layers_drawn_; }
+  const std::vector<std::string>& notes() const { return renderer_.notes(); }
+
+ private:
+  Compositor(Renderer renderer, SceneAir air, YuvEncoding encoding)
+      : renderer_(std::move(renderer)), air_(std::move(air)), encoding_(encoding) {}
+  bool is_stale(const SceneConditions& now) const;
+
+  Renderer renderer_;
+  SceneAir air_;
+  YuvEncoding encoding_;
+  std::optional<SceneConditions> layer_;  // the air the cached layer was drawn under
+  std::uint64_t layers_drawn_ = 0;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,17 @@
+#include "pipeline/fixture_file.hpp"
+
+namespace kasumi {
+
+Result<Fixture> read_fixture(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error))
+    return fail(FaultKind::bad_input, "{}: expected a fixture, a folder with fixture.toml, sky/ and scene/",
+                folder.string());
+  const auto root = ConfigTable::read_file(folder / "fixture.toml");
+  if (!root) return fail(root.error());
+  Fixture fixture{folder, read_fixture_info(*root), read_installation(*root)};
+  if (auto whole = root->finish(); !whole) return fail(whole.error());
+  return fixture;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,47 @@
+// kasumi <command>: see docs/architecture.md for the way of a frame.
+#include <cstdio>
+#include <exception>
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
+
+#include "pipeline/command.hpp"
+
+namespace {
+
+constexpr int kFailed = 1;    // this machine could not do it
+constexpr int kBadInput = 2;  // a person has to mend something
+
+int exit_code(const kasumi::Fault& fault) {
+  return fault.kind == kasumi::FaultKind::bad_input ? kBadInput : kFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("kasumi"));
+  spdlog::set_pattern("kasumi: %^%l%$: %v");
+
+  CLI::App app{"Kasumi: a vanished building, seen again under today's air", "kasumi"};
+  app.set_version_flag("--version", KASUMI_VERSION);
+  app.require_subcommand(1);
+  kasumi::Action action;
+  kasumi::add_replay_command(app, action);
+  kasumi::add_estimate_command(app, action);
+  kasumi::add_bench_command(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadInput;
+  }
+
+  const auto done = action();
+  if (done) return *done;
+  fmt::print(stderr, "kasumi: {}\n", done.error().message);
+  return exit_code(done.error());
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "kasumi: unexpected: %s\n", error.what());
+  return kFailed;
+}

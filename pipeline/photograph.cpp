@@ -1,0 +1,77 @@
+#include "pipeline/photograph.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/files.hpp"
+
+namespace kasumi {
+
+namespace {
+
+Result<cv::Mat> decode_file(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return fail(bytes.error());
+  cv::Mat image;
+  try {
+    if (!bytes->empty()) image = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    return fail(FaultKind::bad_input, "{}: not a picture that can be read: {}", path.string(), error.err);
+  }
+  if (image.empty())
+    return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF or PNM)",
+                path.string());
+  return image;
+}
+
+}  // namespace
+
+Result<Photograph> read_photograph(const std::filesystem::path& path) {
+  auto image = decode_file(path);
+  if (!image) return fail(image.error());
+  cv::Mat rgb;
+  switch (image->channels()) {
+    case 1: cv::cvtColor(*image, rgb, cv::COLOR_GRAY2RGB); break;
+    case 3: cv::cvtColor(*image, rgb, cv::COLOR_BGR2RGB); break;
+    case 4: cv::cvtColor(*image, rgb, cv::COLOR_BGRA2RGB); break;
+    default: return fail(FaultKind::bad_input, "{}: {} channels, expected 1, 3 or 4", path.string(), image->channels());
+  }
+
+  Photograph photograph;
+  double scale = 1.0;
+  switch (rgb.depth()) {
+    case CV_8U: scale = photograph.quantum = 1.0 / 255.0; break;
+    case CV_16U: scale = photograph.quantum = 1.0 / 65535.0; break;
+    case CV_32F:
+    case CV_64F: {
+      double largest = 0.0;
+      cv::patchNaNs(rgb, 0.0);
+      cv::minMaxLoc(rgb.reshape(1), nullptr, &largest);
+      scale = largest > 0.0 && std::isfinite(largest) ? 1.0 / largest : 1.0;
+      break;
+    }
+    default: return fail(FaultKind::bad_input, "{}: expected 8 or 16 bits or floating point", path.string());
+  }
+  photograph.encoded = Image<glm::vec3>(rgb.cols, rgb.rows);
+  cv::Mat target(rgb.rows, rgb.cols, CV_32FC3, photograph.encoded.elements().data());
+  rgb.convertTo(target, CV_32FC3, scale);
+  return photograph;
+}
+
+Image<Rgb8> to_rgb8(const Photograph& photograph) {
+  const auto& encoded = photograph.encoded;
+  Image<Rgb8> picture(encoded.width(), encoded.height());
+  std::transform(encoded.elements().begin(), encoded.elements().end(), picture.elements().begin(),
+                 [](const glm::vec3& v) {
+                   Rgb8 pixel;
+                   for (int c = 0; c < 3; ++c)
+                     pixel[c] = static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(v[c], 0.0f, 1.0f)));
+                   return pixel;
+                 });
+  return picture;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,28 @@
+// Where finished pictures go: a folder of PNGs or one film.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "base/result.hpp"
+
+namespace kasumi {
+
+Result<> write_png(const std::filesystem::path& path, const Image<Rgb8>& picture);
+
+class PictureSink {
+ public:
+  virtual ~PictureSink() = default;
+  virtual Result<> put(const Image<Rgb8>& picture) = 0;
+  // The film exists under its name only after this.
+  virtual Result<> finish() = 0;
+};
+
+// frame-000000.png, frame-000001.png, ... in a folder, which is made; pictures of an earlier run are removed.
+Result<std::unique_ptr<PictureSink>> open_picture_folder(const std::filesystem::path& folder);
+// H.264 where this machine's OpenCV offers it, else MPEG-4; the film is written beside its name and renamed.
+Result<std::unique_ptr<PictureSink>> open_film(const std::filesystem::path& file, double frames_per_second);
+
+}  // namespace kasumi

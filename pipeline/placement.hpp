@@ -1,0 +1,27 @@
+// Where the virtual building stands.
+#pragma once
+
+#include <filesystem>
+
+#include <glm/vec3.hpp>
+
+#include "base/config_table.hpp"
+#include "calib/camera.hpp"
+#include "gles/model.hpp"
+
+namespace kasumi {
+
+struct ObjectPlacement {
+  std::filesystem::path model;
+  Placement placement;
+};
+
+// East, north, up (metres) of a place as seen from the site, in the site's tangent plane on the WGS 84 ellipsoid: a
+// place some kilometres away lies lower by the earth's curvature (1 m at 3.6 km); refraction is not counted.
+glm::dvec3 east_north_up(const Site& site, double latitude_deg, double longitude_deg, double altitude_m);
+
+// [object]: model, east_m north_m up_m or latitude_deg longitude_deg altitude_m, heading_deg, scale. Problems are left
+// in the table's file.
+ObjectPlacement read_placement(const ConfigTable& table, const Site& site);
+
+}  // namespace kasumi

@@ -1,0 +1,74 @@
+#include "pipeline/scene_air.hpp"
+
+#include "pipeline/air_for_gles.hpp"
+
+namespace kasumi {
+
+namespace {
+
+// How far one look moves the smoothed horizon: clouds and people pass, the air stays.
+constexpr double kHorizonWeight = 0.3;
+
+std::optional<double> exposure_of(const FrameMetadata& metadata) {
+  if (!metadata.exposure_s || *metadata.exposure_s <= 0) return std::nullopt;
+  return *metadata.exposure_s * metadata.gain.value_or(1.0);
+}
+
+void scale(HorizonLight& horizon, double factor) {
+  for (auto& column : horizon.columns) column.light *= factor;
+}
+
+}  // namespace
+
+SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
+    : scene_(installation.scene),
+      sky_(installation.sky),
+      altitude_m_(installation.site.altitude_m),
+      options_(options),
+      nodes_(attenuation_nodes(spectral_measure(scene_.sensitivity))) {}
+
+SceneConditions SceneAir::conditions(const SkyReport& report) const {
+  SceneConditions conditions;
+  conditions.turbidity = report.tracked ? report.tracked->turbidity : options_.until_known;
+  if (options_.turbidity) conditions.turbidity = *options_.turbidity;
+  conditions.sky = report.estimate.sky;
+  if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
+  return conditions;
+}
+
+ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
+  const Daylight daylight(scene_, conditions.turbidity, conditions.sun,
+                          {conditions.sky, options_.ground_albedo, altitude_m_});
+  ObjectAppearance appearance;
+  appearance.haze = haze_for_gles(haze_coefficients(nodes_, options_.scattering, conditions.turbidity), altitude_m_);
+  appearance.light = light_for_gles(daylight.on_object());
+  appearance.horizon = airlight_grid(
+      scene_, box, [&](const glm::dvec2&, const Direction& direction) { return daylight.airlight(direction); });
+  appearance.aerial_perspective = options_.aerial_perspective;
+  return appearance;
+}
+
+void SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture) {
+  const auto exposure = exposure_of(metadata);
+  if (exposure && exposure_) scale(horizon_, *exposure / *exposure_);
+  exposure_ = exposure;
+  const bool backwards = looked_at_ && metadata.captured_at < *looked_at_;
+  if (looked_at_ && !backwards && metadata.captured_at - *looked_at_ < options_.horizon_interval) return;
+  looked_at_ = metadata.captured_at;
+
+  auto seen = measure_horizon(scene_, scene);
+  if (!seen.usable() && sky_picture) seen = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
+  horizon_ = blend(horizon_, seen, horizon_.usable() ? kHorizonWeight : 1.0);
+}
+
+AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {
+  if (!horizon_.usable())
+    return airlight_grid(scene_, box, [](const glm::dvec2&, const Direction&) { return glm::dvec3{0.5}; });
+  const Airlight airlight(horizon_, conditions.turbidity, conditions.sun, scene_.light_to_xyz(), options_.zeta);
+  return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
+    // Back into the camera's own light: what its pixels are compared and mixed with.
+    return airlight.from(direction) * scene_.white_balance * scene_.vignetting.at(pixel);
+  });
+}
+
+}  // namespace kasumi

@@ -1,0 +1,59 @@
+// Today's air between the scene camera and the object: from T and the visible horizon to what the renderer needs.
+#pragma once
+
+#include <optional>
+
+#include "capture/frame.hpp"
+#include "estimator/airlight.hpp"
+#include "estimator/attenuation.hpp"
+#include "estimator/horizon.hpp"
+#include "estimator/object_light.hpp"
+#include "gles/renderer.hpp"
+#include "pipeline/sky_watch.hpp"
+
+namespace kasumi {
+
+struct SceneAirOptions {
+  ScatteringModel scattering = ScatteringModel::morales2017;
+  ZetaForm zeta = ZetaForm::full;
+  double ground_albedo = 0.2;
+  bool aerial_perspective = true;                       // false: the "before" picture
+  std::optional<Turbidity> turbidity;                   // instead of the sky's
+  Turbidity until_known{3.0};                           // while no sky frame was usable
+  Duration horizon_interval = std::chrono::seconds(1);  // between looks for the horizon
+};
+
+// The air a picture is drawn under.
+struct SceneConditions {
+  Turbidity turbidity;
+  SunDirection sun{0, 0, 1};
+  SkyCondition sky = SkyCondition::unknown;
+};
+
+class SceneAir {
+ public:
+  SceneAir(const Installation& installation, SceneAirOptions options);
+
+  SceneConditions conditions(const SkyReport& report) const;
+  // Haze, light and the model's horizon over the object's part of the picture.
+  ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
+
+  // Looks at the horizon in a scene frame (at most once in horizon_interval of recorded time; between, the camera's own
+  // exposure carries it on). `sky_picture`: the latest of the sky camera, for scenes that show no sky; may be null.
+  void observe(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture);
+  const HorizonLight& horizon() const { return horizon_; }
+  // Measured light from infinity in the scene camera's linear light; a plain grey of 0.5 while no horizon is known.
+  AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
+
+ private:
+  Camera scene_;
+  Camera sky_;
+  double altitude_m_;
+  SceneAirOptions options_;
+  AttenuationNodes nodes_;
+  HorizonLight horizon_;
+  std::optional<Instant> looked_at_;
+  std::optional<double> exposure_;  // of the last frame: seconds times gain
+};
+
+}  // namespace kasumi

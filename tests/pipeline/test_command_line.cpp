@@ -1,0 +1,130 @@
+// The program as a person or a script meets it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+
+#include <sys/wait.h>
+#include <nlohmann/json.hpp>
+
+#include "base/files.hpp"
+#include "pipeline/picture_sink.hpp"
+#include "tests/pipeline/recorded.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+Outcome run(const std::string& arguments) {
+  const auto errors = test_folder("stderr.txt");
+  Outcome outcome;
+  FILE* pipe = ::popen(fmt::format("{} {} 2>{}", KASUMI_BINARY, arguments, errors.string()).c_str(), "r");
+  if (!pipe) return outcome;
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    outcome.out.append(buffer.data(), n);
+  outcome.code = WEXITSTATUS(::pclose(pipe));
+  outcome.err = read_text_file(errors).value_or("");
+  return outcome;
+}
+
+class EstimateCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    fixtures::SkyRecipe recipe;
+    recipe.turbidity = 3.0;
+    recipe.size = 400;
+    sky = test_folder("command") / "sky.png";
+    std::filesystem::create_directories(sky.parent_path());
+    ASSERT_TRUE(write_png(sky, fixtures::sky_picture(recipe).pixels));
+  }
+  static std::filesystem::path sky;
+  const std::string camera = "--circle 199.5,199.5,200 --sun-zenith-deg 58.4 --sun-azimuth-deg 180";
+};
+std::filesystem::path EstimateCommand::sky;
+
+TEST_F(EstimateCommand, JsonHasEveryPromisedKey) {
+  const auto outcome = run("estimate --json " + camera + " " + sky.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  for (const char* key : {"turbidity", "sigma", "usable", "reason", "sky", "clear_fraction", "samples",
+                          "sun_zenith_deg", "sun_azimuth_deg", "aod_550", "visibility_m", "weather"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_TRUE(json["usable"]);
+  EXPECT_NEAR(json["turbidity"].get<double>(), 3.0, 0.1);
+  EXPECT_NEAR(json["sun_zenith_deg"].get<double>(), 58.4, 1e-3);
+}
+
+TEST_F(EstimateCommand, AListOnStandardInputGivesOneObjectALineInItsOrder) {
+  const auto list = test_folder("command") / "list.txt";
+  std::ofstream(list) << sky.string() << "\n" << sky.string() << "\n" << sky.string() << "\n";
+  const auto outcome = run("estimate --json " + camera + " - <" + list.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::istringstream lines(outcome.out);
+  int count = 0;
+  std::string first;
+  for (std::string line; std::getline(lines, line); ++count) {
+    if (count == 0) first = line;
+    EXPECT_EQ(line, first);
+  }
+  EXPECT_EQ(count, 3);
+}
+
+TEST_F(EstimateCommand, AnUnreadableImageIsToldAndTheOthersAreDone) {
+  const auto broken = test_folder("command") / "broken.png";
+  std::ofstream(broken) << "no picture";
+  const auto outcome = run("estimate --json " + camera + " " + broken.string() + " " + sky.string());
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("broken.png"));
+  EXPECT_THAT(outcome.out, HasSubstr("\"usable\":true"));
+}
+
+TEST_F(EstimateCommand, AnUnusableSkyIsNoError) {
+  const auto black = test_folder("command") / "black.png";
+  ASSERT_TRUE(write_png(black, Image<Rgb8>(400, 400)));
+  const auto outcome = run("estimate --json " + camera + " " + black.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_FALSE(json["usable"]);
+  EXPECT_FALSE(json["reason"].get<std::string>().empty());
+  EXPECT_TRUE(json["turbidity"].is_null());
+}
+
+TEST_F(EstimateCommand, EveryWrongOptionIsToldAtOnce) {
+  const auto outcome = run("estimate --sun-zenith-deg 10 --lat 40 --utc yesterday " + sky.string());
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--sun-azimuth-deg"));
+  EXPECT_THAT(outcome.err, HasSubstr("--lon"));
+  EXPECT_THAT(outcome.err, HasSubstr("--utc yesterday"));
+}
+
+TEST_F(EstimateCommand, APlotIsWrittenBesideTheImageOnRequest) {
+  const auto plot = sky.string() + ".fit.png";
+  std::filesystem::remove(plot);
+  ASSERT_EQ(run("estimate --plot " + camera + " " + sky.string()).code, 0);
+  EXPECT_GT(std::filesystem::file_size(plot), 1000u);
+}
+
+TEST(CommandLine, AnUnknownCommandIsBadInput) {
+  EXPECT_EQ(run("conjure").code, 2);
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run("--help").code, 0);
+  EXPECT_EQ(run("--version").code, 0);
+}
+
+TEST(CommandLine, AMissingFixtureIsBadInput) {
+  const auto outcome = run("replay /nowhere/at-all");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("/nowhere/at-all"));
+}
+
+}  // namespace
+}  // namespace kasumi
