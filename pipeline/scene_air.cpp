@@ -25,7 +25,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       sky_(installation.sky),
       altitude_m_(installation.site.altitude_m),
       options_(options),
-      nodes_(attenuation_nodes(spectral_measure(scene_.sensitivity))) {}
+      nodes_(attenuation_nodes(spectral_measure(scene_))) {}
 
 SceneConditions SceneAir::conditions(const SkyReport& report) const {
   SceneConditions conditions;
