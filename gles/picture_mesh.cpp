@@ -12,7 +12,6 @@ namespace kasumi {
 namespace {
 
 constexpr int kTile = 16;
-constexpr int kLargest = 64;
 
 PictureArea area_of(const Image<float>& coverage, int left, int top, int right, int bottom) {
   // Halves and bytes cannot tell a hair from nothing at all: 1 is stored exactly, 0 too.
@@ -31,8 +30,8 @@ struct Run {
   PixelBox box;
 };
 
-bool grows(const Run& run, PictureArea area, int size) {
-  return run.area == area && (area == PictureArea::plain || size <= kLargest);
+bool grows(const Run& run, PictureArea area, int size, int largest) {
+  return run.area == area && (area == PictureArea::plain || size <= largest);
 }
 
 }  // namespace
@@ -51,6 +50,8 @@ PictureRectangles cut_picture(int width, int height, const PixelBox& box, const 
   add(PictureArea::plain, {box.right, box.top, width, box.bottom});
   add(PictureArea::plain, {0, box.bottom, width, height});
 
+  const int largest =
+      std::max(kTile, std::max(box.right - box.left, box.bottom - box.top) / (2 * (AirlightGrid::kColumns - 1)));
   std::vector<Run> open;  // of the rows above, still growing downwards
   for (int top = box.top; top < box.bottom; top += kTile) {
     const int bottom = std::min(top + kTile, box.bottom);
@@ -58,7 +59,7 @@ PictureRectangles cut_picture(int width, int height, const PixelBox& box, const 
     for (int left = box.left; left < box.right; left += kTile) {
       const int right = std::min(left + kTile, box.right);
       const PictureArea area = area_of(coverage, left - box.left, top - box.top, right - box.left, bottom - box.top);
-      if (!row.empty() && grows(row.back(), area, right - row.back().box.left))
+      if (!row.empty() && grows(row.back(), area, right - row.back().box.left, largest))
         row.back().box.right = right;
       else
         row.push_back({area, {left, top, right, bottom}});
@@ -66,7 +67,7 @@ PictureRectangles cut_picture(int width, int height, const PixelBox& box, const 
     for (Run& run : row) {
       const auto above = std::ranges::find_if(open, [&](const Run& o) {
         return o.box.left == run.box.left && o.box.right == run.box.right && o.box.bottom == top &&
-               grows(o, run.area, bottom - o.box.top);
+               grows(o, run.area, bottom - o.box.top, largest);
       });
       if (above == open.end()) continue;
       run.box.top = above->box.top;

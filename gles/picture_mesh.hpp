@@ -17,8 +17,8 @@ constexpr std::size_t kPictureAreas = 3;
 using PictureRectangles = std::array<std::vector<PixelBox>, kPictureAreas>;
 
 // Cuts a picture so that no pixel is drawn twice. `coverage` is the box's, 0..1: rectangles are covered where it is 1
-// throughout, plain where it is 0 throughout. None is wider or higher than 64 pixels where the object is, so that
-// airlight interpolated between their corners follows its grid.
+// throughout, plain where it is 0 throughout. Where the object is they are small, about half a cell of a grid of
+// airlight that spans the box, so that airlight interpolated between their corners follows the grid.
 PictureRectangles cut_picture(int width, int height, const PixelBox& box, const Image<float>& coverage);
 
 // Those rectangles as triangles on the GPU.

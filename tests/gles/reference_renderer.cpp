@@ -1,0 +1,336 @@
+#include "tests/gles/reference_renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace kasumi {
+namespace {
+
+struct Corner {
+  glm::dvec3 camera;
+  glm::dvec3 normal;  // world
+  const ModelVertex* vertex;
+};
+
+struct Triangle {
+  std::array<Corner, 3> corners;
+  const ModelMaterial* material;
+  glm::dvec3 normal;  // of the plane, camera frame, towards the front
+};
+
+struct Hit {
+  double depth;
+  const Triangle* triangle;
+  std::array<double, 3> weights;  // of the corners
+  bool back;
+};
+
+struct Fragment {
+  glm::dvec3 n;  // rho Gamma + 1 - Gamma
+  double alpha;
+};
+
+glm::dvec2 lens(const SceneView& view, glm::dvec2 p) {
+  const auto& [k1, k2, p1, p2, k3] = view.distortion;
+  const double r2 = p.x * p.x + p.y * p.y;
+  const double radial = 1.0 + k1 * r2 + k2 * r2 * r2 + k3 * r2 * r2 * r2;
+  return {p.x * radial + 2 * p1 * p.x * p.y + p2 * (r2 + 2 * p.x * p.x),
+          p.y * radial + p1 * (r2 + 2 * p.y * p.y) + 2 * p2 * p.x * p.y};
+}
+
+// The ray a pixel sees, z = 1, by fixed-point iteration.
+glm::dvec3 ray_of(const SceneView& view, glm::dvec2 pixel) {
+  const glm::dvec2 wanted = (pixel - view.centre_px) / view.focal_px;
+  glm::dvec2 p = wanted;
+  for (int i = 0; i < 60; ++i) {
+    const glm::dvec2 miss = wanted - lens(view, p);
+    p += miss;
+    if (glm::dot(miss, miss) < 1e-28) break;
+  }
+  return {p, 1.0};
+}
+
+glm::dvec3 bilinear(const AirlightGrid& grid, glm::dvec2 pixel) {
+  const auto index = [](double at, double first, double last, int points) {
+    if (last <= first) return 0.0;
+    return std::min(std::max((at - first) / (last - first), 0.0), 1.0) * (points - 1);
+  };
+  const double u = index(pixel.x, grid.first_px.x, grid.last_px.x, AirlightGrid::kColumns);
+  const double v = index(pixel.y, grid.first_px.y, grid.last_px.y, AirlightGrid::kRows);
+  glm::dvec3 sum{0.0};
+  for (int row = 0; row < AirlightGrid::kRows; ++row)
+    for (int column = 0; column < AirlightGrid::kColumns; ++column) {
+      const double weight = std::max(0.0, 1.0 - std::abs(u - column)) * std::max(0.0, 1.0 - std::abs(v - row));
+      sum += weight * grid.light[static_cast<std::size_t>(row * AirlightGrid::kColumns + column)];
+    }
+  return sum;
+}
+
+// Simpson's rule along the straight path.
+double weighted_length(double range, double climb, double observer, double scale_height) {
+  constexpr int kIntervals = 32;
+  double sum = 0.0;
+  for (int i = 0; i <= kIntervals; ++i) {
+    const double weight = i == 0 || i == kIntervals ? 1.0 : i % 2 == 1 ? 4.0 : 2.0;
+    sum += weight * std::exp(-(observer + climb * i / kIntervals) / scale_height);
+  }
+  return range * sum / (3.0 * kIntervals);
+}
+
+glm::dvec3 attenuation(const Haze& haze, double range, double climb) {
+  const double rayleigh = weighted_length(range, climb, haze.observer_altitude_m, haze.rayleigh_scale_height_m);
+  const double mie = weighted_length(range, climb, haze.observer_altitude_m, haze.mie_scale_height_m);
+  glm::dvec3 sum{0.0};
+  for (std::size_t k = 0; k < kHazeNodes; ++k)
+    for (int c = 0; c < 3; ++c)
+      sum[c] += haze.weight[k][c] * std::exp(-haze.rayleigh_per_m[k][c] * rayleigh - haze.mie_per_m[k][c] * mie);
+  return sum;
+}
+
+glm::dvec3 irradiance(const ObjectLight& light, glm::dvec3 n) {
+  const double pi = kPi;
+  const std::array<double, 9> basis{0.5 * std::sqrt(1 / pi),
+                                    std::sqrt(3 / (4 * pi)) * n.y,
+                                    std::sqrt(3 / (4 * pi)) * n.z,
+                                    std::sqrt(3 / (4 * pi)) * n.x,
+                                    0.5 * std::sqrt(15 / pi) * n.x * n.y,
+                                    0.5 * std::sqrt(15 / pi) * n.y * n.z,
+                                    0.25 * std::sqrt(5 / pi) * (3 * n.z * n.z - 1),
+                                    0.5 * std::sqrt(15 / pi) * n.x * n.z,
+                                    0.25 * std::sqrt(15 / pi) * (n.x * n.x - n.y * n.y)};
+  glm::dvec3 sky{0.0};
+  for (std::size_t i = 0; i < 9; ++i) sky += basis[i] * light.sky_irradiance_sh[i];
+  return glm::max(sky, glm::dvec3{0.0}) + light.sun_irradiance * std::max(0.0, glm::dot(n, light.sun_direction));
+}
+
+double srgb_light(double code) {
+  return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+}
+
+int wrapped(int at, int size, TextureWrap wrap) {
+  switch (wrap) {
+    case TextureWrap::clamp: return std::clamp(at, 0, size - 1);
+    case TextureWrap::mirrored_repeat: {
+      const int turn = ((at % (2 * size)) + 2 * size) % (2 * size);
+      return turn < size ? turn : 2 * size - 1 - turn;
+    }
+    case TextureWrap::repeat: break;
+  }
+  return ((at % size) + size) % size;
+}
+
+// Bilinear in linear light at full size: the test scenes magnify their textures.
+glm::dvec4 texel(const ModelTexture& texture, glm::dvec2 place) {
+  const int w = texture.pixels.width(), h = texture.pixels.height();
+  const double x = place.x * w - 0.5, y = place.y * h - 0.5;
+  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+  glm::dvec4 sum{0.0};
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      const glm::u8vec4 t = texture.pixels.at(wrapped(x0 + i, w, texture.wrap_s), wrapped(y0 + j, h, texture.wrap_t));
+      const double weight = (i == 1 ? x - x0 : 1 - x + x0) * (j == 1 ? y - y0 : 1 - y + y0);
+      sum +=
+          weight * glm::dvec4{srgb_light(t.r / 255.0), srgb_light(t.g / 255.0), srgb_light(t.b / 255.0), t.a / 255.0};
+    }
+  return sum;
+}
+
+class Tracer {
+ public:
+  explicit Tracer(const ReferenceScene& scene) : scene_(scene) {
+    const glm::dmat4 to_camera = scene.view.world_to_camera * scene.model_to_world;
+    const glm::dmat3 normals = glm::transpose(glm::inverse(glm::dmat3(scene.model_to_world)));
+    for (const ModelPart& part : scene.model.parts)
+      for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+        Triangle triangle{};
+        triangle.material = &scene.model.materials[static_cast<std::size_t>(part.material)];
+        for (std::size_t j = 0; j < 3; ++j) {
+          const ModelVertex& vertex = part.vertices[part.indices[i + j]];
+          triangle.corners[j] = {glm::dvec3(to_camera * glm::dvec4(vertex.position, 1.0)),
+                                 glm::normalize(normals * glm::dvec3(vertex.normal)), &vertex};
+        }
+        triangle.normal = glm::cross(triangle.corners[1].camera - triangle.corners[0].camera,
+                                     triangle.corners[2].camera - triangle.corners[0].camera);
+        triangles_.push_back(triangle);
+      }
+    up_ = glm::dvec3(scene.view.world_to_camera * glm::dvec4(0, 0, 1, 0));
+  }
+
+  // Every triangle tells the pixels that may see it, with margin for edges that the lens bends.
+  void trace(const std::vector<glm::dvec2>& samples, Image<glm::dvec4>& layer) const {
+    const int w = scene_.view.width, h = scene_.view.height;
+    Image<std::vector<Hit>> hits(w, h);
+    Image<glm::dvec3> rays(w, h);
+    for (const glm::dvec2& offset : samples) {
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+          rays.at(x, y) = ray_of(scene_.view, glm::dvec2{x, y} + offset);
+          hits.at(x, y).clear();
+        }
+      for (const Triangle& triangle : triangles_) {
+        const auto [left, top, right, bottom] = reach(triangle);
+        for (int y = top; y < bottom; ++y)
+          for (int x = left; x < right; ++x)
+            if (const auto hit = meet(triangle, rays.at(x, y))) hits.at(x, y).push_back(*hit);
+      }
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+          std::ranges::stable_sort(hits.at(x, y), {}, &Hit::depth);
+          double clear = 1.0;
+          for (const Hit& hit : hits.at(x, y)) {
+            const Fragment f = shade(hit, rays.at(x, y), glm::dvec2{x, y} + offset);
+            layer.at(x, y) += clear * f.alpha * glm::dvec4(f.n, 1.0) / static_cast<double>(samples.size());
+            clear *= 1.0 - f.alpha;
+            if (clear <= 0.0) break;
+          }
+        }
+    }
+  }
+
+ private:
+  PixelBox reach(const Triangle& triangle) const {
+    const SceneView& view = scene_.view;
+    constexpr double kMargin = 4.0;
+    glm::dvec2 low{1e9}, high{-1e9};
+    for (const Corner& corner : triangle.corners) {
+      if (corner.camera.z < view.near_m) return {0, 0, view.width, view.height};
+      const glm::dvec2 p = view.focal_px * lens(view, glm::dvec2(corner.camera) / corner.camera.z) + view.centre_px;
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    const auto cut = [](double v, int most) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(most))); };
+    return {cut(low.x - kMargin, view.width), cut(low.y - kMargin, view.height), cut(high.x + kMargin, view.width),
+            cut(high.y + kMargin, view.height)};
+  }
+
+  std::optional<Hit> meet(const Triangle& triangle, const glm::dvec3& ray) const {
+    const auto& [a, b, c] = triangle.corners;
+    const double facing = glm::dot(triangle.normal, ray);
+    if (facing == 0.0 || (facing > 0.0 && !triangle.material->double_sided)) return std::nullopt;
+    const double depth = glm::dot(triangle.normal, a.camera) / facing;
+    if (depth < scene_.view.near_m || depth > scene_.view.far_m) return std::nullopt;
+    const glm::dvec3 inside = depth * ray - a.camera;
+    const double area = glm::dot(triangle.normal, triangle.normal);
+    const double wb = glm::dot(triangle.normal, glm::cross(inside, c.camera - a.camera)) / area;
+    const double wc = glm::dot(triangle.normal, glm::cross(b.camera - a.camera, inside)) / area;
+    const double wa = 1.0 - wb - wc;
+    if (wa < 0.0 || wb < 0.0 || wc < 0.0) return std::nullopt;
+    return Hit{depth, &triangle, {wa, wb, wc}, facing > 0.0};
+  }
+
+  Fragment shade(const Hit& hit, const glm::dvec3& ray, glm::dvec2 pixel) const {
+    const auto& corners = hit.triangle->corners;
+    const auto mix = [&](auto value) {
+      return hit.weights[0] * value(corners[0]) + hit.weights[1] * value(corners[1]) +
+             hit.weights[2] * value(corners[2]);
+    };
+    const ModelMaterial& material = *hit.triangle->material;
+    glm::dvec4 surface =
+        glm::dvec4(material.base_colour) * mix([](const Corner& k) { return glm::dvec4(k.vertex->colour); });
+    if (material.texture >= 0)
+      surface *= texel(scene_.model.textures[static_cast<std::size_t>(material.texture)],
+                       mix([](const Corner& k) { return glm::dvec2(k.vertex->texture); }));
+    double alpha = 1.0;
+    if (material.alpha == ModelMaterial::Alpha::mask) alpha = surface.a < double(material.alpha_cutoff) ? 0.0 : 1.0;
+    if (material.alpha == ModelMaterial::Alpha::blend) alpha = std::clamp(surface.a, 0.0, 1.0);
+    glm::dvec3 n = glm::normalize(mix([](const Corner& k) { return k.normal; }));
+    if (hit.back) n = -n;
+
+    const ObjectAppearance& look = scene_.appearance;
+    const glm::dvec3 radiance = glm::dvec3(surface) / kPi * irradiance(look.light, n);
+    const glm::dvec3 rho = radiance / bilinear(look.horizon, pixel);
+    if (!look.aerial_perspective) return {rho, alpha};
+    const glm::dvec3 at = hit.depth * ray;
+    const glm::dvec3 passed = attenuation(look.haze, glm::length(at), glm::dot(at, up_));
+    return {rho * passed + 1.0 - passed, alpha};
+  }
+
+  const ReferenceScene& scene_;
+  std::vector<Triangle> triangles_;
+  glm::dvec3 up_{};
+};
+
+}  // namespace
+
+std::vector<glm::dvec2> turned_lattice() {
+  std::vector<glm::dvec2> points;
+  for (int a = -4; a <= 4; ++a)
+    for (int b = -4; b <= 4; ++b) {
+      const glm::dvec2 point{(4.0 * a - b) / 17.0, (a + 4.0 * b) / 17.0};
+      if (std::abs(point.x) < 0.5 && std::abs(point.y) < 0.5) points.push_back(point);
+    }
+  return points;
+}
+
+std::vector<glm::dvec2> upright_grid(int side) {
+  std::vector<glm::dvec2> points;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) points.emplace_back((x + 0.5) / side - 0.5, (y + 0.5) / side - 0.5);
+  return points;
+}
+
+std::vector<glm::dvec2> pixel_centre() {
+  return {glm::dvec2{0.0, 0.0}};
+}
+
+double reference_light(const ResponseCurve& response, int channel, double code) {
+  switch (response.kind) {
+    case ResponseCurve::Kind::linear: return code;
+    case ResponseCurve::Kind::srgb: return srgb_light(code);
+    case ResponseCurve::Kind::table: break;
+  }
+  const auto& table = response.light[static_cast<std::size_t>(channel)];
+  const double place = code * static_cast<double>(table.size() - 1);
+  const auto entry = std::min(static_cast<std::size_t>(place), table.size() - 2);
+  return table[entry] + (place - static_cast<double>(entry)) * (table[entry + 1] - table[entry]);
+}
+
+double reference_code(const ResponseCurve& response, int channel, double light) {
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (reference_light(response, channel, middle) < light ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+ReferencePicture render_reference(const ReferenceScene& scene, const Image<Rgb8>& camera,
+                                  const std::vector<glm::dvec2>& samples) {
+  const int w = scene.view.width, h = scene.view.height;
+  ReferencePicture picture{Image<glm::dvec3>(w, h), Image<glm::dvec4>(w, h, glm::dvec4{0.0})};
+  Tracer(scene).trace(samples, picture.layer);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      glm::dvec4& object = picture.layer.at(x, y);
+      if (!scene.mask.empty()) object *= scene.mask.at(x, y) / 255.0;
+      const glm::dvec3 airlight = bilinear(scene.measured, {x, y});
+      for (int c = 0; c < 3; ++c) {
+        const double code = camera.at(x, y)[c] / 255.0;
+        const double light = reference_light(scene.response, c, code) * (1.0 - object.a) + airlight[c] * object[c];
+        picture.encoded.at(x, y)[c] = 255.0 * (object.a > 0.0 ? reference_code(scene.response, c, light) : code);
+      }
+    }
+  return picture;
+}
+
+double psnr(const Image<Rgb8>& picture, const ReferencePicture& reference) {
+  double covered = 0.0, all = 0.0, covered_count = 0.0, all_count = 0.0;
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x) {
+      const glm::dvec3 miss = glm::dvec3(picture.at(x, y)) - reference.encoded.at(x, y);
+      const double square = glm::dot(miss, miss) / 3.0;
+      all += square;
+      all_count += 1.0;
+      if (reference.layer.at(x, y).a <= 0.0) continue;
+      covered += square;
+      covered_count += 1.0;
+    }
+  const double mean = covered_count > 0.0 ? covered / covered_count : all / all_count;
+  return 10.0 * std::log10(255.0 * 255.0 / std::max(mean, 1e-12));
+}
+
+}  // namespace kasumi

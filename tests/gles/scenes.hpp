@@ -1,0 +1,62 @@
+// Small scenes of known shape for the tests.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "gles/context.hpp"
+#include "gles/offscreen.hpp"
+#include "gles/renderer.hpp"
+#include "tests/gles/reference_renderer.hpp"
+
+namespace kasumi {
+
+// A box standing on up = 0 (model axes: y up), each face cut into cells x cells squares, texture (0, 0) .. (1, 1) a
+// face.
+ModelPart box_part(glm::dvec3 lowest, glm::dvec3 highest, int cells, int material = 0);
+Model box_model(double width_m, double height_m, double depth_m, int cells = 4);
+// A row of thin columns, `count` of them, `spacing_m` apart, over a flat base.
+Model columns_model(int count, double thickness_m, double spacing_m, double height_m);
+// A smooth texture of soft waves, so that no texel edge hides an error.
+ModelTexture soft_texture(int size);
+
+// A camera that looks north, level, with its horizon at the middle row.
+SceneView view_north(int width, int height, double focal_px);
+// Clear air of turbidity about 3, afternoon sun from the south-west, a bright horizon that varies across the picture.
+ObjectAppearance afternoon(const SceneView& view);
+AirlightGrid measured_airlight(const SceneView& view, double exposure = 1.0);
+// A sky that darkens upwards over a ground of soft texture.
+Image<Rgb8> landscape(int width, int height);
+// A box of 60 x 40 x 60 m, 3.5 km north, turned by 30 degrees: fills a good part of a 160 x 120 picture.
+ReferenceScene box_scene();
+
+// A test with a headless context, or a visible skip where the machine gives none.
+class GlesTest : public testing::Test {
+ protected:
+  void SetUp() override;
+  const GlInfo& info() const { return context_->info(); }
+  Renderer make_renderer(const RendererOptions& options = {});
+  Offscreen make_target(int width, int height, int samples = 1);
+  // Model, view, response, mask and layer of a scene.
+  void load(Renderer& renderer, const ReferenceScene& scene);
+  Image<Rgb8> draw(Renderer& renderer, const AirlightGrid& measured, const PictureView& frame);
+  Image<Rgb8> draw_moving(Renderer& renderer, const ReferenceScene& scene, const PictureView& frame, HazeDetail detail,
+                          int samples = 1);
+  // PSNR on what the object covers; both pictures are kept when it is too low.
+  void expect_like(const Image<Rgb8>& picture, const ReferencePicture& reference, double least_db = 50.0);
+
+  std::unique_ptr<GlContext> context_;
+};
+
+#define ASSERT_OK(result)                                                                       \
+  do {                                                                                          \
+    auto&& kasumi_result = (result);                                                            \
+    ASSERT_TRUE(kasumi_result.has_value()) << #result << ": " << kasumi_result.error().message; \
+  } while (false)
+
+void save_png(const Image<Rgb8>& picture, const std::filesystem::path& path);
+
+}  // namespace kasumi
