@@ -17,7 +17,13 @@ namespace {
 constexpr double kNightElevationDeg = -6.0;  // the end of civil twilight
 constexpr double kMostlyDark = 0.6;
 constexpr double kMostlySaturated = 0.5;
-constexpr double kUniform = 0.10;    // of ln Y: even fog varies more from the horizon to the zenith
+constexpr double kUniform = 0.10;  // of ln Y: even fog varies more from the horizon to the zenith
+constexpr double kBetter = 0.75;   // of the clear sky's error: then a grey sky is believed ...
+constexpr double kGreySky = 0.18;  // ... if it is one at all ...
+constexpr double kGoodFit = 0.02;  // ... and the clear sky is no good
+// Residual over what there was to explain. A whitish sky must fit better: nothing blue speaks for it against a cloud.
+constexpr double kWhitish = 8.0;
+constexpr double kUnexplained = 0.40, kUnexplainedWhitish = 0.20;
 constexpr double kSunVisible = 0.5;  // encoded: something in the picture is bright
 
 template <class T>
@@ -127,27 +133,34 @@ std::optional<Refusal> refuse_by_light(const SkyStatistics& s, const SunDirectio
   return std::nullopt;
 }
 
-RivalSkies compare_skies(std::span<const SkySample> samples, Turbidity fitted) {
+RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit) {
   if (samples.empty()) return {};
-  const PerezLog model(fitted);
+  const PerezLog model(fit.turbidity);
   RivalSkies rivals{median_error(samples, [&](const SkySample& s) { return model.at(perez_point(s)).log_f; }),
-                    std::numeric_limits<double>::infinity()};
+                    std::numeric_limits<double>::infinity(), 0.0};
   for (const double b : {-0.7, -0.5, -0.3, 0.0, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0}) {
     const double error = median_error(
         samples, [b](const SkySample& s) { return std::log1p(b * std::cos(static_cast<double>(s.zenith))); });
     rivals.grey = std::min(rivals.grey, error);
   }
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (fit.inlier[i] == 0) continue;
+    const auto log_y = static_cast<double>(samples[i].log_luminance);
+    sum += log_y;
+    squares += log_y * log_y;
+  }
+  const double n = std::max(1, fit.inliers);
+  rivals.spread = std::sqrt(std::max(0.0, squares / n - (sum / n) * (sum / n)));
   return rivals;
 }
 
 std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear,
                                      const RivalSkies& rivals, const EstimateOptions& options) {
   const double agreement = drawn > 0 ? static_cast<double>(fit.inliers) / drawn : 0.0;
-  const double clear = mask_clear * agreement;
   const double clouds = 100.0 * (1.0 - mask_clear);
   // A sky that knows height but no sun explains the picture better than any clear sky.
-  constexpr double kBetter = 0.75, kGoodEnough = 0.02;
-  if (drawn > 0 && rivals.clear > kGoodEnough && rivals.grey < kBetter * rivals.clear)
+  if (drawn > 0 && rivals.clear > kGoodFit && rivals.grey < kGreySky && rivals.grey < kBetter * rivals.clear)
     return refusal(SkyCondition::overcast,
                    fmt::format("overcast or fog: brightness follows height alone within {:.1f} %, the best clear sky "
                                "within {:.1f} %",
@@ -166,10 +179,18 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
         mask_clear < 0.5 ? SkyCondition::overcast : SkyCondition::unknown,
         fmt::format("only {:.0f} % of the samples agree on a clear sky (at least {:.0f} % must; clouds {:.0f} %)",
                     100.0 * agreement, 100.0 * options.least_agreement, clouds));
+  const bool whitish = fit.turbidity.value > kWhitish;
   if (fit.log_residual > options.largest_log_residual)
-    return refusal(clear < 0.4 ? SkyCondition::overcast : SkyCondition::unknown,
+    return refusal(whitish ? SkyCondition::overcast : SkyCondition::unknown,
                    fmt::format("the best clear sky (T {:.2f}) is off by {:.1f} % > {:.0f} %", fit.turbidity.value,
                                100.0 * fit.log_residual, 100.0 * options.largest_log_residual));
+  const double unexplained = fit.log_residual / std::max(1e-9, rivals.spread);
+  const double most_unexplained = whitish ? kUnexplainedWhitish : kUnexplained;
+  if (fit.log_residual > kGoodFit && unexplained > most_unexplained)
+    return refusal(
+        whitish ? SkyCondition::overcast : SkyCondition::unknown,
+        fmt::format("the best clear sky (T {:.2f}) leaves {:.0f} % of the sky's variation unexplained > {:.0f} %",
+                    fit.turbidity.value, 100.0 * unexplained, 100.0 * most_unexplained));
   if (fit.at_edge)
     return refusal(SkyCondition::unknown,
                    fmt::format("the best T is the end of the sky model's range, {:.1f}", fit.turbidity.value));

@@ -30,13 +30,13 @@ SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geomet
 // Dark, covered, under-exposed, over-exposed, nothing to look at.
 std::optional<Refusal> refuse_by_light(const SkyStatistics& statistics, const SunDirection& sun);
 
-// How well two skies explain the same samples of the whole sky, clouds included: median |residual| of ln Y, the gain
-// free.
+// How well two skies explain the same samples: median |residual| of ln Y, the gain free.
 struct RivalSkies {
-  double clear = 0.0;  // the fitted clear sky
-  double grey = 0.0;   // a sky that knows height but no sun, 1 + b cos theta: overcast (b = 2), fog (b small)
+  double clear = 0.0;   // the fitted clear sky
+  double grey = 0.0;    // a sky that knows height but no sun, 1 + b cos theta: overcast (b = 2), fog (b small)
+  double spread = 0.0;  // standard deviation of ln Y of the fit's inliers: what there was to explain
 };
-RivalSkies compare_skies(std::span<const SkySample> samples, Turbidity fitted);
+RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit);
 
 // After the fit. `mask_clear`: the share of the sky that the cloud mask left.
 std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear,

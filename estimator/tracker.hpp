@@ -10,7 +10,7 @@ namespace kasumi {
 
 // Numbers without a unit are of ln(T - 1): 0.1 is a tenth more or less haze.
 struct TrackerOptions {
-  double drift_per_root_hour = 0.3;  // standard deviation after an hour without news
+  double drift_per_root_hour = 0.2;  // standard deviation after an hour without news
   // A usable estimate further off than so many sigmas, and than the least, is doubted until so many in a row say the
   // same over at least this time: then the air has changed. A bird is quick, weather is not.
   double gate = 4.0;

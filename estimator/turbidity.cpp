@@ -9,7 +9,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kClearSky = 0.80;       // from this share on the sky is called clear
+constexpr double kClearSky = 0.80;  // from this share on the sky is called clear
+constexpr double kNearlyAll = 0.97;
 constexpr double kStrange = 3.0;         // standard deviations of the first fit's residuals ...
 constexpr double kLeastStrange = 0.004;  // ... and at least so much of ln Y, for elements that are no clear sky
 
@@ -51,12 +52,16 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
   double mask_clear = 1.0;
   if (options.mask_clouds) mask_clear = mask_clouds(sky, *geometry_, sun, options.clouds).clear_fraction;
   TurbiditySolution fit = draw_and_solve();
-  const RivalSkies rivals = compare_skies(look.samples, fit.turbidity);
-  if (options.mask_clouds && fit.solved && options.method == EstimateMethod::free_gain) {
+  // The fit itself shows what else is no clear sky, its thin edges above all; until hardly anything is.
+  constexpr int kRounds = 3;
+  for (int round = 0;
+       round < kRounds && options.mask_clouds && fit.solved && options.method == EstimateMethod::free_gain; ++round) {
     const double limit = std::max(kLeastStrange, kStrange * fit.log_residual);
     mask_clear *= mask_strangers(sky, *geometry_, sun, fit.turbidity, fit.log_gain, limit);
     fit = draw_and_solve();
+    if (fit.inliers > kNearlyAll * static_cast<double>(look.samples.size())) break;
   }
+  const RivalSkies rivals = compare_skies(look.samples, fit);
   look.use = std::move(sky.use);
   const int drawn = static_cast<int>(look.samples.size());
   look.inlier = fit.inlier;

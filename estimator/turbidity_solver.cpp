@@ -89,28 +89,81 @@ class LeastSquares {
   std::vector<double> log_y_, residual_, slope_;
 };
 
-// Standard deviation of T when neighbours err alike (lens, response and model errors do): the scatter of whole patches
-// of the sky's (zenith angle, sun distance) plane instead of single samples.
-double patch_sigma(std::span<const SkySample> samples, std::span<const double> weights, const LeastSquares& fit,
-                   const LocalSolution& solution, double mean_slope) {
-  constexpr int kZenith = 4, kSun = 8;
-  constexpr double kPatch = 0.35;  // [rad]
-  std::array<double, kZenith * kSun> pull{};
-  std::array<bool, kZenith * kSun> used{};
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (!(weights[i] > 0.0)) continue;
-    const int z = std::min(kZenith - 1, static_cast<int>(static_cast<double>(samples[i].zenith) / kPatch));
-    const int s = std::min(kSun - 1, static_cast<int>(static_cast<double>(samples[i].sun_distance) / kPatch));
-    const auto patch = static_cast<std::size_t>(z * kSun + s);
-    pull[patch] += weights[i] * (fit.slope()[i] - mean_slope) * (fit.residual()[i] - solution.log_gain);
-    used[patch] = true;
+// The sky's (zenith angle, sun distance) plane in patches: lens, response and model errors are alike inside one.
+class Patches {
+ public:
+  Patches(std::span<const SkySample> samples, std::span<const double> weights, const LeastSquares& fit, double log_gain,
+          double mean_slope) {
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      if (!(weights[i] > 0.0)) continue;
+      const int z = std::min(kZenith - 1, static_cast<int>(static_cast<double>(samples[i].zenith) / kSide));
+      const int s = std::min(kSun - 1, static_cast<int>(static_cast<double>(samples[i].sun_distance) / kSide));
+      Patch& patch = patches_[static_cast<std::size_t>(z * kSun + s)];
+      const double leverage = weights[i] * (fit.slope()[i] - mean_slope);
+      patch.leverage += leverage;
+      const double r = fit.residual()[i] - log_gain;
+      patch.pull += leverage * r;
+      patch.sum += r;
+      patch.squares += r * r;
+      ++patch.count;
+    }
   }
-  const auto patches = static_cast<double>(std::ranges::count(used, true));
-  if (patches < 3.0) return std::numeric_limits<double>::infinity();
-  double sum = 0.0;
-  for (const double p : pull) sum += p * p;
-  return std::sqrt(sum * patches / (patches - 1.0)) / solution.information;
-}
+
+  // Standard deviation of T times its information, from the scatter of whole patches instead of single samples.
+  double scatter() const {
+    const auto used =
+        static_cast<double>(std::ranges::count_if(patches_, [](const Patch& patch) { return patch.count > 0; }));
+    if (used < 3.0) return std::numeric_limits<double>::infinity();
+    double sum = 0.0;
+    for (const Patch& patch : patches_) sum += patch.pull * patch.pull;
+    return std::sqrt(sum * used / (used - 1.0));
+  }
+
+  // What neighbours' residuals have in common: their mean product, less what chance makes of it. Noise of single
+  // samples has no part in it.
+  double shared_variance() const {
+    double products = 0.0, pairs = 0.0, squares = 0.0, count = 0.0;
+    for (const Patch& patch : patches_) {
+      products += patch.sum * patch.sum - patch.squares;
+      pairs += static_cast<double>(patch.count) * (patch.count - 1);
+      squares += patch.squares;
+      count += patch.count;
+    }
+    if (!(pairs > 0.0)) return 0.0;
+    return std::max(0.0, products / pairs - squares / count * std::sqrt(2.0 / pairs));
+  }
+
+  // The same for an error of the model with this standard deviation that varies over the sky as smoothly as such errors
+  // do: the fit hides part of it from the residuals, so it is not left to them alone.
+  double smooth_error(double sigma) const {
+    if (!(sigma > 0.0)) return 0.0;
+    constexpr double kLength = 0.6 / kSide;  // correlation length in patches
+    constexpr double kHidden = 1.3;          // the fit takes two of some six freedoms such an error has
+    std::array<double, std::max(kZenith, kSun)> near{};
+    for (int d = 0; d < static_cast<int>(near.size()); ++d)
+      near[static_cast<std::size_t>(d)] = std::exp(-d * d / (2.0 * kLength * kLength));
+    double sum = 0.0;
+    for (int p = 0; p < kZenith * kSun; ++p) {
+      const Patch& a = patches_[static_cast<std::size_t>(p)];
+      if (a.count == 0) continue;
+      for (int q = 0; q < kZenith * kSun; ++q) {
+        const Patch& b = patches_[static_cast<std::size_t>(q)];
+        sum += a.leverage * b.leverage * near[static_cast<std::size_t>(std::abs(p / kSun - q / kSun))] *
+               near[static_cast<std::size_t>(std::abs(p % kSun - q % kSun))];
+      }
+    }
+    return kHidden * sigma * std::sqrt(std::max(0.0, sum));
+  }
+
+ private:
+  static constexpr int kZenith = 4, kSun = 8;
+  static constexpr double kSide = 0.35;  // [rad]
+  struct Patch {
+    double leverage = 0.0, pull = 0.0, sum = 0.0, squares = 0.0;
+    int count = 0;
+  };
+  std::array<Patch, kZenith * kSun> patches_{};
+};
 
 }  // namespace
 
@@ -190,10 +243,12 @@ TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const Solv
       local.turbidity.value < kLowestTurbidity.value + kEdge || local.turbidity.value > kHighestTurbidity.value - kEdge;
   if (!(local.information > 0.0)) return solution;
   const double from_residuals = std::sqrt(chi / (solution.inliers - 2) / local.information);
-  const double from_patches = patch_sigma(samples, weights, fit, local, mean_slope / weight);
+  const Patches patches(samples, weights, fit, local.log_gain, mean_slope / weight);
+  const double from_patches = patches.scatter() / local.information;
+  const double from_model = patches.smooth_error(std::sqrt(patches.shared_variance())) / local.information;
   const double quantisation_information = q > 0.0 ? qss - qs * qs / q : 0.0;
   const double bound = quantisation_information > 0.0 ? 1.0 / std::sqrt(quantisation_information) : 0.0;
-  solution.sigma = std::max({from_residuals, from_patches, bound});
+  solution.sigma = std::max({from_residuals, from_patches, from_model, bound});
   solution.solved = std::isfinite(solution.sigma);
   return solution;
 }
