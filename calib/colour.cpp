@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <Eigen/LU>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -35,6 +36,46 @@ bool separates_daylight(const SpectralSensitivity& sensitivity) {
     if (!(glm::length(channels[c]) > 0.0)) return false;
   const glm::dmat3 units{glm::normalize(channels[0]), glm::normalize(channels[1]), glm::normalize(channels[2])};
   return std::abs(glm::determinant(units)) > 1e-5;
+}
+
+glm::dmat3 srgb_reflectance_to_channels(const SpectralSensitivity& sensitivity) {
+  constexpr double kStep_nm = 5.0;
+  constexpr int kBands = 81;
+  const auto white = [](double nm) { return daylight_spectrum(0.31272, 0.32903, nm); };  // D65
+  const glm::dmat3 from_xyz = glm::inverse(srgb_to_xyz());
+
+  // Rows: linear sRGB and camera channels of a reflectance spectrum, both 1 for a white surface.
+  Eigen::Matrix<double, 3, kBands> srgb, channels;
+  for (int i = 0; i < kBands; ++i) {
+    const double nm = kFirstVisible_nm + kStep_nm * i;
+    const glm::dvec3 seen = white(nm) * (from_xyz * colour_matching(nm)), counted = white(nm) * sensitivity.at(nm);
+    for (int c = 0; c < 3; ++c) {
+      srgb(c, i) = seen[c];
+      channels(c, i) = counted[c];
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    srgb.row(c) /= srgb.row(c).sum();
+    channels.row(c) /= channels.row(c).sum();
+  }
+
+  // Least roughness under three constraints: [R A'; A 0] [spectrum; multipliers] = [0; rgb].
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(kBands + 3, kBands + 3);
+  for (int i = 0; i + 1 < kBands; ++i) {
+    system(i, i) += 1.0;
+    system(i + 1, i + 1) += 1.0;
+    system(i, i + 1) -= 1.0;
+    system(i + 1, i) -= 1.0;
+  }
+  system.topRightCorner(kBands, 3) = srgb.transpose();
+  system.bottomLeftCorner(3, kBands) = srgb;
+  Eigen::MatrixXd colours = Eigen::MatrixXd::Zero(kBands + 3, 3);
+  colours.bottomRows(3).setIdentity();
+  const Eigen::Matrix3d seen = channels * system.fullPivLu().solve(colours).topRows(kBands);
+  glm::dmat3 result;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) result[column][row] = seen(row, column);
+  return result;
 }
 
 glm::dmat3 srgb_to_xyz() {

@@ -68,6 +68,11 @@ SpectralSensitivity generic_sensitivity();
 glm::dmat3 camera_to_xyz(const SpectralSensitivity& sensitivity);
 // Whether the three channels see sky light differently enough for camera_to_xyz; a grey camera's do not.
 bool separates_daylight(const SpectralSensitivity& sensitivity);
+// What the camera's channels see of a surface that is given by its linear sRGB colour (a model's texture): reflectance
+// per channel = matrix * linear sRGB. The surface's spectrum is taken to be the smoothest one of that colour under D65
+// (least squared differences between neighbouring wavelengths; Meng et al. 2015, without their bounds, so that it is
+// linear); white stays white. Saturated colours may leave 0..1.
+glm::dmat3 srgb_reflectance_to_channels(const SpectralSensitivity& sensitivity);
 // Linear sRGB to XYZ (IEC 61966-2-1), white (1, 1, 1) to D65 with Y = 1.
 glm::dmat3 srgb_to_xyz();
 

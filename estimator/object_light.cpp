@@ -40,6 +40,7 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
   xyz_to_light_ = srgb ? glm::inverse(srgb_to_xyz()) / kLumensPerWatt : xyz_to_sensor;
   const glm::dmat3 sensor_to_light = xyz_to_light_ * glm::inverse(xyz_to_sensor);  // identity for a sensor
 
+  if (!srgb) light_.albedo_to_channels = srgb_reflectance_to_channels(scene.sensitivity);
   light_.sun_direction = sun;
   const Radians zenith = zenith_angle(sun);
   const double sun_share = overcast ? 0.0 : visible_share_of_sun(zenith);

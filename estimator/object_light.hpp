@@ -31,6 +31,7 @@ struct LightOnObject {
   SunDirection sun_direction{0, 0, 1};
   glm::dvec3 sun_irradiance{0};             // on a surface facing the sun; zero when the sun is hidden
   IrradianceHarmonics sky_irradiance_sh{};  // sky and ground together
+  glm::dmat3 albedo_to_channels{1.0};       // of a surface known by its linear sRGB colour
 };
 
 // Kasten and Young's relative optical air mass; held below the horizon.

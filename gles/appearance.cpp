@@ -93,6 +93,7 @@ void set_appearance(const Program& program, const ObjectAppearance& appearance) 
 
   const ObjectLight& light = appearance.light;
   program.set("sun_direction", light.sun_direction);
+  program.set("albedo_to_channels", light.albedo_to_channels);
   program.set("sun_light", light.sun_irradiance / kPi);
   std::array<glm::dvec3, 9> sky;
   for (std::size_t i = 0; i < sky.size(); ++i) sky[i] = light.sky_irradiance_sh[i] * kBasis[i] / kPi;

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -40,8 +41,10 @@ struct Haze {
 
 // Light that falls on the object, in the scene camera's channels.
 struct ObjectLight {
-  glm::dvec3 sun_direction{0, 0, 1};              // towards the sun, world frame
-  glm::dvec3 sun_irradiance{0};                   // on a surface facing the sun
+  glm::dvec3 sun_direction{0, 0, 1};   // towards the sun, world frame
+  glm::dvec3 sun_irradiance{0};        // on a surface facing the sun
+  glm::dmat3 albedo_to_channels{1.0};  // linear sRGB reflectance of the model to reflectance in these channels; what
+                                       // leaves 0..1 is clamped
   std::array<glm::dvec3, 9> sky_irradiance_sh{};  // irradiance on a surface of normal n = sum of coefficient * real SH
                                                   // basis(n), order 2, sky and ground together; basis order 1, y, z, x,
                                                   // xy, yz, 3z^2-1, xz, x^2-y^2 with the usual constants

@@ -13,6 +13,7 @@ uniform float alpha_cutoff;
 #endif
 uniform vec3 sun_direction;
 uniform vec3 sun_light;        // irradiance / pi
+uniform mat3 albedo_to_channels;
 uniform vec3 sky_light[9];     // irradiance / pi, with the constants of the SH basis
 
 #if defined(HAZE_PER_FRAGMENT)
@@ -65,7 +66,7 @@ void main() {
   float alpha = 1.0;
 #endif
   vec3 n = normalize(v_normal) * (gl_FrontFacing ? 1.0 : -1.0);
-  vec3 radiance = surface.rgb * irradiance_over_pi(n);
+  vec3 radiance = clamp(albedo_to_channels * surface.rgb, 0.0, 1.0) * irradiance_over_pi(n);
 
 #if defined(FINAL_COLOUR)
 #if defined(NO_AIR)

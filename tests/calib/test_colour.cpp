@@ -128,6 +128,30 @@ TEST(CameraToXyz, AGreyCameraDoesNotTellDaylightsApart) {
   EXPECT_FALSE(separates_daylight(grey));
 }
 
+TEST(SrgbReflectance, WhiteStaysWhiteAndGreyGreyForEveryCamera) {
+  const auto matrix = srgb_reflectance_to_channels(generic_sensitivity());
+  for (const double grey : {0.18, 1.0})
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR((matrix * glm::dvec3{grey})[c], grey, 1e-9);
+}
+
+TEST(SrgbReflectance, ACameraThatSeesLikeSrgbSeesTheColourItself) {
+  // Channels that are linear sRGB's own curves: reflectance per channel is then the colour, whatever the spectrum.
+  SpectralSensitivity srgb{"sRGB", 380.0, 5.0, {}};
+  const glm::dmat3 from_xyz = glm::inverse(srgb_to_xyz());
+  for (double nm = 380.0; nm <= 780.0; nm += 5.0) srgb.samples.push_back(from_xyz * colour_matching(nm));
+  const auto matrix = srgb_reflectance_to_channels(srgb);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) EXPECT_NEAR(matrix[column][row], column == row ? 1.0 : 0.0, 1e-9);
+}
+
+TEST(SrgbReflectance, ABroadGreenChannelSeesPartOfARedWall) {
+  const glm::dvec3 seen = srgb_reflectance_to_channels(generic_sensitivity()) * glm::dvec3{1.0, 0.0, 0.0};
+  EXPECT_GT(seen.r, 0.5);
+  EXPECT_GT(seen.r, seen.g);
+  EXPECT_GT(seen.g, -0.2);
+  EXPECT_LT(std::abs(seen.b), 0.2);
+}
+
 TEST(SrgbToXyz, WhiteIsD65AndThePrimariesAreThoseOfTheStandard) {
   const auto matrix = srgb_to_xyz();
   const auto white = chromaticity_of(matrix * glm::dvec3{1.0});
