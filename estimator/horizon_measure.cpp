@@ -16,9 +16,10 @@ namespace {
 
 constexpr double kBandShare = 0.025;    // of the picture's height: the horizon region
 constexpr double kMarginShare = 0.006;  // above the silhouette, whose pixels are mixed
-constexpr double kSearchShare = 0.15;   // above the segmentation's edge, where a faded hill may hide
+constexpr double kSearchShare = 0.15;   // of the picture's height above the segmentation's edge, where a faded hill may
+constexpr double kSearchDegrees = 3.0;  // hide; and at least so far up: a telephoto view is filled by such hills
 constexpr int kClipped = 252;           // encoded
-constexpr double kSoftestHill = 0.03;   // relative drop of light that counts as a hill's edge: 3 steps of 8 bits
+constexpr double kSoftestHill = 0.015;  // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -73,11 +74,12 @@ int sky_bottom(const Scene& scene, int x0, int x1) {
   return -1;
 }
 
-double row_brightness(const Scene& scene, int x0, int x1, int y) {
+// Red, because the air lets most of it through: a hill that has all but faded shows there last.
+double row_red(const Scene& scene, int x0, int x1, int y) {
   std::vector<double> values;
   const int step = std::max(1, (x1 - x0) / 48);
   for (int x = x0; x < x1; x += step) {
-    if (scene.sky.at(x, y) != 0) values.push_back(scene.pixel(x, y).brightness);
+    if (scene.sky.at(x, y) != 0) values.push_back(scene.pixel(x, y).light.x);
   }
   return median(std::move(values));
 }
@@ -103,13 +105,23 @@ int first_step_down(const std::vector<double>& profile, int reach, double noise)
   return -1;
 }
 
+// Rows that kSearchDegrees make above a row.
+int rows_of(const Camera& camera, int row) {
+  const double x = 0.5 * (camera.width - 1);
+  const auto here = camera.direction_at({x, row}), above = camera.direction_at({x, row - 8.0});
+  if (!here || !above) return 0;
+  const double degrees_per_row = to_degrees(angle_between(*here, *above)) / 8.0;
+  return static_cast<int>(kSearchDegrees / std::max(degrees_per_row, 1e-6));
+}
+
 // The row above the silhouette of a hill that has faded into the sky, near `bottom`; `bottom` itself when there is
 // none.
 int above_faded_hills(const Scene& scene, int x0, int x1, int bottom) {
   const int height = scene.picture.height();
-  const int top = std::max(0, bottom - static_cast<int>(kSearchShare * height));
+  const int top =
+      std::max(0, bottom - std::max(static_cast<int>(kSearchShare * height), rows_of(scene.camera, bottom)));
   std::vector<double> profile;  // from the top down
-  for (int y = top; y <= bottom; ++y) profile.push_back(row_brightness(scene, x0, x1, y));
+  for (int y = top; y <= bottom; ++y) profile.push_back(row_red(scene, x0, x1, y));
   std::vector<double> changes;
   for (std::size_t i = 1; i < profile.size(); ++i) changes.push_back(std::abs(profile[i] - profile[i - 1]));
   const double noise = 1.4826 * median(changes);
