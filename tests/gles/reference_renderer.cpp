@@ -241,7 +241,8 @@ class Tracer {
     if (hit.back) n = -n;
 
     const ObjectAppearance& look = scene_.appearance;
-    const glm::dvec3 radiance = glm::dvec3(surface) / kPi * irradiance(look.light, n);
+    const glm::dvec3 albedo = glm::clamp(look.light.albedo_to_channels * glm::dvec3(surface), 0.0, 1.0);
+    const glm::dvec3 radiance = albedo / kPi * irradiance(look.light, n);
     const glm::dvec3 rho = radiance / bilinear(look.horizon, pixel);
     if (!look.aerial_perspective) return {rho, alpha};
     const glm::dvec3 at = hit.depth * ray;
