@@ -19,7 +19,7 @@ constexpr double kMarginShare = 0.006;  // above the silhouette, whose pixels ar
 constexpr double kSearchShare = 0.15;   // of the picture's height above the segmentation's edge, where a faded hill may
 constexpr double kSearchDegrees = 3.0;  // hide; and at least so far up: a telephoto view is filled by such hills
 constexpr int kClipped = 252;           // encoded
-constexpr double kSoftestHill = 0.015;  // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
+constexpr double kSoftestHill = 0.02;  // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -74,12 +74,16 @@ int sky_bottom(const Scene& scene, int x0, int x1) {
   return -1;
 }
 
-// Red, because the air lets most of it through: a hill that has all but faded shows there last.
-double row_red(const Scene& scene, int x0, int x1, int y) {
+// Median over the strip's sky pixels of a row. Red on its own, too, because the air lets most of it through: a hill
+// that has all but faded shows there last.
+enum class Seen { brightness, red };
+double row_light(const Scene& scene, int x0, int x1, int y, Seen seen) {
   std::vector<double> values;
   const int step = std::max(1, (x1 - x0) / 48);
   for (int x = x0; x < x1; x += step) {
-    if (scene.sky.at(x, y) != 0) values.push_back(scene.pixel(x, y).light.x);
+    if (scene.sky.at(x, y) == 0) continue;
+    const Pixel pixel = scene.pixel(x, y);
+    values.push_back(seen == Seen::red ? pixel.light.x : pixel.brightness);
   }
   return median(std::move(values));
 }
@@ -120,15 +124,17 @@ int above_faded_hills(const Scene& scene, int x0, int x1, int bottom) {
   const int height = scene.picture.height();
   const int top =
       std::max(0, bottom - std::max(static_cast<int>(kSearchShare * height), rows_of(scene.camera, bottom)));
-  std::vector<double> profile;  // from the top down
-  for (int y = top; y <= bottom; ++y) profile.push_back(row_red(scene, x0, x1, y));
-  std::vector<double> changes;
-  for (std::size_t i = 1; i < profile.size(); ++i) changes.push_back(std::abs(profile[i] - profile[i - 1]));
-  const double noise = 1.4826 * median(changes);
   int highest = bottom;
-  // Sharp edges and, in fog, soft ones.
-  for (const int reach : {std::max(3, height / 150), std::max(5, height / 75), std::max(8, height / 40)}) {
-    if (const int step = first_step_down(profile, reach, noise); step >= 0) highest = std::min(highest, top + step);
+  for (const Seen seen : {Seen::brightness, Seen::red}) {
+    std::vector<double> profile;  // from the top down
+    for (int y = top; y <= bottom; ++y) profile.push_back(row_light(scene, x0, x1, y, seen));
+    std::vector<double> changes;
+    for (std::size_t i = 1; i < profile.size(); ++i) changes.push_back(std::abs(profile[i] - profile[i - 1]));
+    const double noise = 1.4826 * median(changes);
+    // Sharp edges and, in fog, soft ones.
+    for (const int reach : {std::max(3, height / 150), std::max(5, height / 75), std::max(8, height / 40)}) {
+      if (const int step = first_step_down(profile, reach, noise); step >= 0) highest = std::min(highest, top + step);
+    }
   }
   return highest;
 }
@@ -204,7 +210,7 @@ void smooth_over_azimuth(std::vector<HorizonColumn>& columns) {
   azimuth /= std::max(azimuth.cwiseAbs().maxCoeff(), 1e-9);
   zenith.array() -= zenith.mean();
   const double spread = std::sqrt(zenith.squaredNorm() / static_cast<double>(size));
-  const bool with_zenith = size >= 8 && spread > 0.5 * kPi / 180.0;
+  const bool with_zenith = size >= 8 && spread > 0.2 * kPi / 180.0;
   Eigen::MatrixXd basis(size, with_zenith ? 4 : 3);
   basis.col(0).setOnes();
   basis.col(1) = azimuth;
