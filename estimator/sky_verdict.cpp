@@ -87,7 +87,8 @@ SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geomet
       const double azimuth = std::atan2(static_cast<double>(direction.x), static_cast<double>(direction.y)) + kPi;
       const int sector = std::min(kSectors - 1, static_cast<int>(azimuth / (2.0 * kPi) * kSectors));
       const int ring = std::min(kRings - 1, static_cast<int>(std::acos(direction.z) / 1.4f * kRings));
-      patches[static_cast<std::size_t>(ring * kSectors + sector)].push_back(sky.log_luminance.at(x, y));
+      patches[static_cast<std::size_t>(ring) * kSectors + static_cast<std::size_t>(sector)].push_back(
+          sky.log_luminance.at(x, y));
     }
   if (statistics.solid_angle > 0.0) {
     statistics.saturated /= statistics.solid_angle;
@@ -155,7 +156,7 @@ RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolu
   return rivals;
 }
 
-std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear,
+std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
                                      const RivalSkies& rivals, const EstimateOptions& options) {
   const double agreement = drawn > 0 ? static_cast<double>(fit.inliers) / drawn : 0.0;
   const double clouds = 100.0 * (1.0 - mask_clear);
@@ -165,6 +166,12 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
                    fmt::format("overcast or fog: brightness follows height alone within {:.1f} %, the best clear sky "
                                "within {:.1f} %",
                                100.0 * rivals.grey, 100.0 * rivals.clear));
+  // Clear or broken, a sky is brightest around the sun, and no exposure that shows the rest leaves that dull.
+  if (brightest < kSunVisible)
+    return refusal(SkyCondition::covered_lens,
+                   fmt::format("dull: nothing is brighter than {:.0f} % of full scale, not even around the sun: lens "
+                               "covered, or exposed far too short",
+                               100.0 * brightest));
   if (mask_clear < options.least_clear_fraction)
     return refusal(SkyCondition::overcast,
                    fmt::format("clear sky {:.0f} % < {:.0f} % (clouds {:.0f} %)", 100.0 * mask_clear,

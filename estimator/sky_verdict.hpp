@@ -38,8 +38,8 @@ struct RivalSkies {
 };
 RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit);
 
-// After the fit. `mask_clear`: the share of the sky that the cloud mask left.
-std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear,
+// After the fit. `mask_clear`: the share of the sky that the cloud mask left; `brightest`: SkyStatistics'.
+std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
                                      const RivalSkies& rivals, const EstimateOptions& options);
 
 }  // namespace kasumi

@@ -72,7 +72,8 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
   estimate.log_residual = fit.log_residual;
   estimate.clear_fraction = drawn > 0 ? mask_clear * fit.inliers / drawn : 0.0;
 
-  if (const auto refusal = refuse_by_fit(fit, drawn, mask_clear, rivals, options)) return refuse(*refusal);
+  if (const auto refusal = refuse_by_fit(fit, drawn, mask_clear, statistics.brightest, rivals, options))
+    return refuse(*refusal);
   estimate.usable = true;
   estimate.sky = estimate.clear_fraction >= kClearSky ? SkyCondition::clear : SkyCondition::partly_cloudy;
   return look;
