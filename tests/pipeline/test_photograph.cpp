@@ -73,7 +73,7 @@ TEST(PictureSink, AFilmAppearsUnderItsNameOnlyWhenItIsWhole) {
   const auto file = folder() / "film.mp4";
   std::filesystem::remove(file);
   auto film = open_film(file, 10.0).value();
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(film->put(Image<Rgb8>(64, 48, Rgb8(40 * i))));
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(film->put(Image<Rgb8>(64, 48, Rgb8(static_cast<std::uint8_t>(40 * i)))));
   EXPECT_FALSE(std::filesystem::exists(file));
   const auto finished = film->finish();
   ASSERT_TRUE(finished) << finished.error().message;
