@@ -61,6 +61,7 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
   if (residuals.size() < 8) return best;
   const auto middle = [&residuals](int c) {
     std::vector<float> values;
+    values.reserve(residuals.size());
     for (const glm::vec2& r : residuals) values.push_back(r[c]);
     std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
     return values[values.size() / 2];
@@ -69,7 +70,9 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
   // Counts summed from the corner, so that a cell of any width costs four look-ups.
   constexpr int kSums = kSide + 1;
   std::array<int, kSums * kSums> sums{};
-  const auto sum_to = [&sums](int x, int y) -> int& { return sums[static_cast<std::size_t>(y * kSums + x)]; };
+  const auto sum_to = [&sums](int x, int y) -> int& {
+    return sums[static_cast<std::size_t>(y) * kSums + static_cast<std::size_t>(x)];
+  };
   for (const glm::vec2& r : residuals) {
     const glm::vec2 cell = (r - origin) / kStep;
     if (cell.x >= 0.0f && cell.y >= 0.0f && cell.x < kSide && cell.y < kSide)
@@ -149,7 +152,7 @@ cv::Mat1f mean_over(const cv::Mat1f& values, const cv::Mat1f& counts, int side) 
   cv::boxFilter(values.mul(counts), sum, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
   cv::boxFilter(counts, number, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
   cv::Mat1f mean;
-  cv::divide(sum, cv::max(number, 1.0f), mean);
+  cv::divide(sum, cv::max(number, 1.0), mean);
   return mean;
 }
 

@@ -98,7 +98,7 @@ class Patches {
       if (!(weights[i] > 0.0)) continue;
       const int z = std::min(kZenith - 1, static_cast<int>(static_cast<double>(samples[i].zenith) / kSide));
       const int s = std::min(kSun - 1, static_cast<int>(static_cast<double>(samples[i].sun_distance) / kSide));
-      Patch& patch = patches_[static_cast<std::size_t>(z * kSun + s)];
+      Patch& patch = patches_[static_cast<std::size_t>(z) * kSun + static_cast<std::size_t>(s)];
       const double leverage = weights[i] * (fit.slope()[i] - mean_slope);
       patch.leverage += leverage;
       const double r = fit.residual()[i] - log_gain;
