@@ -237,6 +237,15 @@ std::vector<ConfigTable> ConfigTable::tables(std::string_view key) const {
   return result;
 }
 
+void ConfigTable::ignore(std::string_view key) const {
+  const std::string full = full_key(key);
+  file_->read.insert(full);
+  std::vector<std::string> below;
+  if (const auto* node = node_->table->get(key); node && node->is_table())
+    list_keys(*node->as_table(), full + ".", below);
+  file_->read.insert(below.begin(), below.end());
+}
+
 const std::filesystem::path& ConfigTable::path() const {
   return file_->path;
 }

@@ -52,6 +52,9 @@ class ConfigTable {
   std::optional<ConfigTable> optional_table(std::string_view key) const;
   std::vector<ConfigTable> tables(std::string_view key) const;  // [[key]]; empty when there is none
 
+  // Says that a key, and all below it, is somebody else's to read.
+  void ignore(std::string_view key) const;
+
   // "fixture.toml: sky.lens.focal_px = -3: expected a number > 0"
   void problem(std::string_view key, std::string_view expected) const;
   const std::filesystem::path& path() const;

@@ -57,6 +57,13 @@ TEST(ConfigTable, AValueIsShownAsItWasWritten) {
   EXPECT_THAT(root.finish().error().message, HasSubstr("a = 134.7: expected"));
 }
 
+TEST(ConfigTable, AnIgnoredTableIsSomebodyElsesWithAllBelowIt) {
+  const auto root = ConfigTable::parse("a = 1\n[scene]\nb = 2\n[scene.lens]\nc = 3", "a.toml").value();
+  root.number("a");
+  root.ignore("scene");
+  EXPECT_TRUE(root.finish());
+}
+
 TEST(ConfigTable, TimeNeedsAnOffset) {
   const auto root = ConfigTable::parse("a = 2003-10-17T12:30:30-07:00\nb = 2003-10-17T12:30:30", "a.toml").value();
   using namespace std::chrono;
