@@ -16,6 +16,13 @@ class SdlVideo {
   static Result<SdlVideo> start() {
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
       return fail(FaultKind::unsupported, "no window: SDL finds no display ({})", sdl_reason());
+    // SDL falls back to drivers that show nothing; only who names one means it.
+    const std::string driver = SDL_GetCurrentVideoDriver();
+    if (SDL_getenv("SDL_VIDEODRIVER") == nullptr && (driver == "offscreen" || driver == "dummy" || driver == "evdev")) {
+      SDL_QuitSubSystem(SDL_INIT_VIDEO);
+      return fail(FaultKind::unsupported,
+                  "no window: SDL finds no display (only its \"{}\" driver, which shows nothing)", driver);
+    }
     return SdlVideo();
   }
   SdlVideo(SdlVideo&& other) noexcept : started_(std::exchange(other.started_, false)) {}
