@@ -27,5 +27,6 @@ function(kasumi_test name)
     KASUMI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     KASUMI_SHARED_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
     KASUMI_TEST_OUTPUT_DIR="${CMAKE_BINARY_DIR}/test-output")
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 600)
+  # The tests of one program share its folders, so they run one after the other; programs run side by side.
+  gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 900 RESOURCE_LOCK ${name})
 endfunction()
