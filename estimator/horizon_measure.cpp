@@ -19,7 +19,7 @@ constexpr double kMarginShare = 0.006;  // above the silhouette, whose pixels ar
 constexpr double kSearchShare = 0.15;   // of the picture's height above the segmentation's edge, where a faded hill may
 constexpr double kSearchDegrees = 3.0;  // hide; and at least so far up: a telephoto view is filled by such hills
 constexpr int kClipped = 252;           // encoded
-constexpr double kSoftestHill = 0.02;  // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
+constexpr double kSoftestHill = 0.02;   // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
