@@ -7,14 +7,14 @@
 #include "gles/context.hpp"
 #include "gles/offscreen.hpp"
 #include "gles/renderer.hpp"
-#include "pipeline/bench_gles_rivals.hpp"
+#include "pipeline/bench_gles_papers.hpp"
 #include "pipeline/bench_gles_scene.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr int kManyPairs = 41;  // of draws of some milliseconds
-constexpr int kFewPairs = 7;    // with sums over wavelengths
+constexpr int kManyPairs = 31;  // of draws of some milliseconds
+constexpr int kFewPairs = 5;    // with sums over wavelengths
 
 // Draws in turn, each waited for; keeps the first fault.
 class Stopwatch {

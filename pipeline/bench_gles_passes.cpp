@@ -1,4 +1,4 @@
-#include "pipeline/bench_gles_rivals.hpp"
+#include "pipeline/bench_gles_passes.hpp"
 
 #include <GLES2/gl2.h>
 
@@ -8,8 +8,7 @@
 
 #include "calib/radiometry.hpp"
 #include "estimator/scattering.hpp"
-#include "gles/airlight.hpp"
-#include "gles/appearance.hpp"
+#include "gles/program.hpp"
 
 namespace kasumi {
 namespace {
@@ -17,13 +16,20 @@ namespace {
 constexpr double kFarthest_km = 50.0;
 
 constexpr auto kVertex = R"(#version 100
+precision highp float;
 attribute vec2 position;
 uniform vec2 path_scale_km;  // density-weighted kilometres from the left edge to the right: Rayleigh, Mie
+uniform vec3 rayleigh_per_km[2];
+uniform vec3 mie_per_km[2];
 varying vec2 v_place;
 varying vec2 v_path_km;
+varying vec3 v_thickness_0;
+varying vec3 v_thickness_1;
 void main() {
   v_place = 0.5 + 0.5 * position;
   v_path_km = path_scale_km * v_place.x;
+  v_thickness_0 = rayleigh_per_km[0] * v_path_km.x + mie_per_km[0] * v_path_km.y;
+  v_thickness_1 = rayleigh_per_km[1] * v_path_km.x + mie_per_km[1] * v_path_km.y;
   gl_Position = vec4(position, 0.0, 1.0);
 }
 )";
@@ -34,13 +40,23 @@ varying vec2 v_place;
 varying vec2 v_path_km;
 )";
 
-constexpr auto kTwoNodes = R"(
-uniform vec3 weight[2];
+// Optical thickness is linear in the path, so that it may be interpolated: software GL spends longer on reading 18
+// uniforms than on six exponentials.
+constexpr auto kInterpolatedNodes = R"(
+uniform vec3 weight;  // of node 0; both add up to 1
+varying vec3 v_thickness_0;
+varying vec3 v_thickness_1;
+vec3 attenuation(vec2 path_km) { return mix(exp(-v_thickness_1), exp(-v_thickness_0), weight); }
+)";
+
+// Where the path is only known in the fragment.
+constexpr auto kNodes = R"(
+uniform vec3 weight;
 uniform vec3 rayleigh_per_km[2];
 uniform vec3 mie_per_km[2];
 vec3 attenuation(vec2 path_km) {
-  return weight[0] * exp(-(rayleigh_per_km[0] * path_km.x + mie_per_km[0] * path_km.y)) +
-         weight[1] * exp(-(rayleigh_per_km[1] * path_km.x + mie_per_km[1] * path_km.y));
+  return mix(exp(-(rayleigh_per_km[1] * path_km.x + mie_per_km[1] * path_km.y)),
+             exp(-(rayleigh_per_km[0] * path_km.x + mie_per_km[0] * path_km.y)), weight);
 }
 )";
 
@@ -93,8 +109,8 @@ int count_of(GammaBy gamma) {
   return gamma == GammaBy::wavelengths_81 ? 81 : 41;
 }
 
-std::string attenuation_text(GammaBy gamma) {
-  if (gamma == GammaBy::two_nodes) return kTwoNodes;
+std::string attenuation_text(GammaBy gamma, const char* two_nodes) {
+  if (gamma == GammaBy::two_nodes) return two_nodes;
   return fmt::format("#define WAVELENGTHS {}\n", count_of(gamma)) + kWavelengths;
 }
 
@@ -123,7 +139,7 @@ void set_attenuation(const Uniforms& uniforms, const Haze& haze, GammaBy gamma) 
     std::vector<glm::dvec3> rayleigh, mie;
     for (const auto& value : haze.rayleigh_per_m) rayleigh.push_back(kPerKm * value);
     for (const auto& value : haze.mie_per_m) mie.push_back(kPerKm * value);
-    uniforms.set("weight", std::vector(haze.weight.begin(), haze.weight.end()));
+    uniforms.set("weight", haze.weight[0]);
     uniforms.set("rayleigh_per_km", rayleigh);
     uniforms.set("mie_per_km", mie);
     return;
@@ -144,33 +160,7 @@ glm::dvec2 density_at(const Haze& haze) {
   return glm::exp(-haze.observer_altitude_m / glm::dvec2{haze.rayleigh_scale_height_m, haze.mie_scale_height_m});
 }
 
-Result<GlFramebuffer> make_framebuffer_of(const GlTexture& colour, const GlTexture* depth) {
-  GlFramebuffer framebuffer = make_framebuffer();
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, colour.name(), 0);
-  if (depth != nullptr) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth->name(), 0);
-  if (auto complete = check_framebuffer("a buffer of the papers' layout"); !complete)
-    return tl::unexpected(complete.error());
-  return framebuffer;
-}
-
-GlTexture make_nearest_texture(int width, int height, GLenum format, GLenum type, const void* pixels) {
-  GlTexture texture = make_texture();
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, texture.name());
-  glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0, format, type, pixels);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  return texture;
-}
-
 }  // namespace
-
-GlTexture make_picture_texture(int width, int height, const void* pixels) {
-  return make_nearest_texture(width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
-}
 
 Result<ScreenPass> ScreenPass::build(const std::string& name, const std::string& fragment,
                                      std::vector<unsigned> textures) {
@@ -195,7 +185,7 @@ Result<ScreenPass> ScreenPass::blit(unsigned picture) {
 }
 
 Result<ScreenPass> ScreenPass::under_air(unsigned picture, const BenchScene& scene, GammaBy gamma) {
-  auto pass = build("bench picture under air", attenuation_text(gamma) + kUnderAir, {picture});
+  auto pass = build("bench picture under air", attenuation_text(gamma, kInterpolatedNodes) + kUnderAir, {picture});
   if (!pass) return pass;
   const Uniforms uniforms(pass->program_);
   set_attenuation(uniforms, scene.appearance.haze, gamma);
@@ -206,7 +196,7 @@ Result<ScreenPass> ScreenPass::under_air(unsigned picture, const BenchScene& sce
 
 Result<ScreenPass> ScreenPass::compositing(unsigned object, unsigned depth, unsigned background,
                                            const DepthRange& range, const BenchScene& scene, GammaBy gamma) {
-  auto pass = build("bench compositing", attenuation_text(gamma) + kCompositing, {object, depth, background});
+  auto pass = build("bench compositing", attenuation_text(gamma, kNodes) + kCompositing, {object, depth, background});
   if (!pass) return pass;
   const Uniforms uniforms(pass->program_);
   set_attenuation(uniforms, scene.appearance.haze, gamma);
@@ -230,67 +220,6 @@ Result<> ScreenPass::draw(const DrawTarget& target) const {
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   glDisableVertexAttribArray(kPosition);
   return check_gl("a full-screen pass");
-}
-
-Result<TwoBufferLayout> TwoBufferLayout::create(const GlInfo& info, unsigned picture, const BenchScene& scene,
-                                                GammaBy gamma) {
-  if (info.es_major < 3 && !info.has("GL_OES_depth_texture"))
-    return fail(FaultKind::unsupported, "{}: no depth textures, which the papers' layout needs", info.renderer);
-  TwoBufferLayout layout;
-  layout.scene_ = scene;
-  std::vector<std::string> notes;
-  auto model = GpuModel::upload(scene.facade, info, false, notes);
-  if (!model) return tl::unexpected(model.error());
-  auto projection = make_projection(scene.view, scene.model_to_world);
-  if (!projection) return tl::unexpected(projection.error());
-  layout.projection_ = *projection;
-  model->look_from(layout.projection_);
-  layout.range_ = depth_range(layout.projection_, model->bounds());
-  layout.model_.push_back(std::move(*model));
-
-  const int width = scene.view.width, height = scene.view.height;
-  layout.object_colour_ = make_picture_texture(width, height, nullptr);
-  layout.object_depth_ = make_nearest_texture(width, height, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
-  layout.background_colour_ = make_picture_texture(width, height, nullptr);
-  auto object = make_framebuffer_of(layout.object_colour_, &layout.object_depth_);
-  if (!object) return tl::unexpected(object.error());
-  layout.object_ = std::move(*object);
-  auto background = make_framebuffer_of(layout.background_colour_, nullptr);
-  if (!background) return tl::unexpected(background.error());
-  layout.background_ = std::move(*background);
-
-  auto blit = ScreenPass::blit(picture);
-  if (!blit) return tl::unexpected(blit.error());
-  layout.passes_.push_back(std::move(*blit));
-  auto compositing = ScreenPass::compositing(layout.object_colour_.name(), layout.object_depth_.name(),
-                                             layout.background_colour_.name(), layout.range_, scene, gamma);
-  if (!compositing) return tl::unexpected(compositing.error());
-  layout.passes_.push_back(std::move(*compositing));
-  return layout;
-}
-
-Result<> TwoBufferLayout::draw_object() {
-  const double w = projection_.view.width, h = projection_.view.height;
-  glBindFramebuffer(GL_FRAMEBUFFER, object_.name());
-  glViewport(0, 0, projection_.view.width, projection_.view.height);
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  glFrontFace(GL_CW);  // the picture's top is row 0
-  const glm::dmat3 pixel_to_clip{{2.0 / w, 0.0, 0.0}, {0.0, 2.0 / h, 0.0}, {1.0 / w - 1.0, 1.0 / h - 1.0, 1.0}};
-  return model_.front().draw(GpuModel::Which::solid, programs_, {"FINAL_COLOUR", "NO_AIR", "LAYOUT_RGB"}, {},
-                             [&](const Program& program) {
-                               set_projection(program, projection_, range_);
-                               set_appearance(program, scene_.appearance);
-                               set_airlight(program, "measured", scene_.measured);
-                               program.set("pixel_to_clip", pixel_to_clip);
-                               program.set("dither_pattern", kDitherUnit);
-                             });
-}
-
-Result<> TwoBufferLayout::draw(const DrawTarget& target) {
-  if (auto drawn = draw_object(); !drawn) return drawn;
-  if (auto drawn = passes_.front().draw({background_.name(), target.width, target.height, true}); !drawn) return drawn;
-  return passes_.back().draw(target);
 }
 
 }  // namespace kasumi
