@@ -183,6 +183,7 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
       program.set("fragment_to_sample", tile.layer_fragment_to_sample(box));
       program.set("sample_step", glm::dvec2{1.0 / kLatticeSize});
       program.set("offsets", offsets);
+      program.set("first_pixel", glm::dvec2{box.left, box.top});
       program.set("foreground", kForegroundUnit);
       program.set("dither_pattern", kDitherUnit);
       const double w = projection.view.width, h = projection.view.height;
@@ -204,10 +205,6 @@ void ObjectLayer::bind(const Program& program, bool smooth) const {
               glm::dvec4(box_.left, box_.top, 1.0 / (box_.right - box_.left), 1.0 / (box_.bottom - box_.top)));
 }
 
-void ObjectLayer::add_defines(Defines& defines) const {
-  if (in_8_bits_) defines.insert("LAYER_IN_8_BITS");
-}
-
 Result<Image<glm::vec4>> ObjectLayer::read() const {
   Image<glm::vec4> image(box_.right - box_.left, box_.bottom - box_.top);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
@@ -215,12 +212,14 @@ Result<Image<glm::vec4>> ObjectLayer::read() const {
   if (in_8_bits_) {
     Image<glm::u8vec4> bytes(image.width(), image.height());
     glReadPixels(0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE, bytes.elements().data());
-    std::ranges::transform(bytes.elements(), image.elements().begin(), [this](glm::u8vec4 texel) {
-      const glm::vec4 root = glm::vec4(texel) / 255.0f;
-      return glm::vec4(glm::vec3(root) * glm::vec3(root) * static_cast<float>(unit_), root.a);
-    });
+    std::ranges::transform(bytes.elements(), image.elements().begin(),
+                           [](glm::u8vec4 texel) { return glm::vec4(texel) / 255.0f; });
   } else {
     glReadPixels(0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT, image.elements().data());
+  }
+  for (glm::vec4& texel : image.elements()) {  // as layer.glsl
+    const glm::vec3 root(texel);
+    texel = glm::vec4(root * root * static_cast<float>(unit_), std::min(2.0f * texel.a, 1.0f));
   }
   if (auto read = check_gl("reading the object's layer"); !read) return tl::unexpected(read.error());
   return image;

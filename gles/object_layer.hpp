@@ -33,14 +33,13 @@ class ObjectLayer {
   const PixelBox& box() const { return box_; }
   // Uniforms of picture.frag, the texture to kLayerUnit.
   void bind(const Program& program, bool smooth) const;
-  void add_defines(Defines& defines) const;
   // One element per pixel of the box, linear.
   Result<Image<glm::vec4>> read() const;
 
  private:
   ObjectLayer() = default;
   PixelBox box_;
-  bool in_8_bits_ = false;
+  bool in_8_bits_ = false;  // else half floats
   double unit_ = 1.0;
   bool filters_ = false;  // the driver filters this kind of texture
   GlTexture texture_;

@@ -15,10 +15,11 @@ Result<Program> build(ProgramKind kind, const Defines& defines) {
                               {"haze.glsl", "dither.glsl", "response.glsl", "camera_picture.glsl", "object.frag"});
       return Program::build(defines, {"airlight.glsl", "haze.glsl", "path.glsl", "lens.glsl", "object.vert"},
                             {"dither.glsl", "response.glsl", "camera_picture.glsl", "object.frag"});
-    case ProgramKind::resolve: return Program::build(defines, {"resolve.vert"}, {"dither.glsl", "resolve.frag"});
+    case ProgramKind::resolve:
+      return Program::build(defines, {"resolve.vert"}, {"dither.glsl", "layer.glsl", "resolve.frag"});
     case ProgramKind::picture:
       return Program::build(defines, {"airlight.glsl", "picture.vert"},
-                            {"dither.glsl", "response.glsl", "camera_picture.glsl", "picture.frag"});
+                            {"dither.glsl", "layer.glsl", "response.glsl", "camera_picture.glsl", "picture.frag"});
   }
   return fail(FaultKind::device, "no such program");
 }

@@ -72,7 +72,11 @@ struct Renderer::State {
   Image<std::uint8_t> mask;  // as given; empty: nothing in front
   GlTexture foreground;
   std::optional<ObjectLayer> layer;
-  std::optional<PictureMesh> mesh;  // of the camera's picture around and under the layer
+  PictureRectangles rectangles;     // of the camera's picture around and under the layer
+  std::optional<PictureMesh> mesh;  // of these, cut at the lines of a grid of airlight
+  AirlightGrid mesh_grid;           // that grid
+  std::optional<PictureMesh> whole;  // the same without a layer
+  glm::ivec2 whole_size{};
   std::vector<std::string> notes;
 
   bool layer_in_8_bits() const {
@@ -147,10 +151,7 @@ struct Renderer::State {
     if (area != PictureArea::covered) defines.insert(camera.define());
     if (area == PictureArea::covered) defines.insert({"COVERED", "LAYOUT_RGB"});
     if (area == PictureArea::edge) defines.insert("EDGE");
-    if (area != PictureArea::plain) {
-      defines.insert(response->define());
-      layer->add_defines(defines);
-    }
+    if (area != PictureArea::plain) defines.insert(response->define());
     const auto program = programs.find(ProgramKind::picture, defines);
     if (!program) return tl::unexpected(program.error());
     (*program)->use();
@@ -163,8 +164,19 @@ struct Renderer::State {
     return check_gl("drawing the picture");
   }
 
-  PictureMesh whole_picture() const {
-    return PictureMesh::upload(cut_picture(camera.width(), camera.height(), {}, {}));
+  // Grids stay where they are from frame to frame, so this hardly ever cuts anew.
+  const PictureMesh& mesh_for(const AirlightGrid& grid) {
+    if (!mesh || grid.first_px != mesh_grid.first_px || grid.last_px != mesh_grid.last_px)
+      mesh = PictureMesh::upload(cut_at_lines(rectangles, grid));
+    mesh_grid = grid;
+    return *mesh;
+  }
+
+  const PictureMesh& whole_picture() {
+    const glm::ivec2 size{camera.width(), camera.height()};
+    if (!whole || whole_size != size) whole = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
+    whole_size = size;
+    return *whole;
   }
 };
 
@@ -263,7 +275,7 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
   if (!texels) return tl::unexpected(texels.error());
   Image<float> coverage(texels->width(), texels->height());
   for (std::size_t i = 0; i < coverage.elements().size(); ++i) coverage.elements()[i] = texels->elements()[i].a;
-  s.mesh = PictureMesh::upload(cut_picture(width, height, s.box, coverage));
+  s.rectangles = cut_picture(width, height, s.box, coverage);
   s.layer = std::move(*layer);
   return check_gl("cutting the picture");
 }
@@ -295,7 +307,7 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target) 
   const Shown shown(target, s.camera.width(), s.camera.height());
   s.begin(target, shown, false);
   for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
-    if (auto drawn = s.draw_area(area, *s.mesh, shown, &measured); !drawn) return drawn;
+    if (auto drawn = s.draw_area(area, s.mesh_for(measured), shown, &measured); !drawn) return drawn;
   return {};
 }
 

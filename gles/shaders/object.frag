@@ -83,7 +83,7 @@ void main() {
   if (open_view == 0.0) discard;
   light = mix(light_of(clamp(camera_at(place), 0.0, 1.0)), light, open_view);
 #endif
-  gl_FragColor = vec4(encoded(light) + dither(), 1.0) * alpha;
+  gl_FragColor = vec4(encoded(light) + dither(gl_FragCoord.xy) / 255.0, 1.0) * alpha;
 #else
 #if defined(NO_AIR)
   vec3 passed = vec3(1.0);
@@ -94,7 +94,7 @@ void main() {
   vec3 rho = radiance / airlight_on(horizon_light, horizon_place, pixel);
   vec3 seen = (rho * passed + 1.0 - passed) / layer_unit;
 #if defined(LAYER_IN_8_BITS)
-  seen += dither();
+  seen += dither(gl_FragCoord.xy) / 255.0;
 #endif
   gl_FragColor = vec4(seen, 1.0) * alpha;
 #endif

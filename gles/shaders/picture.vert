@@ -2,21 +2,32 @@
 attribute vec2 position;  // pixels from the picture's top left corner
 uniform vec2 picture_size;
 uniform mat3 pixel_to_clip;
+#if !defined(COVERED)
 varying vec2 v_picture;
+#endif
 #if defined(COVERED) || defined(EDGE)
 uniform vec4 layer_place;  // left, top, 1 / width, 1 / height
+uniform float layer_unit;
 uniform vec3 measured_light[AIRLIGHT_COLUMNS * AIRLIGHT_ROWS];
 uniform vec4 measured_place;
 varying vec2 v_layer;
-varying vec3 v_airlight;
+varying vec3 v_airlight_root;  // square root, of the layer's unit
+#endif
+#if defined(EDGE)
+varying vec2 v_pixel;
 #endif
 
 void main() {
   vec2 pixel = position - 0.5;
+#if !defined(COVERED)
   v_picture = position / picture_size;
+#endif
 #if defined(COVERED) || defined(EDGE)
   v_layer = (position - layer_place.xy) * layer_place.zw;
-  v_airlight = airlight_on(measured_light, measured_place, pixel);
+  v_airlight_root = sqrt(airlight_on(measured_light, measured_place, pixel) * layer_unit);
+#endif
+#if defined(EDGE)
+  v_pixel = position;
 #endif
   gl_Position = vec4((pixel_to_clip * vec3(pixel, 1.0)).xy, 1.0, 1.0);
 }

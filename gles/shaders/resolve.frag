@@ -4,6 +4,7 @@ uniform sampler2D samples;
 uniform mat3 fragment_to_sample;  // gl_FragCoord to texture coordinates of the pixel's central sample
 uniform vec2 sample_step;         // one texel
 uniform vec2 offsets[17];
+uniform vec2 first_pixel;         // the picture's pixel at gl_FragCoord 0.5
 #if defined(FOREGROUND)
 uniform sampler2D foreground;
 uniform mat3 fragment_to_picture;
@@ -17,10 +18,17 @@ void main() {
 #if defined(FOREGROUND)
   mean *= texture2D(foreground, (fragment_to_picture * vec3(gl_FragCoord.xy, 1.0)).xy).r;
 #endif
+  vec2 pixel = gl_FragCoord.xy + first_pixel;
+  vec3 root = sqrt(mean.rgb);
+  // The layer's own steps are dithered too, by a pattern that has nothing in common with the other (interleaved gradient
+  // noise, Jimenez 2014): the errors of two dithers in step would add up.
+  float steps = (fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5) * step(0.0005, mean.a);
 #if defined(LAYER_IN_8_BITS)
-  // Square roots spend the 8 bits as the eye does.
-  gl_FragColor = vec4(sqrt(mean.rgb) + dither() * step(0.0005, mean.a), mean.a);
+  root += steps / 255.0;
 #else
-  gl_FragColor = mean;
+  // To a half's 11 bits here, because some drivers cut instead of rounding; the last factor keeps them from cutting more.
+  vec3 half_step = exp2(floor(log2(max(root, 0.0001))) - 10.0);
+  root = floor(root / half_step + steps + 0.5) * half_step * 1.000001;
 #endif
+  gl_FragColor = vec4(root, stored_alpha(mean.a, dither(pixel)));
 }

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
-#include "gles/picture_mesh.hpp"
+#include "gles/picture_cutting.hpp"
 #include "gles/projection.hpp"
 #include "gles/target.hpp"
 #include "tests/gles/scenes.hpp"
@@ -123,7 +123,10 @@ TEST(PictureCutting, EveryPixelLiesInOneRectangleOfItsKind) {
     for (int y = 0; y < coverage.height(); ++y)
       for (int x = 0; x < coverage.width(); ++x)
         coverage.at(x, y) = static_cast<float>(std::clamp(40.0 - std::hypot(x - cx, y - cy), 0.0, 1.0));
-    const PictureRectangles rectangles = cut_picture(width, height, box, coverage);
+    AirlightGrid grid;
+    grid.first_px = {0.2 * width, 0.1 * height};
+    grid.last_px = {0.9 * width, 0.7 * height};
+    const PictureRectangles rectangles = cut_at_lines(cut_picture(width, height, box, coverage), grid);
     Image<int> times(width, height);
     for (std::size_t area = 0; area < kPictureAreas; ++area)
       for (const PixelBox& r : rectangles[area])

@@ -99,7 +99,7 @@ TEST_F(RendererAgainstReference, LetsTheForegroundThroughSoftly) {
   ReferenceScene scene = box_scene();
   scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);
   for (int y = 0; y < 120; ++y)
-    for (int x = 0; x < 80; ++x) scene.mask.at(x, y) = x < 60 ? 0 : static_cast<std::uint8_t>((x - 60) * 255 / 20);
+    for (int x = 0; x < 80; ++x) scene.mask.at(x, y) = static_cast<std::uint8_t>(std::max(0, (x - 60) * 255 / 20));
   expect_same(scene);
   expect_same(scene, {.force_rgba8 = true});
 }
