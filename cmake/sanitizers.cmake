@@ -2,6 +2,5 @@
 set(KASUMI_SANITIZE "" CACHE STRING "Sanitizers to build with, comma separated")
 if(KASUMI_SANITIZE)
   add_compile_options(-fsanitize=${KASUMI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  add_compile_options(-Wno-maybe-uninitialized)  # g++ 12 warns of the standard library's own std::regex when instrumented
   add_link_options(-fsanitize=${KASUMI_SANITIZE})
 endif()
