@@ -2,12 +2,26 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
-#include <unordered_map>
+#include <map>
+#include <tuple>
 
 #include "gles/gl.hpp"
 
 namespace kasumi {
+
+std::vector<GpuModel::Triangle> GpuModel::triangles_of(const Model& model, int material) {
+  std::vector<Triangle> triangles;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const ModelPart& part = model.parts[p];
+    if (part.material != material) continue;
+    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+      const auto at = [&](std::size_t j) { return part.vertices[part.indices[i + j]].position; };
+      triangles.push_back(
+          {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(i), (at(0) + at(1) + at(2)) / 3.0f});
+    }
+  }
+  return triangles;
+}
 
 Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool force_encoded_textures,
                                   std::vector<std::string>& notes) {
@@ -21,54 +35,62 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
     made.textures_.push_back(std::move(*uploaded));
   }
 
-  // Parts of one material share chunks: files cut models into hundreds of parts, and each chunk is a call to the
-  // driver.
-  for (std::size_t material = 0; material < model.materials.size(); ++material)
-    if (auto added = made.add_material(model, static_cast<int>(material)); !added) return tl::unexpected(added.error());
+  // Parts of one material are drawn together, for files cut models into hundreds of parts and each draw is a call to
+  // the driver; then split in space, so that a tile of the picture draws only what is near it.
+  for (std::size_t material = 0; material < model.materials.size(); ++material) {
+    std::vector<Triangle> triangles = triangles_of(model, static_cast<int>(material));
+    if (auto added = made.add_split(model, static_cast<int>(material), triangles); !added)
+      return tl::unexpected(added.error());
+  }
   return made;
 }
 
-Result<> GpuModel::add_material(const Model& model, int material) {
-  constexpr std::size_t kMostVertices = 65536;
-  std::vector<ModelVertex> vertices;
-  std::vector<std::uint16_t> indices;
-  for (const ModelPart& part : model.parts) {
-    if (part.material != material) continue;
-    std::unordered_map<std::uint32_t, std::uint16_t> places;
-    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
-      if (vertices.size() + 3 > kMostVertices) {
-        if (auto added = add_chunk(material, vertices, std::move(indices)); !added) return added;
-        vertices.clear();
-        indices.clear();
-        places.clear();
-      }
-      for (std::size_t j = 0; j < 3; ++j) {
-        const std::uint32_t index = part.indices[i + j];
-        const auto [place, is_new] = places.emplace(index, static_cast<std::uint16_t>(vertices.size()));
-        if (is_new) vertices.push_back(part.vertices[index]);
-        indices.push_back(place->second);
-      }
-    }
+Result<> GpuModel::add_split(const Model& model, int material, std::span<Triangle> triangles) {
+  constexpr std::size_t kMostTriangles = 2048;
+  if (triangles.empty()) return {};
+  if (triangles.size() <= kMostTriangles) return add_chunk(model, material, triangles);
+  glm::vec3 lowest = triangles.front().centre, highest = lowest;
+  for (const Triangle& triangle : triangles) {
+    lowest = glm::min(lowest, triangle.centre);
+    highest = glm::max(highest, triangle.centre);
   }
-  if (indices.empty()) return {};
-  return add_chunk(material, vertices, std::move(indices));
+  const glm::vec3 extent = highest - lowest;
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(triangles.size() / 2);
+  std::ranges::nth_element(triangles, middle, {}, [axis](const Triangle& triangle) {
+    return std::tuple(triangle.centre[axis], triangle.part, triangle.first_index);
+  });
+  return add_split(model, material, {triangles.begin(), middle}).and_then([&] {
+    return add_split(model, material, {middle, triangles.end()});
+  });
 }
 
-Result<> GpuModel::add_chunk(int material, const std::vector<ModelVertex>& vertices,
-                             std::vector<std::uint16_t> indices) {
+Result<> GpuModel::add_chunk(const Model& model, int material, std::span<const Triangle> triangles) {
   Chunk chunk;
   chunk.material = material;
+  std::vector<ModelVertex> vertices;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint16_t> places;  // part and index
+  for (const Triangle& triangle : triangles) {
+    const ModelPart& part = model.parts[triangle.part];
+    for (std::uint32_t j = 0; j < 3; ++j) {
+      const std::uint32_t index = part.indices[triangle.first_index + j];
+      const auto [place, is_new] =
+          places.emplace(std::pair(triangle.part, index), static_cast<std::uint16_t>(vertices.size()));
+      if (is_new) {
+        vertices.push_back(part.vertices[index]);
+        chunk.positions.push_back(part.vertices[index].position);
+      }
+      chunk.index_list.push_back(place->second);
+    }
+  }
   chunk.vertices = make_buffer();
   glBindBuffer(GL_ARRAY_BUFFER, chunk.vertices.name());
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(ModelVertex)), vertices.data(),
                GL_STATIC_DRAW);
   chunk.indices = make_buffer();
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chunk.indices.name());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint16_t)), indices.data(),
-               GL_STATIC_DRAW);
-  chunk.positions.reserve(vertices.size());
-  for (const ModelVertex& vertex : vertices) chunk.positions.push_back(vertex.position);
-  chunk.index_list = std::move(indices);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(chunk.index_list.size() * sizeof(std::uint16_t)),
+               chunk.index_list.data(), GL_STATIC_DRAW);
   chunks_.push_back(std::move(chunk));
   return check_gl("uploading the model");
 }
@@ -92,23 +114,23 @@ PixelBox GpuModel::look_from(const Projection& projection) {
 }
 
 void GpuModel::sort_by_depth(Chunk& chunk, const Projection& projection) {
-  struct Triangle {
+  struct Placed {
     double depth_m;
     std::array<std::uint16_t, 3> corners;
   };
-  std::vector<Triangle> triangles;
+  std::vector<Placed> triangles;
   double sum = 0.0;
   for (std::size_t i = 0; i + 2 < chunk.index_list.size(); i += 3) {
-    Triangle triangle{0.0, {chunk.index_list[i], chunk.index_list[i + 1], chunk.index_list[i + 2]}};
+    Placed triangle{0.0, {chunk.index_list[i], chunk.index_list[i + 1], chunk.index_list[i + 2]}};
     for (const std::uint16_t corner : triangle.corners)
       triangle.depth_m += (projection.model_to_camera * glm::dvec4(chunk.positions[corner], 1.0)).z / 3.0;
     sum += triangle.depth_m;
     triangles.push_back(triangle);
   }
-  std::ranges::stable_sort(triangles, std::greater<>(), &Triangle::depth_m);
+  std::ranges::stable_sort(triangles, std::greater<>(), &Placed::depth_m);
   chunk.depth_m = sum / static_cast<double>(triangles.size());
   chunk.index_list.clear();
-  for (const Triangle& triangle : triangles)
+  for (const Placed& triangle : triangles)
     chunk.index_list.insert(chunk.index_list.end(), triangle.corners.begin(), triangle.corners.end());
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chunk.indices.name());
   glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(chunk.index_list.size() * sizeof(std::uint16_t)),

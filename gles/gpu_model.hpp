@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "base/result.hpp"
@@ -42,8 +43,14 @@ class GpuModel {
     PixelBox box;
     double depth_m = 0.0;  // mean, for the order of see-through chunks
   };
-  Result<> add_material(const Model& model, int material);
-  Result<> add_chunk(int material, const std::vector<ModelVertex>& vertices, std::vector<std::uint16_t> indices);
+  struct Triangle {  // of the model being uploaded
+    std::uint32_t part = 0;
+    std::uint32_t first_index = 0;
+    glm::vec3 centre{};
+  };
+  static std::vector<Triangle> triangles_of(const Model& model, int material);
+  Result<> add_split(const Model& model, int material, std::span<Triangle> triangles);
+  Result<> add_chunk(const Model& model, int material, std::span<const Triangle> triangles);
   void sort_by_depth(Chunk& chunk, const Projection& projection);
 
   std::vector<Chunk> chunks_;

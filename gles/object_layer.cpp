@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "gles/depth.hpp"
 #include "gles/gl.hpp"
@@ -31,7 +32,7 @@ constexpr std::array<std::array<int, 2>, 17> kOffsets{{{0, 0},
                                                        {-1, 2},
                                                        {1, -2}}};
 constexpr int kLatticeSize = 1024;  // of the buffer that holds a tile's samples
-constexpr int kTile = 203;          // pixels: 5 * 203 + 2 margins of 2 fit
+constexpr int kTile = 203;          // pixels at most: 5 * 203 + 2 margins of 2 fit
 constexpr GLenum kRgba16f = 0x881A;
 
 // Columns of a matrix that acts on (x, y, 1).
@@ -48,15 +49,28 @@ struct Tile {
   explicit Tile(const PixelBox& pixels)
       : box(pixels), first_a(4 * pixels.left + pixels.top - 2), first_b(4 * pixels.top - (pixels.right - 1) - 2) {}
 
+  // The part of the buffer that is used.
+  int width() const { return 4 * (box.right - box.left) + (box.bottom - box.top) + 4; }
+  int height() const { return 4 * (box.bottom - box.top) + (box.right - box.left) + 4; }
+
   // Homogeneous pixels to the buffer's clip coordinates.
   glm::dmat3 pixel_to_clip() const {
     constexpr double s = 2.0 / kLatticeSize;
     return affine({4.0 * s, s, (0.5 - first_a) * s - 1.0}, {-s, 4.0 * s, (0.5 - first_b) * s - 1.0});
   }
-  // gl_FragCoord in the buffer to pixels.
-  glm::dmat3 fragment_to_pixel() const {
+  // gl_FragCoord in the buffer to 0..1 across the tile, from its first to one past its last pixel.
+  glm::dmat3 fragment_to_patch() const {
     const double a = first_a - 0.5, b = first_b - 0.5;
-    return affine({4.0 / 17.0, -1.0 / 17.0, (4.0 * a - b) / 17.0}, {1.0 / 17.0, 4.0 / 17.0, (a + 4.0 * b) / 17.0});
+    const double w = box.right - box.left, h = box.bottom - box.top;
+    return affine(glm::dvec3{4.0 / 17.0, -1.0 / 17.0, (4.0 * a - b) / 17.0 - box.left} / w,
+                  glm::dvec3{1.0 / 17.0, 4.0 / 17.0, (a + 4.0 * b) / 17.0 - box.top} / h);
+  }
+  // The horizon's light across the tile, which lies within one cell of its grid.
+  std::array<glm::dvec3, 4> horizon_patch(const AirlightGrid& horizon) const {
+    const auto at = [&](int x, int y) { return airlight_at(horizon, {x, y}); };
+    const glm::dvec3 first = at(box.left, box.top), along = at(box.right, box.top) - first;
+    const glm::dvec3 down = at(box.left, box.bottom) - first;
+    return {first, along, down, at(box.right, box.bottom) - first - along - down};
   }
   // gl_FragCoord in the layer to texture coordinates of the buffer.
   glm::dmat3 layer_fragment_to_sample(const PixelBox& layer) const {
@@ -65,6 +79,37 @@ struct Tile {
     return affine({4.0 * s, s, (4.0 * x + y - first_a + 0.5) * s}, {-s, 4.0 * s, (4.0 * y - x - first_b + 0.5) * s});
   }
 };
+
+// Pixels where tiles end between first and last: at the lines of the horizon's grid, and before they are too large.
+std::vector<int> tile_ends(int first, int last, double first_line, double last_line, int lines) {
+  std::vector<int> ends;
+  const auto go_to = [&](int end) {
+    const int begin = ends.empty() ? first : ends.back();
+    const int parts = (end - begin + kTile - 1) / kTile;
+    for (int part = 1; part <= parts; ++part) ends.push_back(begin + (end - begin) * part / parts);
+  };
+  for (int line = 0; line < lines; ++line) {
+    const double at = std::round(first_line + (last_line - first_line) * line / (lines - 1));
+    if (at > (ends.empty() ? first : ends.back()) && at < last) go_to(static_cast<int>(at));
+  }
+  go_to(last);
+  return ends;
+}
+
+std::vector<PixelBox> tiles_of(const PixelBox& box, const AirlightGrid& horizon) {
+  std::vector<PixelBox> tiles;
+  int top = box.top;
+  for (const int bottom : tile_ends(box.top, box.bottom, horizon.first_px.y, horizon.last_px.y, AirlightGrid::kRows)) {
+    int left = box.left;
+    for (const int right :
+         tile_ends(box.left, box.right, horizon.first_px.x, horizon.last_px.x, AirlightGrid::kColumns)) {
+      tiles.push_back({left, top, right, bottom});
+      left = right;
+    }
+    top = bottom;
+  }
+  return tiles;
+}
 
 GlTexture make_target_texture(int width, int height, bool in_8_bits, const GlInfo& info) {
   GlTexture texture = make_texture();
@@ -124,8 +169,8 @@ struct Lattice {
 }  // namespace
 
 Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
-                                      const Options& options, const GlInfo& info, Programs& programs,
-                                      const std::function<void(const Program&)>& set_appearance) {
+                                      const AirlightGrid& horizon, const Options& options, const GlInfo& info,
+                                      Programs& programs, const std::function<void(const Program&)>& set_appearance) {
   ObjectLayer layer;
   layer.box_ = box;
   layer.in_8_bits_ = options.in_8_bits;
@@ -151,45 +196,48 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
   std::array<glm::dvec2, kOffsets.size()> offsets;
   std::ranges::transform(kOffsets, offsets.begin(), [](const auto& o) { return glm::dvec2{o[0], o[1]}; });
 
-  for (int top = box.top; top < box.bottom; top += kTile)
-    for (int left = box.left; left < box.right; left += kTile) {
-      const Tile tile({left, top, std::min(left + kTile, box.right), std::min(top + kTile, box.bottom)});
-      glBindFramebuffer(GL_FRAMEBUFFER, lattice->framebuffer.name());
-      glViewport(0, 0, kLatticeSize, kLatticeSize);
-      glClearColor(0, 0, 0, 0);
-      glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-      // The picture's rows grow downwards, the buffer's upwards: a mirror, which turns fronts into backs.
-      glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
-      const auto set_uniforms = [&](const Program& program) {
-        set_projection(program, projection, depth);
-        program.set("pixel_to_clip", tile.pixel_to_clip());
-        program.set("fragment_to_pixel", tile.fragment_to_pixel());
-        program.set("layer_unit", layer.unit_);
-        program.set("dither_pattern", kDitherUnit);
-        set_appearance(program);
-      };
-      for (const auto which : {GpuModel::Which::solid, GpuModel::Which::blended})
-        if (auto drawn = model.draw(which, programs, object_defines, tile.box, set_uniforms); !drawn)
-          return tl::unexpected(drawn.error());
-
-      glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer_.name());
-      glViewport(tile.box.left - box.left, tile.box.top - box.top, tile.box.right - tile.box.left,
-                 tile.box.bottom - tile.box.top);
-      const Program& program = **resolve;
-      program.use();
-      glActiveTexture(GL_TEXTURE0 + kLayerUnit);
-      glBindTexture(GL_TEXTURE_2D, lattice->texture.name());
-      program.set("samples", kLayerUnit);
-      program.set("fragment_to_sample", tile.layer_fragment_to_sample(box));
-      program.set("sample_step", glm::dvec2{1.0 / kLatticeSize});
-      program.set("offsets", offsets);
-      program.set("first_pixel", glm::dvec2{box.left, box.top});
-      program.set("foreground", kForegroundUnit);
+  for (const PixelBox& pixels : tiles_of(box, horizon)) {
+    const Tile tile(pixels);
+    glBindFramebuffer(GL_FRAMEBUFFER, lattice->framebuffer.name());
+    glViewport(0, 0, kLatticeSize, kLatticeSize);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, 0, tile.width(), tile.height());
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glDisable(GL_SCISSOR_TEST);
+    // The picture's rows grow downwards, the buffer's upwards: a mirror, which turns fronts into backs.
+    glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
+    const auto set_uniforms = [&](const Program& program) {
+      set_projection(program, projection, depth);
+      program.set("pixel_to_clip", tile.pixel_to_clip());
+      program.set("fragment_to_patch", tile.fragment_to_patch());
+      program.set("horizon_patch", tile.horizon_patch(horizon));
+      program.set("layer_unit", layer.unit_);
       program.set("dither_pattern", kDitherUnit);
-      const double w = projection.view.width, h = projection.view.height;
-      program.set("fragment_to_picture", affine({1.0 / w, 0.0, box.left / w}, {0.0, 1.0 / h, box.top / h}));
-      draw_square();
-    }
+      set_appearance(program);
+    };
+    for (const auto which : {GpuModel::Which::solid, GpuModel::Which::blended})
+      if (auto drawn = model.draw(which, programs, object_defines, tile.box, set_uniforms); !drawn)
+        return tl::unexpected(drawn.error());
+
+    glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer_.name());
+    glViewport(tile.box.left - box.left, tile.box.top - box.top, tile.box.right - tile.box.left,
+               tile.box.bottom - tile.box.top);
+    const Program& program = **resolve;
+    program.use();
+    glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+    glBindTexture(GL_TEXTURE_2D, lattice->texture.name());
+    program.set("samples", kLayerUnit);
+    program.set("fragment_to_sample", tile.layer_fragment_to_sample(box));
+    program.set("sample_step", glm::dvec2{1.0 / kLatticeSize});
+    program.set("offsets", offsets);
+    program.set("first_pixel", glm::dvec2{box.left, box.top});
+    program.set("foreground", kForegroundUnit);
+    program.set("dither_pattern", kDitherUnit);
+    const double w = projection.view.width, h = projection.view.height;
+    program.set("fragment_to_picture", affine({1.0 / w, 0.0, box.left / w}, {0.0, 1.0 / h, box.top / h}));
+    draw_square();
+  }
   if (auto drawn = check_gl("drawing the object's layer"); !drawn) return tl::unexpected(drawn.error());
   return layer;
 }

@@ -24,11 +24,11 @@ class ObjectLayer {
     bool aerial_perspective = true;
     bool foreground = false;  // something is bound to kForegroundUnit
   };
-  // `set_appearance` sets the uniforms of light and air. The dither pattern is bound to kDitherUnit.
-  // Errors: device.
+  // `horizon` is the sky model's, per pixel. `set_appearance` sets the uniforms of light and air. The dither pattern is
+  // bound to kDitherUnit. Errors: device.
   static Result<ObjectLayer> draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
-                                  const Options& options, const GlInfo& info, Programs& programs,
-                                  const std::function<void(const Program&)>& set_appearance);
+                                  const AirlightGrid& horizon, const Options& options, const GlInfo& info,
+                                  Programs& programs, const std::function<void(const Program&)>& set_appearance);
 
   const PixelBox& box() const { return box_; }
   // Uniforms of picture.frag, the texture to kLayerUnit.

@@ -9,7 +9,7 @@ Result<Program> build(ProgramKind kind, const Defines& defines) {
       // A file with uniforms goes to the one stage that uses them: precisions may differ between the stages.
       if (!defines.contains("FINAL_COLOUR"))
         return Program::build(defines, {"path.glsl", "lens.glsl", "object.vert"},
-                              {"airlight.glsl", "haze.glsl", "dither.glsl", "object.frag"});
+                              {"haze.glsl", "dither.glsl", "object.frag"});
       if (defines.contains("HAZE_PER_FRAGMENT"))
         return Program::build(defines, {"airlight.glsl", "path.glsl", "lens.glsl", "object.vert"},
                               {"haze.glsl", "dither.glsl", "response.glsl", "camera_picture.glsl", "object.frag"});

@@ -72,9 +72,9 @@ struct Renderer::State {
   Image<std::uint8_t> mask;  // as given; empty: nothing in front
   GlTexture foreground;
   std::optional<ObjectLayer> layer;
-  PictureRectangles rectangles;     // of the camera's picture around and under the layer
-  std::optional<PictureMesh> mesh;  // of these, cut at the lines of a grid of airlight
-  AirlightGrid mesh_grid;           // that grid
+  PictureRectangles rectangles;      // of the camera's picture around and under the layer
+  std::optional<PictureMesh> mesh;   // of these, cut at the lines of a grid of airlight
+  AirlightGrid mesh_grid;            // that grid
   std::optional<PictureMesh> whole;  // the same without a layer
   glm::ivec2 whole_size{};
   std::vector<std::string> notes;
@@ -267,7 +267,7 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
   glBindTexture(GL_TEXTURE_2D, s.dither.name());
   s.bind_foreground();
   auto layer =
-      ObjectLayer::draw(*s.model, *s.projection, s.box,
+      ObjectLayer::draw(*s.model, *s.projection, s.box, appearance.horizon,
                         {s.layer_in_8_bits(), largest_n(appearance), appearance.aerial_perspective, s.has_foreground()},
                         s.info, s.programs, [&](const Program& program) { set_appearance(program, appearance); });
   if (!layer) return tl::unexpected(layer.error());

@@ -29,9 +29,8 @@ uniform sampler2D foreground;
 uniform mat3 fragment_to_picture;
 #endif
 #else
-uniform vec3 horizon_light[AIRLIGHT_COLUMNS * AIRLIGHT_ROWS];
-uniform vec4 horizon_place;
-uniform mat3 fragment_to_pixel;
+uniform vec3 horizon_patch[4];   // bilinear over the tile: 1, x, y, x y
+uniform mat3 fragment_to_patch;  // 0..1 across the tile
 uniform float layer_unit;      // N that full scale of the layer stands for
 #endif
 
@@ -90,8 +89,8 @@ void main() {
 #else
   vec3 passed = attenuation(v_path_km);
 #endif
-  vec2 pixel = (fragment_to_pixel * vec3(gl_FragCoord.xy, 1.0)).xy;
-  vec3 rho = radiance / airlight_on(horizon_light, horizon_place, pixel);
+  vec2 at = (fragment_to_patch * vec3(gl_FragCoord.xy, 1.0)).xy;
+  vec3 rho = radiance / (horizon_patch[0] + horizon_patch[1] * at.x + (horizon_patch[2] + horizon_patch[3] * at.x) * at.y);
   vec3 seen = (rho * passed + 1.0 - passed) / layer_unit;
 #if defined(LAYER_IN_8_BITS)
   seen += dither(gl_FragCoord.xy) / 255.0;
