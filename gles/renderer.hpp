@@ -8,6 +8,10 @@
 //   renderer->draw(measured_airlight, target);
 //
 // Everything happens in the context's thread. Same inputs, same driver: same bits.
+//
+// Lens distortion and density-weighted path lengths are exact at vertices and linear between them: a triangle of size L
+// at distance R has its range off by L^2 / (8 R) at most, and its edges stay straight. Build models of triangles no
+// larger than some hundredths of the picture where the lens distorts.
 #pragma once
 
 #include <cstdint>
@@ -90,6 +94,8 @@ class Renderer {
 
   // One pass without a layer, for a view that moves every frame: object first, then the picture behind it. No
   // supersampling; edges are as smooth as the target's multisampling makes them. The target needs a depth buffer.
+  // Airlight and horizon are taken at vertices. See-through surfaces are blended in encoded values, since what is
+  // behind them has been drawn already. Inside surfaces within 2/255 of draw().
   Result<> draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured, const DrawTarget& target,
                        HazeDetail detail = HazeDetail::per_vertex);
 
