@@ -27,21 +27,21 @@ Result<DecodedPicture> decode(const Frame& frame, YuvEncoding encoding) {
   if (metadata.status != FrameStatus::good)
     return fail(FaultKind::bad_input, "the frame is {}", name_of(metadata.status));
   if (auto possible = check_geometry(metadata); !possible) return fail(possible.error());
-  const std::size_t bytes = std::min<std::size_t>(frame.payload->size(), metadata.bytes_used);
+  const std::size_t bytes = std::min<std::size_t>(frame.payload.bytes.size(), metadata.bytes_used);
   if (const auto needed = bytes_needed(metadata); bytes < needed)
     return fail(FaultKind::bad_input, "{} bytes: expected at least {} for {} {}x{} with stride {}", bytes, needed,
                 metadata.format.text(), metadata.width, metadata.height, metadata.stride);
 
   DecodedPicture picture;
   if (const auto layout = layout_of(metadata.format)) {
-    picture.view_ = view_in_place(metadata, *layout, encoding, frame.payload->data());
+    picture.view_ = view_in_place(metadata, *layout, encoding, frame.payload.bytes.data());
     picture.keep_ = frame.payload;
     return picture;
   }
-  auto planes = decode_jpeg(std::span(*frame.payload).first(bytes), metadata.width, metadata.height);
+  auto planes = decode_jpeg(frame.payload.bytes.first(bytes), metadata.width, metadata.height);
   if (!planes) return fail(planes.error());
   picture.view_ = planes->view;
-  picture.keep_ = std::move(planes->samples);
+  picture.keep_.holder = std::move(planes->samples);
   return picture;
 }
 

@@ -143,7 +143,7 @@ Result<Frame> encode_frame(const Image<Rgb8>& image, FourCc format, const Encode
     bytes = std::move(*jpeg);
   }
   metadata.bytes_used = static_cast<std::uint32_t>(bytes.size());
-  return Frame{metadata, std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes))};
+  return Frame{metadata, payload_of(std::move(bytes))};
 }
 
 }  // namespace kasumi

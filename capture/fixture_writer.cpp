@@ -76,7 +76,7 @@ Result<> FixtureWriter::append_disconnect(Instant at, Utc utc) {
 }
 
 Result<std::string> FixtureWriter::store(const Frame& frame) {
-  const std::span<const std::uint8_t> payload(*frame.payload);
+  const auto payload = frame.payload.bytes;
   const auto bytes = payload.first(std::min<std::size_t>(payload.size(), frame.metadata.bytes_used));
   if (bytes.empty()) return std::string();
   const auto hash = std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()});

@@ -11,6 +11,7 @@
 #include "base/clock.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
+#include "capture/payload.hpp"
 
 namespace kasumi {
 
@@ -69,7 +70,7 @@ FrameStatus judge(const FrameMetadata& metadata, std::size_t payload_bytes, bool
 
 struct Frame {
   FrameMetadata metadata;
-  std::shared_ptr<const std::vector<std::uint8_t>> payload;  // never null; may be empty
+  Payload payload;
 };
 
 // Pixels of a frame. Uncompressed formats are seen in place; JPEG is decoded to its own YUV planes (i420, i422, i444 or
@@ -77,11 +78,13 @@ struct Frame {
 class DecodedPicture {
  public:
   const PictureView& view() const { return view_; }
+  // The picture as a GPU can import it, where it is seen in a driver's buffer.
+  const std::optional<DmaBuf>& dma_buf() const { return keep_.dma_buf; }
 
  private:
   friend Result<DecodedPicture> decode(const Frame& frame, YuvEncoding encoding);
   PictureView view_;
-  std::shared_ptr<const std::vector<std::uint8_t>> keep_;
+  Payload keep_;
 };
 
 // `encoding` says what the YUV of uncompressed formats means; JPEG is always bt601_full.

@@ -40,8 +40,7 @@ Result<std::vector<std::uint8_t>> read_at_most(const std::filesystem::path& path
 }  // namespace
 
 Result<Payload> PayloadCache::read(const std::string& name, std::uint32_t bytes_used, bool keep) {
-  static const Payload kNothing = std::make_shared<std::vector<std::uint8_t>>();
-  if (name.empty() || bytes_used == 0) return kNothing;
+  if (name.empty() || bytes_used == 0) return Payload{};
   const auto same = [&](const Entry& entry) { return entry.name == name && entry.bytes_used == bytes_used; };
   if (const auto found = std::find_if(kept_.begin(), kept_.end(), same); found != kept_.end()) {
     std::rotate(kept_.begin(), found, found + 1);
@@ -49,7 +48,7 @@ Result<Payload> PayloadCache::read(const std::string& name, std::uint32_t bytes_
   }
   auto bytes = read_at_most(folder_ / name, bytes_used);
   if (!bytes) return fail(bytes.error());
-  Payload payload = std::make_shared<const std::vector<std::uint8_t>>(std::move(*bytes));
+  Payload payload = payload_of(std::move(*bytes));
   if (keep) {
     kept_.push_front({name, bytes_used, payload});
     if (kept_.size() > kMostKept) kept_.pop_back();

@@ -9,16 +9,15 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "capture/payload.hpp"
 
 namespace kasumi {
-
-using Payload = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 class PayloadCache {
  public:
   explicit PayloadCache(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  // At most `bytes_used` bytes of the file, fewer when it is shorter; none when the name is empty. Never null. The same
-  // object for the same name and bytes_used while it is kept. Error (io): cannot be read.
+  // At most `bytes_used` bytes of the file, fewer when it is shorter; none when the name is empty. The same
+  // memory for the same name and bytes_used while it is kept. Error (io): cannot be read.
   Result<Payload> read(const std::string& name, std::uint32_t bytes_used, bool keep);
 
  private:

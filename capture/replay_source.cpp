@@ -86,7 +86,8 @@ class Replay final : public ReplaySource {
     Frame frame{row.metadata, std::move(*payload)};
     frame.metadata.captured_at = recorded_instant();
     frame.metadata.sequence += static_cast<std::uint32_t>(round_) * sequences_;
-    frame.metadata.status = judge(row.metadata, frame.payload->size(), row.metadata.status == FrameStatus::flagged);
+    frame.metadata.status =
+        judge(row.metadata, frame.payload.bytes.size(), row.metadata.status == FrameStatus::flagged);
     return frame;
   }
 

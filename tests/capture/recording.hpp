@@ -40,7 +40,7 @@ inline Frame frame_with(FourCc format, int width, int height, std::uint32_t stri
   frame.metadata.height = height;
   frame.metadata.stride = stride;
   frame.metadata.bytes_used = static_cast<std::uint32_t>(bytes.size());
-  frame.payload = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+  frame.payload = payload_of(std::move(bytes));
   return frame;
 }
 

@@ -83,10 +83,10 @@ TEST(Decode, APayloadOneByteShortIsRefusedForEveryUncompressedFormat) {
           encode_frame(test_picture(5, 3), format, {.stride = static_cast<std::uint32_t>(row) + padding});
       ASSERT_TRUE(whole);
       ASSERT_TRUE(decode(*whole, YuvEncoding::bt601_full)) << code;
-      EXPECT_EQ(judge(whole->metadata, whole->payload->size(), false), FrameStatus::good);
-      EXPECT_EQ(judge(whole->metadata, whole->payload->size() - 1, false), FrameStatus::truncated);
+      EXPECT_EQ(judge(whole->metadata, whole->payload.bytes.size(), false), FrameStatus::good);
+      EXPECT_EQ(judge(whole->metadata, whole->payload.bytes.size() - 1, false), FrameStatus::truncated);
 
-      auto bytes = *whole->payload;
+      auto bytes = std::vector<std::uint8_t>(whole->payload.bytes.begin(), whole->payload.bytes.end());
       bytes.pop_back();
       const auto cut = frame_with(format, 5, 3, whole->metadata.stride, bytes);
       const auto refused = decode(cut, YuvEncoding::bt601_full);
@@ -144,7 +144,8 @@ TEST(Decode, SizesWhoseProductsOverflowAreRefused) {
 TEST(Encode, PrimariesBecomeTheirPublishedYuv) {
   const Image<Rgb8> red(2, 2, {255, 0, 0}), white(2, 2, {255, 255, 255}), blue(2, 2, {0, 0, 255});
   const auto bytes = [](const Image<Rgb8>& image, YuvEncoding encoding) {
-    return *encode_frame(image, four_cc("NV12"), {.yuv_encoding = encoding}).value().payload;
+    const auto frame = encode_frame(image, four_cc("NV12"), {.yuv_encoding = encoding}).value();
+    return std::vector<std::uint8_t>(frame.payload.bytes.begin(), frame.payload.bytes.end());
   };
   using Bytes = std::vector<std::uint8_t>;
   EXPECT_EQ(bytes(red, YuvEncoding::bt601_limited), Bytes({81, 81, 81, 81, 90, 240}));
@@ -159,7 +160,7 @@ TEST(Encode, ChromaIsTheMeanOfThePixelsThatShareIt) {
   Image<Rgb8> image(2, 2, {128, 128, 128});
   image.at(0, 0) = {0, 0, 255};  // U of blue is 255 (.5 up), of grey 128, in full range
   const auto frame = encode_frame(image, four_cc("YU12")).value();
-  EXPECT_NEAR((*frame.payload)[4], 128 + 127.5 / 4, 0.51);
+  EXPECT_NEAR(frame.payload.bytes[4], 128 + 127.5 / 4, 0.51);
 }
 
 TEST(Encode, EveryUncompressedFormatGivesASmoothPictureBack) {

@@ -62,12 +62,12 @@ TEST(FixtureWriter, WhatIsWrittenIsReplayedBitForBitInEveryFormat) {
   frames[4].metadata.captured_at -= 1s / 10;  // runs backwards
   frames[5].metadata.status = FrameStatus::truncated;
   frames[5].metadata.bytes_used = 10;
-  frames[5].payload = std::make_shared<std::vector<std::uint8_t>>(10);
+  frames[5].payload = payload_of(std::vector<std::uint8_t>(10));
   frames[6].metadata.status = FrameStatus::truncated;
-  frames[6].payload = std::make_shared<std::vector<std::uint8_t>>(7);  // fewer than bytes_used says
+  frames[6].payload = payload_of(std::vector<std::uint8_t>(7));  // fewer than bytes_used says
   frames[7].metadata.status = FrameStatus::truncated;
   frames[7].metadata.bytes_used = 0;
-  frames[7].payload = std::make_shared<std::vector<std::uint8_t>>();
+  frames[7].payload = payload_of(std::vector<std::uint8_t>());
 
   auto writer = FixtureWriter::create(folder).value();
   for (const auto& frame : frames) ASSERT_TRUE(writer.append(frame));
@@ -78,7 +78,7 @@ TEST(FixtureWriter, WhatIsWrittenIsReplayedBitForBitInEveryFormat) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     SCOPED_TRACE(i);
     expect_same(back[i].metadata, frames[i].metadata);
-    EXPECT_EQ(*back[i].payload, *frames[i].payload);
+    EXPECT_TRUE(std::ranges::equal(back[i].payload.bytes, frames[i].payload.bytes));
   }
 }
 
@@ -87,12 +87,12 @@ TEST(FixtureWriter, EqualPayloadsAreStoredOnceUnlessToldOtherwise) {
     const auto folder = fresh_folder("writer");
     auto writer = FixtureWriter::create(folder, {.share_equal_payloads = share}).value();
     auto other = frame_at(1s, 1);
-    other.payload = std::make_shared<std::vector<std::uint8_t>>(other.payload->size(), std::uint8_t{5});
+    other.payload = payload_of(std::vector<std::uint8_t>(other.payload.bytes.size(), std::uint8_t{5}));
     ASSERT_TRUE(writer.append(frame_at(0s, 0)));
     ASSERT_TRUE(writer.append(other));
     ASSERT_TRUE(writer.append(frame_at(2s, 2)));
     EXPECT_EQ(payload_files(folder), share ? 2u : 3u);
-    EXPECT_EQ(*replayed(folder)[2].payload, *frame_at(2s, 2).payload);
+    EXPECT_TRUE(std::ranges::equal(replayed(folder)[2].payload.bytes, frame_at(2s, 2).payload.bytes));
   }
 }
 
@@ -101,7 +101,7 @@ TEST(FixtureWriter, ACutAfterAnyByteOfTheIndexLeavesEveryWholeRow) {
   auto writer = FixtureWriter::create(folder).value();
   for (std::uint32_t i = 0; i < 12; ++i) {  // frame-000001 and frame-000010 begin alike
     auto frame = frame_at(i * 40ms, i);
-    frame.payload = std::make_shared<std::vector<std::uint8_t>>(frame.payload->size(), static_cast<std::uint8_t>(i));
+    frame.payload = payload_of(std::vector<std::uint8_t>(frame.payload.bytes.size(), static_cast<std::uint8_t>(i)));
     ASSERT_TRUE(writer.append(frame));
   }
   ASSERT_TRUE(writer.append_disconnect(Instant{1s}, Utc{1s}));
@@ -129,7 +129,7 @@ TEST(FixtureWriter, ARowNeverNamesAPayloadThatIsNotThere) {
   std::filesystem::create_directory(folder / "frame-000001.yuyv");  // in the way of the next payload
   std::ofstream(folder / "frame-000001.yuyv" / "x") << "x";
   auto frame = frame_at(1s, 1);
-  frame.payload = std::make_shared<std::vector<std::uint8_t>>(frame.payload->size(), std::uint8_t{5});
+  frame.payload = payload_of(std::vector<std::uint8_t>(frame.payload.bytes.size(), std::uint8_t{5}));
   const auto refused = writer.append(frame);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, FaultKind::io);

@@ -115,7 +115,7 @@ TEST(Fuzz, DamagedIndexes) {
   const auto folder = fresh_folder("fuzz");
   const auto jpeg = encode_jpeg(test_picture(8, 6), 85, ChromaSubsampling::s420).value();
   ASSERT_TRUE(write_file(folder / "a.jpg", jpeg));
-  ASSERT_TRUE(write_file(folder / "b.yuyv", *frame_at(0s, 0).payload));
+  ASSERT_TRUE(write_file(folder / "b.yuyv", frame_at(0s, 0).payload.bytes));
   const std::string index = std::string(kIndexHeader) +
                             "\n1000000000,2026-06-21T03:00:00Z,0,YUYV,8,6,16,96,0.004,1,,b.yuyv\n"
                             "1040000000,2026-06-21T03:00:00.040Z,1,MJPG,8,6,0," +
@@ -144,7 +144,6 @@ TEST(Fuzz, DamagedIndexes) {
       if (!frame && frame.error().kind == FaultKind::end_of_stream) break;
       if (!frame) continue;
       ++frames;
-      ASSERT_NE(frame->payload, nullptr);
       ASSERT_NO_FATAL_FAILURE(expect_picture_or_message(*frame, pictures));
     }
   }

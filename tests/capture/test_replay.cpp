@@ -192,7 +192,7 @@ TEST_F(Replay, RowsOfOneFileShareItsBytes) {
   const auto source = open({0s, 0s, 0s});
   const auto first = source->next(clock.now()), second = source->next(clock.now());
   ASSERT_TRUE(first && second);
-  EXPECT_EQ(first->payload, second->payload);
+  EXPECT_EQ(first->payload.bytes.data(), second->payload.bytes.data());
 }
 
 TEST_F(Replay, DamagedRowsAreDeliveredWithTheirStatus) {
@@ -219,7 +219,7 @@ TEST_F(Replay, DamagedRowsAreDeliveredWithTheirStatus) {
     const auto frame = source->next(Instant{1s});
     ASSERT_TRUE(frame) << frame.error().message;
     EXPECT_EQ(frame->metadata.status, status) << "sequence " << frame->metadata.sequence;
-    EXPECT_EQ(frame->payload->size(), bytes) << "sequence " << frame->metadata.sequence;
+    EXPECT_EQ(frame->payload.bytes.size(), bytes) << "sequence " << frame->metadata.sequence;
     const auto picture = decode(*frame, YuvEncoding::bt601_full);
     EXPECT_EQ(picture.has_value(), frame->metadata.sequence == 0) << "sequence " << frame->metadata.sequence;
   }

@@ -1,0 +1,50 @@
+// A live camera: what is asked of it, and what its driver made of that.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "capture/frame_source.hpp"
+
+namespace kasumi {
+
+struct CameraRequest {
+  std::optional<FourCc> format;  // empty: the one that costs least to take, of those the camera offers and we read
+  int width = 0;                 // pixels; what the driver makes of it must be exactly this
+  int height = 0;
+  double frames_per_second = 0.0;         // 0: as fast as the camera will
+  std::optional<double> exposure_s;       // locked there; empty: the camera's own choice
+  std::optional<double> gain;             // factor, 1 = none; locked there
+  std::optional<double> white_balance_k;  // locked there
+  bool lock_white_balance = true;         // without a temperature: where it stands after the first frames
+  int buffers = 4;                        // 3 .. 16
+  bool lend_buffers =
+      true;  // frames lie in the driver's buffers until they are let go; false: each frame is copied out
+};
+
+// What was agreed on, read back from the driver.
+struct CameraMode {
+  FourCc format{};
+  int width = 0;
+  int height = 0;
+  std::uint32_t stride = 0;        // bytes, of the first plane
+  double frames_per_second = 0.0;  // 0: the driver does not say
+  std::optional<double> exposure_s;
+  std::optional<double> gain;
+  std::optional<double> white_balance_k;
+  std::string driver;              // "uvcvideo"
+  std::string card;                // "HD Pro Webcam C920"
+  std::string place;               // "usb-0000:00:14.0-2"; tells two equal cameras apart
+  std::vector<std::string> notes;  // what was asked for and the driver would not give, in words
+  friend bool operator==(const CameraMode&, const CameraMode&) = default;
+};
+
+// A frame that is lent keeps the device open: let go of all of them when the source answers `disconnected`.
+class CameraSource : public FrameSource {
+ public:
+  virtual const CameraMode& mode() const = 0;
+  virtual std::uint64_t frames_copied()
+      const = 0;  // out of the driver's memory, by lend_buffers or for want of buffers
+};
+
+}  // namespace kasumi
