@@ -9,8 +9,8 @@
 namespace kasumi {
 
 struct CameraRequest {
-  std::optional<FourCc> format;  // empty: the one that costs least to take, of those the camera offers and we read
-  int width = 0;                 // pixels; what the driver makes of it must be exactly this
+  std::optional<FourCc> format{};  // empty: the one that costs least to take, of those the camera offers and we read
+  int width = 0;                   // pixels; what the driver makes of it must be exactly this
   int height = 0;
   double frames_per_second = 0.0;         // 0: as fast as the camera will
   std::optional<double> exposure_s;       // locked there; empty: the camera's own choice
@@ -20,6 +20,7 @@ struct CameraRequest {
   int buffers = 4;                        // 3 .. 16
   bool lend_buffers =
       true;  // frames lie in the driver's buffers until they are let go; false: each frame is copied out
+  friend bool operator==(const CameraRequest&, const CameraRequest&) = default;
 };
 
 // What was agreed on, read back from the driver.

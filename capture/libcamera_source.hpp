@@ -11,6 +11,7 @@ namespace kasumi {
 struct LibcameraOptions {
   std::string camera;  // its id, like "/base/soc/i2c0mux/i2c@1/imx477@1a"; the same at every boot
   CameraRequest request;
+  friend bool operator==(const LibcameraOptions&, const LibcameraOptions&) = default;
 };
 
 // Errors as open_v4l2_source; `disconnected` when no camera of that id is there now. Only one process at a time has a

@@ -40,6 +40,7 @@ class Display {
 struct HeadlessDisplayOptions {
   int width = 1280;
   int height = 720;
+  friend bool operator==(const HeadlessDisplayOptions&, const HeadlessDisplayOptions&) = default;
 };
 class HeadlessDisplay;
 Result<std::unique_ptr<HeadlessDisplay>> open_headless_display(const HeadlessDisplayOptions& options, Clock& clock);
@@ -49,6 +50,7 @@ struct WindowDisplayOptions {
   std::string title = "Kasumi";
   int width = 1280;
   int height = 720;
+  friend bool operator==(const WindowDisplayOptions&, const WindowDisplayOptions&) = default;
 };
 Result<std::unique_ptr<Display>> open_window_display(const WindowDisplayOptions& options, Clock& clock);
 
@@ -61,6 +63,7 @@ struct KmsDisplayOptions {
   double refresh_hz = 0.0;  // 0: the highest of that size
   bool atomic = true;       // false: the legacy calls although the driver has atomic ones
   Duration flip_deadline = std::chrono::seconds(1);
+  friend bool operator==(const KmsDisplayOptions&, const KmsDisplayOptions&) = default;
 };
 // Errors: disconnected (no card, no connected connector, no modes: try again), bad_input (no connector or mode of that
 // name; what there is), device (EBUSY or EACCES: somebody else is DRM master), unsupported.

@@ -35,6 +35,8 @@ const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"SDL", {"gles/window"}},
     {"erfa", {"estimator/sun"}},
     {"jpeglib.h", {"capture/"}},
+    {"systemd/", {"pipeline/notifier"}},
+    {"libcamera/", {"capture/libcamera_"}},
     {"EGL/", {"gles/"}},
     {"GLES2/", {"gles/", "pipeline/bench"}},
 };
