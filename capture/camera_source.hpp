@@ -12,12 +12,12 @@ struct CameraRequest {
   std::optional<FourCc> format{};  // empty: the one that costs least to take, of those the camera offers and we read
   int width = 0;                   // pixels; what the driver makes of it must be exactly this
   int height = 0;
-  double frames_per_second = 0.0;         // 0: as fast as the camera will
-  std::optional<double> exposure_s;       // locked there; empty: the camera's own choice
-  std::optional<double> gain;             // factor, 1 = none; locked there
-  std::optional<double> white_balance_k;  // locked there
-  bool lock_white_balance = true;         // without a temperature: where it stands after the first frames
-  int buffers = 4;                        // 3 .. 16
+  double frames_per_second = 0.0;           // 0: as fast as the camera will
+  std::optional<double> exposure_s{};       // locked there; empty: the camera's own choice
+  std::optional<double> gain{};             // factor, 1 = none; locked there
+  std::optional<double> white_balance_k{};  // locked there
+  bool lock_white_balance = true;           // without a temperature: where it stands after the first frames
+  int buffers = 4;                          // 3 .. 16
   bool lend_buffers =
       true;  // frames lie in the driver's buffers until they are let go; false: each frame is copied out
   friend bool operator==(const CameraRequest&, const CameraRequest&) = default;
@@ -30,9 +30,9 @@ struct CameraMode {
   int height = 0;
   std::uint32_t stride = 0;        // bytes, of the first plane
   double frames_per_second = 0.0;  // 0: the driver does not say
-  std::optional<double> exposure_s;
-  std::optional<double> gain;
-  std::optional<double> white_balance_k;
+  std::optional<double> exposure_s{};
+  std::optional<double> gain{};
+  std::optional<double> white_balance_k{};
   std::string driver;              // "uvcvideo"
   std::string card;                // "HD Pro Webcam C920"
   std::string place;               // "usb-0000:00:14.0-2"; tells two equal cameras apart
