@@ -1,0 +1,77 @@
+#include "gles/headless_display.hpp"
+
+#include <array>
+#include <utility>
+
+#include "gles/gl.hpp"
+#include "gles/offscreen.hpp"
+
+namespace kasumi {
+namespace {
+
+// Two framebuffers: one holds the picture shown last while the next is drawn into the other.
+class OffscreenDisplay final : public HeadlessDisplay {
+ public:
+  OffscreenDisplay(std::unique_ptr<GlContext> context, std::array<Offscreen, 2> pictures, Clock& clock)
+      : context_(std::move(context)), pictures_(std::move(pictures)), clock_(clock) {}
+  OffscreenDisplay(const OffscreenDisplay&) = delete;
+  OffscreenDisplay& operator=(const OffscreenDisplay&) = delete;
+  ~OffscreenDisplay() override {
+    // The framebuffers are deleted under their own context, whichever is current now.
+    (void)context_->make_current();
+  }
+
+  std::string description() const override {
+    const DrawTarget target = pictures_[0].target();
+    return fmt::format("headless {}x{}, {}", target.width, target.height, context_->info().renderer);
+  }
+  GlContext& context() override { return *context_; }
+
+  Result<DrawTarget> begin(Instant) override {
+    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
+    return drawn().target();
+  }
+
+  Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
+    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
+    glFinish();  // a picture is on the glass when it is drawn, and the one before it is read no more
+    if (auto finished = check_gl("drawing a picture"); !finished) return tl::unexpected(finished.error());
+    ++shown_;
+    held_ = std::move(until_replaced);
+    flips_.push_back({shown_, clock_.now()});
+    return shown_;
+  }
+
+  std::vector<Flip> take_flips() override { return std::exchange(flips_, {}); }
+
+  Result<Image<Rgb8>> read() override {
+    if (shown_ == 0) return fail(FaultKind::bad_input, "the headless display has not been shown a picture yet");
+    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
+    return pictures_[(shown_ - 1) % 2].read();
+  }
+
+ private:
+  Offscreen& drawn() { return pictures_[shown_ % 2]; }
+
+  std::unique_ptr<GlContext> context_;
+  std::array<Offscreen, 2> pictures_;
+  Clock& clock_;
+  std::uint64_t shown_ = 0;
+  std::shared_ptr<const void> held_;
+  std::vector<Flip> flips_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<HeadlessDisplay>> open_headless_display(const HeadlessDisplayOptions& options, Clock& clock) {
+  auto context = open_headless_context();
+  if (!context) return tl::unexpected(context.error());
+  auto first = Offscreen::create((*context)->info(), options.width, options.height);
+  if (!first) return tl::unexpected(first.error());
+  auto second = Offscreen::create((*context)->info(), options.width, options.height);
+  if (!second) return tl::unexpected(second.error());
+  return std::make_unique<OffscreenDisplay>(std::move(*context),
+                                            std::array<Offscreen, 2>{std::move(*first), std::move(*second)}, clock);
+}
+
+}  // namespace kasumi

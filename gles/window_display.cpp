@@ -1,0 +1,60 @@
+// The desk window as a display.
+#include <utility>
+
+#include "gles/display.hpp"
+#include "gles/gl.hpp"
+#include "gles/objects.hpp"
+#include "gles/window.hpp"
+
+namespace kasumi {
+namespace {
+
+class WindowDisplay final : public Display {
+ public:
+  WindowDisplay(std::unique_ptr<Window> window, Clock& clock) : window_(std::move(window)), clock_(clock) {}
+
+  std::string description() const override {
+    const DrawTarget target = window_->target();
+    return fmt::format("window {}x{}, {}", target.width, target.height, window_->info().renderer);
+  }
+  GlContext& context() override { return *window_; }
+
+  Result<DrawTarget> begin(Instant) override {
+    if (!window_->handle_events()) return fail(FaultKind::end_of_stream, "the window was closed");
+    if (auto current = window_->make_current(); !current) return tl::unexpected(current.error());
+    return window_->target();
+  }
+
+  // BLOCKS until the desk's compositor takes the picture. How long that is nobody promises: the desk window is for
+  // looking at, the appliance shows itself through the kernel.
+  Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
+    if (auto current = window_->make_current(); !current) return tl::unexpected(current.error());
+    window_->show();
+    glFinish();  // the picture before is read no more
+    if (auto finished = check_gl("showing a picture in the window"); !finished) return tl::unexpected(finished.error());
+    ++shown_;
+    held_ = std::move(until_replaced);
+    flips_.push_back({shown_, clock_.now()});
+    return shown_;
+  }
+
+  std::vector<Flip> take_flips() override { return std::exchange(flips_, {}); }
+
+ private:
+  std::unique_ptr<Window> window_;
+  Clock& clock_;
+  std::uint64_t shown_ = 0;
+  std::shared_ptr<const void> held_;
+  std::vector<Flip> flips_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Display>> open_window_display(const WindowDisplayOptions& options, Clock& clock) {
+  auto window =
+      open_window({.title = options.title, .width = options.width, .height = options.height, .wait_for_refresh = true});
+  if (!window) return tl::unexpected(window.error());
+  return std::make_unique<WindowDisplay>(std::move(*window), clock);
+}
+
+}  // namespace kasumi
