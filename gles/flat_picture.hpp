@@ -32,7 +32,8 @@ class FlatPicture {
   ~FlatPicture();
   int width() const;  // as given
   int height() const;
-  // Blends it over what the target shows; opacity 0..1. Error: device.
+  // Blends it over what the target shows, in encoded values; opacity 0..1. Each of its pixels stays a pixel where the
+  // place is of its own size and at whole numbers. Errors: bad_input (no target, no place), device.
   Result<> draw(const DrawTarget& target, const FlatPlace& place, double opacity = 1.0) const;
 
  private:
