@@ -50,6 +50,7 @@ struct FrameMetadata {
   std::optional<double> exposure_s;
   std::optional<double> gain;
   FrameStatus status = FrameStatus::good;
+  std::uint32_t skipped = 0;  // frames since the last one delivered that the source passed over for this newer one
 };
 
 // Nothing a driver or a file says about a frame is believed beyond these.

@@ -23,6 +23,9 @@ struct Payload {
   std::shared_ptr<const void> holder;   // keeps the bytes; hold it as long as they are read, and no longer
 };
 
+// A number for DmaBuf::buffer that no other memory of this process has had. From any thread.
+std::uint64_t new_buffer_number();
+
 inline Payload payload_of(std::vector<std::uint8_t> bytes) {
   const auto kept = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
   return {*kept, std::nullopt, kept};
