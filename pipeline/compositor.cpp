@@ -19,12 +19,22 @@ constexpr Radians kLeastSunMove = from_degrees(0.1);
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, SceneAirOptions options) {
   auto model = read_gltf(installation.object.model);
   if (!model) return fail(model.error());
+  return create(context, installation, *model, options);
+}
+
+Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, const Model& model,
+                                      SceneAirOptions options) {
+  return create(context, installation, model, SceneAir(installation, options));
+}
+
+Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, const Model& model,
+                                      SceneAir air) {
   auto renderer = Renderer::create(context);
   if (!renderer) return fail(renderer.error());
-  if (auto set = renderer->set_model(*model); !set) return fail(set.error());
+  if (auto set = renderer->set_model(model); !set) return fail(set.error());
 
   const auto to_world = model_to_world(installation.object.placement);
-  const auto bounds = model->bounds();
+  const auto bounds = model.bounds();
   const glm::dvec3 lowest(bounds.lowest), highest(bounds.highest);
   const glm::dvec3 centre(to_world * glm::dvec4(0.5 * (lowest + highest), 1.0));
   const double radius = 0.5 * glm::length(highest - lowest) * installation.object.placement.scale;
@@ -32,7 +42,7 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
   if (auto set = renderer->set_view(view, to_world); !set) return fail(set.error());
   if (auto set = renderer->set_foreground(installation.scene.mask); !set) return fail(set.error());
   if (auto set = renderer->set_response(response_for_gles(installation.scene.response)); !set) return fail(set.error());
-  return Compositor(std::move(*renderer), SceneAir(installation, options), installation.scene.yuv_encoding);
+  return Compositor(std::move(*renderer), std::move(air), installation.scene.yuv_encoding);
 }
 
 bool Compositor::is_stale(const SceneConditions& now) const {
@@ -54,7 +64,23 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
     ++layers_drawn_;
   }
   if (auto uploaded = renderer_.upload(picture->view()); !uploaded) return uploaded;
-  return renderer_.draw(air_.measured(conditions, box), target);
+  measured_ = air_.measured(conditions, box);
+  drawn_ = true;
+  return draw_again(target);
+}
+
+Result<> Compositor::draw_without_object(const Frame& frame, const DrawTarget& target) {
+  const auto picture = decode(frame, encoding_);
+  if (!picture) return fail(picture.error());
+  if (auto uploaded = renderer_.upload(picture->view()); !uploaded) return uploaded;
+  measured_.reset();
+  drawn_ = true;
+  return draw_again(target);
+}
+
+Result<> Compositor::draw_again(const DrawTarget& target) {
+  if (!drawn_) return fail(FaultKind::bad_input, "no frame of the scene camera has been drawn yet");
+  return measured_ ? renderer_.draw(*measured_, target) : renderer_.draw_background(target);
 }
 
 }  // namespace kasumi

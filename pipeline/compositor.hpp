@@ -1,6 +1,7 @@
 // The scene camera's half of the pipeline: its frames and today's air in, the picture with the building out.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "gles/context.hpp"
@@ -9,15 +10,26 @@
 
 namespace kasumi {
 
-// Belongs to the thread of its GL context.
+// Belongs to the thread of its GL context. When that context is lost, a new one of the same model, and of the old one's
+// air(), goes on as if nothing had happened.
 class Compositor {
  public:
-  // Reads the model, tells the renderer what never changes. Errors: bad_input (model, mask), device.
+  // Tells the renderer what never changes. `model` is read here only. Errors: bad_input (model, mask), device.
+  static Result<Compositor> create(GlContext& context, const Installation& installation, const Model& model,
+                                   SceneAir air);
+  static Result<Compositor> create(GlContext& context, const Installation& installation, const Model& model,
+                                   SceneAirOptions options);
+  // Reads the installation's model first.
   static Result<Compositor> create(GlContext& context, const Installation& installation, SceneAirOptions options);
 
   // Draws the frame with the building under the report's air. Errors: bad_input (a frame without a picture: it is not
   // drawn and the caller keeps the last one), device.
   Result<> draw(const Frame& frame, const SkyReport& sky, const DrawTarget& target);
+  // The camera's picture alone, while nobody knows where the sun is.
+  Result<> draw_without_object(const Frame& frame, const DrawTarget& target);
+  // What was drawn last once more, without a frame: for a display that shows on while the camera is gone.
+  // Errors: bad_input (nothing has been drawn yet), device.
+  Result<> draw_again(const DrawTarget& target);
 
   const SceneAir& air() const { return air_; }
   std::uint64_t layers_drawn() const { return layers_drawn_; }
@@ -33,6 +45,8 @@ class Compositor {
   YuvEncoding encoding_;
   std::optional<SceneConditions> layer_;  // the air the cached layer was drawn under
   std::uint64_t layers_drawn_ = 0;
+  bool drawn_ = false;
+  std::optional<AirlightGrid> measured_;  // under the picture drawn last; empty: it was the camera's alone
 };
 
 }  // namespace kasumi
