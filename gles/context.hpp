@@ -29,6 +29,9 @@ class GlContext {
   virtual ~GlContext() = default;
   virtual const GlInfo& info() const = 0;
   virtual Result<> make_current() = 0;
+  // Whether the GPU was reset and took this context, which is current, along; always well where the driver does not
+  // tell. Error: device; everything under the context is to be made anew under a new one.
+  virtual Result<> check_alive() { return {}; }
 };
 
 enum class HeadlessSurface { automatic, surfaceless, pbuffer };

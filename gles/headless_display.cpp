@@ -29,6 +29,7 @@ class OffscreenDisplay final : public HeadlessDisplay {
 
   Result<DrawTarget> begin(Instant) override {
     if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
+    if (auto alive = context_->check_alive(); !alive) return tl::unexpected(alive.error());
     return drawn().target();
   }
 
