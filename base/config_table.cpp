@@ -184,6 +184,11 @@ Utc ConfigTable::utc(std::string_view key) const {
   const toml::date_time& at = **value;
   const std::chrono::year_month_day date{std::chrono::year{at.date.year}, std::chrono::month{at.date.month},
                                          std::chrono::day{at.date.day}};
+  // Nanoseconds since 1970 fill 64 bits in the year 2262.
+  if (at.date.year < 1970 || at.date.year > 2261) {
+    problem(key, "a date from 1970 to 2261");
+    return {};
+  }
   return std::chrono::sys_days{date} + std::chrono::hours{at.time.hour} + std::chrono::minutes{at.time.minute} +
          std::chrono::seconds{at.time.second} + std::chrono::nanoseconds{at.time.nanosecond} -
          std::chrono::minutes{at.offset->minutes};

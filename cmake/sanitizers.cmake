@@ -4,3 +4,10 @@ if(KASUMI_SANITIZE)
   add_compile_options(-fsanitize=${KASUMI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${KASUMI_SANITIZE})
 endif()
+
+# -DKASUMI_FUZZ=ON with clang++: tests/fuzz becomes libFuzzer's programs.
+option(KASUMI_FUZZ "Build the fuzzers of tests/fuzz (needs clang++)" OFF)
+if(KASUMI_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=address,undefined)
+endif()

@@ -1,0 +1,38 @@
+// Stands in for libFuzzer's main: runs the inputs it is given (files, or folders of them) once. This is how seeds and
+// what fuzzing found stay tests in every build.
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "tests/fuzz/scratch.hpp"
+
+namespace {
+
+void run(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+  std::vector<std::uint8_t> input(bytes.begin(), bytes.end());
+  LLVMFuzzerTestOneInput(input.data(), input.size());
+}
+
+}  // namespace
+
+int main(int count, char** names) {
+  int inputs = 0;
+  for (int i = 1; i < count; ++i) {
+    const std::filesystem::path path = names[i];
+    if (!std::filesystem::exists(path)) continue;
+    if (!std::filesystem::is_directory(path)) {
+      run(path);
+      ++inputs;
+      continue;
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(path)) {
+      run(entry.path());
+      ++inputs;
+    }
+  }
+  std::printf("%d inputs, each a value or a sentence\n", inputs);
+  return inputs > 0 ? 0 : 1;
+}
