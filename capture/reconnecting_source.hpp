@@ -9,6 +9,7 @@
 
 #include "capture/camera_source.hpp"
 #include "capture/frame_source.hpp"
+#include "capture/picture_condition.hpp"
 
 namespace kasumi {
 
@@ -29,16 +30,12 @@ struct ReconnectOptions {
   Duration stall_deadline = std::chrono::seconds(2);  // frames came, none comes any more; several times the interval
   Duration bad_frames_deadline = std::chrono::seconds(10);  // frames come, each of them bad
   Duration first_backoff = std::chrono::seconds(1);         // 1, 2, 4 ..
-  Duration longest_backoff = std::chrono::seconds(15);      // .. and jitter; up for so long, it begins anew
-  double jitter = 0.2;                                      // of the backoff, up or down
+  Duration longest_backoff = std::chrono::seconds(15);  // .. and jitter; begins anew once up for longer than it waited
+  double jitter = 0.2;                                  // of the backoff, up or down
   std::uint64_t seed = 1;
   Duration condition_interval = std::chrono::seconds(1);   // between looks at whether the picture is one
   Duration condition_deadline = std::chrono::seconds(30);  // so long frozen or covered until it is said
 };
-
-// frozen: not one bit changes, not even by noise. covered: dark everywhere. white_out: saturated nearly everywhere.
-enum class PictureCondition { normal, frozen, covered, white_out };
-std::string_view name_of(PictureCondition condition);
 
 // A camera's life so far.
 struct CameraHealth {

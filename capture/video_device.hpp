@@ -34,6 +34,10 @@ class VideoDevice {
 // Errors: disconnected (no such file), device (everything else open(2) refuses), unsupported (not a character device).
 Result<std::unique_ptr<VideoDevice>> open_video_device(const std::filesystem::path& path);
 
+// What a refused call means: disconnected when the device is gone, else device. "VIDIOC_S_FMT: in use by another
+// program"
+Fault device_fault(int error, std::string_view call);
+
 // open_v4l2_source on a device that is open already.
 Result<std::unique_ptr<CameraSource>> open_v4l2_source(std::unique_ptr<VideoDevice> device, const V4l2Options& options,
                                                        Clock& clock);

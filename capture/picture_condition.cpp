@@ -1,0 +1,103 @@
+#include "capture/picture_condition.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace kasumi {
+
+namespace {
+
+constexpr int kColumns = 32, kRows = 24;  // places
+constexpr int kSamples = 4;               // each way in a place
+constexpr int kFingerprintRows = 64;
+// Encoded values. Limited range has black at 16 and white at 235; a full-range picture that is nowhere darker than 235
+// shows as little.
+constexpr int kDark = 40;
+constexpr int kSaturated = 235;
+
+// Where the first channel that carries brightness lies: Y, or G of RGB.
+struct Channel {
+  std::size_t offset, step;
+};
+Channel brightness_of(PixelLayout layout) {
+  switch (layout) {
+    case PixelLayout::rgb8:
+    case PixelLayout::bgr8: return {1, 3};
+    case PixelLayout::rgba8:
+    case PixelLayout::bgra8: return {1, 4};
+    case PixelLayout::yuyv: return {0, 2};
+    case PixelLayout::uyvy: return {1, 2};
+    default: return {0, 1};
+  }
+}
+
+std::size_t spread_over(int index, int count, int size) {
+  return static_cast<std::size_t>((2 * index + 1) * size / (2 * count));
+}
+
+// FNV-1a, eight bytes at a time.
+std::uint64_t fingerprint_of(const PictureView& picture) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto row_bytes = plane_size(picture.layout, picture.width, picture.height, 0).row_bytes;
+  for (int i = 0; i < kFingerprintRows; ++i) {
+    const auto& plane = picture.planes[0];
+    const auto* row = plane.data + spread_over(i, kFingerprintRows, picture.height) * plane.stride;
+    for (std::size_t x = 0; x < row_bytes; x += 8) {
+      std::uint64_t word = 0;
+      std::copy_n(row + x, std::min<std::size_t>(8, row_bytes - x), reinterpret_cast<std::uint8_t*>(&word));
+      hash = (hash ^ word) * 0x100000001b3u;
+      hash ^= hash >> 29;
+    }
+  }
+  return hash;
+}
+
+}  // namespace
+
+std::string_view name_of(PictureCondition condition) {
+  switch (condition) {
+    case PictureCondition::normal: return "normal";
+    case PictureCondition::frozen: return "frozen";
+    case PictureCondition::covered: return "covered";
+    case PictureCondition::white_out: return "white-out";
+  }
+  return "unknown";
+}
+
+PictureSample sample_picture(const PictureView& picture) {
+  const auto channel = brightness_of(picture.layout);
+  const auto& plane = picture.planes[0];
+  std::array<int, kColumns * kRows> places{};
+  for (int y = 0; y < kRows * kSamples; ++y) {
+    const auto* row = plane.data + spread_over(y, kRows * kSamples, picture.height) * plane.stride + channel.offset;
+    for (int x = 0; x < kColumns * kSamples; ++x)
+      places[static_cast<std::size_t>(y / kSamples * kColumns + x / kSamples)] +=
+          row[spread_over(x, kColumns * kSamples, picture.width) * channel.step];
+  }
+  const auto twentieth = places.begin() + kColumns * kRows / 20;
+  std::nth_element(places.begin(), twentieth, places.end());
+  constexpr int kPerPlace = kSamples * kSamples;
+  return {fingerprint_of(picture), *std::max_element(places.begin(), places.end()) / kPerPlace, *twentieth / kPerPlace};
+}
+
+PictureCondition ConditionWatch::look(const PictureSample& sample, Instant now) {
+  auto seen = PictureCondition::normal;
+  if (sample.brightest < kDark)
+    seen = PictureCondition::covered;
+  else if (sample.dim >= kSaturated)
+    seen = PictureCondition::white_out;
+  else if (last_ && last_->fingerprint == sample.fingerprint)
+    seen = PictureCondition::frozen;
+  // Frozen since the picture was last seen to differ, which is one look ago.
+  if (seen != seen_ || seen == PictureCondition::normal) since_ = seen == PictureCondition::frozen ? looked_at_ : now;
+  seen_ = seen;
+  last_ = sample;
+  looked_at_ = now;
+  return now - since_ >= deadline_ ? seen : PictureCondition::normal;
+}
+
+void ConditionWatch::reopened() {
+  last_.reset();
+}
+
+}  // namespace kasumi
