@@ -11,8 +11,8 @@
 namespace kasumi {
 
 struct CaptionStyle {
-  std::optional<std::filesystem::path> font_file;  // empty: DejaVu Sans, else what the machine has
-  double height_px = 32.0;                         // of a line
+  std::optional<std::filesystem::path> font_file{};  // empty: DejaVu Sans, else what the machine has
+  double height_px = 32.0;                           // of a line
   int largest_width_px = 1200;  // lines break before that, at spaces (between any two characters where a
                                 // script has no spaces)
 };

@@ -35,6 +35,7 @@ const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"SDL", {"gles/window"}},
     {"erfa", {"estimator/sun"}},
     {"jpeglib.h", {"capture/"}},
+    {"ft2build.h", {"pipeline/caption.cpp"}},
     {"systemd/", {"pipeline/notifier"}},
     {"libcamera/", {"capture/libcamera_"}},
     {"EGL/", {"gles/"}},

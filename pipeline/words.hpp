@@ -1,0 +1,51 @@
+// What the appliance says on the picture, in the visitors' language.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/result.hpp"
+
+namespace kasumi {
+
+enum class Language { english, german, french, italian, spanish, japanese };
+inline constexpr Language kLanguages[] = {Language::english, Language::german,  Language::french,
+                                          Language::italian, Language::spanish, Language::japanese};
+
+// ISO 639: "en", "de", "fr", "it", "es", "ja". Error (bad_input): none of these.
+Result<Language> parse_language(std::string_view code);
+std::string_view code_of(Language language);
+
+enum class Message {
+  starting,              // no picture has come yet since the start
+  scene_camera_missing,  // unplugged, or it sends nothing
+  scene_camera_frozen,   // always the same picture
+  scene_camera_covered,  // something lies over the lens
+  scene_camera_blinded,  // nothing but white
+  sky_camera_missing,    // the air is an earlier one
+  no_clock,              // the sun's place is not known, so there is no building
+  closed,                // outside opening hours
+  recording,
+  recording_failed,  // disk full or read-only
+  content_refused,   // configuration, model, picture: the old ones stay
+  overheated,        // fewer pictures a second
+};
+inline constexpr Message kMessages[] = {
+    Message::starting,
+    Message::scene_camera_missing,
+    Message::scene_camera_frozen,
+    Message::scene_camera_covered,
+    Message::scene_camera_blinded,
+    Message::sky_camera_missing,
+    Message::no_clock,
+    Message::closed,
+    Message::recording,
+    Message::recording_failed,
+    Message::content_refused,
+    Message::overheated,
+};
+
+// One or two sentences, UTF-8, a line each. Never empty.
+std::string_view words(Message message, Language language);
+
+}  // namespace kasumi
