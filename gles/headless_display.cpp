@@ -3,6 +3,7 @@
 #include <array>
 #include <utility>
 
+#include "gles/flip_record.hpp"
 #include "gles/gl.hpp"
 #include "gles/offscreen.hpp"
 
@@ -39,11 +40,12 @@ class OffscreenDisplay final : public HeadlessDisplay {
     if (auto finished = check_gl("drawing a picture"); !finished) return tl::unexpected(finished.error());
     ++shown_;
     held_ = std::move(until_replaced);
-    flips_.push_back({shown_, clock_.now()});
+    flips_.add(shown_, clock_.now());
     return shown_;
   }
 
-  std::vector<Flip> take_flips() override { return std::exchange(flips_, {}); }
+  std::vector<Flip> take_flips() override { return flips_.take(); }
+  DisplayCounts counts() const override { return {.flips = flips_.count()}; }
 
   Result<Image<Rgb8>> read() override {
     if (shown_ == 0) return fail(FaultKind::bad_input, "the headless display has not been shown a picture yet");
@@ -59,7 +61,7 @@ class OffscreenDisplay final : public HeadlessDisplay {
   Clock& clock_;
   std::uint64_t shown_ = 0;
   std::shared_ptr<const void> held_;
-  std::vector<Flip> flips_;
+  FlipRecord flips_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "gles/display.hpp"
+#include "gles/flip_record.hpp"
 #include "gles/gl.hpp"
 #include "gles/objects.hpp"
 #include "gles/window.hpp"
@@ -34,18 +35,19 @@ class WindowDisplay final : public Display {
     if (auto finished = check_gl("showing a picture in the window"); !finished) return tl::unexpected(finished.error());
     ++shown_;
     held_ = std::move(until_replaced);
-    flips_.push_back({shown_, clock_.now()});
+    flips_.add(shown_, clock_.now());
     return shown_;
   }
 
-  std::vector<Flip> take_flips() override { return std::exchange(flips_, {}); }
+  std::vector<Flip> take_flips() override { return flips_.take(); }
+  DisplayCounts counts() const override { return {.flips = flips_.count()}; }
 
  private:
   std::unique_ptr<Window> window_;
   Clock& clock_;
   std::uint64_t shown_ = 0;
   std::shared_ptr<const void> held_;
-  std::vector<Flip> flips_;
+  FlipRecord flips_;
 };
 
 }  // namespace
