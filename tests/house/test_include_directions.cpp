@@ -38,6 +38,10 @@ const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"ft2build.h", {"pipeline/caption.cpp"}},
     {"systemd/", {"pipeline/notifier"}},
     {"libcamera/", {"capture/libcamera_"}},
+    {"xf86drm", {"gles/kms_drm"}},
+    {"drm", {"gles/kms_drm"}},
+    {"gbm.h", {"gles/kms_scanout_gbm.cpp"}},
+    {"libudev.h", {"gles/kms_udev.cpp"}},
     {"EGL/", {"gles/"}},
     {"GLES2/", {"gles/", "pipeline/bench"}},
 };
