@@ -13,6 +13,7 @@ struct V4l2Options {
   std::filesystem::path device;  // "/dev/v4l/by-id/usb-046d_HD_Pro_Webcam_C920-video-index0"; a number may name another
                                  // camera after the next boot
   CameraRequest request;
+  friend bool operator==(const V4l2Options&, const V4l2Options&) = default;
 };
 
 // Single- and multi-planar capture with mapped buffers, exported as dma-bufs where the driver can. The device is opened
