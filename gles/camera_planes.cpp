@@ -6,7 +6,7 @@
 
 namespace kasumi {
 
-Result<> CameraPlanes::upload(const PictureView& picture, const GlInfo& info) {
+Result<CameraTextures> CameraPlanes::upload(const PictureView& picture, const GlInfo& info) {
   Problems problems;
   if (picture.width < 1 || picture.height < 1)
     problems.add("camera picture: {} x {} pixels: expected at least 1 x 1", picture.width, picture.height);
@@ -24,12 +24,14 @@ Result<> CameraPlanes::upload(const PictureView& picture, const GlInfo& info) {
   }
   if (!problems.empty()) return fail(problems.fault());
 
-  layout_ = picture.layout;
-  encoding_ = picture.encoding;
-  width_ = picture.width;
-  height_ = picture.height;
-  for (int i = 0; i < plane_count(layout_); ++i) upload_plane(picture, i, info);
-  return check_gl("uploading the camera's picture");
+  CameraTextures textures{
+      CameraTextures::Source::uploaded, picture.layout, picture.encoding, picture.width, picture.height, {}};
+  for (int i = 0; i < plane_count(picture.layout); ++i) {
+    upload_plane(picture, i, info);
+    textures.names[static_cast<std::size_t>(i)] = textures_[static_cast<std::size_t>(i)].name();
+  }
+  if (auto uploaded = check_gl("uploading the camera's picture"); !uploaded) return fail(uploaded.error());
+  return textures;
 }
 
 CameraPlanes::Texels CameraPlanes::texels_of(const PictureView& picture, int plane) {
@@ -85,47 +87,6 @@ void CameraPlanes::upload_plane(const PictureView& picture, int index, const GlI
     held_[at] = texels;
   }
   if (skip_gaps) glPixelStorei(GL_UNPACK_ROW_LENGTH_EXT, 0);
-}
-
-std::string CameraPlanes::define() const {
-  switch (layout_) {
-    case PixelLayout::rgb8:
-    case PixelLayout::rgba8:
-    case PixelLayout::grey8: return "LAYOUT_RGB";
-    case PixelLayout::bgr8:
-    case PixelLayout::bgra8: return "LAYOUT_BGR";
-    case PixelLayout::yuyv: return "LAYOUT_YUYV";
-    case PixelLayout::uyvy: return "LAYOUT_UYVY";
-    case PixelLayout::nv12: return "LAYOUT_NV12";
-    case PixelLayout::i420:
-    case PixelLayout::i422:
-    case PixelLayout::i444: return "LAYOUT_PLANAR";
-  }
-  return {};
-}
-
-void CameraPlanes::bind(const Program& program, bool smooth) const {
-  // Two pixels share a texel of the packed layouts: filtering would mix their luma.
-  const bool packed = layout_ == PixelLayout::yuyv || layout_ == PixelLayout::uyvy;
-  const GLint filter = smooth && !packed ? GL_LINEAR : GL_NEAREST;
-  constexpr std::array<std::string_view, 3> kNames{"plane_0", "plane_1", "plane_2"};
-  for (int i = 0; i < plane_count(layout_); ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(i));
-    glBindTexture(GL_TEXTURE_2D, textures_[at].name());
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-    program.set(kNames[at], i);
-  }
-  const YuvToRgb yuv = yuv_to_rgb(encoding_);
-  program.set("yuv_offset", glm::dvec3(yuv.offset));
-  program.set("yuv_to_rgb", glm::transpose(glm::dmat3(yuv.rows[0], yuv.rows[1], yuv.rows[2])));
-  const double half_width = (width_ + 1) / 2, half_height = (height_ + 1) / 2;
-  program.set("packed_size", glm::dvec2{width_, half_width});
-  const bool whole_width = layout_ == PixelLayout::i444;
-  const bool whole_height = whole_width || layout_ == PixelLayout::i422;
-  program.set("chroma_scale", glm::dvec2{whole_width ? 1.0 : width_ / (2.0 * half_width),
-                                         whole_height ? 1.0 : height_ / (2.0 * half_height)});
 }
 
 }  // namespace kasumi

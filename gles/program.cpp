@@ -32,7 +32,9 @@ Result<Program> Program::build(const Defines& defines, std::initializer_list<std
                                std::initializer_list<std::string_view> fragment_files) {
   const auto vertex = assemble(defines, "", vertex_files);
   if (!vertex) return tl::unexpected(vertex.error());
-  const auto fragment = assemble(defines, kFragmentPrecision, fragment_files);
+  std::string preamble(kFragmentPrecision);
+  if (defines.contains("LAYOUT_EXTERNAL")) preamble = "#extension GL_OES_EGL_image_external : require\n" + preamble;
+  const auto fragment = assemble(defines, preamble, fragment_files);
   if (!fragment) return tl::unexpected(fragment.error());
   std::string name;
   for (const std::string_view file : fragment_files) name = file;

@@ -1,10 +1,12 @@
 #include "gles/renderer.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
 #include "gles/airlight.hpp"
 #include "gles/appearance.hpp"
+#include "gles/camera_import.hpp"
 #include "gles/camera_planes.hpp"
 #include "gles/gl.hpp"
 #include "gles/gpu_model.hpp"
@@ -37,6 +39,12 @@ GlTexture make_dither_pattern() {
   return texture;
 }
 
+bool same_kind(const ExternalPicture& a, const ExternalPicture& b) {
+  const auto same_rows = [](const ExternalPlane& p, const ExternalPlane& q) { return p.stride == q.stride; };
+  return a.layout == b.layout && a.width == b.width && a.height == b.height &&
+         std::ranges::equal(a.planes, b.planes, same_rows);
+}
+
 // Where a target shows the picture, and how pixels get there.
 struct Shown {
   Letterbox box;
@@ -64,7 +72,12 @@ struct Renderer::State {
   RendererOptions options;
   Programs programs;
   GlTexture dither;
-  CameraPlanes camera;
+  CameraPlanes planes;
+  std::optional<CameraImport> import;
+  std::optional<Fault> no_import;                 // this driver's refusal of any
+  std::optional<ExternalPicture> import_refused;  // the kind of picture refused last
+  CameraTextures camera;                          // of the newest picture, whichever way it came
+  FrameCounts frames;
   std::optional<ResponseOnGpu> response;
   std::optional<GpuModel> model;
   std::optional<Projection> projection;
@@ -84,6 +97,17 @@ struct Renderer::State {
            !(info.has("GL_EXT_color_buffer_half_float") || info.has("GL_EXT_color_buffer_float"));
   }
 
+  Fault refuse_import(const Fault& why) {
+    notes.push_back(fmt::format("camera pictures are copied to the GPU: {}", why.message));
+    return {FaultKind::unsupported, why.message};
+  }
+
+  Result<std::unique_ptr<ImageDevice>> open_image_device() const {
+    if (info.software && !options.import_on_software)
+      return fail(FaultKind::unsupported, "{} is software, which may crash on other drivers' memory", info.renderer);
+    return options.image_device ? options.image_device(info) : egl_image_device(info);
+  }
+
   void drop_layer() {
     layer.reset();
     mesh.reset();
@@ -101,9 +125,9 @@ struct Renderer::State {
     if (target.width < 1 || target.height < 1)
       return fail(FaultKind::bad_input, "a target of {} x {} pixels: expected at least 1 x 1", target.width,
                   target.height);
-    if (projection && (camera.width() != projection->view.width || camera.height() != projection->view.height))
-      return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", camera.width(),
-                  camera.height(), projection->view.width, projection->view.height);
+    if (projection && (camera.width != projection->view.width || camera.height != projection->view.height))
+      return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", camera.width,
+                  camera.height, projection->view.width, projection->view.height);
     return {};
   }
 
@@ -134,7 +158,7 @@ struct Renderer::State {
     glActiveTexture(GL_TEXTURE0 + kDitherUnit);
     glBindTexture(GL_TEXTURE_2D, dither.name());
     program.set("dither_pattern", kDitherUnit);
-    program.set("picture_size", glm::dvec2{camera.width(), camera.height()});
+    program.set("picture_size", glm::dvec2{camera.width, camera.height});
     program.set("pixel_to_clip", shown.pixel_to_clip);
   }
 
@@ -148,7 +172,7 @@ struct Renderer::State {
     if (on.empty(area)) return {};
     // Areas that do not need the camera or its response share one variant.
     Defines defines;
-    if (area != PictureArea::covered) defines.insert(camera.define());
+    if (area != PictureArea::covered) defines.merge(camera.defines());
     if (area == PictureArea::covered) defines.insert({"COVERED", "LAYOUT_RGB"});
     if (area == PictureArea::edge) defines.insert("EDGE");
     if (area != PictureArea::plain) defines.insert(response->define());
@@ -173,7 +197,7 @@ struct Renderer::State {
   }
 
   const PictureMesh& whole_picture() {
-    const glm::ivec2 size{camera.width(), camera.height()};
+    const glm::ivec2 size{camera.width, camera.height};
     if (!whole || whole_size != size) whole = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
     whole_size = size;
     return *whole;
@@ -286,13 +310,46 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
 }
 
 Result<> Renderer::upload(const PictureView& frame) {
-  return state_->camera.upload(frame, state_->info);
+  auto textures = state_->planes.upload(frame, state_->info);
+  if (!textures) return fail(textures.error());
+  state_->camera = *textures;
+  ++state_->frames.uploaded;
+  return {};
+}
+
+Result<> Renderer::import_frame(const ExternalPicture& frame) {
+  State& s = *state_;
+  if (s.no_import) return fail(*s.no_import);
+  if (s.import_refused && same_kind(*s.import_refused, frame))
+    return fail(FaultKind::unsupported, "refused before: pictures of this kind are copied");
+  if (!s.import) {
+    auto device = s.open_image_device();
+    if (!device) return fail(*(s.no_import = s.refuse_import(device.error())));
+    s.import.emplace(std::move(*device));
+  }
+  auto textures = s.import->import(frame, s.info);
+  if (!textures) {
+    if (textures.error().kind != FaultKind::unsupported) return fail(textures.error());
+    s.import_refused = frame;
+    return fail(s.refuse_import(textures.error()));
+  }
+  s.camera = *textures;
+  ++s.frames.imported;
+  return {};
+}
+
+void Renderer::drop_camera_buffers() {
+  if (state_->import) state_->import->drop_others();
+}
+
+FrameCounts Renderer::frames() const {
+  return state_->frames;
 }
 
 Result<> Renderer::draw_background(const DrawTarget& target) {
   State& s = *state_;
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
-  const Shown shown(target, s.camera.width(), s.camera.height());
+  const Shown shown(target, s.camera.width, s.camera.height);
   s.begin(target, shown, false);
   return s.draw_area(PictureArea::plain, s.whole_picture(), shown, nullptr);
 }
@@ -304,7 +361,7 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target) 
   Problems problems;
   check(measured, "measured airlight", false, problems);
   if (!problems.empty()) return fail(problems.fault());
-  const Shown shown(target, s.camera.width(), s.camera.height());
+  const Shown shown(target, s.camera.width, s.camera.height);
   s.begin(target, shown, false);
   for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
     if (auto drawn = s.draw_area(area, s.mesh_for(measured), shown, &measured); !drawn) return drawn;
@@ -321,9 +378,10 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   check(measured, "measured airlight", false, problems);
   if (!problems.empty()) return fail(problems.fault());
 
-  const Shown shown(target, s.camera.width(), s.camera.height());
+  const Shown shown(target, s.camera.width, s.camera.height);
   s.begin(target, shown, true);
-  Defines defines{"FINAL_COLOUR", s.response->define(), s.camera.define()};
+  Defines defines{"FINAL_COLOUR", s.response->define()};
+  defines.merge(s.camera.defines());
   if (!appearance.aerial_perspective)
     defines.insert("NO_AIR");
   else if (detail == HazeDetail::per_fragment)

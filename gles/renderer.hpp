@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -24,15 +25,20 @@
 #include "base/picture.hpp"
 #include "base/result.hpp"
 #include "gles/context.hpp"
+#include "gles/external_picture.hpp"
 #include "gles/model.hpp"
 #include "gles/scene.hpp"
 #include "gles/target.hpp"
 
 namespace kasumi {
 
+class ImageDevice;
+
 struct RendererOptions {
   bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) although the driver has half floats
   bool force_encoded_textures = false;  // decode sRGB after filtering although the driver has sRGB textures
+  bool import_on_software = false;      // software GL maps what it imports and may crash on it: it is not asked to
+  std::function<Result<std::unique_ptr<ImageDevice>>(const GlInfo&)> image_device{};  // instead of EGL's, for tests
 };
 
 // How the object looks before the camera's exposure enters.
@@ -54,6 +60,12 @@ struct PixelBox {
 };
 
 enum class HazeDetail { per_vertex, per_fragment };
+
+// How the camera's pictures came to the GPU.
+struct FrameCounts {
+  std::uint64_t uploaded = 0;  // copied, once each
+  std::uint64_t imported = 0;  // not copied at all
+};
 
 class Renderer {
  public:
@@ -87,6 +99,13 @@ class Renderer {
 
   // The camera's picture, of the view's size (any other is refused: bad_input). Its planes may go when this returns.
   Result<> upload(const PictureView& frame);
+  // The same without a copy: the GPU reads the driver's buffer. It must keep the picture until what was drawn of it has
+  // been replaced on the display. Errors: unsupported (upload it instead; told once in notes(), and from then on
+  // answered without another try for pictures of that kind), bad_input (planes beyond the buffer).
+  Result<> import_frame(const ExternalPicture& frame);
+  // Gives back every imported buffer but the one that was drawn last. For when the camera is gone.
+  void drop_camera_buffers();
+  FrameCounts frames() const;
 
   // The uploaded picture with the cached layer in it. `measured`: airlight in the camera's light, full scale = 1.
   // Without a layer (no model, nothing redrawn yet): the camera's picture alone. Errors: bad_input (grid), device.

@@ -1,5 +1,9 @@
 // The camera's picture from the planes it delivers, chroma from the nearest sample, as base::to_rgb.
+#if defined(LAYOUT_EXTERNAL)
+uniform samplerExternalOES plane_0;  // the driver converts
+#else
 uniform sampler2D plane_0;
+#endif
 #if defined(LAYOUT_NV12) || defined(LAYOUT_PLANAR)
 uniform sampler2D plane_1;
 #endif
@@ -9,7 +13,7 @@ uniform sampler2D plane_2;
 #if defined(LAYOUT_YUYV) || defined(LAYOUT_UYVY)
 uniform vec2 packed_size;  // pixels; texels of plane_0 across
 #endif
-#if !defined(LAYOUT_RGB) && !defined(LAYOUT_BGR)
+#if !defined(LAYOUT_RGB) && !defined(LAYOUT_BGR) && !defined(LAYOUT_GREY) && !defined(LAYOUT_EXTERNAL)
 uniform mat3 yuv_to_rgb;
 uniform vec3 yuv_offset;
 #endif
@@ -19,13 +23,20 @@ uniform vec2 chroma_scale;  // odd pictures have half a chroma sample too many
 
 // place: 0..1 across the picture
 vec3 camera_at(vec2 place) {
-#if defined(LAYOUT_RGB)
+#if defined(LAYOUT_RGB) || defined(LAYOUT_EXTERNAL)
   return texture2D(plane_0, place).rgb;
 #elif defined(LAYOUT_BGR)
   return texture2D(plane_0, place).bgr;
+#elif defined(LAYOUT_GREY)
+  return texture2D(plane_0, place).rrr;
 #else
 #if defined(LAYOUT_NV12)
-  vec3 yuv = vec3(texture2D(plane_0, place).r, texture2D(plane_1, place * chroma_scale).ra);
+  vec4 chroma = texture2D(plane_1, place * chroma_scale);
+#if defined(CHROMA_IN_GREEN)
+  vec3 yuv = vec3(texture2D(plane_0, place).r, chroma.rg);
+#else
+  vec3 yuv = vec3(texture2D(plane_0, place).r, chroma.ra);
+#endif
 #elif defined(LAYOUT_PLANAR)
   vec2 chroma = place * chroma_scale;
   vec3 yuv = vec3(texture2D(plane_0, place).r, texture2D(plane_1, chroma).r, texture2D(plane_2, chroma).r);

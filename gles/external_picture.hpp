@@ -1,0 +1,27 @@
+// A camera's picture where its driver put it: memory that a GPU can read in place.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/picture.hpp"
+
+namespace kasumi {
+
+struct ExternalPlane {
+  std::uint32_t offset = 0;  // bytes from the buffer's beginning
+  std::uint32_t stride = 0;  // bytes from one row to the next
+  friend bool operator==(const ExternalPlane&, const ExternalPlane&) = default;
+};
+
+struct ExternalPicture {
+  int fd = -1;               // a dma-buf; only read while it is imported, may be closed afterwards
+  std::uint64_t buffer = 0;  // the same number only for the same memory: what is imported once is not imported again
+  PixelLayout layout = PixelLayout::rgb8;
+  YuvEncoding encoding = YuvEncoding::bt601_full;
+  int width = 0;
+  int height = 0;
+  std::array<ExternalPlane, 3> planes{};
+};
+
+}  // namespace kasumi
