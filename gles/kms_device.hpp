@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -43,6 +44,7 @@ struct KmsConnector {
   std::vector<KmsMode> modes;        // may be empty although a display is connected
   std::vector<std::uint32_t> crtcs;  // those that can feed it
   std::uint32_t crtc = 0;            // the one that feeds it now; 0: none
+  std::optional<KmsMode> mode_now;   // that CRTC's
   std::string display;               // "DEL U2412M", by its EDID; empty: it does not say
   std::uint64_t identity = 0;        // changes with the display's EDID; 0: it has none
   bool link_bad = false;             // the driver wants the mode set again to train the link
@@ -90,6 +92,7 @@ class KmsDevice {
 
   virtual KmsResult<> become_master() = 0;
   virtual bool is_master() const = 0;
+  virtual void drop_master() = 0;  // for who only looks: opening a card that has no master makes one master
 
   // Ask the displays themselves: BLOCKS for some 10 ms each.
   virtual KmsResult<std::vector<KmsConnector>> connectors() = 0;

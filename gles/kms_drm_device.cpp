@@ -62,7 +62,6 @@ class DrmDevice final : public KmsDevice {
     std::uint64_t value = 0;
     has_modifiers_ = drmGetCap(fd_.value(), DRM_CAP_ADDFB2_MODIFIERS, &value) == 0 && value != 0;
   }
-  // The order of members gives the card back last.
 
   const std::string& path() const override { return path_; }
   const std::string& driver() const override { return driver_; }
@@ -75,6 +74,7 @@ class DrmDevice final : public KmsDevice {
     return drm_error("becoming DRM master of {}", path_);
   }
   bool is_master() const override { return drmIsMaster(fd_.value()) != 0; }
+  void drop_master() override { drmDropMaster(fd_.value()); }
 
   KmsResult<std::vector<KmsConnector>> connectors() override {
     const DrmResources resources(drmModeGetResources(fd_.value()));
@@ -110,6 +110,8 @@ class DrmDevice final : public KmsDevice {
     const auto properties = drm_properties(fd_.value(), id, DRM_MODE_OBJECT_CONNECTOR);
     if (const auto crtc = properties.find("CRTC_ID"); crtc != properties.end())
       made.crtc = static_cast<std::uint32_t>(crtc->second.value);
+    if (const DrmCrtc crtc(made.crtc == 0 ? nullptr : drmModeGetCrtc(fd_.value(), made.crtc)); crtc && crtc->mode_valid)
+      made.mode_now = mode_of(crtc->mode);
     if (const auto link = properties.find("link-status"); link != properties.end())
       made.link_bad = link->second.value == DRM_MODE_LINK_STATUS_BAD;
     if (const auto edid = properties.find("EDID"); edid != properties.end() && edid->second.value != 0) {

@@ -8,6 +8,7 @@
 
 #include "base/result.hpp"
 #include "gles/display.hpp"
+#include "gles/display_listing.hpp"
 #include "gles/kms_device.hpp"
 #include "gles/kms_scanout.hpp"
 
@@ -32,6 +33,8 @@ std::shared_ptr<KmsSystem> open_kms_system();
 
 Result<std::unique_ptr<Display>> open_kms_display(const KmsDisplayOptions& options, Clock& clock,
                                                   std::shared_ptr<KmsSystem> system);
+
+std::vector<ListedCard> list_displays(KmsSystem& system);
 
 // The parts of the machine's own system.
 std::vector<KmsCardPlace> find_cards();                                          // udev
