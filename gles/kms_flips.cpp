@@ -101,6 +101,7 @@ Result<> KmsFlips::commit() {
     if (handed) {
       sets_mode_ = false;
       shown_once_ = true;
+      given_at_ = clock_.now();  // a mode may take the driver long to set
       if (setting_mode) ++modesets_;
       if (setting_mode && !atomic_)
         complete(pending_, clock_.now());  // set_crtc sends no event
