@@ -16,6 +16,7 @@ struct ConfigTable::File {
   toml::table root;
   Problems problems;
   std::set<std::string> read;  // full keys somebody asked for
+  std::map<std::string, std::filesystem::path> files;
 };
 
 struct ConfigTable::Node {
@@ -59,6 +60,23 @@ void list_keys(const toml::table& table, const std::string& prefix, std::vector<
       for (std::size_t i = 0; i < array->size(); ++i)
         list_keys(*(*array)[i].as_table(), fmt::format("{}[{}].", full, i), keys);
   }
+}
+
+using Changes = std::map<std::string, std::optional<std::string>>;
+
+toml::table changed(const toml::table& table, const std::string& prefix, const Changes& changes) {
+  toml::table copy;
+  for (const auto& [key, node] : table) {
+    const std::string full = prefix + std::string(key.str());
+    if (const auto change = changes.find(full); change != changes.end()) {
+      if (change->second) copy.insert(key.str(), *change->second);
+    } else if (const auto* inner = node.as_table()) {
+      copy.insert(key.str(), changed(*inner, full + ".", changes));
+    } else {
+      copy.insert(key.str(), node);
+    }
+  }
+  return copy;
 }
 
 }  // namespace
@@ -194,6 +212,12 @@ Utc ConfigTable::utc(std::string_view key) const {
          std::chrono::minutes{at.offset->minutes};
 }
 
+std::optional<Utc> ConfigTable::optional_utc(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  if (!has(key)) return std::nullopt;
+  return utc(key);
+}
+
 std::optional<std::filesystem::path> ConfigTable::optional_file(std::string_view key) const {
   file_->read.insert(full_key(key));
   if (!has(key)) return std::nullopt;
@@ -204,6 +228,7 @@ std::filesystem::path ConfigTable::file(std::string_view key) const {
   const auto name = text(key);
   if (name.empty()) return {};
   auto path = folder() / name;
+  file_->files[full_key(key)] = path;
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     problem(key, fmt::format("an existing file (looked for {})", path.string()));
@@ -257,6 +282,24 @@ const std::filesystem::path& ConfigTable::path() const {
 
 std::filesystem::path ConfigTable::folder() const {
   return file_->path.parent_path();
+}
+
+std::set<std::string> ConfigTable::keys_asked() const {
+  return file_->read;
+}
+
+std::map<std::string, std::filesystem::path> ConfigTable::files_asked() const {
+  return file_->files;
+}
+
+std::string ConfigTable::copy_of(std::initializer_list<std::string_view> tables, const Changes& changes) const {
+  toml::table copy;
+  for (const auto name : tables)
+    if (const auto* table = file_->root[name].as_table())
+      copy.insert(name, changed(*table, std::string(name) + ".", changes));
+  std::ostringstream text;
+  text << copy << "\n";
+  return text.str();
 }
 
 Result<> ConfigTable::finish() const {

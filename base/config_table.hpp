@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +46,7 @@ class ConfigTable {
                               std::optional<std::vector<double>> fallback = std::nullopt) const;
   // "2026-06-21T03:00:00Z" as a TOML date-time with offset.
   Utc utc(std::string_view key) const;
+  std::optional<Utc> optional_utc(std::string_view key) const;
   // A file named relative to the folder of the TOML file; it must exist.
   std::filesystem::path file(std::string_view key) const;
   std::optional<std::filesystem::path> optional_file(std::string_view key) const;
@@ -59,6 +62,14 @@ class ConfigTable {
   void problem(std::string_view key, std::string_view expected) const;
   const std::filesystem::path& path() const;
   std::filesystem::path folder() const;
+
+  // What was asked for so far, by full key ("sky.lens.focal_px"); of files, where they were looked for.
+  std::set<std::string> keys_asked() const;
+  std::map<std::string, std::filesystem::path> files_asked() const;
+  // These tables of the root as TOML text. A change, by full key, is another text for it; nothing: the key and all
+  // below it are left out.
+  std::string copy_of(std::initializer_list<std::string_view> tables,
+                      const std::map<std::string, std::optional<std::string>>& changes) const;
 
   // For the root, after everything was read: adds a problem for each key nobody asked for (a typing error), then says
   // whether all is well.

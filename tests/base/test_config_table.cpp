@@ -78,5 +78,33 @@ TEST(ConfigTable, ASyntaxErrorNamesLineAndColumn) {
   EXPECT_THAT(result.error().message, HasSubstr("bad.toml:2:"));
 }
 
+TEST(ConfigTable, ACopyReadsAsTheOriginalButForWhatWasChanged) {
+  const auto root = ConfigTable::parse(
+                        "top = 1\n[sky]\nwidth = 480\nfocal = 147.64873268436477\nmask = 'a/b.png'\n[sky.camera]\n"
+                        "device = '/dev/video0'\n[other]\nkey = 1\n",
+                        "a.toml")
+                        .value();
+  const auto text = root.copy_of({"sky"}, {{"sky.mask", "b \"quoted\".png"}, {"sky.camera", std::nullopt}});
+  const auto copy = ConfigTable::parse(text, "copy.toml");
+  ASSERT_TRUE(copy) << copy.error().message << text;
+  const auto sky = copy->table("sky");
+  EXPECT_EQ(sky.integer("width"), 480);
+  EXPECT_EQ(sky.number("focal"), 147.64873268436477);
+  EXPECT_EQ(sky.text("mask"), "b \"quoted\".png");
+  EXPECT_TRUE(copy->finish()) << "nothing else may be left in it:\n" << text;
+}
+
+TEST(ConfigTable, ItKnowsWhatItWasAskedForAlsoWhatWasNotThere) {
+  const auto root = ConfigTable::parse("[lens]\nfocal_px = 1\nmask = 'm.png'\n", "/nowhere/a.toml").value();
+  const auto lens = root.table("lens");
+  lens.number("focal_px");
+  lens.text("model", "pinhole");
+  lens.optional_file("mask");
+  lens.optional_file("table");
+  EXPECT_EQ(root.keys_asked(),
+            (std::set<std::string>{"lens", "lens.focal_px", "lens.model", "lens.mask", "lens.table"}));
+  EXPECT_EQ(root.files_asked(), (std::map<std::string, std::filesystem::path>{{"lens.mask", "/nowhere/m.png"}}));
+}
+
 }  // namespace
 }  // namespace kasumi
