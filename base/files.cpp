@@ -52,6 +52,9 @@ Result<> replace_file(const std::filesystem::path& path,
     std::filesystem::remove(temporary, error);
     return fail(FaultKind::io, "{}: cannot be written: {}", path.string(), reason);
   }
+  // So that whoever names the file afterwards, in another file, names one that a power cut leaves there.
+  const auto folder = path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
+  if (const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); fd) ::fsync(fd.value());
   return {};
 }
 
