@@ -79,8 +79,9 @@ Result<std::string> FixtureWriter::store(const Frame& frame) {
   const auto payload = frame.payload.bytes;
   const auto bytes = payload.first(std::min<std::size_t>(payload.size(), frame.metadata.bytes_used));
   if (bytes.empty()) return std::string();
-  const auto hash = std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  std::uint64_t hash = 0;
   if (options_.share_equal_payloads) {
+    hash = std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (const auto known = names_.find(hash); known != names_.end()) {
       const auto stored = read_file(folder_ / known->second);
       if (stored && std::equal(stored->begin(), stored->end(), bytes.begin(), bytes.end())) return known->second;
@@ -89,14 +90,18 @@ Result<std::string> FixtureWriter::store(const Frame& frame) {
   const auto name = fmt::format("frame-{:06}.{}", payload_count_, extension_of(frame.metadata.format));
   if (auto written = write_file(folder_ / name, bytes); !written) return fail(written.error());
   ++payload_count_;
-  names_[hash] = name;
+  bytes_written_ += bytes.size();
+  if (options_.share_equal_payloads) names_[hash] = name;
   return name;
 }
 
 Result<> FixtureWriter::append_row(const IndexRow& row) {
-  auto written = append_line(index_.value(), folder_ / "index.csv", index_line(row));
-  if (written) ++row_count_;
-  return written;
+  const auto line = index_line(row);
+  auto written = append_line(index_.value(), folder_ / "index.csv", line);
+  if (!written) return written;
+  ++row_count_;
+  bytes_written_ += line.size() + 1;
+  return {};
 }
 
 }  // namespace kasumi

@@ -29,6 +29,7 @@ class FixtureWriter {
   Result<> append(const Frame& frame);
   Result<> append_disconnect(Instant at, Utc utc);
   int row_count() const { return row_count_; }
+  std::uint64_t bytes_written() const { return bytes_written_; }  // of payloads and rows
 
  private:
   FixtureWriter(std::filesystem::path folder, UniqueFd index, FixtureWriterOptions options)
@@ -41,6 +42,7 @@ class FixtureWriter {
   FixtureWriterOptions options_;
   int row_count_ = 0;
   int payload_count_ = 0;
+  std::uint64_t bytes_written_ = 0;
   std::unordered_map<std::uint64_t, std::string> names_;  // of payloads by their hash
 };
 
