@@ -7,6 +7,7 @@
 
 #include <glm/mat3x3.hpp>
 
+#include "base/clock.hpp"
 #include "base/config_table.hpp"
 #include "base/geometry.hpp"
 #include "base/image.hpp"
@@ -32,6 +33,7 @@ struct Camera {
   glm::dvec3 white_balance{1.0};
   Image<std::uint8_t> mask;  // empty, or one value per pixel: sky camera: 0 where obstructed; scene camera: 0 where
                              // something stands in front of the object
+  std::optional<Utc> calibrated_utc;  // when all this was last found right; for people, nothing is computed from it
 
   std::optional<Direction> direction_at(const glm::dvec2& pixel) const;  // world frame
   std::optional<glm::dvec2> pixel_of(const Direction& direction) const;

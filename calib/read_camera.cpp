@@ -202,6 +202,7 @@ Camera read_camera(const ConfigTable& table, std::string name) {
   camera.white_balance = {gains[0], gains[1], gains[2]};
   camera.sensitivity = read_sensitivity(table, camera.colour_space);
   if (sized) camera.mask = read_mask(table, camera.width, camera.height);
+  camera.calibrated_utc = table.optional_utc("calibrated_utc");
   return camera;
 }
 
