@@ -1,19 +1,44 @@
 #include "pipeline/sky_watch.hpp"
 
+#include <cmath>
+
 #include "estimator/sun.hpp"
 
 namespace kasumi {
 
 SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
-    : site_(installation.site), options_(options), observer_(installation.sky) {}
+    : site_(installation.site), options_(std::move(options)), observer_(installation.sky) {}
 
-SunCheck SkyWatch::find_sun_for(Utc utc, const SkyPicture& picture) const {
+SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
+  if (sun_from == SunSource::none) {
+    SunCheck unknown;
+    unknown.words = "the time is not to be trusted yet";
+    return unknown;
+  }
+  const bool clock_trusted = sun_from == SunSource::ephemeris;
   std::optional<SunDirection> ephemeris;
-  if (options_.clock_trusted) ephemeris = sun_position(utc, site_).direction;
-  return cross_check(ephemeris, find_sun(picture, observer_.camera()), options_.clock_trusted);
+  if (clock_trusted) ephemeris = sun_position(utc, site_).direction;
+  std::optional<SunBlob> blob;
+  if (picture) blob = find_sun(*picture, observer_.camera());
+  return cross_check(ephemeris, blob, clock_trusted);
 }
 
-Result<SkyReport> SkyWatch::observe(const Frame& frame) {
+TurbidityEstimate SkyWatch::estimate(const SkyPicture& picture, const SunCheck& sun) {
+  if (sun.source == SunSource::none) {
+    TurbidityEstimate none;
+    none.reason = "the sun's place is unknown: " + sun.words;
+    return none;
+  }
+  return checked(options_.estimator ? options_.estimator(picture, sun.direction)
+                                    : observer_.look(picture, sun.direction, options_.estimate).estimate);
+}
+
+void SkyWatch::add_air(SkyReport& report, Instant when) const {
+  report.tracked = tracker_.at(when);
+  if (report.tracked) report.air = air_quality(report.tracked->turbidity, site_.altitude_m);
+}
+
+Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource sun_from) {
   auto decoded = decode(frame, observer_.camera().yuv_encoding);
   if (!decoded) return fail(decoded.error());
   const auto picture = sky_picture(decoded->view(), observer_.camera());
@@ -22,16 +47,43 @@ Result<SkyReport> SkyWatch::observe(const Frame& frame) {
   SkyReport report;
   report.utc = frame.metadata.utc;
   report.picture = std::make_shared<const DecodedPicture>(*decoded);
-  report.sun = find_sun_for(report.utc, *picture);
-  if (report.sun.source == SunSource::none) {
-    report.estimate.reason = "the sun's place is unknown: " + report.sun.words;
-  } else {
-    report.estimate = observer_.look(*picture, report.sun.direction, options_.estimate).estimate;
-  }
-  tracker_.observe(report.estimate, frame.metadata.captured_at);
-  report.tracked = tracker_.at(frame.metadata.captured_at);
-  if (report.tracked) report.air = air_quality(report.tracked->turbidity, site_.altitude_m);
+  report.sun = place_sun(report.utc, &*picture, sun_from);
+  report.estimate = estimate(*picture, report.sun);
+  last_estimate_ = report.estimate;
+  tracker_.observe(report.estimate, when);
+  add_air(report, when);
   return report;
+}
+
+SkyReport SkyWatch::at(Instant when, Utc utc, SunSource sun_from) const {
+  SkyReport report;
+  report.utc = utc;
+  report.sun = place_sun(utc, nullptr, sun_from);
+  report.estimate = last_estimate_;
+  add_air(report, when);
+  return report;
+}
+
+void SkyWatch::remember(Turbidity turbidity, double sigma, Instant when) {
+  if (tracker_.at(when)) return;
+  TurbidityEstimate earlier;
+  earlier.usable = true;
+  earlier.turbidity = turbidity;
+  earlier.sigma = sigma;
+  tracker_.observe(checked(earlier), when);
+}
+
+TurbidityEstimate checked(TurbidityEstimate estimate) {
+  if (!estimate.usable) return estimate;
+  const double t = estimate.turbidity.value, sigma = estimate.sigma;
+  const auto& sun = estimate.sun;
+  const bool possible = t >= 1.0 && t <= 2.0 * kHighestTurbidity.value && sigma >= 0.0 && std::isfinite(sigma) &&
+                        std::isfinite(sun.x + sun.y + sun.z);
+  if (possible) return estimate;
+  TurbidityEstimate refused;
+  refused.sky = estimate.sky;
+  refused.reason = fmt::format("rejected: a turbidity of {} +- {} cannot be", t, sigma);
+  return refused;
 }
 
 }  // namespace kasumi

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,12 +23,14 @@ struct SkyReport {
   std::optional<TrackedTurbidity> tracked;  // over time; empty until the first usable estimate
   std::optional<AirQuality> air;            // of the tracked turbidity
   SunCheck sun;
-  std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null before the first frame
+  std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
 };
 
+using TurbidityEstimator = std::function<TurbidityEstimate(const SkyPicture&, const SunDirection&)>;
+
 struct SkyWatchOptions {
-  bool clock_trusted = true;
   EstimateOptions estimate;
+  TurbidityEstimator estimator;  // instead of ours, for tests
 };
 
 // Belongs to one thread.
@@ -35,16 +38,31 @@ class SkyWatch {
  public:
   explicit SkyWatch(const Installation& installation, SkyWatchOptions options = {});
 
-  // Errors (bad_input): a frame without a picture: truncated, flagged, damaged, of another size. The watch goes on.
-  Result<SkyReport> observe(const Frame& frame);
+  // A recorded frame: its own time, and its clock is believed. Errors (bad_input): a frame without a picture:
+  // truncated, flagged, damaged, of another size. The watch goes on.
+  Result<SkyReport> observe(const Frame& frame) {
+    return observe(frame, frame.metadata.captured_at, SunSource::ephemeris);
+  }
+  // A live one, taken in at `when`. `sun_from`: what may place the sun; from `none` nothing is estimated.
+  Result<SkyReport> observe(const Frame& frame, Instant when, SunSource sun_from);
+  // While no frame comes: the last estimate, the air as it has aged, the sun where it stands at `utc`.
+  SkyReport at(Instant when, Utc utc, SunSource sun_from) const;
+  // What was known of the air at an earlier instant. No effect once an estimate has been taken in.
+  void remember(Turbidity turbidity, double sigma, Instant when);
 
  private:
-  SunCheck find_sun_for(Utc utc, const SkyPicture& picture) const;
+  SunCheck place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const;
+  TurbidityEstimate estimate(const SkyPicture& picture, const SunCheck& sun);
+  void add_air(SkyReport& report, Instant when) const;
 
   Site site_;
   SkyWatchOptions options_;
   SkyObserver observer_;
   TurbidityTracker tracker_;
+  TurbidityEstimate last_estimate_;
 };
+
+// An estimate whose numbers cannot be is made unusable, with a reason.
+TurbidityEstimate checked(TurbidityEstimate estimate);
 
 }  // namespace kasumi
