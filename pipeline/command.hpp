@@ -17,5 +17,8 @@ using Action = std::function<Result<int>()>;
 void add_replay_command(CLI::App& app, Action& action);
 void add_estimate_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
+void add_run_command(CLI::App& app, Action& action);
+void add_record_command(CLI::App& app, Action& action);
+void add_doctor_command(CLI::App& app, Action& action);
 
 }  // namespace kasumi

@@ -14,6 +14,14 @@ namespace {
 constexpr double kLeastHazeChange = 0.005;
 constexpr Radians kLeastSunMove = from_degrees(0.1);
 
+ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
+  ExternalPicture picture{memory.fd, memory.buffer, view.layout, view.encoding, view.width, view.height, {}};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(plane_count(view.layout)); ++i)
+    picture.planes[i] = {memory.offset + static_cast<std::uint32_t>(view.planes[i].data - view.planes[0].data),
+                         static_cast<std::uint32_t>(view.planes[i].stride)};
+  return picture;
+}
+
 }  // namespace
 
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, SceneAirOptions options) {
@@ -28,8 +36,8 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
 }
 
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, const Model& model,
-                                      SceneAir air) {
-  auto renderer = Renderer::create(context);
+                                      SceneAir air, const RendererOptions& options) {
+  auto renderer = Renderer::create(context, options);
   if (!renderer) return fail(renderer.error());
   if (auto set = renderer->set_model(model); !set) return fail(set.error());
 
@@ -54,7 +62,12 @@ bool Compositor::is_stale(const SceneConditions& now) const {
 Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTarget& target) {
   const auto picture = decode(frame, encoding_);
   if (!picture) return fail(picture.error());
-  air_.observe(frame.metadata, picture->view(), sky.picture ? &sky.picture->view() : nullptr);
+  return draw(frame.metadata, *picture, sky, target);
+}
+
+Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
+                          const DrawTarget& target) {
+  air_.observe(metadata, picture.view(), sky.picture ? &sky.picture->view() : nullptr);
 
   const auto conditions = air_.conditions(sky);
   const auto box = renderer_.object_box();
@@ -63,23 +76,38 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
     layer_ = conditions;
     ++layers_drawn_;
   }
-  if (auto uploaded = renderer_.upload(picture->view()); !uploaded) return uploaded;
+  if (auto taken = take(picture); !taken) return taken;
   measured_ = air_.measured(conditions, box);
   drawn_ = true;
-  return draw_again(target);
+  return show(target);
 }
 
-Result<> Compositor::draw_without_object(const Frame& frame, const DrawTarget& target) {
-  const auto picture = decode(frame, encoding_);
-  if (!picture) return fail(picture.error());
-  if (auto uploaded = renderer_.upload(picture->view()); !uploaded) return uploaded;
+Result<> Compositor::draw_without_object(const DecodedPicture& picture, const DrawTarget& target) {
+  if (auto taken = take(picture); !taken) return taken;
   measured_.reset();
   drawn_ = true;
-  return draw_again(target);
+  return show(target);
+}
+
+Result<> Compositor::take(const DecodedPicture& picture) {
+  if (picture.dma_buf() && renderer_.import_frame(external(picture.view(), *picture.dma_buf()))) {
+    lent_ = picture;
+    return {};
+  }
+  lent_.reset();
+  return renderer_.upload(picture.view());
 }
 
 Result<> Compositor::draw_again(const DrawTarget& target) {
   if (!drawn_) return fail(FaultKind::bad_input, "no frame of the scene camera has been drawn yet");
+  if (lent_) {
+    if (auto copied = renderer_.upload(lent_->view()); !copied) return copied;
+    lent_.reset();
+  }
+  return show(target);
+}
+
+Result<> Compositor::show(const DrawTarget& target) {
   return measured_ ? renderer_.draw(*measured_, target) : renderer_.draw_background(target);
 }
 

@@ -28,6 +28,9 @@ int main(int argc, char** argv) try {
   app.set_version_flag("--version", KASUMI_VERSION);
   app.require_subcommand(1);
   kasumi::Action action;
+  kasumi::add_run_command(app, action);
+  kasumi::add_record_command(app, action);
+  kasumi::add_doctor_command(app, action);
   kasumi::add_replay_command(app, action);
   kasumi::add_estimate_command(app, action);
   kasumi::add_bench_command(app, action);

@@ -1,0 +1,139 @@
+#include "pipeline/appliance_threads.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <functional>
+#include <thread>
+
+#include <pthread.h>
+#include <spdlog/spdlog.h>
+
+#include "pipeline/appliance.hpp"
+
+namespace kasumi {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kPatience = 200ms;  // how long a camera's loop waits for a frame before it looks around
+constexpr auto kEndDeadline = 1500ms;  // of a loop that a driver or a disk holds up
+
+// Set and never cleared; everybody who waits is woken.
+class Stop {
+ public:
+  explicit Stop(Clock& clock) : clock_(clock) {}
+  void add(Bell& bell) { bells_.push_back(&bell); }
+  void now() {
+    stopping_ = true;
+    clock_.interrupt();
+    for (auto* bell : bells_) bell->ring();
+  }
+  bool wanted() const { return stopping_; }
+
+ private:
+  Clock& clock_;
+  std::vector<Bell*> bells_;
+  std::atomic<bool> stopping_ = false;
+};
+
+// Threads whose end can be waited for with a deadline.
+class Threads {
+ public:
+  void start(const char* name, std::function<void()> run) {
+    ++running_;
+    threads_.emplace_back([this, name, run = std::move(run)] {
+      ::pthread_setname_np(::pthread_self(), name);
+      run();
+      if (--running_ == 0) ended_.ring();
+    });
+  }
+  // false: somebody is still held up.
+  bool join(Duration longest) {
+    const auto deadline = std::chrono::steady_clock::now() + longest;
+    while (running_ > 0) {
+      const auto left = deadline - std::chrono::steady_clock::now();
+      if (left <= 0ns) return false;
+      ended_.wait_for(left);
+    }
+    for (auto& thread : threads_) thread.join();
+    threads_.clear();
+    return true;
+  }
+
+ private:
+  std::vector<std::thread> threads_;
+  std::atomic<int> running_ = 0;
+  Bell ended_;
+};
+
+sigset_t our_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, signal);
+  return set;
+}
+
+void wait_for_signals(Stop& stop, Bell& reload) {
+  const auto set = our_signals();
+  while (!stop.wanted()) {
+    const timespec patience{0, 200'000'000};
+    const int signal = ::sigtimedwait(&set, nullptr, &patience);
+    if (signal == SIGHUP) reload.ring();
+    if (signal == SIGTERM || signal == SIGINT) stop.now();
+  }
+}
+
+}  // namespace
+
+Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr content, StatusOptions status) {
+  const auto signals = our_signals();
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+
+  SystemClock clock;
+  const auto devices = machine_devices(clock);
+  const auto time = watch_kernel_time();
+  const auto notifier = notify_systemd();
+  Appliance appliance(config_file, std::move(content), {*devices, clock, *time, *notifier}, std::move(status));
+  Bell reload, status_bell;
+  Stop stop(clock);
+  for (auto* bell : {&reload, &status_bell, &appliance.render_bell()}) stop.add(*bell);
+
+  Threads threads;
+  threads.start("signals", [&] { wait_for_signals(stop, reload); });
+  threads.start("scene", [&] {
+    while (!stop.wanted()) appliance.scene().step(clock.now() + kPatience);
+  });
+  threads.start("sky", [&] {
+    while (!stop.wanted()) appliance.sky().step(clock.now() + kPatience);
+  });
+  threads.start("reload", [&] {
+    while (!stop.wanted())
+      if (reload.wait_for(1h) && !stop.wanted()) appliance.reload();
+  });
+  threads.start("status", [&] {
+    while (!stop.wanted()) {
+      appliance.status().step();
+      status_bell.wait_for(1s);
+    }
+  });
+  auto& render = appliance.render();
+  while (!stop.wanted()) {
+    const auto again = render.step();
+    if (render.closed()) stop.now();
+    appliance.render_bell().wait_for(again - clock.now());
+  }
+
+  notifier->stopping();
+  if (!threads.join(kEndDeadline)) {
+    // What holds a thread up is a driver or a disk; asked to go, we go. All that is kept was written whole.
+    spdlog::warn("a driver or a disk holds a thread up: ending without it");
+    std::_Exit(EXIT_SUCCESS);
+  }
+  render.finish();
+  appliance.status().finish();
+  return {};
+}
+
+}  // namespace kasumi

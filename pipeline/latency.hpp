@@ -1,0 +1,52 @@
+// From the camera's buffer to the glass: how long each picture took.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "base/clock.hpp"
+
+namespace kasumi {
+
+struct LatencySummary {
+  double median_ms = 0.0;
+  double p95_ms = 0.0;
+  double max_ms = 0.0;
+  std::uint64_t pictures = 0;
+};
+
+// A histogram of tenths of milliseconds up to 200 ms, the rest in one bin: constant memory over months.
+class LatencyHistogram {
+ public:
+  void add(Duration latency);
+  std::optional<LatencySummary> summary() const;  // quantiles to 0.1 ms
+
+ private:
+  static constexpr std::size_t kBins = 2001;
+  double quantile_ms(double share) const;
+  std::array<std::uint32_t, kBins> bins_{};
+  std::uint64_t count_ = 0;
+  double max_ms_ = 0.0;
+};
+
+// Remembers which frame went into which picture until its flip.
+class LatencyWatch {
+ public:
+  void shown(std::uint64_t picture, Instant captured_at);
+  void flipped(std::uint64_t picture, Instant at);
+  void forget_pending() { pending_.clear(); }   // the display is gone
+  std::optional<LatencySummary> take_minute();  // since it was last asked
+  std::optional<LatencySummary> whole() const { return whole_.summary(); }
+
+ private:
+  struct Pending {
+    std::uint64_t picture;
+    Instant captured_at;
+  };
+  std::deque<Pending> pending_;
+  LatencyHistogram minute_, whole_;
+};
+
+}  // namespace kasumi

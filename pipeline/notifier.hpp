@@ -1,0 +1,25 @@
+// Tells the service manager how we are.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/clock.hpp"
+
+namespace kasumi {
+
+class Notifier {
+ public:
+  virtual ~Notifier() = default;
+  virtual void ready() = 0;  // the visitor sees something
+  virtual void status(const std::string& line) = 0;
+  virtual void alive() = 0;                    // feeds the watchdog
+  virtual void extend_start(Duration by) = 0;  // still waiting for what ready() needs
+  virtual void reloading() = 0;                // ends with ready()
+  virtual void stopping() = 0;
+};
+
+// sd_notify; without a service manager nothing happens. Any thread.
+std::unique_ptr<Notifier> notify_systemd();
+
+}  // namespace kasumi

@@ -1,0 +1,78 @@
+// The main thread's loop: climbs the ladder, draws, shows. GL and the display belong to it alone.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "pipeline/devices.hpp"
+#include "pipeline/exchange.hpp"
+#include "pipeline/stage.hpp"
+#include "pipeline/watchdog.hpp"
+
+namespace kasumi {
+
+class RenderLoop {
+ public:
+  RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Exchange& exchange);
+
+  // Does what is due now, and answers when it wants to be called again if no news come before. BLOCKS for at most a
+  // quarter of a second (a buffer to draw into), while a display is being opened for as long as its driver takes.
+  Instant step();
+  // The last flips, and everything of the display's let go of.
+  void finish();
+  bool closed() const { return closed_; }  // the person closed the window
+  // The display, for tests; null while there is none.
+  Display* display() { return screen_ ? screen_->display.get() : nullptr; }
+
+ private:
+  struct Screen {  // goes and comes as one: all GL objects are the display's context's
+    std::unique_ptr<Display> display;
+    Stage stage;
+  };
+
+  void take_news();
+  void take_content();
+  Signs signs() const;
+  void climb();
+  Composition composition() const;
+  std::string words_now() const;
+  bool is_due(Instant now) const;
+
+  void open_screen();
+  void lose_screen(const Fault& fault);
+  void endure_timeout(const Fault& fault);
+
+  void present();
+  Result<> draw(const SceneFrame* frame, const DrawTarget& target);
+  void note_flips();
+  void let_go_of_frames();
+  void tell();
+
+  ContentPtr content_;
+  Devices& devices_;
+  Clock& clock_;
+  Exchange& exchange_;
+  Watchdog watchdog_;
+  Ladder ladder_;
+
+  std::optional<Screen> screen_;
+  std::optional<SceneAir> air_;  // what a stage that is lost had seen
+  Instant try_display_at_;
+  bool display_wanted_ = false;            // and said so in the log
+  std::optional<Instant> timeouts_since_;  // no buffer to draw into since then
+  bool closed_ = false;
+
+  CameraNews camera_;
+  SkyNews sky_;
+  std::optional<SceneFrame> waiting_;  // not yet drawn
+  std::optional<Instant> picture_at_;  // when the last good scene picture came
+
+  RenderNews news_;
+  LatencyWatch latency_;
+  std::optional<Composition> shown_;
+  Instant shown_at_;
+  std::optional<Instant> told_;
+  Instant minute_began_;
+};
+
+}  // namespace kasumi

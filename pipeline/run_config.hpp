@@ -1,0 +1,52 @@
+// kasumi.toml: one kiosk, and how it is run.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "base/config_table.hpp"
+#include "capture/libcamera_source.hpp"
+#include "capture/v4l2_source.hpp"
+#include "gles/display.hpp"
+#include "pipeline/installation.hpp"
+#include "pipeline/ladder.hpp"
+#include "pipeline/time_trust.hpp"
+#include "pipeline/words.hpp"
+
+namespace kasumi {
+
+struct ReplayCamera {
+  std::filesystem::path fixture;  // played over and over
+  friend bool operator==(const ReplayCamera&, const ReplayCamera&) = default;
+};
+using CameraChoice = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
+using DisplayChoice = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
+
+struct StillChoice {
+  std::optional<std::filesystem::path> picture;  // empty: a plain ground
+  std::string caption;
+};
+struct WordsChoice {
+  Language language = Language::english;
+  std::optional<std::filesystem::path> font_file;
+  bool show_faults = true;  // false: the visitor reads the curated caption alone
+};
+
+struct RunConfig {
+  Installation installation;
+  CameraChoice sky_camera;
+  CameraChoice scene_camera;
+  DisplayChoice display;
+  StillChoice still;
+  WordsChoice words;
+  ClockChoice clock;
+  LadderOptions ladder;
+  std::optional<std::filesystem::path> state_folder;
+};
+
+// Problems are left in the root's file.
+RunConfig read_run_config(const ConfigTable& root);
+
+}  // namespace kasumi
