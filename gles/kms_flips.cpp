@@ -7,7 +7,9 @@ namespace kasumi {
 namespace {
 
 constexpr Duration kBusyPause = std::chrono::milliseconds(2);  // until a driver that was busy is asked again
-constexpr Duration kOldestFlip = std::chrono::seconds(1);      // an event that says it is older is not believed
+// A driver says when the first line leaves, which is a little after the event, by a clock that is ours but for
+// rounding. Times that are neither after the picture was sent nor about now are not believed.
+constexpr Duration kSlack = std::chrono::milliseconds(50);
 
 bool is_denied(std::errc code) {
   return code == std::errc::permission_denied || code == std::errc::operation_not_permitted;
@@ -38,7 +40,7 @@ Result<> KmsFlips::settle(Instant deadline) {
 
 Result<> KmsFlips::submit(KmsPicture picture) {
   pending_ = std::move(picture);
-  given_at_ = clock_.now();
+  given_at_ = sent_at_ = clock_.now();
   return commit();
 }
 
@@ -65,7 +67,7 @@ Result<> KmsFlips::take_events(Duration at_most) {
 
 void KmsFlips::complete(std::optional<KmsPicture>& picture, Instant at) {
   const Instant now = clock_.now();
-  const bool believed = at <= now && now - at <= kOldestFlip;
+  const bool believed = at >= sent_at_ - kSlack && at <= now + kSlack;
   record_.add(picture->number, believed ? at : now);
   std::optional<KmsPicture> replaced = std::exchange(active_, std::exchange(picture, std::nullopt));
   mending_ = false;

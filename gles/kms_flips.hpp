@@ -61,6 +61,7 @@ class KmsFlips {
   std::optional<KmsPicture> queued_;
   std::optional<KmsPicture> active_;
   Instant given_at_{};       // to us, or to the driver, or when mending began; a flip is overdue by it
+  Instant sent_at_{};        // to us
   bool sets_mode_ = true;    // the next commit sets the mode
   bool shown_once_ = false;  // the CRTC is ours
   bool mending_ = false;     // since the last flip that completed the mode was set anew

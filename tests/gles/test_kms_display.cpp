@@ -136,6 +136,21 @@ TEST_F(KmsRig, DoesNotBelieveTimesThatCannotBe) {
   }
 }
 
+// A driver that knows when the first line leaves says so before it does; nobody may have asked for a while.
+TEST_F(KmsRig, BelievesTimesAroundTheFlip) {
+  card_.event_offset = 1ms;
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  EXPECT_EQ(display_->take_flips().at(0).at, clock_.now() + 1ms);
+  card_.event_offset = 0ms;
+  ASSERT_TRUE(display_->show().has_value());
+  const Instant sent = clock_.now();
+  clock_.advance(700ms);
+  card_.event_offset = -600ms;
+  EXPECT_EQ(display_->take_flips().at(0).at, sent + 100ms);
+}
+
 TEST_F(KmsRig, HoldsTheCamerasBufferUntilTheFlipThatReplacedIt) {
   switch_on();
   std::vector<std::weak_ptr<int>> held;
