@@ -35,9 +35,11 @@ std::optional<int> video_number(const fs::path& path) {
 std::vector<fs::path> stable_paths_of(const fs::path& node, const fs::path& devices) {
   std::vector<fs::path> paths;
   std::error_code error;
+  const auto real = fs::canonical(node, error);
+  if (error) return paths;
   for (const auto* folder : {"by-id", "by-path"})
     for (const auto& link : entries_of(devices / "v4l" / folder))
-      if (fs::equivalent(link, node, error)) paths.push_back(link);
+      if (fs::canonical(link, error) == real && !error) paths.push_back(link);
   return paths;
 }
 
