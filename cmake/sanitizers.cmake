@@ -1,8 +1,8 @@
-# -DKASUMI_SANITIZE=address,undefined  or  -DKASUMI_SANITIZE=thread
-set(KASUMI_SANITIZE "" CACHE STRING "Sanitizers to build with, comma separated")
+# -DKASUMI_SANITIZE=address,undefined  or  -DKASUMI_SANITIZE=thread; the standard library checks its indices beside them.
 if(KASUMI_SANITIZE)
   add_compile_options(-fsanitize=${KASUMI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${KASUMI_SANITIZE})
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)
 endif()
 
 # -DKASUMI_FUZZ=ON with clang++: tests/fuzz becomes libFuzzer's programs.
