@@ -10,7 +10,13 @@
 namespace kasumi {
 namespace {
 
+// Under the address sanitizer each sky runs a few times; what 100 repeats say is for the plain build to judge.
+#ifdef __SANITIZE_ADDRESS__
+constexpr int kRepeats = 4;
+#else
 constexpr int kRepeats = 100;
+#endif
+constexpr bool kJudged = kRepeats == 100;
 
 struct Row {
   double mean = 0.0, sigma = 0.0, bound = 0.0, stated = 0.0, worst = 0.0;
@@ -59,8 +65,10 @@ constexpr double kMorales[8][2] = {{2.011791, .004660}, {2.851666, .027230}, {4.
                                    {5.836839, .061853}, {7.138090, .062630}, {8.010996, .135764}, {9.099154, .089461}};
 
 void print_head(const char* title) {
-  std::printf("\n%s\n  T |     M Table 1      |      Kasumi        | bound  sigma/bound | stated | worst  | usable\n",
-              title);
+  std::printf(
+      "\n%s, %d repeats%s\n  T |     M Table 1      |      Kasumi        | bound  sigma/bound | stated | worst  | "
+      "usable\n",
+      title, kRepeats, kJudged ? "" : " (too few to judge)");
 }
 void print_row(int t, const Row& row) {
   std::printf("  %d | %8.4f +- %6.4f | %8.4f +- %6.4f | %6.4f   %5.2f      | %6.4f | %6.4f | %d\n", t,
@@ -74,6 +82,7 @@ TEST(TurbidityTables, ClearSkiesAreUnbiasedAndAtTheBound) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t)}, {});
     print_row(t, row);
     EXPECT_EQ(row.usable, kRepeats);
+    if (!kJudged) continue;
     EXPECT_LE(std::abs(row.mean - t), 0.005) << t;
     EXPECT_LE(row.sigma, 1.2 * row.bound) << t;
   }
@@ -85,6 +94,7 @@ TEST(TurbidityTables, ThirtyPerCentCloudsCostLittle) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t), .cloud_cover = 0.3, .cloud_seed = 5}, {});
     print_row(t, row);
     EXPECT_EQ(row.usable, kRepeats);
+    if (!kJudged) continue;
     EXPECT_LE(std::abs(row.mean - t), 0.005) << t;
     EXPECT_LE(row.sigma, 1.4 * row.bound) << t;
   }
@@ -109,6 +119,7 @@ TEST(TurbidityTables, AWrongSunCostsLessThanInMorales2014) {
     const double error = 100.0 * std::abs(row.mean - 2.0) / 2.0;
     std::printf("  %4.0f deg | %8.2f %%  | %2.0f %% | %.2f %% (%.4f +- %.4f, %d)\n", degrees, morales, zhao, error,
                 row.mean, row.sigma, row.usable);
+    if (!kJudged) continue;
     EXPECT_LT(error, morales);
     EXPECT_GE(row.usable, 80);
   }
@@ -124,7 +135,8 @@ TEST(TurbidityTables, TheReferencePixelFormReproducesThePapersErrors) {
   for (int t = 2; t <= 9; ++t) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t)}, options);
     print_row(t, row);
-    EXPECT_GE(row.usable, 95);
+    EXPECT_GE(row.usable, 0.95 * kRepeats);
+    if (!kJudged) continue;
     EXPECT_LE(std::abs(row.mean - t), 0.06 * t);
     EXPECT_GT(row.sigma, row.bound) << "one reference pixel cannot be as good as a free gain";
   }
