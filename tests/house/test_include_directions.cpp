@@ -38,6 +38,8 @@ const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"ft2build.h", {"pipeline/caption.cpp"}},
     {"systemd/", {"pipeline/notifier"}},
     {"libcamera/", {"capture/libcamera_"}},
+    {"linux/videodev2.h", {"capture/v4l2_"}},
+    {"linux/v4l2-controls.h", {"capture/v4l2_"}},
     {"xf86drm", {"gles/kms_drm"}},
     {"drm", {"gles/kms_drm"}},
     {"gbm.h", {"gles/kms_scanout_gbm.cpp"}},
