@@ -14,6 +14,8 @@ set(room_headers
 set(test_headers <gmock/gmock.h> <gtest/gtest.h> <fstream> <random>)
 
 if(KASUMI_PRECOMPILE)
+  # SDL's pkg-config defines it, and a precompiled header serves only files that define the same.
+  add_compile_definitions(_REENTRANT)
   file(WRITE ${CMAKE_BINARY_DIR}/precompiled.cpp "")
   add_library(kasumi_precompiled_room OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
   target_link_libraries(kasumi_precompiled_room PRIVATE kasumi_warnings tl::expected glm::glm fmt::fmt Threads::Threads)

@@ -26,6 +26,9 @@ function(kasumi_test name)
   foreach(room ${TEST_USES})
     target_link_libraries(${name} PRIVATE kasumi_${room})
   endforeach()
+  if(TARGET kasumi_keep_libraries)
+    target_link_libraries(${name} PRIVATE kasumi_keep_libraries)
+  endif()
   kasumi_precompile(${name} test)
   target_compile_definitions(${name} PRIVATE
     KASUMI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

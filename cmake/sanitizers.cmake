@@ -4,6 +4,9 @@ if(KASUMI_SANITIZE)
   add_link_options(-fsanitize=${KASUMI_SANITIZE})
   add_compile_definitions(_GLIBCXX_ASSERTIONS)
 endif()
+if(KASUMI_SANITIZE MATCHES "address")
+  add_library(kasumi_keep_libraries OBJECT tests/sanitizers/keep_libraries.cpp)
+endif()
 
 # -DKASUMI_FUZZ=ON with clang++: tests/fuzz becomes libFuzzer's programs.
 option(KASUMI_FUZZ "Build the fuzzers of tests/fuzz (needs clang++)" OFF)
