@@ -227,14 +227,13 @@ void RenderLoop::present() {
 // Errors: device.
 Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   auto& stage = screen_->stage;
+  const auto uploaded_before = stage.frames().uploaded;
   auto drawn = stage.draw_scene(frame, sky_.report, target);
-  if (drawn && frame) {
-    ++news_.uploads;
-    picture_at_ = clock_.now();
-  }
+  if (drawn && frame) picture_at_ = clock_.now();
   // A frame of the camera before new content came.
   if (!drawn && drawn.error().kind == FaultKind::bad_input) drawn = stage.draw_scene(nullptr, sky_.report, target);
   if (!drawn) return drawn;
+  news_.uploads += stage.frames().uploaded - uploaded_before;
   climb();
   shown_ = composition();
   return stage.draw_over(*shown_, target);

@@ -32,6 +32,7 @@ class Stage {
   Result<> draw_over(const Composition& composition, const DrawTarget& target);
 
   const SceneAir& air() const { return compositor_.air(); }
+  FrameCounts frames() const { return compositor_.frames(); }
 
   const std::vector<std::string>& notes() const { return compositor_.notes(); }
 
