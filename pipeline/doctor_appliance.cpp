@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "capture/utc_text.hpp"
 #include "pipeline/doctor_checks.hpp"
 
 namespace kasumi {
@@ -36,6 +37,13 @@ std::string list_of(const Json& counts) {
   return words;
 }
 
+// Counts belong to the moments at which they were written, not to those at which they were read.
+std::optional<double> between(const Json& before, const Json& later) {
+  const auto from = parse_utc(text(before, "utc")), to = parse_utc(text(later, "utc"));
+  if (!from || !to || *to <= *from) return std::nullopt;
+  return to_seconds(*to - *from);
+}
+
 const CameraRequest* request_of(const CameraChoice& choice) {
   if (const auto* v4l2 = std::get_if<V4l2Options>(&choice)) return &v4l2->request;
   if (const auto* libcamera = std::get_if<LibcameraOptions>(&choice)) return &libcamera->request;
@@ -69,7 +77,7 @@ void check_live_camera(const std::string& name, const CameraChoice& choice, cons
   if (asked == 0.0) asked = number(mode, "frames_per_second");
   const auto rates = asked > 0.0 ? fmt::format("{:.1f} frames a second of {:.4g}", rate, asked)
                                  : fmt::format("{:.1f} frames a second", rate);
-  const bool slow = asked > 0.0 && rate < 0.8 * asked && seconds * asked > 2.0;
+  const bool slow = (0.8 * asked - rate) * seconds > 2.0;
   auto& rated =
       slow ? findings.warn(name + ".rate", rates,
                            "dark scenes make cameras slow (exposure_s); USB bandwidth; the machine's load (top)")
@@ -118,6 +126,7 @@ void check_live_display(const Json& before, const Json& later, double seconds, F
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
                      double seconds, Findings& findings) {
   const auto was = Json::parse(before.status, nullptr, false), is = Json::parse(later.status, nullptr, false);
+  seconds = between(was, is).value_or(seconds);
   if (later.age_s > kStale_s) {
     findings.fail("service", fmt::format("pid {} has not told of itself for {:.0f} s", later.pid, later.age_s),
                   "the watchdog restarts it if it hangs; else: disk full? journalctl -u kasumi");

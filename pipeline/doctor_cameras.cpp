@@ -209,7 +209,7 @@ void check_camera(const std::string& name, const CameraChoice& choice, const Wat
                                  : fmt::format("{:.1f} frames a second", rate);
   const char* advice = "dark scenes make cameras slow (exposure_s); USB bandwidth; the machine's load (top)";
   auto& rated = camera.good == 0 && asked > 1.0 ? findings.fail(name + ".rate", rates, advice)
-                : asked > 0.0 && rate < 0.9 * asked && camera.lasted_s * asked > 2.0
+                : 0.9 * asked * camera.lasted_s - static_cast<double>(camera.good) > 1.0
                     ? findings.warn(name + ".rate", rates, advice)
                     : findings.good(name + ".rate", rates);
   rated.values = {{"frames_per_second", rate}, {"asked_frames_per_second", asked}};

@@ -87,7 +87,7 @@ class CameraRecorder {
     return {};
   }
   Result<> note_outage(const std::string& cause) {
-    spdlog::warn("{}: {}", name(), cause);
+    spdlog::warn("{}", cause.starts_with(name()) ? cause : fmt::format("{}: {}", name(), cause));
     return recording_.keep_disconnect(role_, clock_.now(), clock_.utc());
   }
   const char* name() const { return role_ == CameraRole::sky ? "sky camera" : "scene camera"; }
