@@ -1,0 +1,475 @@
+// Each check against a machine made of files, and the whole against a kiosk of recordings.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/doctor_checks.hpp"
+#include "tests/pipeline/operating/kiosk.hpp"
+
+namespace kasumi {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+// A folder in the place of /sys, /proc, /dev and /run.
+class Machine {
+ public:
+  explicit Machine(const std::string& name) : folder_(operating_folder("machine-" + name)) {
+    places.sys = folder_ / "sys";
+    places.proc = folder_ / "proc";
+    places.dev = folder_ / "dev";
+    places.status_file = folder_ / "run/kasumi/status.json";
+    places.state = folder_ / "state";
+    places.displays = [] { return std::vector<ListedCard>(); };
+    places.unit_properties = [this]() -> Result<std::string> { return unit; };
+    std::filesystem::create_directories(places.state);
+  }
+  void write(const std::string& path, const std::string& text) {
+    std::filesystem::create_directories((folder_ / path).parent_path());
+    std::ofstream(folder_ / path) << text;
+  }
+  void link(const std::string& path, const std::string& to) {
+    std::filesystem::create_directories((folder_ / path).parent_path());
+    std::filesystem::create_directories((folder_ / to).parent_path());
+    std::filesystem::create_symlink(folder_ / to, folder_ / path);
+  }
+  // As `kasumi run` would write it.
+  void run_appliance(const nlohmann::json& status) {
+    write("run/kasumi/status.json", status.dump());
+    write("proc/4711/comm", "kasumi\n");
+  }
+
+  MachinePlaces places;
+  std::string unit =
+      "LoadState=loaded\nActiveState=active\nUnitFileState=enabled\nNRestarts=0\nWatchdogUSec=20s\nResult=success\n";
+
+ private:
+  std::filesystem::path folder_;
+};
+
+Finding found(const Findings& findings, const std::string& check) {
+  for (const auto& finding : findings.all())
+    if (finding.check == check) return finding;
+  ADD_FAILURE() << "no finding " << check << " in\n" << doctor_text(findings);
+  return {};
+}
+bool has(const Findings& findings, const std::string& check) {
+  return std::any_of(findings.all().begin(), findings.all().end(), [&](const auto& f) { return f.check == check; });
+}
+
+constexpr Utc kNow = std::chrono::sys_days{std::chrono::year{2026} / 6 / 21};
+
+TEST(DoctorClock, TellsAClockInStepFromOneThatIsNotAndOneThatCannotBe) {
+  ClockChoice choice;
+  choice.earliest = std::chrono::sys_days{std::chrono::year{2025} / 1 / 1};
+  const auto grade = [&](bool synchronized, Utc now) {
+    Findings findings;
+    check_clock(choice, {synchronized, 0}, now, findings);
+    return found(findings, "clock").grade;
+  };
+  EXPECT_EQ(grade(true, kNow), Grade::good);
+  EXPECT_EQ(grade(false, kNow), Grade::warning);
+  EXPECT_EQ(grade(true, Utc{}), Grade::failure) << "1970";
+  choice.policy = ClockPolicy::trusted;
+  EXPECT_EQ(grade(false, kNow), Grade::good);
+}
+
+TEST(DoctorTemperature, IsJudgedByTheZoneNearestToItsLimit) {
+  Machine machine("heat");
+  machine.write("sys/class/thermal/thermal_zone0/type", "acpitz\n");
+  machine.write("sys/class/thermal/thermal_zone0/temp", "45000\n");
+  machine.write("sys/class/thermal/thermal_zone1/type", "cpu-thermal\n");
+  machine.write("sys/class/thermal/thermal_zone1/temp", "84500\n");
+  machine.write("sys/class/thermal/thermal_zone1/trip_point_0_type", "critical\n");
+  machine.write("sys/class/thermal/thermal_zone1/trip_point_0_temp", "110000\n");
+  const auto judged = [&] {
+    Findings findings;
+    check_temperature(machine.places, findings);
+    return found(findings, "temperature");
+  };
+  EXPECT_EQ(judged().grade, Grade::warning) << "75 degrees where a zone names no lower limit";
+  EXPECT_THAT(judged().found, HasSubstr("cpu-thermal: 8"));
+  EXPECT_DOUBLE_EQ(judged().values["celsius"], 84.5);
+  machine.write("sys/class/thermal/thermal_zone1/temp", "60000\n");
+  EXPECT_EQ(judged().grade, Grade::good);
+  machine.write("sys/class/thermal/thermal_zone1/temp", "99000\n");
+  EXPECT_EQ(judged().grade, Grade::failure);
+  EXPECT_EQ(
+      [] {
+        Machine bare("no-sensor");
+        Findings findings;
+        check_temperature(bare.places, findings);
+        return found(findings, "temperature").grade;
+      }(),
+      Grade::good);
+}
+
+// Bits as Raspberry Pi's documentation of `vcgencmd get_throttled` has them: 0 and 16 under-voltage, 2 and 18
+// throttled.
+TEST(DoctorThrottling, ReadsTheFirmwaresBits) {
+  Machine machine("throttled");
+  const auto judged = [&](const char* bits) {
+    machine.write("sys/devices/platform/soc/soc:firmware/get_throttled", bits);
+    Findings findings;
+    check_throttling(machine.places, findings);
+    return found(findings, "throttling");
+  };
+  EXPECT_EQ(judged("0\n").grade, Grade::good);
+  EXPECT_EQ(judged("50000\n").grade, Grade::warning);
+  EXPECT_THAT(judged("50000\n").found, HasSubstr("since boot: the supply's voltage is too low, throttled"));
+  EXPECT_EQ(judged("50005\n").grade, Grade::failure);
+  EXPECT_THAT(judged("50005\n").advice, HasSubstr("stronger supply"));
+  EXPECT_THAT(judged("0x80008\n").found, HasSubstr("now: near the temperature's limit"));
+}
+
+TEST(DoctorThrottling, CountsAPcsToo) {
+  Machine machine("throttled-pc");
+  machine.write("sys/devices/system/cpu/cpu0/thermal_throttle/package_throttle_count", "0\n");
+  machine.write("sys/devices/system/cpu/cpu1/thermal_throttle/package_throttle_count", "7\n");
+  Findings findings;
+  check_throttling(machine.places, findings);
+  EXPECT_EQ(found(findings, "throttling").grade, Grade::warning);
+  EXPECT_EQ(found(findings, "throttling").values["times"], 7.0);
+}
+
+TEST(DoctorDisk, WritesThroughAndLeavesNothingBehind) {
+  Machine machine("disk");
+  SystemClock clock;
+  Findings findings;
+  check_disk(machine.places.state, clock, findings);
+  EXPECT_EQ(found(findings, "disk.write").grade, Grade::good);
+  EXPECT_GT(found(findings, "disk.space").values["free_bytes"], 0.0);
+  EXPECT_TRUE(std::filesystem::is_empty(machine.places.state));
+  Findings missing;
+  check_disk(machine.places.state / "not-there", clock, missing);
+  EXPECT_EQ(found(missing, "disk.space").grade, Grade::failure);
+}
+
+TEST(DoctorWatchdog, WantsSystemdsAndTheMachines) {
+  Machine machine("watchdog");
+  machine.write("sys/class/watchdog/watchdog0/identity", "Broadcom BCM2835 Watchdog timer\n");
+  machine.write("sys/class/watchdog/watchdog0/state", "inactive\n");
+  const auto checked = [&] {
+    Findings findings;
+    check_watchdogs(machine.places, findings);
+    return findings;
+  };
+  EXPECT_EQ(found(checked(), "watchdog.service").grade, Grade::good);
+  EXPECT_EQ(found(checked(), "watchdog.machine").grade, Grade::warning);
+  EXPECT_THAT(found(checked(), "watchdog.machine").advice, HasSubstr("RuntimeWatchdogSec"));
+  machine.write("sys/class/watchdog/watchdog0/state", "active\n");
+  machine.write("sys/class/watchdog/watchdog0/timeout", "15\n");
+  EXPECT_EQ(found(checked(), "watchdog.machine").grade, Grade::good);
+  EXPECT_EQ(found(checked(), "service.unit").grade, Grade::good);
+
+  machine.unit =
+      "LoadState=loaded\nActiveState=failed\nUnitFileState=disabled\nNRestarts=3\nWatchdogUSec=0\n"
+      "Result=exit-code\nExecMainStatus=78\n";
+  EXPECT_EQ(found(checked(), "service.unit").grade, Grade::failure);
+  EXPECT_THAT(found(checked(), "service.unit").advice, HasSubstr("--check"));
+  EXPECT_EQ(found(checked(), "service.restarts").values["restarts"], 3.0);
+  EXPECT_EQ(found(checked(), "watchdog.service").grade, Grade::warning);
+  machine.unit = "LoadState=not-found\n";
+  EXPECT_THAT(found(checked(), "service.unit").found, HasSubstr("not installed"));
+  machine.places.unit_properties = []() -> Result<std::string> { return fail(FaultKind::unsupported, "no systemd"); };
+  EXPECT_EQ(found(checked(), "service.unit").grade, Grade::warning);
+}
+
+V4l2Options usb_camera() {
+  V4l2Options camera;
+  camera.device = "/dev/v4l/by-id/usb-Sky-video-index0";
+  camera.request.format = four_cc("YUYV");
+  camera.request.width = 1280;
+  camera.request.height = 720;
+  camera.request.frames_per_second = 30.0;
+  return camera;
+}
+
+TEST(DoctorUsb, HoldsWhatTheCameraSendsAgainstWhatTheBusCarries) {
+  Machine machine("usb");
+  machine.write("dev/video2", "");
+  machine.link("dev/v4l/by-id/usb-Sky-video-index0", "dev/video2");
+  machine.write("sys/devices/pci/usb1/1-2/speed", "480\n");
+  machine.write("sys/devices/pci/usb1/1-2/1-2:1.0/interface", "");
+  machine.link("sys/class/video4linux/video2/device", "sys/devices/pci/usb1/1-2/1-2:1.0");
+  auto camera = usb_camera();
+  const auto judged = [&] {
+    Findings findings;
+    check_camera_usb(machine.places, "sky_camera", camera, findings);
+    return found(findings, "sky_camera.usb");
+  };
+  EXPECT_EQ(judged().grade, Grade::warning) << "1280 x 720 x 2 bytes x 30 = 55 MB/s";
+  EXPECT_THAT(judged().found, HasSubstr("takes 55 MB/s"));
+  camera.request.format = kMjpg;
+  EXPECT_EQ(judged().grade, Grade::good);
+  EXPECT_EQ(judged().values["mbit_per_s"], 480.0);
+  machine.write("sys/devices/pci/usb1/1-2/speed", "12\n");
+  EXPECT_EQ(judged().grade, Grade::failure);
+  camera = usb_camera();
+  machine.write("sys/devices/pci/usb1/1-2/speed", "5000\n");
+  EXPECT_EQ(judged().grade, Grade::good);
+  machine.write("sys/devices/platform/csi/name", "");
+  std::filesystem::remove(machine.places.sys / "class/video4linux/video2/device");
+  machine.link("sys/class/video4linux/video2/device", "sys/devices/platform/csi");
+  Findings none;
+  check_camera_usb(machine.places, "sky_camera", camera, none);
+  EXPECT_FALSE(has(none, "sky_camera.usb")) << "not on USB: nothing to say";
+}
+
+TEST(DoctorCamera, AStableNameIsAskedFor) {
+  Machine machine("path");
+  machine.write("dev/video2", "");
+  machine.link("dev/v4l/by-id/usb-Sky-video-index0", "dev/video2");
+  auto camera = usb_camera();
+  const auto judged = [&] {
+    Findings findings;
+    check_camera_path(machine.places, "sky_camera", camera, findings);
+    return found(findings, "sky_camera.path");
+  };
+  EXPECT_EQ(judged().grade, Grade::good);
+  EXPECT_THAT(judged().found, HasSubstr("is video2"));
+  camera.device = "/dev/video2";
+  EXPECT_EQ(judged().grade, Grade::warning);
+  camera.device = "/dev/v4l/by-id/usb-Gone-video-index0";
+  EXPECT_EQ(judged().grade, Grade::failure);
+}
+
+TEST(DoctorCamera, WhatWasSeenIsHeldAgainstWhatWasAskedFor) {
+  const CameraChoice choice = usb_camera();
+  WatchedCamera seen;
+  seen.opened = true;
+  seen.first_frame_s = 0.4;
+  seen.good = 88;
+  seen.lasted_s = 3.0;
+  seen.mode = CameraMode{};
+  seen.mode->format = four_cc("YUYV");
+  seen.mode->frames_per_second = 30.0;
+  const auto judged = [&](const char* check) {
+    Findings findings;
+    check_camera("scene_camera", choice, seen, findings);
+    return found(findings, check);
+  };
+  EXPECT_EQ(judged("scene_camera.rate").grade, Grade::good) << "29.3 of 30";
+  EXPECT_NEAR(judged("scene_camera.rate").values["frames_per_second"], 29.33, 0.01);
+  EXPECT_EQ(judged("scene_camera.frames").grade, Grade::good);
+  EXPECT_EQ(judged("scene_camera.mode").grade, Grade::good);
+  seen.good = 45;
+  EXPECT_EQ(judged("scene_camera.rate").grade, Grade::warning);
+  seen.bad = {{"truncated", 2}};
+  EXPECT_EQ(judged("scene_camera.frames").grade, Grade::warning);
+  EXPECT_THAT(judged("scene_camera.frames").found, HasSubstr("2 truncated"));
+  seen.mode->notes = {"exposure: the driver has none"};
+  EXPECT_EQ(judged("scene_camera.mode").grade, Grade::warning);
+  seen.first_frame_s.reset();
+  seen.problem = "no good frame came in 4 s";
+  EXPECT_EQ(judged("scene_camera.first_frame").grade, Grade::failure);
+  seen.opened = false;
+  seen.problem = "VIDIOC_STREAMON: in use by another program";
+  EXPECT_EQ(judged("scene_camera.open").grade, Grade::failure);
+}
+
+ListedCard card() {
+  ListedCard card;
+  card.path = "/dev/dri/card0";
+  card.driver = "vc4";
+  card.atomic = true;
+  card.connectors.push_back(
+      {"HDMI-A-1", "connected", "DEL U2412M", "", "1920x1200@59.95", {"1920x1200@59.95", "1920x1080@60.00"}});
+  card.connectors.push_back({"HDMI-A-2", "disconnected", "", "", "", {}});
+  return card;
+}
+
+TEST(DoctorDisplay, NamesConnectorModeAndWhoHoldsTheScreen) {
+  auto listed = card();
+  listed.users = "Xorg (pid 812) is master";
+  KmsDisplayOptions options;
+  const auto judged = [&](const char* check) {
+    Findings findings;
+    check_connectors({listed}, options, findings);
+    return found(findings, check);
+  };
+  EXPECT_EQ(judged("display.connector").grade, Grade::good);
+  EXPECT_THAT(judged("display.connector").found, HasSubstr("HDMI-A-1 (connected, DEL U2412M)"));
+  EXPECT_THAT(judged("display.master").found, HasSubstr("Xorg (pid 812) is master"));
+  options.width = 1920;
+  options.height = 1080;
+  EXPECT_EQ(judged("display.modes").grade, Grade::good);
+  options.width = 3840;
+  EXPECT_EQ(judged("display.modes").grade, Grade::failure);
+  EXPECT_THAT(judged("display.modes").advice, HasSubstr("1920x1080@60.00"));
+  options.connector = "HDMI-A-2";
+  EXPECT_EQ(judged("display.connector").grade, Grade::failure);
+  options.connector = "DP-7";
+  EXPECT_THAT(judged("display.connector").advice, HasSubstr("HDMI-A-1"));
+  options = {};
+  listed.connectors[0].modes.clear();
+  EXPECT_EQ(judged("display.modes").grade, Grade::failure) << "connected, and lists no modes";
+  Findings none;
+  check_connectors({}, options, none);
+  EXPECT_EQ(found(none, "display.card").grade, Grade::failure);
+}
+
+TEST(DoctorDisplay, WarnsOfSoftwareGl) {
+  GlInfo info;
+  info.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+  info.software = true;
+  Findings findings;
+  check_gl(info, findings);
+  EXPECT_EQ(found(findings, "gl.renderer").grade, Grade::warning);
+  info.software = false;
+  Findings hardware;
+  check_gl(info, hardware);
+  EXPECT_EQ(found(hardware, "gl.renderer").grade, Grade::good);
+}
+
+nlohmann::json healthy_status() {
+  const nlohmann::json camera{{"up", true},
+                              {"cause", ""},
+                              {"good_frames", 1000},
+                              {"bad_frames", nlohmann::json::object()},
+                              {"reopened", nlohmann::json::object()},
+                              {"condition", "normal"},
+                              {"format", "MJPG"},
+                              {"width", 1280},
+                              {"height", 720},
+                              {"mode", {{"frames_per_second", 25.0}, {"driver", "uvcvideo"}}}};
+  return {{"shown", "live"},
+          {"reason", ""},
+          {"display",
+           {{"up", true}, {"description", "card0 HDMI-A-1"}, {"flips", 5000}, {"flip_timeouts", 0}, {"resets", 0}}},
+          {"scene_camera", camera},
+          {"sky_camera", camera},
+          {"turbidity", 2.4},
+          {"sigma", 0.05},
+          {"turbidity_age_s", 3.0},
+          {"pid", 4711}};
+}
+
+TEST(DoctorAppliance, ReadsItsAccountTwiceAndHoldsOneAgainstTheOther) {
+  const RunConfig config;
+  auto before = healthy_status(), later = healthy_status();
+  later["scene_camera"]["good_frames"] = 1075;
+  later["sky_camera"]["good_frames"] = 1030;
+  later["display"]["flips"] = 5180;
+  before["utc"] = "2026-06-21T03:00:00.25Z";
+  later["utc"] = "2026-06-21T03:00:03.25Z";
+  double age_s = 0.5;
+  const auto judged = [&](const char* check) {
+    Findings findings;
+    check_appliance(config, {4711, before.dump(), 0.2}, {4711, later.dump(), age_s}, 3.8, findings);
+    return found(findings, check);
+  };
+  EXPECT_EQ(judged("service").grade, Grade::good);
+  EXPECT_EQ(judged("scene_camera.rate").grade, Grade::good);
+  EXPECT_DOUBLE_EQ(judged("scene_camera.rate").values["frames_per_second"], 25.0);
+  EXPECT_DOUBLE_EQ(judged("sky_camera.rate").values["frames_per_second"], 10.0);
+  EXPECT_EQ(judged("sky_camera.rate").grade, Grade::warning) << "10 of 25";
+  EXPECT_DOUBLE_EQ(judged("display.flips").values["flips_per_second"], 60.0);
+  EXPECT_EQ(judged("air").grade, Grade::good);
+  later["scene_camera"]["reopened"] = {{"unplugged", 2}};
+  EXPECT_EQ(judged("scene_camera.outages").grade, Grade::warning);
+  later["scene_camera"]["bad_frames"] = {{"truncated", 5}};
+  EXPECT_EQ(judged("scene_camera.frames").values["bad_now"], 5.0);
+  later["scene_camera"]["up"] = false;
+  later["scene_camera"]["cause"] = "unplugged";
+  EXPECT_EQ(judged("scene_camera.open").grade, Grade::failure);
+  later["shown"] = "still";
+  EXPECT_EQ(judged("service").grade, Grade::warning);
+  later["display"] = {{"up", false}, {"cause", "no connector"}};
+  EXPECT_EQ(judged("display.open").grade, Grade::failure);
+  later["turbidity"] = nullptr;
+  EXPECT_EQ(judged("air").grade, Grade::warning);
+  age_s = 60.0;
+  EXPECT_EQ(judged("service").grade, Grade::failure);
+}
+
+TEST(DoctorAppliance, AnAccountThatIsDamagedIsNoReasonToFall) {
+  for (const char* text : {"", "[]", "{\"pid\": 4711, \"scene_camera\": 3, \"display\": []}",
+                           "{\"scene_camera\": {\"up\": true, \"bad_frames\": 7}}"}) {
+    Findings findings;
+    check_appliance({}, {4711, text, 0.0}, {4711, text, 0.0}, 3.0, findings);
+    EXPECT_NE(findings.worst(), Grade::good) << text;
+  }
+}
+
+TEST(RunningAppliance, IsBelievedOnlyWhileItsProcessLives) {
+  Machine machine("running");
+  EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc));
+  machine.run_appliance(healthy_status());
+  ASSERT_TRUE(find_running_appliance(machine.places.status_file, machine.places.proc));
+  EXPECT_EQ(find_running_appliance(machine.places.status_file, machine.places.proc)->pid, 4711);
+  machine.write("proc/4711/comm", "bash\n");
+  EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc))
+      << "the number is another's now";
+  machine.write("run/kasumi/status.json", "{");
+  EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc));
+}
+
+TEST(Doctor, ExaminesAKioskThatDoesNotRunByOpeningItsDevices) {
+  Machine machine("kiosk");
+  const auto config = write_kiosk(operating_folder("examined"));
+  SystemClock clock;
+  const auto devices = machine_devices(clock);
+  const auto findings = examine({config, 1s, machine.places}, *devices, clock);
+  EXPECT_EQ(found(findings, "configuration").grade, Grade::good);
+  EXPECT_EQ(found(findings, "service").grade, Grade::warning);
+  EXPECT_TRUE(found(findings, "scene_camera.first_frame").values.contains("seconds"));
+  EXPECT_GT(found(findings, "scene_camera.rate").values["frames_per_second"], 5.0) << "20 a second are recorded";
+  EXPECT_LT(found(findings, "scene_camera.rate").values["frames_per_second"], 25.0);
+  EXPECT_EQ(found(findings, "display.open").grade, Grade::good);
+  EXPECT_GT(found(findings, "content.model").values["triangles"], 100.0);
+  EXPECT_EQ(found(findings, "content.still").grade, Grade::warning);
+  EXPECT_EQ(found(findings, "sky_camera.calibration").grade, Grade::warning);
+  for (const auto& finding : findings.all())
+    EXPECT_EQ(finding.advice.empty(), finding.grade == Grade::good) << finding.check;
+
+  const auto json = nlohmann::json::parse(doctor_json(findings, kNow));
+  EXPECT_EQ(json["findings"].size(), findings.all().size());
+  EXPECT_EQ(json["utc"], "2026-06-21T00:00:00Z");
+  for (const auto& finding : json["findings"])
+    for (const char* key : {"check", "grade", "found", "advice", "values"})
+      EXPECT_TRUE(finding.contains(key)) << finding;
+  EXPECT_THAT(doctor_text(findings), HasSubstr("sudo systemctl start kasumi"));
+}
+
+// Devices that must not be touched.
+class Untouchable final : public Devices {
+ public:
+  CameraOpening camera(CameraRole, const CameraChoice&) override {
+    ADD_FAILURE() << "the appliance has the cameras";
+    return {};
+  }
+  Result<std::unique_ptr<Display>> open_display(const DisplayChoice&) override {
+    ADD_FAILURE() << "the appliance has the display";
+    return fail(FaultKind::device, "busy");
+  }
+};
+
+TEST(Doctor, WhileTheApplianceRunsItsAccountIsReadInstead) {
+  Machine machine("busy");
+  machine.run_appliance(healthy_status());
+  const auto config = write_kiosk(operating_folder("examined-running"));
+  SystemClock clock;
+  Untouchable devices;
+  const auto findings = examine({config, 100ms, machine.places}, devices, clock);
+  EXPECT_EQ(found(findings, "service").grade, Grade::good);
+  EXPECT_THAT(found(findings, "service").found, HasSubstr("pid 4711 shows: live"));
+  EXPECT_TRUE(has(findings, "scene_camera.rate"));
+}
+
+TEST(Doctor, ARefusedConfigurationIsAFailureAndTheMachineIsExaminedAllTheSame) {
+  Machine machine("refused");
+  const auto folder = operating_folder("refused");
+  std::ofstream(folder / "kasumi.toml") << "[site]\nlatitude_deg = 134\n";
+  SystemClock clock;
+  Untouchable devices;
+  const auto findings = examine({folder / "kasumi.toml", 100ms, machine.places}, devices, clock);
+  EXPECT_EQ(findings.worst(), Grade::failure);
+  EXPECT_THAT(found(findings, "configuration").found, HasSubstr("latitude_deg = 134"));
+  EXPECT_EQ(found(findings, "disk.write").grade, Grade::good);
+}
+
+}  // namespace
+}  // namespace kasumi

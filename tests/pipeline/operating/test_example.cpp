@@ -1,0 +1,135 @@
+// The example configuration is what operators read: it must be accepted, name every key there is, and tell the truth
+// about defaults.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <sstream>
+
+#include "pipeline/run_config.hpp"
+#include "tests/pipeline/operating/kiosk.hpp"
+
+namespace kasumi {
+namespace {
+
+std::string example() {
+  return read_text_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "systemd/kasumi.toml").value();
+}
+
+// Read where the files it names are.
+struct Read {
+  Result<> whole;
+  RunConfig config;
+  std::set<std::string> keys;
+};
+Read read(const std::string& text) {
+  const auto folder = operating_folder("example");
+  const std::filesystem::path demo = std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo";
+  std::filesystem::create_directory_symlink(demo, folder / "clear-noon");
+  for (const char* file : {"temple.glb", "sky-mask.png", "scene-mask.png"})
+    std::filesystem::copy_file(demo / file, folder / file);
+  const auto root = ConfigTable::parse(text, folder / "kasumi.toml").value();
+  auto config = read_run_config(root);
+  auto whole = root.finish();
+  return {whole, std::move(config), root.keys_asked()};
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const auto at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
+// Keys that stand in it, in force or not: "sky.camera.buffers".
+std::set<std::string> documented(const std::string& text) {
+  static const std::regex section(R"(^\[([a-z_.]+)\].*)"), key(R"(^#? ?([a-z0-9_]+) = .*)");
+  std::set<std::string> found;
+  std::string table;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::smatch match;
+    if (std::regex_match(line, match, section))
+      table = match[1];
+    else if (std::regex_match(line, match, key))
+      found.insert(table + "." + match[1].str());
+  }
+  return found;
+}
+
+TEST(ExampleConfiguration, IsAcceptedAsItIs) {
+  const auto given = read(example());
+  EXPECT_TRUE(given.whole) << given.whole.error().message;
+}
+
+TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
+  const auto as_it_is = read(example());
+  const auto text = std::regex_replace(example(), std::regex(R"((^|\n)#([a-z0-9_]+ = ))"), "$1$2");
+  ASSERT_NE(text, example());
+  const auto spelled_out = read(text);
+  ASSERT_TRUE(spelled_out.whole) << spelled_out.whole.error().message;
+  const auto& a = as_it_is.config;
+  const auto& b = spelled_out.config;
+  EXPECT_EQ(a.sky_camera, b.sky_camera);
+  EXPECT_EQ(a.scene_camera, b.scene_camera);
+  EXPECT_EQ(a.display, b.display);
+  EXPECT_EQ(a.still.caption, b.still.caption);
+  EXPECT_EQ(a.words.language, b.words.language);
+  EXPECT_EQ(a.words.show_faults, b.words.show_faults);
+  EXPECT_EQ(a.clock.policy, b.clock.policy);
+  EXPECT_EQ(a.clock.earliest, b.clock.earliest);
+  EXPECT_EQ(a.ladder, b.ladder);
+  const auto &sky = a.installation.sky, &other = b.installation.sky;
+  EXPECT_EQ(sky.colour_space, other.colour_space);
+  EXPECT_EQ(sky.white_balance, other.white_balance);
+  EXPECT_EQ(sky.yuv_encoding, other.yuv_encoding);
+  for (const glm::dvec2 pixel : {glm::dvec2(241.0, 238.0), glm::dvec2(100.0, 200.0), glm::dvec2(12.0, 238.0)})
+    EXPECT_EQ(sky.direction_at(pixel), other.direction_at(pixel));
+  EXPECT_EQ(a.installation.scene.direction_at({5.0, 7.0}), b.installation.scene.direction_at({5.0, 7.0}));
+  EXPECT_EQ(a.installation.object.placement.heading, b.installation.object.placement.heading);
+  EXPECT_EQ(a.installation.object.placement.scale, b.installation.object.placement.scale);
+}
+
+TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
+  const auto text = example();
+  const auto known = documented(text);
+  // Keys of other lenses and of other ways to say the same are told in words, and in docs/cameras.md.
+  const std::set<std::string> in_words{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
+                                       "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
+                                       "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
+                                       "sky.lens.fov_deg",    "sky.lens.circle_px"};
+  const auto scene_device = text.find("[scene.camera]");
+  auto replay = text;
+  replay =
+      replaced(replay, "source = \"v4l2\"                     #", "source = \"replay\"\nfixture = \"clear-noon\"  #");
+  replay = replaced(replay, "device = \"/dev/v4l/by-id/usb-Example_Sky_Camera_0001-video-index0\"", "");
+  auto libcamera = text;
+  libcamera =
+      libcamera.substr(0, scene_device) +
+      replaced(replaced(libcamera.substr(scene_device), "source = \"v4l2\"", "source = \"libcamera\"\ncamera = \"x\""),
+               "device = \"/dev/v4l/by-id/usb-Example_Scene_Camera_0002-video-index0\"", "");
+  const auto window = replaced(text, "#kind = \"kms\"", "kind = \"window\"");
+  const auto headless = replaced(text, "#kind = \"kms\"", "kind = \"headless\"");
+  std::set<std::string> missing;
+  for (const auto& variant : {text, replay, libcamera, window, headless}) {
+    const auto given = read(variant);
+    EXPECT_TRUE(given.whole) << given.whole.error().message;
+    for (const auto& key : given.keys) {
+      const bool table = text.find("[" + key + "]") != std::string::npos;
+      // What one camera's table shows holds for the other's.
+      auto twin = key;
+      if (key.starts_with("scene.")) twin = "sky." + key.substr(6);
+      if (!table && !known.contains(key) && !known.contains(twin) && !in_words.contains(key)) missing.insert(key);
+    }
+  }
+  EXPECT_THAT(missing, testing::IsEmpty());
+  EXPECT_GT(known.size(), 60u);
+}
+
+TEST(ExampleConfiguration, AKeyThatIsNotInItWouldBeMissed) {
+  const auto known =
+      documented("[sky.camera]\n#buffers = 4\n# gain = 1.0\nsource = \"v4l2\"\n# words about format = x y\n");
+  EXPECT_THAT(known, testing::UnorderedElementsAre("sky.camera.buffers", "sky.camera.gain", "sky.camera.source"));
+}
+
+}  // namespace
+}  // namespace kasumi
