@@ -24,7 +24,8 @@ struct PictureSample {
 PictureSample sample_picture(const PictureView& picture);
 
 // Follows the looks. A camera's picture always has noise, so bit for bit the same means that no picture comes; darkness
-// and saturation are judged by means, in which noise does not count. Black with lamps in it is a night, not a cover.
+// and saturation are judged by means, in which noise does not count. Black with lamps in it is a night, not a cover;
+// without any nobody can tell.
 class ConditionWatch {
  public:
   explicit ConditionWatch(Duration deadline) : deadline_(deadline) {}

@@ -10,13 +10,14 @@ namespace kasumi {
 namespace {
 
 constexpr Duration kPresenceInterval = std::chrono::milliseconds(200);
+constexpr Duration kShortestBackoff = std::chrono::milliseconds(10);  // whatever is asked for, it is a wait
 
 // How long to wait before each try.
 class Backoff {
  public:
   explicit Backoff(const ReconnectOptions& options)
-      : first_(options.first_backoff),
-        longest_(options.longest_backoff),
+      : first_(std::max(options.first_backoff, kShortestBackoff)),
+        longest_(std::max(options.longest_backoff, first_)),
         jitter_(std::clamp(options.jitter, 0.0, 1.0)),
         random_(options.seed) {}
 

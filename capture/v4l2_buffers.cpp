@@ -129,7 +129,7 @@ Result<std::optional<V4l2Filled>> V4l2Buffers::take() {
     return fail(device_fault(error, "VIDIOC_DQBUF"));
 
   const auto index = answer.buffer.index;
-  if (index >= buffers_.size() || buffers_[index].holder != Holder::driver)
+  if (index >= buffers_.size() || (buffers_[index].holder != Holder::driver && !layout_.shared))
     return fail(FaultKind::device, "VIDIOC_DQBUF: buffer {}: expected one of those the driver has", index);
   auto& buffer = buffers_[index];
   buffer.holder = Holder::source;
@@ -160,7 +160,7 @@ bool V4l2Buffers::can_lend() const {
   const std::lock_guard lock(mutex_);
   const auto with_driver = std::count_if(buffers_.begin(), buffers_.end(),
                                          [](const Buffer& buffer) { return buffer.holder == Holder::driver; });
-  return static_cast<std::size_t>(with_driver) >= kDriverKeeps;
+  return !layout_.shared && static_cast<std::size_t>(with_driver) >= kDriverKeeps;
 }
 
 Payload V4l2Buffers::lend(const V4l2Filled& filled) {

@@ -39,7 +39,8 @@ class V4l2Buffers : public std::enable_shared_from_this<V4l2Buffers> {
   ~V4l2Buffers();
 
   VideoDevice& device() { return *device_; }
-  // A filled buffer, ours now, or nothing. Every one has to be given back or lent.
+  // A filled buffer, ours now, or nothing. Every one has to be given back or lent. Where the layout is shared it may be
+  // one that is ours already, filled again.
   // Errors: device, disconnected; also when a reader's buffer could not be given back.
   Result<std::optional<V4l2Filled>> take();
   Result<> give_back(const V4l2Filled& filled);

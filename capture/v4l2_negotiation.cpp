@@ -200,7 +200,7 @@ Result<V4l2Agreement> negotiate_v4l2(VideoDevice& device, const V4l2Identity& id
     mode.card = identity.card;
     mode.place = identity.place;
     mode.yuv_encoding = v4l2_yuv_encoding(mode.format, answer.colour_space, answer.ycbcr_encoding, answer.quantization);
-    agreement.layout = {identity.buffer_type, std::move(*planes)};
+    agreement.layout = {identity.buffer_type, std::move(*planes), identity.driver == "v4l2 loopback"};
     if (answer.field != V4L2_FIELD_NONE && answer.field != V4L2_FIELD_ANY) {
       if (answer.field != V4L2_FIELD_INTERLACED && answer.field != V4L2_FIELD_INTERLACED_TB &&
           answer.field != V4L2_FIELD_INTERLACED_BT)

@@ -18,6 +18,8 @@ struct V4l2Layout {
   };
   std::uint32_t buffer_type = 0;
   std::vector<MemoryPlane> planes;  // one: the picture's planes follow each other in it; else one for each
+  // Buffers are never ours alone: who feeds v4l2loopback writes on into them, and it may hand one out twice.
+  bool shared = false;
   bool multiplanar() const;
 };
 

@@ -103,7 +103,8 @@ class V4l2Source final : public CameraSource {
       if (!filled) return fail(filled.error());
       if (!*filled) break;
       if (newest) {
-        if (auto given = buffers_->give_back(*newest); !given) return fail(given.error());
+        if (newest->index != (*filled)->index)
+          if (auto given = buffers_->give_back(*newest); !given) return fail(given.error());
         ++skipped;
       }
       newest = std::move(*filled);

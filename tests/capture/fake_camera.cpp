@@ -175,7 +175,7 @@ int FakeCamera::dispatch(const VideoDevice* caller, unsigned long request, void*
   switch (request) {
     case VIDIOC_QUERYCAP: {
       auto& capability = *static_cast<v4l2_capability*>(argument);
-      put(capability.driver, "fake");
+      put(capability.driver, driver);
       put(capability.card, "Fake Camera");
       put(capability.bus_info, "usb-0000:00:14.0-2");
       capability.device_caps =
@@ -364,6 +364,7 @@ int FakeCamera::queue(v4l2_buffer& buffer) {
   if (multiplanar && (!buffer.m.planes || buffer.length != buffers_[buffer.index].planes.size())) return EINVAL;
   fill_due();
   auto& queued = buffers_[buffer.index];
+  if (shared) return 0;
   if (queued.state != State::idle) return EINVAL;
   queued.state = State::queued;
   return 0;
@@ -418,6 +419,10 @@ void FakeCamera::fill_due() {
 void FakeCamera::fill(std::uint32_t number, Instant at) {
   std::uint32_t index = 0;
   while (index < buffers_.size() && buffers_[index].state != State::queued) ++index;
+  if (shared) {
+    index = number % static_cast<std::uint32_t>(buffers_.size());
+    std::erase(done_, index);
+  }
   if (index == buffers_.size()) return;
   auto& buffer = buffers_[index];
   const auto bytes = content ? content(number) : std::vector<std::vector<std::uint8_t>>{};

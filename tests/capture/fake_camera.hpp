@@ -47,6 +47,8 @@ class FakeCamera {
   // The camera's nature; to be set before it is opened.
   bool multiplanar = false;
   bool keeps_orphans = true;  // lets buffers be freed that are still mapped
+  std::string driver = "fake";
+  bool shared = false;  // as v4l2loopback: fills one buffer after the other, whoever has it
   bool exports = true;
   Duration interval = std::chrono::milliseconds(40);
   Duration latency{};  // from a frame's timestamp to when it can be dequeued

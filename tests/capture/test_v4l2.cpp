@@ -267,6 +267,23 @@ TEST_F(V4l2, WhoWantsCopiesHoldsNothingOfTheDriver) {
   EXPECT_THAT(frame->payload.bytes, testing::Each(0));
 }
 
+TEST_F(V4l2, OfALoopbackWhoseWriterRespectsNobodyFramesAreCopied) {
+  camera({kNv12}).driver = "v4l2 loopback";
+  camera_->shared = true;
+  camera_->exports = false;
+  camera_->most_buffers = 3;
+  auto source = open(request());
+  std::vector<Frame> held;
+  for (int i = 0; i < 20; ++i) {
+    clock.sleep_until(clock.now() + 40ms * (i % 5));  // now and then more frames than there are buffers
+    auto frame = next(*source);
+    ASSERT_TRUE(frame) << i << ": " << frame.error().message;
+    held.push_back(std::move(*frame));
+  }
+  for (const auto& frame : held) EXPECT_THAT(frame.payload.bytes, testing::Each(frame.metadata.sequence));
+  EXPECT_EQ(source->frames_copied(), 20u);
+}
+
 TEST_F(V4l2, ADriverThatExportsNothingLendsItsMemoryAllTheSame) {
   camera({kNv12}).exports = false;
   auto source = open(request());
