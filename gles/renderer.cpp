@@ -125,10 +125,13 @@ struct Renderer::State {
     if (target.width < 1 || target.height < 1)
       return fail(FaultKind::bad_input, "a target of {} x {} pixels: expected at least 1 x 1", target.width,
                   target.height);
-    if (projection && (camera.width != projection->view.width || camera.height != projection->view.height))
-      return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", camera.width,
-                  camera.height, projection->view.width, projection->view.height);
-    return {};
+    return fits_view(camera.width, camera.height);
+  }
+
+  Result<> fits_view(int width, int height) const {
+    if (!projection || (width == projection->view.width && height == projection->view.height)) return {};
+    return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", width, height,
+                projection->view.width, projection->view.height);
   }
 
   Result<> ready_for_object() const {
@@ -310,6 +313,7 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
 }
 
 Result<> Renderer::upload(const PictureView& frame) {
+  if (auto fits = state_->fits_view(frame.width, frame.height); !fits) return fits;
   auto textures = state_->planes.upload(frame, state_->info);
   if (!textures) return fail(textures.error());
   state_->camera = *textures;
@@ -319,6 +323,7 @@ Result<> Renderer::upload(const PictureView& frame) {
 
 Result<> Renderer::import_frame(const ExternalPicture& frame) {
   State& s = *state_;
+  if (auto fits = s.fits_view(frame.width, frame.height); !fits) return fits;
   if (s.no_import) return fail(*s.no_import);
   if (s.import_refused && same_kind(*s.import_refused, frame))
     return fail(FaultKind::unsupported, "refused before: pictures of this kind are copied");

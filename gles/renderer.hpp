@@ -97,7 +97,8 @@ class Renderer {
   // pixel of object_box(). For tests and masks.
   Result<Image<glm::vec4>> read_layer();
 
-  // The camera's picture, of the view's size (any other is refused: bad_input). Its planes may go when this returns.
+  // The camera's picture, of the view's size (any other is refused: bad_input, and the last one stays). Its planes may
+  // go when this returns.
   Result<> upload(const PictureView& frame);
   // The same without a copy: the GPU reads the driver's buffer. It must keep the picture until what was drawn of it has
   // been replaced on the display. Errors: unsupported (upload it instead; told once in notes(), and from then on

@@ -67,6 +67,7 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
+  if (auto taken = take(picture); !taken) return taken;
   air_.observe(metadata, picture.view(), sky.picture ? &sky.picture->view() : nullptr);
 
   const auto conditions = air_.conditions(sky);
@@ -76,7 +77,6 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
     layer_ = conditions;
     ++layers_drawn_;
   }
-  if (auto taken = take(picture); !taken) return taken;
   measured_ = air_.measured(conditions, box);
   drawn_ = true;
   return show(target);
@@ -94,8 +94,9 @@ Result<> Compositor::take(const DecodedPicture& picture) {
     lent_ = picture;
     return {};
   }
+  if (auto uploaded = renderer_.upload(picture.view()); !uploaded) return uploaded;
   lent_.reset();
-  return renderer_.upload(picture.view());
+  return {};
 }
 
 Result<> Compositor::draw_again(const DrawTarget& target) {

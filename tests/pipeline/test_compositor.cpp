@@ -134,6 +134,24 @@ TEST_F(Compositors, ShowAPictureAgainWithoutKeepingTheDriversBuffer) {
   EXPECT_EQ(compositor.frames().uploaded, 1u) << "one copy, however often it is shown";
 }
 
+TEST_F(Compositors, KeepTheLastPictureWhenOneOfAnotherSizeComes) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  const Buffer small_buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth / 2, kHeight / 2, 0, 2);
+  bool returned = false, small_returned = false;
+  Frame other = lent(small_buffer, small_returned);
+  other.metadata.width = kWidth / 2;
+  other.metadata.height = kHeight / 2;
+  for (const bool importing : {false, true}) {
+    Compositor compositor = importing ? make(with_test_images()) : make();
+    const auto before = drawn(compositor, lent(buffer, returned));
+    auto target = Offscreen::create(context_->info(), kWidth, kHeight);
+    const auto refused = compositor.draw(other, report_, target->target());
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
+    EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
+  }
+}
+
 TEST_F(Compositors, CopyWhatTheGpuRefuses) {
   calls_.refused = {"*"};
   const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
