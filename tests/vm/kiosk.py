@@ -1,0 +1,136 @@
+"""The appliance in its machine: installed from its own package, fed by fixture frames or by the kernel's test drivers."""
+
+import json
+import re
+import shutil
+import subprocess
+import time
+
+from machine import Machine
+
+FIXTURE_STARTS_UTC = "2026-10-20T00:50:00"  # the preset "demo"
+SCENE_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-scene"\n'
+SKY_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-sky"\n'
+VIVID = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/vivid-000"\nformat = "YUYV"\nframes_per_second = 5\n'
+VIMC = 'source = "libcamera"\ncamera = "platform/vimc.0 Sensor B"\n'
+
+# Drivers of the kernel have no serial number and share or lack a place: the names that stay are given by their cards.
+UDEV_RULES = """\
+SUBSYSTEM=="video4linux", ATTR{name}=="kasumi-scene", SYMLINK+="v4l/by-id/kasumi-scene"
+SUBSYSTEM=="video4linux", ATTR{name}=="kasumi-sky", SYMLINK+="v4l/by-id/kasumi-sky"
+SUBSYSTEM=="video4linux", ATTR{name}=="vivid-000-vid-cap", SYMLINK+="v4l/by-id/vivid-000"
+"""
+DRIVERS = """\
+options v4l2loopback devices=2 exclusive_caps=1,1 card_label=kasumi-scene,kasumi-sky
+options vivid n_devs=1 node_types=0x1 input_types=0x0
+"""
+FEEDER = """\
+[Service]
+ExecStart=/opt/kasumi-vm/feed_loopback /opt/kasumi-vm/fixture/%i /dev/v4l/by-id/kasumi-%i
+Restart=always
+RestartSec=1
+[Unit]
+StartLimitIntervalSec=0
+[Install]
+WantedBy=multi-user.target
+"""
+
+
+def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", patience=1.0):
+    """A fixture's cameras and building as kasumi.toml, with live cameras instead of recorded ones."""
+    described = (fixture / "fixture.toml").read_text()
+    return (described[described.index("[site]"):]
+            + f"\n[sky.camera]\n{sky}\n[scene.camera]\n{scene}\n"
+            + f'[clock]\npolicy = "{clock}"\n[state]\nfolder = "/var/lib/kasumi"\n'
+            + f"[ladder]\nheld_s = {2 * patience:.1f}\nlate_s = {0.5 * patience:.1f}\n"
+            + '[still]\ncaption = "The view returns in a moment."\n')
+
+
+def make_disk(build, folder):
+    """The disk that brings Kasumi's package, the fixture and the feeder into the machine; and the reference pictures."""
+    shutil.rmtree(folder, ignore_errors=True)
+    content = folder / "content"
+    fixture = content / "opt/kasumi-vm/fixture"
+    fixture.parent.mkdir(parents=True)
+
+    def run(*command):
+        subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
+
+    for name, encoding in (("fixture", "MJPG"), ("fixture-yuyv", "YUYV")):
+        run(build / "kasumi-generate-fixture", "demo", "--scene-size", "640x360", "--sky-size", "320", "--frames", "10",
+            "--period", "0.5", "--truth-frames", "0", "--scene-format", encoding, "--out", fixture.parent / name)
+    run(build / "kasumi", "replay", fixture, "--out", folder / "reference")
+    run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")
+    shutil.copy(next((folder / "package").glob("*.deb")), content / "kasumi.deb")
+    run("strip", "-o", content / "opt/kasumi-vm/feed_loopback", build / "feed_loopback")
+    kasumi = content / "etc/kasumi"
+    kasumi.mkdir(parents=True)
+    for name in ("temple.glb", "sky-mask.png", "scene-mask.png"):
+        shutil.copy(fixture / name, kasumi)
+    for path, text in {"etc/udev/rules.d/72-kasumi-vm.rules": UDEV_RULES, "etc/modprobe.d/kasumi-vm.conf": DRIVERS,
+                       "etc/modules-load.d/kasumi-vm.conf": "v4l2loopback\n",
+                       "etc/systemd/system/feed@.service": FEEDER}.items():
+        (content / path).parent.mkdir(parents=True, exist_ok=True)
+        (content / path).write_text(text)
+    run("mke2fs", "-q", "-t", "ext4", "-d", content, folder / "kasumi.img", "160M")
+    return folder / "kasumi.img"
+
+
+class Kiosk(Machine):
+    def __init__(self, image, disk, folder, **options):
+        super().__init__(image, folder, extra_disk=disk, utc=FIXTURE_STARTS_UTC, **options)
+        self.fixture = disk.parent / "content/opt/kasumi-vm/fixture"
+
+    def install(self):
+        self.run("mount -o ro /dev/vdb /mnt && dpkg -i /mnt/kasumi.deb", timeout_s=60)
+        self.run("cp -a /mnt/opt /mnt/etc / && chown -R root:root /opt /etc/kasumi && umount /mnt"
+                 " && udevadm control --reload && systemctl daemon-reload && modprobe v4l2loopback && udevadm settle")
+        self.run("systemctl enable --now feed@sky feed@scene")
+        self.configure()
+        if self.slowness > 1:  # software GL compiles its shaders for each kind of picture: many times its time under emulation
+            limits = f"[Service]\\nTimeoutStartSec={60 * self.slowness:.0f}\\nTimeoutStopSec={5 * self.slowness:.0f}\\nWatchdogSec=90\\n"
+            self.run(f"mkdir -p /etc/systemd/system/kasumi.service.d && printf '{limits}'"
+                     " > /etc/systemd/system/kasumi.service.d/emulated.conf && systemctl daemon-reload")
+
+    def start_kasumi(self, timeout_s=60):
+        """BLOCKS until systemd has heard READY. Returns after how many seconds."""
+        started = time.monotonic()
+        self.run("systemctl restart kasumi || { journalctl -u kasumi -b --no-pager | tail -n 40; false; }", timeout_s=timeout_s)
+        return time.monotonic() - started
+
+    def configure(self, **choices):
+        text = configuration(self.fixture, patience=min(self.slowness, 15), **choices)
+        self.run(f"cat > /etc/kasumi/kasumi.toml <<'END'\n{text}\nEND")
+
+    def status(self):
+        """What Kasumi says of itself; empty while there is none."""
+        text = self.run("cat /run/kasumi/status.json", check=False)
+        try:
+            return json.loads(text)
+        except ValueError:
+            return {}
+
+    def wait_shown(self, *shown, timeout_s=30):
+        """BLOCKS until the visitor sees one of `shown`; returns after how many seconds."""
+        return self.wait_until(f"shown: {' or '.join(shown)}", lambda: self.status().get("shown") in shown, timeout_s)
+
+    def wait_status(self, what, condition, timeout_s=30):
+        return self.wait_until(what, lambda: bool((status := self.status()) and condition(status)), timeout_s)
+
+    def wait_new_picture(self, timeout_s=30):
+        """BLOCKS until a frame of the scene camera has come that had not come before."""
+        before = self.status().get("scene_camera", {}).get("good_frames", 0)
+        self.wait_status("a new picture", lambda status: status["scene_camera"]["good_frames"] > before, timeout_s)
+
+    def unit(self, *properties):
+        """Properties of kasumi.service as systemd has them."""
+        lines = self.run("systemctl show kasumi " + " ".join(f"-p {name}" for name in properties)).splitlines()
+        return dict(line.split("=", 1) for line in lines)
+
+    def journal(self):
+        return self.run("journalctl -u kasumi -b --no-pager -o short-monotonic", check=False)
+
+    def exposure_of_security(self):
+        """What `systemd-analyze security` thinks of the unit, 0 (closed) to 10."""
+        return float(re.search(r"exposure level for kasumi.service: ([0-9.]+)", self.run(
+            "systemd-analyze security --no-pager kasumi.service", check=False)).group(1))

@@ -1,0 +1,243 @@
+"""One virtual machine: boots the image, runs commands in it, looks at its screen, plugs and unplugs, cuts its power."""
+
+import base64
+import functools
+import itertools
+import json
+import os
+import pathlib
+import shlex
+import shutil
+import socket
+import struct
+import subprocess
+import time
+
+
+IDLE_BOOT_S = 3  # on a real processor
+
+
+class JsonSocket:
+    """QEMU's monitor (QMP) and the guest's agent (QGA) both speak one JSON object a line."""
+
+    def __init__(self, path, timeout_s):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.settimeout(timeout_s)
+        try:
+            self.socket.connect(str(path))
+        except OSError:
+            self.socket.close()
+            raise
+        self.received = b""
+
+    def read(self):
+        while True:
+            while b"\n" not in self.received:
+                part = self.socket.recv(1 << 16)
+                if not part:
+                    raise ConnectionError("the machine is gone")
+                self.received += part
+            line, self.received = self.received.split(b"\n", 1)
+            try:
+                return json.loads(line)
+            except ValueError:
+                continue  # the rest of an answer from before a reset
+
+    def send(self, command, **arguments):
+        self.socket.sendall(json.dumps({"execute": command, "arguments": arguments}).encode() + b"\n")
+
+    def ask(self, command, **arguments):
+        self.send(command, **arguments)
+        while True:
+            answer = self.read()
+            if "error" in answer:
+                raise RuntimeError(f"{command}: {answer['error'].get('desc', answer['error'])}")
+            if "return" in answer:
+                return answer["return"]
+
+
+class Monitor:
+    """The plug of the machine's screen, through QEMU's VNC server (RFC 6143): a viewer that asks for a size of the desktop."""
+
+    def __init__(self, path):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.connect(str(path))
+        self.socket.recv(12)
+        self.socket.sendall(b"RFB 003.008\n")
+        self.socket.recv(256)  # kinds of security
+        self.socket.sendall(b"\x01")  # none
+        self.socket.recv(4)
+        self.socket.sendall(b"\x01")  # shared
+        self.socket.recv(1024)  # the desktop's size, format and name
+        self.socket.sendall(struct.pack(">BxHi", 2, 1, -308))  # SetEncodings: ExtendedDesktopSize
+
+    def plug(self, width, height):
+        self.socket.sendall(struct.pack(">BxHHBx", 251, width, height, 1) + struct.pack(">IHHHHI", 0, 0, 0, width, height, 0))
+
+    def unplug(self):
+        self.plug(0, 0)
+
+
+@functools.cache
+def accelerator(image):
+    """KVM where it runs the image's kernel (a /dev/kvm that opens may still not), else emulation; and how many times longer
+    everything may take, on an idle machine."""
+    kvm = ("-accel", "kvm", "-cpu", "host")
+    if os.environ.get("KASUMI_VM_ACCEL", "kvm") == "kvm" and os.access("/dev/kvm", os.R_OK | os.W_OK) and runs(image, kvm):
+        return kvm, 1
+    return ("-accel", "tcg,thread=multi,tb-size=512", "-cpu", "max"), 6
+
+
+def runs(image, acceleration):
+    trial = subprocess.Popen(
+        ["qemu-system-x86_64", *acceleration, "-machine", "q35", "-m", "512", "-nodefaults", "-kernel", f"{image}/vmlinuz",
+         "-append", "console=ttyS0 earlyprintk=serial", "-display", "none", "-serial", "stdio", "-nic", "none"],
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    try:
+        os.set_blocking(trial.stdout.fileno(), False)
+        said = b""
+        for _ in range(50):
+            time.sleep(0.1)
+            said += trial.stdout.read() or b""
+            if b"Linux version" in said or trial.poll() is not None:
+                break
+        return b"Linux version" in said
+    finally:
+        trial.kill()
+        trial.wait()
+
+
+class Machine:
+    def __init__(self, image, folder, extra_disk=None, width=640, height=360, utc=None):
+        """`image`: what image/build printed. `folder`: for sockets, logs and pictures. `extra_disk`: a file that the guest
+        sees as /dev/vdb. `utc`: what its clock says at the start, like 2026-10-20T00:50:00."""
+        self.folder = pathlib.Path(folder)
+        shutil.rmtree(self.folder, ignore_errors=True)
+        self.folder.mkdir(parents=True)
+        acceleration, self.slowness = accelerator(str(image))
+        arguments = [
+            "qemu-system-x86_64", *acceleration, "-machine", "q35", "-smp", "2", "-m", "2048", "-nodefaults", "-no-user-config",
+            "-kernel", f"{image}/vmlinuz", "-initrd", f"{image}/initrd.img",
+            "-append", "root=/dev/vda rw console=ttyS0 quiet loglevel=4 systemd.show_status=false",
+            # Every machine starts from the same disk; what it writes lives, through power cuts, as long as the machine.
+            "-drive", f"file={image}/disk.img,if=virtio,format=raw,snapshot=on",
+            "-device", f"virtio-gpu-pci,id=gpu,xres={width},yres={height}", "-vnc", f"unix:{self.socket_of('vnc')}",
+            "-device", "i6300esb", "-action", "watchdog=reset",
+            "-serial", f"file:{self.folder}/console.log",
+            "-device", "virtio-serial", "-device", "virtserialport,chardev=agent,name=org.qemu.guest_agent.0",
+            "-chardev", f"socket,id=agent,path={self.socket_of('agent')},server=on,wait=off",
+            "-qmp", f"unix:{self.socket_of('qmp')},server=on,wait=off", "-nic", "none",
+        ]
+        if extra_disk:
+            arguments += ["-drive", f"file={extra_disk},if=virtio,format=raw,readonly=on"]
+        if utc:
+            arguments += ["-rtc", f"base={utc}"]
+        with open(self.folder / "qemu.log", "wb") as log:
+            self.process = subprocess.Popen(arguments, stdout=log, stderr=subprocess.STDOUT)
+        self.qmp = self.agent = None
+        try:
+            self.qmp = self.connect("qmp")
+            self.qmp.read()
+            self.qmp.ask("qmp_capabilities")
+            self.agent = self.connect("agent")
+            self.boot_s = self.wait_for_boot()
+            # A busy machine is slower still.
+            self.slowness *= max(1.0, self.boot_s / (IDLE_BOOT_S * self.slowness))
+        except BaseException:
+            self.stop()
+            raise
+
+    def socket_of(self, name):
+        return self.folder / f"{name}.sock"
+
+    def connect(self, name):
+        for _ in range(200):
+            if self.process.poll() is not None:
+                raise RuntimeError("qemu ended: " + (self.folder / "qemu.log").read_text())
+            try:
+                return JsonSocket(self.socket_of(name), 60 * self.slowness)
+            except (FileNotFoundError, ConnectionRefusedError):
+                time.sleep(0.05)
+        raise TimeoutError(f"qemu opened no socket {name}")
+
+    def wait_for_boot(self):
+        """BLOCKS until the guest has started all its units; returns after how many seconds."""
+        started = time.monotonic()
+        for ticket in itertools.count(1):
+            self.agent.socket.settimeout(1)
+            try:
+                self.agent.send("guest-sync", id=ticket)
+                while self.agent.read().get("return") != ticket:
+                    pass
+                break
+            except socket.timeout:
+                if time.monotonic() - started > 60 * self.slowness:
+                    raise TimeoutError(f"the guest did not boot, see {self.folder}/console.log") from None
+        self.agent.socket.settimeout(60 * self.slowness)
+        self.run("systemctl is-system-running --wait", check=False, timeout_s=60)
+        return time.monotonic() - started
+
+    def run(self, command, timeout_s=30, check=True):
+        """Runs a shell command in the guest as root and returns what it printed, standard error too."""
+        pid = self.agent.ask("guest-exec", path="/bin/sh", arg=["-c", f"exec 2>&1\n{command}"], **{"capture-output": True})["pid"]
+        deadline = time.monotonic() + timeout_s * self.slowness
+        while not (status := self.agent.ask("guest-exec-status", pid=pid))["exited"]:
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"in the guest, still running after {timeout_s * self.slowness:.0f} s: {command}")
+            time.sleep(0.02 * self.slowness)
+        output = base64.b64decode(status.get("out-data", "")).decode(errors="replace").strip()
+        if check and status.get("exitcode", -1) != 0:
+            raise AssertionError(f"in the guest, exit code {status.get('exitcode')}: {command}\n{output}")
+        return output
+
+    def start(self, name, command):
+        """Runs a shell command beside what follows, as the unit `name`."""
+        self.run(f"systemctl reset-failed {name} 2>/dev/null; systemd-run -q --unit={name} /bin/sh -c {shlex.quote(command)}")
+
+    def holds(self, command):
+        """Whether a command in the guest succeeds."""
+        return self.run(f"({command}) >/dev/null && echo yes", check=False).endswith("yes")
+
+    def wait_until(self, what, condition, timeout_s):
+        """BLOCKS until `condition` (a shell command, or a function) holds; returns after how many seconds."""
+        start = time.monotonic()
+        while not (condition() if callable(condition) else self.holds(condition)):
+            if time.monotonic() - start > timeout_s * self.slowness:
+                raise AssertionError(f"not within {timeout_s * self.slowness:.0f} s: {what}")
+            time.sleep(0.05 * self.slowness)
+        return time.monotonic() - start
+
+    def photograph(self, name):
+        """What is on the screen now, as a PPM file."""
+        picture = self.folder / f"{name}.ppm"
+        self.qmp.ask("screendump", filename=str(picture))
+        return picture
+
+    def monitor(self):
+        return Monitor(self.socket_of("vnc"))
+
+    def keep(self, name):
+        """Remembers the whole machine as it is, running programs too, for return_to()."""
+        self.hmp(f"savevm {name}")
+
+    def return_to(self, name):
+        self.hmp(f"loadvm {name}")
+        self.wait_for_boot()
+
+    def hmp(self, command):
+        if answer := self.qmp.ask("human-monitor-command", **{"command-line": command}).strip():
+            raise RuntimeError(f"{command}: {answer}")
+
+    def cut_power(self):
+        """Off and on again: what the guest had not written to its disk is lost. BLOCKS until it is up again."""
+        self.qmp.ask("system_reset")
+        self.wait_for_boot()
+
+    def stop(self):
+        for talk in (self.qmp, self.agent):
+            if talk:
+                talk.socket.close()
+        self.process.kill()
+        self.process.wait()
+        for name in ("qmp", "agent", "vnc"):
+            self.socket_of(name).unlink(missing_ok=True)
