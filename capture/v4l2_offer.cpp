@@ -11,7 +11,7 @@ namespace kasumi {
 namespace {
 
 // A driver that counts on for ever is cut here.
-constexpr std::uint32_t kMostFormats = 64;
+constexpr std::uint32_t kMostFormats = 256;  // vivid has ninety
 constexpr std::uint32_t kMostSizes = 256;
 constexpr std::uint32_t kMostIntervals = 256;
 

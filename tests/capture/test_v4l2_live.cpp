@@ -28,7 +28,7 @@ class SeveralPlanesOnly final : public VideoDevice {
   int control(unsigned long request, void* argument) override {
     if (request != VIDIOC_ENUM_FMT) return device_->control(request, argument);
     auto& entry = *static_cast<v4l2_fmtdesc*>(argument);
-    for (std::uint32_t index = 0, left = entry.index; index < 64; ++index) {
+    for (std::uint32_t index = 0, left = entry.index; index < 256; ++index) {
       auto real = entry;
       real.index = index;
       if (const int error = device_->control(request, &real); error != 0) return error;
