@@ -77,11 +77,6 @@ EGLConfig find_config(EGLDisplay display, std::uint32_t fourcc, EGLint depth_bit
   return found == configs.end() ? nullptr : *found;
 }
 
-// Lives as long as its buffer, which GBM gives again and again.
-struct AddedFramebuffer {
-  KmsFramebuffer framebuffer;
-};
-
 class GbmPicture final : public ScanoutPicture {
  public:
   GbmPicture(gbm_surface* surface, gbm_bo* buffer, std::uint32_t framebuffer)
@@ -134,20 +129,21 @@ class GbmScanout final : public Scanout {
       return fail(FaultKind::device, "{}: a picture could not be finished: {}", device_.path(), egl_reason());
     gbm_bo* buffer = gbm_surface_lock_front_buffer(surface_.get());
     if (buffer == nullptr) return fail(FaultKind::device, "{}: GBM gives no finished picture", device_.path());
-    auto* added = static_cast<AddedFramebuffer*>(gbm_bo_get_user_data(buffer));
-    if (added == nullptr) {
-      auto framebuffer = KmsFramebuffer::add(device_, describe(buffer));
-      if (!framebuffer) {
+    // GBM gives the same few buffers again and again; a framebuffer lives as long as its buffer.
+    auto* framebuffer = static_cast<KmsFramebuffer*>(gbm_bo_get_user_data(buffer));
+    if (framebuffer == nullptr) {
+      auto added = KmsFramebuffer::add(device_, describe(buffer));
+      if (!added) {
         gbm_surface_release_buffer(surface_.get(), buffer);
-        return fail(FaultKind::device, "{}", framebuffer.error().what);
+        return fail(FaultKind::device, "{}", added.error().what);
       }
-      auto owner = std::make_unique<AddedFramebuffer>(std::move(*framebuffer));
-      added = owner.get();
+      auto owner = std::make_unique<KmsFramebuffer>(std::move(*added));
+      framebuffer = owner.get();
       gbm_bo_set_user_data(buffer, owner.release(), [](gbm_bo*, void* gone) {
-        const std::unique_ptr<AddedFramebuffer> deleted(static_cast<AddedFramebuffer*>(gone));
+        const std::unique_ptr<KmsFramebuffer> deleted(static_cast<KmsFramebuffer*>(gone));
       });
     }
-    return std::make_unique<GbmPicture>(surface_.get(), buffer, added->framebuffer.id());
+    return std::make_unique<GbmPicture>(surface_.get(), buffer, framebuffer->id());
   }
 
  private:
