@@ -1,0 +1,39 @@
+// What the clear sky near the horizon looks like from side to side, when clouds stand in it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace kasumi {
+
+// A small piece of sky of the scene's picture. Angles from the middle of the view, radians.
+struct HorizonCell {
+  double azimuth = 0.0;
+  double elevation = 0.0;
+  glm::dvec3 log_light{0};  // natural logarithm of the light
+  double noise = 0.0;       // of log_light, 1 sigma of the worst channel, the encoding's steps included
+  int strip = 0;            // of the view, from the left
+};
+
+// Logarithm of light as a quadratic in azimuth and elevation, channel by channel.
+struct ClearHorizon {
+  double coefficients[3][5]{};  // of 1, azimuth, azimuth^2, elevation, elevation^2
+  double tolerance = 0.0;       // of log light: what is farther from it is not clear sky
+  double share = 0.0;           // of the cells fitted that are clear sky by it
+
+  glm::dvec3 log_light(double azimuth, double elevation) const;
+  glm::dvec3 residual(const HorizonCell& cell) const;  // log_light of the cell above the surface's
+  bool is_clear(const HorizonCell& cell) const;
+};
+
+// The smooth surface that most cells lie on. Clear air is the same all over but for noise and slow gradients, while
+// clouds differ from each other as much as from it: the surface starts at the fullest narrow window of light and grows
+// from there by reweighted least squares. `cells` are looked at where `use` is not 0. Empty with fewer than 16 of them,
+// and where they are too noisy to tell.
+std::optional<ClearHorizon> fit_clear_horizon(const std::vector<HorizonCell>& cells,
+                                              const std::vector<std::uint8_t>& use);
+
+}  // namespace kasumi
