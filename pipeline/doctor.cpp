@@ -209,7 +209,7 @@ std::string doctor_text(const Findings& findings) {
     text += fmt::format("{}{:<25} {}\n", mark, finding.check, found);
     if (!finding.advice.empty()) text += fmt::format("{:32}-> {}\n", "", finding.advice);
   }
-  return text + fmt::format("{} failures, {} warnings\n", failures, warnings);
+  return text + fmt::format("failures: {}, warnings: {}\n", failures, warnings);
 }
 
 std::string doctor_json(const Findings& findings, Utc utc) {

@@ -9,6 +9,7 @@
 
 #include "gles/display_listing.hpp"
 #include "pipeline/devices.hpp"
+#include "pipeline/running_appliance.hpp"
 
 namespace kasumi {
 
@@ -41,7 +42,7 @@ struct MachinePlaces {
   std::filesystem::path sys = "/sys";
   std::filesystem::path proc = "/proc";
   std::filesystem::path dev = "/dev";
-  std::filesystem::path status_file = "/run/kasumi/status.json";
+  std::filesystem::path status_file = kServiceStatusFile;
   std::filesystem::path state = "/var/lib/kasumi";  // where the configuration names none
   std::function<std::vector<ListedCard>()> displays;
   // The properties of kasumi.service as `systemctl show` prints them. Errors: unsupported (no systemd here).

@@ -67,9 +67,10 @@ Result<std::map<std::string, std::optional<std::string>>> copy_files(const Confi
 
 std::string head_of(const std::filesystem::path& folder, Utc start, bool synchronized) {
   const auto name = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
-  std::string quoted;
+  std::string quoted;  // a folder may be called anything, TOML takes UTF-8 alone
   for (const char c : name.string())
-    if (c >= ' ' && c != '"' && c != '\\' && c != 0x7f) quoted += c;
+    if (c >= ' ' && c <= '~' && c != '"' && c != '\\') quoted += c;
+  if (quoted.empty()) quoted = "recording";
   return fmt::format(
       "format = {}\nname = \"{}\"\nlicence = \"LicenseRef-not-stated\"\nprovenance = \"Recorded by kasumi record from "
       "live cameras{}\"\nstart_utc = {}\n\n",
