@@ -107,3 +107,35 @@ class FixtureFrames(LiveKiosk):
             "WatchdogTimestampMonotonic")["WatchdogTimestampMonotonic"] != unit["WatchdogTimestampMonotonic"])
         self.kiosk.wait_status("turbidity known", lambda status: status["turbidity"] and status["building_drawn"])
         self.assert_screen_as_computed("live")
+
+    def test_15_display_unplugged_another_mode_on_return(self):
+        """The display is unplugged and comes back with another size."""
+        monitor = self.kiosk.monitor()
+        monitor.plug(640, 360)
+        monitor.unplug()
+        self.kiosk.wait_status("the display is missed", lambda status: not status["display"]["up"])
+        monitor.plug(800, 600)
+        started = time.monotonic()
+        self.kiosk.wait_status("the display is back", lambda status: status["display"]["up"])
+        self.recovered(time.monotonic() - started, 3)
+        # The building's shaders are compiled anew: long under emulation.
+        print(f"live in {self.kiosk.wait_shown('live', timeout_s=60):.1f} s more ... ", end="", flush=True)
+        screen = pictures.read(self.kiosk.photograph(f"{self._testMethodName}-back"))
+        self.assertEqual(screen.shape[:2], (600, 800))
+        self.assertGreater(float(screen.mean()), 20.0)
+        self.assert_same_process()
+
+    def test_21_disk_full(self):
+        """Not one byte can be written: nothing changes on the screen."""
+        in_its_world = f"nsenter -t {self.process_before} -m sh -c"
+        folders = "/var/lib/kasumi /run/kasumi /var/cache/kasumi /tmp"
+        self.kiosk.run(f"{in_its_world} 'for folder in {folders}; do mount -t tmpfs -o size=16k,mode=0777 full $folder &&"
+                       " ! cat /dev/zero > $folder/filler || exit 1; done'")
+        time.sleep(5)
+        self.assert_screen_as_computed("full")
+        self.kiosk.run(f"{in_its_world} 'umount {folders}'")
+        started = time.monotonic()
+        self.kiosk.wait_new_picture()
+        self.recovered(time.monotonic() - started, 5)
+        self.kiosk.wait_shown("live")
+        self.assert_same_process()
