@@ -58,9 +58,11 @@ void check_live_camera(const std::string& name, const CameraChoice& choice, cons
     return;
   }
   const auto mode = part(later, "mode");
+  const auto who = mode.empty()
+                       ? std::string()
+                       : fmt::format("{} ({}, {}): ", text(mode, "card"), text(mode, "driver"), text(mode, "place"));
   const auto found =
-      fmt::format("{} ({}, {}): {} {:.0f}x{:.0f}", text(mode, "card"), text(mode, "driver"), text(mode, "place"),
-                  text(later, "format"), number(later, "width"), number(later, "height"));
+      fmt::format("{}{} {:.0f}x{:.0f}", who, text(later, "format"), number(later, "width"), number(later, "height"));
   std::string notes;
   if (const auto said = part(mode, "notes"); said.is_array())
     for (const auto& note : said)
