@@ -70,9 +70,9 @@ PictureSample sample_picture(const PictureView& picture) {
   std::array<int, kColumns * kRows> places{};
   for (int y = 0; y < kRows * kSamples; ++y) {
     const auto* row = plane.data + spread_over(y, kRows * kSamples, picture.height) * plane.stride + channel.offset;
+    auto* place = places.data() + static_cast<std::size_t>(y / kSamples) * kColumns;
     for (int x = 0; x < kColumns * kSamples; ++x)
-      places[static_cast<std::size_t>(y / kSamples * kColumns + x / kSamples)] +=
-          row[spread_over(x, kColumns * kSamples, picture.width) * channel.step];
+      place[x / kSamples] += row[spread_over(x, kColumns * kSamples, picture.width) * channel.step];
   }
   const auto twentieth = places.begin() + kColumns * kRows / 20;
   std::nth_element(places.begin(), twentieth, places.end());
