@@ -16,8 +16,9 @@ constexpr double kCellShare = 1.0 / 180.0;
 constexpr int kStacks = 4;  // of cells in a strip
 constexpr int kPixelsPerCell = 32;
 // Less clear sky than this may be a chance: real clouds have even parts, too.
-constexpr double kLeastShare = 0.2;     // of the cells
-constexpr double kLeastColumns = 0.85;  // of the strips
+constexpr double kLeastShare = 0.25;              // of the cells
+constexpr double kLeastColumns = 0.75;            // of the strips
+constexpr Radians kFarthest = from_degrees(2.0);  // between a strip that shows none and one that does
 constexpr double kDarkest = 1e-6;
 
 double median(std::vector<double> values) {
@@ -189,6 +190,18 @@ std::optional<Column> column_of(const Measurement& m, const std::vector<Cell>& c
   return column;
 }
 
+// The surface may bridge columns without clear sky when they are few and not far from the others.
+bool is_sure(const std::vector<Column>& columns) {
+  const auto with_clear_sky =
+      static_cast<double>(std::count_if(columns.begin(), columns.end(), [](const Column& c) { return c.seen; }));
+  return with_clear_sky >= kLeastColumns * static_cast<double>(columns.size()) &&
+         std::all_of(columns.begin(), columns.end(), [&](const Column& column) {
+           return std::any_of(columns.begin(), columns.end(), [&](const Column& other) {
+             return other.seen && std::abs(other.azimuth - column.azimuth) < kFarthest.value;
+           });
+         });
+}
+
 std::vector<HorizonColumn> columns_of(const Measurement& m, const std::vector<Column>& seen,
                                       const ClearHorizon& clear) {
   std::vector<HorizonColumn> columns;
@@ -233,14 +246,10 @@ std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<Sk
   if (!clear || clear->share < kLeastShare) return {};
 
   std::vector<Column> seen;
-  int with_clear_sky = 0;
   for (int s = 0; s < static_cast<int>(strips.size()); ++s) {
-    if (const auto column = column_of(m, cells, use, *clear, s)) {
-      seen.push_back(*column);
-      with_clear_sky += column->seen ? 1 : 0;
-    }
+    if (const auto column = column_of(m, cells, use, *clear, s)) seen.push_back(*column);
   }
-  if (with_clear_sky < kLeastColumns * static_cast<double>(strips.size())) return {};
+  if (!is_sure(seen)) return {};
   return columns_of(m, seen, *clear);
 }
 

@@ -44,6 +44,11 @@ HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, in
   const SceneSky sky{scene, rgb, segmentation.sky};
   const int wanted = std::clamp(columns, 1, std::max(1, scene.width / 8));
   const std::vector<SkyStrip> strips = sky_strips(sky, wanted);
+  if (4 * static_cast<int>(strips.size()) >= wanted) horizon.columns = clear_sky(sky, strips);
+  if (!horizon.columns.empty()) {
+    horizon.source = HorizonLight::Source::scene_camera;
+    return horizon;
+  }
   LowestSky lowest = lowest_sky(sky, strips);
   const int found = static_cast<int>(lowest.columns.size());
   if (4 * found < wanted) {
@@ -51,8 +56,6 @@ HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, in
     return horizon;
   }
   horizon.source = HorizonLight::Source::scene_camera;
-  horizon.columns = clear_sky(sky, strips);
-  if (!horizon.columns.empty()) return horizon;
   horizon.columns = std::move(lowest.columns);
   horizon.reason = lowest.clipped ? "the horizon sky is clipped: its light is at least this"
                                   : "little clear sky at the horizon: the lowest sky is taken, clouds and all";
