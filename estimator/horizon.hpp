@@ -47,9 +47,10 @@ std::string_view name_of(HorizonLight::Source source);
 // must be usable.
 HorizonColumn column_at(const HorizonLight& horizon, Radians azimuth);
 
-// Scene camera's horizon sky at up to `columns` azimuths across the view: the lowest visible sky of each, above hills
-// that fade into it, outliers left out, smooth over azimuth. Where the sky is clipped the clipped value is taken, with
-// a low quality: it is what the picture shows. Says in `reason` why there is none.
+// Scene camera's horizon sky at up to `columns` azimuths across the view: the lowest clear sky of each, above hills
+// that fade into it and between clouds; where too little is clear to be sure (`reason` then says so) the lowest visible
+// sky, outliers left out, smooth over azimuth. Where the sky is clipped the clipped value is taken, with a low quality:
+// it is what the picture shows. Says in `reason` why there is none.
 HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, int columns = 16);
 
 // When the scene shows no sky: the sky camera's ring at zenith angles 75-85 deg around the view's azimuths gives the
