@@ -1,0 +1,60 @@
+#include "tests/pipeline/appliance/faulty_display.hpp"
+
+namespace kasumi {
+
+namespace {
+
+class FaultyDisplay final : public Display {
+ public:
+  FaultyDisplay(std::unique_ptr<HeadlessDisplay> display, DisplayFaults& faults)
+      : display_(std::move(display)), faults_(faults) {}
+  std::string description() const override { return display_->description(); }
+  GlContext& context() override { return display_->context(); }
+
+  Result<DrawTarget> begin(Instant deadline) override {
+    if (faults_.unplugged) return fail(FaultKind::disconnected, "HDMI-A-1: disconnected");
+    if (std::exchange(faults_.context_lost, false)) return fail(FaultKind::device, "the GL context is lost");
+    if (faults_.busy) return fail(FaultKind::device, "page flip: EACCES");
+    if (faults_.stuck) return fail(FaultKind::timeout, "the flip does not complete");
+    return display_->begin(deadline);
+  }
+  Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
+    seen_.reset();
+    return display_->show(std::move(until_replaced));
+  }
+  std::vector<Flip> take_flips() override { return faults_.stuck ? std::vector<Flip>{} : display_->take_flips(); }
+  Result<Image<Rgb8>> read() {
+    if (!seen_) {
+      auto read = display_->read();
+      if (!read) return read;
+      seen_ = std::move(*read);
+    }
+    return *seen_;
+  }
+
+ private:
+  std::unique_ptr<HeadlessDisplay> display_;
+  DisplayFaults& faults_;
+  std::optional<Image<Rgb8>> seen_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Display>> open_faulty_display(const HeadlessDisplayOptions& options, Clock& clock,
+                                                     DisplayFaults& faults) {
+  if (faults.unplugged) return fail(FaultKind::disconnected, "no connected connector");
+  if (faults.busy) return fail(FaultKind::device, "EBUSY: another program is DRM master");
+  auto given = options;
+  if (faults.other_size) std::tie(given.width, given.height) = *faults.other_size;
+  auto display = open_headless_display(given, clock);
+  if (!display) return fail(display.error());
+  ++faults.opened;
+  if (faults.opening_mends) faults.stuck = false;
+  return std::make_unique<FaultyDisplay>(std::move(*display), faults);
+}
+
+Result<Image<Rgb8>> read_picture(Display& display) {
+  return dynamic_cast<FaultyDisplay&>(display).read();
+}
+
+}  // namespace kasumi

@@ -1,0 +1,37 @@
+// A camera whose faults a test turns on and off: a recording with a person at the cable.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "capture/reconnecting_source.hpp"
+
+namespace kasumi {
+
+// Read by the source at each call. One thread.
+struct CameraFaults {
+  bool unplugged = false;
+  int opened = 0;
+  std::string open_fails;                   // the driver's words; empty: it opens
+  bool silent = false;                      // streams, and no frame comes
+  bool fatal_queue = false;                 // the next call answers with an error, once
+  std::function<void(Frame&)> spoil;        // each frame; empty: as recorded
+  std::function<void(const Frame&)> gives;  // called with each good frame that is given
+};
+
+// `opener` of a good camera; `faults` must outlive it.
+SourceOpener with_faults(SourceOpener opener, CameraFaults& faults, Clock& clock);
+
+// Ways to spoil a frame.
+void flag_as_error(Frame& frame);
+void truncate(Frame& frame);  // half of the bytes
+void empty(Frame& frame);     // bytes_used 0
+void replace_by_rubbish_jpeg(Frame& frame);
+std::function<void(Frame&)> freeze();         // the first frame's bytes again and again
+void cover(Frame& frame);                     // black
+void white_out(Frame& frame);                 // white
+void halve_size(Frame& frame);                // as if another mode had been negotiated
+std::function<void(Frame&)> run_backwards();  // timestamps that jump back, sequence numbers with gaps
+
+}  // namespace kasumi

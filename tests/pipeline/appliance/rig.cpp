@@ -1,0 +1,215 @@
+#include "tests/pipeline/appliance/rig.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "base/files.hpp"
+#include "capture/encode.hpp"
+#include "capture/fixture_writer.hpp"
+#include "pipeline/picture_sink.hpp"
+#include "tests/pipeline/recorded.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr int kWidth = 320, kHeight = 180;
+constexpr int kCorner = 16;  // pixels each way that carry the number
+constexpr int kLevels = 8;   // of each channel
+constexpr int kLevelStep = 256 / kLevels;
+constexpr Utc kStart = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h;
+
+Rgb8 colour_of(int number) {
+  const auto level = [&](int digit) {
+    return static_cast<std::uint8_t>(digit % kLevels * kLevelStep + kLevelStep / 2);
+  };
+  // The sum of the digits as a check, so that no other colour is taken for a number.
+  return {level(number), level(number / kLevels), level(number + number / kLevels)};
+}
+
+void check(const Result<>& done) {
+  if (!done) ADD_FAILURE() << done.error().message;
+}
+
+// The generator's first scene frame, numbered.
+void write_scene(const std::filesystem::path& folder, const std::filesystem::path& generated) {
+  const auto rows = read_index(generated / "scene").value();
+  const auto bytes = read_file(generated / "scene" / rows[0].payload).value();
+  Frame frame{rows[0].metadata, payload_of(bytes)};
+  auto picture = to_rgb(decode(frame, YuvEncoding::bt601_full).value().view());
+  auto writer = FixtureWriter::create(folder / "scene").value();
+  for (int number = 0; number < kSceneFrames; ++number) {
+    for (int y = 0; y < kCorner; ++y)
+      for (int x = 0; x < kCorner; ++x) picture.at(x, y) = colour_of(number);
+    auto numbered = encode_frame(picture, four_cc("RGB3")).value();
+    numbered.metadata.captured_at = rows[0].metadata.captured_at + number * kSceneInterval;
+    numbered.metadata.utc = rows[0].metadata.utc + number * kSceneInterval;
+    numbered.metadata.sequence = static_cast<std::uint32_t>(number);
+    numbered.metadata.exposure_s = rows[0].metadata.exposure_s;
+    numbered.metadata.gain = rows[0].metadata.gain;
+    check(writer.append(numbered));
+  }
+}
+
+// The generator's sky frames in turn, as often as the scene's: a loop without a gap.
+void write_sky(const std::filesystem::path& folder, const std::filesystem::path& generated) {
+  const auto rows = read_index(generated / "sky").value();
+  auto writer = FixtureWriter::create(folder / "sky").value();
+  for (int number = 0; number < kSceneFrames; ++number) {
+    const auto& row = rows[static_cast<std::size_t>(number) * rows.size() / kSceneFrames];
+    Frame frame{row.metadata, payload_of(read_file(generated / "sky" / row.payload).value())};
+    frame.metadata.captured_at = rows[0].metadata.captured_at + number * kSceneInterval;
+    frame.metadata.utc = rows[0].metadata.utc + number * kSceneInterval;
+    frame.metadata.sequence = static_cast<std::uint32_t>(number);
+    check(writer.append(frame));
+  }
+}
+
+std::filesystem::path make_fixture() {
+  auto recipe = small("clear-noon", 4);
+  recipe.start_utc = kStart;
+  recipe.sky_period_s = 3.0;
+  recipe.scene_period_s = 12.0;
+  recipe.scene_frames = 1;
+  recipe.sky_size = 240;
+  recipe.scene_width = kWidth;
+  recipe.scene_height = kHeight;
+  const auto generated = recorded(recipe, "bench-generated");
+  const auto folder = test_folder("bench");
+  std::filesystem::remove_all(folder);
+  std::filesystem::copy(generated, folder, std::filesystem::copy_options::recursive);
+  std::filesystem::remove_all(folder / "scene");
+  std::filesystem::remove_all(folder / "sky");
+  write_scene(folder, generated);
+  write_sky(folder, generated);
+  return folder;
+}
+
+}  // namespace
+
+// Each test is a process of its own: what an earlier one made is taken, unless this program is newer.
+const std::filesystem::path& bench_fixture() {
+  static const auto folder = [] {
+    const auto made = test_folder("bench-made");
+    std::error_code error;
+    const auto at = std::filesystem::last_write_time(made, error);
+    if (!error && at > std::filesystem::last_write_time("/proc/self/exe")) return test_folder("bench");
+    auto fresh = make_fixture();
+    check(write_text_file(made, "whole\n"));
+    return fresh;
+  }();
+  return folder;
+}
+
+std::optional<int> frame_number(const Image<Rgb8>& picture) {
+  const auto seen = picture.at(kCorner / 2, kCorner / 2);
+  for (int number = 0; number < kSceneFrames; ++number) {
+    const auto colour = colour_of(number);
+    const auto near = [](int a, int b) { return std::abs(a - b) <= 3; };
+    if (near(seen.r, colour.r) && near(seen.g, colour.g) && near(seen.b, colour.b)) return number;
+  }
+  return std::nullopt;
+}
+
+std::filesystem::path write_config(const std::filesystem::path& folder, const std::string& clock_policy) {
+  std::filesystem::create_directories(folder);
+  const auto& fixture = bench_fixture();
+  for (const auto& entry : std::filesystem::directory_iterator(fixture))
+    if (entry.is_regular_file())
+      std::filesystem::copy_file(entry.path(), folder / entry.path().filename(),
+                                 std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::create_directories(folder / "state");
+  check(write_png(folder / "still.png", Image<Rgb8>(kWidth, kHeight, Rgb8{200, 40, 160})));
+  auto text = read_text_file(fixture / "fixture.toml").value();
+  text.erase(0, text.find("[site]"));
+  const auto camera = [&](const char* name) {
+    return fmt::format("\n[{}.camera]\nsource = \"replay\"\nfixture = \"{}\"\n", name, fixture.string());
+  };
+  text += camera("sky") + camera("scene");
+  text += fmt::format("\n[display]\nkind = \"headless\"\nwidth = {}\nheight = {}\n", kWidth, kHeight);
+  text += "\n[still]\npicture = \"still.png\"\ncaption = \"The view returns in a moment.\"\n";
+  text += "\n[words]\nlanguage = \"en\"\n";
+  text += fmt::format("\n[clock]\npolicy = \"{}\"\n", clock_policy);
+  text += "\n[state]\nfolder = \"state\"\n";
+  check(write_text_file(folder / "kasumi.toml", text));
+  return folder / "kasumi.toml";
+}
+
+CameraOpening BenchDevices::camera(CameraRole role, const CameraChoice& choice) {
+  auto opening = machine_->camera(role, choice);
+  opening.opener = with_faults(opening.opener, role == CameraRole::sky ? sky : scene, clock_);
+  return opening;
+}
+
+Result<std::unique_ptr<Display>> BenchDevices::open_display(const DisplayChoice& choice) {
+  return open_faulty_display(std::get<HeadlessDisplayOptions>(choice), clock_, display);
+}
+
+Rig::Rig(RigOptions options)
+    : folder(test_folder("appliance-" + options.name)),
+      clock(options.utc.value_or(kStart)),
+      devices(clock),
+      given_at_(kSceneFrames) {
+  if (!options.keep_folder) std::filesystem::remove_all(folder);
+  config = write_config(folder, options.clock_policy);
+  devices.display = options.display;
+  auto content = read_content(config);
+  if (!content) {
+    ADD_FAILURE() << content.error().message;
+    return;
+  }
+  devices.scene.gives = [this](const Frame& frame) { given_at_[frame.metadata.sequence % kSceneFrames] = clock.now(); };
+  appliance = std::make_unique<Appliance>(config, *content, Ground{devices, clock, time, notifier},
+                                          StatusOptions{folder / "status.json", false, 10s}, std::move(options.sky));
+}
+
+Rig::~Rig() = default;
+
+void Rig::tick(Duration by) {
+  clock.advance(by);
+  appliance->scene().step(clock.now());
+  appliance->sky().step(clock.now());
+  if (!render_hangs) appliance->render().step();
+  if (told_ && clock.now() - *told_ < 500ms) return;
+  told_ = clock.now();
+  appliance->status().step();
+}
+
+void Rig::advance(Duration by, Duration step) {
+  for (Duration turned{}; turned < by; turned += step) tick(step);
+}
+
+std::optional<Duration> Rig::recover(const std::string& fault, Duration longest) {
+  const auto took = advance_until([&] { return shown() == Shown::live && age_on_screen(); }, longest);
+  if (took)
+    std::printf("%-52s live after %.2f s\n", fault.c_str(), to_seconds(*took));
+  else
+    std::printf("%-52s not live within %.2f s\n", fault.c_str(), to_seconds(longest));
+  return took;
+}
+
+Image<Rgb8> Rig::picture() {
+  auto* display = appliance->render().display();
+  if (!display) return {};
+  auto read = read_picture(*display);
+  return read ? std::move(*read) : Image<Rgb8>{};
+}
+
+bool Rig::shows_still() {
+  const auto seen = picture();
+  if (seen.empty()) return false;
+  const auto& colour = seen.at(kCorner / 2, kCorner / 2);
+  return std::abs(colour.r - 200) <= 2 && std::abs(colour.g - 40) <= 2 && std::abs(colour.b - 160) <= 2;
+}
+
+std::optional<Duration> Rig::age_on_screen() {
+  const auto seen = picture();
+  if (seen.empty()) return std::nullopt;
+  const auto number = frame_number(seen);
+  if (!number || !given_at_[static_cast<std::size_t>(*number)]) return std::nullopt;
+  return clock.now() - *given_at_[static_cast<std::size_t>(*number)];
+}
+
+}  // namespace kasumi

@@ -1,0 +1,118 @@
+// A kiosk on the bench: real loops, real drawing, a recording for a world, faults at hand, and a clock that stands
+// still until it is turned. One thread does everything, so that a test passes or fails the same each time.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/picture.hpp"
+#include "pipeline/appliance.hpp"
+#include "tests/pipeline/appliance/faulty_display.hpp"
+#include "tests/pipeline/appliance/faulty_source.hpp"
+
+namespace kasumi {
+
+using namespace std::chrono_literals;
+
+// A recording of a clear noon whose scene frames carry their number in their corner, 0.2 s apart; made once.
+constexpr Duration kSceneInterval = 200ms;
+constexpr int kSceneFrames = 60;
+const std::filesystem::path& bench_fixture();
+// The number in the corner of a picture; empty when there is none.
+std::optional<int> frame_number(const Image<Rgb8>& picture);
+
+// kasumi.toml for that recording in `folder`, with a still picture in magenta.
+std::filesystem::path write_config(const std::filesystem::path& folder, const std::string& clock_policy = "trusted");
+
+class FakeTime final : public TimeWatch {
+ public:
+  TimeSigns look() override { return signs; }
+  TimeSigns signs;
+};
+
+struct FakeNotifier final : Notifier {
+  void ready() override { ++readies; }
+  void status(const std::string& line) override { lines.push_back(line); }
+  void alive() override { ++alives; }
+  void extend_start(Duration) override { ++extensions; }
+  void reloading() override { ++reloads; }
+  void stopping() override {}
+  int readies = 0, alives = 0, extensions = 0, reloads = 0;
+  std::vector<std::string> lines;
+};
+
+class BenchDevices final : public Devices {
+ public:
+  explicit BenchDevices(Clock& clock) : clock_(clock), machine_(machine_devices(clock)) {}
+  CameraOpening camera(CameraRole role, const CameraChoice& choice) override;
+  Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) override;
+  CameraFaults sky, scene;
+  DisplayFaults display;
+
+ private:
+  Clock& clock_;
+  std::unique_ptr<Devices> machine_;
+};
+
+struct RigOptions {
+  std::string name = "rig";  // of its folder
+  std::string clock_policy = "trusted";
+  std::optional<Utc> utc{};  // the machine's at the start; empty: the recording's
+  SkyWatchOptions sky{};
+  bool keep_folder = false;  // what an earlier rig of that name left on disk is found there
+  DisplayFaults display{};
+};
+
+class Rig {
+ public:
+  static constexpr Duration kTick = 20ms;
+  explicit Rig(RigOptions options = {});
+  ~Rig();
+
+  // Turns the clock step by step, and lets every loop do what is due.
+  void advance(Duration by, Duration step = kTick);
+  // The same until it is so, at most so long: how long it took, empty when it never was.
+  template <class Condition>
+  std::optional<Duration> advance_until(Condition condition, Duration longest) {
+    const auto began = clock.now();
+    while (!condition()) {
+      if (clock.now() - began >= longest) return std::nullopt;
+      advance(kTick);
+    }
+    return clock.now() - began;
+  }
+  // Until the picture is live again; adds the time to what the test prints.
+  std::optional<Duration> recover(const std::string& fault, Duration longest);
+
+  Shown shown() const { return appliance->render().rung().shown; }
+  Trouble trouble() const { return appliance->render().rung().trouble; }
+  // As an operator reads it, half a second old at most.
+  const Status& status() const {
+    appliance->status().step();
+    return appliance->status().status();
+  }
+  Image<Rgb8> picture();
+  bool shows_still();
+  // How old the scene on the screen is; empty when the screen shows something else.
+  std::optional<Duration> age_on_screen();
+
+  void hang_up() { appliance->reload(); }  // SIGHUP
+
+  std::filesystem::path folder, config;
+  ManualClock clock;
+  FakeTime time;
+  FakeNotifier notifier;
+  BenchDevices devices;
+  std::unique_ptr<Appliance> appliance;
+  bool render_hangs = false;
+
+ private:
+  void tick(Duration by);
+  std::optional<Instant> told_;
+  std::vector<std::optional<Instant>> given_at_;  // by frame number: when the camera gave it last
+};
+
+}  // namespace kasumi
