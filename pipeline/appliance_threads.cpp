@@ -17,8 +17,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kPatience = 200ms;  // how long a camera's loop waits for a frame before it looks around
-constexpr auto kEndDeadline = 1500ms;  // of a loop that a driver or a disk holds up
+constexpr Duration kPatience = 200ms;      // how long a camera's loop waits for a frame before it looks around
+constexpr Duration kEndDeadline = 1500ms;  // for everybody, once asked
 
 // Set and never cleared; everybody who waits is woken.
 class Stop {
@@ -38,35 +38,12 @@ class Stop {
   std::atomic<bool> stopping_ = false;
 };
 
-// Threads whose end can be waited for with a deadline.
-class Threads {
- public:
-  void start(const char* name, std::function<void()> run) {
-    ++running_;
-    threads_.emplace_back([this, name, run = std::move(run)] {
-      ::pthread_setname_np(::pthread_self(), name);
-      run();
-      if (--running_ == 0) ended_.ring();
-    });
-  }
-  // false: somebody is still held up.
-  bool join(Duration longest) {
-    const auto deadline = std::chrono::steady_clock::now() + longest;
-    while (running_ > 0) {
-      const auto left = deadline - std::chrono::steady_clock::now();
-      if (left <= 0ns) return false;
-      ended_.wait_for(left);
-    }
-    for (auto& thread : threads_) thread.join();
-    threads_.clear();
-    return true;
-  }
-
- private:
-  std::vector<std::thread> threads_;
-  std::atomic<int> running_ = 0;
-  Bell ended_;
-};
+std::thread start(const char* name, std::function<void()> run) {
+  return std::thread([name, run = std::move(run)] {
+    ::pthread_setname_np(::pthread_self(), name);
+    run();
+  });
+}
 
 sigset_t our_signals() {
   sigset_t set;
@@ -75,7 +52,7 @@ sigset_t our_signals() {
   return set;
 }
 
-void wait_for_signals(Stop& stop, Bell& reload) {
+void wait_for_signals(Stop& stop, Bell& reload, Bell& ended) {
   const auto set = our_signals();
   while (!stop.wanted()) {
     const timespec patience{0, 200'000'000};
@@ -83,6 +60,10 @@ void wait_for_signals(Stop& stop, Bell& reload) {
     if (signal == SIGHUP) reload.ring();
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }
+  if (ended.wait_for(kEndDeadline)) return;
+  // What holds us up is a driver or a disk; asked to go, we go. All that is kept was written whole.
+  spdlog::warn("a driver or a disk holds a thread up: ending without it");
+  std::_Exit(EXIT_SUCCESS);
 }
 
 }  // namespace
@@ -96,28 +77,28 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   const auto time = watch_kernel_time();
   const auto notifier = notify_systemd();
   Appliance appliance(config_file, std::move(content), {*devices, clock, *time, *notifier}, std::move(status));
-  Bell reload, status_bell;
+  Bell reload, status_bell, ended;
   Stop stop(clock);
   for (auto* bell : {&reload, &status_bell, &appliance.render_bell()}) stop.add(*bell);
 
-  Threads threads;
-  threads.start("signals", [&] { wait_for_signals(stop, reload); });
-  threads.start("scene", [&] {
+  auto guard = start("signals", [&] { wait_for_signals(stop, reload, ended); });
+  std::vector<std::thread> loops;
+  loops.push_back(start("scene", [&] {
     while (!stop.wanted()) appliance.scene().step(clock.now() + kPatience);
-  });
-  threads.start("sky", [&] {
+  }));
+  loops.push_back(start("sky", [&] {
     while (!stop.wanted()) appliance.sky().step(clock.now() + kPatience);
-  });
-  threads.start("reload", [&] {
+  }));
+  loops.push_back(start("reload", [&] {
     while (!stop.wanted())
       if (reload.wait_for(1h) && !stop.wanted()) appliance.reload();
-  });
-  threads.start("status", [&] {
+  }));
+  loops.push_back(start("status", [&] {
     while (!stop.wanted()) {
       appliance.status().step();
       status_bell.wait_for(1s);
     }
-  });
+  }));
   auto& render = appliance.render();
   while (!stop.wanted()) {
     const auto again = render.step();
@@ -126,13 +107,11 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   }
 
   notifier->stopping();
-  if (!threads.join(kEndDeadline)) {
-    // What holds a thread up is a driver or a disk; asked to go, we go. All that is kept was written whole.
-    spdlog::warn("a driver or a disk holds a thread up: ending without it");
-    std::_Exit(EXIT_SUCCESS);
-  }
+  for (auto& loop : loops) loop.join();
   render.finish();
   appliance.status().finish();
+  ended.ring();
+  guard.join();
   return {};
 }
 

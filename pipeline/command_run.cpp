@@ -36,8 +36,8 @@ Result<int> run(const RunArguments& arguments) {
     fmt::print("{}: well\n", arguments.config);
     return 0;
   }
-  const auto ended =
-      run_appliance(arguments.config, std::move(*content), {status_file(arguments.status), arguments.stats});
+  const auto ended = run_appliance(arguments.config, std::move(*content),
+                                   {.file = status_file(arguments.status), .stats = arguments.stats});
   if (!ended) return fail(ended.error());
   return 0;
 }

@@ -21,6 +21,7 @@ class RenderLoop {
   // The last flips, and everything of the display's let go of.
   void finish();
   bool closed() const { return closed_; }  // the person closed the window
+  const Rung& rung() const { return news_.rung; }
   // The display, for tests; null while there is none.
   Display* display() { return screen_ ? screen_->display.get() : nullptr; }
 

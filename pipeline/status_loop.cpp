@@ -11,7 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kSaveInterval = 5min;
 constexpr Duration kStatsInterval = 1min;
 
 // One line when it begins, one when it ends.
@@ -51,7 +50,7 @@ void StatusLoop::gather() {
 void StatusLoop::step() {
   gather();
   write_status();
-  if (status_.now - saved_ >= kSaveInterval) save_air();
+  if (status_.now - saved_ >= options_.save_interval) save_air();
   if (options_.stats && status_.now - stats_at_ >= kStatsInterval) {
     stats_at_ = status_.now;
     spdlog::info("{}", stats_text(status_));

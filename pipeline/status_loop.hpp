@@ -10,8 +10,9 @@
 namespace kasumi {
 
 struct StatusOptions {
-  std::optional<std::filesystem::path> file;  // status.json
-  bool stats = false;                         // latency and copies into the log, every minute
+  std::optional<std::filesystem::path> file;         // status.json
+  bool stats = false;                                // latency and copies into the log, every minute
+  Duration save_interval = std::chrono::minutes(5);  // of the air
 };
 
 class StatusLoop {
