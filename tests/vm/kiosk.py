@@ -12,7 +12,6 @@ FIXTURE_STARTS_UTC = "2026-10-20T00:50:00"  # the preset "demo"
 SCENE_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-scene"\n'
 SKY_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-sky"\n'
 VIVID = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/vivid-000"\nformat = "YUYV"\nframes_per_second = 5\n'
-VIMC = 'source = "libcamera"\ncamera = "platform/vimc.0 Sensor B"\n'
 
 # Drivers of the kernel have no serial number and share or lack a place: the names that stay are given by their cards.
 UDEV_RULES = """\
@@ -56,9 +55,8 @@ def make_disk(build, folder):
     def run(*command):
         subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
 
-    for name, encoding in (("fixture", "MJPG"), ("fixture-yuyv", "YUYV")):
-        run(build / "kasumi-generate-fixture", "demo", "--scene-size", "640x360", "--sky-size", "320", "--frames", "10",
-            "--period", "0.5", "--truth-frames", "0", "--scene-format", encoding, "--out", fixture.parent / name)
+    run(build / "kasumi-generate-fixture", "demo", "--scene-size", "640x360", "--sky-size", "320", "--frames", "10",
+        "--period", "0.5", "--truth-frames", "0", "--out", fixture)
     run(build / "kasumi", "replay", fixture, "--out", folder / "reference")
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")
     shutil.copy(next((folder / "package").glob("*.deb")), content / "kasumi.deb")

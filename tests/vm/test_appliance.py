@@ -139,3 +139,88 @@ class FixtureFrames(LiveKiosk):
         self.recovered(time.monotonic() - started, 5)
         self.kiosk.wait_shown("live")
         self.assert_same_process()
+
+
+class TestDriver(LiveKiosk):
+    """The scene camera is vivid, the kernel's driver that fails on demand."""
+
+    @classmethod
+    def prepare(cls):
+        cls.kiosk.run("modprobe vivid && udevadm settle")
+        cls.kiosk.configure(scene=kiosk.VIVID)
+        return True
+
+    def control(self, text):
+        self.kiosk.run(f"v4l2-ctl -d /dev/v4l/by-id/vivid-000 -c {text}")
+
+    def wait_recovered(self, started, limit_s, cause=None):
+        """Live again after an outage; whose cause the journal names."""
+        self.kiosk.wait_new_picture(timeout_s=60)
+        self.kiosk.wait_shown("live", timeout_s=60)
+        self.recovered(time.monotonic() - started, limit_s)
+        if cause:
+            self.assertRegex(self.kiosk.journal(), cause)
+        self.assert_same_process()
+
+    def assert_lost(self):
+        """What a visitor sees of a lost camera: held at most 2 s, then the still picture; never black."""
+        self.kiosk.wait_shown("still")
+        self.assertGreater(pictures.brightness(self.kiosk.photograph(f"{self._testMethodName}-still")), 3.0)
+
+    def test_01_scene_camera_unplugged(self):
+        """The scene camera is unplugged, and plugged in again."""
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind", timeout_s=60)
+        self.assert_lost()
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle")
+        self.wait_recovered(time.monotonic(), 3)
+
+    def test_01_scene_camera_disconnects(self):
+        """The scene camera says that it is gone, and comes back once nobody holds it."""
+        self.control("disconnect=1")
+        self.wait_recovered(time.monotonic(), 5)
+
+    def test_04_buffers_and_stream_refused(self):
+        """REQBUFS, QBUF and STREAMON fail, one after the other."""
+        for control in ("inject_vidioc_reqbufs_error", "inject_vidioc_qbuf_error", "inject_vidioc_streamon_error"):
+            self.control(f"{control}=1,inject_fatal_streaming_error=1")
+            started = time.monotonic()
+            self.wait_recovered(started, 8)
+
+    def test_05_no_first_frame(self):
+        """The stream starts and no frame ever comes."""
+        self.control("percentage_of_dropped_buffers=100,inject_fatal_streaming_error=1")
+        self.assert_lost()
+        time.sleep(6)
+        self.control("percentage_of_dropped_buffers=0")
+        self.wait_recovered(time.monotonic(), 15)
+
+    def test_06_stall(self):
+        """Frames stop coming in mid-stream."""
+        self.control("percentage_of_dropped_buffers=100")
+        started = time.monotonic()
+        self.kiosk.wait_status("the stall is noticed", lambda status: not status["scene_camera"]["up"])
+        print(f"noticed in {time.monotonic() - started:.1f} s ... ", end="")
+        self.assert_lost()
+        self.control("percentage_of_dropped_buffers=0")
+        self.wait_recovered(time.monotonic(), 15, "stall")
+
+    def test_07_fatal_queue_error(self):
+        """The queue of buffers fails for good: it is built anew."""
+        self.control("inject_fatal_streaming_error=1")
+        self.wait_recovered(time.monotonic(), 2)
+
+    def test_08_frame_flagged_as_error(self):
+        """One frame is flagged as broken: it is counted and not shown."""
+        self.control("inject_v4l2_buf_flag_error=1")
+        started = time.monotonic()
+        self.kiosk.wait_status("counted", lambda status: status["scene_camera"]["bad_frames"].get("flagged"))
+        self.wait_recovered(started, 2)
+        self.assertEqual(self.kiosk.status()["scene_camera"]["reopened"], {})
+
+    def test_11_counters_wrap(self):
+        """Sequence numbers and timestamps wrap: nothing is seen of it."""
+        self.control("wrap_sequence_number=1,wrap_timestamp=2")
+        started = time.monotonic()
+        self.wait_recovered(started, 2)
+        time.sleep(5)
+        self.wait_recovered(time.monotonic(), 2)
