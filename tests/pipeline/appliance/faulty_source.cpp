@@ -24,8 +24,9 @@ class FaultySource final : public FrameSource {
       clock_.sleep_until(deadline);
       return fail(FaultKind::timeout, "{}: no frame", description());
     }
+    const auto number = frame->metadata.sequence;
     if (faults_.spoil) faults_.spoil(*frame);
-    if (faults_.gives && frame->metadata.status == FrameStatus::good) faults_.gives(*frame);
+    if (faults_.gives && frame->metadata.status == FrameStatus::good) faults_.gives(number);
     return frame;
   }
 

@@ -1,6 +1,7 @@
 // A camera whose faults a test turns on and off: a recording with a person at the cable.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,11 +14,11 @@ namespace kasumi {
 struct CameraFaults {
   bool unplugged = false;
   int opened = 0;
-  std::string open_fails;                   // the driver's words; empty: it opens
-  bool silent = false;                      // streams, and no frame comes
-  bool fatal_queue = false;                 // the next call answers with an error, once
-  std::function<void(Frame&)> spoil;        // each frame; empty: as recorded
-  std::function<void(const Frame&)> gives;  // called with each good frame that is given
+  std::string open_fails;                    // the driver's words; empty: it opens
+  bool silent = false;                       // streams, and no frame comes
+  bool fatal_queue = false;                  // the next call answers with an error, once
+  std::function<void(Frame&)> spoil;         // each frame; empty: as recorded
+  std::function<void(std::uint32_t)> gives;  // called with the recorded number of each good frame
 };
 
 // `opener` of a good camera; `faults` must outlive it.

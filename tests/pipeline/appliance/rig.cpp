@@ -160,7 +160,7 @@ Rig::Rig(RigOptions options)
     ADD_FAILURE() << content.error().message;
     return;
   }
-  devices.scene.gives = [this](const Frame& frame) { given_at_[frame.metadata.sequence % kSceneFrames] = clock.now(); };
+  devices.scene.gives = [this](std::uint32_t number) { given_at_[number % kSceneFrames] = clock.now(); };
   appliance = std::make_unique<Appliance>(config, *content, Ground{devices, clock, time, notifier},
                                           StatusOptions{folder / "status.json", false, 10s}, std::move(options.sky));
 }
