@@ -177,16 +177,6 @@ TEST(Replay, EveryFaultOfTheFormatIsSkippedAndCounted) {
   EXPECT_FALSE(summary.skipped.empty());
 }
 
-TEST(Replay, InRealTimeTheSkyRunsBesideTheScene) {
-  auto recipe = small("clear-noon", 3);
-  recipe.sky_period_s = recipe.scene_period_s = 0.2;
-  const auto fixture = recorded(recipe, "realtime");
-  const auto summary = replay({fixture, test_folder("realtime-out"), false, true, std::nullopt, {}});
-  ASSERT_TRUE(summary) << summary.error().message;
-  EXPECT_EQ(summary->pictures, 3u);
-  EXPECT_EQ(summary->sky_frames, 3u);
-}
-
 TEST(Replay, NoMorePicturesThanAskedFor) {
   const auto fixture = recorded(small("clear-noon", 3), "two");
   const auto summary = replay({fixture, test_folder("two-out"), false, false, 2, {}});

@@ -67,6 +67,11 @@ void write_sky(const std::filesystem::path& folder, const std::filesystem::path&
   }
 }
 
+// Two test programs have one, and run side by side.
+std::filesystem::path bench_folder(const std::string& suffix = {}) {
+  return test_folder("bench-" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + suffix);
+}
+
 std::filesystem::path make_fixture() {
   auto recipe = small("clear-noon", 4);
   recipe.start_utc = kStart;
@@ -76,8 +81,8 @@ std::filesystem::path make_fixture() {
   recipe.sky_size = 240;
   recipe.scene_width = kWidth;
   recipe.scene_height = kHeight;
-  const auto generated = recorded(recipe, "bench-generated");
-  const auto folder = test_folder("bench");
+  const auto generated = recorded(recipe, bench_folder("-generated").filename().string());
+  const auto folder = bench_folder();
   std::filesystem::remove_all(folder);
   std::filesystem::copy(generated, folder, std::filesystem::copy_options::recursive);
   std::filesystem::remove_all(folder / "scene");
@@ -92,10 +97,10 @@ std::filesystem::path make_fixture() {
 // Each test is a process of its own: what an earlier one made is taken, unless this program is newer.
 const std::filesystem::path& bench_fixture() {
   static const auto folder = [] {
-    const auto made = test_folder("bench-made");
+    const auto made = bench_folder("-made");
     std::error_code error;
     const auto at = std::filesystem::last_write_time(made, error);
-    if (!error && at > std::filesystem::last_write_time("/proc/self/exe")) return test_folder("bench");
+    if (!error && at > std::filesystem::last_write_time("/proc/self/exe")) return bench_folder();
     auto fresh = make_fixture();
     check(write_text_file(made, "whole\n"));
     return fresh;
