@@ -159,9 +159,18 @@ double megabytes_per_context() {
   return (resident_mb() - before) / 10.0;
 }
 
+// The address sanitizer keeps what was freed: memory then tells nothing, and everything takes longer.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kMemoryTells = false;
+constexpr double kMinutes = 4.0;
+#else
+constexpr bool kMemoryTells = true;
+constexpr double kMinutes = 20.0;
+#endif
+
 TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
   const char* longer = std::getenv("KASUMI_SOAK_MINUTES");
-  const double minutes = longer ? std::max(1.0, std::atof(longer)) : 20.0;
+  const double minutes = longer ? std::max(1.0, std::atof(longer)) : kMinutes;
   spdlog::set_level(spdlog::level::off);  // some hundred outages, two lines each
   Chance chance(20260621);
   const auto nonsense = std::make_shared<bool>(false);
@@ -235,9 +244,15 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
       "minute\n",
       memory.front().second, memory.back().second, memory_slope, files.front().second, files.back().second, file_slope);
   EXPECT_LE(oldest, 2.05) << oldest_in;
-  EXPECT_EQ(recovered.size(), list.size()) << "each fault at least once";
+  if (minutes >= 20.0) {
+    EXPECT_EQ(recovered.size(), list.size()) << "each fault at least once";
+  }
   std::printf("a bare GL context leaves %.2f MB behind\n", megabytes_per_context());
-  EXPECT_LE(memory_slope, 1.5) << "MB a minute";
+  if (kMemoryTells) {
+    EXPECT_LE(memory_slope, 1.5) << "MB a minute";
+  } else {
+    std::printf("memory is not judged under the address sanitizer\n");
+  }
   EXPECT_LE(std::abs(file_slope), 0.05) << "descriptors a minute";
   spdlog::set_level(spdlog::level::info);
 }
