@@ -1,6 +1,7 @@
 // Scenes drawn for the horizon's tests: a sky of known light over ground, hills and towers.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -8,6 +9,7 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "calib/camera.hpp"
+#include "estimator/horizon.hpp"
 
 namespace kasumi {
 
@@ -80,6 +82,16 @@ inline DrawnScene draw(const Camera& camera, const DrawnOptions& options) {
     }
   }
   return scene;
+}
+
+// Largest relative error of the measured light against the drawn sky's at the direction it was measured at.
+inline double worst_light_error(const HorizonLight& horizon) {
+  double worst = 0.0;
+  for (const HorizonColumn& column : horizon.columns) {
+    const glm::dvec3 truth = drawn_sky(direction_from(column.zenith, column.azimuth));
+    for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(column.light[c] / truth[c] - 1.0));
+  }
+  return worst;
 }
 
 }  // namespace kasumi

@@ -21,16 +21,6 @@ double agreement(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
   return both / either;
 }
 
-// Largest relative error of the measured light against the drawn sky's at the direction it was measured at.
-double worst_light_error(const HorizonLight& horizon) {
-  double worst = 0.0;
-  for (const HorizonColumn& column : horizon.columns) {
-    const glm::dvec3 truth = drawn_sky(direction_from(column.zenith, column.azimuth));
-    for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(column.light[c] / truth[c] - 1.0));
-  }
-  return worst;
-}
-
 TEST(SkySegmentation, FindsASkyOverTexturedGround) {
   const DrawnScene scene = draw(drawn_camera(), {});
   const SkySegmentation found = segment_sky(scene.picture);
