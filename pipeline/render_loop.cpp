@@ -211,12 +211,14 @@ void RenderLoop::present() {
   timeouts_since_.reset();
 
   take_news();  // the newest frame there is now
-  const auto frame = std::exchange(waiting_, std::nullopt);
+  // The still goes first: the scene's programs may take a driver long to make, and nobody shall see black meanwhile.
+  const auto frame = screen_->dark ? std::nullopt : std::exchange(waiting_, std::nullopt);
   if (auto drawn = draw(frame ? &*frame : nullptr, *target); !drawn) return lose_screen(drawn.error());
   if (auto alive = display.context().check_alive(); !alive) return lose_screen(alive.error());
   const auto number = display.show(frame ? frame->holder : nullptr);
   if (!number) return lose_screen(number.error());
 
+  screen_->dark = false;
   ++news_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;

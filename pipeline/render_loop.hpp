@@ -29,6 +29,7 @@ class RenderLoop {
   struct Screen {  // goes and comes as one: all GL objects are the display's context's
     std::unique_ptr<Display> display;
     Stage stage;
+    bool dark = true;  // nothing has been shown on it yet
   };
 
   void take_news();
