@@ -22,6 +22,7 @@ class RenderLoop {
   void finish();
   bool closed() const { return closed_; }  // the person closed the window
   const Rung& rung() const { return news_.rung; }
+  const RenderNews& news() const { return news_; }  // of this moment; told to others twice a second
   // The display, for tests; null while there is none.
   Display* display() { return screen_ ? screen_->display.get() : nullptr; }
 

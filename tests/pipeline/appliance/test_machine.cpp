@@ -108,6 +108,22 @@ TEST(Appliance, Row17ALostContextIsRebuilt) {
   EXPECT_LT(different, before.width() * before.height() / 500);
 }
 
+// The scene's programs may take a driver minutes to make.
+TEST(Appliance, Row17TheStillIsOnTheGlassBeforeAnythingOfTheSceneIsDrawn) {
+  const auto rig = running({.name = "row17-still"});
+  const auto& news = rig->appliance->render().news();
+  rig->devices.display.context_lost = true;
+  const auto lost = rig->advance_until([&] { return news.display.resets == 1; }, 1s);
+  ASSERT_TRUE(lost) << "noticed with the next frame, which waits to be drawn";
+  const auto pictures = news.pictures, scene_frames = news.scene_frames, uploads = news.uploads;
+  ASSERT_TRUE(rig->advance_until([&] { return news.pictures > pictures; }, 1s));
+  EXPECT_EQ(news.scene_frames, scene_frames);
+  EXPECT_EQ(news.uploads, uploads);
+  EXPECT_TRUE(rig->shows_still());
+  rig->advance(Rig::kTick);
+  EXPECT_EQ(news.scene_frames, scene_frames + 1) << "the frame that waited follows at once";
+}
+
 TEST(Appliance, Row18ALoopThatHangsIsNotFed) {
   const auto rig = running({.name = "row18"});
   rig->advance(10s);
