@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/lens.hpp"
+#include "calib/lens_description.hpp"
 
 namespace kasumi {
 namespace {
@@ -24,15 +24,13 @@ glm::dvec2 read_focal_pair(const ConfigTable& table) {
   return {std::max(focal[0], kFocal_px.lowest), std::max(focal[1], kFocal_px.lowest)};
 }
 
-using OneParameterLens = LensPtr (*)(glm::dvec2 centre, double focal_px, Radians largest_angle);
-
 // Either focal length and centre, or the field of view and the circle it fills: the circle's edge is fov / 2 off the
-// axis. unit_radius: the radius of an angle at focal length 1.
-LensPtr read_one_parameter_lens(const ConfigTable& table, OneParameterLens lens, double (*unit_radius)(double)) {
+// axis.
+LensDescription read_ideal_fisheye(const ConfigTable& table, bool equisolid) {
   const bool by_circle = table.has("fov_deg") || table.has("circle_px");
   if (!by_circle) {
     const double focal_px = table.number("focal_px", kFocal_px);
-    return lens(read_centre(table), focal_px, read_largest_angle(table));
+    return {IdealFisheyeModel{read_centre(table), focal_px, equisolid}, read_largest_angle(table)};
   }
   const char* either = "either focal_px and centre_px or fov_deg and circle_px, not both";
   if (table.has("focal_px") && table.number("focal_px") != 0.0) table.problem("focal_px", either);
@@ -41,15 +39,16 @@ LensPtr read_one_parameter_lens(const ConfigTable& table, OneParameterLens lens,
   auto circle = table.numbers("circle_px", 3, kPosition_px);
   if (table.has("circle_px") && !(circle[2] >= 1.0)) table.problem("circle_px", "[x, y, radius] with a radius >= 1");
   circle[2] = std::max(circle[2], 1.0);
-  const double focal_px = circle[2] / unit_radius(from_degrees(0.5 * fov_deg).value);
-  return lens({circle[0], circle[1]}, focal_px, read_largest_angle(table, 0.5 * fov_deg));
+  const double edge = from_degrees(0.5 * fov_deg).value;
+  const double focal_px = circle[2] / (equisolid ? 2.0 * std::sin(0.5 * edge) : edge);
+  return {IdealFisheyeModel{{circle[0], circle[1]}, focal_px, equisolid}, read_largest_angle(table, 0.5 * fov_deg)};
 }
 
-LensPtr read_opencv_fisheye(const ConfigTable& table) {
+LensDescription read_opencv_fisheye(const ConfigTable& table) {
   const auto focal = read_focal_pair(table);
   const auto centre = read_centre(table);
   const auto k = table.numbers("k", 4, {-1e3, 1e3});
-  return opencv_fisheye_lens(focal, centre, {k[0], k[1], k[2], k[3]}, read_largest_angle(table));
+  return {OpencvFisheyeModel{focal, centre, {k[0], k[1], k[2], k[3]}}, read_largest_angle(table)};
 }
 
 ScaramuzzaModel read_scaramuzza_model(const ConfigTable& table) {
@@ -84,7 +83,7 @@ ScaramuzzaModel read_scaramuzza_model(const ConfigTable& table) {
   return model;
 }
 
-LensPtr read_pinhole(const ConfigTable& table) {
+LensDescription read_pinhole(const ConfigTable& table) {
   PinholeModel model{read_focal_pair(table), read_centre(table), {}};
   const std::vector<double> none(5, 0.0);
   const auto distortion = table.numbers("distortion", 0, {-1e4, 1e4}, none);
@@ -92,19 +91,21 @@ LensPtr read_pinhole(const ConfigTable& table) {
     std::copy(distortion.begin(), distortion.end(), model.distortion.begin());
   else
     table.problem("distortion", "[k1, k2, p1, p2, k3] as OpenCV orders them (k3 may be left out)");
-  return pinhole_lens(model);
+  return {model};
 }
 
 }  // namespace
 
-LensPtr read_lens(const ConfigTable& table) {
+LensDescription read_lens_description(const ConfigTable& table) {
   const auto model = table.choice("model", {"equidistant", "equisolid", "opencv_fisheye", "scaramuzza", "pinhole"});
-  if (model == "equisolid")
-    return read_one_parameter_lens(table, equisolid_lens, [](double angle) { return 2.0 * std::sin(0.5 * angle); });
   if (model == "opencv_fisheye") return read_opencv_fisheye(table);
-  if (model == "scaramuzza") return scaramuzza_lens(read_scaramuzza_model(table), read_largest_angle(table));
+  if (model == "scaramuzza") return {read_scaramuzza_model(table), read_largest_angle(table)};
   if (model == "pinhole") return read_pinhole(table);
-  return read_one_parameter_lens(table, equidistant_lens, [](double angle) { return angle; });
+  return read_ideal_fisheye(table, model == "equisolid");
+}
+
+LensPtr read_lens(const ConfigTable& table) {
+  return make_lens(read_lens_description(table));
 }
 
 }  // namespace kasumi
