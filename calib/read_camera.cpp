@@ -203,6 +203,9 @@ Camera read_camera(const ConfigTable& table, std::string name) {
   camera.sensitivity = read_sensitivity(table, camera.colour_space);
   if (sized) camera.mask = read_mask(table, camera.width, camera.height);
   camera.calibrated_utc = table.optional_utc("calibrated_utc");
+  // What kasumi calibrate notes beside its values, for people: nothing is computed from it.
+  table.text("serial", std::string());
+  table.ignore("measured");
   return camera;
 }
 

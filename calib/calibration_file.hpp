@@ -1,0 +1,54 @@
+// The calibration file: [site], [sky] and [scene] as docs/cameras.md describes them, and beside each value when and
+// from what it was measured. Written step by step; each step keeps what the others found, and the old file.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "calib/camera.hpp"
+#include "calib/lens_description.hpp"
+
+namespace kasumi {
+
+constexpr int kCalibrationFormat = 1;
+
+// What one step found out, under [CAMERA.measured.WHAT]. Nothing is computed from it.
+struct Measured {
+  std::string what;  // "lens", "orientation"
+  std::string utc;   // ISO 8601
+  std::string from;  // "15 pictures of a checkerboard of 6 x 8 inner corners: a.jpg, ..."
+  std::vector<std::pair<std::string, double>> numbers;  // key with its unit, value
+  std::vector<std::string> remarks;                     // dropped views, what is undetermined
+};
+
+struct CalibrationStep {
+  std::string camera;  // "sky", "scene"
+  int width = 0;
+  int height = 0;
+  std::string serial;  // of the camera; empty: as it was
+  std::optional<LensDescription> lens;
+  std::optional<glm::dmat3> to_world;   // written as heading_deg, pitch_deg, roll_deg
+  std::optional<std::string> response;  // "srgb", "linear"; only where the file has none
+  std::optional<Site> site;             // only where the file has none
+  std::string calibrated_utc;           // ISO 8601; becomes [CAMERA] calibrated_utc
+  std::vector<Measured> measured;
+};
+
+struct CalibrationWritten {
+  std::optional<std::filesystem::path> backup;  // of the file that was there
+};
+// Errors: bad_input (the file there is no calibration file, or of pictures of another size), io.
+Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, const CalibrationStep& step);
+
+// heading, pitch and roll of a camera, as camera_to_world takes them.
+struct HeadingPitchRoll {
+  Radians heading, pitch, roll;
+};
+HeadingPitchRoll heading_pitch_roll(const glm::dmat3& to_world);
+
+}  // namespace kasumi
