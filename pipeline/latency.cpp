@@ -7,14 +7,16 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kBin_ms = 0.1;
+constexpr double kFirstBin_ms = 0.1;
+const double kBinsPerE = 1.0 / std::log(1.01);
 constexpr std::size_t kMostPending = 64;  // pictures whose flip never came
 
 }  // namespace
 
 void LatencyHistogram::add(Duration latency) {
   const double ms = std::max(0.0, 1e3 * to_seconds(latency));
-  ++bins_[std::min(kBins - 1, static_cast<std::size_t>(ms / kBin_ms))];
+  const double bin = ms < kFirstBin_ms ? 0.0 : 1.0 + kBinsPerE * std::log(ms / kFirstBin_ms);
+  ++bins_[static_cast<std::size_t>(std::min(bin, kBins - 1.0))];
   ++count_;
   max_ms_ = std::max(max_ms_, ms);
 }
@@ -24,7 +26,7 @@ double LatencyHistogram::quantile_ms(double share) const {
   std::uint64_t seen = 0;
   for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
     seen += bins_[bin];
-    if (seen >= wanted) return std::min(max_ms_, (static_cast<double>(bin) + 0.5) * kBin_ms);
+    if (seen >= wanted) return std::min(max_ms_, kFirstBin_ms * std::exp((static_cast<double>(bin) - 0.5) / kBinsPerE));
   }
   return max_ms_;
 }
