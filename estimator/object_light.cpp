@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "calib/colorimetry.hpp"
@@ -13,13 +15,24 @@ namespace kasumi {
 namespace {
 
 constexpr double kLumensPerWatt = 683.0;
-// Preetham's zenith luminance reaches zero with the sun still 2-3 deg up; a real sky keeps some 200 cd/m2 until sunset.
-constexpr double kDarkestZenith_cd_m2 = 200.0;
 constexpr double kSunRadius_deg = 0.2666;
 
 double visible_share_of_sun(Radians zenith) {
   const double elevation_deg = 90.0 - to_degrees(zenith);
   return std::clamp(0.5 + 0.5 * elevation_deg / kSunRadius_deg, 0.0, 1.0);
+}
+
+// Zenith luminance of a sky of the model's distribution that lights the level ground by `lux`.
+double zenith_for(const SkyModel& model, double lux) {
+  constexpr int kZeniths = 60, kAzimuths = 72;
+  double per_zenith = 0.0;
+  for (int i = 0; i < kZeniths; ++i) {
+    // Even steps of cos^2, each of which weighs the same on the ground, so that an even sky is exact.
+    const Radians zenith{std::acos(std::sqrt((i + 0.5) / kZeniths))};
+    for (int j = 0; j < kAzimuths; ++j)
+      per_zenith += model.luminance_ratio(direction_from(zenith, {(j + 0.5) * 2.0 * kPi / kAzimuths}));
+  }
+  return lux / (per_zenith * kPi / (kZeniths * kAzimuths));
 }
 
 // Krochmann and Seidl's zenith of the overcast sky, cd m-2.
@@ -32,7 +45,9 @@ double overcast_zenith(const SunDirection& sun) {
 Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options)
     : options_(options), sun_(sun), model_(turbidity, raised_to_horizon(sun)) {
   const bool overcast = options.sky == SkyCondition::overcast;
-  zenith_cd_m2_ = overcast ? overcast_zenith(sun) : std::max(kDarkestZenith_cd_m2, 1000.0 * model_.zenith_luminance());
+  zenith_cd_m2_ = overcast ? overcast_zenith(sun)
+                           : zenith_for(model_, clear_sky_lux(model_.turbidity(), zenith_angle(sun), options.altitude_m,
+                                                              options.ground_albedo));
 
   // Daylight spectra span three dimensions, so XYZ gives their spectrum and that the sensor's channels.
   const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLumensPerWatt;
@@ -43,7 +58,9 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
   if (!srgb) light_.albedo_to_channels = srgb_reflectance_to_channels(scene.sensitivity);
   light_.sun_direction = sun;
   const Radians zenith = zenith_angle(sun);
-  const double sun_share = overcast ? 0.0 : visible_share_of_sun(zenith);
+  const auto unit = options.measured ? unit_of(*options.measured) : std::nullopt;
+  const double through_clouds = unit ? options.measured->sun_share : 1.0;
+  const double sun_share = overcast ? 0.0 : through_clouds * visible_share_of_sun(zenith);
   if (sun_share > 0.0) {
     glm::dvec3 on_sensor{0.0};
     for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
@@ -55,13 +72,47 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
     light_.sun_irradiance = glm::max(sensor_to_light * on_sensor, glm::dvec3{0.0});
   }
 
+  const auto seen_xyz = [&](const Direction& direction) {
+    const glm::dvec3 model = sky_xyz(direction);
+    if (!unit) return model;
+    const SkyCell& cell = options.measured->at(direction);
+    const glm::dvec3 seen = *unit * cell.xyz;
+    // Clear air is the model's, which knows it more finely; what is clipped is at least as bright as it seems.
+    return glm::mix(model, cell.clipped ? glm::max(model, seen) : seen,
+                    overcast ? cell.seen : cell.seen * (1.0 - cell.clear));
+  };
   const Direction up{0.0, 0.0, 1.0};
-  const auto sky = sky_harmonics([this](const Direction& direction) { return airlight(direction); });
-  sky_horizontal_lux_ =
-      irradiance(sky_harmonics([this](const Direction& direction) { return sky_xyz(direction); }), up).y;
+  const auto sky = sky_harmonics([&](const Direction& direction) { return light_of(seen_xyz(direction)); });
+  sky_horizontal_lux_ = irradiance(sky_harmonics(seen_xyz), up).y;
   const glm::dvec3 on_ground = irradiance(sky, up) + std::max(0.0, sun.z) * light_.sun_irradiance;
   const auto ground = ground_harmonics(options.ground_albedo / kPi * on_ground);
   for (std::size_t i = 0; i < sky.size(); ++i) light_.sky_irradiance_sh[i] = sky[i] + ground[i];
+}
+
+std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
+  constexpr std::size_t kLeastCells = 8;
+  const double not_near_sun = std::cos(from_degrees(20.0).value), not_low = std::cos(from_degrees(80.0).value);
+  std::array<std::vector<double>, 3> ratios;
+  for (int ring = 0; ring < MeasuredSky::kRings; ++ring)
+    for (int sector = 0; sector < MeasuredSky::kSectors; ++sector) {
+      const Direction centre = MeasuredSky::centre_of(ring, sector);
+      const SkyCell& cell = measured.at(centre);
+      const bool same = options_.sky == SkyCondition::overcast || cell.clear > 0.9;
+      if (!same || cell.clipped || cell.seen < 0.5 || centre.z < not_low) continue;
+      if (options_.sky != SkyCondition::overcast && glm::dot(centre, sun_) > not_near_sun) continue;
+      if (!(std::min({cell.xyz.x, cell.xyz.y, cell.xyz.z}) > 0.0)) continue;
+      const glm::dvec3 ratio = sky_xyz(centre) / cell.xyz;
+      for (int c = 0; c < 3; ++c) ratios[static_cast<std::size_t>(c)].push_back(ratio[c]);
+    }
+  if (ratios[0].size() < kLeastCells) return std::nullopt;
+  glm::dvec3 unit;
+  for (int c = 0; c < 3; ++c) {
+    auto& of = ratios[static_cast<std::size_t>(c)];
+    const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
+    std::nth_element(of.begin(), middle, of.end());
+    unit[c] = *middle;
+  }
+  return unit;
 }
 
 glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
@@ -73,10 +124,13 @@ glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
   return zenith_cd_m2_ * model_.relative_xyz(view);
 }
 
-glm::dvec3 Daylight::airlight(const Direction& direction) const {
-  const glm::dvec3 xyz = sky_xyz(direction);
+glm::dvec3 Daylight::light_of(const glm::dvec3& xyz) const {
   // Chromaticities at the model's edge may leave the gamut of linear sRGB.
   return glm::max(xyz_to_light_ * xyz, 1e-3 * glm::abs(xyz_to_light_ * glm::dvec3{xyz.y}));
+}
+
+glm::dvec3 Daylight::airlight(const Direction& direction) const {
+  return light_of(sky_xyz(direction));
 }
 
 }  // namespace kasumi

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -11,6 +12,8 @@
 #include "base/geometry.hpp"
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
+#include "estimator/clear_sky_light.hpp"
+#include "estimator/measured_sky.hpp"
 #include "estimator/sky_model.hpp"
 
 namespace kasumi {
@@ -34,18 +37,13 @@ struct LightOnObject {
   glm::dmat3 albedo_to_channels{1.0};       // of a surface known by its linear sRGB colour
 };
 
-// Kasten and Young's relative optical air mass; held below the horizon.
-double air_mass(Radians sun_zenith);
-// Extraterrestrial irradiance at the mean distance (Preetham 1999, Table 2). W m-2 nm-1.
-double solar_irradiance(double wavelength_nm);
-// Share of direct sunlight that reaches the site: Rayleigh (Preetham 1999 A.1, by the site's pressure), aerosol
-// (Angstrom), ozone (.35 cm). Water vapour and oxygen, which take some percent beyond 680 nm, are left out.
-double sun_transmittance(Turbidity turbidity, Radians sun_zenith, double altitude_m, double wavelength_nm);
-
 struct DaylightOptions {
   SkyCondition sky = SkyCondition::clear;  // overcast: no sun, the CIE overcast sky
   double ground_albedo = 0.2;
   double altitude_m = 0.0;
+  // The sky camera's own look at a clouded sky, or null: its clouds light the object instead of the model where it sees
+  // them, and dim the sun. Only read while the Daylight is made.
+  const MeasuredSky* measured = nullptr;
 };
 
 // Sun, sky and ground for one turbidity and sun. Costs some milliseconds.
@@ -62,7 +60,11 @@ class Daylight {
   double sky_horizontal_lux() const { return sky_horizontal_lux_; }  // diffuse, on the ground
 
  private:
-  glm::dvec3 sky_xyz(const Direction& direction) const;  // cd m-2
+  glm::dvec3 sky_xyz(const Direction& direction) const;  // cd m-2, of the model
+  glm::dvec3 light_of(const glm::dvec3& xyz) const;
+  // The camera's XYZ to the model's cd m-2, where both see the same; empty when they meet nowhere. It takes the sky
+  // camera's exposure and white balance along.
+  std::optional<glm::dvec3> unit_of(const MeasuredSky& measured) const;
 
   DaylightOptions options_;
   SunDirection sun_;

@@ -79,6 +79,16 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
   return look;
 }
 
+std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyLook& look,
+                                                const Direction& through) {
+  const TurbidityEstimate& seen = look.estimate;
+  const bool clouds_known = seen.usable || seen.sky == SkyCondition::overcast;
+  if (!clouds_known || look.use.width() != picture.encoded.width() || look.use.height() != picture.encoded.height())
+    return std::nullopt;
+  if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
+  return measure_sky(picture, *geometry_, camera_, look.use, seen.sky, seen.sun, through);
+}
+
 TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,
                                      const EstimateOptions& options) {
   return SkyObserver(camera).look(picture, sun, options).estimate;

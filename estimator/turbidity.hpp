@@ -8,6 +8,7 @@
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
 #include "estimator/cloud_mask.hpp"
+#include "estimator/measured_sky.hpp"
 #include "estimator/sky_picture.hpp"
 #include "estimator/sky_samples.hpp"
 #include "estimator/turbidity_solver.hpp"
@@ -52,6 +53,9 @@ class SkyObserver {
  public:
   explicit SkyObserver(Camera camera) : camera_(std::move(camera)) {}
   SkyLook look(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
+  // The sky of a picture that has been looked at, for the light on an object; empty when it shows too little of it to
+  // say more than the model does. `through`: where a cloud would shade the object.
+  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyLook& look, const Direction& through);
   const Camera& camera() const { return camera_; }
 
  private:
