@@ -40,6 +40,10 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
   fmt::print("{}: {} pictures in {:.1f} s ({:.1f} a second) by {}{}\n", summary.fixture, summary.pictures,
              summary.seconds, static_cast<double>(summary.pictures) / summary.seconds, summary.gl_renderer,
              summary.software_gl ? ", which is software" : "");
+  if (summary.sighting.in_picture())
+    fmt::print("{}\n", summary.sighting.words);
+  else
+    spdlog::warn("{}", summary.sighting.words);
   fmt::print("sky: {} frames, {} usable\n", summary.sky_frames, summary.usable_sky_frames);
   if (summary.last && summary.last->tracked && summary.last->air) {
     const auto& tracked = *summary.last->tracked;

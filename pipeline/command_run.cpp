@@ -5,6 +5,7 @@
 
 #include "pipeline/appliance_threads.hpp"
 #include "pipeline/command.hpp"
+#include "pipeline/sighting.hpp"
 
 namespace kasumi {
 
@@ -32,6 +33,8 @@ Result<int> run(const RunArguments& arguments) {
     fmt::print(stderr, "kasumi: the configuration is refused:\n{}\n", content.error().message);
     return kBadConfiguration;
   }
+  const auto sighting = sight_object((*content)->config.installation, (*content)->model.bounds());
+  spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.words);
   if (arguments.check) {
     fmt::print("{}: well\n", arguments.config);
     return 0;

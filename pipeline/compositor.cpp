@@ -13,6 +13,7 @@ namespace {
 // Below what the eye can see in one step: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kLeastHazeChange = 0.005;
 constexpr Radians kLeastSunMove = from_degrees(0.1);
+constexpr double kLeastSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 
 ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
   ExternalPicture picture{memory.fd, memory.buffer, view.layout, view.encoding, view.width, view.height, {}};
@@ -55,6 +56,8 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
 
 bool Compositor::is_stale(const SceneConditions& now) const {
   if (!layer_ || layer_->sky != now.sky) return true;
+  if ((layer_->measured == nullptr) != (now.measured == nullptr)) return true;
+  if (now.measured && difference(*layer_->measured, *now.measured) > kLeastSkyChange) return true;
   const double haze = now.turbidity.value - 1.0, drawn = layer_->turbidity.value - 1.0;
   return std::abs(haze - drawn) > kLeastHazeChange * drawn || angle_between(now.sun, layer_->sun) > kLeastSunMove;
 }

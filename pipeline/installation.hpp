@@ -7,8 +7,15 @@
 
 namespace kasumi {
 
+// What lies around the object and above it.
+struct Surroundings {
+  double ground_albedo = 0.2;    // of sunlight, mean over the visible: grass .2, sand .35, fresh snow .8
+  double cloud_base_m = 2000.0;  // above the site: where a cloud that shades the object is looked for in the sky
+};
+
 struct Installation {
   Site site;
+  Surroundings surroundings;
   Camera sky;
   Camera scene;
   ObjectPlacement object;

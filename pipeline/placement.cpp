@@ -30,6 +30,11 @@ glm::dvec3 east_north_up(const Site& site, double latitude_deg, double longitude
           cp * cl * offset.x + cp * sl * offset.y + sp * offset.z};
 }
 
+double lift_by_refraction(double distance_m, double coefficient) {
+  constexpr double kEarthRadius_m = 6371e3;
+  return coefficient * distance_m * distance_m / (2.0 * kEarthRadius_m);
+}
+
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site) {
   ObjectPlacement object;
   object.model = table.file("model");
@@ -42,6 +47,7 @@ ObjectPlacement read_placement(const ConfigTable& table, const Site& site) {
   if (geographic) {
     place = east_north_up(site, table.number("latitude_deg", {-90, 90}), table.number("longitude_deg", {-180, 180}),
                           table.number("altitude_m", {-500, 9000}));
+    place.z += lift_by_refraction(std::hypot(place.x, place.y), table.number("refraction", {-1, 1}, kUsualRefraction));
   } else {
     constexpr Range kWithinSight{-200e3, 200e3};
     place = {table.number("east_m", kWithinSight), table.number("north_m", kWithinSight),

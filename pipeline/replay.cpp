@@ -244,13 +244,16 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   if (!sources) return fail(sources.error());
   auto screen = open_screen(request, *fixture);
   if (!screen) return fail(screen.error());
-  auto compositor = Compositor::create(screen->context(), fixture->installation, request.air);
+  const auto model = read_gltf(fixture->installation.object.model);
+  if (!model) return fail(model.error());
+  auto compositor = Compositor::create(screen->context(), fixture->installation, *model, request.air);
   if (!compositor) return fail(compositor.error());
 
   Run run(request, *fixture, std::move(*screen), std::move(*compositor));
   auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources);
   if (!played) return fail(played.error());
   auto summary = run.finish();
+  if (summary) summary->sighting = sight_object(fixture->installation, model->bounds());
   if (summary) summary->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return summary;
 }

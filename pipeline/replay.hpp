@@ -9,6 +9,7 @@
 
 #include "base/result.hpp"
 #include "pipeline/scene_air.hpp"
+#include "pipeline/sighting.hpp"
 
 namespace kasumi {
 
@@ -32,6 +33,7 @@ struct ReplaySummary {
   std::optional<SkyReport> last;
   HorizonLight::Source horizon = HorizonLight::Source::none;
   std::string horizon_reason;
+  Sighting sighting;  // where the building stands in the picture, or why it does not
   std::string gl_renderer;
   bool software_gl = false;
   double seconds = 0.0;

@@ -24,6 +24,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
     : scene_(installation.scene),
       sky_(installation.sky),
       altitude_m_(installation.site.altitude_m),
+      ground_albedo_(installation.surroundings.ground_albedo),
       options_(options),
       nodes_(attenuation_nodes(spectral_measure(scene_))) {}
 
@@ -33,12 +34,13 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   if (options_.turbidity) conditions.turbidity = *options_.turbidity;
   conditions.sky = report.estimate.sky;
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
+  conditions.measured = report.measured;
   return conditions;
 }
 
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
   const Daylight daylight(scene_, conditions.turbidity, conditions.sun,
-                          {conditions.sky, options_.ground_albedo, altitude_m_});
+                          {conditions.sky, ground_albedo_, altitude_m_, conditions.measured.get()});
   ObjectAppearance appearance;
   appearance.haze = haze_for_gles(haze_coefficients(nodes_, options_.scattering, conditions.turbidity), altitude_m_);
   appearance.light = light_for_gles(daylight.on_object());

@@ -1,6 +1,7 @@
 // Today's air between the scene camera and the object: from T and the visible horizon to what the renderer needs.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "capture/frame.hpp"
@@ -16,7 +17,6 @@ namespace kasumi {
 struct SceneAirOptions {
   ScatteringModel scattering = ScatteringModel::morales2017;
   ZetaForm zeta = ZetaForm::full;
-  double ground_albedo = 0.2;
   bool aerial_perspective = true;                       // false: the "before" picture
   std::optional<Turbidity> turbidity;                   // instead of the sky's
   Turbidity until_known{3.0};                           // while no sky frame was usable
@@ -28,6 +28,7 @@ struct SceneConditions {
   Turbidity turbidity;
   SunDirection sun{0, 0, 1};
   SkyCondition sky = SkyCondition::unknown;
+  std::shared_ptr<const MeasuredSky> measured;  // its clouds; null: the model alone
 };
 
 class SceneAir {
@@ -49,6 +50,7 @@ class SceneAir {
   Camera scene_;
   Camera sky_;
   double altitude_m_;
+  double ground_albedo_;
   SceneAirOptions options_;
   AttenuationNodes nodes_;
   HorizonLight horizon_;

@@ -7,7 +7,12 @@
 namespace kasumi {
 
 SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
-    : site_(installation.site), options_(std::move(options)), observer_(installation.sky) {}
+    : site_(installation.site),
+      object_m_(installation.object.placement.east_m, installation.object.placement.north_m,
+                installation.object.placement.up_m),
+      cloud_base_m_(installation.surroundings.cloud_base_m),
+      options_(std::move(options)),
+      observer_(installation.sky) {}
 
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {
@@ -23,14 +28,20 @@ SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_f
   return cross_check(ephemeris, blob, clock_trusted);
 }
 
-TurbidityEstimate SkyWatch::estimate(const SkyPicture& picture, const SunCheck& sun) {
+void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
+  const SunCheck& sun = report.sun;
   if (sun.source == SunSource::none) {
-    TurbidityEstimate none;
-    none.reason = "the sun's place is unknown: " + sun.words;
-    return none;
+    report.estimate.reason = "the sun's place is unknown: " + sun.words;
+    return;
   }
-  return checked(options_.estimator ? options_.estimator(picture, sun.direction)
-                                    : observer_.look(picture, sun.direction, options_.estimate).estimate);
+  if (options_.estimator) {
+    report.estimate = checked(options_.estimator(picture, sun.direction));
+    return;
+  }
+  const auto look = observer_.look(picture, sun.direction, options_.estimate);
+  report.estimate = checked(look.estimate);
+  if (auto sky = observer_.measure(picture, look, towards_shading_cloud(object_m_, sun.direction, cloud_base_m_)))
+    report.measured = std::make_shared<const MeasuredSky>(std::move(*sky));
 }
 
 void SkyWatch::add_air(SkyReport& report, Instant when) const {
@@ -48,7 +59,7 @@ Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource 
   report.utc = frame.metadata.utc;
   report.picture = std::make_shared<const DecodedPicture>(*decoded);
   report.sun = place_sun(report.utc, &*picture, sun_from);
-  report.estimate = estimate(*picture, report.sun);
+  estimate(*picture, report);
   last_estimate_ = report.estimate;
   tracker_.observe(report.estimate, when);
   add_air(report, when);

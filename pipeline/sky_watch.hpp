@@ -23,6 +23,7 @@ struct SkyReport {
   std::optional<TrackedTurbidity> tracked;  // over time; empty until the first usable estimate
   std::optional<AirQuality> air;            // of the tracked turbidity
   SunCheck sun;
+  std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: it tells no more than the model
   std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
 };
 
@@ -52,10 +53,12 @@ class SkyWatch {
 
  private:
   SunCheck place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const;
-  TurbidityEstimate estimate(const SkyPicture& picture, const SunCheck& sun);
+  void estimate(const SkyPicture& picture, SkyReport& report);
   void add_air(SkyReport& report, Instant when) const;
 
   Site site_;
+  glm::dvec3 object_m_;  // where clouds may shade it
+  double cloud_base_m_;
   SkyWatchOptions options_;
   SkyObserver observer_;
   TurbidityTracker tracker_;

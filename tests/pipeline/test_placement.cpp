@@ -36,6 +36,12 @@ TEST(Placement, TheEarthCurvesAwayByDistanceSquaredOverItsDiameter) {
   EXPECT_NEAR(offset.z, -distance * distance / (2.0 * 6.36e6), 0.02);  // metres
 }
 
+TEST(Placement, RefractionLiftsFarPlacesByAnEighthOfTheCurvature) {
+  EXPECT_NEAR(lift_by_refraction(3500.0), 0.125, 0.001);  // metres: .13 x 3500^2 / (2 x 6371 km)
+  EXPECT_NEAR(lift_by_refraction(20e3), 4.08, 0.01);
+  EXPECT_EQ(lift_by_refraction(20e3, 0.0), 0.0);
+}
+
 class PlacementFile : public testing::Test {
  protected:
   Result<> read(const std::string& keys) {
@@ -62,6 +68,15 @@ TEST_F(PlacementFile, APlaceOnEarthIsTurnedIntoMetres) {
   ASSERT_TRUE(read("latitude_deg = 34.7215\nlongitude_deg = 135.8\naltitude_m = 180"));
   EXPECT_NEAR(object.placement.north_m, 3494, 3);
   EXPECT_NEAR(object.placement.up_m, 79, 0.2);
+}
+
+TEST_F(PlacementFile, RefractionIsASettingOfPlacesOnEarthOnly) {
+  const std::string place = "latitude_deg = 34.8691\nlongitude_deg = 135.8\naltitude_m = 180\n";  // 20 km
+  ASSERT_TRUE(read(place));
+  const double usual = object.placement.up_m;
+  ASSERT_TRUE(read(place + "refraction = 0.0"));
+  EXPECT_NEAR(usual - object.placement.up_m, 4.0, 0.1);
+  EXPECT_FALSE(read("east_m = 1\nnorth_m = 2\nup_m = 3\nrefraction = 0.2"));
 }
 
 TEST_F(PlacementFile, BothWaysAtOnceAreRefused) {

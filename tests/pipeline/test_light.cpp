@@ -1,0 +1,173 @@
+// The object's light, from the cameras' pictures to its own pixels, against the slow spectral path.
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "fixtures/building.hpp"
+#include "fixtures/scene_view.hpp"
+#include "pipeline/photograph.hpp"
+#include "pipeline/replay.hpp"
+#include "tests/pipeline/recorded.hpp"
+
+namespace kasumi {
+namespace {
+
+// White balance that makes the light of a black body grey.
+glm::dvec3 balance_for(const Camera& camera, double kelvin) {
+  Camera raw = camera;
+  raw.white_balance = glm::dvec3{1.0};
+  fixtures::Spectrum body{};
+  for (int i = 0; i < fixtures::kWavelengths; ++i) {
+    const double m = fixtures::wavelength_nm(i) * 1e-9;
+    body[static_cast<std::size_t>(i)] = std::pow(m, -5.0) / std::expm1(0.014387769 / (m * kelvin)) * 1e-30;
+  }
+  const glm::dvec3 seen = fixtures::Channels(raw).of(body);
+  return seen.y / seen;
+}
+
+// A white board of 60 m that faces south: the patch in the scene, and its twin that is drawn.
+fixtures::Mesh board() {
+  fixtures::Mesh mesh;
+  mesh.materials = {{"white", Image<Rgb8>(4, 4, Rgb8(255))}};
+  fixtures::MeshPart part;
+  for (const auto& [x, y] : {std::pair{-1.0F, -1.0F}, {1.0F, -1.0F}, {1.0F, 1.0F}, {-1.0F, 1.0F}})
+    part.vertices.push_back({{30.0F * x, 30.0F * y, 0.0F}, {0, 0, 1}, {x, y}});
+  part.indices = {0, 1, 2, 0, 2, 3};
+  mesh.parts = {part};
+  return mesh;
+}
+
+double through_density(double length_m, double altitude_m, double rise_m, double scale_height_m) {
+  const double start = std::exp(-altitude_m / scale_height_m), x = rise_m / scale_height_m;
+  return length_m * start * (std::abs(x) < 1e-9 ? 1.0 : -std::expm1(-x) / x);
+}
+
+// What the renderer makes of a white surface (gles/shaders), on the CPU: rho Gamma + 1 - Gamma over the measured light.
+glm::dvec3 drawn(const ObjectAppearance& appearance, const AirlightGrid& measured, const glm::dvec3& place,
+                 const glm::dvec3& normal) {
+  constexpr std::size_t kMiddle = AirlightGrid::kColumns * 1 + AirlightGrid::kColumns / 2;
+  const ObjectLight& light = appearance.light;
+  const glm::dvec3 irradiance_here = std::max(0.0, glm::dot(normal, light.sun_direction)) * light.sun_irradiance +
+                                     irradiance(light.sky_irradiance_sh, normal);
+  const glm::dvec3 rho = irradiance_here / kPi / appearance.horizon.light[kMiddle];
+  const Haze& haze = appearance.haze;
+  const double length = glm::length(place);
+  const double air = through_density(length, haze.observer_altitude_m, place.z, haze.rayleigh_scale_height_m);
+  const double mie = through_density(length, haze.observer_altitude_m, place.z, haze.mie_scale_height_m);
+  glm::dvec3 gamma{0.0};
+  for (std::size_t k = 0; k < kHazeNodes; ++k)
+    gamma += haze.weight[k] * glm::exp(-haze.rayleigh_per_m[k] * air - haze.mie_per_m[k] * mie);
+  return measured.light[kMiddle] * (rho * gamma + 1.0 - gamma);
+}
+
+TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
+  const fixtures::SceneCamera made =
+      fixtures::scene_camera({.width = 480, .height = 270, .field_of_view_deg = 6.2, .heading_deg = 4.0});
+  fixtures::Weather weather;
+  weather.turbidity = 3.0;
+  weather.sun = direction_from(from_degrees(50.0), from_degrees(200.0));
+  weather.altitude_m = 980.0;
+  const fixtures::Illumination day(weather);
+  const double heading = from_degrees(4.0).value;
+  const glm::dvec3 place{3500.0 * std::sin(heading), 3500.0 * std::cos(heading), 60.0};
+  // Without land the horizon is what it is: how well it is found above ridges is asked elsewhere.
+  fixtures::SceneGeometry land;
+  land.points = Image<fixtures::GroundPoint>(480 * fixtures::kRaysPerSide, 270 * fixtures::kRaysPerSide);
+  const glm::ivec2 pixel = glm::ivec2(glm::round(made.camera.pixel_of(glm::normalize(place)).value()));
+
+  Installation installation;
+  installation.site.altitude_m = weather.altitude_m;
+  installation.scene = made.camera;  // as configured: of the white balance's steps it knows nothing
+  const PixelBox box{pixel.x - 4, pixel.y - 4, pixel.x + 4, pixel.y + 4};
+  const SceneConditions conditions{Turbidity{weather.turbidity}, weather.sun, SkyCondition::clear, nullptr};
+
+  std::vector<glm::dvec3> ratios;
+  for (const double kelvin : {3000.0, 5000.0, 6500.0, 9000.0})
+    for (const double stops : {-3.0, 0.0, 3.0}) {
+      if (kelvin != 6500.0 && stops != 0.0) continue;  // each alone: fewer pictures
+      Camera camera = made.camera;
+      camera.white_balance = balance_for(camera, kelvin);
+      const Image<glm::dvec3> light = fixtures::look_at_scene(day, camera, land);
+      // Steps of exposure start where +3 EV still fit; at -3 EV the picture is too dark to find a horizon in, and what
+      // was seen before goes by the exposure the camera reports.
+      const bool steps = kelvin == 6500.0;
+      fixtures::Exposure exposure = fixtures::automatic_exposure(light, 0.97, steps ? 0.115 : 0.5);
+      exposure.seed = 7;
+      SceneAir air(installation, {});
+      FrameMetadata metadata;
+      metadata.exposure_s = exposure.exposure_s;
+      metadata.gain = exposure.gain;
+      if (stops != 0.0) {
+        air.observe(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+        exposure.exposure_s *= std::exp2(stops);
+        metadata.exposure_s = exposure.exposure_s;
+        metadata.captured_at += std::chrono::seconds(2);
+      }
+      air.observe(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+
+      const fixtures::Building patch(board(), {place.x, place.y, place.z, 0.0});
+      const auto seen = fixtures::look_at_building(patch, day, camera, land);
+      ASSERT_EQ(seen.coverage.at(pixel.x, pixel.y), 1.0);
+      const glm::dvec3 real = seen.light.at(pixel.x, pixel.y) * camera.vignetting.at(pixel) * fixtures::kResponsivity *
+                              exposure.exposure_s * exposure.gain;
+
+      ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
+      const glm::dvec3 rendered =
+          drawn(air.appearance(conditions, box), air.measured(conditions, box), place, {0.0, -1.0, 0.0});
+      ratios.push_back(rendered / real);
+      fmt::print("{} K, {:+.0f} EV: rendered / real {:.4f} {:.4f} {:.4f}\n", kelvin, stops, ratios.back().r,
+                 ratios.back().g, ratios.back().b);
+    }
+  glm::dvec3 least{1e9}, greatest{0.0};
+  for (const auto& ratio : ratios) {
+    least = glm::min(least, ratio);
+    greatest = glm::max(greatest, ratio);
+  }
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_LE(greatest[c] / least[c] - 1.0, 0.02) << "channel " << c;
+    EXPECT_NEAR(0.5 * (least[c] + greatest[c]), 1.0, 0.03) << "channel " << c;
+  }
+}
+
+// Mean difference, in levels of 255, between the building's pixels and those of the slow spectral path.
+double building_error(const std::filesystem::path& fixture, const std::filesystem::path& out, const std::string& name) {
+  const auto picture = read_photograph(out / "frame-000000.png").value();
+  const auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
+  const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
+  double error = 0.0, weight = 0.0;
+  glm::dvec3 bias{};
+  for (int y = 0; y < truth.encoded.height(); ++y)
+    for (int x = 0; x < truth.encoded.width(); ++x) {
+      const double covered = coverage.encoded.at(x, y).r;
+      if (covered <= 0.0) continue;
+      const auto difference = 255.0 * (glm::dvec3(picture.encoded.at(x, y)) - glm::dvec3(truth.encoded.at(x, y)));
+      error += covered * (std::abs(difference.r) + std::abs(difference.g) + std::abs(difference.b)) / 3.0;
+      bias += covered * difference;
+      weight += covered;
+    }
+  bias /= weight;
+  fmt::print("{}: mean error over the building {:.2f}/255, bias R {:.2f} G {:.2f} B {:.2f}\n", name, error / weight,
+             bias.r, bias.g, bias.b);
+  return error / weight;
+}
+
+TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
+  auto recipe = small("overcast", 2);
+  recipe.truth_frames = 1;
+  const auto fixture = recorded(recipe, "light-overcast");
+  const auto out = test_folder("light-overcast-out");
+  SceneAirOptions air;
+  air.turbidity = Turbidity{recipe.turbidity};  // no sky tells it through clouds; the light is what is looked at here
+  const auto summary = replay({fixture, out, false, false, 1, air});
+  ASSERT_TRUE(summary) << summary.error().message;
+  ASSERT_TRUE(summary->last && summary->last->measured);
+  EXPECT_EQ(summary->last->measured->sun_share, 0.0);
+  EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.words;
+  EXPECT_LE(building_error(fixture, out, "overcast"), 4.0);
+}
+
+}  // namespace
+}  // namespace kasumi
