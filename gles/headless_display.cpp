@@ -14,7 +14,7 @@ namespace {
 class OffscreenDisplay final : public HeadlessDisplay {
  public:
   OffscreenDisplay(std::unique_ptr<GlContext> context, std::array<Offscreen, 2> pictures, Clock& clock)
-      : context_(std::move(context)), pictures_(std::move(pictures)), clock_(clock) {}
+      : context_(std::move(context)), pictures_(std::move(pictures)), flips_(clock) {}
   OffscreenDisplay(const OffscreenDisplay&) = delete;
   OffscreenDisplay& operator=(const OffscreenDisplay&) = delete;
   ~OffscreenDisplay() override {
@@ -38,30 +38,25 @@ class OffscreenDisplay final : public HeadlessDisplay {
     if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
     glFinish();  // a picture is on the glass when it is drawn, and the one before it is read no more
     if (auto finished = check_gl("drawing a picture"); !finished) return tl::unexpected(finished.error());
-    ++shown_;
-    held_ = std::move(until_replaced);
-    flips_.add(shown_, clock_.now());
-    return shown_;
+    return flips_.shown(std::move(until_replaced));
   }
 
   std::vector<Flip> take_flips() override { return flips_.take(); }
-  DisplayCounts counts() const override { return {.flips = flips_.count()}; }
+  DisplayCounts counts() const override { return flips_.counts(); }
 
   Result<Image<Rgb8>> read() override {
-    if (shown_ == 0) return fail(FaultKind::bad_input, "the headless display has not been shown a picture yet");
+    if (flips_.number() == 0)
+      return fail(FaultKind::bad_input, "the headless display has not been shown a picture yet");
     if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
-    return pictures_[(shown_ - 1) % 2].read();
+    return pictures_[(flips_.number() - 1) % 2].read();
   }
 
  private:
-  Offscreen& drawn() { return pictures_[shown_ % 2]; }
+  Offscreen& drawn() { return pictures_[flips_.number() % 2]; }
 
   std::unique_ptr<GlContext> context_;
   std::array<Offscreen, 2> pictures_;
-  Clock& clock_;
-  std::uint64_t shown_ = 0;
-  std::shared_ptr<const void> held_;
-  FlipRecord flips_;
+  ImmediateFlips flips_;
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 
 class WindowDisplay final : public Display {
  public:
-  WindowDisplay(std::unique_ptr<Window> window, Clock& clock) : window_(std::move(window)), clock_(clock) {}
+  WindowDisplay(std::unique_ptr<Window> window, Clock& clock) : window_(std::move(window)), flips_(clock) {}
 
   std::string description() const override {
     const DrawTarget target = window_->target();
@@ -33,21 +33,15 @@ class WindowDisplay final : public Display {
     window_->show();
     glFinish();  // the picture before is read no more
     if (auto finished = check_gl("showing a picture in the window"); !finished) return tl::unexpected(finished.error());
-    ++shown_;
-    held_ = std::move(until_replaced);
-    flips_.add(shown_, clock_.now());
-    return shown_;
+    return flips_.shown(std::move(until_replaced));
   }
 
   std::vector<Flip> take_flips() override { return flips_.take(); }
-  DisplayCounts counts() const override { return {.flips = flips_.count()}; }
+  DisplayCounts counts() const override { return flips_.counts(); }
 
  private:
   std::unique_ptr<Window> window_;
-  Clock& clock_;
-  std::uint64_t shown_ = 0;
-  std::shared_ptr<const void> held_;
-  FlipRecord flips_;
+  ImmediateFlips flips_;
 };
 
 }  // namespace
