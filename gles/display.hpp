@@ -42,6 +42,9 @@ class Display {
   // The flips that completed since the last call, oldest first. Does not block.
   virtual std::vector<Flip> take_flips() = 0;
   virtual DisplayCounts counts() const { return {}; }
+  // Turns the screen off; the next picture turns it on again. BLOCKS in the driver. Errors: unsupported (it stays on:
+  // show black), timeout (a picture is still on its way: try again), device.
+  virtual Result<> turn_off() { return fail(FaultKind::unsupported, "{} cannot be turned off", description()); }
 };
 
 // Hears of displays that come and go, so that nobody has to wait out a pause before looking again.

@@ -113,6 +113,9 @@ class KmsDevice {
   virtual KmsResult<> set_crtc(const KmsPipe& pipe, const KmsFrame& frame) = 0;
   virtual KmsResult<> page_flip(const KmsPipe& pipe, const KmsFrame& frame) = 0;
 
+  // The CRTC feeds the display no more: it goes to sleep. Setting a mode wakes it. BLOCKS until it is so.
+  virtual KmsResult<> turn_off(const KmsPipe& pipe, bool atomic) = 0;
+
   // BLOCKS until an event comes, or for so long. No event is no error.
   virtual KmsResult<std::vector<KmsEvent>> wait_events(Duration at_most) = 0;
 

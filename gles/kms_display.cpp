@@ -79,6 +79,12 @@ class KmsDisplay final : public Display {
     return flips_.take_flips();
   }
   DisplayCounts counts() const override { return flips_.counts(); }
+  Result<> turn_off() override {
+    if (auto advanced = flips_.advance(); !advanced) return tl::unexpected(named(advanced.error()));
+    if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
+    if (auto off = flips_.turn_off(); !off) return tl::unexpected(named(off.error()));
+    return {};
+  }
 
  private:
   // Names who took the card from us.

@@ -54,6 +54,7 @@ class DrmAtomic {
   explicit DrmAtomic(int fd) : fd_(fd) {}
   KmsResult<> commit_mode(const std::string& path, const KmsPipe& pipe, const KmsFrame& frame, KmsWait wait);
   KmsResult<> commit_flip(const std::string& path, const KmsPipe& pipe, const KmsFrame& frame);
+  KmsResult<> commit_off(const std::string& path, const KmsPipe& pipe);
 
  private:
   int fd_;

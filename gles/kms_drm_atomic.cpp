@@ -123,4 +123,10 @@ KmsResult<> DrmAtomic::commit_flip(const std::string& path, const KmsPipe& pipe,
   return request.commit(path, "page flip", DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, frame.number);
 }
 
+KmsResult<> DrmAtomic::commit_off(const std::string& path, const KmsPipe& pipe) {
+  Request request(*this);
+  request.set(pipe.crtc, DRM_MODE_OBJECT_CRTC, "ACTIVE", 0);
+  return request.commit(path, "turning the display off", DRM_MODE_ATOMIC_ALLOW_MODESET, 0);
+}
+
 }  // namespace kasumi

@@ -188,6 +188,13 @@ class DrmDevice final : public KmsDevice {
     return {};
   }
 
+  KmsResult<> turn_off(const KmsPipe& pipe, bool atomic) override {
+    if (atomic) return atomic_.commit_off(path_, pipe);
+    if (drmModeSetCrtc(fd_.value(), pipe.crtc, 0, 0, 0, nullptr, 0, nullptr) != 0)
+      return drm_error("turning the display off (legacy) on {}", path_);
+    return {};
+  }
+
   KmsResult<std::vector<KmsEvent>> wait_events(Duration at_most) override {
     pollfd polled{fd_.value(), POLLIN, 0};
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(at_most);

@@ -127,6 +127,18 @@ Result<> KmsFlips::commit() {
   }
 }
 
+Result<> KmsFlips::turn_off() {
+  if (!shown_once_) return fail(FaultKind::unsupported, "{}: the display is not ours yet", device_.path());
+  if (const auto off = device_.turn_off(pipe_, atomic_); !off) {
+    const auto code = off.error().code;
+    if (passes(code)) return fail(FaultKind::timeout, "{}", off.error().what);
+    if (is_denied(code) || is_gone(code)) return refused(off.error());
+    return fail(FaultKind::unsupported, "{}", off.error().what);
+  }
+  sets_mode_ = true;
+  return {};
+}
+
 Result<> KmsFlips::refused(const KmsError& error) {
   if (is_gone(error.code)) return fail(FaultKind::disconnected, "{} (the card is gone)", error.what);
   if (is_denied(error.code)) return fail(FaultKind::device, "{} (somebody else became DRM master)", error.what);

@@ -34,6 +34,9 @@ class KmsFlips {
   Result<> submit(KmsPicture picture);
   // What has happened by now. Does not block. Errors: as submit().
   Result<> advance();
+  // BLOCKS until the display sleeps; the next picture wakes it. None is on its way. Errors: unsupported, and as
+  // submit().
+  Result<> turn_off();
   // The next picture sets the mode again.
   void set_mode_again() { sets_mode_ = true; }
 

@@ -36,6 +36,7 @@ class DecoratedDevice final : public KmsDevice {
   }
   KmsResult<> set_crtc(const KmsPipe& pipe, const KmsFrame& frame) override { return real_->set_crtc(pipe, frame); }
   KmsResult<> page_flip(const KmsPipe& pipe, const KmsFrame& frame) override { return real_->page_flip(pipe, frame); }
+  KmsResult<> turn_off(const KmsPipe& pipe, bool atomic) override { return real_->turn_off(pipe, atomic); }
   KmsResult<std::vector<KmsEvent>> wait_events(Duration at_most) override {
     auto events = real_->wait_events(at_most);
     while (events && lost_events > 0 && !events->empty()) {

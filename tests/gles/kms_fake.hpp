@@ -67,6 +67,7 @@ struct FakeCard {
   // What happened.
   std::vector<std::string> calls;  // "commit_mode wait", "commit_flip", "set_crtc", "page_flip", "restore", ...
   std::vector<std::uint64_t> on_the_glass;  // numbers of pictures
+  bool asleep = false;                      // turned off, and no mode set since
   int open_devices = 0;
   int probes = 0;
   std::set<std::uint32_t> framebuffers;
@@ -139,22 +140,34 @@ class FakeDevice final : public KmsDevice {
       card_.atomic_mode_refusals.pop_front();
       return error(code, "setting the mode");
     }
-    return queue(frame, "setting the mode");
+    auto queued = queue(frame, "setting the mode");
+    if (queued) card_.asleep = false;
+    return queued;
   }
   KmsResult<> commit_flip(const KmsPipe&, const KmsFrame& frame) override {
     card_.calls.emplace_back("commit_flip");
+    if (card_.asleep) return error(std::errc::invalid_argument, "page flip");  // as the kernel: the CRTC is not active
     return queue(frame, "page flip");
   }
   KmsResult<> set_crtc(const KmsPipe&, const KmsFrame& frame) override {
     card_.calls.emplace_back("set_crtc");
     if (auto refused = next_refusal("setting the mode (legacy)"); !refused) return refused;
     queued_.reset();
+    card_.asleep = false;
     show(frame);
     return {};
   }
   KmsResult<> page_flip(const KmsPipe&, const KmsFrame& frame) override {
     card_.calls.emplace_back("page_flip");
+    if (card_.asleep) return error(std::errc::invalid_argument, "page flip (legacy)");
     return queue(frame, "page flip (legacy)");
+  }
+
+  KmsResult<> turn_off(const KmsPipe&, bool atomic) override {
+    card_.calls.emplace_back(atomic ? "turn_off" : "turn_off legacy");
+    if (auto refused = next_refusal("turning off"); !refused) return refused;
+    card_.asleep = true;
+    return {};
   }
 
   KmsResult<std::vector<KmsEvent>> wait_events(Duration at_most) override {

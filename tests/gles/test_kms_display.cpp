@@ -420,6 +420,44 @@ TEST_F(KmsRig, DoesNotAskTheDisplayWithoutReason) {
   EXPECT_LE(card_.probes, before + 5);
 }
 
+TEST_F(KmsRig, TurnsTheScreenOffAndTheNextPictureWakesIt) {
+  for (const bool atomic : {true, false}) {
+    options_.atomic = atomic;
+    display_.reset();
+    switch_on();
+    ASSERT_TRUE(show());
+    ASSERT_TRUE(display_->begin(clock_.now() + 50ms));  // the first one has arrived
+    const auto off = display_->turn_off();
+    ASSERT_TRUE(off) << off.error().message;
+    EXPECT_TRUE(card_.asleep);
+    const auto modes = display_->counts().modesets;
+    const auto flips = display_->counts().flips;
+    clock_.advance(8h);
+    const auto woken = show();
+    ASSERT_TRUE(woken) << woken.error().message;
+    ASSERT_TRUE(display_->begin(clock_.now() + 50ms));
+    EXPECT_FALSE(card_.asleep);
+    EXPECT_EQ(display_->counts().modesets, modes + 1);
+    EXPECT_EQ(display_->counts().flips, flips + 1);
+    EXPECT_EQ(display_->counts().flip_timeouts, 0u);
+  }
+}
+
+TEST_F(KmsRig, TellsApartWhatWillNotTurnOffWhatIsBusyAndWhatIsLost) {
+  switch_on();
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::unsupported) << "it is not ours before the first picture";
+  ASSERT_TRUE(show());
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::timeout) << "the picture is on its way";
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms));
+  card_.busy = 1;
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::timeout);
+  card_.refusals = {std::errc::invalid_argument};
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::unsupported);
+  card_.master_elsewhere = true;
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::device);
+  EXPECT_FALSE(card_.asleep);
+}
+
 TEST_F(KmsRig, Row17LostContextIsTold) {
   switch_on();
   ASSERT_TRUE(show().has_value());
