@@ -16,13 +16,29 @@ constexpr std::array<double, 9> kBasis{0.28209479177387814, 0.4886025119029199, 
                                        0.4886025119029199,  1.0925484305920792, 1.0925484305920792,
                                        0.31539156525252005, 1.0925484305920792, 0.5462742152960396};
 
-glm::dvec3 sky_irradiance(const ObjectLight& light, const glm::dvec3& n) {
+// The harmonics' sum, each order times a factor.
+glm::dvec3 sky_sum(const ObjectLight& light, const glm::dvec3& n, const std::array<double, 3>& factors) {
   const auto& sh = light.sky_irradiance_sh;
   const std::array<double, 9> terms{
       1.0, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3.0 * n.z * n.z - 1.0, n.x * n.z, n.x * n.x - n.y * n.y};
   glm::dvec3 sum{0.0};
-  for (std::size_t i = 0; i < terms.size(); ++i) sum += kBasis[i] * terms[i] * sh[i];
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    sum += factors[i == 0 ? 0 : i < 4 ? 1 : 2] * kBasis[i] * terms[i] * sh[i];
   return glm::max(sum, glm::dvec3{0.0});
+}
+
+glm::dvec3 sky_irradiance(const ObjectLight& light, const glm::dvec3& n) {
+  return sky_sum(light, n, {1.0, 1.0, 1.0});
+}
+
+// What a smooth mirror shows of the sky, times pi.
+glm::dvec3 mirrored_sky(const ObjectLight& light, const glm::dvec3& towards) {
+  return sky_sum(light, towards, {1.0, 1.5, 4.0});
+}
+
+// Radiance of a white card lying in the open.
+glm::dvec3 white_card(const ObjectLight& light) {
+  return (sky_irradiance(light, {0, 0, 1}) + light.sun_irradiance * std::max(light.sun_direction.z, 0.0)) / kPi;
 }
 
 bool finite(const glm::dvec3& v) {
@@ -56,23 +72,36 @@ void check(const ObjectAppearance& appearance, Problems& problems) {
   check(appearance.horizon, "horizon", true, problems);
 }
 
-double largest_n(const ObjectAppearance& appearance) {
+double largest_n(const ObjectAppearance& appearance, std::span<const ModelMaterial> materials) {
   constexpr int kDirections = 512;  // evenly over the sphere: between two of them order 2 changes by percents
   constexpr double kBetween = 1.05;
   const ObjectLight& light = appearance.light;
-  glm::dvec3 brightest{0.0};
+  const bool mirrors = std::ranges::any_of(materials, &ModelMaterial::reflects);
+  glm::dvec3 from_sky{0.0}, brightest{0.0};
+  const auto look = [&](const glm::dvec3& n) {
+    const glm::dvec3 matt = sky_irradiance(light, n);
+    if (mirrors) from_sky = glm::max(from_sky, glm::max(matt, mirrored_sky(light, n)));
+    brightest = glm::max(brightest, light.sun_irradiance * std::max(glm::dot(n, light.sun_direction), 0.0) + matt);
+  };
+  look(light.sun_direction);
   for (int i = 0; i < kDirections; ++i) {
     const double z = 1.0 - (2.0 * i + 1.0) / kDirections;
     const double turn = i * kPi * (3.0 - std::sqrt(5.0));
     const double r = std::sqrt(1.0 - z * z);
-    const glm::dvec3 n{r * std::cos(turn), r * std::sin(turn), z};
-    brightest = glm::max(
-        brightest, light.sun_irradiance * std::max(glm::dot(n, light.sun_direction), 0.0) + sky_irradiance(light, n));
+    look({r * std::cos(turn), r * std::sin(turn), z});
   }
-  brightest = glm::max(brightest, light.sun_irradiance + sky_irradiance(light, light.sun_direction));
+  if (mirrors) brightest = glm::max(brightest, light.sun_irradiance + from_sky);
+  glm::dvec3 radiance = brightest / kPi;
+  glm::dvec3 emission{0.0};
+  for (const ModelMaterial& material : materials) {
+    const glm::dvec3 shown = light.albedo_to_channels * glm::dvec3(material.emission);
+    emission = glm::max(emission, shown);
+    if (material.unlit) radiance = glm::max(radiance, white_card(light));
+  }
+  radiance += emission * white_card(light);
   double largest = 1.0;
   for (const glm::dvec3& horizon : appearance.horizon.light)
-    for (int c = 0; c < 3; ++c) largest = std::max(largest, kBetween * brightest[c] / kPi / horizon[c]);
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, kBetween * radiance[c] / horizon[c]);
   return largest;
 }
 
@@ -98,6 +127,7 @@ void set_appearance(const Program& program, const ObjectAppearance& appearance) 
   std::array<glm::dvec3, 9> sky;
   for (std::size_t i = 0; i < sky.size(); ++i) sky[i] = light.sky_irradiance_sh[i] * kBasis[i] / kPi;
   program.set("sky_light", sky);
+  program.set("white_card", white_card(light));
   set_airlight(program, "horizon", appearance.horizon);
 }
 

@@ -1,7 +1,10 @@
 // Light and air on their way to the shaders.
 #pragma once
 
+#include <span>
+
 #include "base/result.hpp"
+#include "gles/model.hpp"
 #include "gles/program.hpp"
 #include "gles/renderer.hpp"
 
@@ -10,10 +13,11 @@ namespace kasumi {
 // Everything finite, scale heights and the horizon's light > 0, nothing negative that cannot be.
 void check(const ObjectAppearance& appearance, Problems& problems);
 
-// An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1.
-double largest_n(const ObjectAppearance& appearance);
+// An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1 and these materials, the sun's glint on
+// smooth ones left out: it is white whatever it is cut to.
+double largest_n(const ObjectAppearance& appearance, std::span<const ModelMaterial> materials);
 
-// Uniforms of haze.glsl, path.glsl, object.frag; the horizon's light as horizon_light, horizon_place.
+// Uniforms of haze.glsl, path.glsl, light.glsl; the horizon's light as horizon_light, horizon_place.
 void set_appearance(const Program& program, const ObjectAppearance& appearance);
 
 }  // namespace kasumi

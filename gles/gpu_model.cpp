@@ -1,26 +1,64 @@
 #include "gles/gpu_model.hpp"
 
 #include <algorithm>
-#include <cstddef>
+#include <functional>
+#include <limits>
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "gles/gl.hpp"
 
 namespace kasumi {
+namespace {
 
-std::vector<GpuModel::Triangle> GpuModel::triangles_of(const Model& model, int material) {
-  std::vector<Triangle> triangles;
-  for (std::size_t p = 0; p < model.parts.size(); ++p) {
-    const ModelPart& part = model.parts[p];
-    if (part.material != material) continue;
-    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
-      const auto at = [&](std::size_t j) { return part.vertices[part.indices[i + j]].position; };
-      triangles.push_back(
-          {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(i), (at(0) + at(1) + at(2)) / 3.0f});
+constexpr std::size_t kMostTriangles = 2048;  // of a chunk: few enough that their corners have 16-bit numbers
+
+}  // namespace
+
+// Renumbers the corners of some triangles from 0 on.
+class GpuModel::Cutter {
+ public:
+  explicit Cutter(std::size_t vertices) : places_(vertices, kNone) {}
+
+  // Whether the vertex is new to this chunk.
+  bool add(std::uint32_t vertex) {
+    const bool is_new = places_[vertex] == kNone;
+    if (is_new) {
+      places_[vertex] = static_cast<std::uint16_t>(met_.size());
+      met_.push_back(vertex);
     }
+    indices_.push_back(places_[vertex]);
+    return is_new;
   }
-  return triangles;
+  std::vector<std::uint16_t> take() {
+    for (const std::uint32_t vertex : met_) places_[vertex] = kNone;
+    met_.clear();
+    return std::exchange(indices_, {});
+  }
+
+ private:
+  static constexpr std::uint16_t kNone = std::numeric_limits<std::uint16_t>::max();
+  static_assert(3 * kMostTriangles < kNone);
+  std::vector<std::uint16_t> places_;
+  std::vector<std::uint32_t> met_;
+  std::vector<std::uint16_t> indices_;
+};
+
+GpuModel::Chunk GpuModel::make_chunk(int material, std::span<const GpuVertex> vertices,
+                                     std::vector<std::uint16_t> index_list) {
+  Chunk chunk;
+  chunk.material = material;
+  for (const GpuVertex& vertex : vertices) chunk.positions.push_back(vertex.position);
+  chunk.index_list = std::move(index_list);
+  chunk.vertices = make_buffer();
+  glBindBuffer(GL_ARRAY_BUFFER, chunk.vertices.name());
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size_bytes()), vertices.data(), GL_STATIC_DRAW);
+  chunk.indices = make_buffer();
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chunk.indices.name());
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(chunk.index_list.size() * sizeof(std::uint16_t)),
+               chunk.index_list.data(), GL_STATIC_DRAW);
+  return chunk;
 }
 
 Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool force_encoded_textures,
@@ -29,116 +67,148 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
   GpuModel made;
   made.materials_ = model.materials;
   made.bounds_ = model.bounds();
-  for (const ModelTexture& texture : model.textures) {
-    auto uploaded = kasumi::upload(texture, info, force_encoded_textures, notes);
+  for (std::size_t i = 0; i < model.textures.size(); ++i) {
+    auto uploaded =
+        kasumi::upload(model.textures[i], cutoff_of(model, static_cast<int>(i)), info, force_encoded_textures, notes);
     if (!uploaded) return tl::unexpected(uploaded.error());
+    made.bytes_ += uploaded->bytes;
     made.textures_.push_back(std::move(*uploaded));
   }
 
   // Parts of one material are drawn together, for files cut models into hundreds of parts and each draw is a call to
   // the driver; then split in space, so that a tile of the picture draws only what is near it.
-  for (std::size_t material = 0; material < model.materials.size(); ++material) {
-    std::vector<Triangle> triangles = triangles_of(model, static_cast<int>(material));
-    if (auto added = made.add_split(model, static_cast<int>(material), triangles); !added)
-      return tl::unexpected(added.error());
+  std::vector<std::vector<Triangle>> by_material(model.materials.size());
+  std::vector<std::uint32_t> first_vertex;  // of each part, if all followed one another
+  std::size_t vertices = 0;
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const ModelPart& part = model.parts[p];
+    first_vertex.push_back(static_cast<std::uint32_t>(vertices));
+    vertices += part.vertices.size();
+    const auto material = static_cast<std::size_t>(part.material);
+    if (model.materials[material].alpha == ModelMaterial::Alpha::blend) continue;
+    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+      const auto at = [&](std::size_t j) { return part.vertices[part.indices[i + j]].position; };
+      by_material[material].push_back(
+          {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(i), (at(0) + at(1) + at(2)) / 3.0f});
+    }
   }
+  Cutter cutter(vertices);
+  const std::function<void(int, std::span<Triangle>)> add_split = [&](int material, std::span<Triangle> triangles) {
+    if (triangles.empty()) return;
+    if (triangles.size() <= kMostTriangles) {
+      std::vector<GpuVertex> corners;
+      for (const Triangle& triangle : triangles) {
+        const ModelPart& part = model.parts[triangle.part];
+        for (std::uint32_t j = 0; j < 3; ++j) {
+          const std::uint32_t index = part.indices[triangle.first_index + j];
+          if (cutter.add(first_vertex[triangle.part] + index)) corners.emplace_back(part.vertices[index]);
+        }
+      }
+      made.bytes_ += corners.size() * sizeof(GpuVertex) + triangles.size() * 3 * sizeof(std::uint16_t);
+      made.solid_.push_back(make_chunk(material, corners, cutter.take()));
+      return;
+    }
+    glm::vec3 lowest = triangles.front().centre, highest = lowest;
+    for (const Triangle& triangle : triangles) {
+      lowest = glm::min(lowest, triangle.centre);
+      highest = glm::max(highest, triangle.centre);
+    }
+    const glm::vec3 extent = highest - lowest;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(triangles.size() / 2);
+    std::ranges::nth_element(triangles, middle, {}, [axis](const Triangle& triangle) {
+      return std::tuple(triangle.centre[axis], triangle.part, triangle.first_index);
+    });
+    add_split(material, {triangles.begin(), middle});
+    add_split(material, {middle, triangles.end()});
+  };
+  for (std::size_t material = 0; material < by_material.size(); ++material) {
+    add_split(static_cast<int>(material), by_material[material]);
+    by_material[material] = {};
+  }
+  made.add_see_through(model);
+  if (auto uploaded = check_gl("uploading the model"); !uploaded) return tl::unexpected(uploaded.error());
   return made;
 }
 
-Result<> GpuModel::add_split(const Model& model, int material, std::span<Triangle> triangles) {
-  constexpr std::size_t kMostTriangles = 2048;
-  if (triangles.empty()) return {};
-  if (triangles.size() <= kMostTriangles) return add_chunk(model, material, triangles);
-  glm::vec3 lowest = triangles.front().centre, highest = lowest;
-  for (const Triangle& triangle : triangles) {
-    lowest = glm::min(lowest, triangle.centre);
-    highest = glm::max(highest, triangle.centre);
+void GpuModel::add_see_through(const Model& model) {
+  for (std::size_t p = 0; p < model.parts.size(); ++p) {
+    const ModelPart& part = model.parts[p];
+    if (materials_[static_cast<std::size_t>(part.material)].alpha != ModelMaterial::Alpha::blend) continue;
+    const auto first = static_cast<std::uint32_t>(see_through_.vertices.size());
+    for (const ModelVertex& vertex : part.vertices) see_through_.vertices.emplace_back(vertex);
+    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3)
+      see_through_.triangles.push_back(
+          {part.material,
+           static_cast<std::uint32_t>(p),
+           {first + part.indices[i], first + part.indices[i + 1], first + part.indices[i + 2]}});
   }
-  const glm::vec3 extent = highest - lowest;
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(triangles.size() / 2);
-  std::ranges::nth_element(triangles, middle, {}, [axis](const Triangle& triangle) {
-    return std::tuple(triangle.centre[axis], triangle.part, triangle.first_index);
-  });
-  return add_split(model, material, {triangles.begin(), middle}).and_then([&] {
-    return add_split(model, material, {middle, triangles.end()});
-  });
+  bytes_ +=
+      see_through_.vertices.size() * sizeof(GpuVertex) + see_through_.triangles.size() * 3 * sizeof(std::uint16_t);
 }
 
-Result<> GpuModel::add_chunk(const Model& model, int material, std::span<const Triangle> triangles) {
-  Chunk chunk;
-  chunk.material = material;
-  std::vector<ModelVertex> vertices;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint16_t> places;  // part and index
-  for (const Triangle& triangle : triangles) {
-    const ModelPart& part = model.parts[triangle.part];
-    for (std::uint32_t j = 0; j < 3; ++j) {
-      const std::uint32_t index = part.indices[triangle.first_index + j];
-      const auto [place, is_new] =
-          places.emplace(std::pair(triangle.part, index), static_cast<std::uint16_t>(vertices.size()));
-      if (is_new) {
-        vertices.push_back(part.vertices[index]);
-        chunk.positions.push_back(part.vertices[index].position);
-      }
-      chunk.index_list.push_back(place->second);
-    }
+// All triangles of all parts in one order. Only where materials then alternate so often that drawing would be nothing
+// but changes between them, the parts are put in order and the triangles within each.
+void GpuModel::sort_see_through(const Projection& projection) {
+  constexpr std::size_t kMostChanges = 1000;
+  auto& triangles = see_through_.triangles;
+  std::map<std::uint32_t, std::pair<double, double>> parts;  // sum of depths, count
+  for (SeeThroughTriangle& triangle : triangles) {
+    triangle.depth_m = 0.0;
+    for (const std::uint32_t corner : triangle.corners)
+      triangle.depth_m +=
+          (projection.model_to_camera * glm::dvec4(see_through_.vertices[corner].position, 1.0)).z / 3.0;
+    auto& [sum, count] = parts[triangle.part];
+    sum += triangle.depth_m;
+    count += 1.0;
   }
-  chunk.vertices = make_buffer();
-  glBindBuffer(GL_ARRAY_BUFFER, chunk.vertices.name());
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(ModelVertex)), vertices.data(),
-               GL_STATIC_DRAW);
-  chunk.indices = make_buffer();
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chunk.indices.name());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(chunk.index_list.size() * sizeof(std::uint16_t)),
-               chunk.index_list.data(), GL_STATIC_DRAW);
-  chunks_.push_back(std::move(chunk));
-  return check_gl("uploading the model");
-}
+  std::ranges::stable_sort(triangles, std::greater<>(), &SeeThroughTriangle::depth_m);
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < triangles.size(); ++i)
+    changes += triangles[i].material != triangles[i - 1].material ? 1 : 0;
+  if (changes > kMostChanges)
+    std::ranges::stable_sort(triangles, std::greater<>(), [&](const SeeThroughTriangle& triangle) {
+      const auto& [sum, count] = parts[triangle.part];
+      return std::tuple(sum / count, triangle.part);
+    });
 
-bool GpuModel::has_blended() const {
-  return std::ranges::any_of(chunks_, [this](const Chunk& chunk) {
-    return materials_[static_cast<std::size_t>(chunk.material)].alpha == ModelMaterial::Alpha::blend;
-  });
+  see_through_.chunks.clear();
+  Cutter cutter(see_through_.vertices.size());
+  std::vector<GpuVertex> corners;
+  for (std::size_t i = 0; i < triangles.size();) {
+    const std::size_t first = i;
+    for (; i < triangles.size() && i - first < kMostTriangles && triangles[i].material == triangles[first].material;
+         ++i)
+      for (const std::uint32_t corner : triangles[i].corners)
+        if (cutter.add(corner)) corners.push_back(see_through_.vertices[corner]);
+    see_through_.chunks.push_back(make_chunk(triangles[first].material, corners, cutter.take()));
+    corners.clear();
+  }
 }
 
 PixelBox GpuModel::look_from(const Projection& projection) {
+  sort_see_through(projection);
   PixelBox all;
-  for (Chunk& chunk : chunks_) {
-    chunk.box = box_of(projection, chunk.positions, chunk.index_list);
-    all = united(all, chunk.box);
-    if (materials_[static_cast<std::size_t>(chunk.material)].alpha == ModelMaterial::Alpha::blend)
-      sort_by_depth(chunk, projection);
-  }
-  std::ranges::stable_sort(chunks_, std::greater<>(), &Chunk::depth_m);
+  for (auto* chunks : {&solid_, &see_through_.chunks})
+    for (Chunk& chunk : *chunks) {
+      chunk.box = box_of(projection, chunk.positions, chunk.index_list);
+      all = united(all, chunk.box);
+    }
   return all;
 }
 
-void GpuModel::sort_by_depth(Chunk& chunk, const Projection& projection) {
-  struct Placed {
-    double depth_m;
-    std::array<std::uint16_t, 3> corners;
-  };
-  std::vector<Placed> triangles;
-  double sum = 0.0;
-  for (std::size_t i = 0; i + 2 < chunk.index_list.size(); i += 3) {
-    Placed triangle{0.0, {chunk.index_list[i], chunk.index_list[i + 1], chunk.index_list[i + 2]}};
-    for (const std::uint16_t corner : triangle.corners)
-      triangle.depth_m += (projection.model_to_camera * glm::dvec4(chunk.positions[corner], 1.0)).z / 3.0;
-    sum += triangle.depth_m;
-    triangles.push_back(triangle);
-  }
-  std::ranges::stable_sort(triangles, std::greater<>(), &Placed::depth_m);
-  chunk.depth_m = sum / static_cast<double>(triangles.size());
-  chunk.index_list.clear();
-  for (const Placed& triangle : triangles)
-    chunk.index_list.insert(chunk.index_list.end(), triangle.corners.begin(), triangle.corners.end());
+void GpuModel::draw_chunk(const Chunk& chunk) const {
+  glBindBuffer(GL_ARRAY_BUFFER, chunk.vertices.name());
+  for (const VertexAttribute& attribute : kVertexAttributes)
+    glVertexAttribPointer(attribute.place, attribute.components, attribute.type,
+                          attribute.type == GL_FLOAT ? GL_FALSE : GL_TRUE, sizeof(GpuVertex),
+                          reinterpret_cast<const void*>(attribute.offset));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chunk.indices.name());
-  glBufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(chunk.index_list.size() * sizeof(std::uint16_t)),
-                  chunk.index_list.data());
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(chunk.index_list.size()), GL_UNSIGNED_SHORT, nullptr);
 }
 
-Result<> GpuModel::draw(Which which, Programs& programs, const Defines& variant, const PixelBox& window,
-                        const std::function<void(const Program&)>& set_uniforms) const {
+Result<> GpuModel::draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
+                        const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const {
   const bool blended = which == Which::blended;
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LESS);
@@ -149,52 +219,33 @@ Result<> GpuModel::draw(Which which, Programs& programs, const Defines& variant,
   } else {
     glDisable(GL_BLEND);
   }
-  constexpr std::array<std::pair<unsigned, int>, 4> kAttributes{
-      {{kPosition, 3}, {kNormal, 3}, {kTexturePlace, 2}, {kColour, 4}}};
-  constexpr std::array<std::size_t, 4> kOffsets{offsetof(ModelVertex, position), offsetof(ModelVertex, normal),
-                                                offsetof(ModelVertex, texture), offsetof(ModelVertex, colour)};
-  for (const auto& [place, size] : kAttributes) glEnableVertexAttribArray(place);
+  for (const VertexAttribute& attribute : kVertexAttributes) glEnableVertexAttribArray(attribute.place);
 
   const Program* in_use = nullptr;
-  for (const Chunk& chunk : chunks_) {
-    const ModelMaterial& material = materials_[static_cast<std::size_t>(chunk.material)];
-    if ((material.alpha == ModelMaterial::Alpha::blend) != blended) continue;
+  int material_in_use = -1;
+  for (const Chunk& chunk : blended ? see_through_.chunks : solid_) {
     if (chunk.box.empty() || (!window.empty() && !overlap(chunk.box, window))) continue;
-
-    Defines defines = variant;
-    const SurfaceTexture* texture =
-        material.texture < 0 ? nullptr : &textures_[static_cast<std::size_t>(material.texture)];
-    if (texture != nullptr) defines.insert("TEXTURED");
-    if (texture != nullptr && !texture->decodes) defines.insert("DECODE_TEXTURE");
-    if (material.alpha == ModelMaterial::Alpha::mask) defines.insert("ALPHA_TEST");
-    if (blended) defines.insert("ALPHA_BLEND");
-    const auto program = programs.find(ProgramKind::object, defines);
-    if (!program) return tl::unexpected(program.error());
-    if (*program != in_use) {
-      in_use = *program;
-      in_use->use();
-      set_uniforms(*in_use);
+    if (chunk.material != material_in_use) {
+      material_in_use = chunk.material;
+      const ModelMaterial& material = materials_[static_cast<std::size_t>(chunk.material)];
+      Defines defines = defines_of(material, textures_, units);
+      defines.insert(variant.begin(), variant.end());
+      const auto program = programs.find(ProgramKind::object, defines);
+      if (!program) return tl::unexpected(program.error());
+      if (*program != in_use) {
+        in_use = *program;
+        in_use->use();
+        set_uniforms(*in_use);
+      }
+      bind_material(*in_use, material, textures_, units);
+      if (material.double_sided)
+        glDisable(GL_CULL_FACE);
+      else
+        glEnable(GL_CULL_FACE);
     }
-    in_use->set("base_colour", glm::dvec4(material.base_colour));
-    in_use->set("alpha_cutoff", static_cast<double>(material.alpha_cutoff));
-    if (texture != nullptr) {
-      glActiveTexture(GL_TEXTURE0 + kSurfaceUnit);
-      glBindTexture(GL_TEXTURE_2D, texture->texture.name());
-      in_use->set("base_texture", kSurfaceUnit);
-    }
-    if (material.double_sided)
-      glDisable(GL_CULL_FACE);
-    else
-      glEnable(GL_CULL_FACE);
-
-    glBindBuffer(GL_ARRAY_BUFFER, chunk.vertices.name());
-    for (std::size_t i = 0; i < kAttributes.size(); ++i)
-      glVertexAttribPointer(kAttributes[i].first, kAttributes[i].second, GL_FLOAT, GL_FALSE, sizeof(ModelVertex),
-                            reinterpret_cast<const void*>(kOffsets[i]));
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chunk.indices.name());
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(chunk.index_list.size()), GL_UNSIGNED_SHORT, nullptr);
+    draw_chunk(chunk);
   }
-  for (const auto& [place, size] : kAttributes) glDisableVertexAttribArray(place);
+  for (const VertexAttribute& attribute : kVertexAttributes) glDisableVertexAttribArray(attribute.place);
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);

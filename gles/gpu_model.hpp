@@ -1,12 +1,16 @@
-// The model on the GPU, cut into chunks that 16-bit indices can address.
+// The model on the GPU, cut into chunks that 16-bit indices can address: 32 bits would save nothing, for a tile of the
+// picture draws only the chunks that it shows.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
 #include "base/result.hpp"
+#include "gles/gpu_material.hpp"
+#include "gles/gpu_vertex.hpp"
 #include "gles/model.hpp"
 #include "gles/objects.hpp"
 #include "gles/programs.hpp"
@@ -22,7 +26,9 @@ class GpuModel {
                                  std::vector<std::string>& notes);
 
   const ModelBounds& bounds() const { return bounds_; }
-  bool has_blended() const;
+  bool has_blended() const { return !see_through_.triangles.empty(); }
+  const std::vector<ModelMaterial>& materials() const { return materials_; }
+  std::size_t bytes() const { return bytes_; }  // of buffers and textures on the GPU
 
   // Finds each chunk's pixels and puts see-through triangles in order, farthest first. Returns the box around all.
   PixelBox look_from(const Projection& projection);
@@ -30,8 +36,8 @@ class GpuModel {
   // Draws the solid or the see-through chunks that touch `window` (all when it is empty) with the object program under
   // `variant`; `set_uniforms` gets each program once it is in use.
   enum class Which { solid, blended };
-  Result<> draw(Which which, Programs& programs, const Defines& variant, const PixelBox& window,
-                const std::function<void(const Program&)>& set_uniforms) const;
+  Result<> draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
+                const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const;
 
  private:
   struct Chunk {
@@ -41,22 +47,37 @@ class GpuModel {
     std::vector<glm::vec3> positions;
     std::vector<std::uint16_t> index_list;
     PixelBox box;
-    double depth_m = 0.0;  // mean, for the order of see-through chunks
   };
   struct Triangle {  // of the model being uploaded
     std::uint32_t part = 0;
     std::uint32_t first_index = 0;
     glm::vec3 centre{};
   };
-  static std::vector<Triangle> triangles_of(const Model& model, int material);
-  Result<> add_split(const Model& model, int material, std::span<Triangle> triangles);
-  Result<> add_chunk(const Model& model, int material, std::span<const Triangle> triangles);
-  void sort_by_depth(Chunk& chunk, const Projection& projection);
+  struct SeeThroughTriangle {
+    int material = 0;
+    std::uint32_t part = 0;
+    std::array<std::uint32_t, 3> corners{};
+    double depth_m = 0.0;
+  };
+  // Kept, because what is drawn first depends on where one looks from.
+  struct SeeThrough {
+    std::vector<GpuVertex> vertices;
+    std::vector<SeeThroughTriangle> triangles;
+    std::vector<Chunk> chunks;
+  };
+  class Cutter;
 
-  std::vector<Chunk> chunks_;
+  void add_see_through(const Model& model);
+  void sort_see_through(const Projection& projection);
+  static Chunk make_chunk(int material, std::span<const GpuVertex> vertices, std::vector<std::uint16_t> index_list);
+  void draw_chunk(const Chunk& chunk) const;
+
+  std::vector<Chunk> solid_;
+  SeeThrough see_through_;
   std::vector<ModelMaterial> materials_;
   std::vector<SurfaceTexture> textures_;
   ModelBounds bounds_;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace kasumi

@@ -1,6 +1,7 @@
 #include "gles/model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,14 @@ ModelBounds Model::bounds() const {
   return bounds;
 }
 
+std::size_t Model::bytes() const {
+  std::size_t bytes = 0;
+  for (const ModelPart& part : parts)
+    bytes += part.vertices.size() * sizeof(ModelVertex) + part.indices.size() * sizeof(std::uint32_t);
+  for (const ModelTexture& texture : textures) bytes += texture.pixels.elements().size() * sizeof(glm::u8vec4);
+  return bytes;
+}
+
 namespace {
 
 void check_part(const Model& model, std::size_t index, Problems& problems) {
@@ -41,15 +50,20 @@ void check_part(const Model& model, std::size_t index, Problems& problems) {
     problems.add("model: part {}: vertex {}: its position is not finite", index, broken - part.vertices.begin());
 }
 
+std::array<int, 5> textures_of(const ModelMaterial& material) {
+  return {material.texture, material.normal_map.texture, material.roughness_map.texture, material.occlusion_map.texture,
+          material.emission_map.texture};
+}
+
 }  // namespace
 
 Result<> check(const Model& model) {
   Problems problems;
   for (std::size_t i = 0; i < model.parts.size(); ++i) check_part(model, i, problems);
   for (std::size_t i = 0; i < model.materials.size(); ++i)
-    if (const int texture = model.materials[i].texture;
-        texture < -1 || texture >= static_cast<int>(model.textures.size()))
-      problems.add("model: material {}: texture {}: there are {}", i, texture, model.textures.size());
+    for (const int texture : textures_of(model.materials[i]))
+      if (texture < -1 || texture >= static_cast<int>(model.textures.size()))
+        problems.add("model: material {}: texture {}: there are {}", i, texture, model.textures.size());
   for (std::size_t i = 0; i < model.textures.size(); ++i)
     if (model.textures[i].pixels.empty()) problems.add("model: texture {} is empty", i);
   if (model.triangle_count() == 0) problems.add("model {}: no triangles to draw", model.name);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/gtc/type_precision.hpp>
@@ -23,24 +24,53 @@ struct ModelVertex {
   glm::vec3 normal{0, 1, 0};  // unit length
   glm::vec2 texture{};        // (0, 0) is the first texel of the first row
   glm::vec4 colour{1};        // linear; multiplies the material's base colour
+  glm::vec2 texture_2{};      // for pictures that are laid on in another way
+  glm::vec4 tangent{0};       // xyz: where texture x grows, unit length; w: -1 where the picture is mirrored, else 1
 };
 
+// A picture laid on a surface.
+struct ModelMap {
+  int texture = -1;     // index into Model::textures; -1: none
+  bool second = false;  // laid on by ModelVertex::texture_2
+  bool used() const { return texture >= 0; }
+};
+
+// What a surface does with light (glTF 2.0, 3.9): metallic-roughness over a dielectric's reflection. Made in memory it
+// is matt, as plaster is; files say more.
 struct ModelMaterial {
   enum class Alpha { opaque, mask, blend };
   std::string name;
   glm::vec4 base_colour{1};  // linear
-  int texture = -1;          // index into Model::textures; -1: none
+  int texture = -1;          // base colour's, index into Model::textures, laid on by ModelVertex::texture; -1: none
   Alpha alpha = Alpha::opaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
+
+  float metallic = 0.0f;
+  float roughness = 1.0f;
+  ModelMap roughness_map{};       // green: roughness, blue: metallic
+  glm::vec3 reflectance{0.0f};    // of what is not metal, seen head-on; glTF's default is 0.04
+  float edge_reflectance = 0.0f;  // the same at a grazing angle; glTF's default is 1
+  ModelMap normal_map{};
+  float normal_scale = 1.0f;
+  ModelMap occlusion_map{};  // red: how much of the sky reaches the place
+  float occlusion_strength = 1.0f;
+  glm::vec3 emission{0.0f};  // 1: as bright as a white card lying in the open, like everything that is unlit
+  ModelMap emission_map{};
+  bool unlit = false;  // base colour is shown as if it were emission
+
+  bool reflects() const {
+    return !unlit && (metallic > 0.0f || edge_reflectance > 0.0f || reflectance != glm::vec3(0.0f));
+  }
 };
 
 enum class TextureWrap { repeat, mirrored_repeat, clamp };
 struct ModelTexture {
-  Image<glm::u8vec4> pixels;  // sRGB encoded, alpha linear, not premultiplied
+  Image<glm::u8vec4> pixels;  // sRGB encoded, alpha linear, not premultiplied; data: as it is
   TextureWrap wrap_s = TextureWrap::repeat;
   TextureWrap wrap_t = TextureWrap::repeat;
   bool nearest = false;  // no filtering when magnified
+  bool data = false;     // roughness, normals and the like, not colours
 };
 
 struct ModelPart {  // triangles of one material
@@ -59,10 +89,12 @@ struct Model {
   std::vector<ModelPart> parts;
   std::vector<ModelMaterial> materials;
   std::vector<ModelTexture> textures;
-  std::vector<std::string> notes;  // what was left out or mended, for the log
+  std::vector<std::string> notes;   // what was left out or mended, for the log
+  std::vector<std::string> scenes;  // names of all scenes in the file; "" where one has none
 
   std::size_t triangle_count() const;
   ModelBounds bounds() const;
+  std::size_t bytes() const;  // of vertices, indices and pixels
 };
 
 // Limits against hostile files.
@@ -76,8 +108,10 @@ struct ModelLimits {
 };
 
 // .glb, or .gltf with its buffers and pictures from the same folder tree; never from elsewhere, never from a network.
+// Compressed files (Draco, meshopt, KTX2 and the like) are refused by name, with what to do. `scene`: which of the
+// file's scenes, by name, or by number from 0; empty: the one it begins with.
 // Errors: bad_input, naming the file and what is wrong with it; io.
-Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits = {});
+Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits = {}, std::string_view scene = {});
 
 // A model made in memory, held to the same rules as one from a file: indices in range, finite positions, at least one
 // triangle. Errors: bad_input.

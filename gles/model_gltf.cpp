@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <array>
+#include <charconv>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -10,6 +10,7 @@
 #include "gles/model_accessor.hpp"
 #include "gles/model_file.hpp"
 #include "gles/model_material.hpp"
+#include "gles/model_mesh.hpp"
 
 namespace kasumi {
 namespace {
@@ -39,67 +40,11 @@ Result<glm::dmat4> transform_of(const tinygltf::Node& node, const std::string& w
   return matrix;
 }
 
-// Triangles of lists, strips and fans as a list. Triangles that name a vertex twice are joints of strips: left out.
-std::vector<std::uint32_t> as_triangles(const std::vector<std::uint32_t>& indices, int mode) {
-  std::vector<std::uint32_t> triangles;
-  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if (a != b && b != c && c != a) triangles.insert(triangles.end(), {a, b, c});
-  };
-  const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;
-  for (std::size_t i = 0; i + 2 < indices.size(); i += step) {
-    if (mode == TINYGLTF_MODE_TRIANGLE_FAN)
-      add(indices[0], indices[i + 1], indices[i + 2]);
-    else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP && i % 2 == 1)
-      add(indices[i + 1], indices[i], indices[i + 2]);
-    else
-      add(indices[i], indices[i + 1], indices[i + 2]);
-  }
-  return triangles;
-}
-
-glm::vec3 face_normal(const ModelPart& part, std::size_t first_index) {
-  const auto at = [&](std::size_t i) { return glm::dvec3(part.vertices[part.indices[first_index + i]].position); };
-  const glm::dvec3 normal = glm::cross(at(1) - at(0), at(2) - at(0));
-  const double length = glm::length(normal);
-  return length > 0.0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
-}
-
-// glTF: a primitive without normals is shaded flat.
-void give_flat_normals(ModelPart& part) {
-  ModelPart flat;
-  flat.material = part.material;
-  for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
-    const glm::vec3 normal = face_normal(part, i);
-    for (std::size_t j = 0; j < 3; ++j) {
-      flat.indices.push_back(static_cast<std::uint32_t>(flat.vertices.size()));
-      flat.vertices.push_back(part.vertices[part.indices[i + j]]);
-      flat.vertices.back().normal = normal;
-    }
-  }
-  part = std::move(flat);
-}
-
-// Normals of no length or not finite take that of a face they belong to. Returns how many.
-std::size_t mend_normals(ModelPart& part) {
-  std::vector<bool> broken(part.vertices.size());
-  for (std::size_t i = 0; i < broken.size(); ++i) {
-    const double length = glm::length(glm::dvec3(part.vertices[i].normal));
-    broken[i] = !(length > 1e-12 && std::isfinite(length));
-    if (!broken[i]) part.vertices[i].normal /= static_cast<float>(length);
-  }
-  const auto count = static_cast<std::size_t>(std::ranges::count(broken, true));
-  for (std::size_t i = 0; count > 0 && i < part.indices.size(); ++i)
-    if (const std::uint32_t index = part.indices[i]; broken[index]) {
-      part.vertices[index].normal = face_normal(part, i - i % 3);
-      broken[index] = false;
-    }
-  return count;
-}
-
 class SceneReader {
  public:
-  SceneReader(const tinygltf::Model& gltf, std::string name, const ModelLimits& limits, Model& model)
-      : gltf_(gltf), name_(std::move(name)), limits_(limits), model_(model) {}
+  SceneReader(const tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene,
+              Model& model)
+      : gltf_(gltf), name_(std::move(name)), limits_(limits), wanted_scene_(scene), model_(model) {}
 
   Result<> read() {
     auto surfaces = read_surfaces(gltf_, name_, limits_, model_.notes);
@@ -107,6 +52,7 @@ class SceneReader {
     model_.materials = std::move(surfaces->materials);
     model_.textures = std::move(surfaces->textures);
     placements_ = std::move(surfaces->placements);
+    for (const tinygltf::Scene& scene : gltf_.scenes) model_.scenes.push_back(scene.name);
     if (gltf_.nodes.size() > limits_.nodes)
       return fail(FaultKind::bad_input, "{}: {} nodes: expected {} at most", name_, gltf_.nodes.size(), limits_.nodes);
     if (auto walked = walk(); !walked) return walked;
@@ -122,11 +68,29 @@ class SceneReader {
     if (std::ranges::find(model_.notes, text) == model_.notes.end()) model_.notes.push_back(std::move(text));
   }
 
-  // The nodes to begin with: the file's scene, else its first, else every node that is nobody's child.
-  std::vector<int> roots() const {
-    const int scene = gltf_.defaultScene >= 0 ? gltf_.defaultScene : 0;
-    if (static_cast<std::size_t>(scene) < gltf_.scenes.size())
-      return gltf_.scenes[static_cast<std::size_t>(scene)].nodes;
+  // The scene to show; -1: the file has none.
+  Result<int> scene() const {
+    const auto count = static_cast<int>(gltf_.scenes.size());
+    if (wanted_scene_.empty()) {
+      const int scene = gltf_.defaultScene >= 0 ? gltf_.defaultScene : 0;
+      return scene < count ? scene : -1;
+    }
+    for (int i = 0; i < count; ++i)
+      if (gltf_.scenes[static_cast<std::size_t>(i)].name == wanted_scene_) return i;
+    int number = -1;
+    const char* end = wanted_scene_.data() + wanted_scene_.size();
+    const auto read = std::from_chars(wanted_scene_.data(), end, number);
+    if (read.ec == std::errc() && read.ptr == end && number >= 0 && number < count) return number;
+    std::string there;
+    for (int i = 0; i < count; ++i)
+      there += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, gltf_.scenes[static_cast<std::size_t>(i)].name);
+    return fail(FaultKind::bad_input, "{}: scene \"{}\": {}", name_, wanted_scene_,
+                count == 0 ? "the file has no scenes" : "expected one of these by name or number: " + there);
+  }
+
+  // The nodes to begin with: the scene's, else every node that is nobody's child.
+  std::vector<int> roots(int scene) const {
+    if (scene >= 0) return gltf_.scenes[static_cast<std::size_t>(scene)].nodes;
     std::vector<bool> child(gltf_.nodes.size());
     for (const tinygltf::Node& node : gltf_.nodes)
       for (const int i : node.children)
@@ -142,8 +106,10 @@ class SceneReader {
       int node;
       glm::dmat4 parent;
     };
+    const auto shown = scene();
+    if (!shown) return tl::unexpected(shown.error());
     std::vector<Visit> open;
-    for (const int root : roots()) open.push_back({root, glm::dmat4{1.0}});
+    for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}});
     std::vector<bool> seen(gltf_.nodes.size());
     while (!open.empty()) {
       const Visit visit = open.back();
@@ -200,6 +166,13 @@ class SceneReader {
     }
     if (auto placed = place(part, transform, what); !placed) return placed;
     if (!with_normals) give_flat_normals(part);
+    if (const ModelMap& normals = model_.materials[static_cast<std::size_t>(part.material)].normal_map;
+        normals.used()) {
+      if (with_normals && primitive.attributes.contains("TANGENT"))
+        mend_tangents(part);
+      else  // without normals, tangents are to be ignored as well
+        give_tangents(part, normals.second);
+    }
     if (!primitive.targets.empty()) note("its morph targets are left out");
     triangles_ += part.indices.size() / 3;
     vertices_ += part.vertices.size();
@@ -229,11 +202,11 @@ class SceneReader {
     const auto positions = read_floats(gltf_, position->second, {3}, limits_.vertices, what + ": POSITION");
     if (!positions) return tl::unexpected(positions.error());
     const std::size_t count = positions->count;
-    const TexturePlacement& placement = placements_[static_cast<std::size_t>(part.material)];
+    const auto& placements = placements_[static_cast<std::size_t>(part.material)];
     const auto normals = attribute(primitive, "NORMAL", {3}, count, what);
     if (!normals) return tl::unexpected(normals.error());
-    const auto places = attribute(primitive, fmt::format("TEXCOORD_{}", placement.set), {2}, count, what);
-    if (!places) return tl::unexpected(places.error());
+    const auto tangents = attribute(primitive, "TANGENT", {4}, count, what);
+    if (!tangents) return tl::unexpected(tangents.error());
     const auto colours = attribute(primitive, "COLOR_0", {3, 4}, count, what);
     if (!colours) return tl::unexpected(colours.error());
 
@@ -248,19 +221,35 @@ class SceneReader {
         const float* n = &normals->values[3 * i];
         vertex.normal = {n[0], n[1], n[2]};
       }
-      if (places->count > 0) {
-        const glm::dvec3 moved =
-            placement.transform * glm::dvec3(places->values[2 * i], places->values[2 * i + 1], 1.0);
-        if (finite(moved))
-          vertex.texture = glm::vec2(moved);
-        else
-          note("texture coordinates that are not finite read as 0");
+      if (tangents->count > 0) {
+        const float* t = &tangents->values[4 * i];
+        vertex.tangent = {t[0], t[1], t[2], t[3]};
       }
       for (int c = 0; c < colours->components; ++c) {
         const float value =
             colours->values[i * static_cast<std::size_t>(colours->components) + static_cast<std::size_t>(c)];
         vertex.colour[c] = value >= 0.0f ? std::min(value, 1.0f) : 0.0f;
       }
+    }
+    for (const bool second : {false, true})
+      if (const auto& placement = placements[second ? 1 : 0]; placement) {
+        if (auto laid = lay(primitive, part, *placement, second, what); !laid) return laid;
+      }
+    return {};
+  }
+
+  // Texture coordinates, moved as the material says.
+  Result<> lay(const tinygltf::Primitive& primitive, ModelPart& part, const TexturePlacement& placement, bool second,
+               const std::string& what) {
+    const auto places =
+        attribute(primitive, fmt::format("TEXCOORD_{}", placement.set), {2}, part.vertices.size(), what);
+    if (!places) return tl::unexpected(places.error());
+    for (std::size_t i = 0; i < places->count; ++i) {
+      const glm::dvec3 moved = placement.transform * glm::dvec3(places->values[2 * i], places->values[2 * i + 1], 1.0);
+      if (finite(moved))
+        (second ? part.vertices[i].texture_2 : part.vertices[i].texture) = glm::vec2(moved);
+      else
+        note("texture coordinates that are not finite read as 0");
     }
     return {};
   }
@@ -298,6 +287,9 @@ class SceneReader {
       vertex.position = glm::vec3(position);
       const glm::dvec3 normal = (mirrors ? -1.0 : 1.0) * (normal_turn * glm::dvec3(vertex.normal));
       if (const double length = glm::length(normal); length > 0.0) vertex.normal = glm::vec3(normal / length);
+      const glm::dvec3 tangent = turn * glm::dvec3(vertex.tangent);
+      if (const double length = glm::length(tangent); length > 0.0)
+        vertex.tangent = glm::vec4(glm::vec3(tangent / length), mirrors ? -vertex.tangent.w : vertex.tangent.w);
     }
     if (mirrors)
       for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) std::swap(part.indices[i + 1], part.indices[i + 2]);
@@ -307,20 +299,22 @@ class SceneReader {
   const tinygltf::Model& gltf_;
   std::string name_;
   const ModelLimits& limits_;
+  std::string_view wanted_scene_;
   Model& model_;
-  std::vector<TexturePlacement> placements_;
+  std::vector<Surfaces::Placements> placements_;
   std::size_t triangles_ = 0;
   std::size_t vertices_ = 0;
 };
 
 }  // namespace
 
-Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits) {
+Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits, std::string_view scene) {
   Model model;
   model.name = path.string();
   const auto gltf = parse_gltf(path, limits, model.notes);
   if (!gltf) return tl::unexpected(gltf.error());
-  if (auto read = SceneReader(*gltf, path.string(), limits, model).read(); !read) return tl::unexpected(read.error());
+  if (auto read = SceneReader(*gltf, path.string(), limits, scene, model).read(); !read)
+    return tl::unexpected(read.error());
   if (auto sound = check(model); !sound) return tl::unexpected(sound.error());
   return model;
 }

@@ -16,6 +16,23 @@ constexpr std::array<std::string_view, 9> kKnownExtensions{
     "KHR_materials_clearcoat", "KHR_materials_pbrSpecularGlossiness",
     "KHR_lights_punctual"};
 
+// What to do about an extension that is not read.
+std::string_view advice(std::string_view extension) {
+  struct Advice {
+    std::string_view extension, text;
+  };
+  constexpr std::array<Advice, 6> kAdvice{{
+      {"KHR_draco_mesh_compression", "Draco-compressed meshes: export without mesh compression"},
+      {"EXT_meshopt_compression", "meshopt-compressed meshes: export without them (gltfpack without -c and -cc)"},
+      {"KHR_meshopt_compression", "meshopt-compressed meshes: export without them (gltfpack without -c and -cc)"},
+      {"KHR_texture_basisu", "KTX2 pictures of Basis Universal: export pictures as PNG or JPEG (gltfpack without -tc)"},
+      {"EXT_texture_webp", "WebP pictures: export pictures as PNG or JPEG"},
+      {"EXT_texture_avif", "AVIF pictures: export pictures as PNG or JPEG"},
+  }};
+  const auto found = std::ranges::find(kAdvice, extension, &Advice::extension);
+  return found == kAdvice.end() ? "export without it" : found->text;
+}
+
 std::uint32_t word(std::span<const std::uint8_t> file, std::size_t at) {
   return static_cast<std::uint32_t>(file[at]) | static_cast<std::uint32_t>(file[at + 1]) << 8 |
          static_cast<std::uint32_t>(file[at + 2]) << 16 | static_cast<std::uint32_t>(file[at + 3]) << 24;
@@ -80,7 +97,7 @@ Result<> check_gltf_json(std::string_view json, std::string_view name) {
     for (const auto& extension : *required) {
       const std::string wanted = extension.is_string() ? extension.get<std::string>() : "(not a name)";
       if (std::ranges::find(kKnownExtensions, wanted) == kKnownExtensions.end())
-        problems.add("{}: needs the glTF extension {}, which Kasumi does not read: export without it", name, wanted);
+        problems.add("{}: needs the glTF extension {}, which Kasumi does not read: {}", name, wanted, advice(wanted));
     }
   if (!problems.empty()) return fail(problems.fault());
   return {};

@@ -1,6 +1,8 @@
 // Materials and pictures of a glTF. For this room's glTF sources only.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include <tiny_gltf.h>
@@ -15,15 +17,18 @@ namespace kasumi {
 struct TexturePlacement {
   int set = 0;  // TEXCOORD_n
   glm::dmat3 transform{1.0};
+  friend bool operator==(const TexturePlacement&, const TexturePlacement&) = default;
 };
 
 struct Surfaces {
-  std::vector<ModelMaterial> materials;      // one more than in the file: the last is glTF's default
-  std::vector<TexturePlacement> placements;  // one per material
+  // Of ModelVertex::texture and texture_2, as far as the material needs them.
+  using Placements = std::array<std::optional<TexturePlacement>, 2>;
+  std::vector<ModelMaterial> materials;  // one more than in the file: the last is glTF's default
+  std::vector<Placements> placements;    // one per material
   std::vector<ModelTexture> textures;
 };
 
-// Only pictures that base colours use are decoded. Errors (bad_input): damaged or too large ones, bad references.
+// Only pictures that materials use are decoded. Errors (bad_input): damaged or too large ones, bad references.
 Result<Surfaces> read_surfaces(const tinygltf::Model& gltf, const std::string& name, const ModelLimits& limits,
                                std::vector<std::string>& notes);
 

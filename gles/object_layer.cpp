@@ -217,7 +217,7 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
       set_appearance(program);
     };
     for (const auto which : {GpuModel::Which::solid, GpuModel::Which::blended})
-      if (auto drawn = model.draw(which, programs, object_defines, tile.box, set_uniforms); !drawn)
+      if (auto drawn = model.draw(which, programs, object_defines, units_for_layer(), tile.box, set_uniforms); !drawn)
         return tl::unexpected(drawn.error());
 
     glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer_.name());

@@ -39,9 +39,13 @@ Result<Program> Program::build(const Defines& defines, std::initializer_list<std
   std::string name;
   for (const std::string_view file : fragment_files) name = file;
   for (const std::string& define : defines) name += fmt::format(" {}", define);
-  auto linked = link_program(
-      name, *vertex, *fragment,
-      {{kPosition, "position"}, {kNormal, "normal"}, {kTexturePlace, "texture_place"}, {kColour, "colour"}});
+  auto linked = link_program(name, *vertex, *fragment,
+                             {{kPosition, "position"},
+                              {kNormal, "normal"},
+                              {kTexturePlace, "texture_place"},
+                              {kColour, "colour"},
+                              {kSecondPlace, "texture_place_2"},
+                              {kTangent, "tangent"}});
   if (!linked) return tl::unexpected(linked.error());
   return Program(std::move(*linked));
 }

@@ -22,7 +22,14 @@ namespace kasumi {
 using Defines = std::set<std::string>;  // "RESPONSE_SRGB"
 
 // Places of the vertex attributes, the same in every program.
-enum Attribute : unsigned { kPosition = 0, kNormal = 1, kTexturePlace = 2, kColour = 3 };
+enum Attribute : unsigned {
+  kPosition = 0,
+  kNormal = 1,
+  kTexturePlace = 2,
+  kColour = 3,
+  kSecondPlace = 4,
+  kTangent = 5
+};
 
 class Program {
  public:

@@ -9,12 +9,14 @@ Result<Program> build(ProgramKind kind, const Defines& defines) {
       // A file with uniforms goes to the one stage that uses them: precisions may differ between the stages.
       if (!defines.contains("FINAL_COLOUR"))
         return Program::build(defines, {"path.glsl", "lens.glsl", "object.vert"},
-                              {"haze.glsl", "dither.glsl", "object.frag"});
+                              {"haze.glsl", "dither.glsl", "surface.glsl", "light.glsl", "object.frag"});
       if (defines.contains("HAZE_PER_FRAGMENT"))
         return Program::build(defines, {"airlight.glsl", "path.glsl", "lens.glsl", "object.vert"},
-                              {"haze.glsl", "dither.glsl", "response.glsl", "camera_picture.glsl", "object.frag"});
-      return Program::build(defines, {"airlight.glsl", "haze.glsl", "path.glsl", "lens.glsl", "object.vert"},
-                            {"dither.glsl", "response.glsl", "camera_picture.glsl", "object.frag"});
+                              {"haze.glsl", "dither.glsl", "response.glsl", "camera_picture.glsl", "surface.glsl",
+                               "light.glsl", "object.frag"});
+      return Program::build(
+          defines, {"airlight.glsl", "haze.glsl", "path.glsl", "lens.glsl", "object.vert"},
+          {"dither.glsl", "response.glsl", "camera_picture.glsl", "surface.glsl", "light.glsl", "object.frag"});
     case ProgramKind::resolve:
       return Program::build(defines, {"resolve.vert"}, {"dither.glsl", "layer.glsl", "resolve.frag"});
     case ProgramKind::picture:

@@ -120,6 +120,9 @@ Result<Projection> make_projection(const SceneView& view, const glm::dmat4& mode
   const glm::dmat3 turn(model_to_world);
   projection.normal_to_world = glm::transpose(glm::inverse(turn));
   projection.normal_to_world /= std::cbrt(std::abs(glm::determinant(projection.normal_to_world)));
+  projection.tangent_to_world = turn / std::cbrt(std::abs(glm::determinant(turn)));
+  projection.camera_to_world = glm::inverse(glm::dmat3(view.world_to_camera));
+  projection.left_handed = glm::determinant(turn) < 0.0;
   projection.camera_up = glm::dvec3(view.world_to_camera[2]);
   projection.mirrored = glm::determinant(glm::dmat3(projection.model_to_camera)) < 0.0;
   return projection;
@@ -193,6 +196,9 @@ DepthRange depth_range(const Projection& projection, const ModelBounds& bounds) 
 void set_projection(const Program& program, const Projection& projection, const DepthRange& depth) {
   program.set("model_to_camera", projection.model_to_camera);
   program.set("normal_to_world", projection.normal_to_world);
+  program.set("tangent_to_world", projection.tangent_to_world);
+  program.set("camera_to_world", projection.camera_to_world);
+  program.set("handedness", projection.left_handed ? -1.0 : 1.0);
   program.set("camera_up", projection.camera_up);
   program.set("focal_px", projection.view.focal_px);
   program.set("centre_px", projection.view.centre_px);

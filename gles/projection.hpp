@@ -18,7 +18,10 @@ struct Projection {
   SceneView view;
   glm::dmat4 model_to_camera{1.0};
   glm::dmat3 normal_to_world{1.0};
-  glm::dvec3 camera_up{};  // the world's vertical in the camera's frame
+  glm::dmat3 tangent_to_world{1.0};  // model to world, unscaled
+  glm::dmat3 camera_to_world{1.0};
+  bool left_handed = false;  // model to world mirrors
+  glm::dvec3 camera_up{};    // the world's vertical in the camera's frame
   bool distorted = false;
   double lens_reach = 1e6;  // normalised radius up to which the distortion polynomial is used
   bool mirrored = false;    // the transforms turn right hands into left ones

@@ -12,6 +12,7 @@
 #include "gles/gpu_model.hpp"
 #include "gles/object_layer.hpp"
 #include "gles/picture_mesh.hpp"
+#include "gles/reflection_table.hpp"
 #include "gles/response_table.hpp"
 
 namespace kasumi {
@@ -80,6 +81,8 @@ struct Renderer::State {
   FrameCounts frames;
   std::optional<ResponseOnGpu> response;
   std::optional<GpuModel> model;
+  GlTexture reflections;  // made for the first model that needs it
+  SurfaceUnits units_in_one_pass;
   std::optional<Projection> projection;
   PixelBox box;              // of the object
   Image<std::uint8_t> mask;  // as given; empty: nothing in front
@@ -165,6 +168,13 @@ struct Renderer::State {
     program.set("pixel_to_clip", shown.pixel_to_clip);
   }
 
+  void bind_reflections(const Program& program, int unit) const {
+    if (!reflections) return;
+    glActiveTexture(GL_TEXTURE0 + static_cast<unsigned>(unit));
+    glBindTexture(GL_TEXTURE_2D, reflections.name());
+    program.set("reflection_table", unit);
+  }
+
   void bind_foreground() const {
     if (!has_foreground()) return;
     glActiveTexture(GL_TEXTURE0 + kForegroundUnit);
@@ -222,6 +232,7 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
                 context.info().renderer, uniforms, textures, kUniforms, kTextures);
   auto state = std::make_unique<State>(context.info(), options);
   state->dither = make_dither_pattern();
+  state->units_in_one_pass = units_beside_camera(textures);
   auto response = ResponseOnGpu::create({});
   if (!response) return tl::unexpected(response.error());
   state->response = std::move(*response);
@@ -236,6 +247,14 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
 Result<> Renderer::set_model(const Model& model) {
   auto uploaded = GpuModel::upload(model, state_->info, state_->options.force_encoded_textures, state_->notes);
   if (!uploaded) return tl::unexpected(uploaded.error());
+  const auto& materials = uploaded->materials();
+  if (!state_->reflections && std::ranges::any_of(materials, &ModelMaterial::reflects)) {
+    auto table = make_reflection_table(kResponseUnit);
+    if (!table) return tl::unexpected(table.error());
+    state_->reflections = std::move(*table);
+  }
+  if (!std::ranges::all_of(materials, [&](const auto& m) { return holds(state_->units_in_one_pass, m); }))
+    state_->notes.emplace_back("a moving view leaves out some pictures of the model: too few texture units");
   state_->model = std::move(*uploaded);
   state_->look();
   return {};
@@ -276,6 +295,10 @@ Result<> Renderer::set_response(const ResponseCurve& response) {
   return {};
 }
 
+std::size_t Renderer::model_bytes() const {
+  return state_->model ? state_->model->bytes() : 0;
+}
+
 PixelBox Renderer::object_box() const {
   return state_->box;
 }
@@ -293,10 +316,13 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
   glActiveTexture(GL_TEXTURE0 + kDitherUnit);
   glBindTexture(GL_TEXTURE_2D, s.dither.name());
   s.bind_foreground();
-  auto layer =
-      ObjectLayer::draw(*s.model, *s.projection, s.box, appearance.horizon,
-                        {s.layer_in_8_bits(), largest_n(appearance), appearance.aerial_perspective, s.has_foreground()},
-                        s.info, s.programs, [&](const Program& program) { set_appearance(program, appearance); });
+  auto layer = ObjectLayer::draw(*s.model, *s.projection, s.box, appearance.horizon,
+                                 {s.layer_in_8_bits(), largest_n(appearance, s.model->materials()),
+                                  appearance.aerial_perspective, s.has_foreground()},
+                                 s.info, s.programs, [&](const Program& program) {
+                                   set_appearance(program, appearance);
+                                   s.bind_reflections(program, units_for_layer().reflection);
+                                 });
   if (!layer) return tl::unexpected(layer.error());
   const auto texels = layer->read();
   if (!texels) return tl::unexpected(texels.error());
@@ -400,12 +426,16 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
     s.bind_frame(program, shown);
     set_projection(program, *s.projection, depth);
     set_appearance(program, appearance);
+    s.bind_reflections(program, s.units_in_one_pass.reflection);
     set_airlight(program, "measured", measured);
     program.set("foreground", kForegroundUnit);
     program.set("fragment_to_picture", shown.fragment_to_picture);
   };
   // Nearest first: the early depth test then spares the background under the object.
-  if (auto drawn = s.model->draw(GpuModel::Which::solid, s.programs, defines, {}, set_uniforms); !drawn) return drawn;
+  const auto draw_model = [&](GpuModel::Which which) {
+    return s.model->draw(which, s.programs, defines, s.units_in_one_pass, {}, set_uniforms);
+  };
+  if (auto drawn = draw_model(GpuModel::Which::solid); !drawn) return drawn;
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_FALSE);
@@ -413,7 +443,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
   if (!background || !s.model->has_blended()) return background;
-  return s.model->draw(GpuModel::Which::blended, s.programs, defines, {}, set_uniforms);
+  return draw_model(GpuModel::Which::blended);
 }
 
 const std::vector<std::string>& Renderer::notes() const {

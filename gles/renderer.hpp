@@ -87,6 +87,9 @@ class Renderer {
   // The scene camera's response. Does not make the layer stale.
   Result<> set_response(const ResponseCurve& response);
 
+  // What the model takes on the GPU, buffers and textures with all their levels.
+  std::size_t model_bytes() const;
+
   // Where the object can appear; empty when it is out of the picture. The grids of airlight need to be good here only.
   PixelBox object_box() const;
 

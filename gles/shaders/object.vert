@@ -3,6 +3,19 @@ attribute vec3 position;
 attribute vec3 normal;
 attribute vec2 texture_place;
 attribute vec4 colour;
+#if defined(SECOND_PLACE)
+attribute vec2 texture_place_2;
+varying vec2 v_texture_2;
+#endif
+#if defined(NORMAL_MAP)
+attribute vec4 tangent;
+uniform mat3 tangent_to_world;
+varying vec4 v_tangent;
+#endif
+#if defined(REFLECTS)
+uniform mat3 camera_to_world;
+varying vec3 v_to_eye;
+#endif
 
 uniform mat4 model_to_camera;   // metres; composed in double precision
 uniform mat3 normal_to_world;
@@ -45,6 +58,15 @@ void main() {
   v_normal = normal_to_world * normal;
   v_texture = texture_place;
   v_colour = colour;
+#if defined(SECOND_PLACE)
+  v_texture_2 = texture_place_2;
+#endif
+#if defined(NORMAL_MAP)
+  v_tangent = vec4(tangent_to_world * tangent.xyz, tangent.w);
+#endif
+#if defined(REFLECTS)
+  v_to_eye = camera_to_world * (-0.001 * camera);
+#endif
 #if !defined(NO_AIR)
   vec2 path_km = weighted_path_km(0.001 * length(camera), 0.001 * dot(camera_up, camera));
 #endif

@@ -7,12 +7,15 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "tests/gles/reference_shading.hpp"
+
 namespace kasumi {
 namespace {
 
 struct Corner {
   glm::dvec3 camera;
-  glm::dvec3 normal;  // world
+  glm::dvec3 normal;   // world
+  glm::dvec3 tangent;  // world
   const ModelVertex* vertex;
 };
 
@@ -91,22 +94,6 @@ glm::dvec3 attenuation(const Haze& haze, double range, double climb) {
   return sum;
 }
 
-glm::dvec3 irradiance(const ObjectLight& light, glm::dvec3 n) {
-  const double pi = kPi;
-  const std::array<double, 9> basis{0.5 * std::sqrt(1 / pi),
-                                    std::sqrt(3 / (4 * pi)) * n.y,
-                                    std::sqrt(3 / (4 * pi)) * n.z,
-                                    std::sqrt(3 / (4 * pi)) * n.x,
-                                    0.5 * std::sqrt(15 / pi) * n.x * n.y,
-                                    0.5 * std::sqrt(15 / pi) * n.y * n.z,
-                                    0.25 * std::sqrt(5 / pi) * (3 * n.z * n.z - 1),
-                                    0.5 * std::sqrt(15 / pi) * n.x * n.z,
-                                    0.25 * std::sqrt(15 / pi) * (n.x * n.x - n.y * n.y)};
-  glm::dvec3 sky{0.0};
-  for (std::size_t i = 0; i < 9; ++i) sky += basis[i] * light.sky_irradiance_sh[i];
-  return glm::max(sky, glm::dvec3{0.0}) + light.sun_irradiance * std::max(0.0, glm::dot(n, light.sun_direction));
-}
-
 double srgb_light(double code) {
   return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
 }
@@ -133,8 +120,9 @@ glm::dvec4 texel(const ModelTexture& texture, glm::dvec2 place) {
     for (int i = 0; i < 2; ++i) {
       const glm::u8vec4 t = texture.pixels.at(wrapped(x0 + i, w, texture.wrap_s), wrapped(y0 + j, h, texture.wrap_t));
       const double weight = (i == 1 ? x - x0 : 1 - x + x0) * (j == 1 ? y - y0 : 1 - y + y0);
-      sum +=
-          weight * glm::dvec4{srgb_light(t.r / 255.0), srgb_light(t.g / 255.0), srgb_light(t.b / 255.0), t.a / 255.0};
+      const glm::dvec4 code = glm::dvec4(t) / 255.0;
+      sum += weight *
+             (texture.data ? code : glm::dvec4{srgb_light(code.r), srgb_light(code.g), srgb_light(code.b), code.a});
     }
   return sum;
 }
@@ -143,7 +131,9 @@ class Tracer {
  public:
   explicit Tracer(const ReferenceScene& scene) : scene_(scene) {
     const glm::dmat4 to_camera = scene.view.world_to_camera * scene.model_to_world;
-    const glm::dmat3 normals = glm::transpose(glm::inverse(glm::dmat3(scene.model_to_world)));
+    const glm::dmat3 turn(scene.model_to_world);
+    const glm::dmat3 normals = glm::transpose(glm::inverse(turn));
+    to_world_ = glm::inverse(glm::dmat3(scene.view.world_to_camera));
     for (const ModelPart& part : scene.model.parts)
       for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
         Triangle triangle{};
@@ -151,7 +141,8 @@ class Tracer {
         for (std::size_t j = 0; j < 3; ++j) {
           const ModelVertex& vertex = part.vertices[part.indices[i + j]];
           triangle.corners[j] = {glm::dvec3(to_camera * glm::dvec4(vertex.position, 1.0)),
-                                 glm::normalize(normals * glm::dvec3(vertex.normal)), &vertex};
+                                 glm::normalize(normals * glm::dvec3(vertex.normal)), turn * glm::dvec3(vertex.tangent),
+                                 &vertex};
         }
         triangle.normal = glm::cross(triangle.corners[1].camera - triangle.corners[0].camera,
                                      triangle.corners[2].camera - triangle.corners[0].camera);
@@ -229,20 +220,48 @@ class Tracer {
              hit.weights[2] * value(corners[2]);
     };
     const ModelMaterial& material = *hit.triangle->material;
-    glm::dvec4 surface =
+    const auto picture = [&](const ModelMap& map) {
+      return texel(scene_.model.textures[static_cast<std::size_t>(map.texture)], mix([&](const Corner& k) {
+                     return glm::dvec2(map.second ? k.vertex->texture_2 : k.vertex->texture);
+                   }));
+    };
+    ReferenceSurface surface;
+    surface.colour =
         glm::dvec4(material.base_colour) * mix([](const Corner& k) { return glm::dvec4(k.vertex->colour); });
-    if (material.texture >= 0)
-      surface *= texel(scene_.model.textures[static_cast<std::size_t>(material.texture)],
-                       mix([](const Corner& k) { return glm::dvec2(k.vertex->texture); }));
+    if (material.texture >= 0) surface.colour *= picture({material.texture, false});
     double alpha = 1.0;
-    if (material.alpha == ModelMaterial::Alpha::mask) alpha = surface.a < double(material.alpha_cutoff) ? 0.0 : 1.0;
-    if (material.alpha == ModelMaterial::Alpha::blend) alpha = std::clamp(surface.a, 0.0, 1.0);
-    glm::dvec3 n = glm::normalize(mix([](const Corner& k) { return k.normal; }));
-    if (hit.back) n = -n;
+    if (material.alpha == ModelMaterial::Alpha::mask)
+      alpha = surface.colour.a < double(material.alpha_cutoff) ? 0.0 : 1.0;
+    if (material.alpha == ModelMaterial::Alpha::blend) alpha = std::clamp(surface.colour.a, 0.0, 1.0);
+
+    surface.metallic = double(material.metallic);
+    surface.roughness = double(material.roughness);
+    if (material.roughness_map.used()) {
+      const glm::dvec4 t = picture(material.roughness_map);
+      surface.roughness *= t.g;
+      surface.metallic *= t.b;
+    }
+    if (material.occlusion_map.used())
+      surface.open_sky = 1.0 + double(material.occlusion_strength) * (picture(material.occlusion_map).r - 1.0);
+    surface.emission = glm::dvec3(material.emission);
+    if (material.emission_map.used()) surface.emission *= glm::dvec3(picture(material.emission_map));
+
+    surface.normal = glm::normalize(mix([](const Corner& k) { return k.normal; }));
+    if (material.normal_map.used()) {
+      const glm::dvec3 n = surface.normal, t = mix([](const Corner&k) { return k.tangent; });
+      const glm::dvec3 along = glm::normalize(t - n * glm::dot(n, t));
+      const glm::dvec3 upwards = glm::cross(n, along) * double(corners[0].vertex->tangent.w);
+      const glm::dvec3 tilt = 2.0 * glm::dvec3(picture(material.normal_map)) - 1.0;
+      const double scale = double(material.normal_scale), size = std::min(glm::length(tilt), 1.0);
+      surface.normal = glm::normalize(scale * tilt.x * along + scale * tilt.y * upwards + tilt.z * n);
+      // Toksvig: normals that differ within a texel make it rougher.
+      const double spread = std::max((1.0 - size) / size - 0.006, 0.0) * scale * scale;
+      surface.roughness = std::pow(std::min(std::pow(surface.roughness, 4) + 2.0 * spread, 1.0), 0.25);
+    }
+    if (hit.back) surface.normal = -surface.normal;
 
     const ObjectAppearance& look = scene_.appearance;
-    const glm::dvec3 albedo = glm::clamp(look.light.albedo_to_channels * glm::dvec3(surface), 0.0, 1.0);
-    const glm::dvec3 radiance = albedo / kPi * irradiance(look.light, n);
+    const glm::dvec3 radiance = reference_radiance(material, surface, look.light, -glm::normalize(to_world_ * ray));
     const glm::dvec3 rho = radiance / bilinear(look.horizon, pixel);
     if (!look.aerial_perspective) return {rho, alpha};
     const glm::dvec3 at = hit.depth * ray;
@@ -253,6 +272,7 @@ class Tracer {
   const ReferenceScene& scene_;
   std::vector<Triangle> triangles_;
   glm::dvec3 up_{};
+  glm::dmat3 to_world_{1.0};
 };
 
 }  // namespace

@@ -14,7 +14,12 @@ void add_face(ModelPart& part, glm::dvec3 corner, glm::dvec3 along, glm::dvec3 u
   for (int j = 0; j <= cells; ++j)
     for (int i = 0; i <= cells; ++i) {
       const double s = double(i) / cells, t = double(j) / cells;
-      part.vertices.push_back({glm::vec3(corner + s * along + t * up), normal, glm::vec2(s, 1.0 - t), glm::vec4(1.0f)});
+      part.vertices.push_back({.position = glm::vec3(corner + s * along + t * up),
+                               .normal = normal,
+                               .texture = glm::vec2(s, 1.0 - t),
+                               .colour = glm::vec4(1.0f),
+                               .texture_2 = glm::vec2(0.7 * s + 0.2 * t, 0.8 * t),
+                               .tangent = glm::vec4(glm::normalize(glm::vec3(along)), 1.0f)});
     }
   const auto at = [&](int i, int j) { return first + static_cast<std::uint32_t>(j * (cells + 1) + i); };
   for (int j = 0; j < cells; ++j)
@@ -74,6 +79,63 @@ ModelTexture soft_texture(int size) {
                                  byte(120 + 50 * std::sin(u + v)), 255};
     }
   return texture;
+}
+
+ModelTexture soft_normals(int size) {
+  ModelTexture texture;
+  texture.data = true;
+  texture.pixels = Image<glm::u8vec4>(size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const double u = 2.0 * kPi * x / size, v = 2.0 * kPi * y / size;
+      const glm::dvec3 n = glm::normalize(glm::dvec3{0.5 * std::sin(u), 0.35 * std::cos(u + v), 1.0});
+      texture.pixels.at(x, y) = {byte(127.5 * n.x + 127.5), byte(127.5 * n.y + 127.5), byte(127.5 * n.z + 127.5), 255};
+    }
+  return texture;
+}
+
+ModelTexture soft_data(int size) {
+  ModelTexture texture;
+  texture.data = true;
+  texture.pixels = Image<glm::u8vec4>(size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const double u = 2.0 * kPi * x / size, v = 2.0 * kPi * y / size;
+      const auto wave = [](double s) { return byte(160.0 + 80.0 * s); };
+      texture.pixels.at(x, y) = {wave(std::sin(u + v)), wave(std::cos(u)), wave(std::sin(v)), 255};
+    }
+  return texture;
+}
+
+ModelPart ball_part(glm::dvec3 centre, double radius, int steps, int material) {
+  ModelPart part;
+  part.material = material;
+  for (int j = 0; j <= steps; ++j)
+    for (int i = 0; i <= 2 * steps; ++i) {
+      const double down = kPi * j / steps, around = kPi * i / steps;
+      const glm::dvec3 n{std::sin(down) * std::sin(around), std::cos(down), std::sin(down) * std::cos(around)};
+      part.vertices.push_back({.position = glm::vec3(centre + radius * n),
+                               .normal = glm::vec3(n),
+                               .texture = glm::vec2(0.5 * i / steps, double(j) / steps),
+                               .colour = glm::vec4(1.0f),
+                               .texture_2 = glm::vec2(0.0f),
+                               .tangent = glm::vec4(std::cos(around), 0.0, -std::sin(around), 1.0)});
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (2 * steps + 1) + i); };
+  for (int j = 0; j < steps; ++j)
+    for (int i = 0; i < 2 * steps; ++i)
+      part.indices.insert(part.indices.end(),
+                          {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)});
+  return part;
+}
+
+ObjectAppearance furnace(double radiance) {
+  ObjectAppearance look;
+  look.aerial_perspective = false;
+  look.light.sky_irradiance_sh[0] = glm::dvec3{radiance * kPi / 0.28209479177387814};
+  look.horizon.last_px = {1.0, 1.0};
+  look.horizon.light.fill(glm::dvec3{radiance});
+  return look;
 }
 
 SceneView view_north(int width, int height, double focal_px) {

@@ -21,8 +21,15 @@ ModelPart box_part(glm::dvec3 lowest, glm::dvec3 highest, int cells, int materia
 Model box_model(double width_m, double height_m, double depth_m, int cells = 4);
 // A row of thin columns, `count` of them, `spacing_m` apart, over a flat base.
 Model columns_model(int count, double thickness_m, double spacing_m, double height_m);
+// A ball of `steps` by 2 `steps` faces with smooth normals.
+ModelPart ball_part(glm::dvec3 centre, double radius, int steps, int material = 0);
+// Light of the same radiance from everywhere, no sun, no air: what gives back all of it is not seen before it.
+ObjectAppearance furnace(double radiance);
 // A smooth texture of soft waves, so that no texel edge hides an error.
 ModelTexture soft_texture(int size);
+// The same as data: normals that lean up to about 30 degrees; otherwise waves between 0.3 and 0.95.
+ModelTexture soft_normals(int size);
+ModelTexture soft_data(int size);
 
 // A camera that looks north, level, with its horizon at the middle row.
 SceneView view_north(int width, int height, double focal_px);

@@ -1,0 +1,90 @@
+// The radiance a surface sends to the eye under sun and sky.
+uniform vec3 sun_direction;
+uniform vec3 sun_light;        // irradiance / pi
+uniform mat3 albedo_to_channels;
+uniform vec3 sky_light[9];     // irradiance / pi, with the constants of the SH basis
+#if defined(UNLIT) || defined(EMITS)
+uniform vec3 white_card;       // radiance of a white card lying in the open
+#endif
+#if defined(REFLECTS)
+uniform sampler2D reflection_table;
+uniform vec3 head_on_reflectance;
+uniform float edge_reflectance;
+varying vec3 v_to_eye;         // world
+#endif
+
+vec3 in_channels(vec3 reflectance) { return clamp(albedo_to_channels * reflectance, 0.0, 1.0); }
+
+// The sky's harmonics of order 1 and 2 towards n.
+vec3 first_order(vec3 n) { return sky_light[1] * n.y + sky_light[2] * n.z + sky_light[3] * n.x; }
+vec3 second_order(vec3 n) {
+  return sky_light[4] * n.x * n.y + sky_light[5] * n.y * n.z + sky_light[6] * (3.0 * n.z * n.z - 1.0) +
+         sky_light[7] * n.x * n.z + sky_light[8] * (n.x * n.x - n.y * n.y);
+}
+
+// Irradiance of the sky, of the sun, on a surface of normal n, over pi.
+vec3 from_sky(vec3 n) { return max(sky_light[0] + first_order(n) + second_order(n), 0.0); }
+vec3 from_sun(vec3 n) { return sun_light * max(dot(n, sun_direction), 0.0); }
+
+#if defined(REFLECTS)
+// GGX's lobe of the sun with Schlick's Fresnel, times pi. The sun's disc widens it: what is seen of a smooth mirror is the
+// disc's own radiance (its solid angle over 4 pi).
+vec3 sun_lobe(vec3 n, vec3 eye, float across, float roughness, vec3 f0, vec3 f90) {
+  float towards = dot(n, sun_direction);
+  if (towards <= 0.0) return vec3(0.0);
+  vec3 facet = normalize(eye + sun_direction);
+  float nh = clamp(dot(n, facet), 0.0, 1.0);
+  float a2 = pow(roughness, 4.0) + 5.4e-6;
+  float spread = 1.0 - nh * nh + nh * nh * a2;
+  float hidden = towards * sqrt(across * across * (1.0 - a2) + a2) + across * sqrt(towards * towards * (1.0 - a2) + a2);
+  float edge = pow(1.0 - clamp(dot(eye, facet), 0.0, 1.0), 5.0);
+  return (f0 + (f90 - f0) * edge) * (a2 / (spread * spread) * 0.5 / hidden);
+}
+
+// What goes back after reflections between facets, of what is reflected once (Fdez-Aguera 2019). `all`: reflected once by
+// a white one.
+vec3 from_between(vec3 once, vec3 f0, vec3 f90, float all) {
+  vec3 mean = f0 + (f90 - f0) / 21.0;
+  return once * mean * (1.0 - all) / (1.0 - mean * (1.0 - all));
+}
+
+// Reflected once, reflected between facets, and what goes into the body and comes out coloured: together never more than
+// falls in, and all of it where nothing is absorbed. Metal and what is not metal lie side by side.
+vec3 lit(Surface s) {
+  vec3 body = in_channels(s.colour.rgb);
+  vec3 coat = in_channels(head_on_reflectance);
+  vec3 coat_edge = vec3(edge_reflectance);
+  vec3 eye = normalize(v_to_eye);
+  float across = clamp(dot(s.normal, eye), 0.002, 1.0);
+  vec4 table = texture2D(reflection_table, (vec2(sqrt(across), s.roughness) * 31.0 + 0.5) / 32.0);
+  vec3 coat_once = coat * (table.r - table.g) + coat_edge * table.g;
+  vec3 metal_once = body * (table.r - table.g) + table.g;
+  vec3 coat_between = from_between(coat_once, coat, coat_edge, table.r);
+  vec3 once = mix(coat_once, metal_once, s.metallic);
+  vec3 between = mix(coat_between, from_between(metal_once, body, vec3(1.0), table.r), s.metallic);
+  vec3 coloured = (1.0 - s.metallic) * body * (1.0 - coat_once - coat_between);
+
+  // The mirror image of a rough surface leans towards its normal (Lagarde 2014).
+  float sharp = 1.0 - s.roughness;
+  vec3 image = normalize(mix(s.normal, reflect(-eye, s.normal), sharp * (sqrt(sharp) + s.roughness)));
+  // Irradiance holds 1, 2/3 and 1/4 of the radiance's orders.
+  vec3 mirrored = max(sky_light[0] + 1.5 * table.b * first_order(image) + 4.0 * table.a * second_order(image), 0.0);
+  float open_image = clamp(pow(across + s.open_sky, exp2(-16.0 * s.roughness - 1.0)) - 1.0 + s.open_sky, 0.0, 1.0);
+  return (coloured + between) * (s.open_sky * from_sky(s.normal) + from_sun(s.normal)) + open_image * once * mirrored +
+         sun_light * (max(dot(s.normal, sun_direction), 0.0) *
+                      sun_lobe(s.normal, eye, across, s.roughness, mix(coat, body, s.metallic),
+                               mix(coat_edge, vec3(1.0), s.metallic)));
+}
+#else
+vec3 lit(Surface s) { return in_channels(s.colour.rgb) * (s.open_sky * from_sky(s.normal) + from_sun(s.normal)); }
+#endif
+
+vec3 radiance_of(Surface s) {
+#if defined(UNLIT)
+  return in_channels(s.colour.rgb) * white_card;
+#elif defined(EMITS)
+  return lit(s) + max(albedo_to_channels * s.emission, 0.0) * white_card;
+#else
+  return lit(s);
+#endif
+}
