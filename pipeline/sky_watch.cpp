@@ -6,6 +6,13 @@
 
 namespace kasumi {
 
+namespace {
+
+// Between two pictures of a slow camera; then they have passed.
+constexpr Duration kCloudsHold = std::chrono::minutes(2);
+
+}  // namespace
+
 SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
     : site_(installation.site),
       object_m_(installation.object.placement.east_m, installation.object.placement.north_m,
@@ -61,6 +68,8 @@ Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource 
   report.sun = place_sun(report.utc, &*picture, sun_from);
   estimate(*picture, report);
   last_estimate_ = report.estimate;
+  last_measured_ = report.measured;
+  last_looked_ = when;
   tracker_.observe(report.estimate, when);
   add_air(report, when);
   return report;
@@ -71,6 +80,7 @@ SkyReport SkyWatch::at(Instant when, Utc utc, SunSource sun_from) const {
   report.utc = utc;
   report.sun = place_sun(utc, nullptr, sun_from);
   report.estimate = last_estimate_;
+  if (when - last_looked_ <= kCloudsHold) report.measured = last_measured_;
   add_air(report, when);
   return report;
 }

@@ -63,6 +63,8 @@ class SkyWatch {
   SkyObserver observer_;
   TurbidityTracker tracker_;
   TurbidityEstimate last_estimate_;
+  std::shared_ptr<const MeasuredSky> last_measured_;  // of the same frame
+  Instant last_looked_{};
 };
 
 // An estimate whose numbers cannot be is made unusable, with a reason.

@@ -6,8 +6,10 @@
 
 #include <glm/geometric.hpp>
 
+#include "capture/replay_source.hpp"
 #include "fixtures/building.hpp"
 #include "fixtures/scene_view.hpp"
+#include "pipeline/fixture_file.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/replay.hpp"
 #include "tests/pipeline/recorded.hpp"
@@ -167,6 +169,17 @@ TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
   EXPECT_EQ(summary->last->measured->sun_share, 0.0);
   EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.words;
   EXPECT_LE(building_error(fixture, out, "overcast"), 4.0);
+
+  // Between two pictures of a slow sky camera its clouds stay, for a while.
+  const auto read = read_fixture(fixture).value();
+  UnhurriedClock clock(read.info.start_utc);
+  auto sources = open_fixture_sources(fixture, clock).value();
+  SkyWatch watch(read.installation);
+  const auto frame = sources.sky->next(*sources.sky->due() + std::chrono::seconds(1)).value();
+  ASSERT_TRUE(watch.observe(frame));
+  const auto at = frame.metadata.captured_at;
+  EXPECT_TRUE(watch.at(at + std::chrono::seconds(30), frame.metadata.utc, SunSource::ephemeris).measured);
+  EXPECT_FALSE(watch.at(at + std::chrono::minutes(5), frame.metadata.utc, SunSource::ephemeris).measured);
 }
 
 }  // namespace
