@@ -45,8 +45,9 @@ Result<> read_calibration(const std::string& file, SkyPhotographSetup& setup) {
   if (!root) return fail(root.error());
   if (auto site = root->optional_table("site")) setup.site = read_site(*site);
   setup.calibrated = read_camera(root->table("sky"), "sky");
-  // A fixture's description serves as it is.
-  for (const char* key : {"format", "name", "description", "licence", "provenance", "start_utc", "scene", "object"})
+  // What kasumi calibrate wrote serves, and so does a fixture's description as it is.
+  for (const char* key :
+       {"calibration", "format", "name", "description", "licence", "provenance", "start_utc", "scene", "object"})
     root->ignore(key);
   return root->finish();
 }

@@ -31,6 +31,7 @@ const Rooms kMayInclude = {
 const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"ceres/", {"estimator/", "calib/"}},
     {"toml++/", {"base/config_table.cpp"}},
+    {"opencv2/calib3d", {"calib/board.cpp"}},
     {"tiny_gltf.h", {"gles/", "fixtures/"}},
     {"SDL", {"gles/window"}},
     {"erfa", {"estimator/sun"}},

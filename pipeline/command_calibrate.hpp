@@ -1,0 +1,11 @@
+// The steps of `kasumi calibrate`.
+#pragma once
+
+#include "pipeline/command.hpp"
+
+namespace kasumi {
+
+void add_calibrate_lens(CLI::App& calibrate_command, Action& action);
+void add_calibrate_sky(CLI::App& calibrate_command, Action& action);
+
+}  // namespace kasumi
