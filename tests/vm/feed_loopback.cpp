@@ -17,7 +17,7 @@ namespace kasumi {
 
 namespace {
 
-Result<> say_format(int device, const FrameMetadata& frame) {
+Result<> begin(int device, const FrameMetadata& frame) {
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
   auto& picture = format.fmt.pix;
@@ -36,6 +36,11 @@ Result<> say_format(int device, const FrameMetadata& frame) {
   if (picture.pixelformat != wanted.pixelformat || picture.width != wanted.width || picture.height != wanted.height)
     return fail(FaultKind::device, "the device would not take {} {}x{}", frame.format.text(), frame.width,
                 frame.height);
+  // write() alone would do, but a writer that never said STREAMON is not missed when it is gone: the device then is
+  // neither camera nor sink, and takes no other writer.
+  int type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
+  if (ioctl(device, VIDIOC_STREAMON, &type) < 0)
+    return fail(FaultKind::device, "VIDIOC_STREAMON: {}", std::strerror(errno));
   return {};
 }
 
@@ -45,12 +50,12 @@ Result<> feed(const char* camera_folder, const char* device_path) {
   if (!source) return fail(source.error());
   UniqueFd device(open(device_path, O_WRONLY | O_CLOEXEC));
   if (!device) return fail(FaultKind::device, "{}: {}", device_path, std::strerror(errno));
-  for (bool format_said = false;;) {
+  for (bool begun = false;;) {
     const auto frame = (*source)->next(clock.now() + std::chrono::seconds{1});
     if (!frame && (frame.error().kind == FaultKind::timeout || frame.error().kind == FaultKind::disconnected)) continue;
     if (!frame) return fail(frame.error());
-    if (!std::exchange(format_said, true))
-      if (const auto said = say_format(device.value(), frame->metadata); !said) return said;
+    if (!std::exchange(begun, true))
+      if (const auto said = begin(device.value(), frame->metadata); !said) return said;
     const auto bytes = frame->payload.bytes;
     if (write(device.value(), bytes.data(), bytes.size()) < 0)
       return fail(FaultKind::device, "{}: {}", device_path, std::strerror(errno));

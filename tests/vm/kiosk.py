@@ -1,6 +1,7 @@
 """The appliance in its machine: installed from its own package, fed by fixture frames or by the kernel's test drivers."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -11,6 +12,7 @@ from machine import Machine
 FIXTURE_STARTS_UTC = "2026-10-20T00:50:00"  # the preset "demo"
 SCENE_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-scene"\n'
 SKY_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-sky"\n'
+VIMC = 'source = "libcamera"\ncamera = "platform/vimc.0 Sensor B"\n'
 VIVID = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/vivid-000"\nformat = "YUYV"\nframes_per_second = 5\n'
 
 # Drivers of the kernel have no serial number and share or lack a place: the names that stay are given by their cards.
@@ -22,6 +24,19 @@ SUBSYSTEM=="video4linux", ATTR{name}=="vivid-000-vid-cap", SYMLINK+="v4l/by-id/v
 DRIVERS = """\
 options v4l2loopback devices=2 exclusive_caps=1,1 card_label=kasumi-scene,kasumi-sky
 options vivid n_devs=1 node_types=0x1 input_types=0x0
+"""
+DEVICE_TESTS = ("test_v4l2_live", "test_libcamera_live", "test_kms", "test_gles")
+STATISTICS = """\
+[Service]
+ExecStart=
+ExecStart=/usr/bin/kasumi run --config /etc/kasumi/kasumi.toml --stats
+"""
+# Software GL compiles its shaders for each kind of picture, and under emulation, on a busy host, that takes minutes.
+EMULATED = """\
+[Service]
+TimeoutStartSec=600
+TimeoutStopSec=60
+WatchdogSec=300
 """
 FEEDER = """\
 [Service]
@@ -35,9 +50,11 @@ WantedBy=multi-user.target
 """
 
 
-def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", patience=1.0):
+def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", patience=1.0, scene_width=640):
     """A fixture's cameras and building as kasumi.toml, with live cameras instead of recorded ones."""
     described = (fixture / "fixture.toml").read_text()
+    if scene_width != 640:
+        described = described.replace("width = 640\n", f"width = {scene_width}\n").replace('mask = "scene-mask.png"\n', "")
     return (described[described.index("[site]"):]
             + f"\n[sky.camera]\n{sky}\n[scene.camera]\n{scene}\n"
             + f'[clock]\npolicy = "{clock}"\n[state]\nfolder = "/var/lib/kasumi"\n'
@@ -46,31 +63,36 @@ def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="truste
 
 
 def make_disk(build, folder):
-    """The disk that brings Kasumi's package, the fixture and the feeder into the machine; and the reference pictures."""
+    """The disk that brings Kasumi's package, fixtures, their feeder and tests of devices into the machine; and the pictures
+    that the renderer without a screen makes of the fixtures, in folder/NAME-reference."""
     shutil.rmtree(folder, ignore_errors=True)
     content = folder / "content"
-    fixture = content / "opt/kasumi-vm/fixture"
-    fixture.parent.mkdir(parents=True)
+    ours = content / "opt/kasumi-vm"
+    fixture = ours / "fixture"
+    ours.mkdir(parents=True)
 
     def run(*command):
-        subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL, timeout=300)
 
-    run(build / "kasumi-generate-fixture", "demo", "--scene-size", "640x360", "--sky-size", "320", "--frames", "10",
-        "--period", "0.5", "--truth-frames", "0", "--out", fixture)
-    run(build / "kasumi", "replay", fixture, "--out", folder / "reference")
+    for name, encoding, frames in (("fixture", "MJPG", 10), ("fixture-yuyv", "YUYV", 2)):
+        run(build / "kasumi-generate-fixture", "demo", "--scene-size", "640x360", "--sky-size", "320", "--frames", frames,
+            "--period", "0.5", "--truth-frames", "0", "--scene-format", encoding, "--out", ours / name)
+        run(build / "kasumi", "replay", ours / name, "--out", folder / f"{name}-reference")
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")
     shutil.copy(next((folder / "package").glob("*.deb")), content / "kasumi.deb")
-    run("strip", "-o", content / "opt/kasumi-vm/feed_loopback", build / "feed_loopback")
+    for program in ("feed_loopback", *(DEVICE_TESTS if os.environ.get("KASUMI_VM_ALL") == "1" else ())):
+        run("strip", "-o", ours / program, build / program)
     kasumi = content / "etc/kasumi"
     kasumi.mkdir(parents=True)
     for name in ("temple.glb", "sky-mask.png", "scene-mask.png"):
         shutil.copy(fixture / name, kasumi)
     for path, text in {"etc/udev/rules.d/72-kasumi-vm.rules": UDEV_RULES, "etc/modprobe.d/kasumi-vm.conf": DRIVERS,
                        "etc/modules-load.d/kasumi-vm.conf": "v4l2loopback\n",
-                       "etc/systemd/system/feed@.service": FEEDER}.items():
+                       "etc/systemd/system/feed@.service": FEEDER,
+                       "etc/systemd/system/kasumi.service.d/statistics.conf": STATISTICS}.items():
         (content / path).parent.mkdir(parents=True, exist_ok=True)
         (content / path).write_text(text)
-    run("mke2fs", "-q", "-t", "ext4", "-d", content, folder / "kasumi.img", "160M")
+    run("mke2fs", "-q", "-t", "ext4", "-d", content, folder / "kasumi.img", "400M")
     return folder / "kasumi.img"
 
 
@@ -85,10 +107,9 @@ class Kiosk(Machine):
                  " && udevadm control --reload && systemctl daemon-reload && modprobe v4l2loopback && udevadm settle")
         self.run("systemctl enable --now feed@sky feed@scene")
         self.configure()
-        if self.slowness > 1:  # software GL compiles its shaders for each kind of picture: many times its time under emulation
-            limits = f"[Service]\\nTimeoutStartSec={60 * self.slowness:.0f}\\nTimeoutStopSec={5 * self.slowness:.0f}\\nWatchdogSec=90\\n"
-            self.run(f"mkdir -p /etc/systemd/system/kasumi.service.d && printf '{limits}'"
-                     " > /etc/systemd/system/kasumi.service.d/emulated.conf && systemctl daemon-reload")
+        if self.emulated:
+            self.write("/etc/systemd/system/kasumi.service.d/emulated.conf", EMULATED)
+        self.run("systemctl daemon-reload && systemctl enable kasumi")
 
     def start_kasumi(self, timeout_s=60):
         """BLOCKS until systemd has heard READY. Returns after how many seconds."""
@@ -97,14 +118,15 @@ class Kiosk(Machine):
         return time.monotonic() - started
 
     def configure(self, **choices):
-        text = configuration(self.fixture, patience=min(self.slowness, 15), **choices)
-        self.run(f"cat > /etc/kasumi/kasumi.toml <<'END'\n{text}\nEND")
+        self.write("/etc/kasumi/kasumi.toml", configuration(self.fixture, patience=15 if self.emulated else 1, **choices))
+
+    def write(self, path, text):
+        self.run(f"mkdir -p $(dirname {path}) && cat > {path} <<'END'\n{text}\nEND")
 
     def status(self):
         """What Kasumi says of itself; empty while there is none."""
-        text = self.run("cat /run/kasumi/status.json", check=False)
         try:
-            return json.loads(text)
+            return json.loads(self.read("/run/kasumi/status.json"))
         except ValueError:
             return {}
 
