@@ -63,6 +63,13 @@ class MachineDevices final : public Devices {
     return std::visit([&](const auto& chosen) { return open(chosen); }, choice);
   }
 
+  std::unique_ptr<DisplayWatch> watch_displays() override {
+    auto watch = kasumi::watch_displays();
+    if (watch) return std::move(*watch);
+    spdlog::info("display: {}: looked for every second", watch.error().message);
+    return nullptr;
+  }
+
  private:
   CameraOpening opening(const std::string& name, CameraRole role, const ReplayCamera& replay) {
     const auto folder = replay.fixture / (role == CameraRole::sky ? "sky" : "scene");

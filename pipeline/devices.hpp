@@ -24,6 +24,8 @@ class Devices {
   // Opens nothing yet. The opener's `open` BLOCKS as the camera's driver does.
   virtual CameraOpening camera(CameraRole role, const CameraChoice& choice) = 0;
   virtual Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) = 0;
+  // Hears of displays that come and go. Null: nobody tells, they are looked for now and then.
+  virtual std::unique_ptr<DisplayWatch> watch_displays() = 0;
 };
 
 // The machine's. Used by several threads; `clock` must outlive it.

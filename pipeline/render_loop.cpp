@@ -15,6 +15,8 @@ using namespace std::chrono_literals;
 constexpr Duration kBufferDeadline = 250ms;
 constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: the display is opened anew
 constexpr Duration kDisplayInterval = 1s;   // between tries to open one
+constexpr Duration kDisplayPause = 250ms;   // the same when displays are said to come and go
+constexpr Duration kGlance = 100ms;         // how often what costs nothing is looked at
 constexpr Duration kShowAgain = 1s;         // a picture without news: the loop's sign of life
 constexpr Duration kFadeStep = 33ms;
 constexpr Duration kTellInterval = 500ms;
@@ -56,16 +58,18 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       devices_(devices),
       clock_(clock),
       exchange_(exchange),
+      watch_(devices.watch_displays()),
       watchdog_(notifier),
       ladder_(content_->config.ladder),
       try_display_at_(clock.now()),
+      tried_display_at_(clock.now() - kDisplayPause),
       shown_at_(clock.now()),
       minute_began_(clock.now()) {}
 
 Instant RenderLoop::step() {
-  take_content();
   take_news();
-  if (!screen_ && clock_.now() >= try_display_at_) open_screen();
+  take_content();
+  if (!screen_) look_for_screen();
   climb();
   if (screen_) {
     note_flips();
@@ -75,23 +79,28 @@ Instant RenderLoop::step() {
     let_go_of_frames();
   }
   tell();
-  if (!screen_) return try_display_at_;
-  return is_fading(news_.rung) ? clock_.now() + kFadeStep : std::min(shown_at_ + kShowAgain, clock_.now() + 100ms);
+  const auto now = clock_.now();
+  if (!screen_) return watch_ ? std::min(try_display_at_, now + kGlance) : try_display_at_;
+  return is_fading(news_.rung) ? now + kFadeStep : std::min(shown_at_ + kShowAgain, now + kGlance);
 }
 
 void RenderLoop::take_content() {
-  auto content = exchange_.content.render.take();
-  if (!content) return;
-  const bool other_display = (*content)->config.display != content_->config.display;
+  if (auto content = exchange_.content.render.take()) new_content_ = std::move(*content);
+  // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
+  // it.
+  const bool is_seen = screen_ && news_.rung.still < 1.0;
+  if (!new_content_ || (is_seen && !waiting_)) return;
+  const auto content = std::exchange(new_content_, nullptr);
+  const bool other_display = content->config.display != content_->config.display;
   if (screen_ && !other_display) {
-    auto stage = Stage::create(screen_->display->context(), *content);
+    auto stage = Stage::create(screen_->display->context(), content);
     if (!stage) {
       spdlog::error("the new content cannot be drawn, the old one stays: {}", stage.error().message);
       return;
     }
     screen_->stage = std::move(*stage);
   }
-  content_ = std::move(*content);
+  content_ = content;
   air_.reset();
   ladder_.adopt(patient_with(content_->config.ladder, camera_.frame_interval));
   shown_.reset();
@@ -154,8 +163,14 @@ bool RenderLoop::is_due(Instant now) const {
   return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kShowAgain;
 }
 
+void RenderLoop::look_for_screen() {
+  if (watch_ && watch_->take_change()) try_display_at_ = std::min(try_display_at_, tried_display_at_ + kDisplayPause);
+  if (clock_.now() >= try_display_at_) open_screen();
+}
+
 void RenderLoop::open_screen() {
   const auto now = clock_.now();
+  tried_display_at_ = now;
   try_display_at_ = now + kDisplayInterval;
   auto display = devices_.open_display(content_->config.display);
   auto stage = display ? Stage::create((*display)->context(), content_, std::exchange(air_, std::nullopt))

@@ -41,6 +41,7 @@ class RenderLoop {
   std::string words_now() const;
   bool is_due(Instant now) const;
 
+  void look_for_screen();
   void open_screen();
   void lose_screen(const Fault& fault);
   void endure_timeout(const Fault& fault);
@@ -52,15 +53,18 @@ class RenderLoop {
   void tell();
 
   ContentPtr content_;
+  ContentPtr new_content_;  // not yet taken in; null: none
   Devices& devices_;
   Clock& clock_;
   Exchange& exchange_;
+  std::unique_ptr<DisplayWatch> watch_;
   Watchdog watchdog_;
   Ladder ladder_;
 
   std::optional<Screen> screen_;
   std::optional<SceneAir> air_;  // what a stage that is lost had seen
   Instant try_display_at_;
+  Instant tried_display_at_;
   bool display_wanted_ = false;            // and said so in the log
   std::optional<Instant> timeouts_since_;  // no buffer to draw into since then
   bool closed_ = false;

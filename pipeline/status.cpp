@@ -93,7 +93,7 @@ std::string status_json(const Status& status) {
   json["sun"] = status.sky.report.sun.words;
   json["building_drawn"] = status.sky.sun_known() && (rung.shown == Shown::live || rung.shown == Shown::degraded);
   json["clock_trusted"] = status.sky.clock_trusted;
-  json["recording"] = false;
+  json["recording"] = false;  // cameras serve one program at a time: who records is `kasumi record`
   json["latency_ms"] = latency_json(status.render.latency);
   json["latency_ms_last_minute"] = latency_json(status.render.latency_minute);
   json["copies_per_frame"] = copies_per_frame(status);

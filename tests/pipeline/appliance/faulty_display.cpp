@@ -20,9 +20,15 @@ class FaultyDisplay final : public Display {
   }
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
     seen_.reset();
+    faults_.off = false;
     return display_->show(std::move(until_replaced));
   }
   std::vector<Flip> take_flips() override { return faults_.stuck ? std::vector<Flip>{} : display_->take_flips(); }
+  Result<> turn_off() override {
+    if (faults_.stays_on) return Display::turn_off();
+    faults_.off = true;
+    return {};
+  }
   Result<Image<Rgb8>> read() {
     if (!seen_) {
       auto read = display_->read();
@@ -38,10 +44,24 @@ class FaultyDisplay final : public Display {
   std::optional<Image<Rgb8>> seen_;
 };
 
+class FaultyWatch final : public DisplayWatch {
+ public:
+  explicit FaultyWatch(DisplayFaults& faults) : faults_(faults) {}
+  bool take_change() override { return std::exchange(faults_.told, false); }
+
+ private:
+  DisplayFaults& faults_;
+};
+
 }  // namespace
+
+std::unique_ptr<DisplayWatch> watch_faulty_display(DisplayFaults& faults) {
+  return std::make_unique<FaultyWatch>(faults);
+}
 
 Result<std::unique_ptr<Display>> open_faulty_display(const HeadlessDisplayOptions& options, Clock& clock,
                                                      DisplayFaults& faults) {
+  ++faults.tried;
   if (faults.unplugged) return fail(FaultKind::disconnected, "no connected connector");
   if (faults.busy) return fail(FaultKind::device, "EBUSY: another program is DRM master");
   auto given = options;

@@ -14,13 +14,18 @@ struct DisplayFaults {
   bool stuck = false;          // flips do not complete any more, until it is opened anew
   bool opening_mends = false;  // it is stuck until it is opened anew
   bool context_lost = false;   // once: the GPU was reset
+  bool stays_on = false;       // it cannot be turned off
+  bool told = false;           // that displays came or went, once
+  bool off = false;            // turned off, and no picture shown since
   int opened = 0;
+  int tried = 0;                                    // to open it
   std::optional<std::pair<int, int>> other_size{};  // of the mode it comes back with
 };
 
 // `faults` must outlive it.
 Result<std::unique_ptr<Display>> open_faulty_display(const HeadlessDisplayOptions& options, Clock& clock,
                                                      DisplayFaults& faults);
+std::unique_ptr<DisplayWatch> watch_faulty_display(DisplayFaults& faults);
 // The picture shown last. Error: nothing has been shown.
 Result<Image<Rgb8>> read_picture(Display& display);
 

@@ -159,6 +159,7 @@ Rig::Rig(RigOptions options)
       given_at_(kSceneFrames) {
   if (!options.keep_folder) std::filesystem::remove_all(folder);
   config = write_config(folder, options.clock_policy);
+  check(write_text_file(config, read_text_file(config).value() + options.more_config));
   devices.display = options.display;
   auto content = read_content(config);
   if (!content) {
@@ -215,6 +216,22 @@ std::optional<Duration> Rig::age_on_screen() {
   const auto number = frame_number(seen);
   if (!number || !given_at_[static_cast<std::size_t>(*number)]) return std::nullopt;
   return clock.now() - *given_at_[static_cast<std::size_t>(*number)];
+}
+
+void replace_in(const std::filesystem::path& file, const std::string& from, const std::string& to) {
+  auto text = read_text_file(file).value();
+  const auto at = text.find(from);
+  ASSERT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  ASSERT_TRUE(write_text_file(file, text));
+}
+
+std::unique_ptr<Rig> running(RigOptions options) {
+  auto rig = std::make_unique<Rig>(std::move(options));
+  rig->advance(4s);
+  EXPECT_EQ(rig->shown(), Shown::live) << name_of(rig->trouble());
+  EXPECT_TRUE(rig->status().sky.report.tracked) << rig->status().sky.report.estimate.reason;
+  return rig;
 }
 
 }  // namespace kasumi

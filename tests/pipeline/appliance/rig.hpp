@@ -49,6 +49,7 @@ class BenchDevices final : public Devices {
   explicit BenchDevices(Clock& clock) : clock_(clock), machine_(machine_devices(clock)) {}
   CameraOpening camera(CameraRole role, const CameraChoice& choice) override;
   Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) override;
+  std::unique_ptr<DisplayWatch> watch_displays() override { return watch_faulty_display(display); }
   CameraFaults sky, scene;
   DisplayFaults display;
 
@@ -60,7 +61,8 @@ class BenchDevices final : public Devices {
 struct RigOptions {
   std::string name = "rig";  // of its folder
   std::string clock_policy = "trusted";
-  std::optional<Utc> utc{};  // the machine's at the start; empty: the recording's
+  std::string more_config{};  // at the end of kasumi.toml
+  std::optional<Utc> utc{};   // the machine's at the start; empty: the recording's
   SkyWatchOptions sky{};
   bool keep_folder = false;  // what an earlier rig of that name left on disk is found there
   DisplayFaults display{};
@@ -114,5 +116,11 @@ class Rig {
   std::optional<Instant> told_;
   std::vector<std::optional<Instant>> given_at_;  // by frame number: when the camera gave it last
 };
+
+// In a text file, which must have it.
+void replace_in(const std::filesystem::path& file, const std::string& from, const std::string& to);
+
+// A rig whose picture is live under a known air.
+std::unique_ptr<Rig> running(RigOptions options);
 
 }  // namespace kasumi

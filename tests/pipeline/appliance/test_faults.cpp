@@ -12,15 +12,6 @@ namespace {
 
 using testing::HasSubstr;
 
-// A rig whose picture is live.
-std::unique_ptr<Rig> running(RigOptions options) {
-  auto rig = std::make_unique<Rig>(std::move(options));
-  rig->advance(4s);
-  EXPECT_EQ(rig->shown(), Shown::live) << name_of(rig->trouble());
-  EXPECT_TRUE(rig->status().sky.report.tracked) << rig->status().sky.report.estimate.reason;
-  return rig;
-}
-
 // Nothing on the screen is ever older than the ladder allows.
 void advance_watching(Rig& rig, Duration by) {
   for (Duration turned{}; turned < by; turned += Rig::kTick) {

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <fstream>
 #include <random>
+#include <set>
 #include <thread>
 
 #include <sys/resource.h>
@@ -20,21 +21,6 @@ namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-
-std::unique_ptr<Rig> running(RigOptions options) {
-  auto rig = std::make_unique<Rig>(std::move(options));
-  rig->advance(4s);
-  EXPECT_EQ(rig->shown(), Shown::live) << name_of(rig->trouble());
-  return rig;
-}
-
-void replace_in(const std::filesystem::path& file, const std::string& from, const std::string& to) {
-  auto text = read_text_file(file).value();
-  const auto at = text.find(from);
-  ASSERT_NE(at, std::string::npos) << from;
-  text.replace(at, from.size(), to);
-  ASSERT_TRUE(write_text_file(file, text));
-}
 
 TEST(Appliance, Row15WithoutADisplayAtBootItWaitsAndIsNotReady) {
   Rig rig({.name = "row15-boot", .display = {.unplugged = true}});
@@ -62,6 +48,37 @@ TEST(Appliance, Row15ADisplayThatComesBackWithAnotherModeShowsThePicture) {
   ASSERT_TRUE(took);
   std::printf("%-52s live after %.2f s\n", "15 display back with another mode", to_seconds(*took));
   EXPECT_EQ(rig->picture().width(), 640);
+}
+
+// Right after it has looked in vain, the longest of all waits by the clock alone.
+TEST(Appliance, Row15ADisplayThatIsPluggedInIsNoticedAtOnce) {
+  const auto rig = running({.name = "row15-told"});
+  auto& display = rig->devices.display;
+  display.unplugged = true;
+  rig->advance(5s);
+  const auto tried = display.tried, opened = display.opened;
+  ASSERT_TRUE(rig->advance_until([&] { return display.tried > tried; }, 1100ms));
+  display.unplugged = false;
+  display.told = true;
+  const auto took = rig->advance_until([&] { return display.opened > opened; }, 1100ms);
+  ASSERT_TRUE(took);
+  std::printf("%-52s opened after %.2f s\n", "15 display plugged in", to_seconds(*took));
+  EXPECT_LE(*took, 260ms);
+}
+
+TEST(Appliance, Row15APlugThatDoesNotHoldKeepsNobodyBusy) {
+  const auto rig = running({.name = "row15-storm"});
+  auto& display = rig->devices.display;
+  display.unplugged = true;
+  rig->advance(100ms);
+  const auto tried = display.tried;
+  for (int i = 0; i < 500; ++i) {
+    display.told = true;
+    rig->advance(Rig::kTick);
+  }
+  EXPECT_LE(display.tried - tried, 41) << "four times a second for ten seconds";
+  display.unplugged = display.told = false;
+  EXPECT_TRUE(rig->recover("15 plugged in after a storm of news", 2s));
 }
 
 TEST(Appliance, Row16AFlipThatNeverCompletesLeadsToANewModeset) {
@@ -287,10 +304,15 @@ TEST(Appliance, GoodContentIsTakenInWithoutAGap) {
   const auto rig = running({.name = "reload"});
   const auto opened = rig->status().scene_camera.health.opened;
   replace_in(rig->config, "language = \"en\"", "language = \"ja\"");
-  rig->hang_up();
-  for (int i = 0; i < 200; ++i) {
-    rig->advance(Rig::kTick);
-    ASSERT_NE(rig->shown(), Shown::still);
+  for (int moment = 0; moment < 10; ++moment) {  // between two frames of the camera
+    rig->hang_up();
+    for (Duration turned{}; turned < 420ms + moment * 20ms; turned += Rig::kTick) {
+      rig->advance(Rig::kTick);
+      ASSERT_NE(rig->shown(), Shown::still);
+      const auto age = rig->age_on_screen();
+      ASSERT_TRUE(age) << "there is always a picture of the scene";
+      ASSERT_LE(*age, 220ms);
+    }
   }
   EXPECT_EQ(rig->shown(), Shown::live);
   ASSERT_TRUE(rig->status().reload);
@@ -329,6 +351,25 @@ TEST(Appliance, TheStatusFileHasEveryPromisedKey) {
   EXPECT_EQ(json["clock_trusted"], true);
   // The clock stands still while a picture is drawn: a frame is on the glass in the tick it came.
   EXPECT_LE(json["latency_ms"]["max"].get<double>(), 21.0);
+}
+
+// `recording` says no; nothing on the disk may say otherwise.
+TEST(Appliance, NoPictureOfVisitorsIsKept) {
+  const auto rig = running({.name = "keeps-nothing"});
+  std::set<std::filesystem::path> before;
+  const auto files = [&] {
+    std::set<std::filesystem::path> found;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(rig->folder)) found.insert(entry.path());
+    return found;
+  };
+  rig->advance(12s);  // the state is there
+  before = files();
+  rig->advance(20s);
+  rig->devices.scene.unplugged = true;
+  rig->advance(10s);
+  EXPECT_EQ(files(), before) << "status.json and the state, written over and over";
+  EXPECT_LE(std::filesystem::file_size(rig->folder / "state" / "turbidity.json"), 1000u);
+  EXPECT_EQ(nlohmann::json::parse(read_text_file(rig->folder / "status.json").value())["recording"], false);
 }
 
 }  // namespace

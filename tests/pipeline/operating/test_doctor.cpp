@@ -445,6 +445,7 @@ class Untouchable final : public Devices {
     ADD_FAILURE() << "the appliance has the display";
     return fail(FaultKind::device, "busy");
   }
+  std::unique_ptr<DisplayWatch> watch_displays() override { return nullptr; }
 };
 
 TEST(Doctor, WhileTheApplianceRunsItsAccountIsReadInstead) {
