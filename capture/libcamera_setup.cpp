@@ -55,6 +55,7 @@ Result<std::unique_ptr<libcamera::CameraConfiguration>> choose_configuration(lib
   auto& stream = configuration->at(0);
   const auto offered = stream.formats().pixelformats();
   const libcamera::Size size(static_cast<unsigned>(request.width), static_cast<unsigned>(request.height));
+  std::string nearest;  // a range has steps that libcamera tells by adjusting only
   for (const auto& known : kKnown) {
     if (request.format && known.ours != *request.format) continue;
     if (!offered.empty() && std::ranges::find(offered, known.drm) == offered.end()) continue;
@@ -63,9 +64,12 @@ Result<std::unique_ptr<libcamera::CameraConfiguration>> choose_configuration(lib
     stream.bufferCount = static_cast<unsigned>(request.buffers);
     if (configuration->validate() == libcamera::CameraConfiguration::Invalid) continue;
     if (stream.pixelFormat == known.drm && stream.size == size) return configuration;
+    if (nearest.empty())
+      nearest = fmt::format("; nearest: {} {}", stream.pixelFormat.toString(), stream.size.toString());
   }
-  return fail(FaultKind::bad_input, "{}: {} {}x{}: expected one of: {}", camera.id(),
-              request.format ? request.format->text() : "any format", request.width, request.height, offer(stream));
+  return fail(FaultKind::bad_input, "{}: {} {}x{}: expected one of: {}{}", camera.id(),
+              request.format ? request.format->text() : "any format", request.width, request.height, offer(stream),
+              nearest);
 }
 
 libcamera::ControlList controls_for(const libcamera::Camera& camera, const CameraRequest& request,

@@ -24,8 +24,8 @@ class LibcameraLive : public testing::Test {
       if (listed->empty()) GTEST_SKIP() << "libcamera sees no camera on this machine";
       options_.camera = listed->front().id;
     }
-    options_.request.width = 640;
-    options_.request.height = 480;
+    options_.request.width = 480;  // vimc: multiples of 6 only
+    options_.request.height = 360;
   }
   std::unique_ptr<CameraSource> open() {
     auto source = open_libcamera_source(options_, clock_);
@@ -40,8 +40,8 @@ class LibcameraLive : public testing::Test {
 TEST_F(LibcameraLive, FramesAreWholeNewAndDecodable) {
   const auto source = open();
   ASSERT_TRUE(source);
-  EXPECT_EQ(source->mode().width, 640);
-  EXPECT_EQ(source->mode().height, 480);
+  EXPECT_EQ(source->mode().width, 480);
+  EXPECT_EQ(source->mode().height, 360);
   std::optional<FrameMetadata> last;
   for (int i = 0; i < 10; ++i) {
     const auto frame = source->next(clock_.now() + 4s);
