@@ -73,7 +73,7 @@ Instant RenderLoop::step() {
   climb();
   if (screen_) {
     note_flips();
-    if (is_due(clock_.now())) present();
+    if (!rest() && is_due(clock_.now())) present();
     note_flips();
   } else {
     let_go_of_frames();
@@ -81,6 +81,7 @@ Instant RenderLoop::step() {
   tell();
   const auto now = clock_.now();
   if (!screen_) return watch_ ? std::min(try_display_at_, now + kGlance) : try_display_at_;
+  if (screen_->off) return now + kGlance;
   return is_fading(news_.rung) ? now + kFadeStep : std::min(shown_at_ + kShowAgain, now + kGlance);
 }
 
@@ -88,7 +89,7 @@ void RenderLoop::take_content() {
   if (auto content = exchange_.content.render.take()) new_content_ = std::move(*content);
   // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
   // it.
-  const bool is_seen = screen_ && news_.rung.still < 1.0;
+  const bool is_seen = screen_ && news_.rung.still < 1.0 && !is_closed();
   if (!new_content_ || (is_seen && !waiting_)) return;
   const auto content = std::exchange(new_content_, nullptr);
   const bool other_display = content->config.display != content_->config.display;
@@ -133,7 +134,13 @@ Signs RenderLoop::signs() const {
   signs.bad_scene_picture = trouble_of(camera_.health.condition);
   signs.sky_up = sky_.up;
   signs.sun_known = sky_.sun_known();
+  signs.open = is_open();
   return signs;
+}
+
+// A clock that is not believed closes no doors.
+bool RenderLoop::is_open() const {
+  return !sky_.clock_trusted || content_->config.opening.is_open(clock_.utc());
 }
 
 void RenderLoop::climb() {
@@ -218,6 +225,28 @@ void RenderLoop::endure_timeout(const Fault& fault) {
   if (now - *timeouts_since_ >= kStuckDisplay) lose_screen(fault);
 }
 
+// Closed: a last black picture, then the screen goes off where it can, and nothing is drawn any more. true: it is off.
+bool RenderLoop::rest() {
+  auto& screen = *screen_;
+  if (!is_closed()) {
+    screen.off = screen.stays_on = false;
+    return false;
+  }
+  waiting_.reset();
+  picture_at_.reset();  // in the morning nobody shall see yesterday's
+  if (!screen.off && !screen.stays_on && shown_ && shown_->rung.dark >= 1.0) {
+    const auto off = screen.display->turn_off();
+    screen.off = off.has_value();
+    screen.stays_on = !off && off.error().kind == FaultKind::unsupported;
+    if (!off && !screen.stays_on && off.error().kind != FaultKind::timeout) {
+      lose_screen(off.error());
+      return true;
+    }
+  }
+  if (screen.off) watchdog_.rests(clock_.now());
+  return screen.off;
+}
+
 void RenderLoop::present() {
   auto& display = *screen_->display;
   const auto target = display.begin(clock_.now() + kBufferDeadline);
@@ -227,7 +256,8 @@ void RenderLoop::present() {
 
   take_news();  // the newest frame there is now
   // The still goes first: the scene's programs may take a driver long to make, and nobody shall see black meanwhile.
-  const auto frame = screen_->dark ? std::nullopt : std::exchange(waiting_, std::nullopt);
+  const bool unseen = screen_->dark || is_closed();
+  const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   if (auto drawn = draw(frame ? &*frame : nullptr, *target); !drawn) return lose_screen(drawn.error());
   if (auto alive = display.context().check_alive(); !alive) return lose_screen(alive.error());
   const auto number = display.show(frame ? frame->holder : nullptr);

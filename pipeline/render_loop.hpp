@@ -30,13 +30,17 @@ class RenderLoop {
   struct Screen {  // goes and comes as one: all GL objects are the display's context's
     std::unique_ptr<Display> display;
     Stage stage;
-    bool dark = true;  // nothing has been shown on it yet
+    bool dark = true;       // nothing has been shown on it yet
+    bool off = false;       // while closed
+    bool stays_on = false;  // it cannot be turned off
   };
 
   void take_news();
   void take_content();
   Signs signs() const;
   void climb();
+  bool is_open() const;
+  bool is_closed() const { return news_.rung.dark >= 1.0; }  // and the picture has gone
   Composition composition() const;
   std::string words_now() const;
   bool is_due(Instant now) const;
@@ -46,6 +50,7 @@ class RenderLoop {
   void lose_screen(const Fault& fault);
   void endure_timeout(const Fault& fault);
 
+  bool rest();
   void present();
   Result<> draw(const SceneFrame* frame, const DrawTarget& target);
   void note_flips();

@@ -1,5 +1,6 @@
 #include "pipeline/run_config.hpp"
 
+#include <array>
 #include <charconv>
 
 namespace kasumi {
@@ -109,6 +110,38 @@ ClockChoice read_clock(const ConfigTable& table) {
   return clock;
 }
 
+OpeningHours read_opening(const ConfigTable& table) {
+  constexpr std::array kDays{"sunday", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday"};
+  OpeningHours opening;
+  // What cannot be read counts as open all day, and is a problem.
+  const auto hours = [&](const char* key, const DayHours& otherwise) {
+    const auto text = table.text(key, std::string());
+    if (text.empty()) return otherwise;
+    const auto parsed = parse_hours(text);
+    if (!parsed) table.problem(key, parsed.error().message);
+    return parsed.value_or(otherwise);
+  };
+  const auto every_day = hours("every_day", kAllDay);
+  for (std::size_t day = 0; day < kDays.size(); ++day) opening.week[day] = hours(kDays[day], every_day);
+  if (auto exceptions = parse_exceptions(table.text("exceptions", std::string())))
+    opening.exceptions = std::move(*exceptions);
+  else
+    table.problem("exceptions", exceptions.error().message);
+
+  opening.time_zone = table.text("time_zone", std::string());
+  if (!opening.time_zone.empty()) {
+    if (!is_time_zone(opening.time_zone))
+      table.problem("time_zone", "a time zone's name like \"Europe/Zurich\" (timedatectl list-timezones)");
+  } else if (!opening.is_always_open()) {
+    if (auto zone = machine_time_zone())
+      opening.time_zone = std::move(*zone);
+    else
+      table.problem("time_zone",
+                    fmt::format("a name like \"Europe/Zurich\", for the machine has none: {}", zone.error().message));
+  }
+  return opening;
+}
+
 LadderOptions read_ladder(const ConfigTable& table) {
   LadderOptions ladder;
   const auto seconds = [&](std::string_view key, Range range, Duration fallback) {
@@ -151,6 +184,7 @@ RunConfig read_run_config(const ConfigTable& root) {
     return words;
   });
   config.clock = section("clock", read_clock);
+  config.opening = section("opening", read_opening);
   config.ladder = section("ladder", read_ladder);
   config.state_folder = section("state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
     const auto folder = table.text("folder", std::string());

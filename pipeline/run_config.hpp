@@ -12,6 +12,7 @@
 #include "gles/display.hpp"
 #include "pipeline/installation.hpp"
 #include "pipeline/ladder.hpp"
+#include "pipeline/opening_hours.hpp"
 #include "pipeline/time_trust.hpp"
 #include "pipeline/words.hpp"
 
@@ -42,6 +43,7 @@ struct RunConfig {
   StillChoice still;
   WordsChoice words;
   ClockChoice clock;
+  OpeningHours opening;
   LadderOptions ladder;
   std::optional<std::filesystem::path> state_folder;
 };

@@ -26,6 +26,8 @@ class Watchdog {
     }
     feed(now);
   }
+  // Closed: the screen is off, and the loop looks whether it is time to open.
+  void rests(Instant now) { feed(now); }
 
  private:
   static constexpr Duration kFeedInterval = std::chrono::seconds(1);

@@ -37,6 +37,7 @@ const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"erfa", {"estimator/sun"}},
     {"jpeglib.h", {"capture/"}},
     {"ft2build.h", {"pipeline/caption.cpp"}},
+    {"date/", {"pipeline/opening_hours.cpp"}},
     {"systemd/", {"pipeline/notifier"}},
     {"libcamera/", {"capture/libcamera_"}},
     {"linux/videodev2.h", {"capture/v4l2_"}},

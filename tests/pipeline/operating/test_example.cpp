@@ -77,6 +77,7 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.words.show_faults, b.words.show_faults);
   EXPECT_EQ(a.clock.policy, b.clock.policy);
   EXPECT_EQ(a.clock.earliest, b.clock.earliest);
+  EXPECT_EQ(a.opening, b.opening);
   EXPECT_EQ(a.ladder, b.ladder);
   const auto &sky = a.installation.sky, &other = b.installation.sky;
   EXPECT_EQ(sky.colour_space, other.colour_space);
