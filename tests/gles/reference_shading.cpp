@@ -52,7 +52,7 @@ struct Smear {
 Smear smear_of(double roughness) {
   double weight = 0.0;
   Smear sum;
-  each_facet(roughness, 2000, 1, [&](double, double nh, double, double solid_angle) {
+  each_facet(roughness, 500, 1, [&](double, double nh, double, double solid_angle) {
     const double nl = 2.0 * nh * nh - 1.0;
     if (nl <= 0.0) return;
     const double a2 = std::pow(roughness, 4), d = nh * nh * (a2 - 1.0) + 1.0;
@@ -79,7 +79,7 @@ double microfacet_brdf(double nh, double nl, double nv, double roughness) {
 
 ReferenceGivenBack reference_given_back(double across, double roughness) {
   ReferenceGivenBack sum;
-  each_facet(roughness, 160, 64, [&](double sine, double nh, double turn, double solid_angle) {
+  each_facet(roughness, 64, 24, [&](double sine, double nh, double turn, double solid_angle) {
     const double vh = std::sqrt(1.0 - across * across) * sine * std::cos(turn) + across * nh;
     const double nl = 2.0 * vh * nh - across;
     if (vh <= 0.0 || nl <= 0.0) return;
@@ -121,13 +121,13 @@ glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurf
   const glm::dvec3 f90{double(material.edge_reflectance) * (1.0 - m) + m};
   const double across = std::clamp(glm::dot(n, to_eye), 0.002, 1.0);
 
-  // Scenes hold few roughnesses and many angles: looked up at the nearest thousandth.
+  // Scenes hold many angles and roughnesses: integrated at the nearest two hundredth and hundredth.
   static std::map<std::pair<long, long>, ReferenceGivenBack> known;
   static std::map<long, Smear> known_smears;
-  const long angle_step = std::lround(across * 1000.0), rough_step = std::lround(surface.roughness * 1000.0);
-  const double rough = std::max(double(rough_step), 20.0) / 1000.0;
+  const long angle_step = std::lround(across * 200.0), rough_step = std::lround(surface.roughness * 100.0);
+  const double rough = std::max(double(rough_step), 2.0) / 100.0;
   const auto [back, is_new] = known.emplace(std::pair(angle_step, rough_step), ReferenceGivenBack{});
-  if (is_new) back->second = reference_given_back(std::max(double(angle_step), 2.0) / 1000.0, rough);
+  if (is_new) back->second = reference_given_back(std::max(double(angle_step), 0.4) / 200.0, rough);
   const auto [smear, is_new_too] = known_smears.emplace(rough_step, Smear{});
   if (is_new_too) smear->second = smear_of(rough);
 

@@ -121,12 +121,12 @@ TEST(GltfMaterial, TangentsAreTakenOrMade) {
   GltfFile file = surface_file();
   file.json["materials"][0]["normalTexture"] = {{"index", 0}};
   // Made: texture x grows along x, y downwards; the picture lies upright.
-  for (const ModelVertex& vertex : loaded(file.read("tangents")).parts.at(0).vertices)
-    EXPECT_EQ(vertex.tangent, glm::vec4(1, 0, 0, 1));
+  const Model made = loaded(file.read("tangents"));
+  for (const ModelVertex& vertex : made.parts.at(0).vertices) EXPECT_EQ(vertex.tangent, glm::vec4(1, 0, 0, 1));
   // By the second coordinates, x grows along y and y along x: mirrored? (0,0)-(0,1)-(1,1): y to x, x to y.
   file.json["materials"][0]["normalTexture"]["texCoord"] = 1;
-  for (const ModelVertex& vertex : loaded(file.read("tangents-2")).parts.at(0).vertices)
-    EXPECT_EQ(vertex.tangent, glm::vec4(0, 1, 0, 1));
+  const Model second = loaded(file.read("tangents-2"));
+  for (const ModelVertex& vertex : second.parts.at(0).vertices) EXPECT_EQ(vertex.tangent, glm::vec4(0, 1, 0, 1));
   // Given ones are put upright on their normals.
   file.primitive()["attributes"]["TANGENT"] = file.add_floats({0, 3, 4, -1, 0, 3, 4, -1, 0, 3, 4, -1, 0, 0, 0, 1}, 4);
   const Model given = loaded(file.read("tangents-given"));
