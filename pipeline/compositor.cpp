@@ -26,7 +26,7 @@ ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
 }  // namespace
 
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, SceneAirOptions options) {
-  auto model = read_gltf(installation.object.model);
+  auto model = read_gltf(installation.object.model, {}, installation.object.scene);
   if (!model) return fail(model.error());
   return create(context, installation, *model, options);
 }

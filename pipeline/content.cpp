@@ -30,7 +30,7 @@ Result<ContentPtr> read_content(const std::filesystem::path& config_file) {
   content->config = read_run_config(*root);
 
   if (const auto& file = content->config.installation.object.model; is_there(file)) {
-    if (auto model = read_gltf(file))
+    if (auto model = read_gltf(file, {}, content->config.installation.object.scene))
       content->model = std::move(*model);
     else
       root->table("object").problem("model", fmt::format("a model that can be read:\n{}", model.error().message));

@@ -38,6 +38,7 @@ double lift_by_refraction(double distance_m, double coefficient) {
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site) {
   ObjectPlacement object;
   object.model = table.file("model");
+  object.scene = table.text("scene", "");
   const bool geographic = table.has("latitude_deg") || table.has("longitude_deg") || table.has("altitude_m");
   const bool local = table.has("east_m") || table.has("north_m") || table.has("up_m");
   if (geographic && local)

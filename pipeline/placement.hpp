@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include <glm/vec3.hpp>
 
@@ -13,6 +14,7 @@ namespace kasumi {
 
 struct ObjectPlacement {
   std::filesystem::path model;
+  std::string scene;  // of the model's scenes (eras), by name or number; empty: the one it begins with
   Placement placement;
 };
 
@@ -25,7 +27,7 @@ glm::dvec3 east_north_up(const Site& site, double latitude_deg, double longitude
 constexpr double kUsualRefraction = 0.13;
 double lift_by_refraction(double distance_m, double coefficient = kUsualRefraction);
 
-// [object]: model, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13, lifts
+// [object]: model, scene, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13, lifts
 // it), heading_deg, scale. Problems are left in the table's file.
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site);
 
