@@ -27,8 +27,8 @@ glm::dvec3 east_north_up(const Site& site, double latitude_deg, double longitude
 constexpr double kUsualRefraction = 0.13;
 double lift_by_refraction(double distance_m, double coefficient = kUsualRefraction);
 
-// [object]: model, scene, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13, lifts
-// it), heading_deg, scale. Problems are left in the table's file.
+// [object]: model, scene, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13,
+// lifts it), heading_deg, scale. Problems are left in the table's file.
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site);
 
 }  // namespace kasumi
