@@ -1,0 +1,186 @@
+// kasumi calibrate, from pictures to the file that estimate reads.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+
+#include <sys/wait.h>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "base/files.hpp"
+#include "calib/calibration_file.hpp"
+#include "calib/lens_fit.hpp"
+#include "pipeline/fixture_file.hpp"
+#include "pipeline/picture_sink.hpp"
+#include "tests/pipeline/recorded.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+Outcome run(const std::string& arguments) {
+  const auto errors = test_folder("calibrate-stderr.txt");
+  Outcome outcome;
+  FILE* pipe = ::popen(fmt::format("{} calibrate {} 2>{}", KASUMI_BINARY, arguments, errors.string()).c_str(), "r");
+  if (!pipe) return outcome;
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    outcome.out.append(buffer.data(), n);
+  outcome.code = WEXITSTATUS(::pclose(pipe));
+  outcome.err = read_text_file(errors).value_or("");
+  return outcome;
+}
+
+std::filesystem::path fresh_folder(const std::string& name) {
+  const auto folder = test_folder(name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+constexpr Board kBoard{7, 5, 0.03};
+constexpr int kWidth = 400, kHeight = 300;
+
+// A board before a lens, 4 x 4 rays a pixel.
+Image<Rgb8> picture_of_board(const Lens& lens, const BoardPose& pose) {
+  Image<Rgb8> picture(kWidth, kHeight, Rgb8(190));
+  constexpr int kFine = 4;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      double sum = 0.0;
+      for (int i = 0; i < kFine * kFine; ++i) {
+        const auto ray = lens.unproject({x + (i % kFine + 0.5) / kFine - 0.5, y + (i / kFine + 0.5) / kFine - 0.5});
+        double level = 190.0;
+        if (ray) {
+          const double along = glm::dot(pose.translation_m, pose.rotation[2]) / glm::dot(*ray, pose.rotation[2]);
+          const glm::dvec3 at = glm::transpose(pose.rotation) * (along * *ray - pose.translation_m) / kBoard.square_m;
+          const double u = std::floor(at.x), v = std::floor(at.y);
+          if (along > 0.0 && u >= -1 && v >= -1 && u < kBoard.columns && v < kBoard.rows)
+            level = std::fmod(u + v + 4.0, 2.0) == 0.0 ? 30.0 : 220.0;
+        }
+        sum += level;
+      }
+      picture.at(x, y) = Rgb8(static_cast<std::uint8_t>(std::lround(sum / (kFine * kFine))));
+    }
+  return picture;
+}
+
+// Faces the camera from somewhere off its axis, tilted.
+BoardPose pose_at(double right, double down, double tilt_x, double tilt_y) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3{tilt_x, tilt_y, 1.0});
+  const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3{0, 1, 0}, normal)), y = glm::cross(normal, x);
+  BoardPose pose{{x, y, normal}, {}};
+  const glm::dvec3 middle = 0.5 * kBoard.square_m * glm::dvec3{kBoard.columns - 1.0, kBoard.rows - 1.0, 0.0};
+  pose.translation_m = glm::dvec3{right, down, 0.2} - pose.rotation * middle;
+  return pose;
+}
+
+TEST(CalibrateLens, PicturesOfABoardBecomeACalibrationFile) {
+  const auto folder = fresh_folder("calibrate-lens");
+  const auto lens = equidistant_lens({203.0, 147.5}, 130.0, from_degrees(90.0));
+  const std::vector poses{pose_at(0.0, 0.0, 0.3, 0.2),     pose_at(-0.12, -0.06, -0.4, 0.1),
+                          pose_at(0.12, -0.06, 0.4, -0.3), pose_at(-0.12, 0.06, -0.2, 0.4),
+                          pose_at(0.12, 0.06, 0.1, 0.4),   pose_at(0.02, 0.05, -0.5, -0.2)};
+  std::string files;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const auto file = folder / fmt::format("board-{}.png", i);
+    ASSERT_TRUE(write_png(file, picture_of_board(*lens, poses[i])));
+    files += " " + file.string();
+  }
+  const auto file = folder / "calibration.toml";
+  const auto outcome =
+      run(fmt::format("lens{} --board 7x5 --model opencv_fisheye --serial FE-1 --out {}", files, file.string()));
+  ASSERT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  EXPECT_THAT(outcome.out, HasSubstr("6 views are few"));
+  EXPECT_GT(std::filesystem::file_size(folder / "calibration.sky-lens.png"), 1000u);
+
+  const auto root = ConfigTable::read_file(file).value();
+  const auto sky = root.table("sky");
+  EXPECT_EQ(sky.integer("width"), kWidth);
+  EXPECT_EQ(sky.text("serial"), "FE-1");
+  const auto found = read_lens(sky.table("lens"));
+  for (const double off : {0.0, 15.0, 30.0, 45.0}) {
+    const double angle = from_degrees(off).value;
+    const glm::dvec3 ray{0.6 * std::sin(angle), 0.8 * std::sin(angle), std::cos(angle)};
+    EXPECT_LE(glm::distance(found->project(ray).value(), lens->project(ray).value()), 1.0) << off;
+  }
+  EXPECT_LE(sky.table("measured").table("lens").number("rms_px"), 0.2);
+}
+
+TEST(CalibrateLens, AnotherProgramsFileIsImported) {
+  const auto folder = fresh_folder("calibrate-import");
+  ASSERT_TRUE(write_text_file(folder / "calib_results.txt",
+                              "5 -551.7 0.0 8.37e-4 -6.47e-7 1.2e-9\n1 5\n381.75 505.5\n1.0 0.0 0.0\n768 1024\n"));
+  const auto file = folder / "c.toml";
+  const auto outcome =
+      run(fmt::format("lens --import {} --out {}", (folder / "calib_results.txt").string(), file.string()));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto root = ConfigTable::read_file(file).value();
+  EXPECT_EQ(root.table("sky").table("lens").text("model"), "scaramuzza");
+  EXPECT_EQ(root.table("sky").integer("height"), 768);
+  EXPECT_THAT(root.table("sky").table("measured").table("lens").text("from"), HasSubstr("OCamCalib"));
+}
+
+TEST(CalibrateLens, EverythingWrongIsToldAtOnce) {
+  const auto outcome = run("lens one.png --board 8by6 --camera scene --model scaramuzza --out /nowhere/c.toml");
+  EXPECT_EQ(outcome.code, 2);
+  for (const char* part : {"1 pictures", "--board 8by6", "--model scaramuzza"})
+    EXPECT_THAT(outcome.err, HasSubstr(part));
+  EXPECT_EQ(run("").code, 2);
+  EXPECT_EQ(run("sky /nowhere/at-all --out c.toml").code, 2);
+}
+
+TEST(CalibrateSky, ARecordingOfADayGivesTheCameraBackAsItWasRendered) {
+  auto recipe = small("clear-noon", 9);
+  recipe.sky_size = 300;
+  recipe.scene_frames = 1;
+  recipe.scene_width = 64;
+  recipe.scene_height = 36;
+  recipe.start_utc -= std::chrono::hours(2);
+  recipe.sky_period_s = 1800.0;
+  const auto folder = recorded(recipe, "calibrate-sky");
+  const auto truth = read_fixture(folder).value().installation.sky;
+
+  // The recording's own description is made wrong: the azimuth by 70 deg, the focal length by 2 %.
+  auto text = read_text_file(folder / "fixture.toml").value();
+  const auto replace = [&](const std::string& key, double value) {
+    const auto at = text.find(key + " = ", text.find("[sky]"));
+    ASSERT_NE(at, std::string::npos) << key;
+    text.replace(at, text.find('\n', at) - at, fmt::format("{} = {}", key, value));
+  };
+  const double focal_px = truth.lens->project({1.0, 0.0, 0.0})->x - truth.lens->project({0.0, 0.0, 1.0})->x;
+  replace("azimuth_up_deg", 88.0);
+  replace("focal_px", 1.02 * focal_px / (0.5 * kPi));
+  ASSERT_TRUE(write_text_file(folder / "fixture.toml", text));
+
+  const auto file = fresh_folder("calibrate-sky-out") / "calibration.toml";
+  const auto outcome = run(fmt::format("sky {} --out {}", folder.string(), file.string()));
+  ASSERT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  const auto root = ConfigTable::read_file(file).value();
+  const auto found = read_camera(root.table("sky"), "sky");
+  const auto orientation = root.table("sky").table("measured").table("orientation");
+  std::printf("%s", outcome.out.c_str());
+  const double sigma_deg =
+      std::hypot(orientation.number("tilt_east_sigma_deg"), orientation.number("tilt_north_sigma_deg"),
+                 orientation.number("azimuth_sigma_deg"));
+  const glm::dmat3 by = found.to_world * glm::transpose(truth.to_world);
+  const double error_deg = to_degrees({std::acos(std::min(1.0, 0.5 * (by[0][0] + by[1][1] + by[2][2] - 1.0)))});
+  EXPECT_LE(error_deg, 4.0 * sigma_deg);
+  EXPECT_LE(error_deg, 1.0);
+  // Near the sun's way every pixel sees what it is said to see.
+  const auto pixel = truth.pixel_of(direction_from(from_degrees(50.0), from_degrees(170.0))).value();
+  EXPECT_LE(to_degrees(angle_between(found.direction_at(pixel).value(), truth.direction_at(pixel).value())), 0.25);
+  EXPECT_GT(std::filesystem::file_size(file.parent_path() / "calibration.sky-orientation.png"), 1000u);
+}
+
+}  // namespace
+}  // namespace kasumi
