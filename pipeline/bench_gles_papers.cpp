@@ -81,8 +81,8 @@ Result<> TwoBufferLayout::draw_object() {
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glFrontFace(GL_CW);  // the picture's top is row 0
   const glm::dmat3 pixel_to_clip{{2.0 / w, 0.0, 0.0}, {0.0, 2.0 / h, 0.0}, {1.0 / w - 1.0, 1.0 / h - 1.0, 1.0}};
-  return model_.front().draw(GpuModel::Which::solid, programs_, {"FINAL_COLOUR", "NO_AIR", "LAYOUT_RGB"}, {},
-                             [&](const Program& program) {
+  return model_.front().draw(GpuModel::Which::solid, programs_, {"FINAL_COLOUR", "NO_AIR", "LAYOUT_RGB"},
+                             units_for_layer(), {}, [&](const Program& program) {
                                set_projection(program, projection_, range_);
                                set_appearance(program, scene_.appearance);
                                set_airlight(program, "measured", scene_.measured);
