@@ -172,7 +172,7 @@ Result<SurfaceTexture> upload(const ModelTexture& texture, std::optional<double>
     level = halved(level, texture.data);
     if (cutoff) keep_share(level, *cutoff, share);
   }
-  if (info.has("GL_EXT_texture_filter_anisotropic")) {
+  if (!info.software && info.has("GL_EXT_texture_filter_anisotropic")) {  // in software it blurs and takes long
     constexpr GLfloat kEnough = 8.0f;  // roofs and courtyards are seen at some degrees; the layer has 17 samples more
     GLfloat most = 1.0f;
     glGetFloatv(kMaxAnisotropy, &most);
