@@ -88,6 +88,8 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.installation.scene.direction_at({5.0, 7.0}), b.installation.scene.direction_at({5.0, 7.0}));
   EXPECT_EQ(a.installation.object.placement.heading, b.installation.object.placement.heading);
   EXPECT_EQ(a.installation.object.placement.scale, b.installation.object.placement.scale);
+  EXPECT_EQ(a.installation.surroundings.ground_albedo, b.installation.surroundings.ground_albedo);
+  EXPECT_EQ(a.installation.surroundings.cloud_base_m, b.installation.surroundings.cloud_base_m);
 }
 
 TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
@@ -97,7 +99,8 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
   const std::set<std::string> in_words{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
                                        "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
                                        "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
-                                       "sky.lens.fov_deg",    "sky.lens.circle_px"};
+                                       "sky.lens.fov_deg",    "sky.lens.circle_px",   "sky.measured",
+                                       "scene.measured"};
   const auto scene_device = text.find("[scene.camera]");
   auto replay = text;
   replay =
