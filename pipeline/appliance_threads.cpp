@@ -23,10 +23,11 @@ constexpr Duration kEndDeadline = 1500ms;  // for everybody, once asked
 // Set and never cleared; everybody who waits is woken.
 class Stop {
  public:
-  explicit Stop(Clock& clock) : clock_(clock) {}
+  Stop(Clock& clock, Notifier& notifier) : clock_(clock), notifier_(notifier) {}
   void add(Bell& bell) { bells_.push_back(&bell); }
   void now() {
-    stopping_ = true;
+    if (stopping_.exchange(true)) return;
+    notifier_.stopping();
     clock_.interrupt();
     for (auto* bell : bells_) bell->ring();
   }
@@ -34,6 +35,7 @@ class Stop {
 
  private:
   Clock& clock_;
+  Notifier& notifier_;
   std::vector<Bell*> bells_;
   std::atomic<bool> stopping_ = false;
 };
@@ -78,7 +80,7 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   const auto notifier = notify_systemd();
   Appliance appliance(config_file, std::move(content), {*devices, clock, *time, *notifier}, std::move(status));
   Bell reload, status_bell, ended;
-  Stop stop(clock);
+  Stop stop(clock, *notifier);
   for (auto* bell : {&reload, &status_bell, &appliance.render_bell()}) stop.add(*bell);
 
   auto guard = start("signals", [&] { wait_for_signals(stop, reload, ended); });
@@ -106,7 +108,6 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
     appliance.render_bell().wait_for(again - clock.now());
   }
 
-  notifier->stopping();
   for (auto& loop : loops) loop.join();
   render.finish();
   appliance.status().finish();
