@@ -49,6 +49,7 @@ struct DisplayNews {
 struct RenderNews {
   Rung rung;
   DisplayNews display;
+  bool building_drawn = false;                   // in the picture shown last
   std::uint64_t pictures = 0;                    // shown
   std::uint64_t scene_frames = 0;                // of them, with a new frame of the scene camera
   std::uint64_t uploads = 0;                     // scene frames copied to the GPU by us

@@ -209,7 +209,7 @@ void RenderLoop::lose_screen(const Fault& fault) {
   }
   spdlog::warn("display: lost: {}", fault.message);
   ++news_.display.resets;
-  news_.display.up = false;
+  news_.display.up = news_.building_drawn = false;
   news_.display.cause = fault.message;
   display_wanted_ = true;  // said
   latency_.forget_pending();
@@ -264,6 +264,7 @@ void RenderLoop::present() {
   if (!number) return lose_screen(number.error());
 
   screen_->dark = false;
+  news_.building_drawn = screen_->stage.draws_object() && news_.rung.still < 1.0 && news_.rung.dark < 1.0;
   ++news_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;

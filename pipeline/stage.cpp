@@ -42,9 +42,11 @@ Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optiona
 
 Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target) {
   if (frame) {
-    auto drawn = sky.sun.source == SunSource::none ? compositor_.draw_without_object(frame->picture, target)
-                                                   : compositor_.draw(frame->metadata, frame->picture, sky, target);
+    const bool sun_known = sky.sun.source != SunSource::none;
+    auto drawn = sun_known ? compositor_.draw(frame->metadata, frame->picture, sky, target)
+                           : compositor_.draw_without_object(frame->picture, target);
     has_scene_ = has_scene_ || drawn;
+    if (drawn) draws_object_ = sun_known;
     return drawn;
   }
   if (has_scene_) return compositor_.draw_again(target);

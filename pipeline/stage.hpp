@@ -31,6 +31,9 @@ class Stage {
   // Then what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const DrawTarget& target);
 
+  // The scene drawn last has the building in it (where the view shows it).
+  bool draws_object() const { return draws_object_; }
+
   const SceneAir& air() const { return compositor_.air(); }
   FrameCounts frames() const { return compositor_.frames(); }
 
@@ -56,6 +59,7 @@ class Stage {
   std::optional<FlatPicture> black_;
   Words caption_, trouble_;
   bool has_scene_ = false;
+  bool draws_object_ = false;
 };
 
 }  // namespace kasumi

@@ -91,7 +91,7 @@ std::string status_json(const Status& status) {
   json["sky"] = name_of(status.sky.report.estimate.sky);
   json["sky_reason"] = status.sky.report.estimate.reason;
   json["sun"] = status.sky.report.sun.words;
-  json["building_drawn"] = status.sky.sun_known() && (rung.shown == Shown::live || rung.shown == Shown::degraded);
+  json["building_drawn"] = status.render.building_drawn;
   json["clock_trusted"] = status.sky.clock_trusted;
   json["recording"] = false;  // cameras serve one program at a time: who records is `kasumi record`
   json["latency_ms"] = latency_json(status.render.latency);
