@@ -1,0 +1,14 @@
+// How far the real scene is in each pixel of a camera's picture.
+#pragma once
+
+#include "base/config_table.hpp"
+#include "base/image.hpp"
+
+namespace kasumi {
+
+// depth_map and depth_step_m of [scene]: metres along each pixel's line of sight; 0 where nothing is known to stand
+// (sky). A 16-bit grey PNG of whole steps, or a PFM of metres, in which infinity is nothing, too. Empty without the
+// key. Problems are left in the table's file.
+Image<float> read_distance_map(const ConfigTable& scene, int width, int height);
+
+}  // namespace kasumi
