@@ -45,6 +45,23 @@ class GpuModel::Cutter {
   std::vector<std::uint16_t> indices_;
 };
 
+// In space, across the longer way.
+std::pair<std::span<GpuModel::Triangle>, std::span<GpuModel::Triangle>> GpuModel::halved(
+    std::span<Triangle> triangles) {
+  glm::vec3 lowest = triangles.front().centre, highest = lowest;
+  for (const Triangle& triangle : triangles) {
+    lowest = glm::min(lowest, triangle.centre);
+    highest = glm::max(highest, triangle.centre);
+  }
+  const glm::vec3 extent = highest - lowest;
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(triangles.size() / 2);
+  std::ranges::nth_element(triangles, middle, {}, [axis](const Triangle& triangle) {
+    return std::tuple(triangle.centre[axis], triangle.part, triangle.first_index);
+  });
+  return {{triangles.begin(), middle}, {middle, triangles.end()}};
+}
+
 GpuModel::Chunk GpuModel::make_chunk(int material, std::span<const GpuVertex> vertices,
                                      std::vector<std::uint16_t> index_list) {
   Chunk chunk;
@@ -67,6 +84,7 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
   GpuModel made;
   made.materials_ = model.materials;
   made.bounds_ = model.bounds();
+  made.bounds_with_ground_ = model.bounds_with_ground();
   for (std::size_t i = 0; i < model.textures.size(); ++i) {
     auto uploaded =
         kasumi::upload(model.textures[i], cutoff_of(model, static_cast<int>(i)), info, force_encoded_textures, notes);
@@ -74,18 +92,26 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
     made.bytes_ += uploaded->bytes;
     made.textures_.push_back(std::move(*uploaded));
   }
+  made.add(model, model.parts, made.solid_);
+  made.add(model, model.ground, made.ground_);
+  made.add_see_through(model);
+  if (auto uploaded = check_gl("uploading the model"); !uploaded) return tl::unexpected(uploaded.error());
+  return made;
+}
 
-  // Parts of one material are drawn together, for files cut models into hundreds of parts and each draw is a call to
-  // the driver; then split in space, so that a tile of the picture draws only what is near it.
+// Parts of one material are drawn together, for files cut models into hundreds of parts and each draw is a call to the
+// driver; then split in space, so that a tile of the picture draws only what is near it.
+void GpuModel::add(const Model& model, const std::vector<ModelPart>& parts, std::vector<Chunk>& chunks) {
+  const bool all = &parts == &model.ground;  // the ground is not seen through
   std::vector<std::vector<Triangle>> by_material(model.materials.size());
   std::vector<std::uint32_t> first_vertex;  // of each part, if all followed one another
   std::size_t vertices = 0;
-  for (std::size_t p = 0; p < model.parts.size(); ++p) {
-    const ModelPart& part = model.parts[p];
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const ModelPart& part = parts[p];
     first_vertex.push_back(static_cast<std::uint32_t>(vertices));
     vertices += part.vertices.size();
     const auto material = static_cast<std::size_t>(part.material);
-    if (model.materials[material].alpha == ModelMaterial::Alpha::blend) continue;
+    if (!all && model.materials[material].alpha == ModelMaterial::Alpha::blend) continue;
     for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
       const auto at = [&](std::size_t j) { return part.vertices[part.indices[i + j]].position; };
       by_material[material].push_back(
@@ -98,37 +124,24 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
     if (triangles.size() <= kMostTriangles) {
       std::vector<GpuVertex> corners;
       for (const Triangle& triangle : triangles) {
-        const ModelPart& part = model.parts[triangle.part];
+        const ModelPart& part = parts[triangle.part];
         for (std::uint32_t j = 0; j < 3; ++j) {
           const std::uint32_t index = part.indices[triangle.first_index + j];
           if (cutter.add(first_vertex[triangle.part] + index)) corners.emplace_back(part.vertices[index]);
         }
       }
-      made.bytes_ += corners.size() * sizeof(GpuVertex) + triangles.size() * 3 * sizeof(std::uint16_t);
-      made.solid_.push_back(make_chunk(material, corners, cutter.take()));
+      bytes_ += corners.size() * sizeof(GpuVertex) + triangles.size() * 3 * sizeof(std::uint16_t);
+      chunks.push_back(make_chunk(material, corners, cutter.take()));
       return;
     }
-    glm::vec3 lowest = triangles.front().centre, highest = lowest;
-    for (const Triangle& triangle : triangles) {
-      lowest = glm::min(lowest, triangle.centre);
-      highest = glm::max(highest, triangle.centre);
-    }
-    const glm::vec3 extent = highest - lowest;
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(triangles.size() / 2);
-    std::ranges::nth_element(triangles, middle, {}, [axis](const Triangle& triangle) {
-      return std::tuple(triangle.centre[axis], triangle.part, triangle.first_index);
-    });
-    add_split(material, {triangles.begin(), middle});
-    add_split(material, {middle, triangles.end()});
+    const auto half = halved(triangles);
+    add_split(material, half.first);
+    add_split(material, half.second);
   };
   for (std::size_t material = 0; material < by_material.size(); ++material) {
     add_split(static_cast<int>(material), by_material[material]);
     by_material[material] = {};
   }
-  made.add_see_through(model);
-  if (auto uploaded = check_gl("uploading the model"); !uploaded) return tl::unexpected(uploaded.error());
-  return made;
 }
 
 void GpuModel::add_see_through(const Model& model) {
@@ -189,7 +202,7 @@ void GpuModel::sort_see_through(const Projection& projection) {
 PixelBox GpuModel::look_from(const Projection& projection) {
   sort_see_through(projection);
   PixelBox all;
-  for (auto* chunks : {&solid_, &see_through_.chunks})
+  for (auto* chunks : {&solid_, &see_through_.chunks, &ground_})
     for (Chunk& chunk : *chunks) {
       chunk.box = box_of(projection, chunk.positions, chunk.index_list);
       all = united(all, chunk.box);
@@ -207,50 +220,93 @@ void GpuModel::draw_chunk(const Chunk& chunk) const {
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(chunk.index_list.size()), GL_UNSIGNED_SHORT, nullptr);
 }
 
+const std::vector<GpuModel::Chunk>& GpuModel::chunks_of(Which which) const {
+  switch (which) {
+    case Which::solid: return solid_;
+    case Which::blended: return see_through_.chunks;
+    case Which::ground: return ground_;
+  }
+  return solid_;
+}
+
 Result<> GpuModel::draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
                         const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const {
-  const bool blended = which == Which::blended;
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_LESS);
-  glDepthMask(blended ? GL_FALSE : GL_TRUE);
+  const bool blended = which == Which::blended, ground = which == Which::ground;
   if (blended) {
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-  } else {
-    glDisable(GL_BLEND);
   }
-  for (const VertexAttribute& attribute : kVertexAttributes) glEnableVertexAttribArray(attribute.place);
-
+  begin_chunks(!blended);
+  // The object stands before its ground wherever both are: what of it is below stays seen, as on an open model.
+  if (has_ground()) glDepthRangef(ground ? 0.75f : 0.0f, ground ? 1.0f : 0.75f);
   const Program* in_use = nullptr;
   int material_in_use = -1;
-  for (const Chunk& chunk : blended ? see_through_.chunks : solid_) {
+  for (const Chunk& chunk : chunks_of(which)) {
     if (chunk.box.empty() || (!window.empty() && !overlap(chunk.box, window))) continue;
     if (chunk.material != material_in_use) {
       material_in_use = chunk.material;
       const ModelMaterial& material = materials_[static_cast<std::size_t>(chunk.material)];
-      Defines defines = defines_of(material, textures_, units);
+      Defines defines = ground ? Defines{} : defines_of(material, textures_, units);
       defines.insert(variant.begin(), variant.end());
-      const auto program = programs.find(ProgramKind::object, defines);
+      const auto program = programs.find(ground ? ProgramKind::ground : ProgramKind::object, defines);
       if (!program) return tl::unexpected(program.error());
       if (*program != in_use) {
         in_use = *program;
         in_use->use();
         set_uniforms(*in_use);
       }
-      bind_material(*in_use, material, textures_, units);
-      if (material.double_sided)
+      bind_material(*in_use, material, textures_, ground ? SurfaceUnits{} : units);
+      if (material.double_sided || ground)
         glDisable(GL_CULL_FACE);
       else
         glEnable(GL_CULL_FACE);
     }
     draw_chunk(chunk);
   }
+  end_chunks();
+  return check_gl("drawing the model");
+}
+
+Result<> GpuModel::draw_shadow(Programs& programs, const Defines& variant,
+                               const std::function<void(const Program&)>& set_uniforms) const {
+  const SurfaceUnits units{.base = kSurfaceUnit};
+  begin_chunks(true);
+  const Program* in_use = nullptr;
+  for (const Chunk& chunk : solid_) {
+    const ModelMaterial& material = materials_[static_cast<std::size_t>(chunk.material)];
+    Defines defines = variant;
+    if (material.alpha == ModelMaterial::Alpha::mask) {
+      defines.insert("ALPHA_TEST");
+      if (material.texture >= 0) defines.insert("BASE_MAP v_texture");
+    }
+    const auto program = programs.find(ProgramKind::sun_map, defines);
+    if (!program) return tl::unexpected(program.error());
+    if (*program != in_use) {
+      in_use = *program;
+      in_use->use();
+      set_uniforms(*in_use);
+    }
+    if (material.alpha == ModelMaterial::Alpha::mask) bind_material(*in_use, material, textures_, units);
+    draw_chunk(chunk);
+  }
+  end_chunks();
+  return check_gl("drawing what casts a shadow");
+}
+
+void GpuModel::begin_chunks(bool write_depth) {
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glDepthMask(write_depth ? GL_TRUE : GL_FALSE);
+  for (const VertexAttribute& attribute : kVertexAttributes) glEnableVertexAttribArray(attribute.place);
+}
+
+void GpuModel::end_chunks() {
   for (const VertexAttribute& attribute : kVertexAttributes) glDisableVertexAttribArray(attribute.place);
   glDisable(GL_CULL_FACE);
   glDisable(GL_BLEND);
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
-  return check_gl("drawing the model");
+  glDepthRangef(0.0f, 1.0f);
 }
 
 }  // namespace kasumi

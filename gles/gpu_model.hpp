@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/result.hpp"
@@ -25,7 +26,9 @@ class GpuModel {
   static Result<GpuModel> upload(const Model& model, const GlInfo& info, bool force_encoded_textures,
                                  std::vector<std::string>& notes);
 
-  const ModelBounds& bounds() const { return bounds_; }
+  const ModelBounds& bounds() const { return bounds_; }  // of the object
+  const ModelBounds& bounds_with_ground() const { return bounds_with_ground_; }
+  bool has_ground() const { return !ground_.empty(); }
   bool has_blended() const { return !see_through_.triangles.empty(); }
   const std::vector<ModelMaterial>& materials() const { return materials_; }
   std::size_t bytes() const { return bytes_; }  // of buffers and textures on the GPU
@@ -34,10 +37,14 @@ class GpuModel {
   PixelBox look_from(const Projection& projection);
 
   // Draws the solid or the see-through chunks that touch `window` (all when it is empty) with the object program under
-  // `variant`; `set_uniforms` gets each program once it is in use.
-  enum class Which { solid, blended };
+  // `variant`, or those of the ground with the ground program; `set_uniforms` gets each program once it is in use.
+  enum class Which { solid, blended, ground };
   Result<> draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
                 const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const;
+  // Draws what keeps the sun off, wherever it is seen from, with the sun map's program: solid chunks, both sides of
+  // them, masked ones cut out. What is see-through casts no shadow.
+  Result<> draw_shadow(Programs& programs, const Defines& variant,
+                       const std::function<void(const Program&)>& set_uniforms) const;
 
  private:
   struct Chunk {
@@ -67,16 +74,24 @@ class GpuModel {
   };
   class Cutter;
 
+  void add(const Model& model, const std::vector<ModelPart>& parts, std::vector<Chunk>& chunks);
   void add_see_through(const Model& model);
   void sort_see_through(const Projection& projection);
+  static std::pair<std::span<Triangle>, std::span<Triangle>> halved(std::span<Triangle> triangles);
   static Chunk make_chunk(int material, std::span<const GpuVertex> vertices, std::vector<std::uint16_t> index_list);
+  static void begin_chunks(bool write_depth);
+  static void end_chunks();
   void draw_chunk(const Chunk& chunk) const;
 
+  const std::vector<Chunk>& chunks_of(Which which) const;
+
   std::vector<Chunk> solid_;
+  std::vector<Chunk> ground_;
   SeeThrough see_through_;
   std::vector<ModelMaterial> materials_;
   std::vector<SurfaceTexture> textures_;
   ModelBounds bounds_;
+  ModelBounds bounds_with_ground_;
   std::size_t bytes_ = 0;
 };
 

@@ -13,9 +13,9 @@ std::size_t Model::triangle_count() const {
   return count;
 }
 
-ModelBounds Model::bounds() const {
-  constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  ModelBounds bounds{glm::vec3(kInfinite), glm::vec3(-kInfinite)};
+namespace {
+
+ModelBounds united(ModelBounds bounds, const std::vector<ModelPart>& parts) {
   for (const ModelPart& part : parts)
     for (const ModelVertex& vertex : part.vertices) {
       bounds.lowest = glm::min(bounds.lowest, vertex.position);
@@ -24,30 +24,41 @@ ModelBounds Model::bounds() const {
   return bounds;
 }
 
+}  // namespace
+
+ModelBounds Model::bounds() const {
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  return united({glm::vec3(kInfinite), glm::vec3(-kInfinite)}, parts);
+}
+
+ModelBounds Model::bounds_with_ground() const {
+  return united(bounds(), ground);
+}
+
 std::size_t Model::bytes() const {
   std::size_t bytes = 0;
-  for (const ModelPart& part : parts)
-    bytes += part.vertices.size() * sizeof(ModelVertex) + part.indices.size() * sizeof(std::uint32_t);
+  for (const auto* all : {&parts, &ground})
+    for (const ModelPart& part : *all)
+      bytes += part.vertices.size() * sizeof(ModelVertex) + part.indices.size() * sizeof(std::uint32_t);
   for (const ModelTexture& texture : textures) bytes += texture.pixels.elements().size() * sizeof(glm::u8vec4);
   return bytes;
 }
 
 namespace {
 
-void check_part(const Model& model, std::size_t index, Problems& problems) {
-  const ModelPart& part = model.parts[index];
+void check_part(const Model& model, const ModelPart& part, const std::string& what, Problems& problems) {
   if (part.material < 0 || static_cast<std::size_t>(part.material) >= model.materials.size())
-    problems.add("model: part {}: material {}: there are {}", index, part.material, model.materials.size());
+    problems.add("model: {}: material {}: there are {}", what, part.material, model.materials.size());
   if (part.indices.size() % 3 != 0)
-    problems.add("model: part {}: {} indices: expected three per triangle", index, part.indices.size());
+    problems.add("model: {}: {} indices: expected three per triangle", what, part.indices.size());
   const auto beyond = std::ranges::find_if(part.indices, [&](std::uint32_t i) { return i >= part.vertices.size(); });
   if (beyond != part.indices.end())
-    problems.add("model: part {}: index {}: there are {} vertices", index, *beyond, part.vertices.size());
+    problems.add("model: {}: index {}: there are {} vertices", what, *beyond, part.vertices.size());
   const auto broken = std::ranges::find_if(part.vertices, [](const ModelVertex& v) {
     return !std::isfinite(v.position.x) || !std::isfinite(v.position.y) || !std::isfinite(v.position.z);
   });
   if (broken != part.vertices.end())
-    problems.add("model: part {}: vertex {}: its position is not finite", index, broken - part.vertices.begin());
+    problems.add("model: {}: vertex {}: its position is not finite", what, broken - part.vertices.begin());
 }
 
 std::array<int, 5> textures_of(const ModelMaterial& material) {
@@ -59,7 +70,10 @@ std::array<int, 5> textures_of(const ModelMaterial& material) {
 
 Result<> check(const Model& model) {
   Problems problems;
-  for (std::size_t i = 0; i < model.parts.size(); ++i) check_part(model, i, problems);
+  for (std::size_t i = 0; i < model.parts.size(); ++i)
+    check_part(model, model.parts[i], fmt::format("part {}", i), problems);
+  for (std::size_t i = 0; i < model.ground.size(); ++i)
+    check_part(model, model.ground[i], fmt::format("part {} of the ground", i), problems);
   for (std::size_t i = 0; i < model.materials.size(); ++i)
     for (const int texture : textures_of(model.materials[i]))
       if (texture < -1 || texture >= static_cast<int>(model.textures.size()))

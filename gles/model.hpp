@@ -87,14 +87,18 @@ struct ModelBounds {
 struct Model {
   std::string name;
   std::vector<ModelPart> parts;
+  std::vector<ModelPart> ground;  // where the real ground lies: not drawn, but the object's shadow falls on it; its
+                                  // material's base colour is the real ground's
   std::vector<ModelMaterial> materials;
   std::vector<ModelTexture> textures;
   std::vector<std::string> notes;   // what was left out or mended, for the log
   std::vector<std::string> scenes;  // names of all scenes in the file; "" where one has none
 
+  // Of the object, without its ground.
   std::size_t triangle_count() const;
   ModelBounds bounds() const;
-  std::size_t bytes() const;  // of vertices, indices and pixels
+  ModelBounds bounds_with_ground() const;
+  std::size_t bytes() const;  // of vertices, indices and pixels, ground included
 };
 
 // Limits against hostile files.
@@ -109,7 +113,8 @@ struct ModelLimits {
 
 // .glb, or .gltf with its buffers and pictures from the same folder tree; never from elsewhere, never from a network.
 // Compressed files (Draco, meshopt, KTX2 and the like) are refused by name, with what to do. `scene`: which of the
-// file's scenes, by name, or by number from 0; empty: the one it begins with.
+// file's scenes, by name, or by number from 0; empty: the one it begins with. Nodes whose name begins with
+// "kasumi_ground" or whose extras say "kasumi": "ground" become, with their children, the model's ground.
 // Errors: bad_input, naming the file and what is wrong with it; io.
 Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits = {}, std::string_view scene = {});
 

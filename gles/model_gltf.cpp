@@ -40,6 +40,14 @@ Result<glm::dmat4> transform_of(const tinygltf::Node& node, const std::string& w
   return matrix;
 }
 
+// What a curator marks as the real ground; Blender numbers the names of copies.
+bool marks_ground(const tinygltf::Node& node) {
+  if (node.name.starts_with("kasumi_ground")) return true;
+  if (!node.extras.IsObject() || !node.extras.Has("kasumi")) return false;
+  const tinygltf::Value& mark = node.extras.Get("kasumi");
+  return mark.IsString() && mark.Get<std::string>() == "ground";
+}
+
 class SceneReader {
  public:
   SceneReader(const tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene,
@@ -105,11 +113,12 @@ class SceneReader {
     struct Visit {
       int node;
       glm::dmat4 parent;
+      bool ground;
     };
     const auto shown = scene();
     if (!shown) return tl::unexpected(shown.error());
     std::vector<Visit> open;
-    for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}});
+    for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}, false});
     std::vector<bool> seen(gltf_.nodes.size());
     while (!open.empty()) {
       const Visit visit = open.back();
@@ -124,26 +133,28 @@ class SceneReader {
       const auto local = transform_of(node, what);
       if (!local) return tl::unexpected(local.error());
       const glm::dmat4 whole = visit.parent * *local;
+      const bool ground = visit.ground || marks_ground(node);
       if (node.mesh >= 0)
-        if (auto read = read_mesh(node.mesh, whole); !read) return read;
+        if (auto read = read_mesh(node.mesh, whole, ground ? model_.ground : model_.parts); !read) return read;
       if (node.skin >= 0) note("its skinned meshes keep the shape they are stored in");
-      for (const int child : node.children) open.push_back({child, whole});
+      for (const int child : node.children) open.push_back({child, whole, ground});
     }
     return {};
   }
 
-  Result<> read_mesh(int index, const glm::dmat4& transform) {
+  Result<> read_mesh(int index, const glm::dmat4& transform, std::vector<ModelPart>& into) {
     if (static_cast<std::size_t>(index) >= gltf_.meshes.size())
       return fail(FaultKind::bad_input, "{}: mesh {}: there are {}", name_, index, gltf_.meshes.size());
     const tinygltf::Mesh& mesh = gltf_.meshes[static_cast<std::size_t>(index)];
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       const std::string what = fmt::format("{}: mesh {}, primitive {}", name_, index, i);
-      if (auto read = read_primitive(mesh.primitives[i], transform, what); !read) return read;
+      if (auto read = read_primitive(mesh.primitives[i], transform, into, what); !read) return read;
     }
     return {};
   }
 
-  Result<> read_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& transform, const std::string& what) {
+  Result<> read_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& transform,
+                          std::vector<ModelPart>& into, const std::string& what) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode > TINYGLTF_MODE_TRIANGLE_FAN)
       return fail(FaultKind::bad_input, "{}: mode {}: expected 0 .. 6", what, mode);
@@ -179,8 +190,18 @@ class SceneReader {
     if (triangles_ > limits_.triangles || vertices_ > limits_.vertices)
       return fail(FaultKind::bad_input, "{}: more than {} triangles or {} vertices", name_, limits_.triangles,
                   limits_.vertices);
-    model_.parts.push_back(std::move(part));
+    if (&into == &model_.ground && primitive.material < 0) part.material = plain_ground();
+    into.push_back(std::move(part));
     return {};
+  }
+
+  // Ground that the file gives no colour: glTF's default is white, which no ground is.
+  int plain_ground() {
+    if (plain_ground_ < 0) {
+      plain_ground_ = static_cast<int>(model_.materials.size());
+      model_.materials.push_back({.name = "ground", .base_colour = {0.1f, 0.1f, 0.1f, 1.0f}});
+    }
+    return plain_ground_;
   }
 
   // The accessor of an attribute, empty where the primitive has none; one element per vertex.
@@ -302,6 +323,7 @@ class SceneReader {
   std::string_view wanted_scene_;
   Model& model_;
   std::vector<Surfaces::Placements> placements_;
+  int plain_ground_ = -1;
   std::size_t triangles_ = 0;
   std::size_t vertices_ = 0;
 };

@@ -1,8 +1,4 @@
 // The radiance a surface sends to the eye under sun and sky.
-uniform vec3 sun_direction;
-uniform vec3 sun_light;        // irradiance / pi
-uniform mat3 albedo_to_channels;
-uniform vec3 sky_light[9];     // irradiance / pi, with the constants of the SH basis
 #if defined(UNLIT) || defined(EMITS)
 uniform vec3 white_card;       // radiance of a white card lying in the open
 #endif
@@ -12,19 +8,6 @@ uniform vec3 head_on_reflectance;
 uniform float edge_reflectance;
 varying vec3 v_to_eye;         // world
 #endif
-
-vec3 in_channels(vec3 reflectance) { return clamp(albedo_to_channels * reflectance, 0.0, 1.0); }
-
-// The sky's harmonics of order 1 and 2 towards n.
-vec3 first_order(vec3 n) { return sky_light[1] * n.y + sky_light[2] * n.z + sky_light[3] * n.x; }
-vec3 second_order(vec3 n) {
-  return sky_light[4] * n.x * n.y + sky_light[5] * n.y * n.z + sky_light[6] * (3.0 * n.z * n.z - 1.0) +
-         sky_light[7] * n.x * n.z + sky_light[8] * (n.x * n.x - n.y * n.y);
-}
-
-// Irradiance of the sky, of the sun, on a surface of normal n, over pi.
-vec3 from_sky(vec3 n) { return max(sky_light[0] + first_order(n) + second_order(n), 0.0); }
-vec3 from_sun(vec3 n) { return sun_light * max(dot(n, sun_direction), 0.0); }
 
 #if defined(REFLECTS)
 // GGX's lobe of the sun with Schlick's Fresnel, times pi. The sun's disc widens it: what is seen of a smooth mirror is the
@@ -70,13 +53,17 @@ vec3 lit(Surface s) {
   // Irradiance holds 1, 2/3 and 1/4 of the radiance's orders.
   vec3 mirrored = max(sky_light[0] + 1.5 * table.b * first_order(image) + 4.0 * table.a * second_order(image), 0.0);
   float open_image = clamp(pow(across + s.open_sky, exp2(-16.0 * s.roughness - 1.0)) - 1.0 + s.open_sky, 0.0, 1.0);
-  return (coloured + between) * (s.open_sky * from_sky(s.normal) + from_sun(s.normal)) + open_image * once * mirrored +
-         sun_light * (max(dot(s.normal, sun_direction), 0.0) *
-                      sun_lobe(s.normal, eye, across, s.roughness, mix(coat, body, s.metallic),
-                               mix(coat_edge, vec3(1.0), s.metallic)));
+  vec3 glint = sun_light * (max(dot(s.normal, sun_direction), 0.0) *
+                            sun_lobe(s.normal, eye, across, s.roughness, mix(coat, body, s.metallic),
+                                     mix(coat_edge, vec3(1.0), s.metallic)));
+  float seen = sun_seen(s.face);
+  return (coloured + between) * (s.open_sky * from_sky(s.normal) + seen * from_sun(s.normal)) +
+         open_image * once * mirrored + seen * glint;
 }
 #else
-vec3 lit(Surface s) { return in_channels(s.colour.rgb) * (s.open_sky * from_sky(s.normal) + from_sun(s.normal)); }
+vec3 lit(Surface s) {
+  return in_channels(s.colour.rgb) * (s.open_sky * from_sky(s.normal) + sun_seen(s.face) * from_sun(s.normal));
+}
 #endif
 
 vec3 radiance_of(Surface s) {

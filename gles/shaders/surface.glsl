@@ -39,6 +39,7 @@ uniform sampler2D emission_map;
 struct Surface {
   vec4 colour;
   vec3 normal;      // world
+  vec3 face;        // the same without the normal map
   float metallic;
   float roughness;
   float open_sky;   // 1: nothing hides the sky
@@ -75,6 +76,7 @@ Surface surface_here() {
   s.metallic *= rough_metal.y;
 #endif
   s.normal = normalize(v_normal);
+  s.face = gl_FrontFacing ? s.normal : -s.normal;
 #if defined(NORMAL_MAP)
   vec3 tilt = 2.0 * texture2D(normal_map, NORMAL_MAP).xyz - 1.0;
   // Normals that differ within a texel of a smaller level average to shorter ones: the surface is as much rougher

@@ -41,6 +41,42 @@ TEST(GltfModel, FacesWithoutNormalsAreFlat) {
   EXPECT_EQ(model.bounds().highest, glm::vec3(1, 1, 0));
 }
 
+TEST(GltfModel, NodesMarkedAsGroundAreNotDrawn) {
+  // The object, and three squares of ground: by name, by extras, by its parent's.
+  GltfFile file = square_file();
+  file.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {0.05, 0.08, 0.03, 1.0}}}}}};
+  file.json["meshes"].push_back(file.json["meshes"][0]);
+  file.json["meshes"][1]["primitives"][0]["material"] = 0;
+  file.json["nodes"] = {{{"mesh", 0}, {"name", "temple"}},
+                        {{"mesh", 1}, {"name", "kasumi_ground.001"}, {"translation", {10, 0, 0}}},
+                        {{"mesh", 0}, {"extras", {{"kasumi", "ground"}}}, {"children", {3}}},
+                        {{"mesh", 0}, {"translation", {0, -5, 0}}},
+                        {{"mesh", 0}, {"extras", {{"kasumi", "roof"}}}}};
+  file.json["scenes"][0]["nodes"] = {0, 1, 2, 4};
+  const Model model = loaded(file.read("ground"));
+  EXPECT_EQ(model.triangle_count(), 4u);
+  EXPECT_EQ(model.bounds().highest, glm::vec3(1, 1, 0));
+  EXPECT_EQ(model.bounds_with_ground().lowest, glm::vec3(0, -5, 0));
+  EXPECT_EQ(model.bounds_with_ground().highest, glm::vec3(11, 1, 0));
+  ASSERT_EQ(model.ground.size(), 3u);
+  int grassy = 0, plain = 0;
+  for (const ModelPart& part : model.ground) {
+    const auto& colour = model.materials[static_cast<std::size_t>(part.material)].base_colour;
+    grassy += std::abs(colour.g - 0.08f) < 1e-6f ? 1 : 0;
+    plain += colour == glm::vec4(0.1f, 0.1f, 0.1f, 1.0f) ? 1 : 0;  // no ground is white, as glTF's default would be
+  }
+  EXPECT_EQ(grassy, 1);
+  EXPECT_EQ(plain, 2);
+}
+
+TEST(GltfModel, OfGroundAloneThereIsNothingToDraw) {
+  GltfFile file = square_file();
+  file.node()["name"] = "kasumi_ground";
+  const auto model = file.read("only_ground");
+  ASSERT_FALSE(model);
+  EXPECT_THAT(model.error().message, HasSubstr("no triangles"));
+}
+
 TEST(GltfModel, AllWaysToIndexGiveTheSameTriangles) {
   const auto expected = corners(loaded(square_file().read("list")));
   GltfFile bytes = square_file();

@@ -1,0 +1,62 @@
+// The object's shadow on the real ground. What is seen of the ground is L Gamma + (1 - Gamma) Linf; of its own light L
+// the shadow leaves `kept`, the air between stays as it is. Layer: one alpha stands for three channels. It is green's,
+// which most of what the eye sees follows, right on any ground; what red loses more and blue less is taken from and
+// given to N, right on ground of the proxy's colour.
+uniform vec4 base_colour;
+varying vec3 v_normal;
+#if defined(HAZE_PER_FRAGMENT)
+varying vec3 v_path;
+#endif
+#if defined(FINAL_COLOUR)
+#if !defined(NO_AIR)
+varying vec3 v_airlight;
+#endif
+uniform mat3 fragment_to_picture;
+#if defined(FOREGROUND)
+uniform sampler2D foreground;
+#endif
+#else
+uniform vec3 horizon_patch[4];
+uniform mat3 fragment_to_patch;
+uniform float layer_unit;
+#endif
+
+void main() {
+  vec3 normal = normalize(v_normal);
+  if (!gl_FrontFacing) normal = -normal;
+  vec3 sun = from_sun(normal), own = sun + from_sky(normal);
+  vec3 kept = 1.0 - (1.0 - sun_seen(normal)) * sun / max(own, 1e-6);
+#if defined(FINAL_COLOUR)
+  vec2 place = (fragment_to_picture * vec3(gl_FragCoord.xy, 1.0)).xy;
+#if defined(FOREGROUND)
+  kept = mix(vec3(1.0), kept, texture2D(foreground, place).r);
+#endif
+  if (kept.g > 0.9995) discard;
+  vec3 light = light_of(clamp(camera_at(place), 0.0, 1.0)) * kept;
+#if defined(HAZE_PER_FRAGMENT)
+  light += v_airlight * (1.0 - attenuation(v_path)) * (1.0 - kept);
+#elif !defined(NO_AIR)
+  light += v_airlight * (1.0 - kept);
+#endif
+  gl_FragColor = vec4(encoded(light) + dither(gl_FragCoord.xy) / 255.0, 1.0);
+#else
+  float alpha = 1.0 - kept.g;
+  if (alpha < 0.0005) discard;
+#if defined(SCENE_DEPTH)
+  if (is_hidden(1.0 / gl_FragCoord.w - 10.0)) discard;  // the map shows the ground itself as well, about here
+#endif
+#if defined(NO_AIR)
+  vec3 passed_on = vec3(1.0);
+#else
+  vec3 passed_on = attenuation(v_path);
+#endif
+  vec2 at = (fragment_to_patch * vec3(gl_FragCoord.xy, 1.0)).xy;
+  vec3 rho = in_channels(base_colour.rgb) * own /
+             (horizon_patch[0] + horizon_patch[1] * at.x + (horizon_patch[2] + horizon_patch[3] * at.x) * at.y);
+  vec3 seen = max(alpha * (1.0 - passed_on) + (kept - kept.g) * rho * passed_on, 0.0) / layer_unit;
+#if defined(LAYER_IN_8_BITS)
+  seen += dither(gl_FragCoord.xy) / 255.0;
+#endif
+  gl_FragColor = vec4(seen, alpha);
+#endif
+}

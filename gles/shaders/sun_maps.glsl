@@ -1,0 +1,17 @@
+// The sun's frame: x and y in texels from the middle of a map, z 0..1 away from the sun. A map shows the object from
+// one point of the sun's disc: as from its middle, but what lies nearer or farther is moved across.
+uniform vec2 sun_spread;      // texels that depth 1 moves in the map of a point on the disc's edge
+uniform float sun_map_texels;  // along a side of one map
+
+// 16 points for as many parts of the disc, which has radius 1: 4 on a ring and 12 on one around it, so that their mean
+// and their spread are the disc's in every direction.
+vec2 sun_point(float number) {
+  float outer = step(3.5, number);
+  float turn = 6.2831853 * ((number - 4.0 * outer) / mix(4.0, 12.0, outer) + 0.05 * outer);
+  return mix(0.3535534, 0.7905694, outer) * vec2(cos(turn), sin(turn));
+}
+// Each map's texels lie elsewhere within one (Roberts 2018), so that together they are as good as finer ones.
+vec2 place_in_map(vec3 point, float number) {
+  return point.xy + (point.z - 0.5) * sun_spread * sun_point(number) + 0.5 * sun_map_texels +
+         fract(number * vec2(0.7548777, 0.5698403)) - 0.5;
+}
