@@ -113,7 +113,8 @@ glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurf
   const glm::dvec3 n = surface.normal;
   const double towards_sun = std::max(glm::dot(n, light.sun_direction), 0.0);
   const glm::dvec3 matt =
-      (surface.open_sky * reference_sky_irradiance(light, n) + towards_sun * light.sun_irradiance) / kPi;
+      (surface.open_sky * reference_sky_irradiance(light, n) + surface.sun_seen * towards_sun * light.sun_irradiance) /
+      kPi;
   if (!material.reflects()) return body * matt + emitted;
 
   const double m = surface.metallic;
@@ -159,8 +160,8 @@ glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurf
     // The sun's disc: GGX's squared width grows by the disc's solid angle over 4 pi.
     const double wide = std::pow(std::pow(r, 4) + 5.4e-6, 0.25);
     const glm::dvec3 fresnel = f0 + (f90 - f0) * std::pow(1.0 - glm::dot(to_eye, facet), 5);
-    glint =
-        fresnel * microfacet_brdf(glm::dot(n, facet), towards_sun, across, wide) * towards_sun * light.sun_irradiance;
+    glint = fresnel * microfacet_brdf(glm::dot(n, facet), towards_sun, across, wide) * towards_sun * surface.sun_seen *
+            light.sun_irradiance;
   }
   return (coloured + between) * matt + open_image * once * mirrored + glint + emitted;
 }

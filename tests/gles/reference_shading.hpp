@@ -17,6 +17,7 @@ struct ReferenceSurface {
   double metallic = 0.0;
   double roughness = 1.0;
   double open_sky = 1.0;
+  double sun_seen = 1.0;  // how much of the sun's disc
   glm::dvec3 emission{0.0};
 };
 
