@@ -16,6 +16,7 @@ struct ObjectPlacement {
   std::filesystem::path model;
   std::string scene;  // of the model's scenes (eras), by name or number; empty: the one it begins with
   Placement placement;
+  bool shadows = true;  // the sun's, on itself and on the ground that the model brings
 };
 
 // East, north, up (metres) of a place as seen from the site, in the site's tangent plane on the WGS 84 ellipsoid: a
@@ -28,7 +29,7 @@ constexpr double kUsualRefraction = 0.13;
 double lift_by_refraction(double distance_m, double coefficient = kUsualRefraction);
 
 // [object]: model, scene, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13,
-// lifts it), heading_deg, scale. Problems are left in the table's file.
+// lifts it), heading_deg, scale, shadows. Problems are left in the table's file.
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site);
 
 }  // namespace kasumi
