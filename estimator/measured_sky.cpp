@@ -30,7 +30,9 @@ double solid_angle_of_ring(int ring) {
 
 // Counts of a small round part of the picture, by solid angle.
 struct Patch {
-  double open = 0.0, saturated = 0.0, judged = 0.0, cloud = 0.0;
+  double open = 0.0, judged = 0.0;
+  double saturated = 0.0, coloured = 0.0;  // in all channels; in any
+  double cloud = 0.0, told = 0.0;          // all that is not clear air; what is told by its looks to be cloud
 };
 Patch patch_at(const SkyPicture& picture, const SkyGeometry& geometry, const Image<PixelUse>& use,
                const Direction& centre, Radians radius) {
@@ -44,10 +46,12 @@ Patch patch_at(const SkyPicture& picture, const SkyGeometry& geometry, const Ima
       const glm::vec3& encoded = picture.encoded.at(x, y);
       patch.open += angle;
       if (std::min({encoded.r, encoded.g, encoded.b}) >= kClipped) patch.saturated += angle;
+      if (std::max({encoded.r, encoded.g, encoded.b}) >= kClipped) patch.coloured += angle;
       const PixelUse as = use.at(x, y);
       if (as == PixelUse::near_sun || as == PixelUse::outside) continue;
       patch.judged += angle;
       if (as != PixelUse::clear) patch.cloud += angle;
+      if (as == PixelUse::cloud) patch.told += angle;
     }
   return patch;
 }
@@ -58,8 +62,15 @@ double smooth(double from, double to, double value) {
 }
 
 // The sun's disc outshines what a camera can tell even through thin cloud, so its core is either saturated or hidden.
-double share_by_disc(const Patch& core) {
-  return core.open > 0.0 ? smooth(0.15, 0.6, core.saturated / core.open) : 1.0;
+// Beside clouds, whose bright edges saturate too, it takes what the lens spreads around a high sun to be sure. In a
+// clear sky the disc's own few pixels tell, the red of them when the sun is low: what the lens spreads of it saturates
+// nothing.
+double share_by_disc(const Patch& core, const Patch& around) {
+  if (core.open <= 0.0) return 1.0;
+  const double by_glare = smooth(0.15, 0.6, core.saturated / core.open);
+  if (around.judged <= 0.0 || around.told > 0.05 * around.judged) return by_glare;
+  constexpr double kDisc_sr = 6.8e-5;
+  return std::max(by_glare, smooth(0.25, 0.75, core.coloured / kDisc_sr));
 }
 
 }  // namespace
@@ -83,7 +94,8 @@ MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, 
                         const Direction& through) {
   MeasuredSky sky;
   const Patch core = patch_at(picture, geometry, use, sun, from_degrees(1.2));
-  const double by_disc = condition == SkyCondition::overcast ? 0.0 : share_by_disc(core);
+  const Patch around = patch_at(picture, geometry, use, sun, from_degrees(25.0));
+  const double by_disc = condition == SkyCondition::overcast ? 0.0 : share_by_disc(core, around);
   sky.sun_share = by_disc;
   if (condition != SkyCondition::overcast && angle_between(through, sun) > from_degrees(4.0)) {
     const Patch shading = patch_at(picture, geometry, use, through, from_degrees(2.0));

@@ -175,6 +175,18 @@ TEST_F(SkyPhotograph, TheSunShinesWhereItsDiscIsSaturated) {
   EXPECT_EQ(measured(SkyCondition::overcast, sun).sun_share, 0.0);
 }
 
+TEST_F(SkyPhotograph, InAClearSkyTheDiscsOwnFewPixelsTellThatALowSunShines) {
+  EXPECT_EQ(measured(SkyCondition::clear, sun).sun_share, 0.0);
+  paint(sun, 0.8, 1.0f, PixelUse::near_sun);
+  for (int y = 0; y < kSide; ++y)  // reddened by the long way through the air
+    for (int x = 0; x < kSide; ++x)
+      if (picture.encoded.at(x, y).r == 1.0f) picture.encoded.at(x, y) = {1.0f, 0.9f, 0.5f};
+  EXPECT_EQ(measured(SkyCondition::clear, sun).sun_share, 1.0);
+  // Beside clouds it may be the bright edge of one.
+  paint(at_deg(55.0, 120.0), 8.0, 0.7f, PixelUse::cloud);
+  EXPECT_EQ(measured(SkyCondition::clear, sun).sun_share, 0.0);
+}
+
 TEST_F(SkyPhotograph, ACloudBeforeTheObjectsSunTakesItThoughOursShines) {
   paint(sun, 2.0, 1.0f, PixelUse::near_sun);
   const Direction through = at_deg(30.0, 10.0);
