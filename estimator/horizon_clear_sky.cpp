@@ -232,7 +232,10 @@ std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<Sk
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
   if (!middle) return {};
   const auto rows = [&](double share, int least) { return std::max(least, static_cast<int>(share * camera.height)); };
-  const Measurement m{scene, azimuth_angle(*middle), rows(kCellShare, 2), rows(kHorizonMargin, 1),
+  // In small pictures a cell is higher, so that its mean is no noisier.
+  const int cell_width = std::max(1, camera.width / (static_cast<int>(strips.size()) * kStacks));
+  const int least_rows = std::max(2, (kPixelsPerCell + cell_width - 1) / cell_width);
+  const Measurement m{scene, azimuth_angle(*middle), rows(kCellShare, least_rows), rows(kHorizonMargin, 1),
                       rows(kHorizonBand, 4)};
   const std::vector<Cell> cells = m.cells(strips);
   const auto clipped = std::count_if(cells.begin(), cells.end(), [](const Cell& cell) { return cell.clipped; });
