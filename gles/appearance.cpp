@@ -62,6 +62,11 @@ void check(const ObjectAppearance& appearance, Problems& problems) {
                  haze.mie_scale_height_m);
   if (!std::isfinite(haze.observer_altitude_m))
     problems.add("haze: observer's altitude: expected a finite number of metres");
+  if (!std::isfinite(haze.fog_per_m) || haze.fog_per_m < 0.0 || !std::isfinite(haze.fog_base_altitude_m) ||
+      !(haze.fog_scale_height_m > 0.0))
+    problems.add(
+        "haze: fog of {} /m at {} m, scale height {} m: expected an extinction >= 0, a finite altitude, a height > 0",
+        haze.fog_per_m, haze.fog_base_altitude_m, haze.fog_scale_height_m);
   const ObjectLight& light = appearance.light;
   if (!finite(light.sun_direction) || std::abs(glm::length(light.sun_direction) - 1.0) > 1e-6)
     problems.add("light: sun direction ({}, {}, {}): expected a unit vector", light.sun_direction.x,
@@ -70,6 +75,10 @@ void check(const ObjectAppearance& appearance, Problems& problems) {
   if (!std::ranges::all_of(light.sky_irradiance_sh, finite))
     problems.add("light: sky irradiance: expected finite coefficients");
   check(appearance.horizon, "horizon", true, problems);
+}
+
+void check(const SensorNoise& noise, Problems& problems) {
+  if (!not_negative(noise.shot) || !not_negative(noise.read)) problems.add("noise: expected finite numbers >= 0");
 }
 
 double largest_n(const ObjectAppearance& appearance, std::span<const ModelMaterial> materials) {
@@ -119,6 +128,9 @@ void set_appearance(const Program& program, const ObjectAppearance& appearance) 
   const glm::dvec2 heights{haze.rayleigh_scale_height_m, haze.mie_scale_height_m};
   program.set("observer_density", glm::exp(-haze.observer_altitude_m / heights));
   program.set("inverse_scale_height_km", kPerKm / heights);
+  program.set("fog_per_km", kPerKm * haze.fog_per_m);
+  program.set("observer_above_fog", (haze.observer_altitude_m - haze.fog_base_altitude_m) / haze.fog_scale_height_m);
+  program.set("inverse_fog_height_km", kPerKm / haze.fog_scale_height_m);
 
   const ObjectLight& light = appearance.light;
   program.set("sun_direction", light.sun_direction);

@@ -12,6 +12,7 @@ namespace kasumi {
 
 // Everything finite, scale heights and the horizon's light > 0, nothing negative that cannot be.
 void check(const ObjectAppearance& appearance, Problems& problems);
+void check(const SensorNoise& noise, Problems& problems);
 
 // An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1 and these materials, the sun's glint on
 // smooth ones left out: it is white whatever it is cut to.

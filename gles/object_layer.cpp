@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "gles/depth.hpp"
 #include "gles/gl.hpp"
+#include "gles/point_spread.hpp"
 
 namespace kasumi {
 namespace {
@@ -31,39 +33,48 @@ constexpr std::array<std::array<int, 2>, 17> kOffsets{{{0, 0},
                                                        {-2, -1},
                                                        {-1, 2},
                                                        {1, -2}}};
-constexpr int kLatticeSize = 1024;  // of the buffer that holds a tile's samples
-constexpr int kTile = 203;          // pixels at most: 5 * 203 + 2 margins of 2 fit
-constexpr GLenum kRgba16f = 0x881A;
+constexpr int kLatticeSize = 1024;                // of the buffer that holds a tile's samples
+constexpr int kReach = 2;                         // of the offsets
+const double kSamplesPerPixel = std::sqrt(17.0);  // along the lattice's axes
 
 // Columns of a matrix that acts on (x, y, 1).
 glm::dmat3 affine(const glm::dvec3& x_row, const glm::dvec3& y_row) {
   return {{x_row.x, y_row.x, 0.0}, {x_row.y, y_row.y, 0.0}, {x_row.z, y_row.z, 1.0}};
 }
 
-// One tile: pixels [left, right) x [top, bottom), and the lattice's numbers at the buffer's corner.
+// One tile: pixels [left, right) x [top, bottom), and the lattice's numbers at the buffer's corner. `spare`: samples
+// drawn around those that its pixels are made of.
 struct Tile {
   PixelBox box;
+  int around;
   int first_a;
   int first_b;
 
-  explicit Tile(const PixelBox& pixels)
-      : box(pixels), first_a(4 * pixels.left + pixels.top - 2), first_b(4 * pixels.top - (pixels.right - 1) - 2) {}
+  Tile(const PixelBox& pixels, int spare)
+      : box(pixels),
+        around(kReach + spare),
+        first_a(4 * pixels.left + pixels.top - around),
+        first_b(4 * pixels.top - (pixels.right - 1) - around) {}
+  static int most_pixels(int spare) { return (kLatticeSize - 2 * (kReach + spare)) / 5; }
 
   // The part of the buffer that is used.
-  int width() const { return 4 * (box.right - box.left) + (box.bottom - box.top) + 4; }
-  int height() const { return 4 * (box.bottom - box.top) + (box.right - box.left) + 4; }
+  int width() const { return 4 * (box.right - box.left) + (box.bottom - box.top) + 2 * around; }
+  int height() const { return 4 * (box.bottom - box.top) + (box.right - box.left) + 2 * around; }
 
   // Homogeneous pixels to the buffer's clip coordinates.
   glm::dmat3 pixel_to_clip() const {
     constexpr double s = 2.0 / kLatticeSize;
     return affine({4.0 * s, s, (0.5 - first_a) * s - 1.0}, {-s, 4.0 * s, (0.5 - first_b) * s - 1.0});
   }
-  // gl_FragCoord in the buffer to 0..1 across the tile, from its first to one past its last pixel.
-  glm::dmat3 fragment_to_patch() const {
+  // gl_FragCoord in the buffer to the picture's pixels.
+  glm::dmat3 fragment_to_pixel() const {
     const double a = first_a - 0.5, b = first_b - 0.5;
+    return affine({4.0 / 17.0, -1.0 / 17.0, (4.0 * a - b) / 17.0}, {1.0 / 17.0, 4.0 / 17.0, (a + 4.0 * b) / 17.0});
+  }
+  // The same to 0..1 across the tile, from its first to one past its last pixel.
+  glm::dmat3 fragment_to_patch() const {
     const double w = box.right - box.left, h = box.bottom - box.top;
-    return affine(glm::dvec3{4.0 / 17.0, -1.0 / 17.0, (4.0 * a - b) / 17.0 - box.left} / w,
-                  glm::dvec3{1.0 / 17.0, 4.0 / 17.0, (a + 4.0 * b) / 17.0 - box.top} / h);
+    return affine({1.0 / w, 0.0, -box.left / w}, {0.0, 1.0 / h, -box.top / h}) * fragment_to_pixel();
   }
   // The horizon's light across the tile, which lies within one cell of its grid.
   std::array<glm::dvec3, 4> horizon_patch(const AirlightGrid& horizon) const {
@@ -81,11 +92,11 @@ struct Tile {
 };
 
 // Pixels where tiles end between first and last: at the lines of the horizon's grid, and before they are too large.
-std::vector<int> tile_ends(int first, int last, double first_line, double last_line, int lines) {
+std::vector<int> tile_ends(int first, int last, int most, double first_line, double last_line, int lines) {
   std::vector<int> ends;
   const auto go_to = [&](int end) {
     const int begin = ends.empty() ? first : ends.back();
-    const int parts = (end - begin + kTile - 1) / kTile;
+    const int parts = (end - begin + most - 1) / most;
     for (int part = 1; part <= parts; ++part) ends.push_back(begin + (end - begin) * part / parts);
   };
   for (int line = 0; line < lines; ++line) {
@@ -96,13 +107,15 @@ std::vector<int> tile_ends(int first, int last, double first_line, double last_l
   return ends;
 }
 
-std::vector<PixelBox> tiles_of(const PixelBox& box, const AirlightGrid& horizon) {
+std::vector<PixelBox> tiles_of(const PixelBox& box, int most, const AirlightGrid& horizon) {
+  const glm::dvec2 first = horizon.first_px, last = horizon.last_px;
+  const auto rows = tile_ends(box.top, box.bottom, most, first.y, last.y, AirlightGrid::kRows);
+  const auto columns = tile_ends(box.left, box.right, most, first.x, last.x, AirlightGrid::kColumns);
   std::vector<PixelBox> tiles;
   int top = box.top;
-  for (const int bottom : tile_ends(box.top, box.bottom, horizon.first_px.y, horizon.last_px.y, AirlightGrid::kRows)) {
+  for (const int bottom : rows) {
     int left = box.left;
-    for (const int right :
-         tile_ends(box.left, box.right, horizon.first_px.x, horizon.last_px.x, AirlightGrid::kColumns)) {
+    for (const int right : columns) {
       tiles.push_back({left, top, right, bottom});
       left = right;
     }
@@ -111,62 +124,48 @@ std::vector<PixelBox> tiles_of(const PixelBox& box, const AirlightGrid& horizon)
   return tiles;
 }
 
-GlTexture make_target_texture(int width, int height, bool in_8_bits, const GlInfo& info) {
-  GlTexture texture = make_texture();
-  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
-  glBindTexture(GL_TEXTURE_2D, texture.name());
-  if (in_8_bits) {
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-  } else if (info.es_major >= 3) {
-    constexpr GLenum kHalfFloat = 0x140B;
-    glTexImage2D(GL_TEXTURE_2D, 0, kRgba16f, width, height, 0, GL_RGBA, kHalfFloat, nullptr);
-  } else {
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, width, height, 0, GL_RGBA, GL_HALF_FLOAT_OES, nullptr);
-  }
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  return texture;
-}
-
-GlFramebuffer make_target(const GlTexture& texture) {
-  GlFramebuffer framebuffer = make_framebuffer();
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
-  return framebuffer;
-}
-
-void draw_square() {
-  constexpr std::array<float, 8> kCorners{-1, -1, 1, -1, -1, 1, 1, 1};
-  glBindBuffer(GL_ARRAY_BUFFER, 0);
-  glEnableVertexAttribArray(kPosition);
-  glVertexAttribPointer(kPosition, 2, GL_FLOAT, GL_FALSE, 0, kCorners.data());
-  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-  glDisableVertexAttribArray(kPosition);
-}
-
 // The buffer that one tile after the other is drawn into.
 struct Lattice {
-  GlTexture texture;
-  GlFramebuffer framebuffer;
+  LayerBuffer samples;
   GlRenderbuffer depth;
 
   static Result<Lattice> create(bool in_8_bits, const GlInfo& info) {
-    Lattice made;
-    made.texture = make_target_texture(kLatticeSize, kLatticeSize, in_8_bits, info);
-    made.framebuffer = make_target(made.texture);
-    made.depth = make_renderbuffer();
+    constexpr std::string_view kName = "the buffer for anti-aliasing";
+    auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, in_8_bits, info, kName);
+    if (!samples) return tl::unexpected(samples.error());
+    Lattice made{std::move(*samples), make_renderbuffer()};
     glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
     glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), kLatticeSize, kLatticeSize);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
-    if (auto complete = check_framebuffer("the buffer for anti-aliasing"); !complete)
-      return tl::unexpected(complete.error());
+    if (auto complete = check_framebuffer(kName); !complete) return tl::unexpected(complete.error());
     return made;
   }
 };
 
+bool shares_chroma(const ObjectDetail& detail) {
+  return detail.chroma_columns > 1 || detail.chroma_rows > 1;
+}
+
+double spread_in_samples(const ObjectDetail& detail) {
+  return detail.point_spread_px * kSamplesPerPixel;
+}
+
+// How many around a pixel's own samples matter to it, each way along the lattice's axes.
+int spare_samples(const ObjectDetail& detail) {
+  const int spread = detail.point_spread_px > 0.0 ? spread_radius(spread_in_samples(detail)) : 0;
+  return spread + (shares_chroma(detail) ? 5 : 0);  // a neighbouring pixel's samples lie up to five away
+}
+
+// The corner of a square of so many samples lies so many pixels off, at most.
+int pixels_of(int samples) {
+  return (5 * samples + 16) / 17;
+}
+
 }  // namespace
+
+int ObjectLayer::margin_px(const ObjectDetail& detail) {
+  return pixels_of(spare_samples(detail));
+}
 
 Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
                                       const AirlightGrid& horizon, const Options& options, const GlInfo& info,
@@ -176,29 +175,47 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
   layer.in_8_bits_ = options.in_8_bits;
   layer.unit_ = options.in_8_bits ? options.unit : 1.0;
   layer.filters_ = options.in_8_bits || info.es_major >= 3 || info.has("GL_OES_texture_half_float_linear");
-  layer.texture_ = make_target_texture(box.right - box.left, box.bottom - box.top, options.in_8_bits, info);
-  layer.framebuffer_ = make_target(layer.texture_);
-  if (auto complete = check_framebuffer("the object's layer"); !complete) return tl::unexpected(complete.error());
+  auto buffer =
+      LayerBuffer::create(box.right - box.left, box.bottom - box.top, options.in_8_bits, info, "the object's layer");
+  if (!buffer) return tl::unexpected(buffer.error());
+  layer.buffer_ = std::move(*buffer);
   const auto lattice = Lattice::create(options.in_8_bits, info);
   if (!lattice) return tl::unexpected(lattice.error());
+  std::optional<PointSpread> spread;
+  if (options.detail.point_spread_px > 0.0) {
+    auto made = PointSpread::create(spread_in_samples(options.detail), kLatticeSize, options.in_8_bits, info, programs);
+    if (!made) return tl::unexpected(made.error());
+    spread = std::move(*made);
+  }
+  const int spare = spare_samples(options.detail);
 
   Defines object_defines{"HAZE_PER_FRAGMENT"};
   if (!options.aerial_perspective) object_defines = {"NO_AIR"};
   if (projection.distorted) object_defines.insert("DISTORTED");
   if (options.in_8_bits) object_defines.insert("LAYER_IN_8_BITS");
+  if (options.scene_depth) object_defines.insert("SCENE_DEPTH");
+  std::vector<GpuModel::Which> drawn_parts{GpuModel::Which::solid, GpuModel::Which::blended};
+  if (options.shadow) {
+    object_defines.merge(options.shadow->defines());
+    object_defines.insert("ONE_MAP_EACH");
+    drawn_parts = {GpuModel::Which::solid, GpuModel::Which::ground, GpuModel::Which::blended};
+  }
   Defines resolve_defines;
   if (options.in_8_bits) resolve_defines.insert("LAYER_IN_8_BITS");
   if (options.foreground) resolve_defines.insert("FOREGROUND");
+  if (shares_chroma(options.detail))
+    resolve_defines.merge(Defines{fmt::format("CHROMA_COLUMNS {}", options.detail.chroma_columns),
+                                  fmt::format("CHROMA_ROWS {}", options.detail.chroma_rows)});
   const auto resolve = programs.find(ProgramKind::resolve, resolve_defines);
   if (!resolve) return tl::unexpected(resolve.error());
 
-  const DepthRange depth = depth_range(projection, model.bounds());
+  const DepthRange depth = depth_range(projection, model.bounds_with_ground());
   std::array<glm::dvec2, kOffsets.size()> offsets;
   std::ranges::transform(kOffsets, offsets.begin(), [](const auto& o) { return glm::dvec2{o[0], o[1]}; });
 
-  for (const PixelBox& pixels : tiles_of(box, horizon)) {
-    const Tile tile(pixels);
-    glBindFramebuffer(GL_FRAMEBUFFER, lattice->framebuffer.name());
+  for (const PixelBox& pixels : tiles_of(box, Tile::most_pixels(spare), horizon)) {
+    const Tile tile(pixels, spare);
+    glBindFramebuffer(GL_FRAMEBUFFER, lattice->samples.framebuffer.name());
     glViewport(0, 0, kLatticeSize, kLatticeSize);
     glEnable(GL_SCISSOR_TEST);
     glScissor(0, 0, tile.width(), tile.height());
@@ -214,19 +231,30 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
       program.set("horizon_patch", tile.horizon_patch(horizon));
       program.set("layer_unit", layer.unit_);
       program.set("dither_pattern", kDitherUnit);
+      if (options.scene_depth) {
+        options.scene_depth->bind(program, options.scene_depth_unit);
+        program.set("fragment_to_pixel", tile.fragment_to_pixel());
+      }
+      if (options.shadow) {
+        options.shadow->bind(program, kShadowUnit);
+        program.set("lattice_first", glm::dvec2{tile.first_a, tile.first_b});
+      }
       set_appearance(program);
     };
-    for (const auto which : {GpuModel::Which::solid, GpuModel::Which::blended})
-      if (auto drawn = model.draw(which, programs, object_defines, units_for_layer(), tile.box, set_uniforms); !drawn)
+    const PixelBox seen = grown(tile.box, pixels_of(tile.around));
+    for (const auto which : drawn_parts)
+      if (auto drawn = model.draw(which, programs, object_defines, units_for_layer(), seen, set_uniforms); !drawn)
         return tl::unexpected(drawn.error());
 
-    glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer_.name());
+    if (spread) spread->apply(lattice->samples, tile.width(), tile.height());
+
+    glBindFramebuffer(GL_FRAMEBUFFER, layer.buffer_.framebuffer.name());
     glViewport(tile.box.left - box.left, tile.box.top - box.top, tile.box.right - tile.box.left,
                tile.box.bottom - tile.box.top);
     const Program& program = **resolve;
     program.use();
     glActiveTexture(GL_TEXTURE0 + kLayerUnit);
-    glBindTexture(GL_TEXTURE_2D, lattice->texture.name());
+    glBindTexture(GL_TEXTURE_2D, lattice->samples.texture.name());
     program.set("samples", kLayerUnit);
     program.set("fragment_to_sample", tile.layer_fragment_to_sample(box));
     program.set("sample_step", glm::dvec2{1.0 / kLatticeSize});
@@ -244,7 +272,7 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
 
 void ObjectLayer::bind(const Program& program, bool smooth) const {
   glActiveTexture(GL_TEXTURE0 + kLayerUnit);
-  glBindTexture(GL_TEXTURE_2D, texture_.name());
+  glBindTexture(GL_TEXTURE_2D, buffer_.texture.name());
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     glTexParameteri(GL_TEXTURE_2D, filter, smooth && filters_ ? GL_LINEAR : GL_NEAREST);
   program.set("layer", kLayerUnit);
@@ -255,7 +283,7 @@ void ObjectLayer::bind(const Program& program, bool smooth) const {
 
 Result<Image<glm::vec4>> ObjectLayer::read() const {
   Image<glm::vec4> image(box_.right - box_.left, box_.bottom - box_.top);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  glBindFramebuffer(GL_FRAMEBUFFER, buffer_.framebuffer.name());
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   if (in_8_bits_) {
     Image<glm::u8vec4> bytes(image.width(), image.height());

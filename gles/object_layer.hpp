@@ -1,5 +1,5 @@
 // The object drawn once for a fixed view (physics 6): premultiplied N = rho Gamma + 1 - Gamma and coverage, averaged
-// over 17 samples per pixel.
+// over 17 samples per pixel, no finer than the camera sees, without what real things hide of it.
 #pragma once
 
 #include <functional>
@@ -10,9 +10,11 @@
 #include "base/result.hpp"
 #include "gles/context.hpp"
 #include "gles/gpu_model.hpp"
-#include "gles/objects.hpp"
+#include "gles/layer_buffer.hpp"
 #include "gles/programs.hpp"
 #include "gles/projection.hpp"
+#include "gles/scene_depth.hpp"
+#include "gles/sun_shadow.hpp"
 
 namespace kasumi {
 
@@ -23,7 +25,14 @@ class ObjectLayer {
     double unit = 1.0;       // 8 bits: the largest N that occurs
     bool aerial_perspective = true;
     bool foreground = false;  // something is bound to kForegroundUnit
+    ObjectDetail detail = {};
+    const SceneDepth* scene_depth = nullptr;  // null: nothing real stands anywhere
+    int scene_depth_unit = 0;
+    const SunShadow* shadow = nullptr;  // null: nothing keeps the sun off
   };
+  // How many pixels beyond its outline the object shows.
+  static int margin_px(const ObjectDetail& detail);
+
   // `horizon` is the sky model's, per pixel. `set_appearance` sets the uniforms of light and air. The dither pattern is
   // bound to kDitherUnit. Errors: device.
   static Result<ObjectLayer> draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
@@ -42,8 +51,7 @@ class ObjectLayer {
   bool in_8_bits_ = false;  // else half floats
   double unit_ = 1.0;
   bool filters_ = false;  // the driver filters this kind of texture
-  GlTexture texture_;
-  GlFramebuffer framebuffer_;
+  LayerBuffer buffer_;
 };
 
 }  // namespace kasumi

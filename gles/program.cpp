@@ -34,6 +34,7 @@ Result<Program> Program::build(const Defines& defines, std::initializer_list<std
   if (!vertex) return tl::unexpected(vertex.error());
   std::string preamble(kFragmentPrecision);
   if (defines.contains("LAYOUT_EXTERNAL")) preamble = "#extension GL_OES_EGL_image_external : require\n" + preamble;
+  if (defines.contains("FACE_SLOPES")) preamble = "#extension GL_OES_standard_derivatives : require\n" + preamble;
   const auto fragment = assemble(defines, preamble, fragment_files);
   if (!fragment) return tl::unexpected(fragment.error());
   std::string name;
@@ -81,6 +82,10 @@ void Program::set(std::string_view name, const glm::dmat3& value) const {
 }
 void Program::set(std::string_view name, const glm::dmat4& value) const {
   glUniformMatrix4fv(place_of(name), 1, GL_FALSE, glm::value_ptr(glm::mat4(value)));
+}
+void Program::set(std::string_view name, std::span<const double> values) const {
+  const std::vector<float> floats(values.begin(), values.end());
+  glUniform1fv(place_of(name), static_cast<GLsizei>(floats.size()), floats.data());
 }
 void Program::set(std::string_view name, std::span<const glm::dvec2> values) const {
   const std::vector<glm::vec2> floats(values.begin(), values.end());

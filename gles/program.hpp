@@ -46,6 +46,7 @@ class Program {
   void set(std::string_view name, const glm::dvec4& value) const;
   void set(std::string_view name, const glm::dmat3& value) const;
   void set(std::string_view name, const glm::dmat4& value) const;
+  void set(std::string_view name, std::span<const double> values) const;
   void set(std::string_view name, std::span<const glm::dvec2> values) const;
   void set(std::string_view name, std::span<const glm::dvec3> values) const;
 

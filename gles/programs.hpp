@@ -17,9 +17,11 @@ enum TextureUnit : int {
   kResponseUnit = 5,
   kDitherUnit = 6,
   kSurfaceUnit = 7,
+  kShadowUnit = 12,  // beyond what GLES 2 promises, like the surface's pictures beside the camera's
+  kNoiseUnit = 7,  // with the camera's picture, where no surface is drawn
 };
 
-enum class ProgramKind { object, resolve, picture };
+enum class ProgramKind { object, ground, sun_map, spread, resolve, picture };
 
 class Programs {
  public:

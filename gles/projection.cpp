@@ -76,10 +76,14 @@ double reach_of(const std::array<double, 5>& k, double radius) {
   return reach;
 }
 
-PixelBox cut(const SceneView& view, glm::dvec2 lowest, glm::dvec2 highest) {
+PixelBox cut(const Projection& projection, glm::dvec2 lowest, glm::dvec2 highest) {
   if (!(lowest.x <= highest.x) || !(lowest.y <= highest.y)) return {};
+  const int margin = projection.margin_px;
   // Through double clamps: a vertex next to the near plane may be seen far outside what an int holds.
-  const auto pixel = [](double value, int most) { return static_cast<int>(std::clamp(value, 0.0, double(most))); };
+  const auto pixel = [&](double value, int size) {
+    return static_cast<int>(std::clamp(value, double(-margin), double(size + margin)));
+  };
+  const SceneView& view = projection.view;
   const PixelBox box{pixel(std::floor(lowest.x) - 1.0, view.width), pixel(std::floor(lowest.y) - 1.0, view.height),
                      pixel(std::ceil(highest.x) + 2.0, view.width), pixel(std::ceil(highest.y) + 2.0, view.height)};
   return box.empty() ? PixelBox{} : box;
@@ -116,6 +120,7 @@ Result<Projection> make_projection(const SceneView& view, const glm::dmat4& mode
                   view.distortion[0], view.distortion[1], view.distortion[2], view.distortion[3], view.distortion[4]);
     projection.lens_reach = reach_of(view.distortion, *radius);
   }
+  projection.model_to_world = model_to_world;
   projection.model_to_camera = view.world_to_camera * model_to_world;
   const glm::dmat3 turn(model_to_world);
   projection.normal_to_world = glm::transpose(glm::inverse(turn));
@@ -164,7 +169,18 @@ PixelBox box_of(const Projection& projection, std::span<const glm::vec3> positio
         const glm::dvec3& b = camera[indices[i + (j + 1) % 3]];
         if ((a.z < near_m) != (b.z < near_m)) see(a + (b - a) * ((near_m - a.z) / (b.z - a.z)));
       }
-  return cut(projection.view, lowest, highest);
+  return cut(projection, lowest, highest);
+}
+
+PixelBox grown(const PixelBox& box, int px) {
+  if (box.empty()) return box;
+  return {box.left - px, box.top - px, box.right + px, box.bottom + px};
+}
+
+PixelBox cut_to_picture(const PixelBox& box, const SceneView& view) {
+  const PixelBox inside{std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, view.width),
+                        std::min(box.bottom, view.height)};
+  return inside.empty() ? PixelBox{} : inside;
 }
 
 PixelBox united(const PixelBox& a, const PixelBox& b) {

@@ -16,6 +16,8 @@ namespace kasumi {
 
 struct Projection {
   SceneView view;
+  int margin_px = 0;  // how far beyond the picture's border what lies there still matters
+  glm::dmat4 model_to_world{1.0};
   glm::dmat4 model_to_camera{1.0};
   glm::dmat3 normal_to_world{1.0};
   glm::dmat3 tangent_to_world{1.0};  // model to world, unscaled
@@ -34,9 +36,11 @@ Result<Projection> make_projection(const SceneView& view, const glm::dmat4& mode
 // Where a point at depth z > 0 is seen.
 glm::dvec2 pixel_of(const Projection& projection, const glm::dvec3& camera);
 
-// The pixels that triangles can touch, with one to spare, cut to the picture.
+// The pixels that triangles can touch, with one to spare, cut to the picture and its margin.
 PixelBox box_of(const Projection& projection, std::span<const glm::vec3> positions,
                 std::span<const std::uint16_t> indices);
+PixelBox grown(const PixelBox& box, int px);  // every way; an empty one stays empty
+PixelBox cut_to_picture(const PixelBox& box, const SceneView& view);
 PixelBox united(const PixelBox& a, const PixelBox& b);
 bool overlap(const PixelBox& a, const PixelBox& b);
 

@@ -8,61 +8,22 @@
 #include "gles/appearance.hpp"
 #include "gles/camera_import.hpp"
 #include "gles/camera_planes.hpp"
+#include "gles/composite.hpp"
 #include "gles/gl.hpp"
 #include "gles/gpu_model.hpp"
 #include "gles/object_layer.hpp"
-#include "gles/picture_mesh.hpp"
+#include "gles/patterns.hpp"
 #include "gles/reflection_table.hpp"
 #include "gles/response_table.hpp"
 
 namespace kasumi {
 namespace {
 
-// Bayer's order: every 2 x 2, 4 x 4 and 8 x 8 block holds evenly spread thresholds.
-GlTexture make_dither_pattern() {
-  std::array<std::uint8_t, 64> texels{};
-  for (unsigned y = 0; y < 8; ++y)
-    for (unsigned x = 0; x < 8; ++x) {
-      unsigned rank = 0;
-      for (unsigned bit = 0; bit < 3; ++bit) {
-        const unsigned bx = (x >> bit) & 1u, by = (y >> bit) & 1u;
-        rank += ((((bx ^ by) << 1u) | by) << (2u * (2u - bit)));
-      }
-      texels[8 * y + x] = static_cast<std::uint8_t>(4 * rank + 2);
-    }
-  GlTexture texture = make_texture();
-  glActiveTexture(GL_TEXTURE0 + kDitherUnit);
-  glBindTexture(GL_TEXTURE_2D, texture.name());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE, 8, 8, 0, GL_LUMINANCE, GL_UNSIGNED_BYTE, texels.data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  return texture;
-}
-
 bool same_kind(const ExternalPicture& a, const ExternalPicture& b) {
   const auto same_rows = [](const ExternalPlane& p, const ExternalPlane& q) { return p.stride == q.stride; };
   return a.layout == b.layout && a.width == b.width && a.height == b.height &&
          std::ranges::equal(a.planes, b.planes, same_rows);
 }
-
-// Where a target shows the picture, and how pixels get there.
-struct Shown {
-  Letterbox box;
-  bool same_size = true;
-  glm::dmat3 pixel_to_clip{1.0};
-  glm::dmat3 fragment_to_picture{1.0};
-
-  Shown(const DrawTarget& target, int width, int height) : box(letterbox(target, width, height)) {
-    const double w = width, h = height, up = target.top_row_first ? 1.0 : -1.0;
-    same_size = box.width == width && box.height == height;
-    pixel_to_clip =
-        glm::dmat3({2.0 / w, 0.0, 0.0}, {0.0, up * 2.0 / h, 0.0}, {1.0 / w - 1.0, up * (1.0 / h - 1.0), 1.0});
-    const double bw = box.width, bh = box.height;
-    fragment_to_picture = glm::dmat3({1.0 / bw, 0.0, 0.0}, {0.0, up / bh, 0.0},
-                                     {-box.x / bw, target.top_row_first ? -box.y / bh : 1.0 + box.y / bh, 1.0});
-  }
-};
 
 }  // namespace
 
@@ -84,15 +45,18 @@ struct Renderer::State {
   GlTexture reflections;  // made for the first model that needs it
   SurfaceUnits units_in_one_pass;
   std::optional<Projection> projection;
+  ObjectDetail detail;
   PixelBox box;              // of the object
   Image<std::uint8_t> mask;  // as given; empty: nothing in front
   GlTexture foreground;
+  std::optional<SceneDepth> scene_depth;
+  int scene_depth_unit = -1;
+  bool shadows_work = true;
+  bool many_varyings = true;  // more than GLES 2 promises
+  SunShadow::Options shadow_options;
+  std::optional<SunShadow> shadow;  // as drawn last
   std::optional<ObjectLayer> layer;
-  PictureRectangles rectangles;      // of the camera's picture around and under the layer
-  std::optional<PictureMesh> mesh;   // of these, cut at the lines of a grid of airlight
-  AirlightGrid mesh_grid;            // that grid
-  std::optional<PictureMesh> whole;  // the same without a layer
-  glm::ivec2 whole_size{};
+  Composite composite;
   std::vector<std::string> notes;
 
   bool layer_in_8_bits() const {
@@ -113,13 +77,19 @@ struct Renderer::State {
 
   void drop_layer() {
     layer.reset();
-    mesh.reset();
+    composite.drop_layer();
   }
 
   void look() {
     drop_layer();
-    box = model && projection ? model->look_from(*projection) : PixelBox{};
+    box = {};
+    if (!model || !projection) return;
+    const int margin = ObjectLayer::margin_px(detail);
+    projection->margin_px = margin;
+    box = cut_to_picture(grown(model->look_from(*projection), margin), projection->view);
   }
+
+  CameraFrame frame() const { return {camera, *response, dither}; }
 
   bool has_foreground() const { return !mask.empty(); }
 
@@ -145,27 +115,25 @@ struct Renderer::State {
         (mask.width() != projection->view.width || mask.height() != projection->view.height))
       problems.add("foreground mask of {} x {} pixels: the view is of {} x {}", mask.width(), mask.height(),
                    projection->view.width, projection->view.height);
+    if (projection && scene_depth && scene_depth->size() != glm::ivec2{projection->view.width, projection->view.height})
+      problems.add("depth map of {} x {} pixels: the view is of {} x {}", scene_depth->size().x, scene_depth->size().y,
+                   projection->view.width, projection->view.height);
     if (!problems.empty()) return fail(problems.fault());
     return {};
   }
 
-  void begin(const DrawTarget& target, const Shown& shown, bool with_depth) const {
-    glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
-    glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
-    const bool bars = shown.box.width != target.width || shown.box.height != target.height;
-    glClearColor(0, 0, 0, 1);
-    if (bars || with_depth) glClear((bars ? GL_COLOR_BUFFER_BIT : 0u) | (with_depth ? GL_DEPTH_BUFFER_BIT : 0u));
-  }
-
-  // What every program that shows the camera's picture needs.
-  void bind_frame(const Program& program, const Shown& shown) const {
-    camera.bind(program, !shown.same_size);
-    response->bind(program, kResponseUnit);
-    glActiveTexture(GL_TEXTURE0 + kDitherUnit);
-    glBindTexture(GL_TEXTURE_2D, dither.name());
-    program.set("dither_pattern", kDitherUnit);
-    program.set("picture_size", glm::dvec2{camera.width, camera.height});
-    program.set("pixel_to_clip", shown.pixel_to_clip);
+  // Drawn anew when the sun, the pose or the size it is seen at have changed; null where the sun throws none.
+  Result<const SunShadow*> shadow_under(const ObjectAppearance& appearance) {
+    if (!appearance.shadows || !shadows_work || appearance.light.sun_irradiance == glm::dvec3{0.0}) return nullptr;
+    const int texels = SunShadow::texels_for(*model, *projection, info, shadow_options);
+    const SunFrame frame =
+        make_sun_frame(model->bounds(), projection->model_to_world, appearance.light.sun_direction, texels);
+    if (shadow && shadow->frame() == frame) return &*shadow;
+    shadow.reset();
+    auto drawn = SunShadow::draw(*model, frame, shadow_options, info, programs);
+    if (!drawn) return tl::unexpected(drawn.error());
+    shadow = std::move(*drawn);
+    return &*shadow;
   }
 
   void bind_reflections(const Program& program, int unit) const {
@@ -179,41 +147,6 @@ struct Renderer::State {
     if (!has_foreground()) return;
     glActiveTexture(GL_TEXTURE0 + kForegroundUnit);
     glBindTexture(GL_TEXTURE_2D, foreground.name());
-  }
-
-  Result<> draw_area(PictureArea area, const PictureMesh& on, const Shown& shown, const AirlightGrid* measured) {
-    if (on.empty(area)) return {};
-    // Areas that do not need the camera or its response share one variant.
-    Defines defines;
-    if (area != PictureArea::covered) defines.merge(camera.defines());
-    if (area == PictureArea::covered) defines.insert({"COVERED", "LAYOUT_RGB"});
-    if (area == PictureArea::edge) defines.insert("EDGE");
-    if (area != PictureArea::plain) defines.insert(response->define());
-    const auto program = programs.find(ProgramKind::picture, defines);
-    if (!program) return tl::unexpected(program.error());
-    (*program)->use();
-    bind_frame(**program, shown);
-    if (area != PictureArea::plain) {
-      layer->bind(**program, !shown.same_size);
-      set_airlight(**program, "measured", *measured);
-    }
-    on.draw(area);
-    return check_gl("drawing the picture");
-  }
-
-  // Grids stay where they are from frame to frame, so this hardly ever cuts anew.
-  const PictureMesh& mesh_for(const AirlightGrid& grid) {
-    if (!mesh || grid.first_px != mesh_grid.first_px || grid.last_px != mesh_grid.last_px)
-      mesh = PictureMesh::upload(cut_at_lines(rectangles, grid));
-    mesh_grid = grid;
-    return *mesh;
-  }
-
-  const PictureMesh& whole_picture() {
-    const glm::ivec2 size{camera.width, camera.height};
-    if (!whole || whole_size != size) whole = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
-    whole_size = size;
-    return *whole;
   }
 };
 
@@ -233,6 +166,14 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   auto state = std::make_unique<State>(context.info(), options);
   state->dither = make_dither_pattern();
   state->units_in_one_pass = units_beside_camera(textures);
+  state->scene_depth_unit = textures > kTextures ? kTextures : -1;
+  GLint varyings = 0;
+  glGetIntegerv(GL_MAX_VARYING_VECTORS, &varyings);
+  state->many_varyings = varyings > 8;
+  state->shadow_options =
+      SunShadow::options_for(state->info, {options.force_packed_shadows, !options.force_smooth_shadows});
+  state->shadows_work = state->info.highp_fragments && textures > kShadowUnit;
+  if (!state->shadows_work) state->notes.emplace_back("no shadows: too few texture units or too little precision");
   auto response = ResponseOnGpu::create({});
   if (!response) return tl::unexpected(response.error());
   state->response = std::move(*response);
@@ -256,6 +197,7 @@ Result<> Renderer::set_model(const Model& model) {
   if (!std::ranges::all_of(materials, [&](const auto& m) { return holds(state_->units_in_one_pass, m); }))
     state_->notes.emplace_back("a moving view leaves out some pictures of the model: too few texture units");
   state_->model = std::move(*uploaded);
+  state_->shadow.reset();
   state_->look();
   return {};
 }
@@ -288,6 +230,36 @@ Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask) {
   return check_gl("uploading the foreground mask");
 }
 
+Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
+  State& s = *state_;
+  s.drop_layer();
+  s.scene_depth.reset();
+  if (depth_m.empty()) return {};
+  if (s.scene_depth_unit < 0) {
+    s.notes.push_back(fmt::format("the depth map is left out: {} has too few texture units", s.info.renderer));
+    return {};
+  }
+  auto made = SceneDepth::upload(depth_m, s.info);
+  if (!made) return tl::unexpected(made.error());
+  s.scene_depth = std::move(*made);
+  return {};
+}
+
+Result<> Renderer::set_detail(const ObjectDetail& detail) {
+  Problems problems;
+  if (!(detail.point_spread_px >= 0.0 && detail.point_spread_px <= kWidestPointSpread_px))
+    problems.add("detail: a point spread of {} px: expected 0 .. {}", detail.point_spread_px, kWidestPointSpread_px);
+  const auto shared = [](int pixels) { return pixels == 1 || pixels == 2; };
+  if (!shared(detail.chroma_columns) || !shared(detail.chroma_rows))
+    problems.add("detail: a colour for {} x {} pixels: expected 1 or 2 each way", detail.chroma_columns,
+                 detail.chroma_rows);
+  if (!problems.empty()) return fail(problems.fault());
+  if (detail == state_->detail) return {};
+  state_->detail = detail;
+  state_->look();
+  return {};
+}
+
 Result<> Renderer::set_response(const ResponseCurve& response) {
   auto made = ResponseOnGpu::create(response);
   if (!made) return tl::unexpected(made.error());
@@ -309,26 +281,26 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
   Problems problems;
   check(appearance, problems);
   if (!problems.empty()) return fail(problems.fault());
-  const int width = s.projection->view.width, height = s.projection->view.height;
   s.drop_layer();
   if (s.box.empty()) return {};
 
+  const auto shadow = s.shadow_under(appearance);
+  if (!shadow) return tl::unexpected(shadow.error());
   glActiveTexture(GL_TEXTURE0 + kDitherUnit);
   glBindTexture(GL_TEXTURE_2D, s.dither.name());
   s.bind_foreground();
-  auto layer = ObjectLayer::draw(*s.model, *s.projection, s.box, appearance.horizon,
-                                 {s.layer_in_8_bits(), largest_n(appearance, s.model->materials()),
-                                  appearance.aerial_perspective, s.has_foreground()},
-                                 s.info, s.programs, [&](const Program& program) {
-                                   set_appearance(program, appearance);
-                                   s.bind_reflections(program, units_for_layer().reflection);
-                                 });
+  auto layer = ObjectLayer::draw(
+      *s.model, *s.projection, s.box, appearance.horizon,
+      {s.layer_in_8_bits(), largest_n(appearance, s.model->materials()), appearance.aerial_perspective,
+       s.has_foreground(), s.detail, s.scene_depth ? &*s.scene_depth : nullptr, s.scene_depth_unit, *shadow},
+      s.info, s.programs, [&](const Program& program) {
+        set_appearance(program, appearance);
+        s.bind_reflections(program, units_for_layer().reflection);
+      });
   if (!layer) return tl::unexpected(layer.error());
   const auto texels = layer->read();
   if (!texels) return tl::unexpected(texels.error());
-  Image<float> coverage(texels->width(), texels->height());
-  for (std::size_t i = 0; i < coverage.elements().size(); ++i) coverage.elements()[i] = texels->elements()[i].a;
-  s.rectangles = cut_picture(width, height, s.box, coverage);
+  s.composite.take(*layer, s.projection->view, *texels);
   s.layer = std::move(*layer);
   return check_gl("cutting the picture");
 }
@@ -381,22 +353,21 @@ Result<> Renderer::draw_background(const DrawTarget& target) {
   State& s = *state_;
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
   const Shown shown(target, s.camera.width, s.camera.height);
-  s.begin(target, shown, false);
-  return s.draw_area(PictureArea::plain, s.whole_picture(), shown, nullptr);
+  shown.begin(target, false);
+  return s.composite.draw_camera_alone(s.programs, s.frame(), shown);
 }
 
-Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target) {
+Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
   State& s = *state_;
   if (!s.layer) return draw_background(target);
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
   Problems problems;
   check(measured, "measured airlight", false, problems);
+  check(noise, problems);
   if (!problems.empty()) return fail(problems.fault());
   const Shown shown(target, s.camera.width, s.camera.height);
-  s.begin(target, shown, false);
-  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
-    if (auto drawn = s.draw_area(area, s.mesh_for(measured), shown, &measured); !drawn) return drawn;
-  return {};
+  shown.begin(target, false);
+  return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
 }
 
 Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured,
@@ -409,9 +380,13 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   check(measured, "measured airlight", false, problems);
   if (!problems.empty()) return fail(problems.fault());
 
+  const auto drawn_shadow = s.shadow_under(appearance);
+  if (!drawn_shadow) return tl::unexpected(drawn_shadow.error());
+  const SunShadow* shadow = detail == HazeDetail::per_vertex || s.many_varyings ? *drawn_shadow : nullptr;
   const Shown shown(target, s.camera.width, s.camera.height);
-  s.begin(target, shown, true);
+  shown.begin(target, true);
   Defines defines{"FINAL_COLOUR", s.response->define()};
+  if (shadow) defines.merge(shadow->defines());
   defines.merge(s.camera.defines());
   if (!appearance.aerial_perspective)
     defines.insert("NO_AIR");
@@ -420,13 +395,14 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   if (s.has_foreground()) defines.insert("FOREGROUND");
   if (s.projection->distorted) defines.insert("DISTORTED");
   s.bind_foreground();
-  const DepthRange depth = depth_range(*s.projection, s.model->bounds());
+  const DepthRange depth = depth_range(*s.projection, s.model->bounds_with_ground());
   glFrontFace(s.projection->mirrored == target.top_row_first ? GL_CCW : GL_CW);
   const auto set_uniforms = [&](const Program& program) {
-    s.bind_frame(program, shown);
+    s.frame().bind(program, shown);
     set_projection(program, *s.projection, depth);
     set_appearance(program, appearance);
     s.bind_reflections(program, s.units_in_one_pass.reflection);
+    if (shadow) shadow->bind(program, kShadowUnit);
     set_airlight(program, "measured", measured);
     program.set("foreground", kForegroundUnit);
     program.set("fragment_to_picture", shown.fragment_to_picture);
@@ -436,10 +412,12 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
     return s.model->draw(which, s.programs, defines, s.units_in_one_pass, {}, set_uniforms);
   };
   if (auto drawn = draw_model(GpuModel::Which::solid); !drawn) return drawn;
+  if (shadow)
+    if (auto drawn = draw_model(GpuModel::Which::ground); !drawn) return drawn;
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_LEQUAL);
   glDepthMask(GL_FALSE);
-  const auto background = s.draw_area(PictureArea::plain, s.whole_picture(), shown, nullptr);
+  const auto background = s.composite.draw_camera_alone(s.programs, s.frame(), shown);
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
   if (!background || !s.model->has_blended()) return background;

@@ -37,6 +37,8 @@ class ImageDevice;
 struct RendererOptions {
   bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) although the driver has half floats
   bool force_encoded_textures = false;  // decode sRGB after filtering although the driver has sRGB textures
+  bool force_packed_shadows = false;    // depth of the sun's maps in bytes although the driver has depth textures
+  bool force_smooth_shadows = false;    // their slopes by normals although the driver tells those of faces
   bool import_on_software = false;      // software GL maps what it imports and may crash on it: it is not asked to
   std::function<Result<std::unique_ptr<ImageDevice>>(const GlInfo&)> image_device{};  // instead of EGL's, for tests
 };
@@ -47,6 +49,7 @@ struct ObjectAppearance {
   ObjectLight light;
   AirlightGrid horizon;            // the sky model's light from infinity, in the unit of `light`; > 0
   bool aerial_perspective = true;  // false: as if there were no air between, the "before" picture
+  bool shadows = false;            // the sun's, of the object on itself and on the model's ground
 };
 
 // Pixels [left, right) x [top, bottom) of the camera's picture.
@@ -83,6 +86,12 @@ class Renderer {
   // Scene camera's size; 0 where something stands in front of the object, 255 where nothing does, soft in between. An
   // empty image: nothing stands in front.
   Result<> set_foreground(const Image<std::uint8_t>& mask);
+  // Scene camera's size: the planar depth (along the optical axis, metres) of the real surface that each pixel sees, 0
+  // where none is known: what of the object lies behind it is not drawn. An empty image: no surfaces. A driver with no
+  // more than the eight texture units of GLES 2 leaves it out; notes() tells.
+  Result<> set_scene_depth(const Image<float>& depth_m);
+  // How coarse the camera sees; none, at first. The object's box grows by its spread.
+  Result<> set_detail(const ObjectDetail& detail);
 
   // The scene camera's response. Does not make the layer stale.
   Result<> set_response(const ResponseCurve& response);
@@ -112,11 +121,13 @@ class Renderer {
   FrameCounts frames() const;
 
   // The uploaded picture with the cached layer in it. `measured`: airlight in the camera's light, full scale = 1.
-  // Without a layer (no model, nothing redrawn yet): the camera's picture alone. Errors: bad_input (grid), device.
-  Result<> draw(const AirlightGrid& measured, const DrawTarget& target);
+  // Without a layer (no model, nothing redrawn yet): the camera's picture alone. The object gets `noise`, pixels
+  // without it pass unchanged. Errors: bad_input (grid, noise), device.
+  Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
 
   // One pass without a layer, for a view that moves every frame: object first, then the picture behind it. No
-  // supersampling; edges are as smooth as the target's multisampling makes them. The target needs a depth buffer.
+  // supersampling; edges are as smooth as the target's multisampling makes them; no noise, and set_detail and
+  // set_scene_depth, which are of one view, do not hold. The target needs a depth buffer.
   // Airlight and horizon are taken at vertices. See-through surfaces are blended in encoded values, since what is
   // behind them has been drawn already. Inside surfaces within 2/255 of draw().
   Result<> draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured, const DrawTarget& target,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include <glm/mat3x3.hpp>
@@ -29,6 +30,7 @@ struct SceneView {
 //   Gamma_c = sum over k of weight[k][c] exp(-rayleigh_per_m[k][c] s_R - mie_per_m[k][c] s_M)
 // where s_R and s_M are the path's lengths weighted by density (scale heights below, altitudes above sea level, exact
 // for slanted paths).
+// Fog adds its own depth, fog_per_m times its length weighted by exp(-(altitude - base) / scale height), to every node.
 constexpr int kHazeNodes = 2;
 struct Haze {
   std::array<glm::dvec3, kHazeNodes> weight{};
@@ -37,6 +39,9 @@ struct Haze {
   double rayleigh_scale_height_m = 7994.0;
   double mie_scale_height_m = 1200.0;
   double observer_altitude_m = 0.0;
+  double fog_per_m = 0.0;  // at the fog's base, grey; 0: none
+  double fog_base_altitude_m = 0.0;
+  double fog_scale_height_m = 30.0;
 };
 
 // Light that falls on the object, in the scene camera's channels.
@@ -58,6 +63,23 @@ struct AirlightGrid {
   glm::dvec2 first_px{};  // pixel of point (0, 0)
   glm::dvec2 last_px{};   // pixel of point (kColumns - 1, kRows - 1)
   std::array<glm::dvec3, kColumns * kRows> light{};
+};
+
+// What the camera's optics and its delivery do to fine detail: the object is drawn no finer.
+struct ObjectDetail {
+  double point_spread_px = 0.0;  // standard deviation of a Gaussian, pixels of the camera's picture; 0: none
+  int chroma_columns = 1;  // pixels that share one colour difference, counted from the picture's corner: 2 x 2 for
+  int chroma_rows = 1;     // 4:2:0, 2 x 1 for 4:2:2
+  friend bool operator==(const ObjectDetail&, const ObjectDetail&) = default;
+};
+constexpr double kWidestPointSpread_px = 3.0;
+
+// The camera's noise: the variance of linear light L (full scale = 1) is shot L + read^2, per channel.
+struct SensorNoise {
+  glm::dvec3 shot{0.0};
+  glm::dvec3 read{0.0};
+  std::uint32_t pattern = 0;  // of one frame: another number, other noise; the same number, the same
+  bool none() const { return shot == glm::dvec3{0.0} && read == glm::dvec3{0.0}; }
 };
 
 // Encoded value (0..1) to linear light (0..1), strictly increasing, evenly spaced, per channel; at least 2 entries. The

@@ -3,8 +3,8 @@ uniform vec3 haze_weight[2];
 uniform vec3 haze_rayleigh_per_km[2];
 uniform vec3 haze_mie_per_km[2];
 
-// path: density-weighted lengths, Rayleigh and Mie.
-vec3 attenuation(vec2 path_km) {
-  return haze_weight[0] * exp(-(haze_rayleigh_per_km[0] * path_km.x + haze_mie_per_km[0] * path_km.y)) +
-         haze_weight[1] * exp(-(haze_rayleigh_per_km[1] * path_km.x + haze_mie_per_km[1] * path_km.y));
+// path: density-weighted lengths, Rayleigh and Mie, and the depth of fog, which is the same for all nodes.
+vec3 attenuation(vec3 path) {
+  return haze_weight[0] * exp(-(haze_rayleigh_per_km[0] * path.x + haze_mie_per_km[0] * path.y + path.z)) +
+         haze_weight[1] * exp(-(haze_rayleigh_per_km[1] * path.x + haze_mie_per_km[1] * path.y + path.z));
 }

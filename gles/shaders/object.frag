@@ -1,7 +1,7 @@
 // The building's light. Layer: premultiplied N = rho Gamma + 1 - Gamma (physics 6). FINAL_COLOUR: as the camera would
 // have encoded it.
 #if defined(HAZE_PER_FRAGMENT)
-varying vec2 v_path_km;
+varying vec3 v_path;
 #endif
 #if defined(FINAL_COLOUR)
 varying vec3 v_gain;
@@ -31,7 +31,7 @@ void main() {
 #if defined(NO_AIR)
   vec3 light = radiance * v_gain;
 #elif defined(HAZE_PER_FRAGMENT)
-  vec3 passed = attenuation(v_path_km);
+  vec3 passed = attenuation(v_path);
   vec3 light = radiance * v_gain * passed + v_airlight * (1.0 - passed);
 #else
   vec3 light = radiance * v_gain + v_airlight;
@@ -47,7 +47,7 @@ void main() {
 #if defined(NO_AIR)
   vec3 passed = vec3(1.0);
 #else
-  vec3 passed = attenuation(v_path_km);
+  vec3 passed = attenuation(v_path);
 #endif
   vec2 at = (fragment_to_patch * vec3(gl_FragCoord.xy, 1.0)).xy;
   vec3 rho = radiance / (horizon_patch[0] + horizon_patch[1] * at.x + (horizon_patch[2] + horizon_patch[3] * at.x) * at.y);
@@ -55,6 +55,9 @@ void main() {
   vec3 seen = min((rho * passed + 1.0 - passed) / layer_unit, 60000.0);
 #if defined(LAYER_IN_8_BITS)
   seen += dither(gl_FragCoord.xy) / 255.0;
+#endif
+#if defined(SCENE_DEPTH)
+  if (is_hidden(1.0 / gl_FragCoord.w)) discard;
 #endif
   gl_FragColor = vec4(seen, 1.0) * alpha;
 #endif

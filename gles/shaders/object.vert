@@ -26,11 +26,15 @@ uniform float near_m;
 uniform vec2 depth_to_clip;     // clip z = x * depth + y
 uniform mat3 pixel_to_clip;     // homogeneous pixels to clip x, y
 
+#if defined(SUN_SHADOW)
+uniform mat4 sun_from_model;
+varying vec3 v_sun;
+#endif
 varying vec3 v_normal;
 varying vec2 v_texture;
 varying vec4 v_colour;
 #if defined(HAZE_PER_FRAGMENT)
-varying vec2 v_path_km;
+varying vec3 v_path;
 #endif
 #if defined(FINAL_COLOUR)
 uniform vec3 measured_light[AIRLIGHT_COLUMNS * AIRLIGHT_ROWS];
@@ -56,6 +60,9 @@ void main() {
   gl_Position = vec4((pixel_to_clip * pixel).xy, depth_to_clip.x * camera.z + depth_to_clip.y, camera.z);
 
   v_normal = normal_to_world * normal;
+#if defined(SUN_SHADOW)
+  v_sun = (sun_from_model * vec4(position, 1.0)).xyz;
+#endif
   v_texture = texture_place;
   v_colour = colour;
 #if defined(SECOND_PLACE)
@@ -68,10 +75,10 @@ void main() {
   v_to_eye = camera_to_world * (-0.001 * camera);
 #endif
 #if !defined(NO_AIR)
-  vec2 path_km = weighted_path_km(0.001 * length(camera), 0.001 * dot(camera_up, camera));
+  vec3 path = path_through_air(0.001 * length(camera), 0.001 * dot(camera_up, camera));
 #endif
 #if defined(HAZE_PER_FRAGMENT)
-  v_path_km = path_km;
+  v_path = path;
 #endif
 #if defined(FINAL_COLOUR)
   vec2 seen = pixel.xy / max(camera.z, near_m);
@@ -80,7 +87,7 @@ void main() {
 #if defined(HAZE_PER_FRAGMENT)
   v_airlight = airlight;
 #elif !defined(NO_AIR)
-  vec3 passed = attenuation(path_km);
+  vec3 passed = attenuation(path);
   v_gain *= passed;
   v_airlight = airlight * (1.0 - passed);
 #endif

@@ -14,12 +14,20 @@ varying vec2 v_pixel;
 void main() {
 #if defined(COVERED)
   vec4 object = texture2D(layer, v_layer);
-  gl_FragColor = vec4(encoded_root(v_airlight_root * object.rgb) + dither_in(object.a) / 255.0, 1.0);
+  vec3 root = v_airlight_root * object.rgb;
+#if defined(NOISE)
+  root = sqrt(noisy(root * root, 1.0));
+#endif
+  gl_FragColor = vec4(encoded_root(root) + dither_in(object.a) / 255.0, 1.0);
 #elif defined(EDGE)
   vec3 behind = camera_at(v_picture);
   vec4 object = texture2D(layer, v_layer);
   vec3 root = v_airlight_root * object.rgb;
-  vec3 light = light_of(clamp(behind, 0.0, 1.0)) * (1.0 - coverage_in(object.a)) + root * root;
+  float coverage = coverage_in(object.a);
+  vec3 light = light_of(clamp(behind, 0.0, 1.0)) * (1.0 - coverage) + root * root;
+#if defined(NOISE)
+  light = noisy(light, coverage);
+#endif
   gl_FragColor = vec4(object.a > 0.0 ? encoded(light) + dither(v_pixel) / 255.0 : behind, 1.0);
 #else
   gl_FragColor = vec4(camera_at(v_picture), 1.0);

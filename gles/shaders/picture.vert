@@ -10,6 +10,10 @@ uniform vec4 layer_place;  // left, top, 1 / width, 1 / height
 uniform float layer_unit;
 uniform vec3 measured_light[AIRLIGHT_COLUMNS * AIRLIGHT_ROWS];
 uniform vec4 measured_place;
+#if defined(NOISE)
+uniform vec3 noise_place;  // where this frame's pattern begins, in its texels; 1 / its size
+varying vec2 v_noise;
+#endif
 varying vec2 v_layer;
 varying vec3 v_airlight_root;  // square root, of the layer's unit
 #endif
@@ -24,6 +28,9 @@ void main() {
 #endif
 #if defined(COVERED) || defined(EDGE)
   v_layer = (position - layer_place.xy) * layer_place.zw;
+#if defined(NOISE)
+  v_noise = (position + noise_place.xy) * noise_place.z;
+#endif
   v_airlight_root = sqrt(airlight_on(measured_light, measured_place, pixel) * layer_unit);
 #endif
 #if defined(EDGE)

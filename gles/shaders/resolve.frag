@@ -1,5 +1,5 @@
-// From the rotated lattice of samples to pixels: the mean of the 17 samples inside each pixel (object_layer.cpp), what
-// stands in front taken off.
+// From the rotated lattice of samples to pixels: the mean of the 17 samples inside each pixel (object_layer.cpp), colour
+// no finer than the camera delivers it, what stands in front taken off.
 uniform sampler2D samples;
 uniform mat3 fragment_to_sample;  // gl_FragCoord to texture coordinates of the pixel's central sample
 uniform vec2 sample_step;         // one texel
@@ -10,11 +10,38 @@ uniform sampler2D foreground;
 uniform mat3 fragment_to_picture;
 #endif
 
-void main() {
-  vec2 centre = (fragment_to_sample * vec3(gl_FragCoord.xy, 1.0)).xy;
+// The pixel whose central sample lies there.
+vec4 mean_around(vec2 centre) {
   vec4 sum = vec4(0.0);
   for (int i = 0; i < 17; ++i) sum += texture2D(samples, centre + offsets[i] * sample_step);
-  vec4 mean = sum / 17.0;
+  return sum / 17.0;
+}
+
+#if defined(CHROMA_COLUMNS)
+vec3 grey_of(vec3 light) { return vec3(dot(light, vec3(0.299, 0.587, 0.114))); }
+
+// What the pixels of a block share is the object's own difference from grey, each weighted by its coverage: the
+// brightness stays every pixel's own, and where the object is not, nothing changes.
+vec4 with_shared_chroma(vec4 mean, vec2 centre) {
+  vec2 pixel = floor(gl_FragCoord.xy) + first_pixel;
+  vec2 to_first = -mod(pixel, vec2(float(CHROMA_COLUMNS), float(CHROMA_ROWS)));
+  vec4 sum = vec4(0.0);
+  for (int y = 0; y < CHROMA_ROWS; ++y)
+    for (int x = 0; x < CHROMA_COLUMNS; ++x) {
+      vec2 to = to_first + vec2(float(x), float(y));
+      sum += mean_around(centre + vec2(4.0 * to.x + to.y, 4.0 * to.y - to.x) * sample_step);
+    }
+  vec3 difference = (sum.rgb - grey_of(sum.rgb)) / max(sum.a, 0.0001);
+  return vec4(max(grey_of(mean.rgb) + mean.a * difference, 0.0), mean.a);
+}
+#endif
+
+void main() {
+  vec2 centre = (fragment_to_sample * vec3(gl_FragCoord.xy, 1.0)).xy;
+  vec4 mean = mean_around(centre);
+#if defined(CHROMA_COLUMNS)
+  mean = with_shared_chroma(mean, centre);
+#endif
 #if defined(FOREGROUND)
   mean *= texture2D(foreground, (fragment_to_picture * vec3(gl_FragCoord.xy, 1.0)).xy).r;
 #endif

@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "tests/gles/reference_shading.hpp"
+#include "tests/gles/reference_shadow.hpp"
 
 namespace kasumi {
 namespace {
@@ -30,6 +31,12 @@ struct Hit {
   const Triangle* triangle;
   std::array<double, 3> weights;  // of the corners
   bool back;
+};
+
+// The shadow on the ground: what it takes of the ground's light, and the part of what is seen that is the air's.
+struct Shade {
+  glm::dvec3 taken{0.0};
+  glm::dvec3 air{0.0};
 };
 
 struct Fragment {
@@ -87,10 +94,15 @@ double weighted_length(double range, double climb, double observer, double scale
 glm::dvec3 attenuation(const Haze& haze, double range, double climb) {
   const double rayleigh = weighted_length(range, climb, haze.observer_altitude_m, haze.rayleigh_scale_height_m);
   const double mie = weighted_length(range, climb, haze.observer_altitude_m, haze.mie_scale_height_m);
+  // The closed form: Simpson's 32 steps are too coarse for fog.
+  const double from = (haze.observer_altitude_m - haze.fog_base_altitude_m) / haze.fog_scale_height_m;
+  const double to = from + climb / haze.fog_scale_height_m;
+  const double mean = std::abs(to - from) < 1e-6 ? std::exp(-from) : (std::exp(-from) - std::exp(-to)) / (to - from);
+  const double fog = haze.fog_per_m > 0.0 ? haze.fog_per_m * range * mean : 0.0;
   glm::dvec3 sum{0.0};
   for (std::size_t k = 0; k < kHazeNodes; ++k)
     for (int c = 0; c < 3; ++c)
-      sum[c] += haze.weight[k][c] * std::exp(-haze.rayleigh_per_m[k][c] * rayleigh - haze.mie_per_m[k][c] * mie);
+      sum[c] += haze.weight[k][c] * std::exp(-haze.rayleigh_per_m[k][c] * rayleigh - haze.mie_per_m[k][c] * mie - fog);
   return sum;
 }
 
@@ -134,7 +146,7 @@ class Tracer {
     const glm::dmat3 turn(scene.model_to_world);
     const glm::dmat3 normals = glm::transpose(glm::inverse(turn));
     to_world_ = glm::inverse(glm::dmat3(scene.view.world_to_camera));
-    for (const ModelPart& part : scene.model.parts)
+    const auto add = [&](const ModelPart& part, std::vector<Triangle>& triangles) {
       for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
         Triangle triangle{};
         triangle.material = &scene.model.materials[static_cast<std::size_t>(part.material)];
@@ -146,13 +158,21 @@ class Tracer {
         }
         triangle.normal = glm::cross(triangle.corners[1].camera - triangle.corners[0].camera,
                                      triangle.corners[2].camera - triangle.corners[0].camera);
-        triangles_.push_back(triangle);
+        triangles.push_back(triangle);
       }
+    };
+    for (const ModelPart& part : scene.model.parts) add(part, triangles_);
+    for (const ModelPart& part : scene.model.ground) add(part, ground_);
+    if (scene.appearance.shadows)
+      shadow_.emplace(scene.model, scene.model_to_world, scene.appearance.light.sun_direction,
+                      [&](const ModelMaterial& material, glm::dvec2 place) { return alpha_of(material, place); });
     up_ = glm::dvec3(scene.view.world_to_camera * glm::dvec4(0, 0, 1, 0));
   }
 
   // Every triangle tells the pixels that may see it, with margin for edges that the lens bends.
-  void trace(const std::vector<glm::dvec2>& samples, Image<glm::dvec4>& layer) const {
+  void trace(const std::vector<glm::dvec2>& samples, ReferencePicture& picture) const {
+    Image<glm::dvec4>& layer = picture.layer;
+    const double share = 1.0 / static_cast<double>(samples.size());
     const int w = scene_.view.width, h = scene_.view.height;
     Image<std::vector<Hit>> hits(w, h);
     Image<glm::dvec3> rays(w, h);
@@ -166,7 +186,9 @@ class Tracer {
         const auto [left, top, right, bottom] = reach(triangle);
         for (int y = top; y < bottom; ++y)
           for (int x = left; x < right; ++x)
-            if (const auto hit = meet(triangle, rays.at(x, y))) hits.at(x, y).push_back(*hit);
+            if (const auto hit = meet(triangle, rays.at(x, y));
+                hit && !is_hidden(glm::dvec2{x, y} + offset, hit->depth))
+              hits.at(x, y).push_back(*hit);
       }
       for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) {
@@ -174,10 +196,14 @@ class Tracer {
           double clear = 1.0;
           for (const Hit& hit : hits.at(x, y)) {
             const Fragment f = shade(hit, rays.at(x, y), glm::dvec2{x, y} + offset);
-            layer.at(x, y) += clear * f.alpha * glm::dvec4(f.n, 1.0) / static_cast<double>(samples.size());
+            layer.at(x, y) += share * clear * f.alpha * glm::dvec4(f.n, 1.0);
+            picture.taken.at(x, y) += share * clear * f.alpha;
             clear *= 1.0 - f.alpha;
             if (clear <= 0.0) break;
           }
+          const Shade ground = clear > 0.0 && shadow_ ? shade_ground(rays.at(x, y)) : Shade{};
+          layer.at(x, y) += share * clear * glm::dvec4(ground.taken * ground.air, ground.taken.g);
+          picture.taken.at(x, y) += share * clear * ground.taken;
         }
     }
   }
@@ -198,6 +224,21 @@ class Tracer {
             cut(high.y + kMargin, view.height)};
   }
 
+  // A real surface is nearer in half or more of the square of a pixel's size around the point.
+  bool is_hidden(glm::dvec2 point, double depth) const {
+    const Image<float>& map = scene_.depth_m;
+    if (map.empty()) return false;
+    const auto overlap = [](double a, double b) { return std::max(0.0, 1.0 - std::abs(a - b)); };
+    const int column = static_cast<int>(std::floor(point.x)), row = static_cast<int>(std::floor(point.y));
+    double hidden = 0.0;
+    for (int y = row - 1; y <= row + 2; ++y)
+      for (int x = column - 1; x <= column + 2; ++x) {
+        const double real = map.at(std::clamp(x, 0, map.width() - 1), std::clamp(y, 0, map.height() - 1));
+        if (real > 0.0 && real < depth) hidden += overlap(point.x, x) * overlap(point.y, y);
+      }
+    return hidden >= 0.5;
+  }
+
   std::optional<Hit> meet(const Triangle& triangle, const glm::dvec3& ray) const {
     const auto& [a, b, c] = triangle.corners;
     const double facing = glm::dot(triangle.normal, ray);
@@ -211,6 +252,36 @@ class Tracer {
     const double wa = 1.0 - wb - wc;
     if (wa < 0.0 || wb < 0.0 || wc < 0.0) return std::nullopt;
     return Hit{depth, &triangle, {wa, wb, wc}, facing > 0.0};
+  }
+
+  double alpha_of(const ModelMaterial& material, glm::dvec2 place) const {
+    const double own = double(material.base_colour.a);
+    return material.texture < 0
+               ? own
+               : own * texel(scene_.model.textures[static_cast<std::size_t>(material.texture)], place).a;
+  }
+
+  double sun_seen(const glm::dvec3& camera, const glm::dvec3& normal) const {
+    if (!shadow_ || glm::dot(normal, scene_.appearance.light.sun_direction) <= 0.0) return 1.0;
+    return shadow_->seen(glm::dvec3(glm::inverse(scene_.view.world_to_camera) * glm::dvec4(camera, 1.0)));
+  }
+
+  Shade shade_ground(const glm::dvec3& ray) const {
+    std::optional<Hit> nearest;
+    for (const Triangle& triangle : ground_)
+      if (const auto hit = meet(triangle, ray); hit && (!nearest || hit->depth < nearest->depth)) nearest = hit;
+    if (!nearest) return {};
+    const auto& corners = nearest->triangle->corners;
+    glm::dvec3 normal{0.0};
+    for (std::size_t i = 0; i < 3; ++i) normal += nearest->weights[i] * corners[i].normal;
+    normal = glm::normalize(normal);
+    const ObjectLight& light = scene_.appearance.light;
+    const glm::dvec3 sun = light.sun_irradiance * std::max(glm::dot(normal, light.sun_direction), 0.0);
+    const glm::dvec3 sky = reference_sky_irradiance(light, normal), at = nearest->depth * ray;
+    Shade shade{(1.0 - sun_seen(at, normal)) * sun / (sun + sky), glm::dvec3{0.0}};
+    if (scene_.appearance.aerial_perspective)
+      shade.air = 1.0 - attenuation(scene_.appearance.haze, glm::length(at), glm::dot(at, up_));
+    return shade;
   }
 
   Fragment shade(const Hit& hit, const glm::dvec3& ray, glm::dvec2 pixel) const {
@@ -259,6 +330,7 @@ class Tracer {
       surface.roughness = std::pow(std::min(std::pow(surface.roughness, 4) + 2.0 * spread, 1.0), 0.25);
     }
     if (hit.back) surface.normal = -surface.normal;
+    surface.sun_seen = sun_seen(hit.depth * ray, surface.normal);
 
     const ObjectAppearance& look = scene_.appearance;
     const glm::dvec3 radiance = reference_radiance(material, surface, look.light, -glm::normalize(to_world_ * ray));
@@ -270,7 +342,8 @@ class Tracer {
   }
 
   const ReferenceScene& scene_;
-  std::vector<Triangle> triangles_;
+  std::vector<Triangle> triangles_, ground_;
+  std::optional<ReferenceShadow> shadow_;
   glm::dvec3 up_{};
   glm::dmat3 to_world_{1.0};
 };
@@ -322,16 +395,21 @@ double reference_code(const ResponseCurve& response, int channel, double light) 
 ReferencePicture render_reference(const ReferenceScene& scene, const Image<Rgb8>& camera,
                                   const std::vector<glm::dvec2>& samples) {
   const int w = scene.view.width, h = scene.view.height;
-  ReferencePicture picture{Image<glm::dvec3>(w, h), Image<glm::dvec4>(w, h, glm::dvec4{0.0})};
-  Tracer(scene).trace(samples, picture.layer);
+  ReferencePicture picture{Image<glm::dvec3>(w, h), Image<glm::dvec4>(w, h, glm::dvec4{0.0}),
+                           Image<glm::dvec3>(w, h, glm::dvec3{0.0})};
+  Tracer(scene).trace(samples, picture);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       glm::dvec4& object = picture.layer.at(x, y);
-      if (!scene.mask.empty()) object *= scene.mask.at(x, y) / 255.0;
+      glm::dvec3& taken = picture.taken.at(x, y);
+      if (!scene.mask.empty()) {
+        object *= scene.mask.at(x, y) / 255.0;
+        taken *= scene.mask.at(x, y) / 255.0;
+      }
       const glm::dvec3 airlight = bilinear(scene.measured, {x, y});
       for (int c = 0; c < 3; ++c) {
         const double code = camera.at(x, y)[c] / 255.0;
-        const double light = reference_light(scene.response, c, code) * (1.0 - object.a) + airlight[c] * object[c];
+        const double light = reference_light(scene.response, c, code) * (1.0 - taken[c]) + airlight[c] * object[c];
         picture.encoded.at(x, y)[c] = 255.0 * (object.a > 0.0 ? reference_code(scene.response, c, light) : code);
       }
     }

@@ -20,11 +20,14 @@ struct ReferenceScene {
   AirlightGrid measured;
   ResponseCurve response;
   Image<std::uint8_t> mask;  // empty: nothing in front
+  Image<float> depth_m;      // of the real scene, along the optical axis, 0 where nothing stands; empty: nowhere
 };
 
 struct ReferencePicture {
   Image<glm::dvec3> encoded;  // 0 .. 255, not rounded
   Image<glm::dvec4> layer;    // premultiplied N, coverage; the whole picture, mask applied
+  Image<glm::dvec3> taken;    // share of the camera's light that is gone, per channel: the coverage, or in the object's
+                              // shadow on the ground what the shadow takes
 };
 
 // Sample points within a pixel, relative to its centre.

@@ -228,6 +228,7 @@ void GlesTest::load(Renderer& renderer, const ReferenceScene& scene) {
   ASSERT_OK(renderer.set_view(scene.view, scene.model_to_world));
   ASSERT_OK(renderer.set_response(scene.response));
   ASSERT_OK(renderer.set_foreground(scene.mask));
+  ASSERT_OK(renderer.set_scene_depth(scene.depth_m));
   ASSERT_OK(renderer.redraw_layer(scene.appearance));
 }
 

@@ -1,0 +1,17 @@
+// A Gaussian over the lattice of samples, along its rows or along its columns.
+uniform sampler2D samples;
+uniform float sample_step;  // one texel
+uniform vec2 along;         // one texel in the pass's direction
+uniform float weights[SPREAD_RADIUS + 1];
+
+void main() {
+  vec2 place = gl_FragCoord.xy * sample_step;
+  vec4 sum = weights[0] * texture2D(samples, place);
+  for (int i = 1; i <= SPREAD_RADIUS; ++i)
+    sum += weights[i] * (texture2D(samples, place + float(i) * along) + texture2D(samples, place - float(i) * along));
+#if defined(LAYER_IN_8_BITS)
+  sum.rgb += dither(gl_FragCoord.xy) / 255.0;
+#endif
+  // A hair more, for drivers that cut half floats off: covered stays covered.
+  gl_FragColor = sum * 1.00001;
+}
