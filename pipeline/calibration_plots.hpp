@@ -7,6 +7,7 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "calib/lens_calibration.hpp"
+#include "calib/scene_pose.hpp"
 #include "calib/sky_orientation.hpp"
 
 namespace kasumi {
@@ -19,5 +20,10 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
 // way that was fitted. Right: how many are how far off.
 Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight> sights,
                            const SkyOrientation& orientation, const std::string& title);
+
+// The landmarks over the picture: a cross where each was marked, a circle where its place is seen, green when used, red
+// when left out, numbered as in the list below it; the horizon in blue.
+Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight> landmarks,
+                       std::span<const HorizonSight> horizon, const ScenePose& pose, const std::string& title);
 
 }  // namespace kasumi

@@ -9,6 +9,7 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   command->require_subcommand(1);
   add_calibrate_lens(*command, action);
   add_calibrate_sky(*command, action);
+  add_calibrate_scene(*command, action);
 }
 
 }  // namespace kasumi

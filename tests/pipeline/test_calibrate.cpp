@@ -2,11 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstdio>
-#include <fstream>
 
-#include <sys/wait.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -15,37 +12,12 @@
 #include "calib/lens_fit.hpp"
 #include "pipeline/fixture_file.hpp"
 #include "pipeline/picture_sink.hpp"
-#include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/calibrating.hpp"
 
 namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
-Outcome run(const std::string& arguments) {
-  const auto errors = test_folder("calibrate-stderr.txt");
-  Outcome outcome;
-  FILE* pipe = ::popen(fmt::format("{} calibrate {} 2>{}", KASUMI_BINARY, arguments, errors.string()).c_str(), "r");
-  if (!pipe) return outcome;
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-    outcome.out.append(buffer.data(), n);
-  outcome.code = WEXITSTATUS(::pclose(pipe));
-  outcome.err = read_text_file(errors).value_or("");
-  return outcome;
-}
-
-std::filesystem::path fresh_folder(const std::string& name) {
-  const auto folder = test_folder(name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
 
 constexpr Board kBoard{7, 5, 0.03};
 constexpr int kWidth = 400, kHeight = 300;
