@@ -28,11 +28,11 @@ double solid_angle_of_ring(int ring) {
   return kSectorWidth * (std::cos(ring * kRingWidth) - std::cos((ring + 1) * kRingWidth));
 }
 
-// Counts of a small round part of the picture, by solid angle.
+// Counts of a small round part of the picture, by solid angle. What is too bright near the sun is neither judged to be
+// cloud nor clear.
 struct Patch {
-  double open = 0.0, judged = 0.0;
+  double open = 0.0, judged = 0.0, cloud = 0.0;
   double saturated = 0.0, coloured = 0.0;  // in all channels; in any
-  double cloud = 0.0, told = 0.0;          // all that is not clear air; what is told by its looks to be cloud
 };
 Patch patch_at(const SkyPicture& picture, const SkyGeometry& geometry, const Image<PixelUse>& use,
                const Direction& centre, Radians radius) {
@@ -48,10 +48,9 @@ Patch patch_at(const SkyPicture& picture, const SkyGeometry& geometry, const Ima
       if (std::min({encoded.r, encoded.g, encoded.b}) >= kClipped) patch.saturated += angle;
       if (std::max({encoded.r, encoded.g, encoded.b}) >= kClipped) patch.coloured += angle;
       const PixelUse as = use.at(x, y);
-      if (as == PixelUse::near_sun || as == PixelUse::outside) continue;
+      if (as == PixelUse::near_sun || as == PixelUse::outside || as == PixelUse::saturated) continue;
       patch.judged += angle;
       if (as != PixelUse::clear) patch.cloud += angle;
-      if (as == PixelUse::cloud) patch.told += angle;
     }
   return patch;
 }
@@ -68,7 +67,7 @@ double smooth(double from, double to, double value) {
 double share_by_disc(const Patch& core, const Patch& around) {
   if (core.open <= 0.0) return 1.0;
   const double by_glare = smooth(0.15, 0.6, core.saturated / core.open);
-  if (around.judged <= 0.0 || around.told > 0.05 * around.judged) return by_glare;
+  if (around.judged <= 0.0 || around.cloud > 0.05 * around.judged) return by_glare;
   constexpr double kDisc_sr = 6.8e-5;
   return std::max(by_glare, smooth(0.25, 0.75, core.coloured / kDisc_sr));
 }

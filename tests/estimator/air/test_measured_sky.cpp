@@ -193,6 +193,9 @@ TEST_F(SkyPhotograph, ACloudBeforeTheObjectsSunTakesItThoughOursShines) {
   EXPECT_EQ(measured(SkyCondition::partly_cloudy, through).sun_share, 1.0);
   paint(through, 4.0, 0.7f, PixelUse::cloud);
   EXPECT_EQ(measured(SkyCondition::partly_cloudy, through).sun_share, 0.0);
+  // The glow of a low sun is no cloud: there our own sun tells.
+  paint(through, 4.0, 1.0f, PixelUse::saturated);
+  EXPECT_EQ(measured(SkyCondition::partly_cloudy, through).sun_share, 1.0);
 }
 
 TEST_F(SkyPhotograph, WhatIsHiddenOrTooBrightIsSaidToBe) {
