@@ -294,9 +294,11 @@ std::map<std::string, std::filesystem::path> ConfigTable::files_asked() const {
 
 std::string ConfigTable::copy_of(std::initializer_list<std::string_view> tables, const Changes& changes) const {
   toml::table copy;
-  for (const auto name : tables)
+  for (const auto name : tables) {
     if (const auto* table = file_->root[name].as_table())
       copy.insert(name, changed(*table, std::string(name) + ".", changes));
+    if (const auto* array = file_->root[name].as_array()) copy.insert(name, *array);
+  }
   std::ostringstream text;
   text << copy << "\n";
   return text.str();

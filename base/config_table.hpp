@@ -66,8 +66,8 @@ class ConfigTable {
   // What was asked for so far, by full key ("sky.lens.focal_px"); of files, where they were looked for.
   std::set<std::string> keys_asked() const;
   std::map<std::string, std::filesystem::path> files_asked() const;
-  // These tables of the root as TOML text. A change, by full key, is another text for it; nothing: the key and all
-  // below it are left out.
+  // These tables, and lists of tables, of the root as TOML text. A change of a table, by full key, is another text for
+  // it; nothing: the key and all below it are left out.
   std::string copy_of(std::initializer_list<std::string_view> tables,
                       const std::map<std::string, std::optional<std::string>>& changes) const;
 

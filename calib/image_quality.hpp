@@ -12,7 +12,7 @@ struct ImageQuality {
   // Electrons that full scale stands for at gain 1: 5000 to 50000 in most cameras. 0: the noise is not known.
   double full_scale_electrons = 0.0;
   double read_electrons = 0.0;  // standard deviation, before any gain
-  bool shared_chroma = true;    // where the camera delivers one colour for two or four pixels, so does the object
+  bool shared_chroma = false;   // where the camera delivers one colour for two or four pixels, so does the object
 };
 
 // point_spread_px, shared_chroma and [.noise] of [scene]. Problems are left in the table's file.

@@ -18,7 +18,7 @@ enum TextureUnit : int {
   kDitherUnit = 6,
   kSurfaceUnit = 7,
   kShadowUnit = 12,  // beyond what GLES 2 promises, like the surface's pictures beside the camera's
-  kNoiseUnit = 7,  // with the camera's picture, where no surface is drawn
+  kNoiseUnit = 7,    // with the camera's picture, where no surface is drawn
 };
 
 enum class ProgramKind { object, ground, sun_map, spread, resolve, picture };

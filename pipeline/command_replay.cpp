@@ -18,6 +18,7 @@ struct ReplayArguments {
   std::size_t frames = 0;
   double turbidity = 0.0;
   bool no_aerial_perspective = false;
+  bool overlay = false;
   std::string scattering = "morales2017";
   std::string zeta = "full";
 };
@@ -33,6 +34,7 @@ ReplayRequest request_of(const ReplayArguments& arguments) {
   request.air.aerial_perspective = !arguments.no_aerial_perspective;
   request.air.scattering = *scattering_model_named(arguments.scattering);
   request.air.zeta = *zeta_form_named(arguments.zeta);
+  request.overlay = arguments.overlay;
   return request;
 }
 
@@ -77,6 +79,8 @@ void add_replay_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(kLowestTurbidity.value, kHighestTurbidity.value));
   command->add_flag("--no-aerial-perspective", arguments->no_aerial_perspective,
                     "Draw the building as if there were no air in between");
+  command->add_flag("--overlay", arguments->overlay,
+                    "Draw a grid of directions, the horizon, the building's axes and the landmarks over the pictures");
   command->add_option("--scattering", arguments->scattering, "Scattering coefficients")
       ->check(CLI::IsMember({"morales2017", "preetham", "zhao"}))
       ->capture_default_str();

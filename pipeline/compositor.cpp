@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "pipeline/air_for_gles.hpp"
+#include "pipeline/quality_for_gles.hpp"
 
 namespace kasumi {
 
@@ -43,15 +44,17 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
   if (auto set = renderer->set_model(model); !set) return fail(set.error());
 
   const auto to_world = model_to_world(installation.object.placement);
-  const auto bounds = model.bounds();
+  const auto bounds = model.bounds_with_ground();
   const glm::dvec3 lowest(bounds.lowest), highest(bounds.highest);
   const glm::dvec3 centre(to_world * glm::dvec4(0.5 * (lowest + highest), 1.0));
   const double radius = 0.5 * glm::length(highest - lowest) * installation.object.placement.scale;
   const auto view = view_for_gles(installation.scene, centre, radius);
   if (auto set = renderer->set_view(view, to_world); !set) return fail(set.error());
   if (auto set = renderer->set_foreground(installation.scene.mask); !set) return fail(set.error());
+  if (auto set = renderer->set_scene_depth(depth_for_gles(installation.scene, installation.scene_distances_m)); !set)
+    return fail(set.error());
   if (auto set = renderer->set_response(response_for_gles(installation.scene.response)); !set) return fail(set.error());
-  return Compositor(std::move(*renderer), std::move(air), installation.scene.yuv_encoding);
+  return Compositor(std::move(*renderer), std::move(air), installation);
 }
 
 bool Compositor::is_stale(const SceneConditions& now) const {
@@ -73,6 +76,9 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   if (auto taken = take(picture); !taken) return taken;
   air_.observe(metadata, picture.view(), sky.picture ? &sky.picture->view() : nullptr);
 
+  if (auto fitted = fit_detail(picture.view().layout); !fitted) return fitted;
+  noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
+
   const auto conditions = air_.conditions(sky);
   const auto box = renderer_.object_box();
   if (is_stale(conditions)) {
@@ -83,6 +89,16 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   measured_ = air_.measured(conditions, box);
   drawn_ = true;
   return show(target);
+}
+
+// Cameras hardly ever change their layout; the first frame tells it.
+Result<> Compositor::fit_detail(PixelLayout layout) {
+  const auto detail = detail_for_gles(quality_, layout);
+  if (detail == detail_) return {};
+  if (auto set = renderer_.set_detail(detail); !set) return set;
+  detail_ = detail;
+  layer_.reset();
+  return {};
 }
 
 Result<> Compositor::draw_without_object(const DecodedPicture& picture, const DrawTarget& target) {
@@ -112,7 +128,7 @@ Result<> Compositor::draw_again(const DrawTarget& target) {
 }
 
 Result<> Compositor::show(const DrawTarget& target) {
-  return measured_ ? renderer_.draw(*measured_, target) : renderer_.draw_background(target);
+  return measured_ ? renderer_.draw(*measured_, target, noise_) : renderer_.draw_background(target);
 }
 
 }  // namespace kasumi

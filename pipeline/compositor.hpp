@@ -43,19 +43,28 @@ class Compositor {
   const std::vector<std::string>& notes() const { return renderer_.notes(); }
 
  private:
-  Compositor(Renderer renderer, SceneAir air, YuvEncoding encoding)
-      : renderer_(std::move(renderer)), air_(std::move(air)), encoding_(encoding) {}
+  Compositor(Renderer renderer, SceneAir air, const Installation& installation)
+      : renderer_(std::move(renderer)),
+        air_(std::move(air)),
+        encoding_(installation.scene.yuv_encoding),
+        quality_(installation.scene_quality),
+        white_balance_(installation.scene.white_balance) {}
   bool is_stale(const SceneConditions& now) const;
   Result<> take(const DecodedPicture& picture);
+  Result<> fit_detail(PixelLayout layout);
   Result<> show(const DrawTarget& target);
 
   Renderer renderer_;
   SceneAir air_;
   YuvEncoding encoding_;
+  ImageQuality quality_;
+  glm::dvec3 white_balance_;
+  ObjectDetail detail_;
   std::optional<SceneConditions> layer_;  // the air the cached layer was drawn under
   std::uint64_t layers_drawn_ = 0;
   bool drawn_ = false;
   std::optional<DecodedPicture> lent_;    // the picture drawn last, while it lies in the driver's buffer
+  SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // under the picture drawn last; empty: it was the camera's alone
 };
 

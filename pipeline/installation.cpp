@@ -1,13 +1,22 @@
 #include "pipeline/installation.hpp"
 
+#include "calib/distance_map.hpp"
+
 namespace kasumi {
 
 namespace {
 
+FogLayer read_fog(const ConfigTable& table) {
+  return {table.number("extinction_per_m", {0.0, 1.0}), table.number("base_altitude_m", {-500.0, 9000.0}),
+          table.number("scale_height_m", {1.0, 5000.0}, FogLayer{}.scale_height_m)};
+}
+
 Surroundings read_surroundings(const ConfigTable& table) {
   const Surroundings usual;
-  return {table.number("ground_albedo", {0.0, 1.0}, usual.ground_albedo),
-          table.number("cloud_base_m", {50.0, 15e3}, usual.cloud_base_m)};
+  Surroundings found{table.number("ground_albedo", {0.0, 1.0}, usual.ground_albedo),
+                     table.number("cloud_base_m", {50.0, 15e3}, usual.cloud_base_m), usual.fog};
+  if (const auto fog = table.optional_table("fog")) found.fog = read_fog(*fog);
+  return found;
 }
 
 }  // namespace
@@ -17,11 +26,15 @@ Installation read_installation(const ConfigTable& root) {
   installation.site = read_site(root.table("site"));
   installation.surroundings = read_surroundings(root.table("site"));
   installation.sky = read_camera(root.table("sky"), "sky");
-  installation.scene = read_camera(root.table("scene"), "scene");
+  const auto scene = root.table("scene");
+  installation.scene = read_camera(scene, "scene");
+  installation.scene_quality = read_image_quality(scene);
+  installation.scene_distances_m = read_distance_map(scene, installation.scene.width, installation.scene.height);
   if (installation.scene.lens && !pinhole_model(*installation.scene.lens))
-    root.table("scene").table("lens").problem(
-        "model", "\"pinhole\": the picture is drawn through a pinhole (with Brown's distortion)");
+    scene.table("lens").problem("model",
+                                "\"pinhole\": the picture is drawn through a pinhole (with Brown's distortion)");
   installation.object = read_placement(root.table("object"), installation.site);
+  installation.landmarks = read_landmarks(root, installation.site);
   return installation;
 }
 

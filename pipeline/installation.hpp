@@ -3,14 +3,26 @@
 
 #include "base/config_table.hpp"
 #include "calib/camera.hpp"
+#include "calib/image_quality.hpp"
+#include "pipeline/landmarks.hpp"
 #include "pipeline/placement.hpp"
 
 namespace kasumi {
+
+// Fog that lies in a valley: grey, thinning with altitude as exp(-(altitude - base) / scale height). It takes light
+// from what is seen through it and gives the horizon's; what falls on the object it leaves alone.
+struct FogLayer {
+  double extinction_per_m = 0.0;  // at the base; 0: none
+  double base_altitude_m = 0.0;   // above sea level; usually that of the object's foot
+  double scale_height_m = 30.0;
+  friend bool operator==(const FogLayer&, const FogLayer&) = default;
+};
 
 // What lies around the object and above it.
 struct Surroundings {
   double ground_albedo = 0.2;    // of sunlight, mean over the visible: grass .2, sand .35, fresh snow .8
   double cloud_base_m = 2000.0;  // above the site: where a cloud that shades the object is looked for in the sky
+  FogLayer fog;
 };
 
 struct Installation {
@@ -18,10 +30,14 @@ struct Installation {
   Surroundings surroundings;
   Camera sky;
   Camera scene;
+  ImageQuality scene_quality;
+  Image<float> scene_distances_m;  // of the scene camera's size, along each pixel's line of sight, 0 where nothing is
+                                   // known to stand; empty: nowhere
   ObjectPlacement object;
+  std::vector<Landmark> landmarks;
 };
 
-// [site], [sky], [scene], [object] of a fixture or configuration. Problems are left in the root's file.
+// [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration. Problems are left in the root's file.
 Installation read_installation(const ConfigTable& root);
 
 }  // namespace kasumi

@@ -99,7 +99,8 @@ Result<std::unique_ptr<Recording>> Recording::create(const std::filesystem::path
   (*changes)["sky.camera"] = std::nullopt;
   (*changes)["scene.camera"] = std::nullopt;
   const bool synchronized = watch_kernel_time()->look().synchronized;
-  const auto text = head_of(folder, start, synchronized) + root->copy_of({"site", "sky", "scene", "object"}, *changes);
+  const auto text =
+      head_of(folder, start, synchronized) + root->copy_of({"site", "sky", "scene", "object", "landmarks"}, *changes);
   if (auto written = write_text_file(folder / "fixture.toml", text); !written) return fail(written.error());
 
   // A live camera's frames differ, and looking for equal ones would remember each.

@@ -11,6 +11,7 @@
 #include "gles/window.hpp"
 #include "pipeline/compositor.hpp"
 #include "pipeline/fixture_file.hpp"
+#include "pipeline/overlay.hpp"
 #include "pipeline/picture_sink.hpp"
 #include "pipeline/progress.hpp"
 #include "pipeline/stop_signal.hpp"
@@ -83,11 +84,12 @@ Result<Screen> open_screen(const ReplayRequest& request, const Fixture& fixture)
 // One run: its state, and what each kind of frame does to it.
 class Run {
  public:
-  Run(const ReplayRequest& request, const Fixture& fixture, Screen screen, Compositor compositor)
+  Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, Screen screen, Compositor compositor)
       : request_(request),
         screen_(std::move(screen)),
         compositor_(std::move(compositor)),
         watch_(fixture.installation) {
+    if (request.overlay) overlay_.emplace(screen_.context(), fixture.installation, model.bounds(), std::nullopt);
     summary_.fixture = fixture.info.name;
     summary_.gl_renderer = screen_.context().info().renderer;
     summary_.software_gl = screen_.context().info().software;
@@ -194,6 +196,7 @@ class Run {
     if (screen_.offscreen) {
       if (auto drawn = compositor_.draw(*frame, latest_, screen_.offscreen->target()); !drawn)
         return skip_or_fail(*frame, drawn.error());
+      if (auto drawn = draw_overlay(screen_.offscreen->target()); !drawn) return drawn;
       auto picture = screen_.offscreen->read();
       if (!picture) return fail(picture.error());
       if (screen_.sink)
@@ -202,11 +205,14 @@ class Run {
     if (screen_.window) {
       if (auto drawn = compositor_.draw(*frame, latest_, screen_.window->target()); !drawn)
         return skip_or_fail(*frame, drawn.error());
+      if (auto drawn = draw_overlay(screen_.window->target()); !drawn) return drawn;
       screen_.window->show();
     }
     ++summary_.pictures;
     return {};
   }
+
+  Result<> draw_overlay(const DrawTarget& target) { return overlay_ ? overlay_->draw(target) : Result<>{}; }
 
   Result<> skip_or_fail(const Frame& frame, const Fault& fault) {
     if (fault.kind != FaultKind::bad_input) return fail(fault);
@@ -218,6 +224,7 @@ class Run {
   const ReplayRequest& request_;
   Screen screen_;
   Compositor compositor_;
+  std::optional<Overlay> overlay_;
   SkyWatch watch_;
   TurbidityTable table_;
   SkyReport latest_;
@@ -249,7 +256,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   auto compositor = Compositor::create(screen->context(), fixture->installation, *model, request.air);
   if (!compositor) return fail(compositor.error());
 
-  Run run(request, *fixture, std::move(*screen), std::move(*compositor));
+  Run run(request, *fixture, *model, std::move(*screen), std::move(*compositor));
   auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources);
   if (!played) return fail(played.error());
   auto summary = run.finish();

@@ -169,6 +169,7 @@ RunConfig read_run_config(const ConfigTable& root) {
   config.sky_camera = read_camera_choice(root.table("sky").table("camera"), config.installation.sky);
   config.scene_camera = read_camera_choice(root.table("scene").table("camera"), config.installation.scene);
   config.display = section("display", read_display);
+  config.overlay = section("display", [](const ConfigTable& table) { return table.flag("overlay", false); });
   config.still = section("still", [](const ConfigTable& table) {
     return StillChoice{table.optional_file("picture"), table.text("caption", std::string())};
   });

@@ -40,6 +40,7 @@ struct RunConfig {
   CameraChoice sky_camera;
   CameraChoice scene_camera;
   DisplayChoice display;
+  bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
   StillChoice still;
   WordsChoice words;
   ClockChoice clock;

@@ -47,12 +47,21 @@ std::string beside(const Camera& scene, const glm::dvec3& centre_m) {
                      right_deg < 0 ? "left" : "right", std::abs(up_deg), up_deg < 0 ? "below" : "above");
 }
 
-bool covered_by(const Image<std::uint8_t>& mask, const Span& span) {
-  if (mask.empty()) return false;
+// By things in front of it: what the mask covers, and what stands nearer than its nearest corner.
+bool is_covered(const Installation& installation, const Span& span, double nearest_m) {
+  const auto& mask = installation.scene.mask;
+  const auto& distances_m = installation.scene_distances_m;
+  if (mask.empty() && distances_m.empty()) return false;
+  const auto is_open = [&](int x, int y) {
+    const bool masked = !mask.empty() && mask.at(x, y) == 0;
+    const double real_m = distances_m.empty() ? 0.0 : double(distances_m.at(x, y));
+    return !masked && !(real_m > 0.0 && real_m < nearest_m);
+  };
+  const int width = installation.scene.width, height = installation.scene.height;
   const auto within = [](double v, int count) { return static_cast<int>(std::clamp(std::lround(v), 0L, count - 1L)); };
-  for (int y = within(span.least.y, mask.height()); y <= within(span.greatest.y, mask.height()); ++y)
-    for (int x = within(span.least.x, mask.width()); x <= within(span.greatest.x, mask.width()); ++x)
-      if (mask.at(x, y) != 0) return false;
+  for (int y = within(span.least.y, height); y <= within(span.greatest.y, height); ++y)
+    for (int x = within(span.least.x, width); x <= within(span.greatest.x, width); ++x)
+      if (is_open(x, y)) return false;
   return true;
 }
 
@@ -62,12 +71,13 @@ Sighting sight_object(const Installation& installation, const ModelBounds& bound
   const Camera& scene = installation.scene;
   const auto corners = corners_of(installation, bounds);
   glm::dvec3 centre{0.0};
-  double highest_m = -1e18;
+  double highest_m = -1e18, nearest_m = 1e18;
   Span span;
   int before = 0, projected = 0;
   for (const auto& corner : corners) {
     centre += corner / 8.0;
     highest_m = std::max(highest_m, corner.z);
+    nearest_m = std::min(nearest_m, glm::length(corner));
     if ((glm::transpose(scene.to_world) * corner).z > 0.0) ++before;
     const auto pixel = glm::length(corner) > 0.0 ? scene.pixel_of(glm::normalize(corner)) : std::nullopt;
     if (!pixel) continue;
@@ -106,9 +116,10 @@ Sighting sight_object(const Installation& installation, const ModelBounds& bound
                fmt::format("the building is below the horizon: {}, its top is {:.0f} m above the "
                            "sea, and less than {:.0f} m is hidden there",
                            place, above_sea_m, hidden_m));
-  if (covered_by(scene.mask, span))
+  if (is_covered(installation, span, nearest_m))
     return say(Verdict::behind_the_mask,
-               fmt::format("the building is hidden: {}, wholly behind what scene.mask covers", place));
+               fmt::format("the building is hidden: {}, wholly behind what scene.mask{} covers", place,
+                           installation.scene_distances_m.empty() ? "" : " or scene.depth_map"));
 
   const glm::dvec2 size = span.greatest - span.least;
   const bool cut = projected < 8 || span.least.x < -0.5 || span.least.y < -0.5 || span.greatest.x > right ||

@@ -18,7 +18,7 @@ struct Sighting {
     outside,         // beside, above or below the picture
     behind,          // behind the camera
     below_horizon,   // the sea's curve hides it
-    behind_the_mask  // everything of it lies behind what the foreground mask covers
+    behind_the_mask  // everything of it lies behind what the foreground mask covers or the depth map has nearer
   };
   Verdict verdict = Verdict::visible;
   double distance_m = 0.0;

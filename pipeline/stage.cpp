@@ -26,6 +26,8 @@ Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optiona
                                        air ? std::move(*air) : SceneAir(installation, SceneAirOptions{}));
   if (!compositor) return fail(compositor.error());
   Stage stage(context, content, std::move(*compositor));
+  if (content->config.overlay)
+    stage.overlay_.emplace(context, installation, content->model.bounds(), content->config.words.font_file);
 
   const auto upload = [&](std::optional<FlatPicture>& to, const Image<Rgba8>& picture) -> Result<> {
     auto flat = FlatPicture::create(context, picture);
@@ -51,6 +53,16 @@ Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const 
   }
   if (has_scene_) return compositor_.draw_again(target);
   clear_to(target, glm::vec3(kGround) / 255.0f);
+  return {};
+}
+
+// The picture goes on without one that cannot be drawn.
+Result<> Stage::draw_overlay(const DrawTarget& target) {
+  if (!overlay_ || !has_scene_) return {};
+  auto drawn = overlay_->draw(target);
+  if (drawn || drawn.error().kind == FaultKind::device) return drawn;
+  spdlog::warn("the overlay cannot be drawn: {}", drawn.error().message);
+  overlay_.reset();
   return {};
 }
 
@@ -88,6 +100,7 @@ Result<> Stage::draw_words(Words& drawn, const std::string& text, bool at_top, d
 
 Result<> Stage::draw_over(const Composition& composition, const DrawTarget& target) {
   const auto& rung = composition.rung;
+  if (auto drawn = draw_overlay(target); !drawn) return drawn;
   if (auto drawn = draw_still(rung.still, target); !drawn) return drawn;
   if (auto drawn = draw_words(caption_, content_->config.still.caption, false, rung.still, target); !drawn)
     return drawn;

@@ -8,6 +8,7 @@
 #include "pipeline/content.hpp"
 #include "pipeline/exchange.hpp"
 #include "pipeline/ladder.hpp"
+#include "pipeline/overlay.hpp"
 
 namespace kasumi {
 
@@ -47,6 +48,7 @@ class Stage {
   };
   Stage(GlContext& context, ContentPtr content, Compositor compositor)
       : context_(&context), content_(std::move(content)), compositor_(std::move(compositor)) {}
+  Result<> draw_overlay(const DrawTarget& target);
   Result<> draw_still(double opacity, const DrawTarget& target);
   Result<> draw_words(Words& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
   void set_words(Words& drawn, const std::string& text, const DrawTarget& target);
@@ -54,6 +56,7 @@ class Stage {
   GlContext* context_;
   ContentPtr content_;
   Compositor compositor_;
+  std::optional<Overlay> overlay_;  // empty: nobody wants it
   std::optional<FlatPicture> still_;
   std::optional<FlatPicture> ground_;  // one pixel each, for what fills the target
   std::optional<FlatPicture> black_;

@@ -25,15 +25,16 @@ TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndWithoutNoise) {
   EXPECT_EQ(quality.point_spread_px, 0.0);
   EXPECT_EQ(quality.full_scale_electrons, 0.0);
   EXPECT_EQ(quality.read_electrons, 0.0);
+  EXPECT_FALSE(quality.shared_chroma);
 }
 
 TEST(ImageQualityKeys, AreTakenAsWritten) {
   const auto [quality, problems] = read(
-      "point_spread_px = 0.55\nshared_chroma = false\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = "
+      "point_spread_px = 0.55\nshared_chroma = true\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = "
       "4\n");
   EXPECT_EQ(problems, "");
   EXPECT_EQ(quality.point_spread_px, 0.55);
-  EXPECT_FALSE(quality.shared_chroma);
+  EXPECT_TRUE(quality.shared_chroma);
   EXPECT_EQ(quality.full_scale_electrons, 9000.0);
   EXPECT_EQ(quality.read_electrons, 4.0);
 }

@@ -75,5 +75,15 @@ TEST_F(SightingOf, ThingsInFrontHideItOnlyWhenTheyHideAll) {
   EXPECT_EQ(now().verdict, Verdict::visible);
 }
 
+TEST_F(SightingOf, AHillBeforeItHidesItAndOneBehindItDoesNot) {
+  auto& distances = installation.scene_distances_m = Image<float>(600, 400, 3000.0F);
+  EXPECT_EQ(now().verdict, Verdict::behind_the_mask);
+  EXPECT_THAT(now().words, testing::HasSubstr("scene.depth_map"));
+  for (const float open_m : {0.0F, 3600.0F}) {
+    distances.at(300, 196) = open_m;
+    EXPECT_EQ(now().verdict, Verdict::visible) << open_m;
+  }
+}
+
 }  // namespace
 }  // namespace kasumi
