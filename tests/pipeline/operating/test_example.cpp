@@ -42,7 +42,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 // Keys that stand in it, in force or not: "sky.camera.buffers".
 std::set<std::string> documented(const std::string& text) {
-  static const std::regex section(R"(^\[([a-z_.]+)\].*)"), key(R"(^#? ?([a-z0-9_]+) = .*)");
+  static const std::regex section(R"(^(?:# )?\[([a-z_.]+)\].*)"), key(R"(^#? ?([a-z0-9_]+) = .*)");
   std::set<std::string> found;
   std::string table;
   std::istringstream lines(text);
@@ -72,6 +72,7 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.sky_camera, b.sky_camera);
   EXPECT_EQ(a.scene_camera, b.scene_camera);
   EXPECT_EQ(a.display, b.display);
+  EXPECT_EQ(a.overlay, b.overlay);
   EXPECT_EQ(a.still.caption, b.still.caption);
   EXPECT_EQ(a.words.language, b.words.language);
   EXPECT_EQ(a.words.show_faults, b.words.show_faults);
@@ -86,9 +87,12 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   for (const glm::dvec2 pixel : {glm::dvec2(241.0, 238.0), glm::dvec2(100.0, 200.0), glm::dvec2(12.0, 238.0)})
     EXPECT_EQ(sky.direction_at(pixel), other.direction_at(pixel));
   EXPECT_EQ(a.installation.scene.direction_at({5.0, 7.0}), b.installation.scene.direction_at({5.0, 7.0}));
+  EXPECT_EQ(a.installation.scene_quality.point_spread_px, b.installation.scene_quality.point_spread_px);
+  EXPECT_EQ(a.installation.scene_quality.shared_chroma, b.installation.scene_quality.shared_chroma);
   EXPECT_EQ(a.installation.object.placement.heading, b.installation.object.placement.heading);
   EXPECT_EQ(a.installation.object.placement.scale, b.installation.object.placement.scale);
   EXPECT_EQ(a.installation.surroundings.ground_albedo, b.installation.surroundings.ground_albedo);
+  EXPECT_EQ(a.installation.surroundings.fog.extinction_per_m, 0.0);
   EXPECT_EQ(a.installation.surroundings.cloud_base_m, b.installation.surroundings.cloud_base_m);
 }
 
@@ -113,8 +117,12 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
                "device = \"/dev/v4l/by-id/usb-Example_Scene_Camera_0002-video-index0\"", "");
   const auto window = replaced(text, "#kind = \"kms\"", "kind = \"window\"");
   const auto headless = replaced(text, "#kind = \"kms\"", "kind = \"headless\"");
+  auto foggy = text;
+  for (const char* line : {"[site.fog]", "extinction_per_m", "base_altitude_m", "scale_height_m"})
+    foggy = replaced(foggy, std::string("# ") + line, line);
+  EXPECT_EQ(read(foggy).config.installation.surroundings.fog, (FogLayer{0.002, 941.0, 30.0}));
   std::set<std::string> missing;
-  for (const auto& variant : {text, replay, libcamera, window, headless}) {
+  for (const auto& variant : {text, replay, libcamera, window, headless, foggy}) {
     const auto given = read(variant);
     EXPECT_TRUE(given.whole) << given.whole.error().message;
     for (const auto& key : given.keys) {
