@@ -9,10 +9,10 @@
 
 namespace kasumi {
 
-Haze haze_for_gles(const HazeCoefficients& haze, double observer_altitude_m) {
+Haze haze_for_gles(const HazeCoefficients& haze, double observer_altitude_m, const FogLayer& fog) {
   static_assert(kHazeNodes == kAttenuationNodes);
-  return {haze.weight,       haze.rayleigh_per_m, haze.mie_per_m, kRayleighScaleHeight_m,
-          kMieScaleHeight_m, observer_altitude_m};
+  return {haze.weight,         haze.rayleigh_per_m,  haze.mie_per_m,      kRayleighScaleHeight_m, kMieScaleHeight_m,
+          observer_altitude_m, fog.extinction_per_m, fog.base_altitude_m, fog.scale_height_m};
 }
 
 ObjectLight light_for_gles(const LightOnObject& light) {

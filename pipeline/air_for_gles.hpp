@@ -8,10 +8,11 @@
 #include "estimator/object_light.hpp"
 #include "gles/renderer.hpp"
 #include "gles/scene.hpp"
+#include "pipeline/installation.hpp"
 
 namespace kasumi {
 
-Haze haze_for_gles(const HazeCoefficients& haze, double observer_altitude_m);
+Haze haze_for_gles(const HazeCoefficients& haze, double observer_altitude_m, const FogLayer& fog = {});
 ObjectLight light_for_gles(const LightOnObject& light);
 ResponseCurve response_for_gles(const Response& response);
 // Near and far enclose the object's sphere, so that the depth buffer's precision is spent on it (physics 7).

@@ -1,13 +1,16 @@
 #include "pipeline/scene_air.hpp"
 
+#include <cmath>
+
 #include "pipeline/air_for_gles.hpp"
 
 namespace kasumi {
 
 namespace {
 
-// How far one look moves the smoothed horizon: clouds and people pass, the air stays.
-constexpr double kHorizonWeight = 0.3;
+// Clouds and people pass, the air stays: the horizon is smoothed over so long. What was seen an hour ago, before a
+// camera was unplugged, is forgotten.
+constexpr double kHorizonMemory_s = 2.8;
 
 std::optional<double> exposure_of(const FrameMetadata& metadata) {
   if (!metadata.exposure_s || *metadata.exposure_s <= 0) return std::nullopt;
@@ -25,6 +28,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       sky_(installation.sky),
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
+      fog_(installation.surroundings.fog),
       options_(options),
       nodes_(attenuation_nodes(spectral_measure(scene_))) {}
 
@@ -42,7 +46,8 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   const Daylight daylight(scene_, conditions.turbidity, conditions.sun,
                           {conditions.sky, ground_albedo_, altitude_m_, conditions.measured.get()});
   ObjectAppearance appearance;
-  appearance.haze = haze_for_gles(haze_coefficients(nodes_, options_.scattering, conditions.turbidity), altitude_m_);
+  appearance.haze =
+      haze_for_gles(haze_coefficients(nodes_, options_.scattering, conditions.turbidity), altitude_m_, fog_);
   appearance.light = light_for_gles(daylight.on_object());
   appearance.horizon = airlight_grid(
       scene_, box, [&](const glm::dvec2&, const Direction& direction) { return daylight.airlight(direction); });
@@ -56,11 +61,12 @@ void SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, 
   exposure_ = exposure;
   const bool backwards = looked_at_ && metadata.captured_at < *looked_at_;
   if (looked_at_ && !backwards && metadata.captured_at - *looked_at_ < options_.horizon_interval) return;
+  const double since_s = !looked_at_ ? 0.0 : std::abs(to_seconds(metadata.captured_at - *looked_at_));
   looked_at_ = metadata.captured_at;
 
   auto seen = measure_horizon(scene_, scene);
   if (!seen.usable() && sky_picture) seen = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
-  horizon_ = blend(horizon_, seen, horizon_.usable() ? kHorizonWeight : 1.0);
+  horizon_ = blend(horizon_, seen, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
 }
 
 AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {

@@ -186,6 +186,22 @@ TEST_F(RendererAgainstReference, HoldsInDenseHazeAndInNone) {
   expect_same(scene);
 }
 
+TEST_F(RendererAgainstReference, SeesItsFootInTheFogOfTheValley) {
+  ReferenceScene scene = box_scene();
+  // Faces small beside the fog's scale height: between vertices the depth of fog is linear.
+  scene.model = box_model(60, 40, 60, 40);
+  Haze& haze = scene.appearance.haze;
+  haze.fog_base_altitude_m = haze.observer_altitude_m - 20.0;
+  haze.fog_scale_height_m = 15.0;
+  haze.fog_per_m = 2e-3;
+  expect_same(scene);
+  expect_same(scene, {.force_rgba8 = true});
+  haze.fog_base_altitude_m -= 6000.0;  // far below: nothing is seen of it
+  expect_same(scene);
+  haze.fog_base_altitude_m += 7000.0;  // deep in it nothing else is seen
+  expect_same(scene);
+}
+
 TEST_F(RendererAgainstReference, SmoothsEdgesLikeManySamples) {
   // 17 samples against 1024: a straight edge's coverage is off by at most 1/17, which between building and sky of this
   // scene is a few steps; 42 dB on all covered pixels together.
