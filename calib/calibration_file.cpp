@@ -45,6 +45,31 @@ std::string text_of(const Measured& measured, const std::string& camera) {
   return text;
 }
 
+std::string list(const std::vector<double>& values) {
+  std::vector<std::string> texts;
+  for (const double value : values) texts.push_back(fmt::format("{:.9g}", value));
+  for (auto& text : texts)
+    if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+std::string text_of(const MeasuredCurve& curve) {
+  if (curve.linear()) return "response = \"linear\"\n";
+  std::string text = "response = \"table\"\n";
+  const auto& tables = curve.light;
+  if (tables[0] == tables[1] && tables[1] == tables[2])
+    return text + fmt::format("response_table = {}\n", list(tables[0]));
+  constexpr std::array kNames{"red", "green", "blue"};
+  for (std::size_t c = 0; c < 3; ++c) text += fmt::format("response_table_{} = {}\n", kNames[c], list(tables[c]));
+  return text;
+}
+
+std::string text_of(const Vignetting& vignetting) {
+  return fmt::format("centre_px = [{}, {}]\nradius_px = {}\ncoefficients = [{}, {}, {}]\n", number(vignetting.centre.x),
+                     number(vignetting.centre.y), number(vignetting.radius_px), number(vignetting.coefficients[0]),
+                     number(vignetting.coefficients[1]), number(vignetting.coefficients[2]));
+}
+
 // Keys of [CAMERA] itself.
 std::string head_of(const CalibrationStep& step, bool has_response) {
   auto text = fmt::format("width = {}\nheight = {}\n", step.width, step.height);
@@ -54,7 +79,10 @@ std::string head_of(const CalibrationStep& step, bool has_response) {
     text += fmt::format("heading_deg = {}\npitch_deg = {}\nroll_deg = {}\n", number(to_degrees(angles.heading)),
                         number(to_degrees(angles.pitch)), number(to_degrees(angles.roll)));
   }
-  if (step.response && !has_response) text += fmt::format("response = {}\n", toml_string(*step.response));
+  if (step.curve)
+    text += text_of(*step.curve);
+  else if (step.response && !has_response)
+    text += fmt::format("response = {}\n", toml_string(*step.response));
   if (!step.calibrated_utc.empty()) text += fmt::format("calibrated_utc = {}\n", step.calibrated_utc);
   return text;
 }
@@ -98,6 +126,11 @@ Result<Old> read_old(const std::filesystem::path& path, const CalibrationStep& s
     if (!step.serial.empty()) drop("serial");
     if (!step.calibrated_utc.empty()) drop("calibrated_utc");
     if (step.lens) drop("lens");
+    if (step.curve)
+      for (const char* key :
+           {"response", "response_table", "response_table_red", "response_table_green", "response_table_blue"})
+        drop(key);
+    if (step.vignetting) drop("vignetting");
     if (step.to_world)
       for (const char* key : {"azimuth_up_deg", "heading_deg", "pitch_deg", "roll_deg"}) drop(key);
     for (const auto& measured : step.measured) drop("measured." + measured.what);
@@ -138,6 +171,7 @@ Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, 
                     number(step.site->latitude_deg), number(step.site->longitude_deg), number(step.site->altitude_m));
   add_under(text, step.camera, head_of(step, old.has_response));
   if (step.lens) text += fmt::format("\n[{}.lens]\n{}", step.camera, toml_of(*step.lens));
+  if (step.vignetting) text += fmt::format("\n[{}.vignetting]\n{}", step.camera, text_of(*step.vignetting));
   for (const auto& measured : step.measured) text += text_of(measured, step.camera);
   text.insert(0, fmt::format("# Written by kasumi calibrate; docs/cameras.md tells what the keys mean.\n"
                              "calibration = {}\n\n",

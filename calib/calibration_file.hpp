@@ -2,6 +2,7 @@
 // from what it was measured. Written step by step; each step keeps what the others found, and the old file.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -26,6 +27,12 @@ struct Measured {
   std::vector<std::string> remarks;                     // dropped views, what is undetermined
 };
 
+// A response as it was measured: linear light at evenly spaced values, for each channel; empty tables: linear.
+struct MeasuredCurve {
+  std::array<std::vector<double>, 3> light;
+  bool linear() const { return light[0].empty(); }
+};
+
 struct CalibrationStep {
   std::string camera;  // "sky", "scene"
   int width = 0;
@@ -34,8 +41,10 @@ struct CalibrationStep {
   std::optional<LensDescription> lens;
   std::optional<glm::dmat3> to_world;   // written as heading_deg, pitch_deg, roll_deg
   std::optional<std::string> response;  // "srgb", "linear"; only where the file has none
-  std::optional<Site> site;             // only where the file has none
-  std::string calibrated_utc;           // ISO 8601; becomes [CAMERA] calibrated_utc
+  std::optional<MeasuredCurve> curve;   // in place of the response that was there
+  std::optional<Vignetting> vignetting;
+  std::optional<Site> site;    // only where the file has none
+  std::string calibrated_utc;  // ISO 8601; becomes [CAMERA] calibrated_utc
   std::vector<Measured> measured;
 };
 

@@ -10,6 +10,7 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   add_calibrate_lens(*command, action);
   add_calibrate_sky(*command, action);
   add_calibrate_scene(*command, action);
+  add_calibrate_response(*command, action);
 }
 
 }  // namespace kasumi

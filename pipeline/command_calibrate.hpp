@@ -8,5 +8,6 @@ namespace kasumi {
 void add_calibrate_lens(CLI::App& calibrate_command, Action& action);
 void add_calibrate_sky(CLI::App& calibrate_command, Action& action);
 void add_calibrate_scene(CLI::App& calibrate_command, Action& action);
+void add_calibrate_response(CLI::App& calibrate_command, Action& action);
 
 }  // namespace kasumi
