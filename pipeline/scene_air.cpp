@@ -28,6 +28,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       sky_(installation.sky),
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
+      shadows_(installation.object.shadows),
       fog_(installation.surroundings.fog),
       options_(options),
       nodes_(attenuation_nodes(spectral_measure(scene_))) {}
@@ -52,6 +53,7 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   appearance.horizon = airlight_grid(
       scene_, box, [&](const glm::dvec2&, const Direction& direction) { return daylight.airlight(direction); });
   appearance.aerial_perspective = options_.aerial_perspective;
+  appearance.shadows = shadows_;
   return appearance;
 }
 

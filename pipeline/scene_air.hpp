@@ -51,6 +51,7 @@ class SceneAir {
   Camera sky_;
   double altitude_m_;
   double ground_albedo_;
+  bool shadows_;
   FogLayer fog_;
   SceneAirOptions options_;
   AttenuationNodes nodes_;
