@@ -94,6 +94,19 @@ TEST(ConfigTable, ACopyReadsAsTheOriginalButForWhatWasChanged) {
   EXPECT_TRUE(copy->finish()) << "nothing else may be left in it:\n" << text;
 }
 
+TEST(ConfigTable, CopiesListsOfTables) {
+  const auto root =
+      ConfigTable::parse("[[peaks]]\nname = 'A'\nheight_m = 1200\n[[peaks]]\nname = 'B'\n[other]\nx = 1\n", "a.toml")
+          .value();
+  const auto copy = ConfigTable::parse(root.copy_of({"peaks"}, {}), "b.toml").value();
+  const auto peaks = copy.tables("peaks");
+  ASSERT_EQ(peaks.size(), 2u);
+  EXPECT_EQ(peaks[0].text("name"), "A");
+  EXPECT_EQ(peaks[0].integer("height_m"), 1200);
+  EXPECT_EQ(peaks[1].text("name"), "B");
+  EXPECT_FALSE(copy.has("other"));
+}
+
 TEST(ConfigTable, ItKnowsWhatItWasAskedForAlsoWhatWasNotThere) {
   const auto root = ConfigTable::parse("[lens]\nfocal_px = 1\nmask = 'm.png'\n", "/nowhere/a.toml").value();
   const auto lens = root.table("lens");

@@ -4,8 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/files.hpp"
+#include "gles/context.hpp"
 #include "pipeline/overlay_drawing.hpp"
 #include "pipeline/overlay_shapes.hpp"
+#include "pipeline/replay.hpp"
 
 namespace kasumi {
 namespace {
@@ -239,6 +242,35 @@ TEST(OverlayDrawing, IsAsLargeAsItIsShown) {
     EXPECT_GT(picture->at(int(700 * scale), row).a, 60) << scale;
     EXPECT_EQ(picture->at(int(700 * scale), row + int(60 * scale)).a, 0) << scale;
   }
+}
+
+TEST(OverlayInReplay, ChangesThePictureAndNothingThatIsMeasured) {
+  if (const auto context = open_headless_context(); !context) GTEST_SKIP() << context.error().message;
+  // The demo with everything that follows the camera: its noise must be the same in every replay.
+  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "overlay";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  std::filesystem::copy(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo", folder / "fixture",
+                        std::filesystem::copy_options::recursive);
+  auto text = read_text_file(folder / "fixture/fixture.toml").value();
+  text.insert(text.find("[scene]\n") + 8, "point_spread_px = 0.5\nshared_chroma = true\n");
+  text += "[scene.noise]\nfull_scale_electrons = 2000\nread_electrons = 3\n";
+  ASSERT_TRUE(write_text_file(folder / "fixture/fixture.toml", text));
+  const auto play = [&](const char* out, bool overlay) {
+    ReplayRequest request;
+    request.fixture = folder / "fixture";
+    request.out = folder / out;
+    request.frames = 1;
+    request.overlay = overlay;
+    const auto summary = replay(request);
+    EXPECT_TRUE(summary) << summary.error().message;
+    return std::pair(read_file(folder / out / "frame-000000.png").value(),
+                     read_file(folder / out / "turbidity.csv").value());
+  };
+  const auto plain = play("plain", false), again = play("again", false), overlaid = play("overlaid", true);
+  EXPECT_TRUE(plain == again) << "the same fixture, the same bits";
+  EXPECT_FALSE(overlaid.first == plain.first);
+  EXPECT_TRUE(overlaid.second == plain.second) << "turbidity.csv";
 }
 
 TEST(OverlayDrawing, AFontThatIsNotThereIsNamed) {
