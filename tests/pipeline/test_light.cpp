@@ -30,13 +30,13 @@ glm::dvec3 balance_for(const Camera& camera, double kelvin) {
   return seen.y / seen;
 }
 
-// A white board of 60 m that faces south: the patch in the scene, and its twin that is drawn.
-fixtures::Mesh board() {
+// A white board that faces south: the patch in the scene, and its twin that is drawn.
+fixtures::Mesh board(float half_m = 30.0F) {
   fixtures::Mesh mesh;
   mesh.materials = {{"white", Image<Rgb8>(4, 4, Rgb8(255))}};
   fixtures::MeshPart part;
   for (const auto& [x, y] : {std::pair{-1.0F, -1.0F}, {1.0F, -1.0F}, {1.0F, 1.0F}, {-1.0F, 1.0F}})
-    part.vertices.push_back({{30.0F * x, 30.0F * y, 0.0F}, {0, 0, 1}, {x, y}});
+    part.vertices.push_back({{half_m * x, half_m * y, 0.0F}, {0, 0, 1}, {x, y}});
   part.indices = {0, 1, 2, 0, 2, 3};
   mesh.parts = {part};
   return mesh;
@@ -48,13 +48,12 @@ double through_density(double length_m, double altitude_m, double rise_m, double
 }
 
 // What the renderer makes of a white surface (gles/shaders), on the CPU: rho Gamma + 1 - Gamma over the measured light.
-glm::dvec3 drawn(const ObjectAppearance& appearance, const AirlightGrid& measured, const glm::dvec3& place,
-                 const glm::dvec3& normal) {
-  constexpr std::size_t kMiddle = AirlightGrid::kColumns * 1 + AirlightGrid::kColumns / 2;
+glm::dvec3 drawn(const ObjectAppearance& appearance, const AirlightGrid& measured, const glm::dvec2& pixel,
+                 const glm::dvec3& place, const glm::dvec3& normal) {
   const ObjectLight& light = appearance.light;
   const glm::dvec3 irradiance_here = std::max(0.0, glm::dot(normal, light.sun_direction)) * light.sun_irradiance +
                                      irradiance(light.sky_irradiance_sh, normal);
-  const glm::dvec3 rho = irradiance_here / kPi / appearance.horizon.light[kMiddle];
+  const glm::dvec3 rho = irradiance_here / kPi / airlight_at(appearance.horizon, pixel);
   const Haze& haze = appearance.haze;
   const double length = glm::length(place);
   const double air = through_density(length, haze.observer_altitude_m, place.z, haze.rayleigh_scale_height_m);
@@ -62,7 +61,7 @@ glm::dvec3 drawn(const ObjectAppearance& appearance, const AirlightGrid& measure
   glm::dvec3 gamma{0.0};
   for (std::size_t k = 0; k < kHazeNodes; ++k)
     gamma += haze.weight[k] * glm::exp(-haze.rayleigh_per_m[k] * air - haze.mie_per_m[k] * mie);
-  return measured.light[kMiddle] * (rho * gamma + 1.0 - gamma);
+  return airlight_at(measured, pixel) * (rho * gamma + 1.0 - gamma);
 }
 
 TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
@@ -118,7 +117,7 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
 
       ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
       const glm::dvec3 rendered =
-          drawn(air.appearance(conditions, box), air.measured(conditions, box), place, {0.0, -1.0, 0.0});
+          drawn(air.appearance(conditions, box), air.measured(conditions, box), pixel, place, {0.0, -1.0, 0.0});
       ratios.push_back(rendered / real);
       fmt::print("{} K, {:+.0f} EV: rendered / real {:.4f} {:.4f} {:.4f}\n", kelvin, stops, ratios.back().r,
                  ratios.back().g, ratios.back().b);
@@ -131,6 +130,57 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
   for (int c = 0; c < 3; ++c) {
     EXPECT_LE(greatest[c] / least[c] - 1.0, 0.02) << "channel " << c;
     EXPECT_NEAR(0.5 * (least[c] + greatest[c]), 1.0, 0.03) << "channel " << c;
+  }
+}
+
+// A low sun at the right edge of a wide view, 15 deg above it; boards below the horizon line on both sides, so far away
+// that they are hardly seen but for the air before them.
+TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizonLine) {
+  const fixtures::SceneCamera made = fixtures::scene_camera(
+      {.width = 480, .height = 270, .field_of_view_deg = 40.0, .heading_deg = 220.0, .pitch_deg = 0.0});
+  fixtures::SceneGeometry land;
+  land.points = Image<fixtures::GroundPoint>(480 * fixtures::kRaysPerSide, 270 * fixtures::kRaysPerSide);
+  Installation installation;
+  installation.site.altitude_m = 980.0;
+  installation.scene = made.camera;
+  for (const double turbidity : {2.5, 5.0}) {
+    fixtures::Weather weather;
+    weather.turbidity = turbidity;
+    weather.sun = direction_from(from_degrees(75.0), from_degrees(240.0));
+    weather.altitude_m = 980.0;
+    const fixtures::Illumination day(weather);
+    const Image<glm::dvec3> light = fixtures::look_at_scene(day, made.camera, land);
+    fixtures::Exposure exposure = fixtures::automatic_exposure(light, 0.97, 0.5);
+    exposure.seed = 11;
+    const double scale = fixtures::kResponsivity * exposure.exposure_s * exposure.gain;
+    SceneAir air(installation, {});
+    air.observe({}, view_of(fixtures::expose(light, made.camera, exposure)), nullptr);
+    ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
+    const SceneConditions conditions{Turbidity{turbidity}, weather.sun, SkyCondition::clear, nullptr};
+    const PixelBox box{20, 100, 460, 180};
+    const auto appearance = air.appearance(conditions, box);
+    const auto measured = air.measured(conditions, box);
+
+    std::array<double, 2> real_green{}, drawn_green{};
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      const Direction towards = direction_from(from_degrees(92.0), from_degrees(side == 0 ? 203.0 : 237.0));
+      const glm::dvec3 place = 12e3 * towards;
+      const glm::dvec2 pixel = glm::round(made.camera.pixel_of(towards).value());
+      const fixtures::Building patch(board(150.0F), {place.x, place.y, place.z, 40.0});
+      const auto seen = fixtures::look_at_building(patch, day, made.camera, land);
+      const glm::ivec2 at(pixel);
+      ASSERT_EQ(seen.coverage.at(at.x, at.y), 1.0);
+      const glm::dvec3 real = seen.light.at(at.x, at.y) * made.camera.vignetting.at(pixel) * scale;
+      const double turn = from_degrees(40.0).value;
+      const glm::dvec3 ours = drawn(appearance, measured, pixel, place, {-std::sin(turn), -std::cos(turn), 0.0});
+      fmt::print("T {}, {}: rendered / real {:.4f} {:.4f} {:.4f}\n", turbidity,
+                 side == 0 ? "away from the sun" : "near it", ours.r / real.r, ours.g / real.g, ours.b / real.b);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(ours[c] / real[c], 1.0, 0.03) << "channel " << c << ", side " << side;
+      real_green[side] = real.g;
+      drawn_green[side] = ours.g;
+    }
+    EXPECT_GT(real_green[1], 1.15 * real_green[0]) << "the scene must have a side of the sun to tell";
+    EXPECT_NEAR(drawn_green[1] / drawn_green[0] / (real_green[1] / real_green[0]), 1.0, 0.02);
   }
 }
 
