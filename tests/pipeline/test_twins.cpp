@@ -2,7 +2,9 @@
 // steps, double precision, its own sky, sun, haze and shadows), and the same building as kasumi composites it. What is
 // compared is the whole way: T as estimated from the sky camera's picture, the horizon as found in the scene camera's,
 // with its noise.
+#include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -19,6 +21,17 @@ using std::chrono::minutes;
 
 constexpr Utc kHigh = Utc(std::chrono::sys_days(std::chrono::year{2026} / 6 / 21)) + hours(2) + minutes(40);
 constexpr Utc kLow = Utc(std::chrono::sys_days(std::chrono::year{2026} / 10 / 20)) + hours(7) + minutes(34);
+
+// Under the address sanitizer a few cases tell all that it can see.
+#ifdef __SANITIZE_ADDRESS__
+constexpr std::array kDistancesM{1000.0};
+constexpr std::array kTurbidities{2.0, 8.0};
+constexpr std::size_t kOthers = 2;
+#else
+constexpr std::array kDistancesM{200.0, 1000.0, 3500.0, 10e3};
+constexpr std::array kTurbidities{2.0, 4.0, 8.0};
+constexpr std::size_t kOthers = 8;
+#endif
 
 struct Difference {
   double mean = 0.0;  // of the absolute difference over the building's pixels and channels, levels of 255
@@ -73,8 +86,8 @@ void expect_like(const fixtures::Recipe& recipe, const std::string& name, const 
 
 void expect_alike(const std::string& name, Utc start, const char* sun) {
   fmt::print("| distance, T, sun | mean difference, of 255 | bias R, G, B |\n");
-  for (const double distance_m : {200.0, 1000.0, 3500.0, 10e3})
-    for (const double turbidity : {2.0, 4.0, 8.0})
+  for (const double distance_m : kDistancesM)
+    for (const double turbidity : kTurbidities)
       expect_like(twin(distance_m, turbidity, start), name,
                   fmt::format("{} km, T {}, {}", distance_m / 1000.0, turbidity, sun));
 }
@@ -98,12 +111,12 @@ TEST(Twins, AreAlikeAtOtherPlacesHoursAndAirs) {
   const auto at = [](unsigned month, unsigned day, minutes utc) {
     return Utc(std::chrono::sys_days(std::chrono::year{2026} / static_cast<int>(month) / static_cast<int>(day))) + utc;
   };
-  for (const Other& other :
-       {Other{450.0, 2.7, at(3, 3, minutes(60)), 70.0, 21}, Other{2100.0, 5.3, at(5, 17, minutes(470)), 300.0, 22},
-        Other{5200.0, 3.4, at(8, 9, minutes(290)), 150.0, 23}, Other{7300.0, 2.2, at(12, 24, minutes(150)), 200.0, 24},
-        Other{1500.0, 6.4, at(1, 20, minutes(30)), 255.0, 25}, Other{3500.0, 1.9, at(7, 1, minutes(540)), 20.0, 26},
-        Other{850.0, 3.1, at(4, 9, minutes(530)), 340.0, 27},
-        Other{2800.0, 7.1, at(11, 11, minutes(455)), 100.0, 28}}) {
+  const std::array others{
+      Other{450.0, 2.7, at(3, 3, minutes(60)), 70.0, 21},    Other{2100.0, 5.3, at(5, 17, minutes(470)), 300.0, 22},
+      Other{5200.0, 3.4, at(8, 9, minutes(290)), 150.0, 23}, Other{7300.0, 2.2, at(12, 24, minutes(150)), 200.0, 24},
+      Other{1500.0, 6.4, at(1, 20, minutes(30)), 255.0, 25}, Other{3500.0, 1.9, at(7, 1, minutes(540)), 20.0, 26},
+      Other{850.0, 3.1, at(4, 9, minutes(530)), 340.0, 27},  Other{2800.0, 7.1, at(11, 11, minutes(455)), 100.0, 28}};
+  for (const Other& other : std::span(others).first(kOthers)) {
     auto recipe = twin(other.distance_m, other.turbidity, other.start);
     recipe.outlook.heading_deg = other.heading_deg;
     recipe.seed = other.seed;
