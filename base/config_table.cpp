@@ -17,6 +17,8 @@ struct ConfigTable::File {
   Problems problems;
   std::set<std::string> read;  // full keys somebody asked for
   std::map<std::string, std::filesystem::path> files;
+  std::map<std::string, std::filesystem::path> adopted;  // full keys, and the file each came from
+  bool missing_excused = false;
 };
 
 struct ConfigTable::Node {
@@ -105,6 +107,14 @@ std::string ConfigTable::full_key(std::string_view key) const {
   return node_->prefix + std::string(key);
 }
 
+// Its own, or that of the key it is below.
+const std::filesystem::path& ConfigTable::origin_of(const std::string& full) const {
+  for (auto end = full.size(); end != std::string::npos; end = end == 0 ? std::string::npos : full.rfind('.', end - 1))
+    if (const auto found = file_->adopted.find(full.substr(0, end)); found != file_->adopted.end())
+      return found->second;
+  return file_->path;
+}
+
 bool ConfigTable::has(std::string_view key) const {
   return node_->table->contains(key);
 }
@@ -112,10 +122,12 @@ bool ConfigTable::has(std::string_view key) const {
 void ConfigTable::problem(std::string_view key, std::string_view expected) const {
   if (node_->missing) return;
   const auto* node = node_->table->get(key);
+  const auto full = full_key(key);
+  const auto file = origin_of(full).string();
   if (node)
-    file_->problems.add("{}: {} = {}: expected {}", file_->path.string(), full_key(key), shown(*node), expected);
-  else
-    file_->problems.add("{}: {} is missing: expected {}", file_->path.string(), full_key(key), expected);
+    file_->problems.add("{}: {} = {}: expected {}", file, full, shown(*node), expected);
+  else if (!file_->missing_excused)
+    file_->problems.add("{}: {} is missing: expected {}", file, full, expected);
 }
 
 double ConfigTable::number(std::string_view key, Range range, std::optional<double> fallback) const {
@@ -191,6 +203,37 @@ std::vector<double> ConfigTable::numbers(std::string_view key, std::size_t count
   return fallback.value_or(std::vector<double>(count, 0.0));
 }
 
+std::vector<std::string> ConfigTable::texts(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  std::vector<std::string> values;
+  const auto* node = node_->table->get(key);
+  if (!node) return values;
+  const auto* array = node->as_array();
+  if (array)
+    for (const auto& element : *array)
+      if (element.is_string()) values.push_back(*element.value<std::string>());
+  if (!array || values.size() != array->size()) problem(key, "a list of texts in quotes");
+  return values;
+}
+
+std::vector<std::string> ConfigTable::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, node] : *node_->table) keys.emplace_back(key.str());
+  return keys;
+}
+
+std::optional<double> ConfigTable::if_number(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  return node && node->is_number() ? node->value<double>() : std::nullopt;
+}
+
+std::optional<std::string> ConfigTable::if_text(std::string_view key) const {
+  file_->read.insert(full_key(key));
+  const auto* node = node_->table->get(key);
+  return node && node->is_string() ? node->value<std::string>() : std::nullopt;
+}
+
 Utc ConfigTable::utc(std::string_view key) const {
   file_->read.insert(full_key(key));
   const auto* node = node_->table->get(key);
@@ -227,7 +270,7 @@ std::optional<std::filesystem::path> ConfigTable::optional_file(std::string_view
 std::filesystem::path ConfigTable::file(std::string_view key) const {
   const auto name = text(key);
   if (name.empty()) return {};
-  auto path = folder() / name;
+  auto path = origin_of(full_key(key)).parent_path() / name;
   file_->files[full_key(key)] = path;
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
@@ -276,6 +319,40 @@ void ConfigTable::ignore(std::string_view key) const {
   file_->read.insert(below.begin(), below.end());
 }
 
+ConfigTable::Adopted ConfigTable::adopt(const ConfigTable& other, std::string_view table, const Rivals& rivals) const {
+  Adopted adopted;
+  const auto* theirs = other.file_->root[table].as_table();
+  if (!theirs) return adopted;
+  auto& root = file_->root;
+  if (!root.contains(table)) root.insert(table, toml::table{});
+  auto* ours = root[table].as_table();
+  if (!ours) return adopted;  // something else by that name: its reader tells
+  const toml::table before = *ours;
+  const auto said_here = [&](std::string_view key) {
+    if (before.contains(key)) return true;
+    for (const auto& set : rivals)
+      if (set.contains(key) &&
+          std::any_of(set.begin(), set.end(), [&](const auto& rival) { return before.contains(rival); }))
+        return true;
+    return false;
+  };
+  for (const auto& [key, node] : *theirs) {
+    const auto full = fmt::format("{}.{}", table, key.str());
+    if (said_here(key.str())) {
+      adopted.overruled.push_back(full);
+      continue;
+    }
+    ours->insert(key.str(), node);
+    file_->adopted[full] = other.origin_of(full);
+    adopted.gained.push_back(full);
+  }
+  return adopted;
+}
+
+void ConfigTable::excuse_missing() const {
+  file_->missing_excused = true;
+}
+
 const std::filesystem::path& ConfigTable::path() const {
   return file_->path;
 }
@@ -311,7 +388,7 @@ Result<> ConfigTable::finish() const {
   for (const auto& key : keys) {
     if (file_->read.contains(key)) continue;
     if (!skipped.empty() && key.starts_with(skipped)) continue;
-    file_->problems.add("{}: {}: not a key that is known here", file_->path.string(), key);
+    file_->problems.add("{}: {}: not a key that is known here", origin_of(key).string(), key);
     skipped = key + ".";
   }
   if (file_->problems.empty()) return {};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <map>
@@ -44,6 +45,8 @@ class ConfigTable {
   // Exactly `count` numbers; count 0: any number of them, at least one.
   std::vector<double> numbers(std::string_view key, std::size_t count, Range range = {},
                               std::optional<std::vector<double>> fallback = std::nullopt) const;
+  // A list of texts, empty when the key is missing.
+  std::vector<std::string> texts(std::string_view key) const;
   // "2026-06-21T03:00:00Z" as a TOML date-time with offset.
   Utc utc(std::string_view key) const;
   std::optional<Utc> optional_utc(std::string_view key) const;
@@ -55,8 +58,26 @@ class ConfigTable {
   std::optional<ConfigTable> optional_table(std::string_view key) const;
   std::vector<ConfigTable> tables(std::string_view key) const;  // [[key]]; empty when there is none
 
+  // For whoever shows a table without knowing what is in it: its keys in the order of the alphabet, and a number or a
+  // text where there is one. Nothing is a problem.
+  std::vector<std::string> keys() const;
+  std::optional<double> if_number(std::string_view key) const;
+  std::optional<std::string> if_text(std::string_view key) const;
+
   // Says that a key, and all below it, is somebody else's to read.
   void ignore(std::string_view key) const;
+
+  // For the root, before its tables are read: [TABLE] gains the keys that another file's [TABLE] has and it has not,
+  // each as a whole. Of keys that are several ways to say one thing (`rivals`), none is gained when one is here. From
+  // then on problems with a gained key name its own file, and the files it names are looked for beside that one.
+  struct Adopted {
+    std::vector<std::string> gained;     // full keys
+    std::vector<std::string> overruled;  // the other file has them, and this one says otherwise (or the same)
+  };
+  using Rivals = std::vector<std::set<std::string, std::less<>>>;
+  Adopted adopt(const ConfigTable& other, std::string_view table, const Rivals& rivals = {}) const;
+  // For the root: what is missing from now on would have come from a file that cannot be used, which has been told.
+  void excuse_missing() const;
 
   // "fixture.toml: sky.lens.focal_px = -3: expected a number > 0"
   void problem(std::string_view key, std::string_view expected) const;
@@ -81,6 +102,7 @@ class ConfigTable {
   ConfigTable(std::shared_ptr<File> file, std::shared_ptr<const Node> node)
       : file_(std::move(file)), node_(std::move(node)) {}
   std::string full_key(std::string_view key) const;
+  const std::filesystem::path& origin_of(const std::string& full_key) const;
 
   std::shared_ptr<File> file_;
   std::shared_ptr<const Node> node_;

@@ -131,6 +131,7 @@ Result<Old> read_old(const std::filesystem::path& path, const CalibrationStep& s
            {"response", "response_table", "response_table_red", "response_table_green", "response_table_blue"})
         drop(key);
     if (step.vignetting) drop("vignetting");
+    if (step.noise) drop("noise");
     if (step.to_world)
       for (const char* key : {"azimuth_up_deg", "heading_deg", "pitch_deg", "roll_deg"}) drop(key);
     for (const auto& measured : step.measured) drop("measured." + measured.what);
@@ -172,6 +173,9 @@ Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, 
   add_under(text, step.camera, head_of(step, old.has_response));
   if (step.lens) text += fmt::format("\n[{}.lens]\n{}", step.camera, toml_of(*step.lens));
   if (step.vignetting) text += fmt::format("\n[{}.vignetting]\n{}", step.camera, text_of(*step.vignetting));
+  if (step.noise)
+    text += fmt::format("\n[{}.noise]\nfull_scale_electrons = {}\nread_electrons = {}\n", step.camera,
+                        number(step.noise->full_scale_electrons), number(step.noise->read_electrons));
   for (const auto& measured : step.measured) text += text_of(measured, step.camera);
   text.insert(0, fmt::format("# Written by kasumi calibrate; docs/cameras.md tells what the keys mean.\n"
                              "calibration = {}\n\n",

@@ -43,6 +43,12 @@ struct CalibrationStep {
   std::optional<std::string> response;  // "srgb", "linear"; only where the file has none
   std::optional<MeasuredCurve> curve;   // in place of the response that was there
   std::optional<Vignetting> vignetting;
+  // Shot and read noise; of the scene camera alone, whose pictures something is drawn into.
+  struct Noise {
+    double full_scale_electrons = 0.0;
+    double read_electrons = 0.0;
+  };
+  std::optional<Noise> noise;
   std::optional<Site> site;    // only where the file has none
   std::string calibrated_utc;  // ISO 8601; becomes [CAMERA] calibrated_utc
   std::vector<Measured> measured;

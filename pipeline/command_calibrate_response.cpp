@@ -353,6 +353,8 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   step.serial = arguments.serial;
   step.curve = found.curve;
   if (found.vignetting) step.vignetting = found.vignetting->vignetting;
+  if (found.noise && found.noise->shot > 1e-7 && arguments.camera == "scene")
+    step.noise = {found.noise->full_scale_electrons(), found.noise->read_electrons()};
   step.calibrated_utc = now;
   step.measured = measured_of(arguments, known, found, now);
   const auto written = write_calibration(arguments.out, step);

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "calib/adopt_calibration.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/fit_plot.hpp"
@@ -43,6 +44,7 @@ struct EstimateArguments {
 Result<> read_calibration(const std::string& file, SkyPhotographSetup& setup) {
   const auto root = ConfigTable::read_file(file);
   if (!root) return fail(root.error());
+  if (root->has("format")) adopt_calibration(*root);  // a fixture's description, which may name one
   if (auto site = root->optional_table("site")) setup.site = read_site(*site);
   setup.calibrated = read_camera(root->table("sky"), "sky");
   // What kasumi calibrate wrote serves, and so does a fixture's description as it is.

@@ -36,6 +36,8 @@ Result<int> run(const RunArguments& arguments) {
   const auto sighting = sight_object((*content)->config.installation, (*content)->model.bounds());
   spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.words);
   if (arguments.check) {
+    if (const auto words = calibration_words((*content)->config.installation, arguments.config); !words.empty())
+      fmt::print("{}\n", words);
     fmt::print("{}: well\n", arguments.config);
     return 0;
   }

@@ -41,7 +41,8 @@ void check_content(const Content& content, Findings& findings) {
                   "a photograph of the hill, and its name as [still] picture");
 }
 
-void check_calibration(const char* name, const Camera& camera, Utc now, Findings& findings) {
+void check_calibration(const char* name, const Camera& camera, const Installation& installation, Utc now,
+                       Findings& findings) {
   const auto check = std::string(name) + ".calibration";
   if (!camera.calibrated_utc) {
     findings.warn(check, "nobody wrote down when",
@@ -49,7 +50,11 @@ void check_calibration(const char* name, const Camera& camera, Utc now, Findings
     return;
   }
   const double days = to_seconds(now - *camera.calibrated_utc) / 86400.0;
-  const auto found = fmt::format("{:.0f} days old", days);
+  const auto& adopted = installation.calibration;
+  const auto& gained = adopted ? adopted->gained : std::vector<std::string>{};
+  const bool from_file = std::find(gained.begin(), gained.end(), camera.name + ".calibrated_utc") != gained.end();
+  const auto found =
+      fmt::format("{:.0f} days old{}", days, from_file ? ", says " + adopted->file.filename().string() : "");
   auto& finding =
       days > kOldCalibration_days
           ? findings.warn(check, found,
@@ -184,8 +189,9 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
       check_display(config, devices, clock, findings);
     }
     check_content(**content, findings);
-    check_calibration("scene_camera", config.installation.scene, clock.utc(), findings);
-    check_calibration("sky_camera", config.installation.sky, clock.utc(), findings);
+    const auto& installation = config.installation;
+    check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);
+    check_calibration("sky_camera", installation.sky, installation, clock.utc(), findings);
   }
   check_clock(content ? (*content)->config.clock : ClockChoice{}, watch_kernel_time()->look(), clock.utc(), findings);
   check_temperature(places, findings);

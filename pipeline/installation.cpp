@@ -1,6 +1,9 @@
 #include "pipeline/installation.hpp"
 
+#include <fmt/ranges.h>
+
 #include "calib/distance_map.hpp"
+#include "capture/utc_text.hpp"
 
 namespace kasumi {
 
@@ -23,6 +26,7 @@ Surroundings read_surroundings(const ConfigTable& table) {
 
 Installation read_installation(const ConfigTable& root) {
   Installation installation;
+  installation.calibration = adopt_calibration(root);
   installation.site = read_site(root.table("site"));
   installation.surroundings = read_surroundings(root.table("site"));
   installation.sky = read_camera(root.table("sky"), "sky");
@@ -36,6 +40,24 @@ Installation read_installation(const ConfigTable& root) {
   installation.object = read_placement(root.table("object"), installation.site);
   installation.landmarks = read_landmarks(root, installation.site);
   return installation;
+}
+
+std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file) {
+  const auto& adopted = installation.calibration;
+  if (!adopted) return {};
+  const auto name = adopted->file.filename().string();
+  const auto date = [](const Camera& camera) {
+    return camera.calibrated_utc ? utc_text(std::chrono::floor<std::chrono::seconds>(*camera.calibrated_utc))
+                                 : std::string("an unknown date");
+  };
+  auto words = fmt::format("{}: the sky camera's of {}, the scene camera's of {}", name, date(installation.sky),
+                           date(installation.scene));
+  words += fmt::format("\n  from it: {}",
+                       adopted->gained.empty() ? "nothing" : fmt::format("{}", fmt::join(adopted->gained, ", ")));
+  if (!adopted->overruled.empty())
+    words += fmt::format("\n  {} says itself, and that holds: {}", root_file.filename().string(),
+                         fmt::join(adopted->overruled, ", "));
+  return words;
 }
 
 }  // namespace kasumi

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/config_table.hpp"
+#include "calib/adopt_calibration.hpp"
 #include "calib/camera.hpp"
 #include "calib/image_quality.hpp"
 #include "pipeline/landmarks.hpp"
@@ -35,9 +36,14 @@ struct Installation {
                                    // known to stand; empty: nowhere
   ObjectPlacement object;
   std::vector<Landmark> landmarks;
+  std::optional<AdoptedCalibration> calibration;  // the file beneath the one that was read
 };
 
-// [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration. Problems are left in the root's file.
+// [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration, and beneath them the calibration file
+// it names. Problems are left in the root's file.
 Installation read_installation(const ConfigTable& root);
+// For a person: which values are the calibration file's, of when, and which the root says itself in spite of it. Empty
+// without such a file.
+std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file);
 
 }  // namespace kasumi

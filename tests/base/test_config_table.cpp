@@ -64,6 +64,18 @@ TEST(ConfigTable, AnIgnoredTableIsSomebodyElsesWithAllBelowIt) {
   EXPECT_TRUE(root.finish());
 }
 
+TEST(ConfigTable, ATableNobodyKnowsCanBeShownAndListsOfTextsAreRead) {
+  const auto root = ConfigTable::parse("b = 2\na = 'x'\nc = ['p', 'q']\nd = ['p', 3]\n", "a.toml").value();
+  EXPECT_THAT(root.keys(), testing::ElementsAre("a", "b", "c", "d"));
+  EXPECT_EQ(root.if_number("b"), 2.0);
+  EXPECT_EQ(root.if_number("a"), std::nullopt);
+  EXPECT_EQ(root.if_text("a"), "x");
+  EXPECT_THAT(root.texts("c"), testing::ElementsAre("p", "q"));
+  EXPECT_THAT(root.texts("missing"), testing::IsEmpty());
+  root.texts("d");
+  EXPECT_EQ(root.finish().error().message, "a.toml: d = [ 'p', 3 ]: expected a list of texts in quotes");
+}
+
 TEST(ConfigTable, TimeNeedsAnOffset) {
   const auto root = ConfigTable::parse("a = 2003-10-17T12:30:30-07:00\nb = 2003-10-17T12:30:30", "a.toml").value();
   using namespace std::chrono;
@@ -117,6 +129,71 @@ TEST(ConfigTable, ItKnowsWhatItWasAskedForAlsoWhatWasNotThere) {
   EXPECT_EQ(root.keys_asked(),
             (std::set<std::string>{"lens", "lens.focal_px", "lens.model", "lens.mask", "lens.table"}));
   EXPECT_EQ(root.files_asked(), (std::map<std::string, std::filesystem::path>{{"lens.mask", "/nowhere/m.png"}}));
+}
+
+TEST(ConfigTable, WhatIsSaidHereWinsOverWhatIsAdoptedKeyByKey) {
+  const auto root =
+      ConfigTable::parse("[sky]\nwidth = 480\nazimuth_up_deg = 3\n[sky.lens]\nmodel = 'a'\n", "here/a.toml").value();
+  const auto other = ConfigTable::parse(
+                         "[site]\nlatitude_deg = 46\n[sky]\nwidth = 640\nheading_deg = 5\nmask = 'm.png'\n[sky.lens]\n"
+                         "model = 'b'\nfocal_px = 7\n[sky.noise]\nread = -1\n",
+                         "there/b.toml")
+                         .value();
+  const auto site = root.adopt(other, "site");
+  const auto sky = root.adopt(other, "sky", {{"azimuth_up_deg", "heading_deg"}});
+  EXPECT_THAT(site.gained, testing::ElementsAre("site.latitude_deg"));
+  EXPECT_THAT(sky.gained, testing::ElementsAre("sky.mask", "sky.noise"));
+  EXPECT_THAT(sky.overruled, testing::UnorderedElementsAre("sky.width", "sky.heading_deg", "sky.lens"));
+  EXPECT_EQ(root.table("site").number("latitude_deg"), 46.0);
+  const auto table = root.table("sky");
+  EXPECT_EQ(table.integer("width"), 480);
+  EXPECT_FALSE(table.has("heading_deg"));
+  EXPECT_EQ(table.table("lens").text("model"), "a");
+  EXPECT_FALSE(table.table("lens").has("focal_px")) << "a lens is one thing: it is not mixed";
+}
+
+TEST(ConfigTable, ProblemsNameTheFileTheWrongValueStandsIn) {
+  const auto root = ConfigTable::parse("[sky]\nwidth = -1\n", "here/a.toml").value();
+  const auto other =
+      ConfigTable::parse("[sky]\nmask = 'm.png'\ntypo = 1\n[sky.noise]\nread = -1\n", "there/b.toml").value();
+  root.adopt(other, "sky");
+  const auto sky = root.table("sky");
+  sky.number("width", {0, 10});
+  sky.number("height");
+  sky.file("mask");
+  sky.table("noise").number("read", {0, 10});
+  sky.table("noise").number("full");
+  EXPECT_EQ(root.files_asked().at("sky.mask"), std::filesystem::path("there/m.png"));
+  const auto whole = root.finish();
+  ASSERT_FALSE(whole);
+  for (const char* part : {"here/a.toml: sky.width = -1", "here/a.toml: sky.height is missing",
+                           "there/b.toml: sky.mask = ", "looked for there/m.png", "there/b.toml: sky.noise.read = -1",
+                           "there/b.toml: sky.noise.full is missing", "there/b.toml: sky.typo: not a key"})
+    EXPECT_THAT(whole.error().message, HasSubstr(part));
+}
+
+TEST(ConfigTable, ACopyOfAdoptedTablesStandsAlone) {
+  const auto root = ConfigTable::parse("[sky]\nwidth = 480\n", "here/a.toml").value();
+  const auto other = ConfigTable::parse("[sky]\nheight = 360\n[sky.lens]\nmodel = 'b'\n", "there/b.toml").value();
+  root.adopt(other, "sky");
+  const auto copy = ConfigTable::parse(root.copy_of({"sky"}, {}), "copy.toml").value();
+  EXPECT_EQ(copy.table("sky").integer("width"), 480);
+  EXPECT_EQ(copy.table("sky").integer("height"), 360);
+  EXPECT_EQ(copy.table("sky").table("lens").text("model"), "b");
+}
+
+TEST(ConfigTable, WhatIsMissingIsExcusedAndWhatIsWrongIsNot) {
+  const auto root = ConfigTable::parse("calibration = 'gone.toml'\n[sky]\nwidth = -1\n", "a.toml").value();
+  root.file("calibration");
+  root.excuse_missing();
+  root.table("sky").number("width", {0, 10});
+  root.table("sky").number("height");
+  root.table("scene").number("width");
+  const auto whole = root.finish();
+  ASSERT_FALSE(whole);
+  EXPECT_THAT(whole.error().message, HasSubstr("gone.toml"));
+  EXPECT_THAT(whole.error().message, HasSubstr("sky.width = -1"));
+  EXPECT_THAT(whole.error().message, testing::Not(HasSubstr("missing")));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ std::set<std::string> documented(const std::string& text) {
     if (std::regex_match(line, match, section))
       table = match[1];
     else if (std::regex_match(line, match, key))
-      found.insert(table + "." + match[1].str());
+      found.insert(table.empty() ? match[1].str() : table + "." + match[1].str());
   }
   return found;
 }
