@@ -39,6 +39,7 @@ std::string text_of(const Measured& measured, const std::string& camera) {
                           toml_string(measured.from));
   for (const auto& [key, value] : measured.numbers)
     if (std::isfinite(value)) text += fmt::format("{} = {}\n", key, number(value));
+  if (!measured.picture.empty()) text += fmt::format("picture = {}\n", toml_string(measured.picture));
   std::vector<std::string> remarks;
   for (const auto& remark : measured.remarks) remarks.push_back("  " + toml_string(remark));
   if (!remarks.empty()) text += fmt::format("remarks = [\n{},\n]\n", fmt::join(remarks, ",\n"));
@@ -184,6 +185,14 @@ Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, 
   if (const auto again = ConfigTable::parse(text, path); !again) return fail(again.error());
   if (auto done = write_text_file(path, text); !done) return fail(done.error());
   return written;
+}
+
+std::filesystem::path drawing_name(const std::filesystem::path& calibration, std::string_view camera,
+                                   std::string_view what) {
+  auto name = calibration;
+  name.replace_extension();
+  name += fmt::format(".{}-{}.png", camera, what);
+  return name;
 }
 
 HeadingPitchRoll heading_pitch_roll(const glm::dmat3& to_world) {

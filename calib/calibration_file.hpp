@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct Measured {
   std::string from;  // "15 pictures of a checkerboard of 6 x 8 inner corners: a.jpg, ..."
   std::vector<std::pair<std::string, double>> numbers;  // key with its unit, value
   std::vector<std::string> remarks;                     // dropped views, what is undetermined
+  std::string picture{};  // file name of what the step drew, beside the calibration file; empty: it drew nothing
 };
 
 // A response as it was measured: linear light at evenly spaced values, for each channel; empty tables: linear.
@@ -59,6 +61,11 @@ struct CalibrationWritten {
 };
 // Errors: bad_input (the file there is no calibration file, or of pictures of another size), io.
 Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, const CalibrationStep& step);
+
+// Where a step draws what it did: calibration.CAMERA-WHAT.png beside calibration.toml. `kasumi calibrate report` looks
+// there, and under the key `picture`.
+std::filesystem::path drawing_name(const std::filesystem::path& calibration, std::string_view camera,
+                                   std::string_view what);
 
 // heading, pitch and roll of a camera, as camera_to_world takes them.
 struct HeadingPitchRoll {

@@ -10,7 +10,7 @@
 #include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
-#include "pipeline/picture_sink.hpp"
+#include "pipeline/save_calibration.hpp"
 
 namespace kasumi {
 
@@ -57,13 +57,6 @@ Image<std::uint8_t> grey_of(const Image<Rgb8>& picture) {
 std::string now_text() {
   const auto now = std::chrono::floor<std::chrono::seconds>(SystemClock().utc());
   return utc_text(now);
-}
-
-std::filesystem::path plot_name(const LensArguments& arguments) {
-  std::filesystem::path name = arguments.out;
-  name.replace_extension();
-  name += fmt::format(".{}-lens.png", arguments.camera);
-  return name;
 }
 
 struct Found {
@@ -219,13 +212,9 @@ Result<int> calibrate(const LensArguments& arguments) {
   const auto now = now_text();
   auto step = step_of(arguments, found->width, found->height, calibration->fit.lens, now);
   step.measured.push_back(measured_of(arguments, *calibration, *found, now));
-  const auto plot = plot_name(arguments);
   const auto title = fmt::format("{}: {}, rms {:.3f} px over {} views", arguments.camera,
                                  model_name(calibration->fit.lens), calibration->fit.rms_px, calibration->views.size());
-  if (auto drawn = write_png(plot, plot_lens(*calibration, found->width, found->height, title)); !drawn)
-    return fail(drawn.error());
-  fmt::print("drawn: {}\n", plot.string());
-  return write(arguments, step);
+  return save_calibration(arguments.out, std::move(step), plot_lens(*calibration, found->width, found->height, title));
 }
 
 }  // namespace

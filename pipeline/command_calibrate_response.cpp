@@ -12,7 +12,7 @@
 #include "pipeline/calibration_plot_response.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
-#include "pipeline/picture_sink.hpp"
+#include "pipeline/save_calibration.hpp"
 
 namespace kasumi {
 
@@ -331,14 +331,8 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   report(known, found);
 
   const auto now = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
-  std::filesystem::path plot = arguments.out;
-  plot.replace_extension();
-  plot += fmt::format(".{}-response.png", arguments.camera);
   const auto title = fmt::format("{}: predicts unseen pixels to {:.2f} steps", found.calibration.fit.method,
                                  found.calibration.held_out_steps);
-  if (auto drawn = write_png(plot, plot_response(found.calibration.fit, samples, title)); !drawn)
-    return fail(drawn.error());
-  fmt::print("drawn: {}\n", plot.string());
   if (!arguments.merged.empty()) {
     const auto merged = merge_stack(known.stack.pictures, known.stack.quantum, found.dark.black, found.calibration.fit,
                                     found.noise.value_or(NoiseModel{}));
@@ -357,11 +351,7 @@ Result<int> calibrate(const ResponseArguments& arguments) {
     step.noise = {found.noise->full_scale_electrons(), found.noise->read_electrons()};
   step.calibrated_utc = now;
   step.measured = measured_of(arguments, known, found, now);
-  const auto written = write_calibration(arguments.out, step);
-  if (!written) return fail(written.error());
-  fmt::print("written: {}\n", arguments.out);
-  if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
-  return 0;
+  return save_calibration(arguments.out, std::move(step), plot_response(found.calibration.fit, samples, title));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
-#include "pipeline/picture_sink.hpp"
+#include "pipeline/save_calibration.hpp"
 #include "pipeline/scene_sights.hpp"
 
 namespace kasumi {
@@ -142,20 +142,11 @@ Result<int> calibrate(const SceneArguments& arguments) {
   }
 
   const auto now = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
-  std::filesystem::path plot = arguments.out;
-  plot.replace_extension();
-  plot += ".scene-pose.png";
+  const auto step = step_of(arguments, *sights, *pose, remarks, now);
   const auto title = fmt::format("rms {:.2f} px; every pixel's direction +- {:.4f} deg", pose->rms_px,
                                  to_degrees(pose->sigma.anywhere));
-  const auto drawn =
-      write_png(plot, plot_scene(to_rgb8(*photograph), sights->landmarks, sights->horizon, *pose, title));
-  if (!drawn) return fail(drawn.error());
-  fmt::print("drawn: {}\n", plot.string());
-  const auto written = write_calibration(arguments.out, step_of(arguments, *sights, *pose, remarks, now));
-  if (!written) return fail(written.error());
-  fmt::print("written: {}\n", arguments.out);
-  if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
-  return 0;
+  return save_calibration(arguments.out, step,
+                          plot_scene(to_rgb8(*photograph), sights->landmarks, sights->horizon, *pose, title));
 }
 
 }  // namespace

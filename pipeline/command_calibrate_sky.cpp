@@ -10,7 +10,7 @@
 #include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/fixture_file.hpp"
-#include "pipeline/picture_sink.hpp"
+#include "pipeline/save_calibration.hpp"
 
 namespace kasumi {
 
@@ -222,19 +222,9 @@ Result<int> calibrate(const SkyArguments& arguments) {
   step.calibrated_utc = now;
   step.measured = measured_of(*fixture, *seen, *known, *found, circle, now);
 
-  std::filesystem::path plot = arguments.out;
-  plot.replace_extension();
-  plot += ".sky-orientation.png";
   const auto title = fmt::format("{}: rms {:.2f} px, azimuth +- {:.3f} deg", fixture->info.name, found->rms_px,
                                  to_degrees(found->sigma.azimuth));
-  if (auto drawn = write_png(plot, plot_sun_track(seen->brightest, seen->sights, *found, title)); !drawn)
-    return fail(drawn.error());
-  fmt::print("drawn: {}\n", plot.string());
-  const auto written = write_calibration(arguments.out, step);
-  if (!written) return fail(written.error());
-  fmt::print("written: {}\n", arguments.out);
-  if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
-  return 0;
+  return save_calibration(arguments.out, std::move(step), plot_sun_track(seen->brightest, seen->sights, *found, title));
 }
 
 }  // namespace
