@@ -9,7 +9,7 @@ import time
 
 from machine import Machine
 
-FIXTURE_STARTS_UTC = "2026-10-20T00:50:00"  # the preset "demo"
+FIXTURE_STARTS_UTC = "2026-10-20T00:50:00"  # the preset "fine-morning"
 SCENE_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-scene"\n'
 SKY_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-sky"\n'
 VIMC = 'source = "libcamera"\ncamera = "platform/vimc.0 Sensor B"\n'
@@ -75,7 +75,7 @@ def make_disk(build, folder):
         subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL, timeout=300)
 
     for name, encoding, frames in (("fixture", "MJPG", 10), ("fixture-yuyv", "YUYV", 2)):
-        run(build / "kasumi-generate-fixture", "demo", "--scene-size", "640x360", "--sky-size", "320", "--frames", frames,
+        run(build / "kasumi-generate-fixture", "fine-morning", "--scene-size", "640x360", "--sky-size", "320", "--frames", frames,
             "--period", "0.5", "--truth-frames", "0", "--scene-format", encoding, "--out", ours / name)
         run(build / "kasumi", "replay", ours / name, "--out", folder / f"{name}-reference")
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")

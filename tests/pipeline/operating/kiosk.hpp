@@ -61,8 +61,7 @@ inline void write_camera(const std::filesystem::path& folder, std::uint8_t level
 inline std::filesystem::path write_kiosk(const std::filesystem::path& folder, int scene_gone_at = -1) {
   write_camera(folder / "live" / "sky", 90);
   write_camera(folder / "live" / "scene", 200, scene_gone_at);
-  std::filesystem::copy_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo/temple.glb",
-                             folder / "temple.glb");
+  std::filesystem::copy_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/temple.glb", folder / "temple.glb");
   // A P5 of the right size: half of the sky is hidden by a roof.
   std::ofstream mask(folder / "roof mask.pgm", std::ios::binary);
   mask << "P5\n" << kKioskWidth << " " << kKioskHeight << "\n255\n";

@@ -5,6 +5,7 @@
 
 #include <regex>
 #include <sstream>
+#include <tuple>
 
 #include "pipeline/run_config.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
@@ -26,8 +27,14 @@ Read read(const std::string& text) {
   const auto folder = operating_folder("example");
   const std::filesystem::path demo = std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo";
   std::filesystem::create_directory_symlink(demo, folder / "clear-noon");
-  for (const char* file : {"temple.glb", "sky-mask.png", "scene-mask.png"})
-    std::filesystem::copy_file(demo / file, folder / file);
+  std::filesystem::copy_file(demo.parent_path() / "temple.glb", folder / "temple.glb");
+  // Masks of the example's pictures that hide nothing, as P5: what a picture is stands in its first bytes.
+  for (const auto& [name, width, height] : {std::tuple{"sky-mask.png", 480, 480}, {"scene-mask.png", 960, 540}}) {
+    std::ofstream mask(folder / name, std::ios::binary);
+    mask << "P5\n"
+         << width << " " << height << "\n255\n"
+         << std::string(static_cast<std::size_t>(width) * height, '\xff');
+  }
   const auto root = ConfigTable::parse(text, folder / "kasumi.toml").value();
   auto config = read_run_config(root);
   auto whole = root.finish();
