@@ -82,11 +82,15 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
                     overcast ? cell.seen : cell.seen * (1.0 - cell.clear));
   };
   const Direction up{0.0, 0.0, 1.0};
-  const auto sky = sky_harmonics([&](const Direction& direction) { return light_of(seen_xyz(direction)); });
-  sky_horizontal_lux_ = irradiance(sky_harmonics(seen_xyz), up).y;
-  const glm::dvec3 on_ground = irradiance(sky, up) + std::max(0.0, sun.z) * light_.sun_irradiance;
-  const auto ground = ground_harmonics(options.ground_albedo / kPi * on_ground);
-  for (std::size_t i = 0; i < sky.size(); ++i) light_.sky_irradiance_sh[i] = sky[i] + ground[i];
+  light_.around =
+      light_around_of([&](const Direction& d) { return d.z > 0.0 ? light_of(seen_xyz(d)) : glm::dvec3{0.0}; });
+  const glm::dvec3 sky = irradiance(light_.around, up);
+  sky_horizontal_lux_ = (glm::inverse(xyz_to_light_) * sky).y;
+  // The ground around gives back evenly what falls on it; texels at the horizon hold some of both.
+  const glm::dvec3 ground = options.ground_albedo / kPi * (sky + std::max(0.0, sun.z) * light_.sun_irradiance);
+  const auto below = light_around_of([&](const Direction& d) { return d.z > 0.0 ? glm::dvec3{0.0} : ground; });
+  auto& radiance = light_.around.radiance.elements();
+  for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] += below.radiance.elements()[i];
 }
 
 std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {

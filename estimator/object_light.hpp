@@ -2,14 +2,13 @@
 // of the camera's exposure and white balance (physics 6).
 #pragma once
 
-#include <array>
-#include <functional>
 #include <optional>
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "base/geometry.hpp"
+#include "base/light_around.hpp"
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
 #include "estimator/clear_sky_light.hpp"
@@ -18,23 +17,13 @@
 
 namespace kasumi {
 
-// Irradiance on a surface of normal n = sum over i of coefficient[i] * basis_i(n), the real spherical harmonics of
-// order 2 with their usual constants: 1, y, z, x, xy, yz, 3z^2-1, xz, x^2-y^2.
-using IrradianceHarmonics = std::array<glm::dvec3, 9>;
-std::array<double, 9> harmonic_basis(const Direction& normal);
-glm::dvec3 irradiance(const IrradianceHarmonics& harmonics, const Direction& normal);
-// Of a radiance given over the upper hemisphere, dark below (Ramamoorthi and Hanrahan 2001).
-IrradianceHarmonics sky_harmonics(const std::function<glm::dvec3(const Direction&)>& radiance);
-// Of a ground of even radiance below the horizon, dark above.
-IrradianceHarmonics ground_harmonics(const glm::dvec3& radiance);
-
 // Light in the scene camera's channels: the integral of W m-2 nm-1 (sr-1) times q_c when its colour space is sensor;
 // when it is srgb, the same mixed into linear sRGB as the camera does it (exact for daylight; white of 683 lm is 1).
 struct LightOnObject {
   SunDirection sun_direction{0, 0, 1};
-  glm::dvec3 sun_irradiance{0};             // on a surface facing the sun; zero when the sun is hidden
-  IrradianceHarmonics sky_irradiance_sh{};  // sky and ground together
-  glm::dmat3 albedo_to_channels{1.0};       // of a surface known by its linear sRGB colour
+  glm::dvec3 sun_irradiance{0};        // on a surface facing the sun; zero when the sun is hidden
+  LightAround around;                  // sky and ground, without the sun's disc
+  glm::dmat3 albedo_to_channels{1.0};  // of a surface known by its linear sRGB colour
 };
 
 struct DaylightOptions {

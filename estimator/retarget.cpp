@@ -111,7 +111,7 @@ glm::dvec3 relighting(const Camera& camera, const std::optional<Turbidity>& sour
     options.altitude_m = altitude_m;
     const Daylight daylight(camera, turbidity.value_or(kLowestTurbidity), sun, options);
     const auto& light = daylight.on_object();
-    const auto level = light.sun_irradiance * std::max(0.0, sun.z) + irradiance(light.sky_irradiance_sh, {0, 0, 1});
+    const auto level = light.sun_irradiance * std::max(0.0, sun.z) + irradiance(light.around, {0, 0, 1});
     return level / daylight.airlight(raised_to_horizon(view));
   };
   return on_ground(target) / on_ground(source);

@@ -11,34 +11,9 @@
 namespace kasumi {
 namespace {
 
-// Constants of the real SH basis in the order of ObjectLight.
-constexpr std::array<double, 9> kBasis{0.28209479177387814, 0.4886025119029199, 0.4886025119029199,
-                                       0.4886025119029199,  1.0925484305920792, 1.0925484305920792,
-                                       0.31539156525252005, 1.0925484305920792, 0.5462742152960396};
-
-// The harmonics' sum, each order times a factor.
-glm::dvec3 sky_sum(const ObjectLight& light, const glm::dvec3& n, const std::array<double, 3>& factors) {
-  const auto& sh = light.sky_irradiance_sh;
-  const std::array<double, 9> terms{
-      1.0, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3.0 * n.z * n.z - 1.0, n.x * n.z, n.x * n.x - n.y * n.y};
-  glm::dvec3 sum{0.0};
-  for (std::size_t i = 0; i < terms.size(); ++i)
-    sum += factors[i == 0 ? 0 : i < 4 ? 1 : 2] * kBasis[i] * terms[i] * sh[i];
-  return glm::max(sum, glm::dvec3{0.0});
-}
-
-glm::dvec3 sky_irradiance(const ObjectLight& light, const glm::dvec3& n) {
-  return sky_sum(light, n, {1.0, 1.0, 1.0});
-}
-
-// What a smooth mirror shows of the sky, times pi.
-glm::dvec3 mirrored_sky(const ObjectLight& light, const glm::dvec3& towards) {
-  return sky_sum(light, towards, {1.0, 1.5, 4.0});
-}
-
 // Radiance of a white card lying in the open.
 glm::dvec3 white_card(const ObjectLight& light) {
-  return (sky_irradiance(light, {0, 0, 1}) + light.sun_irradiance * std::max(light.sun_direction.z, 0.0)) / kPi;
+  return (irradiance(light.around, {0, 0, 1}) + light.sun_irradiance * std::max(light.sun_direction.z, 0.0)) / kPi;
 }
 
 bool finite(const glm::dvec3& v) {
@@ -72,8 +47,12 @@ void check(const ObjectAppearance& appearance, Problems& problems) {
     problems.add("light: sun direction ({}, {}, {}): expected a unit vector", light.sun_direction.x,
                  light.sun_direction.y, light.sun_direction.z);
   if (!not_negative(light.sun_irradiance)) problems.add("light: sun irradiance: expected finite numbers >= 0");
-  if (!std::ranges::all_of(light.sky_irradiance_sh, finite))
-    problems.add("light: sky irradiance: expected finite coefficients");
+  const auto& around = light.around.radiance;
+  if (around.width() != LightAround::kSize || around.height() != LightAround::kSize)
+    problems.add("light: surroundings of {} x {} texels: expected {} x {}", around.width(), around.height(),
+                 LightAround::kSize, LightAround::kSize);
+  if (!std::ranges::all_of(around.elements(), [](const glm::vec3& texel) { return not_negative(texel); }))
+    problems.add("light: surroundings: expected finite numbers >= 0");
   check(appearance.horizon, "horizon", true, problems);
 }
 
@@ -81,26 +60,11 @@ void check(const SensorNoise& noise, Problems& problems) {
   if (!not_negative(noise.shot) || !not_negative(noise.read)) problems.add("noise: expected finite numbers >= 0");
 }
 
-double largest_n(const ObjectAppearance& appearance, std::span<const ModelMaterial> materials) {
-  constexpr int kDirections = 512;  // evenly over the sphere: between two of them order 2 changes by percents
-  constexpr double kBetween = 1.05;
+double largest_n(const ObjectAppearance& appearance, const SkyAtlas& sky, std::span<const ModelMaterial> materials) {
   const ObjectLight& light = appearance.light;
   const bool mirrors = std::ranges::any_of(materials, &ModelMaterial::reflects);
-  glm::dvec3 from_sky{0.0}, brightest{0.0};
-  const auto look = [&](const glm::dvec3& n) {
-    const glm::dvec3 matt = sky_irradiance(light, n);
-    if (mirrors) from_sky = glm::max(from_sky, glm::max(matt, mirrored_sky(light, n)));
-    brightest = glm::max(brightest, light.sun_irradiance * std::max(glm::dot(n, light.sun_direction), 0.0) + matt);
-  };
-  look(light.sun_direction);
-  for (int i = 0; i < kDirections; ++i) {
-    const double z = 1.0 - (2.0 * i + 1.0) / kDirections;
-    const double turn = i * kPi * (3.0 - std::sqrt(5.0));
-    const double r = std::sqrt(1.0 - z * z);
-    look({r * std::cos(turn), r * std::sin(turn), z});
-  }
-  if (mirrors) brightest = glm::max(brightest, light.sun_irradiance + from_sky);
-  glm::dvec3 radiance = brightest / kPi;
+  glm::dvec3 radiance = (light.sun_irradiance + sky.brightest_irradiance()) / kPi;
+  if (mirrors) radiance = glm::max(radiance, light.sun_irradiance / kPi + sky.brightest_radiance());
   glm::dvec3 emission{0.0};
   for (const ModelMaterial& material : materials) {
     const glm::dvec3 shown = light.albedo_to_channels * glm::dvec3(material.emission);
@@ -108,9 +72,10 @@ double largest_n(const ObjectAppearance& appearance, std::span<const ModelMateri
     if (material.unlit) radiance = glm::max(radiance, white_card(light));
   }
   radiance += emission * white_card(light);
+  constexpr double kBytes = 1.01;  // what the surroundings may gain by rounding
   double largest = 1.0;
   for (const glm::dvec3& horizon : appearance.horizon.light)
-    for (int c = 0; c < 3; ++c) largest = std::max(largest, kBetween * radiance[c] / horizon[c]);
+    for (int c = 0; c < 3; ++c) largest = std::max(largest, kBytes * radiance[c] / horizon[c]);
   return largest;
 }
 
@@ -136,9 +101,6 @@ void set_appearance(const Program& program, const ObjectAppearance& appearance) 
   program.set("sun_direction", light.sun_direction);
   program.set("albedo_to_channels", light.albedo_to_channels);
   program.set("sun_light", light.sun_irradiance / kPi);
-  std::array<glm::dvec3, 9> sky;
-  for (std::size_t i = 0; i < sky.size(); ++i) sky[i] = light.sky_irradiance_sh[i] * kBasis[i] / kPi;
-  program.set("sky_light", sky);
   program.set("white_card", white_card(light));
   set_airlight(program, "horizon", appearance.horizon);
 }

@@ -7,6 +7,7 @@
 #include "gles/model.hpp"
 #include "gles/program.hpp"
 #include "gles/renderer.hpp"
+#include "gles/sky_atlas.hpp"
 
 namespace kasumi {
 
@@ -15,10 +16,10 @@ void check(const ObjectAppearance& appearance, Problems& problems);
 void check(const SensorNoise& noise, Problems& problems);
 
 // An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1 and these materials, the sun's glint on
-// smooth ones left out: it is white whatever it is cut to.
-double largest_n(const ObjectAppearance& appearance, std::span<const ModelMaterial> materials);
+// smooth ones left out: it is white whatever it is cut to. `sky` holds the light's surroundings.
+double largest_n(const ObjectAppearance& appearance, const SkyAtlas& sky, std::span<const ModelMaterial> materials);
 
-// Uniforms of haze.glsl, path.glsl, light.glsl; the horizon's light as horizon_light, horizon_place.
+// Uniforms of haze.glsl, path.glsl, sun.glsl, light.glsl; the horizon's light as horizon_light, horizon_place.
 void set_appearance(const Program& program, const ObjectAppearance& appearance);
 
 }  // namespace kasumi

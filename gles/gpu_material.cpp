@@ -36,7 +36,7 @@ SurfaceUnits units_for_layer() {
           .roughness = kPlaneUnit + 1,
           .occlusion = kPlaneUnit + 2,
           .emission = kLayerUnit,
-          .reflection = kResponseUnit};
+          .sky = kResponseUnit};
 }
 
 SurfaceUnits units_beside_camera(int available) {
@@ -46,7 +46,7 @@ SurfaceUnits units_beside_camera(int available) {
           .roughness = more(kSurfaceUnit + 2),
           .occlusion = more(kSurfaceUnit + 3),
           .emission = more(kSurfaceUnit + 4),
-          .reflection = kLayerUnit};
+          .sky = kLayerUnit};
 }
 
 bool holds(const SurfaceUnits& units, const ModelMaterial& material) {

@@ -17,7 +17,7 @@ struct SurfaceUnits {
   int roughness = -1;
   int occlusion = -1;
   int emission = -1;
-  int reflection = -1;  // the table of reflection_table.hpp
+  int sky = -1;  // of SkyAtlas
 };
 
 // Into the layer: nothing of the camera's picture is in use meanwhile.

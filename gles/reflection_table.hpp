@@ -1,10 +1,10 @@
-// How much of an even light around a rough mirror it gives back, and how far its roughness smears what it mirrors:
-// integrals over the microfacet distribution that glTF prescribes (GGX, Smith's height-correlated masking), done once
-// on the CPU (split sum, Karis 2013).
+// How much of an even light around a rough mirror it gives back: integrals over the microfacet distribution that glTF
+// prescribes (GGX, Smith's height-correlated masking), done once on the CPU (split sum, Karis 2013).
 #pragma once
 
-#include "base/result.hpp"
-#include "gles/objects.hpp"
+#include <glm/gtc/type_precision.hpp>
+
+#include "base/image.hpp"
 
 namespace kasumi {
 
@@ -13,18 +13,31 @@ namespace kasumi {
 struct GivenBack {
   double all = 1.0;
   double edge = 0.0;
+  // Mean direction of what is given back, of length 1 when all goes one way: along the normal, and away from the eye
+  // at right angles to it.
+  double along = 1.0;
+  double aside = 0.0;
 };
 GivenBack given_back(double across, double roughness);
 
-// What is left of the sky's spherical harmonics of order 1 and 2 in the mirror image, seen head-on: 1 and 1 of a smooth
-// mirror, 2/3 and 1/4 (Lambert's) at roughness 1.
-struct Smeared {
-  double first = 1.0;
-  double second = 1.0;
-};
-Smeared smeared(double roughness);
+// The cosine between normal and facet that a share of GGX's facets lie within; alpha: roughness squared.
+double facet_cosine(double share, double alpha);
 
-// All four over the square root of `across` and roughness, 32 x 32 texels of 8 bits, in the order above.
-Result<GlTexture> make_reflection_table(int unit);
+// The mean cosine to its middle of the lobe that a mirror of this roughness has when seen head-on: 1 of a smooth one,
+// 2/3 (Lambert's) at roughness 1.
+double mean_cosine(double roughness);
+
+// What of the filtered surroundings a mirror shows: those around mix(normal, mirror image, lean), as blurred as seen
+// head-on at another roughness, so that the lobe's mean direction is kept in full. (Lobes lean and stretch with the
+// angle they are seen at.)
+struct SeenAs {
+  double lean = 1.0;
+  double roughness = 0.0;
+};
+SeenAs seen_as(double across, const GivenBack& back);
+
+// `all`, `edge`, `lean` and `roughness` over the square root of `across` (columns) and roughness (rows), each 0 .. 1.
+constexpr int kReflectionTableSize = 32;
+Image<glm::u8vec4> reflection_table();
 
 }  // namespace kasumi

@@ -6,27 +6,17 @@
 
 #include "gles/airlight.hpp"
 #include "gles/appearance.hpp"
-#include "gles/camera_import.hpp"
-#include "gles/camera_planes.hpp"
+#include "gles/camera_input.hpp"
 #include "gles/composite.hpp"
+#include "gles/foreground.hpp"
 #include "gles/gl.hpp"
 #include "gles/gpu_model.hpp"
 #include "gles/object_layer.hpp"
 #include "gles/patterns.hpp"
-#include "gles/reflection_table.hpp"
 #include "gles/response_table.hpp"
+#include "gles/sky_atlas.hpp"
 
 namespace kasumi {
-namespace {
-
-bool same_kind(const ExternalPicture& a, const ExternalPicture& b) {
-  const auto same_rows = [](const ExternalPlane& p, const ExternalPlane& q) { return p.stride == q.stride; };
-  return a.layout == b.layout && a.width == b.width && a.height == b.height &&
-         std::ranges::equal(a.planes, b.planes, same_rows);
-}
-
-}  // namespace
-
 struct Renderer::State {
   State(const GlInfo& gl_info, const RendererOptions& given) : info(gl_info), options(given) {}
 
@@ -34,21 +24,15 @@ struct Renderer::State {
   RendererOptions options;
   Programs programs;
   GlTexture dither;
-  CameraPlanes planes;
-  std::optional<CameraImport> import;
-  std::optional<Fault> no_import;                 // this driver's refusal of any
-  std::optional<ExternalPicture> import_refused;  // the kind of picture refused last
-  CameraTextures camera;                          // of the newest picture, whichever way it came
-  FrameCounts frames;
+  CameraInput camera{info, options};
   std::optional<ResponseOnGpu> response;
   std::optional<GpuModel> model;
-  GlTexture reflections;  // made for the first model that needs it
+  SkyAtlas sky;  // as lit last
   SurfaceUnits units_in_one_pass;
   std::optional<Projection> projection;
   ObjectDetail detail;
-  PixelBox box;              // of the object
-  Image<std::uint8_t> mask;  // as given; empty: nothing in front
-  GlTexture foreground;
+  PixelBox box;  // of the object
+  std::optional<Foreground> foreground;
   std::optional<SceneDepth> scene_depth;
   int scene_depth_unit = -1;
   bool shadows_work = true;
@@ -62,17 +46,6 @@ struct Renderer::State {
   bool layer_in_8_bits() const {
     return options.force_rgba8 ||
            !(info.has("GL_EXT_color_buffer_half_float") || info.has("GL_EXT_color_buffer_float"));
-  }
-
-  Fault refuse_import(const Fault& why) {
-    notes.push_back(fmt::format("camera pictures are copied to the GPU: {}", why.message));
-    return {FaultKind::unsupported, why.message};
-  }
-
-  Result<std::unique_ptr<ImageDevice>> open_image_device() const {
-    if (info.software && !options.import_on_software)
-      return fail(FaultKind::unsupported, "{} is software, which may crash on other drivers' memory", info.renderer);
-    return options.image_device ? options.image_device(info) : egl_image_device(info);
   }
 
   void drop_layer() {
@@ -89,16 +62,15 @@ struct Renderer::State {
     box = cut_to_picture(grown(model->look_from(*projection), margin), projection->view);
   }
 
-  CameraFrame frame() const { return {camera, *response, dither}; }
-
-  bool has_foreground() const { return !mask.empty(); }
+  CameraFrame frame() const { return {camera.newest(), *response, dither}; }
 
   Result<> ready_for_frame(const DrawTarget& target) const {
-    if (camera.empty()) return fail(FaultKind::bad_input, "no camera picture has been uploaded to draw");
+    const CameraTextures& picture = camera.newest();
+    if (picture.empty()) return fail(FaultKind::bad_input, "no camera picture has been uploaded to draw");
     if (target.width < 1 || target.height < 1)
       return fail(FaultKind::bad_input, "a target of {} x {} pixels: expected at least 1 x 1", target.width,
                   target.height);
-    return fits_view(camera.width, camera.height);
+    return fits_view(picture.width, picture.height);
   }
 
   Result<> fits_view(int width, int height) const {
@@ -111,10 +83,9 @@ struct Renderer::State {
     Problems problems;
     if (!model) problems.add("no model has been set to draw");
     if (!projection) problems.add("no view has been set to draw from");
-    if (projection && has_foreground() &&
-        (mask.width() != projection->view.width || mask.height() != projection->view.height))
-      problems.add("foreground mask of {} x {} pixels: the view is of {} x {}", mask.width(), mask.height(),
-                   projection->view.width, projection->view.height);
+    if (projection && foreground && foreground->size() != glm::ivec2{projection->view.width, projection->view.height})
+      problems.add("foreground mask of {} x {} pixels: the view is of {} x {}", foreground->size().x,
+                   foreground->size().y, projection->view.width, projection->view.height);
     if (projection && scene_depth && scene_depth->size() != glm::ivec2{projection->view.width, projection->view.height})
       problems.add("depth map of {} x {} pixels: the view is of {} x {}", scene_depth->size().x, scene_depth->size().y,
                    projection->view.width, projection->view.height);
@@ -136,17 +107,9 @@ struct Renderer::State {
     return &*shadow;
   }
 
-  void bind_reflections(const Program& program, int unit) const {
-    if (!reflections) return;
-    glActiveTexture(GL_TEXTURE0 + static_cast<unsigned>(unit));
-    glBindTexture(GL_TEXTURE_2D, reflections.name());
-    program.set("reflection_table", unit);
-  }
-
-  void bind_foreground() const {
-    if (!has_foreground()) return;
-    glActiveTexture(GL_TEXTURE0 + kForegroundUnit);
-    glBindTexture(GL_TEXTURE_2D, foreground.name());
+  // What the surroundings give surfaces follows the light.
+  Result<> follow(const ObjectLight& light) {
+    return sky.update(light.around, std::ranges::any_of(model->materials(), &ModelMaterial::reflects));
   }
 };
 
@@ -189,11 +152,6 @@ Result<> Renderer::set_model(const Model& model) {
   auto uploaded = GpuModel::upload(model, state_->info, state_->options.force_encoded_textures, state_->notes);
   if (!uploaded) return tl::unexpected(uploaded.error());
   const auto& materials = uploaded->materials();
-  if (!state_->reflections && std::ranges::any_of(materials, &ModelMaterial::reflects)) {
-    auto table = make_reflection_table(kResponseUnit);
-    if (!table) return tl::unexpected(table.error());
-    state_->reflections = std::move(*table);
-  }
   if (!std::ranges::all_of(materials, [&](const auto& m) { return holds(state_->units_in_one_pass, m); }))
     state_->notes.emplace_back("a moving view leaves out some pictures of the model: too few texture units");
   state_->model = std::move(*uploaded);
@@ -211,23 +169,14 @@ Result<> Renderer::set_view(const SceneView& view, const glm::dmat4& model_to_wo
 }
 
 Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask) {
-  state_->drop_layer();
-  state_->mask = mask;
+  State& s = *state_;
+  s.drop_layer();
+  s.foreground.reset();
   if (mask.empty()) return {};
-  if (mask.width() > state_->info.max_texture_size || mask.height() > state_->info.max_texture_size)
-    return fail(FaultKind::bad_input, "foreground mask of {} x {} pixels: this driver takes {} at most", mask.width(),
-                mask.height(), state_->info.max_texture_size);
-  state_->foreground = make_texture();
-  glActiveTexture(GL_TEXTURE0 + kForegroundUnit);
-  glBindTexture(GL_TEXTURE_2D, state_->foreground.name());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE, mask.width(), mask.height(), 0, GL_LUMINANCE, GL_UNSIGNED_BYTE,
-               mask.elements().data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  return check_gl("uploading the foreground mask");
+  auto made = Foreground::upload(mask, s.info);
+  if (!made) return tl::unexpected(made.error());
+  s.foreground = std::move(*made);
+  return {};
 }
 
 Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
@@ -286,16 +235,17 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
 
   const auto shadow = s.shadow_under(appearance);
   if (!shadow) return tl::unexpected(shadow.error());
+  if (auto lit = s.follow(appearance.light); !lit) return lit;
   glActiveTexture(GL_TEXTURE0 + kDitherUnit);
   glBindTexture(GL_TEXTURE_2D, s.dither.name());
-  s.bind_foreground();
+  if (s.foreground) s.foreground->bind();
   auto layer = ObjectLayer::draw(
       *s.model, *s.projection, s.box, appearance.horizon,
-      {s.layer_in_8_bits(), largest_n(appearance, s.model->materials()), appearance.aerial_perspective,
-       s.has_foreground(), s.detail, s.scene_depth ? &*s.scene_depth : nullptr, s.scene_depth_unit, *shadow},
+      {s.layer_in_8_bits(), largest_n(appearance, s.sky, s.model->materials()), appearance.aerial_perspective,
+       s.foreground.has_value(), s.detail, s.scene_depth ? &*s.scene_depth : nullptr, s.scene_depth_unit, *shadow},
       s.info, s.programs, [&](const Program& program) {
         set_appearance(program, appearance);
-        s.bind_reflections(program, units_for_layer().reflection);
+        s.sky.bind(program, units_for_layer().sky);
       });
   if (!layer) return tl::unexpected(layer.error());
   const auto texels = layer->read();
@@ -312,47 +262,27 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
 
 Result<> Renderer::upload(const PictureView& frame) {
   if (auto fits = state_->fits_view(frame.width, frame.height); !fits) return fits;
-  auto textures = state_->planes.upload(frame, state_->info);
-  if (!textures) return fail(textures.error());
-  state_->camera = *textures;
-  ++state_->frames.uploaded;
-  return {};
+  return state_->camera.upload(frame);
 }
 
 Result<> Renderer::import_frame(const ExternalPicture& frame) {
   State& s = *state_;
   if (auto fits = s.fits_view(frame.width, frame.height); !fits) return fits;
-  if (s.no_import) return fail(*s.no_import);
-  if (s.import_refused && same_kind(*s.import_refused, frame))
-    return fail(FaultKind::unsupported, "refused before: pictures of this kind are copied");
-  if (!s.import) {
-    auto device = s.open_image_device();
-    if (!device) return fail(*(s.no_import = s.refuse_import(device.error())));
-    s.import.emplace(std::move(*device));
-  }
-  auto textures = s.import->import(frame, s.info);
-  if (!textures) {
-    if (textures.error().kind != FaultKind::unsupported) return fail(textures.error());
-    s.import_refused = frame;
-    return fail(s.refuse_import(textures.error()));
-  }
-  s.camera = *textures;
-  ++s.frames.imported;
-  return {};
+  return s.camera.import_frame(frame, s.notes);
 }
 
 void Renderer::drop_camera_buffers() {
-  if (state_->import) state_->import->drop_others();
+  state_->camera.drop_other_buffers();
 }
 
 FrameCounts Renderer::frames() const {
-  return state_->frames;
+  return state_->camera.frames();
 }
 
 Result<> Renderer::draw_background(const DrawTarget& target) {
   State& s = *state_;
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
-  const Shown shown(target, s.camera.width, s.camera.height);
+  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw_camera_alone(s.programs, s.frame(), shown);
 }
@@ -365,7 +295,7 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   check(measured, "measured airlight", false, problems);
   check(noise, problems);
   if (!problems.empty()) return fail(problems.fault());
-  const Shown shown(target, s.camera.width, s.camera.height);
+  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
 }
@@ -380,28 +310,29 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   check(measured, "measured airlight", false, problems);
   if (!problems.empty()) return fail(problems.fault());
 
+  if (auto lit = s.follow(appearance.light); !lit) return lit;
   const auto drawn_shadow = s.shadow_under(appearance);
   if (!drawn_shadow) return tl::unexpected(drawn_shadow.error());
   const SunShadow* shadow = detail == HazeDetail::per_vertex || s.many_varyings ? *drawn_shadow : nullptr;
-  const Shown shown(target, s.camera.width, s.camera.height);
+  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, true);
   Defines defines{"FINAL_COLOUR", s.response->define()};
   if (shadow) defines.merge(shadow->defines());
-  defines.merge(s.camera.defines());
+  defines.merge(s.camera.newest().defines());
   if (!appearance.aerial_perspective)
     defines.insert("NO_AIR");
   else if (detail == HazeDetail::per_fragment)
     defines.insert("HAZE_PER_FRAGMENT");
-  if (s.has_foreground()) defines.insert("FOREGROUND");
+  if (s.foreground) defines.insert("FOREGROUND");
   if (s.projection->distorted) defines.insert("DISTORTED");
-  s.bind_foreground();
+  if (s.foreground) s.foreground->bind();
   const DepthRange depth = depth_range(*s.projection, s.model->bounds_with_ground());
   glFrontFace(s.projection->mirrored == target.top_row_first ? GL_CCW : GL_CW);
   const auto set_uniforms = [&](const Program& program) {
     s.frame().bind(program, shown);
     set_projection(program, *s.projection, depth);
     set_appearance(program, appearance);
-    s.bind_reflections(program, s.units_in_one_pass.reflection);
+    s.sky.bind(program, s.units_in_one_pass.sky);
     if (shadow) shadow->bind(program, kShadowUnit);
     set_airlight(program, "measured", measured);
     program.set("foreground", kForegroundUnit);

@@ -11,6 +11,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "base/light_around.hpp"
+
 namespace kasumi {
 
 // Where the scene camera stands and what its lens does. Pixel coordinates: the centre of the top left pixel is (0, 0).
@@ -50,9 +52,7 @@ struct ObjectLight {
   glm::dvec3 sun_irradiance{0};        // on a surface facing the sun
   glm::dmat3 albedo_to_channels{1.0};  // linear sRGB reflectance of the model to reflectance in these channels; what
                                        // leaves 0..1 is clamped
-  std::array<glm::dvec3, 9> sky_irradiance_sh{};  // irradiance on a surface of normal n = sum of coefficient * real SH
-                                                  // basis(n), order 2, sky and ground together; basis order 1, y, z, x,
-                                                  // xy, yz, 3z^2-1, xz, x^2-y^2 with the usual constants
+  LightAround around;                  // radiance of sky and ground, without the sun's disc
 };
 
 // Light from infinity over the object's part of the picture, on a grid, bilinear between its points and held beyond its

@@ -16,7 +16,7 @@ Haze haze_for_gles(const HazeCoefficients& haze, double observer_altitude_m, con
 }
 
 ObjectLight light_for_gles(const LightOnObject& light) {
-  return {light.sun_direction, light.sun_irradiance, light.albedo_to_channels, light.sky_irradiance_sh};
+  return {light.sun_direction, light.sun_irradiance, light.albedo_to_channels, light.around};
 }
 
 ResponseCurve response_for_gles(const Response& response) {

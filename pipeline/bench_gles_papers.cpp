@@ -63,6 +63,7 @@ Result<TwoBufferLayout> TwoBufferLayout::create(const GlInfo& info, unsigned pic
   if (!background) return tl::unexpected(background.error());
   layout.background_ = std::move(*background);
 
+  if (auto lit = layout.sky_.update(scene.appearance.light.around, false); !lit) return tl::unexpected(lit.error());
   auto blit = ScreenPass::blit(picture);
   if (!blit) return tl::unexpected(blit.error());
   layout.passes_.push_back(std::move(*blit));
@@ -85,6 +86,7 @@ Result<> TwoBufferLayout::draw_object() {
                              units_for_layer(), {}, [&](const Program& program) {
                                set_projection(program, projection_, range_);
                                set_appearance(program, scene_.appearance);
+                               sky_.bind(program, units_for_layer().sky);
                                set_airlight(program, "measured", scene_.measured);
                                program.set("pixel_to_clip", pixel_to_clip);
                                program.set("dither_pattern", kDitherUnit);

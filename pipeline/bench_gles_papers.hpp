@@ -9,6 +9,7 @@
 #include "gles/objects.hpp"
 #include "gles/programs.hpp"
 #include "gles/projection.hpp"
+#include "gles/sky_atlas.hpp"
 #include "gles/target.hpp"
 #include "pipeline/bench_gles_passes.hpp"
 #include "pipeline/bench_gles_scene.hpp"
@@ -30,6 +31,7 @@ class TwoBufferLayout {
   BenchScene scene_;
   Projection projection_;
   DepthRange range_;
+  SkyAtlas sky_;
   Programs programs_;
   std::vector<GpuModel> model_;  // one
   GlTexture object_colour_, object_depth_, background_colour_;

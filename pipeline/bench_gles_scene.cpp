@@ -134,8 +134,9 @@ BenchScene make_bench_scene() {
   scene.appearance.haze = haze_for_gles(haze_coefficients(nodes, ScatteringModel::morales2017, kBenchTurbidity), 50.0);
   scene.appearance.light.sun_direction = glm::normalize(glm::dvec3{0.4, -0.6, 0.7});
   scene.appearance.light.sun_irradiance = {0.9, 0.85, 0.75};
-  scene.appearance.light.sky_irradiance_sh[0] = {0.5, 0.6, 0.8};
-  scene.appearance.light.sky_irradiance_sh[2] = {0.2, 0.25, 0.35};
+  scene.appearance.light.around = light_around_of([](const Direction& d) {
+    return glm::dvec3{0.048, 0.058, 0.084} + d.z * glm::dvec3{0.047, 0.058, 0.082};
+  });
   scene.appearance.horizon = airlight({0.3, 0.32, 0.36});
   scene.measured = airlight({0.55, 0.6, 0.68});
   scene.frame = make_frame(random);

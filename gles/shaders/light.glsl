@@ -3,7 +3,6 @@
 uniform vec3 white_card;       // radiance of a white card lying in the open
 #endif
 #if defined(REFLECTS)
-uniform sampler2D reflection_table;
 uniform vec3 head_on_reflectance;
 uniform float edge_reflectance;
 varying vec3 v_to_eye;         // world
@@ -39,19 +38,16 @@ vec3 lit(Surface s) {
   vec3 coat_edge = vec3(edge_reflectance);
   vec3 eye = normalize(v_to_eye);
   float across = clamp(dot(s.normal, eye), 0.002, 1.0);
-  vec4 table = texture2D(reflection_table, (vec2(sqrt(across), s.roughness) * 31.0 + 0.5) / 32.0);
-  vec3 coat_once = coat * (table.r - table.g) + coat_edge * table.g;
-  vec3 metal_once = body * (table.r - table.g) + table.g;
-  vec3 coat_between = from_between(coat_once, coat, coat_edge, table.r);
+  vec4 back = given_back(across, s.roughness);
+  vec3 coat_once = coat * (back.x - back.y) + coat_edge * back.y;
+  vec3 metal_once = body * (back.x - back.y) + back.y;
+  vec3 coat_between = from_between(coat_once, coat, coat_edge, back.x);
   vec3 once = mix(coat_once, metal_once, s.metallic);
-  vec3 between = mix(coat_between, from_between(metal_once, body, vec3(1.0), table.r), s.metallic);
+  vec3 between = mix(coat_between, from_between(metal_once, body, vec3(1.0), back.x), s.metallic);
   vec3 coloured = (1.0 - s.metallic) * body * (1.0 - coat_once - coat_between);
 
-  // The mirror image of a rough surface leans towards its normal (Lagarde 2014).
-  float sharp = 1.0 - s.roughness;
-  vec3 image = normalize(mix(s.normal, reflect(-eye, s.normal), sharp * (sqrt(sharp) + s.roughness)));
-  // Irradiance holds 1, 2/3 and 1/4 of the radiance's orders.
-  vec3 mirrored = max(sky_light[0] + 1.5 * table.b * first_order(image) + 4.0 * table.a * second_order(image), 0.0);
+  // The mirror image of a rough surface leans towards its normal, and is blurred more or less than seen head-on.
+  vec3 mirrored = mirrored_sky(mix(s.normal, reflect(-eye, s.normal), back.z), back.w);
   float open_image = clamp(pow(across + s.open_sky, exp2(-16.0 * s.roughness - 1.0)) - 1.0 + s.open_sky, 0.0, 1.0);
   vec3 glint = sun_light * (max(dot(s.normal, sun_direction), 0.0) *
                             sun_lobe(s.normal, eye, across, s.roughness, mix(coat, body, s.metallic),

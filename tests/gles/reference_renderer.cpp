@@ -163,6 +163,7 @@ class Tracer {
     };
     for (const ModelPart& part : scene.model.parts) add(part, triangles_);
     for (const ModelPart& part : scene.model.ground) add(part, ground_);
+    sky_ = reference_sky(scene.appearance.light);
     if (scene.appearance.shadows)
       shadow_.emplace(scene.model, scene.model_to_world, scene.appearance.light.sun_direction,
                       [&](const ModelMaterial& material, glm::dvec2 place) { return alpha_of(material, place); });
@@ -277,7 +278,7 @@ class Tracer {
     normal = glm::normalize(normal);
     const ObjectLight& light = scene_.appearance.light;
     const glm::dvec3 sun = light.sun_irradiance * std::max(glm::dot(normal, light.sun_direction), 0.0);
-    const glm::dvec3 sky = reference_sky_irradiance(light, normal), at = nearest->depth * ray;
+    const glm::dvec3 sky = reference_sky_irradiance(sky_, normal), at = nearest->depth * ray;
     Shade shade{(1.0 - sun_seen(at, normal)) * sun / (sun + sky), glm::dvec3{0.0}};
     if (scene_.appearance.aerial_perspective)
       shade.air = 1.0 - attenuation(scene_.appearance.haze, glm::length(at), glm::dot(at, up_));
@@ -333,7 +334,8 @@ class Tracer {
     surface.sun_seen = sun_seen(hit.depth * ray, surface.normal);
 
     const ObjectAppearance& look = scene_.appearance;
-    const glm::dvec3 radiance = reference_radiance(material, surface, look.light, -glm::normalize(to_world_ * ray));
+    const glm::dvec3 radiance =
+        reference_radiance(material, surface, look.light, sky_, -glm::normalize(to_world_ * ray));
     const glm::dvec3 rho = radiance / bilinear(look.horizon, pixel);
     if (!look.aerial_perspective) return {rho, alpha};
     const glm::dvec3 at = hit.depth * ray;
@@ -344,6 +346,7 @@ class Tracer {
   const ReferenceScene& scene_;
   std::vector<Triangle> triangles_, ground_;
   std::optional<ReferenceShadow> shadow_;
+  ReferenceSky sky_;
   glm::dvec3 up_{};
   glm::dmat3 to_world_{1.0};
 };

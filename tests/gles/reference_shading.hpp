@@ -2,6 +2,8 @@
 // integrated numerically from the microfacet model that glTF prescribes.
 #pragma once
 
+#include <array>
+
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -21,9 +23,16 @@ struct ReferenceSurface {
   glm::dvec3 emission{0.0};
 };
 
-// Under the light's harmonics and sun, as the renderer is meant to approximate it (split sum, energy kept).
+// The surroundings' radiance in spherical harmonics of order 2, integrated over their map: the whole of it, for skies
+// that change as softly as those of these tests.
+struct ReferenceSky {
+  std::array<glm::dvec3, 9> radiance{};
+};
+ReferenceSky reference_sky(const ObjectLight& light);
+
+// Under sun and sky, as the renderer is meant to approximate it (split sum, energy kept).
 glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurface& surface, const ObjectLight& light,
-                              const glm::dvec3& to_eye);
+                              const ReferenceSky& sky, const glm::dvec3& to_eye);
 
 // GGX distribution times Smith's height-correlated visibility (masking over 4 n.l n.v), without Fresnel: 1/sr.
 double microfacet_brdf(double nh, double nl, double nv, double roughness);
@@ -32,11 +41,13 @@ double microfacet_brdf(double nh, double nl, double nv, double roughness);
 struct ReferenceGivenBack {
   double head_on = 0.0;
   double edge = 0.0;
+  double mean_along = 0.0;  // mean direction: along the normal, and at right angles to it away from the eye
+  double mean_aside = 0.0;
 };
 ReferenceGivenBack reference_given_back(double across, double roughness);
 
-// Irradiance of the sky's harmonics on a surface of normal n; radiance of the same sky towards n.
-glm::dvec3 reference_sky_irradiance(const ObjectLight& light, const glm::dvec3& n);
-glm::dvec3 reference_sky_radiance(const ObjectLight& light, const glm::dvec3& towards);
+// Irradiance on a surface of normal n; radiance from n.
+glm::dvec3 reference_sky_irradiance(const ReferenceSky& sky, const glm::dvec3& n);
+glm::dvec3 reference_sky_radiance(const ReferenceSky& sky, const glm::dvec3& towards);
 
 }  // namespace kasumi

@@ -132,7 +132,7 @@ ModelPart ball_part(glm::dvec3 centre, double radius, int steps, int material) {
 ObjectAppearance furnace(double radiance) {
   ObjectAppearance look;
   look.aerial_perspective = false;
-  look.light.sky_irradiance_sh[0] = glm::dvec3{radiance * kPi / 0.28209479177387814};
+  look.light.around = light_around_of([&](const Direction&) { return glm::dvec3{radiance}; });
   look.horizon.last_px = {1.0, 1.0};
   look.horizon.light.fill(glm::dvec3{radiance});
   return look;
@@ -161,9 +161,14 @@ ObjectAppearance afternoon(const SceneView& view) {
   look.haze.observer_altitude_m = 250.0;
   look.light.sun_direction = glm::normalize(glm::dvec3{-0.6, -0.7, 0.55});
   look.light.sun_irradiance = {2.0, 1.9, 1.7};
-  look.light.sky_irradiance_sh = {glm::dvec3{1.8, 2.0, 2.4}, {0.1, 0.1, 0.1},     {0.5, 0.6, 0.8},
-                                  {-0.1, -0.1, -0.05},       {0.05, 0.05, 0.05},  {0.02, 0.03, 0.04},
-                                  {0.06, 0.06, 0.1},         {-0.04, 0.03, 0.02}, {0.03, -0.02, 0.01}};
+  // Of order 2, which the reference holds whole.
+  look.light.around = light_around_of([](const Direction& d) {
+    return glm::dvec3{0.16, 0.18, 0.216} + d.z * glm::dvec3{0.117, 0.14, 0.187} +
+           glm::dvec3{0.023, 0.023, 0.023} * d.y - glm::dvec3{0.023, 0.023, 0.012} * d.x +
+           0.07 * d.x * glm::dvec3{d.y - d.z, d.y + 0.75 * d.z, d.y + 0.5 * d.z} +
+           (3.0 * d.z * d.z - 1.0) * glm::dvec3{0.024, 0.024, 0.04} + d.y * d.z * glm::dvec3{0.028, 0.042, 0.056} +
+           (d.x * d.x - d.y * d.y) * glm::dvec3{0.021, -0.014, 0.007};
+  });
   look.horizon = measured_airlight(view, 1.6);
   for (std::size_t i = 0; i < look.horizon.light.size(); ++i)
     look.horizon.light[i] *= 1.0 + 0.05 * std::sin(1.7 * double(i));

@@ -147,7 +147,7 @@ TEST_F(Shadow, TakesFromTheGroundTheSunsShareOfItsOwnLightOnly) {
   const auto reference = render_reference(scene, Image<Rgb8>(128, 96), turned_lattice());
   const ObjectLight& light = scene.appearance.light;
   const glm::dvec3 sun = light.sun_irradiance * light.sun_direction.z;
-  const glm::dvec3 sun_share = sun / (sun + reference_sky_irradiance(light, {0, 0, 1}));
+  const glm::dvec3 sun_share = sun / (sun + reference_sky_irradiance(reference_sky(light), {0, 0, 1}));
   for (const bool proxy_colour : {true, false}) {
     Image<Rgb8> camera = ground_picture(scene);
     if (!proxy_colour)

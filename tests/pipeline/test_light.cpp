@@ -51,8 +51,8 @@ double through_density(double length_m, double altitude_m, double rise_m, double
 glm::dvec3 drawn(const ObjectAppearance& appearance, const AirlightGrid& measured, const glm::dvec2& pixel,
                  const glm::dvec3& place, const glm::dvec3& normal) {
   const ObjectLight& light = appearance.light;
-  const glm::dvec3 irradiance_here = std::max(0.0, glm::dot(normal, light.sun_direction)) * light.sun_irradiance +
-                                     irradiance(light.sky_irradiance_sh, normal);
+  const glm::dvec3 irradiance_here =
+      std::max(0.0, glm::dot(normal, light.sun_direction)) * light.sun_irradiance + irradiance(light.around, normal);
   const glm::dvec3 rho = irradiance_here / kPi / airlight_at(appearance.horizon, pixel);
   const Haze& haze = appearance.haze;
   const double length = glm::length(place);

@@ -46,7 +46,7 @@ TEST(ShadowOnTheGround, LiesWhereTheEphemerisSaysAtFourTimesOfADay) {
   look.aerial_perspective = false;
   look.shadows = true;
   look.light.sun_irradiance = glm::dvec3{2.0};
-  look.light.sky_irradiance_sh[0] = glm::dvec3{1.0};
+  look.light.around = light_around_of([](const Direction&) { return glm::dvec3{0.09}; });
   look.horizon.last_px = {639.0, 639.0};
   look.horizon.light.fill(glm::dvec3{1.0});
 

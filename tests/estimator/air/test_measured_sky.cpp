@@ -34,7 +34,7 @@ MeasuredSky whole_sky(const Radiance& radiance, double clear) {
 
 void expect_same(const LightOnObject& a, const LightOnObject& b, double tolerance) {
   for (const Direction& normal : {at_deg(0, 0), at_deg(90, 0), at_deg(90, 90), at_deg(90, 200), at_deg(45, 300)}) {
-    const glm::dvec3 ratio = irradiance(a.sky_irradiance_sh, normal) / irradiance(b.sky_irradiance_sh, normal);
+    const glm::dvec3 ratio = irradiance(a.around, normal) / irradiance(b.around, normal);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(ratio[c], 1.0, tolerance);
   }
 }
@@ -71,8 +71,8 @@ TEST(MeasuredSky, AnOvercastOneLightsByItsOwnDistributionWhateverTheExposure) {
   }
   expect_same(lights[0], lights[1], 1e-9);
   EXPECT_EQ(lights[0].sun_irradiance, glm::dvec3{0.0});
-  const double east = irradiance(lights[0].sky_irradiance_sh, at_deg(90, 90)).y;
-  const double west = irradiance(lights[0].sky_irradiance_sh, at_deg(90, 270)).y;
+  const double east = irradiance(lights[0].around, at_deg(90, 90)).y;
+  const double west = irradiance(lights[0].around, at_deg(90, 270)).y;
   EXPECT_GT(east, 1.1 * west);
 }
 
@@ -107,7 +107,7 @@ TEST(MeasuredSky, CloudsLightTheObjectAsTheirNumericalIntegralSays) {
         const double solid_angle = std::sin(polar) * 0.5 * kPi * kPi / kSteps / kSteps;
         truth += cosine * solid_angle * (d.y < 0.0 ? 5.0 * unit * to_srgb_white : clear.airlight(d));
       }
-    const glm::dvec3 found = irradiance(clouded.on_object().sky_irradiance_sh, normal);
+    const glm::dvec3 found = irradiance(clouded.on_object().around, normal);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c] / truth[c], 1.0, 0.04) << c;
   }
 }

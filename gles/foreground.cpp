@@ -1,0 +1,32 @@
+#include "gles/foreground.hpp"
+
+#include "gles/gl.hpp"
+#include "gles/programs.hpp"
+
+namespace kasumi {
+
+Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, const GlInfo& info) {
+  if (mask.width() > info.max_texture_size || mask.height() > info.max_texture_size)
+    return fail(FaultKind::bad_input, "foreground mask of {} x {} pixels: this driver takes {} at most", mask.width(),
+                mask.height(), info.max_texture_size);
+  Foreground made;
+  made.size_ = {mask.width(), mask.height()};
+  made.texture_ = make_texture();
+  made.bind();
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE, mask.width(), mask.height(), 0, GL_LUMINANCE, GL_UNSIGNED_BYTE,
+               mask.elements().data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  if (auto uploaded = check_gl("uploading the foreground mask"); !uploaded) return tl::unexpected(uploaded.error());
+  return made;
+}
+
+void Foreground::bind() const {
+  glActiveTexture(GL_TEXTURE0 + kForegroundUnit);
+  glBindTexture(GL_TEXTURE_2D, texture_.name());
+}
+
+}  // namespace kasumi

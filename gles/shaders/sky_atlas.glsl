@@ -1,0 +1,34 @@
+// What comes from all around, sun's disc left out: eight squares side by side (sky_atlas.hpp).
+uniform sampler2D sky_atlas;
+uniform vec2 sky_unit;  // full scale of the mirrors' squares, of the last
+
+// The octahedron's map, -1 .. 1.
+vec2 on_map(vec3 towards) {
+  vec3 d = towards / (abs(towards.x) + abs(towards.y) + abs(towards.z));
+  vec2 over = 1.0 - abs(d.yx);
+  return d.z >= 0.0 ? d.xy : vec2(d.x >= 0.0 ? over.x : -over.x, d.y >= 0.0 ? over.y : -over.y);
+}
+vec3 in_square(float square, vec2 place) {
+  vec2 texels = vec2(65.0 * square + 32.5, 32.5) + 32.0 * place;
+  vec4 texel = texture2D(sky_atlas, texels / vec2(520.0, 65.0));
+  vec3 root = texel.rgb * texel.a;
+  return (square < 6.5 ? sky_unit.x : sky_unit.y) * root * root;
+}
+
+// Irradiance on a surface of normal n, over pi.
+vec3 from_sky(vec3 n) { return in_square(7.0, on_map(n)); }
+
+#if defined(REFLECTS)
+// What a mirror of this roughness shows.
+vec3 mirrored_sky(vec3 image, float roughness) {
+  float level = 6.0 * clamp(roughness, 0.0, 1.0), sharper = min(floor(level), 5.0);
+  vec2 place = on_map(image);
+  return mix(in_square(1.0 + sharper, place), in_square(2.0 + sharper, place), level - sharper);
+}
+
+// Of an even light around, reflected once: of a white mirror, and the part that Fresnel's edge gives. What of the sky is
+// seen in it: how far the image leans from the normal to the mirror's, and the roughness it is blurred by.
+vec4 given_back(float across, float roughness) {
+  return texture2D(sky_atlas, (vec2(sqrt(across), roughness) * 31.0 + 0.5) / vec2(520.0, 65.0));
+}
+#endif
