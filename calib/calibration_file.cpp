@@ -84,6 +84,12 @@ std::string head_of(const CalibrationStep& step, bool has_response) {
     text += text_of(*step.curve);
   else if (step.response && !has_response)
     text += fmt::format("response = {}\n", toml_string(*step.response));
+  if (step.sensitivity)
+    text += fmt::format("colour_space = \"sensor\"\nsensitivity = {}\n", toml_string(*step.sensitivity));
+  if (step.white_balance)
+    text += fmt::format("white_balance = {}\n",
+                        list({step.white_balance->r, step.white_balance->g, step.white_balance->b}));
+  if (step.mask) text += fmt::format("mask = {}\n", toml_string(*step.mask));
   if (!step.calibrated_utc.empty()) text += fmt::format("calibrated_utc = {}\n", step.calibrated_utc);
   return text;
 }
@@ -132,6 +138,10 @@ Result<Old> read_old(const std::filesystem::path& path, const CalibrationStep& s
            {"response", "response_table", "response_table_red", "response_table_green", "response_table_blue"})
         drop(key);
     if (step.vignetting) drop("vignetting");
+    if (step.sensitivity)
+      for (const char* key : {"colour_space", "sensitivity"}) drop(key);
+    if (step.white_balance) drop("white_balance");
+    if (step.mask) drop("mask");
     if (step.noise) drop("noise");
     if (step.to_world)
       for (const char* key : {"azimuth_up_deg", "heading_deg", "pitch_deg", "roll_deg"}) drop(key);
