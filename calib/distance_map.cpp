@@ -29,6 +29,18 @@ std::optional<std::string> mend(Image<float>& distances_m) {
   return std::nullopt;
 }
 
+bool in_steps(const cv::Mat& map) {
+  return map.type() == CV_16UC1;
+}
+Image<float> metres_of(const cv::Mat& map, double step_m) {
+  Image<float> distances_m(map.cols, map.rows);
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x)
+      distances_m.at(x, y) =
+          in_steps(map) ? static_cast<float>(step_m * map.at<std::uint16_t>(y, x)) : map.at<float>(y, x);
+  return distances_m;
+}
+
 }  // namespace
 
 Image<float> read_distance_map(const ConfigTable& scene, int width, int height) {
@@ -44,26 +56,41 @@ Image<float> read_distance_map(const ConfigTable& scene, int width, int height) 
     return {};
   }
   const cv::Mat map = decoded(*bytes);
-  const bool in_steps = map.type() == CV_16UC1, in_metres = map.type() == CV_32FC1;
-  if (map.empty() || !(in_steps || in_metres)) {
+  const bool in_metres = map.type() == CV_32FC1;
+  if (map.empty() || !(in_steps(map) || in_metres)) {
     scene.problem("depth_map", "a grey PNG of 16 bits, or a grey PFM of metres");
     return {};
   }
-  if (in_steps && !scene.has("depth_step_m")) scene.problem("depth_step_m", "the metres that a step of the PNG is");
+  if (in_steps(map) && !scene.has("depth_step_m"))
+    scene.problem("depth_step_m", "the metres that a step of the PNG is");
   if (in_metres && scene.has("depth_step_m")) scene.problem("depth_step_m", "no such key: a PFM is in metres");
   if (map.cols != width || map.rows != height) {
     scene.problem("depth_map", fmt::format("a map as large as the camera's pictures, {} x {} (it is {} x {})", width,
                                            height, map.cols, map.rows));
     return {};
   }
-  Image<float> distances_m(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      distances_m.at(x, y) = in_metres ? map.at<float>(y, x) : static_cast<float>(step_m * map.at<std::uint16_t>(y, x));
+  auto distances_m = metres_of(map, step_m);
   if (const auto wrong = mend(distances_m)) {
     scene.problem("depth_map", *wrong);
     return {};
   }
+  return distances_m;
+}
+
+Result<Image<float>> read_distances(const std::filesystem::path& path, std::optional<double> step_m) {
+  const auto bytes = read_file(path);
+  if (!bytes) return fail(bytes.error());
+  const cv::Mat map = decoded(*bytes);
+  if (map.empty() || !(in_steps(map) || map.type() == CV_32FC1))
+    return fail(FaultKind::bad_input, "{}: expected a depth map: a grey PNG of 16 bits, or a grey PFM or EXR of metres",
+                path.string());
+  if (in_steps(map) && !step_m)
+    return fail(FaultKind::bad_input, "{}: expected the metres that a step of this PNG is, too (--depth-step-m)",
+                path.string());
+  if (!in_steps(map) && step_m)
+    return fail(FaultKind::bad_input, "{}: is in metres: expected no metres of a step (--depth-step-m)", path.string());
+  auto distances_m = metres_of(map, step_m.value_or(1.0));
+  if (const auto wrong = mend(distances_m)) return fail(FaultKind::bad_input, "{}: expected {}", path.string(), *wrong);
   return distances_m;
 }
 

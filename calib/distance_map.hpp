@@ -1,8 +1,12 @@
 // How far the real scene is in each pixel of a camera's picture.
 #pragma once
 
+#include <filesystem>
+#include <optional>
+
 #include "base/config_table.hpp"
 #include "base/image.hpp"
+#include "base/result.hpp"
 
 namespace kasumi {
 
@@ -10,5 +14,9 @@ namespace kasumi {
 // (sky). A 16-bit grey PNG of whole steps, or a PFM of metres, in which infinity is nothing, too. Empty without the
 // key. Problems are left in the table's file.
 Image<float> read_distance_map(const ConfigTable& scene, int width, int height);
+
+// The same for a file by itself: a grey PNG of 16 bits with the metres that a step is, or a grey PFM or EXR of metres.
+// Errors: bad_input.
+Result<Image<float>> read_distances(const std::filesystem::path& path, std::optional<double> step_m);
 
 }  // namespace kasumi

@@ -74,10 +74,11 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
       // Never e^(+800): what is so far beyond the limit is held there anyway.
       auto ratio =
           glm::exp(glm::min(gamma_t.largest - gamma_s.largest, glm::dvec3{60.0})) * gamma_t.rest / gamma_s.rest;
-      if (std::max({ratio.r, ratio.g, ratio.b}) > options.largest_gain) {
+      if (const double gain = std::max({ratio.r, ratio.g, ratio.b}); gain > options.largest_gain) {
         result.restored.at(x, y) = 0;
         result.too_faint_fraction += 1.0;
-        ratio = glm::min(ratio, glm::dvec3{options.largest_gain});
+        // The same share of the way in all channels, so that what stays is haze and not a colour.
+        ratio = glm::pow(ratio, glm::dvec3{std::log(options.largest_gain) / std::log(gain)});
       }
       const auto left = glm::exp(gamma_t.largest) * gamma_t.rest;
       const auto seen = 1.0 + options.relit * ratio * (relative - 1.0) + left * (options.relit - 1.0);

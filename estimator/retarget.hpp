@@ -33,8 +33,8 @@ struct RetargetOptions {
   // What the light on the scene does, in units of the light from infinity, from the source's air to the target's. 1: as
   // M Eq 25 has it, surfaces keep their L0 / Linf.
   glm::dvec3 relit{1.0};
-  // Where a change of the source's light is amplified more than so many times, nothing is there to restore: the
-  // amplification is held, and the pixel is masked.
+  // Where a change of the source's light would be amplified more than so many times, nothing is there to restore: the
+  // pixel is brought only as much of the way as that allows, some haze stays, and it is masked.
   double largest_gain = 8.0;
 };
 

@@ -1,6 +1,7 @@
 #include "pipeline/photograph.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <opencv2/imgcodecs.hpp>
@@ -72,6 +73,37 @@ Image<Rgb8> to_rgb8(const Photograph& photograph) {
                    return pixel;
                  });
   return picture;
+}
+
+Result<> write_photograph(const std::filesystem::path& path, const Photograph& photograph) {
+  auto extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (!jpeg && extension != ".png" && extension != ".tif" && extension != ".tiff")
+    return fail(FaultKind::bad_input, "{}: expected a name that ends in .png, .jpg or .tiff", path.string());
+  const bool fine = !jpeg && photograph.quantum < 1.0 / 255.0;
+  const auto& encoded = photograph.encoded;
+  cv::Mat picture(encoded.height(), encoded.width(), fine ? CV_16UC3 : CV_8UC3);
+  const float largest = fine ? 65535.0F : 255.0F;
+  for (int y = 0; y < encoded.height(); ++y)
+    for (int x = 0; x < encoded.width(); ++x)
+      for (int c = 0; c < 3; ++c) {
+        const auto value = std::lround(largest * std::clamp(encoded.at(x, y)[c], 0.0F, 1.0F));
+        if (fine)
+          picture.at<cv::Vec3w>(y, x)[2 - c] = static_cast<std::uint16_t>(value);
+        else
+          picture.at<cv::Vec3b>(y, x)[2 - c] = static_cast<std::uint8_t>(value);
+      }
+  std::vector<std::uint8_t> bytes;
+  try {
+    if (!cv::imencode(extension, picture, bytes,
+                      jpeg ? std::vector{int{cv::IMWRITE_JPEG_QUALITY}, 95} : std::vector<int>{}))
+      return fail(FaultKind::io, "{}: cannot be encoded", path.string());
+  } catch (const cv::Exception& error) {
+    return fail(FaultKind::io, "{}: cannot be encoded: {}", path.string(), error.err);
+  }
+  return write_file(path, bytes);
 }
 
 }  // namespace kasumi

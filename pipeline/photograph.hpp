@@ -23,4 +23,8 @@ Result<Photograph> read_photograph(const std::filesystem::path& path);
 // For what wants 8 bits.
 Image<Rgb8> to_rgb8(const Photograph& photograph);
 
+// By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). Written beside
+// and renamed. Errors: bad_input (another extension), io.
+Result<> write_photograph(const std::filesystem::path& path, const Photograph& photograph);
+
 }  // namespace kasumi

@@ -1,0 +1,29 @@
+// Pictures side by side, each with its words.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "base/result.hpp"
+
+namespace kasumi {
+
+class ContactSheet {
+ public:
+  // Larger pictures are made smaller, so that the sheet stays handy.
+  void add(const Image<Rgb8>& picture, std::string words);
+  // PNG, as near to a square as it goes. Errors: bad_input (nothing was added), io.
+  Result<> write(const std::filesystem::path& path) const;
+
+ private:
+  struct Tile {
+    Image<Rgb8> picture;
+    std::string words;
+  };
+  std::vector<Tile> tiles_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,127 @@
+// kasumi retarget as a researcher calls it.
+#include <cstring>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/photograph.hpp"
+#include "pipeline/picture_sink.hpp"
+#include "tests/paper/scene.hpp"
+#include "tests/pipeline/program.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+// Grey PFM: rows from the bottom up, little endian.
+Result<> write_pfm(const std::filesystem::path& path, const Image<float>& values) {
+  const auto header = fmt::format("Pf\n{} {}\n-1.0\n", values.width(), values.height());
+  std::vector<std::uint8_t> bytes(header.begin(), header.end());
+  for (int y = values.height() - 1; y >= 0; --y) {
+    const auto at = bytes.size(), length = sizeof(float) * static_cast<std::size_t>(values.width());
+    bytes.resize(at + length);
+    std::memcpy(bytes.data() + at, values.row(y), length);
+  }
+  return write_file(path, bytes);
+}
+
+double mean_difference(const Image<Rgb8>& one, const Image<Rgb8>& other) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < one.elements().size(); ++i) {
+    const auto off = glm::abs(glm::dvec3(one.elements()[i]) - glm::dvec3(other.elements()[i]));
+    sum += (off.r + off.g + off.b) / 3.0;
+  }
+  return sum / static_cast<double>(one.elements().size());
+}
+
+class RetargetCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = test_folder("retarget");
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    const Scene source = scene_at(1.9, 21);
+    target = scene_at(2.94, 22).picture;
+    ASSERT_TRUE(write_png(folder / "source.png", source.picture));
+    ASSERT_TRUE(write_png(folder / "target.png", target));
+    ASSERT_TRUE(write_pfm(folder / "depth.pfm", source.distance_m));
+    const auto& camera = source.camera;
+    const auto lens = pinhole_model(*camera.lens).value();
+    const auto text = fmt::format(
+        "calibration = 1\n[site]\nlatitude_deg = 34.2\nlongitude_deg = 135.6\naltitude_m = {}\n"
+        "[scene]\nwidth = {}\nheight = {}\nheading_deg = {}\npitch_deg = {}\nresponse = \"srgb\"\n"
+        "colour_space = \"sensor\"\nwhite_balance = [{}, {}, {}]\n"
+        "[scene.lens]\nmodel = \"pinhole\"\nfocal_px = [{}, {}]\ncentre_px = [{:.6f}, {:.6f}]\n"
+        "distortion = [{:.6f}, 0.0, 0.0, 0.0, 0.0]\n"
+        "[scene.vignetting]\nradius_px = {}\ncoefficients = [{:.6f}, {:.6f}, {:.6f}]\n",
+        source.altitude_m, camera.width, camera.height, source.mounting.heading_deg, source.mounting.pitch_deg,
+        camera.white_balance.r, camera.white_balance.g, camera.white_balance.b, lens.focal_px.x, lens.focal_px.y,
+        lens.centre.x, lens.centre.y, lens.distortion[0], camera.vignetting.radius_px,
+        camera.vignetting.coefficients[0], camera.vignetting.coefficients[1], camera.vignetting.coefficients[2]);
+    ASSERT_TRUE(write_text_file(folder / "camera.toml", text));
+  }
+  static std::string in_folder(const std::string& name) { return (folder / name).string(); }
+  static std::string known() {
+    return fmt::format("{} --camera {} --depth {} --source-turbidity 1.9 --sun-zenith-deg 50 --sun-azimuth-deg 230",
+                       in_folder("source.png"), in_folder("camera.toml"), in_folder("depth.pfm"));
+  }
+  static Image<Rgb8> read(const std::string& name) { return to_rgb8(read_photograph(folder / name).value()); }
+  static std::filesystem::path folder;
+  static Image<Rgb8> target;
+};
+std::filesystem::path RetargetCommand::folder;
+Image<Rgb8> RetargetCommand::target;
+
+TEST_F(RetargetCommand, ShowsTheSceneAsItIsInThatAir) {
+  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 2.94 --target-picture {} --out {}", known(),
+                                              in_folder("target.png"), in_folder("made.png")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_LE(mean_difference(read("made.png"), target), 2.0);
+  EXPECT_GT(mean_difference(read("source.png"), target), 10.0) << "else nothing was asked of it";
+  EXPECT_TRUE(std::filesystem::exists(folder / "made.restored.png"));
+}
+
+// Without a picture of the target the sky model says how bright the haze is.
+TEST_F(RetargetCommand, FindsTheLightFromInfinityByTheSkyModel) {
+  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 1.9 --out {}", known(), in_folder("same.png")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_LE(mean_difference(read("same.png"), read("source.png")), 0.01) << "the same air leaves the picture alone";
+}
+
+TEST_F(RetargetCommand, MakesAFolderASheetAndAFilmOfSeveralAirs) {
+  const auto outcome =
+      run_kasumi(fmt::format("retarget {} --turbidity clear,2:4:1 --out {} --sheet {} --film {}", known(),
+                             in_folder("several"), in_folder("sheet.png"), in_folder("film.mp4")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* name : {"source.clear.png", "source.T2.00.png", "source.T3.00.png", "source.T4.00.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "several" / name)) << name;
+  EXPECT_GT(std::filesystem::file_size(folder / "film.mp4"), 1000u);
+  const auto sheet = read("sheet.png");
+  EXPECT_GE(sheet.width() * sheet.height(), 5 * 320 * 180) << "the source and four airs";
+}
+
+TEST_F(RetargetCommand, NamesAllThatIsWrongAtOnceAndWritesNothing) {
+  const auto out = in_folder("never.png");
+  const auto outcome = run_kasumi(fmt::format("retarget {} --depth {} --turbidity 99,2:1:1 --utc yesterday --out {}",
+                                              in_folder("source.png"), in_folder("no-depth.pfm"), out));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--turbidity 99: expected a T of 1.7 to 20"));
+  EXPECT_THAT(outcome.err, HasSubstr("--turbidity 2:1:1"));
+  EXPECT_THAT(outcome.err, HasSubstr("--utc yesterday"));
+  EXPECT_THAT(outcome.err, HasSubstr("no-depth.pfm"));
+  EXPECT_THAT(outcome.err, HasSubstr("--source-turbidity"));
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST_F(RetargetCommand, RefusesADepthOfAnotherSize) {
+  ASSERT_TRUE(write_pfm(folder / "small.pfm", Image<float>(32, 18, 100.0F)));
+  const auto outcome = run_kasumi(fmt::format("retarget {} --depth {} --source-turbidity 2 --turbidity 3 --out {}",
+                                              in_folder("source.png"), in_folder("small.pfm"), in_folder("never.png")));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("is 32 x 18: expected 320 x 180"));
+}
+
+}  // namespace
+}  // namespace kasumi

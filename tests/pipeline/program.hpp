@@ -1,0 +1,34 @@
+// The program as a person or a script meets it.
+#pragma once
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include <sys/wait.h>
+
+#include "base/files.hpp"
+#include "tests/pipeline/recorded.hpp"
+
+namespace kasumi {
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+// `kasumi ARGUMENTS`, as a shell takes them.
+inline Outcome run_kasumi(const std::string& arguments) {
+  const auto errors = test_folder("stderr.txt");
+  Outcome outcome;
+  FILE* pipe = ::popen(fmt::format("{} {} 2>{}", KASUMI_BINARY, arguments, errors.string()).c_str(), "r");
+  if (!pipe) return outcome;
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    outcome.out.append(buffer.data(), n);
+  outcome.code = WEXITSTATUS(::pclose(pipe));
+  outcome.err = read_text_file(errors).value_or("");
+  return outcome;
+}
+
+}  // namespace kasumi
