@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/geometry.hpp"
 #include "calib/calibration_file.hpp"
 
 namespace kasumi {
@@ -264,6 +265,23 @@ std::optional<Start> best_pair(const Sights& sights, const ScaledLens& lens, con
   return best;
 }
 
+// One landmark and a level camera: the horizon says how level.
+Start from_one(const Sights& sights, const ScaledLens& lens) {
+  const auto& sight = sights.landmarks.front();
+  const glm::dvec3 towards = glm::normalize(sight.place_m);
+  Start start{{}, std::vector<bool>(sights.size(), true)};
+  Radians heading = azimuth_angle(towards), pitch{};
+  const auto ray = lens.unproject(sight.pixel, 0.0);
+  constexpr int kRounds = 20;  // each leaves a small part of the error, for headings turn about another axis
+  for (int i = 0; ray && i < kRounds; ++i) {
+    start.model.to_world = camera_to_world(heading, pitch, {0.0});
+    const glm::dvec3 seen = start.model.to_world * *ray;
+    heading.value += std::remainder(azimuth_angle(towards).value - azimuth_angle(seen).value, 2.0 * kPi);
+    pitch.value += zenith_angle(seen).value - zenith_angle(towards).value;
+  }
+  return start;
+}
+
 // chi^2 of the sights used, and what it would be on average with honest sigmas.
 struct Misfit {
   double chi2 = 0.0, expected = 0.0;
@@ -408,11 +426,14 @@ Radians dip_of_horizon(double height_m, double refraction) {
 
 Result<ScenePose> pose_scene(std::span<const LandmarkSight> landmarks, std::span<const HorizonSight> horizon,
                              const ScenePrior& prior) {
-  if (landmarks.size() < 2)
-    return fail(FaultKind::bad_input, "{} landmarks: expected at least 2, and 4 to find a wrong one", landmarks.size());
+  const bool one_will_do = landmarks.size() == 1 && horizon.size() >= 2;
+  if (landmarks.size() < 2 && !one_will_do)
+    return fail(FaultKind::bad_input,
+                "{} landmarks: expected at least 2, and 4 to find a wrong one (or 1, and 2 points of the horizon)",
+                landmarks.size());
   const Sights sights{landmarks, horizon};
   const ScaledLens lens(prior.lens);
-  const auto start = best_pair(sights, lens, prior);
+  const auto start = one_will_do ? std::optional(from_one(sights, lens)) : best_pair(sights, lens, prior);
   if (!start)
     return fail(FaultKind::bad_input,
                 "no two landmarks fit the picture: expected the right places, pixels, site and focal length");
@@ -427,7 +448,7 @@ Result<ScenePose> pose_scene(std::span<const LandmarkSight> landmarks, std::span
   pose.used.assign(used.begin(), used.begin() + static_cast<std::ptrdiff_t>(landmarks.size()));
   pose.horizon_used.assign(used.begin() + static_cast<std::ptrdiff_t>(landmarks.size()), used.end());
   const auto agree = static_cast<std::size_t>(std::count(pose.used.begin(), pose.used.end(), true));
-  if (2 * agree <= landmarks.size() || agree < 2)
+  if (2 * agree <= landmarks.size() || agree < std::min<std::size_t>(2, landmarks.size()))
     return fail(FaultKind::bad_input,
                 "only {} of {} landmarks agree with each other: expected more than half of them, with the right "
                 "places, pixels, site and focal length, and sigma_px and place_sigma_m as they are",

@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// One landmark: where it is, and where the picture shows it.
+// One landmark: where it is, and where the picture shows it. The sun is one too, very far away.
 struct LandmarkSight {
   std::string name;
   glm::dvec3 place_m{};  // east, north, up from the camera, as it appears: curvature and refraction are in it
@@ -60,10 +60,11 @@ struct ScenePose {
   std::vector<std::string> undetermined;  // for a person: what the landmarks say nothing of, or cannot check
 };
 
-// Every pair of landmarks is tried as a start, so none is needed and a wrong landmark does no harm; then least squares
+// One landmark will do beside two points of the horizon, which level the camera. Every pair of landmarks is tried as a
+// start, so none is needed and a wrong landmark does no harm; then least squares
 // (Ceres) over all that agree, in which whatever the rest contradicts (studentised residual beyond the 99.9 % bound,
 // Baarda's data snooping) is dropped, the worst first. Deterministic.
-// Errors (bad_input): fewer than two landmarks; no more than half of them agree.
+// Errors (bad_input): fewer landmarks than that; no more than half of them agree.
 Result<ScenePose> pose_scene(std::span<const LandmarkSight> landmarks, std::span<const HorizonSight> horizon,
                              const ScenePrior& prior);
 

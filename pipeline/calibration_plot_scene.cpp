@@ -6,6 +6,7 @@
 
 #include "pipeline/calibration_plots.hpp"
 
+#include "pipeline/scene_sights.hpp"
 namespace kasumi {
 
 namespace {
@@ -77,8 +78,8 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
     cv::drawMarker(view, marked, kMarked, cv::MARKER_CROSS, 11, 1, cv::LINE_AA);
     write(view, fmt::format("{}", i + 1), marked + cv::Point(10, -8), colour, true);
     write(all,
-          fmt::format("{:2}  {:<30} {:8.2f} km   {:+7.2f} {:+7.2f} px{}", i + 1, plain(landmarks[i].name),
-                      glm::length(landmarks[i].place_m) / 1e3, pose.residuals_px[i].x, pose.residuals_px[i].y,
+          fmt::format("{:2}  {:<30} {:>11}   {:+7.2f} {:+7.2f} px{}", i + 1, plain(landmarks[i].name),
+                      distance_words(landmarks[i]), pose.residuals_px[i].x, pose.residuals_px[i].y,
                       pose.used[i] ? "" : "   left out"),
           {20, kTop + tall + kLine * (static_cast<int>(i) + 2)}, pose.used[i] ? kInk : kBad, false);
   }

@@ -58,8 +58,8 @@ std::vector<std::string> position_words(const ScenePose& pose, double sigma_m) {
 void report(const SceneSights& sights, const ScenePose& pose) {
   for (std::size_t i = 0; i < sights.landmarks.size(); ++i) {
     const auto& sight = sights.landmarks[i];
-    fmt::print("  {:<28} {:7.2f} km  {:+7.2f} {:+7.2f} px{}\n", sight.name, glm::length(sight.place_m) / 1e3,
-               pose.residuals_px[i].x, pose.residuals_px[i].y, pose.used[i] ? "" : "  left out");
+    fmt::print("  {:<28} {:>10}  {:+7.2f} {:+7.2f} px{}\n", sight.name, distance_words(sight), pose.residuals_px[i].x,
+               pose.residuals_px[i].y, pose.used[i] ? "" : "  left out");
   }
   const auto angles = heading_pitch_roll(pose.to_world);
   const auto& sigma = pose.sigma;
@@ -89,7 +89,7 @@ CalibrationStep step_of(const SceneArguments& arguments, const SceneSights& sigh
   const auto used = std::count(pose.used.begin(), pose.used.end(), true);
   Measured measured{"pose",
                     now,
-                    fmt::format("{} of {} landmarks of {}: {}", used, names.size(),
+                    fmt::format("{} of {} landmarks and sightings of {}: {}", used, names.size(),
                                 std::filesystem::path(arguments.sights).filename().string(), fmt::join(names, ", ")),
                     {{"rms_px", pose.rms_px},
                      {"misfit", pose.misfit},
@@ -152,11 +152,13 @@ Result<int> calibrate(const SceneArguments& arguments) {
 }  // namespace
 
 void add_calibrate_scene(CLI::App& calibrate_command, Action& action) {
-  auto* command =
-      calibrate_command.add_subcommand("scene", "Where the scene camera looks, from landmarks in one of its pictures");
+  auto* command = calibrate_command.add_subcommand(
+      "scene", "Where the scene camera looks, from landmarks and the sun in its pictures");
   auto arguments = std::make_shared<SceneArguments>();
   auto& a = *arguments;
-  command->add_option("landmarks", a.sights, "TOML: places on the map and their pixels (docs/calibration.md)")
+  command
+      ->add_option("landmarks", a.sights,
+                   "TOML: places on the map, or the sun and when, and their pixels (docs/calibration.md)")
       ->required();
   command->add_option("--picture", a.picture, "The picture the landmarks were marked in")->required();
   command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");

@@ -2,6 +2,10 @@
 
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
+#include "capture/utc_text.hpp"
+#include "estimator/sun.hpp"
 #include "pipeline/placement.hpp"
 
 namespace kasumi {
@@ -11,6 +15,7 @@ namespace {
 constexpr Range kSize_px{16.0, 16384.0};
 constexpr Range kPixelSigma{0.05, 100.0}, kPlaceSigma_m{0.0, 1000.0};
 constexpr double kWithinSight_m = 400e3;
+constexpr double kSunDistance_m = 1.5e11, kLowestSun_deg = 0.5;
 
 glm::dvec2 read_pixel(const ConfigTable& table, const SceneSights& sights) {
   const auto pixel = table.numbers("pixel", 2);
@@ -35,6 +40,28 @@ LandmarkSight read_landmark(const ConfigTable& table, const ConfigTable& root, c
   sight.pixel = read_pixel(table, sights);
   sight.sigma_px = table.number("sigma_px", kPixelSigma, root.number("sigma_px", kPixelSigma, 1.0));
   sight.place_sigma_m = table.number("place_sigma_m", kPlaceSigma_m, root.number("place_sigma_m", kPlaceSigma_m, 1.0));
+  return sight;
+}
+
+// The sun's apparent place. Near the horizon it hangs on the air's warmth and pressure: 15 K or 40 hPa off the usual
+// are 5 % of refraction.
+LandmarkSight read_sighting(const ConfigTable& table, const ConfigTable& root, const SceneSights& sights) {
+  table.choice("of", {"sun"}, std::string("sun"));
+  LandmarkSight sight;
+  sight.pixel = read_pixel(table, sights);
+  sight.sigma_px = table.number("sigma_px", kPixelSigma, root.number("sigma_px", kPixelSigma, 1.0));
+  const Utc utc = table.utc("utc");
+  sight.name = "the sun, " + utc_text(utc);
+  const auto sun = sun_position(utc, sights.site);
+  const double elevation_deg = 90.0 - to_degrees(sun.zenith);
+  if (table.has("utc") && elevation_deg < kLowestSun_deg)
+    table.problem("utc",
+                  fmt::format("a time at which the sun is up (it stood {:.1f} deg above the horizon of the site)",
+                              elevation_deg));
+  // Bennett 1982, minutes of arc.
+  const double refraction_deg = 1.0 / std::tan(from_degrees(elevation_deg + 7.31 / (elevation_deg + 4.4)).value) / 60.0;
+  sight.place_m = kSunDistance_m * sun.direction;
+  sight.place_sigma_m = kSunDistance_m * 0.05 * from_degrees(std::max(0.0, refraction_deg)).value;
   return sight;
 }
 
@@ -77,6 +104,11 @@ void read_camera_part(const ConfigTable& root, const SceneBefore& before, SceneS
 
 }  // namespace
 
+std::string distance_words(const LandmarkSight& sight) {
+  const double distance_m = glm::length(sight.place_m);
+  return distance_m < 1e9 ? fmt::format("{:.2f} km", 1e-3 * distance_m) : std::string();
+}
+
 Result<SceneBefore> read_scene_before(const std::filesystem::path& calibration) {
   SceneBefore before;
   std::error_code error;
@@ -117,8 +149,12 @@ Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const S
   sights.refraction = root->number("refraction", {-1.0, 1.0}, kUsualRefraction);
   const auto landmarks = root->tables("landmarks");
   for (const auto& table : landmarks) sights.landmarks.push_back(read_landmark(table, *root, sights));
-  if (landmarks.size() < 2 && !(root->has("landmarks") && landmarks.empty()))
-    root->problem("landmarks", "at least 2 tables [[landmarks]], and 4 to find a wrong one");
+  const auto sightings = root->tables("sightings");
+  for (const auto& table : sightings) sights.landmarks.push_back(read_sighting(table, *root, sights));
+  const std::size_t fewest = root->has("horizon") ? 1 : 2;
+  if (landmarks.size() + sightings.size() < fewest && !(root->has("landmarks") && landmarks.empty()))
+    root->problem("landmarks",
+                  "at least 2 tables [[landmarks]] or [[sightings]], and 4 to find a wrong one (1 beside a [horizon])");
   root->number("sigma_px", kPixelSigma, 1.0);
   root->number("place_sigma_m", kPlaceSigma_m, 1.0);
   if (const auto horizon = root->optional_table("horizon")) read_horizon(*horizon, *root, sights);

@@ -14,10 +14,10 @@ struct SceneSights {
   Site site;
   int width = 0;
   int height = 0;
-  LensDescription lens;                 // a pinhole's
-  std::optional<std::string> response;  // of [scene], where one word tells it
-  double refraction = 0.13;             // coefficient of refraction
-  std::vector<LandmarkSight> landmarks;
+  LensDescription lens;                  // a pinhole's
+  std::optional<std::string> response;   // of [scene], where one word tells it
+  double refraction = 0.13;              // coefficient of refraction
+  std::vector<LandmarkSight> landmarks;  // and, at the end, the sun each time it was seen
   std::vector<HorizonSight> horizon;
 };
 
@@ -31,6 +31,9 @@ struct SceneBefore {
 };
 // Empty where there is no such file yet. Errors (bad_input): it is not a calibration file.
 Result<SceneBefore> read_scene_before(const std::filesystem::path& calibration);
+
+// "12.34 km"; of the sun nothing.
+std::string distance_words(const LandmarkSight& sight);
 
 // docs/calibration.md describes it. Errors (bad_input): every problem of it at once.
 Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const SceneBefore& before);

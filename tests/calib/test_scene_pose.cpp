@@ -194,6 +194,44 @@ TEST(ScenePose, TheHorizonLevelsACameraWhoseLandmarksStandTooClose) {
   EXPECT_THAT(with->horizon_used, testing::Each(true));
 }
 
+TEST(ScenePose, TheSunThreeTimesAndTheHorizonGiveThePoseAndOnceWillDo) {
+  // 20 deg across, 1 px of noise is .0105 deg. The sun crosses the upper part of the picture; the sea lies below.
+  std::vector<double> three, one;
+  for (int seed = 1; seed <= 100; ++seed) {
+    Random random(5000 + seed);
+    auto camera = rig(5450.0, random);
+    const double heading = random.uniform(-180.0, 180.0);
+    camera.to_world = camera_to_world(from_degrees(heading), from_degrees(random.uniform(1.0, 4.0)),
+                                      from_degrees(random.uniform(-3.0, 3.0)));
+    const auto lens = make_lens(camera.lens);
+    const auto noise = [&] { return glm::dvec2{random.normal(), random.normal()}; };
+    std::vector<LandmarkSight> sights;
+    for (const double hour : {-0.4, 0.05, 0.4}) {
+      const auto sun = direction_from(from_degrees(90.0 - 4.5 + 6.0 * hour), from_degrees(heading + 14.0 * hour));
+      const auto pixel = lens->project(sun * camera.to_world);
+      ASSERT_TRUE(pixel);
+      sights.push_back({"the sun", 1.5e11 * sun, *pixel + noise(), 1.0, 0.0});
+    }
+    const Radians dip = dip_of_horizon(500.0, 0.16);
+    std::vector<HorizonSight> horizon;
+    for (const double off : {-8.0, -3.0, 3.0, 8.0}) {
+      const auto sea = direction_from(from_degrees(90.0) + dip, from_degrees(heading + off));
+      horizon.push_back({lens->project(sea * camera.to_world).value() + noise(), dip, 1.0});
+    }
+    const auto pose = pose_scene(sights, horizon, camera.prior());
+    ASSERT_TRUE(pose) << pose.error().message;
+    three.push_back(to_degrees(angle_between(pose->to_world[2], camera.to_world[2])));
+    const auto from_one = pose_scene(std::span(sights).first(1), horizon, camera.prior());
+    ASSERT_TRUE(from_one) << from_one.error().message;
+    one.push_back(to_degrees(angle_between(from_one->to_world[2], camera.to_world[2])));
+  }
+  std::printf("optical axis, three suns: median %.4f, 95 %% %.4f, largest %.4f deg; one: %.4f, %.4f, %.4f deg\n",
+              percentile(three, 0.5), percentile(three, 0.95), percentile(three, 1.0), percentile(one, 0.5),
+              percentile(one, 0.95), percentile(one, 1.0));
+  EXPECT_LE(percentile(three, 0.95), 0.02);
+  EXPECT_LE(percentile(one, 0.95), 0.04);
+}
+
 TEST(ScenePose, ACameraThatStandsElsewhereIsNoticedByWhatIsNear) {
   Random random(11);
   const auto camera = rig(1500.0, random);

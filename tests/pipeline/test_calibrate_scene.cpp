@@ -5,6 +5,8 @@
 #include <random>
 
 #include "calib/calibration_file.hpp"
+#include "capture/utc_text.hpp"
+#include "fixtures/sun.hpp"
 #include "pipeline/picture_sink.hpp"
 #include "pipeline/placement.hpp"
 #include "tests/pipeline/calibrating.hpp"
@@ -97,6 +99,58 @@ TEST(CalibrateScene, LandmarksOnTheMapGiveTheCamerasPoseAndAWrongOneIsNamed) {
   ASSERT_EQ(second.code, 0) << second.err;
   EXPECT_TRUE(std::filesystem::exists(file.string() + ".1.old"));
   EXPECT_EQ(ConfigTable::read_file(file).value().table("scene").text("serial"), "SC-7");
+}
+
+// The sun by another ephemeris than the command's own, over a lake's horizon, the camera looking where it sets.
+TEST(CalibrateScene, ThreeSightingsOfTheSettingSunAndTheHorizonGiveThePose) {
+  const auto folder = fresh_folder("calibrate-scene-sun");
+  ASSERT_TRUE(write_png(folder / "scene.png", Image<Rgb8>(kWidth, kHeight, Rgb8(150, 170, 190))));
+  const Truth wide;
+  // 20 deg across.
+  const Truth truth{pinhole_lens({{2700.0, 2700.0}, {481.0, 268.0}, {}}),
+                    camera_to_world(from_degrees(263.0), from_degrees(3.5), from_degrees(0.8))};
+  auto text = landmarks(wide, 2700.0, 99);
+  text.erase(text.find("[[landmarks]]"));
+  std::mt19937_64 random(8);
+  const auto noise = [&] {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() >> 11) * 0x1.0p-53;
+    return sum;
+  };
+  for (const char* time : {"2026-09-12T16:50:00", "2026-09-12T17:05:30", "2026-09-12T17:18:00"}) {
+    const auto utc = parse_utc(std::string(time) + "Z").value();
+    const auto pixel = truth.lens->project(fixtures::sun_position(utc, kSite) * truth.to_world);
+    ASSERT_TRUE(pixel && pixel->x > 0.0 && pixel->x < kWidth && pixel->y > 0.0 && pixel->y < kHeight) << time;
+    text += fmt::format("[[sightings]]\nof = \"sun\"\nutc = {}Z\npixel = [{:.1f}, {:.1f}]\n", time, pixel->x + noise(),
+                        pixel->y + noise());
+  }
+  // 1016 m above the water: Bowditch's dip of 1.76' sqrt(h / m), .935 deg, which is for the refraction over the sea.
+  text = "refraction = 0.16\n" + text + "[horizon]\nwater_altitude_m = 434.0\npixels = [";
+  for (const double off : {-8.0, -3.0, 2.0, 7.0}) {
+    const auto below = from_degrees(90.0 + 1.76 * std::sqrt(1016.0) / 60.0);
+    const auto pixel = truth.lens->project(direction_from(below, from_degrees(263.0 + off)) * truth.to_world).value();
+    text += fmt::format("{:.1f}, {:.1f}, ", pixel.x + noise(), pixel.y + noise());
+  }
+  text += "]\n";
+  ASSERT_TRUE(write_text_file(folder / "sights.toml", text));
+  const auto outcome =
+      run(fmt::format("scene {} --picture {} --focal-percent 0.1 --out {}", (folder / "sights.toml").string(),
+                      (folder / "scene.png").string(), (folder / "c.toml").string()));
+  ASSERT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+  std::printf("%s", outcome.out.c_str());
+  const auto found = read_camera(ConfigTable::read_file(folder / "c.toml").value().table("scene"), "scene");
+  const double off_deg = to_degrees(angle_between(found.to_world[2], truth.to_world[2]));
+  std::printf("optical axis off by %.4f deg\n", off_deg);
+  EXPECT_LE(off_deg, 0.02);
+  EXPECT_LE(to_degrees(angle_between(found.to_world[0], truth.to_world[0])), 0.1);
+
+  text.replace(text.find("T17:18:00Z"), 10, "T21:18:00Z");
+  ASSERT_TRUE(write_text_file(folder / "sights.toml", text));
+  const auto night = run(fmt::format("scene {} --picture {} --out {}", (folder / "sights.toml").string(),
+                                     (folder / "scene.png").string(), (folder / "n.toml").string()));
+  EXPECT_EQ(night.code, 2);
+  EXPECT_THAT(night.err, HasSubstr("sightings[2].utc"));
+  EXPECT_THAT(night.err, HasSubstr("a time at which the sun is up"));
 }
 
 TEST(CalibrateScene, EverythingWrongIsToldAtOnce) {
