@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "pipeline/calibration_histogram.hpp"
 #include "pipeline/calibration_plots.hpp"
-
 #include "pipeline/scene_sights.hpp"
+
 namespace kasumi {
 
 namespace {
 
-constexpr int kWide = 1280, kTop = 50, kLine = 20;
+constexpr int kWide = 1280, kTop = 50, kLine = 20, kHistogram = 200;
 const cv::Scalar kInk(40, 40, 40), kMarked(255, 210, 0), kGood(60, 220, 90), kBad(255, 70, 50), kLevel(80, 160, 255);
 
 // Hershey's letters are ASCII.
@@ -43,7 +44,7 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
   const double scale = static_cast<double>(kWide) / picture.width();
   const int tall = static_cast<int>(std::lround(scale * picture.height()));
   const int lines = static_cast<int>(landmarks.size());
-  Image<Rgb8> image(kWide, kTop + tall + kLine * (lines + 2), Rgb8(255));
+  Image<Rgb8> image(kWide, kTop + tall + kLine * (lines + 2) + kHistogram, Rgb8(255));
   cv::Mat all(image.height(), image.width(), CV_8UC3, image.elements().data());
   cv::Mat view = all(cv::Rect(0, kTop, kWide, tall));
   auto copy = picture.elements();
@@ -83,6 +84,17 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
                       pose.used[i] ? "" : "   left out"),
           {20, kTop + tall + kLine * (static_cast<int>(i) + 2)}, pose.used[i] ? kInk : kBad, false);
   }
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < landmarks.size(); ++i)
+    if (pose.used[i]) lengths.push_back(glm::length(pose.residuals_px[i]));
+  const auto of_landmarks = lengths.size();
+  for (std::size_t i = 0; i < horizon.size(); ++i)
+    if (pose.horizon_used[i]) lengths.push_back(std::abs(pose.horizon_residuals_px[i]));
+  auto histogram = plot_histogram(lengths, kWide / 2, kHistogram,
+                                  fmt::format("distance in pixels of {} landmarks and {} points of the horizon",
+                                              of_landmarks, lengths.size() - of_landmarks));
+  cv::Mat(histogram.height(), histogram.width(), CV_8UC3, histogram.elements().data())
+      .copyTo(all(cv::Rect(0, image.height() - kHistogram, kWide / 2, kHistogram)));
   write(all, title, {20, 20}, kInk, false);
   write(all, "cross: as marked; circle: where its place on the map is seen (green: used, red: left out); blue: horizon",
         {20, 40}, kInk, false);

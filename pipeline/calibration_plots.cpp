@@ -7,11 +7,13 @@
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "pipeline/calibration_histogram.hpp"
+
 namespace kasumi {
 
 namespace {
 
-constexpr int kSide = 560, kMargin = 50, kTop = 60;
+constexpr int kSide = 560, kMargin = 50, kTop = 60, kAxis = 40;
 constexpr double kMagnified = 50.0;
 const cv::Scalar kInk(40, 40, 40), kFaint(215, 215, 215), kGood(40, 150, 60), kBad(220, 50, 40);
 
@@ -38,27 +40,11 @@ void draw_residual(cv::Mat& panel, const glm::dvec2& pixel, const glm::dvec2& re
   cv::circle(panel, from, 2, colour, -1, cv::LINE_AA);
 }
 
-void draw_histogram(Canvas& canvas, const std::vector<double>& lengths_px, const std::string& of_what) {
-  if (lengths_px.empty()) return;
-  auto sorted = lengths_px;
-  std::sort(sorted.begin(), sorted.end());
-  const double most =
-      std::max(1e-3, 1.2 * sorted[static_cast<std::size_t>(0.98 * static_cast<double>(sorted.size() - 1))]);
-  constexpr int kBins = 28;
-  std::array<int, kBins> bins{};
-  for (const double length : lengths_px)
-    ++bins[static_cast<std::size_t>(std::clamp(static_cast<int>(length / most * kBins), 0, kBins - 1))];
-  const int tallest = *std::max_element(bins.begin(), bins.end());
-  for (int i = 0; i < kBins; ++i) {
-    const int tall = (kSide - 30) * bins[static_cast<std::size_t>(i)] / std::max(1, tallest);
-    cv::rectangle(canvas.right, cv::Rect(i * kSide / kBins + 1, kSide - tall, kSide / kBins - 2, tall), kGood, -1);
-  }
-  cv::rectangle(canvas.right, cv::Rect(0, 0, kSide, kSide), kInk);
-  for (int i = 0; i <= 4; ++i)
-    canvas.write(fmt::format("{:.2f}", most * i / 4.0), {2 * kMargin + kSide + i * kSide / 4 - 14, kTop + kSide + 18},
-                 0.4);
-  canvas.write(fmt::format("distance in pixels of {} {}", lengths_px.size(), of_what),
-               {2 * kMargin + kSide, kTop + kSide + 38});
+void paste_histogram(Canvas& canvas, const std::vector<double>& lengths_px, const std::string& of_what) {
+  auto histogram = plot_histogram(lengths_px, kSide + 2 * kAxis, kSide + kAxis,
+                                  fmt::format("distance in pixels of {} {}", lengths_px.size(), of_what));
+  const cv::Mat drawn(histogram.height(), histogram.width(), CV_8UC3, histogram.elements().data());
+  drawn.copyTo(canvas.all(cv::Rect(2 * kMargin + kSide - kAxis, kTop, drawn.cols, drawn.rows)));
 }
 
 }  // namespace
@@ -92,7 +78,7 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
   canvas.write(title, {kMargin, 35}, 0.55);
   canvas.write("corners, residuals x 50; grey: no corner was seen; red: the lens's centre",
                {kMargin, kTop + kSide + 25});
-  draw_histogram(canvas, lengths, "corners");
+  paste_histogram(canvas, lengths, "corners");
   return canvas.image;
 }
 
@@ -131,7 +117,7 @@ Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight>
   canvas.write(title, {kMargin, 35}, 0.55);
   canvas.write("green: the sun, residuals x 50; red: not the sun; blue: the way that was fitted",
                {kMargin, kTop + kSide + 25});
-  draw_histogram(canvas, lengths, "places of the sun");
+  paste_histogram(canvas, lengths, "places of the sun");
   return canvas.image;
 }
 

@@ -22,7 +22,7 @@ Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight>
                            const SkyOrientation& orientation, const std::string& title);
 
 // The landmarks over the picture: a cross where each was marked, a circle where its place is seen, green when used, red
-// when left out, numbered as in the list below it; the horizon in blue.
+// when left out, numbered as in the list below it; the horizon in blue. Under the list, how many are how far off.
 Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight> landmarks,
                        std::span<const HorizonSight> horizon, const ScenePose& pose, const std::string& title);
 
