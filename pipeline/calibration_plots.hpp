@@ -9,6 +9,7 @@
 #include "calib/lens_calibration.hpp"
 #include "calib/scene_pose.hpp"
 #include "calib/sky_orientation.hpp"
+#include "estimator/sky_vignetting.hpp"
 
 namespace kasumi {
 
@@ -25,5 +26,9 @@ Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight>
 // when left out, numbered as in the list below it; the horizon in blue. Under the list, how many are how far off.
 Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight> landmarks,
                        std::span<const HorizonSight> horizon, const ScenePose& pose, const std::string& title);
+
+// Left: how the picture darkens towards the rim: what each picture shows over the sky model (dots) and the curve.
+// Right: how many samples are how far off.
+Image<Rgb8> plot_vignetting(const SkyVignetting& found, const std::string& title);
 
 }  // namespace kasumi

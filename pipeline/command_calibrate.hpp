@@ -11,6 +11,7 @@ void add_calibrate_scene(CLI::App& calibrate_command, Action& action);
 void add_calibrate_response(CLI::App& calibrate_command, Action& action);
 void add_calibrate_colour(CLI::App& calibrate_command, Action& action);
 void add_calibrate_mask(CLI::App& calibrate_command, Action& action);
+void add_calibrate_vignetting(CLI::App& calibrate_command, Action& action);
 void add_calibrate_report(CLI::App& calibrate_command, Action& action);
 
 }  // namespace kasumi
