@@ -25,7 +25,9 @@ struct BoardView {
   std::vector<glm::dvec2> on_board;  // the same corners in metres, in the board's plane
 };
 
-// Every inner corner, or none. The whole board must be in the picture.
-std::optional<BoardView> find_board(const Image<std::uint8_t>& grey, const Board& board, std::string name);
+// Every inner corner, or none. The whole board must be in the picture. In no hurry, what the usual finder misses is
+// looked for by a second, slower one.
+std::optional<BoardView> find_board(const Image<std::uint8_t>& grey, const Board& board, std::string name,
+                                    bool in_a_hurry = false);
 
 }  // namespace kasumi

@@ -5,6 +5,7 @@
 
 namespace kasumi {
 
+void add_calibrate_board(CLI::App& calibrate_command, Action& action);
 void add_calibrate_lens(CLI::App& calibrate_command, Action& action);
 void add_calibrate_sky(CLI::App& calibrate_command, Action& action);
 void add_calibrate_scene(CLI::App& calibrate_command, Action& action);

@@ -32,6 +32,7 @@ const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"ceres/", {"estimator/", "calib/"}},
     {"toml++/", {"base/config_table.cpp"}},
     {"opencv2/calib3d", {"calib/board.cpp"}},
+    {"opencv2/aruco", {"calib/charuco.cpp"}},
     {"tiny_gltf.h", {"gles/", "fixtures/"}},
     {"SDL", {"gles/window"}},
     {"erfa", {"estimator/sun"}},
