@@ -7,10 +7,13 @@
 #include "calib/import_lens.hpp"
 #include "calib/lens_calibration.hpp"
 #include "capture/utc_text.hpp"
+#include "pipeline/board_choice.hpp"
+#include "pipeline/board_session.hpp"
 #include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/save_calibration.hpp"
+#include "pipeline/stop_signal.hpp"
 
 namespace kasumi {
 
@@ -18,8 +21,10 @@ namespace {
 
 struct LensArguments {
   std::vector<std::string> pictures;
-  std::string board;
-  double square_mm = 0.0;
+  std::string config, live, size;  // pictures of a camera that runs, instead
+  bool window = false;
+  double seconds = 0.0;
+  BoardArguments board;
   std::string import_file;
   std::string camera = "sky";
   std::string serial;
@@ -27,15 +32,6 @@ struct LensArguments {
   std::optional<double> largest_angle_deg;
   std::string out;
 };
-
-std::optional<Board> board_of(const std::string& text) {
-  Board board;
-  char end = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &board.columns, &board.rows, &end) != 2) return std::nullopt;
-  const auto fine = [](int count) { return count >= 3 && count <= 100; };
-  if (!fine(board.columns) || !fine(board.rows)) return std::nullopt;
-  return board;
-}
 
 std::optional<LensFamily> family_of(const std::string& model) {
   for (const auto family : kLensFamilies)
@@ -65,7 +61,7 @@ struct Found {
   int width = 0, height = 0;
 };
 
-Result<Found> look_at_pictures(const LensArguments& arguments, const Board& board) {
+Result<Found> look_at_pictures(const LensArguments& arguments, const AnyBoard& board) {
   Found found;
   Problems problems;
   for (const auto& file : arguments.pictures) {
@@ -85,17 +81,38 @@ Result<Found> look_at_pictures(const LensArguments& arguments, const Board& boar
       continue;
     }
     const auto name = std::filesystem::path(file).filename().string();
-    if (auto view = find_board(grey, board, name)) {
+    if (auto view = find_any_board(grey, board, name)) {
+      fmt::print("  {}: {} corners\n", name, view->pixels.size());
       found.views.push_back(std::move(*view));
-      fmt::print("  {}: {} corners\n", name, board.columns * board.rows);
     } else {
       found.without.push_back(name);
-      fmt::print("  {}: no board of {} x {} inner corners was found\n", name, board.columns, board.rows);
+      fmt::print("  {}: no {} was found\n", name, words_of(board));
     }
     std::fflush(stdout);
   }
   if (!problems.empty()) return fail(problems.fault());
   return found;
+}
+
+Result<Found> look_at_camera(const LensArguments& arguments, const AnyBoard& board) {
+  SystemClock clock;
+  auto source = arguments.config.empty() ? open_live(arguments.live, arguments.camera, arguments.size, clock)
+                                         : open_configured(arguments.config, arguments.camera, clock);
+  if (!source) return fail(source.error());
+  fmt::print("{}: show it the {}, near and far, tilted; Ctrl-C ends it early\n", (*source)->description(),
+             words_of(board));
+  BoardSessionOptions options;
+  options.window = arguments.window;
+  options.longest = from_seconds(arguments.seconds);
+  options.stop = stop_requested;
+  options.say = [](const std::string& words) {
+    fmt::print("{}\n", words);
+    std::fflush(stdout);
+  };
+  auto gathered = gather_views(**source, board, clock, options);
+  if (!gathered) return fail(gathered.error());
+  fmt::print("{} views from {} frames; {}\n", gathered->views.size(), gathered->frames, gathered->ended);
+  return Found{std::move(gathered->views), {}, gathered->width, gathered->height};
 }
 
 void report(const LensCalibration& c) {
@@ -120,13 +137,11 @@ void report(const LensCalibration& c) {
   for (const auto& advice : c.coverage.advice) fmt::print("better: {}\n", advice);
 }
 
-Measured measured_of(const LensArguments& arguments, const LensCalibration& c, const Found& found,
-                     const std::string& now) {
+Measured measured_of(const AnyBoard& board, const LensCalibration& c, const Found& found, const std::string& now) {
   Measured measured{"lens", now, "", {}, {}};
   std::vector<std::string> names;
   for (const auto& view : c.views) names.push_back(view.name);
-  measured.from = fmt::format("{} pictures of a checkerboard of {} inner corners: {}", names.size(), arguments.board,
-                              fmt::join(names, ", "));
+  measured.from = fmt::format("{} pictures of a {}: {}", names.size(), words_of(board), fmt::join(names, ", "));
   measured.numbers = {{"rms_px", c.fit.rms_px}};
   for (const auto& candidate : c.candidates)
     if (candidate.held_out_rms_px)
@@ -186,22 +201,22 @@ Result<int> import(const LensArguments& arguments) {
 
 Result<int> calibrate(const LensArguments& arguments) {
   Problems problems;
-  const auto board = board_of(arguments.board);
   const bool importing = !arguments.import_file.empty();
+  const auto board = importing ? AnyBoard() : choose_board(arguments.board, false, problems);
+  const bool running = !arguments.config.empty() || !arguments.live.empty();
   if (importing && !arguments.pictures.empty())
     problems.add("--import {}: expected it or pictures, not both", arguments.import_file);
-  if (!importing && arguments.pictures.size() < kFewestViews)
-    problems.add("{} pictures: expected at least {} of the board, 15 are better (or --import FILE)",
+  if (running && (importing || !arguments.pictures.empty() || (!arguments.config.empty() && !arguments.live.empty())))
+    problems.add("expected one of pictures, --config, --live and --import");
+  if (!running && !importing && arguments.pictures.size() < kFewestViews)
+    problems.add("{} pictures: expected at least {} of the board, 15 are better (or --config, --live, --import)",
                  arguments.pictures.size(), kFewestViews);
-  if (!importing && !board)
-    problems.add("--board {}: expected the board's inner corners, like 8x6: one less than its squares each way",
-                 arguments.board.empty() ? "(none)" : arguments.board);
   if (arguments.camera == "scene" && (arguments.model == "opencv_fisheye" || arguments.model == "scaramuzza"))
     problems.add("--model {}: expected pinhole, for the scene is drawn through a pinhole", arguments.model);
   if (!problems.empty()) return fail(problems.fault());
   if (importing) return import(arguments);
 
-  const auto found = look_at_pictures(arguments, *board);
+  const auto found = running ? look_at_camera(arguments, board) : look_at_pictures(arguments, board);
   if (!found) return fail(found.error());
   LensCalibrationOptions options;
   options.family = family_of(arguments.camera == "scene" ? "pinhole" : arguments.model);
@@ -211,7 +226,7 @@ Result<int> calibrate(const LensArguments& arguments) {
   report(*calibration);
   const auto now = now_text();
   auto step = step_of(arguments, found->width, found->height, calibration->fit.lens, now);
-  step.measured.push_back(measured_of(arguments, *calibration, *found, now));
+  step.measured.push_back(measured_of(board, *calibration, *found, now));
   const auto title = fmt::format("{}: {}, rms {:.3f} px over {} views", arguments.camera,
                                  model_name(calibration->fit.lens), calibration->fit.rms_px, calibration->views.size());
   return save_calibration(arguments.out, std::move(step), plot_lens(*calibration, found->width, found->height, title));
@@ -220,13 +235,20 @@ Result<int> calibrate(const LensArguments& arguments) {
 }  // namespace
 
 void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
-  auto* command =
-      calibrate_command.add_subcommand("lens", "The lens, from pictures of a checkerboard or another's file");
+  auto* command = calibrate_command.add_subcommand(
+      "lens", "The lens, from pictures of a checkerboard or ChArUco board, or another's file");
   auto arguments = std::make_shared<LensArguments>();
   auto& a = *arguments;
-  command->add_option("picture", a.pictures, "Pictures of the whole board, held still, all over the picture");
-  command->add_option("--board", a.board, "Inner corners of the board")->type_name("COLUMNSxROWS");
+  command->add_option("picture", a.pictures, "Pictures of the board, held still, all over the picture");
+  add_board_options(*command, a.board);
   command->add_option("--import", a.import_file, "OCamCalib's calib_results.txt, or OpenCV's .yml or .xml, instead");
+  command->add_option("--config", a.config, "Pictures of the camera that this kasumi.toml names, as it runs, instead");
+  command->add_option("--live", a.live, "Or of this one: a Video4Linux device, or a recording");
+  command->add_option("--size", a.size, "Of the device's pictures")->type_name("WIDTHxHEIGHT");
+  command->add_flag("--window", a.window, "Show the running camera's picture, what is covered and what is not");
+  command->add_option("--seconds", a.seconds, "How long to look at most; 0: until the picture is covered")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
   command->add_option("--camera", a.camera, "Whose lens")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
