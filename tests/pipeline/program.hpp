@@ -6,6 +6,7 @@
 #include <string>
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "base/files.hpp"
 #include "tests/pipeline/recorded.hpp"
@@ -19,7 +20,7 @@ struct Outcome {
 
 // `kasumi ARGUMENTS`, as a shell takes them.
 inline Outcome run_kasumi(const std::string& arguments) {
-  const auto errors = test_folder("stderr.txt");
+  const auto errors = test_folder(fmt::format("stderr-{}.txt", ::getpid()));  // test programs run side by side
   Outcome outcome;
   FILE* pipe = ::popen(fmt::format("{} {} 2>{}", KASUMI_BINARY, arguments, errors.string()).c_str(), "r");
   if (!pipe) return outcome;
@@ -28,6 +29,7 @@ inline Outcome run_kasumi(const std::string& arguments) {
     outcome.out.append(buffer.data(), n);
   outcome.code = WEXITSTATUS(::pclose(pipe));
   outcome.err = read_text_file(errors).value_or("");
+  std::filesystem::remove(errors);
   return outcome;
 }
 

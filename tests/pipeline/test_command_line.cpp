@@ -2,39 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <fstream>
 
-#include <sys/wait.h>
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
 #include "pipeline/picture_sink.hpp"
-#include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/program.hpp"
 
 namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
-Outcome run(const std::string& arguments) {
-  const auto errors = test_folder("stderr.txt");
-  Outcome outcome;
-  FILE* pipe = ::popen(fmt::format("{} {} 2>{}", KASUMI_BINARY, arguments, errors.string()).c_str(), "r");
-  if (!pipe) return outcome;
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-    outcome.out.append(buffer.data(), n);
-  outcome.code = WEXITSTATUS(::pclose(pipe));
-  outcome.err = read_text_file(errors).value_or("");
-  return outcome;
-}
 
 class EstimateCommand : public testing::Test {
  protected:
@@ -52,7 +31,7 @@ class EstimateCommand : public testing::Test {
 std::filesystem::path EstimateCommand::sky;
 
 TEST_F(EstimateCommand, JsonHasEveryPromisedKey) {
-  const auto outcome = run("estimate --json " + camera + " " + sky.string());
+  const auto outcome = run_kasumi("estimate --json " + camera + " " + sky.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   for (const char* key : {"turbidity", "sigma", "usable", "reason", "sky", "clear_fraction", "samples",
@@ -66,7 +45,7 @@ TEST_F(EstimateCommand, JsonHasEveryPromisedKey) {
 TEST_F(EstimateCommand, AListOnStandardInputGivesOneObjectALineInItsOrder) {
   const auto list = test_folder("command") / "list.txt";
   std::ofstream(list) << sky.string() << "\n" << sky.string() << "\n" << sky.string() << "\n";
-  const auto outcome = run("estimate --json " + camera + " - <" + list.string());
+  const auto outcome = run_kasumi("estimate --json " + camera + " - <" + list.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   std::istringstream lines(outcome.out);
   int count = 0;
@@ -81,7 +60,7 @@ TEST_F(EstimateCommand, AListOnStandardInputGivesOneObjectALineInItsOrder) {
 TEST_F(EstimateCommand, AnUnreadableImageIsToldAndTheOthersAreDone) {
   const auto broken = test_folder("command") / "broken.png";
   std::ofstream(broken) << "no picture";
-  const auto outcome = run("estimate --json " + camera + " " + broken.string() + " " + sky.string());
+  const auto outcome = run_kasumi("estimate --json " + camera + " " + broken.string() + " " + sky.string());
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("broken.png"));
   EXPECT_THAT(outcome.out, HasSubstr("\"usable\":true"));
@@ -90,7 +69,7 @@ TEST_F(EstimateCommand, AnUnreadableImageIsToldAndTheOthersAreDone) {
 TEST_F(EstimateCommand, AnUnusableSkyIsNoError) {
   const auto black = test_folder("command") / "black.png";
   ASSERT_TRUE(write_png(black, Image<Rgb8>(400, 400)));
-  const auto outcome = run("estimate --json " + camera + " " + black.string());
+  const auto outcome = run_kasumi("estimate --json " + camera + " " + black.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_FALSE(json["usable"]);
@@ -99,7 +78,7 @@ TEST_F(EstimateCommand, AnUnusableSkyIsNoError) {
 }
 
 TEST_F(EstimateCommand, EveryWrongOptionIsToldAtOnce) {
-  const auto outcome = run("estimate --sun-zenith-deg 10 --lat 40 --utc yesterday " + sky.string());
+  const auto outcome = run_kasumi("estimate --sun-zenith-deg 10 --lat 40 --utc yesterday " + sky.string());
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("--sun-azimuth-deg"));
   EXPECT_THAT(outcome.err, HasSubstr("--lon"));
@@ -109,19 +88,19 @@ TEST_F(EstimateCommand, EveryWrongOptionIsToldAtOnce) {
 TEST_F(EstimateCommand, APlotIsWrittenBesideTheImageOnRequest) {
   const auto plot = sky.string() + ".fit.png";
   std::filesystem::remove(plot);
-  ASSERT_EQ(run("estimate --plot " + camera + " " + sky.string()).code, 0);
+  ASSERT_EQ(run_kasumi("estimate --plot " + camera + " " + sky.string()).code, 0);
   EXPECT_GT(std::filesystem::file_size(plot), 1000u);
 }
 
 TEST(CommandLine, AnUnknownCommandIsBadInput) {
-  EXPECT_EQ(run("conjure").code, 2);
-  EXPECT_EQ(run("").code, 2);
-  EXPECT_EQ(run("--help").code, 0);
-  EXPECT_EQ(run("--version").code, 0);
+  EXPECT_EQ(run_kasumi("conjure").code, 2);
+  EXPECT_EQ(run_kasumi("").code, 2);
+  EXPECT_EQ(run_kasumi("--help").code, 0);
+  EXPECT_EQ(run_kasumi("--version").code, 0);
 }
 
 TEST(CommandLine, AMissingFixtureIsBadInput) {
-  const auto outcome = run("replay /nowhere/at-all");
+  const auto outcome = run_kasumi("replay /nowhere/at-all");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("/nowhere/at-all"));
 }
