@@ -76,6 +76,7 @@ TEST(CalibrateColour, ARecordingBecomesAMaskThenASensitivityThatTheCameraIsReadW
   EXPECT_GT(measured_table.number("gamma_error_expected"), 0.0);
   EXPECT_LE(measured_table.number("gamma_error_expected"), 0.02);
   EXPECT_LE(measured_table.number("rms_log_ratio"), 0.02);
+  EXPECT_GT(measured_table.number("gamma_error_of_sky_10_percent_off"), 0.002);
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.sky-colour.png"), 1000u);
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.sky-mask.png"), 1000u);
 
