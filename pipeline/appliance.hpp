@@ -2,6 +2,7 @@
 // one thread calls them all by a clock it turns.
 #pragma once
 
+#include "pipeline/check_loop.hpp"
 #include "pipeline/render_loop.hpp"
 #include "pipeline/scene_loop.hpp"
 #include "pipeline/sky_loop.hpp"
@@ -26,6 +27,7 @@ class Appliance {
   SkyLoop& sky() { return sky_; }
   RenderLoop& render() { return render_; }
   StatusLoop& status() { return status_; }
+  CheckLoop& check() { return check_; }
   Bell& render_bell() { return exchange_.render_bell; }
 
   // Reads configuration and content anew and hands them to the loops; refused, the old ones stay and every problem is
@@ -40,6 +42,7 @@ class Appliance {
   SkyLoop sky_;
   RenderLoop render_;
   StatusLoop status_;
+  CheckLoop check_;
 };
 
 }  // namespace kasumi

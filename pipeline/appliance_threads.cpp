@@ -8,6 +8,8 @@
 
 #include <pthread.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "pipeline/appliance.hpp"
 
@@ -79,9 +81,9 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   const auto time = watch_kernel_time();
   const auto notifier = notify_systemd();
   Appliance appliance(config_file, std::move(content), {*devices, clock, *time, *notifier}, std::move(status));
-  Bell reload, status_bell, ended;
+  Bell reload, status_bell, check_bell, ended;
   Stop stop(clock, *notifier);
-  for (auto* bell : {&reload, &status_bell, &appliance.render_bell()}) stop.add(*bell);
+  for (auto* bell : {&reload, &status_bell, &check_bell, &appliance.render_bell()}) stop.add(*bell);
 
   auto guard = start("signals", [&] { wait_for_signals(stop, reload, ended); });
   std::vector<std::thread> loops;
@@ -100,6 +102,11 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
       appliance.status().step();
       status_bell.wait_for(1s);
     }
+  }));
+  loops.push_back(start("check", [&] {
+    // After everybody else: it may take its time.
+    ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 19);
+    while (!stop.wanted()) check_bell.wait_for(appliance.check().step() - clock.now());
   }));
   auto& render = appliance.render();
   while (!stop.wanted()) {

@@ -4,21 +4,17 @@
 
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
-#include <glm/geometric.hpp>
 
 #include "calib/calibration_file.hpp"
-#include "calib/vignetting_fit.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/calibration_plot_response.hpp"
 #include "pipeline/command_calibrate.hpp"
-#include "pipeline/photograph.hpp"
+#include "pipeline/exposure_stack.hpp"
 #include "pipeline/save_calibration.hpp"
 
 namespace kasumi {
 
 namespace {
-
-constexpr std::size_t kPixels = 40000;
 
 struct ResponseArguments {
   std::vector<std::string> pictures, darks, flats;
@@ -30,153 +26,6 @@ struct ResponseArguments {
   std::string merged;
   std::string out;
 };
-
-struct Stack {
-  std::vector<Image<glm::vec3>> pictures;
-  std::vector<std::string> names;
-  std::vector<double> log_s;
-  double quantum = 0.0;
-  int width() const { return pictures.front().width(); }
-  int height() const { return pictures.front().height(); }
-};
-
-// Pictures of one size; the first that is read sets it.
-std::vector<Image<glm::vec3>> read_pictures(const std::vector<std::string>& files, glm::ivec2& size, double& quantum,
-                                            Problems& problems) {
-  std::vector<Image<glm::vec3>> pictures;
-  for (const auto& file : files) {
-    auto photograph = read_photograph(file);
-    if (!photograph) {
-      problems.add("{}", photograph.error().message);
-      continue;
-    }
-    const glm::ivec2 own{photograph->encoded.width(), photograph->encoded.height()};
-    if (size.x == 0) size = own;
-    if (own != size) {
-      problems.add("{}: {} x {}, expected {} x {} like the first picture: one camera, one size", file, own.x, own.y,
-                   size.x, size.y);
-      continue;
-    }
-    if (!(photograph->quantum > 0.0))
-      problems.add("{}: expected the camera's own 8 or 16 bits, not floating point", file);
-    quantum = photograph->quantum;
-    pictures.push_back(std::move(photograph->encoded));
-  }
-  return pictures;
-}
-
-// What is known of exposures: given, or from the pictures, dropping at both ends what overlaps with nothing.
-struct Known {
-  Stack stack;
-  KnownExposures exposures;
-  std::vector<std::string> left_out;
-};
-
-Known known_exposures(Stack stack, const ResponseArguments& arguments, const glm::dvec3& black,
-                      const Image<std::uint8_t>& mask) {
-  Known known;
-  if (!arguments.exposures_s.empty()) {
-    for (const double seconds : arguments.exposures_s) stack.log_s.push_back(std::log(seconds));
-    known.exposures = {stack.log_s, 0.01 * arguments.exposure_percent, true};
-    known.stack = std::move(stack);
-    return known;
-  }
-  const auto samples = sample_stack(stack.pictures, stack.quantum, black, mask, kPixels);
-  const auto order = by_brightness(samples);
-  const auto ratios = linear_ratios(samples, order);
-  // The longest run of neighbours that overlap.
-  std::size_t first = 0, length = 0;
-  for (std::size_t from = 0; from < ratios.size(); ++from) {
-    std::size_t to = from;
-    while (to < ratios.size() && ratios[to]) ++to;
-    if (to - from > length) {
-      first = from;
-      length = to - from;
-    }
-  }
-  double log_s = 0.0;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k < first || k > first + length) {
-      known.left_out.push_back(stack.names[order[k]]);
-      continue;
-    }
-    if (k > first) log_s += std::log(*ratios[k - 1]);
-    known.stack.pictures.push_back(std::move(stack.pictures[order[k]]));
-    known.stack.names.push_back(stack.names[order[k]]);
-    known.stack.log_s.push_back(log_s);
-  }
-  known.stack.quantum = stack.quantum;
-  known.exposures = {known.stack.log_s, 0.0, false};
-  return known;
-}
-
-Image<std::uint8_t> mask_of(const std::vector<double>& circle, const glm::ivec2& size) {
-  if (circle.empty()) return {};
-  Image<std::uint8_t> mask(size.x, size.y);
-  for (int y = 0; y < size.y; ++y)
-    for (int x = 0; x < size.x; ++x) mask.at(x, y) = std::hypot(x - circle[0], y - circle[1]) < circle[2] ? 255 : 0;
-  return mask;
-}
-
-struct Dark {
-  glm::dvec3 black{0.0};        // median of each channel
-  std::vector<glm::ivec2> hot;  // brighter than the rest of their channel by far
-  double hot_above = 0.0;       // from that level on
-};
-
-Dark look_at_dark(const std::vector<Image<glm::vec3>>& pictures, double quantum) {
-  Dark dark;
-  if (pictures.empty()) return dark;
-  const auto size = pictures.front().elements().size();
-  std::vector<glm::dvec3> mean(size, glm::dvec3(0.0));
-  for (const auto& picture : pictures)
-    for (std::size_t i = 0; i < size; ++i)
-      mean[i] += glm::dvec3(picture.elements()[i]) / static_cast<double>(pictures.size());
-  const auto median = [](std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  for (int c = 0; c < 3; ++c) {
-    // The mean of the middle half: a median of whole steps is a whole step.
-    std::vector<double> values;
-    for (const auto& value : mean) values.push_back(value[c]);
-    std::sort(values.begin(), values.end());
-    double sum = 0.0;
-    for (std::size_t i = size / 4; i < size - size / 4; ++i) sum += values[i];
-    dark.black[c] = sum / static_cast<double>(size - 2 * (size / 4));
-    for (auto& value : values) value = std::abs(value - dark.black[c]);
-    dark.hot_above = std::max(dark.hot_above, std::max(8.0 * quantum, 10.0 * 1.4826 * median(std::move(values))));
-  }
-  const int width = pictures.front().width();
-  for (std::size_t i = 0; i < size; ++i)
-    if (glm::any(glm::greaterThan(mean[i] - dark.black, glm::dvec3(dark.hot_above))))
-      dark.hot.push_back({static_cast<int>(i) % width, static_cast<int>(i) / width});
-  return dark;
-}
-
-// Where the rim is: the circle that was given, else the picture's corners.
-std::pair<glm::dvec2, double> reach_of(const ResponseArguments& arguments, const glm::ivec2& size) {
-  if (!arguments.circle.empty()) return {{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
-  const glm::dvec2 centre = 0.5 * (glm::dvec2(size) - 1.0);
-  return {centre, glm::length(centre)};
-}
-
-Result<VignettingFit> look_at_flats(const std::vector<Image<glm::vec3>>& flats, const Response& response,
-                                    const ResponseArguments& arguments, const Image<std::uint8_t>& mask) {
-  std::vector<Image<float>> lights;
-  for (const auto& flat : flats) {
-    Image<float> light(flat.width(), flat.height());
-    for (std::size_t i = 0; i < light.elements().size(); ++i) {
-      const auto& encoded = flat.elements()[i];
-      const bool usable = std::max({encoded.x, encoded.y, encoded.z}) < static_cast<float>(kSaturated);
-      light.elements()[i] = usable ? static_cast<float>(response.to_light(glm::dvec3(encoded)).y) : 0.0f;
-    }
-    lights.push_back(std::move(light));
-  }
-  const auto [centre, radius_px] = reach_of(arguments, {flats.front().width(), flats.front().height()});
-  return fit_vignetting(lights, mask, centre, radius_px);
-}
 
 struct Found {
   ResponseCalibration calibration;
@@ -198,7 +47,7 @@ MeasuredCurve curve_of(const ResponseCalibration& calibration, const glm::dvec3&
   return curve;
 }
 
-void report(const Known& known, const Found& found) {
+void report(const KnownStack& known, const Found& found) {
   for (const auto& candidate : found.calibration.candidates)
     if (candidate.held_out_steps)
       fmt::print("{:<36} predicts unseen pixels to {:.3f} steps\n", candidate.method, *candidate.held_out_steps);
@@ -227,7 +76,7 @@ void report(const Known& known, const Found& found) {
   for (const auto& words : found.remarks) fmt::print("{}\n", words);
 }
 
-std::vector<Measured> measured_of(const ResponseArguments& arguments, const Known& known, const Found& found,
+std::vector<Measured> measured_of(const ResponseArguments& arguments, const KnownStack& known, const Found& found,
                                   const std::string& now) {
   Measured measured{"response",
                     now,
@@ -259,7 +108,7 @@ std::vector<Measured> measured_of(const ResponseArguments& arguments, const Know
   return all;
 }
 
-void remark(Found& found, const ResponseArguments& arguments, const Known& known) {
+void remark(Found& found, const ResponseArguments& arguments, const KnownStack& known) {
   auto& remarks = found.remarks;
   for (const auto& name : known.left_out)
     remarks.push_back(name + ": left out, too dark or too bright to overlap with the others");
@@ -297,25 +146,26 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   if (auto sound = check(arguments); !sound) return fail(sound.error());
   Problems problems;
   glm::ivec2 size{0};
-  Stack stack;
-  stack.pictures = read_pictures(arguments.pictures, size, stack.quantum, problems);
+  ExposureStack stack;
+  stack.pictures = read_stack_pictures(arguments.pictures, size, stack.quantum, problems);
   double dark_quantum = stack.quantum, flat_quantum = stack.quantum;
-  const auto darks = read_pictures(arguments.darks, size, dark_quantum, problems);
-  const auto flats = read_pictures(arguments.flats, size, flat_quantum, problems);
+  const auto darks = read_stack_pictures(arguments.darks, size, dark_quantum, problems);
+  const auto flats = read_stack_pictures(arguments.flats, size, flat_quantum, problems);
   if (!problems.empty()) return fail(problems.fault());
   for (const auto& file : arguments.pictures) stack.names.push_back(std::filesystem::path(file).filename().string());
 
   Found found;
   found.dark = look_at_dark(darks, stack.quantum);
-  auto mask = mask_of(arguments.circle, size);
+  auto mask = circle_mask(arguments.circle, size);
   if (mask.empty() && !found.dark.hot.empty()) mask = Image<std::uint8_t>(size.x, size.y, 255);
   for (const auto& hot : found.dark.hot) mask.at(hot.x, hot.y) = 0;
-  const auto known = known_exposures(std::move(stack), arguments, found.dark.black, mask);
+  const auto known =
+      known_exposures(std::move(stack), arguments.exposures_s, arguments.exposure_percent, found.dark.black, mask);
   if (known.stack.pictures.size() < 2)
     return fail(FaultKind::bad_input,
                 "no two of the {} pictures overlap: expected exposures each 2 to 4 times the one before",
                 arguments.pictures.size());
-  const auto samples = sample_stack(known.stack.pictures, known.stack.quantum, found.dark.black, mask, kPixels);
+  const auto samples = sample_stack(known.stack.pictures, known.stack.quantum, found.dark.black, mask, kStackPixels);
   auto calibration = calibrate_response(samples, known.exposures);
   if (!calibration) return fail(calibration.error());
   found.calibration = std::move(*calibration);
@@ -323,7 +173,7 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   found.noise = fit_noise(samples, found.calibration.fit);
   if (!flats.empty()) {
     const auto response = found.curve.linear() ? Response::linear() : Response::table(found.curve.light);
-    auto vignetting = look_at_flats(flats, response, arguments, mask);
+    auto vignetting = look_at_flats(flats, response, arguments.circle, mask);
     if (!vignetting) return fail(vignetting.error().kind, "--flat: {}", vignetting.error().message);
     found.vignetting = *vignetting;
   }

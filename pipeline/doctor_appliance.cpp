@@ -159,6 +159,15 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
         .good("air", fmt::format("turbidity {:.2f} +- {:.2f}, {:.0f} s old", number(is, "turbidity"),
                                  number(is, "sigma"), number(is, "turbidity_age_s")))
         .values = {{"turbidity", number(is, "turbidity")}, {"age_s", number(is, "turbidity_age_s")}};
+  if (const auto check = part(is, "check"); check.is_object()) {
+    const auto found = fmt::format("{} ({})", text(check, "summary"), text(check, "utc"));
+    const auto well = part(check, "well");
+    if (well.is_boolean() && !well.get<bool>())
+      findings.warn("calibration.drift", found,
+                    "docs/calibration.md, \"What has changed since\": set the camera right, or calibrate it anew");
+    else
+      findings.good("calibration.drift", found);
+  }
   const auto content = part(is, "content");
   if (const auto problems = part(content, "problems"); problems.is_array() && !problems.empty())
     findings.warn("content.reload", "the last change was refused, the old content is shown: " + problems.front().dump(),

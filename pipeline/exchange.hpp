@@ -10,6 +10,7 @@
 #include "capture/reconnecting_source.hpp"
 #include "pipeline/bell.hpp"
 #include "pipeline/content.hpp"
+#include "pipeline/drift.hpp"
 #include "pipeline/ladder.hpp"
 #include "pipeline/latency.hpp"
 #include "pipeline/sky_watch.hpp"
@@ -64,6 +65,20 @@ struct ReloadNews {
   std::vector<std::string> problems;  // empty: taken in
 };
 
+// A picture for the daily check, of a camera that was asked for one.
+struct CheckPicture {
+  FrameMetadata metadata;
+  Image<Rgb8> picture;
+  bool time_known = false;  // metadata.utc tells where the sun stands
+};
+
+// How the last check of the calibration ended.
+struct CheckNews {
+  Utc at{};
+  std::string summary;                // in a line; also when there was nothing to compare
+  std::optional<DriftReport> report;  // empty: no comparison was made
+};
+
 struct Exchange {
   LatestSlot<SceneFrame> scene_frames;
   LatestSlot<CameraNews> scene_camera;
@@ -74,10 +89,17 @@ struct Exchange {
     LatestSlot<SkyNews> sky;
     LatestSlot<RenderNews> render;
     LatestSlot<ReloadNews> reload;
+    LatestSlot<CheckNews> check;
   } status;
 
+  struct ForCheck {
+    std::atomic<bool> scene_wanted = false, sky_wanted = false;  // a picture, the next that comes
+    std::atomic<bool> clock_trusted = false;
+    LatestSlot<CheckPicture> scene, sky;
+  } check;
+
   struct NewContent {
-    LatestSlot<ContentPtr> scene, sky, render, status;
+    LatestSlot<ContentPtr> scene, sky, render, status, check;
   } content;
 
   Bell render_bell;  // there is news for the render loop

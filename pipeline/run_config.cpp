@@ -142,6 +142,26 @@ OpeningHours read_opening(const ConfigTable& table) {
   return opening;
 }
 
+CheckChoice read_check(const ConfigTable& table, const OpeningHours& opening) {
+  constexpr Range kMinutes{0.1, 240.0};
+  CheckChoice choice;
+  const auto time = table.text("time", std::string("13:00"));
+  const double minutes = table.number("minutes", kMinutes, 30.0);
+  if (time == "never") return choice;
+  const auto rest_of_day = parse_hours(time + "-24:00");
+  if (!rest_of_day || rest_of_day->size() != 1) {
+    table.problem("time", R"(a time of the day like "13:00", by the wall clock, or "never")");
+    return choice;
+  }
+  choice.length = from_seconds(60.0 * minutes);
+  OpeningHours hours;
+  hours.time_zone = opening.time_zone.empty() ? machine_time_zone().value_or("") : opening.time_zone;
+  const auto from = rest_of_day->front().from;
+  hours.week.fill({{from, from + std::chrono::ceil<std::chrono::minutes>(choice.length)}});
+  choice.hours = std::move(hours);
+  return choice;
+}
+
 LadderOptions read_ladder(const ConfigTable& table) {
   LadderOptions ladder;
   const auto seconds = [&](std::string_view key, Range range, Duration fallback) {
@@ -186,6 +206,7 @@ RunConfig read_run_config(const ConfigTable& root) {
   });
   config.clock = section("clock", read_clock);
   config.opening = section("opening", read_opening);
+  config.check = section("check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
   config.ladder = section("ladder", read_ladder);
   config.state_folder = section("state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
     const auto folder = table.text("folder", std::string());

@@ -35,6 +35,12 @@ struct WordsChoice {
   bool show_faults = true;  // false: the visitor reads the curated caption alone
 };
 
+// When the cameras are held against their calibration, once a day.
+struct CheckChoice {
+  std::optional<OpeningHours> hours;  // from when to when pictures are gathered for it; empty: never
+  Duration length{};                  // of that time
+};
+
 struct RunConfig {
   Installation installation;
   CameraChoice sky_camera;
@@ -45,6 +51,7 @@ struct RunConfig {
   WordsChoice words;
   ClockChoice clock;
   OpeningHours opening;
+  CheckChoice check;
   LadderOptions ladder;
   std::optional<std::filesystem::path> state_folder;
 };

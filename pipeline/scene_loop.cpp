@@ -35,6 +35,8 @@ void SceneLoop::hand_on(Frame frame) {
         fmt::format("{}x{} instead of {}x{}", metadata.width, metadata.height, scene.width, scene.height));
   auto picture = decode(frame, scene.yuv_encoding);
   if (!picture) return camera_.reject("damaged");
+  if (exchange_.check.scene_wanted.exchange(false))
+    exchange_.check.scene.put({metadata, to_rgb(picture->view()), false});
   exchange_.scene_frames.put({metadata, std::move(*picture), frame.payload.holder, camera_.outages()});
   exchange_.render_bell.ring();
 }

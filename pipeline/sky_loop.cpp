@@ -96,6 +96,9 @@ void SkyLoop::look(const Frame& frame, SunSource sun_from) {
     return go_without(sun_from);
   }
   if (sun_from == SunSource::image) hold_sun(report->sun);
+  exchange_.check.clock_trusted = sun_from == SunSource::ephemeris;
+  if (report->picture && exchange_.check.sky_wanted.exchange(false))
+    exchange_.check.sky.put({frame.metadata, to_rgb(report->picture->view()), sun_from == SunSource::ephemeris});
   tell(std::move(*report), true, sun_from);
 }
 

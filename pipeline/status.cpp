@@ -62,6 +62,24 @@ Json latency_json(const std::optional<LatencySummary>& latency) {
           {"pictures", latency->pictures}};
 }
 
+Json check_json(const CheckNews& check) {
+  Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(check.at))}, {"summary", check.summary}};
+  json["well"] = check.report ? Json(check.report->well()) : Json(nullptr);
+  json["reference_utc"] = check.report ? Json(utc_text(check.report->reference)) : Json(nullptr);
+  json["findings"] = Json::array();
+  if (!check.report) return json;
+  for (const auto& finding : check.report->findings)
+    json["findings"].push_back({{"camera", finding.camera},
+                                {"what", finding.what},
+                                {"state", name_of(finding.state)},
+                                {"words", finding.words},
+                                {"value", or_null(finding.value)},
+                                {"sigma", or_null(finding.sigma)},
+                                {"alarm", or_null(finding.alarm)},
+                                {"unit", finding.unit}});
+  return json;
+}
+
 // Out of the driver's memory, and to the GPU.
 double copies_per_frame(const Status& status) {
   const auto& camera = status.scene_camera.health;
@@ -101,6 +119,7 @@ std::string status_json(const Status& status) {
   json["pictures"] = status.render.pictures;
   json["content"] = {{"reloaded_utc", status.reload ? Json(utc_text(status.reload->at)) : Json(nullptr)},
                      {"problems", status.reload ? Json(status.reload->problems) : Json::array()}};
+  json["check"] = status.check ? check_json(*status.check) : Json(nullptr);
   json["pid"] = ::getpid();
   json["since_utc"] = utc_text(status.since);
   json["utc"] = utc_text(status.utc);

@@ -17,6 +17,7 @@ struct Status {
   SkyNews sky;
   RenderNews render;
   std::optional<ReloadNews> reload;  // empty: never asked to
+  std::optional<CheckNews> check;    // empty: none since the start
 };
 
 // JSON; docs/operating.md lists its keys.

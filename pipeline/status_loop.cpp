@@ -43,6 +43,7 @@ void StatusLoop::gather() {
   newest(exchange_.status.sky, status_.sky);
   newest(exchange_.status.render, status_.render);
   newest(exchange_.status.reload, status_.reload);
+  newest(exchange_.status.check, status_.check);
   status_.now = clock_.now();
   status_.utc = clock_.utc();
 }

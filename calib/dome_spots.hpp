@@ -1,0 +1,34 @@
+// Dirt on the sky camera's dome: places that are darker than the sky around them however the sky moves.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+
+namespace kasumi {
+
+// One look at the sky, shrunk: linear light of red, green and blue.
+using DomeLook = Image<glm::vec3>;
+
+struct DomeSpot {
+  glm::dvec2 place{};    // in elements of the shrunk picture, its middle
+  double area = 0.0;     // of the elements that were looked at, 0..1
+  double dimming = 0.0;  // of the light, at its darkest: 0..1
+};
+struct DomeState {
+  std::vector<DomeSpot> spots;  // the darkest first
+  double looked_at = 0.0;       // elements that could be judged, of those the mask leaves
+  double least_dimming = 0.0;   // what would have been seen
+};
+
+// A spot is darker than its surroundings (some 11 deg about) by more than the noise and 8 % in four of five of those
+// looks in which the sky about it was smooth (four at least), not bluer than they are (a gap between clouds is), and
+// was not so in the reference. `usable`, of the looks' size: 0 near the sun, near obstructions, near the horizon. Of
+// fewer than 8 looks nothing is judged (looked_at is 0).
+DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference, const Image<std::uint8_t>& usable);
+
+}  // namespace kasumi
