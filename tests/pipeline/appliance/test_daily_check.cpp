@@ -1,0 +1,104 @@
+// The daily check of the calibration, by a clock the test turns: told in the status, and nothing else happens.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/files.hpp"
+#include "capture/fixture.hpp"
+#include "capture/replay_source.hpp"
+#include "pipeline/drift_reference.hpp"
+#include "tests/pipeline/appliance/rig.hpp"
+#include "tests/pipeline/recorded.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+using Json = nlohmann::json;
+
+// The bench's recording begins at 3:00 UTC: a check at 3:00 for 6 s of every day.
+RigOptions checked(const std::string& name, const std::string& time = "03:00") {
+  RigOptions options;
+  options.name = name;
+  options.more_config = fmt::format("\n[opening]\ntime_zone = \"UTC\"\n[check]\ntime = \"{}\"\nminutes = 0.1\n", time);
+  return options;
+}
+
+Json told(Rig& rig) {
+  rig.status();
+  return Json::parse(read_text_file(rig.folder / "status.json").value())["check"];
+}
+
+// What the bench's scene camera saw before somebody tilted it down by half a degree: the generator's own picture.
+DriftReference before_the_bump(const Installation& installation) {
+  auto recipe = small("clear-noon", 1);
+  recipe.start_utc = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h;
+  recipe.sky_frames = 1;
+  recipe.sky_size = 120;
+  recipe.scene_width = 320;
+  recipe.scene_height = 180;
+  recipe.outlook.pitch_deg += 0.5;
+  const auto folder = recorded(recipe, "bench-before-the-bump");
+  const auto row = read_index(folder / "scene").value().front();
+  const Frame frame{row.metadata, payload_of(read_file(folder / "scene" / row.payload).value())};
+  const auto picture = decode(frame, YuvEncoding::bt601_full).value();
+  DriftFrames frames(installation);
+  for (int i = 0; i < kFewestCheckFrames; ++i) frames.add_scene(picture.view());
+  return take_reference(frames, installation, recipe.start_utc).value();
+}
+
+// In steps as long as it takes pictures: 15 of them.
+bool check_again(Rig& rig, std::optional<Utc> last = {}, int ticks = 150) {
+  for (int i = 0; i < ticks; ++i) {
+    rig.advance(400ms, 400ms);
+    if (const auto& check = rig.status().check; check && check->at != last) return true;
+  }
+  return false;
+}
+
+TEST(DailyCheck, TheFirstTakesTheReferenceTheNextFindsAllWell) {
+  Rig rig(checked("check-well"));
+  EXPECT_TRUE(told(rig).is_null());
+  ASSERT_TRUE(check_again(rig));
+  EXPECT_THAT(told(rig)["summary"].get<std::string>(), HasSubstr("reference from now on"));
+  EXPECT_TRUE(std::filesystem::exists(rig.folder / "state/calibration.check-scene.png"));
+  EXPECT_EQ(rig.shown(), Shown::live) << "the picture goes on";
+  const auto at = rig.status().check->at;
+  EXPECT_FALSE(check_again(rig, at, 30)) << "once a day";
+  rig.advance(24h - (rig.clock.utc() - at), 2h);
+  ASSERT_TRUE(check_again(rig, at));
+  const auto check = told(rig);
+  EXPECT_EQ(check["well"], true) << check.dump(1);
+  EXPECT_FALSE(check["findings"].empty());
+}
+
+TEST(DailyCheck, ACameraBumpedSinceIsToldWithItsSizeAndThePictureGoesOn) {
+  Rig rig(checked("check-bumped"));
+  const auto installation = read_content(rig.config).value()->config.installation;
+  ASSERT_TRUE(save_reference(before_the_bump(installation), rig.folder / "state/calibration"));
+  ASSERT_TRUE(check_again(rig));
+  const auto check = told(rig);
+  EXPECT_EQ(check["well"], false) << check.dump(1);
+  EXPECT_THAT(check["summary"].get<std::string>(), HasSubstr("scene camera, view: the camera has turned by 0."));
+  for (const auto& finding : check["findings"])
+    if (finding["camera"] == "scene" && finding["what"] == "view") {
+      EXPECT_NEAR(finding["value"].get<double>(), 0.5, 0.02);
+      EXPECT_EQ(finding["unit"], "deg");
+    }
+  EXPECT_EQ(rig.shown(), Shown::live);
+}
+
+TEST(DailyCheck, WithoutAKnownTimeOrWhenToldNeverItIsLeftOut) {
+  Rig never(checked("check-never", "never"));
+  never.advance(20s, 1s);
+  EXPECT_TRUE(told(never).is_null());
+  auto options = checked("check-unknown");
+  options.clock_policy = "synchronized";
+  Rig unknown(options);
+  unknown.advance(20s, 1s);
+  EXPECT_TRUE(told(unknown).is_null());
+}
+
+}  // namespace
+}  // namespace kasumi
