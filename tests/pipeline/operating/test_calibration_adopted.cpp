@@ -137,8 +137,7 @@ TEST(CalibrationAdopted, ARecordingHoldsAllThatWasAdopted) {
 TEST(CalibrationAdopted, AFixtureMayNameOneToo) {
   const auto folder = operating_folder("adopted-fixture");
   write_measured(folder / "calibration.toml");
-  std::filesystem::copy_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo/temple.glb",
-                             folder / "temple.glb");
+  std::filesystem::copy_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/temple.glb", folder / "temple.glb");
   ASSERT_TRUE(write_text_file(folder / "fixture.toml", R"(format = 1
 name = "x"
 licence = "CC0-1.0"
