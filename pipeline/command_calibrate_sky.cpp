@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 
+#include "calib/adopt_calibration.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/image_circle.hpp"
 #include "calib/sky_orientation.hpp"
@@ -37,6 +38,7 @@ struct KnownLens {
 Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixture) {
   const auto root = ConfigTable::read_file(fixture.folder / "fixture.toml");
   if (!root) return fail(root.error());
+  adopt_calibration(*root);
   KnownLens known{read_lens_description(root->table("sky").table("lens")), false, std::nullopt};
   if (const auto word = root->table("sky").text("response"); word != "table") known.response = word;
   std::error_code error;
