@@ -149,7 +149,7 @@ struct Day {
 };
 
 TEST_F(Ball, OfGreyPlasterIsLitBySunSkyAndGroundAsTheirIntegralSays) {
-  // Sun behind the camera, aside and behind the ball. The last air and the last suns were chosen when all was done.
+  // Sun behind the camera, aside and behind the ball.
   constexpr double kAlbedo = 0.5;
   const ModelMaterial plaster{.name = "plaster", .base_colour = {kAlbedo, kAlbedo, kAlbedo, 1.0f}};
   ASSERT_TRUE(renderer_->set_model(ball(plaster)));
