@@ -1,7 +1,5 @@
 #include "pipeline/bench_gles.hpp"
 
-#include <GLES2/gl2.h>
-
 #include <algorithm>
 
 #include "gles/context.hpp"
@@ -9,29 +7,12 @@
 #include "gles/renderer.hpp"
 #include "pipeline/bench_gles_papers.hpp"
 #include "pipeline/bench_gles_scene.hpp"
+#include "pipeline/bench_gles_stopwatch.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr int kManyPairs = 31;  // of draws of some milliseconds
-constexpr int kFewPairs = 5;    // with sums over wavelengths
-
-// Draws in turn, each waited for; keeps the first fault.
-class Stopwatch {
- public:
-  template <class A, class B>
-  double ratio(A a, B b, int pairs = kManyPairs) {
-    return paired_ratio([&] { finish(a()); }, [&] { finish(b()); }, pairs);
-  }
-  const Result<>& result() const { return result_; }
-
- private:
-  void finish(const Result<>& drawn) {
-    glFinish();
-    if (result_ && !drawn) result_ = drawn;
-  }
-  Result<> result_;
-};
+constexpr int kFewPairs = 5;  // with sums over wavelengths
 
 // Shares of the picture in percent: the object's box, and what the object covers in it.
 struct Shares {

@@ -10,5 +10,7 @@ namespace kasumi {
 
 // Opens a headless context of its own; full HD. Errors: unsupported (no GL here), device.
 Result<std::vector<BenchRow>> bench_gles();
+// The same of the layer: light, shadow, reflection, the camera's quality, a model of a million triangles.
+Result<std::vector<BenchRow>> bench_layer();
 
 }  // namespace kasumi

@@ -18,6 +18,7 @@ namespace {
 constexpr int kWidth = 1920, kHeight = 1080;
 constexpr double kDistance_m = 3500.0;
 constexpr double kMetresPerPixel = 0.125;
+constexpr double kFacadeWidth_m = 0.5 * kWidth * kMetresPerPixel, kFacadeHeight_m = 0.5 * kHeight * kMetresPerPixel;
 
 std::uint8_t byte(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
@@ -39,28 +40,28 @@ ModelTexture masonry(std::mt19937_64& random) {
 
 // A facade in the x-y plane, looking to +z, its middle bottom at the origin: a field of cells, left out where the
 // openings are and above the gable.
-Model make_facade(double width_m, double height_m, std::mt19937_64& random) {
-  constexpr int kColumns = 150, kRows = 80;
+Model make_facade(double width_m, double height_m, int finer, std::mt19937_64& random) {
+  const int columns = 150 * finer, rows = 80 * finer;
   ModelPart part;
   const auto place = [&](int i, int j) {
-    const double x = width_m * (double(i) / kColumns - 0.5), y = height_m * j / kRows;
+    const double x = width_m * (double(i) / columns - 0.5), y = height_m * j / rows;
     return glm::dvec3{x, y, 0.4 * std::sin(0.9 * x) * std::cos(0.7 * y)};
   };
-  for (int j = 0; j <= kRows; ++j)
-    for (int i = 0; i <= kColumns; ++i) {
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i <= columns; ++i) {
       const auto here = place(i, j);
       const auto normal = glm::normalize(glm::cross(place(i + 1, j) - here, place(i, j + 1) - here));
       part.vertices.push_back({glm::vec3(here), glm::vec3(normal), glm::vec2(here.x, -here.y) / 16.0f, glm::vec4(1)});
     }
-  const auto at = [](int i, int j) { return static_cast<std::uint32_t>(j * (kColumns + 1) + i); };
-  const auto stands = [](int i, int j) {
-    const double gable = kRows - 0.27 * std::abs(i + 0.5 - 0.5 * kColumns);
-    const int across = i % 25, up = j % 27;
+  const auto at = [=](int i, int j) { return static_cast<std::uint32_t>(j * (columns + 1) + i); };
+  const auto stands = [=](int i, int j) {
+    const double gable = rows - 0.27 * std::abs(i + 0.5 - 0.5 * columns);
+    const int across = i / finer % 25, up = j / finer % 27;
     const bool opening = across >= 9 && across < 16 && up >= 6 && up < 18 - std::abs(across - 12);
     return j < gable && !opening;
   };
-  for (int j = 0; j < kRows; ++j)
-    for (int i = 0; i < kColumns; ++i)
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i)
       if (stands(i, j))
         part.indices.insert(part.indices.end(),
                             {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
@@ -125,9 +126,8 @@ PictureView BenchFrame::nv12() const {
 BenchScene make_bench_scene() {
   std::mt19937_64 random(1);
   BenchScene scene;
-  const double width_m = 0.5 * kWidth * kMetresPerPixel, height_m = 0.5 * kHeight * kMetresPerPixel;
-  scene.facade = make_facade(width_m, height_m, random);
-  scene.model_to_world = model_to_world({.north_m = kDistance_m, .up_m = -0.5 * height_m});
+  scene.facade = make_facade(kFacadeWidth_m, kFacadeHeight_m, 1, random);
+  scene.model_to_world = model_to_world({.north_m = kDistance_m, .up_m = -0.5 * kFacadeHeight_m});
   scene.view = view_north();
 
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
@@ -141,6 +141,11 @@ BenchScene make_bench_scene() {
   scene.measured = airlight({0.55, 0.6, 0.68});
   scene.frame = make_frame(random);
   return scene;
+}
+
+Model make_bench_facade(int finer) {
+  std::mt19937_64 random(1);
+  return make_facade(kFacadeWidth_m, kFacadeHeight_m, finer, random);
 }
 
 }  // namespace kasumi

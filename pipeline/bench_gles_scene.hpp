@@ -37,5 +37,7 @@ struct BenchScene {
 };
 
 BenchScene make_bench_scene();
+// The same facade of finer cells, `finer` each way: 7 make a million triangles.
+Model make_bench_facade(int finer);
 
 }  // namespace kasumi

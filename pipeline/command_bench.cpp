@@ -32,6 +32,9 @@ void add_bench_command(CLI::App& app, Action& action) {
       const auto gles = bench_gles();
       if (!gles) return fail(gles.error());
       print(*gles);
+      const auto layer = bench_layer();
+      if (!layer) return fail(layer.error());
+      print(*layer);
       return 0;
     };
   });
