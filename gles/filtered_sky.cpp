@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <glm/common.hpp>
@@ -25,13 +26,6 @@ glm::vec3 look_up(const Image<glm::vec3>& map, const glm::dvec2& place) {
 
 glm::dvec2 place_of(int x, int y, int size) {
   return 2.0 * glm::dvec2{x, y} / (size - 1.0) - 1.0;
-}
-
-Image<glm::vec3> map_of(int size, const std::function<glm::vec3(const Direction&)>& light) {
-  Image<glm::vec3> map(size, size);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) map.at(x, y) = light(direction_on_map(place_of(x, y, size)));
-  return map;
 }
 
 // Smooth light needs no more than half the size to be filtered on.
@@ -68,15 +62,81 @@ Lobe lobe_of(double roughness) {
   return lobe;
 }
 
-glm::vec3 under(const Lobe& lobe, const Direction& image, const Image<glm::vec3>& radiance) {
-  const glm::dvec3 aside = std::abs(image.z) < 0.9 ? glm::dvec3{0, 0, 1} : glm::dvec3{1, 0, 0};
-  const glm::dvec3 x = glm::normalize(glm::cross(aside, image)), y = glm::cross(image, x);
-  glm::vec3 sum{0.0f};
-  for (std::size_t i = 0; i < lobe.directions.size(); ++i) {
-    const glm::dvec3& d = lobe.directions[i];
-    sum += lobe.weights[i] * look_up(radiance, place_on_map(d.x * x + d.y * y + d.z * image));
+// What a mirror of that roughness sees of the map, each texel of its picture as a sum over the map's texels. The lobes
+// never change, so they are laid on the map once.
+class Mirror {
+ public:
+  Mirror(double roughness, int size) : size_(size) {
+    const Lobe lobe = lobe_of(roughness);
+    std::vector<float> share(kMap * kMap, 0.0f);
+    std::vector<std::size_t> touched;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x) {
+        lay(lobe, direction_on_map(place_of(x, y, size)), share, touched);
+        for (const std::size_t at : touched) {
+          taps_.push_back({static_cast<std::uint32_t>(at), share[at]});
+          share[at] = 0.0f;
+        }
+        touched.clear();
+        ends_.push_back(taps_.size());
+      }
   }
-  return sum;
+
+  Image<glm::vec3> of(const Image<glm::vec3>& radiance) const {
+    Image<glm::vec3> picture(size_, size_);
+    std::size_t tap = 0;
+    for (std::size_t i = 0; i < ends_.size(); ++i) {
+      glm::vec3 sum{0.0f};
+      for (; tap < ends_[i]; ++tap) sum += taps_[tap].share * radiance.elements()[taps_[tap].at];
+      picture.elements()[i] = sum;
+    }
+    return picture;
+  }
+
+ private:
+  static constexpr int kMap = LightAround::kSize;
+  struct Tap {
+    std::uint32_t at;  // texel of the map
+    float share;
+  };
+
+  // The lobe around `image`, between the map's texels.
+  static void lay(const Lobe& lobe, const Direction& image, std::vector<float>& share,
+                  std::vector<std::size_t>& touched) {
+    const glm::dvec3 aside = std::abs(image.z) < 0.9 ? glm::dvec3{0, 0, 1} : glm::dvec3{1, 0, 0};
+    const glm::dvec3 x = glm::normalize(glm::cross(aside, image)), y = glm::cross(image, x);
+    for (std::size_t i = 0; i < lobe.directions.size(); ++i) {
+      const glm::dvec3& d = lobe.directions[i];
+      const glm::dvec2 at = 0.5 * (place_on_map(d.x * x + d.y * y + d.z * image) + 1.0) * (kMap - 1.0);
+      const int left = std::min(static_cast<int>(at.x), kMap - 2), top = std::min(static_cast<int>(at.y), kMap - 2);
+      const double u = at.x - left, v = at.y - top;
+      const auto add = [&](int column, int row, double part) {
+        const auto texel = static_cast<std::size_t>(row * kMap + column);
+        if (!(part > 0.0)) return;
+        if (share[texel] == 0.0f) touched.push_back(texel);
+        share[texel] += lobe.weights[i] * static_cast<float>(part);
+      };
+      add(left, top, (1.0 - u) * (1.0 - v));
+      add(left + 1, top, u * (1.0 - v));
+      add(left, top + 1, (1.0 - u) * v);
+      add(left + 1, top + 1, u * v);
+    }
+  }
+
+  int size_;
+  std::vector<Tap> taps_;
+  std::vector<std::size_t> ends_;  // of each texel's taps
+};
+
+// Of roughness 1/6 .. 5/6; 6 MB.
+const std::vector<Mirror>& mirrors() {
+  static const auto made = [] {
+    std::vector<Mirror> all;
+    for (int level = 1; level < FilteredSky::kMirrors; ++level)
+      all.emplace_back(static_cast<double>(level) / FilteredSky::kMirrors, level == 1 ? FilteredSky::kSize : kCoarse);
+    return all;
+  }();
+  return made;
 }
 
 // Irradiance over pi on eight normals at a time, which compilers make vector code of.
@@ -125,11 +185,9 @@ FilteredSky filter_sky(const LightAround& around, bool with_mirrors) {
   sky.matt = matt_of(around);
   if (!with_mirrors) return sky;
   sky.mirrors[0] = in_full_size(around.radiance);
-  for (int level = 1; level < FilteredSky::kMirrors; ++level) {
-    const Lobe lobe = lobe_of(static_cast<double>(level) / FilteredSky::kMirrors);
-    const auto light = [&](const Direction& image) { return under(lobe, image, around.radiance); };
-    sky.mirrors[static_cast<std::size_t>(level)] =
-        level == 1 ? map_of(FilteredSky::kSize, light) : in_full_size(map_of(kCoarse, light));
+  for (std::size_t level = 1; level < sky.mirrors.size(); ++level) {
+    auto picture = mirrors()[level - 1].of(around.radiance);
+    sky.mirrors[level] = picture.width() == FilteredSky::kSize ? std::move(picture) : in_full_size(picture);
   }
   return sky;
 }
