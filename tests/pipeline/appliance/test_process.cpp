@@ -145,12 +145,12 @@ TEST(Process, RunsTakesInNewContentAndEndsWithinTwoSecondsOfBeingAsked) {
 
   const auto asked = SteadyClock::now();
   kasumi.send(SIGTERM);
-  const auto code = kasumi.wait(20s);
+  const auto code = kasumi.wait(kSlowedDown ? 60s : 20s);
   ASSERT_TRUE(code);
   const auto took = std::chrono::duration<double>(SteadyClock::now() - asked).count();
   EXPECT_EQ(*code, 0) << kasumi.log();
   std::printf("ended %.2f s after SIGTERM\n", took);
-  EXPECT_LE(took, kSlowedDown ? 10.0 : 2.0);
+  EXPECT_LE(took, kSlowedDown ? 60.0 : 2.0);
   EXPECT_THAT(manager.heard(), HasSubstr("WATCHDOG=1"));
   EXPECT_THAT(manager.heard(), HasSubstr("STATUS=live"));
   EXPECT_THAT(manager.heard(), HasSubstr("STOPPING=1"));
