@@ -48,7 +48,7 @@ constexpr std::array kAfternoon{
     AfternoonStep{"sky", "vignetting", "Vignetting", "how the picture darkens towards the rim",
                   "kasumi calibrate vignetting RECORDING --out"},
     AfternoonStep{"sky", "colour", "Colour", "which colours the camera's channels see",
-                  "kasumi calibrate colour RECORDING --out"},
+                  "kasumi calibrate colour RECORDING --cameras FOLDER --out"},
     AfternoonStep{"sky", "mask", "Mask", "what in the picture never is sky", "kasumi calibrate mask RECORDING --out"},
     AfternoonStep{"scene", "lens", "Lens", "the lens, and with it every direction in the picture",
                   "kasumi calibrate lens PICTURE... --board 8x6 --camera scene --out"},
