@@ -1,0 +1,31 @@
+// KNMI's meadow at De Bilt: visibility from the contrast of landmarks beside the measured one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+
+namespace kasumi {
+
+struct LandmarkRow {
+  std::string frame;             // file name
+  double measured_m = 0.0;       // MOR at the station's sensor
+  double optical_range_m = 0.0;  // ours, MOR: the value, or the bound
+  double sigma_m = 0.0;          // of a value
+  std::string kind;              // "value"; "visibility at least", "visibility at most" this
+  bool within_1_5 = false;       // a value within a factor 1.5 of the measured; a bound that the measured keeps
+};
+
+struct LandmarkTable {
+  std::vector<LandmarkRow> rows;  // daylight colour frames, by measured visibility
+  double spearman = 0.0;          // of ours and measured; equal bounds ("at least", "at most") share a rank
+};
+
+// The colour frames of shared/data/haze/knmi-debilt; `landmarks`: tests/paper/knmi-debilt.toml. Errors: bad_input.
+Result<LandmarkTable> landmark_table(const std::filesystem::path& folder, const std::filesystem::path& landmarks);
+// Spearman's rank correlation, ties share their mean rank.
+double spearman(const std::vector<double>& one, const std::vector<double>& other);
+
+}  // namespace kasumi
