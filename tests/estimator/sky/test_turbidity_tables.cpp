@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/cramer_rao.hpp"
-#include "estimator/turbidity.hpp"
-#include "synthetic_sky.hpp"
+#include "tests/estimator/sky/estimate_often.hpp"
 
 namespace kasumi {
 namespace {
@@ -18,51 +16,10 @@ constexpr int kRepeats = 100;
 #endif
 constexpr bool kJudged = kRepeats == 100;
 
-struct Row {
-  double mean = 0.0, sigma = 0.0, bound = 0.0, stated = 0.0, worst = 0.0;
-  int usable = 0;
-};
-
-SunDirection turned(const SunDirection& sun, double degrees, double around) {
-  const glm::dvec3 a = glm::normalize(glm::cross(sun, glm::dvec3{0.0, 0.0, 1.0})), b = glm::cross(a, sun);
-  const double angle = from_degrees(degrees).value;
-  return std::cos(angle) * sun + std::sin(angle) * (std::cos(around) * a + std::sin(around) * b);
+using Row = test::Repeated;
+Row estimate_often(const test::SyntheticSky& description, const EstimateOptions& options, double sun_error_deg = 0.0) {
+  return test::estimate_often(description, options, kRepeats, sun_error_deg);
 }
-
-Row estimate_often(const test::SyntheticSky& description, EstimateOptions options, double sun_error_deg = 0.0) {
-  const Camera camera = test::upward_camera(500);
-  const test::RenderedSky rendered = test::render(description, camera);
-  const Image<Rgb8> image = rendered.to_8_bit();
-  const SkyPicture picture = *sky_picture(view_of(image), camera);
-  SkyObserver observer(camera);
-  Row row;
-  double sum = 0.0, squares = 0.0;
-  for (int i = 0; i < kRepeats; ++i) {
-    options.samples = 100;
-    options.seed = 1000 + static_cast<std::uint64_t>(i);
-    const double around = 2.0 * kPi * test::hashed_uniform(99, static_cast<std::uint64_t>(i));
-    const SkyLook look = observer.look(
-        picture, sun_error_deg > 0.0 ? turned(rendered.sun, sun_error_deg, around) : rendered.sun, options);
-    if (!look.estimate.usable) continue;
-    ++row.usable;
-    const double error = look.estimate.turbidity.value - description.turbidity;
-    sum += error;
-    squares += error * error;
-    row.worst = std::max(row.worst, std::abs(error));
-    row.bound += cramer_rao_sigma(look.samples, Turbidity{description.turbidity}, true);
-    row.stated += look.estimate.sigma;
-  }
-  const double bias = sum / row.usable;
-  row.mean = description.turbidity + bias;
-  row.sigma = std::sqrt(std::max(0.0, squares / row.usable - bias * bias));
-  row.bound /= row.usable;
-  row.stated /= row.usable;
-  return row;
-}
-
-// M Table 1: mean and standard deviation for T = 2 .. 9.
-constexpr double kMorales[8][2] = {{2.011791, .004660}, {2.851666, .027230}, {4.241544, .043840}, {4.992700, .055292},
-                                   {5.836839, .061853}, {7.138090, .062630}, {8.010996, .135764}, {9.099154, .089461}};
 
 void print_head(const char* title) {
   std::printf(
@@ -72,8 +29,8 @@ void print_head(const char* title) {
 }
 void print_row(int t, const Row& row) {
   std::printf("  %d | %8.4f +- %6.4f | %8.4f +- %6.4f | %6.4f   %5.2f      | %6.4f | %6.4f | %d\n", t,
-              kMorales[t - 2][0], kMorales[t - 2][1], row.mean, row.sigma, row.bound, row.sigma / row.bound, row.stated,
-              row.worst, row.usable);
+              test::kMoralesTable1[t - 2][0], test::kMoralesTable1[t - 2][1], row.mean, row.sigma, row.bound,
+              row.sigma / row.bound, row.stated, row.worst, row.usable);
 }
 
 TEST(TurbidityTables, ClearSkiesAreUnbiasedAndAtTheBound) {
@@ -112,9 +69,8 @@ TEST(TurbidityTables, FiftyPerCentConnectedCloudsCostATenthAtWorst) {
 
 // M14 Table 2: error of the mean at T = 2, beside Zhao's.
 TEST(TurbidityTables, AWrongSunCostsLessThanInMorales2014) {
-  constexpr double kRows[3][3] = {{5, .93630, 3}, {10, 3.14890, 5}, {15, 5.10645, 9}};
   std::printf("\nsun off by | M14 Table 2 | Zhao | Kasumi (T +- sigma, usable)\n");
-  for (const auto& [degrees, morales, zhao] : kRows) {
+  for (const auto& [degrees, morales, zhao] : test::kMorales2014Table2) {
     const Row row = estimate_often({.turbidity = 2.0}, {}, degrees);
     const double error = 100.0 * std::abs(row.mean - 2.0) / 2.0;
     std::printf("  %4.0f deg | %8.2f %%  | %2.0f %% | %.2f %% (%.4f +- %.4f, %d)\n", degrees, morales, zhao, error,
