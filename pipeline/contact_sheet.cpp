@@ -45,15 +45,15 @@ void ContactSheet::add(const Image<Rgb8>& picture, std::string words) {
   tiles_.push_back({image_of(matrix), std::move(words)});
 }
 
-Result<> ContactSheet::write(const std::filesystem::path& path) const {
-  if (tiles_.empty()) return fail(FaultKind::bad_input, "{}: expected at least one picture", path.string());
+Image<Rgb8> ContactSheet::drawn(int columns) const {
   int width = 0, height = 0;
   for (const auto& tile : tiles_) {
     width = std::max(width, tile.picture.width());
     height = std::max(height, tile.picture.height());
   }
   const int count = static_cast<int>(tiles_.size());
-  const int columns = std::clamp(static_cast<int>(std::lround(std::sqrt(1.0 * count * height / width))), 1, count);
+  if (columns <= 0)
+    columns = std::clamp(static_cast<int>(std::lround(std::sqrt(1.0 * count * height / width))), 1, count);
   const int rows = (count + columns - 1) / columns;
   cv::Mat sheet(rows * (height + kGap_px) + kGap_px, columns * (width + kGap_px) + kGap_px, CV_8UC3, kGround);
   for (int i = 0; i < count; ++i) {
@@ -66,7 +66,12 @@ Result<> ContactSheet::write(const std::filesystem::path& path) const {
     cv::putText(sheet, tile.words, at + cv::Point(5, size.height + 5), cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1,
                 cv::LINE_AA);
   }
-  return write_png(path, image_of(sheet));
+  return image_of(sheet);
+}
+
+Result<> ContactSheet::write(const std::filesystem::path& path) const {
+  if (tiles_.empty()) return fail(FaultKind::bad_input, "{}: expected at least one picture", path.string());
+  return write_png(path, drawn());
 }
 
 }  // namespace kasumi

@@ -15,7 +15,9 @@ class ContactSheet {
  public:
   // Larger pictures are made smaller, so that the sheet stays handy.
   void add(const Image<Rgb8>& picture, std::string words);
-  // PNG, as near to a square as it goes. Errors: bad_input (nothing was added), io.
+  // As near to a square as it goes, or of so many columns. At least one picture must have been added.
+  Image<Rgb8> drawn(int columns = 0) const;
+  // PNG. Errors: bad_input (nothing was added), io.
   Result<> write(const std::filesystem::path& path) const;
 
  private:
