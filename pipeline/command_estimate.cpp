@@ -12,6 +12,7 @@
 #include "pipeline/fit_plot.hpp"
 #include "pipeline/ordered_jobs.hpp"
 #include "pipeline/picture_sink.hpp"
+#include "pipeline/scene_visibility.hpp"
 #include "pipeline/sky_photograph.hpp"
 
 namespace kasumi {
@@ -20,6 +21,8 @@ namespace {
 
 struct EstimateArguments {
   std::vector<std::string> images;
+  std::vector<std::string> scenes;  // of the scene camera
+  std::string landmarks;
   std::string calibration;
   std::string lens = "equidistant";
   double fov_deg = 180.0;
@@ -38,7 +41,7 @@ struct EstimateArguments {
   std::string plot_dir;
   std::size_t jobs = 0;
 
-  bool from_stdin() const { return images.empty() || images == std::vector<std::string>{"-"}; }
+  bool from_stdin() const { return (images.empty() && scenes.empty()) || images == std::vector<std::string>{"-"}; }
 };
 
 Result<> read_calibration(const std::string& file, SkyPhotographSetup& setup) {
@@ -103,7 +106,8 @@ Result<SkyPhotographSetup> setup_of(const EstimateArguments& arguments) {
 struct ImageJob {
   std::filesystem::path file;
   std::optional<Utc> utc;
-  std::string problem;  // of a line of the list
+  std::string problem;                     // of a line of the list
+  const SceneVisibility* scene = nullptr;  // taken at the same time
 };
 
 // One line of a list: a path, or a path, a tab and a UTC time.
@@ -119,6 +123,16 @@ ImageJob job_of(std::string line) {
                                 line.substr(tab + 1));
   }
   return job;
+}
+
+// What the landmarks in the scene camera's picture of the same time say, beside the sky.
+std::string landmarks_of(const SceneVisibilities& scenes, const SceneVisibility& scene,
+                         const SkyPhotographReport* report, bool json) {
+  std::optional<SkyComparison> sky;
+  if (report && report->look.estimate.usable)
+    sky = scenes.watch.compare(scene.air, report->look.estimate.turbidity, report->look.estimate.sigma);
+  return json ? visibility_json(scenes.watch, scene, sky ? &*sky : nullptr)
+              : visibility_text(scenes.watch, scene, sky ? &*sky : nullptr);
 }
 
 nlohmann::ordered_json json_of(const ImageJob& job, const SkyPhotographReport& report) {
@@ -200,11 +214,20 @@ struct Answer {
   std::string error;  // for standard error
 };
 
-Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs, const ImageJob& job) {
+Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs, const SceneVisibilities* scenes,
+                 const ImageJob& job) {
   if (!job.problem.empty()) return {"", job.problem};
   const auto report = photographs.look_at(job.file, job.utc);
   if (!report) return {"", report.error().message};
-  Answer answer{arguments.json ? json_of(job, *report).dump() + "\n" : text_of(job, *report), ""};
+  const auto beside = job.scene ? landmarks_of(*scenes, *job.scene, &*report, arguments.json) : std::string();
+  Answer answer;
+  if (arguments.json) {
+    auto json = json_of(job, *report);
+    if (job.scene) json["landmarks"] = nlohmann::ordered_json::parse(beside);
+    answer.text = json.dump() + "\n";
+  } else {
+    answer.text = text_of(job, *report) + beside;
+  }
   if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
     const auto path = plot_path(arguments, job.file);
     const auto& estimate = report->look.estimate;
@@ -218,6 +241,22 @@ Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs
 }
 
 Result<int> estimate(const EstimateArguments& arguments) {
+  std::optional<SceneVisibilities> scenes;
+  if (!arguments.scenes.empty()) {
+    auto looked = look_at_scenes({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
+    if (!looked) return fail(looked.error());
+    scenes = std::move(*looked);
+    if (arguments.images.empty()) {
+      for (const auto& scene : scenes->pictures)
+        fmt::print("{}{}", landmarks_of(*scenes, scene, nullptr, arguments.json), arguments.json ? "\n" : "");
+      return 0;
+    }
+    if (arguments.from_stdin() || scenes->pictures.size() != arguments.images.size())
+      return fail(
+          FaultKind::bad_input,
+          "--scene: {} pictures beside {} of the sky: expected one for each, in their order, or none of the sky",
+          scenes->pictures.size(), arguments.from_stdin() ? 0 : arguments.images.size());
+  }
   const auto setup = setup_of(arguments);
   if (!setup) return fail(setup.error());
 
@@ -225,7 +264,8 @@ Result<int> estimate(const EstimateArguments& arguments) {
   const auto next = [&]() -> std::optional<ImageJob> {
     if (!arguments.from_stdin()) {
       if (given == arguments.images.size()) return std::nullopt;
-      return ImageJob{arguments.images[given++], std::nullopt, ""};
+      const auto at = given++;
+      return ImageJob{arguments.images[at], std::nullopt, "", scenes ? &scenes->pictures[at] : nullptr};
     }
     for (std::string line; std::getline(std::cin, line);)
       if (!line.empty()) return job_of(std::move(line));
@@ -241,7 +281,9 @@ Result<int> estimate(const EstimateArguments& arguments) {
   bool all_read = true;
   run_in_order<ImageJob, Answer>(
       threads, next,
-      [&](std::size_t worker, const ImageJob& job) { return answer_of(arguments, workers[worker], job); },
+      [&](std::size_t worker, const ImageJob& job) {
+        return answer_of(arguments, workers[worker], scenes ? &*scenes : nullptr, job);
+      },
       [&](const ImageJob&, const Answer& answer) {
         fmt::print("{}", answer.text);
         std::fflush(stdout);
@@ -261,6 +303,12 @@ void add_estimate_command(CLI::App& app, Action& action) {
   command->add_option(
       "image", a.images,
       "Pictures; none or -: a list on standard input, one path a line, with a tab and its UTC where known");
+  auto* scene = command->add_option(
+      "--scene", a.scenes,
+      "Pictures of the scene camera, or a folder: visibility from --landmarks; beside as many of the sky");
+  command->add_option("--landmarks", a.landmarks, "TOML of [[landmarks]] at known distance (docs/operating.md)")
+      ->check(CLI::ExistingFile)
+      ->needs(scene);
   command->add_option("--calibration", a.calibration,
                       "TOML with [sky] (docs/cameras.md) and, if wanted, [site]; instead of the lens options");
   command->add_option("--lens", a.lens, "Fisheye model")
@@ -304,7 +352,11 @@ void add_estimate_command(CLI::App& app, Action& action) {
   command->add_option("--plot-dir", a.plot_dir, "Write the plots into this folder instead");
   command->add_option("--jobs", a.jobs, "Pictures worked on at a time (all cores when left out)")
       ->check(CLI::Range(1, 1024));
-  command->callback([arguments, &action] { action = [arguments] { return estimate(*arguments); }; });
+  command->callback([arguments, &action] {
+    if (!arguments->scenes.empty() && arguments->landmarks.empty())
+      throw CLI::ValidationError("--scene", "expected --landmarks FILE, where they are and how far");
+    action = [arguments] { return estimate(*arguments); };
+  });
 }
 
 }  // namespace kasumi
