@@ -1,7 +1,7 @@
 # Sanitized builds parse what nearly every file includes once for all rooms and once for all tests, which saves a third of them. The
 # plain build does not: there each file shows that it includes what it uses, and g++ 12 forgets in a precompiled header which of the
-# standard library's lines not to warn of. Nor do builds through ccache, which would find nothing again.
-if(KASUMI_SANITIZE AND NOT CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
+# standard library's lines not to warn of.
+if(KASUMI_SANITIZE)
   set(precompile_by_default ON)
 else()
   set(precompile_by_default OFF)

@@ -14,15 +14,19 @@ function(kasumi_room name)
 endfunction()
 
 # kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [THREADED])
-#   One GoogleTest program; every TEST in it becomes a test of ctest. The tests find files beside themselves through KASUMI_SOURCE_DIR,
-#   and write only below KASUMI_TEST_OUTPUT_DIR. THREADED programs are those in which threads of ours share anything: the target
+#   One GoogleTest program; every TEST in it becomes a test of ctest. The tests find files, and where they may write, through
+#   tests/places.hpp. THREADED programs are those in which threads of ours share anything: the target
 #   threaded_tests builds them, their ctest label is "threaded", and the thread sanitizer runs them.
 include(GoogleTest)
 add_custom_target(threaded_tests)
+configure_file(${PROJECT_SOURCE_DIR}/tests/places.cpp.in ${CMAKE_BINARY_DIR}/places.cpp @ONLY)
+add_library(kasumi_places STATIC ${CMAKE_BINARY_DIR}/places.cpp)
+target_include_directories(kasumi_places PUBLIC ${PROJECT_SOURCE_DIR})
+target_link_libraries(kasumi_places PRIVATE kasumi_warnings)
 function(kasumi_test name)
   cmake_parse_arguments(TEST "THREADED" "" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
-  target_link_libraries(${name} PRIVATE kasumi_warnings GTest::gtest GTest::gmock GTest::gtest_main ${TEST_LIBRARIES})
+  target_link_libraries(${name} PRIVATE kasumi_warnings GTest::gtest GTest::gmock GTest::gtest_main kasumi_places ${TEST_LIBRARIES})
   foreach(room ${TEST_USES})
     target_link_libraries(${name} PRIVATE kasumi_${room})
   endforeach()
@@ -30,10 +34,6 @@ function(kasumi_test name)
     target_link_libraries(${name} PRIVATE kasumi_keep_libraries)
   endif()
   kasumi_precompile(${name} test)
-  target_compile_definitions(${name} PRIVATE
-    KASUMI_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
-    KASUMI_SHARED_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data"
-    KASUMI_TEST_OUTPUT_DIR="${CMAKE_BINARY_DIR}/test-output")
   set(labels)
   if(TEST_THREADED)
     add_dependencies(threaded_tests ${name})

@@ -3,12 +3,13 @@
 #include <filesystem>
 
 #include "base/files.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
 std::filesystem::path folder() {
-  const auto path = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "files";
+  const auto path = test_output_folder() / "files";
   std::filesystem::create_directories(path);
   return path;
 }

@@ -6,6 +6,7 @@
 
 #include "base/files.hpp"
 #include "calib/calibration_file.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -14,7 +15,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 std::filesystem::path fresh_folder(const std::string& name) {
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "calibration" / name;
+  const auto folder = test_output_folder() / "calibration" / name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

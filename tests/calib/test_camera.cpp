@@ -7,6 +7,7 @@
 
 #include "base/files.hpp"
 #include "calib/camera.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -15,7 +16,7 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 fs::path folder() {
-  const auto path = fs::path(KASUMI_TEST_OUTPUT_DIR) / "calib";
+  const auto path = test_output_folder() / "calib";
   fs::create_directories(path);
   return path;
 }
@@ -93,7 +94,7 @@ TEST(Camera, AnSrgbCamerasLightGoesToXyzByTheStandard) {
 }
 
 TEST(Camera, EveryKeyIsRead) {
-  const fs::path spectral = fs::path(KASUMI_TEST_OUTPUT_DIR) / "calib" / "three.csv";
+  const fs::path spectral = test_output_folder() / "calib" / "three.csv";
   ASSERT_TRUE(write_text_file(spectral, "nm,r,g,b\n450,0,0,1\n500,0,1,0\n600,1,0,0\n650,0.1,0,0\n"));
   cv::Mat mask(160, 200, CV_8UC1, cv::Scalar(255));
   mask.at<std::uint8_t>(10, 20) = 7;
@@ -187,7 +188,7 @@ TEST(Camera, AnOcamcalibFileOfAnotherPictureSizeIsRefused) {
 }
 
 TEST(Camera, TheManualsExampleIsRead) {
-  const auto manual = read_text_file(fs::path(KASUMI_SOURCE_DIR) / "docs/cameras.md").value();
+  const auto manual = read_text_file(source_folder() / "docs/cameras.md").value();
   const auto start = manual.find("```toml\n") + 8;
   ASSERT_TRUE(cv::imwrite((folder() / "sky-mask.png").string(), cv::Mat(500, 500, CV_8UC1, cv::Scalar(255))));
   const auto root =

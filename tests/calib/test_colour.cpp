@@ -7,6 +7,7 @@
 
 #include "calib/colorimetry.hpp"
 #include "calib/radiometry.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -82,7 +83,7 @@ TEST(Daylight, TheChromaticityOfItsSpectrumIsTheOneAskedFor) {
 
 std::vector<SpectralSensitivity> cameras() {
   std::vector<SpectralSensitivity> cameras{generic_sensitivity()};
-  const fs::path folder = fs::path(KASUMI_SHARED_DATA_DIR) / "spectral";
+  const fs::path folder = shared_data_folder() / "spectral";
   if (!fs::exists(folder)) return cameras;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.path().extension() == ".json" || entry.path().extension() == ".csv") {

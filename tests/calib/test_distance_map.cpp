@@ -8,6 +8,7 @@
 
 #include "base/files.hpp"
 #include "calib/distance_map.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 5, kHeight = 3;
 
 fs::path folder() {
-  const auto path = fs::path(KASUMI_TEST_OUTPUT_DIR) / "distance-map";
+  const auto path = test_output_folder() / "distance-map";
   fs::create_directories(path);
   return path;
 }

@@ -11,12 +11,13 @@
 #include "base/result.hpp"
 #include "base/units.hpp"
 #include "calib/image_circle.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kData(KASUMI_SHARED_DATA_DIR);
+const fs::path kData(shared_data_folder());
 
 // A sky with a bright sun on a dark surround, anti-aliased at the rim, with noise everywhere.
 struct Disc {

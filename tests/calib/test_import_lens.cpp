@@ -5,6 +5,7 @@
 
 #include "base/files.hpp"
 #include "calib/import_lens.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 using testing::HasSubstr;
 
 std::filesystem::path written(const std::string& name, const std::string& text) {
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "import";
+  const auto folder = test_output_folder() / "import";
   std::filesystem::create_directories(folder);
   EXPECT_TRUE(write_text_file(folder / name, text));
   return folder / name;

@@ -14,6 +14,7 @@
 #include "base/geometry.hpp"
 #include "calib/lens_calibration.hpp"
 #include "tests/calib/lenses.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -225,7 +226,7 @@ TEST(Board, CornersOfADrawnBoardAreFoundToAFifthOfAPixel) {
 }
 
 TEST(LensCalibration, AFisheyeThatSomebodyElseCalibratedComesOutAsPublished) {
-  const auto folder = std::filesystem::path(KASUMI_SHARED_DATA_DIR) / "fisheye/fish-1";
+  const auto folder = shared_data_folder() / "fisheye/fish-1";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no sample data at " << folder;
   std::vector<BoardView> views;
   for (int i = 1; i <= 15; ++i) {

@@ -10,16 +10,17 @@
 #include "base/files.hpp"
 #include "base/geometry.hpp"
 #include "calib/lens.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
 
-const std::filesystem::path kSample = std::filesystem::path(KASUMI_SHARED_DATA_DIR) / "fisheye/ocam-sample";
+const std::filesystem::path kSample = shared_data_folder() / "fisheye/ocam-sample";
 
 std::filesystem::path written(const std::string& name, const std::string& text) {
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "calib";
+  const auto folder = test_output_folder() / "calib";
   std::filesystem::create_directories(folder);
   EXPECT_TRUE(write_text_file(folder / name, text));
   return folder / name;

@@ -6,6 +6,7 @@
 
 #include "base/files.hpp"
 #include "calib/radiometry.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -13,10 +14,10 @@ namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-const fs::path kSpectral = fs::path(KASUMI_SHARED_DATA_DIR) / "spectral";
+const fs::path kSpectral = shared_data_folder() / "spectral";
 
 fs::path written(const std::string& name, const std::string& text) {
-  const auto folder = fs::path(KASUMI_TEST_OUTPUT_DIR) / "calib";
+  const auto folder = test_output_folder() / "calib";
   fs::create_directories(folder);
   EXPECT_TRUE(write_text_file(folder / name, text));
   return folder / name;

@@ -9,13 +9,14 @@
 #include "base/files.hpp"
 #include "capture/encode.hpp"
 #include "capture/fixture.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 
 using namespace std::chrono_literals;
 
 inline std::filesystem::path fresh_folder(std::string_view name) {
-  const auto path = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "capture" / name;
+  const auto path = test_output_folder() / "capture" / name;
   std::filesystem::remove_all(path);
   std::filesystem::create_directories(path);
   return path;

@@ -7,6 +7,7 @@
 #include "capture/fixture_writer.hpp"
 #include "capture/replay_source.hpp"
 #include "recording.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -227,7 +228,7 @@ TEST_F(Replay, DamagedRowsAreDeliveredWithTheirStatus) {
 
 TEST_F(Replay, APayloadThatVanishesIsAnErrorAndTheRecordingGoesOn) {
   const auto source = open({0s, 0s});
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "capture" / "replay";
+  const auto folder = test_output_folder() / "capture" / "replay";
   std::filesystem::remove(folder / "frame-000000.yuyv");
   const auto lost = source->next(clock.now());
   ASSERT_FALSE(lost);

@@ -10,6 +10,7 @@
 #include "capture/v4l2_offer.hpp"
 #include "fake_camera.hpp"
 #include "recording.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -166,7 +167,7 @@ TEST_F(V4l2Negotiation, WhatIsNoCaptureDeviceIsUnsupported) {
   EXPECT_EQ(open(camera).error().kind, FaultKind::unsupported);
   EXPECT_EQ(open_v4l2_source({"/dev/null", request}, clock).error().kind, FaultKind::unsupported);
   EXPECT_EQ(open_v4l2_source({"/dev/v4l/by-id/nothing", request}, clock).error().kind, FaultKind::disconnected);
-  EXPECT_EQ(open_v4l2_source({KASUMI_SOURCE_DIR "/README.md", request}, clock).error().kind, FaultKind::unsupported);
+  EXPECT_EQ(open_v4l2_source({source_folder() / "README.md", request}, clock).error().kind, FaultKind::unsupported);
 }
 
 // As the kernel's documentation has it (Colorspaces, tables of defaults).

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "base/files.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 
@@ -101,7 +102,7 @@ GltfFile square_file() {
 }
 
 std::filesystem::path model_folder() {
-  const std::filesystem::path folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "gles-models";
+  const std::filesystem::path folder = test_output_folder() / "gles-models";
   std::filesystem::create_directories(folder);
   return folder;
 }

@@ -1,4 +1,5 @@
 #include "tests/gles/scenes.hpp"
+#include "tests/places.hpp"
 
 #include <cmath>
 
@@ -266,7 +267,7 @@ void GlesTest::expect_like(const Image<Rgb8>& picture, const ReferencePicture& r
   for (std::size_t i = 0; i < expected.elements().size(); ++i)
     for (int c = 0; c < 3; ++c) expected.elements()[i][c] = byte(reference.encoded.elements()[i][c]);
   const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "gles";
+  const std::filesystem::path folder = test_output_folder() / "gles";
   save_png(picture, folder / fmt::format("{}-gpu.png", test->name()));
   save_png(expected, folder / fmt::format("{}-cpu.png", test->name()));
 }

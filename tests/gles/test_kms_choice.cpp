@@ -8,6 +8,7 @@
 #include "gles/kms_choice.hpp"
 #include "gles/kms_edid.hpp"
 #include "tests/gles/kms_fake.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -122,7 +123,7 @@ TEST(Edids, TellDisplaysApart) {
 }
 
 TEST(CardUsers, AreNamedTheMasterFirst) {
-  const fs::path root = fs::path(KASUMI_TEST_OUTPUT_DIR) / "card-users";
+  const fs::path root = test_output_folder() / "card-users";
   fs::remove_all(root);
   const auto process = [&](int pid, const std::string& command, const std::string& opened) {
     fs::create_directories(root / "proc" / std::to_string(pid) / "fd");

@@ -8,6 +8,7 @@
 #include "base/files.hpp"
 #include "gles/model.hpp"
 #include "tests/gles/gltf_writer.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -250,7 +251,7 @@ TEST(GltfModel, CompanionsComeFromTheFoldersTree) {
 }
 
 TEST(GltfModel, TheCastleLoadsWhole) {
-  const std::filesystem::path path = std::filesystem::path(KASUMI_SHARED_DATA_DIR) / "gltf" / "castle.glb";
+  const std::filesystem::path path = shared_data_folder() / "gltf" / "castle.glb";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const Model model = loaded(read_gltf(path));
   EXPECT_GE(model.triangle_count(), 25505u);  // as its README counts; meshes used twice count twice here

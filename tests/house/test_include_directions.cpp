@@ -13,6 +13,8 @@
 
 #include <fmt/format.h>
 
+#include "tests/places.hpp"
+
 namespace {
 
 using Rooms = std::map<std::string, std::set<std::string>>;
@@ -76,7 +78,7 @@ std::vector<std::string> violations(const std::string& room, const std::string& 
 }
 
 TEST(IncludeDirections, NoRoomReachesThroughAWall) {
-  const std::filesystem::path root = KASUMI_SOURCE_DIR;
+  const std::filesystem::path root = kasumi::source_folder();
   std::vector<std::string> found;
   int files = 0;
   for (const auto& [room, allowed] : kMayInclude) {

@@ -10,6 +10,7 @@
 
 #include "base/files.hpp"
 #include "tests/pipeline/recorded.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 
@@ -22,7 +23,7 @@ struct Outcome {
 inline Outcome run_kasumi(const std::string& arguments) {
   const auto errors = test_folder(fmt::format("stderr-{}.txt", ::getpid()));  // test programs run side by side
   Outcome outcome;
-  FILE* pipe = ::popen(fmt::format("{} {} 2>{}", KASUMI_BINARY, arguments, errors.string()).c_str(), "r");
+  FILE* pipe = ::popen(fmt::format("{} {} 2>{}", kasumi_program().string(), arguments, errors.string()).c_str(), "r");
   if (!pipe) return outcome;
   std::array<char, 4096> buffer;
   for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)

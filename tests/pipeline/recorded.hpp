@@ -7,11 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "fixtures/generator.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 
 inline std::filesystem::path test_folder(const std::string& name) {
-  const auto path = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "pipeline" / name;
+  const auto path = test_output_folder() / "pipeline" / name;
   std::filesystem::create_directories(path.parent_path());
   return path;
 }

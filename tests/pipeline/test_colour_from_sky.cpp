@@ -9,11 +9,12 @@
 #include "estimator/sensitivity_error.hpp"
 #include "estimator/sky_colours.hpp"
 #include "fixtures/sky_view.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
-const std::filesystem::path kCameras = std::filesystem::path(KASUMI_SHARED_DATA_DIR) / "spectral" / "rawtoaces";
+const std::filesystem::path kCameras = shared_data_folder() / "spectral" / "rawtoaces";
 
 std::vector<SpectralSensitivity> measured_cameras() {
   std::vector<SpectralSensitivity> cameras;
@@ -142,7 +143,7 @@ TEST(ColourFromSky, AnInventedCameraIsFoundAndWhatIsToldOfItsSurenessHolds) {
 
 TEST(ColourFromSky, TheFileThatIsWrittenIsTheOneThatIsRead) {
   const auto camera = invented_cameras()[2];
-  const auto path = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "sensitivity.csv";
+  const auto path = test_output_folder() / "sensitivity.csv";
   std::filesystem::create_directories(path.parent_path());
   ASSERT_TRUE(write_text_file(path, csv_of(camera, "two\nlines")));
   const auto again = read_spectral_sensitivity(path).value();

@@ -13,6 +13,7 @@
 #include "pipeline/drift.hpp"
 #include "pipeline/drift_gather.hpp"
 #include "tests/pipeline/calibrating.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -248,7 +249,7 @@ TEST(Drift, TheCommandTakesAReferenceThenComparesAndItsExitCodeTells) {
 }
 
 TEST(Drift, AReferenceIsReadBackAsItWasTaken) {
-  const auto fixture = read_fixture(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo").value();
+  const auto fixture = read_fixture(source_folder() / "fixtures/demo").value();
   const auto taken = take_reference(gather_recorded(fixture).value(), fixture.installation, kNoon).value();
   const auto stem = fresh_folder("drift-reference") / "calibration";
   ASSERT_TRUE(save_reference(taken, stem));

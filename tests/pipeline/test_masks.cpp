@@ -13,6 +13,7 @@
 #include "calib/sky_mask.hpp"
 #include "fixtures/scene_view.hpp"
 #include "fixtures/sky_view.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -171,7 +172,7 @@ TEST(SceneMask, OutsideOfTheBoxNothingIsHidden) {
 }
 
 TEST(Strokes, APaintedPictureAndAListOfLinesSayTheSame) {
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "strokes";
+  const auto folder = test_output_folder() / "strokes";
   std::filesystem::create_directories(folder);
   cv::Mat painted(60, 80, CV_8UC3, cv::Scalar(128, 128, 128));
   cv::line(painted, {10, 10}, {40, 10}, cv::Scalar(0, 0, 255), 3);

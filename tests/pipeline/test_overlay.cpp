@@ -9,6 +9,7 @@
 #include "pipeline/overlay_drawing.hpp"
 #include "pipeline/overlay_shapes.hpp"
 #include "pipeline/replay.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -247,10 +248,10 @@ TEST(OverlayDrawing, IsAsLargeAsItIsShown) {
 TEST(OverlayInReplay, ChangesThePictureAndNothingThatIsMeasured) {
   if (const auto context = open_headless_context(); !context) GTEST_SKIP() << context.error().message;
   // The demo with everything that follows the camera: its noise must be the same in every replay.
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "overlay";
+  const auto folder = test_output_folder() / "overlay";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  std::filesystem::copy(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo", folder / "fixture",
+  std::filesystem::copy(source_folder() / "fixtures/demo", folder / "fixture",
                         std::filesystem::copy_options::recursive);
   auto text = read_text_file(folder / "fixture/fixture.toml").value();
   text.insert(text.find("[scene]\n") + 8, "point_spread_px = 0.5\nshared_chroma = true\n");

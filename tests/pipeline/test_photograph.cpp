@@ -8,12 +8,13 @@
 
 #include "pipeline/photograph.hpp"
 #include "pipeline/picture_sink.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
 std::filesystem::path folder() {
-  const auto path = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "photograph";
+  const auto path = test_output_folder() / "photograph";
   std::filesystem::create_directories(path);
   return path;
 }

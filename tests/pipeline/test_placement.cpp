@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "pipeline/placement.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -45,7 +46,7 @@ TEST(Placement, RefractionLiftsFarPlacesByAnEighthOfTheCurvature) {
 class PlacementFile : public testing::Test {
  protected:
   Result<> read(const std::string& keys) {
-    const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "placement";
+    const auto folder = test_output_folder() / "placement";
     std::filesystem::create_directories(folder);
     std::ofstream(folder / "a.glb") << "glTF";
     const auto root = ConfigTable::parse("[object]\nmodel = 'a.glb'\n" + keys, folder / "f.toml").value();

@@ -13,6 +13,7 @@
 #include "pipeline/photograph.hpp"
 #include "pipeline/replay.hpp"
 #include "tests/pipeline/recorded.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -176,7 +177,7 @@ TEST(Replay, TheBuildingsPixelsComeWithinTwoLevelsOfTheSpectralReference) {
 }
 
 TEST(Replay, InTheDemoThinCloudsAtTheHorizonDoNotColourTheBuilding) {
-  const std::filesystem::path fixture = std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures" / "demo";
+  const std::filesystem::path fixture = source_folder() / "fixtures" / "demo";
   const auto out = test_folder("composite-out-demo");
   ASSERT_TRUE(replay({fixture, out, false, false, 1, {}}));
   EXPECT_LE(building_error(fixture, out, "demo"), 2.0);

@@ -6,6 +6,7 @@
 #include "pipeline/picture_sink.hpp"
 #include "pipeline/sky_photograph.hpp"
 #include "tests/pipeline/recorded.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -73,7 +74,7 @@ TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
 
 // A real winter sky over Alpnach; facts in the data's own README.
 TEST(SkyPhotograph, TwoExposuresOfOneRealSkyAgree) {
-  const auto folder = std::filesystem::path(KASUMI_SHARED_DATA_DIR) / "sky" / "skycam-alpnach";
+  const auto folder = shared_data_folder() / "sky" / "skycam-alpnach";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here: real sky not tested";
   SkyPhotographSetup setup;
   setup.field_of_view = from_degrees(185.0);

@@ -9,6 +9,7 @@
 #include "pipeline/caption.hpp"
 #include "pipeline/text_breaking.hpp"
 #include "pipeline/words.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -181,7 +182,7 @@ TEST_F(Captions, RefuseWhatIsNoTextAndWhatIsNoFont) {
   EXPECT_EQ(draw_caption("x", {.height_px = 0}).error().kind, FaultKind::bad_input);
   EXPECT_EQ(draw_caption("x", {.largest_width_px = 0}).error().kind, FaultKind::bad_input);
   EXPECT_EQ(draw_caption(std::string(100000, 'x'), {}).error().kind, FaultKind::bad_input);
-  const auto no_font = draw_caption("x", {.font_file = std::filesystem::path(KASUMI_SOURCE_DIR) / "README.md"});
+  const auto no_font = draw_caption("x", {.font_file = source_folder() / "README.md"});
   ASSERT_FALSE(no_font);
   EXPECT_EQ(no_font.error().kind, FaultKind::bad_input);
   EXPECT_THAT(no_font.error().message, HasSubstr("README.md"));
@@ -190,7 +191,7 @@ TEST_F(Captions, RefuseWhatIsNoTextAndWhatIsNoFont) {
 
 // For a person to look at: every message in every language over a grey sky.
 TEST_F(Captions, CanBeLookedAt) {
-  std::filesystem::create_directories(KASUMI_TEST_OUTPUT_DIR);
+  std::filesystem::create_directories(test_output_folder());
   for (const Language language : kLanguages) {
     cv::Mat sheet(1000, 1280, CV_8UC3, cv::Scalar(205, 190, 170));
     int top = 10;
@@ -208,7 +209,7 @@ TEST_F(Captions, CanBeLookedAt) {
       top += picture.height() + 8;
     }
     EXPECT_LE(top, sheet.rows);
-    cv::imwrite(fmt::format("{}/words-{}.png", KASUMI_TEST_OUTPUT_DIR, code_of(language)), sheet);
+    cv::imwrite(fmt::format("{}/words-{}.png", test_output_folder().string(), code_of(language)), sheet);
   }
 }
 

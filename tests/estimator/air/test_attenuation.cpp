@@ -7,13 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "estimator/attenuation.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
 std::vector<SpectralSensitivity> every_camera() {
   std::vector<SpectralSensitivity> cameras{generic_sensitivity()};
-  const std::filesystem::path folder = std::filesystem::path(KASUMI_SHARED_DATA_DIR) / "spectral";
+  const std::filesystem::path folder = shared_data_folder() / "spectral";
   if (!std::filesystem::exists(folder)) return cameras;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {

@@ -6,11 +6,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "estimator/horizon.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
-const std::filesystem::path kHaze = std::filesystem::path(KASUMI_SHARED_DATA_DIR) / "haze";
+const std::filesystem::path kHaze = shared_data_folder() / "haze";
 
 Image<Rgb8> read(const std::filesystem::path& path) {
   cv::Mat read = cv::imread(path.string(), cv::IMREAD_COLOR);
@@ -33,8 +34,8 @@ void save_overlay(const Image<Rgb8>& picture, const Image<std::uint8_t>& sky, co
       overlay.at<cv::Vec3b>(y, x) = {rgb.z, rgb.y, red};
     }
   }
-  std::filesystem::create_directories(KASUMI_TEST_OUTPUT_DIR);
-  cv::imwrite(std::string(KASUMI_TEST_OUTPUT_DIR) + "/sky-" + name + ".png", overlay);
+  std::filesystem::create_directories(test_output_folder());
+  cv::imwrite(test_output_folder().string() + "/sky-" + name + ".png", overlay);
 }
 
 TEST(HorizonPictures, TheSkyEndsAtTheHazyGatesRoof) {

@@ -6,6 +6,7 @@
 
 #include "estimator/sun_in_image.hpp"
 #include "estimator/turbidity.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -17,7 +18,7 @@ class Alpnach : public testing::Test {
   }
   static std::string file(int exposure) {
     return fmt::format("{}/sky/skycam-alpnach/Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png",
-                       KASUMI_SHARED_DATA_DIR, exposure);
+                       shared_data_folder().string(), exposure);
   }
   static Camera camera(double field_of_view_deg) {
     Camera camera;

@@ -16,6 +16,7 @@
 #include "base/files.hpp"
 #include "pipeline/turbidity_state.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -211,7 +212,7 @@ TEST(Appliance, Row21AStateFolderThatCannotBeWrittenIsSeenByNobody) {
 }
 
 TEST(Appliance, Row22KilledAtAnyMomentTheStateIsOldOrNewAndWhole) {
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "pipeline" / "row22";
+  const auto folder = test_output_folder() / "pipeline" / "row22";
   std::filesystem::create_directories(folder);
   std::mt19937_64 random(3);
   ASSERT_TRUE(save({{2.0}, 0.1, Utc{1s}}, folder));
@@ -235,7 +236,7 @@ TEST(Appliance, Row22KilledAtAnyMomentTheStateIsOldOrNewAndWhole) {
 }
 
 TEST(TurbidityState, NonsenseOnDiskIsRefused) {
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "pipeline" / "state-nonsense";
+  const auto folder = test_output_folder() / "pipeline" / "state-nonsense";
   std::filesystem::create_directories(folder);
   for (const char* text : {"", "{", "[]", "null", "{\"turbidity\": 3}",
                            "{\"turbidity\": 0.5, \"sigma\": 0.1, \"utc\": \"2026-06-21T03:00:00Z\"}",

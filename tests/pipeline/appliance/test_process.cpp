@@ -16,6 +16,7 @@
 #include "base/files.hpp"
 #include "base/unique_fd.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -61,7 +62,7 @@ class Process {
     if (!notify.empty()) ::setenv("NOTIFY_SOCKET", notify.c_str(), 1);
     ::setenv("RUNTIME_DIRECTORY", folder.c_str(), 1);
     std::vector<char*> argv;
-    std::string program = KASUMI_BINARY;
+    std::string program = kasumi_program().string();
     argv.push_back(program.data());
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
@@ -103,7 +104,7 @@ bool eventually(Condition condition, std::chrono::seconds longest = 60s) {
 }
 
 std::filesystem::path process_folder(const std::string& name) {
-  const auto folder = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "pipeline" / ("process-" + name);
+  const auto folder = test_output_folder() / "pipeline" / ("process-" + name);
   std::filesystem::remove_all(folder);
   write_config(folder);
   return folder;

@@ -10,11 +10,12 @@
 #include "base/files.hpp"
 #include "capture/fixture_writer.hpp"
 #include "capture/replay_source.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 
 inline std::filesystem::path operating_folder(const std::string& name) {
-  auto path = std::filesystem::path(KASUMI_TEST_OUTPUT_DIR) / "operating" / name;
+  auto path = test_output_folder() / "operating" / name;
   std::filesystem::remove_all(path);
   std::filesystem::create_directories(path);
   return path;
@@ -61,7 +62,7 @@ inline void write_camera(const std::filesystem::path& folder, std::uint8_t level
 inline std::filesystem::path write_kiosk(const std::filesystem::path& folder, int scene_gone_at = -1) {
   write_camera(folder / "live" / "sky", 90);
   write_camera(folder / "live" / "scene", 200, scene_gone_at);
-  std::filesystem::copy_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/temple.glb", folder / "temple.glb");
+  std::filesystem::copy_file(source_folder() / "fixtures/temple.glb", folder / "temple.glb");
   // A P5 of the right size: half of the sky is hidden by a roof.
   std::ofstream mask(folder / "roof mask.pgm", std::ios::binary);
   mask << "P5\n" << kKioskWidth << " " << kKioskHeight << "\n255\n";

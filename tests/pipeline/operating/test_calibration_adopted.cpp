@@ -13,6 +13,7 @@
 #include "pipeline/fixture_file.hpp"
 #include "pipeline/recording.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -74,7 +75,7 @@ struct Outcome {
 };
 Outcome check(const std::filesystem::path& config) {
   Outcome outcome;
-  const auto command = fmt::format("{} run --config '{}' --check 2>&1", KASUMI_BINARY, config.string());
+  const auto command = fmt::format("{} run --config '{}' --check 2>&1", kasumi_program().string(), config.string());
   FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) return outcome;
   std::array<char, 4096> buffer;
@@ -137,7 +138,7 @@ TEST(CalibrationAdopted, ARecordingHoldsAllThatWasAdopted) {
 TEST(CalibrationAdopted, AFixtureMayNameOneToo) {
   const auto folder = operating_folder("adopted-fixture");
   write_measured(folder / "calibration.toml");
-  std::filesystem::copy_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/temple.glb", folder / "temple.glb");
+  std::filesystem::copy_file(source_folder() / "fixtures/temple.glb", folder / "temple.glb");
   ASSERT_TRUE(write_text_file(folder / "fixture.toml", R"(format = 1
 name = "x"
 licence = "CC0-1.0"

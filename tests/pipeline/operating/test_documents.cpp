@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/pipeline/program.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -33,7 +34,7 @@ const std::string& help_of(const std::string& command) {
 }
 
 TEST(Documents, TellNoOptionThatTheProgramDoesNotHave) {
-  const std::filesystem::path root = KASUMI_SOURCE_DIR;
+  const std::filesystem::path root = source_folder();
   std::vector<std::filesystem::path> documents{root / "README.md"};
   for (const auto& entry : std::filesystem::directory_iterator(root / "docs"))
     if (entry.path().extension() == ".md") documents.push_back(entry.path());

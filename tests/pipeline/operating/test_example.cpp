@@ -9,12 +9,13 @@
 
 #include "pipeline/run_config.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
 std::string example() {
-  return read_text_file(std::filesystem::path(KASUMI_SOURCE_DIR) / "systemd/kasumi.toml").value();
+  return read_text_file(source_folder() / "systemd/kasumi.toml").value();
 }
 
 // Read where the files it names are.
@@ -25,7 +26,7 @@ struct Read {
 };
 Read read(const std::string& text) {
   const auto folder = operating_folder("example");
-  const std::filesystem::path demo = std::filesystem::path(KASUMI_SOURCE_DIR) / "fixtures/demo";
+  const std::filesystem::path demo = source_folder() / "fixtures/demo";
   std::filesystem::create_directory_symlink(demo, folder / "clear-noon");
   std::filesystem::copy_file(demo.parent_path() / "temple.glb", folder / "temple.glb");
   // Masks of the example's pictures that hide nothing, as P5: what a picture is stands in its first bytes.

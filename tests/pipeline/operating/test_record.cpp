@@ -16,6 +16,7 @@
 #include "pipeline/record_screen.hpp"
 #include "pipeline/replay.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -221,8 +222,8 @@ TEST(Record, KilledAtAnyMomentItReplays) {
     const auto kept = folder / fmt::format("kept-{}", round);
     const auto child = ::fork();
     if (child == 0) {
-      ::execl(KASUMI_BINARY, "kasumi", "record", "--config", config.c_str(), "--out", kept.c_str(), "--seconds", "30",
-              "--keep-free", "0", static_cast<char*>(nullptr));
+      ::execl(kasumi_program().c_str(), "kasumi", "record", "--config", config.c_str(), "--out", kept.c_str(),
+              "--seconds", "30", "--keep-free", "0", static_cast<char*>(nullptr));
       ::_exit(127);
     }
     ASSERT_GT(child, 0);

@@ -1,0 +1,14 @@
+// Where a test finds what it needs. Known to one generated file only, so that all else compiles to the same in every checkout
+// (and a compiler cache serves them all).
+#pragma once
+
+#include <filesystem>
+
+namespace kasumi {
+
+std::filesystem::path source_folder();
+std::filesystem::path shared_data_folder();  // real input beside the checkout: tests that want it skip where it is not
+std::filesystem::path test_output_folder();  // the only place where tests write
+std::filesystem::path kasumi_program();
+
+}  // namespace kasumi
