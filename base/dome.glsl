@@ -1,0 +1,96 @@
+// The sky as a function of direction (base/dome.hpp), what stands before it, and the sun. GLSL ES 1.00 and C++
+// (base/sky_text.hpp) alike. Light is linear sRGB, cd/m2.
+
+struct DomeSky {
+  real horizon_sine;
+  real steepness;
+  vec3 lobes;
+  vec3 coefficients[42];
+};
+
+// Henyey and Greenstein's lobe, 1 towards the sun.
+FUNCTION real dome_lobe(real asymmetry, real cos_sun) {
+  real part = (1.0 - asymmetry) * (1.0 - asymmetry) / (1.0 + asymmetry * asymmetry - 2.0 * asymmetry * cos_sun);
+  return part * sqrt(max(part, 0.0));
+}
+
+// cos_zenith may belong to another direction than cos_sun: see through_air. A colour outside sRGB has a negative part.
+FUNCTION vec3 dome_sky_light(DomeSky sky, real cos_zenith, real cos_sun) {
+  real above = max(0.0, (cos_zenith - sky.horizon_sine) / (1.0 - sky.horizon_sine));
+  real u = 1.0 / (1.0 + sky.steepness * above);
+  vec3 sum = vec3(0.0);
+  for (int k = 6; k >= 0; --k) {
+    vec3 factor = sky.coefficients[k] + cos_sun * (sky.coefficients[7 + k] + cos_sun * sky.coefficients[14 + k]) +
+                  dome_lobe(sky.lobes.x, cos_sun) * sky.coefficients[21 + k] +
+                  dome_lobe(sky.lobes.y, cos_sun) * sky.coefficients[28 + k] +
+                  dome_lobe(sky.lobes.z, cos_sun) * sky.coefficients[35 + k];
+    sum = sum * u + factor;
+  }
+  return sum;
+}
+
+// Report Eq 3.1 put right, its three cases in one line. Along a path from here to an object, the air adds what it adds to
+// the whole sky there less what it adds beyond the object: exact, whatever the air, when the object has sky behind.
+//   sky:                      transparency 0
+//   object with sky behind:   sky_here of the observer, sky_behind of the object's altitude
+//   object with ground behind: the path seen from its lower end: sky_here of the object, sky_behind of the observer, the
+//                             zenith angle mirrored, the angle to the sun the true one
+FUNCTION vec3 through_air(vec3 object, vec3 transparency, vec3 sky_here, vec3 sky_behind) {
+  return transparency * object + max(sky_here - transparency * sky_behind, vec3(0.0));
+}
+
+// The sun's disc: off is the angle from its middle in its radii. The limb darkens as 1 - d (1 - cos), d from Neckel and
+// Labs 1994 at the channels' wavelengths; the mean is kept.
+FUNCTION vec3 sun_disc_light(vec3 mean_luminance, real off) {
+  vec3 darkening = vec3(0.52, 0.60, 0.74);
+  real cosine = sqrt(max(1.0 - off * off, 0.0));
+  return mean_luminance * (vec3(1.0) - darkening * (1.0 - cosine)) / (vec3(1.0) - darkening / 3.0);
+}
+// How much of a pixel it covers; blur: half the pixel's width in the disc's radii. Colours are mixed as they are shown: of
+// light, a thousandth of the disc would outshine the sky, and its edge be a staircase.
+FUNCTION real sun_coverage(real off, real blur) { return 1.0 - clamp((off - 1.0) / (2.0 * blur) + 0.5, 0.0, 1.0); }
+
+// Matt land under sun and sky: sun, on a plane facing it, and the sky's light on level ground, both in lux.
+FUNCTION vec3 land_light(vec3 albedo, real cos_sun_to_normal, real normal_up, vec3 sun, vec3 sky) {
+  vec3 ground_around = 0.2 * 0.5 * (1.0 - normal_up) * (sky + 0.5 * sun);
+  return albedo * (max(cos_sun_to_normal, 0.0) * sun + 0.5 * (1.0 + normal_up) * sky + ground_around) * 0.31830989;
+}
+
+// How far an altitude has gone from the lower to the higher of two whose skies are known: as the air thins.
+FUNCTION real way_between_altitudes(real altitude_m, real lower_m, real higher_m) {
+  real thin_m = 7000.0;
+  real from = exp(-lower_m / thin_m);
+  real to = exp(-higher_m / thin_m);
+  return clamp((from - exp(-altitude_m / thin_m)) / max(from - to, 1e-6), 0.0, 1.0);
+}
+
+// What a path through the air adds, from the skies of a lower and a higher altitude between which it lies.
+struct AirBetween {
+  DomeSky lower;
+  DomeSky higher;
+  vec2 altitude_m;  // of the two
+  PathAir air;
+};
+
+// Along cos_zenith at one of the path's ends. A view downwards has no sky of its own angle to the sun when that angle
+// does not occur over the horizon: the nearest that does is taken.
+FUNCTION vec3 sky_between(AirBetween air, real altitude_m, real cos_zenith, real cos_sun, real cos_sun_zenith) {
+  real across = sqrt(max((1.0 - cos_zenith * cos_zenith) * (1.0 - cos_sun_zenith * cos_sun_zenith), 0.0));
+  real held = clamp(cos_sun, cos_zenith * cos_sun_zenith - across, cos_zenith * cos_sun_zenith + across);
+  return mix(dome_sky_light(air.lower, cos_zenith, held), dome_sky_light(air.higher, cos_zenith, held),
+             way_between_altitudes(altitude_m, air.altitude_m.x, air.altitude_m.y));
+}
+
+// An object's light as it reaches the observer. Whether sky or ground stands behind is told by which end is the lower; the
+// zenith angle there follows from altitudes and length on a round Earth, and both answers meet on a level path.
+FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, real object_m, real length_m, real cos_sun,
+                                 real cos_sun_zenith) {
+  real low = min(observer_m, object_m);
+  real high = max(observer_m, object_m);
+  real s = max(length_m, 1.0);
+  real rise = min((high - low) / s, 1.0);
+  real bend = s / 12742000.0;
+  vec3 transparency = path_transparency(air.air, low, high, s);
+  return through_air(object, transparency, sky_between(air, low, clamp(rise - bend, -1.0, 1.0), cos_sun, cos_sun_zenith),
+                     sky_between(air, high, clamp(rise + bend, -1.0, 1.0), cos_sun, cos_sun_zenith));
+}
