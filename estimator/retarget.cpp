@@ -77,8 +77,10 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
       if (const double gain = std::max({ratio.r, ratio.g, ratio.b}); gain > options.largest_gain) {
         result.restored.at(x, y) = 0;
         result.too_faint_fraction += 1.0;
-        // The same share of the way in all channels, so that what stays is haze and not a colour.
-        ratio = glm::pow(ratio, glm::dvec3{std::log(options.largest_gain) / std::log(gain)});
+        // The same share of the way in all channels, so that what stays is haze and not a colour. Beyond the limit ever
+        // less of the way: what is infinitely far away is sky, and there is no edge between the two.
+        const double allowed = std::max(1.0, options.largest_gain * (options.largest_gain / gain));
+        ratio = glm::pow(ratio, glm::dvec3{std::log(allowed) / std::log(gain)});
       }
       const auto left = glm::exp(gamma_t.largest) * gamma_t.rest;
       const auto seen = 1.0 + options.relit * ratio * (relative - 1.0) + left * (options.relit - 1.0);

@@ -34,7 +34,8 @@ struct RetargetOptions {
   // M Eq 25 has it, surfaces keep their L0 / Linf.
   glm::dvec3 relit{1.0};
   // Where a change of the source's light would be amplified more than so many times, nothing is there to restore: the
-  // pixel is brought only as much of the way as that allows, some haze stays, and it is masked.
+  // pixel is brought only as much of the way as that allows, some haze stays, and it is masked; the less the fainter it
+  // is, until at largest_gain squared it stays as it is, like the sky behind it.
   double largest_gain = 8.0;
 };
 

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "tests/paper/guided_filter.hpp"
+#include "estimator/guided_filter.hpp"
 
 namespace kasumi::paper {
 namespace {

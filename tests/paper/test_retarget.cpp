@@ -49,20 +49,42 @@ TEST(Retarget, BringsASurfaceUnderOtherAirAsTheSpectrumDoes) {
   }
 }
 
-TEST(Retarget, MasksAndHoldsWhatNoLightIsLeftOf) {
-  const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
-  const Image<glm::vec3> light(2, 1, glm::vec3(0.499F));
-  PictureDepth depth{Image<float>(2, 1, 500.0F), {}, 0.0};
-  depth.distance_m.at(1, 0) = 400e3F;  // both exponentials vanish in a double
+// Grey haze, so that gains are known: one at T 8 takes e^-depth of every wavelength.
+TEST(Retarget, MasksWhatIsTooFaintAndLeavesItMoreHazeTheFainterItIs) {
+  AttenuationNodes nodes;
+  for (std::size_t i = 0; i < nodes.weight.size(); ++i) {
+    nodes.weight[i] = glm::dvec3{i == 0 ? 1.0 : 0.0};
+    nodes.wavelength_nm[i] = glm::dvec3{550.0};
+  }
+  const double per_m = rayleigh_per_m(ScatteringModel::morales2017, 550.0) +
+                       mie_per_m(ScatteringModel::morales2017, 550.0, Turbidity{8.0});
+  // Gains of 4, 8 (the limit), 16 and 64, and one beyond any number.
+  const std::vector<double> gains{4.0, 7.99, 16.0, 64.0, 1e200}, allowed{4.0, 7.99, 4.0, 1.0, 1.0};
+  const Image<glm::vec3> light(5, 1, glm::vec3(0.49F));
+  PictureDepth depth{Image<float>(5, 1), {}, 0.0};
+  // A path at sea level: both densities are 1, but for the slope of nothing.
+  for (int x = 0; x < 5; ++x)
+    depth.distance_m.at(x, 0) = static_cast<float>(std::log(gains[static_cast<std::size_t>(x)]) / per_m);
   const auto result = retarget(light, depth, {Turbidity{8.0}, one_pixel(glm::dvec3{0.5})},
                                {std::nullopt, one_pixel(glm::dvec3{0.5})}, nodes);
-  EXPECT_EQ(result.restored.at(0, 0), 255);
-  EXPECT_EQ(result.restored.at(1, 0), 0);
-  EXPECT_NEAR(result.too_faint_fraction, 0.5, 1e-9);
-  // The channel that haze takes most of is amplified 8 times: 1 + 8 (.499 / .5 - 1), of .5. The others less.
-  EXPECT_NEAR(result.light.at(1, 0).b, 0.5 * (1.0 - 8.0 * 0.002), 1e-5);
-  EXPECT_GT(result.light.at(1, 0).r, result.light.at(1, 0).b);
-  EXPECT_LT(result.light.at(1, 0).r, 0.499F);
+  for (int x = 0; x < 5; ++x) {
+    EXPECT_EQ(result.restored.at(x, 0), x < 2 ? 255 : 0) << x;
+    EXPECT_NEAR(result.light.at(x, 0).g, 0.5 - 0.01 * allowed[static_cast<std::size_t>(x)], 2e-5) << x;
+  }
+  EXPECT_NEAR(result.too_faint_fraction, 0.6, 1e-9);
+}
+
+// What stays of it is haze: channels go the same share of their ways.
+TEST(Retarget, GivesNoColourToWhatIsTooFaint) {
+  const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
+  const Image<glm::vec3> light(1, 1, glm::vec3(0.49F));
+  const PictureDepth depth{Image<float>(1, 1, 3500.0F), {}, 0.0};
+  const auto result = retarget(light, depth, {Turbidity{8.0}, one_pixel(glm::dvec3{0.5})},
+                               {std::nullopt, one_pixel(glm::dvec3{0.5})}, nodes);
+  ASSERT_EQ(result.restored.at(0, 0), 0);
+  EXPECT_GE(result.light.at(0, 0).b, 0.5 - 8.0 * 0.01) << "blue, of which haze takes most, is within the limit";
+  EXPECT_GT(result.light.at(0, 0).r, result.light.at(0, 0).b);
+  EXPECT_LT(result.light.at(0, 0).r, 0.49F);
 }
 
 TEST(Retarget, KeepsThePictureWhenNothingChanges) {

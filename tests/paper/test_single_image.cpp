@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/paper/guided_filter.hpp"
+#include "estimator/guided_filter.hpp"
 #include "tests/paper/single_image.hpp"
 
 namespace kasumi::paper {

@@ -1,4 +1,4 @@
-#include "tests/paper/guided_filter.hpp"
+#include "estimator/guided_filter.hpp"
 
 #include <array>
 
@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace kasumi::paper {
+namespace kasumi {
 namespace {
 
 // Mean over the part of each window that lies in the picture.
@@ -74,4 +74,4 @@ Image<float> guided_filter(const Image<glm::vec3>& guide, const Image<float>& in
   return filtered;
 }
 
-}  // namespace kasumi::paper
+}  // namespace kasumi

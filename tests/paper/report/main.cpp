@@ -1,0 +1,54 @@
+// Writes the papers' tables and figures beside ours as one page: paper_report --out out/papers
+#include <cstdio>
+#include <exception>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "tests/paper/report/section.hpp"
+#include "tests/places.hpp"
+
+namespace {
+
+using namespace kasumi;
+using namespace kasumi::paper;
+
+int write(const std::filesystem::path& out, const ReportOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error) {
+    fmt::print(stderr, "{}: {}\n", out.string(), error.message());
+    return 1;
+  }
+  std::vector<Section> sections;
+  for (const auto make : {turbidity_section, scattering_section, scenes_section, photographs_section, classic_section,
+                          frame_rate_section}) {
+    sections.push_back(make(options));
+    fmt::print("{}\n", sections.back().title());
+    for (const auto& [finding, words] : sections.back().findings()) fmt::print("  {}: {}\n", name_of(finding), words);
+    std::fflush(stdout);
+  }
+  if (auto done = write_report(out, sections, options); !done) {
+    fmt::print(stderr, "{}\n", done.error().message);
+    return 1;
+  }
+  fmt::print("{}\n", (out / "index.html").string());
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  CLI::App app("The papers' tables and figures beside ours, as one page that needs nothing but itself");
+  std::filesystem::path out;
+  ReportOptions options;
+  options.shared_data = shared_data_folder();
+  app.add_option("--out", out, "Folder for index.html and figures.json")->required();
+  app.add_option("--data", options.shared_data, "Real pictures; what needs them is skipped where they are not");
+  app.add_flag("--quick", options.quick, "Few repeats and small pictures: whether it works, not what it says");
+  CLI11_PARSE(app, argc, argv);
+  return write(out, options);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "paper_report: %s\n", error.what());
+  return 1;
+}

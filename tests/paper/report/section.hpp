@@ -1,0 +1,64 @@
+// A part of the report: one table or figure of the papers beside ours.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "base/result.hpp"
+#include "tests/paper/report/svg_plot.hpp"
+
+namespace kasumi::paper {
+
+// reproduced: the papers' figures come out again. better: ours are nearer to the truth. differs: they do not come out,
+// and the words say why. skipped: could not be made here, and the words say why.
+enum class Finding { reproduced, better, differs, skipped };
+std::string_view name_of(Finding finding);
+
+struct ReportOptions {
+  std::filesystem::path shared_data;  // real pictures; need not be there
+  bool quick = false;                 // small pictures and few repeats: whether it works, not what it says
+};
+
+class Section {
+ public:
+  Section(std::string id, std::string title) : id_(std::move(id)), title_(std::move(title)) {}
+
+  void say(std::string_view text);  // plain words
+  void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
+  void plot(const Plot& plot);
+  // As JPEG inside the page; the picture in the page is at most as wide as `shown_px`.
+  void picture(const Image<Rgb8>& picture, std::string_view caption, int shown_px = 640);
+  void finding(Finding finding, std::string_view words);
+  // What a program can read again, beside the page.
+  void figure(const std::string& name, double value) { figures_[name] = value; }
+
+  const std::string& id() const { return id_; }
+  const std::string& title() const { return title_; }
+  const std::string& body() const { return body_; }
+  const std::vector<std::pair<Finding, std::string>>& findings() const { return findings_; }
+  const std::map<std::string, double>& figures() const { return figures_; }
+
+ private:
+  std::string id_, title_, body_;
+  std::vector<std::pair<Finding, std::string>> findings_;
+  std::map<std::string, double> figures_;
+};
+
+// index.html (nothing fetched, no script) and figures.json in `folder`. Errors: io.
+Result<> write_report(const std::filesystem::path& folder, const std::vector<Section>& sections,
+                      const ReportOptions& options);
+
+// The sections, in the order of the page.
+Section turbidity_section(const ReportOptions& options);    // M Table 1, M14 Table 1 and 2
+Section scattering_section(const ReportOptions& options);   // M Table 2, Fig 9 and 10, Eq 24
+Section scenes_section(const ReportOptions& options);       // M Fig 12 and 13, generated scenes
+Section photographs_section(const ReportOptions& options);  // the same on real material
+Section classic_section(const ReportOptions& options);      // hazy photographs without distances
+Section frame_rate_section(const ReportOptions& options);   // M Sect 7.3
+
+}  // namespace kasumi::paper
