@@ -1,0 +1,20 @@
+// The blurred light before the airlight (H Eq 4), as a screen shows it: sRGB.
+uniform highp sampler2D light;  // IN_PAIRS: red and green
+uniform highp sampler2D light_2;  // blue and transmission
+uniform vec3 airlight;
+uniform float unit;
+uniform vec4 box;  // where the target shows the picture: left, row 0, 1 / width, 1 / height
+uniform float bottom_first;
+
+void main() {
+  vec2 place = (gl_FragCoord.xy - box.xy) * box.zw;
+  if (bottom_first > 0.5) place.y = 1.0 - place.y;
+#if defined(IN_PAIRS)
+  vec4 faded = unit * vec4(from_bytes(texture2D(light, place)), from_bytes(texture2D(light_2, place)));
+#else
+  vec4 faded = texture2D(light, place);
+#endif
+  vec3 seen = clamp(faded.rgb + (1.0 - faded.a) * airlight, 0.0, 1.0);
+  vec3 encoded = mix(1.055 * pow(seen, vec3(1.0 / 2.4)) - 0.055, 12.92 * seen, step(seen, vec3(0.0031308)));
+  gl_FragColor = vec4(encoded, 1.0);
+}
