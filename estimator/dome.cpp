@@ -3,32 +3,92 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Dense>
 #include <glm/geometric.hpp>
 
-#include "estimator/sky_model.hpp"
+#include "base/dome_terms.hpp"
+#include "estimator/dome_table.hpp"
 
 namespace kasumi {
 namespace {
 
 constexpr double kEarthRadius_m = 6371000.0;
-constexpr int kTerms = kDomeAngles * kDomePowers;
 
-double lobe(double asymmetry, double cos_gamma) {
-  const double q = (1.0 - asymmetry) * (1.0 - asymmetry) / (1.0 + asymmetry * asymmetry - 2.0 * asymmetry * cos_gamma);
-  return q * std::sqrt(q);
+// Lagrange's four points around a value of an axis.
+struct FourPoints {
+  std::size_t first = 0;
+  std::array<double, 4> weight{1, 1, 1, 1};
+};
+template <class Along>
+FourPoints four_points(std::span<const double> axis, double value, Along along) {
+  std::size_t i = 0;
+  while (i + 2 < axis.size() && value >= axis[i + 1]) ++i;
+  FourPoints four;
+  four.first = std::min(i > 0 ? i - 1 : 0, axis.size() - 4);
+  const double x = along(value);
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t other = 0; other < 4; ++other)
+      if (other != k)
+        four.weight[k] *=
+            (x - along(axis[four.first + other])) / (along(axis[four.first + k]) - along(axis[four.first + other]));
+  return four;
 }
 
-// The terms in the order of the coefficients.
-Eigen::Matrix<double, kTerms, 1> terms(const DomeFunction& sky, const Direction& view) {
-  const double h = sky.horizon_sine, m = std::max(0.0, (view.z - h) / (1.0 - h)),
-               u = 1.0 / (1.0 + double{sky.steepness} * m);
-  const double g = glm::dot(view, glm::dvec3(sky.sun));
-  const double angles[kDomeAngles] = {1.0, g, g * g, lobe(sky.lobes.x, g), lobe(sky.lobes.y, g), lobe(sky.lobes.z, g)};
-  Eigen::Matrix<double, kTerms, 1> all;
-  for (int j = 0; j < kDomeAngles; ++j)
-    for (int k = 0; k < kDomePowers; ++k) all[j * kDomePowers + k] = angles[j] * std::pow(u, k);
-  return all;
+// A row of the table, between its nodes.
+struct Row {
+  glm::dvec3 log_mean{0}, log_sun{0};
+  std::array<glm::dvec3, kDomeTerms> chebyshev{};
+};
+Row row_at(double altitude_m, double turbidity, double sun_zenith_deg) {
+  const DomeTable& table = dome_table();
+  // Light falls off nearly as the air thins: the log of it runs straighter over this than over height.
+  const FourPoints a = four_points(table.altitudes_m, altitude_m, [](double h) { return std::log1p(h / 4000.0); });
+  const FourPoints t = four_points(table.turbidities, turbidity, [](double value) { return std::log(value); });
+  const FourPoints s = four_points(table.sun_zeniths_deg, sun_zenith_deg, [](double deg) { return deg; });
+  Row row;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double weight = a.weight[i] * t.weight[j] * s.weight[k];
+        const std::size_t node =
+            ((a.first + i) * table.turbidities.size() + t.first + j) * table.sun_zeniths_deg.size() + s.first + k;
+        const std::int16_t* numbers = &table.rows[node * kDomeRow];
+        for (int c = 0; c < 3; ++c, numbers += kDomeRowHead + kDomeTerms) {
+          row.log_mean[c] += weight * numbers[0] / kDomeMeanSteps;
+          row.log_sun[c] += weight * numbers[1] / kDomeLogSteps;
+          const double unit = weight * std::exp(numbers[2] / kDomeLogSteps) / kDomeCoefficientSteps;
+          for (int term = 0; term < kDomeTerms; ++term) row.chebyshev[term][c] += unit * numbers[kDomeRowHead + term];
+        }
+      }
+  return row;
+}
+
+struct Place {
+  double altitude_m, turbidity, sun_zenith_deg;
+};
+Place clamped(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+  return {std::clamp(altitude_m, 0.0, kHighestDomeAltitude_m),
+          std::clamp(turbidity.value, kLowestTurbidity.value, kHighestDomeTurbidity.value),
+          std::clamp(to_degrees(zenith_angle(sun)), 0.0, to_degrees(kLowestDomeSun))};
+}
+
+// Coefficients of the powers of u for Chebyshev polynomials of w = stretch u + shift.
+using Powers = std::array<std::array<double, kDomePowers>, kDomePowers>;  // [degree][power]
+Powers chebyshev_in_powers(double stretch, double shift) {
+  Powers powers{};
+  powers[0][0] = 1.0;
+  powers[1][0] = shift;
+  powers[1][1] = stretch;
+  for (int k = 2; k < kDomePowers; ++k)
+    for (int p = 0; p < kDomePowers; ++p)
+      powers[k][p] =
+          2.0 * (shift * powers[k - 1][p] + (p > 0 ? stretch * powers[k - 1][p - 1] : 0.0)) - powers[k - 2][p];
+  return powers;
+}
+
+// Of the disc's area that stands above the horizon; height: of its middle, in its radii.
+double disc_above(double height) {
+  const double h = std::clamp(height, -1.0, 1.0);
+  return 0.5 + (h * std::sqrt(1.0 - h * h) + std::asin(h)) / kPi;
 }
 
 }  // namespace
@@ -38,37 +98,34 @@ double horizon_sine(double altitude_m) {
   return -std::sqrt(1.0 - q * q);
 }
 
-// Provisional: Preetham's sky, dimmed with altitude, until the table is there.
 DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+  const DomeTable& table = dome_table();
+  const Place place = clamped(altitude_m, turbidity, sun);
+  const Row row = row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg);
   DomeFunction sky;
-  sky.sun = glm::vec3(sun);
-  sky.horizon_sine = static_cast<float>(horizon_sine(altitude_m));
-  sky.steepness = 6.0F;
-  sky.lobes = {0.8F, 0.5F, -0.45F};
-  const Radians zenith{std::min(zenith_angle(sun).value, from_degrees(86.0).value)};
-  const SkyModel model(turbidity, direction_from(zenith, azimuth_angle(sun)));
-  Eigen::MatrixXd a(31 * 24, kTerms);
-  Eigen::MatrixXd b(31 * 24, 3);
-  for (int row = 0; row < a.rows(); ++row) {
-    const Direction view = direction_from(from_degrees(0.5 + 2.9 * (row / 24)), from_degrees(15.0 * (row % 24)));
-    const glm::dvec3 light = 1000.0 * model.xyz(view) * std::exp(-altitude_m / 8000.0);
-    const double weight = 1.0 / std::max(light.y, 1.0);
-    a.row(row) = weight * terms(sky, view).transpose();
-    for (int c = 0; c < 3; ++c) b(row, c) = weight * light[c];
-  }
-  const Eigen::MatrixXd normal = a.transpose() * a + 1e-7 * Eigen::MatrixXd::Identity(kTerms, kTerms);
-  const Eigen::MatrixXd x = normal.ldlt().solve(a.transpose() * b);
-  for (int k = 0; k < kTerms; ++k) sky.coefficients[k] = glm::vec3(x(k, 0), x(k, 1), x(k, 2));
+  sky.sun = glm::vec3(direction_from(from_degrees(place.sun_zenith_deg), azimuth_angle(sun)));
+  sky.horizon_sine = static_cast<float>(horizon_sine(place.altitude_m));
+  sky.steepness = static_cast<float>(table.ground_steepness * std::exp(place.altitude_m / table.steepness_scale_m));
+  sky.lobes = glm::dvec3(table.lobes[0], table.lobes[1], table.lobes[2]);
+  const double lowest = 1.0 / (1.0 + double{sky.steepness});  // u overhead
+  const Powers powers = chebyshev_in_powers(2.0 / (1.0 - lowest), -(1.0 + lowest) / (1.0 - lowest));
+  const glm::dvec3 mean = glm::exp(row.log_mean);
+  for (int j = 0; j < kDomeAngles; ++j)
+    for (int p = 0; p < kDomePowers; ++p) {
+      glm::dvec3 sum{0};
+      for (int k = 0; k < kDomePowers; ++k) sum += powers[k][p] * row.chebyshev[j * kDomePowers + k];
+      sky.coefficients[j * kDomePowers + p] = glm::vec3(mean * sum);
+    }
   return sky;
 }
 
 SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
-  const double left = sun.z <= horizon_sine(altitude_m)
-                          ? 0.0
-                          : std::exp(-(0.1 + 0.1 * (turbidity.value - 1.0)) / std::max(sun.z, 0.026));
-  const glm::dvec3 illuminance = 128000.0 * left * glm::dvec3(0.97, 1.0, 0.95);
+  const Place place = clamped(altitude_m, turbidity, sun);
   const double radius = kSunRadius_rad;
-  return {illuminance, illuminance / (kPi * radius * radius)};
+  const double height = std::asin(std::clamp(sun.z, -1.0, 1.0)) - std::asin(horizon_sine(place.altitude_m));
+  if (height <= -radius) return {};
+  const glm::dvec3 whole = glm::exp(row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg).log_sun);
+  return {glm::vec3(whole * disc_above(height / radius)), glm::vec3(whole / (kPi * radius * radius))};
 }
 
 DomeFunction in_space(DomeFunction sky, const glm::dmat3& xyz_to_space) {
@@ -81,9 +138,9 @@ glm::dmat3 xyz_to_linear_srgb() {
 }
 
 glm::dvec3 dome_light(const DomeFunction& sky, const Direction& view) {
-  const Eigen::Matrix<double, kTerms, 1> all = terms(sky, view);
+  const auto terms = dome_terms(sky, view);
   glm::dvec3 light{0};
-  for (int k = 0; k < kTerms; ++k) light += all[k] * glm::dvec3(sky.coefficients[k]);
+  for (int k = 0; k < kDomeTerms; ++k) light += terms[k] * glm::dvec3(sky.coefficients[k]);
   return glm::max(light, glm::dvec3(0.0));
 }
 
