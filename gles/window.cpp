@@ -2,6 +2,8 @@
 
 #include <SDL.h>
 
+#include <algorithm>
+
 namespace kasumi {
 namespace {
 
@@ -71,19 +73,45 @@ class SdlWindow final : public Window {
       if (event.type == SDL_KEYDOWN) {
         const SDL_Keycode key = event.key.keysym.sym;
         if (key == SDLK_ESCAPE || key == SDLK_q) closing_ = true;
+        if ((key >= SDLK_a && key <= SDLK_z) || (key >= SDLK_0 && key <= SDLK_9)) input_.keys += static_cast<char>(key);
+        for (const auto& [arrow, letter] : {std::pair(SDLK_LEFT, '<'), std::pair(SDLK_RIGHT, '>'),
+                                            std::pair(SDLK_UP, '^'), std::pair(SDLK_DOWN, 'v')})
+          if (key == arrow) input_.keys += letter;
       }
+      if ((event.type == SDL_MOUSEBUTTONDOWN || event.type == SDL_MOUSEBUTTONUP) &&
+          event.button.button == SDL_BUTTON_LEFT) {
+        input_.dragging = event.type == SDL_MOUSEBUTTONDOWN;
+        point_at(event.button.x, event.button.y);
+      }
+      if (event.type == SDL_MOUSEMOTION) point_at(event.motion.x, event.motion.y);
     }
     return !closing_;
+  }
+
+  WindowInput take_input() override {
+    WindowInput taken = input_;
+    input_.keys.clear();
+    return taken;
   }
 
   void show() override { SDL_GL_SwapWindow(window_.get()); }
 
  private:
+  // The pointer comes in the desk's units, of which a pixel may be a part.
+  void point_at(int x, int y) {
+    int width = 1, height = 1;
+    SDL_GetWindowSize(window_.get(), &width, &height);
+    const DrawTarget pixels = target();
+    input_.x_px = (x + 0.5) * pixels.width / std::max(width, 1);
+    input_.y_px = (y + 0.5) * pixels.height / std::max(height, 1);
+  }
+
   SdlVideo video_;
   std::unique_ptr<SDL_Window, DestroyWindow> window_;
   SDL_GLContext context_;
   GlInfo info_;
   bool closing_ = false;
+  WindowInput input_;
 };
 
 }  // namespace

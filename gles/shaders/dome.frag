@@ -1,0 +1,20 @@
+varying vec2 v_place;
+#if !defined(PER_FRAGMENT)
+varying vec3 v_shown;
+#endif
+#if defined(FISHEYE)
+uniform float circle_px;
+#endif
+
+void main() {
+#if defined(PER_FRAGMENT)
+  vec3 colour = shown(sky_light(view_of(v_place)));
+#else
+  vec3 colour = v_shown;
+#endif
+  colour += dither(gl_FragCoord.xy) / 255.0;
+#if defined(FISHEYE)
+  colour *= clamp(circle_px + 0.5 - length(v_place), 0.0, 1.0);
+#endif
+  gl_FragColor = vec4(colour, 1.0);
+}

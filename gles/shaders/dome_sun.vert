@@ -1,0 +1,18 @@
+// The sun's disc as rings of points around its middle; the last two rings are half a pixel within its edge and beyond.
+attribute vec2 position;  // part of the way to the edge, 2: beyond it; angle around the middle
+uniform float sun_radius;
+uniform float blur;  // half a pixel, in radii
+uniform vec3 sun_luminance;
+varying vec2 v_place;
+varying vec3 v_shown;
+
+void main() {
+  vec3 side = normalize(abs(sun.z) < 0.9 ? cross(sun, vec3(0.0, 0.0, 1.0)) : cross(sun, vec3(1.0, 0.0, 0.0)));
+  vec3 up = cross(side, sun);
+  bool beyond = position.x > 1.5;
+  float off = beyond ? 1.0 + blur : position.x * max(1.0 - blur, 0.0);
+  vec3 view = normalize(sun + off * sun_radius * (cos(position.y) * side + sin(position.y) * up));
+  v_shown = shown(sky_light(view) + (beyond ? vec3(0.0) : sun_disc_light(sun_luminance, off)));
+  gl_Position = clip_of(view);
+  v_place = gl_Position.xy / (max(gl_Position.w, 0.001) * place_to_clip);
+}
