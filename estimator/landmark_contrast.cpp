@@ -27,7 +27,7 @@ struct BoxLight {
   double clipped = 0.0, hidden = 0.0;  // shares
 };
 
-bool inside(const PixelBox& box, const Camera& camera) {
+bool inside(const PictureBox& box, const Camera& camera) {
   return box.x >= 0 && box.y >= 0 && box.width > 0 && box.height > 0 && box.x + box.width <= camera.width &&
          box.y + box.height <= camera.height;
 }
@@ -40,7 +40,7 @@ double trimmed_mean(std::vector<double>& values) {
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const PixelBox& box, double pixel_noise) {
+BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const PictureBox& box, double pixel_noise) {
   BoxLight found;
   found.middle = {box.x + 0.5 * (box.width - 1), box.y + 0.5 * (box.height - 1)};
   const double pixels = static_cast<double>(box.width) * box.height;

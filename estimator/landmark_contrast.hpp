@@ -14,7 +14,7 @@
 
 namespace kasumi {
 
-struct PixelBox {
+struct PictureBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -24,10 +24,10 @@ struct PixelBox {
 struct ContrastLandmark {
   std::string name;
   double distance_m = 0.0;
-  double rise_m = 0.0;              // of the surface above the camera
-  PixelBox surface;                 // pixels that show nothing else
-  std::optional<PixelBox> against;  // a neighbouring surface about as far away; nothing: the sky
-  std::optional<PixelBox> sky;      // sky low beside it, the light from infinity; nothing: the picture's horizon there
+  double rise_m = 0.0;                // of the surface above the camera
+  PictureBox surface;                 // pixels that show nothing else
+  std::optional<PictureBox> against;  // a neighbouring surface about as far away; nothing: the sky
+  std::optional<PictureBox> sky;  // sky low beside it, the light from infinity; nothing: the picture's horizon there
   // What is known of its contrast without any air in front, before the first picture: mean and standard deviation.
   // 1 - L / Linf of woods and grey masonry (reflectance .04-.2) under a horizon about as bright as a white wall.
   double contrast = 0.85;

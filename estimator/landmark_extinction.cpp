@@ -219,27 +219,20 @@ void LandmarkExtinction::learn(const std::vector<ContrastReading>& readings) {
   Matrix towards(count, static_cast<Eigen::Index>(used.size()));  // covariance of all with those that are read
   for (Eigen::Index j = 0; j < towards.cols(); ++j)
     towards.col(j) = known.col(static_cast<Eigen::Index>(used[static_cast<std::size_t>(j)]));
-  // Each extinction, as likely beforehand as any other per octave, gives a normal distribution; their mixture's mean
-  // and covariance are kept.
-  double sum = 0.0;
-  Vector first = Vector::Zero(count);
-  Matrix second = Matrix::Zero(count, count);
-  for (std::size_t k = 0; k < grid_per_m_.size(); ++k) {
-    const double weight = std::exp(-0.5 * (fitted.minus_two_log[k] - fitted.minus_two_log[fitted.best]));
-    if (weight < 1e-9) continue;
-    const auto law = law_under(grid_per_m_[k], of, spread_);
-    const Eigen::LLT<Matrix> factor(covariance_of(law, of.known));
-    const Matrix across = towards * law.haze.asDiagonal();
-    const Vector moved = across * factor.solve(law.residual);
-    sum += weight;
-    first += weight * moved;
-    second += weight * (known - across * factor.solve(across.transpose()) + moved * moved.transpose());
-  }
-  first /= sum;
-  second = second / sum - first * first.transpose();
-  second = (0.5 * (second + second.transpose())).eval();
-  Eigen::Map<Vector>(mean_.data(), count) = (mean + first).cwiseMin(1.0);  // nothing is darker than black
-  Eigen::Map<Matrix>(covariance_.data(), count, count) = second;
+  // The picture's extinction is not known: nothing is learnt along the change that another extinction would make, so
+  // that no belief in clear or thick days creeps into the contrasts. What stays is how landmarks differ at one
+  // distance.
+  const double likeliest = grid_per_m_[fitted.best];
+  auto law = law_under(likeliest, of, spread_);
+  const Vector by_extinction = law.haze.cwiseProduct(of.path_m).cwiseProduct(of.mean);
+  const double unknown = 10.0 * std::max(likeliest, 1.0 / of.path_m.maxCoeff());
+  law.noise += unknown * unknown * by_extinction * by_extinction.transpose();
+  const Eigen::LLT<Matrix> factor(covariance_of(law, of.known));
+  const Matrix across = towards * law.haze.asDiagonal();
+  const Vector learnt = mean + across * factor.solve(law.residual);
+  const Matrix left = known - across * factor.solve(across.transpose());
+  Eigen::Map<Vector>(mean_.data(), count) = learnt.cwiseMin(1.0);  // nothing is darker than black
+  Eigen::Map<Matrix>(covariance_.data(), count, count) = 0.5 * (left + left.transpose());
 }
 
 std::vector<Extinction> extinction_of(const LandmarkExtinction& before,

@@ -46,8 +46,8 @@ class LandmarkExtinction {
 
   // Of this picture alone, with what was learnt from others.
   Extinction look(const std::vector<ContrastReading>& readings) const;
-  // Takes what a picture tells of the contrasts, its extinction being unknown. Not for pictures within the same light:
-  // half an hour apart is.
+  // Takes what a picture tells of the contrasts, its own extinction being quite unknown: how they differ, not how large
+  // all are. Not for pictures within the same light: half an hour apart is.
   void learn(const std::vector<ContrastReading>& readings);
 
   const std::vector<double>& contrasts() const { return mean_; }  // without air

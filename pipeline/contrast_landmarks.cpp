@@ -10,12 +10,12 @@ namespace {
 
 constexpr Range kDistances_m{5.0, 400e3};
 
-std::optional<PixelBox> read_box(const ConfigTable& table, std::string_view key, int width, int height) {
+std::optional<PictureBox> read_box(const ConfigTable& table, std::string_view key, int width, int height) {
   if (!table.has(key)) return std::nullopt;
   const auto numbers = table.numbers(key, 4, {0.0, 100e3});
   if (numbers.size() != 4) return std::nullopt;
-  const PixelBox box{static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), static_cast<int>(numbers[2]),
-                     static_cast<int>(numbers[3])};
+  const PictureBox box{static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), static_cast<int>(numbers[2]),
+                       static_cast<int>(numbers[3])};
   if (box.width < 1 || box.height < 1 || box.x + box.width > width || box.y + box.height > height)
     table.problem(key, fmt::format("[x, y, width, height] within the scene camera's {} x {} pixels", width, height));
   return box;
