@@ -20,14 +20,11 @@ int write(const std::filesystem::path& out, const ReportOptions& options) {
     fmt::print(stderr, "{}: {}\n", out.string(), error.message());
     return 1;
   }
-  std::vector<Section> sections;
-  for (const auto make : {turbidity_section, scattering_section, scenes_section, photographs_section, classic_section,
-                          frame_rate_section}) {
-    sections.push_back(make(options));
-    fmt::print("{}\n", sections.back().title());
-    for (const auto& [finding, words] : sections.back().findings()) fmt::print("  {}: {}\n", name_of(finding), words);
+  const auto sections = all_sections(options, [](const Section& section) {
+    fmt::print("{}\n", section.title());
+    for (const auto& [finding, words] : section.findings()) fmt::print("  {}: {}\n", name_of(finding), words);
     std::fflush(stdout);
-  }
+  });
   if (auto done = write_report(out, sections, options); !done) {
     fmt::print(stderr, "{}\n", done.error().message);
     return 1;

@@ -64,8 +64,8 @@ Section scenes_section(const ReportOptions& options) {
                             {"sun 25 deg high", {.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0}}};
   if (options.quick) {
     places.resize(1);
-    places.front().place.width = 128;
-    places.front().place.height = 72;
+    places.front().place.width = 192;
+    places.front().place.height = 108;
   }
   std::map<Method, Series> structure, colours;
   for (const Method method : kMethods)

@@ -79,6 +79,16 @@ void Section::finding(Finding finding, std::string_view words) {
   body_ += fmt::format("<p class=\"finding {0}\"><b>{0}</b>: {1}</p>\n", name_of(finding), html_escaped(words));
 }
 
+std::vector<Section> all_sections(const ReportOptions& options, const std::function<void(const Section&)>& done) {
+  std::vector<Section> sections;
+  for (const auto make : {turbidity_section, scattering_section, scenes_section, photographs_section, classic_section,
+                          landmarks_section, haze_section, frame_rate_section}) {
+    sections.push_back(make(options));
+    if (done) done(sections.back());
+  }
+  return sections;
+}
+
 Result<> write_report(const std::filesystem::path& folder, const std::vector<Section>& sections,
                       const ReportOptions& options) {
   std::string page = fmt::format(

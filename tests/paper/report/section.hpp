@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -59,6 +60,10 @@ Section scattering_section(const ReportOptions& options);   // M Table 2, Fig 9 
 Section scenes_section(const ReportOptions& options);       // M Fig 12 and 13, generated scenes
 Section photographs_section(const ReportOptions& options);  // the same on real material
 Section classic_section(const ReportOptions& options);      // hazy photographs without distances
+Section landmarks_section(const ReportOptions& options);    // visibility from landmarks
+Section haze_section(const ReportOptions& options);         // H Fig 2, 6, 7
 Section frame_rate_section(const ReportOptions& options);   // M Sect 7.3
+// All of them; `done` is told of each as it is made.
+std::vector<Section> all_sections(const ReportOptions& options, const std::function<void(const Section&)>& done = {});
 
 }  // namespace kasumi::paper

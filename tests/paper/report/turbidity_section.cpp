@@ -28,7 +28,7 @@ Section turbidity_section(const ReportOptions& options) {
       ours{.name = "Kasumi, error of the mean", .marks = true},
       eq8{.name = "M Eq 8 here, error of the mean", .marks = true, .dashed = true};
   double worst_theirs = 0.0, worst_ours = 0.0, most_over_bound = 0.0, eq8_least = 1e9, eq8_most = 0.0, eq8_bias = 0.0;
-  for (int t = 2; t <= 9; ++t) {
+  for (int t = 2; t <= 9; t += options.quick ? 3 : 1) {
     const double truth = t;
     const auto& paper = kMoralesTable1[t - 2];
     const auto row = estimate_often({.turbidity = truth}, {}, repeats);
@@ -55,7 +55,7 @@ Section turbidity_section(const ReportOptions& options) {
   section.figure("worst_bias", worst_ours);
   section.figure("worst_bias_of_morales", worst_theirs);
   section.figure("worst_sigma_over_bound", most_over_bound);
-  section.finding(Finding::better,
+  section.finding(worst_ours < worst_theirs ? Finding::better : Finding::differs,
                   fmt::format("the mean is off by {:.4f} at most (M Table 1: {:.3f}); it scatters at most {:.2f} times "
                               "the bound.",
                               worst_ours, worst_theirs, most_over_bound));
