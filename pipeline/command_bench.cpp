@@ -4,6 +4,7 @@
 
 #include "pipeline/bench.hpp"
 #include "pipeline/bench_gles.hpp"
+#include "pipeline/bench_haze.hpp"
 #include "pipeline/command.hpp"
 
 namespace kasumi {
@@ -35,6 +36,9 @@ void add_bench_command(CLI::App& app, Action& action) {
       const auto layer = bench_layer();
       if (!layer) return fail(layer.error());
       print(*layer);
+      const auto haze = bench_haze();
+      if (!haze) return fail(haze.error());
+      print(*haze);
       return 0;
     };
   });
