@@ -4,6 +4,7 @@
 
 #include <glm/common.hpp>
 
+#include "estimator/depth_from_haze.hpp"
 #include "estimator/horizon.hpp"
 #include "estimator/retarget.hpp"
 #include "tests/paper/single_image.hpp"
@@ -133,12 +134,12 @@ Experiment experiment_of(const Scene& source, double source_turbidity, const Sce
 }
 
 std::vector<Judged> judge_methods(const Experiment& given, double most_thickness) {
-  const auto nodes = attenuation_nodes(spectral_measure(given.camera));
+  const auto spectral = attenuation_nodes(spectral_measure(given.camera));
   Image<glm::vec3> light(given.picture.width(), given.picture.height());
   for (int y = 0; y < light.height(); ++y)
     for (int x = 0; x < light.width(); ++x)
       light.at(x, y) = given.camera.light_at({x, y}, glm::dvec3(given.picture.at(x, y)) / 255.0);
-  const auto by_distance = [&](const RetargetOptions& options) {
+  const auto by_distance = [&](const RetargetOptions& options, const AttenuationNodes& nodes) {
     return pixels_of(
         encoded(given.camera, retarget(light, given.depth, given.source, given.target, nodes, options).light));
   };
@@ -152,7 +153,9 @@ std::vector<Judged> judge_methods(const Experiment& given, double most_thickness
     RetargetOptions options;
     if (method == Method::zhao) options.scattering = ScatteringModel::zhao;
     if (method == Method::ours) options.relit = given.relit;
-    best.offer(method == Method::untouched ? given.picture : by_distance(options));
+    best.offer(method == Method::untouched
+                   ? given.picture
+                   : by_distance(options, method == Method::ours && given.fog ? grey_attenuation_nodes() : spectral));
     all.push_back(std::move(best).found());
   }
   return all;

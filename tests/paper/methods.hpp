@@ -30,6 +30,7 @@ struct Experiment {
   PictureDepth depth;
   PictureAir source, target;  // light from infinity of every pixel
   glm::dvec3 relit{1.0};      // ours alone
+  bool fog = false;           // ours alone: droplets, which take of all colours alike
 };
 // Light from infinity as measured at the two pictures' horizons.
 Experiment experiment_of(const Scene& source, double source_turbidity, const Scene& target, double target_turbidity);

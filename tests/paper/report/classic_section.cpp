@@ -110,7 +110,7 @@ Section classic_section(const ReportOptions& options) {
   section.finding(
       Finding::reproduced,
       fmt::format("dehazed and re-hazed by one path, with no more than {:.1f} % of a picture driven to black; "
-                  "looked at by eye: no halos along roofs, trees and towers, greys stay grey.",
+                  "by eye, when this was written: no halos along roofs, trees and towers, greys stay grey.",
                   blackest));
   section.finding(Finding::differs,
                   "what these pictures cannot show is whether the air is right: a white wall passes for haze, and no "

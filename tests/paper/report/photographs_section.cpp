@@ -79,7 +79,8 @@ Section photographs_section(const ReportOptions& options) {
       "mornings of "
       "1620, 466, 444 and 73 m, against the pictures taken then. T from the measured visibility, far beyond 20, where "
       "the "
-      "papers' haze ends and fog begins; distances from the meadow's geometry, nothing fitted. The camera sets its own "
+      "papers' haze ends and fog begins; distances from the meadow's geometry, nothing fitted; Kasumi takes fog for "
+      "grey, as its droplets are. The camera sets its own "
       "exposure and white balance, the sun stands elsewhere, grass is wet or dry: what the pictures have in common is "
       "the "
       "meadow, so these figures say less than the generated scenes do. He and Zhu again with the haze that comes "
@@ -107,6 +108,7 @@ Section photographs_section(const ReportOptions& options) {
     return PictureAir{turbidity_of(visibility_m),
                       Image<glm::vec3>(1, 1, glm::vec3(light_above_the_wood(camera, picture)))};
   };
+  experiment.fog = true;
   experiment.source = air_of(whole, kSource.visibility_m);
   std::vector<std::vector<std::string>> rows;
   int won = 0, compared = 0;
@@ -126,7 +128,6 @@ Section photographs_section(const ReportOptions& options) {
     sheet.add(experiment.picture, "23 km, as taken");
     sheet.add(experiment.truth, fmt::format("{:.0f} m, as taken", frame.visibility_m));
     for (const auto& one : judged) {
-      if (one.method == Method::morales) continue;  // the sun's place is not used: the same as ours
       row.push_back(fmt::format("{:.3f} / {:.3f}", one.ssim, one.colour.combined()));
       if (one.method != Method::untouched) sheet.add(one.picture, std::string(name_of(one.method)));
       if (one.method != Method::he && one.method != Method::zhu && one.method != Method::zhao) continue;
@@ -138,14 +139,17 @@ Section photographs_section(const ReportOptions& options) {
     if (frame.visibility_m > 440.0)
       section.picture(sheet.drawn(3), fmt::format("23 km to {:.0f} m", frame.visibility_m), 1000);
   }
-  section.table({"visibility", "T", "Kasumi", "He 2011", "Zhu 2015", "Zhao 2012", "source untouched"}, rows);
+  section.table({"visibility", "T", "Kasumi", "M as printed", "He 2011", "Zhu 2015", "Zhao 2012", "source untouched"},
+                rows);
   section.say("Each cell: SSIM / HSV correlation.");
   section.figure("comparisons", compared);
   section.figure("won", won);
   section.finding(
-      2 * won > compared ? Finding::reproduced : Finding::differs,
+      won == compared ? Finding::reproduced : Finding::differs,
       fmt::format("Kasumi is above the baselines in {} of {} comparisons, theirs with a haze chosen by the true "
-                  "picture, Kasumi's from measured visibility and geometry alone.",
+                  "picture, Kasumi's from measured visibility and geometry alone. Fog is not the same all over: "
+                  "the meadow of these mornings stands clearer than the visibility at the sensor says, and "
+                  "exposure and white balance, which no method here knows, weigh as much in the histograms.",
                   won, compared));
   return section;
 }
