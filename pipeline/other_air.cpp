@@ -65,23 +65,27 @@ Result<> OtherAir::take(Photograph photograph, const std::string& name) {
     return fail(FaultKind::bad_input, "{}: is {} x {}: expected {} x {}, as its camera or the first picture is", name,
                 encoded.width(), encoded.height(), camera.width, camera.height);
   quantum_ = photograph.quantum;
-  std::optional<HorizonLight> horizon;
   if (!setup_.airlight) {
     auto found = horizon_of(camera, photograph, name);
-    if (!found) return fail(found.error());
-    horizon = std::move(*found);
+    // A picture of a film in which nothing is found goes by those before.
+    if (!found && (!horizon_ || setup_.horizon_weight >= 1.0)) return fail(found.error());
+    if (found && horizon_ && setup_.horizon_weight < 1.0)
+      horizon_ = blend(*horizon_, *found, setup_.horizon_weight);
+    else if (found)
+      horizon_ = std::move(*found);
   }
   depth_ = {setup_.distance_m, rise_, setup_.altitude_m};
-  if (setup_.distance_m.empty()) {
-    const auto parts = segment_sky(to_rgb8(photograph));
+  if (setup_.distance_m.empty())
     depth_.distance_m =
         Image<float>(camera.width, camera.height, static_cast<float>(setup_.everything_at_m.value_or(1000.0)));
+  if (setup_.distance_m.empty() || setup_.find_sky) {
+    const auto parts = segment_sky(to_rgb8(photograph));
     for (int y = 0; parts.visible && y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x)
         if (parts.sky.at(x, y) != 0) depth_.distance_m.at(x, y) = 0.0F;
   }
   light_ = light_of(camera, encoded);
-  source_ = {setup_.source, from_infinity(setup_.airlight, horizon ? &*horizon : nullptr, setup_.source)};
+  source_ = {setup_.source, from_infinity(setup_.airlight, horizon_ ? &*horizon_ : nullptr, setup_.source)};
   return {};
 }
 
@@ -132,7 +136,12 @@ UnderOtherAir OtherAir::under(const std::optional<Turbidity>& target) const {
   if (setup_.relight && setup_.sun && middle)
     options.relit = relighting(camera, setup_.source, target, *setup_.sun, *middle, setup_.altitude_m);
   auto made = retarget(light_, depth_, source_, {target, targets(target)}, nodes_, options);
-  return {{encoded_of(camera, made.light), quantum_}, std::move(made.restored), made.too_faint_fraction};
+  UnderOtherAir found;
+  found.picture.encoded = encoded_of(camera, made.light);
+  found.picture.quantum = quantum_;
+  found.restored = std::move(made.restored);
+  found.too_faint_fraction = made.too_faint_fraction;
+  return found;
 }
 
 }  // namespace kasumi

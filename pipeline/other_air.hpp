@@ -19,6 +19,8 @@ struct OtherAirSetup {
   Turbidity source;                 // of the pictures' own air
   Image<float> distance_m;          // as large as the pictures; empty: `everything_at_m`, sky where sky is found
   std::optional<double> everything_at_m;
+  bool find_sky = false;               // sky is found in each picture, whatever `distance_m` says of it
+  double horizon_weight = 1.0;         // of a picture's own horizon; the rest is that of the pictures before
   std::optional<glm::dvec3> airlight;  // linear, 0..1 of full scale; empty: each picture's own horizon
   // Light from infinity under the target's air: given, or of a picture taken under it; neither: what the sky model
   // makes of the source's.
@@ -65,6 +67,7 @@ class OtherAir {
   Image<glm::vec3> light_;
   PictureDepth depth_;
   PictureAir source_;
+  std::optional<HorizonLight> horizon_;
 };
 
 }  // namespace kasumi

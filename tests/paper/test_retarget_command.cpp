@@ -1,12 +1,17 @@
 // kasumi retarget as a researcher calls it.
+#include <cstdlib>
 #include <cstring>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
+#include "base/files.hpp"
+#include "calib/distance_map.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/picture_sink.hpp"
+#include "pipeline/picture_source.hpp"
 #include "tests/paper/scene.hpp"
 #include "tests/pipeline/program.hpp"
 
@@ -113,6 +118,83 @@ TEST_F(RetargetCommand, NamesAllThatIsWrongAtOnceAndWritesNothing) {
   EXPECT_THAT(outcome.err, HasSubstr("no-depth.pfm"));
   EXPECT_THAT(outcome.err, HasSubstr("--source-turbidity"));
   EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+// A still camera's film: as many frames, at its rate, each as the picture would have become.
+TEST_F(RetargetCommand, TakesAFilmAndMakesOneForEachAir) {
+  {
+    auto film = open_film(folder / "day.mp4", 5.0);
+    ASSERT_TRUE(film);
+    for (int i = 0; i < 4; ++i)
+      if (const auto put = (*film)->put(read("source.png")); !put) GTEST_SKIP() << put.error().message;
+    ASSERT_TRUE((*film)->finish());
+  }
+  const auto rest = known().substr(known().find(' '));
+  const auto outcome = run_kasumi(
+      fmt::format("retarget {} {} --turbidity 2.5,4 --film {}", in_folder("day.mp4"), rest, in_folder("other.mp4")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_EQ(run_kasumi(fmt::format("retarget {} --turbidity 4 --out {}", known(), in_folder("four.png"))).code, 0);
+  const auto film = open_pictures({in_folder("other.T4.00.mp4")});
+  ASSERT_TRUE(film) << film.error().message;
+  EXPECT_NEAR((*film)->frames_per_second().value_or(0.0), 5.0, 0.01);
+  int frames = 0;
+  for (auto next = (*film)->next(); next && *next; next = (*film)->next(), ++frames)
+    EXPECT_LE(mean_difference(to_rgb8((*next)->photograph), read("four.png")), 5.0) << "two codecs between";
+  EXPECT_EQ(frames, 4);
+  EXPECT_TRUE(std::filesystem::exists(folder / "other.T2.50.mp4"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "other.mp4"));
+}
+
+TEST_F(RetargetCommand, TakesAFolderOfFramesByName) {
+  std::filesystem::create_directories(folder / "frames");
+  for (const char* name : {"b.png", "a.png"}) ASSERT_TRUE(write_png(folder / "frames" / name, read("source.png")));
+  const auto rest = known().substr(known().find(' '));
+  const auto outcome = run_kasumi(
+      fmt::format("retarget {} {} --turbidity 2.94 --out {}", in_folder("frames"), rest, in_folder("made-frames")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* name : {"a.T2.94.png", "b.T2.94.png", "a.T2.94.restored.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "made-frames" / name)) << name;
+  const auto sheet = run_kasumi(
+      fmt::format("retarget {} {} --turbidity 2.94 --sheet {}", in_folder("frames"), rest, in_folder("never.png")));
+  EXPECT_EQ(sheet.code, 2);
+  EXPECT_THAT(sheet.err, HasSubstr("a sheet holds them all"));
+}
+
+// One wall without a top, seen through a narrow lens, is as good as one distance for all.
+TEST_F(RetargetCommand, TakesGroundAndWallsForDistances) {
+  ASSERT_TRUE(write_text_file(folder / "planes.toml", "[[walls]]\ndistance_m = 6000\nazimuth_deg = 4\n"));
+  const auto asked =
+      fmt::format("retarget {} --fov-deg 20 --source-turbidity 1.9 --turbidity 4 ", in_folder("source.png"));
+  const auto by_wall =
+      run_kasumi(fmt::format("{} --planes {} --out {}", asked, in_folder("planes.toml"), in_folder("wall.png")));
+  ASSERT_EQ(by_wall.code, 0) << by_wall.err;
+  ASSERT_EQ(run_kasumi(fmt::format("{} --distance-m 6000 --out {}", asked, in_folder("one.png"))).code, 0);
+  EXPECT_LE(mean_difference(read("wall.png"), read("one.png")), 1.0);
+  EXPECT_GT(mean_difference(read("wall.png"), read("source.png")), 5.0) << "else nothing was asked of it";
+  const auto both = run_kasumi(fmt::format("{} --planes {} --distance-m 6000 --out {}", asked, in_folder("planes.toml"),
+                                           in_folder("never.png")));
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.err, HasSubstr("expected one of --depth FILE, --planes FILE"));
+}
+
+TEST_F(RetargetCommand, ReadsExrAsItReadsPfm) {
+  setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
+  const auto distances = read_distances(folder / "depth.pfm", std::nullopt).value();
+  cv::Mat map(distances.height(), distances.width(), CV_32FC1);
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x) map.at<float>(y, x) = distances.at(x, y);
+  bool written = false;
+  try {
+    written = cv::imwrite(in_folder("depth.exr"), map);
+  } catch (const cv::Exception&) {
+  }
+  if (!written) GTEST_SKIP() << "this OpenCV has no EXR";
+  auto asked = known();
+  asked.replace(asked.find("depth.pfm"), 9, "depth.exr");
+  ASSERT_EQ(run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", known(), in_folder("by-pfm.png"))).code, 0);
+  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", asked, in_folder("by-exr.png")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(mean_difference(read("by-exr.png"), read("by-pfm.png")), 0.0);
 }
 
 TEST_F(RetargetCommand, RefusesADepthOfAnotherSize) {
