@@ -25,7 +25,8 @@ Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, cons
       sky_(content, ground.devices, ground.clock, ground.time, exchange_, std::move(sky)),
       render_(content, ground.devices, ground.clock, ground.notifier, exchange_),
       status_(content, std::move(status), ground.clock, ground.notifier, exchange_),
-      check_(content, config_file_, ground.clock, exchange_) {}
+      check_(content, config_file_, ground.clock, exchange_),
+      visibility_(content, ground.clock, exchange_) {}
 
 void Appliance::reload() {
   ground_.notifier.reloading();
@@ -38,6 +39,7 @@ void Appliance::reload() {
     exchange_.content.render.put(*content);
     exchange_.content.status.put(*content);
     exchange_.content.check.put(*content);
+    exchange_.content.visibility.put(*content);
   } else {
     news.problems = lines_of(content.error().message);
     spdlog::error("the new content is refused, the old one stays:");

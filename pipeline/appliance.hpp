@@ -7,6 +7,7 @@
 #include "pipeline/scene_loop.hpp"
 #include "pipeline/sky_loop.hpp"
 #include "pipeline/status_loop.hpp"
+#include "pipeline/visibility_loop.hpp"
 
 namespace kasumi {
 
@@ -28,6 +29,7 @@ class Appliance {
   RenderLoop& render() { return render_; }
   StatusLoop& status() { return status_; }
   CheckLoop& check() { return check_; }
+  VisibilityLoop& visibility() { return visibility_; }
   Bell& render_bell() { return exchange_.render_bell; }
 
   // Reads configuration and content anew and hands them to the loops; refused, the old ones stay and every problem is
@@ -43,6 +45,7 @@ class Appliance {
   RenderLoop render_;
   StatusLoop status_;
   CheckLoop check_;
+  VisibilityLoop visibility_;
 };
 
 }  // namespace kasumi

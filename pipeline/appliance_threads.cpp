@@ -1,5 +1,6 @@
 #include "pipeline/appliance_threads.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
@@ -106,7 +107,10 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   loops.push_back(start("check", [&] {
     // After everybody else: it may take its time.
     ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 19);
-    while (!stop.wanted()) check_bell.wait_for(appliance.check().step() - clock.now());
+    while (!stop.wanted()) {
+      const auto again = std::min(appliance.check().step(), appliance.visibility().step());
+      check_bell.wait_for(again - clock.now());
+    }
   }));
   auto& render = appliance.render();
   while (!stop.wanted()) {

@@ -8,6 +8,7 @@
 
 #include "base/latest_slot.hpp"
 #include "capture/reconnecting_source.hpp"
+#include "estimator/landmark_air.hpp"
 #include "pipeline/bell.hpp"
 #include "pipeline/content.hpp"
 #include "pipeline/drift.hpp"
@@ -79,6 +80,21 @@ struct CheckNews {
   std::optional<DriftReport> report;  // empty: no comparison was made
 };
 
+// What the landmarks in the scene camera's picture say of the air.
+struct VisibilityNews {
+  Utc at{};
+  std::optional<LandmarkAir> air;    // empty: not looked at, and `reason` says why
+  std::optional<SkyComparison> sky;  // empty: the sky says nothing
+  std::string reason;
+  bool finding = false;  // they disagree with the sky, and have for minutes
+};
+
+// Today's air by the sky, for comparison.
+struct SkyAir {
+  std::optional<TrackedTurbidity> turbidity;  // empty: not known, or not trustworthy
+  std::optional<SunDirection> sun;
+};
+
 struct Exchange {
   LatestSlot<SceneFrame> scene_frames;
   LatestSlot<CameraNews> scene_camera;
@@ -90,6 +106,7 @@ struct Exchange {
     LatestSlot<RenderNews> render;
     LatestSlot<ReloadNews> reload;
     LatestSlot<CheckNews> check;
+    LatestSlot<VisibilityNews> visibility;
   } status;
 
   struct ForCheck {
@@ -98,8 +115,14 @@ struct Exchange {
     LatestSlot<CheckPicture> scene, sky;
   } check;
 
+  struct ForVisibility {
+    std::atomic<bool> scene_wanted = false;  // a picture, the next that comes
+    LatestSlot<CheckPicture> scene;
+    LatestSlot<SkyAir> sky;
+  } visibility;
+
   struct NewContent {
-    LatestSlot<ContentPtr> scene, sky, render, status, check;
+    LatestSlot<ContentPtr> scene, sky, render, status, check, visibility;
   } content;
 
   Bell render_bell;  // there is news for the render loop

@@ -39,6 +39,8 @@ Installation read_installation(const ConfigTable& root) {
                                 "\"pinhole\": the picture is drawn through a pinhole (with Brown's distortion)");
   installation.object = read_placement(root.table("object"), installation.site);
   installation.landmarks = read_landmarks(root, installation.site);
+  installation.contrast_landmarks =
+      read_contrast_landmarks(root, installation.site, installation.scene.width, installation.scene.height);
   return installation;
 }
 

@@ -5,6 +5,7 @@
 #include "calib/adopt_calibration.hpp"
 #include "calib/camera.hpp"
 #include "calib/image_quality.hpp"
+#include "pipeline/contrast_landmarks.hpp"
 #include "pipeline/landmarks.hpp"
 #include "pipeline/placement.hpp"
 
@@ -36,7 +37,8 @@ struct Installation {
                                    // known to stand; empty: nowhere
   ObjectPlacement object;
   std::vector<Landmark> landmarks;
-  std::optional<AdoptedCalibration> calibration;  // the file beneath the one that was read
+  std::vector<ContrastLandmark> contrast_landmarks;  // those of them that tell the visibility
+  std::optional<AdoptedCalibration> calibration;     // the file beneath the one that was read
 };
 
 // [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration, and beneath them the calibration file

@@ -10,6 +10,7 @@ std::vector<Landmark> read_landmarks(const ConfigTable& root, const Site& site) 
   constexpr double kWithinSight_m = 400e3;  // Everest from the plains of Bengal; beyond, a number is wrong
   std::vector<Landmark> landmarks;
   for (const auto& table : root.tables("landmarks")) {
+    if (table.has("distance_m") && !table.has("latitude_deg")) continue;  // for the visibility alone
     Landmark landmark;
     landmark.name = table.text("name");
     landmark.place_m =

@@ -17,7 +17,8 @@ struct Landmark {
   glm::dvec3 place_m{};  // east, north, up as seen from the site: the earth's curvature and refraction are in it
 };
 
-// [[landmarks]]: name, latitude_deg, longitude_deg, altitude_m. Problems are left in the root's file.
+// [[landmarks]]: name, latitude_deg, longitude_deg, altitude_m; those that tell their distance_m alone are not among
+// them. Problems are left in the root's file.
 std::vector<Landmark> read_landmarks(const ConfigTable& root, const Site& site);
 
 }  // namespace kasumi

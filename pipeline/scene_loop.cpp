@@ -37,6 +37,8 @@ void SceneLoop::hand_on(Frame frame) {
   if (!picture) return camera_.reject("damaged");
   if (exchange_.check.scene_wanted.exchange(false))
     exchange_.check.scene.put({metadata, to_rgb(picture->view()), false});
+  if (exchange_.visibility.scene_wanted.exchange(false))
+    exchange_.visibility.scene.put({metadata, to_rgb(picture->view()), false});
   exchange_.scene_frames.put({metadata, std::move(*picture), frame.payload.holder, camera_.outages()});
   exchange_.render_bell.ring();
 }

@@ -129,6 +129,10 @@ void SkyLoop::go_without(SunSource sun_from) {
 void SkyLoop::tell(SkyReport report, bool up, SunSource sun_from) {
   told_ = clock_.now();
   SkyNews news{std::move(report), up, sun_from == SunSource::ephemeris};
+  const auto& tracked = news.report.tracked;
+  SkyAir air{tracked && tracked->trustworthy ? tracked : std::nullopt, std::nullopt};
+  if (news.sun_known()) air.sun = news.report.sun.direction;
+  exchange_.visibility.sky.put(std::move(air));
   exchange_.status.sky.put(news);
   exchange_.sky.put(std::move(news));
 }

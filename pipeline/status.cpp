@@ -1,5 +1,7 @@
 #include "pipeline/status.hpp"
 
+#include <cmath>
+
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
@@ -80,6 +82,28 @@ Json check_json(const CheckNews& check) {
   return json;
 }
 
+Json visibility_json(const VisibilityNews& news) {
+  if (news.at == Utc{}) return nullptr;
+  Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(news.at))}};
+  const auto kind = news.air ? news.air->extinction().kind : ExtinctionKind::nothing;
+  const bool value = kind == ExtinctionKind::value;
+  json["bound"] = kind == ExtinctionKind::at_most    ? Json("at least")
+                  : kind == ExtinctionKind::at_least ? Json("at most")
+                                                     : Json(nullptr);
+  json["visibility_m"] = kind == ExtinctionKind::nothing ? Json(nullptr) : Json(std::round(news.air->visibility_m()));
+  json["sigma_m"] = value ? Json(std::round(news.air->visibility_sigma_m())) : Json(nullptr);
+  json["turbidity"] =
+      value && news.air->turbidity.turbidity ? Json(news.air->turbidity.turbidity->value) : Json(nullptr);
+  json["turbidity_sigma"] = value && news.air->turbidity.turbidity ? Json(news.air->turbidity.sigma) : Json(nullptr);
+  json["landmarks"] = news.air ? news.air->extinction().landmarks : 0;
+  json["reason"] = news.reason;
+  json["agreement"] = name_of(news.sky ? news.sky->agreement : Agreement::unknown);
+  json["sigmas_apart"] = news.sky ? Json(news.sky->sigmas) : Json(nullptr);
+  json["finding"] = news.finding;
+  json["words"] = news.sky ? news.sky->words : std::string();
+  return json;
+}
+
 // Out of the driver's memory, and to the GPU.
 double copies_per_frame(const Status& status) {
   const auto& camera = status.scene_camera.health;
@@ -120,6 +144,7 @@ std::string status_json(const Status& status) {
   json["content"] = {{"reloaded_utc", status.reload ? Json(utc_text(status.reload->at)) : Json(nullptr)},
                      {"problems", status.reload ? Json(status.reload->problems) : Json::array()}};
   json["check"] = status.check ? check_json(*status.check) : Json(nullptr);
+  json["visibility"] = visibility_json(status.visibility);
   json["pid"] = ::getpid();
   json["since_utc"] = utc_text(status.since);
   json["utc"] = utc_text(status.utc);

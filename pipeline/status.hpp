@@ -18,6 +18,7 @@ struct Status {
   RenderNews render;
   std::optional<ReloadNews> reload;  // empty: never asked to
   std::optional<CheckNews> check;    // empty: none since the start
+  VisibilityNews visibility;
 };
 
 // JSON; docs/operating.md lists its keys.

@@ -44,6 +44,7 @@ void StatusLoop::gather() {
   newest(exchange_.status.render, status_.render);
   newest(exchange_.status.reload, status_.reload);
   newest(exchange_.status.check, status_.check);
+  newest(exchange_.status.visibility, status_.visibility);
   status_.now = clock_.now();
   status_.utc = clock_.utc();
 }

@@ -178,6 +178,7 @@ void Rig::tick(Duration by) {
   appliance->scene().step(clock.now());
   appliance->sky().step(clock.now());
   appliance->check().step();
+  appliance->visibility().step();
   if (!render_hangs) appliance->render().step();
   if (told_ && clock.now() - *told_ < 500ms) return;
   told_ = clock.now();
