@@ -22,65 +22,53 @@ float joined(float sum, float other) {
   return t * t * (3.0F - 2.0F * t);
 }
 
-// Two rows of pixels, or one with itself.
-struct Row {
-  const float* rate;
-  const float* steps;  // null: one surface
-};
-float matched_between(const Row& row, int x, const Row& other, int ox) {
-  const float rate = std::min(row.rate[x], other.rate[ox]);
-  return row.steps == nullptr ? rate : rate * joined(row.steps[x], other.steps[ox]);
-}
-
-Row row_of(const Image<float>& rate, const Image<float>& steps, int y) {
-  return {rate.row(y), steps.empty() ? nullptr : steps.row(y)};
-}
-
 }  // namespace
 
-void Conductances::set_means(const Image<float>& rate) {
-  const int width = rate.width(), height = rate.height();
+// `between(rates of one row, of another, steps' sums of both, pixel in the one, in the other)`.
+template <class Between>
+void Conductances::set(int offset_px, Between between) {
+  const int width = rate_.width(), height = rate_.height(), d = offset_px;
   for (int y = 0; y < height; ++y) {
-    const float *here = rate.row(y), *above = rate.row(mirrored(y - 1, height)),
-                *below = rate.row(mirrored(y + 1, height));
-    for (int x = 0; x < width; ++x) {
-      right_.at(x, y) = 0.5F * (here[x] + here[mirrored(x + 1, width)]);
-      left_.at(x, y) = 0.5F * (here[x] + here[mirrored(x - 1, width)]);
-      down_.at(x, y) = 0.5F * (here[x] + below[x]);
-      up_.at(x, y) = 0.5F * (here[x] + above[x]);
-    }
+    float *right = right_.row(y), *left = left_of_edge_.row(y);
+    const auto in_row = between(rate_.row(y), rate_.row(y), y, y, true);
+    for (int x = 0; x < width - d; ++x) right[x] = in_row(x, x + d);
+    for (int x = std::max(width - d, 0); x < width; ++x) right[x] = in_row(x, mirrored(x + d, width));
+    for (int x = 0; x < std::min(d, width); ++x) left[x] = in_row(x, mirrored(x - d, width));
+    const int below = mirrored(y + d, height);
+    const auto to_below = between(rate_.row(y), rate_.row(below), y, below, false);
+    float* down = down_.row(y);
+    for (int x = 0; x < width; ++x) down[x] = to_below(x, x);
+    if (y >= d) continue;
+    const int above = mirrored(y - d, height);
+    const auto to_above = between(rate_.row(y), rate_.row(above), y, above, false);
+    for (int x = 0; x < width; ++x) above_edge_.at(x, y) = to_above(x, x);
   }
+}
+
+void Conductances::set_means(const Image<float>& rate) {
+  rate_ = rate;
+  set(1, [](const float* one, const float* other, int, int, bool) {
+    return [=](int x, int ox) { return 0.5F * (one[x] + other[ox]); };
+  });
 }
 
 void Conductances::set_matched(const MatchedPass& pass, const Image<float>& wanted_px2,
                                const Image<float>& steps_along_row, const Image<float>& steps_down_column) {
-  const int width = wanted_px2.width(), height = wanted_px2.height(), d = pass.offset_px;
   const auto from = static_cast<float>(pass.from_px2), most = static_cast<float>(pass.variance_px2);
-  const auto per_variance = static_cast<float>(0.5 / (static_cast<double>(d) * d));
+  const auto per_variance = static_cast<float>(0.5 / (static_cast<double>(pass.offset_px) * pass.offset_px));
   std::ranges::transform(wanted_px2.elements(), rate_.elements().begin(),
                          [&](float wanted) { return per_variance * std::min(std::max(wanted - from, 0.0F), most); });
-  for (int y = 0; y < height; ++y) {
-    const Row here = row_of(rate_, steps_along_row, y);
-    float *right = right_.row(y), *left = left_.row(y);
-    for (int x = 0; x < width - d; ++x) right[x] = matched_between(here, x, here, x + d);
-    for (int x = std::max(width - d, 0); x < width; ++x)
-      right[x] = matched_between(here, x, here, mirrored(x + d, width));
-    for (int x = 0; x < std::min(d, width); ++x) left[x] = matched_between(here, x, here, mirrored(x - d, width));
-    for (int x = d; x < width; ++x) left[x] = right[x - d];
+  if (steps_along_row.empty() || steps_down_column.empty()) {
+    set(pass.offset_px, [](const float* one, const float* other, int, int, bool) {
+      return [=](int x, int ox) { return std::min(one[x], other[ox]); };
+    });
+    return;
   }
-  for (int y = 0; y < height; ++y) {
-    const Row here = row_of(rate_, steps_down_column, y);
-    const Row below = row_of(rate_, steps_down_column, mirrored(y + d, height));
-    float* down = down_.row(y);
-    for (int x = 0; x < width; ++x) down[x] = matched_between(here, x, below, x);
-    float* up = up_.row(y);
-    if (y >= d) {
-      std::copy_n(down_.row(y - d), width, up);
-      continue;
-    }
-    const Row above = row_of(rate_, steps_down_column, mirrored(y - d, height));
-    for (int x = 0; x < width; ++x) up[x] = matched_between(here, x, above, x);
-  }
+  set(pass.offset_px, [&](const float* one, const float* other, int y, int other_y, bool along_row) {
+    const auto& steps = along_row ? steps_along_row : steps_down_column;
+    const float *sum = steps.row(y), *other_sum = steps.row(other_y);
+    return [=](int x, int ox) { return std::min(one[x], other[ox]) * joined(sum[x], other_sum[ox]); };
+  });
 }
 
 void symmetric_pass(const Image<glm::vec4>& from, int offset_px, const Conductances& flow, Image<glm::vec4>& to) {
@@ -88,18 +76,18 @@ void symmetric_pass(const Image<glm::vec4>& from, int offset_px, const Conductan
   for (int y = 0; y < height; ++y) {
     const glm::vec4 *here = from.row(y), *above = from.row(mirrored(y - d, height)),
                     *below = from.row(mirrored(y + d, height));
-    const float *right = flow.right_.row(y), *left = flow.left_.row(y), *down = flow.down_.row(y),
-                *up = flow.up_.row(y);
+    const float *right = flow.right_.row(y), *left = flow.left_of_edge_.row(y), *down = flow.down_.row(y),
+                *up = y < d ? flow.above_edge_.row(y) : flow.down_.row(y - d);
     glm::vec4* out = to.row(y);
-    const auto put = [&](int x, int before, int after) {
+    const auto put = [&](int x, float to_left, int before, int after) {
       const glm::vec4 own = here[x];
-      out[x] = own + right[x] * (here[after] - own) + left[x] * (here[before] - own) + down[x] * (below[x] - own) +
+      out[x] = own + right[x] * (here[after] - own) + to_left * (here[before] - own) + down[x] * (below[x] - own) +
                up[x] * (above[x] - own);
     };
     const int first = std::min(d, width), last = std::max(first, width - d);
-    for (int x = 0; x < first; ++x) put(x, mirrored(x - d, width), mirrored(x + d, width));
-    for (int x = first; x < last; ++x) put(x, x - d, x + d);
-    for (int x = last; x < width; ++x) put(x, mirrored(x - d, width), mirrored(x + d, width));
+    for (int x = 0; x < first; ++x) put(x, left[x], mirrored(x - d, width), mirrored(x + d, width));
+    for (int x = first; x < last; ++x) put(x, right[x - d], x - d, x + d);
+    for (int x = last; x < width; ++x) put(x, right[x - d], x - d, mirrored(x + d, width));
   }
 }
 

@@ -12,7 +12,11 @@ namespace kasumi {
 class Conductances {
  public:
   Conductances(int width, int height)
-      : right_(width, height), left_(width, height), down_(width, height), up_(width, height), rate_(width, height) {}
+      : right_(width, height),
+        down_(width, height),
+        left_of_edge_(width, height),
+        above_edge_(width, height),
+        rate_(width, height) {}
   // Neighbours one pixel off, g the mean of their rates (H Eq 12).
   void set_means(const Image<float>& rate);
   // `steps_*` may be empty.
@@ -21,7 +25,11 @@ class Conductances {
 
  private:
   friend void symmetric_pass(const Image<glm::vec4>&, int, const Conductances&, Image<glm::vec4>&);
-  Image<float> right_, left_, down_, up_, rate_;
+  template <class Between>
+  void set(int offset_px, Between between);
+  // What flows to the left is what flows to the right of the pixel there; only the first columns and rows, whose left
+  // and upper neighbours are mirrored, have their own.
+  Image<float> right_, down_, left_of_edge_, above_edge_, rate_;
 };
 
 // `offset_px`: the one the conductances were made for.

@@ -30,16 +30,18 @@ struct Wall {
 
 std::vector<BenchRow> on_cpu() {
   const Wall wall(1600, 1120);
-  const auto map = blur_map(wall.range, wall.optics);
+  auto map = blur_map(wall.range, wall.optics);
+  auto one_surface = map;  // as H's experiment: no depth at all
+  one_surface.steps_along_row = one_surface.steps_down_column = {};
   const auto faded = attenuated(wall.light, wall.range.range, wall.optics, {1.0, 1.0, 1.0});
   float sink = 0.0F;
-  const auto by = [&](DiffusionScheme scheme) {
+  const auto by = [&](DiffusionScheme scheme, const BlurMap& widths) {
     return [&, scheme] {
-      const auto blurred = diffuse(scheme, faded, map);
+      const auto blurred = diffuse(scheme, faded, widths);
       if (blurred) sink += blurred->at(0, 0).r;
     };
   };
-  const auto ours = by(DiffusionScheme::matched);
+  const auto ours = by(DiffusionScheme::matched, one_surface), with_edges = by(DiffusionScheme::matched, map);
   auto copy = faded;
   const cv::Mat from(copy.height(), copy.width(), CV_32FC4, copy.elements().data());
   cv::Mat to;
@@ -50,12 +52,14 @@ std::vector<BenchRow> on_cpu() {
   cv::setNumThreads(1);  // ours has one
   const double to_gaussian = paired_ratio(ours, gaussian, 5);
   cv::setNumThreads(threads);
+  const double edges = paired_ratio(with_edges, ours, 3);
   const double seconds = seconds_of(ours);
-  const double explicit_ratio = seconds_of(by(DiffusionScheme::explicit_steps)) / seconds;
+  const double explicit_ratio = seconds_of(by(DiffusionScheme::explicit_steps, one_surface)) / seconds;
   const auto few = cost_of(DiffusionScheme::matched, 1.0, kWidest_px),
              many = cost_of(DiffusionScheme::explicit_steps, 1.0, kWidest_px);
   return {{"haze of 25 px, 1600 x 1120, CPU: explicit scheme / ours, time", explicit_ratio, "x", 60.0, false},
           {"  the same, operations", many.operations() / few.operations(), "x", 60.0, false},
+          {"  ours with edges of depth / without", edges, "x", std::nullopt, true},
           {"  ours / cv::GaussianBlur of one width, one thread", sink >= 0.0F ? to_gaussian : 0.0, "x", 0.4, true}};
 }
 
