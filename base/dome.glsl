@@ -29,16 +29,6 @@ FUNCTION vec3 dome_sky_light(DomeSky sky, real cos_zenith, real cos_sun) {
   return sum;
 }
 
-// Report Eq 3.1 put right, its three cases in one line. Along a path from here to an object, the air adds what it adds to
-// the whole sky there less what it adds beyond the object: exact, whatever the air, when the object has sky behind.
-//   sky:                      transparency 0
-//   object with sky behind:   sky_here of the observer, sky_behind of the object's altitude
-//   object with ground behind: the path seen from its lower end: sky_here of the object, sky_behind of the observer, the
-//                             zenith angle mirrored, the angle to the sun the true one
-FUNCTION vec3 through_air(vec3 object, vec3 transparency, vec3 sky_here, vec3 sky_behind) {
-  return transparency * object + max(sky_here - transparency * sky_behind, vec3(0.0));
-}
-
 // The sun's disc: off is the angle from its middle in its radii. The limb darkens as 1 - d (1 - cos), d from Neckel and
 // Labs 1994 at the channels' wavelengths; the mean is kept.
 FUNCTION vec3 sun_disc_light(vec3 mean_luminance, real off) {
@@ -58,7 +48,7 @@ FUNCTION vec3 land_light(vec3 albedo, real cos_sun_to_normal, real normal_up, ve
 
 // How far an altitude has gone from the lower to the higher of two whose skies are known: as the air thins.
 FUNCTION real way_between_altitudes(real altitude_m, real lower_m, real higher_m) {
-  real thin_m = 7000.0;
+  real thin_m = 3000.0;  // between that of haze and that of air
   real from = exp(-lower_m / thin_m);
   real to = exp(-higher_m / thin_m);
   return clamp((from - exp(-altitude_m / thin_m)) / max(from - to, 1e-6), 0.0, 1.0);
@@ -72,25 +62,55 @@ struct AirBetween {
   PathAir air;
 };
 
-// Along cos_zenith at one of the path's ends. A view downwards has no sky of its own angle to the sun when that angle
-// does not occur over the horizon: the nearest that does is taken.
-FUNCTION vec3 sky_between(AirBetween air, real altitude_m, real cos_zenith, real cos_sun, real cos_sun_zenith) {
+// A view downwards may make an angle to the sun that none above the horizon makes at the same zenith angle: half of the way
+// back to those that do is gone.
+FUNCTION real held_cos_sun(real cos_zenith, real cos_sun, real cos_sun_zenith) {
   real across = sqrt(max((1.0 - cos_zenith * cos_zenith) * (1.0 - cos_sun_zenith * cos_sun_zenith), 0.0));
-  real held = clamp(cos_sun, cos_zenith * cos_sun_zenith - across, cos_zenith * cos_sun_zenith + across);
-  return mix(dome_sky_light(air.lower, cos_zenith, held), dome_sky_light(air.higher, cos_zenith, held),
-             way_between_altitudes(altitude_m, air.altitude_m.x, air.altitude_m.y));
+  real middle = cos_zenith * cos_sun_zenith;
+  return 0.5 * (cos_sun + clamp(cos_sun, middle - across, middle + across));
 }
 
-// An object's light as it reaches the observer. Whether sky or ground stands behind is told by which end is the lower; the
-// zenith angle there follows from altitudes and length on a round Earth, and both answers meet on a level path.
+// Report Eq 3.1 put right, its three cases in one line. Of a slice of the air between two altitudes, seen from its lower
+// side, the light is the sky there less what of the sky above comes through it: exact, whatever the air. The path's slices
+// are added up from the observer on.
+//   sky:                       no object, one slice without an end
+//   object with sky behind:    the slices' skies cancel but for the first and the last
+//   object with ground behind: the zenith angle mirrored, the angle to the sun the true one
 FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, real object_m, real length_m, real cos_sun,
                                  real cos_sun_zenith) {
   real low = min(observer_m, object_m);
   real high = max(observer_m, object_m);
   real s = max(length_m, 1.0);
+  // Zenith angles at both ends on a round Earth.
   real rise = min((high - low) / s, 1.0);
   real bend = s / 12742000.0;
-  vec3 transparency = path_transparency(air.air, low, high, s);
-  return through_air(object, transparency, sky_between(air, low, clamp(rise - bend, -1.0, 1.0), cos_sun, cos_sun_zenith),
-                     sky_between(air, high, clamp(rise + bend, -1.0, 1.0), cos_sun, cos_sun_zenith));
+  real cos_low = clamp(rise - bend, -1.0, 1.0);
+  real cos_high = clamp(rise + bend, -1.0, 1.0);
+  real sun_low = held_cos_sun(cos_low, cos_sun, cos_sun_zenith);
+  real sun_high = held_cos_sun(cos_high, cos_sun, cos_sun_zenith);
+  vec3 lower_low = dome_sky_light(air.lower, cos_low, sun_low);
+  vec3 higher_low = dome_sky_light(air.higher, cos_low, sun_low);
+  vec3 lower_high = dome_sky_light(air.lower, cos_high, sun_high);
+  vec3 higher_high = dome_sky_light(air.higher, cos_high, sun_high);
+
+  const int slices = 3;
+  real first_part = object_m < observer_m ? 1.0 : 0.0;
+  real step_part = (1.0 - 2.0 * first_part) / 3.0;
+  vec3 added = vec3(0.0);
+  vec3 before = vec3(1.0);
+  for (int i = 0; i < slices; ++i) {
+    real near = first_part + real(i) * step_part;
+    real under = min(near, near + step_part);
+    real over = under + 1.0 / 3.0;
+    real under_m = mix(low, high, under);
+    real over_m = mix(low, high, over);
+    vec3 slice = path_transparency(air.air, under_m, over_m, s / 3.0);
+    vec3 sky_under = mix(mix(lower_low, lower_high, under), mix(higher_low, higher_high, under),
+                         way_between_altitudes(under_m, air.altitude_m.x, air.altitude_m.y));
+    vec3 sky_over = mix(mix(lower_low, lower_high, over), mix(higher_low, higher_high, over),
+                        way_between_altitudes(over_m, air.altitude_m.x, air.altitude_m.y));
+    added += before * (sky_under - slice * sky_over);
+    before *= slice;
+  }
+  return path_transparency(air.air, low, high, s) * object + max(added, vec3(0.0));
 }

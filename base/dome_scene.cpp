@@ -1,5 +1,6 @@
 #include "base/dome_scene.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -58,9 +59,10 @@ Direction direction_of(const SkyView& view, const glm::dvec2& pixel) {
   return {0.0, 0.0, 1.0};
 }
 
-bool is_seen(const SkyView& view, const glm::dvec2& pixel) {
+double seen_share(const SkyView& view, const glm::dvec2& pixel) {
+  if (view.projection != SkyProjection::fisheye) return 1.0;
   const glm::dvec2 place = pixel + 0.5 - 0.5 * glm::dvec2(view.width, view.height);
-  return view.projection != SkyProjection::fisheye || glm::length(place) <= 0.5 * kPi * view.focal_px;
+  return std::clamp(0.5 * kPi * view.focal_px + 0.5 - glm::length(place), 0.0, 1.0);
 }
 
 std::optional<glm::dvec2> pixel_of(const SkyView& view, const Direction& direction) {

@@ -28,7 +28,8 @@ struct SkyView {
   glm::dmat3 camera_to_world{1.0};
 };
 Direction direction_of(const SkyView& view, const glm::dvec2& pixel);
-bool is_seen(const SkyView& view, const glm::dvec2& pixel);  // false beyond a fisheye's circle
+// How much of a pixel lies inside a fisheye's circle; 1 for the others.
+double seen_share(const SkyView& view, const glm::dvec2& pixel);
 // Where a direction is seen; none behind a perspective camera.
 std::optional<glm::dvec2> pixel_of(const SkyView& view, const Direction& direction);
 

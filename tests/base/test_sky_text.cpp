@@ -108,8 +108,8 @@ TEST(SkyProjections, SpreadAnglesAsTheirNamesSay) {
 
 TEST(SkyProjections, AFisheyeShowsHalfASphere) {
   const SkyView view{SkyProjection::fisheye, 300, 300, 300.0 / kPi, glm::dmat3(1.0)};
-  EXPECT_TRUE(is_seen(view, {149.5, 0.0}));
-  EXPECT_FALSE(is_seen(view, {20.0, 20.0}));
+  EXPECT_EQ(seen_share(view, {149.5, 1.0}), 1.0);
+  EXPECT_EQ(seen_share(view, {20.0, 20.0}), 0.0);
 }
 
 // Sea-level metres of haze by summing over a straight line through a round Earth: what air_along stands for.
