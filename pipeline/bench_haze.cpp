@@ -82,11 +82,10 @@ Result<std::vector<BenchRow>> on_gpu() {
   const auto run = [](HazeBlur& blur, const HazeLook& haze) { return [&] { return blur.run(haze); }; };
   Stopwatch watch;
   std::vector<BenchRow> rows;
-  rows.push_back({.name = fmt::format("haze of 25 px, {} x {}, GPU ({}): explicit scheme / ours, time", width, height,
-                                      blurs[0].in_bytes() ? "bytes" : "half floats"),
-                  .value = watch.ratio(run(blurs[0], explicit_look), run(blurs[0], look), 1),
-                  .goal = 60.0,
-                  .at_most = false});
+  const double ratio_to_explicit = watch.ratio(run(blurs[0], explicit_look), run(blurs[0], look), 1);
+  rows.push_back({fmt::format("haze of 25 px, {} x {}, GPU ({}): explicit scheme / ours, time", width, height,
+                              blurs[0].in_bytes() ? "bytes" : "half floats"),
+                  ratio_to_explicit, "x", std::nullopt, true});
   if (!blurs[0].in_bytes()) {
     const double ratio = watch.ratio(run(blurs[1], look), run(blurs[0], look), 5);
     rows.push_back({"  ours in bytes / in half floats", ratio, "x", std::nullopt, true});
