@@ -15,7 +15,7 @@ namespace {
 constexpr double kLeastShare = 1e-3;
 
 // The model's sky at a direction in the camera's channels, in units of its zenith luminance.
-glm::dvec3 model_light(const SkyModel& model, const Direction& direction, const glm::dmat3& xyz_to_light) {
+glm::dvec3 model_light(const SiteSky& model, const Direction& direction, const glm::dmat3& xyz_to_light) {
   const glm::dvec3 xyz = model.relative_xyz(direction);
   const glm::dvec3 light = xyz_to_light * xyz;
   const glm::dvec3 grey = xyz_to_light * glm::dvec3{xyz.y};
@@ -52,21 +52,20 @@ Direction raised_to_horizon(const Direction& direction) {
   return flat > 0.0 ? Direction{direction.x / flat, direction.y / flat, 0.0} : Direction{0.0, 1.0, 0.0};
 }
 
-glm::dvec3 zeta(ZetaForm form, const SkyModel& model, const Direction& direction, const Direction& reference,
+glm::dvec3 zeta(ZetaForm form, const SiteSky& model, const Direction& direction, const Direction& reference,
                 const glm::dmat3& xyz_to_light) {
-  if (form == ZetaForm::paper) {
-    return glm::dvec3{first_perez_factor(model, direction.z) / first_perez_factor(model, reference.z)};
-  }
+  if (const SkyModel* perez = model.preetham(); perez && form == ZetaForm::paper)
+    return glm::dvec3{first_perez_factor(*perez, direction.z) / first_perez_factor(*perez, reference.z)};
   return model_light(model, raised_to_horizon(direction), xyz_to_light) /
          model_light(model, raised_to_horizon(reference), xyz_to_light);
 }
 
+Airlight::Airlight(HorizonLight horizon, const SiteSky& sky, const glm::dmat3& light_to_xyz, ZetaForm form)
+    : horizon_(std::move(horizon)), model_(sky), xyz_to_light_(glm::inverse(light_to_xyz)), form_(form) {}
+
 Airlight::Airlight(HorizonLight horizon, Turbidity turbidity, const SunDirection& sun, const glm::dmat3& light_to_xyz,
                    ZetaForm form)
-    : horizon_(std::move(horizon)),
-      model_(turbidity, raised_to_horizon(sun)),
-      xyz_to_light_(glm::inverse(light_to_xyz)),
-      form_(form) {}
+    : Airlight(std::move(horizon), SkyModel(turbidity, raised_to_horizon(sun)), light_to_xyz, form) {}
 
 glm::dvec3 Airlight::from(const Direction& direction) const {
   const HorizonColumn column = column_at(horizon_, azimuth_angle(direction));

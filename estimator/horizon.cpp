@@ -26,6 +26,7 @@ std::string_view name_of(HorizonLight::Source source) {
     case HorizonLight::Source::none: return "none";
     case HorizonLight::Source::scene_camera: return "scene camera";
     case HorizonLight::Source::sky_camera: return "sky camera";
+    case HorizonLight::Source::model: return "sky model";
   }
   return "unknown";
 }

@@ -2,6 +2,7 @@
 // exposure (M Sect 4; physics 5).
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,7 +37,7 @@ struct HorizonColumn {
 };
 
 struct HorizonLight {
-  enum class Source { none, scene_camera, sky_camera };
+  enum class Source { none, scene_camera, sky_camera, model };
   Source source = Source::none;
   std::string reason;                  // for a person: why none, or what had to be assumed
   std::vector<HorizonColumn> columns;  // by azimuth, clockwise from the view's left edge; empty when none
@@ -65,6 +66,11 @@ struct SkyRingOptions {
 };
 HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_picture, const Camera& scene,
                                      const PictureView& scene_picture, const SkyRingOptions& options = {});
+
+// When no camera shows sky: the colours of the model's sky above the horizon (`sky_xyz`: CIE XYZ of any scale at a
+// direction), as bright as the brightest distant things in the scene, which is a lower bound; quality is low.
+HorizonLight horizon_from_model(const std::function<glm::dvec3(const Direction&)>& sky_xyz, const Camera& scene,
+                                const PictureView& scene_picture, int columns = 16);
 
 // Temporal smoothing: weight 0 keeps the previous, 1 takes the current. An unusable one gives way to the other.
 HorizonLight blend(const HorizonLight& previous, const HorizonLight& current, double weight);

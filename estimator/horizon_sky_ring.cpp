@@ -1,4 +1,4 @@
-// The horizon as the sky camera sees it, for scenes without sky.
+// The horizon as the sky camera sees it, or as the model has it, for scenes without sky.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -73,7 +73,60 @@ double brightest_distant(const Camera& scene, const PictureView& picture, const 
   return chosen.empty() ? 0.0 : at_quantile(chosen, 0.98).luminance;
 }
 
+// Columns across the scene's view, their light as the ring's XYZ in the scene camera's channels; none where `ring`
+// knows none. `luminance`: their mean.
+struct Ring {
+  std::vector<HorizonColumn> columns;
+  double luminance = 0.0;
+};
+template <typename RingAt>
+Ring ring_across(const Camera& scene, const glm::dmat3& xyz_to_scene, int columns, const RingAt& ring) {
+  Ring found;
+  const Radians zenith{from_degrees(0.5 * (kRingTop_deg + kRingBottom_deg))};
+  for (int i = 0; i < columns; ++i) {
+    const auto view = scene.direction_at({(i + 0.5) * scene.width / columns - 0.5, 0.5 * (scene.height - 1)});
+    if (!view) continue;
+    const Radians azimuth = azimuth_angle(*view);
+    const std::optional<Seen> seen = ring(azimuth);
+    if (!seen) continue;
+    found.columns.push_back({azimuth, zenith, glm::max(xyz_to_scene * seen->light, glm::dvec3{0.0}), 0.6});
+    found.luminance += seen->luminance;
+  }
+  if (!found.columns.empty()) found.luminance /= static_cast<double>(found.columns.size());
+  return found;
+}
+
 }  // namespace
+
+HorizonLight horizon_from_model(const std::function<glm::dvec3(const Direction&)>& sky_xyz, const Camera& scene,
+                                const PictureView& scene_picture, int columns) {
+  HorizonLight horizon;
+  if (scene_picture.width != scene.width || scene_picture.height != scene.height) {
+    horizon.reason = "the picture's size differs from its camera's";
+    return horizon;
+  }
+  const glm::dmat3 scene_to_xyz = scene.light_to_xyz();
+  const double distant = brightest_distant(scene, scene_picture, scene_to_xyz);
+  const Radians zenith{from_degrees(0.5 * (kRingTop_deg + kRingBottom_deg))};
+  auto ring = ring_across(scene, glm::inverse(scene_to_xyz), std::clamp(columns, 1, std::max(1, scene.width / 8)),
+                          [&](Radians azimuth) -> std::optional<Seen> {
+                            const glm::dvec3 xyz = sky_xyz(direction_from(zenith, azimuth));
+                            return xyz.y > 0.0 ? std::optional(Seen{xyz, xyz.y}) : std::nullopt;
+                          });
+  if (!(distant > 0.0) || ring.columns.empty()) {
+    horizon.reason = "no horizon: no camera shows sky, and the scene nothing bright enough to set the model's level by";
+    return horizon;
+  }
+  horizon.columns = std::move(ring.columns);
+  for (HorizonColumn& column : horizon.columns) {
+    column.quality = 0.15;
+    column.light *= distant / ring.luminance;
+  }
+  horizon.reason =
+      "no camera shows sky: colour from the sky's model, level assumed from the scene's brightest distant pixels";
+  horizon.source = HorizonLight::Source::model;
+  return horizon;
+}
 
 HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_picture, const Camera& scene,
                                      const PictureView& scene_picture, const SkyRingOptions& options) {
@@ -87,23 +140,15 @@ HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_p
   const glm::dmat3 scene_to_xyz = scene.light_to_xyz();
   const glm::dmat3 xyz_to_scene = glm::inverse(scene_to_xyz);
   const int columns = std::clamp(options.columns, 1, std::max(1, scene.width / 8));
-  const Radians ring{from_degrees(0.5 * (kRingTop_deg + kRingBottom_deg))};
   const double half_width = from_degrees(3.0).value;
-  double luminance = 0.0;
-  for (int i = 0; i < columns; ++i) {
-    const auto view = scene.direction_at({(i + 0.5) * scene.width / columns - 0.5, 0.5 * (scene.height - 1)});
-    if (!view) continue;
-    const Radians azimuth = azimuth_angle(*view);
-    if (const auto seen = ring_at(sky, sky_picture, sky_to_xyz, azimuth.value, half_width)) {
-      horizon.columns.push_back({azimuth, ring, glm::max(xyz_to_scene * seen->light, glm::dvec3{0.0}), 0.6});
-      luminance += seen->luminance;
-    }
-  }
+  auto ring = ring_across(scene, xyz_to_scene, columns, [&](Radians azimuth) {
+    return ring_at(sky, sky_picture, sky_to_xyz, azimuth.value, half_width);
+  });
+  horizon.columns = std::move(ring.columns);
   if (horizon.columns.empty()) {
     horizon.reason = "no horizon: the sky camera's ring at 75-85 deg is masked, clipped or outside its picture";
     return horizon;
   }
-  luminance /= static_cast<double>(horizon.columns.size());
 
   double scale = options.sky_to_scene_scale;
   if (scale > 0.0) {
@@ -115,7 +160,7 @@ HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_p
       horizon.reason = "no horizon: the scene shows no sky and nothing bright enough to set the sky camera's level by";
       return horizon;
     }
-    scale = distant / luminance;
+    scale = distant / ring.luminance;
     for (HorizonColumn& column : horizon.columns) column.quality = 0.3;
     horizon.reason = "colour from the sky camera; level assumed from the scene's brightest distant pixels";
   }

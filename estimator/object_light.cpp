@@ -23,14 +23,14 @@ double visible_share_of_sun(Radians zenith) {
 }
 
 // Zenith luminance of a sky of the model's distribution that lights the level ground by `lux`.
-double zenith_for(const SkyModel& model, double lux) {
+double zenith_for(const SiteSky& model, double lux) {
   constexpr int kZeniths = 60, kAzimuths = 72;
   double per_zenith = 0.0;
   for (int i = 0; i < kZeniths; ++i) {
     // Even steps of cos^2, each of which weighs the same on the ground, so that an even sky is exact.
     const Radians zenith{std::acos(std::sqrt((i + 0.5) / kZeniths))};
     for (int j = 0; j < kAzimuths; ++j)
-      per_zenith += model.luminance_ratio(direction_from(zenith, {(j + 0.5) * 2.0 * kPi / kAzimuths}));
+      per_zenith += model.relative_xyz(direction_from(zenith, {(j + 0.5) * 2.0 * kPi / kAzimuths})).y;
   }
   return lux / (per_zenith * kPi / (kZeniths * kAzimuths));
 }
@@ -43,11 +43,18 @@ double overcast_zenith(const SunDirection& sun) {
 }  // namespace
 
 Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options)
-    : options_(options), sun_(sun), model_(turbidity, raised_to_horizon(sun)) {
+    : options_(options),
+      sun_(sun),
+      turbidity_(clamp_turbidity(turbidity)),
+      model_(options.model, turbidity, sun, options.altitude_m) {
   const bool overcast = options.sky == SkyCondition::overcast;
-  zenith_cd_m2_ = overcast ? overcast_zenith(sun)
-                           : zenith_for(model_, clear_sky_lux(model_.turbidity(), zenith_angle(sun), options.altitude_m,
-                                                              options.ground_albedo));
+  if (overcast)
+    zenith_cd_m2_ = overcast_zenith(sun);
+  else if (const auto zenith = model_.zenith_cd_m2())
+    zenith_cd_m2_ = *zenith;
+  else
+    zenith_cd_m2_ =
+        zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun), options.altitude_m, options.ground_albedo));
 
   // Daylight spectra span three dimensions, so XYZ gives their spectrum and that the sensor's channels.
   const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLumensPerWatt;
@@ -61,11 +68,14 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
   const auto unit = options.measured ? unit_of(*options.measured) : std::nullopt;
   const double through_clouds = unit ? options.measured->sun_share : 1.0;
   const double sun_share = overcast ? 0.0 : through_clouds * visible_share_of_sun(zenith);
-  if (sun_share > 0.0) {
+  if (const auto xyz = model_.sun_xyz(); xyz && sun_share > 0.0) {
+    light_.sun_irradiance = glm::max(sun_share * (xyz_to_light_ * *xyz), glm::dvec3{0.0});
+    sun_normal_lux_ = sun_share * xyz->y;
+  } else if (sun_share > 0.0) {
     glm::dvec3 on_sensor{0.0};
     for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
       const double power =
-          sun_share * solar_irradiance(nm) * sun_transmittance(model_.turbidity(), zenith, options.altitude_m, nm);
+          sun_share * solar_irradiance(nm) * sun_transmittance(turbidity_, zenith, options.altitude_m, nm);
       on_sensor += power * scene.sensitivity.at(nm);
       sun_normal_lux_ += kLumensPerWatt * power * colour_matching(nm).y;
     }

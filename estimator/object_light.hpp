@@ -13,7 +13,7 @@
 #include "estimator/atmosphere.hpp"
 #include "estimator/clear_sky_light.hpp"
 #include "estimator/measured_sky.hpp"
-#include "estimator/sky_model.hpp"
+#include "estimator/site_sky.hpp"
 
 namespace kasumi {
 
@@ -30,6 +30,7 @@ struct DaylightOptions {
   SkyCondition sky = SkyCondition::clear;  // overcast: no sun, the CIE overcast sky
   double ground_albedo = 0.2;
   double altitude_m = 0.0;
+  SiteSkyModel model = SiteSkyModel::automatic;
   // The sky camera's own look at a clouded sky, or null: its clouds light the object instead of the model where it sees
   // them, and dim the sun. Only read while the Daylight is made.
   const MeasuredSky* measured = nullptr;
@@ -57,7 +58,8 @@ class Daylight {
 
   DaylightOptions options_;
   SunDirection sun_;
-  SkyModel model_;
+  Turbidity turbidity_;  // as the models take it
+  SiteSky model_;
   double zenith_cd_m2_ = 0.0;
   glm::dmat3 xyz_to_light_{1.0};
   LightOnObject light_;

@@ -259,5 +259,31 @@ TEST(SkyRing, SaysWhenTheRingIsMasked) {
   EXPECT_NE(horizon.reason.find("masked"), std::string::npos) << horizon.reason;
 }
 
+TEST(SkyRing, IsTheModelsWhereNoCameraShowsSky) {
+  const Camera camera = drawn_camera(0.0);
+  DrawnOptions options;
+  options.front = [](int x, int y) { return y < 200 ? glm::dvec3{0.25} : drawn_ground(x, y); };
+  const DrawnScene scene = draw(camera, options);
+  const auto xyz = [](const Direction& view) { return 7e3 * (srgb_to_xyz() * drawn_sky(view)); };
+  const HorizonLight horizon = horizon_from_model(xyz, camera, view_of(scene.picture));
+  ASSERT_TRUE(horizon.usable()) << horizon.reason;
+  EXPECT_EQ(horizon.source, HorizonLight::Source::model);
+  double luminance = 0.0;
+  for (const HorizonColumn& column : horizon.columns) {
+    luminance += (srgb_to_xyz() * column.light).y / static_cast<double>(horizon.columns.size());
+    const glm::dvec3 truth = drawn_sky(direction_from(column.zenith, column.azimuth));
+    EXPECT_NEAR(column.light.x / column.light.z, truth.x / truth.z, 1e-6 * truth.x / truth.z);
+  }
+  EXPECT_NEAR(luminance, 0.25, 0.005) << "as bright as the brightest distant things";
+}
+
+TEST(SkyRing, OfTheModelNeedsSomethingToSetItsLevelBy) {
+  const Camera camera = drawn_camera(0.0);
+  const Image<Rgb8> black(camera.width, camera.height);
+  const auto horizon = horizon_from_model([](const Direction&) { return glm::dvec3{1.0}; }, camera, view_of(black));
+  EXPECT_FALSE(horizon.usable());
+  EXPECT_FALSE(horizon.reason.empty());
+}
+
 }  // namespace
 }  // namespace kasumi

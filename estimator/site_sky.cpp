@@ -1,0 +1,71 @@
+#include "estimator/site_sky.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/common.hpp>
+
+#include "estimator/airlight.hpp"
+
+namespace kasumi {
+
+std::string_view name_of(SiteSkyModel model) {
+  switch (model) {
+    case SiteSkyModel::automatic: return "automatic";
+    case SiteSkyModel::preetham: return "preetham";
+    case SiteSkyModel::dome: return "dome";
+  }
+  return "automatic";
+}
+
+std::optional<SiteSkyModel> site_sky_model_named(std::string_view name) {
+  for (const auto model : {SiteSkyModel::automatic, SiteSkyModel::preetham, SiteSkyModel::dome})
+    if (name == name_of(model)) return model;
+  return std::nullopt;
+}
+
+Turbidity dome_turbidity(Turbidity estimated) {
+  struct Pair {
+    double estimated, dome;
+  };
+  // Medians over the sun's zenith angles 30, 45, 60 and 75 deg (DomeTurbidity prints them).
+  constexpr std::array kPairs{Pair{1.995, 1.7}, Pair{2.01, 2.0}, Pair{2.04, 2.5}, Pair{2.065, 3.0},
+                              Pair{2.13, 4.0},  Pair{2.34, 6.0}, Pair{2.54, 8.0}, Pair{2.73, 10.0}};
+  if (estimated.value <= kPairs.front().estimated) return Turbidity{kPairs.front().dome};
+  for (std::size_t i = 1; i < kPairs.size(); ++i) {
+    const Pair &low = kPairs[i - 1], &high = kPairs[i];
+    if (estimated.value < high.estimated)
+      return Turbidity{
+          std::lerp(low.dome, high.dome, (estimated.value - low.estimated) / (high.estimated - low.estimated))};
+  }
+  return Turbidity{kPairs.back().dome};
+}
+
+SiteSky::SiteSky(SiteSkyModel model, Turbidity turbidity, const SunDirection& sun, double altitude_m)
+    : sky_(SkyModel(turbidity, raised_to_horizon(sun))) {
+  const bool high = altitude_m > kHighestPreethamSite_m;
+  if (model == SiteSkyModel::preetham || (model == SiteSkyModel::automatic && !high)) return;
+  const Turbidity seen = dome_turbidity(turbidity);
+  Dome dome{kasumi::dome(altitude_m, seen, sun), 1.0, dome_sun(altitude_m, seen, sun).illuminance};
+  dome.zenith_cd_m2 = std::max(dome_light(dome.light, {0.0, 0.0, 1.0}).y, 1e-9);
+  sky_ = dome;
+}
+
+glm::dvec3 SiteSky::relative_xyz(const Direction& view) const {
+  if (const SkyModel* model = preetham()) return model->relative_xyz(raised_to_horizon(view));
+  const Dome& dome = std::get<Dome>(sky_);
+  return glm::max(dome_light(dome.light, view), glm::dvec3{0.0}) / dome.zenith_cd_m2;
+}
+
+std::optional<double> SiteSky::zenith_cd_m2() const {
+  const Dome* dome = std::get_if<Dome>(&sky_);
+  return dome ? std::optional(dome->zenith_cd_m2) : std::nullopt;
+}
+
+std::optional<glm::dvec3> SiteSky::sun_xyz() const {
+  const Dome* dome = std::get_if<Dome>(&sky_);
+  return dome ? std::optional(dome->sun_xyz) : std::nullopt;
+}
+
+}  // namespace kasumi
