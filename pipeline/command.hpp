@@ -17,6 +17,7 @@ using Action = std::function<Result<int>()>;
 void add_replay_command(CLI::App& app, Action& action);
 void add_estimate_command(CLI::App& app, Action& action);
 void add_retarget_command(CLI::App& app, Action& action);
+void add_sky_command(CLI::App& app, Action& action);
 void add_haze_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);

@@ -36,6 +36,9 @@ void add_bench_command(CLI::App& app, Action& action) {
       const auto layer = bench_layer();
       if (!layer) return fail(layer.error());
       print(*layer);
+      const auto dome = bench_dome();
+      if (!dome) return fail(dome.error());
+      print(*dome);
       const auto haze = bench_haze();
       if (!haze) return fail(haze.error());
       print(*haze);

@@ -34,6 +34,7 @@ int main(int argc, char** argv) try {
   kasumi::add_replay_command(app, action);
   kasumi::add_estimate_command(app, action);
   kasumi::add_retarget_command(app, action);
+  kasumi::add_sky_command(app, action);
   kasumi::add_haze_command(app, action);
   kasumi::add_calibrate_command(app, action);
   kasumi::add_bench_command(app, action);
