@@ -1,6 +1,7 @@
 #include "pipeline/camera_file.hpp"
 
 #include "calib/adopt_calibration.hpp"
+#include "pipeline/installation.hpp"
 
 namespace kasumi {
 
@@ -11,7 +12,7 @@ Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
   if (root->if_text("calibration")) adopt_calibration(*root);
   if (auto site = root->optional_table("site")) {
     found.site = read_site(*site);
-    for (const char* key : {"ground_albedo", "cloud_base_m", "fog", "sky_model"}) site->ignore(key);
+    ignore_surroundings(*site);
   }
   found.scene = read_camera(root->table("scene"), "scene");
   if (auto sky = root->optional_table("sky")) found.sky = read_camera(*sky, "sky");

@@ -74,12 +74,12 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
   if (auto taken = take(picture); !taken) return taken;
-  air_.observe(metadata, picture.view(), sky.picture ? &sky.picture->view() : nullptr);
+  const auto conditions = air_.conditions(sky);
+  air_.observe(metadata, picture.view(), sky.picture ? &sky.picture->view() : nullptr, &conditions);
 
   if (auto fitted = fit_detail(picture.view().layout); !fitted) return fitted;
   noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
 
-  const auto conditions = air_.conditions(sky);
   const auto box = renderer_.object_box();
   if (is_stale(conditions)) {
     if (auto drawn = renderer_.redraw_layer(air_.appearance(conditions, box)); !drawn) return drawn;

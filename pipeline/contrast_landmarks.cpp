@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "calib/adopt_calibration.hpp"
+#include "pipeline/installation.hpp"
 #include "pipeline/placement.hpp"
 
 namespace kasumi {
@@ -70,7 +71,7 @@ Result<LandmarkFile> read_landmark_file(const std::filesystem::path& path, int w
   if (auto table = root->optional_table("site")) {
     site = read_site(*table);
     found.altitude_m = site->altitude_m;
-    for (const char* key : {"ground_albedo", "cloud_base_m", "fog", "sky_model"}) table->ignore(key);
+    ignore_surroundings(*table);
   }
   if (auto table = root->optional_table("scene")) {
     found.scene = read_camera(*table, "scene");

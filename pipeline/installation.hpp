@@ -5,6 +5,7 @@
 #include "calib/adopt_calibration.hpp"
 #include "calib/camera.hpp"
 #include "calib/image_quality.hpp"
+#include "estimator/site_sky.hpp"
 #include "pipeline/contrast_landmarks.hpp"
 #include "pipeline/landmarks.hpp"
 #include "pipeline/placement.hpp"
@@ -25,6 +26,7 @@ struct Surroundings {
   double ground_albedo = 0.2;    // of sunlight, mean over the visible: grass .2, sand .35, fresh snow .8
   double cloud_base_m = 2000.0;  // above the site: where a cloud that shades the object is looked for in the sky
   FogLayer fog;
+  SiteSkyModel sky_model = SiteSkyModel::automatic;  // what the clear sky looks like, by the site's altitude
 };
 
 struct Installation {
@@ -44,6 +46,8 @@ struct Installation {
 // [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration, and beneath them the calibration file
 // it names. Problems are left in the root's file.
 Installation read_installation(const ConfigTable& root);
+// The keys of [site] that tell of its surroundings, for readers of the place alone.
+void ignore_surroundings(const ConfigTable& site);
 // For a person: which values are the calibration file's, of when, and which the root says itself in spite of it. Empty
 // without such a file.
 std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "calib/colorimetry.hpp"
 #include "pipeline/air_for_gles.hpp"
 
 namespace kasumi {
@@ -29,6 +30,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
       shadows_(installation.object.shadows),
+      sky_model_(installation.surroundings.sky_model),
       fog_(installation.surroundings.fog),
       options_(options),
       nodes_(attenuation_nodes(spectral_measure(scene_))) {}
@@ -45,7 +47,7 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
 
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
   const Daylight daylight(scene_, conditions.turbidity, conditions.sun,
-                          {conditions.sky, ground_albedo_, altitude_m_, conditions.measured.get()});
+                          {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get()});
   ObjectAppearance appearance;
   appearance.haze =
       haze_for_gles(haze_coefficients(nodes_, options_.scattering, conditions.turbidity), altitude_m_, fog_);
@@ -57,7 +59,17 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   return appearance;
 }
 
-void SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture) {
+HorizonLight SceneAir::modelled(const SceneConditions& conditions, const PictureView& scene) const {
+  if (conditions.sky == SkyCondition::overcast) {
+    const glm::dvec3 grey = srgb_to_xyz() * glm::dvec3{1.0};
+    return horizon_from_model([&](const Direction&) { return grey; }, scene_, scene);
+  }
+  const SiteSky sky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_);
+  return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
+}
+
+void SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
+                       const SceneConditions* conditions) {
   const auto exposure = exposure_of(metadata);
   if (exposure && exposure_) scale(horizon_, *exposure / *exposure_);
   exposure_ = exposure;
@@ -68,13 +80,15 @@ void SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, 
 
   auto seen = measure_horizon(scene_, scene);
   if (!seen.usable() && sky_picture) seen = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
+  if (!seen.usable() && conditions) seen = modelled(*conditions, scene);
   horizon_ = blend(horizon_, seen, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
 }
 
 AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {
   if (!horizon_.usable())
     return airlight_grid(scene_, box, [](const glm::dvec2&, const Direction&) { return glm::dvec3{0.5}; });
-  const Airlight airlight(horizon_, conditions.turbidity, conditions.sun, scene_.light_to_xyz(), options_.zeta);
+  const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_),
+                          scene_.light_to_xyz(), options_.zeta);
   return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
     // Back into the camera's own light: what its pixels are compared and mixed with.
     return airlight.from(direction) * scene_.white_balance * scene_.vignetting.at(pixel);

@@ -41,17 +41,22 @@ class SceneAir {
 
   // Looks at the horizon in a scene frame (at most once in horizon_interval of recorded time; between, the camera's own
   // exposure carries it on). `sky_picture`: the latest of the sky camera, for scenes that show no sky; may be null.
-  void observe(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture);
+  // `conditions`: for when neither shows any; may be null.
+  void observe(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
+               const SceneConditions* conditions = nullptr);
   const HorizonLight& horizon() const { return horizon_; }
   // Measured light from infinity in the scene camera's linear light; a plain grey of 0.5 while no horizon is known.
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
 
  private:
+  HorizonLight modelled(const SceneConditions& conditions, const PictureView& scene) const;
+
   Camera scene_;
   Camera sky_;
   double altitude_m_;
   double ground_albedo_;
   bool shadows_;
+  SiteSkyModel sky_model_;
   FogLayer fog_;
   SceneAirOptions options_;
   AttenuationNodes nodes_;
