@@ -59,6 +59,8 @@ void add_retarget_command(CLI::App& app, Action& action) {
   command->add_option("--planes", a.planes, "In place of --depth: TOML of ground and walls (docs/photographs.md)");
   command->add_option("--distance-m", a.distance_m, "In place of --depth: all that is not sky is about so far")
       ->check(CLI::Range(1.0, 200e3));
+  command->add_flag("--from-haze", a.from_haze,
+                    "In place of --depth: guess it, and the light from infinity, from the picture's own grey haze");
   command->add_option("--camera", a.camera, "TOML with [scene] (docs/cameras.md) and, if wanted, [sky], [site]");
   command->add_option("--fov-deg", a.field_of_view_deg, "Without --camera: across the picture")
       ->check(CLI::Range(0.5, 150.0))

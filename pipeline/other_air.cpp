@@ -6,6 +6,7 @@
 
 #include "base/geometry.hpp"
 #include "base/picture.hpp"
+#include "estimator/depth_from_haze.hpp"
 #include "estimator/object_light.hpp"
 
 namespace kasumi {
@@ -55,7 +56,7 @@ Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photogra
 
 OtherAir::OtherAir(OtherAirSetup setup)
     : setup_(std::move(setup)),
-      nodes_(attenuation_nodes(spectral_measure(setup_.camera))),
+      nodes_(setup_.from_haze ? grey_attenuation_nodes() : attenuation_nodes(spectral_measure(setup_.camera))),
       rise_(rise_of(setup_.camera)) {}
 
 Result<> OtherAir::take(Photograph photograph, const std::string& name) {
@@ -65,6 +66,10 @@ Result<> OtherAir::take(Photograph photograph, const std::string& name) {
     return fail(FaultKind::bad_input, "{}: is {} x {}: expected {} x {}, as its camera or the first picture is", name,
                 encoded.width(), encoded.height(), camera.width, camera.height);
   quantum_ = photograph.quantum;
+  if (setup_.from_haze) {
+    guess_from_haze(photograph);
+    return {};
+  }
   if (!setup_.airlight) {
     auto found = horizon_of(camera, photograph, name);
     // A picture of a film in which nothing is found goes by those before.
@@ -87,6 +92,21 @@ Result<> OtherAir::take(Photograph photograph, const std::string& name) {
   light_ = light_of(camera, encoded);
   source_ = {setup_.source, from_infinity(setup_.airlight, horizon_ ? &*horizon_ : nullptr, setup_.source)};
   return {};
+}
+
+void OtherAir::guess_from_haze(const Photograph& photograph) {
+  const auto sky = segment_sky(to_rgb8(photograph));
+  light_ = light_of(setup_.camera, photograph.encoded);
+  source_.turbidity = setup_.source;
+  if (setup_.airlight)
+    source_.from_infinity = Image<glm::vec3>(light_.width(), light_.height(), glm::vec3(*setup_.airlight));
+  else
+    source_.from_infinity = light_of_haze(light_, photograph.encoded, sky.visible ? sky.sky : Image<std::uint8_t>{});
+  auto relative = light_;
+  for (std::size_t i = 0; i < relative.elements().size(); ++i)
+    relative.elements()[i] /= source_.from_infinity.elements()[i];
+  // Paths at sea level: only their optical depth counts.
+  depth_ = {depth_from_haze(relative, photograph.encoded, nodes_, setup_.scattering, setup_.source), {}, 0.0};
 }
 
 Image<glm::vec3> OtherAir::from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,

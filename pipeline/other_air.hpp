@@ -19,6 +19,9 @@ struct OtherAirSetup {
   Turbidity source;                 // of the pictures' own air
   Image<float> distance_m;          // as large as the pictures; empty: `everything_at_m`, sky where sky is found
   std::optional<double> everything_at_m;
+  // Nothing was measured: distances and the light from infinity are guessed from each picture's own haze, which is
+  // taken for grey (estimator/depth_from_haze).
+  bool from_haze = false;
   bool find_sky = false;               // sky is found in each picture, whatever `distance_m` says of it
   double horizon_weight = 1.0;         // of a picture's own horizon; the rest is that of the pictures before
   std::optional<glm::dvec3> airlight;  // linear, 0..1 of full scale; empty: each picture's own horizon
@@ -55,6 +58,7 @@ class OtherAir {
   UnderOtherAir under(const std::optional<Turbidity>& target) const;
 
  private:
+  void guess_from_haze(const Photograph& photograph);
   // Light from infinity of the picture that was taken in, or what the target's options say.
   Image<glm::vec3> from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,
                                  Turbidity turbidity) const;

@@ -74,11 +74,14 @@ std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
 
 // One of the ways to tell how far things are.
 void read_depth(const RetargetArguments& a, OtherAirSetup& setup, Problems& problems) {
-  const int ways = (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0);
+  const int ways =
+      (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
   if (ways != 1)
     return problems.add(
-        "expected one of --depth FILE, --planes FILE, or --distance-m where all that is not sky is about as far");
+        "expected one of --depth FILE, --planes FILE, --distance-m where all that is not sky is about as far, or "
+        "--from-haze where nothing is known");
   setup.everything_at_m = a.distance_m;
+  setup.from_haze = a.from_haze;
   const int width = setup.camera.width, height = setup.camera.height;
   if (!a.depth.empty()) {
     auto distances = read_distances(a.depth, a.depth_step_m);

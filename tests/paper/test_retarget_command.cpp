@@ -205,5 +205,27 @@ TEST_F(RetargetCommand, RefusesADepthOfAnotherSize) {
   EXPECT_THAT(outcome.err, HasSubstr("is 32 x 18: expected 320 x 180"));
 }
 
+// Grey haze that leaves half of each surface, every neighbourhood with something black in it: .9 of the haze is taken
+// out, so that black is left 1 - .5 / .55 of the light from infinity.
+TEST_F(RetargetCommand, TakesHazeOutWhereNothingButThePictureIsKnown) {
+  const auto srgb = Response::srgb();
+  const auto pixel = [&](double light) {
+    return Rgb8(static_cast<std::uint8_t>(std::lround(255.0 * srgb.to_encoded(glm::dvec3{light}).g)));
+  };
+  constexpr double kInfinity = 0.6;
+  Image<Rgb8> hazy(160, 120);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x)
+      hazy.at(x, y) = y < 30 ? pixel(kInfinity) : pixel(kInfinity * ((x / 2 + y / 2) % 2 == 0 ? 0.5 : 0.75));
+  ASSERT_TRUE(write_png(folder / "hazy.png", hazy));
+  const auto outcome = run_kasumi(fmt::format("retarget {} --from-haze --source-turbidity 4 --turbidity clear --out {}",
+                                              in_folder("hazy.png"), in_folder("guessed.png")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto made = read("guessed.png");
+  EXPECT_NEAR(made.at(80, 80).g, pixel(kInfinity * (1.0 - 0.5 / 0.55)).g, 8.0) << "black";
+  EXPECT_NEAR(made.at(82, 80).g, pixel(kInfinity * (1.0 - 0.25 / 0.55)).g, 8.0) << "grey of one half";
+  EXPECT_NEAR(made.at(80, 8).g, pixel(kInfinity).g, 2.0) << "sky";
+}
+
 }  // namespace
 }  // namespace kasumi
