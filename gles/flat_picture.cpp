@@ -130,6 +130,10 @@ FlatPlace fitted(const DrawTarget& target, int width, int height) {
           static_cast<double>(box.height)};
 }
 
+FlatPlace everywhere(const DrawTarget& target) {
+  return {0.0, 0.0, static_cast<double>(target.width), static_cast<double>(target.height)};
+}
+
 void clear_to(const DrawTarget& target, const glm::vec3& encoded) {
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glClearColor(encoded.r, encoded.g, encoded.b, 1.0f);

@@ -44,6 +44,7 @@ class FlatPicture {
 
 // The whole picture inside the target, its shape kept.
 FlatPlace fitted(const DrawTarget& target, int width, int height);
+FlatPlace everywhere(const DrawTarget& target);
 
 // Fills the target with one colour.
 void clear_to(const DrawTarget& target, const glm::vec3& encoded);

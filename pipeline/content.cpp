@@ -1,6 +1,7 @@
 #include "pipeline/content.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/photograph.hpp"
 
@@ -13,10 +14,14 @@ bool is_there(const std::filesystem::path& file) {
   return !file.empty() && std::filesystem::is_regular_file(file, error);
 }
 
-Image<Rgba8> opaque(const Image<Rgb8>& picture) {
+Image<Rgba8> with_opacity(const Photograph& photograph) {
+  const auto picture = to_rgb8(photograph);
   Image<Rgba8> made(picture.width(), picture.height());
-  std::transform(picture.elements().begin(), picture.elements().end(), made.elements().begin(),
-                 [](const Rgb8& colour) { return Rgba8(colour, 255); });
+  const auto& opacity = photograph.opacity.elements();
+  for (std::size_t i = 0; i < made.elements().size(); ++i)
+    made.elements()[i] = Rgba8(
+        picture.elements()[i],
+        opacity.empty() ? 255 : static_cast<std::uint8_t>(std::lround(255.0F * std::clamp(opacity[i], 0.0F, 1.0F))));
   return made;
 }
 
@@ -37,7 +42,7 @@ Result<ContentPtr> read_content(const std::filesystem::path& config_file) {
   }
   if (const auto& file = content->config.still.picture; file && is_there(*file)) {
     if (const auto photograph = read_photograph(*file))
-      content->still = opaque(to_rgb8(*photograph));
+      content->still = with_opacity(*photograph);
     else
       root->table("still").problem("picture", fmt::format("a picture: {}", photograph.error().message));
   }

@@ -15,7 +15,7 @@ namespace kasumi {
 struct Content {
   RunConfig config;
   Model model;                        // stays in memory: GL contexts come and go
-  std::optional<Image<Rgba8>> still;  // the curated picture
+  std::optional<Image<Rgba8>> still;  // the curated picture; where it is transparent, the sky of the day shows
 };
 using ContentPtr = std::shared_ptr<const Content>;
 

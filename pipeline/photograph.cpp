@@ -59,6 +59,12 @@ Result<Photograph> read_photograph(const std::filesystem::path& path) {
   photograph.encoded = Image<glm::vec3>(rgb.cols, rgb.rows);
   cv::Mat target(rgb.rows, rgb.cols, CV_32FC3, photograph.encoded.elements().data());
   rgb.convertTo(target, CV_32FC3, scale);
+  if (image->channels() == 4 && photograph.quantum > 0.0) {
+    photograph.opacity = Image<float>(rgb.cols, rgb.rows);
+    cv::Mat alpha, opacity(rgb.rows, rgb.cols, CV_32FC1, photograph.opacity.elements().data());
+    cv::extractChannel(*image, alpha, 3);
+    alpha.convertTo(opacity, CV_32FC1, scale);
+  }
   return photograph;
 }
 

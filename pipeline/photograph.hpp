@@ -13,10 +13,11 @@ namespace kasumi {
 
 struct Photograph {
   Image<glm::vec3> encoded;  // R G B, 0..1 for integer files; floating-point files are divided by their largest value
+  Image<float> opacity;      // 0..1; empty: the file has no alpha
   double quantum = 0.0;      // 1/255, 1/65535, or 0 for floating point
 };
 
-// PNG, JPEG, TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G = B; alpha is dropped; orientation
+// PNG, JPEG, TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G = B; orientation
 // tags are not followed, since calibration speaks of the stored pixels. Errors: bad_input.
 Result<Photograph> read_photograph(const std::filesystem::path& path);
 

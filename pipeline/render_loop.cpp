@@ -284,7 +284,7 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   news_.uploads += stage.frames().uploaded - uploaded_before;
   climb();
   shown_ = composition();
-  return stage.draw_over(*shown_, target);
+  return stage.draw_over(*shown_, sky_.report, target);
 }
 
 void RenderLoop::note_flips() {

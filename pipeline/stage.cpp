@@ -10,13 +10,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Rgba8 kGround{38, 44, 52,
-                        255};  // around and instead of a curated picture: a dusk that no one mistakes for black
 constexpr Rgba8 kBlack{0, 0, 0, 255};
-
-FlatPlace everywhere(const DrawTarget& target) {
-  return {0.0, 0.0, static_cast<double>(target.width), static_cast<double>(target.height)};
-}
 
 }  // namespace
 
@@ -25,20 +19,15 @@ Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optiona
   auto compositor = Compositor::create(context, installation, content->model,
                                        air ? std::move(*air) : SceneAir(installation, SceneAirOptions{}));
   if (!compositor) return fail(compositor.error());
-  Stage stage(context, content, std::move(*compositor));
+  auto still = StillPicture::create(context, *content);
+  if (!still) return fail(still.error());
+  Stage stage(context, content, std::move(*compositor), std::move(*still));
   if (content->config.overlay)
     stage.overlay_.emplace(context, installation, content->model.bounds(), content->config.words.font_file);
 
-  const auto upload = [&](std::optional<FlatPicture>& to, const Image<Rgba8>& picture) -> Result<> {
-    auto flat = FlatPicture::create(context, picture);
-    if (!flat) return fail(flat.error());
-    to = std::move(*flat);
-    return {};
-  };
-  if (auto done = upload(stage.ground_, Image<Rgba8>(1, 1, kGround)); !done) return fail(done.error());
-  if (auto done = upload(stage.black_, Image<Rgba8>(1, 1, kBlack)); !done) return fail(done.error());
-  if (content->still)
-    if (auto done = upload(stage.still_, *content->still); !done) return fail(done.error());
+  auto black = FlatPicture::create(context, Image<Rgba8>(1, 1, kBlack));
+  if (!black) return fail(black.error());
+  stage.black_ = std::move(*black);
   return stage;
 }
 
@@ -52,7 +41,7 @@ Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const 
     return drawn;
   }
   if (has_scene_) return compositor_.draw_again(target);
-  clear_to(target, glm::vec3(kGround) / 255.0f);
+  clear_to(target, glm::vec3(kStillGround) / 255.0f);
   return {};
 }
 
@@ -64,13 +53,6 @@ Result<> Stage::draw_overlay(const DrawTarget& target) {
   spdlog::warn("the overlay cannot be drawn: {}", drawn.error().message);
   overlay_.reset();
   return {};
-}
-
-Result<> Stage::draw_still(double opacity, const DrawTarget& target) {
-  if (opacity <= 0.0) return {};
-  if (auto drawn = ground_->draw(target, everywhere(target), opacity); !drawn) return drawn;
-  if (!still_) return {};
-  return still_->draw(target, fitted(target, still_->width(), still_->height()), opacity);
 }
 
 void Stage::set_words(Words& drawn, const std::string& text, const DrawTarget& target) {
@@ -98,10 +80,10 @@ Result<> Stage::draw_words(Words& drawn, const std::string& text, bool at_top, d
   return drawn.picture->draw(target, place, opacity);
 }
 
-Result<> Stage::draw_over(const Composition& composition, const DrawTarget& target) {
+Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target) {
   const auto& rung = composition.rung;
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
-  if (auto drawn = draw_still(rung.still, target); !drawn) return drawn;
+  if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
   if (auto drawn = draw_words(caption_, content_->config.still.caption, false, rung.still, target); !drawn)
     return drawn;
   if (auto drawn = draw_words(trouble_, composition.words, true, 1.0, target); !drawn) return drawn;

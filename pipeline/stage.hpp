@@ -9,6 +9,7 @@
 #include "pipeline/exchange.hpp"
 #include "pipeline/ladder.hpp"
 #include "pipeline/overlay.hpp"
+#include "pipeline/still_picture.hpp"
 
 namespace kasumi {
 
@@ -30,7 +31,7 @@ class Stage {
   // was drawn), device.
   Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
   // Then what lies over it. Errors: device.
-  Result<> draw_over(const Composition& composition, const DrawTarget& target);
+  Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
 
   // The scene drawn last has the building in it (where the view shows it).
   bool draws_object() const { return draws_object_; }
@@ -46,10 +47,12 @@ class Stage {
     int target_width = 0;
     std::optional<FlatPicture> picture;  // empty: they could not be drawn
   };
-  Stage(GlContext& context, ContentPtr content, Compositor compositor)
-      : context_(&context), content_(std::move(content)), compositor_(std::move(compositor)) {}
+  Stage(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still)
+      : context_(&context),
+        content_(std::move(content)),
+        compositor_(std::move(compositor)),
+        still_(std::move(still)) {}
   Result<> draw_overlay(const DrawTarget& target);
-  Result<> draw_still(double opacity, const DrawTarget& target);
   Result<> draw_words(Words& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
   void set_words(Words& drawn, const std::string& text, const DrawTarget& target);
 
@@ -57,9 +60,8 @@ class Stage {
   ContentPtr content_;
   Compositor compositor_;
   std::optional<Overlay> overlay_;  // empty: nobody wants it
-  std::optional<FlatPicture> still_;
-  std::optional<FlatPicture> ground_;  // one pixel each, for what fills the target
-  std::optional<FlatPicture> black_;
+  StillPicture still_;
+  std::optional<FlatPicture> black_;  // one pixel, to fill the target
   Words caption_, trouble_;
   bool has_scene_ = false;
   bool draws_object_ = false;
