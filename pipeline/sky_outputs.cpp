@@ -49,7 +49,9 @@ Result<> write_sheet(const SkyOrder& order, const SkyTask& task, SkyDrawing& dra
       if (!picture) return fail(picture.error());
       sheet.add(*picture, fmt::format("T {:g}, {:g} km", t, altitude_m / 1000.0));
     }
-  return write_png(order.sheet, sheet.drawn(static_cast<int>(task.turbidities.size())));
+  // Turbidities side by side, altitudes one below the other; a single row where there is one turbidity.
+  const std::size_t columns = task.turbidities.size() > 1 ? task.turbidities.size() : task.altitudes_m.size();
+  return write_png(order.sheet, sheet.drawn(static_cast<int>(columns)));
 }
 
 // The moments of the day around `utc` at which the sun stands high enough for a sky.
