@@ -38,7 +38,8 @@ struct Axis {
                                   : rough / decade < 3.5 ? 2.0
                                   : rough / decade < 7.5 ? 5.0
                                                          : 10.0);
-    for (double i = std::ceil(lowest / step - 1e-9); i * step <= highest + 1e-9 * step; ++i) found.push_back(i * step);
+    for (double i = std::ceil(lowest / step - 1e-9); i * step <= highest + 1e-9 * step; ++i)
+      found.push_back(i * step + 0.0);  // never -0
     return found;
   }
 };
