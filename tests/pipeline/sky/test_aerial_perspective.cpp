@@ -62,6 +62,7 @@ class AerialPerspective : public testing::Test {
 };
 
 TEST_F(AerialPerspective, IsTheSpectralAtmospheresFromThePlainAndFromTheMountains) {
+  double mean_of_both = 0.0;
   for (const double altitude_m : {0.0, 3000.0}) {
     double mean = 0.0;
     for (const auto& [zenith_deg, azimuth_deg] :
@@ -73,8 +74,10 @@ TEST_F(AerialPerspective, IsTheSpectralAtmospheresFromThePlainAndFromTheMountain
       EXPECT_LE(error, 4.0) << "steps of 255; " << altitude_m << " m, sun " << zenith_deg << " deg from the zenith, "
                             << azimuth_deg << " deg from the middle of the view";
     }
-    EXPECT_LE(mean, 3.0) << "steps of 255, " << altitude_m << " m";
+    EXPECT_LE(mean, altitude_m > 0.0 ? 3.3 : 1.5) << "steps of 255, " << altitude_m << " m";
+    mean_of_both += mean / 2.0;
   }
+  EXPECT_LE(mean_of_both, 3.0) << "steps of 255";
 }
 
 }  // namespace
