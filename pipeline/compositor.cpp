@@ -77,7 +77,7 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   const auto conditions = air_.conditions(sky);
   air_.observe(metadata, picture.view(), sky.picture ? &sky.picture->view() : nullptr, &conditions);
 
-  if (auto fitted = fit_detail(picture.view().layout); !fitted) return fitted;
+  if (auto fitted = fit_detail(picture.view().layout, conditions); !fitted) return fitted;
   noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
 
   const auto box = renderer_.object_box();
@@ -91,9 +91,9 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   return show(target);
 }
 
-// Cameras hardly ever change their layout; the first frame tells it.
-Result<> Compositor::fit_detail(PixelLayout layout) {
-  const auto detail = detail_for_gles(quality_, layout);
+// Cameras hardly ever change their layout; the first frame tells it. Air changes by the hour.
+Result<> Compositor::fit_detail(PixelLayout layout, const SceneConditions& conditions) {
+  const auto detail = detail_for_gles(quality_, layout, air_.haze_blur_px(conditions));
   if (detail == detail_) return {};
   if (auto set = renderer_.set_detail(detail); !set) return set;
   detail_ = detail;

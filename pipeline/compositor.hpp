@@ -51,7 +51,7 @@ class Compositor {
         white_balance_(installation.scene.white_balance) {}
   bool is_stale(const SceneConditions& now) const;
   Result<> take(const DecodedPicture& picture);
-  Result<> fit_detail(PixelLayout layout);
+  Result<> fit_detail(PixelLayout layout, const SceneConditions& conditions);
   Result<> show(const DrawTarget& target);
 
   Renderer renderer_;

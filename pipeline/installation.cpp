@@ -4,6 +4,7 @@
 
 #include "calib/distance_map.hpp"
 #include "capture/utc_text.hpp"
+#include "gles/scene.hpp"
 
 namespace kasumi {
 
@@ -17,18 +18,20 @@ FogLayer read_fog(const ConfigTable& table) {
 Surroundings read_surroundings(const ConfigTable& table) {
   const Surroundings usual;
   Surroundings found{table.number("ground_albedo", {0.0, 1.0}, usual.ground_albedo),
-                     table.number("cloud_base_m", {50.0, 15e3}, usual.cloud_base_m), usual.fog,
-                     usual.sky_model};
+                     table.number("cloud_base_m", {50.0, 15e3}, usual.cloud_base_m), usual.fog, usual.sky_model,
+                     usual.haze_blur_px};
   if (const auto fog = table.optional_table("fog")) found.fog = read_fog(*fog);
-  const auto model = table.choice("sky_model", {"automatic", "preetham", "dome"}, std::string(name_of(usual.sky_model)));
+  const auto model =
+      table.choice("sky_model", {"automatic", "preetham", "dome"}, std::string(name_of(usual.sky_model)));
   found.sky_model = site_sky_model_named(model).value_or(usual.sky_model);
+  found.haze_blur_px = table.number("haze_blur_px", {0.0, kWidestPointSpread_px}, usual.haze_blur_px);
   return found;
 }
 
 }  // namespace
 
 void ignore_surroundings(const ConfigTable& site) {
-  for (const char* key : {"ground_albedo", "cloud_base_m", "fog", "sky_model"}) site.ignore(key);
+  for (const char* key : {"ground_albedo", "cloud_base_m", "fog", "sky_model", "haze_blur_px"}) site.ignore(key);
 }
 
 Installation read_installation(const ConfigTable& root) {

@@ -27,6 +27,8 @@ struct Surroundings {
   double cloud_base_m = 2000.0;  // above the site: where a cloud that shades the object is looked for in the sky
   FogLayer fog;
   SiteSkyModel sky_model = SiteSkyModel::automatic;  // what the clear sky looks like, by the site's altitude
+  // H's lambda: standard deviation by which haze of optical depth 1 blurs what stands behind it, pixels; 0: not at all.
+  double haze_blur_px = 0.0;
 };
 
 struct Installation {

@@ -1,10 +1,18 @@
 #include "pipeline/quality_for_gles.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace kasumi {
 
-ObjectDetail detail_for_gles(const ImageQuality& quality, PixelLayout layout) {
+ObjectDetail detail_for_gles(const ImageQuality& quality, PixelLayout layout, double haze_blur_px) {
+  constexpr double kStep_px = 0.25;
   ObjectDetail detail;
   detail.point_spread_px = quality.point_spread_px;
+  if (haze_blur_px > 0.0)
+    detail.point_spread_px =
+        std::clamp(kStep_px * std::round(std::hypot(quality.point_spread_px, haze_blur_px) / kStep_px),
+                   quality.point_spread_px, kWidestPointSpread_px);
   if (!quality.shared_chroma) return detail;
   switch (layout) {
     case PixelLayout::nv12:

@@ -8,8 +8,10 @@
 
 namespace kasumi {
 
-// `layout`: what the camera's pictures are delivered in.
-ObjectDetail detail_for_gles(const ImageQuality& quality, PixelLayout layout);
+// `layout`: what the camera's pictures are delivered in. `haze_blur_px`: what the air adds to the camera's point
+// spread; both together go in steps of a quarter of a pixel, so that shaders are not made anew with every breath of
+// air.
+ObjectDetail detail_for_gles(const ImageQuality& quality, PixelLayout layout, double haze_blur_px = 0.0);
 // The variance of light L in the camera's full scale, behind an analogue gain g and a channel's white balance gain w,
 // E electrons at gain 1: (g w / E) L + (g w r / E)^2. `frame`: its number, so that every frame has noise of its own.
 SensorNoise noise_for_gles(const ImageQuality& quality, const glm::dvec3& white_balance, double gain,

@@ -1,5 +1,6 @@
 #include "pipeline/scene_air.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "calib/colorimetry.hpp"
@@ -22,6 +23,12 @@ void scale(HorizonLight& horizon, double factor) {
   for (auto& column : horizon.columns) column.light *= factor;
 }
 
+OpticalPath path_to(const Installation& installation) {
+  const auto& place = installation.object.placement;
+  const double altitude_m = installation.site.altitude_m;
+  return optical_path(altitude_m, altitude_m + place.up_m, std::hypot(place.east_m, place.north_m, place.up_m));
+}
+
 }  // namespace
 
 SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
@@ -32,6 +39,8 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       shadows_(installation.object.shadows),
       sky_model_(installation.surroundings.sky_model),
       fog_(installation.surroundings.fog),
+      blur_of_depth_1_px_(installation.surroundings.haze_blur_px),
+      to_object_(path_to(installation)),
       options_(options),
       nodes_(attenuation_nodes(spectral_measure(scene_))) {}
 
@@ -57,6 +66,13 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   appearance.aerial_perspective = options_.aerial_perspective;
   appearance.shadows = shadows_;
   return appearance;
+}
+
+double SceneAir::haze_blur_px(const SceneConditions& conditions) const {
+  if (blur_of_depth_1_px_ <= 0.0 || !options_.aerial_perspective) return 0.0;
+  const auto haze = haze_coefficients(nodes_, options_.scattering, conditions.turbidity);
+  const double left = std::clamp(attenuation(haze, to_object_).g, 1e-9, 1.0);
+  return blur_of_depth_1_px_ * std::sqrt(-std::log(left));
 }
 
 HorizonLight SceneAir::modelled(const SceneConditions& conditions, const PictureView& scene) const {

@@ -38,6 +38,9 @@ class SceneAir {
   SceneConditions conditions(const SkyReport& report) const;
   // Haze, light and the model's horizon over the object's part of the picture.
   ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
+  // How far the haze before the object blurs it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
+  // deviation in pixels. The fog of a valley is not counted.
+  double haze_blur_px(const SceneConditions& conditions) const;
 
   // Looks at the horizon in a scene frame (at most once in horizon_interval of recorded time; between, the camera's own
   // exposure carries it on). `sky_picture`: the latest of the sky camera, for scenes that show no sky; may be null.
@@ -58,6 +61,8 @@ class SceneAir {
   bool shadows_;
   SiteSkyModel sky_model_;
   FogLayer fog_;
+  double blur_of_depth_1_px_;
+  OpticalPath to_object_;
   SceneAirOptions options_;
   AttenuationNodes nodes_;
   HorizonLight horizon_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/quality_for_gles.hpp"
+#include "pipeline/scene_air.hpp"
 
 namespace kasumi {
 namespace {
@@ -20,6 +21,37 @@ TEST(QualityForGles, ColourIsSharedAsTheLayoutHasIt) {
   for (const auto layout : {PixelLayout::rgb8, PixelLayout::bgra8, PixelLayout::i444, PixelLayout::grey8})
     EXPECT_EQ(pixels(layout), std::pair(1, 1));
   EXPECT_EQ(pixels(PixelLayout::nv12, false), std::pair(1, 1));
+}
+
+TEST(QualityForGles, HazeAddsToTheCamerasOwnSpreadInQuartersOfAPixel) {
+  const auto spread = [](double own_px, double haze_px) {
+    return detail_for_gles({.point_spread_px = own_px}, PixelLayout::rgb8, haze_px).point_spread_px;
+  };
+  EXPECT_EQ(spread(0.6, 0.0), 0.6) << "none: as measured";
+  EXPECT_EQ(spread(0.0, 1.3), 1.25);
+  EXPECT_EQ(spread(0.6, 0.8), 1.0) << "variances add";
+  EXPECT_EQ(spread(0.6, 0.05), 0.6) << "never sharper than the camera";
+  EXPECT_EQ(spread(2.5, 3.0), kWidestPointSpread_px);
+}
+
+TEST(QualityForGles, HazeBlursByTheRootOfItsOpticalDepth) {
+  Installation installation;
+  installation.site.altitude_m = 300.0;
+  installation.object.placement = {.east_m = 2100.0, .north_m = 2800.0, .up_m = 0.0};
+  installation.surroundings.haze_blur_px = 1.5;
+  const SceneAir air(installation, {});
+  const auto under = [](double turbidity) {
+    SceneConditions conditions;
+    conditions.turbidity = Turbidity{turbidity};
+    return conditions;
+  };
+  const auto measure = spectral_measure(installation.scene);
+  const auto path = optical_path(300.0, 300.0, 3500.0);
+  for (const double turbidity : {2.0, 4.0, 9.0}) {
+    const double left = attenuation_reference(measure, ScatteringModel::morales2017, Turbidity{turbidity}, path).g;
+    EXPECT_NEAR(air.haze_blur_px(under(turbidity)), 1.5 * std::sqrt(-std::log(left)), 0.005);
+  }
+  EXPECT_EQ(SceneAir({}, {}).haze_blur_px(under(9.0)), 0.0) << "off unless asked for";
 }
 
 TEST(QualityForGles, NoiseIsThatOfCountedElectrons) {
