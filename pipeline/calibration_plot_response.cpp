@@ -4,10 +4,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "base/files.hpp"
 #include "calib/response_levels.hpp"
 
 namespace kasumi {
@@ -89,23 +87,6 @@ Image<Rgb8> plot_response(const ResponseFit& fit, const StackSamples& samples, c
   write("value over light, stops below full scale; dots: pixels of the stack", {kMargin, kTop + kSide + 42});
   write("the same, not in stops", {2 * kMargin + kSide, kTop + kSide + 42});
   return image;
-}
-
-Result<> write_light(const std::filesystem::path& path, const Image<glm::vec3>& light) {
-  const auto extension = path.extension().string();
-  if (extension != ".tif" && extension != ".tiff")
-    return fail(FaultKind::bad_input, "{}: expected a name that ends in .tif or .tiff", path.string());
-  auto copy = light.elements();
-  for (auto& pixel : copy) std::swap(pixel.x, pixel.z);
-  const cv::Mat bgr(light.height(), light.width(), CV_32FC3, copy.data());
-  return replace_file(path, [&](const std::filesystem::path& beside) -> Result<> {
-    try {
-      if (cv::imwrite(beside.string(), bgr)) return {};
-    } catch (const cv::Exception& error) {
-      return fail(FaultKind::io, "{}: cannot be written: {}", path.string(), error.err);
-    }
-    return fail(FaultKind::io, "{}: cannot be written", path.string());
-  });
 }
 
 }  // namespace kasumi

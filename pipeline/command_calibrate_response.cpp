@@ -10,6 +10,7 @@
 #include "pipeline/calibration_plot_response.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/exposure_stack.hpp"
+#include "pipeline/light_file.hpp"
 #include "pipeline/save_calibration.hpp"
 
 namespace kasumi {
@@ -186,7 +187,7 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   if (!arguments.merged.empty()) {
     const auto merged = merge_stack(known.stack.pictures, known.stack.quantum, found.dark.black, found.calibration.fit,
                                     found.noise.value_or(NoiseModel{}));
-    if (auto written = write_light(arguments.merged, merged); !written) return fail(written.error());
+    if (auto written = write_light_file(arguments.merged, merged); !written) return fail(written.error());
     fmt::print("merged: {}: linear light, the longest exposure's full scale is 1\n", arguments.merged);
   }
 
@@ -228,7 +229,8 @@ void add_calibrate_response(CLI::App& calibrate_command, Action& action) {
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
   command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
-  command->add_option("--merged", a.merged, "Write the stack as one picture of linear light too (32-bit TIFF)");
+  command->add_option("--merged", a.merged,
+                      "Write the stack as one picture of linear light too (.tiff, .exr, .pfm or .hdr)");
   command->add_option("--out", a.out, "The calibration file; an older one is kept beside it")->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -22,10 +22,13 @@ bool encode(const std::string& extension, const cv::Mat& bgr, std::vector<std::u
 
 bool is_light_file(const std::filesystem::path& file) {
   const auto extension = file.extension();
-  return extension == ".exr" || extension == ".pfm" || extension == ".hdr";
+  return extension == ".exr" || extension == ".pfm" || extension == ".hdr" || extension == ".tif" ||
+         extension == ".tiff";
 }
 
 Result<> write_light_file(const std::filesystem::path& file, const Image<glm::vec3>& light) {
+  if (!is_light_file(file))
+    return fail(FaultKind::bad_input, "{}: expected a name that ends in .exr, .pfm, .hdr or .tiff", file.string());
   if (light.empty()) return fail(FaultKind::bad_input, "{}: a picture without pixels", file.string());
   // OpenCV only reads from it.
   const cv::Mat rgb(light.height(), light.width(), CV_32FC3, const_cast<glm::vec3*>(light.elements().data()));
