@@ -1,5 +1,5 @@
-// Where a test finds what it needs. Known to one generated file only, so that all else compiles to the same in every checkout
-// (and a compiler cache serves them all).
+// Where a test finds what it needs. Known to one generated file only: all else compiles to the same in every
+// checkout, so that a compiler cache serves them all.
 #pragma once
 
 #include <filesystem>
