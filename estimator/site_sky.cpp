@@ -30,8 +30,8 @@ Turbidity dome_turbidity(Turbidity estimated) {
     double estimated, dome;
   };
   // Medians over the sun's zenith angles 30, 45, 60 and 75 deg (DomeTurbidity prints them).
-  constexpr std::array kPairs{Pair{1.995, 1.7}, Pair{2.01, 2.0}, Pair{2.04, 2.5}, Pair{2.065, 3.0},
-                              Pair{2.13, 4.0},  Pair{2.34, 6.0}, Pair{2.54, 8.0}, Pair{2.73, 10.0}};
+  constexpr std::array kPairs{Pair{1.995, 1.7}, Pair{2.015, 2.0}, Pair{2.055, 2.5}, Pair{2.075, 3.0},
+                              Pair{2.135, 4.0}, Pair{2.33, 6.0},  Pair{2.53, 8.0},  Pair{2.73, 10.0}};
   if (estimated.value <= kPairs.front().estimated) return Turbidity{kPairs.front().dome};
   for (std::size_t i = 1; i < kPairs.size(); ++i) {
     const Pair &low = kPairs[i - 1], &high = kPairs[i];
