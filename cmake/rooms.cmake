@@ -13,10 +13,11 @@ function(kasumi_room name)
   kasumi_precompile(kasumi_${name} room)
 endfunction()
 
-# kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [THREADED])
+# kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [THREADED] [FIGURES])
 #   One GoogleTest program; every TEST in it becomes a test of ctest. The tests find files, and where they may write, through
 #   tests/places.hpp. THREADED programs are those in which threads of ours share anything: the target
-#   threaded_tests builds them, their ctest label is "threaded", and the thread sanitizer runs them.
+#   threaded_tests builds them, their ctest label is "threaded", and the thread sanitizer runs them. FIGURES programs measure how exact
+#   something is over many cases; their label is "figures", and sanitizers leave them out: other tests run the same code once.
 include(GoogleTest)
 add_custom_target(threaded_tests)
 configure_file(${PROJECT_SOURCE_DIR}/tests/places.cpp.in ${CMAKE_BINARY_DIR}/places.cpp @ONLY)
@@ -24,7 +25,7 @@ add_library(kasumi_places STATIC ${CMAKE_BINARY_DIR}/places.cpp)
 target_include_directories(kasumi_places PUBLIC ${PROJECT_SOURCE_DIR})
 target_link_libraries(kasumi_places PRIVATE kasumi_warnings)
 function(kasumi_test name)
-  cmake_parse_arguments(TEST "THREADED" "" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(TEST "THREADED;FIGURES" "" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE kasumi_warnings GTest::gtest GTest::gmock GTest::gtest_main kasumi_places ${TEST_LIBRARIES})
   foreach(room ${TEST_USES})
@@ -38,6 +39,8 @@ function(kasumi_test name)
   if(TEST_THREADED)
     add_dependencies(threaded_tests ${name})
     set(labels LABELS threaded)
+  elseif(TEST_FIGURES)
+    set(labels LABELS figures)
   endif()
   # The tests of one program share its folders, so they run one after the other; programs run side by side.
   gtest_discover_tests(${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 900 RESOURCE_LOCK ${name} ${labels})
