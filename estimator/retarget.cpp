@@ -112,6 +112,7 @@ glm::dvec3 relighting(const Camera& camera, const std::optional<Turbidity>& sour
   const auto on_ground = [&](const std::optional<Turbidity>& turbidity) {
     DaylightOptions options;
     options.altitude_m = altitude_m;
+    options.model = SiteSkyModel::preetham;  // the T asked for is the papers', which the dome's table ends long before
     const Daylight daylight(camera, turbidity.value_or(kLowestTurbidity), sun, options);
     const auto& light = daylight.on_object();
     const auto level = light.sun_irradiance * std::max(0.0, sun.z) + irradiance(light.around, {0, 0, 1});

@@ -132,6 +132,7 @@ Image<glm::vec3> OtherAir::targets(const std::optional<Turbidity>& target) const
   const auto& camera = setup_.camera;
   DaylightOptions options;
   options.altitude_m = setup_.altitude_m;
+  options.model = SiteSkyModel::preetham;  // as the airlight and the light on the land
   const Daylight before(camera, setup_.source, *setup_.sun, options), after(camera, turbidity, *setup_.sun, options);
   double exposure = 1.0;
   if (const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
