@@ -16,7 +16,7 @@ constexpr Rgba8 kStillGround{38, 44, 52, 255};
 
 // What its sky is drawn from.
 struct StillSky {
-  Turbidity turbidity{2.5};
+  Turbidity turbidity{2.1};  // of an ordinary clear day, as the estimator counts
   SunDirection sun{0.0, 0.0, 1.0};
   double clouds = 0.0;  // share of the sky: the more, the greyer
 };
