@@ -232,5 +232,25 @@ TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
   EXPECT_FALSE(watch.at(at + std::chrono::minutes(5), frame.metadata.utc, SunSource::ephemeris).measured);
 }
 
+TEST(SceneAir, SupposesAnOrdinaryClearDayUntilTheSkyIsKnown) {
+  // Aerosol optical depths of clear days on land are .1 to .3 at 550 nm; T 3.0 as the estimator counts is the dome's
+  // thickest haze.
+  Installation installation;
+  const auto supposed = [&] { return SceneAir(installation, {}).conditions({}).turbidity; };
+  const auto depth = [](Turbidity turbidity) { return aerosol_optical_depth(turbidity, 550.0); };
+  for (const double altitude_m : {100.0, 2200.0, 3000.0}) {
+    installation.site.altitude_m = altitude_m;
+    const Turbidity air = altitude_m > kHighestPreethamSite_m ? dome_turbidity(supposed()) : supposed();
+    EXPECT_GE(depth(air), 0.1) << altitude_m << " m";
+    EXPECT_LE(depth(air), 0.3) << altitude_m << " m";
+  }
+  installation.site.altitude_m = 100.0;
+  installation.surroundings.sky_model = SiteSkyModel::dome;
+  EXPECT_LE(depth(dome_turbidity(supposed())), 0.3) << "the dome on low land";
+  SkyReport known;
+  known.tracked.emplace().turbidity = Turbidity{2.6};
+  EXPECT_EQ(SceneAir(installation, {}).conditions(known).turbidity, Turbidity{2.6});
+}
+
 }  // namespace
 }  // namespace kasumi
