@@ -130,10 +130,11 @@ RigOptions with_hours(const std::string& name, const std::string& opening) {
 
 TEST_F(LocalHours, Row26OutsideTheHoursTheScreenIsOffAndThatIsNoFault) {
   auto options = with_hours("row26", "time_zone = \"Asia/Tokyo\"\nevery_day = \"11:00-12:01, 12:03-12:30\"");
+  options.utc = kSunday + 3h + 50s;
   const auto rig = running(options);
   const auto& display = rig->devices.display;
   const auto& news = rig->appliance->render().news();
-  rig->advance(55s);
+  rig->advance(5s);
   EXPECT_EQ(rig->shown(), Shown::live) << "a second before";
   const auto closed = rig->advance_until([&] { return display.off; }, 3s);
   ASSERT_TRUE(closed);

@@ -1,0 +1,143 @@
+// The whole way from a recording of known truth to the picture, held to that truth: turbidity, and the building drawn
+// by the slow spectral path.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+
+#include "pipeline/photograph.hpp"
+#include "pipeline/replay.hpp"
+#include "tests/pipeline/recorded.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+using Row = std::map<std::string, std::string>;
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  return fields;
+}
+
+std::vector<Row> read_csv(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<Row> rows;
+  std::vector<std::string> names;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    const auto fields = fields_of(line);
+    if (names.empty()) {
+      names = fields;
+      continue;
+    }
+    Row row;
+    for (std::size_t i = 0; i < names.size() && i < fields.size(); ++i) row[names[i]] = fields[i];
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+ReplaySummary played(const std::filesystem::path& fixture, const std::filesystem::path& out) {
+  const auto summary = replay({fixture, out, false, false, std::nullopt, {}});
+  if (!summary) {
+    ADD_FAILURE() << summary.error().message;
+    return {};
+  }
+  return *summary;
+}
+
+// Sky frames and truth are listed by time; each estimate is compared with the truth of its instant.
+void expect_turbidity(const std::filesystem::path& fixture, const std::filesystem::path& out, double tolerance) {
+  const auto estimates = read_csv(out / "turbidity.csv");
+  const auto truth = read_csv(fixture / "truth" / "truth.csv");
+  ASSERT_FALSE(estimates.empty());
+  int compared = 0;
+  for (const auto& estimate : estimates)
+    for (const auto& true_row : truth) {
+      if (true_row.at("utc") != estimate.at("utc")) continue;
+      EXPECT_EQ(estimate.at("usable"), "true") << estimate.at("reason");
+      if (estimate.at("usable") != "true") continue;
+      EXPECT_NEAR(std::stod(estimate.at("turbidity")), std::stod(true_row.at("turbidity")), tolerance)
+          << estimate.at("utc");
+      ++compared;
+    }
+  EXPECT_EQ(compared, static_cast<int>(estimates.size()));
+}
+
+TEST(ReplayTruth, TurbidityOfClearFixturesIsFoundWithinATenth) {
+  for (const char* preset : {"clear-noon", "sun-low"}) {
+    SCOPED_TRACE(preset);
+    const auto fixture = recorded(small(preset, 3), std::string("truth-") + preset);
+    const auto out = test_folder(std::string("truth-out-") + preset);
+    const auto summary = played(fixture, out);
+    EXPECT_EQ(summary.pictures, 3u);
+    expect_turbidity(fixture, out, 0.1);
+  }
+}
+
+TEST(ReplayTruth, ARisingTurbidityIsFollowed) {
+  auto recipe = small("turbidity-change", 6);
+  const auto fixture = recorded(recipe, "change");
+  const auto out = test_folder("change-out");
+  played(fixture, out);
+  expect_turbidity(fixture, out, 0.1);
+}
+
+// Mean error of the building's pixels, in levels of 255, against the picture that the slow spectral path draws of the
+// same scene.
+double building_error(const std::filesystem::path& fixture, const std::filesystem::path& out, const char* name) {
+  const auto picture = read_photograph(out / "frame-000000.png").value();
+  const auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
+  const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
+  double error = 0.0, weight = 0.0;
+  glm::dvec3 bias{};
+  for (int y = 0; y < truth.encoded.height(); ++y)
+    for (int x = 0; x < truth.encoded.width(); ++x) {
+      const double covered = coverage.encoded.at(x, y).r;
+      if (covered <= 0.0) continue;
+      const auto difference = 255.0 * (glm::dvec3(picture.encoded.at(x, y)) - glm::dvec3(truth.encoded.at(x, y)));
+      error += covered * (std::abs(difference.r) + std::abs(difference.g) + std::abs(difference.b)) / 3.0;
+      bias += covered * difference;
+      weight += covered;
+    }
+  EXPECT_GT(weight, 500.0) << "the building must be seen";
+  bias /= weight;
+  std::printf("%s: mean error over the building %.2f/255, bias R %.2f G %.2f B %.2f, %.0f pixels\n", name,
+              error / weight, bias.r, bias.g, bias.b, weight);
+  return error / weight;
+}
+
+TEST(ReplayTruth, TheBuildingsPixelsComeWithinTwoLevelsOfTheSpectralReference) {
+  for (const char* preset : {"clear-noon", "hazy-afternoon", "broken-clouds"}) {
+    SCOPED_TRACE(preset);
+    auto recipe = fixtures::recipe_of(preset).value();
+    recipe.sky_frames = recipe.scene_frames = 2;
+    recipe.truth_frames = 1;
+    const auto fixture = recorded(recipe, std::string("composite-") + preset);
+    const auto out = test_folder(std::string("composite-out-") + preset);
+    played(fixture, out);
+    EXPECT_LE(building_error(fixture, out, preset), 2.0);
+  }
+}
+
+TEST(ReplayTruth, InTheDemoThinCloudsAtTheHorizonDoNotColourTheBuilding) {
+  const std::filesystem::path fixture = source_folder() / "fixtures" / "demo";
+  const auto out = test_folder("composite-out-demo");
+  ASSERT_TRUE(replay({fixture, out, false, false, 1, {}}));
+  EXPECT_LE(building_error(fixture, out, "demo"), 2.0);
+}
+
+}  // namespace
+}  // namespace kasumi
