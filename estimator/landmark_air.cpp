@@ -92,6 +92,25 @@ void LandmarkWatch::learn(const std::vector<ContrastReading>& readings) {
   for (auto& channel : channels_) channel.learn(readings);
 }
 
+void LandmarkWatch::forget(double share) {
+  for (auto& channel : channels_) channel.forget(share);
+}
+
+std::vector<LearntContrasts> LandmarkWatch::learnt() const {
+  std::vector<LearntContrasts> all;
+  for (const auto& channel : channels_) all.push_back(channel.learnt());
+  return all;
+}
+
+bool LandmarkWatch::resume(const std::vector<LearntContrasts>& learnt) {
+  if (learnt.size() != channels_.size()) return false;
+  auto resumed = channels_;
+  for (std::size_t c = 0; c < resumed.size(); ++c)
+    if (!resumed[c].resume(learnt[c])) return false;
+  channels_ = std::move(resumed);
+  return true;
+}
+
 std::vector<LandmarkAir> LandmarkWatch::look_at_all(const std::vector<std::vector<ContrastReading>>& pictures) const {
   std::array<std::vector<Extinction>, 3> of;
   for (std::size_t c = 0; c < 3; ++c) of[c] = extinction_of(channels_[c], pictures);

@@ -59,6 +59,10 @@ class LandmarkWatch {
 
   LandmarkAir look(const std::vector<ContrastReading>& readings) const;
   void learn(const std::vector<ContrastReading>& readings);
+  void forget(double share);
+  // Of R, G, B. resume() takes all or nothing: false.
+  std::vector<LearntContrasts> learnt() const;
+  bool resume(const std::vector<LearntContrasts>& learnt);
   // Pictures of one camera at once, each judged with what the others tell of the contrasts.
   std::vector<LandmarkAir> look_at_all(const std::vector<std::vector<ContrastReading>>& pictures) const;
 

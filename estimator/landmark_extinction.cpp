@@ -17,6 +17,7 @@ using Matrix = Eigen::MatrixXd;
 
 constexpr double kThickest_per_m = 0.3;             // a visibility of 13 m
 constexpr int kSteps = 400;                         // of the logarithm of extinction: 2.6 % each
+constexpr double kBrightest = 10.0;                 // surface, in units of the horizon's light
 constexpr double kOneSigma = 1.0, kTwoSigma = 4.0;  // of -2 ln likelihood
 
 Eigen::Map<const Matrix> square(const std::vector<double>& values, std::size_t side) {
@@ -48,6 +49,7 @@ LandmarkExtinction::LandmarkExtinction(const std::vector<ContrastLandmark>& land
       covariance_[i * count + j] =
           landmarks[i].contrast_sigma * landmarks[j].contrast_sigma * (i == j ? 1.0 : spread.known_together);
   }
+  covariance_before_ = covariance_;
   const double ratio = std::log(kThickest_per_m / clearest_per_m);
   for (int k = 0; k <= kSteps; ++k) grid_per_m_.push_back(clearest_per_m * std::exp(ratio * k / kSteps));
 }
@@ -233,6 +235,26 @@ void LandmarkExtinction::learn(const std::vector<ContrastReading>& readings) {
   const Matrix left = known - across * factor.solve(across.transpose());
   Eigen::Map<Vector>(mean_.data(), count) = learnt.cwiseMin(1.0);  // nothing is darker than black
   Eigen::Map<Matrix>(covariance_.data(), count, count) = 0.5 * (left + left.transpose());
+}
+
+void LandmarkExtinction::forget(double share) {
+  for (std::size_t i = 0; i < covariance_.size(); ++i)
+    covariance_[i] += share * (covariance_before_[i] - covariance_[i]);
+}
+
+bool LandmarkExtinction::resume(const LearntContrasts& learnt) {
+  const auto count = mean_.size();
+  if (learnt.mean.size() != count || learnt.covariance.size() != count * count) return false;
+  const auto is_contrast = [](double value) { return value >= -kBrightest && value <= 1.0; };
+  const auto is_finite = [](double value) { return std::isfinite(value); };
+  if (!std::ranges::all_of(learnt.mean, is_contrast) || !std::ranges::all_of(learnt.covariance, is_finite))
+    return false;
+  const Matrix covariance = square(learnt.covariance, count);
+  if (!covariance.isApprox(covariance.transpose()) || Eigen::LLT<Matrix>(covariance).info() != Eigen::Success)
+    return false;
+  mean_ = learnt.mean;
+  covariance_ = learnt.covariance;
+  return true;
 }
 
 std::vector<Extinction> extinction_of(const LandmarkExtinction& before,

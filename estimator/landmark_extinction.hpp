@@ -37,6 +37,11 @@ struct Extinction {
   std::vector<std::size_t> left_out;               // far off the others
 };
 
+// Contrasts without air and their covariance, n and n x n by rows: what pictures have told of them, to be kept.
+struct LearntContrasts {
+  std::vector<double> mean, covariance;
+};
+
 // The contrasts without air as far as they are known: a normal distribution that pictures narrow.
 class LandmarkExtinction {
  public:
@@ -49,6 +54,13 @@ class LandmarkExtinction {
   // Takes what a picture tells of the contrasts, its own extinction being quite unknown: how they differ, not how large
   // all are. Not for pictures within the same light: half an hour apart is.
   void learn(const std::vector<ContrastReading>& readings);
+  // Seasons change surfaces: so much of what pictures have told goes back to what was known before the first, 0 to 1.
+  // The contrasts stay, they are less sure.
+  void forget(double share);
+
+  LearntContrasts learnt() const { return {mean_, covariance_}; }
+  // Goes on from there. false, and nothing is taken: of other landmarks, or numbers that are no distribution.
+  bool resume(const LearntContrasts& learnt);
 
   const std::vector<double>& contrasts() const { return mean_; }  // without air
   double contrast_sigma(std::size_t landmark) const;
@@ -66,6 +78,7 @@ class LandmarkExtinction {
   ContrastSpread spread_;
   std::vector<double> grid_per_m_;  // evenly spaced in its logarithm
   std::vector<double> mean_, covariance_;
+  std::vector<double> covariance_before_;  // the first picture
 };
 
 // All pictures of one camera: the contrasts of each are learnt from the others.

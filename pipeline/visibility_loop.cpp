@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "pipeline/landmark_state.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -12,6 +14,7 @@ constexpr Duration kLook = 10s;        // for other content
 constexpr Duration kInterval = 1min;   // air changes in minutes
 constexpr Duration kWaiting = 200ms;   // for a picture that was asked for
 constexpr Duration kLearning = 30min;  // until surfaces are lit otherwise
+constexpr double kForgetting = 0.005;  // with each that is learnt, some twenty a day: ten days, seasons are longer
 constexpr int kApart = 5;              // looks: a lorry before a landmark is gone by then
 constexpr double kLowestSun = 0.087;   // sine of 5 degrees: below, the land lies in other light than the horizon
 
@@ -35,8 +38,26 @@ void VisibilityLoop::take_content() {
   learnt_.reset();
   apart_ = 0;
   told_ = false;
-  if (!installation.contrast_landmarks.empty())
-    watch_.emplace(installation.scene, installation.site.altitude_m, installation.contrast_landmarks);
+  if (installation.contrast_landmarks.empty()) return;
+  watch_.emplace(installation.scene, installation.site.altitude_m, installation.contrast_landmarks);
+  const auto& folder = content_->config.state_folder;
+  std::error_code error;
+  if (!folder || !std::filesystem::exists(*folder / "landmarks.json", error)) return;
+  if (const auto resumed = resume(*watch_, *folder); !resumed) spdlog::warn("visibility: {}", resumed.error().message);
+}
+
+// The light of one half hour is learnt once.
+void VisibilityLoop::learn(const std::vector<ContrastReading>& readings) {
+  const auto now = clock_.now();
+  if (learnt_ && now - *learnt_ < kLearning) return;
+  learnt_ = now;
+  watch_->forget(kForgetting);
+  watch_->learn(readings);
+  const auto& folder = content_->config.state_folder;
+  if (!folder) return;
+  const auto saved = save(*watch_, *folder);
+  if (!saved && !unsaved_) spdlog::warn("visibility: {}", saved.error().message);
+  unsaved_ = !saved;
 }
 
 Instant VisibilityLoop::step() {
@@ -69,11 +90,7 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
   news.air = watch_->look(readings);
   news.reason = news.air->extinction().reason;
   if (sky_.turbidity) news.sky = watch_->compare(*news.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
-  const auto now = clock_.now();
-  if (!learnt_ || now - *learnt_ >= kLearning) {
-    watch_->learn(readings);
-    learnt_ = now;
-  }
+  learn(readings);
   tell(std::move(news));
 }
 

@@ -19,6 +19,7 @@ class VisibilityLoop {
  private:
   void take_content();
   void judge(const CheckPicture& picture);
+  void learn(const std::vector<ContrastReading>& readings);
   void tell(VisibilityNews news);
 
   ContentPtr content_;
@@ -28,8 +29,9 @@ class VisibilityLoop {
   SkyAir sky_;
   Instant due_{};
   std::optional<Instant> learnt_;
-  int apart_ = 0;      // looks in a row that disagreed with the sky
-  bool told_ = false;  // that they do
+  bool unsaved_ = false;  // and said
+  int apart_ = 0;         // looks in a row that disagreed with the sky
+  bool told_ = false;     // that they do
 };
 
 }  // namespace kasumi

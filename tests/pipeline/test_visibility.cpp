@@ -136,13 +136,24 @@ TEST_F(VisibilityCommand, NamesAllThatIsWrongWithTheLandmarks) {
 class VisibilityLoopTest : public testing::Test {
  protected:
   VisibilityLoopTest() : clock(Utc{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21} + 3h}) {
+    begin(landmark_tables());
+  }
+  // The kiosk is started, anew.
+  void begin(const std::string& landmarks, std::optional<std::filesystem::path> state_folder = {}) {
     auto content = std::make_shared<Content>();
     auto& installation = content->config.installation;
     installation.scene.width = kWidth;
     installation.scene.height = kHeight;
-    const auto tables = ConfigTable::parse(landmark_tables(), "kasumi.toml").value();
+    const auto tables = ConfigTable::parse(landmarks, "kasumi.toml").value();
     installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, kWidth, kHeight);
+    content->config.state_folder = std::move(state_folder);
+    exchange.visibility.scene_wanted = false;
     loop.emplace(std::move(content), clock, exchange);
+  }
+  // How sure it is of one picture's air.
+  double sigma_of_a_look(double turbidity) {
+    look(turbidity);
+    return told()["sigma_m"].get<double>() / told()["visibility_m"].get<double>();
   }
   // One picture a minute, as the scene camera's loop gives when asked.
   void look(double turbidity) {
@@ -196,6 +207,38 @@ TEST_F(VisibilityLoopTest, ADisagreementThatLastsIsAFindingAndEnds) {
   sky_says(6.0);
   look(6.0);
   EXPECT_EQ(told()["finding"], false);
+}
+
+TEST_F(VisibilityLoopTest, WhatTheLandmarksAreLikeIsRememberedOverARestart) {
+  const auto folder = test_folder("visibility-state");
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  begin(landmark_tables(), folder);
+  const double at_first = sigma_of_a_look(3.0);
+  for (int i = 0; i < 10; ++i) {
+    clock.advance(30min);
+    look(2.5 + 0.2 * i);
+  }
+  const double learnt = sigma_of_a_look(3.0);
+  EXPECT_LT(learnt, 0.95 * at_first);
+
+  begin(landmark_tables(), folder);
+  EXPECT_NEAR(sigma_of_a_look(3.0) / learnt, 1.0, 0.02);
+
+  auto moved = landmark_tables();
+  moved.replace(moved.find("15, 65"), 2, "16");
+  begin(moved, folder);
+  EXPECT_NEAR(sigma_of_a_look(3.0) / at_first, 1.0, 0.02) << "another box is another landmark";
+
+  begin(landmark_tables(), folder);
+  look(3.0);
+  auto damaged = Json::parse(read_text_file(folder / "landmarks.json").value());
+  damaged["channels"][1]["covariance"][0] = -1.0;
+  for (const auto& text : {damaged.dump(), std::string("{\"landmarks\": 3"), std::string()}) {
+    ASSERT_TRUE(write_text_file(folder / "landmarks.json", text));
+    begin(landmark_tables(), folder);
+    EXPECT_NEAR(sigma_of_a_look(3.0) / at_first, 1.0, 0.02) << text;
+  }
 }
 
 TEST_F(VisibilityLoopTest, SaysNothingUnderALowSunOrWithoutASky) {
