@@ -26,7 +26,7 @@ Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, cons
       render_(content, ground.devices, ground.clock, ground.notifier, exchange_),
       status_(content, std::move(status), ground.clock, ground.notifier, exchange_),
       check_(content, config_file_, ground.clock, exchange_),
-      visibility_(content, ground.clock, exchange_) {}
+      visibility_(std::move(content), ground.clock, exchange_) {}
 
 void Appliance::reload() {
   ground_.notifier.reloading();
