@@ -31,11 +31,33 @@ FUNCTION vec3 air_along(real altitude_0_m, real altitude_1_m, real length_m) {
   return column * vec3(exp(min(sag, vec2(4.0))), 1.0);
 }
 
-FUNCTION vec3 path_transparency(PathAir air, real altitude_0_m, real altitude_1_m, real length_m) {
-  vec3 path = air_along(altitude_0_m, altitude_1_m, length_m);
+FUNCTION vec3 transparency_of(PathAir air, vec3 path) {
   vec3 left = vec3(0.0);
   for (int n = 0; n < 2; ++n)
     left += air.weight[n] *
             exp(-(air.molecules_per_m[n] * path.x + air.aerosol_per_m[n] * path.y + air.ozone[n] * path.z));
   return clamp(left, 0.0, 1.0);
+}
+
+FUNCTION vec3 path_transparency(PathAir air, real altitude_0_m, real altitude_1_m, real length_m) {
+  return transparency_of(air, air_along(altitude_0_m, altitude_1_m, length_m));
+}
+
+// All the air above an altitude, at a slant: to 3 % of Chapman's function.
+FUNCTION vec3 transparency_to_space(PathAir air, vec3 above, real cos_zenith) {
+  real c = max(cos_zenith, 0.0);
+  vec2 slant = 2.0 / (c + sqrt(c * c + vec2(0.0032, 0.00048)));  // 8 H / (pi R)
+  return transparency_of(air, above * vec3(slant, slant.x));
+}
+
+// Of the light that is lost on a path, what haze takes.
+FUNCTION vec3 share_of_haze(PathAir air, vec3 path) {
+  vec3 haze = vec3(0.0);
+  vec3 all = vec3(1e-9);
+  for (int n = 0; n < 2; ++n) {
+    vec3 aerosol = air.weight[n] * air.aerosol_per_m[n] * path.y;
+    haze += aerosol;
+    all += aerosol + air.weight[n] * (air.molecules_per_m[n] * path.x + air.ozone[n] * path.z);
+  }
+  return haze / all;
 }

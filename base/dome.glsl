@@ -60,14 +60,43 @@ struct AirBetween {
   DomeSky higher;
   vec2 altitude_m;  // of the two
   PathAir air;
+  vec3 sun_lower;  // on a plane facing it, lux
+  vec3 sun_higher;
+  vec3 below_lower;  // light_from_below
+  vec3 below_higher;
 };
 
-// A view downwards may make an angle to the sun that none above the horizon makes at the same zenith angle: half of the way
-// back to those that do is gone.
+// By how much the ground below is brighter than the sky above; both away from the sun, whose surroundings are seen under
+// the same angle from either side.
+FUNCTION vec3 light_from_below(DomeSky sky, vec3 ground, real cos_sun_zenith) {
+  real up = 0.70710678;
+  real across = up * sqrt(max(1.0 - cos_sun_zenith * cos_sun_zenith, 0.0));
+  vec3 beside = dome_sky_light(sky, up, up * cos_sun_zenith);
+  vec3 opposite = dome_sky_light(sky, up, up * cos_sun_zenith - across);
+  return ground - 0.5 * (beside + opposite);
+}
+
+// A view downwards may make an angle to the sun that none above the horizon makes at the same zenith angle: the nearest
+// that one makes.
 FUNCTION real held_cos_sun(real cos_zenith, real cos_sun, real cos_sun_zenith) {
   real across = sqrt(max((1.0 - cos_zenith * cos_zenith) * (1.0 - cos_sun_zenith * cos_sun_zenith), 0.0));
   real middle = cos_zenith * cos_sun_zenith;
-  return 0.5 * (cos_sun + clamp(cos_sun, middle - across, middle + across));
+  return clamp(cos_sun, middle - across, middle + across);
+}
+
+// Scattered once towards the eye per steradian, of the sun's light that is lost: by molecules (Rayleigh) and by haze, the
+// reference atmosphere's (its two lobes, its albedo).
+FUNCTION vec2 scattered_once(real cos_sun) {
+  return 0.0795775 * vec2(0.75 * (1.0 + cos_sun * cos_sun),
+                          0.93 * (39.6 * dome_lobe(0.8, cos_sun) + 0.0314 * dome_lobe(-0.45, cos_sun)));
+}
+
+// What a sky owes to how much air shines and how much sunlight gets there: between altitudes, skies are interpolated over
+// this, for they themselves rise and fall.
+FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_sun_zenith) {
+  vec3 above = air_above(altitude_m);
+  return max(vec3(1.0) - transparency_to_space(air, above, cos_zenith), vec3(1e-4)) *
+         (vec3(0.3) + transparency_to_space(air, above, cos_sun_zenith));
 }
 
 // Report Eq 3.1 put right, its three cases in one line. Of a slice of the air between two altitudes, seen from its lower
@@ -75,7 +104,8 @@ FUNCTION real held_cos_sun(real cos_zenith, real cos_sun, real cos_sun_zenith) {
 // are added up from the observer on.
 //   sky:                       no object, one slice without an end
 //   object with sky behind:    the slices' skies cancel but for the first and the last
-//   object with ground behind: the zenith angle mirrored, the angle to the sun the true one
+//   object with ground behind: the zenith angle mirrored, and two differences made good: the sun's light scattered once
+//                              under the true angle, and haze, which mostly scatters onwards, lit from below
 FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, real object_m, real length_m, real cos_sun,
                                  real cos_sun_zenith) {
   real low = min(observer_m, object_m);
@@ -88,28 +118,40 @@ FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, r
   real cos_high = clamp(rise + bend, -1.0, 1.0);
   real sun_low = held_cos_sun(cos_low, cos_sun, cos_sun_zenith);
   real sun_high = held_cos_sun(cos_high, cos_sun, cos_sun_zenith);
-  vec3 lower_low = dome_sky_light(air.lower, cos_low, sun_low);
-  vec3 higher_low = dome_sky_light(air.higher, cos_low, sun_low);
-  vec3 lower_high = dome_sky_light(air.lower, cos_high, sun_high);
-  vec3 higher_high = dome_sky_light(air.higher, cos_high, sun_high);
+  vec3 lower_lit = lit_air(air.air, air.altitude_m.x, rise, cos_sun_zenith);
+  vec3 higher_lit = lit_air(air.air, air.altitude_m.y, rise, cos_sun_zenith);
+  vec3 lower_low = dome_sky_light(air.lower, cos_low, sun_low) / lower_lit;
+  vec3 higher_low = dome_sky_light(air.higher, cos_low, sun_low) / higher_lit;
+  vec3 lower_high = dome_sky_light(air.lower, cos_high, sun_high) / lower_lit;
+  vec3 higher_high = dome_sky_light(air.higher, cos_high, sun_high) / higher_lit;
 
   const int slices = 3;
-  real first_part = object_m < observer_m ? 1.0 : 0.0;
-  real step_part = (1.0 - 2.0 * first_part) / 3.0;
+  real downwards = object_m < observer_m ? 1.0 : 0.0;
+  vec2 once = downwards * (scattered_once(cos_sun) - scattered_once(0.5 * (sun_low + sun_high)));
+  // Of light even over half a sphere, what haze scatters on less what it scatters back.
+  real onwards = downwards * 0.93 * rise / sqrt(0.15 + 1.79 * rise * rise);
+  real step_part = (1.0 - 2.0 * downwards) / 3.0;
   vec3 added = vec3(0.0);
   vec3 before = vec3(1.0);
   for (int i = 0; i < slices; ++i) {
-    real near = first_part + real(i) * step_part;
+    real near = downwards + real(i) * step_part;
     real under = min(near, near + step_part);
     real over = under + 1.0 / 3.0;
     real under_m = mix(low, high, under);
     real over_m = mix(low, high, over);
-    vec3 slice = path_transparency(air.air, under_m, over_m, s / 3.0);
-    vec3 sky_under = mix(mix(lower_low, lower_high, under), mix(higher_low, higher_high, under),
-                         way_between_altitudes(under_m, air.altitude_m.x, air.altitude_m.y));
-    vec3 sky_over = mix(mix(lower_low, lower_high, over), mix(higher_low, higher_high, over),
-                        way_between_altitudes(over_m, air.altitude_m.x, air.altitude_m.y));
-    added += before * (sky_under - slice * sky_over);
+    real way_under = way_between_altitudes(under_m, air.altitude_m.x, air.altitude_m.y);
+    real way_over = way_between_altitudes(over_m, air.altitude_m.x, air.altitude_m.y);
+    vec3 path = air_along(under_m, over_m, s / 3.0);
+    vec3 slice = transparency_of(air.air, path);
+    vec3 sky_under = mix(mix(lower_low, lower_high, under), mix(higher_low, higher_high, under), way_under) *
+                     lit_air(air.air, under_m, rise, cos_sun_zenith);
+    vec3 sky_over = mix(mix(lower_low, lower_high, over), mix(higher_low, higher_high, over), way_over) *
+                    lit_air(air.air, over_m, rise, cos_sun_zenith);
+    vec3 haze = share_of_haze(air.air, path);
+    real way = 0.5 * (way_under + way_over);
+    vec3 unmirrored = mix(air.sun_lower, air.sun_higher, way) * mix(vec3(once.x), vec3(once.y), haze) +
+                      onwards * haze * mix(air.below_lower, air.below_higher, way);
+    added += before * (sky_under - slice * sky_over + (vec3(1.0) - slice) * unmirrored);
     before *= slice;
   }
   return path_transparency(air.air, low, high, s) * object + max(added, vec3(0.0));

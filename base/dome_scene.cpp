@@ -98,10 +98,23 @@ sky_text::PathAir text_of(const AirCoefficients& air) {
   return text;
 }
 
-SkyPainter::SkyPainter(const SkyScene& scene)
-    : scene_(scene),
-      sky_(text_of(scene.sky)),
-      between_{text_of(scene.lower), text_of(scene.higher), {scene.lower_m, scene.higher_m}, text_of(scene.air)} {}
+sky_text::AirBetween air_between(const SkyScene& scene) {
+  const LandLight& plain = scene.land_lower;
+  const double sun_height = scene.sun.z;
+  const glm::dvec3 ground =
+      sky_text::land_light(glm::dvec3(0.2), sun_height, 1.0, plain.sun, plain.sky);  // the reference atmosphere's
+  const sky_text::DomeSky lower = text_of(scene.lower), higher = text_of(scene.higher);
+  return {lower,
+          higher,
+          {scene.lower_m, scene.higher_m},
+          text_of(scene.air),
+          plain.sun,
+          scene.land_higher.sun,
+          sky_text::light_from_below(lower, ground, sun_height),
+          sky_text::light_from_below(higher, ground, sun_height)};
+}
+
+SkyPainter::SkyPainter(const SkyScene& scene) : scene_(scene), sky_(text_of(scene.sky)), between_(air_between(scene)) {}
 
 glm::dvec3 SkyPainter::sky(const Direction& view) const {
   const double cos_sun = glm::dot(view, scene_.sun);

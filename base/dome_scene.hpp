@@ -64,6 +64,7 @@ struct SkyScene {
 // The texts' own structures.
 sky_text::DomeSky text_of(const DomeFunction& sky);
 sky_text::PathAir text_of(const AirCoefficients& air);
+sky_text::AirBetween air_between(const SkyScene& scene);
 
 // The same scene, ready for many directions.
 class SkyPainter {

@@ -178,12 +178,15 @@ struct Dome::State {
     set_sky(p, "between.lower", scene.lower);
     set_sky(p, "between.higher", scene.higher);
     set_air(p, "between.air", scene.air);
-    p.set("between.altitude_m", glm::dvec2(scene.lower_m, scene.higher_m));
+    const sky_text::AirBetween between = air_between(scene);
+    p.set("between.altitude_m", between.altitude_m);
+    p.set("between.sun_lower", between.sun_lower);
+    p.set("between.sun_higher", between.sun_higher);
+    p.set("between.below_lower", between.below_lower);
+    p.set("between.below_higher", between.below_higher);
     set_older(p, "older_air", scene.older);
     p.set("observer_m", scene.altitude_m);
     p.set("air_share", scene.aerial_perspective ? 1.0 : 0.0);
-    p.set("sun_lower", scene.land_lower.sun);
-    p.set("sun_higher", scene.land_higher.sun);
     p.set("sky_lower", scene.land_lower.sky);
     p.set("sky_higher", scene.land_higher.sky);
     land->draw();

@@ -6,8 +6,6 @@ uniform AirBetween between;
 uniform OlderAir older_air;
 uniform float observer_m;
 uniform float air_share;  // 0: as if there were none
-uniform vec3 sun_lower;
-uniform vec3 sun_higher;
 uniform vec3 sky_lower;
 uniform vec3 sky_higher;
 uniform vec3 sun;
@@ -17,7 +15,7 @@ varying vec3 v_shown;
 
 void main() {
   float way = way_between_altitudes(colour.a, between.altitude_m.x, between.altitude_m.y);
-  vec3 light = land_light(colour.rgb, dot(normal, sun), normal.z, mix(sun_lower, sun_higher, way), mix(sky_lower, sky_higher, way));
+  vec3 light = land_light(colour.rgb, dot(normal, sun), normal.z, mix(between.sun_lower, between.sun_higher, way), mix(sky_lower, sky_higher, way));
   vec3 from_observer = position - vec3(0.0, 0.0, observer_m);
   float range_m = length(from_observer);
   vec3 view = from_observer / max(range_m, 0.001);

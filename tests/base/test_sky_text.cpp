@@ -201,7 +201,9 @@ TEST(AnObjectInTheAir, KeepsItsLightWhereThereIsNoPath) {
 
 TEST(AnObjectInTheAir, VanishesInTheHorizonsLightFarAway) {
   SkyScene scene = some_scene();
-  scene.higher = scene.lower;  // one air at all altitudes
+  scene.higher = scene.lower;  // the sky is known at the path's own altitude
+  scene.lower_m = 499.0;
+  scene.higher_m = 501.0;
   const SkyPainter painter(scene);
   const Direction north(0.0, 1.0, 0.0);
   const glm::dvec3 horizon = sky_text::dome_sky_light(text_of(scene.lower), 0.0, glm::dot(north, scene.sun));
