@@ -15,10 +15,11 @@ namespace kasumi {
 
 constexpr int kDomeTerms = kDomeAngles * kDomePowers;
 
-// In the order of the coefficients. Of the function only sun, horizon_sine, steepness and lobes are read.
-inline std::array<double, kDomeTerms> dome_terms(const DomeFunction& sky, const Direction& view) {
-  const double h = sky.horizon_sine, m = std::max(0.0, (view.z - h) / (1.0 - h));
-  const double u = 1.0 / (1.0 + double{sky.steepness} * m), g = glm::dot(view, glm::dvec3(sky.sun));
+// In the order of the coefficients. Of the function only horizon_sine, steepness and lobes are read; `height`: sine of
+// the view's elevation, `g`: cosine of its distance from the sun.
+inline std::array<double, kDomeTerms> dome_terms(const DomeFunction& sky, double height, double g) {
+  const double h = sky.horizon_sine, m = std::max(0.0, (height - h) / (1.0 - h));
+  const double u = 1.0 / (1.0 + double{sky.steepness} * m);
   const auto lobe = [g](double a) {
     const double q = (1.0 - a) * (1.0 - a) / (1.0 + a * a - 2.0 * a * g);
     return q * std::sqrt(q);
@@ -30,6 +31,9 @@ inline std::array<double, kDomeTerms> dome_terms(const DomeFunction& sky, const 
     for (int k = 0; k < kDomePowers; ++k, power *= u) terms[j * kDomePowers + k] = power;
   }
   return terms;
+}
+inline std::array<double, kDomeTerms> dome_terms(const DomeFunction& sky, const Direction& view) {
+  return dome_terms(sky, view.z, glm::dot(view, glm::dvec3(sky.sun)));
 }
 
 }  // namespace kasumi

@@ -10,9 +10,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "estimator/perez_log.hpp"
-#include "estimator/sky_model.hpp"
-
 namespace kasumi {
 
 namespace {
@@ -21,7 +18,7 @@ namespace {
 struct Expected {
   float colour = 0.0f, luminance = 0.0f;
 };
-Expected expected_at(const SkyModel& model, const glm::dmat3& xyz_to_light, const Direction& view) {
+Expected expected_at(const SiteSky& model, const glm::dmat3& xyz_to_light, const Direction& view) {
   const glm::dvec3 xyz = model.relative_xyz(view);
   const glm::dvec3 light = xyz_to_light * xyz;
   return {static_cast<float>(std::log(light.r / light.b)), static_cast<float>(std::log(xyz.y))};
@@ -45,11 +42,10 @@ struct Look {
 };
 
 // Fullest cell of a coarse plane of (colour, luminance) residuals; cells overlap by half.
-ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity, const SunDirection& sun,
+ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity, const SiteSky& model,
                              const glm::dmat3& xyz_to_light) {
   constexpr int kSide = 64;
   constexpr float kStep = 0.05f;  // two of them make a cell
-  const SkyModel model(turbidity, sun);
   std::vector<glm::vec2> residuals;
   residuals.reserve(looks.size());
   for (const Look& look : looks) {
@@ -99,7 +95,8 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
   return best;
 }
 
-ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
+template <class ModelAt>
+ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry, const ModelAt& model_at,
                                 const glm::dmat3& xyz_to_light) {
   constexpr int kLooks = 500;
   constexpr std::array kTurbidities{1.8, 2.0, 2.3, 2.7, 3.3, 4.2, 5.5, 7.5, 10.0, 14.0};
@@ -110,7 +107,7 @@ ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry
                      sky.log_luminance.at(e.x, e.y)});
   ColourConsensus best;
   for (const double t : kTurbidities) {
-    const ColourConsensus here = fullest_cell(looks, Turbidity{t}, sun, xyz_to_light);
+    const ColourConsensus here = fullest_cell(looks, Turbidity{t}, model_at(Turbidity{t}), xyz_to_light);
     if (here.score > best.score) best = here;
   }
   return best;
@@ -203,11 +200,12 @@ double take_out(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b marked) {
 }  // namespace
 
 CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
-                            const CloudMaskOptions& options) {
+                            const CloudMaskOptions& options, const SkyToFit& fitted) {
   const int width = sky.use.width(), height = sky.use.height();
   const glm::dmat3 xyz_to_light = glm::inverse(geometry.light_to_xyz);
-  const ColourConsensus consensus = agree_on_colour(sky, geometry, sun, xyz_to_light);
-  const SkyModel model(consensus.turbidity, sun);
+  const auto model_at = [&](Turbidity t) { return SiteSky(fitted.model, t, sun, fitted.altitude_m); };
+  const ColourConsensus consensus = agree_on_colour(sky, geometry, model_at, xyz_to_light);
+  const SiteSky model = model_at(consensus.turbidity);
 
   // Every element against the clear sky expected there.
   const Interpolated expected(geometry,
@@ -247,12 +245,10 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
 }
 
 double mask_strangers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
-                      double log_gain, double limit) {
+                      double log_gain, double limit, const FittedSky& fitted) {
   const int width = sky.use.width(), height = sky.use.height();
-  const PerezLog model(turbidity);
   const Interpolated expected(geometry, [&](const Direction& view) {
-    const auto gamma = angle_between(view, sun).value;
-    return static_cast<float>(model.at({1.0 / clamp_cosine(view.z), gamma, std::pow(std::cos(gamma), 2)}).log_f);
+    return static_cast<float>(fitted.log_luminance(turbidity, view.z, angle_between(view, sun).value));
   });
   cv::Mat1f counts(height, width, 0.0f), residual(height, width, 0.0f);
   for (int y = 0; y < height; ++y)

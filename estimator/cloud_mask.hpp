@@ -1,6 +1,7 @@
 // Which parts of the sky are cloud (or tree, drop, bird): anything that is not clear air.
 #pragma once
 
+#include "estimator/fitted_sky.hpp"
 #include "estimator/sky_samples.hpp"
 
 namespace kasumi {
@@ -22,12 +23,12 @@ struct CloudMaskResult {
 // Turns PixelUse::clear into PixelUse::cloud where a cloud stands. The expected R/B follows the sky model in direction
 // and T with a free white balance, so that a clear whitish sky (T = 9) is not taken for cloud.
 CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
-                            const CloudMaskOptions& options = {});
+                            const CloudMaskOptions& options = {}, const SkyToFit& fitted = {});
 
 // After a first fit: turns into PixelUse::cloud what stands out of the fitted sky's luminance by more than `limit` of
 // ln Y, and its surroundings. Catches the thin edges that colour does not show. Returns the clear share that is left of
 // what was clear before.
 double mask_strangers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
-                      double log_gain, double limit);
+                      double log_gain, double limit, const FittedSky& fitted = {});
 
 }  // namespace kasumi

@@ -3,23 +3,20 @@
 #include <cmath>
 #include <limits>
 
-#include "estimator/perez_log.hpp"
-
 namespace kasumi {
 
-double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only) {
-  const PerezLog model(turbidity);
+double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only,
+                        const FittedSky& sky) {
   // Information of T after the gain has taken its share: the weighted variance of d ln F / dT.
   double weight = 0.0, slope = 0.0, slope_squared = 0.0;
-  for (const SkySample& sample : samples) {
-    const auto sigma = static_cast<double>(quantisation_only ? sample.quantisation : sample.sigma);
-    if (!(sigma > 0.0)) continue;
+  FittedPlaces(samples, sky).at(turbidity, [&](std::size_t i, double, double s) {
+    const auto sigma = static_cast<double>(quantisation_only ? samples[i].quantisation : samples[i].sigma);
+    if (!(sigma > 0.0)) return;
     const double w = 1.0 / (sigma * sigma);
-    const double s = model.at(perez_point(sample)).slope;
     weight += w;
     slope += w * s;
     slope_squared += w * s * s;
-  }
+  });
   if (!(weight > 0.0)) return quantisation_only ? 0.0 : std::numeric_limits<double>::infinity();
   const double information = slope_squared - slope * slope / weight;
   return information > 0.0 ? 1.0 / std::sqrt(information) : std::numeric_limits<double>::infinity();

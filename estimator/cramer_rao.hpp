@@ -3,13 +3,13 @@
 
 #include <span>
 
-#include "estimator/atmosphere.hpp"
-#include "estimator/sky_samples.hpp"
+#include "estimator/fitted_sky.hpp"
 
 namespace kasumi {
 
 // Lower bound of the standard deviation of T for a free gain and Gaussian errors of the samples' `sigma` (or, with
 // quantisation_only, of their `quantisation`); infinite when the samples say nothing about T.
-double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only = false);
+double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only = false,
+                        const FittedSky& sky = {});
 
 }  // namespace kasumi

@@ -25,6 +25,11 @@ std::optional<SiteSkyModel> site_sky_model_named(std::string_view name) {
   return std::nullopt;
 }
 
+SiteSkyModel resolved(SiteSkyModel model, double altitude_m) {
+  if (model != SiteSkyModel::automatic) return model;
+  return altitude_m > kHighestPreethamSite_m ? SiteSkyModel::dome : SiteSkyModel::preetham;
+}
+
 Turbidity dome_turbidity(Turbidity estimated) {
   struct Pair {
     double estimated, dome;
@@ -44,10 +49,8 @@ Turbidity dome_turbidity(Turbidity estimated) {
 
 SiteSky::SiteSky(SiteSkyModel model, Turbidity turbidity, const SunDirection& sun, double altitude_m)
     : sky_(SkyModel(turbidity, raised_to_horizon(sun))) {
-  const bool high = altitude_m > kHighestPreethamSite_m;
-  if (model == SiteSkyModel::preetham || (model == SiteSkyModel::automatic && !high)) return;
-  const Turbidity seen = dome_turbidity(turbidity);
-  Dome dome{kasumi::dome(altitude_m, seen, sun), 1.0, dome_sun(altitude_m, seen, sun).illuminance};
+  if (resolved(model, altitude_m) == SiteSkyModel::preetham) return;
+  Dome dome{kasumi::dome(altitude_m, turbidity, sun), 1.0, dome_sun(altitude_m, turbidity, sun).illuminance};
   dome.zenith_cd_m2 = std::max(dome_light(dome.light, {0.0, 0.0, 1.0}).y, 1e-9);
   sky_ = dome;
 }

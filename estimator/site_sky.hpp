@@ -1,5 +1,5 @@
-// The clear sky above a site, by either of two models: Preetham's, which knows no altitude and in whose terms T is
-// estimated, or the fitted dome (estimator/dome.hpp), which knows the observer's.
+// The clear sky above a site, by either of two models: Preetham's, which knows no altitude, or the fitted dome
+// (estimator/dome.hpp), which knows the observer's. T is the model's own.
 #pragma once
 
 #include <optional>
@@ -18,16 +18,23 @@ enum class SiteSkyModel { automatic, preetham, dome };
 std::string_view name_of(SiteSkyModel model);
 std::optional<SiteSkyModel> site_sky_model_named(std::string_view name);
 constexpr double kHighestPreethamSite_m = 1500.0;
+SiteSkyModel resolved(SiteSkyModel model, double altitude_m);  // never automatic
 
-// The dome's T whose sky the estimator takes for one of Preetham's `estimated`: measured on domes seen from the sea
-// (docs/sky.md). Preetham's skies change far more with his T than skies of as much aerosol do, so a little of the one
-// is much of the other: 2.0 is 1.7, 2.13 is 4, 2.7 is 10.
+// The sky that an estimate fits: whose T it finds.
+struct SkyToFit {
+  SiteSkyModel model = SiteSkyModel::preetham;
+  double altitude_m = 0.0;  // of the observer; the dome knows it
+};
+
+// The dome's T whose sky is taken for one of Preetham's `estimated`, for who has a T of his only: measured on domes
+// seen from the sea (docs/sky.md). Preetham's skies change far more with his T than skies of as much aerosol do, so a
+// little of the one is much of the other: 2.0 is 1.7, 2.13 is 4, 2.7 is 10.
 Turbidity dome_turbidity(Turbidity estimated);
 
 class SiteSky {
  public:
   SiteSky(SkyModel sky) : sky_(sky) {}  // NOLINT: a sky model is a clear sky
-  // `turbidity` is the estimator's (Preetham's) in either case. Without automatic: that model, whatever the altitude.
+  // `turbidity` is that of the model that `model` means at this altitude.
   SiteSky(SiteSkyModel model, Turbidity turbidity, const SunDirection& sun, double altitude_m);
 
   // Light of the sky, CIE XYZ with the zenith's luminance as unit. Finite, >= 0; at and below the horizon the

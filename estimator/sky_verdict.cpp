@@ -33,12 +33,8 @@ T median_of(std::vector<T>& values) {
   return *middle;
 }
 
-// Median |ln Y - ln F - ln k|, ln k being the median itself.
-template <class LogF>
-double median_error(std::span<const SkySample> samples, const LogF& log_f) {
-  std::vector<double> residuals;
-  residuals.reserve(samples.size());
-  for (const SkySample& s : samples) residuals.push_back(static_cast<double>(s.log_luminance) - log_f(s));
+// Median |ln Y - ln F - ln k|, ln k being the median itself; of ln Y - ln F.
+double median_error(std::vector<double> residuals) {
   const double gain = median_of(residuals);
   for (double& r : residuals) r = std::abs(r - gain);
   return median_of(residuals);
@@ -134,22 +130,24 @@ std::optional<Refusal> refuse_by_light(const SkyStatistics& s, const SunDirectio
   return std::nullopt;
 }
 
-RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit) {
+RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit, const FittedSky& sky) {
   if (samples.empty()) return {};
-  const PerezLog model(fit.turbidity);
-  RivalSkies rivals{median_error(samples, [&](const SkySample& s) { return model.at(perez_point(s)).log_f; }),
-                    std::numeric_limits<double>::infinity(), 0.0};
+  std::vector<double> residuals(samples.size());
+  const auto log_y = [&](std::size_t i) { return static_cast<double>(samples[i].log_luminance); };
+  FittedPlaces(samples, sky).at(fit.turbidity, [&](std::size_t i, double log_f, double) {
+    residuals[i] = log_y(i) - log_f;
+  });
+  RivalSkies rivals{median_error(residuals), std::numeric_limits<double>::infinity(), 0.0};
   for (const double b : {-0.7, -0.5, -0.3, 0.0, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0}) {
-    const double error = median_error(
-        samples, [b](const SkySample& s) { return std::log1p(b * std::cos(static_cast<double>(s.zenith))); });
-    rivals.grey = std::min(rivals.grey, error);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      residuals[i] = log_y(i) - std::log1p(b * std::cos(static_cast<double>(samples[i].zenith)));
+    rivals.grey = std::min(rivals.grey, median_error(residuals));
   }
   double sum = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (fit.inlier[i] == 0) continue;
-    const auto log_y = static_cast<double>(samples[i].log_luminance);
-    sum += log_y;
-    squares += log_y * log_y;
+    sum += log_y(i);
+    squares += log_y(i) * log_y(i);
   }
   const double n = std::max(1, fit.inliers);
   rivals.spread = std::sqrt(std::max(0.0, squares / n - (sum / n) * (sum / n)));

@@ -36,7 +36,7 @@ struct RivalSkies {
   double grey = 0.0;    // a sky that knows height but no sun, 1 + b cos theta: overcast (b = 2), fog (b small)
   double spread = 0.0;  // standard deviation of ln Y of the fit's inliers: what there was to explain
 };
-RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit);
+RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit, const FittedSky& sky = {});
 
 // After the fit. `mask_clear`: the share of the sky that the cloud mask left; `brightest`: SkyStatistics'.
 std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,

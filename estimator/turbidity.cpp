@@ -25,6 +25,7 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
   SkyLook look;
   TurbidityEstimate& estimate = look.estimate;
   estimate.sun = sun;
+  look.sky = options.method == EstimateMethod::free_gain ? options.sky : SkyToFit{};
   const auto refuse = [&look](const Refusal& refusal) -> SkyLook {
     look.estimate.usable = false;
     look.estimate.sky = refusal.sky;
@@ -41,27 +42,28 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
     return refuse(*refusal);
   }
 
+  const FittedSky fitted(look.sky, sun);
   std::mt19937_64 random(options.seed);
   const auto draw_and_solve = [&] {
     look.elements = draw_elements(sky, *geometry_, options.samples, random);
     look.samples = samples_at(look.elements, picture, *geometry_, sky, camera_, sun, options.limits);
     return options.method == EstimateMethod::free_gain || look.samples.empty()
-               ? solve_turbidity(look.samples, options.solver)
+               ? solve_turbidity(look.samples, options.solver, fitted)
                : solve_by_reference_pixel(look.samples, nearest_to_zenith(look.samples), options.reference);
   };
   double mask_clear = 1.0;
-  if (options.mask_clouds) mask_clear = mask_clouds(sky, *geometry_, sun, options.clouds).clear_fraction;
+  if (options.mask_clouds) mask_clear = mask_clouds(sky, *geometry_, sun, options.clouds, look.sky).clear_fraction;
   TurbiditySolution fit = draw_and_solve();
   // The fit itself shows what else is no clear sky, its thin edges above all; until hardly anything is.
   constexpr int kRounds = 3;
   for (int round = 0;
        round < kRounds && options.mask_clouds && fit.solved && options.method == EstimateMethod::free_gain; ++round) {
     const double limit = std::max(kLeastStrange, kStrange * fit.log_residual);
-    mask_clear *= mask_strangers(sky, *geometry_, sun, fit.turbidity, fit.log_gain, limit);
+    mask_clear *= mask_strangers(sky, *geometry_, sun, fit.turbidity, fit.log_gain, limit, fitted);
     fit = draw_and_solve();
     if (fit.inliers > kNearlyAll * static_cast<double>(look.samples.size())) break;
   }
-  const RivalSkies rivals = compare_skies(look.samples, fit);
+  const RivalSkies rivals = compare_skies(look.samples, fit, fitted);
   look.use = std::move(sky.use);
   const int drawn = static_cast<int>(look.samples.size());
   look.inlier = fit.inlier;

@@ -28,6 +28,7 @@ struct EstimateOptions {
   SampleLimits limits;
   CloudMaskOptions clouds;
   SolverOptions solver;
+  SkyToFit sky;  // the papers' method knows Preetham's alone
   ReferencePixelOptions reference;
   // When an estimate is believed.
   Radians lowest_sun = from_degrees(3.0);  // elevation
@@ -41,6 +42,7 @@ struct EstimateOptions {
 // An estimate with everything that led to it, for a plot or a report.
 struct SkyLook {
   TurbidityEstimate estimate;
+  SkyToFit sky;  // whose T it is
   std::vector<SkySample> samples;
   std::vector<glm::ivec2> elements;  // of the SkyPicture, one per sample
   std::vector<std::uint8_t> inlier;  // one per sample

@@ -6,9 +6,12 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <vector>
 
+#include "estimator/fast_log.hpp"
 #include "estimator/sky_model.hpp"
 
 namespace kasumi {
@@ -27,63 +30,28 @@ constexpr std::array<Run, 6> kGrid{
 // Background density of samples that fit nothing: they lie anywhere in this range of ln Y.
 constexpr float kBackgroundRange = 3.0f;
 
-// Cephes' logf and expf without branches, so that loops over samples become vector code. Relative error 1e-7 for
-// positive normal numbers, exponents within +-80.
-inline float fast_log(float x) {
-  const int bits = std::bit_cast<int>(x);
-  const int exponent = (bits - 0x3f3504f3) >> 23;
-  const float m = std::bit_cast<float>(bits - exponent * (1 << 23)) - 1.0f;
-  float p = 7.0376836292e-2f;
-  p = p * m - 1.1514610310e-1f;
-  p = p * m + 1.1676998740e-1f;
-  p = p * m - 1.2420140846e-1f;
-  p = p * m + 1.4249322787e-1f;
-  p = p * m - 1.6668057665e-1f;
-  p = p * m + 2.0000714765e-1f;
-  p = p * m - 2.4999993993e-1f;
-  p = p * m + 3.3333331174e-1f;
-  return m + m * m * (m * p - 0.5f) + static_cast<float>(exponent) * 0.693147181f;
-}
-inline float fast_exp(float x) {
-  constexpr float kRound = 12582912.0f;  // adding it leaves the nearest integer in the low bits
-  const float shifted = x * 1.44269504f + kRound;
-  const float n = shifted - kRound;
-  const float r = (x - n * 0.693359375f) + n * 2.12194440e-4f;
-  float p = 1.9875691500e-4f;
-  p = p * r + 1.3981999507e-3f;
-  p = p * r + 8.3334519073e-3f;
-  p = p * r + 4.1665795894e-2f;
-  p = p * r + 1.6666665459e-1f;
-  p = p * r + 5.0000001201e-1f;
-  p = p * r * r + r + 1.0f;
-  return p * std::bit_cast<float>((static_cast<int>(n) + 127) * (1 << 23));
-}
-
-// The samples as columns.
-class Columns {
+// The samples against the skies of one model.
+class Skies {
  public:
-  explicit Columns(std::span<const SkySample> samples) : n_(samples.size()), data_(8 * samples.size()) {
-    for (std::size_t i = 0; i < n_; ++i) {
-      const SkySample& s = samples[i];
-      const float cosine = std::cos(s.sun_distance);
-      per_cosine()[i] = 1.0f / std::max(static_cast<float>(kSmallestCosine), std::cos(s.zenith));
-      gamma()[i] = s.sun_distance;
-      cos2_gamma()[i] = cosine * cosine;
-      log_y()[i] = s.log_luminance;
-    }
+  Skies(std::span<const SkySample> samples, Turbidity highest)
+      : n_(samples.size()), highest_(static_cast<float>(highest.value)), log_y_(n_), residual_(n_), slope_(n_) {
+    for (std::size_t i = 0; i < n_; ++i) log_y_[i] = samples[i].log_luminance;
   }
+  virtual ~Skies() = default;
   std::size_t size() const { return n_; }
-  float* per_cosine() { return data_.data(); }
-  float* gamma() { return data_.data() + n_; }
-  float* cos2_gamma() { return data_.data() + 2 * n_; }
-  float* log_y() { return data_.data() + 3 * n_; }
-  float* residual() { return data_.data() + 4 * n_; }
-  float* slope() { return data_.data() + 5 * n_; }  // d ln F / dT; two columns of scratch for the grid
-  float* scratch() { return data_.data() + 6 * n_; }
+  float highest() const { return highest_; }
+  float* residual() { return residual_.data(); }        // ln Y - ln F
+  const float* slope() const { return slope_.data(); }  // d ln F / dT
 
- private:
+  // Fills residual() for one T of the grid after the other, and calls use(T).
+  virtual void over_the_grid(const std::function<void(float)>& use) = 0;
+  // Fills residual() and slope().
+  virtual void evaluate(float t) = 0;
+
+ protected:
   std::size_t n_;
-  std::vector<float> data_;
+  float highest_;
+  std::vector<float> log_y_, residual_, slope_;
 };
 
 // Log likelihood of n of all samples lying in a window of this half width and the rest anywhere: rewards many, and
@@ -144,42 +112,121 @@ class Histogram {
   std::vector<int> bin_;
 };
 
-// One candidate per T of the grid.
-std::vector<Consensus> over_the_grid(Columns& columns) {
-  const std::size_t n = columns.size();
-  const PerezCoefficients slope = perez_slopes(PerezQuantity::luminance);
-  std::vector<Consensus> candidates;
-  candidates.reserve(64);
-  std::vector<float> work(4 * n);
-  float *gradation = work.data(), *indicatrix = gradation + n, *next_gradation = indicatrix + n,
-        *next_indicatrix = next_gradation + n;
-  const float *per_cosine = columns.per_cosine(), *gamma = columns.gamma(), *cos2 = columns.cos2_gamma(),
-              *log_y = columns.log_y();
-  float* residual = columns.residual();
-  Histogram histogram;
-  for (const Run& run : kGrid) {
-    const PerezCoefficients k0 = perez_coefficients(PerezQuantity::luminance, Turbidity{run.first});
-    const auto b = static_cast<float>(k0.b), d = static_cast<float>(k0.d);
-    const auto db = static_cast<float>(slope.b * run.step), dd = static_cast<float>(slope.d * run.step);
-    for (std::size_t i = 0; i < n; ++i) {
-      gradation[i] = fast_exp(b * per_cosine[i]);
-      indicatrix[i] = fast_exp(d * gamma[i]);
-      next_gradation[i] = fast_exp(db * per_cosine[i]);
-      next_indicatrix[i] = fast_exp(dd * gamma[i]);
-    }
-    for (int j = 0; j < run.count; ++j) {
-      const double t = run.first + j * run.step;
-      const PerezCoefficients k = perez_coefficients(PerezQuantity::luminance, Turbidity{t});
-      const auto a = static_cast<float>(k.a), c = static_cast<float>(k.c), e = static_cast<float>(k.e);
-      for (std::size_t i = 0; i < n; ++i) {
-        const float f = (1.0f + a * gradation[i]) * (1.0f + c * indicatrix[i] + e * cos2[i]);
-        residual[i] = log_y[i] - fast_log(f);
-        gradation[i] *= next_gradation[i];
-        indicatrix[i] *= next_indicatrix[i];
-      }
-      candidates.push_back(histogram.fullest(residual, n, static_cast<float>(t)));
+class PerezSkies final : public Skies {
+ public:
+  explicit PerezSkies(std::span<const SkySample> samples)
+      : Skies(samples, kHighestTurbidity), per_cosine_(n_), gamma_(n_), cos2_gamma_(n_) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      const SkySample& s = samples[i];
+      const float cosine = std::cos(s.sun_distance);
+      per_cosine_[i] = 1.0f / std::max(static_cast<float>(kSmallestCosine), std::cos(s.zenith));
+      gamma_[i] = s.sun_distance;
+      cos2_gamma_[i] = cosine * cosine;
     }
   }
+
+  void over_the_grid(const std::function<void(float)>& use) override {
+    const std::size_t n = n_;
+    const PerezCoefficients slope = perez_slopes(PerezQuantity::luminance);
+    std::vector<float> work(4 * n);
+    float *gradation = work.data(), *indicatrix = gradation + n, *next_gradation = indicatrix + n,
+          *next_indicatrix = next_gradation + n;
+    const float *per_cosine = per_cosine_.data(), *gamma = gamma_.data(), *cos2 = cos2_gamma_.data(),
+                *log_y = log_y_.data();
+    float* residual = residual_.data();
+    for (const Run& run : kGrid) {
+      const PerezCoefficients k0 = perez_coefficients(PerezQuantity::luminance, Turbidity{run.first});
+      const auto b = static_cast<float>(k0.b), d = static_cast<float>(k0.d);
+      const auto db = static_cast<float>(slope.b * run.step), dd = static_cast<float>(slope.d * run.step);
+      for (std::size_t i = 0; i < n; ++i) {
+        gradation[i] = fast_exp(b * per_cosine[i]);
+        indicatrix[i] = fast_exp(d * gamma[i]);
+        next_gradation[i] = fast_exp(db * per_cosine[i]);
+        next_indicatrix[i] = fast_exp(dd * gamma[i]);
+      }
+      for (int j = 0; j < run.count; ++j) {
+        const double t = run.first + j * run.step;
+        const PerezCoefficients k = perez_coefficients(PerezQuantity::luminance, Turbidity{t});
+        const auto a = static_cast<float>(k.a), c = static_cast<float>(k.c), e = static_cast<float>(k.e);
+        for (std::size_t i = 0; i < n; ++i) {
+          const float f = (1.0f + a * gradation[i]) * (1.0f + c * indicatrix[i] + e * cos2[i]);
+          residual[i] = log_y[i] - fast_log(f);
+          gradation[i] *= next_gradation[i];
+          indicatrix[i] *= next_indicatrix[i];
+        }
+        use(static_cast<float>(t));
+      }
+    }
+  }
+
+  void evaluate(float t) override {
+    const PerezCoefficients k = perez_coefficients(PerezQuantity::luminance, Turbidity{static_cast<double>(t)});
+    const PerezCoefficients s = perez_slopes(PerezQuantity::luminance);
+    const auto a = static_cast<float>(k.a), b = static_cast<float>(k.b), c = static_cast<float>(k.c),
+               d = static_cast<float>(k.d), e = static_cast<float>(k.e);
+    const auto da = static_cast<float>(s.a), db = static_cast<float>(s.b), dc = static_cast<float>(s.c),
+               dd = static_cast<float>(s.d), de = static_cast<float>(s.e);
+    const float *per_cosine = per_cosine_.data(), *gamma = gamma_.data(), *cos2 = cos2_gamma_.data(),
+                *log_y = log_y_.data();
+    float *residual = residual_.data(), *slope = slope_.data();
+    for (std::size_t i = 0; i < n_; ++i) {
+      const float gradation = fast_exp(b * per_cosine[i]), indicatrix = fast_exp(d * gamma[i]);
+      const float f1 = 1.0f + a * gradation, f2 = 1.0f + c * indicatrix + e * cos2[i];
+      residual[i] = log_y[i] - fast_log(f1 * f2);
+      slope[i] =
+          (da + a * db * per_cosine[i]) * gradation / f1 + ((dc + c * dd * gamma[i]) * indicatrix + de * cos2[i]) / f2;
+    }
+  }
+
+ private:
+  std::vector<float> per_cosine_, gamma_, cos2_gamma_;
+};
+
+class DomeSkies final : public Skies {
+ public:
+  DomeSkies(std::span<const SkySample> samples, const DomeLog& dome)
+      : Skies(samples, kHighestDomeTurbidity), columns_(DomeLog::kNodes * n_) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      const auto nodes = dome.at(std::cos(double{samples[i].zenith}), std::cos(double{samples[i].sun_distance}));
+      for (std::size_t k = 0; k < DomeLog::kNodes; ++k) columns_[k * n_ + i] = nodes[k];
+    }
+  }
+
+  // Steps of less than .05 in ln F, but next to the sun.
+  void over_the_grid(const std::function<void(float)>& use) override {
+    constexpr int kSteps = 32;
+    for (int i = 0; i <= kSteps; ++i) {
+      const double t = kLowestTurbidity.value *
+                       std::pow(kHighestDomeTurbidity.value / kLowestTurbidity.value, static_cast<double>(i) / kSteps);
+      evaluate(static_cast<float>(t));
+      use(static_cast<float>(t));
+    }
+  }
+
+  void evaluate(float t) override {
+    const auto between = DomeLog::between(Turbidity{static_cast<double>(t)});
+    const float* column = columns_.data() + between.first * n_;
+    std::ranges::copy(log_y_, residual_.begin());
+    std::ranges::fill(slope_, 0.0f);
+    for (std::size_t k = 0; k < 4; ++k, column += n_) {
+      const auto value = static_cast<float>(between.value[k]), slope = static_cast<float>(between.slope[k]);
+      for (std::size_t i = 0; i < n_; ++i) {
+        residual_[i] -= value * column[i];
+        slope_[i] += slope * column[i];
+      }
+    }
+  }
+
+ private:
+  std::vector<float> columns_;  // node by node
+};
+
+// One candidate per T of the grid.
+std::vector<Consensus> candidates_of(Skies& skies) {
+  std::vector<Consensus> candidates;
+  candidates.reserve(64);
+  Histogram histogram;
+  skies.over_the_grid([&](float t) { candidates.push_back(histogram.fullest(skies.residual(), skies.size(), t)); });
   return candidates;
 }
 
@@ -194,25 +241,6 @@ std::array<Consensus, 2> two_best(const std::vector<Consensus>& all) {
     if (peak && apart > 2 && all[i].score > second.score) second = all[i];
   }
   return {*best, second};
-}
-
-void residuals_and_slopes(Columns& columns, float t) {
-  const PerezCoefficients k = perez_coefficients(PerezQuantity::luminance, Turbidity{static_cast<double>(t)});
-  const PerezCoefficients s = perez_slopes(PerezQuantity::luminance);
-  const auto a = static_cast<float>(k.a), b = static_cast<float>(k.b), c = static_cast<float>(k.c),
-             d = static_cast<float>(k.d), e = static_cast<float>(k.e);
-  const auto da = static_cast<float>(s.a), db = static_cast<float>(s.b), dc = static_cast<float>(s.c),
-             dd = static_cast<float>(s.d), de = static_cast<float>(s.e);
-  const float *per_cosine = columns.per_cosine(), *gamma = columns.gamma(), *cos2 = columns.cos2_gamma(),
-              *log_y = columns.log_y();
-  float *residual = columns.residual(), *slope = columns.slope();
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const float gradation = fast_exp(b * per_cosine[i]), indicatrix = fast_exp(d * gamma[i]);
-    const float f1 = 1.0f + a * gradation, f2 = 1.0f + c * indicatrix + e * cos2[i];
-    residual[i] = log_y[i] - fast_log(f1 * f2);
-    slope[i] =
-        (da + a * db * per_cosine[i]) * gradation / f1 + ((dc + c * dd * gamma[i]) * indicatrix + de * cos2[i]) / f2;
-  }
 }
 
 // The half width that the residuals around `centre` ask for, and how well they then agree. Widths are half octaves,
@@ -243,16 +271,17 @@ Window densest_window(const float* residual, std::size_t n, float centre, float 
 
 // Graduated non-convexity: Tukey's weights, whose reach shrinks from the candidate's window to the one the data ask
 // for.
-Consensus descend(Columns& columns, Consensus c, float narrowest, float widest) {
+Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
   constexpr int kRounds = 10;
-  const auto lowest = static_cast<float>(kLowestTurbidity.value), highest = static_cast<float>(kHighestTurbidity.value);
-  const float *residual = columns.residual(), *slope = columns.slope();
+  const auto lowest = static_cast<float>(kLowestTurbidity.value), highest = skies.highest();
+  float* residual = skies.residual();
+  const float* slope = skies.slope();
   for (int round = 0; round < kRounds; ++round) {
-    residuals_and_slopes(columns, c.t);
+    skies.evaluate(c.t);
     const float reach = 2.0f * c.window;
     const float per_reach2 = 1.0f / (reach * reach);
     float w_sum = 0.0f, ws = 0.0f, wr = 0.0f, wss = 0.0f, wsr = 0.0f;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
+    for (std::size_t i = 0; i < skies.size(); ++i) {
       const float r = residual[i] - c.log_gain;
       const float u = std::max(0.0f, 1.0f - r * r * per_reach2);
       const float w = u * u;
@@ -270,8 +299,8 @@ Consensus descend(Columns& columns, Consensus c, float narrowest, float widest) 
     const float step = std::clamp(std::clamp(wanted, -largest_step, largest_step), lowest - c.t, highest - c.t);
     c.log_gain += (wr - step * ws) / w_sum;
     c.t += step;
-    for (std::size_t i = 0; i < columns.size(); ++i) columns.residual()[i] -= step * slope[i];
-    const Window asked = densest_window(residual, columns.size(), c.log_gain, narrowest, widest);
+    for (std::size_t i = 0; i < skies.size(); ++i) residual[i] -= step * slope[i];
+    const Window asked = densest_window(residual, skies.size(), c.log_gain, narrowest, widest);
     const bool settled = std::abs(step) < 1e-3f * c.t && asked.half_width >= 0.99f * c.window && round > 1;
     c.window = std::max(asked.half_width, 0.6f * c.window);
     c.score = asked.score;
@@ -282,13 +311,18 @@ Consensus descend(Columns& columns, Consensus c, float narrowest, float widest) 
 
 }  // namespace
 
-Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest) {
+Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest, const FittedSky& sky) {
   constexpr std::size_t kMost = 32000;  // more say nothing new, and the histogram counts in sixteen bits
-  Columns columns(samples.first(std::min(samples.size(), kMost)));
+  samples = samples.first(std::min(samples.size(), kMost));
+  std::unique_ptr<Skies> skies;
+  if (const DomeLog* dome = sky.dome())
+    skies = std::make_unique<DomeSkies>(samples, *dome);
+  else
+    skies = std::make_unique<PerezSkies>(samples);
   Consensus best;
-  for (const Consensus& start : two_best(over_the_grid(columns))) {
+  for (const Consensus& start : two_best(candidates_of(*skies))) {
     if (!std::isfinite(start.score)) continue;
-    const Consensus end = descend(columns, start, narrowest, widest);
+    const Consensus end = descend(*skies, start, narrowest, widest);
     if (end.score > best.score) best = end;
   }
   return best;

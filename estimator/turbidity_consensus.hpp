@@ -4,6 +4,7 @@
 #include <limits>
 #include <span>
 
+#include "estimator/fitted_sky.hpp"
 #include "estimator/sky_samples.hpp"
 
 namespace kasumi {
@@ -19,6 +20,6 @@ struct Consensus {
 //    left to luck.
 // 2. Graduated non-convexity from the two best, the window following the residuals between the two limits.
 // Needs at least two samples with finite values.
-Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest);
+Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest, const FittedSky& sky = {});
 
 }  // namespace kasumi

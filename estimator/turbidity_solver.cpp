@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "estimator/perez_log.hpp"
 #include "estimator/turbidity_consensus.hpp"
 
 namespace kasumi {
@@ -23,13 +22,10 @@ double square(double x) {
 // Variable projection: for every T the best ln k is the weighted mean residual, which leaves one unknown.
 class LeastSquares {
  public:
-  explicit LeastSquares(std::span<const SkySample> samples) : residual_(samples.size()), slope_(samples.size()) {
-    points_.reserve(samples.size());
+  LeastSquares(std::span<const SkySample> samples, const FittedSky& sky)
+      : places_(samples, sky), highest_(sky.highest().value), residual_(samples.size()), slope_(samples.size()) {
     log_y_.reserve(samples.size());
-    for (const SkySample& sample : samples) {
-      points_.push_back(perez_point(sample));
-      log_y_.push_back(static_cast<double>(sample.log_luminance));
-    }
+    for (const SkySample& sample : samples) log_y_.push_back(static_cast<double>(sample.log_luminance));
   }
 
   // ln Y - ln F and d ln F / dT at the T last evaluated.
@@ -40,10 +36,8 @@ class LeastSquares {
     double cost = 0.0, log_gain = 0.0, gradient = 0.0, information = 0.0, mean_slope = 0.0;
   };
   Sums evaluate(std::span<const double> weights, double t) {
-    const PerezLog model(Turbidity{t});
     double w = 0.0, ws = 0.0, wr = 0.0, wss = 0.0, wsr = 0.0, wrr = 0.0;
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const auto [log_f, slope] = model.at(points_[i]);
+    places_.at(Turbidity{t}, [&](std::size_t i, double log_f, double slope) {
       const double r = log_y_[i] - log_f;
       residual_[i] = r;
       slope_[i] = slope;
@@ -53,7 +47,7 @@ class LeastSquares {
       wss += weights[i] * slope * slope;
       wsr += weights[i] * slope * r;
       wrr += weights[i] * r * r;
-    }
+    });
     if (!(w > 0.0)) return {};
     return {wrr - wr * wr / w, wr / w, wsr - ws * wr / w, wss - ws * ws / w, ws / w};
   }
@@ -65,7 +59,7 @@ class LeastSquares {
     bool converged = false, current = true;
     constexpr int kRounds = 30;
     for (int round = 0; round < kRounds && !converged && now.information > 0.0; ++round) {
-      double next = std::clamp(t + now.gradient / now.information, kLowestTurbidity.value, kHighestTurbidity.value);
+      double next = std::clamp(t + now.gradient / now.information, kLowestTurbidity.value, highest_);
       Sums then = evaluate(weights, next);
       for (int halving = 0; halving < 20 && then.cost > now.cost && std::abs(next - t) > 1e-9 * t; ++halving) {
         next = 0.5 * (t + next);
@@ -85,7 +79,8 @@ class LeastSquares {
   }
 
  private:
-  std::vector<PerezPoint> points_;
+  FittedPlaces places_;
+  double highest_;
   std::vector<double> log_y_, residual_, slope_;
 };
 
@@ -167,11 +162,13 @@ class Patches {
 
 }  // namespace
 
-LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start) {
-  return LeastSquares(samples).solve(weights, clamp_turbidity(start).value);
+LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start,
+                               const FittedSky& sky) {
+  return LeastSquares(samples, sky).solve(weights, clamp_turbidity(start).value);
 }
 
-TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options) {
+TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options,
+                                  const FittedSky& sky) {
   TurbiditySolution solution;
   solution.inlier.assign(samples.size(), 0);
   if (samples.size() < kFewestSamples) return solution;
@@ -183,12 +180,12 @@ TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const Solv
   const double typical = std::sqrt(own_sum / static_cast<double>(n));
   const Consensus consensus =
       find_consensus(samples, static_cast<float>(std::max(options.narrowest_window, 2.5 * typical)),
-                     static_cast<float>(options.widest_window));
+                     static_cast<float>(options.widest_window), sky);
   if (!std::isfinite(consensus.score)) return solution;
 
   // What the samples' own variance does not explain of the residuals is the model's error, which weighs on all alike.
   // The window holds about 2.5 standard deviations.
-  LeastSquares fit(samples);
+  LeastSquares fit(samples, sky);
   std::vector<double> weights(n, 1.0);
   fit.evaluate(weights, static_cast<double>(consensus.t));
   LocalSolution local{Turbidity{static_cast<double>(consensus.t)}, static_cast<double>(consensus.log_gain)};
@@ -239,8 +236,8 @@ TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const Solv
   solution.log_residual = std::sqrt(squares / solution.inliers);
   solution.model_error = std::sqrt(model_variance);
   constexpr double kEdge = 1e-3;
-  solution.at_edge =
-      local.turbidity.value < kLowestTurbidity.value + kEdge || local.turbidity.value > kHighestTurbidity.value - kEdge;
+  const double t = local.turbidity.value;
+  solution.at_edge = (t < kLowestTurbidity.value + kEdge && !sky.dome()) || t > sky.highest().value - kEdge;
   if (!(local.information > 0.0)) return solution;
   const double from_residuals = std::sqrt(chi / (solution.inliers - 2) / local.information);
   const Patches patches(samples, weights, fit, local.log_gain, mean_slope / weight);

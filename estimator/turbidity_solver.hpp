@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "estimator/atmosphere.hpp"
+#include "estimator/fitted_sky.hpp"
 #include "estimator/sky_samples.hpp"
 
 namespace kasumi {
@@ -23,14 +23,16 @@ struct TurbiditySolution {
   double log_residual = 0.0;  // root mean square over the inliers
   double model_error = 0.0;   // what quantisation and shot noise do not explain of it (standard deviation)
   int inliers = 0;
-  bool at_edge = false;              // the best T is the end of the searched range
+  bool at_edge = false;              // the best T is the end of the searched range (of the dome's: the hazy one; at
+                                     // the other the sky is as clear as the clearest dome, or clearer)
   std::vector<std::uint8_t> inlier;  // one per sample
 };
 
 // Free gain, global, robust. Residual r_i = ln Y_i - ln k - ln F(theta_i, gamma_i; T) (physics 2).
 // Consensus over a grid of T (exhaustive, so nothing is left to luck) with the window's width chosen by the data, then
 // graduated non-convexity from there, then weighted least squares over the inliers to the optimum.
-TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options = {});
+TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options = {},
+                                  const FittedSky& sky = {});
 
 // Weighted least squares in (T, ln k) from a start, without any robustness: variable projection of ln k, Gauss-Newton
 // in T. `weights` are 1 / variance.
@@ -41,7 +43,8 @@ struct LocalSolution {
   double cost = 0.0;         // sum of w r^2
   bool converged = false;
 };
-LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start);
+LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start,
+                               const FittedSky& sky = {});
 
 // The papers' way, for reproducing their tables (M Eq 8, M14 Sect 3): sum over i of |Y_i(T)/Y_ref(T) - Y_i/Y_ref| with
 // the one reference sample, RANSAC against clouds.

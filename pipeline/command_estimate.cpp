@@ -34,6 +34,7 @@ struct EstimateArguments {
   std::string utc;
   bool sun_from_image = false;
   std::string method = "free-gain";
+  std::string sky_model = "preetham";
   int samples = EstimateOptions{}.samples;
   std::uint64_t seed = 1;
   bool json = false;
@@ -97,6 +98,10 @@ Result<SkyPhotographSetup> setup_of(const EstimateArguments& arguments) {
   read_sun(arguments, setup, problems);
   setup.estimate.method =
       arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
+  const double altitude_m = setup.site ? setup.site->altitude_m : arguments.altitude_m;
+  setup.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
+  if (setup.estimate.method == EstimateMethod::reference_pixel && setup.estimate.sky.model == SiteSkyModel::dome)
+    problems.add("--method reference-pixel: the papers' way fits the papers' sky, expected --sky-model preetham");
   setup.estimate.samples = arguments.samples;
   setup.estimate.seed = arguments.seed;
   if (!problems.empty()) return fail(problems.fault());
@@ -156,6 +161,7 @@ nlohmann::ordered_json json_of(const ImageJob& job, const SkyPhotographReport& r
   json["clear_fraction"] = rounded(estimate.clear_fraction, 4);
   json["samples"] = estimate.samples;
   json["log_residual"] = rounded(estimate.log_residual, 5);
+  json["sky_model"] = name_of(report.look.sky.model);
   json["sun_zenith_deg"] = nullptr;
   json["sun_azimuth_deg"] = nullptr;
   if (report.sun) {
@@ -181,7 +187,10 @@ std::string text_of(const ImageJob& job, const SkyPhotographReport& report) {
   const auto& estimate = report.look.estimate;
   std::string text = job.file.string() + "\n";
   if (estimate.usable && report.air) {
-    text += fmt::format("  turbidity        {:.3f} +- {:.3f}\n", estimate.turbidity.value, estimate.sigma);
+    text += fmt::format("  turbidity        {:.3f} +- {:.3f}{}\n", estimate.turbidity.value, estimate.sigma,
+                        report.look.sky.model == SiteSkyModel::dome
+                            ? fmt::format(" (of the dome, seen from {:.0f} m)", report.look.sky.altitude_m)
+                            : "");
     text += fmt::format("  aerosol depth    {:.3f} at 550 nm\n", report.air->aod_550);
     text += fmt::format("  visibility       {:.1f} km\n", report.air->visibility_m / 1000.0);
     text += fmt::format("  weather          {}\n", name_of(report.air->weather));
@@ -342,6 +351,12 @@ void add_estimate_command(CLI::App& app, Action& action) {
   command->add_flag("--sun-from-image", a.sun_from_image, "Find the sun as the saturated blob in the picture");
   command->add_option("--method", a.method, "free-gain, or the papers' single reference pixel")
       ->check(CLI::IsMember({"free-gain", "reference-pixel"}))
+      ->capture_default_str();
+  command
+      ->add_option("--sky-model", a.sky_model,
+                   "The clear sky whose turbidity is found: the papers', or the dome seen from --altitude-m or the "
+                   "calibration's site (docs/sky.md); automatic: the dome above 1500 m")
+      ->check(CLI::IsMember({"preetham", "dome", "automatic"}))
       ->capture_default_str();
   command->add_option("--samples", a.samples, "Sky pixels that are looked at")
       ->check(CLI::Range(60, 100000))

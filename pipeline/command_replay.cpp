@@ -53,7 +53,7 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
                tracked.turbidity.value, tracked.sigma, summary.last->air->aod_550,
                summary.last->air->visibility_m / 1000.0, name_of(summary.last->air->weather));
   } else if (!request.air.turbidity) {
-    fmt::print("turbidity: not known; {:.1f} was assumed{}\n", summary.supposed.value,
+    fmt::print("turbidity: not known; {:.1f} was assumed{}\n", request.air.until_known.value,
                summary.last ? " (" + summary.last->estimate.reason + ")" : "");
   }
   if (request.air.turbidity) fmt::print("drawn at turbidity {:.2f}, as asked\n", request.air.turbidity->value);

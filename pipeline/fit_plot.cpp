@@ -5,7 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "estimator/sky_model.hpp"
+#include "estimator/fitted_sky.hpp"
 
 namespace kasumi {
 
@@ -46,13 +46,13 @@ struct Axis {
 // ln of luminance over the zenith's: modelled and measured.
 std::vector<cv::Point2d> points_of(const SkyLook& look) {
   std::vector<cv::Point2d> points;
-  const SkyModel model(look.estimate.turbidity, look.estimate.sun);
-  const double zenith = std::log(model.luminance_ratio({0, 0, 1}));
-  const auto shape = perez_coefficients(PerezQuantity::luminance, look.estimate.turbidity);
-  const double at_zenith = std::log(perez(shape, 1.0, zenith_angle(look.estimate.sun)));
+  const Turbidity turbidity = look.estimate.turbidity;
+  const SunDirection& sun = look.estimate.sun;
+  const FittedSky sky(look.sky, sun);
+  const double zenith = sky.log_luminance(turbidity, 1.0, zenith_angle(sun).value);
   for (const auto& sample : look.samples) {
-    const double ratio = model.luminance_ratio(std::cos(double{sample.zenith}), Radians{sample.sun_distance});
-    points.emplace_back(std::log(ratio) - zenith, double{sample.log_luminance} - look.log_gain - at_zenith);
+    const double model = sky.log_luminance(turbidity, std::cos(double{sample.zenith}), double{sample.sun_distance});
+    points.emplace_back(model - zenith, double{sample.log_luminance} - look.log_gain - zenith);
   }
   return points;
 }

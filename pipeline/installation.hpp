@@ -43,6 +43,9 @@ struct Installation {
   std::vector<Landmark> landmarks;
   std::vector<ContrastLandmark> contrast_landmarks;  // those of them that tell the visibility
   std::optional<AdoptedCalibration> calibration;     // the file beneath the one that was read
+
+  // The clear sky of the site, whose T is estimated and drawn by; its model is never automatic.
+  SkyToFit sky_to_fit() const { return {resolved(surroundings.sky_model, site.altitude_m), site.altitude_m}; }
 };
 
 // [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration, and beneath them the calibration file

@@ -147,7 +147,6 @@ class Run {
     summary_.usable_sky_frames = usable_sky_frames_;
     summary_.skipped.merge(sky_skipped_);
     summary_.layers_drawn = compositor_.layers_drawn();
-    summary_.supposed = compositor_.air().supposed();
     summary_.horizon = compositor_.air().horizon().source;
     summary_.horizon_reason = compositor_.air().horizon().reason;
     summary_.notes = compositor_.notes();

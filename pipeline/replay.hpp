@@ -32,7 +32,6 @@ struct ReplaySummary {
   std::uint64_t dropped = 0;                   // sky reports nobody drew (realtime only)
   std::uint64_t layers_drawn = 0;
   std::optional<SkyReport> last;
-  Turbidity supposed{0.0};  // while nothing was known
   HorizonLight::Source horizon = HorizonLight::Source::none;
   std::string horizon_reason;
   Sighting sighting;  // where the building stands in the picture, or why it does not

@@ -29,13 +29,6 @@ OpticalPath path_to(const Installation& installation) {
   return optical_path(altitude_m, altitude_m + place.up_m, std::hypot(place.east_m, place.north_m, place.up_m));
 }
 
-// The same number is another sky by either model.
-Turbidity supposed_at(const Installation& installation, const SceneAirOptions& options) {
-  const SiteSky sky(installation.surroundings.sky_model, options.until_known, {0.0, 0.0, 1.0},
-                    installation.site.altitude_m);
-  return sky.preetham() ? options.until_known : options.until_known_by_dome;
-}
-
 }  // namespace
 
 SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
@@ -49,12 +42,11 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       blur_of_depth_1_px_(installation.surroundings.haze_blur_px),
       to_object_(path_to(installation)),
       options_(options),
-      supposed_(supposed_at(installation, options)),
       nodes_(attenuation_nodes(spectral_measure(scene_))) {}
 
 SceneConditions SceneAir::conditions(const SkyReport& report) const {
   SceneConditions conditions;
-  conditions.turbidity = report.tracked ? report.tracked->turbidity : supposed_;
+  conditions.turbidity = report.tracked ? report.tracked->turbidity : options_.until_known;
   if (options_.turbidity) conditions.turbidity = *options_.turbidity;
   conditions.sky = report.estimate.sky;
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;

@@ -19,8 +19,7 @@ struct SceneAirOptions {
   ZetaForm zeta = ZetaForm::full;
   bool aerial_perspective = true;                       // false: the "before" picture
   std::optional<Turbidity> turbidity;                   // instead of the sky's
-  Turbidity until_known{3.0};                           // while no sky frame was usable
-  Turbidity until_known_by_dome{2.1};                   // an ordinary clear day, where the sky is the dome's
+  Turbidity until_known{3.0};                           // while no sky frame was usable: an ordinary clear day
   Duration horizon_interval = std::chrono::seconds(1);  // between looks for the horizon
 };
 
@@ -37,8 +36,6 @@ class SceneAir {
   SceneAir(const Installation& installation, SceneAirOptions options);
 
   SceneConditions conditions(const SkyReport& report) const;
-  // T while none is known, as the estimator counts.
-  Turbidity supposed() const { return supposed_; }
   // Haze, light and the model's horizon over the object's part of the picture.
   ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
   // How far the haze before the object blurs it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
@@ -67,7 +64,6 @@ class SceneAir {
   double blur_of_depth_1_px_;
   OpticalPath to_object_;
   SceneAirOptions options_;
-  Turbidity supposed_;
   AttenuationNodes nodes_;
   HorizonLight horizon_;
   std::optional<Instant> looked_at_;

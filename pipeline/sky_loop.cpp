@@ -81,6 +81,8 @@ void SkyLoop::remember_air() {
   }
   const auto age = clock_.utc() - state->utc;
   if (age < Duration{0} || age > kYoungAir) return;
+  // The other model's T is another quantity.
+  if (state->sky_model != content_->config.installation.sky_to_fit().model) return;
   watch_.remember(state->turbidity, state->sigma, clock_.now() - age);
   spdlog::info("air: turbidity {:.2f} of {:.0f} minutes ago remembered", state->turbidity.value, to_seconds(age) / 60);
 }

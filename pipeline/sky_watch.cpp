@@ -19,7 +19,9 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
                 installation.object.placement.up_m),
       cloud_base_m_(installation.surroundings.cloud_base_m),
       options_(std::move(options)),
-      observer_(installation.sky) {}
+      observer_(installation.sky) {
+  options_.estimate.sky = installation.sky_to_fit();
+}
 
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {

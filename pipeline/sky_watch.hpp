@@ -30,7 +30,7 @@ struct SkyReport {
 using TurbidityEstimator = std::function<TurbidityEstimate(const SkyPicture&, const SunDirection&)>;
 
 struct SkyWatchOptions {
-  EstimateOptions estimate;
+  EstimateOptions estimate;      // but its sky, which is the site's
   TurbidityEstimator estimator;  // instead of ours, for tests
 };
 

@@ -77,7 +77,8 @@ void StatusLoop::save_air() {
   const auto& tracked = status_.sky.report.tracked;
   // Without a known time nobody could tell later how old it is.
   if (!folder || !tracked || !status_.sky.clock_trusted) return;
-  const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age};
+  const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age,
+                             content_->config.installation.sky_to_fit().model};
   log_outage(save(state, *folder), unsaved_, "state");
 }
 

@@ -16,12 +16,13 @@ constexpr Rgba8 kStillGround{38, 44, 52, 255};
 
 // What its sky is drawn from.
 struct StillSky {
-  Turbidity turbidity{2.1};  // of an ordinary clear day, as the estimator counts
+  Turbidity turbidity{3.0};  // the dome's; of an ordinary clear day
   SunDirection sun{0.0, 0.0, 1.0};
   double clouds = 0.0;  // share of the sky: the more, the greyer
 };
-// Empty while nobody knows where the sun is, or that it is night or the lens covered: then there is no sky to show.
-std::optional<StillSky> still_sky(const SkyReport& report);
+// `estimated`: whose T the report's is. Empty while nobody knows where the sun is, or that it is night or the lens
+// covered: then there is no sky to show.
+std::optional<StillSky> still_sky(const SkyReport& report, SiteSkyModel estimated);
 
 class StillPicture {
  public:
@@ -45,7 +46,7 @@ class StillPicture {
 
   GlContext* context_;
   Camera scene_;
-  double altitude_m_ = 0.0;
+  SkyToFit sky_;
   bool shows_sky_ = true;
   std::optional<FlatPicture> curated_;
   std::optional<FlatPicture> ground_;  // one pixel

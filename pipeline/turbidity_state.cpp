@@ -18,8 +18,10 @@ std::filesystem::path file_in(const std::filesystem::path& folder) {
 }  // namespace
 
 Result<> save(const TurbidityState& state, const std::filesystem::path& folder) {
-  const nlohmann::json json = {
-      {"turbidity", state.turbidity.value}, {"sigma", state.sigma}, {"utc", utc_text(state.utc)}};
+  const nlohmann::json json = {{"turbidity", state.turbidity.value},
+                               {"sigma", state.sigma},
+                               {"utc", utc_text(state.utc)},
+                               {"sky_model", name_of(state.sky_model)}};
   return write_text_file(file_in(folder), json.dump(1) + "\n");
 }
 
@@ -32,12 +34,23 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
   };
   const bool has_utc = json.is_object() && json.contains("utc") && json["utc"].is_string();
   const auto utc = has_utc ? parse_utc(json["utc"].get<std::string>()) : std::nullopt;
-  const TurbidityState state{{number("turbidity")}, number("sigma"), utc.value_or(Utc{})};
-  const bool possible = utc && state.turbidity.value > 1.0 && state.turbidity.value <= 2.0 * kHighestTurbidity.value &&
-                        state.sigma >= 0.0 && std::isfinite(state.sigma);
+  // Whose T it is was not told while all were Preetham's.
+  auto model = SiteSkyModel::preetham;
+  if (json.is_object() && json.contains("sky_model")) {
+    const auto& name = json["sky_model"];
+    const auto named = name.is_string() ? site_sky_model_named(name.get<std::string>()) : std::nullopt;
+    model = named.value_or(SiteSkyModel::automatic);  // no name is its own
+  }
+  const TurbidityState state{{number("turbidity")}, number("sigma"), utc.value_or(Utc{}), model};
+  const bool possible = utc && model != SiteSkyModel::automatic && state.turbidity.value > 1.0 &&
+                        state.turbidity.value <= 2.0 * kHighestTurbidity.value && state.sigma >= 0.0 &&
+                        std::isfinite(state.sigma);
   if (!possible)
-    return fail(FaultKind::bad_input, "{}: expected {{\"turbidity\": T > 1, \"sigma\": >= 0, \"utc\": \"...Z\"}}",
-                file_in(folder).string());
+    return fail(
+        FaultKind::bad_input,
+        "{}: expected {{\"turbidity\": T > 1, \"sigma\": >= 0, \"utc\": \"...Z\", \"sky_model\": \"preetham\" or "
+        "\"dome\"}}",
+        file_in(folder).string());
   return state;
 }
 

@@ -5,14 +5,15 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
-#include "estimator/atmosphere.hpp"
+#include "estimator/site_sky.hpp"
 
 namespace kasumi {
 
 struct TurbidityState {
   Turbidity turbidity;
   double sigma = 0.0;
-  Utc utc{};  // of the last estimate that was taken in
+  Utc utc{};                                        // of the last estimate that was taken in
+  SiteSkyModel sky_model = SiteSkyModel::preetham;  // whose T it is: never automatic
 };
 
 // folder/turbidity.json, old or new but never half of one. Error: io.

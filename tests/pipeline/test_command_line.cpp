@@ -34,12 +34,27 @@ TEST_F(EstimateCommand, JsonHasEveryPromisedKey) {
   const auto outcome = run_kasumi("estimate --json " + camera + " " + sky.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
-  for (const char* key : {"turbidity", "sigma", "usable", "reason", "sky", "clear_fraction", "samples",
+  for (const char* key : {"turbidity", "sigma", "usable", "reason", "sky", "clear_fraction", "samples", "sky_model",
                           "sun_zenith_deg", "sun_azimuth_deg", "aod_550", "visibility_m", "weather"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_TRUE(json["usable"]);
   EXPECT_NEAR(json["turbidity"].get<double>(), 3.0, 0.1);
   EXPECT_NEAR(json["sun_zenith_deg"].get<double>(), 58.4, 1e-3);
+}
+
+TEST_F(EstimateCommand, TheSkyThatIsFittedIsTheOneAskedFor) {
+  // A sky of Preetham's is no dome at all, but it is the dome that is then told of.
+  for (const auto& [options, model] : {std::pair{"", "preetham"},
+                                       {"--sky-model dome", "dome"},
+                                       {"--sky-model automatic --altitude-m 1400", "preetham"},
+                                       {"--sky-model automatic --altitude-m 1600", "dome"}}) {
+    const auto outcome = run_kasumi(fmt::format("estimate --json {} {} {}", options, camera, sky.string()));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(nlohmann::json::parse(outcome.out)["sky_model"], model) << options;
+  }
+  const auto outcome = run_kasumi("estimate --sky-model dome --method reference-pixel " + camera + " " + sky.string());
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--sky-model preetham"));
 }
 
 TEST_F(EstimateCommand, AListOnStandardInputGivesOneObjectALineInItsOrder) {

@@ -138,14 +138,17 @@ RenderedSky render(const SyntheticSky& sky, const Camera& camera) {
   }
   constexpr double kEdge = 0.05;  // of the noise: from no cloud to a thick one
 
-  const double zenith_luminance = preetham_yxy(sky.turbidity, 0, s, s).x;
+  const auto clear = [&](const Direction& d) {
+    if (sky.clear) return sky.clear(d);
+    return from_yxy(preetham_yxy(sky.turbidity, zenith_angle(d).value, s, angle_between(d, sun).value));
+  };
+  const double zenith_luminance = clear({0, 0, 1}).y;
   double brightest = 0;
   for (int i = 0; i < 360; ++i)
     for (int j = 10; j <= 80; j += 2) {
       const Direction d = direction_from(from_degrees(j), from_degrees(i));
-      const double gamma = angle_between(d, sun).value;
-      if (gamma < from_degrees(10).value) continue;
-      const glm::dvec3 rgb = linear_srgb(from_yxy(preetham_yxy(sky.turbidity, from_degrees(j).value, s, gamma)));
+      if (angle_between(d, sun).value < from_degrees(10).value) continue;
+      const glm::dvec3 rgb = linear_srgb(clear(d));
       brightest = std::max({brightest, rgb.r, rgb.g, rgb.b});
     }
 
@@ -157,7 +160,7 @@ RenderedSky render(const SyntheticSky& sky, const Camera& camera) {
       const auto d = camera.direction_at({x, y});
       if (!d || d->z <= 0) continue;
       const double gamma = angle_between(*d, sun).value;
-      glm::dvec3 xyz = from_yxy(preetham_yxy(sky.turbidity, zenith_angle(*d).value, s, gamma));
+      glm::dvec3 xyz = clear(*d);
       if (sky.sun_disc && gamma < from_degrees(0.27).value) xyz = glm::dvec3{0.95, 1.0, 1.05} * 1e6;
       const double texture =
           fractal(200 + 3 * d->x / (d->z + 0.25), 200 + 3 * d->y / (d->z + 0.25), sky.cloud_seed + 7);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include <glm/vec3.hpp>
 
@@ -30,7 +31,8 @@ struct SyntheticSky {
   double exposure = 1.0;  // 1: the brightest sky 10 deg from the sun just saturates
   double noise = 0.0;     // shot noise, relative standard deviation at full scale
   std::uint64_t noise_seed = 1;
-  double flare = 0.0;  // of all light, spread evenly over the picture
+  double flare = 0.0;                                      // of all light, spread evenly over the picture
+  std::function<glm::dvec3(const Direction&)> clear = {};  // XYZ, kcd/m2, instead of Preetham's sky
 };
 
 // A camera looking straight up, the image circle filling the picture; azimuth grows counter-clockwise from the top.

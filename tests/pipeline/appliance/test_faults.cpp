@@ -330,5 +330,19 @@ TEST(Appliance, TheAirIsRememberedOverARestart) {
   EXPECT_NEAR(to_seconds(rig.status().sky.report.tracked->age), 600.0, 10.0);
 }
 
+TEST(Appliance, AirInTheTermsOfTheOtherSkyIsNotRemembered) {
+  {
+    const auto rig = running({.name = "remember-other"});
+    rig->appliance->status().finish();
+    replace_in(rig->folder / "state" / "turbidity.json", "preetham", "dome");
+  }
+  Rig rig({.name = "remember-other",
+           .utc = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h + 10min,
+           .keep_folder = true});
+  rig.devices.sky.unplugged = true;
+  rig.advance(4s);
+  EXPECT_FALSE(rig.status().sky.report.tracked);
+}
+
 }  // namespace
 }  // namespace kasumi

@@ -242,10 +242,23 @@ TEST(TurbidityState, NonsenseOnDiskIsRefused) {
                            "{\"turbidity\": 0.5, \"sigma\": 0.1, \"utc\": \"2026-06-21T03:00:00Z\"}",
                            "{\"turbidity\": 3, \"sigma\": -1, \"utc\": \"2026-06-21T03:00:00Z\"}",
                            "{\"turbidity\": 3, \"sigma\": 0.1, \"utc\": \"yesterday\"}",
-                           "{\"turbidity\": \"3\", \"sigma\": 0.1, \"utc\": 5}"}) {
+                           "{\"turbidity\": \"3\", \"sigma\": 0.1, \"utc\": 5}",
+                           "{\"turbidity\": 3, \"sigma\": 0.1, \"utc\": \"2026-06-21T03:00:00Z\", \"sky_model\": 3}",
+                           "{\"turbidity\": 3, \"sigma\": 0.1, \"utc\": \"2026-06-21T03:00:00Z\", \"sky_model\": "
+                           "\"automatic\"}"}) {
     ASSERT_TRUE(write_text_file(folder / "turbidity.json", text));
     EXPECT_FALSE(load_turbidity_state(folder)) << text;
   }
+}
+
+TEST(TurbidityState, KeepsWhoseTItIsAndTheFirstFilesWerePreethams) {
+  const auto folder = test_output_folder() / "pipeline" / "state-model";
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(save({{4.0}, 0.1, Utc{1s}, SiteSkyModel::dome}, folder));
+  EXPECT_EQ(load_turbidity_state(folder).value().sky_model, SiteSkyModel::dome);
+  ASSERT_TRUE(write_text_file(folder / "turbidity.json",
+                              "{\"turbidity\": 3, \"sigma\": 0.1, \"utc\": \"2026-06-21T03:00:00Z\"}"));
+  EXPECT_EQ(load_turbidity_state(folder).value().sky_model, SiteSkyModel::preetham);
 }
 
 class BrokenContent : public testing::TestWithParam<int> {};
