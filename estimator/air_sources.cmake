@@ -10,7 +10,10 @@ set(AIR_SOURCES
 set(AIR_LIBRARIES Ceres::ceres opencv_core opencv_imgproc)
 
 # Haze that blurs.
-list(APPEND AIR_SOURCES haze_diffusion.cpp haze_holes.cpp haze_margin.cpp haze_passes.cpp haze_picture.cpp haze_range.cpp haze_steps.cpp)
-# Vector code for the passes over whole pictures.
-set_source_files_properties(haze_passes.cpp PROPERTIES
+list(APPEND AIR_SOURCES haze_conductance.cpp haze_diffusion.cpp haze_holes.cpp haze_invariant.cpp haze_margin.cpp haze_passes.cpp
+  haze_picture.cpp haze_range.cpp haze_steps.cpp)
+# Vector code for the passes over whole pictures: four pixels' conductances at a time, but one pixel's four values.
+set_source_files_properties(haze_conductance.cpp haze_invariant.cpp PROPERTIES
   COMPILE_OPTIONS "-O3;-fno-math-errno;-fno-trapping-math" SKIP_PRECOMPILE_HEADERS ON)
+set_source_files_properties(haze_passes.cpp PROPERTIES
+  COMPILE_OPTIONS "-O3;-fno-tree-loop-vectorize" SKIP_PRECOMPILE_HEADERS ON)

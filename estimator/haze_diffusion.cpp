@@ -99,11 +99,13 @@ Result<Image<glm::vec4>> diffuse(DiffusionScheme scheme, const Image<glm::vec4>&
   if (auto fine = check(light, map); !fine) return fail(fine.error());
   const double widest = widest_of(map);
   const int count = passes_of(scheme, map.inner_px, widest);
-  Image<glm::vec4> now = light, next(light.width(), light.height());
+  Image<glm::vec4> now = light;
+  if (count == 0) return now;
   if (scheme == DiffusionScheme::invariant) {
+    Image<glm::vec4> next(light.width(), light.height());
     Image<float> rate(light.width(), light.height());  // H Eq 18
     std::ranges::transform(map.sigma_px.elements(), rate.elements().begin(), [&](float sigma) {
-      return count == 0 ? 0.0F : static_cast<float>(std::log(static_cast<double>(sigma) / map.inner_px) / count);
+      return static_cast<float>(std::log(static_cast<double>(sigma) / map.inner_px) / count);
     });
     for (int k = 0; k < count; ++k) {
       invariant_pass(now, rate, map.inner_px, k, next);
@@ -112,28 +114,20 @@ Result<Image<glm::vec4>> diffuse(DiffusionScheme scheme, const Image<glm::vec4>&
     return now;
   }
 
-  const auto variance = wanted_variance(map);
-  Conductances flow(light.width(), light.height());
-  if (scheme == DiffusionScheme::explicit_steps) {
-    Image<float> rate = variance;  // H Eq 13
-    for (float& value : rate.elements()) value *= count == 0 ? 0.0F : 0.5F / static_cast<float>(count);
-    flow.set_means(rate);
-    for (int k = 0; k < count; ++k) {
-      symmetric_pass(now, 1, flow, next);
-      std::swap(now, next);
+  FlowMap flow{wanted_variance(map)};
+  std::vector<FlowRule> rules(static_cast<std::size_t>(count), explicit_rule(count));
+  if (scheme == DiffusionScheme::matched) {
+    if (!map.steps_along_row.empty() && !map.steps_down_column.empty()) {
+      flow.steps_along_row = &map.steps_along_row;
+      flow.steps_down_column = &map.steps_down_column;
     }
-    return now;
-  }
-  const auto passes = matched_passes(map.inner_px, widest);
-  for (const auto& pass : passes)
-    if (pass.offset_px > std::min(light.width(), light.height()))
+    std::ranges::transform(matched_passes(map.inner_px, widest), rules.begin(), matched_rule);
+    const int farthest = std::ranges::max(rules, {}, &FlowRule::offset_px).offset_px;
+    if (farthest > std::min(light.width(), light.height()))
       return fail(FaultKind::bad_input, "a blur of {:.1f} px takes steps of {} pixels: the picture has {} x {}", widest,
-                  pass.offset_px, light.width(), light.height());
-  for (const auto& pass : passes) {
-    flow.set_matched(pass, variance, map.steps_along_row, map.steps_down_column);
-    symmetric_pass(now, pass.offset_px, flow, next);
-    std::swap(now, next);
+                  farthest, light.width(), light.height());
   }
+  run_passes(rules, flow, now);
   return now;
 }
 

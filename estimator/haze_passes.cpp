@@ -1,125 +1,126 @@
+// What flows between two pixels is computed once: it is added to the one, and kept until the other, `offset_px` on, is
+// reached and loses it. By then both have been read, so that one picture is enough.
 #include "estimator/haze_passes.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include "estimator/haze_range.hpp"
+#include <cstddef>
 
 namespace kasumi {
 namespace {
 
-// A picture's pixel -1 is its pixel 0 again.
-int mirrored(int at, int size) {
-  if (at < 0) at = -1 - at;
-  return at < size ? at : 2 * size - 1 - at;
+constexpr std::size_t kInCache = std::size_t{4} << 20;  // bytes
+
+// Pixels from `light` on, and what lies `offset_px` to their right and below. `from_left` and `from_above`: what flowed
+// to those that gave it; receive the same of these pixels, from_left `offset_px` on.
+void flow_right_and_down(int count, int offset_px, const float* across, const glm::vec4* right, const float* down,
+                         const glm::vec4* below, glm::vec4* from_left, glm::vec4* from_above, glm::vec4* light) {
+  for (int x = 0; x < count; ++x) {
+    const glm::vec4 own = light[x];
+    const glm::vec4 from_right = across[x] * (right[x] - own), from_below = down[x] * (below[x] - own);
+    light[x] = own + (from_right - from_left[x]) + (from_below - from_above[x]);
+    from_left[x + offset_px] = from_right;
+    from_above[x] = from_below;
+  }
 }
 
-// 1 on one surface, 0 on two.
-float joined(float sum, float other) {
-  float apart = std::abs(sum - other);
-  apart = std::min(apart, kRangeStepTurn - apart);
-  const float t = std::clamp((kOtherSurface - apart) / (kOtherSurface - kSameSurface), 0.0F, 1.0F);
-  return t * t * (3.0F - 2.0F * t);
-}
+// One pass, by rows from the top.
+class Pass {
+ public:
+  Pass(const FlowRule& rule, const FlowMap& map)
+      : rule_(rule),
+        map_(&map),
+        width_(map.wanted_px2.width()),
+        height_(map.wanted_px2.height()),
+        across_(static_cast<std::size_t>(width_ + rule.offset_px)),
+        down_(static_cast<std::size_t>(width_)),
+        from_left_(across_.size()),
+        beyond_right_(static_cast<std::size_t>(rule.offset_px)),
+        from_above_(width_, rule.offset_px),
+        beyond_bottom_(width_, rule.offset_px) {}
+  int offset_px() const { return rule_.offset_px; }
+  // What it works with from row to row, the rows between it and the pass before included.
+  static std::size_t bytes(const FlowRule& rule, int width) {
+    return 2 * static_cast<std::size_t>(rule.offset_px) * static_cast<std::size_t>(width) * sizeof(glm::vec4);
+  }
+
+  // The rows down to y + offset_px are as the pass before left them.
+  void replace_row(int y, Image<glm::vec4>& light) {
+    const int d = rule_.offset_px, in_picture = width_ - d;
+    if (y == 0) flow_from_beyond_top(light);
+    if (y + d == height_)
+      for (int i = 0; i < d; ++i) std::copy_n(light.row(height_ - 1 - i), width_, beyond_bottom_.row(i));
+    const bool inside = y + d < height_;
+    weigh_along_row(y);
+    weigh_down_column(y, inside ? y + d : 2 * height_ - 1 - y - d);
+
+    glm::vec4 *row = light.row(y), *from_above = from_above_.row(y % d);
+    const glm::vec4* below = inside ? light.row(y + d) : beyond_bottom_.row(y + d - height_);
+    const float *across = across_.data() + d, *down = down_.data();
+    glm::vec4 *from_left = from_left_.data(), *beyond = beyond_right_.data();
+    for (int i = 0; i < d; ++i) {
+      from_left[i] = across_[static_cast<std::size_t>(i)] * (row[i] - row[d - 1 - i]);
+      beyond[i] = row[width_ - 1 - i];
+    }
+    flow_right_and_down(in_picture, d, across, row + d, down, below, from_left, from_above, row);
+    flow_right_and_down(d, d, across + in_picture, beyond, down + in_picture, below + in_picture,
+                        from_left + in_picture, from_above + in_picture, row + in_picture);
+  }
+
+ private:
+  void weigh(const Image<float>* steps, int x, int y, int other_x, int other_y, int count, float* flow) const {
+    conductances(rule_, map_->wanted_px2.row(y) + x, map_->wanted_px2.row(other_y) + other_x, count, flow);
+    if (steps != nullptr) stop_at_steps(steps->row(y) + x, steps->row(other_y) + other_x, count, flow);
+  }
+  // across_[i]: between pixels i - d and i.
+  void weigh_along_row(int y) {
+    const int d = rule_.offset_px;
+    const auto* steps = map_->steps_along_row;
+    weigh(steps, 0, y, d, y, width_ - d, across_.data() + d);
+    for (int i = 0; i < d; ++i) {  // mirrored
+      weigh(steps, d - 1 - i, y, i, y, 1, across_.data() + i);
+      weigh(steps, width_ - d + i, y, width_ - 1 - i, y, 1, across_.data() + width_ + i);
+    }
+  }
+  void weigh_down_column(int y, int other_y) { weigh(map_->steps_down_column, 0, y, 0, other_y, width_, down_.data()); }
+  void flow_from_beyond_top(const Image<glm::vec4>& light) {
+    const int d = rule_.offset_px;
+    for (int y = 0; y < d; ++y) {
+      const int mirrored = d - 1 - y;
+      weigh_down_column(y, mirrored);
+      for (int x = 0; x < width_; ++x)
+        from_above_.at(x, y) = down_[static_cast<std::size_t>(x)] * (light.at(x, y) - light.at(x, mirrored));
+    }
+  }
+
+  FlowRule rule_;
+  const FlowMap* map_;
+  int width_, height_;
+  std::vector<float> across_, down_;
+  std::vector<glm::vec4> from_left_, beyond_right_;
+  Image<glm::vec4> from_above_;     // of row y: row y % offset_px
+  Image<glm::vec4> beyond_bottom_;  // mirrored, as they were before they were replaced
+};
 
 }  // namespace
 
-// `between(rates of one row, of another, steps' sums of both, pixel in the one, in the other)`.
-template <class Between>
-void Conductances::set(int offset_px, Between between) {
-  const int width = rate_.width(), height = rate_.height(), d = offset_px;
-  for (int y = 0; y < height; ++y) {
-    float *right = right_.row(y), *left = left_of_edge_.row(y);
-    const auto in_row = between(rate_.row(y), rate_.row(y), y, y, true);
-    for (int x = 0; x < width - d; ++x) right[x] = in_row(x, x + d);
-    for (int x = std::max(width - d, 0); x < width; ++x) right[x] = in_row(x, mirrored(x + d, width));
-    for (int x = 0; x < std::min(d, width); ++x) left[x] = in_row(x, mirrored(x - d, width));
-    const int below = mirrored(y + d, height);
-    const auto to_below = between(rate_.row(y), rate_.row(below), y, below, false);
-    float* down = down_.row(y);
-    for (int x = 0; x < width; ++x) down[x] = to_below(x, x);
-    if (y >= d) continue;
-    const int above = mirrored(y - d, height);
-    const auto to_above = between(rate_.row(y), rate_.row(above), y, above, false);
-    for (int x = 0; x < width; ++x) above_edge_.at(x, y) = to_above(x, x);
-  }
-}
-
-void Conductances::set_means(const Image<float>& rate) {
-  rate_ = rate;
-  set(1, [](const float* one, const float* other, int, int, bool) {
-    return [=](int x, int ox) { return 0.5F * (one[x] + other[ox]); };
-  });
-}
-
-void Conductances::set_matched(const MatchedPass& pass, const Image<float>& wanted_px2,
-                               const Image<float>& steps_along_row, const Image<float>& steps_down_column) {
-  const auto from = static_cast<float>(pass.from_px2), most = static_cast<float>(pass.variance_px2);
-  const auto per_variance = static_cast<float>(0.5 / (static_cast<double>(pass.offset_px) * pass.offset_px));
-  std::ranges::transform(wanted_px2.elements(), rate_.elements().begin(),
-                         [&](float wanted) { return per_variance * std::min(std::max(wanted - from, 0.0F), most); });
-  if (steps_along_row.empty() || steps_down_column.empty()) {
-    set(pass.offset_px, [](const float* one, const float* other, int, int, bool) {
-      return [=](int x, int ox) { return std::min(one[x], other[ox]); };
-    });
-    return;
-  }
-  set(pass.offset_px, [&](const float* one, const float* other, int y, int other_y, bool along_row) {
-    const auto& steps = along_row ? steps_along_row : steps_down_column;
-    const float *sum = steps.row(y), *other_sum = steps.row(other_y);
-    return [=](int x, int ox) { return std::min(one[x], other[ox]) * joined(sum[x], other_sum[ox]); };
-  });
-}
-
-void symmetric_pass(const Image<glm::vec4>& from, int offset_px, const Conductances& flow, Image<glm::vec4>& to) {
-  const int width = from.width(), height = from.height(), d = offset_px;
-  for (int y = 0; y < height; ++y) {
-    const glm::vec4 *here = from.row(y), *above = from.row(mirrored(y - d, height)),
-                    *below = from.row(mirrored(y + d, height));
-    const float *right = flow.right_.row(y), *left = flow.left_of_edge_.row(y), *down = flow.down_.row(y),
-                *up = y < d ? flow.above_edge_.row(y) : flow.down_.row(y - d);
-    glm::vec4* out = to.row(y);
-    const auto put = [&](int x, float to_left, int before, int after) {
-      const glm::vec4 own = here[x];
-      out[x] = own + right[x] * (here[after] - own) + to_left * (here[before] - own) + down[x] * (below[x] - own) +
-               up[x] * (above[x] - own);
-    };
-    const int first = std::min(d, width), last = std::max(first, width - d);
-    for (int x = 0; x < first; ++x) put(x, left[x], mirrored(x - d, width), mirrored(x + d, width));
-    for (int x = first; x < last; ++x) put(x, right[x - d], x - d, x + d);
-    for (int x = last; x < width; ++x) put(x, right[x - d], x - d, mirrored(x + d, width));
-  }
-}
-
-void invariant_pass(const Image<glm::vec4>& from, const Image<float>& rate, double inner_px, int k,
-                    Image<glm::vec4>& to) {
-  const int width = from.width(), height = from.height();
-  // Between four pixels, as a GPU's filter reads them; its edge holds beyond.
-  const auto between = [&](const auto& image, float x, float y) {
-    x = std::clamp(x, 0.0F, static_cast<float>(width - 1));
-    y = std::clamp(y, 0.0F, static_cast<float>(height - 1));
-    const int left = static_cast<int>(x), top = static_cast<int>(y);
-    const int right = std::min(left + 1, width - 1), bottom = std::min(top + 1, height - 1);
-    const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
-    return (image.at(left, top) * (1.0F - u) + image.at(right, top) * u) * (1.0F - v) +
-           (image.at(left, bottom) * (1.0F - u) + image.at(right, bottom) * u) * v;
-  };
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const float own_rate = rate.at(x, y);
-      const float d = static_cast<float>(inner_px) * std::exp(static_cast<float>(k) * own_rate);
-      const glm::vec4 own = from.at(x, y);
-      glm::vec4 sum = own;
-      const auto flow = [&](float ux, float uy) {
-        const float nx = static_cast<float>(x) + ux, ny = static_cast<float>(y) + uy;
-        sum += 0.5F * (own_rate + between(rate, nx, ny)) * (between(from, nx, ny) - own);
-      };
-      flow(d, 0.0F);
-      flow(-d, 0.0F);
-      flow(0.0F, d);
-      flow(0.0F, -d);
-      to.at(x, y) = sum;
+void run_passes(const std::vector<FlowRule>& rules, const FlowMap& map, Image<glm::vec4>& light) {
+  for (auto rule = rules.begin(); rule != rules.end();) {
+    std::vector<Pass> together;
+    int behind = 0;
+    for (std::size_t bytes = 0; rule != rules.end(); ++rule) {
+      bytes += Pass::bytes(*rule, light.width());
+      if (!together.empty() && bytes > kInCache) break;
+      together.emplace_back(*rule, map);
+      behind += rule->offset_px;
     }
+    for (int front = 0; front < light.height() + behind; ++front) {
+      int y = front;
+      for (auto& pass : together) {
+        y -= pass.offset_px();
+        if (y >= 0 && y < light.height()) pass.replace_row(y, light);
+      }
+    }
+  }
 }
 
 }  // namespace kasumi
