@@ -7,6 +7,7 @@ set(AIR_SOURCES
   measured_sky.cpp object_light.cpp site_sky.cpp clear_sky_light.cpp retarget.cpp
   guided_filter.cpp depth_from_haze.cpp
   landmark_contrast.cpp landmark_extinction.cpp landmark_air.cpp air_path.cpp dome.cpp dome_table.cpp)
+list(APPEND AIR_SOURCES land_around.cpp picture_noise.cpp picture_paths.cpp)
 set(AIR_LIBRARIES Ceres::ceres opencv_core opencv_imgproc)
 
 # Haze that blurs.

@@ -1,5 +1,6 @@
 #include "estimator/guided_filter.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <glm/mat3x3.hpp>
@@ -27,18 +28,33 @@ class WindowMean {
 
 }  // namespace
 
-Image<float> guided_filter(const Image<glm::vec3>& guide, const Image<float>& input, int radius_px, double epsilon) {
-  const int width = guide.width(), height = guide.height();
-  const WindowMean mean({width, height}, radius_px);
-  cv::Mat p(height, width, CV_64F);
+Image<float> guided_filter(const Image<glm::vec3>& guide, const Image<float>& input, int radius_px, double epsilon,
+                           int step) {
+  const cv::Size whole(guide.width(), guide.height());
+  cv::Mat p(whole, CV_64F);
   std::array<cv::Mat, 3> channel;
-  for (auto& plane : channel) plane.create(height, width, CV_64F);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+  for (auto& plane : channel) plane.create(whole, CV_64F);
+  for (int y = 0; y < whole.height; ++y)
+    for (int x = 0; x < whole.width; ++x) {
       p.at<double>(y, x) = static_cast<double>(input.at(x, y));
       for (int c = 0; c < 3; ++c)
         channel[static_cast<std::size_t>(c)].at<double>(y, x) = static_cast<double>(guide.at(x, y)[c]);
     }
+  const auto seen = channel;
+  if (step > 1) {
+    const cv::Size smaller(std::max(1, whole.width / step), std::max(1, whole.height / step));
+    for (auto& plane : channel) {
+      cv::Mat shrunk;
+      cv::resize(plane, shrunk, smaller, 0.0, 0.0, cv::INTER_AREA);
+      plane = shrunk;
+    }
+    cv::Mat shrunk;
+    cv::resize(p, shrunk, smaller, 0.0, 0.0, cv::INTER_AREA);
+    p = shrunk;
+    radius_px = std::max(1, radius_px / step);
+  }
+  const int width = p.cols, height = p.rows;
+  const WindowMean mean({width, height}, radius_px);
   const cv::Mat mean_p = mean(p);
   std::array<cv::Mat, 3> mean_i, with_p, slope;
   std::array<std::array<cv::Mat, 3>, 3> with;
@@ -66,11 +82,15 @@ Image<float> guided_filter(const Image<glm::vec3>& guide, const Image<float>& in
       for (std::size_t i = 0; i < 3; ++i) slope[i].at<double>(y, x) = a[static_cast<int>(i)];
       offset.at<double>(y, x) = mean_p.at<double>(y, x) - glm::dot(a, means);
     }
-  cv::Mat result = mean(offset);
-  for (std::size_t i = 0; i < 3; ++i) result += mean(slope[i]).mul(channel[i]);
-  Image<float> filtered(width, height);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) filtered.at(x, y) = static_cast<float>(result.at<double>(y, x));
+  const auto enlarged = [&](cv::Mat smooth) {
+    if (step > 1) cv::resize(smooth, smooth, whole, 0.0, 0.0, cv::INTER_LINEAR);
+    return smooth;
+  };
+  cv::Mat result = enlarged(mean(offset));
+  for (std::size_t i = 0; i < 3; ++i) result += enlarged(mean(slope[i])).mul(seen[i]);
+  Image<float> filtered(whole.width, whole.height);
+  for (int y = 0; y < whole.height; ++y)
+    for (int x = 0; x < whole.width; ++x) filtered.at(x, y) = static_cast<float>(result.at<double>(y, x));
   return filtered;
 }
 

@@ -1,90 +1,103 @@
 #include "estimator/retarget.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
 
 #include "estimator/object_light.hpp"
+#include "estimator/picture_paths.hpp"
 
 namespace kasumi {
 namespace {
 
-// What a path leaves of light under the two airs.
-class Paths {
- public:
-  Paths(const AttenuationNodes& nodes, ScatteringModel model, const std::optional<Turbidity>& turbidity)
-      : clear_(!turbidity) {
-    if (turbidity) haze_ = haze_coefficients(nodes, model, *turbidity);
+const glm::dvec3 kGrey{0.3, 0.6, 0.1};
+
+// The way of one pixel's light from the source's air to the target's, all in units of the light from infinity.
+struct Way {
+  glm::dvec3 left{1.0};   // Gamma_t
+  glm::dvec3 ratio{1.0};  // of what the source shows, Gamma_t / Gamma_s as far as it can be restored
+  double share = 1.0;     // of the way in logarithms
+};
+
+Way way_of(const LogSum& gamma_s, const LogSum& gamma_t, double largest_gain) {
+  // Never e^(+800): what is so far beyond the limit is held there anyway.
+  Way way{gamma_t.value(),
+          glm::exp(glm::min(gamma_t.largest - gamma_s.largest, glm::dvec3{60.0})) * gamma_t.rest / gamma_s.rest, 1.0};
+  if (const double gain = std::max({way.ratio.r, way.ratio.g, way.ratio.b}); gain > largest_gain) {
+    // The same share of the way in all channels, so that what stays is haze and not a colour. Beyond the limit ever
+    // less of the way: what is infinitely far away is sky, and there is no edge between the two.
+    way.share = std::log(std::max(1.0, largest_gain * (largest_gain / gain))) / std::log(gain);
+    way.ratio = glm::pow(way.ratio, glm::dvec3{way.share});
   }
-  // ln of each node's transmittance; its weight stands beside it.
-  glm::dvec3 log_of(int node, const OpticalPath& path) const {
-    if (clear_) return glm::dvec3{0.0};
-    const auto i = static_cast<std::size_t>(node);
-    return -(haze_.rayleigh_per_m[i] * path.rayleigh_m + haze_.mie_per_m[i] * path.mie_m);
+  return way;
+}
+
+// What surfaces send, as it arrives, under the target's light.
+class NewLight {
+ public:
+  explicit NewLight(const RetargetOptions& options)
+      : land_(options.relit.land),
+        sunlit_contrast_(options.contrast_of_light * (options.relit.land - options.relit.sun)),
+        least_(glm::min(options.relit.sun, options.relit.shade)),
+        most_(glm::max(options.relit.sun, options.relit.shade)) {}
+
+  glm::dvec3 of(const glm::dvec3& sent) const { return land_ * sent; }
+  glm::dvec3 of(const glm::dvec3& sent, const glm::dvec3& around, double share) const {
+    const double mean = glm::dot(kGrey, around);
+    if (!(mean > 0.0)) return of(sent);
+    const auto lit = of(sent) - share * sunlit_contrast_ * around * (glm::dot(kGrey, sent) / mean - 1.0);
+    const auto seen = glm::max(sent, glm::dvec3{0.0});
+    return glm::clamp(lit, glm::min(least_ * seen, of(sent)), glm::max(most_ * seen, of(sent)));
   }
 
  private:
-  bool clear_;
-  HazeCoefficients haze_;
+  glm::dvec3 land_, sunlit_contrast_, least_, most_;
 };
-
-// sum of w e^a as e^largest * sum of w e^(a - largest), so that the quotient of two of them holds where both vanish.
-struct LogSum {
-  glm::dvec3 largest, rest;
-};
-LogSum log_sum(const AttenuationNodes& nodes, const Paths& paths, const OpticalPath& path) {
-  std::array<glm::dvec3, kAttenuationNodes> logs;
-  LogSum sum{glm::dvec3{-1e300}, glm::dvec3{0.0}};
-  for (int i = 0; i < kAttenuationNodes; ++i) {
-    logs[static_cast<std::size_t>(i)] = paths.log_of(i, path);
-    sum.largest = glm::max(sum.largest, logs[static_cast<std::size_t>(i)]);
-  }
-  for (std::size_t i = 0; i < logs.size(); ++i) sum.rest += nodes.weight[i] * glm::exp(logs[i] - sum.largest);
-  sum.rest = glm::max(sum.rest, glm::dvec3{1e-12});  // weights of mixed channels may be negative
-  return sum;
-}
-
-const glm::vec3& of_pixel(const Image<glm::vec3>& image, int x, int y) {
-  return image.width() == 1 && image.height() == 1 ? image.at(0, 0) : image.at(x, y);
-}
 
 }  // namespace
 
 Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, const PictureAir& source,
-                    const PictureAir& target, const AttenuationNodes& nodes, const RetargetOptions& options) {
-  const Paths before(nodes, options.scattering, source.turbidity), after(nodes, options.scattering, target.turbidity);
+                    const PictureAir& target, const AttenuationNodes& nodes, const RetargetOptions& options,
+                    const PictureParts& parts) {
+  const PicturePaths before(nodes, options.scattering, source.turbidity),
+      after(nodes, options.scattering, target.turbidity);
+  const NewLight relit(options);
   Retargeted result{Image<glm::vec3>(light.width(), light.height()),
                     Image<std::uint8_t>(light.width(), light.height(), 255), 0.0};
   for (int y = 0; y < light.height(); ++y)
     for (int x = 0; x < light.width(); ++x) {
-      const glm::dvec3 from = of_pixel(source.from_infinity, x, y), to = of_pixel(target.from_infinity, x, y);
-      const auto relative = glm::dvec3(light.at(x, y)) / glm::max(from, glm::dvec3{1e-9});
-      const double distance_m = static_cast<double>(depth.distance_m.at(x, y));
-      if (!(distance_m > 0.0)) {
-        result.light.at(x, y) = to * relative;
-        continue;
+      const auto from = glm::max(glm::dvec3(source.of(x, y)), glm::dvec3{1e-9}), to = glm::dvec3(target.of(x, y));
+      const bool land = depth.distance_m.at(x, y) > 0.0F;
+      Way way;
+      if (land) {
+        const auto path = depth.path(x, y);
+        way = way_of(before.transmittance(path), after.transmittance(path), options.largest_gain);
+        if (way.share < 1.0) {
+          result.restored.at(x, y) = 0;
+          result.too_faint_fraction += 1.0;
+        }
       }
-      const double rise = depth.rise.empty() ? 0.0 : static_cast<double>(depth.rise.at(x, y));
-      const auto path =
-          optical_path(depth.observer_altitude_m, depth.observer_altitude_m + rise * distance_m, distance_m);
-      const LogSum gamma_s = log_sum(nodes, before, path), gamma_t = log_sum(nodes, after, path);
-      // Never e^(+800): what is so far beyond the limit is held there anyway.
-      auto ratio =
-          glm::exp(glm::min(gamma_t.largest - gamma_s.largest, glm::dvec3{60.0})) * gamma_t.rest / gamma_s.rest;
-      if (const double gain = std::max({ratio.r, ratio.g, ratio.b}); gain > options.largest_gain) {
-        result.restored.at(x, y) = 0;
-        result.too_faint_fraction += 1.0;
-        // The same share of the way in all channels, so that what stays is haze and not a colour. Beyond the limit ever
-        // less of the way: what is infinitely far away is sky, and there is no edge between the two.
-        const double allowed = std::max(1.0, options.largest_gain * (options.largest_gain / gain));
-        ratio = glm::pow(ratio, glm::dvec3{std::log(allowed) / std::log(gain)});
+      const auto under = [&](const glm::dvec3& seen) {
+        if (!land) return to * seen / from;
+        const auto sent = way.left + way.ratio * (seen / from - 1.0);
+        const auto lit = parts.land_around.empty()
+                             ? relit.of(sent)
+                             : relit.of(sent, way.left * glm::dvec3(parts.land_around.at(x, y)), way.share);
+        return to * glm::max(1.0 - way.left + lit, glm::dvec3{0.0});
+      };
+      const auto seen = glm::dvec3(light.at(x, y));
+      auto made = under(seen);
+      if (!parts.clean.empty()) {
+        constexpr double kDark = 1e-4;  // of full scale; below, noise is not the light's
+        const auto clean = glm::dvec3(parts.clean.at(x, y)), signal = under(clean);
+        const auto noise = glm::abs(seen - clean) *
+                           glm::sqrt(glm::max(signal, glm::dvec3{kDark}) / glm::max(clean, glm::dvec3{kDark}));
+        made = signal + glm::clamp(made - signal, -noise, noise);
       }
-      const auto left = glm::exp(gamma_t.largest) * gamma_t.rest;
-      const auto seen = 1.0 + options.relit * ratio * (relative - 1.0) + left * (options.relit - 1.0);
-      result.light.at(x, y) = to * glm::max(seen, glm::dvec3{0.0});
+      result.light.at(x, y) = glm::max(made, glm::dvec3{0.0});
     }
   result.too_faint_fraction /= std::max<double>(1.0, static_cast<double>(light.elements().size()));
   return result;
@@ -106,19 +119,30 @@ Image<float> rise_of(const Camera& camera) {
   return rise;
 }
 
-glm::dvec3 relighting(const Camera& camera, const std::optional<Turbidity>& source,
+Relighting relighting(const Camera& camera, const std::optional<Turbidity>& source,
                       const std::optional<Turbidity>& target, const SunDirection& sun, const Direction& view,
                       double altitude_m) {
+  struct OnGround {
+    glm::dvec3 sun, sky;
+  };
   const auto on_ground = [&](const std::optional<Turbidity>& turbidity) {
     DaylightOptions options;
     options.altitude_m = altitude_m;
     options.model = SiteSkyModel::preetham;  // the T asked for is the papers', which the dome's table ends long before
     const Daylight daylight(camera, turbidity.value_or(kLowestTurbidity), sun, options);
     const auto& light = daylight.on_object();
-    const auto level = light.sun_irradiance * std::max(0.0, sun.z) + irradiance(light.around, {0, 0, 1});
-    return level / daylight.airlight(raised_to_horizon(view));
+    const auto unit = daylight.airlight(raised_to_horizon(view));
+    return OnGround{light.sun_irradiance * std::max(0.0, sun.z) / unit, irradiance(light.around, {0, 0, 1}) / unit};
   };
-  return on_ground(target) / on_ground(source);
+  const auto before = on_ground(source), after = on_ground(target);
+  const auto land = (after.sun + after.sky) / (before.sun + before.sky);
+  Relighting found{land, land, land};
+  for (int c = 0; c < 3; ++c)
+    if (before.sun[c] > 0.0 && before.sky[c] > 0.0) {
+      found.sun[c] = after.sun[c] / before.sun[c];
+      found.shade[c] = after.sky[c] / before.sky[c];
+    }
+  return found;
 }
 
 }  // namespace kasumi

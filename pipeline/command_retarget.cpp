@@ -92,6 +92,8 @@ void add_retarget_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag("--keep-reflectance", a.keep_reflectance,
                     "As the paper: the light on the scene does not change with the air");
+  command->add_flag("--amplify-noise", a.amplify_noise,
+                    "Treat noise as light of the scene: what comes out of the haze is the grainier");
   command->add_flag("--same-exposure", a.same_exposure,
                     "Keep the exposure; else the horizon stays as bright, as an automatic exposure would have it");
   command

@@ -7,7 +7,9 @@
 #include "base/geometry.hpp"
 #include "base/picture.hpp"
 #include "estimator/depth_from_haze.hpp"
+#include "estimator/land_around.hpp"
 #include "estimator/object_light.hpp"
+#include "estimator/picture_noise.hpp"
 
 namespace kasumi {
 namespace {
@@ -68,6 +70,7 @@ Result<> OtherAir::take(Photograph photograph, const std::string& name) {
   quantum_ = photograph.quantum;
   if (setup_.from_haze) {
     guess_from_haze(photograph);
+    part(photograph);
     return {};
   }
   if (!setup_.airlight) {
@@ -91,7 +94,17 @@ Result<> OtherAir::take(Photograph photograph, const std::string& name) {
   }
   light_ = light_of(camera, encoded);
   source_ = {setup_.source, from_infinity(setup_.airlight, horizon_ ? &*horizon_ : nullptr, setup_.source)};
+  part(photograph);
   return {};
+}
+
+void OtherAir::part(const Photograph& photograph) {
+  parts_ = {};
+  if (!setup_.amplify_noise)
+    if (const auto noise = noise_of(photograph.encoded); noise != glm::dvec3{0.0})
+      parts_.clean = light_of(setup_.camera, without_noise(photograph.encoded, noise));
+  if (setup_.relight && setup_.sun)
+    parts_.land_around = land_around(light_, depth_, source_, nodes_, {.scattering = setup_.scattering});
 }
 
 void OtherAir::guess_from_haze(const Photograph& photograph) {
@@ -156,7 +169,7 @@ UnderOtherAir OtherAir::under(const std::optional<Turbidity>& target) const {
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
   if (setup_.relight && setup_.sun && middle)
     options.relit = relighting(camera, setup_.source, target, *setup_.sun, *middle, setup_.altitude_m);
-  auto made = retarget(light_, depth_, source_, {target, targets(target)}, nodes_, options);
+  auto made = retarget(light_, depth_, source_, {target, targets(target)}, nodes_, options, parts_);
   UnderOtherAir found;
   found.picture.encoded = encoded_of(camera, made.light);
   found.picture.quantum = quantum_;

@@ -32,7 +32,8 @@ struct OtherAirSetup {
   // By the sky model: the source's exposure; else one that keeps the horizon as bright, as an automatic one would.
   bool same_exposure = false;
   ScatteringModel scattering = ScatteringModel::morales2017;
-  bool relight = true;  // false: surfaces keep their light in units of the light from infinity, as in M Eq 25
+  bool relight = true;         // false: surfaces keep their light in units of the light from infinity, as in M Eq 25
+  bool amplify_noise = false;  // as if it were light of the scene
   double largest_gain = RetargetOptions{}.largest_gain;
 };
 
@@ -59,6 +60,8 @@ class OtherAir {
 
  private:
   void guess_from_haze(const Photograph& photograph);
+  // Its noise, its sun and shade.
+  void part(const Photograph& photograph);
   // Light from infinity of the picture that was taken in, or what the target's options say.
   Image<glm::vec3> from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,
                                  Turbidity turbidity) const;
@@ -71,6 +74,7 @@ class OtherAir {
   Image<glm::vec3> light_;
   PictureDepth depth_;
   PictureAir source_;
+  PictureParts parts_;
   std::optional<HorizonLight> horizon_;
 };
 

@@ -151,6 +151,7 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
   setup.target_airlight = light_of(a.target_airlight);
   setup.scattering = scattering_model_named(a.scattering).value_or(ScatteringModel::morales2017);
   setup.relight = !a.keep_reflectance;
+  setup.amplify_noise = a.amplify_noise;
   setup.same_exposure = a.same_exposure;
   setup.largest_gain = a.largest_gain;
   if (!a.target_picture.empty()) {

@@ -17,7 +17,7 @@ struct RetargetArguments {
   double field_of_view_deg = 50.0, pitch_deg = 0.0, altitude_m = 0.0;
   double largest_gain = RetargetOptions{}.largest_gain;
   std::vector<double> airlight, target_airlight;
-  bool keep_reflectance = false, same_exposure = false, from_haze = false;
+  bool keep_reflectance = false, amplify_noise = false, same_exposure = false, from_haze = false;
 };
 
 struct RetargetTask {

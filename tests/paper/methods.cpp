@@ -6,6 +6,8 @@
 
 #include "estimator/depth_from_haze.hpp"
 #include "estimator/horizon.hpp"
+#include "estimator/land_around.hpp"
+#include "estimator/picture_noise.hpp"
 #include "estimator/retarget.hpp"
 #include "tests/paper/single_image.hpp"
 
@@ -35,6 +37,13 @@ Image<glm::vec3> values_of(const Image<Rgb8>& picture) {
   for (std::size_t i = 0; i < values.elements().size(); ++i)
     values.elements()[i] = glm::vec3(picture.elements()[i]) / 255.0F;
   return values;
+}
+
+Image<glm::vec3> light_of(const Camera& camera, const Image<glm::vec3>& values) {
+  Image<glm::vec3> light(values.width(), values.height());
+  for (int y = 0; y < light.height(); ++y)
+    for (int x = 0; x < light.width(); ++x) light.at(x, y) = camera.light_at({x, y}, glm::dvec3(values.at(x, y)));
+  return light;
 }
 
 template <class Operation>
@@ -135,13 +144,12 @@ Experiment experiment_of(const Scene& source, double source_turbidity, const Sce
 
 std::vector<Judged> judge_methods(const Experiment& given, double most_thickness) {
   const auto spectral = attenuation_nodes(spectral_measure(given.camera));
-  Image<glm::vec3> light(given.picture.width(), given.picture.height());
-  for (int y = 0; y < light.height(); ++y)
-    for (int x = 0; x < light.width(); ++x)
-      light.at(x, y) = given.camera.light_at({x, y}, glm::dvec3(given.picture.at(x, y)) / 255.0);
-  const auto by_distance = [&](const RetargetOptions& options, const AttenuationNodes& nodes) {
+  const auto values = values_of(given.picture);
+  const auto light = light_of(given.camera, values);
+  const auto by_distance = [&](const RetargetOptions& options, const AttenuationNodes& nodes,
+                               const PictureParts& parts = {}) {
     return pixels_of(
-        encoded(given.camera, retarget(light, given.depth, given.source, given.target, nodes, options).light));
+        encoded(given.camera, retarget(light, given.depth, given.source, given.target, nodes, options, parts).light));
   };
   std::vector<Judged> all;
   for (const Method method : kMethods) {
@@ -151,11 +159,18 @@ std::vector<Judged> judge_methods(const Experiment& given, double most_thickness
     }
     Best best(method, given.truth);
     RetargetOptions options;
-    if (method == Method::zhao) options.scattering = ScatteringModel::zhao;
-    if (method == Method::ours) options.relit = given.relit;
-    best.offer(method == Method::untouched
-                   ? given.picture
-                   : by_distance(options, method == Method::ours && given.fog ? grey_attenuation_nodes() : spectral));
+    if (method == Method::ours) {
+      const auto nodes = given.fog ? grey_attenuation_nodes() : spectral;
+      options.relit = given.relit;
+      best.offer(by_distance(options, nodes,
+                             {light_of(given.camera, without_noise(values, noise_of(values))),
+                              land_around(light, given.depth, given.source, nodes)}));
+    } else if (method == Method::untouched) {
+      best.offer(given.picture);
+    } else {
+      if (method == Method::zhao) options.scattering = ScatteringModel::zhao;
+      best.offer(by_distance(options, spectral));
+    }
     all.push_back(std::move(best).found());
   }
   return all;

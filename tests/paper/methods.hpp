@@ -29,14 +29,15 @@ struct Experiment {
   Image<Rgb8> picture, truth;
   PictureDepth depth;
   PictureAir source, target;  // light from infinity of every pixel
-  glm::dvec3 relit{1.0};      // ours alone
+  Relighting relit;           // ours alone
   bool fog = false;           // ours alone: droplets, which take of all colours alike
 };
 // Light from infinity as measured at the two pictures' horizons.
 Experiment experiment_of(const Scene& source, double source_turbidity, const Scene& target, double target_turbidity);
 
 // What each is given. All: the light from infinity of source and target, and which pixels are sky. Ours, M, Zhao: both
-// turbidities, the distances, the camera's sensitivity. Zhao 2012 is a thesis that is not public; M Sect 5.2 gives its
+// turbidities, the distances, the camera's sensitivity; ours besides what it makes of
+// the picture itself, its noise and its land. Zhao 2012 is a thesis that is not public; M Sect 5.2 gives its
 // concentration factor, M14 its use: M's rendering equation with Preetham's coefficients times .01, and so it is here.
 // He, Zhu: their own transmission from the source picture, as published; the haze is then made so many times as thick
 // (t^k) as makes the picture most alike the true one, k searched from 1 (`most_thickness`: to what) for each of the two

@@ -7,7 +7,7 @@
 namespace kasumi::paper {
 namespace {
 
-void compare(const Place& place, const std::vector<double>& turbidities, double allowed_below) {
+void compare(const Place& place, const std::vector<double>& turbidities) {
   const auto land = land_at(place);
   const auto source = scene_at(land, 1.9, 31);
   for (const double turbidity : turbidities) {
@@ -18,7 +18,7 @@ void compare(const Place& place, const std::vector<double>& turbidities, double 
     for (const auto& one : judged) {
       fmt::print("  {} {:.4f} {:.3f}", name_of(one.method), one.ssim, one.colour.combined());
       if (one.method != Method::he && one.method != Method::zhu && one.method != Method::zhao) continue;
-      EXPECT_GT(ours.ssim, one.ssim - allowed_below) << name_of(one.method) << ", T " << turbidity;
+      EXPECT_GT(ours.ssim, one.ssim) << name_of(one.method) << ", T " << turbidity;
       EXPECT_GT(ours.colour.combined(), one.colour.combined()) << name_of(one.method) << ", T " << turbidity;
     }
     fmt::print("\n");
@@ -28,16 +28,15 @@ void compare(const Place& place, const std::vector<double>& turbidities, double 
 const std::vector<double> kPapersTurbidities{2.11, 2.54, 2.94, 4.36};
 
 TEST(Methods, NoneOfThePapersBaselinesComesAsNearAsOurs) {
-  compare({.width = 240, .height = 136}, kPapersTurbidities, 0.0);
+  compare({.width = 240, .height = 136}, kPapersTurbidities);
   compare({.terrain = 5, .sun_zenith_deg = 35.0, .sun_azimuth_deg = 300.0, .width = 240, .height = 136},
-          kPapersTurbidities, 0.0);
+          kPapersTurbidities);
 }
 
-// A forest under a sun 25 deg high: half of what is seen stands in shade, which thicker haze lights up. Nobody here
-// knows which half, and a baseline whose haze was chosen by the true picture may come .002 nearer in structure.
-TEST(Methods, UnderALowSunTheColoursStayNearest) {
-  compare({.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0, .width = 240, .height = 136}, {2.11, 4.36},
-          0.002);
+// A forest under a sun 25 deg high: half of what is seen stands in shade, which thicker haze lights up while it dims
+// what is in the sun.
+TEST(Methods, NeitherDoTheyUnderALowSunOverAForest) {
+  compare({.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0, .width = 240, .height = 136}, {2.11, 4.36});
 }
 
 }  // namespace
