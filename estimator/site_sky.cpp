@@ -1,7 +1,6 @@
 #include "estimator/site_sky.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/common.hpp>
@@ -28,23 +27,6 @@ std::optional<SiteSkyModel> site_sky_model_named(std::string_view name) {
 SiteSkyModel resolved(SiteSkyModel model, double altitude_m) {
   if (model != SiteSkyModel::automatic) return model;
   return altitude_m > kHighestPreethamSite_m ? SiteSkyModel::dome : SiteSkyModel::preetham;
-}
-
-Turbidity dome_turbidity(Turbidity estimated) {
-  struct Pair {
-    double estimated, dome;
-  };
-  // Medians over the sun's zenith angles 30, 45, 60 and 75 deg (DomeTurbidity prints them).
-  constexpr std::array kPairs{Pair{1.995, 1.7}, Pair{2.015, 2.0}, Pair{2.055, 2.5}, Pair{2.075, 3.0},
-                              Pair{2.135, 4.0}, Pair{2.33, 6.0},  Pair{2.53, 8.0},  Pair{2.73, 10.0}};
-  if (estimated.value <= kPairs.front().estimated) return Turbidity{kPairs.front().dome};
-  for (std::size_t i = 1; i < kPairs.size(); ++i) {
-    const Pair &low = kPairs[i - 1], &high = kPairs[i];
-    if (estimated.value < high.estimated)
-      return Turbidity{
-          std::lerp(low.dome, high.dome, (estimated.value - low.estimated) / (high.estimated - low.estimated))};
-  }
-  return Turbidity{kPairs.back().dome};
 }
 
 SiteSky::SiteSky(SiteSkyModel model, Turbidity turbidity, const SunDirection& sun, double altitude_m)

@@ -26,11 +26,6 @@ struct SkyToFit {
   double altitude_m = 0.0;  // of the observer; the dome knows it
 };
 
-// The dome's T whose sky is taken for one of Preetham's `estimated`, for who has a T of his only: measured on domes
-// seen from the sea (docs/sky.md). Preetham's skies change far more with his T than skies of as much aerosol do, so a
-// little of the one is much of the other: 2.0 is 1.7, 2.13 is 4, 2.7 is 10.
-Turbidity dome_turbidity(Turbidity estimated);
-
 class SiteSky {
  public:
   SiteSky(SkyModel sky) : sky_(sky) {}  // NOLINT: a sky model is a clear sky

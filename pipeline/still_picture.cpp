@@ -47,16 +47,13 @@ void cover(SkyScene& scene, const SkySums& sums, double clouds) {
 
 }  // namespace
 
-std::optional<StillSky> still_sky(const SkyReport& report, SiteSkyModel estimated) {
+std::optional<StillSky> still_sky(const SkyReport& report) {
   const auto sky = report.estimate.sky;
   if (report.sun.source == SunSource::none || sky == SkyCondition::night) return std::nullopt;
   StillSky found;
   found.sun = report.sun.direction;
   if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil dusk has ended
-  if (report.tracked) {
-    const Turbidity turbidity = report.tracked->turbidity;
-    found.turbidity = estimated == SiteSkyModel::dome ? turbidity : dome_turbidity(turbidity);
-  }
+  if (report.tracked) found.turbidity = report.tracked->turbidity;  // Preetham's too means his optical depth of haze
   if (sky == SkyCondition::overcast)
     found.clouds = 1.0;
   else if (sky == SkyCondition::partly_cloudy)
@@ -67,7 +64,7 @@ std::optional<StillSky> still_sky(const SkyReport& report, SiteSkyModel estimate
 Result<StillPicture> StillPicture::create(GlContext& context, const Content& content) {
   StillPicture still(context);
   still.scene_ = content.config.installation.scene;
-  still.sky_ = content.config.installation.sky_to_fit();
+  still.altitude_m_ = content.config.installation.site.altitude_m;
   auto ground = FlatPicture::create(context, Image<Rgba8>(1, 1, kStillGround));
   if (!ground) return fail(ground.error());
   still.ground_ = std::move(*ground);
@@ -100,7 +97,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   const int width = curated_ ? curated_->width() : target.width, height = curated_ ? curated_->height() : target.height;
   const SkyView view = view_of_sky(scene_, width, height);
   SkyRequest request;
-  request.altitude_m = sky_.altitude_m;
+  request.altitude_m = altitude_m_;
   request.turbidity = sky.turbidity;
   request.sun = sky.sun;
   auto scene = sky_scene(request);
@@ -138,7 +135,7 @@ Result<> StillPicture::draw_plain(const DrawTarget& target, double opacity) {
 
 Result<> StillPicture::draw(const DrawTarget& target, const SkyReport& report, double opacity) {
   if (opacity <= 0.0) return {};
-  const auto sky = shows_sky_ ? still_sky(report, sky_.model) : std::nullopt;
+  const auto sky = shows_sky_ ? still_sky(report) : std::nullopt;
   if (!sky) return draw_plain(target, opacity);
   if (!holds(target, *sky))
     if (auto drawn = redraw(target, *sky); !drawn) {

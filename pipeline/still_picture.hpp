@@ -16,13 +16,13 @@ constexpr Rgba8 kStillGround{38, 44, 52, 255};
 
 // What its sky is drawn from.
 struct StillSky {
-  Turbidity turbidity{3.0};  // the dome's; of an ordinary clear day
+  Turbidity turbidity{3.0};  // of an ordinary clear day
   SunDirection sun{0.0, 0.0, 1.0};
   double clouds = 0.0;  // share of the sky: the more, the greyer
 };
-// `estimated`: whose T the report's is. Empty while nobody knows where the sun is, or that it is night or the lens
+// Empty while nobody knows where the sun is, or that it is night or the lens
 // covered: then there is no sky to show.
-std::optional<StillSky> still_sky(const SkyReport& report, SiteSkyModel estimated);
+std::optional<StillSky> still_sky(const SkyReport& report);
 
 class StillPicture {
  public:
@@ -46,7 +46,7 @@ class StillPicture {
 
   GlContext* context_;
   Camera scene_;
-  SkyToFit sky_;
+  double altitude_m_ = 0.0;  // of the site
   bool shows_sky_ = true;
   std::optional<FlatPicture> curated_;
   std::optional<FlatPicture> ground_;  // one pixel

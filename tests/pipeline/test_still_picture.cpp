@@ -88,7 +88,7 @@ TEST_F(StillPictureTest, WhereItIsTransparentTheSkyOfTheDayShows) {
   EXPECT_LT(std::abs(grey.b - grey.r), 12) << "grey under clouds";
   const auto dusk = drawn(content(wall()), report(93.0));
   EXPECT_LT(luminance(dusk.at(kWidth / 2, 5)), 0.8 * luminance(sky)) << "darker at dusk";
-  const auto haze = drawn(content(wall()), report(40.0, SkyCondition::clear, 2.7)).at(kWidth / 2, 5);
+  const auto haze = drawn(content(wall()), report(40.0, SkyCondition::clear, 6.0)).at(kWidth / 2, 5);
   EXPECT_LT(haze.b - haze.r, sky.b - sky.r) << "paler in haze";
 
   std::filesystem::create_directories(test_output_folder());

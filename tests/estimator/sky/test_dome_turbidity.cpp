@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "estimator/dome.hpp"
-#include "estimator/site_sky.hpp"
 #include "estimator/turbidity.hpp"
 #include "tests/estimator/sky/synthetic_sky.hpp"
 
@@ -66,19 +65,6 @@ TEST(DomeTurbidity, TheEstimateRisesWithTheTrueAerosol) {
       fmt::print("\n");
     }
   }
-}
-
-TEST(DomeTurbidity, IsFoundAgainFromTheEstimate) {
-  const Camera camera = upward_camera(240);
-  for (const double sun_zenith_deg : {38.0, 66.0})
-    for (const double turbidity : {2.2, 3.5, 5.0, 7.0, 9.0}) {
-      const auto found = estimate_in(0.0, turbidity, sun_zenith_deg, camera);
-      ASSERT_TRUE(found.usable);
-      const double again = dome_turbidity(found.turbidity).value;
-      fmt::print("sun {:.0f} deg, T {:.1f}: estimated {:.2f}, found again {:.1f}\n", sun_zenith_deg, turbidity,
-                 found.turbidity.value, again);
-      EXPECT_NEAR(again, turbidity, 0.25 * turbidity) << sun_zenith_deg;
-    }
 }
 
 }  // namespace
