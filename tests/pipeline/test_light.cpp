@@ -15,6 +15,7 @@
 #include "pipeline/photograph.hpp"
 #include "pipeline/replay.hpp"
 #include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/replayed.hpp"
 
 namespace kasumi {
 namespace {
@@ -184,28 +185,6 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizon
     EXPECT_GT(real_green[1], 1.15 * real_green[0]) << "the scene must have a side of the sun to tell";
     EXPECT_NEAR(drawn_green[1] / drawn_green[0] / (real_green[1] / real_green[0]), 1.0, 0.02);
   }
-}
-
-// Mean difference, in levels of 255, between the building's pixels and those of the slow spectral path.
-double building_error(const std::filesystem::path& fixture, const std::filesystem::path& out, const std::string& name) {
-  const auto picture = read_photograph(out / "frame-000000.png").value();
-  const auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
-  const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
-  double error = 0.0, weight = 0.0;
-  glm::dvec3 bias{};
-  for (int y = 0; y < truth.encoded.height(); ++y)
-    for (int x = 0; x < truth.encoded.width(); ++x) {
-      const double covered = coverage.encoded.at(x, y).r;
-      if (covered <= 0.0) continue;
-      const auto difference = 255.0 * (glm::dvec3(picture.encoded.at(x, y)) - glm::dvec3(truth.encoded.at(x, y)));
-      error += covered * (std::abs(difference.r) + std::abs(difference.g) + std::abs(difference.b)) / 3.0;
-      bias += covered * difference;
-      weight += covered;
-    }
-  bias /= weight;
-  fmt::print("{}: mean error over the building {:.2f}/255, bias R {:.2f} G {:.2f} B {:.2f}\n", name, error / weight,
-             bias.r, bias.g, bias.b);
-  return error / weight;
 }
 
 TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {

@@ -11,19 +11,11 @@
 #include "pipeline/photograph.hpp"
 #include "pipeline/replay.hpp"
 #include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/replayed.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
-
-ReplaySummary played(const std::filesystem::path& fixture, const std::filesystem::path& out) {
-  const auto summary = replay({fixture, out, false, false, std::nullopt, {}});
-  if (!summary) {
-    ADD_FAILURE() << summary.error().message;
-    return {};
-  }
-  return *summary;
-}
 
 // Where two outputs that should be the same begin to differ, in words.
 std::string what_differs(const std::filesystem::path& a, const std::filesystem::path& b) {

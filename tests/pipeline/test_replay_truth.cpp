@@ -2,14 +2,11 @@
 // by the slow spectral path.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <map>
 
-#include "pipeline/photograph.hpp"
-#include "pipeline/replay.hpp"
 #include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/replayed.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -49,15 +46,6 @@ std::vector<Row> read_csv(const std::filesystem::path& path) {
   return rows;
 }
 
-ReplaySummary played(const std::filesystem::path& fixture, const std::filesystem::path& out) {
-  const auto summary = replay({fixture, out, false, false, std::nullopt, {}});
-  if (!summary) {
-    ADD_FAILURE() << summary.error().message;
-    return {};
-  }
-  return *summary;
-}
-
 // Sky frames and truth are listed by time; each estimate is compared with the truth of its instant.
 void expect_turbidity(const std::filesystem::path& fixture, const std::filesystem::path& out, double tolerance) {
   const auto estimates = read_csv(out / "turbidity.csv");
@@ -93,30 +81,6 @@ TEST(ReplayTruth, ARisingTurbidityIsFollowed) {
   const auto out = test_folder("change-out");
   played(fixture, out);
   expect_turbidity(fixture, out, 0.1);
-}
-
-// Mean error of the building's pixels, in levels of 255, against the picture that the slow spectral path draws of the
-// same scene.
-double building_error(const std::filesystem::path& fixture, const std::filesystem::path& out, const char* name) {
-  const auto picture = read_photograph(out / "frame-000000.png").value();
-  const auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
-  const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
-  double error = 0.0, weight = 0.0;
-  glm::dvec3 bias{};
-  for (int y = 0; y < truth.encoded.height(); ++y)
-    for (int x = 0; x < truth.encoded.width(); ++x) {
-      const double covered = coverage.encoded.at(x, y).r;
-      if (covered <= 0.0) continue;
-      const auto difference = 255.0 * (glm::dvec3(picture.encoded.at(x, y)) - glm::dvec3(truth.encoded.at(x, y)));
-      error += covered * (std::abs(difference.r) + std::abs(difference.g) + std::abs(difference.b)) / 3.0;
-      bias += covered * difference;
-      weight += covered;
-    }
-  EXPECT_GT(weight, 500.0) << "the building must be seen";
-  bias /= weight;
-  std::printf("%s: mean error over the building %.2f/255, bias R %.2f G %.2f B %.2f, %.0f pixels\n", name,
-              error / weight, bias.r, bias.g, bias.b, weight);
-  return error / weight;
 }
 
 TEST(ReplayTruth, TheBuildingsPixelsComeWithinTwoLevelsOfTheSpectralReference) {
