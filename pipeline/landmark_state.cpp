@@ -47,8 +47,10 @@ Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder) {
   return write_text_file(file_in(folder), json.dump(1) + "\n");
 }
 
-Result<> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
+Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   const auto file = file_in(folder);
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return false;
   const auto text = read_text_file(file);
   if (!text) return fail(FaultKind::bad_input, "{}", text.error().message);
   const auto json = Json::parse(*text, nullptr, false);
@@ -60,7 +62,7 @@ Result<> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
     learnt.push_back({numbers(channel, "contrasts"), numbers(channel, "covariance")});
   if (!watch.resume(learnt))
     return fail(FaultKind::bad_input, "{}: damaged; the landmarks' contrasts are learnt anew", file.string());
-  return {};
+  return true;
 }
 
 }  // namespace kasumi

@@ -10,8 +10,8 @@ namespace kasumi {
 
 // folder/landmarks.json, old or new but never half of one. Error: io.
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder);
-// Error (bad_input): no such file; of landmarks at other places or distances; not what save() writes. The watch then
-// stays as it was.
-Result<> resume(LandmarkWatch& watch, const std::filesystem::path& folder);
+// false: nothing was saved there. Error (bad_input): of landmarks at other places or distances; not what save() writes.
+// The watch then stays as it was.
+Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder);
 
 }  // namespace kasumi

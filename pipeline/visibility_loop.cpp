@@ -41,9 +41,12 @@ void VisibilityLoop::take_content() {
   if (installation.contrast_landmarks.empty()) return;
   watch_.emplace(installation.scene, installation.site.altitude_m, installation.contrast_landmarks);
   const auto& folder = content_->config.state_folder;
-  std::error_code error;
-  if (!folder || !std::filesystem::exists(*folder / "landmarks.json", error)) return;
-  if (const auto resumed = resume(*watch_, *folder); !resumed) spdlog::warn("visibility: {}", resumed.error().message);
+  if (!folder) return;
+  const auto resumed = resume(*watch_, *folder);
+  if (!resumed)
+    spdlog::warn("visibility: {}", resumed.error().message);
+  else if (*resumed)
+    learnt_ = clock_.now();  // perhaps in this very light
 }
 
 // The light of one half hour is learnt once.
