@@ -20,8 +20,7 @@ struct StillSky {
   SunDirection sun{0.0, 0.0, 1.0};
   double clouds = 0.0;  // share of the sky: the more, the greyer
 };
-// Empty while nobody knows where the sun is, or that it is night or the lens
-// covered: then there is no sky to show.
+// Empty while nobody knows where the sun is, or that it is night or the lens covered: then there is no sky to show.
 std::optional<StillSky> still_sky(const SkyReport& report);
 
 class StillPicture {
