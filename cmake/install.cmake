@@ -6,7 +6,9 @@ install(FILES systemd/kasumi.service DESTINATION lib/systemd/system)
 install(FILES systemd/71-kasumi.rules DESTINATION lib/udev/rules.d)
 install(FILES systemd/kasumi.sysusers DESTINATION lib/sysusers.d RENAME kasumi.conf)
 install(FILES systemd/kasumi.toml DESTINATION ${doc}/examples)
-install(FILES README.md CHANGELOG.md docs/operating.md docs/calibration.md docs/cameras.md docs/fixture-format.md DESTINATION ${doc})
+# As in the repository, so that the documents' links to each other hold.
+install(FILES README.md CHANGELOG.md DESTINATION ${doc})
+install(DIRECTORY docs DESTINATION ${doc} FILES_MATCHING PATTERN "*.md" PATTERN "*.jpg")
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
 
 set(CPACK_GENERATOR DEB)
