@@ -18,7 +18,7 @@ FUNCTION vec3 air_above(real altitude_m) {
   return vec3(8434.5 * pressure, kAerosolHeight_m * exp(-altitude_m / kAerosolHeight_m), ozone);
 }
 
-// The same along a path: s (N(h0) - N(h1)) / (h1 - h0), where the report's Eq 3.3 gives negative depths. The ends are
+// The same along a path: s (N(h0) - N(h1)) / (h1 - h0), where U Eq 3.3 gives negative depths. The ends are
 // kept 50 m apart; the second factor is the path's sag below the line between its ends' altitudes.
 FUNCTION vec3 air_along(real altitude_0_m, real altitude_1_m, real length_m) {
   real middle = 0.5 * (altitude_0_m + altitude_1_m);

@@ -1,4 +1,4 @@
-// Skies of before, to compare ours with: Hoffman and Preetham 2002, Nielsen 2003 (report Eq 2.24-2.30). Single scattering
+// Skies of before, to compare ours with: Hoffman and Preetham 2002, Nielsen 2003 (U Eq 2.24-2.30). Single scattering
 // in closed form, for sky and land alike. GLSL ES 1.00 and C++ (base/sky_text.hpp) alike.
 
 // Of linear red, green and blue, per metre at sea level.
@@ -23,8 +23,8 @@ FUNCTION vec2 older_sky_path_m(real cos_zenith) {
   return older_air_mass(cos_zenith) * vec2(kOlderRayleighHeight_m, kOlderMieHeight_m);
 }
 
-// Light scattered into a path, and what is left of what stands behind it: L = L0 F + Lin (report Eq 2.24-2.26).
-// band: the share of cos^2 in Rayleigh's phase function: 1; Nielsen 1/2 (report Eq 2.29), against the dark band.
+// Light scattered into a path, and what is left of what stands behind it: L = L0 F + Lin (U Eq 2.24-2.26).
+// band: the share of cos^2 in Rayleigh's phase function: 1; Nielsen 1/2 (U Eq 2.29), against the dark band.
 FUNCTION vec3 older_transmittance(OlderAir air, vec2 path_m) {
   return exp(-(air.rayleigh_per_m * path_m.x + air.mie_per_m * path_m.y));
 }

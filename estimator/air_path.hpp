@@ -1,5 +1,5 @@
-// What is left of light after a path between any two altitudes up to 100 km: the corrected form of the report's
-// transparency integral (U Eq 3.2-3.4 gives negative depths; physics 4, docs/sky.md).
+// What is left of light after a path between any two altitudes up to 100 km: the corrected form of U's transparency
+// integral (U Eq 3.2-3.4 gives negative depths; physics 4, docs/sky.md).
 #pragma once
 
 #include <glm/vec3.hpp>

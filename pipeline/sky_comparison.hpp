@@ -1,4 +1,4 @@
-// The skies of before beside ours: what the report found wrong with them, as pictures and as numbers (U 5.4.1).
+// The skies of before beside ours: what U Chapter 5.4.1 found wrong with them, as pictures and as numbers.
 #pragma once
 
 #include <string>

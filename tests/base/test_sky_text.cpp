@@ -148,7 +148,7 @@ TEST(AirPath, IsTheIntegralOfTheHazeBetweenAnyTwoAltitudes) {
 }
 
 TEST(AirPath, GrowsWithItsLengthAndNeverTurnsNegative) {
-  // The report's Eq 3.3 does.
+  // U Eq 3.3 does.
   for (const double rise_m : {0.0, 1.0, 49.0, 51.0, 900.0}) {
     double before = 0.0;
     for (double length_m = std::max(rise_m, 1.0); length_m < 200e3; length_m *= 1.7) {

@@ -1,4 +1,4 @@
-// Skies as the GPU draws them beside the CPU's reference, and what the report asks of them.
+// Skies as the GPU draws them beside the CPU's reference, and what U asks of them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -132,7 +132,7 @@ double luminance_at(const SkyPainter& painter, double zenith_deg, double azimuth
 }
 
 TEST(TheDome, DarkensOverheadAndStaysBrightAtTheHorizonOnTheWayUp) {
-  // The report's Fig 5.4.
+  // U Fig 5.4.
   double zenith_before = 1e9;
   for (const double altitude_m : {0.0, 5000.0, 10000.0}) {
     const SkyPainter painter(sky_scene(sky_under(2.0, 45.0, altitude_m)));
@@ -161,7 +161,7 @@ TEST(TheDome, HasNoBandOppositeTheSun) {
 }
 
 TEST(Nielsen, HalvesTheBandOfHoffmanAndPreetham) {
-  // The report's Fig 5.7 (U Eq 2.29).
+  // U Fig 5.7 (U Eq 2.29).
   const auto sun = direction_from(from_degrees(75.0), from_degrees(180.0));
   const auto before = flaws_of(SkyKind::hoffman_preetham2002, {1.7}, sun, sun);
   const auto after = flaws_of(SkyKind::nielsen2003, {1.7}, sun, sun);
