@@ -1,8 +1,9 @@
 // What the documents tell people to type must be what the program takes.
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -22,6 +23,29 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
+// What a document tells people to type: the lines of its indented blocks, those that end in a backslash with the next,
+// and `kasumi ...` in its sentences.
+std::vector<std::string> told_in(std::string document) {
+  static const std::regex kContinued(R"(\\\n *)"), kBreak(R"(\n *)"), kTyped(R"(`((?:build/)?kasumi [a-z][^`]*)`)");
+  document = std::regex_replace(document, kContinued, "");
+  std::vector<std::string> told;
+  std::istringstream stream(document);
+  for (std::string line; std::getline(stream, line);)
+    if (line.starts_with("    ")) told.push_back(line.substr(4, line.find(" # ") - 4));
+  document = std::regex_replace(document, kBreak, " ");
+  for (std::sregex_iterator typed(document.begin(), document.end(), kTyped), last; typed != last; ++typed)
+    told.push_back((*typed)[1]);
+  return told;
+}
+
+// "calibrate sky" of "sudo build/kasumi calibrate sky RECORDING --out FILE"; nothing of what calls another program.
+std::string command_of(const std::string& line) {
+  static const std::regex kCommand(R"((?:sudo )?(?:-u \w+ )?(?:build/)?kasumi ([a-z]+)( [a-z]+)?(?: .*)?)");
+  std::smatch parts;
+  if (!std::regex_match(line, parts, kCommand)) return "";
+  return parts[1] == "calibrate" ? parts[1].str() + parts[2].str() : parts[1].str();
+}
+
 // Of `kasumi COMMAND --help`, each asked for once.
 const std::string& help_of(const std::string& command) {
   static std::map<std::string, std::string> known;
@@ -35,23 +59,19 @@ const std::string& help_of(const std::string& command) {
 
 TEST(Documents, TellNoOptionThatTheProgramDoesNotHave) {
   const std::filesystem::path root = source_folder();
-  std::vector<std::filesystem::path> documents{root / "README.md"};
+  std::vector<std::filesystem::path> documents{root / "README.md", root / "CHANGELOG.md", root / "CONTRIBUTING.md",
+                                               root / "fixtures/README.md"};
   for (const auto& entry : std::filesystem::directory_iterator(root / "docs"))
     if (entry.path().extension() == ".md") documents.push_back(entry.path());
   int commands = 0;
   for (const auto& document : documents) {
-    std::ifstream file(document);
-    for (std::string line; std::getline(file, line);) {
-      // A block of commands is indented by four.
-      static const std::regex kCommand(R"(^    (?:sudo )?(?:-u \w+ )?(?:build/)?kasumi ([a-z]+)( [a-z]+)?(?: (.*))?$)");
-      std::smatch parts;
-      if (!std::regex_match(line, parts, kCommand)) continue;
-      std::string command = parts[1];
-      if (command == "calibrate") command += parts[2];
+    for (const auto& line : told_in(read_text_file(document).value())) {
+      const auto command = command_of(line);
+      if (command.empty()) continue;
       ++commands;
       const auto& help = help_of(command);
       EXPECT_FALSE(help.empty()) << document << ": no such command: " << line;
-      for (const auto& word : words_of(line.substr(0, line.find(" # ")))) {
+      for (const auto& word : words_of(line)) {
         static const std::regex kOption(R"(\[?(--[a-z][a-z0-9-]*).*)");
         std::smatch option;
         if (!std::regex_match(word, option, kOption)) continue;
@@ -60,7 +80,31 @@ TEST(Documents, TellNoOptionThatTheProgramDoesNotHave) {
       }
     }
   }
-  EXPECT_GT(commands, 20) << "the documents were not read";
+  EXPECT_GT(commands, 100) << "the documents were not read";
+}
+
+// The names of the subcommands that `kasumi COMMAND --help` lists.
+std::vector<std::string> subcommands_of(const std::string& command) {
+  static const std::regex kName(R"(^  ([a-z]+) .*)");
+  const auto& help = help_of(command);
+  std::istringstream stream(help.substr(std::min(help.find("Subcommands:"), help.size())));
+  std::vector<std::string> names;
+  std::smatch name;
+  for (std::string line; std::getline(stream, line);)
+    if (std::regex_match(line, name, kName)) names.push_back(name[1]);
+  return names;
+}
+
+TEST(Documents, ShowAnExampleOfEveryCommandOnThePageOfCommands) {
+  std::set<std::string> shown{"calibrate"};  // by its steps
+  for (const auto& line : told_in(read_text_file(source_folder() / "docs/commands.md").value()))
+    shown.insert(command_of(line));
+  const auto commands = subcommands_of("");
+  EXPECT_GE(commands.size(), 10u) << "the help was not read";
+  for (const auto& command : commands) EXPECT_TRUE(shown.contains(command)) << command;
+  const auto steps = subcommands_of("calibrate");
+  EXPECT_GE(steps.size(), 10u) << "the help was not read";
+  for (const auto& step : steps) EXPECT_TRUE(shown.contains("calibrate " + step)) << "calibrate " << step;
 }
 
 }  // namespace
