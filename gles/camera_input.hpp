@@ -10,7 +10,7 @@
 #include "base/result.hpp"
 #include "gles/camera_import.hpp"
 #include "gles/camera_planes.hpp"
-#include "gles/renderer.hpp"
+#include "gles/scene.hpp"
 
 namespace kasumi {
 
