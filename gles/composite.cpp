@@ -3,6 +3,7 @@
 #include "gles/airlight.hpp"
 #include "gles/gl.hpp"
 #include "gles/patterns.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 

@@ -11,7 +11,7 @@
 #include "gles/grid_mesh.hpp"
 #include "gles/patterns.hpp"
 #include "gles/program.hpp"
-#include "gles/programs.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

@@ -15,6 +15,7 @@
 #include "gles/patterns.hpp"
 #include "gles/response_table.hpp"
 #include "gles/sky_atlas.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 struct Renderer::State {
@@ -119,17 +120,17 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& options) {
-  constexpr GLint kUniforms = 64, kTextures = 8;
+  constexpr GLint kUniforms = 64;
   GLint uniforms = 0, textures = 0;
   glGetIntegerv(GL_MAX_FRAGMENT_UNIFORM_VECTORS, &uniforms);
   glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &textures);
-  if (uniforms < kUniforms || textures < kTextures)
+  if (uniforms < kUniforms || textures < kPromisedUnits)
     return fail(FaultKind::unsupported, "{}: {} fragment uniform vectors and {} texture units: need {} and {}",
-                context.info().renderer, uniforms, textures, kUniforms, kTextures);
+                context.info().renderer, uniforms, textures, kUniforms, kPromisedUnits);
   auto state = std::make_unique<State>(context.info(), options);
   state->dither = make_dither_pattern();
   state->units_in_one_pass = units_beside_camera(textures);
-  state->scene_depth_unit = textures > kTextures ? kTextures : -1;
+  state->scene_depth_unit = textures > kSceneDepthUnit ? static_cast<int>(kSceneDepthUnit) : -1;
   GLint varyings = 0;
   glGetIntegerv(GL_MAX_VARYING_VECTORS, &varyings);
   state->many_varyings = varyings > 8;

@@ -4,6 +4,7 @@
 
 #include "gles/airlight.hpp"
 #include "gles/appearance.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {
