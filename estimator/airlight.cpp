@@ -46,12 +46,6 @@ std::optional<ZetaForm> zeta_form_named(std::string_view name) {
   return std::nullopt;
 }
 
-Direction raised_to_horizon(const Direction& direction) {
-  if (direction.z >= 0.0) return direction;
-  const double flat = std::hypot(direction.x, direction.y);
-  return flat > 0.0 ? Direction{direction.x / flat, direction.y / flat, 0.0} : Direction{0.0, 1.0, 0.0};
-}
-
 glm::dvec3 zeta(ZetaForm form, const SiteSky& model, const Direction& direction, const Direction& reference,
                 const glm::dmat3& xyz_to_light) {
   if (const SkyModel* perez = model.preetham(); perez && form == ZetaForm::paper)

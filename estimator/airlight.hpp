@@ -20,9 +20,6 @@ enum class ZetaForm { full, paper };
 std::string_view name_of(ZetaForm form);
 std::optional<ZetaForm> zeta_form_named(std::string_view name);
 
-// The direction itself, or the horizon below or above it where it points below the horizon: there the model ends.
-Direction raised_to_horizon(const Direction& direction);
-
 // Light of the model's sky at `direction` per light at `reference`, channel by channel, so that a camera's gains and
 // white balance drop out. xyz_to_light: inverse of Camera::light_to_xyz. Always finite and > 0, for every T (clamped to
 // 1.7-20), sun and direction.
