@@ -14,6 +14,7 @@
 #include "pipeline/drift.hpp"
 #include "pipeline/ladder.hpp"
 #include "pipeline/latency.hpp"
+#include "pipeline/scene_frame.hpp"
 #include "pipeline/sky_watch.hpp"
 
 namespace kasumi {
@@ -23,13 +24,6 @@ struct CameraNews {
   CameraHealth health;
   std::uint64_t outages = 0;  // a frame of an earlier number is to be let go of
   Duration frame_interval{};  // 0: not known
-};
-
-struct SceneFrame {
-  FrameMetadata metadata;
-  DecodedPicture picture;
-  std::shared_ptr<const void> holder;  // of the driver's buffer
-  std::uint64_t outages = 0;
 };
 
 struct SkyNews {
