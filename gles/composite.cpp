@@ -1,6 +1,6 @@
 #include "gles/composite.hpp"
 
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 #include "gles/gl.hpp"
 #include "gles/patterns.hpp"
 #include "gles/texture_units.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 #include "gles/depth.hpp"
 #include "gles/gl.hpp"
 #include "gles/point_spread.hpp"

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 #include "gles/appearance.hpp"
 #include "gles/camera_input.hpp"
 #include "gles/composite.hpp"

@@ -2,7 +2,7 @@
 
 #include <GLES2/gl2.h>
 
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 #include "gles/appearance.hpp"
 #include "gles/texture_units.hpp"
 

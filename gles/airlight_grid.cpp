@@ -1,4 +1,4 @@
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 
 #include <algorithm>
 #include <cmath>
