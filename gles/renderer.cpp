@@ -283,7 +283,7 @@ FrameCounts Renderer::frames() const {
 Result<> Renderer::draw_background(const DrawTarget& target) {
   State& s = *state_;
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
-  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw_camera_alone(s.programs, s.frame(), shown);
 }
@@ -296,7 +296,7 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   check(measured, "measured airlight", false, problems);
   check(noise, problems);
   if (!problems.empty()) return fail(problems.fault());
-  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
 }
@@ -315,7 +315,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   const auto drawn_shadow = s.shadow_under(appearance);
   if (!drawn_shadow) return tl::unexpected(drawn_shadow.error());
   const SunShadow* shadow = detail == HazeDetail::per_vertex || s.many_varyings ? *drawn_shadow : nullptr;
-  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, true);
   Defines defines{"FINAL_COLOUR", s.response->define()};
   if (shadow) defines.merge(shadow->defines());
