@@ -67,20 +67,4 @@ glm::dvec3 Airlight::from(const Direction& direction) const {
   return glm::max(column.light, glm::dvec3{0.0}) * zeta(form_, model_, direction, reference, xyz_to_light_);
 }
 
-std::optional<double> sky_to_scene_scale(const HorizonLight& scene, const HorizonLight& ring, Turbidity turbidity,
-                                         const SunDirection& sun, const glm::dmat3& light_to_xyz) {
-  if (!scene.usable()) return std::nullopt;
-  const Airlight airlight(scene, turbidity, sun, light_to_xyz);
-  std::vector<double> ratios;
-  for (const HorizonColumn& column : ring.columns) {
-    const double seen_by_sky = (light_to_xyz * column.light).y;
-    const double seen_by_scene = (light_to_xyz * airlight.from(direction_from(column.zenith, column.azimuth))).y;
-    if (seen_by_sky > 0.0 && seen_by_scene > 0.0) ratios.push_back(seen_by_scene / seen_by_sky);
-  }
-  if (ratios.empty()) return std::nullopt;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
-}
-
 }  // namespace kasumi

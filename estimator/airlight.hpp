@@ -43,10 +43,4 @@ class Airlight {
   ZetaForm form_;
 };
 
-// Scene camera's light for 1 of the sky camera's, from horizons that both saw at the same time: `ring` is
-// horizon_from_sky_camera with scale 1. Median over azimuth; empty when either is not usable. Holds until an exposure
-// changes.
-std::optional<double> sky_to_scene_scale(const HorizonLight& scene, const HorizonLight& ring, Turbidity turbidity,
-                                         const SunDirection& sun, const glm::dmat3& light_to_xyz);
-
 }  // namespace kasumi

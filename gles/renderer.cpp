@@ -272,10 +272,6 @@ Result<> Renderer::import_frame(const ExternalPicture& frame) {
   return s.camera.import_frame(frame, s.notes);
 }
 
-void Renderer::drop_camera_buffers() {
-  state_->camera.drop_other_buffers();
-}
-
 FrameCounts Renderer::frames() const {
   return state_->camera.frames();
 }

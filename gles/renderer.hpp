@@ -77,8 +77,6 @@ class Renderer {
   // been replaced on the display. Errors: unsupported (upload it instead; told once in notes(), and from then on
   // answered without another try for pictures of that kind), bad_input (planes beyond the buffer).
   Result<> import_frame(const ExternalPicture& frame);
-  // Gives back every imported buffer but the one that was drawn last. For when the camera is gone.
-  void drop_camera_buffers();
   FrameCounts frames() const;
 
   // The uploaded picture with the cached layer in it. `measured`: airlight in the camera's light, full scale = 1.
