@@ -1,7 +1,7 @@
 // How much light passes a straight path through the air (estimator/air_path.hpp tells of the numbers). GLSL ES 1.00 and
 // C++ (base/sky_text.hpp) alike.
 
-// AirCoefficients of base/dome.hpp: a sum over two wavelengths for each of linear red, green and blue.
+// AirCoefficients of base/dome_function.hpp: a sum over two wavelengths for each of linear red, green and blue.
 struct PathAir {
   vec3 weight[2];
   vec3 molecules_per_m[2];

@@ -1,4 +1,4 @@
-// The sky as a function of direction (base/dome.hpp), what stands before it, and the sun. GLSL ES 1.00 and C++
+// The sky as a function of direction (base/dome_function.hpp), what stands before it, and the sun. GLSL ES 1.00 and C++
 // (base/sky_text.hpp) alike. Light is linear sRGB, cd/m2.
 
 struct DomeSky {

@@ -1,5 +1,5 @@
 // A picture of the sky and of land under it: what is looked at, and how each of its colours comes about. The GPU draws
-// the same from the same texts (gles/dome.hpp).
+// the same from the same texts (gles/dome_renderer.hpp).
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "base/dome.hpp"
+#include "base/dome_function.hpp"
 #include "base/geometry.hpp"
 #include "base/sky_text.hpp"
 

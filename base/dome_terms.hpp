@@ -1,5 +1,5 @@
-// The terms of a dome's sum (base/dome.hpp) in double precision: what its table was fitted with and what the reference
-// of the shader evaluates.
+// The terms of a dome's sum (base/dome_function.hpp) in double precision: what its table was fitted with and what the
+// reference of the shader evaluates.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "base/dome.hpp"
+#include "base/dome_function.hpp"
 #include "base/geometry.hpp"
 
 namespace kasumi {

@@ -25,6 +25,12 @@ Radians angle_between(const glm::dvec3& a, const glm::dvec3& b) {
   return {std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b))};
 }
 
+Direction raised_to_horizon(const Direction& direction) {
+  if (direction.z >= 0.0) return direction;
+  const double flat = std::hypot(direction.x, direction.y);
+  return flat > 0.0 ? Direction{direction.x / flat, direction.y / flat, 0.0} : Direction{0.0, 1.0, 0.0};
+}
+
 glm::dmat3 camera_to_world(Radians heading, Radians pitch, Radians roll) {
   const double sh = std::sin(heading.value), ch = std::cos(heading.value);
   const double sp = std::sin(pitch.value), cp = std::cos(pitch.value);

@@ -16,6 +16,10 @@ Radians zenith_angle(const Direction& direction);                 // 0 .. pi
 Radians azimuth_angle(const Direction& direction);                // 0 .. 2 pi, 0 for the zenith itself
 Radians angle_between(const glm::dvec3& a, const glm::dvec3& b);  // exact for tiny angles; need not be unit vectors
 
+// The direction itself; one below the horizon becomes the horizon at its azimuth (north, straight down). For models
+// that end at the horizon.
+Direction raised_to_horizon(const Direction& direction);
+
 // Camera frame: x right, y down, z along the optical axis. Columns of the result are the camera's axes in the world
 // frame, so world = R * camera. heading: azimuth of the optical axis; pitch: its elevation above the horizon; roll:
 // clockwise turn of the camera about its axis as seen from behind it. With pitch 90 deg the top of the image lies at

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <utility>
+
+#include "base/thread_annotations.hpp"
 
 namespace kasumi {
 
@@ -13,26 +14,26 @@ class LatestSlot {
  public:
   // Replaces a value nobody has taken yet.
   void put(T value) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (value_) ++dropped_;
     value_ = std::move(value);
   }
 
   // The newest value, once; empty when nothing new has come.
   std::optional<T> take() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return std::exchange(value_, std::nullopt);
   }
 
   std::uint64_t dropped() const {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     return dropped_;
   }
 
  private:
-  mutable std::mutex mutex_;
-  std::optional<T> value_;
-  std::uint64_t dropped_ = 0;
+  mutable Mutex mutex_;
+  std::optional<T> value_ KASUMI_GUARDED_BY(mutex_);
+  std::uint64_t dropped_ KASUMI_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace kasumi

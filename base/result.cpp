@@ -15,10 +15,6 @@ std::string_view name_of(FaultKind kind) {
   return "unknown";
 }
 
-void Problems::append(const Problems& others) {
-  lines_.insert(lines_.end(), others.lines_.begin(), others.lines_.end());
-}
-
 Fault Problems::fault() const {
   return Fault{FaultKind::bad_input, fmt::format("{}", fmt::join(lines_, "\n"))};
 }

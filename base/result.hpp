@@ -47,7 +47,6 @@ class Problems {
   void add(fmt::format_string<Args...> format, Args&&... args) {
     lines_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
-  void append(const Problems& others);
   bool empty() const { return lines_.empty(); }
   const std::vector<std::string>& lines() const { return lines_; }
   // One fault of kind bad_input with one problem per line.

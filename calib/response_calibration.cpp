@@ -196,11 +196,6 @@ std::vector<std::optional<double>> linear_ratios(const StackSamples& samples, co
   return ratios;
 }
 
-double prediction_error(const StackSamples& samples, const ResponseFit& fit) {
-  const auto error = squared_error(samples, fit);
-  return error.count > 0.0 ? std::sqrt(error.sum / error.count) : 0.0;
-}
-
 Result<ResponseCalibration> calibrate_response(const StackSamples& samples, const KnownExposures& exposures) {
   if (samples.exposures < 2 || samples.pixels < 50)
     return fail(FaultKind::bad_input, "{} pictures, {} pixels: expected at least 2 and 50", samples.exposures,

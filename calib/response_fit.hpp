@@ -58,9 +58,6 @@ std::optional<ResponseFit> fit_debevec(const StackSamples& samples, const KnownE
 // quantisation and shot noise leave, exposures refined beside the curve. Empty: the same.
 std::optional<ResponseFit> fit_mitsunaga(const StackSamples& samples, const KnownExposures& exposures, int order);
 
-// How well a curve predicts one exposure of pixels from their others: root mean square, in steps of `quantum`.
-double prediction_error(const StackSamples& samples, const ResponseFit& fit);
-
 struct ResponseCandidate {
   std::string method;
   std::optional<double> held_out_steps;  // prediction error on pixels it was not fitted to; empty: does not fit

@@ -9,6 +9,8 @@
 
 namespace kasumi {
 
+class VideoDevice;
+
 struct V4l2Options {
   std::filesystem::path device;  // "/dev/v4l/by-id/usb-046d_HD_Pro_Webcam_C920-video-index0"; a number may name another
                                  // camera after the next boot
@@ -25,6 +27,9 @@ struct V4l2Options {
 // the camera offers), device (the driver refuses: which call, which reason), unsupported (not a capture device).
 // Errors of next() besides: device, disconnected: for good, the source has to be opened anew.
 Result<std::unique_ptr<CameraSource>> open_v4l2_source(const V4l2Options& options, Clock& clock);
+// The same on a device that is open already.
+Result<std::unique_ptr<CameraSource>> open_v4l2_source(std::unique_ptr<VideoDevice> device, const V4l2Options& options,
+                                                       Clock& clock);
 
 struct V4l2Listing {
   std::filesystem::path node;                       // "/dev/video0"

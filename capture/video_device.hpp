@@ -9,7 +9,6 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
-#include "capture/v4l2_source.hpp"
 
 namespace kasumi {
 
@@ -37,9 +36,5 @@ Result<std::unique_ptr<VideoDevice>> open_video_device(const std::filesystem::pa
 // What a refused call means: disconnected when the device is gone, else device. "VIDIOC_S_FMT: in use by another
 // program"
 Fault device_fault(int error, std::string_view call);
-
-// open_v4l2_source on a device that is open already.
-Result<std::unique_ptr<CameraSource>> open_v4l2_source(std::unique_ptr<VideoDevice> device, const V4l2Options& options,
-                                                       Clock& clock);
 
 }  // namespace kasumi

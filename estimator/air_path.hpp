@@ -4,7 +4,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "base/dome.hpp"
+#include "base/dome_function.hpp"
 #include "estimator/atmosphere.hpp"
 
 namespace kasumi {

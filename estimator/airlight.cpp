@@ -46,12 +46,6 @@ std::optional<ZetaForm> zeta_form_named(std::string_view name) {
   return std::nullopt;
 }
 
-Direction raised_to_horizon(const Direction& direction) {
-  if (direction.z >= 0.0) return direction;
-  const double flat = std::hypot(direction.x, direction.y);
-  return flat > 0.0 ? Direction{direction.x / flat, direction.y / flat, 0.0} : Direction{0.0, 1.0, 0.0};
-}
-
 glm::dvec3 zeta(ZetaForm form, const SiteSky& model, const Direction& direction, const Direction& reference,
                 const glm::dmat3& xyz_to_light) {
   if (const SkyModel* perez = model.preetham(); perez && form == ZetaForm::paper)
@@ -71,22 +65,6 @@ glm::dvec3 Airlight::from(const Direction& direction) const {
   const HorizonColumn column = column_at(horizon_, azimuth_angle(direction));
   const Direction reference = direction_from(column.zenith, column.azimuth);
   return glm::max(column.light, glm::dvec3{0.0}) * zeta(form_, model_, direction, reference, xyz_to_light_);
-}
-
-std::optional<double> sky_to_scene_scale(const HorizonLight& scene, const HorizonLight& ring, Turbidity turbidity,
-                                         const SunDirection& sun, const glm::dmat3& light_to_xyz) {
-  if (!scene.usable()) return std::nullopt;
-  const Airlight airlight(scene, turbidity, sun, light_to_xyz);
-  std::vector<double> ratios;
-  for (const HorizonColumn& column : ring.columns) {
-    const double seen_by_sky = (light_to_xyz * column.light).y;
-    const double seen_by_scene = (light_to_xyz * airlight.from(direction_from(column.zenith, column.azimuth))).y;
-    if (seen_by_sky > 0.0 && seen_by_scene > 0.0) ratios.push_back(seen_by_scene / seen_by_sky);
-  }
-  if (ratios.empty()) return std::nullopt;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
 }
 
 }  // namespace kasumi

@@ -20,9 +20,6 @@ enum class ZetaForm { full, paper };
 std::string_view name_of(ZetaForm form);
 std::optional<ZetaForm> zeta_form_named(std::string_view name);
 
-// The direction itself, or the horizon below or above it where it points below the horizon: there the model ends.
-Direction raised_to_horizon(const Direction& direction);
-
 // Light of the model's sky at `direction` per light at `reference`, channel by channel, so that a camera's gains and
 // white balance drop out. xyz_to_light: inverse of Camera::light_to_xyz. Always finite and > 0, for every T (clamped to
 // 1.7-20), sun and direction.
@@ -45,11 +42,5 @@ class Airlight {
   glm::dmat3 xyz_to_light_;
   ZetaForm form_;
 };
-
-// Scene camera's light for 1 of the sky camera's, from horizons that both saw at the same time: `ring` is
-// horizon_from_sky_camera with scale 1. Median over azimuth; empty when either is not usable. Holds until an exposure
-// changes.
-std::optional<double> sky_to_scene_scale(const HorizonLight& scene, const HorizonLight& ring, Turbidity turbidity,
-                                         const SunDirection& sun, const glm::dmat3& light_to_xyz);
 
 }  // namespace kasumi

@@ -49,13 +49,6 @@ SpectralMeasure spectral_measure(const Camera& camera) {
   return sampled([&](double nm) { return to_srgb * camera.sensitivity.at(nm); });
 }
 
-SpectralMeasure weighted_by_daylight(SpectralMeasure measure, double x, double y) {
-  for (std::size_t i = 0; i < measure.weight.size(); ++i) {
-    measure.weight[i] *= daylight_spectrum(x, y, measure.first_nm + static_cast<double>(i));
-  }
-  return normalised(std::move(measure));
-}
-
 glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, Turbidity turbidity,
                                  const OpticalPath& path) {
   glm::dvec3 gamma{0.0};

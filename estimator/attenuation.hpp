@@ -35,10 +35,6 @@ SpectralMeasure spectral_measure(const SpectralSensitivity& sensitivity);
 // That of the channels the camera delivers: q_c, or its mix into linear sRGB when the camera converts. The difference
 // is not small: M's q_c on sRGB channels is off by up to 12 of 255 (mean 2-3 on dark surfaces), the mix by 1-2 (.3).
 SpectralMeasure spectral_measure(const Camera& camera);
-// Weighted by the daylight of a chromaticity, because what is attenuated is light times sensitivity. Not the default:
-// it gains .1 of 255 on dark surfaces and loses as much on white ones.
-SpectralMeasure weighted_by_daylight(SpectralMeasure measure, double x, double y);
-
 // Gamma at 1 nm in double precision: the slow truth.
 glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, Turbidity turbidity,
                                  const OpticalPath& path);

@@ -5,7 +5,7 @@
 
 #include <glm/mat3x3.hpp>
 
-#include "base/dome.hpp"
+#include "base/dome_function.hpp"
 #include "estimator/atmosphere.hpp"
 
 namespace kasumi {

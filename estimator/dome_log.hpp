@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "base/dome.hpp"
+#include "base/dome_function.hpp"
 #include "estimator/atmosphere.hpp"
 
 namespace kasumi {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/dome.hpp"
+#include "base/dome_function.hpp"
 
 namespace kasumi {
 

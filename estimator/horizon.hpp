@@ -56,16 +56,11 @@ HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, in
 
 // When the scene shows no sky: the sky camera's ring at zenith angles 75-85 deg around the view's azimuths gives the
 // colour and the distribution over azimuth, taken to the scene camera's channels through XYZ. What it cannot give is
-// the level, as the two cameras' exposures are unknown to each other: either the scale is known (light in the scene
-// camera for 1 in the sky camera: from exposures, or measured by sky_to_scene_scale while both saw sky), or the ring's
-// mean is set as bright as the brightest distant things in the scene. Haze in front of things is at most as bright as
-// haze at infinity, so that level is a lower bound; `reason` then says that it was assumed, and quality is low.
-struct SkyRingOptions {
-  double sky_to_scene_scale = 0.0;  // 0: unknown
-  int columns = 16;
-};
+// the level, as the two cameras' exposures are unknown to each other: the ring's mean is set as bright as the brightest
+// distant things in the scene. Haze in front of things is at most as bright as haze at infinity, so that level is a
+// lower bound; `reason` says that it was assumed, and quality is low.
 HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_picture, const Camera& scene,
-                                     const PictureView& scene_picture, const SkyRingOptions& options = {});
+                                     const PictureView& scene_picture, int columns = 16);
 
 // When no camera shows sky: the colours of the model's sky above the horizon (`sky_xyz`: CIE XYZ of any scale at a
 // direction), as bright as the brightest distant things in the scene, which is a lower bound; quality is low.

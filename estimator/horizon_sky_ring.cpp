@@ -129,7 +129,7 @@ HorizonLight horizon_from_model(const std::function<glm::dvec3(const Direction&)
 }
 
 HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_picture, const Camera& scene,
-                                     const PictureView& scene_picture, const SkyRingOptions& options) {
+                                     const PictureView& scene_picture, int columns) {
   HorizonLight horizon;
   if (sky_picture.width != sky.width || sky_picture.height != sky.height || scene_picture.width != scene.width ||
       scene_picture.height != scene.height) {
@@ -139,32 +139,27 @@ HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_p
   const glm::dmat3 sky_to_xyz = sky.light_to_xyz();
   const glm::dmat3 scene_to_xyz = scene.light_to_xyz();
   const glm::dmat3 xyz_to_scene = glm::inverse(scene_to_xyz);
-  const int columns = std::clamp(options.columns, 1, std::max(1, scene.width / 8));
   const double half_width = from_degrees(3.0).value;
-  auto ring = ring_across(scene, xyz_to_scene, columns, [&](Radians azimuth) {
-    return ring_at(sky, sky_picture, sky_to_xyz, azimuth.value, half_width);
-  });
+  auto ring =
+      ring_across(scene, xyz_to_scene, std::clamp(columns, 1, std::max(1, scene.width / 8)),
+                  [&](Radians azimuth) { return ring_at(sky, sky_picture, sky_to_xyz, azimuth.value, half_width); });
   horizon.columns = std::move(ring.columns);
   if (horizon.columns.empty()) {
     horizon.reason = "no horizon: the sky camera's ring at 75-85 deg is masked, clipped or outside its picture";
     return horizon;
   }
 
-  double scale = options.sky_to_scene_scale;
-  if (scale > 0.0) {
-    horizon.reason = "colour and level from the sky camera";
-  } else {
-    const double distant = brightest_distant(scene, scene_picture, scene_to_xyz);
-    if (!(distant > 0.0)) {
-      horizon.columns.clear();
-      horizon.reason = "no horizon: the scene shows no sky and nothing bright enough to set the sky camera's level by";
-      return horizon;
-    }
-    scale = distant / ring.luminance;
-    for (HorizonColumn& column : horizon.columns) column.quality = 0.3;
-    horizon.reason = "colour from the sky camera; level assumed from the scene's brightest distant pixels";
+  const double distant = brightest_distant(scene, scene_picture, scene_to_xyz);
+  if (!(distant > 0.0)) {
+    horizon.columns.clear();
+    horizon.reason = "no horizon: the scene shows no sky and nothing bright enough to set the sky camera's level by";
+    return horizon;
   }
-  for (HorizonColumn& column : horizon.columns) column.light *= scale;
+  for (HorizonColumn& column : horizon.columns) {
+    column.quality = 0.3;
+    column.light *= distant / ring.luminance;
+  }
+  horizon.reason = "colour from the sky camera; level assumed from the scene's brightest distant pixels";
   horizon.source = HorizonLight::Source::sky_camera;
   return horizon;
 }

@@ -26,16 +26,6 @@ Eigen::Map<const Matrix> square(const std::vector<double>& values, std::size_t s
 
 }  // namespace
 
-std::string_view name_of(ExtinctionKind kind) {
-  switch (kind) {
-    case ExtinctionKind::value: return "value";
-    case ExtinctionKind::at_most: return "at most";
-    case ExtinctionKind::at_least: return "at least";
-    case ExtinctionKind::nothing: break;
-  }
-  return "nothing";
-}
-
 LandmarkExtinction::LandmarkExtinction(const std::vector<ContrastLandmark>& landmarks, double camera_altitude_m,
                                        double clearest_per_m, int channel, const ContrastSpread& spread)
     : channel_(channel), spread_(spread) {

@@ -25,7 +25,6 @@ enum class ExtinctionKind {
   at_least,  // thicker: a lower bound of extinction
   nothing    // neither can be told
 };
-std::string_view name_of(ExtinctionKind kind);
 
 struct Extinction {
   ExtinctionKind kind = ExtinctionKind::nothing;

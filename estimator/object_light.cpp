@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/geometry.hpp"
 #include "calib/colorimetry.hpp"
-#include "estimator/airlight.hpp"
 
 namespace kasumi {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <glm/common.hpp>
 
-#include "estimator/airlight.hpp"
+#include "base/geometry.hpp"
 
 namespace kasumi {
 

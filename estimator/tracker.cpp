@@ -28,16 +28,6 @@ double square(double x) {
 
 }  // namespace
 
-std::string_view name_of(TurbidityTracker::Verdict verdict) {
-  switch (verdict) {
-    case TurbidityTracker::Verdict::taken: return "taken";
-    case TurbidityTracker::Verdict::unusable: return "unusable";
-    case TurbidityTracker::Verdict::outlier: return "outlier";
-    case TurbidityTracker::Verdict::restarted: return "restarted";
-  }
-  return "unknown";
-}
-
 double TurbidityTracker::variance_at(Instant when) const {
   return state_->variance + square(options_.drift_per_root_hour) * to_seconds(passed(state_->updated, when)) / 3600.0;
 }

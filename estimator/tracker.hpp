@@ -61,6 +61,5 @@ class TurbidityTracker {
   };
   Doubt doubt_;
 };
-std::string_view name_of(TurbidityTracker::Verdict verdict);
 
 }  // namespace kasumi

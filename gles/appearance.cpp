@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/units.hpp"
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 
 namespace kasumi {
 namespace {

@@ -6,7 +6,7 @@
 #include "base/result.hpp"
 #include "gles/model.hpp"
 #include "gles/program.hpp"
-#include "gles/renderer.hpp"
+#include "gles/scene.hpp"
 #include "gles/sky_atlas.hpp"
 
 namespace kasumi {

@@ -163,16 +163,11 @@ Result<CameraTextures> CameraImport::import(const ExternalPicture& picture, cons
   }
   Imported& now = known->second;
   now.used = ++imports_;
-  newest_ = picture.buffer;
   std::erase_if(imported_, [&](const auto& entry) { return entry.second.used + kForgottenAfter < imports_; });
 
   CameraTextures textures{now.source, picture.layout, picture.encoding, picture.width, picture.height, {}};
   for (std::size_t i = 0; i < now.planes.size(); ++i) textures.names[i] = now.planes[i].texture.name();
   return textures;
-}
-
-void CameraImport::drop_others() {
-  std::erase_if(imported_, [&](const auto& entry) { return entry.first != newest_; });
 }
 
 }  // namespace kasumi

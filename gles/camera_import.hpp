@@ -20,10 +20,6 @@ class CameraImport {
   // beyond the buffer, impossible sizes).
   Result<CameraTextures> import(const ExternalPicture& picture, const GlInfo& info);
 
-  // Gives back all buffers but the one imported last, whose picture may still be shown. For when the camera is gone.
-  void drop_others();
-  std::size_t buffers() const { return imported_.size(); }
-
  private:
   class Image {  // an EGLImage and its owner
    public:
@@ -57,7 +53,6 @@ class CameraImport {
   std::unique_ptr<ImageDevice> device_;  // outlives the images
   std::map<std::uint64_t, Imported> imported_;
   std::uint64_t imports_ = 0;
-  std::uint64_t newest_ = 0;  // buffer
 };
 
 }  // namespace kasumi

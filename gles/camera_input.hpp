@@ -10,7 +10,7 @@
 #include "base/result.hpp"
 #include "gles/camera_import.hpp"
 #include "gles/camera_planes.hpp"
-#include "gles/renderer.hpp"
+#include "gles/scene.hpp"
 
 namespace kasumi {
 
@@ -21,7 +21,6 @@ class CameraInput {
   // See Renderer. A refusal to import is told in `notes`, once for each kind of picture.
   Result<> upload(const PictureView& frame);
   Result<> import_frame(const ExternalPicture& frame, std::vector<std::string>& notes);
-  void drop_other_buffers();
 
   const CameraTextures& newest() const { return newest_; }  // whichever way it came
   FrameCounts frames() const { return frames_; }

@@ -1,12 +1,14 @@
 #include "gles/composite.hpp"
 
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 #include "gles/gl.hpp"
 #include "gles/patterns.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 
-Shown::Shown(const DrawTarget& target, int width, int height) : box(letterbox(target, width, height)) {
+PictureOnTarget::PictureOnTarget(const DrawTarget& target, int width, int height)
+    : box(letterbox(target, width, height)) {
   const double w = width, h = height, up = target.top_row_first ? 1.0 : -1.0;
   same_size = box.width == width && box.height == height;
   pixel_to_clip = glm::dmat3({2.0 / w, 0.0, 0.0}, {0.0, up * 2.0 / h, 0.0}, {1.0 / w - 1.0, up * (1.0 / h - 1.0), 1.0});
@@ -15,7 +17,7 @@ Shown::Shown(const DrawTarget& target, int width, int height) : box(letterbox(ta
                                    {-box.x / bw, target.top_row_first ? -box.y / bh : 1.0 + box.y / bh, 1.0});
 }
 
-void Shown::begin(const DrawTarget& target, bool with_depth) const {
+void PictureOnTarget::begin(const DrawTarget& target, bool with_depth) const {
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glViewport(box.x, box.y, box.width, box.height);
   const bool bars = box.width != target.width || box.height != target.height;
@@ -23,7 +25,7 @@ void Shown::begin(const DrawTarget& target, bool with_depth) const {
   if (bars || with_depth) glClear((bars ? GL_COLOR_BUFFER_BIT : 0u) | (with_depth ? GL_DEPTH_BUFFER_BIT : 0u));
 }
 
-void CameraFrame::bind(const Program& program, const Shown& shown) const {
+void CameraFrame::bind(const Program& program, const PictureOnTarget& shown) const {
   camera.bind(program, !shown.same_size);
   response.bind(program, kResponseUnit);
   glActiveTexture(GL_TEXTURE0 + kDitherUnit);
@@ -60,7 +62,7 @@ void Composite::bind_noise(const Program& program, const SensorNoise& noise, boo
   program.set("noise_place", glm::dvec3(noise_start(noise.pattern), 1.0 / kNoiseSize));
 }
 
-Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& frame, const Shown& shown) {
+Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
   const glm::ivec2 size{frame.camera.width, frame.camera.height};
   if (!whole_ || whole_size_ != size) whole_ = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
   whole_size_ = size;
@@ -72,8 +74,8 @@ Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& fra
   return check_gl("drawing the camera's picture");
 }
 
-Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const Shown& shown, const ObjectLayer& layer,
-                         const AirlightGrid& measured, const SensorNoise& noise) {
+Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+                         const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise) {
   const PictureMesh& mesh = mesh_for(measured);
   for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge}) {
     if (mesh.empty(area)) continue;

@@ -14,13 +14,13 @@
 namespace kasumi {
 
 // Where a target shows the picture, and how pixels get there.
-struct Shown {
+struct PictureOnTarget {
   Letterbox box;
   bool same_size = true;
   glm::dmat3 pixel_to_clip{1.0};
   glm::dmat3 fragment_to_picture{1.0};
 
-  Shown(const DrawTarget& target, int width, int height);
+  PictureOnTarget(const DrawTarget& target, int width, int height);
   // Binds the target and blackens what the picture leaves of it.
   void begin(const DrawTarget& target, bool with_depth) const;
 };
@@ -30,7 +30,7 @@ struct CameraFrame {
   const CameraTextures& camera;
   const ResponseOnGpu& response;
   const GlTexture& dither;
-  void bind(const Program& program, const Shown& shown) const;
+  void bind(const Program& program, const PictureOnTarget& shown) const;
 };
 
 // How the picture is cut, and the noise: what stays from frame to frame.
@@ -40,8 +40,8 @@ class Composite {
   void take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels);
   void drop_layer() { mesh_.reset(); }
 
-  Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const Shown& shown);
-  Result<> draw(Programs& programs, const CameraFrame& frame, const Shown& shown, const ObjectLayer& layer,
+  Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
+  Result<> draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
                 const AirlightGrid& measured, const SensorNoise& noise);
 
  private:

@@ -1,7 +1,7 @@
 #include "gles/foreground.hpp"
 
 #include "gles/gl.hpp"
-#include "gles/programs.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 

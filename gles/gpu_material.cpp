@@ -1,7 +1,7 @@
 #include "gles/gpu_material.hpp"
 
 #include "gles/gl.hpp"
-#include "gles/programs.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {
@@ -42,10 +42,10 @@ SurfaceUnits units_for_layer() {
 SurfaceUnits units_beside_camera(int available) {
   const auto more = [&](int unit) { return unit < available ? unit : -1; };
   return {.base = kSurfaceUnit,
-          .normal = more(kSurfaceUnit + 1),
-          .roughness = more(kSurfaceUnit + 2),
-          .occlusion = more(kSurfaceUnit + 3),
-          .emission = more(kSurfaceUnit + 4),
+          .normal = more(kMoreSurfaceUnit),
+          .roughness = more(kMoreSurfaceUnit + 1),
+          .occlusion = more(kMoreSurfaceUnit + 2),
+          .emission = more(kMoreSurfaceUnit + 3),
           .sky = kLayerUnit};
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gles/gl.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

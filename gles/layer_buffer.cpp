@@ -3,7 +3,8 @@
 #include <array>
 
 #include "gles/gl.hpp"
-#include "gles/programs.hpp"
+#include "gles/program.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

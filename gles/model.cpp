@@ -35,15 +35,6 @@ ModelBounds Model::bounds_with_ground() const {
   return united(bounds(), ground);
 }
 
-std::size_t Model::bytes() const {
-  std::size_t bytes = 0;
-  for (const auto* all : {&parts, &ground})
-    for (const ModelPart& part : *all)
-      bytes += part.vertices.size() * sizeof(ModelVertex) + part.indices.size() * sizeof(std::uint32_t);
-  for (const ModelTexture& texture : textures) bytes += texture.pixels.elements().size() * sizeof(glm::u8vec4);
-  return bytes;
-}
-
 namespace {
 
 void check_part(const Model& model, const ModelPart& part, const std::string& what, Problems& problems) {

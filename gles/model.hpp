@@ -98,7 +98,6 @@ struct Model {
   std::size_t triangle_count() const;
   ModelBounds bounds() const;
   ModelBounds bounds_with_ground() const;
-  std::size_t bytes() const;  // of vertices, indices and pixels, ground included
 };
 
 // Limits against hostile files.

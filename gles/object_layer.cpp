@@ -5,9 +5,11 @@
 #include <cmath>
 #include <optional>
 
+#include "gles/airlight_grid.hpp"
 #include "gles/depth.hpp"
 #include "gles/gl.hpp"
 #include "gles/point_spread.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/units.hpp"
 #include "gles/gl.hpp"
-#include "gles/programs.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

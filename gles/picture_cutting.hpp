@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/image.hpp"
-#include "gles/renderer.hpp"
+#include "gles/scene.hpp"
 
 namespace kasumi {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "gles/gl.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 

@@ -9,18 +9,6 @@
 
 namespace kasumi {
 
-// What the texture units hold, throughout the room. GLES 2 promises eight.
-enum TextureUnit : int {
-  kPlaneUnit = 0,  // .. 2
-  kLayerUnit = 3,
-  kForegroundUnit = 4,
-  kResponseUnit = 5,
-  kDitherUnit = 6,
-  kSurfaceUnit = 7,
-  kShadowUnit = 12,  // beyond what GLES 2 promises, like the surface's pictures beside the camera's
-  kNoiseUnit = 7,    // with the camera's picture, where no surface is drawn
-};
-
 enum class ProgramKind { object, ground, sun_map, spread, resolve, picture };
 
 class Programs {

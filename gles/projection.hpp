@@ -8,8 +8,8 @@
 #include <glm/mat4x4.hpp>
 
 #include "base/result.hpp"
+#include "gles/model.hpp"
 #include "gles/program.hpp"
-#include "gles/renderer.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {

@@ -4,7 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 #include "gles/appearance.hpp"
 #include "gles/camera_input.hpp"
 #include "gles/composite.hpp"
@@ -15,6 +15,7 @@
 #include "gles/patterns.hpp"
 #include "gles/response_table.hpp"
 #include "gles/sky_atlas.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 struct Renderer::State {
@@ -119,17 +120,17 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& options) {
-  constexpr GLint kUniforms = 64, kTextures = 8;
+  constexpr GLint kUniforms = 64;
   GLint uniforms = 0, textures = 0;
   glGetIntegerv(GL_MAX_FRAGMENT_UNIFORM_VECTORS, &uniforms);
   glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &textures);
-  if (uniforms < kUniforms || textures < kTextures)
+  if (uniforms < kUniforms || textures < kPromisedUnits)
     return fail(FaultKind::unsupported, "{}: {} fragment uniform vectors and {} texture units: need {} and {}",
-                context.info().renderer, uniforms, textures, kUniforms, kTextures);
+                context.info().renderer, uniforms, textures, kUniforms, kPromisedUnits);
   auto state = std::make_unique<State>(context.info(), options);
   state->dither = make_dither_pattern();
   state->units_in_one_pass = units_beside_camera(textures);
-  state->scene_depth_unit = textures > kTextures ? kTextures : -1;
+  state->scene_depth_unit = textures > kSceneDepthUnit ? static_cast<int>(kSceneDepthUnit) : -1;
   GLint varyings = 0;
   glGetIntegerv(GL_MAX_VARYING_VECTORS, &varyings);
   state->many_varyings = varyings > 8;
@@ -271,10 +272,6 @@ Result<> Renderer::import_frame(const ExternalPicture& frame) {
   return s.camera.import_frame(frame, s.notes);
 }
 
-void Renderer::drop_camera_buffers() {
-  state_->camera.drop_other_buffers();
-}
-
 FrameCounts Renderer::frames() const {
   return state_->camera.frames();
 }
@@ -282,7 +279,7 @@ FrameCounts Renderer::frames() const {
 Result<> Renderer::draw_background(const DrawTarget& target) {
   State& s = *state_;
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
-  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw_camera_alone(s.programs, s.frame(), shown);
 }
@@ -295,7 +292,7 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   check(measured, "measured airlight", false, problems);
   check(noise, problems);
   if (!problems.empty()) return fail(problems.fault());
-  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
 }
@@ -314,7 +311,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   const auto drawn_shadow = s.shadow_under(appearance);
   if (!drawn_shadow) return tl::unexpected(drawn_shadow.error());
   const SunShadow* shadow = detail == HazeDetail::per_vertex || s.many_varyings ? *drawn_shadow : nullptr;
-  const Shown shown(target, s.camera.newest().width, s.camera.newest().height);
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, true);
   Defines defines{"FINAL_COLOUR", s.response->define()};
   if (shadow) defines.merge(shadow->defines());

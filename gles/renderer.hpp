@@ -15,7 +15,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -31,44 +30,6 @@
 #include "gles/target.hpp"
 
 namespace kasumi {
-
-class ImageDevice;
-
-struct RendererOptions {
-  bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) although the driver has half floats
-  bool force_encoded_textures = false;  // decode sRGB after filtering although the driver has sRGB textures
-  bool force_packed_shadows = false;    // depth of the sun's maps in bytes although the driver has depth textures
-  bool force_smooth_shadows = false;    // their slopes by normals although the driver tells those of faces
-  bool import_on_software = false;      // software GL maps what it imports and may crash on it: it is not asked to
-  std::function<Result<std::unique_ptr<ImageDevice>>(const GlInfo&)> image_device{};  // instead of EGL's, for tests
-};
-
-// How the object looks before the camera's exposure enters.
-struct ObjectAppearance {
-  Haze haze;
-  ObjectLight light;
-  AirlightGrid horizon;            // the sky model's light from infinity, in the unit of `light`; > 0
-  bool aerial_perspective = true;  // false: as if there were no air between, the "before" picture
-  bool shadows = false;            // the sun's, of the object on itself and on the model's ground
-};
-
-// Pixels [left, right) x [top, bottom) of the camera's picture.
-struct PixelBox {
-  int left = 0;
-  int top = 0;
-  int right = 0;
-  int bottom = 0;
-  bool empty() const { return right <= left || bottom <= top; }
-  friend bool operator==(const PixelBox&, const PixelBox&) = default;
-};
-
-enum class HazeDetail { per_vertex, per_fragment };
-
-// How the camera's pictures came to the GPU.
-struct FrameCounts {
-  std::uint64_t uploaded = 0;  // copied, once each
-  std::uint64_t imported = 0;  // not copied at all
-};
 
 class Renderer {
  public:
@@ -116,8 +77,6 @@ class Renderer {
   // been replaced on the display. Errors: unsupported (upload it instead; told once in notes(), and from then on
   // answered without another try for pictures of that kind), bad_input (planes beyond the buffer).
   Result<> import_frame(const ExternalPicture& frame);
-  // Gives back every imported buffer but the one that was drawn last. For when the camera is gone.
-  void drop_camera_buffers();
   FrameCounts frames() const;
 
   // The uploaded picture with the cached layer in it. `measured`: airlight in the camera's light, full scale = 1.
@@ -143,8 +102,5 @@ class Renderer {
   explicit Renderer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
-
-// Bilinear between the grid's points, held beyond its edges. `pixel`: (0, 0) is the centre of the top left pixel.
-glm::dvec3 airlight_at(const AirlightGrid& grid, const glm::dvec2& pixel);
 
 }  // namespace kasumi

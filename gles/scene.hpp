@@ -1,9 +1,11 @@
-// What the renderer is given: plain numbers, no camera and no solver behind them. Light is linear, in any unit common
-// to all fields of one struct.
+// What the renderer is given and what it answers: plain numbers, no camera and no solver behind them. Light is linear,
+// in any unit common to all fields of one struct.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <vector>
 
 #include <glm/mat3x3.hpp>
@@ -12,8 +14,21 @@
 #include <glm/vec3.hpp>
 
 #include "base/light_around.hpp"
+#include "base/result.hpp"
 
 namespace kasumi {
+
+class ImageDevice;
+struct GlInfo;
+
+struct RendererOptions {
+  bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) although the driver has half floats
+  bool force_encoded_textures = false;  // decode sRGB after filtering although the driver has sRGB textures
+  bool force_packed_shadows = false;    // depth of the sun's maps in bytes although the driver has depth textures
+  bool force_smooth_shadows = false;    // their slopes by normals although the driver tells those of faces
+  bool import_on_software = false;      // software GL maps what it imports and may crash on it: it is not asked to
+  std::function<Result<std::unique_ptr<ImageDevice>>(const GlInfo&)> image_device{};  // instead of EGL's, for tests
+};
 
 // Where the scene camera stands and what its lens does. Pixel coordinates: the centre of the top left pixel is (0, 0).
 struct SceneView {
@@ -65,6 +80,15 @@ struct AirlightGrid {
   std::array<glm::dvec3, kColumns * kRows> light{};
 };
 
+// How the object looks before the camera's exposure enters.
+struct ObjectAppearance {
+  Haze haze;
+  ObjectLight light;
+  AirlightGrid horizon;            // the sky model's light from infinity, in the unit of `light`; > 0
+  bool aerial_perspective = true;  // false: as if there were no air between, the "before" picture
+  bool shadows = false;            // the sun's, of the object on itself and on the model's ground
+};
+
 // What the camera's optics and its delivery do to fine detail: the object is drawn no finer.
 struct ObjectDetail {
   double point_spread_px = 0.0;  // standard deviation of a Gaussian, pixels of the camera's picture; 0: none
@@ -87,6 +111,24 @@ struct SensorNoise {
 struct ResponseCurve {
   enum class Kind { linear, srgb, table } kind = Kind::srgb;
   std::array<std::vector<double>, 3> light;
+};
+
+// Pixels [left, right) x [top, bottom) of the camera's picture.
+struct PixelBox {
+  int left = 0;
+  int top = 0;
+  int right = 0;
+  int bottom = 0;
+  bool empty() const { return right <= left || bottom <= top; }
+  friend bool operator==(const PixelBox&, const PixelBox&) = default;
+};
+
+enum class HazeDetail { per_vertex, per_fragment };  // where attenuation is computed
+
+// How the camera's pictures came to the GPU.
+struct FrameCounts {
+  std::uint64_t uploaded = 0;  // copied, once each
+  std::uint64_t imported = 0;  // not copied at all
 };
 
 }  // namespace kasumi

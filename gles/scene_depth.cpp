@@ -6,7 +6,7 @@
 #include <glm/gtc/type_precision.hpp>
 
 #include "gles/gl.hpp"
-#include "gles/programs.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

@@ -5,8 +5,8 @@
 #include <glm/common.hpp>
 
 #include "gles/gl.hpp"
-#include "gles/programs.hpp"
 #include "gles/reflection_table.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

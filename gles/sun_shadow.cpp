@@ -9,6 +9,7 @@
 
 #include "gles/depth.hpp"
 #include "gles/gl.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

@@ -6,7 +6,6 @@
 #include "calib/camera.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/object_light.hpp"
-#include "gles/renderer.hpp"
 #include "gles/scene.hpp"
 #include "pipeline/installation.hpp"
 

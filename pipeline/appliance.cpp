@@ -34,19 +34,14 @@ void Appliance::reload() {
   ReloadNews news{ground_.clock.utc(), {}};
   if (content) {
     spdlog::info("{}: taken in anew", config_file_.string());
-    exchange_.content.scene.put(*content);
-    exchange_.content.sky.put(*content);
-    exchange_.content.render.put(*content);
-    exchange_.content.status.put(*content);
-    exchange_.content.check.put(*content);
-    exchange_.content.visibility.put(*content);
+    for (Mail* mail : exchange_.mails()) mail->content.put(*content);
   } else {
     news.problems = lines_of(content.error().message);
     spdlog::error("the new content is refused, the old one stays:");
     for (const auto& problem : news.problems) spdlog::error("  {}", problem);
   }
-  exchange_.status.reload.put(std::move(news));
-  exchange_.render_bell.ring();
+  exchange_.status->reload.put(std::move(news));
+  exchange_.render.bell.ring();
   ground_.notifier.ready();
 }
 

@@ -30,7 +30,7 @@ class Appliance {
   StatusLoop& status() { return status_; }
   CheckLoop& check() { return check_; }
   VisibilityLoop& visibility() { return visibility_; }
-  Bell& render_bell() { return exchange_.render_bell; }
+  Bell& render_bell() { return exchange_.render.bell; }
 
   // Reads configuration and content anew and hands them to the loops; refused, the old ones stay and every problem is
   // logged and told. BLOCKS for the seconds reading takes, in whatever thread; not for two at once.

@@ -1,33 +1,36 @@
 // Wakes one waiting thread: rung by whoever has news for it.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
-#include <mutex>
+#include <utility>
 
 #include "base/clock.hpp"
+#include "base/thread_annotations.hpp"
 
 namespace kasumi {
 
 class Bell {
  public:
   void ring() {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     rung_ = true;
     woken_.notify_all();
   }
   // BLOCKS until it rings (at once when it has rung since the last wait) or the time is over, by the machine's clock.
   // true: it rang.
   bool wait_for(Duration longest) {
-    std::unique_lock lock(mutex_);
-    const bool rang = woken_.wait_for(lock, longest, [this] { return rung_; });
-    rung_ = false;
-    return rang;
+    const auto until = std::chrono::steady_clock::now() + longest;
+    const MutexLock lock(mutex_);
+    bool in_time = true;
+    while (!rung_ && in_time) in_time = woken_.wait_until(mutex_, until) == std::cv_status::no_timeout;
+    return std::exchange(rung_, false);
   }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable woken_;
-  bool rung_ = false;
+  Mutex mutex_;
+  std::condition_variable_any woken_;
+  bool rung_ KASUMI_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace kasumi

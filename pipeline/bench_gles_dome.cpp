@@ -3,7 +3,7 @@
 #include <array>
 
 #include "gles/context.hpp"
-#include "gles/dome.hpp"
+#include "gles/dome_renderer.hpp"
 #include "gles/offscreen.hpp"
 #include "pipeline/bench_gles.hpp"
 #include "pipeline/bench_gles_papers.hpp"
@@ -52,9 +52,9 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
   const DrawTarget target = offscreen->target();
   const SkyView view = view_of(bench_camera(size));
 
-  std::vector<Dome> skies;
+  std::vector<DomeRenderer> skies;
   for (const SkyKind kind : kKinds) {
-    auto sky = Dome::create(**context);
+    auto sky = DomeRenderer::create(**context);
     if (!sky) return fail(sky.error());
     if (auto set = sky->set(view, bench_sky(kind)); !set) return fail(set.error());
     skies.push_back(std::move(*sky));

@@ -2,8 +2,9 @@
 
 #include <GLES2/gl2.h>
 
-#include "gles/airlight.hpp"
+#include "gles/airlight_grid.hpp"
 #include "gles/appearance.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {

@@ -11,7 +11,6 @@
 #include "base/picture.hpp"
 #include "estimator/atmosphere.hpp"
 #include "gles/model.hpp"
-#include "gles/renderer.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {

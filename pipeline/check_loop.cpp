@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "pipeline/drift_reference.hpp"
+#include "pipeline/status_mail.hpp"
 
 namespace kasumi {
 
@@ -31,7 +32,7 @@ CheckLoop::CheckLoop(ContentPtr content, std::filesystem::path config_file, Cloc
     : content_(std::move(content)), config_file_(std::move(config_file)), clock_(clock), exchange_(exchange) {}
 
 Instant CheckLoop::step() {
-  if (const auto content = exchange_.content.check.take()) {
+  if (const auto content = exchange_.check.content.take()) {
     content_ = *content;
     frames_.reset();
     done_ = false;
@@ -44,7 +45,7 @@ Instant CheckLoop::step() {
     take_pictures();
     const auto full = [](const auto& pictures) { return pictures.size() >= std::size_t{kMostCheckFrames}; };
     if ((full(frames_->scene()) && full(frames_->sky())) || !time) {
-      exchange_.check.scene_wanted = exchange_.check.sky_wanted = false;
+      exchange_.scene.check_wants_picture = exchange_.sky.check_wants_picture = false;
       judge();
       frames_.reset();
       done_ = true;
@@ -59,8 +60,8 @@ Instant CheckLoop::step() {
     due_ = now;
   }
   if (now >= due_) {
-    exchange_.check.scene_wanted = frames_->scene().size() < std::size_t{kMostCheckFrames};
-    exchange_.check.sky_wanted = frames_->sky().size() < std::size_t{kMostCheckFrames};
+    exchange_.scene.check_wants_picture = frames_->scene().size() < std::size_t{kMostCheckFrames};
+    exchange_.sky.check_wants_picture = frames_->sky().size() < std::size_t{kMostCheckFrames};
     due_ = now + choice.length / (kMostCheckFrames + 1);
   }
   return now + kGathering;
@@ -94,7 +95,7 @@ void CheckLoop::judge() {
 
 void CheckLoop::tell(std::string summary, std::optional<DriftReport> report, bool warn) {
   spdlog::log(warn ? spdlog::level::warn : spdlog::level::info, "calibration: {}", summary);
-  exchange_.status.check.put({clock_.utc(), std::move(summary), std::move(report)});
+  exchange_.status->check.put({clock_.utc(), std::move(summary), std::move(report)});
 }
 
 }  // namespace kasumi

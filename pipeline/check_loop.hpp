@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "pipeline/drift.hpp"
 #include "pipeline/drift_frames.hpp"
 #include "pipeline/exchange.hpp"
 

@@ -1,19 +1,17 @@
-// Everything that passes between the appliance's loops. Nothing else is shared.
+// Everything that passes between the appliance's loops: a mailbox for each. Nothing else is shared.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cstdint>
+#include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "base/latest_slot.hpp"
 #include "capture/reconnecting_source.hpp"
-#include "estimator/landmark_air.hpp"
 #include "pipeline/bell.hpp"
 #include "pipeline/content.hpp"
-#include "pipeline/drift.hpp"
-#include "pipeline/ladder.hpp"
-#include "pipeline/latency.hpp"
+#include "pipeline/scene_frame.hpp"
 #include "pipeline/sky_watch.hpp"
 
 namespace kasumi {
@@ -25,45 +23,11 @@ struct CameraNews {
   Duration frame_interval{};  // 0: not known
 };
 
-struct SceneFrame {
-  FrameMetadata metadata;
-  DecodedPicture picture;
-  std::shared_ptr<const void> holder;  // of the driver's buffer
-  std::uint64_t outages = 0;
-};
-
 struct SkyNews {
   SkyReport report;
   bool up = false;  // the sky camera's pictures come
   bool clock_trusted = false;
   bool sun_known() const { return report.sun.source != SunSource::none; }
-};
-
-struct DisplayNews {
-  bool up = false;
-  std::string description;
-  std::string cause;  // why it is not up
-  std::uint64_t flips = 0;
-  std::uint64_t flip_timeouts = 0;
-  std::uint64_t resets = 0;  // how often it was opened anew
-};
-
-struct RenderNews {
-  Rung rung;
-  DisplayNews display;
-  bool building_drawn = false;                   // in the picture shown last
-  std::uint64_t pictures = 0;                    // shown
-  std::uint64_t scene_frames = 0;                // of them, with a new frame of the scene camera
-  std::uint64_t uploads = 0;                     // scene frames copied to the GPU by us
-  std::uint64_t frames_dropped = 0;              // a newer one came before they were shown
-  std::optional<LatencySummary> latency;         // since the start
-  std::optional<LatencySummary> latency_minute;  // of the last whole minute
-};
-
-// How the last attempt to take in new content ended.
-struct ReloadNews {
-  Utc at{};
-  std::vector<std::string> problems;  // empty: taken in
 };
 
 // A picture for the daily check, of a camera that was asked for one.
@@ -73,59 +37,56 @@ struct CheckPicture {
   bool time_known = false;  // metadata.utc tells where the sun stands
 };
 
-// How the last check of the calibration ended.
-struct CheckNews {
-  Utc at{};
-  std::string summary;                // in a line; also when there was nothing to compare
-  std::optional<DriftReport> report;  // empty: no comparison was made
-};
-
-// What the landmarks in the scene camera's picture say of the air.
-struct VisibilityNews {
-  Utc at{};
-  std::optional<LandmarkAir> air;    // empty: not looked at, and `reason` says why
-  std::optional<SkyComparison> sky;  // empty: the sky says nothing
-  std::string reason;
-  bool finding = false;  // they disagree with the sky, and have for minutes
-};
-
 // Today's air by the sky, for comparison.
 struct SkyAir {
   std::optional<TrackedTurbidity> turbidity;  // empty: not known, or not trustworthy
   std::optional<SunDirection> sun;
 };
 
-struct Exchange {
-  LatestSlot<SceneFrame> scene_frames;
+// A loop's mailbox: what the others have put there since it looked.
+struct Mail {
+  LatestSlot<ContentPtr> content;  // to go by from now on
+};
+
+struct SceneMail : Mail {
+  std::atomic<bool> check_wants_picture = false, visibility_wants_picture = false;  // the next that comes
+};
+
+struct SkyMail : Mail {
+  std::atomic<bool> check_wants_picture = false;  // the next that comes
+};
+
+struct RenderMail : Mail {
+  LatestSlot<SceneFrame> frames;
   LatestSlot<CameraNews> scene_camera;
   LatestSlot<SkyNews> sky;
+  Bell bell;  // rung by whoever puts what cannot wait
+};
 
-  struct ForStatus {
-    LatestSlot<CameraNews> scene_camera, sky_camera;
-    LatestSlot<SkyNews> sky;
-    LatestSlot<RenderNews> render;
-    LatestSlot<ReloadNews> reload;
-    LatestSlot<CheckNews> check;
-    LatestSlot<VisibilityNews> visibility;
-  } status;
+struct CheckMail : Mail {
+  LatestSlot<CheckPicture> scene, sky;
+  std::atomic<bool> clock_trusted = false;
+};
 
-  struct ForCheck {
-    std::atomic<bool> scene_wanted = false, sky_wanted = false;  // a picture, the next that comes
-    std::atomic<bool> clock_trusted = false;
-    LatestSlot<CheckPicture> scene, sky;
-  } check;
+struct VisibilityMail : Mail {
+  LatestSlot<CheckPicture> scene;
+  LatestSlot<SkyAir> sky;
+};
 
-  struct ForVisibility {
-    std::atomic<bool> scene_wanted = false;  // a picture, the next that comes
-    LatestSlot<CheckPicture> scene;
-    LatestSlot<SkyAir> sky;
-  } visibility;
+struct StatusMail;  // status_mail.hpp: it hears of everything, which not everybody needs to know
 
-  struct NewContent {
-    LatestSlot<ContentPtr> scene, sky, render, status, check, visibility;
-  } content;
+struct Exchange {
+  Exchange();
+  ~Exchange();
+  // Every loop's.
+  std::array<Mail*, 6> mails();
 
-  Bell render_bell;  // there is news for the render loop
+  SceneMail scene;
+  SkyMail sky;
+  RenderMail render;
+  CheckMail check;
+  VisibilityMail visibility;
+  const std::unique_ptr<StatusMail> status;
 };
 
 }  // namespace kasumi

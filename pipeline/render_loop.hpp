@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "pipeline/devices.hpp"
-#include "pipeline/exchange.hpp"
 #include "pipeline/stage.hpp"
+#include "pipeline/status_mail.hpp"
 #include "pipeline/watchdog.hpp"
 
 namespace kasumi {

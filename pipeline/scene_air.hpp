@@ -9,7 +9,7 @@
 #include "estimator/attenuation.hpp"
 #include "estimator/horizon.hpp"
 #include "estimator/object_light.hpp"
-#include "gles/renderer.hpp"
+#include "gles/scene.hpp"
 #include "pipeline/sky_watch.hpp"
 
 namespace kasumi {

@@ -1,5 +1,7 @@
 #include "pipeline/scene_loop.hpp"
 
+#include "pipeline/status_mail.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -21,7 +23,7 @@ void SceneLoop::step(Instant deadline) {
   if (frame && frame->metadata.status == FrameStatus::good) {
     hand_on(std::move(*frame));
   } else if (!frame && frame.error().kind == FaultKind::disconnected) {
-    exchange_.scene_frames.take();  // a lent frame nobody fetched keeps the device open
+    exchange_.render.frames.take();  // a lent frame nobody fetched keeps the device open
   }
   tell();
 }
@@ -35,21 +37,21 @@ void SceneLoop::hand_on(Frame frame) {
         fmt::format("{}x{} instead of {}x{}", metadata.width, metadata.height, scene.width, scene.height));
   auto picture = decode(frame, scene.yuv_encoding);
   if (!picture) return camera_.reject("damaged");
-  if (exchange_.check.scene_wanted.exchange(false))
+  if (exchange_.scene.check_wants_picture.exchange(false))
     exchange_.check.scene.put({metadata, to_rgb(picture->view()), false});
-  if (exchange_.visibility.scene_wanted.exchange(false))
+  if (exchange_.scene.visibility_wants_picture.exchange(false))
     exchange_.visibility.scene.put({metadata, to_rgb(picture->view()), false});
-  exchange_.scene_frames.put({metadata, std::move(*picture), frame.payload.holder, camera_.outages()});
-  exchange_.render_bell.ring();
+  exchange_.render.frames.put({metadata, std::move(*picture), frame.payload.holder, camera_.outages()});
+  exchange_.render.bell.ring();
 }
 
 void SceneLoop::take_content() {
-  const auto content = exchange_.content.scene.take();
+  const auto content = exchange_.scene.content.take();
   if (!content) return;
   const bool other_camera = (*content)->config.scene_camera != content_->config.scene_camera;
   content_ = *content;
   if (!other_camera) return;
-  exchange_.scene_frames.take();
+  exchange_.render.frames.take();
   camera_.replace(devices_.camera(CameraRole::scene, content_->config.scene_camera));
 }
 
@@ -60,9 +62,9 @@ void SceneLoop::tell() {
   told_ = clock_.now();
   told_outages_ = news.outages;
   told_condition_ = news.health.condition;
-  exchange_.status.scene_camera.put(news);
-  exchange_.scene_camera.put(std::move(news));
-  if (changed) exchange_.render_bell.ring();
+  exchange_.status->scene_camera.put(news);
+  exchange_.render.scene_camera.put(std::move(news));
+  if (changed) exchange_.render.bell.ring();
 }
 
 }  // namespace kasumi

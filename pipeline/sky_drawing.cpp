@@ -61,7 +61,7 @@ Result<SkyDrawing> SkyDrawing::by_gpu() {
   auto context = open_headless_context();
   if (!context) return fail(context.error());
   SkyDrawing drawing(std::move(*context));
-  auto dome = Dome::create(*drawing.context_);
+  auto dome = DomeRenderer::create(*drawing.context_);
   if (!dome) return fail(dome.error());
   drawing.dome_.emplace(std::move(*dome));
   return drawing;

@@ -7,10 +7,10 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "gles/context.hpp"
-#include "gles/dome.hpp"
+#include "gles/dome_renderer.hpp"
 #include "gles/offscreen.hpp"
 #include "pipeline/made_land.hpp"
-#include "pipeline/sky_picture.hpp"
+#include "pipeline/sky_reference.hpp"
 #include "pipeline/sky_scene.hpp"
 
 namespace kasumi {
@@ -45,7 +45,7 @@ class SkyDrawing {
  private:
   explicit SkyDrawing(std::unique_ptr<GlContext> context) : context_(std::move(context)) {}
   std::unique_ptr<GlContext> context_;
-  std::optional<Dome> dome_;
+  std::optional<DomeRenderer> dome_;
   std::optional<Offscreen> target_;
   int width_ = 0, height_ = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "pipeline/status_mail.hpp"
 #include "pipeline/turbidity_state.hpp"
 
 namespace kasumi {
@@ -47,7 +48,7 @@ void SkyLoop::step(Instant deadline) {
 }
 
 void SkyLoop::take_content() {
-  const auto content = exchange_.content.sky.take();
+  const auto content = exchange_.sky.content.take();
   if (!content) return;
   const bool other_camera = (*content)->config.sky_camera != content_->config.sky_camera;
   content_ = *content;
@@ -99,7 +100,7 @@ void SkyLoop::look(const Frame& frame, SunSource sun_from) {
   }
   if (sun_from == SunSource::image) hold_sun(report->sun);
   exchange_.check.clock_trusted = sun_from == SunSource::ephemeris;
-  if (report->picture && exchange_.check.sky_wanted.exchange(false))
+  if (report->picture && exchange_.sky.check_wants_picture.exchange(false))
     exchange_.check.sky.put({frame.metadata, to_rgb(report->picture->view()), sun_from == SunSource::ephemeris});
   tell(std::move(*report), true, sun_from);
 }
@@ -135,15 +136,15 @@ void SkyLoop::tell(SkyReport report, bool up, SunSource sun_from) {
   SkyAir air{tracked && tracked->trustworthy ? tracked : std::nullopt, std::nullopt};
   if (news.sun_known()) air.sun = news.report.sun.direction;
   exchange_.visibility.sky.put(std::move(air));
-  exchange_.status.sky.put(news);
-  exchange_.sky.put(std::move(news));
+  exchange_.status->sky.put(news);
+  exchange_.render.sky.put(std::move(news));
 }
 
 void SkyLoop::tell_health() {
   const auto now = clock_.now();
   if (told_health_ && now - *told_health_ < kHealthInterval) return;
   told_health_ = now;
-  exchange_.status.sky_camera.put(camera_.news());
+  exchange_.status->sky_camera.put(camera_.news());
 }
 
 }  // namespace kasumi

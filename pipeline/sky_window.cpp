@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "estimator/dome.hpp"
-#include "gles/dome.hpp"
+#include "gles/dome_renderer.hpp"
 #include "gles/flat_picture.hpp"
 #include "pipeline/stop_signal.hpp"
 
@@ -70,7 +70,7 @@ Result<> show_sky_window(const SkyTask& task) {
   SkyShown shown{task.camera, task.sky, task.mountains};
   auto window = open_window({"Kasumi: the sky", shown.camera.width, shown.camera.height, true});
   if (!window) return fail(window.error());
-  auto dome = Dome::create(**window);
+  auto dome = DomeRenderer::create(**window);
   if (!dome) return fail(dome.error());
   bool anew = true;
   std::optional<LandAround> land;

@@ -6,9 +6,9 @@
 
 #include "pipeline/compositor.hpp"
 #include "pipeline/content.hpp"
-#include "pipeline/exchange.hpp"
 #include "pipeline/ladder.hpp"
 #include "pipeline/overlay.hpp"
+#include "pipeline/scene_frame.hpp"
 #include "pipeline/still_picture.hpp"
 
 namespace kasumi {

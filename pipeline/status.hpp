@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/exchange.hpp"
+#include "pipeline/status_mail.hpp"
 
 namespace kasumi {
 

@@ -37,14 +37,15 @@ void StatusLoop::gather() {
   const auto newest = [](auto& slot, auto& to) {
     if (auto value = slot.take()) to = std::move(*value);
   };
-  newest(exchange_.content.status, content_);
-  newest(exchange_.status.scene_camera, status_.scene_camera);
-  newest(exchange_.status.sky_camera, status_.sky_camera);
-  newest(exchange_.status.sky, status_.sky);
-  newest(exchange_.status.render, status_.render);
-  newest(exchange_.status.reload, status_.reload);
-  newest(exchange_.status.check, status_.check);
-  newest(exchange_.status.visibility, status_.visibility);
+  StatusMail& mail = *exchange_.status;
+  newest(mail.content, content_);
+  newest(mail.scene_camera, status_.scene_camera);
+  newest(mail.sky_camera, status_.sky_camera);
+  newest(mail.sky, status_.sky);
+  newest(mail.render, status_.render);
+  newest(mail.reload, status_.reload);
+  newest(mail.check, status_.check);
+  newest(mail.visibility, status_.visibility);
   status_.now = clock_.now();
   status_.utc = clock_.utc();
 }

@@ -87,7 +87,7 @@ bool StillPicture::holds(const DrawTarget& target, const StillSky& sky) const {
 // Drawn beside the target and taken as one picture, so that it can fade.
 Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   if (!dome_) {
-    auto dome = Dome::create(*context_);
+    auto dome = DomeRenderer::create(*context_);
     if (!dome) return fail(dome.error());
     dome_ = std::move(*dome);
   }

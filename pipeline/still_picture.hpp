@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "gles/dome.hpp"
+#include "gles/dome_renderer.hpp"
 #include "gles/flat_picture.hpp"
 #include "pipeline/content.hpp"
 #include "pipeline/sky_watch.hpp"
@@ -49,7 +49,7 @@ class StillPicture {
   bool shows_sky_ = true;
   std::optional<FlatPicture> curated_;
   std::optional<FlatPicture> ground_;  // one pixel
-  std::optional<Dome> dome_;           // once it has been wanted
+  std::optional<DomeRenderer> dome_;   // once it has been wanted
   std::optional<WithSky> with_sky_;
 };
 

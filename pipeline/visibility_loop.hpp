@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "estimator/landmark_air.hpp"
-#include "pipeline/exchange.hpp"
+#include "pipeline/status_mail.hpp"
 
 namespace kasumi {
 

@@ -70,27 +70,6 @@ constexpr Saying saying(Message message) {
     case Message::recording:
       return {"Recording",          "Aufnahme läuft", "Enregistrement en cours", "Registrazione in corso",
               "Grabación en curso", "録画中"};
-    case Message::recording_failed:
-      return {"The recording has stopped: the disk takes nothing more.",
-              "Die Aufnahme hat angehalten: Der Datenträger nimmt nichts mehr auf.",
-              "L’enregistrement s’est arrêté\u202F: le disque n’accepte plus de données.",
-              "La registrazione si è fermata: il disco non accetta altri dati.",
-              "La grabación se ha detenido: el disco no admite más datos.",
-              "録画が停止しました。\nディスクに書き込めません。"};
-    case Message::content_refused:
-      return {"New content could not be used.\nThe previous content stays.",
-              "Neue Inhalte konnten nicht übernommen werden.\nDie bisherigen bleiben.",
-              "Le nouveau contenu n’a pas pu être repris.\nL’ancien reste en place.",
-              "I nuovi contenuti non sono utilizzabili.\nRestano quelli precedenti.",
-              "El contenido nuevo no se ha podido usar.\nSe mantiene el anterior.",
-              "新しいコンテンツを読み込めませんでした。\nこれまでの内容を表示しています。"};
-    case Message::overheated:
-      return {"The device is hot and shows fewer pictures a second.",
-              "Das Gerät ist heiß und zeigt weniger Bilder je Sekunde.",
-              "L’appareil est chaud et affiche moins d’images par seconde.",
-              "L’apparecchio è caldo e mostra meno immagini al secondo.",
-              "El aparato está caliente y muestra menos imágenes por segundo.",
-              "装置が高温のため、表示コマ数を減らしています。"};
   }
   return {};
 }

@@ -26,9 +26,6 @@ enum class Message {
   no_clock,              // the sun's place is not known, so there is no building
   closed,                // outside opening hours
   recording,
-  recording_failed,  // disk full or read-only
-  content_refused,   // configuration, model, picture: the old ones stay
-  overheated,        // fewer pictures a second
 };
 inline constexpr Message kMessages[] = {
     Message::starting,
@@ -40,9 +37,6 @@ inline constexpr Message kMessages[] = {
     Message::no_clock,
     Message::closed,
     Message::recording,
-    Message::recording_failed,
-    Message::content_refused,
-    Message::overheated,
 };
 
 // One or two sentences, UTF-8, a line each. Never empty.

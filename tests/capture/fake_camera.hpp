@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/v4l2_source.hpp"
 #include "capture/video_device.hpp"
 
 namespace kasumi {

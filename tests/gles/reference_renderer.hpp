@@ -7,7 +7,6 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "gles/model.hpp"
-#include "gles/renderer.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {

@@ -108,7 +108,7 @@ TEST_F(CameraImports, TakeEachBufferOnceAndShowWhatIsInItNow) {
   EXPECT_EQ(calls_.destroyed, 12);
 }
 
-TEST_F(CameraImports, GiveBackTheBuffersOfACameraThatIsGone) {
+TEST_F(CameraImports, ForgetTheBuffersOfACameraThatIsGone) {
   Renderer renderer = make_renderer(with_test_images());
   std::vector<std::unique_ptr<Buffer>> first, second;
   for (std::uint64_t i = 0; i < 4; ++i) {
@@ -116,10 +116,7 @@ TEST_F(CameraImports, GiveBackTheBuffersOfACameraThatIsGone) {
     second.push_back(std::make_unique<Buffer>(PixelLayout::yuyv, YuvEncoding::bt601_full, 32, 16, 0, 10 + i));
   }
   for (const auto& buffer : first) ASSERT_OK(renderer.import_frame(buffer->picture));
-  const auto before = drawn(renderer, 32, 16);
-  renderer.drop_camera_buffers();
-  EXPECT_EQ(calls_.destroyed, 3);
-  EXPECT_EQ(drawn(renderer, 32, 16).elements(), before.elements()) << "the last picture may be shown on";
+  EXPECT_EQ(calls_.destroyed, 0) << "the last picture may be shown on";
   for (int frame = 0; frame < 40; ++frame)
     ASSERT_OK(renderer.import_frame(second[static_cast<std::size_t>(frame % 4)]->picture));
   EXPECT_EQ(calls_.destroyed, 4) << "forgotten by themselves when others come";

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
+#include "gles/airlight_grid.hpp"
 #include "gles/picture_cutting.hpp"
 #include "gles/projection.hpp"
 #include "gles/target.hpp"

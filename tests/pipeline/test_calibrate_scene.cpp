@@ -6,7 +6,7 @@
 
 #include "calib/calibration_file.hpp"
 #include "capture/utc_text.hpp"
-#include "fixtures/sun.hpp"
+#include "fixtures/sunlight.hpp"
 #include "pipeline/picture_sink.hpp"
 #include "pipeline/placement.hpp"
 #include "tests/pipeline/calibrating.hpp"

@@ -11,6 +11,7 @@
 #include "estimator/sun.hpp"
 #include "fixtures/building.hpp"
 #include "fixtures/scene_view.hpp"
+#include "gles/airlight_grid.hpp"
 #include "pipeline/fixture_file.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/replay.hpp"

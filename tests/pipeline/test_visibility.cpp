@@ -147,7 +147,7 @@ class VisibilityLoopTest : public testing::Test {
     const auto tables = ConfigTable::parse(landmarks, "kasumi.toml").value();
     installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, kWidth, kHeight);
     content->config.state_folder = std::move(state_folder);
-    exchange.visibility.scene_wanted = false;
+    exchange.scene.visibility_wants_picture = false;
     loop.emplace(std::move(content), clock, exchange);
   }
   // How sure it is of one picture's air.
@@ -158,12 +158,12 @@ class VisibilityLoopTest : public testing::Test {
   // One picture a minute, as the scene camera's loop gives when asked.
   void look(double turbidity) {
     const auto again = loop->step();
-    EXPECT_TRUE(exchange.visibility.scene_wanted.exchange(false)) << "a picture is asked for";
+    EXPECT_TRUE(exchange.scene.visibility_wants_picture.exchange(false)) << "a picture is asked for";
     EXPECT_LE(again - clock.now(), 1s);
     exchange.visibility.scene.put({{}, squares_under(turbidity), false});
     loop->step();
-    if (auto told = exchange.status.visibility.take()) news = std::move(*told);
-    EXPECT_FALSE(exchange.visibility.scene_wanted) << "one a minute is enough";
+    if (auto told = exchange.status->visibility.take()) news = std::move(*told);
+    EXPECT_FALSE(exchange.scene.visibility_wants_picture) << "one a minute is enough";
     clock.advance(1min);
   }
   void sky_says(double turbidity, double height = 0.6) {

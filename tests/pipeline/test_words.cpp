@@ -33,7 +33,7 @@ TEST(Words, EveryLanguageHasEveryMessageInItsOwnWords) {
     }
     EXPECT_EQ(said.size(), std::size(kMessages)) << code_of(language) << ": two messages say the same";
   }
-  EXPECT_EQ(std::size(kMessages), static_cast<std::size_t>(Message::overheated) + 1);
+  EXPECT_EQ(std::size(kMessages), static_cast<std::size_t>(Message::recording) + 1);
 }
 
 TEST(Words, LanguagesAreNamedByTheirCodes) {

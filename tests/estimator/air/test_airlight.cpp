@@ -127,16 +127,6 @@ TEST(Airlight, IsNeverNegativeWhateverWasMeasured) {
   for (int c = 0; c < 3; ++c) EXPECT_TRUE(std::isfinite(light[c]) && light[c] >= 0.0);
 }
 
-TEST(Airlight, TellsTheScaleBetweenTwoCamerasThatSeeTheSameSky) {
-  const SunDirection sun = at_deg(60.0, 20.0);
-  const SkyModel model(Turbidity{3.0}, sun);
-  const auto scale = sky_to_scene_scale(measured(model, 0.4, 100.0, 150.0, 84.0),
-                                        measured(model, 0.1, 100.0, 150.0, 79.0), Turbidity{3.0}, sun, srgb_to_xyz());
-  ASSERT_TRUE(scale);
-  EXPECT_NEAR(*scale, 4.0, 0.01);
-  EXPECT_FALSE(sky_to_scene_scale({}, measured(model, 1.0, 0.0, 9.0, 80.0), Turbidity{3.0}, sun, srgb_to_xyz()));
-}
-
 TEST(HorizonColumns, AreInterpolatedAcrossNorth) {
   HorizonLight horizon;
   horizon.columns = {{from_degrees(350.0), from_degrees(80.0), glm::dvec3{1.0}, 1.0},

@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "estimator/cramer_rao.hpp"
+#include "tests/estimator/sky/cramer_rao.hpp"
 
 namespace kasumi::test {
 namespace {

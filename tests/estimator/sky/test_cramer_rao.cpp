@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/cramer_rao.hpp"
 #include "synthetic_sky.hpp"
+#include "tests/estimator/sky/cramer_rao.hpp"
 
 namespace kasumi {
 namespace {

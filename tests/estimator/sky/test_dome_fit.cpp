@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "estimator/cramer_rao.hpp"
 #include "estimator/dome.hpp"
 #include "estimator/turbidity.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
+#include "tests/estimator/sky/cramer_rao.hpp"
 #include "tests/estimator/sky/dome_samples.hpp"
 #include "tests/estimator/sky/synthetic_sky.hpp"
 

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/cramer_rao.hpp"
 #include "estimator/dome.hpp"
 #include "estimator/turbidity_solver.hpp"
+#include "tests/estimator/sky/cramer_rao.hpp"
 #include "tests/estimator/sky/dome_samples.hpp"
 
 namespace kasumi::test {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "ceres_reference.hpp"
-#include "estimator/cramer_rao.hpp"
 #include "estimator/turbidity_solver.hpp"
 #include "synthetic_sky.hpp"
+#include "tests/estimator/sky/cramer_rao.hpp"
 
 namespace kasumi {
 namespace {

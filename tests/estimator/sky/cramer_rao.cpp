@@ -1,4 +1,4 @@
-#include "estimator/cramer_rao.hpp"
+#include "tests/estimator/sky/cramer_rao.hpp"
 
 #include <cmath>
 #include <limits>

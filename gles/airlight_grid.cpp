@@ -1,9 +1,7 @@
+#include "gles/airlight_grid.hpp"
+
 #include <algorithm>
 #include <cmath>
-
-#include "gles/airlight.hpp"
-#include "gles/program.hpp"
-#include "gles/renderer.hpp"
 
 namespace kasumi {
 namespace {

@@ -1,4 +1,4 @@
-#include "gles/dome.hpp"
+#include "gles/dome_renderer.hpp"
 
 #include <array>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "gles/grid_mesh.hpp"
 #include "gles/patterns.hpp"
 #include "gles/program.hpp"
-#include "gles/programs.hpp"
+#include "gles/texture_units.hpp"
 
 namespace kasumi {
 namespace {
@@ -118,7 +118,7 @@ Result<GridMesh> rings_of_sun() {
 
 }  // namespace
 
-struct Dome::State {
+struct DomeRenderer::State {
   GlTexture dither;
   std::map<std::pair<Stage, Defines>, Program> programs;
   SkyView view;
@@ -194,22 +194,22 @@ struct Dome::State {
   }
 };
 
-Dome::Dome(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Dome::Dome(Dome&&) noexcept = default;
-Dome& Dome::operator=(Dome&&) noexcept = default;
-Dome::~Dome() = default;
+DomeRenderer::DomeRenderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+DomeRenderer::DomeRenderer(DomeRenderer&&) noexcept = default;
+DomeRenderer& DomeRenderer::operator=(DomeRenderer&&) noexcept = default;
+DomeRenderer::~DomeRenderer() = default;
 
-Result<Dome> Dome::create(GlContext& context) {
+Result<DomeRenderer> DomeRenderer::create(GlContext& context) {
   if (auto current = context.make_current(); !current) return fail(current.error());
   auto state = std::make_unique<State>();
   state->dither = make_dither_pattern();
   auto sun = rings_of_sun();
   if (!sun) return fail(sun.error());
   state->sun = std::move(*sun);
-  return Dome(std::move(state));
+  return DomeRenderer(std::move(state));
 }
 
-Result<> Dome::set(const SkyView& view, const SkyScene& scene) {
+Result<> DomeRenderer::set(const SkyView& view, const SkyScene& scene) {
   if (view.width < 1 || view.height < 1 || !(view.focal_px > 0.0) || !std::isfinite(view.focal_px))
     return fail(FaultKind::bad_input, "a sky of {} x {} pixels with a focal length of {} px: expected all above 0",
                 view.width, view.height, view.focal_px);
@@ -227,7 +227,7 @@ Result<> Dome::set(const SkyView& view, const SkyScene& scene) {
   return {};
 }
 
-Result<> Dome::set_land(const DomeLand& land) {
+Result<> DomeRenderer::set_land(const DomeLand& land) {
   state_->land.reset();
   if (land.empty()) return {};
   constexpr int kFloats = 10;
@@ -244,7 +244,7 @@ Result<> Dome::set_land(const DomeLand& land) {
   return {};
 }
 
-Result<> Dome::draw(const DrawTarget& target, DomeDetail detail) {
+Result<> DomeRenderer::draw(const DrawTarget& target, DomeDetail detail) {
   State& s = *state_;
   if (!s.mesh) return fail(FaultKind::bad_input, "no sky was set to draw");
   const Letterbox box = letterbox(target, s.view.width, s.view.height);
@@ -267,7 +267,7 @@ Result<> Dome::draw(const DrawTarget& target, DomeDetail detail) {
   return check_gl("drawing the sky");
 }
 
-Dome::Size Dome::mesh_size() const {
+DomeRenderer::Size DomeRenderer::mesh_size() const {
   return {static_cast<int>(state_->lines.columns.size()), static_cast<int>(state_->lines.rows.size())};
 }
 

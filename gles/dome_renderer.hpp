@@ -16,12 +16,12 @@ namespace kasumi {
 // by; it takes 45 uniform vectors of the fragment shader, and GLES 2 promises 16.
 enum class DomeDetail { per_vertex, per_fragment };
 
-class Dome {
+class DomeRenderer {
  public:
-  static Result<Dome> create(GlContext& context);
-  Dome(Dome&&) noexcept;
-  Dome& operator=(Dome&&) noexcept;
-  ~Dome();
+  static Result<DomeRenderer> create(GlContext& context);
+  DomeRenderer(DomeRenderer&&) noexcept;
+  DomeRenderer& operator=(DomeRenderer&&) noexcept;
+  ~DomeRenderer();
 
   // What is looked at from where, under what sky. Costs some milliseconds of the CPU, which cuts the mesh.
   // Errors: bad_input (no size, no focal length), device.
@@ -39,7 +39,7 @@ class Dome {
 
  private:
   struct State;
-  explicit Dome(std::unique_ptr<State> state);
+  explicit DomeRenderer(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

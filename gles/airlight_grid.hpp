@@ -10,6 +10,9 @@
 
 namespace kasumi {
 
+// Bilinear between the grid's points, held beyond its edges. `pixel`: (0, 0) is the centre of the top left pixel.
+glm::dvec3 airlight_at(const AirlightGrid& grid, const glm::dvec2& pixel);
+
 // positive: zero is refused as well (something is divided by it).
 void check(const AirlightGrid& grid, std::string_view name, bool positive, Problems& problems);
 

@@ -1,4 +1,4 @@
-#include "pipeline/sky_picture.hpp"
+#include "pipeline/sky_reference.hpp"
 
 #include <algorithm>
 #include <cmath>
