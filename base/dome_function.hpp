@@ -30,14 +30,13 @@ struct DomeFunction {
   std::array<glm::vec3, kDomeAngles * kDomePowers> coefficients{};  // CIE XYZ, cd/m2, or another linear space
 };
 
-// The sun's disc: drawn over the dome by who needs it. Its edge lies kSunRadius_rad from `sun`.
-constexpr float kSunRadius_rad = 0.004651F;
+// The sun's disc: drawn over the dome by who needs it. Its edge lies kDomeSunRadius_rad (base/sun_disc.hpp) from `sun`.
 struct SunLight {
   glm::vec3 illuminance{0};  // on a plane facing the sun, at the observer; XYZ, lux; 0 when the sun has set there
   glm::vec3 luminance{0};    // of the disc, mean; XYZ, cd/m2
 };
 
-// Transparency of air between two points, by altitude above sea level and distance: estimator/air_path.hpp explains.
+// Transparency of air between two points, by altitude above sea level and distance: base/air_path.glsl explains.
 //   transparency_c = sum over n of weight[n][c] exp(-(molecules[n][c] s_M + aerosol[n][c] s_A + ozone[n][c] s_O))
 // with (s_M, s_A, s_O) the path's columns, which depend on no wavelength.
 constexpr int kAirNodes = 2;

@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 

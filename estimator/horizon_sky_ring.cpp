@@ -8,6 +8,8 @@
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/saturation.hpp"
+#include "base/statistics.hpp"
 #include "estimator/horizon.hpp"
 
 namespace kasumi {
@@ -15,19 +17,11 @@ namespace {
 
 constexpr double kRingTop_deg = 75.0;
 constexpr double kRingBottom_deg = 85.0;
-constexpr int kClipped = 252;
 
 struct Seen {
   glm::dvec3 light{0};
   double luminance = 0.0;
 };
-
-Seen at_quantile(std::vector<Seen> seen, double share) {
-  const auto nth = seen.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(seen.size() - 1));
-  std::nth_element(seen.begin(), nth, seen.end(),
-                   [](const Seen& a, const Seen& b) { return a.luminance < b.luminance; });
-  return *nth;
-}
 
 // XYZ of the ring around one azimuth: the sample of median luminance, so that clouds and masts have no say.
 std::optional<Seen> ring_at(const Camera& sky, const PictureView& picture, const glm::dmat3& to_xyz, double azimuth,
@@ -44,13 +38,13 @@ std::optional<Seen> ring_at(const Camera& sky, const PictureView& picture, const
       if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) continue;
       if (!sky.mask.empty() && sky.mask.at(x, y) == 0) continue;
       const Rgb8 encoded = rgb_at(picture, x, y);
-      if (encoded.x >= kClipped || encoded.y >= kClipped || encoded.z >= kClipped) continue;
+      if (encoded.x >= kSaturatedHorizon || encoded.y >= kSaturatedHorizon || encoded.z >= kSaturatedHorizon) continue;
       const glm::dvec3 xyz = to_xyz * sky.light_at({x, y}, glm::dvec3(encoded) / 255.0);
       if (xyz.y > 0.0) seen.push_back({xyz, xyz.y});
     }
   }
   if (seen.size() < 8) return std::nullopt;
-  return at_quantile(std::move(seen), 0.5);
+  return quantile(std::move(seen), 0.5, &Seen::luminance);
 }
 
 // Luminance of the brightest things near the scene's horizon line, or near its top where that lies outside: the 98th
@@ -61,7 +55,7 @@ double brightest_distant(const Camera& scene, const PictureView& picture, const 
   for (int y = 0; y < picture.height; y += step) {
     for (int x = 0; x < picture.width; x += step) {
       const Rgb8 encoded = rgb_at(picture, x, y);
-      if (encoded.x >= kClipped || encoded.y >= kClipped || encoded.z >= kClipped) continue;
+      if (encoded.x >= kSaturatedHorizon || encoded.y >= kSaturatedHorizon || encoded.z >= kSaturatedHorizon) continue;
       const double luminance = (to_xyz * scene.light_at({x, y}, glm::dvec3(encoded) / 255.0)).y;
       if (y < picture.height / 5) anywhere.push_back({{}, luminance});
       const auto direction = scene.direction_at({x, y});
@@ -70,7 +64,7 @@ double brightest_distant(const Camera& scene, const PictureView& picture, const 
     }
   }
   const auto& chosen = near_horizon.size() >= 50 ? near_horizon : anywhere;
-  return chosen.empty() ? 0.0 : at_quantile(chosen, 0.98).luminance;
+  return quantile(chosen, 0.98, &Seen::luminance).luminance;
 }
 
 // Columns across the scene's view, their light as the ring's XYZ in the scene camera's channels; none where `ring`
