@@ -10,7 +10,7 @@
 #include "estimator/sky_colours.hpp"
 #include "estimator/sun.hpp"
 #include "pipeline/calibration_inputs.hpp"
-#include "pipeline/calibration_plot_colour.hpp"
+#include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/save_calibration.hpp"
 

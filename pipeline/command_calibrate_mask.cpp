@@ -8,7 +8,7 @@
 #include "calib/sky_mask.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/calibration_inputs.hpp"
-#include "pipeline/calibration_plot_mask.hpp"
+#include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/save_calibration.hpp"
@@ -37,7 +37,7 @@ Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Ima
   step.mask = file.filename().string();
   const auto kept = keep_old(file);
   if (!kept) return fail(kept.error());
-  if (auto written = write_grey_png(file, mask); !written) return fail(written.error());
+  if (auto written = write_png(file, mask); !written) return fail(written.error());
   fmt::print("written: {}: white is free, black is hidden; draw in it what is wrong\n", file.string());
   if (*kept) fmt::print("the mask that was there is kept as {}\n", (*kept)->string());
   return save_calibration(arguments.out, std::move(step), drawing);

@@ -7,7 +7,7 @@
 
 #include "calib/calibration_file.hpp"
 #include "capture/utc_text.hpp"
-#include "pipeline/calibration_plot_response.hpp"
+#include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/exposure_stack.hpp"
 #include "pipeline/light_file.hpp"
