@@ -10,7 +10,7 @@
 #include "calib/radiometry.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/scattering.hpp"
-#include "pipeline/air_for_gles.hpp"
+#include "pipeline/for_gles.hpp"
 
 namespace kasumi {
 namespace {

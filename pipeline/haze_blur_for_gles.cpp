@@ -1,4 +1,4 @@
-#include "pipeline/haze_for_gles.hpp"
+#include "pipeline/haze_blur_for_gles.hpp"
 
 #include <algorithm>
 #include <cmath>
