@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/turbidity_state.hpp"
+#include "pipeline/remembered_state.hpp"
 
 namespace kasumi {
 
