@@ -1,7 +1,9 @@
+#include "calib/radiometry.hpp"
+
 #include <algorithm>
 #include <cmath>
 
-#include "calib/radiometry.hpp"
+#include <glm/geometric.hpp>
 
 namespace kasumi {
 namespace {
@@ -88,6 +90,13 @@ glm::dvec3 Response::slope(const glm::dvec3& encoded) const {
   for (int c = 0; c < 3; ++c)
     slope[c] = kind_ == Kind::srgb ? srgb_slope(encoded[c]) : table_slope(light_[c], encoded[c]);
   return slope;
+}
+
+double Vignetting::at(const glm::dvec2& pixel) const {
+  const glm::dvec2 offset = (pixel - centre) / radius_px;
+  const double r2 = glm::dot(offset, offset);
+  const double illumination = 1.0 + r2 * (coefficients[0] + r2 * (coefficients[1] + r2 * coefficients[2]));
+  return std::max(illumination, 1e-3);  // outside the lens's reach, where the fit says nothing
 }
 
 }  // namespace kasumi
