@@ -10,7 +10,7 @@ set(AIR_SOURCES
 set(AIR_LIBRARIES Ceres::ceres opencv_core opencv_imgproc)
 
 # Haze that blurs.
-list(APPEND AIR_SOURCES haze_conductance.cpp haze_diffusion.cpp haze_holes.cpp haze_invariant.cpp haze_margin.cpp haze_passes.cpp
+list(APPEND AIR_SOURCES haze_conductance.cpp haze_diffusion.cpp haze_holes.cpp haze_invariant.cpp haze_passes.cpp
   haze_picture.cpp haze_range.cpp haze_steps.cpp)
 # Vector code for the passes over whole pictures: four pixels' conductances at a time, but one pixel's four values.
 set_source_files_properties(haze_conductance.cpp haze_invariant.cpp PROPERTIES
