@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/sky_model.hpp"
 #include "estimator/turbidity_solver.hpp"

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/units.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/scattering.hpp"
 #include "pipeline/for_gles.hpp"
