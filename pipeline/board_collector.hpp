@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calib/lens_calibration.hpp"
-#include "pipeline/board_choice.hpp"
+#include "calib/any_board.hpp"
 
 namespace kasumi {
 
