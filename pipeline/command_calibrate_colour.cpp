@@ -66,15 +66,16 @@ struct Seen {
 
 Result<Seen> read_skies(const Fixture& fixture, const Camera& camera) {
   Seen seen;
-  auto read = look_through(fixture, camera, kMostPictures, [&](const PictureView& view, Utc utc) {
-    const auto sun = sun_position(utc, fixture.installation.site);
+  const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
+    const auto sun = sun_position(metadata.utc, fixture.installation.site);
     if (sun.zenith > from_degrees(90.0) - kLowestSun) {
       ++seen.low_sun;
       return;
     }
     if (auto picture = sky_picture(view, camera))
-      seen.moments.push_back({utc_text(utc), std::move(*picture), sun.direction});
-  });
+      seen.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
+  };
+  const auto read = for_each_picture(fixture, camera, {.most = kMostPictures}, look);
   if (!read) return fail(read.error());
   seen.read = *read;
   return seen;
