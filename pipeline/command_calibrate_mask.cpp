@@ -63,7 +63,8 @@ Result<int> mask_sky(const MaskArguments& arguments) {
   const int most =
       static_cast<int>(std::clamp<std::int64_t>(kMostBytes / std::max<std::int64_t>(1, each), 5, kMostPictures));
   const auto read =
-      look_through(*fixture, *camera, most, [&](const PictureView& view, Utc) { pictures.push_back(to_rgb(view)); });
+      for_each_picture(*fixture, *camera, {.most = most},
+                       [&](const PictureView& view, const FrameMetadata&) { pictures.push_back(to_rgb(view)); });
   if (!read) return fail(read.error());
   const auto found = find_sky_mask(pictures, *camera, arguments.margin_px);
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);

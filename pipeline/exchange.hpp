@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "base/bell.hpp"
 #include "base/latest_slot.hpp"
 #include "capture/reconnecting_source.hpp"
 #include "estimator/landmark_air.hpp"
-#include "pipeline/bell.hpp"
 #include "pipeline/content.hpp"
 #include "pipeline/drift.hpp"
 #include "pipeline/ladder.hpp"

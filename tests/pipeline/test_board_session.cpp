@@ -6,8 +6,8 @@
 #include <glm/matrix.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "calib/board_collector.hpp"
 #include "calib/lens_fit.hpp"
-#include "pipeline/board_collector.hpp"
 #include "pipeline/board_window.hpp"
 #include "tests/calib/boards.hpp"
 #include "tests/pipeline/calibrating.hpp"

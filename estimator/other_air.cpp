@@ -1,4 +1,4 @@
-#include "pipeline/other_air.hpp"
+#include "estimator/other_air.hpp"
 
 #include <cmath>
 

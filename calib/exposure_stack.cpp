@@ -1,11 +1,9 @@
-#include "pipeline/exposure_stack.hpp"
+#include "calib/exposure_stack.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
-
-#include "pipeline/photograph.hpp"
 
 namespace kasumi {
 
@@ -19,30 +17,6 @@ std::pair<glm::dvec2, double> reach_of(const std::vector<double>& circle, const 
 }
 
 }  // namespace
-
-std::vector<Image<glm::vec3>> read_stack_pictures(const std::vector<std::string>& files, glm::ivec2& size,
-                                                  double& quantum, Problems& problems) {
-  std::vector<Image<glm::vec3>> pictures;
-  for (const auto& file : files) {
-    auto photograph = read_photograph(file);
-    if (!photograph) {
-      problems.add("{}", photograph.error().message);
-      continue;
-    }
-    const glm::ivec2 own{photograph->encoded.width(), photograph->encoded.height()};
-    if (size.x == 0) size = own;
-    if (own != size) {
-      problems.add("{}: {} x {}, expected {} x {} like the first picture: one camera, one size", file, own.x, own.y,
-                   size.x, size.y);
-      continue;
-    }
-    if (!(photograph->quantum > 0.0))
-      problems.add("{}: expected the camera's own 8 or 16 bits, not floating point", file);
-    quantum = photograph->quantum;
-    pictures.push_back(std::move(photograph->encoded));
-  }
-  return pictures;
-}
 
 KnownStack known_exposures(ExposureStack stack, const std::vector<double>& exposures_s, double percent,
                            const glm::dvec3& black, const Image<std::uint8_t>& mask) {

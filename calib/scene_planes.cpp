@@ -1,4 +1,4 @@
-#include "pipeline/scene_planes.hpp"
+#include "calib/scene_planes.hpp"
 
 #include <algorithm>
 #include <cmath>

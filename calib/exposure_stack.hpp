@@ -1,4 +1,4 @@
-// Exposures of one view, dark and flat pictures, as `kasumi calibrate response` is given them.
+// Exposures of one view, dark and flat pictures: what a response, a black level and a vignetting are measured from.
 #pragma once
 
 #include <string>
@@ -31,10 +31,6 @@ struct KnownStack {
 // Without `exposures_s` from the pictures, as if the camera were linear; `percent`: how sure the times are.
 KnownStack known_exposures(ExposureStack stack, const std::vector<double>& exposures_s, double percent,
                            const glm::dvec3& black, const Image<std::uint8_t>& mask);
-
-// Pictures of one size; the first that is read sets it. What is wrong is added to the problems.
-std::vector<Image<glm::vec3>> read_stack_pictures(const std::vector<std::string>& files, glm::ivec2& size,
-                                                  double& quantum, Problems& problems);
 
 // A circle (x, y, radius) as a mask; empty when none is given.
 Image<std::uint8_t> circle_mask(const std::vector<double>& circle, const glm::ivec2& size);

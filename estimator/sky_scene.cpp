@@ -1,4 +1,4 @@
-#include "pipeline/sky_scene.hpp"
+#include "estimator/sky_scene.hpp"
 
 #include <algorithm>
 #include <cmath>

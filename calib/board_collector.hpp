@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/lens_calibration.hpp"
-#include "pipeline/board_choice.hpp"
+#include "calib/any_board.hpp"
 
 namespace kasumi {
 
@@ -30,8 +29,8 @@ class BoardCollector {
   // A frame, each of one size. `name`: of the view, should it be taken.
   Found look(const Image<std::uint8_t>& grey, const std::string& name);
 
-  static constexpr int kCells = BoardCoverage::kCells;  // along each side of the picture
-  enum class Cell { dark, bare, covered };              // dark: the lens throws no picture there
+  static constexpr int kCells = kCoverageCells;  // along each side of the picture
+  enum class Cell { dark, bare, covered };       // dark: the lens throws no picture there
   Cell cell(int column, int row) const;
   double covered() const;  // part of the cells that see anything
   bool leaned(Lean lean) const { return leaned_[static_cast<std::size_t>(lean)]; }

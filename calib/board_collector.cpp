@@ -1,10 +1,12 @@
-#include "pipeline/board_collector.hpp"
+#include "calib/board_collector.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 namespace kasumi {
 
@@ -102,9 +104,9 @@ int ninth_of(const BoardView& view, int width, int height) {
   return 3 * y + x;
 }
 
-std::array<std::size_t, BoardCoverage::kCells * BoardCoverage::kCells> corners_in_cells(const BoardView& view,
-                                                                                        int width, int height) {
-  constexpr int kCells = BoardCoverage::kCells;
+std::array<std::size_t, kCoverageCells * kCoverageCells> corners_in_cells(const BoardView& view, int width,
+                                                                          int height) {
+  constexpr int kCells = kCoverageCells;
   std::array<std::size_t, kCells * kCells> cells{};
   for (const auto& pixel : view.pixels) {
     const int x = std::clamp(static_cast<int>((pixel.x + 0.5) / width * kCells), 0, kCells - 1);

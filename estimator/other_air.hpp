@@ -1,14 +1,14 @@
-// Photographs under other air: what `kasumi retarget` knows of the camera, the paths of light and the two airs.
+// Photographs under other air, from what is known of the camera, the paths of light and the two airs.
 #pragma once
 
-#include <filesystem>
 #include <optional>
+#include <string>
 
+#include "base/photograph.hpp"
 #include "base/result.hpp"
 #include "calib/camera.hpp"
 #include "estimator/horizon.hpp"
 #include "estimator/retarget.hpp"
-#include "pipeline/photograph.hpp"
 
 namespace kasumi {
 
