@@ -53,15 +53,21 @@ bool inside(double value, Range range) {
   return std::isfinite(value) && value >= range.lowest && value <= range.highest;
 }
 
+// The keys below a node of that full key: of a table, or of a list of tables.
+void list_keys_below(const toml::node& node, const std::string& full, std::vector<std::string>& keys);
+
 void list_keys(const toml::table& table, const std::string& prefix, std::vector<std::string>& keys) {
   for (const auto& [key, node] : table) {
-    const std::string full = prefix + std::string(key.str());
-    keys.push_back(full);
-    if (const auto* inner = node.as_table()) list_keys(*inner, full + ".", keys);
-    if (const auto* array = node.as_array(); array && array->is_array_of_tables())
-      for (std::size_t i = 0; i < array->size(); ++i)
-        list_keys(*(*array)[i].as_table(), fmt::format("{}[{}].", full, i), keys);
+    keys.push_back(prefix + std::string(key.str()));
+    list_keys_below(node, std::string(keys.back()), keys);
   }
+}
+
+void list_keys_below(const toml::node& node, const std::string& full, std::vector<std::string>& keys) {
+  if (const auto* inner = node.as_table()) list_keys(*inner, full + ".", keys);
+  if (const auto* array = node.as_array(); array && array->is_array_of_tables())
+    for (std::size_t i = 0; i < array->size(); ++i)
+      list_keys(*(*array)[i].as_table(), fmt::format("{}[{}].", full, i), keys);
 }
 
 using Changes = std::map<std::string, std::optional<std::string>>;
@@ -314,8 +320,7 @@ void ConfigTable::ignore(std::string_view key) const {
   const std::string full = full_key(key);
   file_->read.insert(full);
   std::vector<std::string> below;
-  if (const auto* node = node_->table->get(key); node && node->is_table())
-    list_keys(*node->as_table(), full + ".", below);
+  if (const auto* node = node_->table->get(key)) list_keys_below(*node, full, below);
   file_->read.insert(below.begin(), below.end());
 }
 

@@ -9,36 +9,16 @@
 #include <glm/geometric.hpp>
 
 #include "base/files.hpp"
+#include "base/toml_text.hpp"
 
 namespace kasumi {
 namespace {
-
-// A TOML basic string.
-std::string toml_string(std::string_view text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\')
-      result += fmt::format("\\{}", c);
-    else if (code < 0x20 || code == 0x7f)
-      result += fmt::format("\\u{:04X}", code);
-    else
-      result += c;
-  }
-  return result + "\"";
-}
-
-std::string number(double value) {
-  auto text = fmt::format("{}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
 
 std::string text_of(const Measured& measured, const std::string& camera) {
   auto text = fmt::format("\n[{}.measured.{}]\nutc = {}\nfrom = {}\n", camera, measured.what, measured.utc,
                           toml_string(measured.from));
   for (const auto& [key, value] : measured.numbers)
-    if (std::isfinite(value)) text += fmt::format("{} = {}\n", key, number(value));
+    if (std::isfinite(value)) text += fmt::format("{} = {}\n", key, toml_number(value));
   if (!measured.picture.empty()) text += fmt::format("picture = {}\n", toml_string(measured.picture));
   std::vector<std::string> remarks;
   for (const auto& remark : measured.remarks) remarks.push_back("  " + toml_string(remark));
@@ -66,9 +46,10 @@ std::string text_of(const MeasuredCurve& curve) {
 }
 
 std::string text_of(const Vignetting& vignetting) {
-  return fmt::format("centre_px = [{}, {}]\nradius_px = {}\ncoefficients = [{}, {}, {}]\n", number(vignetting.centre.x),
-                     number(vignetting.centre.y), number(vignetting.radius_px), number(vignetting.coefficients[0]),
-                     number(vignetting.coefficients[1]), number(vignetting.coefficients[2]));
+  return fmt::format("centre_px = [{}, {}]\nradius_px = {}\ncoefficients = [{}, {}, {}]\n",
+                     toml_number(vignetting.centre.x), toml_number(vignetting.centre.y),
+                     toml_number(vignetting.radius_px), toml_number(vignetting.coefficients[0]),
+                     toml_number(vignetting.coefficients[1]), toml_number(vignetting.coefficients[2]));
 }
 
 // Keys of [CAMERA] itself.
@@ -77,8 +58,8 @@ std::string head_of(const CalibrationStep& step, bool has_response) {
   if (!step.serial.empty()) text += fmt::format("serial = {}\n", toml_string(step.serial));
   if (step.to_world) {
     const auto angles = heading_pitch_roll(*step.to_world);
-    text += fmt::format("heading_deg = {}\npitch_deg = {}\nroll_deg = {}\n", number(to_degrees(angles.heading)),
-                        number(to_degrees(angles.pitch)), number(to_degrees(angles.roll)));
+    text += fmt::format("heading_deg = {}\npitch_deg = {}\nroll_deg = {}\n", toml_number(to_degrees(angles.heading)),
+                        toml_number(to_degrees(angles.pitch)), toml_number(to_degrees(angles.roll)));
   }
   if (step.curve)
     text += text_of(*step.curve);
@@ -178,15 +159,15 @@ Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, 
   }
   std::string text = old.text;
   if (step.site && !old.has_site)
-    text +=
-        fmt::format("\n[site]\nlatitude_deg = {}\nlongitude_deg = {}\naltitude_m = {}\n",
-                    number(step.site->latitude_deg), number(step.site->longitude_deg), number(step.site->altitude_m));
+    text += fmt::format("\n[site]\nlatitude_deg = {}\nlongitude_deg = {}\naltitude_m = {}\n",
+                        toml_number(step.site->latitude_deg), toml_number(step.site->longitude_deg),
+                        toml_number(step.site->altitude_m));
   add_under(text, step.camera, head_of(step, old.has_response));
   if (step.lens) text += fmt::format("\n[{}.lens]\n{}", step.camera, toml_of(*step.lens));
   if (step.vignetting) text += fmt::format("\n[{}.vignetting]\n{}", step.camera, text_of(*step.vignetting));
   if (step.noise)
     text += fmt::format("\n[{}.noise]\nfull_scale_electrons = {}\nread_electrons = {}\n", step.camera,
-                        number(step.noise->full_scale_electrons), number(step.noise->read_electrons));
+                        toml_number(step.noise->full_scale_electrons), toml_number(step.noise->read_electrons));
   for (const auto& measured : step.measured) text += text_of(measured, step.camera);
   text.insert(0, fmt::format("# Written by kasumi calibrate; docs/cameras.md tells what the keys mean.\n"
                              "calibration = {}\n\n",

@@ -14,6 +14,7 @@
 #include "base/picture.hpp"
 #include "calib/lens.hpp"
 #include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 
 namespace kasumi {
 

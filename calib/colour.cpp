@@ -5,7 +5,7 @@
 #include <glm/matrix.hpp>
 
 #include "calib/colorimetry.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 
 namespace kasumi {
 namespace {

@@ -62,10 +62,10 @@ Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path);
 
 // [lens] of a camera. Problems are left in the table's file; the result is then some valid lens, so that reading can go
 // on. Keys by model (docs/cameras.md), fisheyes also largest_angle_deg (default 90, or fov_deg / 2):
-//   model = "equidistant" | "equisolid":  focal_px = f, centre_px = [x, y]   or   fov_deg, circle_px = [x, y, radius]
+//   model = "equidistant" | "equisolid":  focal_px = f, centre_px = [x, y]  or  fov_deg, circle_px = [x, y, radius]
 //   model = "opencv_fisheye":             focal_px = [fx, fy], centre_px, k = [k1, k2, k3, k4]
-//   model = "scaramuzza":                 polynomial = [a0, ...], centre_px, affine = [c, d, e]   or   ocamcalib =
-//   "file" model = "pinhole":                    focal_px = [fx, fy], centre_px, distortion = [k1, k2, p1, p2, k3]
+//   model = "scaramuzza":                 polynomial = [a0, ...], centre_px, affine = [c, d, e]  or  ocamcalib = "FILE"
+//   model = "pinhole":                    focal_px = [fx, fy], centre_px, distortion = [k1, k2, p1, p2, k3]
 LensPtr read_lens(const ConfigTable& table);
 
 }  // namespace kasumi

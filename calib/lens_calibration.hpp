@@ -19,7 +19,7 @@ struct DroppedView {
 
 // Where the corners were, of all views used.
 struct BoardCoverage {
-  static constexpr int kCells = 6;             // along each side
+  static constexpr int kCells = kCoverageCells;
   std::array<int, kCells * kCells> corners{};  // row by row, from the top left of the picture
   double covered = 0.0;                        // part of the cells that can see anything which saw a corner
   Radians farthest;                            // off the axis

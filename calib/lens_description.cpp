@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/toml_text.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -15,17 +17,10 @@ struct Overloaded : Functions... {
 template <class... Functions>
 Overloaded(Functions...) -> Overloaded<Functions...>;
 
-// TOML tells a float by its point or exponent.
-std::string number(double value) {
-  auto text = fmt::format("{}", value);
-  if (text.find_first_of(".e") == std::string::npos) text += ".0";
-  return text;
-}
-
 template <class Numbers>
 std::string list(const Numbers& numbers) {
   std::vector<std::string> texts;
-  for (const double value : numbers) texts.push_back(number(value));
+  for (const double value : numbers) texts.push_back(toml_number(value));
   return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
@@ -87,7 +82,7 @@ std::string toml_of(const LensDescription& description) {
   auto text = fmt::format("model = \"{}\"\n", model_name(description));
   text += std::visit(
       Overloaded{
-          [](const IdealFisheyeModel& m) { return fmt::format("focal_px = {}\n", number(m.focal_px)); },
+          [](const IdealFisheyeModel& m) { return fmt::format("focal_px = {}\n", toml_number(m.focal_px)); },
           [](const OpencvFisheyeModel& m) {
             return fmt::format("focal_px = {}\nk = {}\n", pair(m.focal_px), list(m.k));
           },
@@ -100,7 +95,7 @@ std::string toml_of(const LensDescription& description) {
       description.model);
   text += fmt::format("centre_px = {}\n", pair(centre_of(description)));
   if (!std::holds_alternative<PinholeModel>(description.model))
-    text += fmt::format("largest_angle_deg = {}\n", number(to_degrees(description.largest_angle)));
+    text += fmt::format("largest_angle_deg = {}\n", toml_number(to_degrees(description.largest_angle)));
   return text;
 }
 

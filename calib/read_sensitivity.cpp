@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 
 namespace kasumi {
 namespace {

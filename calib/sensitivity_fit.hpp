@@ -11,7 +11,7 @@
 
 #include "base/result.hpp"
 #include "calib/colorimetry.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 
 namespace kasumi {
 

@@ -1,9 +1,9 @@
+#include "calib/spectral_sensitivity.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include <glm/common.hpp>
-
-#include "calib/radiometry.hpp"
 
 namespace kasumi {
 

@@ -1,6 +1,7 @@
 // The bytes of a frame: memory of ours, or a driver's buffer that goes back to the driver when its last holder lets go.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -24,7 +25,10 @@ struct Payload {
 };
 
 // A number for DmaBuf::buffer that no other memory of this process has had. From any thread.
-std::uint64_t new_buffer_number();
+inline std::uint64_t new_buffer_number() {
+  static std::atomic<std::uint64_t> last{0};  // of the process, as file descriptors are
+  return ++last;
+}
 
 inline Payload payload_of(std::vector<std::uint8_t> bytes) {
   const auto kept = std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));

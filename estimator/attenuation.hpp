@@ -8,7 +8,7 @@
 
 #include "calib/camera.hpp"
 #include "calib/colorimetry.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "estimator/atmosphere.hpp"
 #include "estimator/scattering.hpp"
 

@@ -10,15 +10,10 @@
 
 #include "base/result.hpp"
 #include "calib/camera.hpp"
+#include "estimator/sky_moment.hpp"
 #include "estimator/turbidity.hpp"
 
 namespace kasumi {
-
-struct SkyMoment {
-  std::string name;  // for people
-  SkyPicture picture;
-  SunDirection sun{0, 0, 1};
-};
 
 // T from elsewhere: a sun photometer nearby, a weather service.
 struct KnownTurbidity {

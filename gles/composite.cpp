@@ -54,8 +54,7 @@ void Composite::bind_noise(const Program& program, const SensorNoise& noise, boo
   if (!noise_) noise_ = make_noise_pattern();
   glActiveTexture(GL_TEXTURE0 + kNoiseUnit);
   glBindTexture(GL_TEXTURE_2D, noise_.name());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, smooth ? GL_LINEAR : GL_NEAREST);
+  set_filter(smooth ? TextureFilter::linear : TextureFilter::nearest);
   program.set("noise_pattern", kNoiseUnit);
   program.set("noise_shot", noise.shot);
   program.set("noise_read2", noise.read * noise.read);

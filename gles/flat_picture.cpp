@@ -71,8 +71,7 @@ Result<FlatPicture> FlatPicture::create(GlContext& context, const Image<Rgba8>& 
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, texels.width(), texels.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                texels.elements().data());
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  clamp_to_edge();
   const auto is_power_of_two = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
   state->has_mipmaps = info.es_major >= 3 || info.has("GL_OES_texture_npot") ||
                        (is_power_of_two(texels.width()) && is_power_of_two(texels.height()));

@@ -16,10 +16,8 @@ Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, const GlI
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE, mask.width(), mask.height(), 0, GL_LUMINANCE, GL_UNSIGNED_BYTE,
                mask.elements().data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  set_filter(TextureFilter::nearest);
+  clamp_to_edge();
   if (auto uploaded = check_gl("uploading the foreground mask"); !uploaded) return tl::unexpected(uploaded.error());
   return made;
 }

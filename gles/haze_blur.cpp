@@ -35,10 +35,8 @@ GlTexture packed_texture(int width, int height, First first, Second second) {
   bind(kLight, texture);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.elements().data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  set_filter(TextureFilter::nearest);
+  clamp_to_edge();
   return texture;
 }
 
@@ -208,9 +206,7 @@ Result<> HazeBlur::show(const DrawTarget& target) const {
   program.use();
   bind(kLight, now_.buffers.front().texture);
   const bool smooth = filters_ && (shown.width != width_ || shown.height != height_);
-  const GLint filter = smooth ? GL_LINEAR : GL_NEAREST;
-  for (const GLenum which : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, which, filter);
+  set_filter(smooth ? TextureFilter::linear : TextureFilter::nearest);
   if (in_bytes_) bind(kLight2, now_.buffers.back().texture);
   program.set("light", kLight);
   program.set("light_2", kLight2);
@@ -220,8 +216,7 @@ Result<> HazeBlur::show(const DrawTarget& target) const {
   program.set("bottom_first", target.top_row_first ? 0.0 : 1.0);
   draw_square();
   bind(kLight, now_.buffers.front().texture);
-  for (const GLenum which : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, which, GL_NEAREST);
+  set_filter(TextureFilter::nearest);
   return check_gl("showing haze");
 }
 

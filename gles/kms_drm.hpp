@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -13,24 +12,18 @@
 #include <xf86drm.h>
 #include <xf86drmMode.h>
 
+#include "base/c_ptr.hpp"
 #include "gles/kms_device.hpp"
 
 namespace kasumi {
 
-template <auto Free>
-struct DrmFree {
-  template <class T>
-  void operator()(T* freed) const {
-    Free(freed);
-  }
-};
-using DrmResources = std::unique_ptr<drmModeRes, DrmFree<drmModeFreeResources>>;
-using DrmConnector = std::unique_ptr<drmModeConnector, DrmFree<drmModeFreeConnector>>;
-using DrmEncoder = std::unique_ptr<drmModeEncoder, DrmFree<drmModeFreeEncoder>>;
-using DrmPlanes = std::unique_ptr<drmModePlaneRes, DrmFree<drmModeFreePlaneResources>>;
-using DrmPlane = std::unique_ptr<drmModePlane, DrmFree<drmModeFreePlane>>;
-using DrmCrtc = std::unique_ptr<drmModeCrtc, DrmFree<drmModeFreeCrtc>>;
-using DrmBlob = std::unique_ptr<drmModePropertyBlobRes, DrmFree<drmModeFreePropertyBlob>>;
+using DrmResources = CPtr<drmModeRes, drmModeFreeResources>;
+using DrmConnector = CPtr<drmModeConnector, drmModeFreeConnector>;
+using DrmEncoder = CPtr<drmModeEncoder, drmModeFreeEncoder>;
+using DrmPlanes = CPtr<drmModePlaneRes, drmModeFreePlaneResources>;
+using DrmPlane = CPtr<drmModePlane, drmModeFreePlane>;
+using DrmCrtc = CPtr<drmModeCrtc, drmModeFreeCrtc>;
+using DrmBlob = CPtr<drmModePropertyBlobRes, drmModeFreePropertyBlob>;
 
 // The error of the call that has just failed.
 template <class... Args>

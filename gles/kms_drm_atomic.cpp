@@ -7,12 +7,10 @@ namespace kasumi {
 
 DrmProperties drm_properties(int fd, std::uint32_t object, std::uint32_t type) {
   DrmProperties found;
-  const std::unique_ptr<drmModeObjectProperties, DrmFree<drmModeFreeObjectProperties>> all(
-      drmModeObjectGetProperties(fd, object, type));
+  const CPtr<drmModeObjectProperties, drmModeFreeObjectProperties> all(drmModeObjectGetProperties(fd, object, type));
   if (all == nullptr) return found;
   for (std::uint32_t i = 0; i < all->count_props; ++i) {
-    const std::unique_ptr<drmModePropertyRes, DrmFree<drmModeFreeProperty>> property(
-        drmModeGetProperty(fd, all->props[i]));
+    const CPtr<drmModePropertyRes, drmModeFreeProperty> property(drmModeGetProperty(fd, all->props[i]));
     if (property == nullptr) continue;
     const std::string name(property->name, strnlen(property->name, sizeof property->name));
     found[name] = {property->prop_id, all->prop_values[i]};
@@ -66,7 +64,7 @@ class DrmAtomic::Request {
 
  private:
   DrmAtomic& atomic_;
-  std::unique_ptr<drmModeAtomicReq, DrmFree<drmModeAtomicFree>> request_;
+  CPtr<drmModeAtomicReq, drmModeAtomicFree> request_;
   std::uint32_t mode_blob_ = 0;
   bool complete_ = true;
 };

@@ -298,7 +298,7 @@ KmsResult<std::unique_ptr<KmsDevice>> open_drm_device(const std::string& path) {
     errno = EOPNOTSUPP;
     return drm_error("{} drives no displays", path);
   }
-  const std::unique_ptr<drmVersion, DrmFree<drmFreeVersion>> version(drmGetVersion(fd.value()));
+  const CPtr<drmVersion, drmFreeVersion> version(drmGetVersion(fd.value()));
   std::string driver = version == nullptr || version->name == nullptr
                            ? "unknown driver"
                            : std::string(version->name, static_cast<std::size_t>(std::max(version->name_len, 0)));

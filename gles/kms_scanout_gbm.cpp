@@ -6,6 +6,7 @@
 
 #include <gbm.h>
 
+#include "base/c_ptr.hpp"
 #include "gles/egl.hpp"
 #include "gles/kms_scanout.hpp"
 
@@ -14,14 +15,8 @@ namespace {
 
 constexpr std::uint64_t kNoModifier = 0x00ffffffffffffffu;  // DRM_FORMAT_MOD_INVALID
 
-struct DestroyDevice {
-  void operator()(gbm_device* device) const { gbm_device_destroy(device); }
-};
-struct DestroySurface {
-  void operator()(gbm_surface* surface) const { gbm_surface_destroy(surface); }
-};
-using GbmDevice = std::unique_ptr<gbm_device, DestroyDevice>;
-using GbmSurface = std::unique_ptr<gbm_surface, DestroySurface>;
+using GbmDevice = CPtr<gbm_device, gbm_device_destroy>;
+using GbmSurface = CPtr<gbm_surface, gbm_surface_destroy>;
 
 // EGL finds its displays again by the address of the GBM device: one that stayed initialised would meet the next
 // device at the same place. The display is ours alone, so that it may go.

@@ -7,22 +7,16 @@
 
 #include <libudev.h>
 
+#include "base/c_ptr.hpp"
 #include "gles/kms_system.hpp"
 
 namespace kasumi {
 namespace {
 
-template <auto Unref>
-struct Unreference {
-  template <class T>
-  void operator()(T* object) const {
-    Unref(object);
-  }
-};
-using Udev = std::unique_ptr<udev, Unreference<udev_unref>>;
-using UdevMonitor = std::unique_ptr<udev_monitor, Unreference<udev_monitor_unref>>;
-using UdevDevice = std::unique_ptr<udev_device, Unreference<udev_device_unref>>;
-using UdevEnumerate = std::unique_ptr<udev_enumerate, Unreference<udev_enumerate_unref>>;
+using Udev = CPtr<udev, udev_unref>;
+using UdevMonitor = CPtr<udev_monitor, udev_monitor_unref>;
+using UdevDevice = CPtr<udev_device, udev_device_unref>;
+using UdevEnumerate = CPtr<udev_enumerate, udev_enumerate_unref>;
 
 std::string by_path_of(udev_device* device) {
   for (udev_list_entry* link = udev_device_get_devlinks_list_entry(device); link != nullptr;

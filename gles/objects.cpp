@@ -89,6 +89,17 @@ GlRenderbuffer make_renderbuffer() {
   return generate<GlRenderbuffer>(glGenRenderbuffers);
 }
 
+void set_filter(TextureFilter filter) {
+  const GLint value = filter == TextureFilter::linear ? GL_LINEAR : GL_NEAREST;
+  for (const GLenum where : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, where, value);
+}
+
+void clamp_to_edge() {
+  for (const GLenum side : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, side, GL_CLAMP_TO_EDGE);
+}
+
 Result<> check_gl(std::string_view what) {
   std::string reasons;
   // A lost context may answer for ever.

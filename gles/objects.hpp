@@ -53,6 +53,12 @@ GlBuffer make_buffer();
 GlFramebuffer make_framebuffer();
 GlRenderbuffer make_renderbuffer();
 
+// Of the 2D texture bound now: single texels, or a mix of the four nearest; both where it shrinks and where it grows.
+enum class TextureFilter { nearest, linear };
+void set_filter(TextureFilter filter);
+// Of the 2D texture bound now, along both sides: beyond its edge it is as at the edge.
+void clamp_to_edge();
+
 // A fault that names `what` when GL has recorded errors since the last call; all of them are taken.
 Result<> check_gl(std::string_view what);
 // The framebuffer bound now. Errors: device, with GL's reason.

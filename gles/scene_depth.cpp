@@ -36,10 +36,8 @@ Result<SceneDepth> SceneDepth::upload(const Image<float>& depth_m, const GlInfo&
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB, texels.width(), texels.height(), 0, GL_RGB, GL_UNSIGNED_BYTE,
                texels.elements().data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  set_filter(TextureFilter::nearest);
+  clamp_to_edge();
   if (auto uploaded = check_gl("uploading the depth map"); !uploaded) return tl::unexpected(uploaded.error());
   return made;
 }

@@ -30,10 +30,8 @@ GlTexture make_maps(int side, bool packed, const GlInfo& info) {
   else
     glTexImage2D(GL_TEXTURE_2D, 0, info.es_major >= 3 ? GL_DEPTH_COMPONENT24_OES : GL_DEPTH_COMPONENT, side, side, 0,
                  GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  set_filter(TextureFilter::nearest);
+  clamp_to_edge();
   return texture;
 }
 

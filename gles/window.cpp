@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/c_ptr.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -40,13 +42,11 @@ class SdlVideo {
   bool started_ = true;
 };
 
-struct DestroyWindow {
-  void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
-};
+using SdlWindowPtr = CPtr<SDL_Window, SDL_DestroyWindow>;
 
 class SdlWindow final : public Window {
  public:
-  SdlWindow(SdlVideo video, std::unique_ptr<SDL_Window, DestroyWindow> window, SDL_GLContext context)
+  SdlWindow(SdlVideo video, SdlWindowPtr window, SDL_GLContext context)
       : video_(std::move(video)), window_(std::move(window)), context_(context), info_(query_gl_info()) {}
   SdlWindow(const SdlWindow&) = delete;
   SdlWindow& operator=(const SdlWindow&) = delete;
@@ -107,7 +107,7 @@ class SdlWindow final : public Window {
   }
 
   SdlVideo video_;
-  std::unique_ptr<SDL_Window, DestroyWindow> window_;
+  SdlWindowPtr window_;
   SDL_GLContext context_;
   GlInfo info_;
   bool closing_ = false;
@@ -124,9 +124,9 @@ Result<std::unique_ptr<Window>> open_window(const WindowOptions& options) {
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 2);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 0);
   SDL_GL_SetAttribute(SDL_GL_DEPTH_SIZE, 24);
-  std::unique_ptr<SDL_Window, DestroyWindow> window(
-      SDL_CreateWindow(options.title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, options.width,
-                       options.height, SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI));
+  SdlWindowPtr window(SDL_CreateWindow(options.title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED,
+                                       options.width, options.height,
+                                       SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI));
   if (window == nullptr) return fail(FaultKind::unsupported, "no window: {}", sdl_reason());
   SDL_GLContext context = SDL_GL_CreateContext(window.get());
   if (context == nullptr) return fail(FaultKind::unsupported, "no GLES 2 context for a window: {}", sdl_reason());

@@ -6,6 +6,7 @@
 
 #include "base/statistics.hpp"
 #include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/sky_model.hpp"
 #include "estimator/turbidity_solver.hpp"

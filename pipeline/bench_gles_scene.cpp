@@ -7,10 +7,10 @@
 #include <glm/geometric.hpp>
 
 #include "base/units.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/scattering.hpp"
-#include "pipeline/air_for_gles.hpp"
+#include "pipeline/for_gles.hpp"
 
 namespace kasumi {
 namespace {

@@ -9,7 +9,7 @@
 #include "base/statistics.hpp"
 #include "gles/context.hpp"
 #include "pipeline/bench_gles_stopwatch.hpp"
-#include "pipeline/haze_for_gles.hpp"
+#include "pipeline/haze_blur_for_gles.hpp"
 
 namespace kasumi {
 namespace {

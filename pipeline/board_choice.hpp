@@ -1,13 +1,10 @@
 // Which board is meant, by the options that `calibrate lens` and `calibrate board` share.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <variant>
 
 #include "base/result.hpp"
-#include "calib/board.hpp"
-#include "calib/charuco.hpp"
+#include "calib/any_board.hpp"
 
 namespace CLI {
 class App;
@@ -22,13 +19,8 @@ struct BoardArguments {
 };
 void add_board_options(CLI::App& command, BoardArguments& arguments);
 
-using AnyBoard = std::variant<Board, CharucoBoard>;
 // A checkerboard 3 x 3 and a problem for each thing wrong when it is not one of the two, whole. `with_size`: squares of
 // a checkerboard need a size, too.
 AnyBoard choose_board(const BoardArguments& arguments, bool with_size, Problems& problems);
-
-std::optional<BoardView> find_any_board(const Image<std::uint8_t>& grey, const AnyBoard& board, std::string name,
-                                        bool in_a_hurry = false);
-std::string words_of(const AnyBoard& board);  // "checkerboard of 8 x 6 inner corners"
 
 }  // namespace kasumi

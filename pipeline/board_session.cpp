@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
+#include "calib/board_collector.hpp"
 #include "capture/replay_source.hpp"
-#include "pipeline/board_collector.hpp"
 #include "pipeline/board_window.hpp"
 #include "pipeline/devices.hpp"
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "calib/any_board.hpp"
 #include "calib/board.hpp"
 #include "capture/frame_source.hpp"
-#include "pipeline/board_choice.hpp"
 
 namespace kasumi {
 

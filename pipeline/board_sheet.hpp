@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "pipeline/board_choice.hpp"
+#include "calib/any_board.hpp"
 
 namespace kasumi {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "base/picture.hpp"
+#include "calib/board_collector.hpp"
 #include "gles/window.hpp"
-#include "pipeline/board_collector.hpp"
 
 namespace kasumi {
 

@@ -2,7 +2,6 @@
 
 #include "base/files.hpp"
 #include "calib/calibration_file.hpp"
-#include "capture/replay_source.hpp"
 
 namespace kasumi {
 namespace {
@@ -41,35 +40,6 @@ Result<Camera> calibrated_camera(const Fixture& fixture, const std::filesystem::
   for (const char* key : {"site", "sky", "scene"}) root->ignore(key);
   if (auto whole = root->finish(); !whole) return fail(whole.error());
   return both;
-}
-
-Result<PicturesRead> look_through(const Fixture& fixture, const Camera& camera, int most,
-                                  const std::function<void(const PictureView&, Utc)>& look) {
-  UnhurriedClock clock(fixture.info.start_utc);
-  auto source = open_replay(fixture.folder / camera.name, clock);
-  if (!source) return fail(source.error());
-  PicturesRead read;
-  const auto rows = static_cast<std::int64_t>((*source)->row_count());
-  const std::int64_t wanted = std::min<std::int64_t>(most, rows);
-  for (std::int64_t row = 0;; ++row) {
-    const auto frame = (*source)->next(Instant::max());
-    if (!frame && frame.error().kind == FaultKind::end_of_stream) break;
-    // The i-th of the wanted lies in the i-th of as many equal stretches.
-    if (row * wanted / rows == (row - 1) * wanted / rows && row > 0) continue;
-    if (!frame && frame.error().kind == FaultKind::disconnected) continue;
-    if (!frame && frame.error().kind != FaultKind::io) return fail(frame.error());
-    const auto decoded = frame ? decode(*frame, camera.yuv_encoding) : Result<DecodedPicture>(fail(frame.error()));
-    if (!decoded || decoded->view().width != camera.width || decoded->view().height != camera.height) {
-      ++read.damaged;
-      continue;
-    }
-    if (read.good++ == 0) read.first = frame->metadata.utc;
-    read.last = frame->metadata.utc;
-    look(decoded->view(), frame->metadata.utc);
-  }
-  if (read.good == 0)
-    return fail(FaultKind::bad_input, "{}: {}: no picture of it can be read", fixture.folder.string(), camera.name);
-  return read;
 }
 
 Result<std::optional<std::filesystem::path>> keep_old(const std::filesystem::path& path) {

@@ -1,4 +1,4 @@
-#include "pipeline/calibration_plot_colour.hpp"
+#include "pipeline/calibration_plots.hpp"
 
 #include <algorithm>
 #include <array>

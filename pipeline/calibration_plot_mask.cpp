@@ -1,13 +1,10 @@
-#include "pipeline/calibration_plot_mask.hpp"
+#include "pipeline/calibration_plots.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <glm/common.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-
-#include "base/files.hpp"
 
 namespace kasumi {
 
@@ -17,19 +14,6 @@ constexpr int kMostAcross = 1280, kTop = 40;
 const cv::Scalar kInk(40, 40, 40);
 
 }  // namespace
-
-Result<> write_grey_png(const std::filesystem::path& path, const Image<std::uint8_t>& grey) {
-  auto copy = grey.elements();
-  const cv::Mat view(grey.height(), grey.width(), CV_8UC1, copy.data());
-  std::vector<std::uint8_t> bytes;
-  try {
-    if (!cv::imencode(".png", view, bytes)) bytes.clear();
-  } catch (const cv::Exception&) {
-    bytes.clear();
-  }
-  if (bytes.empty()) return fail(FaultKind::io, "{}: cannot be written as a PNG", path.string());
-  return write_file(path, bytes);
-}
 
 Image<Rgb8> plot_mask(const Image<Rgb8>& picture, const Image<std::uint8_t>& mask, const Image<Stroke>& strokes,
                       const std::string& title) {

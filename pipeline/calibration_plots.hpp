@@ -7,7 +7,10 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "calib/lens_calibration.hpp"
+#include "calib/response_fit.hpp"
+#include "calib/scene_mask.hpp"
 #include "calib/scene_pose.hpp"
+#include "calib/sensitivity_fit.hpp"
 #include "calib/sky_orientation.hpp"
 #include "estimator/sky_vignetting.hpp"
 
@@ -30,5 +33,19 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
 // Left: how the picture darkens towards the rim: what each picture shows over the sky model (dots) and the curve.
 // Right: how many samples are how far off.
 Image<Rgb8> plot_vignetting(const SkyVignetting& found, const std::string& title);
+
+// Left: light over value, both in stops, the three channels' curves and the pixels of the stack. Right: the same
+// linear.
+Image<Rgb8> plot_response(const ResponseFit& fit, const StackSamples& samples, const std::string& title);
+
+// Left: the sensitivity that was taken, each channel's largest 1, over those of the measured cameras (faint).
+// Right: what is left of the log ratios of every part of the sky, green where used, red where left aside.
+Image<Rgb8> plot_colour(const SpectralSensitivity& taken, std::span<const SpectralSensitivity> cameras,
+                        const ColourResiduals& residuals, const std::string& title);
+
+// The picture with what is hidden in red, by how much, its edge in yellow; strokes, where there are any, as they were
+// drawn. Scaled to at most 1280 pixels across.
+Image<Rgb8> plot_mask(const Image<Rgb8>& picture, const Image<std::uint8_t>& mask, const Image<Stroke>& strokes,
+                      const std::string& title);
 
 }  // namespace kasumi

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
+#include "pipeline/board_choice.hpp"
 #include "pipeline/board_sheet.hpp"
 #include "pipeline/command_calibrate.hpp"
 

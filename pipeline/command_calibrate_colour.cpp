@@ -1,16 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
 #include "capture/utc_text.hpp"
-#include "estimator/sensitivity_error.hpp"
-#include "estimator/sky_colours.hpp"
+#include "estimator/sky_sensitivity.hpp"
 #include "estimator/sun.hpp"
 #include "pipeline/calibration_inputs.hpp"
-#include "pipeline/calibration_plot_colour.hpp"
+#include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/save_calibration.hpp"
 
@@ -29,12 +27,6 @@ struct ColourArguments {
   std::string camera = "sky";
   std::string serial;
   std::string out;
-};
-
-struct Shot {
-  SkyPicture picture;
-  SunDirection sun;
-  Utc utc{};
 };
 
 // Every file that was named, and all .json and .csv of every folder.
@@ -67,120 +59,26 @@ std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& na
 }
 
 struct Seen {
-  std::vector<Shot> shots;
+  std::vector<SkyMoment> moments;
   PicturesRead read;
   int low_sun = 0;
 };
 
 Result<Seen> read_skies(const Fixture& fixture, const Camera& camera) {
   Seen seen;
-  auto read = look_through(fixture, camera, kMostPictures, [&](const PictureView& view, Utc utc) {
-    const auto sun = sun_position(utc, fixture.installation.site);
+  const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
+    const auto sun = sun_position(metadata.utc, fixture.installation.site);
     if (sun.zenith > from_degrees(90.0) - kLowestSun) {
       ++seen.low_sun;
       return;
     }
-    if (auto picture = sky_picture(view, camera)) seen.shots.push_back({std::move(*picture), sun.direction, utc});
-  });
+    if (auto picture = sky_picture(view, camera))
+      seen.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
+  };
+  const auto read = for_each_picture(fixture, camera, {.most = kMostPictures}, look);
   if (!read) return fail(read.error());
   seen.read = *read;
   return seen;
-}
-
-struct Skies {
-  std::vector<SkyColour> colours;
-  std::vector<double> turbidities;  // of the pictures that were used
-  std::vector<std::string> refused;
-};
-
-// The colours of all skies that are clear enough, by a camera as it is thought to be.
-Skies look_at(const std::vector<Shot>& shots, const Camera& camera, const std::optional<double>& turbidity) {
-  Skies skies;
-  SkyObserver observer(camera);
-  for (const auto& shot : shots) {
-    const auto look = observer.look(shot.picture, shot.sun);
-    if (!look.estimate.usable) {
-      skies.refused.push_back(fmt::format("{}: {}", utc_text(shot.utc), look.estimate.reason));
-      continue;
-    }
-    const double t = turbidity.value_or(look.estimate.turbidity.value);
-    const auto more = sky_colours(shot.picture, look, camera, Turbidity{t}, static_cast<int>(skies.turbidities.size()));
-    skies.colours.insert(skies.colours.end(), more.begin(), more.end());
-    skies.turbidities.push_back(t);
-  }
-  return skies;
-}
-
-struct Ranked {
-  std::size_t camera = 0;
-  ColourResiduals residuals;
-};
-
-std::vector<Ranked> rank(std::span<const SkyColour> colours, const std::vector<SpectralSensitivity>& cameras) {
-  std::vector<Ranked> ranked;
-  for (std::size_t i = 0; i < cameras.size(); ++i) ranked.push_back({i, explain(colours, cameras[i])});
-  std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const Ranked& a, const Ranked& b) { return a.residuals.rms < b.residuals.rms; });
-  return ranked;
-}
-
-struct Found {
-  Skies skies;
-  std::vector<Ranked> ranked;  // best first
-  std::optional<SensitivityFit> fit;
-  SpectralSensitivity taken;
-  ColourResiduals residuals;  // with it
-  std::vector<GammaError> expected;
-  std::optional<double> of_another_sky;  // error of Gamma if the sky was kColourful more colourful than the model's
-};
-
-// A sky model's fault that no residual shows: another sensitivity takes it up.
-constexpr double kColourful = 0.1;
-
-double error_of_another_sky(const SensitivityFit& fit, std::vector<SkyColour> colours,
-                            const std::vector<SpectralSensitivity>& cameras) {
-  for (auto& colour : colours) {
-    colour.spectrum.m1 *= 1.0 + kColourful;
-    colour.spectrum.m2 *= 1.0 + kColourful;
-  }
-  const auto other = fit_sensitivity(colours, cameras);
-  return other ? gamma_error(fit.sensitivity, other->sensitivity).largest : 0.0;
-}
-
-// T is found through the camera's own idea of luminance, and that through the sensitivity: a few rounds settle both.
-Result<Found> find(const Seen& seen, Camera camera, const std::vector<SpectralSensitivity>& cameras,
-                   const ColourArguments& arguments) {
-  Found found;
-  constexpr int kRounds = 3;
-  camera.colour_space = Camera::ColourSpace::srgb;  // mostly green is luminance enough to begin with
-  for (int round = 0; round < kRounds; ++round) {
-    found.skies = look_at(seen.shots, camera, arguments.turbidity);
-    if (found.skies.turbidities.empty())
-      return fail(FaultKind::bad_input, "{}: {}{}{}", arguments.fixture,
-                  round == 0 ? "no picture shows a clear sky to be sure of: expected some of a cloudless day"
-                             : "seen with the sensitivity that explains it best, the sky is none: expected the "
-                               "sensor's own colours (not converted by the camera), and the recording's right T",
-                  found.skies.refused.empty() ? "" : "\n", fmt::join(found.skies.refused, "\n"));
-    found.ranked = rank(found.skies.colours, cameras);
-    found.taken = cameras[found.ranked.front().camera];
-    found.residuals = found.ranked.front().residuals;
-    if (cameras.size() >= 2) {
-      auto fit = fit_sensitivity(found.skies.colours, cameras);
-      if (!fit) return fail(fit.error().kind, "{}: {}", arguments.fixture, fit.error().message);
-      found.fit = std::move(*fit);
-      if (!arguments.choose) {
-        found.taken = found.fit->sensitivity;
-        found.residuals = found.fit->residuals;
-      }
-    }
-    camera.colour_space = Camera::ColourSpace::sensor;
-    camera.sensitivity = found.taken;
-    camera.white_balance = found.residuals.white_balance;
-  }
-  found.expected = leave_one_out(found.skies.colours, found.residuals.left, cameras);
-  if (found.fit && !arguments.choose)
-    found.of_another_sky = error_of_another_sky(*found.fit, found.skies.colours, cameras);
-  return found;
 }
 
 double root_mean_square(const std::vector<GammaError>& errors) {
@@ -197,12 +95,12 @@ double worst(const std::vector<GammaError>& errors) {
 
 constexpr std::array kChannels{"red", "green", "blue"};
 
-void report(const Seen& seen, const std::vector<SpectralSensitivity>& cameras, const Found& found) {
+void report(const Seen& seen, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
   fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", seen.read.good,
-             found.skies.turbidities.size(), found.skies.refused.size(), seen.low_sun, seen.read.damaged);
-  fmt::print("{} parts of sky, T {:.2f} to {:.2f}\n", found.skies.colours.size(),
-             *std::min_element(found.skies.turbidities.begin(), found.skies.turbidities.end()),
-             *std::max_element(found.skies.turbidities.begin(), found.skies.turbidities.end()));
+             found.turbidities.size(), found.refused.size(), seen.low_sun, seen.read.damaged);
+  fmt::print("{} parts of sky, T {:.2f} to {:.2f}\n", found.colours,
+             *std::min_element(found.turbidities.begin(), found.turbidities.end()),
+             *std::max_element(found.turbidities.begin(), found.turbidities.end()));
   fmt::print("\nhow well each explains the colours (log ratios to green, rms):\n");
   for (const auto& one : found.ranked) fmt::print("  {:<48} {:.4f}\n", cameras[one.camera].name, one.residuals.rms);
   if (found.fit) {
@@ -216,18 +114,18 @@ void report(const Seen& seen, const std::vector<SpectralSensitivity>& cameras, c
                  found.fit->places[c].mean_nm, found.fit->places[c].sigma_nm, found.fit->places[c].before_sigma_nm);
   }
   const auto& gains = found.residuals.white_balance;
-  fmt::print("taken: {}\nwhite balance [{:.4f}, {:.4f}, {:.4f}]\n", found.taken.name, gains.r, gains.g, gains.b);
+  fmt::print("taken: {}\nwhite balance [{:.4f}, {:.4f}, {:.4f}]\n", found.sensitivity.name, gains.r, gains.g, gains.b);
   if (!found.expected.empty())
     fmt::print(
         "Gamma, T 2 to 8, up to 10 km: expect an error of {:.4f}, {:.4f} at worst (each measured camera found "
         "under this sky from the others)\n",
         root_mean_square(found.expected), worst(found.expected));
-  if (found.of_another_sky)
+  if (found.of_more_colourful_sky)
     fmt::print("a sky {:.0f} % more colourful than the model's would not show here, and cost {:.4f}\n",
-               100.0 * kColourful, *found.of_another_sky);
+               100.0 * kMoreColourful, *found.of_more_colourful_sky);
 }
 
-std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& cameras, const Found& found,
+std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found,
                                     const ColourArguments& arguments) {
   std::vector<std::string> remarks;
   for (const auto& one : found.ranked)
@@ -241,12 +139,12 @@ std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& came
     remarks.push_back(
         "the sky's colours are not the model's by more than 3 %: haze of another kind, a wrong T, a white balance that "
         "changed during the recording, or colours the camera has converted");
-  for (const auto& words : found.skies.refused) remarks.push_back("left out: " + words);
+  for (const auto& words : found.refused) remarks.push_back("left out: " + words);
   return remarks;
 }
 
-CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const Seen& seen, const Found& found,
-                        const std::vector<std::string>& remarks, const std::string& csv) {
+CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const Seen& seen,
+                        const SkySensitivity& found, const std::vector<std::string>& remarks, const std::string& csv) {
   CalibrationStep step;
   const auto& camera = arguments.camera == "sky" ? fixture.installation.sky : fixture.installation.scene;
   step.camera = arguments.camera;
@@ -261,8 +159,8 @@ CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture
   Measured measured{"colour",
                     step.calibrated_utc,
                     fmt::format("the colours of the clear sky in {} of {} pictures of the recording {}, {} to {}: {}",
-                                found.skies.turbidities.size(), seen.read.good, fixture.info.name,
-                                utc_text(seen.read.first), utc_text(seen.read.last), found.taken.name),
+                                found.turbidities.size(), seen.read.good, fixture.info.name, utc_text(seen.read.first),
+                                utc_text(seen.read.last), found.sensitivity.name),
                     {{"rms_log_ratio", found.residuals.rms}},
                     remarks};
   if (found.fit && !arguments.choose) {
@@ -279,7 +177,8 @@ CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture
     measured.numbers.emplace_back("gamma_error_expected", root_mean_square(found.expected));
     measured.numbers.emplace_back("gamma_error_worst", worst(found.expected));
   }
-  if (found.of_another_sky) measured.numbers.emplace_back("gamma_error_of_sky_10_percent_off", *found.of_another_sky);
+  if (found.of_more_colourful_sky)
+    measured.numbers.emplace_back("gamma_error_of_sky_10_percent_off", *found.of_more_colourful_sky);
   step.measured.push_back(std::move(measured));
   return step;
 }
@@ -305,11 +204,11 @@ Result<int> calibrate(const ColourArguments& arguments) {
 
   const auto seen = read_skies(*fixture, *camera);
   if (!seen) return fail(seen.error());
-  if (seen->shots.empty())
+  if (seen->moments.empty())
     return fail(FaultKind::bad_input, "{}: the sun is lower than {:.0f} deg in all pictures: expected some of day",
                 arguments.fixture, to_degrees(kLowestSun));
-  const auto found = find(*seen, *camera, cameras, arguments);
-  if (!found) return fail(found.error());
+  const auto found = sensitivity_from_sky(*camera, seen->moments, cameras, {arguments.turbidity, arguments.choose});
+  if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
   report(*seen, cameras, *found);
   const auto remarks = remarks_of(cameras, *found, arguments);
   for (const auto& words : remarks)
@@ -320,12 +219,12 @@ Result<int> calibrate(const ColourArguments& arguments) {
   const auto kept = keep_old(csv);
   if (!kept) return fail(kept.error());
   const auto comment = fmt::format("kasumi calibrate colour, {}\n{}", step.calibrated_utc, step.measured.front().from);
-  if (auto written = write_text_file(csv, csv_of(found->taken, comment)); !written) return fail(written.error());
+  if (auto written = write_text_file(csv, csv_of(found->sensitivity, comment)); !written) return fail(written.error());
   fmt::print("written: {}\n", csv.string());
   if (*kept) fmt::print("the file that was there is kept as {}\n", (*kept)->string());
-  const auto title = fmt::format("{}: colours to {:.2f} %; Gamma +- {:.4f}", found->taken.name,
+  const auto title = fmt::format("{}: colours to {:.2f} %; Gamma +- {:.4f}", found->sensitivity.name,
                                  100.0 * found->residuals.rms, root_mean_square(found->expected));
-  return save_calibration(arguments.out, step, plot_colour(found->taken, cameras, found->residuals, title));
+  return save_calibration(arguments.out, step, plot_colour(found->sensitivity, cameras, found->residuals, title));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "calib/sky_mask.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/calibration_inputs.hpp"
-#include "pipeline/calibration_plot_mask.hpp"
+#include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/save_calibration.hpp"
@@ -37,7 +37,7 @@ Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Ima
   step.mask = file.filename().string();
   const auto kept = keep_old(file);
   if (!kept) return fail(kept.error());
-  if (auto written = write_grey_png(file, mask); !written) return fail(written.error());
+  if (auto written = write_png(file, mask); !written) return fail(written.error());
   fmt::print("written: {}: white is free, black is hidden; draw in it what is wrong\n", file.string());
   if (*kept) fmt::print("the mask that was there is kept as {}\n", (*kept)->string());
   return save_calibration(arguments.out, std::move(step), drawing);
@@ -63,7 +63,8 @@ Result<int> mask_sky(const MaskArguments& arguments) {
   const int most =
       static_cast<int>(std::clamp<std::int64_t>(kMostBytes / std::max<std::int64_t>(1, each), 5, kMostPictures));
   const auto read =
-      look_through(*fixture, *camera, most, [&](const PictureView& view, Utc) { pictures.push_back(to_rgb(view)); });
+      for_each_picture(*fixture, *camera, {.most = most},
+                       [&](const PictureView& view, const FrameMetadata&) { pictures.push_back(to_rgb(view)); });
   if (!read) return fail(read.error());
   const auto found = find_sky_mask(pictures, *camera, arguments.margin_px);
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);

@@ -6,11 +6,12 @@
 #include <CLI/CLI.hpp>
 
 #include "calib/calibration_file.hpp"
+#include "calib/exposure_stack.hpp"
 #include "capture/utc_text.hpp"
-#include "pipeline/calibration_plot_response.hpp"
+#include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
-#include "pipeline/exposure_stack.hpp"
 #include "pipeline/light_file.hpp"
+#include "pipeline/photograph.hpp"
 #include "pipeline/save_calibration.hpp"
 
 namespace kasumi {
@@ -143,15 +144,40 @@ Result<> check(const ResponseArguments& arguments) {
   return {};
 }
 
+// Pictures of one size; the first that is read sets it. What is wrong is added to the problems.
+std::vector<Image<glm::vec3>> read_pictures(const std::vector<std::string>& files, glm::ivec2& size, double& quantum,
+                                            Problems& problems) {
+  std::vector<Image<glm::vec3>> pictures;
+  for (const auto& file : files) {
+    auto photograph = read_photograph(file);
+    if (!photograph) {
+      problems.add("{}", photograph.error().message);
+      continue;
+    }
+    const glm::ivec2 own{photograph->encoded.width(), photograph->encoded.height()};
+    if (size.x == 0) size = own;
+    if (own != size) {
+      problems.add("{}: {} x {}, expected {} x {} like the first picture: one camera, one size", file, own.x, own.y,
+                   size.x, size.y);
+      continue;
+    }
+    if (!(photograph->quantum > 0.0))
+      problems.add("{}: expected the camera's own 8 or 16 bits, not floating point", file);
+    quantum = photograph->quantum;
+    pictures.push_back(std::move(photograph->encoded));
+  }
+  return pictures;
+}
+
 Result<int> calibrate(const ResponseArguments& arguments) {
   if (auto sound = check(arguments); !sound) return fail(sound.error());
   Problems problems;
   glm::ivec2 size{0};
   ExposureStack stack;
-  stack.pictures = read_stack_pictures(arguments.pictures, size, stack.quantum, problems);
+  stack.pictures = read_pictures(arguments.pictures, size, stack.quantum, problems);
   double dark_quantum = stack.quantum, flat_quantum = stack.quantum;
-  const auto darks = read_stack_pictures(arguments.darks, size, dark_quantum, problems);
-  const auto flats = read_stack_pictures(arguments.flats, size, flat_quantum, problems);
+  const auto darks = read_pictures(arguments.darks, size, dark_quantum, problems);
+  const auto flats = read_pictures(arguments.flats, size, flat_quantum, problems);
   if (!problems.empty()) return fail(problems.fault());
   for (const auto& file : arguments.pictures) stack.names.push_back(std::filesystem::path(file).filename().string());
 

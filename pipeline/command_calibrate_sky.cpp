@@ -4,7 +4,6 @@
 #include "calib/calibration_file.hpp"
 #include "calib/image_circle.hpp"
 #include "calib/sky_orientation.hpp"
-#include "capture/replay_source.hpp"
 #include "capture/utc_text.hpp"
 #include "estimator/sun.hpp"
 #include "estimator/sun_in_image.hpp"
@@ -62,8 +61,8 @@ Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixtu
 struct Seen {
   std::vector<SunSight> sights;
   Image<Rgb8> brightest;  // of all pictures: the circle's rim shows wherever it was ever lit
-  int pictures = 0, without_sun = 0, too_low = 0, damaged = 0;
-  Utc first{}, last{};
+  PicturesRead read;
+  int without_sun = 0, too_low = 0;
 };
 
 void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
@@ -76,37 +75,24 @@ void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
 }
 
 Result<Seen> look_at_recording(const Fixture& fixture, const Camera& camera) {
-  UnhurriedClock clock(fixture.info.start_utc);
-  auto source = open_replay(fixture.folder / "sky", clock);
-  if (!source) return fail(source.error());
   Seen seen;
-  while (true) {
-    const auto frame = (*source)->next(Instant::max());
-    if (!frame && frame.error().kind == FaultKind::end_of_stream) break;
-    if (!frame && frame.error().kind == FaultKind::disconnected) continue;
-    if (!frame) return fail(frame.error());
-    const auto decoded = decode(*frame, camera.yuv_encoding);
-    const auto picture = decoded ? sky_picture(decoded->view(), camera, kLargestSide) : Result<SkyPicture>();
-    if (!decoded || !picture) {
-      ++seen.damaged;
-      continue;
-    }
-    keep_brightest(seen.brightest, to_rgb(decoded->view()));
-    const Utc utc = frame->metadata.utc;
-    if (seen.pictures++ == 0) seen.first = utc;
-    seen.last = utc;
-    const auto sun = sun_position(utc, fixture.installation.site);
+  const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
+    keep_brightest(seen.brightest, to_rgb(view));
+    const auto sun = sun_position(metadata.utc, fixture.installation.site);
     if (sun.zenith > from_degrees(90.0) - kLowestSun) {
       ++seen.too_low;
-      continue;
+      return;
     }
-    if (const auto blob = find_sun(*picture, camera))
+    const auto picture = sky_picture(view, camera, kLargestSide);
+    const auto blob = picture ? find_sun(*picture, camera) : std::nullopt;
+    if (blob)
       seen.sights.push_back({sun.direction, blob->pixel});
     else
       ++seen.without_sun;
-  }
-  if (seen.pictures == 0)
-    return fail(FaultKind::bad_input, "{}: no picture of the sky in it can be read", fixture.folder.string());
+  };
+  const auto read = for_each_picture(fixture, camera, {}, look);
+  if (!read) return fail(read.error());
+  seen.read = *read;
   return seen;
 }
 
@@ -144,8 +130,8 @@ std::vector<Measured> measured_of(const Fixture& fixture, const Seen& seen, cons
                                   const SkyOrientation& found, const std::optional<ImageCircle>& circle,
                                   const std::string& now) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
-  const auto from = fmt::format("the sun in {} of {} pictures of the recording {}, {} to {}", used, seen.pictures,
-                                fixture.info.name, utc_text(seen.first), utc_text(seen.last));
+  const auto from = fmt::format("the sun in {} of {} pictures of the recording {}, {} to {}", used, seen.read.good,
+                                fixture.info.name, utc_text(seen.read.first), utc_text(seen.read.last));
   const auto& sigma = found.sigma;
   Measured orientation{"orientation",
                        now,
@@ -175,8 +161,8 @@ std::vector<Measured> measured_of(const Fixture& fixture, const Seen& seen, cons
 
 void report(const Seen& seen, const SkyOrientation& found, const std::optional<ImageCircle>& circle) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
-  fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", seen.pictures,
-             seen.sights.size(), seen.without_sun, seen.too_low, seen.damaged);
+  fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", seen.read.good,
+             seen.sights.size(), seen.without_sun, seen.too_low, seen.read.damaged);
   fmt::print("{} used, rms {:.2f} px; {} were not the sun\n", used, found.rms_px,
              static_cast<std::ptrdiff_t>(seen.sights.size()) - used);
   const auto angles = heading_pitch_roll(found.to_world);

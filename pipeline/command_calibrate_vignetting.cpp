@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 
 #include "calib/calibration_file.hpp"
-#include "capture/replay_source.hpp"
 #include "capture/utc_text.hpp"
 #include "estimator/sky_vignetting.hpp"
 #include "estimator/sun.hpp"
@@ -53,37 +52,29 @@ Result<Camera> calibrated_camera(const std::string& file, const Camera* recorded
 
 struct Seen {
   std::vector<SkyMoment> moments;
-  int pictures = 0, damaged = 0;
-  Utc first{}, last{};
+  int pictures = 0;  // that were considered
+  PicturesRead read;
 };
 
 // Pictures with the sun in different places.
 Result<Seen> look_at_recording(const Fixture& fixture, const Camera& camera) {
-  UnhurriedClock clock(fixture.info.start_utc);
-  auto source = open_replay(fixture.folder / "sky", clock);
-  if (!source) return fail(source.error());
   Seen seen;
-  while (seen.moments.size() < kMostPictures) {
-    const auto frame = (*source)->next(Instant::max());
-    if (!frame && frame.error().kind == FaultKind::end_of_stream) break;
-    if (!frame && frame.error().kind == FaultKind::disconnected) continue;
-    if (!frame) return fail(frame.error());
+  const auto sun_at = [&](Utc utc) { return sun_position(utc, fixture.installation.site); };
+  ReadingOptions options;
+  options.wanted = [&](const FrameMetadata& metadata) {
+    if (seen.moments.size() >= kMostPictures) return false;
     ++seen.pictures;
-    const Utc utc = frame->metadata.utc;
-    const auto sun = sun_position(utc, fixture.installation.site);
-    if (sun.zenith > from_degrees(90.0) - kLowestSun) continue;
-    if (!seen.moments.empty() && angle_between(sun.direction, seen.moments.back().sun) < kNextSun) continue;
-    const auto decoded = decode(*frame, camera.yuv_encoding);
-    auto picture = decoded ? sky_picture(decoded->view(), camera) : Result<SkyPicture>();
-    if (!decoded) {
-      ++seen.damaged;
-      continue;
-    }
-    if (!picture) return fail(picture.error());
-    if (seen.moments.empty()) seen.first = utc;
-    seen.last = utc;
-    seen.moments.push_back({utc_text(utc), std::move(*picture), sun.direction});
-  }
+    const auto sun = sun_at(metadata.utc);
+    if (sun.zenith > from_degrees(90.0) - kLowestSun) return false;
+    return seen.moments.empty() || angle_between(sun.direction, seen.moments.back().sun) >= kNextSun;
+  };
+  const auto read =
+      for_each_picture(fixture, camera, options, [&](const PictureView& view, const FrameMetadata& metadata) {
+        if (auto picture = sky_picture(view, camera))
+          seen.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun_at(metadata.utc).direction});
+      });
+  if (!read) return fail(read.error());
+  seen.read = *read;
   return seen;
 }
 
@@ -114,7 +105,7 @@ Result<int> calibrate(const VignettingArguments& arguments) {
   if (seen->moments.empty())
     return fail(FaultKind::bad_input,
                 "{}: of {} pictures {} are damaged and none has the sun {:.0f} deg above the horizon",
-                arguments.fixture, seen->pictures, seen->damaged, to_degrees(kLowestSun));
+                arguments.fixture, seen->pictures, seen->read.damaged, to_degrees(kLowestSun));
   SkyVignettingOptions options;
   if (arguments.turbidity) options.turbidity = KnownTurbidity{*arguments.turbidity, arguments.turbidity_sigma};
   const auto found = vignetting_from_sky(*camera, seen->moments, options);
@@ -147,8 +138,8 @@ Result<int> calibrate(const VignettingArguments& arguments) {
       now,
       fmt::format("the clear sky in {} of {} pictures of the recording {}, {} to {}, the sun's way {:.0f} "
                   "deg",
-                  found->pictures, seen->moments.size(), fixture->info.name, utc_text(seen->first),
-                  utc_text(seen->last), to_degrees(way)),
+                  found->pictures, seen->moments.size(), fixture->info.name, utc_text(seen->read.first),
+                  utc_text(seen->read.last), to_degrees(way)),
       {{"rim_sigma", rim * found->rim_sigma},
        {"by_3_percent_about_sun", found->by_3_percent_about_sun},
        {"by_3_percent_at_rim", found->by_3_percent_at_rim},

@@ -4,8 +4,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "pipeline/air_for_gles.hpp"
-#include "pipeline/quality_for_gles.hpp"
+#include "pipeline/for_gles.hpp"
 
 namespace kasumi {
 

@@ -44,12 +44,6 @@ std::optional<double> between(const Json& before, const Json& later) {
   return to_seconds(*to - *from);
 }
 
-const CameraRequest* request_of(const CameraChoice& choice) {
-  if (const auto* v4l2 = std::get_if<V4l2Options>(&choice)) return &v4l2->request;
-  if (const auto* libcamera = std::get_if<LibcameraOptions>(&choice)) return &libcamera->request;
-  return nullptr;
-}
-
 void check_live_camera(const std::string& name, const CameraChoice& choice, const Json& before, const Json& later,
                        double seconds, Findings& findings) {
   if (!flag(later, "up")) {

@@ -48,13 +48,13 @@ std::string list_of(const std::map<std::string, std::uint64_t>& counts) {
   return text;
 }
 
+}  // namespace
+
 const CameraRequest* request_of(const CameraChoice& choice) {
   if (const auto* v4l2 = std::get_if<V4l2Options>(&choice)) return &v4l2->request;
   if (const auto* libcamera = std::get_if<LibcameraOptions>(&choice)) return &libcamera->request;
   return nullptr;
 }
-
-}  // namespace
 
 WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration length) {
   WatchedCamera seen;

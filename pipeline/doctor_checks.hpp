@@ -23,7 +23,8 @@ void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& fin
 void check_watchdogs(const MachinePlaces& places, Findings& findings);
 
 // doctor_cameras.cpp
-struct WatchedCamera {  // what was seen of it in `lasted`
+const CameraRequest* request_of(const CameraChoice& choice);  // null for a recording
+struct WatchedCamera {                                        // what was seen of it in `lasted`
   bool opened = false;
   std::string problem;  // why it could not be opened, or why no frame came
   std::optional<double> first_frame_s;

@@ -3,31 +3,11 @@
 #include <thread>
 
 #include "capture/reconnecting_source.hpp"
-#include "capture/replay_source.hpp"
 
 namespace kasumi {
 namespace {
 
 constexpr Duration kPatience = std::chrono::milliseconds(200);
-
-Result<> look_through(const Fixture& fixture, const Camera& camera,
-                      const std::function<void(const Frame&, const PictureView&)>& keep) {
-  const auto folder = fixture.folder / camera.name;
-  const auto rows = read_index(folder);
-  if (!rows) return fail(rows.error());
-  UnhurriedClock clock(fixture.info.start_utc);
-  auto source = open_replay(folder, clock);
-  if (!source) return fail(source.error());
-  const std::size_t apart = (rows->size() + kMostCheckFrames - 1) / kMostCheckFrames;
-  for (std::size_t number = 0;;) {
-    const auto frame = (*source)->next(Instant::max());
-    if (!frame && frame.error().kind == FaultKind::end_of_stream) return {};
-    if (!frame && frame.error().kind == FaultKind::disconnected) continue;
-    if (!frame) return fail(frame.error());
-    if (frame->metadata.status != FrameStatus::good || number++ % apart != 0) continue;
-    if (const auto decoded = decode(*frame, camera.yuv_encoding)) keep(*frame, decoded->view());
-  }
-}
 
 // One camera, in a thread of its own: it keeps its driver going and takes a picture now and then.
 void watch(CameraOpening opening, const Camera& camera, Clock& clock, Instant until, Duration apart,
@@ -48,12 +28,13 @@ void watch(CameraOpening opening, const Camera& camera, Clock& clock, Instant un
 
 Result<DriftFrames> gather_recorded(const Fixture& fixture) {
   DriftFrames frames(fixture.installation);
-  const auto scene = look_through(fixture, fixture.installation.scene,
-                                  [&](const Frame&, const PictureView& view) { frames.add_scene(view); });
+  const ReadingOptions options{.most = kMostCheckFrames};
+  const auto scene = for_each_picture(fixture, fixture.installation.scene, options,
+                                      [&](const PictureView& view, const FrameMetadata&) { frames.add_scene(view); });
   if (!scene) return fail(scene.error());
-  const auto sky = look_through(fixture, fixture.installation.sky, [&](const Frame& frame, const PictureView& view) {
-    frames.add_sky(view, frame.metadata, frame.metadata.utc);
-  });
+  const auto sky = for_each_picture(
+      fixture, fixture.installation.sky, options,
+      [&](const PictureView& view, const FrameMetadata& metadata) { frames.add_sky(view, metadata, metadata.utc); });
   if (!sky) return fail(sky.error());
   return frames;
 }

@@ -7,9 +7,9 @@
 #include <memory>
 #include <optional>
 
+#include "base/bell.hpp"
 #include "base/latest_slot.hpp"
 #include "capture/reconnecting_source.hpp"
-#include "pipeline/bell.hpp"
 #include "pipeline/content.hpp"
 #include "pipeline/scene_frame.hpp"
 #include "pipeline/sky_watch.hpp"

@@ -14,4 +14,12 @@ Result<Fixture> read_fixture(const std::filesystem::path& folder) {
   return fixture;
 }
 
+Result<PicturesRead> for_each_picture(const Fixture& fixture, const Camera& camera, ReadingOptions options,
+                                      const std::function<void(const PictureView&, const FrameMetadata&)>& use) {
+  options.yuv_encoding = camera.yuv_encoding;
+  options.width = camera.width;
+  options.height = camera.height;
+  return for_each_picture(fixture.folder / camera.name, options, use);
+}
+
 }  // namespace kasumi

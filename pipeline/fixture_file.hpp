@@ -5,6 +5,7 @@
 
 #include "base/result.hpp"
 #include "capture/fixture.hpp"
+#include "capture/recording_reader.hpp"
 #include "pipeline/installation.hpp"
 
 namespace kasumi {
@@ -17,5 +18,9 @@ struct Fixture {
 
 // folder/fixture.toml. Errors (bad_input): every problem of it at once.
 Result<Fixture> read_fixture(const std::filesystem::path& folder);
+
+// The pictures of its camera of that name; encoding and size are the camera's, whatever the options say.
+Result<PicturesRead> for_each_picture(const Fixture& fixture, const Camera& camera, ReadingOptions options,
+                                      const std::function<void(const PictureView&, const FrameMetadata&)>& use);
 
 }  // namespace kasumi

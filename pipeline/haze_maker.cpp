@@ -5,7 +5,7 @@
 #include <spdlog/spdlog.h>
 #include <glm/common.hpp>
 
-#include "pipeline/haze_for_gles.hpp"
+#include "pipeline/haze_blur_for_gles.hpp"
 
 namespace kasumi {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "calib/distance_map.hpp"
-#include "pipeline/other_air.hpp"
+#include "estimator/other_air.hpp"
 
 namespace kasumi {
 namespace {

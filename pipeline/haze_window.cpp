@@ -7,7 +7,7 @@
 
 #include "gles/flat_picture.hpp"
 #include "pipeline/caption.hpp"
-#include "pipeline/haze_for_gles.hpp"
+#include "pipeline/haze_blur_for_gles.hpp"
 
 namespace kasumi {
 namespace {

@@ -96,6 +96,14 @@ Result<> write_png(const std::filesystem::path& path, const Image<Rgb8>& picture
   return write_file(path, bytes);
 }
 
+Result<> write_png(const std::filesystem::path& path, const Image<std::uint8_t>& grey) {
+  const cv::Mat view(grey.height(), grey.width(), CV_8UC1, const_cast<std::uint8_t*>(grey.elements().data()));
+  std::vector<std::uint8_t> bytes;
+  if (grey.empty() || !cv::imencode(".png", view, bytes))
+    return fail(FaultKind::io, "{}: the picture cannot be encoded", path.string());
+  return write_file(path, bytes);
+}
+
 Result<std::unique_ptr<PictureSink>> open_picture_folder(const std::filesystem::path& folder) {
   if (auto made = make_folder(folder); !made) return fail(made.error());
   std::error_code error;

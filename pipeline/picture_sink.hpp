@@ -11,6 +11,8 @@
 namespace kasumi {
 
 Result<> write_png(const std::filesystem::path& path, const Image<Rgb8>& picture);
+// Grey, as a mask that any paint program edits.
+Result<> write_png(const std::filesystem::path& path, const Image<std::uint8_t>& grey);
 
 class PictureSink {
  public:

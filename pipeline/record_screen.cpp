@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/air_for_gles.hpp"
 #include "pipeline/caption.hpp"
+#include "pipeline/for_gles.hpp"
 
 namespace kasumi {
 

@@ -6,10 +6,11 @@
 #include <CLI/CLI.hpp>
 
 #include "calib/distance_map.hpp"
+#include "calib/scene_planes.hpp"
 #include "capture/utc_text.hpp"
 #include "estimator/sun.hpp"
 #include "pipeline/camera_file.hpp"
-#include "pipeline/scene_planes.hpp"
+#include "pipeline/photograph.hpp"
 #include "pipeline/sky_photograph.hpp"
 
 namespace kasumi {

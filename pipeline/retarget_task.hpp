@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "pipeline/other_air.hpp"
+#include "estimator/other_air.hpp"
 
 namespace kasumi {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "calib/colorimetry.hpp"
-#include "pipeline/air_for_gles.hpp"
+#include "pipeline/for_gles.hpp"
 
 namespace kasumi {
 

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "estimator/other_air.hpp"
 #include "pipeline/contrast_landmarks.hpp"
-#include "pipeline/other_air.hpp"
 #include "pipeline/photograph.hpp"
 
 namespace kasumi {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/sky_scene.hpp"
+#include "estimator/sky_scene.hpp"
 
 namespace kasumi {
 

@@ -6,12 +6,12 @@
 
 #include "base/image.hpp"
 #include "base/picture.hpp"
+#include "estimator/sky_scene.hpp"
 #include "gles/context.hpp"
 #include "gles/dome_renderer.hpp"
 #include "gles/offscreen.hpp"
 #include "pipeline/made_land.hpp"
 #include "pipeline/sky_reference.hpp"
-#include "pipeline/sky_scene.hpp"
 
 namespace kasumi {
 

@@ -2,8 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "pipeline/remembered_state.hpp"
 #include "pipeline/status_mail.hpp"
-#include "pipeline/turbidity_state.hpp"
 
 namespace kasumi {
 

@@ -3,7 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/files.hpp"
-#include "pipeline/turbidity_state.hpp"
+#include "pipeline/remembered_state.hpp"
 
 namespace kasumi {
 

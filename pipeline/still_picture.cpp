@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 
 #include "base/geometry.hpp"
+#include "estimator/sky_scene.hpp"
 #include "gles/offscreen.hpp"
-#include "pipeline/sky_scene.hpp"
 
 namespace kasumi {
 namespace {

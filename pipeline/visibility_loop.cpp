@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/landmark_state.hpp"
+#include "pipeline/remembered_state.hpp"
 
 namespace kasumi {
 

@@ -64,6 +64,14 @@ TEST(ConfigTable, AnIgnoredTableIsSomebodyElsesWithAllBelowIt) {
   EXPECT_TRUE(root.finish());
 }
 
+TEST(ConfigTable, AnIgnoredListOfTablesIsToo) {
+  const auto root = ConfigTable::parse("[[landmarks]]\na = 1\n[[landmarks]]\nb = {c = 2}\n[other]", "a.toml").value();
+  root.ignore("landmarks");
+  const auto whole = root.finish();
+  ASSERT_FALSE(whole);
+  EXPECT_EQ(whole.error().message, "a.toml: other: not a key that is known here");
+}
+
 TEST(ConfigTable, ATableNobodyKnowsCanBeShownAndListsOfTextsAreRead) {
   const auto root = ConfigTable::parse("b = 2\na = 'x'\nc = ['p', 'q']\nd = ['p', 3]\n", "a.toml").value();
   EXPECT_THAT(root.keys(), testing::ElementsAre("a", "b", "c", "d"));

@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 
 #include "calib/colorimetry.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

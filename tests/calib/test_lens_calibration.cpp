@@ -13,6 +13,7 @@
 
 #include "base/geometry.hpp"
 #include "calib/lens_calibration.hpp"
+#include "tests/calib/boards.hpp"
 #include "tests/calib/lenses.hpp"
 #include "tests/places.hpp"
 
@@ -192,26 +193,7 @@ TEST(Board, CornersOfADrawnBoardAreFoundToAFifthOfAPixel) {
   pose.rotation[1] = glm::normalize(pose.rotation[1] - glm::dot(pose.rotation[0], pose.rotation[1]) * pose.rotation[0]);
   pose.rotation[2] = glm::cross(pose.rotation[0], pose.rotation[1]);
   pose.translation_m = {-0.11, -0.07, 0.2};
-  Image<std::uint8_t> picture(400, 300, 190);
-  constexpr int kFine = 6;  // rays a pixel along each side
-  for (int y = 0; y < 300; ++y)
-    for (int x = 0; x < 400; ++x) {
-      double sum = 0.0;
-      for (int j = 0; j < kFine; ++j)
-        for (int i = 0; i < kFine; ++i) {
-          const auto ray = lens->unproject({x + (i + 0.5) / kFine - 0.5, y + (j + 0.5) / kFine - 0.5});
-          double level = 190.0;
-          if (ray) {
-            const double along = glm::dot(pose.translation_m, pose.rotation[2]) / glm::dot(*ray, pose.rotation[2]);
-            const glm::dvec3 at = glm::transpose(pose.rotation) * (along * *ray - pose.translation_m) / kBoard.square_m;
-            const double u = std::floor(at.x), v = std::floor(at.y);
-            if (along > 0.0 && u >= -1 && v >= -1 && u < kBoard.columns && v < kBoard.rows)
-              level = std::fmod(u + v + 4.0, 2.0) == 0.0 ? 30.0 : 220.0;
-          }
-          sum += level;
-        }
-      picture.at(x, y) = static_cast<std::uint8_t>(std::lround(sum / (kFine * kFine)));
-    }
+  const auto picture = picture_of_board(*lens, 400, 300, kBoard, pose, 6);
   const auto view = find_board(picture, kBoard, "drawn");
   ASSERT_TRUE(view);
   const auto truth = seen(*lens, 400, 300, pose, "").value();

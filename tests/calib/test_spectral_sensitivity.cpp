@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

@@ -6,8 +6,8 @@
 
 #include "base/files.hpp"
 #include "base/geometry.hpp"
-#include "pipeline/other_air.hpp"
-#include "pipeline/scene_planes.hpp"
+#include "calib/scene_planes.hpp"
+#include "estimator/other_air.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

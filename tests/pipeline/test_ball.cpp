@@ -9,7 +9,7 @@
 
 #include "estimator/object_light.hpp"
 #include "gles/renderer.hpp"
-#include "pipeline/air_for_gles.hpp"
+#include "pipeline/for_gles.hpp"
 
 namespace kasumi {
 namespace {

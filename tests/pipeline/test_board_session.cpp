@@ -6,9 +6,10 @@
 #include <glm/matrix.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "calib/board_collector.hpp"
 #include "calib/lens_fit.hpp"
-#include "pipeline/board_collector.hpp"
 #include "pipeline/board_window.hpp"
+#include "tests/calib/boards.hpp"
 #include "tests/pipeline/calibrating.hpp"
 
 namespace kasumi {
@@ -21,38 +22,17 @@ constexpr Board kBoard{6, 4, 0.03};
 constexpr int kWidth = 400, kHeight = 300;
 const LensPtr kLens = equidistant_lens({201.0, 148.5}, 130.0, from_degrees(90.0));
 
-// Before the lens, 3 x 3 rays a pixel; beyond 75 deg the lens throws no light.
+// Beyond 75 deg the lens throws no light.
 Image<std::uint8_t> picture(const BoardPose& pose) {
-  Image<std::uint8_t> made(kWidth, kHeight, 3);
-  constexpr int kFine = 3;
+  auto made = picture_of_board(*kLens, kWidth, kHeight, kBoard, pose, 3);
   for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      if (glm::distance(glm::dvec2{x, y}, {201.0, 148.5}) > 170.0) continue;
-      double sum = 0.0;
-      for (int i = 0; i < kFine * kFine; ++i) {
-        const auto ray = kLens->unproject({x + (i % kFine + 0.5) / kFine - 0.5, y + (i / kFine + 0.5) / kFine - 0.5});
-        double level = 190.0;
-        if (ray) {
-          const double along = glm::dot(pose.translation_m, pose.rotation[2]) / glm::dot(*ray, pose.rotation[2]);
-          const glm::dvec3 at = glm::transpose(pose.rotation) * (along * *ray - pose.translation_m) / kBoard.square_m;
-          const double u = std::floor(at.x), v = std::floor(at.y);
-          if (along > 0.0 && u >= -1 && v >= -1 && u < kBoard.columns && v < kBoard.rows)
-            level = std::fmod(u + v + 4.0, 2.0) == 0.0 ? 30.0 : 220.0;
-        }
-        sum += level;
-      }
-      made.at(x, y) = static_cast<std::uint8_t>(std::lround(sum / (kFine * kFine)));
-    }
+    for (int x = 0; x < kWidth; ++x)
+      if (glm::distance(glm::dvec2{x, y}, {201.0, 148.5}) > 170.0) made.at(x, y) = 3;
   return made;
 }
 
-BoardPose pose_at(double right, double down, double tilt_x, double tilt_y) {
-  const glm::dvec3 normal = glm::normalize(glm::dvec3{tilt_x, tilt_y, 1.0});
-  const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3{0, 1, 0}, normal)), y = glm::cross(normal, x);
-  BoardPose pose{{x, y, normal}, {}};
-  const glm::dvec3 middle = 0.5 * kBoard.square_m * glm::dvec3{kBoard.columns - 1.0, kBoard.rows - 1.0, 0.0};
-  pose.translation_m = glm::dvec3{right, down, 0.2} - pose.rotation * middle;
-  return pose;
+BoardPose pose_at(double right_m, double down_m, double tilt_x, double tilt_y) {
+  return board_at(kBoard, right_m, down_m, tilt_x, tilt_y);
 }
 
 TEST(BoardCollector, AViewIsTakenWhenItIsStillSharpAndNew) {

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include <glm/geometric.hpp>
@@ -12,6 +13,7 @@
 #include "calib/lens_fit.hpp"
 #include "pipeline/fixture_file.hpp"
 #include "pipeline/picture_sink.hpp"
+#include "tests/calib/boards.hpp"
 #include "tests/pipeline/calibrating.hpp"
 
 namespace kasumi {
@@ -22,38 +24,14 @@ using testing::HasSubstr;
 constexpr Board kBoard{7, 5, 0.03};
 constexpr int kWidth = 400, kHeight = 300;
 
-// A board before a lens, 4 x 4 rays a pixel.
-Image<Rgb8> picture_of_board(const Lens& lens, const BoardPose& pose) {
-  Image<Rgb8> picture(kWidth, kHeight, Rgb8(190));
-  constexpr int kFine = 4;
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      double sum = 0.0;
-      for (int i = 0; i < kFine * kFine; ++i) {
-        const auto ray = lens.unproject({x + (i % kFine + 0.5) / kFine - 0.5, y + (i / kFine + 0.5) / kFine - 0.5});
-        double level = 190.0;
-        if (ray) {
-          const double along = glm::dot(pose.translation_m, pose.rotation[2]) / glm::dot(*ray, pose.rotation[2]);
-          const glm::dvec3 at = glm::transpose(pose.rotation) * (along * *ray - pose.translation_m) / kBoard.square_m;
-          const double u = std::floor(at.x), v = std::floor(at.y);
-          if (along > 0.0 && u >= -1 && v >= -1 && u < kBoard.columns && v < kBoard.rows)
-            level = std::fmod(u + v + 4.0, 2.0) == 0.0 ? 30.0 : 220.0;
-        }
-        sum += level;
-      }
-      picture.at(x, y) = Rgb8(static_cast<std::uint8_t>(std::lround(sum / (kFine * kFine))));
-    }
+Image<Rgb8> rgb(const Image<std::uint8_t>& grey) {
+  Image<Rgb8> picture(grey.width(), grey.height());
+  std::ranges::transform(grey.elements(), picture.elements().begin(), [](std::uint8_t value) { return Rgb8(value); });
   return picture;
 }
 
-// Faces the camera from somewhere off its axis, tilted.
-BoardPose pose_at(double right, double down, double tilt_x, double tilt_y) {
-  const glm::dvec3 normal = glm::normalize(glm::dvec3{tilt_x, tilt_y, 1.0});
-  const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3{0, 1, 0}, normal)), y = glm::cross(normal, x);
-  BoardPose pose{{x, y, normal}, {}};
-  const glm::dvec3 middle = 0.5 * kBoard.square_m * glm::dvec3{kBoard.columns - 1.0, kBoard.rows - 1.0, 0.0};
-  pose.translation_m = glm::dvec3{right, down, 0.2} - pose.rotation * middle;
-  return pose;
+BoardPose pose_at(double right_m, double down_m, double tilt_x, double tilt_y) {
+  return board_at(kBoard, right_m, down_m, tilt_x, tilt_y);
 }
 
 TEST(CalibrateLens, PicturesOfABoardBecomeACalibrationFile) {
@@ -65,7 +43,7 @@ TEST(CalibrateLens, PicturesOfABoardBecomeACalibrationFile) {
   std::string files;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const auto file = folder / fmt::format("board-{}.png", i);
-    ASSERT_TRUE(write_png(file, picture_of_board(*lens, poses[i])));
+    ASSERT_TRUE(write_png(file, rgb(picture_of_board(*lens, kWidth, kHeight, kBoard, poses[i], 4))));
     files += " " + file.string();
   }
   const auto file = folder / "calibration.toml";

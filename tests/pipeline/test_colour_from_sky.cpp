@@ -8,6 +8,7 @@
 #include "calib/non_negative.hpp"
 #include "estimator/sensitivity_error.hpp"
 #include "estimator/sky_colours.hpp"
+#include "estimator/sky_sensitivity.hpp"
 #include "fixtures/sky_view.hpp"
 #include "tests/places.hpp"
 
@@ -40,29 +41,43 @@ std::vector<SpectralSensitivity> invented_cameras() {
           bells("c", {602, 545, 455}, {36, 35, 25}), bells("d", {590, 538, 465}, {45, 46, 30})};
 }
 
-// The colours of a day of one air: 8 bits of a fisheye with this sensitivity, noise and all, under three suns.
-std::vector<SkyColour> day_of(const SpectralSensitivity& sensitivity, double turbidity, double believed_turbidity) {
+struct Day {
+  Camera camera;
+  std::vector<SkyMoment> moments;
+};
+
+// A day of one air: 8 bits of a fisheye with this sensitivity, noise and all, under three suns.
+Day day_of(const SpectralSensitivity& sensitivity, double turbidity) {
   fixtures::SkyCameraOptions options;
   options.size = 180;
-  Camera camera = fixtures::sky_camera(options).camera;
-  camera.sensitivity = sensitivity;
-  camera.white_balance = fixtures::daylight_white_balance(sensitivity);
-  std::vector<SkyColour> colours;
-  int number = 0;
+  Day day{fixtures::sky_camera(options).camera, {}};
+  day.camera.sensitivity = sensitivity;
+  day.camera.white_balance = fixtures::daylight_white_balance(sensitivity);
   for (const double sun_zenith_deg : {40.0, 58.0, 75.0}) {
     fixtures::Weather weather;
     weather.turbidity = turbidity;
     weather.sun = direction_from(from_degrees(sun_zenith_deg), from_degrees(160.0));
     fixtures::SkyViewOptions view_options;
     view_options.obstructions = false;
-    const auto view = fixtures::look_at_sky(fixtures::Illumination(weather), camera, view_options);
+    const auto view = fixtures::look_at_sky(fixtures::Illumination(weather), day.camera, view_options);
     auto exposure = fixtures::automatic_exposure(view.light, 0.92, 0.72);
     exposure.noise = true;
-    exposure.seed = 5 + static_cast<std::uint64_t>(number);
-    const auto pixels = fixtures::expose(view.light, camera, exposure);
-    const auto picture = sky_picture(view_of(pixels), camera).value();
-    const auto look = SkyObserver(camera).look(picture, weather.sun);
-    const auto more = sky_colours(picture, look, camera, Turbidity{believed_turbidity}, number++);
+    exposure.seed = 5 + static_cast<std::uint64_t>(day.moments.size());
+    const auto pixels = fixtures::expose(view.light, day.camera, exposure);
+    day.moments.push_back(
+        {fmt::format("sun at {} deg", sun_zenith_deg), sky_picture(view_of(pixels), day.camera).value(), weather.sun});
+  }
+  return day;
+}
+
+// The colours of such a day.
+std::vector<SkyColour> colours_of(const SpectralSensitivity& sensitivity, double turbidity, double believed_turbidity) {
+  const auto day = day_of(sensitivity, turbidity);
+  std::vector<SkyColour> colours;
+  int number = 0;
+  for (const auto& moment : day.moments) {
+    const auto look = SkyObserver(day.camera).look(moment.picture, moment.sun);
+    const auto more = sky_colours(moment.picture, look, day.camera, Turbidity{believed_turbidity}, number++);
     colours.insert(colours.end(), more.begin(), more.end());
   }
   return colours;
@@ -89,7 +104,7 @@ TEST(ColourFromSky, EachMeasuredCameraIsFoundFromTheOthersAndTheSkyToAHundredthO
   std::printf("%-34s %6s | largest error of Gamma at T = 2 3 4 5 6 7 8, s <= 10 km\n", "camera", "T off");
   for (const double off : {0.0, 0.1})
     for (std::size_t out = 0; out < cameras.size(); ++out) {
-      const auto colours = day_of(cameras[out], kTurbidity, kTurbidity + off);
+      const auto colours = colours_of(cameras[out], kTurbidity, kTurbidity + off);
       const auto fit = fit_sensitivity(colours, without(cameras, out));
       ASSERT_TRUE(fit) << fit.error().message;
       const auto error = gamma_error(fit->sensitivity, cameras[out]);
@@ -110,7 +125,7 @@ TEST(ColourFromSky, EachMeasuredCameraIsFoundFromTheOthersAndTheSkyToAHundredthO
 
 TEST(ColourFromSky, ACameraThatIsAmongTheFilesExplainsTheSkyBest) {
   const auto cameras = invented_cameras();
-  const auto colours = day_of(cameras[1], 3.0, 3.0);
+  const auto colours = colours_of(cameras[1], 3.0, 3.0);
   const auto right = explain(colours, cameras[1]);
   for (const std::size_t other : {0u, 2u, 3u}) EXPECT_GT(explain(colours, cameras[other]).rms, 1.2 * right.rms);
   const auto truth = fixtures::daylight_white_balance(cameras[1]);
@@ -122,7 +137,7 @@ TEST(ColourFromSky, AnInventedCameraIsFoundAndWhatIsToldOfItsSurenessHolds) {
   const auto cameras = invented_cameras();
   for (const std::size_t out : {0u, 3u}) {
     const auto others = without(cameras, out);
-    const auto colours = day_of(cameras[out], 3.0, 3.0);
+    const auto colours = colours_of(cameras[out], 3.0, 3.0);
     const auto fit = fit_sensitivity(colours, others).value();
     EXPECT_LE(gamma_error(fit.sensitivity, cameras[out]).largest, 0.01);
     EXPECT_GE(fit.determined, 4);
@@ -139,6 +154,49 @@ TEST(ColourFromSky, AnInventedCameraIsFoundAndWhatIsToldOfItsSurenessHolds) {
     ASSERT_EQ(expected.size(), others.size());
     for (const auto& error : expected) EXPECT_LE(error.largest, 0.02);
   }
+}
+
+TEST(SensitivityFromSky, AmongMeasuredCamerasTheOneThatTookTheSkyIsChosen) {
+  const auto cameras = invented_cameras();
+  const auto day = day_of(cameras[1], 3.0);
+  const auto found = sensitivity_from_sky(day.camera, day.moments, cameras, {.choose = true});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->sensitivity.name, cameras[1].name);
+  ASSERT_EQ(found->ranked.size(), cameras.size());
+  EXPECT_EQ(found->ranked.front().camera, 1u);
+  EXPECT_EQ(found->residuals.rms, found->ranked.front().residuals.rms);
+  ASSERT_EQ(found->turbidities.size(), day.moments.size());
+  for (const double turbidity : found->turbidities) EXPECT_NEAR(turbidity, 3.0, 0.2);
+  const auto truth = fixtures::daylight_white_balance(cameras[1]);
+  EXPECT_NEAR(found->residuals.white_balance.r, truth.r / truth.g, 0.02);
+  EXPECT_NEAR(found->residuals.white_balance.b, truth.b / truth.g, 0.02);
+  EXPECT_FALSE(found->of_more_colourful_sky) << "only a fit gives in to it";
+}
+
+TEST(SensitivityFromSky, ACameraNobodyMeasuredIsFittedFromTheOthers) {
+  const auto cameras = invented_cameras();
+  const auto day = day_of(cameras[0], 3.0);
+  const auto others = without(cameras, 0);
+  const auto found = sensitivity_from_sky(day.camera, day.moments, others, {.turbidity = 3.0});
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->fit);
+  EXPECT_LE(gamma_error(found->sensitivity, cameras[0]).largest, 0.01);
+  EXPECT_THAT(found->turbidities, testing::Each(3.0));
+  EXPECT_EQ(found->expected.size(), others.size());
+  EXPECT_GT(found->of_more_colourful_sky.value_or(0.0), 0.0);
+}
+
+TEST(SensitivityFromSky, WithoutAClearSkyItTellsWhyOfEachPicture) {
+  const auto cameras = invented_cameras();
+  auto day = day_of(cameras[1], 3.0);
+  for (auto& moment : day.moments)
+    for (auto& pixel : moment.picture.encoded.elements()) pixel = glm::vec3(0.5F);
+  const auto found = sensitivity_from_sky(day.camera, day.moments, cameras);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().kind, FaultKind::bad_input);
+  EXPECT_THAT(found.error().message,
+              testing::AllOf(testing::HasSubstr("no picture shows a clear sky"),
+                             testing::HasSubstr("\nsun at 40 deg: "), testing::HasSubstr("\nsun at 75 deg: ")));
 }
 
 TEST(ColourFromSky, TheFileThatIsWrittenIsTheOneThatIsRead) {

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "gles/offscreen.hpp"
-#include "pipeline/haze_for_gles.hpp"
+#include "pipeline/haze_blur_for_gles.hpp"
 #include "tests/estimator/air/haze_scenes.hpp"
 
 namespace kasumi {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/quality_for_gles.hpp"
+#include "pipeline/for_gles.hpp"
 #include "pipeline/scene_air.hpp"
 
 namespace kasumi {

@@ -8,6 +8,7 @@
 
 #include "calib/colorimetry.hpp"
 #include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "estimator/airlight.hpp"
 
 namespace kasumi {

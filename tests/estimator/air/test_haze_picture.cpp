@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calib/radiometry.hpp"
+#include "calib/spectral_sensitivity.hpp"
 #include "estimator/haze_picture.hpp"
 #include "tests/estimator/air/haze_scenes.hpp"
 

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include "estimator/horizon.hpp"
+#include "estimator/other_air.hpp"
 #include "pipeline/contact_sheet.hpp"
-#include "pipeline/other_air.hpp"
+#include "pipeline/photograph.hpp"
 #include "tests/paper/methods.hpp"
 #include "tests/paper/report/section.hpp"
 

@@ -1,0 +1,20 @@
+// A picture as a photographer leaves it, in memory: 8 or 16 bits or floating point, any size.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+
+namespace kasumi {
+
+struct Photograph {
+  Image<glm::vec3> encoded;  // R G B, 0..1 for integer files; floating-point files are divided by their largest value
+  Image<float> opacity;      // 0..1; empty: the file has no alpha
+  double quantum = 0.0;      // 1/255, 1/65535, or 0 for floating point
+};
+
+// For what wants 8 bits.
+Image<Rgb8> to_rgb8(const Photograph& photograph);
+
+}  // namespace kasumi
