@@ -106,10 +106,8 @@ double log_seen(const Told& told, int channel, const DaylightWeights& spectrum) 
 constexpr std::array kAgainstGreen{0, 2};  // channels of the two log ratios
 
 glm::dvec2 modelled(const Told& told, const DaylightWeights& spectrum) {
-  glm::dvec2 ratio;
-  for (int k = 0; k < 2; ++k)
-    ratio[k] = log_seen(told, kAgainstGreen[static_cast<std::size_t>(k)], spectrum) - log_seen(told, 1, spectrum);
-  return ratio;
+  const double green = log_seen(told, 1, spectrum);
+  return {log_seen(told, kAgainstGreen[0], spectrum) - green, log_seen(told, kAgainstGreen[1], spectrum) - green};
 }
 
 double median(std::vector<double> values) {
