@@ -16,6 +16,8 @@
 namespace kasumi {
 namespace {
 
+const Direction kUp{0.0, 0.0, 1.0};
+
 double visible_share_of_sun(Radians zenith) {
   const double elevation_deg = 90.0 - to_degrees(zenith);
   return std::clamp(0.5 + 0.5 * elevation_deg / kSettingSunRadius_deg, 0.0, 1.0);
@@ -45,16 +47,8 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
     : options_(options),
       sun_(sun),
       turbidity_(clamp_turbidity(turbidity)),
-      model_(options.model, turbidity, sun, options.altitude_m) {
-  const bool overcast = options.sky == SkyCondition::overcast;
-  if (overcast)
-    zenith_cd_m2_ = overcast_zenith(sun);
-  else if (const auto zenith = model_.zenith_cd_m2())
-    zenith_cd_m2_ = *zenith;
-  else
-    zenith_cd_m2_ =
-        zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun), options.altitude_m, options.ground_albedo));
-
+      model_(options.model, turbidity, sun, options.altitude_m),
+      zenith_cd_m2_(zenith_luminance()) {
   // Daylight spectra span three dimensions, so XYZ gives their spectrum and that the sensor's channels.
   const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLuminousEfficacy;
   const bool srgb = scene.colour_space == Camera::ColourSpace::srgb;
@@ -63,40 +57,57 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
 
   if (!srgb) light_.albedo_to_channels = srgb_reflectance_to_channels(scene.sensitivity);
   light_.sun_direction = sun;
-  const Radians zenith = zenith_angle(sun);
   const auto unit = options.measured ? unit_of(*options.measured) : std::nullopt;
-  const double through_clouds = unit ? options.measured->sun_share : 1.0;
-  const double sun_share = overcast ? 0.0 : through_clouds * visible_share_of_sun(zenith);
-  if (const auto xyz = model_.sun_xyz(); xyz && sun_share > 0.0) {
-    light_.sun_irradiance = glm::max(sun_share * (xyz_to_light_ * *xyz), glm::dvec3{0.0});
-    sun_normal_lux_ = sun_share * xyz->y;
-  } else if (sun_share > 0.0) {
-    glm::dvec3 on_sensor{0.0};
-    for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
-      const double power =
-          sun_share * solar_irradiance(nm) * sun_transmittance(turbidity_, zenith, options.altitude_m, nm);
-      on_sensor += power * scene.sensitivity.at(nm);
-      sun_normal_lux_ += kLuminousEfficacy * power * colour_matching(nm).y;
-    }
-    light_.sun_irradiance = glm::max(sensor_to_light * on_sensor, glm::dvec3{0.0});
-  }
+  light_by_sun(scene.sensitivity, sensor_to_light, unit ? options.measured->sun_share : 1.0);
+  light_by_sky(unit);
+  light_by_ground();
+}
 
-  const auto seen_xyz = [&](const Direction& direction) {
-    const glm::dvec3 model = sky_xyz(direction);
-    if (!unit) return model;
-    const SkyCell& cell = options.measured->at(direction);
-    const glm::dvec3 seen = *unit * cell.xyz;
-    // Clear air is the model's, which knows it more finely; what is clipped is at least as bright as it seems.
-    return glm::mix(model, cell.clipped ? glm::max(model, seen) : seen,
-                    overcast ? cell.seen : cell.seen * (1.0 - cell.clear));
-  };
-  const Direction up{0.0, 0.0, 1.0};
+double Daylight::zenith_luminance() const {
+  if (is_overcast()) return overcast_zenith(sun_);
+  if (const auto zenith = model_.zenith_cd_m2()) return *zenith;
+  return zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun_), options_.altitude_m, options_.ground_albedo));
+}
+
+void Daylight::light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light,
+                            double through_clouds) {
+  const Radians zenith = zenith_angle(sun_);
+  const double share = is_overcast() ? 0.0 : through_clouds * visible_share_of_sun(zenith);
+  if (!(share > 0.0)) return;
+  if (const auto xyz = model_.sun_xyz()) {
+    light_.sun_irradiance = glm::max(share * (xyz_to_light_ * *xyz), glm::dvec3{0.0});
+    sun_normal_lux_ = share * xyz->y;
+    return;
+  }
+  glm::dvec3 on_sensor{0.0};
+  for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
+    const double power = share * solar_irradiance(nm) * sun_transmittance(turbidity_, zenith, options_.altitude_m, nm);
+    on_sensor += power * sensor.at(nm);
+    sun_normal_lux_ += kLuminousEfficacy * power * colour_matching(nm).y;
+  }
+  light_.sun_irradiance = glm::max(sensor_to_light * on_sensor, glm::dvec3{0.0});
+}
+
+glm::dvec3 Daylight::seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const {
+  const glm::dvec3 model = sky_xyz(direction);
+  if (!unit) return model;
+  const SkyCell& cell = options_.measured->at(direction);
+  const glm::dvec3 seen = *unit * cell.xyz;
+  // Clear air is the model's, which knows it more finely; what is clipped is at least as bright as it seems.
+  return glm::mix(model, cell.clipped ? glm::max(model, seen) : seen,
+                  is_overcast() ? cell.seen : cell.seen * (1.0 - cell.clear));
+}
+
+void Daylight::light_by_sky(const std::optional<glm::dvec3>& unit) {
   light_.around =
-      light_around_of([&](const Direction& d) { return d.z > 0.0 ? light_of(seen_xyz(d)) : glm::dvec3{0.0}; });
-  const glm::dvec3 sky = irradiance(light_.around, up);
-  sky_horizontal_lux_ = (glm::inverse(xyz_to_light_) * sky).y;
-  // The ground around gives back evenly what falls on it; texels at the horizon hold some of both.
-  const glm::dvec3 ground = options.ground_albedo / kPi * (sky + std::max(0.0, sun.z) * light_.sun_irradiance);
+      light_around_of([&](const Direction& d) { return d.z > 0.0 ? light_of(seen_xyz(d, unit)) : glm::dvec3{0.0}; });
+  sky_horizontal_lux_ = (glm::inverse(xyz_to_light_) * irradiance(light_.around, kUp)).y;
+}
+
+// The ground around gives back evenly what falls on it; texels at the horizon hold some of both.
+void Daylight::light_by_ground() {
+  const glm::dvec3 falls = irradiance(light_.around, kUp) + std::max(0.0, sun_.z) * light_.sun_irradiance;
+  const glm::dvec3 ground = options_.ground_albedo / kPi * falls;
   const auto below = light_around_of([&](const Direction& d) { return d.z > 0.0 ? glm::dvec3{0.0} : ground; });
   auto& radiance = light_.around.radiance.elements();
   for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] += below.radiance.elements()[i];
@@ -110,9 +121,9 @@ std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
     for (int sector = 0; sector < MeasuredSky::kSectors; ++sector) {
       const Direction centre = MeasuredSky::centre_of(ring, sector);
       const SkyCell& cell = measured.at(centre);
-      const bool same = options_.sky == SkyCondition::overcast || cell.clear > 0.9;
+      const bool same = is_overcast() || cell.clear > 0.9;
       if (!same || cell.clipped || cell.seen < 0.5 || centre.z < not_low) continue;
-      if (options_.sky != SkyCondition::overcast && glm::dot(centre, sun_) > not_near_sun) continue;
+      if (!is_overcast() && glm::dot(centre, sun_) > not_near_sun) continue;
       if (!(std::min({cell.xyz.x, cell.xyz.y, cell.xyz.z}) > 0.0)) continue;
       const glm::dvec3 ratio = sky_xyz(centre) / cell.xyz;
       for (int c = 0; c < 3; ++c) ratios[static_cast<std::size_t>(c)].push_back(ratio[c]);
@@ -125,7 +136,7 @@ std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
 
 glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
   const Direction view = raised_to_horizon(direction);
-  if (options_.sky == SkyCondition::overcast) {
+  if (is_overcast()) {
     constexpr double kD65x = 0.3127, kD65y = 0.3290;
     return xyz_of({zenith_cd_m2_ * (1.0 + 2.0 * view.z) / 3.0, kD65x, kD65y});
   }

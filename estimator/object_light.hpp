@@ -50,11 +50,18 @@ class Daylight {
   double sky_horizontal_lux() const { return sky_horizontal_lux_; }  // diffuse, on the ground
 
  private:
-  glm::dvec3 sky_xyz(const Direction& direction) const;  // cd m-2, of the model
+  bool is_overcast() const { return options_.sky == SkyCondition::overcast; }
+  double zenith_luminance() const;                       // cd m-2, of the model
+  glm::dvec3 sky_xyz(const Direction& direction) const;  // the same of any direction
+  // Where clouds are seen, theirs. `unit`: unit_of() the measured sky; empty: nothing is measured.
+  glm::dvec3 seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const;
   glm::dvec3 light_of(const glm::dvec3& xyz) const;
   // The camera's XYZ to the model's cd m-2, where both see the same; empty when they meet nowhere. It takes the sky
   // camera's exposure and white balance along.
   std::optional<glm::dvec3> unit_of(const MeasuredSky& measured) const;
+  void light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double through_clouds);
+  void light_by_sky(const std::optional<glm::dvec3>& unit);
+  void light_by_ground();  // after sun and sky, whose light it gives back
 
   DaylightOptions options_;
   SunDirection sun_;

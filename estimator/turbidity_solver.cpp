@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "estimator/turbidity_consensus.hpp"
 
@@ -160,6 +161,116 @@ class Patches {
   std::array<Patch, kZenith * kSun> patches_{};
 };
 
+std::vector<double> own_variances(std::span<const SkySample> samples) {
+  std::vector<double> own;
+  own.reserve(samples.size());
+  for (const SkySample& sample : samples) own.push_back(square(static_cast<double>(sample.sigma)));
+  return own;
+}
+
+double root_mean(const std::vector<double>& variances) {
+  return std::sqrt(std::accumulate(variances.begin(), variances.end(), 0.0) / static_cast<double>(variances.size()));
+}
+
+// The samples that agree about T, and what they say together.
+struct Agreement {
+  std::vector<std::uint8_t> inlier;  // one per sample
+  int inliers = 0;
+  std::vector<double> weights;  // 1 / variance; 0 of those that disagree
+  double model_variance = 0.0;
+  LocalSolution local;
+  bool large_enough() const { return inliers >= static_cast<int>(kFewestSamples); }
+};
+
+// Rounds of weighted least squares from the consensus on. What the samples' own variance (`own`: by quantisation and
+// shot noise) does not explain of the residuals is the model's error, which weighs on all alike.
+Agreement agree(LeastSquares& fit, const std::vector<double>& own, const Consensus& consensus) {
+  const std::size_t n = own.size();
+  Agreement agreed;
+  agreed.inlier.assign(n, 0);
+  agreed.weights.assign(n, 1.0);
+  agreed.local = {Turbidity{static_cast<double>(consensus.t)}, static_cast<double>(consensus.log_gain)};
+  fit.evaluate(agreed.weights, static_cast<double>(consensus.t));
+  constexpr int kRounds = 4;
+  for (int round = 0; round < kRounds; ++round) {
+    double seen = 0.0, known = 0.0;
+    bool changed = false;
+    agreed.inliers = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double r = fit.residual()[i] - agreed.local.log_gain;
+      // The window holds about 2.5 standard deviations.
+      const double limit = round == 0 ? 1.2 * static_cast<double>(consensus.window)
+                                      : 3.5 * std::sqrt(std::max(kLeastVariance, own[i] + agreed.model_variance));
+      const bool inlier = std::abs(r) <= limit;
+      changed = changed || inlier != (agreed.inlier[i] != 0);
+      agreed.inlier[i] = inlier ? 1 : 0;
+      if (!inlier) continue;
+      ++agreed.inliers;
+      seen += r * r;
+      known += own[i];
+    }
+    if (!agreed.large_enough() || !changed) break;
+    agreed.model_variance = std::max(0.0, (seen - known) / agreed.inliers);
+    for (std::size_t i = 0; i < n; ++i)
+      agreed.weights[i] = agreed.inlier[i] != 0 ? 1.0 / std::max(kLeastVariance, own[i] + agreed.model_variance) : 0.0;
+    agreed.local = fit.solve(agreed.weights, agreed.local.turbidity.value);
+  }
+  return agreed;
+}
+
+double rms_of_inliers(const LeastSquares& fit, const Agreement& agreed) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < agreed.inlier.size(); ++i)
+    if (agreed.inlier[i] != 0) squares += square(fit.residual()[i] - agreed.local.log_gain);
+  return std::sqrt(squares / agreed.inliers);
+}
+
+// No T is surer than the picture's quantisation lets it be, however well its steps seem to fit: standard deviation.
+double quantisation_bound(std::span<const SkySample> samples, const LeastSquares& fit, const Agreement& agreed) {
+  double q = 0.0, qs = 0.0, qss = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (agreed.inlier[i] == 0) continue;
+    const double s = fit.slope()[i];
+    const double quantum = square(static_cast<double>(samples[i].quantisation));
+    const double w = quantum > 0.0 ? 1.0 / quantum : 0.0;
+    q += w;
+    qs += w * s;
+    qss += w * s * s;
+  }
+  const double information = q > 0.0 ? qss - qs * qs / q : 0.0;
+  return information > 0.0 ? 1.0 / std::sqrt(information) : 0.0;
+}
+
+// How far off T may be, by what can put it off; standard deviations.
+struct ErrorBudget {
+  double residuals = 0.0;     // the scatter of single samples
+  double patches = 0.0;       // that of whole patches of the sky
+  double model = 0.0;         // an error of the model that varies smoothly over the sky
+  double quantisation = 0.0;  // of the picture
+  double largest() const { return std::max({residuals, patches, model, quantisation}); }
+};
+
+ErrorBudget error_budget(std::span<const SkySample> samples, const LeastSquares& fit, const Agreement& agreed) {
+  double chi = 0.0, mean_slope = 0.0, weight = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (agreed.inlier[i] == 0) continue;
+    chi += agreed.weights[i] * square(fit.residual()[i] - agreed.local.log_gain);
+    weight += agreed.weights[i];
+    mean_slope += agreed.weights[i] * fit.slope()[i];
+  }
+  const double information = agreed.local.information;
+  const Patches patches(samples, agreed.weights, fit, agreed.local.log_gain, mean_slope / weight);
+  return {std::sqrt(chi / (agreed.inliers - 2) / information), patches.scatter() / information,
+          patches.smooth_error(std::sqrt(patches.shared_variance())) / information,
+          quantisation_bound(samples, fit, agreed)};
+}
+
+bool is_at_edge(Turbidity turbidity, const FittedSky& sky) {
+  constexpr double kEdge = 1e-3;
+  return (turbidity.value < kLowestTurbidity.value + kEdge && !sky.dome()) ||
+         turbidity.value > sky.highest().value - kEdge;
+}
+
 }  // namespace
 
 LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start,
@@ -173,79 +284,25 @@ TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const Solv
   solution.inlier.assign(samples.size(), 0);
   if (samples.size() < kFewestSamples) return solution;
 
-  const std::size_t n = samples.size();
-  std::vector<double> own(n);  // variance by quantisation and shot noise
-  double own_sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) own_sum += own[i] = square(static_cast<double>(samples[i].sigma));
-  const double typical = std::sqrt(own_sum / static_cast<double>(n));
+  const auto own = own_variances(samples);
   const Consensus consensus =
-      find_consensus(samples, static_cast<float>(std::max(options.narrowest_window, 2.5 * typical)),
+      find_consensus(samples, static_cast<float>(std::max(options.narrowest_window, 2.5 * root_mean(own))),
                      static_cast<float>(options.widest_window), sky);
   if (!std::isfinite(consensus.score)) return solution;
 
-  // What the samples' own variance does not explain of the residuals is the model's error, which weighs on all alike.
-  // The window holds about 2.5 standard deviations.
   LeastSquares fit(samples, sky);
-  std::vector<double> weights(n, 1.0);
-  fit.evaluate(weights, static_cast<double>(consensus.t));
-  LocalSolution local{Turbidity{static_cast<double>(consensus.t)}, static_cast<double>(consensus.log_gain)};
-  double model_variance = 0.0;
-  constexpr int kRounds = 4;
-  for (int round = 0; round < kRounds; ++round) {
-    double seen = 0.0, known = 0.0;
-    int inliers = 0;
-    bool changed = false;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double r = fit.residual()[i] - local.log_gain;
-      const double limit = round == 0 ? 1.2 * static_cast<double>(consensus.window)
-                                      : 3.5 * std::sqrt(std::max(kLeastVariance, own[i] + model_variance));
-      const bool inlier = std::abs(r) <= limit;
-      changed = changed || inlier != (solution.inlier[i] != 0);
-      solution.inlier[i] = inlier ? 1 : 0;
-      if (!inlier) continue;
-      ++inliers;
-      seen += r * r;
-      known += own[i];
-    }
-    solution.inliers = inliers;
-    if (inliers < static_cast<int>(kFewestSamples)) return solution;
-    if (!changed) break;
-    model_variance = std::max(0.0, (seen - known) / inliers);
-    for (std::size_t i = 0; i < n; ++i)
-      weights[i] = solution.inlier[i] != 0 ? 1.0 / std::max(kLeastVariance, own[i] + model_variance) : 0.0;
-    local = fit.solve(weights, local.turbidity.value);
-  }
+  const Agreement agreed = agree(fit, own, consensus);
+  solution.inlier = agreed.inlier;
+  solution.inliers = agreed.inliers;
+  if (!agreed.large_enough()) return solution;
 
-  double squares = 0.0, chi = 0.0, mean_slope = 0.0, weight = 0.0;
-  double q = 0.0, qs = 0.0, qss = 0.0;  // for the quantisation's bound
-  for (std::size_t i = 0; i < n; ++i) {
-    if (solution.inlier[i] == 0) continue;
-    const double r2 = square(fit.residual()[i] - local.log_gain), s = fit.slope()[i];
-    squares += r2;
-    chi += weights[i] * r2;
-    weight += weights[i];
-    mean_slope += weights[i] * s;
-    const double quantum = square(static_cast<double>(samples[i].quantisation));
-    const double w = quantum > 0.0 ? 1.0 / quantum : 0.0;
-    q += w;
-    qs += w * s;
-    qss += w * s * s;
-  }
-  solution.turbidity = local.turbidity;
-  solution.log_gain = local.log_gain;
-  solution.log_residual = std::sqrt(squares / solution.inliers);
-  solution.model_error = std::sqrt(model_variance);
-  constexpr double kEdge = 1e-3;
-  const double t = local.turbidity.value;
-  solution.at_edge = (t < kLowestTurbidity.value + kEdge && !sky.dome()) || t > sky.highest().value - kEdge;
-  if (!(local.information > 0.0)) return solution;
-  const double from_residuals = std::sqrt(chi / (solution.inliers - 2) / local.information);
-  const Patches patches(samples, weights, fit, local.log_gain, mean_slope / weight);
-  const double from_patches = patches.scatter() / local.information;
-  const double from_model = patches.smooth_error(std::sqrt(patches.shared_variance())) / local.information;
-  const double quantisation_information = q > 0.0 ? qss - qs * qs / q : 0.0;
-  const double bound = quantisation_information > 0.0 ? 1.0 / std::sqrt(quantisation_information) : 0.0;
-  solution.sigma = std::max({from_residuals, from_patches, from_model, bound});
+  solution.turbidity = agreed.local.turbidity;
+  solution.log_gain = agreed.local.log_gain;
+  solution.log_residual = rms_of_inliers(fit, agreed);
+  solution.model_error = std::sqrt(agreed.model_variance);
+  solution.at_edge = is_at_edge(solution.turbidity, sky);
+  if (!(agreed.local.information > 0.0)) return solution;
+  solution.sigma = error_budget(samples, fit, agreed).largest();
   solution.solved = std::isfinite(solution.sigma);
   return solution;
 }

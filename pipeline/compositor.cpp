@@ -1,7 +1,5 @@
 #include "pipeline/compositor.hpp"
 
-#include <cmath>
-
 #include <glm/geometric.hpp>
 
 #include "pipeline/for_gles.hpp"
@@ -9,11 +7,6 @@
 namespace kasumi {
 
 namespace {
-
-// Below what the eye can see in one step: half a percent of the haze, a tenth of a degree of the sun.
-constexpr double kLeastHazeChange = 0.005;
-constexpr Radians kLeastSunMove = from_degrees(0.1);
-constexpr double kLeastSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 
 ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
   ExternalPicture picture{memory.fd, memory.buffer, view.layout, view.encoding, view.width, view.height, {}};
@@ -56,14 +49,6 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
   return Compositor(std::move(*renderer), std::move(air), installation);
 }
 
-bool Compositor::is_stale(const SceneConditions& now) const {
-  if (!layer_ || layer_->sky != now.sky) return true;
-  if ((layer_->measured == nullptr) != (now.measured == nullptr)) return true;
-  if (now.measured && difference(*layer_->measured, *now.measured) > kLeastSkyChange) return true;
-  const double haze = now.turbidity.value - 1.0, drawn = layer_->turbidity.value - 1.0;
-  return std::abs(haze - drawn) > kLeastHazeChange * drawn || angle_between(now.sun, layer_->sun) > kLeastSunMove;
-}
-
 Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTarget& target) {
   const auto picture = decode(frame, encoding_);
   if (!picture) return fail(picture.error());
@@ -73,26 +58,24 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
   if (auto taken = take(picture); !taken) return taken;
-  const auto conditions = air_.conditions(sky);
-  air_.observe(metadata, picture.view(), sky.picture ? &sky.picture->view() : nullptr, &conditions);
-
-  if (auto fitted = fit_detail(picture.view().layout, conditions); !fitted) return fitted;
+  const auto now = air_.take_in(metadata, picture.view(), sky);
+  if (auto fitted = fit_detail(picture.view().layout, now.haze_blur_px); !fitted) return fitted;
   noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
 
-  const auto box = renderer_.object_box();
-  if (is_stale(conditions)) {
-    if (auto drawn = renderer_.redraw_layer(air_.appearance(conditions, box)); !drawn) return drawn;
-    layer_ = conditions;
+  const auto air = air_.drawn_air(now, renderer_.object_box(), layer_ ? &*layer_ : nullptr);
+  if (air.appearance) {
+    if (auto drawn = renderer_.redraw_layer(*air.appearance); !drawn) return drawn;
+    layer_ = now;
     ++layers_drawn_;
   }
-  measured_ = air_.measured(conditions, box);
+  measured_ = air.measured;
   drawn_ = true;
   return show(target);
 }
 
 // Cameras hardly ever change their layout; the first frame tells it. Air changes by the hour.
-Result<> Compositor::fit_detail(PixelLayout layout, const SceneConditions& conditions) {
-  const auto detail = detail_for_gles(quality_, layout, air_.haze_blur_px(conditions));
+Result<> Compositor::fit_detail(PixelLayout layout, double haze_blur_px) {
+  const auto detail = detail_for_gles(quality_, layout, haze_blur_px);
   if (detail == detail_) return {};
   if (auto set = renderer_.set_detail(detail); !set) return set;
   detail_ = detail;

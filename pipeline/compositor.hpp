@@ -49,9 +49,8 @@ class Compositor {
         encoding_(installation.scene.yuv_encoding),
         quality_(installation.scene_quality),
         white_balance_(installation.scene.white_balance) {}
-  bool is_stale(const SceneConditions& now) const;
   Result<> take(const DecodedPicture& picture);
-  Result<> fit_detail(PixelLayout layout, const SceneConditions& conditions);
+  Result<> fit_detail(PixelLayout layout, double haze_blur_px);
   Result<> show(const DrawTarget& target);
 
   Renderer renderer_;

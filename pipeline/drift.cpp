@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
@@ -52,29 +53,26 @@ struct Haze {
   bool thicker() const { return *now > 1.5 * *before; }
 };
 
-void judge_focus(const char* name, const EdgeChange& change, std::vector<DriftFinding>& findings) {
-  if (change.edges < 12 || 3 * change.edges < change.sought) {
-    findings.push_back(
-        untold(name, "focus",
-               fmt::format("of {} edges only {} are to be seen: haze, darkness or a lens far out of focus",
-                           change.sought, change.edges)));
-    return;
-  }
+DriftFinding judge_focus(const char* name, const std::optional<EdgeChange>& seen) {
+  if (!seen) return untold(name, "focus", "too few clear edges");
+  const EdgeChange& change = *seen;
+  if (change.edges < 12 || 3 * change.edges < change.sought)
+    return untold(name, "focus",
+                  fmt::format("of {} edges only {} are to be seen: haze, darkness or a lens far out of focus",
+                              change.sought, change.edges));
   const double widening = change.spread_ratio - 1.0;
   const double alarm = std::max(kLeastWidening, kSigmas * change.spread_sigma);
   const auto words = fmt::format("edges are {:.2f} +- {:.2f} times as wide as they were ({:.2f} px, then {:.2f})",
                                  change.spread_ratio, change.spread_sigma, change.now_px, change.before_px);
-  findings.push_back(judged(name, "focus", "percent", 100.0 * widening, 100.0 * change.spread_sigma, 100.0 * alarm,
-                            widening > alarm ? "out of focus: " + words : words));
+  return judged(name, "focus", "percent", 100.0 * widening, 100.0 * change.spread_sigma, 100.0 * alarm,
+                widening > alarm ? "out of focus: " + words : words);
 }
 
 // Haze comes with the air's turbidity, and takes more from what is farther; a fogged lens takes from all alike.
-void judge_lens(const char* name, const std::optional<Veil>& veil, const std::optional<EdgeChange>& change,
-                const Haze& haze, std::vector<DriftFinding>& findings) {
-  if (!veil || !change || veil->before > kNothingDark) {
-    findings.push_back(untold(name, "lens", "nothing dark and near to see a fogged lens by"));
-    return;
-  }
+DriftFinding judge_lens(const char* name, const std::optional<Veil>& veil, const std::optional<EdgeChange>& change,
+                        const Haze& haze) {
+  if (!veil || !change || veil->before > kNothingDark)
+    return untold(name, "lens", "nothing dark and near to see a fogged lens by");
   const double more = veil->now - veil->before;
   const bool pale = change->contrast_ratio < kVeiledContrast;
   auto finding = judged(name, "lens", "percent", 100.0 * more, 0.0, 100.0 * kLeastVeil,
@@ -91,40 +89,46 @@ void judge_lens(const char* name, const std::optional<Veil>& veil, const std::op
   else
     finding.state = DriftState::steady;
   if (finding.state == DriftState::steady && pale) finding.words += ": the air is hazier, the lens is clear";
-  findings.push_back(finding);
+  return finding;
 }
 
-void judge_view(const char* name, const Camera& camera, const std::vector<GreyPicture>& pictures,
-                const std::optional<ViewReference>& reference, const Image<std::uint8_t>& usable, double least_turn_deg,
-                const Haze& haze, std::vector<DriftFinding>& findings) {
-  if (!reference || pictures.size() < std::size_t{kFewestCheckFrames}) {
-    findings.push_back(untold(name, "view",
-                              !reference ? "the reference has no picture of this camera"
-                                         : fmt::format("only {} pictures came", pictures.size())));
-    return;
-  }
-  const auto still = median_of(pictures);
-  auto before = shrunk_view(reference->small, camera), now = shrunk_view(shrunk(still, camera), camera);
-  before.usable = usable;
-  const auto turn = find_turn(*camera.lens, before, now);
-  if (!turn) {
-    findings.push_back(untold(
-        name, "view", "nothing looks as in the reference: darkness, fog, snow, or the camera was turned far away"));
-    return;
-  }
+// One camera's view of what stands still, as it was and as it is.
+struct View {
+  const char* name;
+  const Camera& camera;
+  const std::optional<ViewReference>& before;
+  const std::vector<GreyPicture>& now;
+  double least_turn_deg;            // that is called drift
+  Image<std::uint8_t> usable = {};  // where something stands still; empty: everywhere
+};
+
+DriftFinding judge_turn(const View& view, const std::optional<ViewTurn>& turn) {
+  if (!turn)
+    return untold(view.name, "view",
+                  "nothing looks as in the reference: darkness, fog, snow, or the camera was turned far away");
   const double angle_deg = to_degrees(turn->angle()), sigma_deg = to_degrees(turn->sigma());
-  const double alarm_deg = std::max(least_turn_deg, kSigmas * sigma_deg);
-  const bool turned = angle_deg > alarm_deg;
-  findings.push_back(judged(name, "view", "deg", angle_deg, sigma_deg, alarm_deg,
-                            turned ? "the camera has turned by " + turn_words(*turn)
-                                   : fmt::format("where it was, to {:.3f} +- {:.3f} deg", angle_deg, sigma_deg)));
-  const auto light = light_of(still, camera);
-  const auto change = compare_edges(*camera.lens, reference->edges, *turn, light);
-  if (change)
-    judge_focus(name, *change, findings);
-  else
-    findings.push_back(untold(name, "focus", "too few clear edges"));
-  judge_lens(name, compare_veil(*camera.lens, before, now, *turn), change, haze, findings);
+  const double alarm_deg = std::max(view.least_turn_deg, kSigmas * sigma_deg);
+  return judged(view.name, "view", "deg", angle_deg, sigma_deg, alarm_deg,
+                angle_deg > alarm_deg ? "the camera has turned by " + turn_words(*turn)
+                                      : fmt::format("where it was, to {:.3f} +- {:.3f} deg", angle_deg, sigma_deg));
+}
+
+// Focus and lens can be told only where the view is recognised.
+std::vector<DriftFinding> judge_view(const View& view, const Haze& haze) {
+  if (!view.before) return {untold(view.name, "view", "the reference has no picture of this camera")};
+  if (view.now.size() < std::size_t{kFewestCheckFrames})
+    return {untold(view.name, "view", fmt::format("only {} pictures came", view.now.size()))};
+  const auto still = median_of(view.now);
+  auto before = shrunk_view(view.before->small, view.camera);
+  const auto now = shrunk_view(shrunk(still, view.camera), view.camera);
+  before.usable = view.usable;
+  const auto turn = find_turn(*view.camera.lens, before, now);
+  std::vector<DriftFinding> findings{judge_turn(view, turn)};
+  if (!turn) return findings;
+  const auto change = compare_edges(*view.camera.lens, view.before->edges, *turn, light_of(still, view.camera));
+  findings.push_back(judge_focus(view.name, change));
+  findings.push_back(judge_lens(view.name, compare_veil(*view.camera.lens, before, now, *turn), change, haze));
+  return findings;
 }
 
 // What takes the picture's sun to the ephemeris' by the shortest way.
@@ -244,14 +248,16 @@ bool DriftReport::well() const {
 
 DriftReport find_drift(const DriftFrames& frames, const DriftReference& reference, const Installation& installation,
                        Utc now) {
+  const Camera &scene = installation.scene, &sky = installation.sky;
+  const Haze haze{reference.turbidity, middle_of(frames.turbidities())};
   DriftReport report{now, reference.taken, {}};
   auto& findings = report.findings;
-  const Haze haze{reference.turbidity, middle_of(frames.turbidities())};
-  judge_view("scene", installation.scene, frames.scene(), reference.scene, {}, kLeastSceneTurn_deg, haze, findings);
-  judge_view("sky", installation.sky, frames.sky(), reference.sky,
-             still_part_of_sky(installation.sky, shrink_factor(installation.sky)), kLeastSkyTurn_deg, haze, findings);
+  for (const View& view :
+       {View{"scene", scene, reference.scene, frames.scene(), kLeastSceneTurn_deg},
+        View{"sky", sky, reference.sky, frames.sky(), kLeastSkyTurn_deg, still_part_of_sky(sky, shrink_factor(sky))}})
+    std::ranges::move(judge_view(view, haze), std::back_inserter(findings));
   findings.push_back(judge_sun(frames.suns()));
-  findings.push_back(judge_dome(frames, reference, installation.sky));
+  findings.push_back(judge_dome(frames, reference, sky));
   findings.push_back(judge_exposure(frames, reference));
   return report;
 }

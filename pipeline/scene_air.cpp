@@ -14,6 +14,19 @@ namespace {
 // camera was unplugged, is forgotten.
 constexpr double kHorizonMemory_s = 2.8;
 
+// Below what the eye can see in one step: half a percent of the haze, a tenth of a degree of the sun.
+constexpr double kLeastHazeChange = 0.005;
+constexpr Radians kLeastSunMove = from_degrees(0.1);
+constexpr double kLeastSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
+
+bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
+  if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
+  if (now.measured && difference(*drawn.measured, *now.measured) > kLeastSkyChange) return false;
+  const double haze = now.turbidity.value - 1.0, haze_drawn = drawn.turbidity.value - 1.0;
+  return std::abs(haze - haze_drawn) <= kLeastHazeChange * haze_drawn &&
+         angle_between(now.sun, drawn.sun) <= kLeastSunMove;
+}
+
 std::optional<double> exposure_of(const FrameMetadata& metadata) {
   if (!metadata.exposure_s || *metadata.exposure_s <= 0) return std::nullopt;
   return *metadata.exposure_s * metadata.gain.value_or(1.0);
@@ -51,7 +64,21 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   conditions.sky = report.estimate.sky;
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
   conditions.measured = report.measured;
+  conditions.haze_blur_px = haze_blur_px(conditions.turbidity);
   return conditions;
+}
+
+SceneConditions SceneAir::take_in(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky) {
+  auto now = conditions(sky);
+  look_for_horizon(metadata, scene, sky.picture ? &sky.picture->view() : nullptr, &now);
+  return now;
+}
+
+DrawnAir SceneAir::drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer) const {
+  DrawnAir air;
+  if (!layer || !look_alike(now, *layer)) air.appearance = appearance(now, box);
+  air.measured = measured(now, box);
+  return air;
 }
 
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
@@ -68,9 +95,9 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   return appearance;
 }
 
-double SceneAir::haze_blur_px(const SceneConditions& conditions) const {
+double SceneAir::haze_blur_px(Turbidity turbidity) const {
   if (blur_of_depth_1_px_ <= 0.0 || !options_.aerial_perspective) return 0.0;
-  const auto haze = haze_coefficients(nodes_, options_.scattering, conditions.turbidity);
+  const auto haze = haze_coefficients(nodes_, options_.scattering, turbidity);
   const double left = std::clamp(attenuation(haze, to_object_).g, 1e-9, 1.0);
   return blur_of_depth_1_px_ * std::sqrt(-std::log(left));
 }
@@ -84,8 +111,8 @@ HorizonLight SceneAir::modelled(const SceneConditions& conditions, const Picture
   return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
 }
 
-void SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
-                       const SceneConditions* conditions) {
+void SceneAir::look_for_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
+                                const SceneConditions* conditions) {
   const auto exposure = exposure_of(metadata);
   if (exposure && exposure_) scale(horizon_, *exposure / *exposure_);
   exposure_ = exposure;

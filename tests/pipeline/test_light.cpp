@@ -53,20 +53,20 @@ double through_density(double length_m, double altitude_m, double rise_m, double
 }
 
 // What the renderer makes of a white surface (gles/shaders), on the CPU: rho Gamma + 1 - Gamma over the measured light.
-glm::dvec3 drawn(const ObjectAppearance& appearance, const AirlightGrid& measured, const glm::dvec2& pixel,
-                 const glm::dvec3& place, const glm::dvec3& normal) {
+glm::dvec3 drawn(const DrawnAir& air, const glm::dvec2& pixel, const glm::dvec3& place, const glm::dvec3& normal) {
+  const ObjectAppearance& appearance = air.appearance.value();
   const ObjectLight& light = appearance.light;
   const glm::dvec3 irradiance_here =
       std::max(0.0, glm::dot(normal, light.sun_direction)) * light.sun_irradiance + irradiance(light.around, normal);
   const glm::dvec3 rho = irradiance_here / kPi / airlight_at(appearance.horizon, pixel);
   const Haze& haze = appearance.haze;
   const double length = glm::length(place);
-  const double air = through_density(length, haze.observer_altitude_m, place.z, haze.rayleigh_scale_height_m);
+  const double rayleigh = through_density(length, haze.observer_altitude_m, place.z, haze.rayleigh_scale_height_m);
   const double mie = through_density(length, haze.observer_altitude_m, place.z, haze.mie_scale_height_m);
   glm::dvec3 gamma{0.0};
   for (std::size_t k = 0; k < kHazeNodes; ++k)
-    gamma += haze.weight[k] * glm::exp(-haze.rayleigh_per_m[k] * air - haze.mie_per_m[k] * mie);
-  return airlight_at(measured, pixel) * (rho * gamma + 1.0 - gamma);
+    gamma += haze.weight[k] * glm::exp(-haze.rayleigh_per_m[k] * rayleigh - haze.mie_per_m[k] * mie);
+  return airlight_at(air.measured, pixel) * (rho * gamma + 1.0 - gamma);
 }
 
 TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
@@ -107,12 +107,12 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
       metadata.exposure_s = exposure.exposure_s;
       metadata.gain = exposure.gain;
       if (stops != 0.0) {
-        air.observe(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+        air.look_for_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
         exposure.exposure_s *= std::exp2(stops);
         metadata.exposure_s = exposure.exposure_s;
         metadata.captured_at += std::chrono::seconds(2);
       }
-      air.observe(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+      air.look_for_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
 
       const fixtures::Building patch(board(), {place.x, place.y, place.z, 0.0});
       const auto seen = fixtures::look_at_building(patch, day, camera, land);
@@ -121,8 +121,7 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
                               exposure.exposure_s * exposure.gain;
 
       ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
-      const glm::dvec3 rendered =
-          drawn(air.appearance(conditions, box), air.measured(conditions, box), pixel, place, {0.0, -1.0, 0.0});
+      const glm::dvec3 rendered = drawn(air.drawn_air(conditions, box), pixel, place, {0.0, -1.0, 0.0});
       ratios.push_back(rendered / real);
       fmt::print("{} K, {:+.0f} EV: rendered / real {:.4f} {:.4f} {:.4f}\n", kelvin, stops, ratios.back().r,
                  ratios.back().g, ratios.back().b);
@@ -159,12 +158,11 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizon
     exposure.seed = 11;
     const double scale = fixtures::kResponsivity * exposure.exposure_s * exposure.gain;
     SceneAir air(installation, {});
-    air.observe({}, view_of(fixtures::expose(light, made.camera, exposure)), nullptr);
+    air.look_for_horizon({}, view_of(fixtures::expose(light, made.camera, exposure)), nullptr);
     ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
     const SceneConditions conditions{Turbidity{turbidity}, weather.sun, SkyCondition::clear, nullptr};
     const PixelBox box{20, 100, 460, 180};
-    const auto appearance = air.appearance(conditions, box);
-    const auto measured = air.measured(conditions, box);
+    const auto over = air.drawn_air(conditions, box);
 
     std::array<double, 2> real_green{}, drawn_green{};
     for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
@@ -177,7 +175,7 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizon
       ASSERT_EQ(seen.coverage.at(at.x, at.y), 1.0);
       const glm::dvec3 real = seen.light.at(at.x, at.y) * made.camera.vignetting.at(pixel) * scale;
       const double turn = from_degrees(40.0).value;
-      const glm::dvec3 ours = drawn(appearance, measured, pixel, place, {-std::sin(turn), -std::cos(turn), 0.0});
+      const glm::dvec3 ours = drawn(over, pixel, place, {-std::sin(turn), -std::cos(turn), 0.0});
       fmt::print("T {}, {}: rendered / real {:.4f} {:.4f} {:.4f}\n", turbidity,
                  side == 0 ? "away from the sun" : "near it", ours.r / real.r, ours.g / real.g, ours.b / real.b);
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(ours[c] / real[c], 1.0, 0.03) << "channel " << c << ", side " << side;

@@ -41,17 +41,17 @@ TEST(QualityForGles, HazeBlursByTheRootOfItsOpticalDepth) {
   installation.surroundings.haze_blur_px = 1.5;
   const SceneAir air(installation, {});
   const auto under = [](double turbidity) {
-    SceneConditions conditions;
-    conditions.turbidity = Turbidity{turbidity};
-    return conditions;
+    SkyReport report;
+    report.tracked.emplace().turbidity = Turbidity{turbidity};
+    return report;
   };
   const auto measure = spectral_measure(installation.scene);
   const auto path = optical_path(300.0, 300.0, 3500.0);
   for (const double turbidity : {2.0, 4.0, 9.0}) {
     const double left = attenuation_reference(measure, ScatteringModel::morales2017, Turbidity{turbidity}, path).g;
-    EXPECT_NEAR(air.haze_blur_px(under(turbidity)), 1.5 * std::sqrt(-std::log(left)), 0.005);
+    EXPECT_NEAR(air.conditions(under(turbidity)).haze_blur_px, 1.5 * std::sqrt(-std::log(left)), 0.005);
   }
-  EXPECT_EQ(SceneAir({}, {}).haze_blur_px(under(9.0)), 0.0) << "off unless asked for";
+  EXPECT_EQ(SceneAir({}, {}).conditions(under(9.0)).haze_blur_px, 0.0) << "off unless asked for";
 }
 
 TEST(QualityForGles, NoiseIsThatOfCountedElectrons) {
