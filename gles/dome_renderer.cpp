@@ -31,29 +31,13 @@ Defines defines_of(SkyProjection projection, SkyKind kind, DomeDetail detail) {
   return defines;
 }
 
-enum class Stage { sky, sky_per_fragment, sun, land };
+enum class Stage { sky, sun, land };
 
 Result<Program> build(Stage stage, const Defines& defines) {
   switch (stage) {
-    case Stage::sky:
-      return Program::build(defines,
-                            {"shared.glsl", "tone.glsl", "sky_projection.glsl", "air_path.glsl", "older_skies.glsl",
-                             "dome.glsl", "dome_view.glsl", "dome_sky.glsl", "dome.vert"},
-                            {"dither.glsl", "dome.frag"});
-    case Stage::sky_per_fragment:
-      return Program::build(defines, {"shared.glsl", "sky_projection.glsl", "dome_place.glsl", "dome.vert"},
-                            {"shared.glsl", "tone.glsl", "sky_projection.glsl", "air_path.glsl", "older_skies.glsl",
-                             "dome.glsl", "dome_view.glsl", "dome_sky.glsl", "dither.glsl", "dome.frag"});
-    case Stage::sun:
-      return Program::build(defines,
-                            {"shared.glsl", "tone.glsl", "sky_projection.glsl", "air_path.glsl", "older_skies.glsl",
-                             "dome.glsl", "dome_view.glsl", "dome_sky.glsl", "dome_sun.vert"},
-                            {"dither.glsl", "dome.frag"});
-    case Stage::land:
-      return Program::build(defines,
-                            {"shared.glsl", "tone.glsl", "sky_projection.glsl", "air_path.glsl", "older_skies.glsl",
-                             "dome.glsl", "dome_view.glsl", "dome_land.vert"},
-                            {"dither.glsl", "dome.frag"});
+    case Stage::sky: return Program::build(defines, "dome.vert", "dome.frag");
+    case Stage::sun: return Program::build(defines, "dome_sun.vert", "dome.frag");
+    case Stage::land: return Program::build(defines, "dome_land.vert", "dome.frag");
   }
   return fail(FaultKind::device, "no such program");
 }
@@ -153,7 +137,7 @@ struct DomeRenderer::State {
 
   Result<> draw_sky(const DrawTarget& target, DomeDetail detail) {
     const bool exact = detail == DomeDetail::per_fragment;
-    const auto program = find(exact ? Stage::sky_per_fragment : Stage::sky, detail);
+    const auto program = find(Stage::sky, detail);
     if (!program) return fail(program.error());
     begin(**program, target);
     (exact ? whole : mesh)->draw();

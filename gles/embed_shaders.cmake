@@ -1,11 +1,49 @@
-# cmake -DOUT=shader_texts.cpp -DSHADERS="a.vert;b.frag" -P embed_shaders.cmake: the shader files as C++ strings, so that
-# the program finds them wherever it runs.
+# cmake -DOUT=shader_texts.cpp -DSHADERS="a.vert;b.frag;c.glsl" -P embed_shaders.cmake: each stage (*.vert, *.frag) as a C++
+# string, so that the program finds it wherever it runs. A line `#include "c.glsl"` is replaced by that file of the list, whatever
+# its folder; guards see to it that a text reaches the compiler once, however often it is named.
+cmake_minimum_required(VERSION 3.25)
+
+foreach(shader ${SHADERS})
+  get_filename_component(name ${shader} NAME)
+  if(DEFINED "path_of_${name}")
+    message(FATAL_ERROR "${path_of_${name}} and ${shader} have one name")
+  endif()
+  set("path_of_${name}" ${shader})
+endforeach()
+
+# The text of the shader `name` with its includes in place; `within`: the files that are being included.
+function(resolve out name within)
+  if(NOT DEFINED "path_of_${name}")
+    message(FATAL_ERROR "${within} includes ${name}, which is no shader")
+  endif()
+  if(name IN_LIST within)
+    message(FATAL_ERROR "${name} includes itself by way of ${within}")
+  endif()
+  file(READ "${path_of_${name}}" rest)
+  set(text "")
+  while("\n${rest}" MATCHES "\n(#include \"([^\"]+)\"\n)")
+    set(line "${CMAKE_MATCH_1}")
+    set(included "${CMAKE_MATCH_2}")
+    string(FIND "${rest}" "${line}" begin)
+    string(LENGTH "${line}" length)
+    math(EXPR end "${begin} + ${length}")
+    string(SUBSTRING "${rest}" 0 ${begin} before)
+    string(SUBSTRING "${rest}" ${end} -1 rest)
+    resolve(body "${included}" "${within};${name}")
+    string(MAKE_C_IDENTIFIER "HAS_${included}" guard)
+    string(APPEND text "${before}#if !defined(${guard})\n#define ${guard}\n${body}#endif\n")
+  endwhile()
+  set(${out} "${text}${rest}" PARENT_SCOPE)
+endfunction()
+
 set(text "// Made by embed_shaders.cmake from gles/shaders.\n#include \"gles/shader_text.hpp\"\n\nnamespace kasumi {\n\n")
 string(APPEND text "std::string_view shader_text(std::string_view name) {\n")
 foreach(shader ${SHADERS})
-  file(READ ${shader} body)
   get_filename_component(name ${shader} NAME)
-  string(APPEND text "  if (name == \"${name}\") return R\"glsl(${body})glsl\";\n")
+  if(name MATCHES "\\.(vert|frag)$")
+    resolve(body "${name}" "")
+    string(APPEND text "  if (name == \"${name}\") return R\"glsl(${body})glsl\";\n")
+  endif()
 endforeach()
 string(APPEND text "  return {};\n}\n\n}  // namespace kasumi\n")
 file(WRITE ${OUT} "${text}")

@@ -57,7 +57,7 @@ int FlatPicture::height() const {
 
 Result<FlatPicture> FlatPicture::create(GlContext& context, const Image<Rgba8>& picture) {
   if (picture.empty()) return fail(FaultKind::bad_input, "a flat picture without pixels");
-  auto program = Program::build({}, {"flat.vert"}, {"flat.frag"});
+  auto program = Program::build({}, "flat.vert", "flat.frag");
   if (!program) return fail(program.error());
   const GlInfo& info = context.info();
   Image<Rgba8> texels = picture;

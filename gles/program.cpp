@@ -13,32 +13,27 @@ namespace {
 constexpr std::string_view kFragmentPrecision =
     "#ifdef GL_FRAGMENT_PRECISION_HIGH\nprecision highp float;\n#else\nprecision mediump float;\n#endif\n";
 
-Result<std::string> assemble(const Defines& defines, std::string_view preamble,
-                             std::initializer_list<std::string_view> files) {
+Result<std::string> assemble(const Defines& defines, std::string_view preamble, std::string_view file) {
+  const std::string_view body = shader_text(file);
+  if (body.empty()) return fail(FaultKind::device, "shader file {} is not part of this program", file);
   std::string text = "#version 100\n";
   for (const std::string& define : defines) text += fmt::format("#define {}\n", define);
   text += preamble;
-  for (const std::string_view file : files) {
-    const std::string_view body = shader_text(file);
-    if (body.empty()) return fail(FaultKind::device, "shader file {} is not part of this program", file);
-    text += body;
-  }
+  text += body;
   return text;
 }
 
 }  // namespace
 
-Result<Program> Program::build(const Defines& defines, std::initializer_list<std::string_view> vertex_files,
-                               std::initializer_list<std::string_view> fragment_files) {
-  const auto vertex = assemble(defines, "", vertex_files);
+Result<Program> Program::build(const Defines& defines, std::string_view vertex_file, std::string_view fragment_file) {
+  const auto vertex = assemble(defines, "", vertex_file);
   if (!vertex) return tl::unexpected(vertex.error());
   std::string preamble(kFragmentPrecision);
   if (defines.contains("LAYOUT_EXTERNAL")) preamble = "#extension GL_OES_EGL_image_external : require\n" + preamble;
   if (defines.contains("FACE_SLOPES")) preamble = "#extension GL_OES_standard_derivatives : require\n" + preamble;
-  const auto fragment = assemble(defines, preamble, fragment_files);
+  const auto fragment = assemble(defines, preamble, fragment_file);
   if (!fragment) return tl::unexpected(fragment.error());
-  std::string name;
-  for (const std::string_view file : fragment_files) name = file;
+  std::string name(fragment_file);
   for (const std::string& define : defines) name += fmt::format(" {}", define);
   auto linked = link_program(name, *vertex, *fragment,
                              {{kPosition, "position"},

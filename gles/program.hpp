@@ -1,7 +1,6 @@
 // A linked shader program and its uniforms.
 #pragma once
 
-#include <initializer_list>
 #include <map>
 #include <set>
 #include <span>
@@ -33,9 +32,8 @@ enum Attribute : unsigned {
 
 class Program {
  public:
-  // The files of gles/shaders, one after the other, under the defines.
-  static Result<Program> build(const Defines& defines, std::initializer_list<std::string_view> vertex_files,
-                               std::initializer_list<std::string_view> fragment_files);
+  // Of two files of gles/shaders, under the defines. They include what they need.
+  static Result<Program> build(const Defines& defines, std::string_view vertex_file, std::string_view fragment_file);
 
   void use() const;
   // Uniforms of the program in use. One that the driver has optimised away is passed over.

@@ -1,4 +1,4 @@
-// The files of gles/shaders, put into the program when it is built.
+// The shaders' stages with all that they include, put into the program when it is built (gles/embed_shaders.cmake).
 #pragma once
 
 #include <string_view>

@@ -1,3 +1,9 @@
+#if defined(PER_FRAGMENT)
+#include "dome_view.glsl"
+#include "dome_sky.glsl"
+#endif
+#include "dither.glsl"
+
 varying vec2 v_place;
 #if !defined(PER_FRAGMENT)
 varying vec3 v_shown;

@@ -1,4 +1,11 @@
 // The sky where the mesh has its corners; between them what is shown is linear (gles/dome_mesh.cpp sees to it).
+#if defined(PER_FRAGMENT)
+#include "dome_place.glsl"
+#else
+#include "dome_view.glsl"
+#include "dome_sky.glsl"
+#endif
+
 attribute vec2 position;  // right and down of the middle, pixels
 varying vec2 v_place;
 #if !defined(PER_FRAGMENT)

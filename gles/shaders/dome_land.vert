@@ -1,4 +1,6 @@
 // Land through the air, at the corners of its mesh.
+#include "dome_view.glsl"
+
 attribute vec3 position;  // metres from the sea below the observer
 attribute vec3 normal;
 attribute vec4 colour;    // reflectance, altitude in metres

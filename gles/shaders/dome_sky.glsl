@@ -1,4 +1,6 @@
 // The sky of the kind asked for.
+#include "sky_text.glsl"
+
 uniform vec3 sun;
 uniform float exposure;
 #if defined(PREETHAM)

@@ -1,4 +1,7 @@
 // The sun's disc as rings of points around its middle; the last two rings are half a pixel within its edge and beyond.
+#include "dome_view.glsl"
+#include "dome_sky.glsl"
+
 attribute vec2 position;  // part of the way to the edge, 2: beyond it; angle around the middle
 uniform float sun_radius;
 uniform float blur;  // half a pixel, in radii

@@ -1,4 +1,6 @@
 // Where a vertex of the sky looks, and where a direction is drawn.
+#include "sky_text.glsl"
+
 uniform mat3 camera_to_world;
 uniform float focal_px;
 uniform vec2 place_to_clip;

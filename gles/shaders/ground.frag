@@ -2,6 +2,20 @@
 // the shadow leaves `kept`, the air between stays as it is. Layer: one alpha stands for three channels. It is green's,
 // which most of what the eye sees follows, right on any ground; what red loses more and blue less is taken from and
 // given to N, right on ground of the proxy's colour.
+#if !defined(FINAL_COLOUR) || defined(HAZE_PER_FRAGMENT)
+#include "haze.glsl"
+#endif
+#include "dither.glsl"
+#if defined(FINAL_COLOUR)
+#include "response.glsl"
+#include "camera_picture.glsl"
+#else
+#include "scene_depth.glsl"
+#endif
+#include "sun.glsl"
+#include "sky_atlas.glsl"
+#include "sun_shadow.glsl"
+
 uniform vec4 base_colour;
 varying vec3 v_normal;
 #if defined(HAZE_PER_FRAGMENT)

@@ -1,4 +1,6 @@
 // What is left of the picture's light before it is blurred (H Eq 2; channels that fade unequally: see haze_picture.hpp).
+#include "packed.glsl"
+
 uniform highp sampler2D red_green;  // linear light / light_unit
 uniform highp sampler2D blue;
 uniform highp sampler2D along_row;  // range, and what is not needed here

@@ -1,4 +1,6 @@
 // The blurred light before the airlight (H Eq 4), as a screen shows it: sRGB.
+#include "packed.glsl"
+
 uniform highp sampler2D light;  // IN_PAIRS: red and green
 uniform highp sampler2D light_2;  // blue and transmission
 uniform vec3 airlight;

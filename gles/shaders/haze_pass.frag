@@ -1,5 +1,7 @@
 // One pass of diffusion (H Eq 11; estimator/haze_diffusion.hpp is the reference): light flows between each pixel and
 // four others, whole pixels away.
+#include "packed.glsl"
+
 uniform highp sampler2D light;        // IN_PAIRS: two of its channels in bytes
 uniform highp sampler2D along_row;    // range; sum of its steps along the row, in turns
 uniform highp sampler2D down_column;  // range; sum of its steps down the column

@@ -1,4 +1,9 @@
 // The radiance a surface sends to the eye under sun and sky.
+#include "surface.glsl"
+#include "sun.glsl"
+#include "sky_atlas.glsl"
+#include "sun_shadow.glsl"
+
 #if defined(UNLIT) || defined(EMITS)
 uniform vec3 white_card;       // radiance of a white card lying in the open
 #endif

@@ -1,5 +1,17 @@
 // The building's light. Layer: premultiplied N = rho Gamma + 1 - Gamma (physics 6). FINAL_COLOUR: as the camera would
 // have encoded it.
+#if !defined(FINAL_COLOUR) || defined(HAZE_PER_FRAGMENT)
+#include "haze.glsl"
+#endif
+#include "dither.glsl"
+#if defined(FINAL_COLOUR)
+#include "response.glsl"
+#include "camera_picture.glsl"
+#else
+#include "scene_depth.glsl"
+#endif
+#include "light.glsl"
+
 #if defined(HAZE_PER_FRAGMENT)
 varying vec3 v_path;
 #endif

@@ -1,4 +1,14 @@
 // The building's vertices: where they are seen, and what the air does on the way.
+#if defined(FINAL_COLOUR)
+#include "airlight.glsl"
+#if !defined(HAZE_PER_FRAGMENT)
+// What has uniforms goes to the one stage that uses them: precisions may differ between the stages.
+#include "haze.glsl"
+#endif
+#endif
+#include "path.glsl"
+#include "lens.glsl"
+
 attribute vec3 position;
 attribute vec3 normal;
 attribute vec2 texture_place;

@@ -1,4 +1,10 @@
 // The camera's picture; where the layer covers it (COVERED) or part of it (EDGE), Linf N over it in linear light.
+#include "dither.glsl"
+#include "layer.glsl"
+#include "response.glsl"
+#include "camera_picture.glsl"
+#include "noise.glsl"
+
 #if !defined(COVERED)
 varying vec2 v_picture;
 #endif

@@ -1,4 +1,6 @@
 // Rectangles of the camera's picture, at far depth.
+#include "airlight.glsl"
+
 attribute vec2 position;  // pixels from the picture's top left corner
 uniform vec2 picture_size;
 uniform mat3 pixel_to_clip;

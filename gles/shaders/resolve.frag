@@ -1,5 +1,8 @@
 // From the rotated lattice of samples to pixels: the mean of the 17 samples inside each pixel (object_layer.cpp), colour
 // no finer than the camera delivers it, what stands in front taken off.
+#include "dither.glsl"
+#include "layer.glsl"
+
 uniform sampler2D samples;
 uniform mat3 fragment_to_sample;  // gl_FragCoord to texture coordinates of the pixel's central sample
 uniform vec2 sample_step;         // one texel

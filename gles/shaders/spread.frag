@@ -1,4 +1,6 @@
 // A Gaussian over the lattice of samples, along its rows or along its columns.
+#include "dither.glsl"
+
 uniform sampler2D samples;
 uniform float sample_step;  // one texel
 uniform vec2 along;         // one texel in the pass's direction

@@ -1,4 +1,6 @@
 // What casts a shadow, as one point of the sun's disc sees it.
+#include "sun_maps.glsl"
+
 attribute vec3 position;
 #if defined(ALPHA_TEST)
 attribute vec2 texture_place;

@@ -1,4 +1,7 @@
 // How much of the sun's disc is seen from this fragment, 0..1.
+#include "sun.glsl"
+#include "sun_maps.glsl"
+
 #if defined(SUN_SHADOW)
 uniform highp sampler2D sun_maps;  // 4 x 4 maps
 uniform mat3 sun_from_world;       // directions of a metre, to the sun's frame
