@@ -2,15 +2,17 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/figures.hpp"
 #include "tests/paper/methods.hpp"
 
 namespace kasumi::paper {
 namespace {
 
-void compare(const Place& place, const std::vector<double>& turbidities) {
+// Where haze changes least the camera's noise is as large as what tells the methods apart: 2.11 is the hardest.
+void compare(const Place& place, const std::vector<double>& hardest, const std::vector<double>& all) {
   const auto land = land_at(place);
   const auto source = scene_at(land, 1.9, 31);
-  for (const double turbidity : turbidities) {
+  for (const double turbidity : figure_cases("turbidities", hardest, all)) {
     const auto judged = judge_methods(experiment_of(source, 1.9, scene_at(land, turbidity, 32), turbidity));
     const auto& ours = judged.front();
     ASSERT_EQ(ours.method, Method::ours);
@@ -28,15 +30,16 @@ void compare(const Place& place, const std::vector<double>& turbidities) {
 const std::vector<double> kPapersTurbidities{2.11, 2.54, 2.94, 4.36};
 
 TEST(Methods, NoneOfThePapersBaselinesComesAsNearAsOurs) {
-  compare({.width = 240, .height = 136}, kPapersTurbidities);
-  compare({.terrain = 5, .sun_zenith_deg = 35.0, .sun_azimuth_deg = 300.0, .width = 240, .height = 136},
+  compare({.width = 240, .height = 136}, {2.11}, kPapersTurbidities);
+  compare({.terrain = 5, .sun_zenith_deg = 35.0, .sun_azimuth_deg = 300.0, .width = 240, .height = 136}, {2.11},
           kPapersTurbidities);
 }
 
 // A forest under a sun 25 deg high: half of what is seen stands in shade, which thicker haze lights up while it dims
 // what is in the sun.
 TEST(Methods, NeitherDoTheyUnderALowSunOverAForest) {
-  compare({.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0, .width = 240, .height = 136}, {2.11, 4.36});
+  compare({.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0, .width = 240, .height = 136}, {2.11, 4.36},
+          {2.11, 4.36});
 }
 
 }  // namespace

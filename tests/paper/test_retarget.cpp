@@ -10,6 +10,7 @@
 #include "estimator/land_around.hpp"
 #include "estimator/picture_noise.hpp"
 #include "estimator/retarget.hpp"
+#include "tests/figures.hpp"
 #include "tests/paper/scene.hpp"
 
 namespace kasumi {
@@ -153,8 +154,11 @@ TEST(Retarget, BringsAGeneratedSceneUnderThePapersAirs) {
   fmt::print(
       "| T | land, of 255 | whole picture | with M's rho kept | not touched | too faint |\n"
       "|---|---|---|---|---|---|\n");
-  for (const auto& [from, to] : {std::pair{1.9, 2.11}, {1.9, 2.54}, {1.9, 2.94}, {1.9, 4.36}, {2.94, 1.9}}) {
-    const Scene source = scene_at(from, 11), target = scene_at(to, 12);
+  using Airs = std::pair<double, double>;
+  const auto land = land_at({});
+  for (const auto& [from, to] : figure_cases<Airs>("airs", {{1.9, 2.94}, {2.94, 1.9}},
+                                                   {{1.9, 2.11}, {1.9, 2.54}, {1.9, 2.94}, {1.9, 4.36}, {2.94, 1.9}})) {
+    const Scene source = scene_at(land, from, 11), target = scene_at(land, to, 12);
     const auto nodes = attenuation_nodes(spectral_measure(source.camera));
     const PictureDepth depth{source.distance_m, rise_of(source.camera), source.altitude_m};
     RetargetOptions options;

@@ -37,4 +37,12 @@ inline fixtures::Recipe small(std::string_view preset, int frames) {
   return recipe;
 }
 
+// The same for a test that does not look at the scene, which takes most of the time to draw.
+inline fixtures::Recipe small_scene(std::string_view preset, int frames) {
+  auto recipe = small(preset, frames);
+  recipe.scene_width = 160;
+  recipe.scene_height = 90;
+  return recipe;
+}
+
 }  // namespace kasumi

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 
+#include "tests/figures.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/pipeline/replayed.hpp"
 #include "tests/places.hpp"
@@ -67,7 +68,7 @@ void expect_turbidity(const std::filesystem::path& fixture, const std::filesyste
 TEST(ReplayTruth, TurbidityOfClearFixturesIsFoundWithinATenth) {
   for (const char* preset : {"clear-noon", "sun-low"}) {
     SCOPED_TRACE(preset);
-    const auto fixture = recorded(small(preset, 3), std::string("truth-") + preset);
+    const auto fixture = recorded(small_scene(preset, 3), std::string("truth-") + preset);
     const auto out = test_folder(std::string("truth-out-") + preset);
     const auto summary = played(fixture, out);
     EXPECT_EQ(summary.pictures, 3u);
@@ -76,19 +77,18 @@ TEST(ReplayTruth, TurbidityOfClearFixturesIsFoundWithinATenth) {
 }
 
 TEST(ReplayTruth, ARisingTurbidityIsFollowed) {
-  auto recipe = small("turbidity-change", 6);
-  const auto fixture = recorded(recipe, "change");
+  const auto fixture = recorded(small_scene("turbidity-change", 6), "change");
   const auto out = test_folder("change-out");
   played(fixture, out);
   expect_turbidity(fixture, out, 0.1);
 }
 
 TEST(ReplayTruth, TheBuildingsPixelsComeWithinTwoLevelsOfTheSpectralReference) {
-  for (const char* preset : {"clear-noon", "hazy-afternoon", "broken-clouds"}) {
+  for (const char* preset :
+       figure_cases<const char*>("skies", {"broken-clouds"}, {"clear-noon", "hazy-afternoon", "broken-clouds"})) {
     SCOPED_TRACE(preset);
     auto recipe = fixtures::recipe_of(preset).value();
-    recipe.sky_frames = recipe.scene_frames = 2;
-    recipe.truth_frames = 1;
+    recipe.sky_frames = recipe.scene_frames = recipe.truth_frames = 1;
     const auto fixture = recorded(recipe, std::string("composite-") + preset);
     const auto out = test_folder(std::string("composite-out-") + preset);
     played(fixture, out);

@@ -1,7 +1,8 @@
 """The appliance on real drivers: what a visitor sees while things break, and how long it takes to recover.
 
 The tests are named by the rows of the project's table of faults; each prints the time to recover beside what is allowed. A machine
-boots once; every test returns to the moment when it was live. Those marked `long` run only when all are asked for."""
+boots once; every test returns to the moment when it was live. With every landing run what no test without a machine can show: the
+boot, a camera unplugged, a stall, the watchdog, a full disk, the clock. Those marked `long` run when all are asked for."""
 
 import functools
 import json
@@ -132,6 +133,7 @@ class FixtureFrames(LiveKiosk):
         self.kiosk.wait_status("turbidity known", lambda status: status["turbidity"] and status["building_drawn"])
         self.assert_screen_as_computed("live")
 
+    @long
     def test_00_capture_to_flip(self):
         """From the driver's timestamp to the flip, as `run --stats` prints it."""
         self.kiosk.wait_status("some pictures", lambda status: (status["latency_ms"] or {"pictures": 0})["pictures"] >= 10, timeout_s=60)
@@ -140,6 +142,7 @@ class FixtureFrames(LiveKiosk):
             print(f"{line} ... ", end="", flush=True)
         self.assertRegex(line, r"capture to flip: median .* ms, 95 % .* ms, longest .* ms, of \d+ pictures")
 
+    @long
     def test_02_sky_camera_gone(self):
         """The sky camera is gone: no change on the screen, the turbidity ages."""
         self.kiosk.wait_status("turbidity known", lambda status: status["turbidity"] and status["building_drawn"])
@@ -169,6 +172,7 @@ class FixtureFrames(LiveKiosk):
         self.assert_screen_as_computed("yuyv", "fixture-yuyv")
         self.assert_same_process()
 
+    @long
     def test_15_display_unplugged_another_mode_on_return(self):
         """The display is unplugged and comes back with another size."""
         monitor = self.kiosk.monitor()
@@ -226,7 +230,6 @@ class FixtureFrames(LiveKiosk):
         self.recovered(time.monotonic() - started, 5)
         self.kiosk.wait_shown("live")
         self.assert_same_process()
-
 
     @long
     def test_22_power_cut(self):
@@ -288,6 +291,7 @@ class TestDriver(LiveKiosk):
         self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle")
         self.wait_recovered(time.monotonic(), 3)
 
+    @long
     def test_01_scene_camera_disconnects(self):
         """The scene camera says that it is gone, and comes back once nobody holds it."""
         self.control("disconnect=1")
@@ -307,6 +311,7 @@ class TestDriver(LiveKiosk):
         self.assertNotEqual(after, before)
         self.wait_recovered(started, 3)
 
+    @long
     def test_04_buffers_and_stream_refused(self):
         """REQBUFS, QBUF and STREAMON fail, one after the other."""
         for control in ("inject_vidioc_reqbufs_error", "inject_vidioc_qbuf_error", "inject_vidioc_streamon_error"):
@@ -314,6 +319,7 @@ class TestDriver(LiveKiosk):
             started = time.monotonic()
             self.wait_recovered(started, 8)
 
+    @long
     def test_05_no_first_frame(self):
         """The stream starts and no frame ever comes."""
         self.control("percentage_of_dropped_buffers=100,inject_fatal_streaming_error=1")
@@ -332,11 +338,13 @@ class TestDriver(LiveKiosk):
         self.control("percentage_of_dropped_buffers=0")
         self.wait_recovered(time.monotonic(), 15, "stall")
 
+    @long
     def test_07_fatal_queue_error(self):
         """The queue of buffers fails for good: it is built anew."""
         self.control("inject_fatal_streaming_error=1")
         self.wait_recovered(time.monotonic(), 2)
 
+    @long
     def test_08_frame_flagged_as_error(self):
         """One frame is flagged as broken: it is counted and not shown."""
         self.control("inject_v4l2_buf_flag_error=1")
@@ -345,6 +353,7 @@ class TestDriver(LiveKiosk):
         self.wait_recovered(started, 2)
         self.assertEqual(self.kiosk.status()["scene_camera"]["reopened"], {})
 
+    @long
     def test_11_counters_wrap(self):
         """Sequence numbers and timestamps wrap: nothing is seen of it."""
         self.control("wrap_sequence_number=1,wrap_timestamp=2")
