@@ -1,0 +1,51 @@
+# kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [SHARDS N] [THREADED] [HOSTILE] [FIGURES])
+#   One GoogleTest program, and a test of ctest for each of its N shards: a process that runs its share of the program's tests one
+#   after the other. Each writes what it did to test-results/, from which tests/summary tells every test, skipped ones by name. Tests
+#   find files, and where they may write, through tests/places.hpp.
+#   THREADED programs are those in which threads of ours share anything: the thread sanitizer runs them. HOSTILE ones meet what comes from
+#   outside, input or faults: the address sanitizer runs them. FIGURES programs measure how exact something is over many cases: a
+#   quarter of them here, all of them by ./bootstrap figures, and never under a sanitizer.
+#   Each of the three is a label of ctest, and a target that builds what bears it: threaded_tests, hostile_tests, figures_tests.
+foreach(kind threaded hostile figures)
+  add_custom_target(${kind}_tests)
+endforeach()
+configure_file(${PROJECT_SOURCE_DIR}/tests/places.cpp.in ${CMAKE_BINARY_DIR}/places.cpp @ONLY)
+add_library(kasumi_places STATIC ${CMAKE_BINARY_DIR}/places.cpp)
+target_include_directories(kasumi_places PUBLIC ${PROJECT_SOURCE_DIR})
+target_link_libraries(kasumi_places PRIVATE kasumi_warnings)
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/test-results)
+
+function(kasumi_test name)
+  cmake_parse_arguments(TEST "THREADED;HOSTILE;FIGURES" "SHARDS" "SOURCES;USES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${TEST_SOURCES})
+  target_link_libraries(${name} PRIVATE kasumi_warnings GTest::gtest GTest::gmock GTest::gtest_main kasumi_places ${TEST_LIBRARIES})
+  foreach(room ${TEST_USES})
+    target_link_libraries(${name} PRIVATE kasumi_${room})
+  endforeach()
+  if(TARGET kasumi_keep_libraries)
+    target_link_libraries(${name} PRIVATE kasumi_keep_libraries)
+  endif()
+  set(labels)
+  foreach(kind THREADED HOSTILE FIGURES)
+    if(TEST_${kind})
+      string(TOLOWER ${kind} label)
+      list(APPEND labels ${label})
+      add_dependencies(${label}_tests ${name})
+    endif()
+  endforeach()
+  if(NOT TEST_SHARDS)
+    set(TEST_SHARDS 1)
+  endif()
+  foreach(shard RANGE 1 ${TEST_SHARDS})
+    set(test ${name})
+    if(TEST_SHARDS GREATER 1)
+      string(APPEND test .${shard}of${TEST_SHARDS})
+    endif()
+    math(EXPR index "${shard} - 1")
+    add_test(NAME ${test} COMMAND ${name})
+    set_tests_properties(${test} PROPERTIES
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=json:${CMAKE_BINARY_DIR}/test-results/${test}.json"
+      LABELS "${labels}"
+      TIMEOUT 1200)
+  endforeach()
+endfunction()
