@@ -11,6 +11,7 @@
 #include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
+#include "pipeline/picture_sink.hpp"
 #include "pipeline/save_calibration.hpp"
 
 namespace kasumi {
