@@ -7,7 +7,7 @@
 #include "capture/utc_text.hpp"
 #include "estimator/sky_sensitivity.hpp"
 #include "estimator/sun.hpp"
-#include "pipeline/calibration_inputs.hpp"
+#include "pipeline/calibrated_camera.hpp"
 #include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/save_calibration.hpp"

@@ -7,10 +7,11 @@
 #include "calib/scene_mask.hpp"
 #include "calib/sky_mask.hpp"
 #include "capture/utc_text.hpp"
-#include "pipeline/calibration_inputs.hpp"
+#include "pipeline/calibrated_camera.hpp"
 #include "pipeline/calibration_plots.hpp"
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/photograph.hpp"
+#include "pipeline/picture_sink.hpp"
 #include "pipeline/save_calibration.hpp"
 
 namespace kasumi {

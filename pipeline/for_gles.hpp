@@ -9,7 +9,6 @@
 #include "calib/image_quality.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/object_light.hpp"
-#include "gles/renderer.hpp"
 #include "gles/scene.hpp"
 #include "pipeline/installation.hpp"
 

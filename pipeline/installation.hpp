@@ -6,7 +6,6 @@
 #include "calib/camera.hpp"
 #include "calib/image_quality.hpp"
 #include "estimator/site_sky.hpp"
-#include "pipeline/contrast_landmarks.hpp"
 #include "pipeline/landmarks.hpp"
 #include "pipeline/placement.hpp"
 

@@ -9,7 +9,7 @@
 #include "calib/scene_planes.hpp"
 #include "capture/utc_text.hpp"
 #include "estimator/sun.hpp"
-#include "pipeline/camera_file.hpp"
+#include "pipeline/descriptions.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/sky_photograph.hpp"
 

@@ -1,5 +1,6 @@
 #include "pipeline/save_calibration.hpp"
 
+#include "base/files.hpp"
 #include "pipeline/picture_sink.hpp"
 
 namespace kasumi {
@@ -15,6 +16,27 @@ Result<int> save_calibration(const std::filesystem::path& calibration, Calibrati
   fmt::print("written: {}\ndrawn: {}\n", calibration.string(), name.string());
   if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
   return 0;
+}
+
+Result<std::optional<std::filesystem::path>> keep_old(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return std::nullopt;
+  const auto bytes = read_file(path);
+  if (!bytes) return fail(bytes.error());
+  for (int i = 1;; ++i) {
+    auto name = path;
+    name += fmt::format(".{}.old", i);
+    if (std::filesystem::exists(name, error)) continue;
+    if (auto kept = write_file(name, *bytes); !kept) return fail(kept.error());
+    return name;
+  }
+}
+
+std::filesystem::path beside(const std::filesystem::path& calibration, const std::string& what) {
+  auto name = calibration;
+  name.replace_extension();
+  name += "." + what;
+  return name;
 }
 
 }  // namespace kasumi

@@ -1,7 +1,9 @@
-// The last thing every step of `kasumi calibrate` does.
+// What every step of `kasumi calibrate` does with what it found: the calibration file, and files beside it.
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "base/picture.hpp"
 #include "base/result.hpp"
@@ -14,5 +16,12 @@ namespace kasumi {
 // it is. Returns exit code 0. Errors: bad_input, io.
 Result<int> save_calibration(const std::filesystem::path& calibration, CalibrationStep step,
                              const Image<Rgb8>& drawing);
+
+// A file of a person's is not lost: what is there under this name is copied to NAME.1.old, NAME.2.old, ...
+// Returns the copy's name; empty when nothing was there.
+Result<std::optional<std::filesystem::path>> keep_old(const std::filesystem::path& path);
+
+// calibration.CAMERA-WHAT beside calibration.toml.
+std::filesystem::path beside(const std::filesystem::path& calibration, const std::string& what);
 
 }  // namespace kasumi

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "estimator/other_air.hpp"
-#include "pipeline/contrast_landmarks.hpp"
+#include "pipeline/descriptions.hpp"
 #include "pipeline/photograph.hpp"
 
 namespace kasumi {

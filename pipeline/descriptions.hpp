@@ -1,22 +1,26 @@
-// Landmarks that tell the visibility: how far they are, and where the scene camera's picture shows them.
+// Files that describe cameras or landmarks by themselves, without a building: for commands that work on pictures at
+// hand.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 #include <vector>
 
-#include "base/config_table.hpp"
+#include "base/result.hpp"
 #include "calib/camera.hpp"
 #include "estimator/landmark_contrast.hpp"
 
 namespace kasumi {
 
-// Those of [[landmarks]] that have a region_px (docs/operating.md lists their keys). Without a site they must say
-// distance_m themselves. Problems are left in the root's file.
-std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, const std::optional<Site>& site,
-                                                      int width, int height);
+struct CameraFile {
+  std::optional<Camera> scene, sky;
+  std::optional<Site> site;
+};
 
-// A file of landmarks for pictures at hand.
+// [scene] and, if wanted, [sky], [site] (docs/cameras.md), with the calibration file they name beneath them. What
+// `kasumi calibrate` wrote serves, and so does a fixture's description as it is. Errors (bad_input): every problem.
+Result<CameraFile> read_camera_file(const std::filesystem::path& file);
+
 struct LandmarkFile {
   std::optional<Camera> scene;  // [scene]; else an ordinary camera, sRGB
   double altitude_m = 0.0;      // of [site]

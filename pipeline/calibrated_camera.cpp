@@ -1,6 +1,5 @@
-#include "pipeline/calibration_inputs.hpp"
+#include "pipeline/calibrated_camera.hpp"
 
-#include "base/files.hpp"
 #include "calib/calibration_file.hpp"
 
 namespace kasumi {
@@ -40,27 +39,6 @@ Result<Camera> calibrated_camera(const Fixture& fixture, const std::filesystem::
   for (const char* key : {"site", "sky", "scene"}) root->ignore(key);
   if (auto whole = root->finish(); !whole) return fail(whole.error());
   return both;
-}
-
-Result<std::optional<std::filesystem::path>> keep_old(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return std::nullopt;
-  const auto bytes = read_file(path);
-  if (!bytes) return fail(bytes.error());
-  for (int i = 1;; ++i) {
-    auto name = path;
-    name += fmt::format(".{}.old", i);
-    if (std::filesystem::exists(name, error)) continue;
-    if (auto kept = write_file(name, *bytes); !kept) return fail(kept.error());
-    return name;
-  }
-}
-
-std::filesystem::path beside(const std::filesystem::path& calibration, const std::string& what) {
-  auto name = calibration;
-  name.replace_extension();
-  name += "." + what;
-  return name;
 }
 
 }  // namespace kasumi
