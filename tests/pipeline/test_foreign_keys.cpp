@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "pipeline/descriptions.hpp"
+#include "pipeline/camera_file.hpp"
+#include "pipeline/contrast_landmarks.hpp"
 #include "pipeline/fixture_file.hpp"
 #include "pipeline/foreign_keys.hpp"
 #include "pipeline/run_config.hpp"
@@ -66,7 +67,9 @@ TEST(ForeignKeys, WhateverTheWholeFilesReadersAskForIsKnown) {
   for (const auto& key : asked.keys_asked()) {
     const auto parts = std::count(key.begin(), key.end(), '.');
     const bool of_ours = key.starts_with("site.") || key.starts_with("sky.") || key.starts_with("scene.");
-    if (parts == 0 || (parts == 1 && of_ours)) EXPECT_TRUE(have.contains(key)) << key;
+    if (parts == 0 || (parts == 1 && of_ours)) {
+      EXPECT_TRUE(have.contains(key)) << key;
+    }
   }
 }
 
