@@ -3,7 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "calib/adopt_calibration.hpp"
-#include "pipeline/installation.hpp"
+#include "pipeline/foreign_keys.hpp"
 #include "pipeline/placement.hpp"
 
 namespace kasumi {
@@ -71,21 +71,14 @@ Result<LandmarkFile> read_landmark_file(const std::filesystem::path& path, int w
   if (auto table = root->optional_table("site")) {
     site = read_site(*table);
     found.altitude_m = site->altitude_m;
-    ignore_surroundings(*table);
   }
   if (auto table = root->optional_table("scene")) {
     found.scene = read_camera(*table, "scene");
-    for (const char* key : {"camera", "point_spread_px", "shared_chroma", "noise", "depth_map", "depth_step_m"})
-      table->ignore(key);
     if (found.scene->width != width || found.scene->height != height)
       table->problem("width", fmt::format("{} x {}, as the picture is", width, height));
   }
   found.landmarks = read_contrast_landmarks(*root, site, width, height);
-  for (const auto& table : root->tables("landmarks"))
-    for (const char* key : {"name", "latitude_deg", "longitude_deg", "altitude_m"}) table.ignore(key);
-  for (const char* key : {"calibration", "format", "name", "description", "licence", "provenance", "start_utc", "sky",
-                          "object", "display", "still", "words", "clock", "opening", "check", "ladder", "state"})
-    root->ignore(key);
+  ignore_what_others_read(*root, {"site", "scene", "landmarks"});
   if (found.landmarks.empty())
     root->problem("landmarks", "[[landmarks]] with region_px, and distance_m or a place beside a [site]");
   if (auto done = root->finish(); !done) return fail(done.error());

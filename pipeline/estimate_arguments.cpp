@@ -4,6 +4,7 @@
 
 #include "calib/adopt_calibration.hpp"
 #include "capture/utc_text.hpp"
+#include "pipeline/foreign_keys.hpp"
 
 namespace kasumi {
 
@@ -15,10 +16,7 @@ Result<> read_calibration(const std::string& file, SkyPhotographSetup& setup) {
   if (root->has("format")) adopt_calibration(*root);  // a fixture's description, which may name one
   if (auto site = root->optional_table("site")) setup.site = read_site(*site);
   setup.calibrated = read_camera(root->table("sky"), "sky");
-  // What kasumi calibrate wrote serves, and so does a fixture's description as it is.
-  for (const char* key :
-       {"calibration", "format", "name", "description", "licence", "provenance", "start_utc", "scene", "object"})
-    root->ignore(key);
+  ignore_what_others_read(*root, {"site", "sky"});
   return root->finish();
 }
 

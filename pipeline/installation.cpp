@@ -30,10 +30,6 @@ Surroundings read_surroundings(const ConfigTable& table) {
 
 }  // namespace
 
-void ignore_surroundings(const ConfigTable& site) {
-  for (const char* key : {"ground_albedo", "cloud_base_m", "fog", "sky_model", "haze_blur_px"}) site.ignore(key);
-}
-
 Installation read_installation(const ConfigTable& root) {
   Installation installation;
   installation.calibration = adopt_calibration(root);

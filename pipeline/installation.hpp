@@ -51,8 +51,6 @@ struct Installation {
 // [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration, and beneath them the calibration file
 // it names. Problems are left in the root's file.
 Installation read_installation(const ConfigTable& root);
-// The keys of [site] that tell of its surroundings, for readers of the place alone.
-void ignore_surroundings(const ConfigTable& site);
 // For a person: which values are the calibration file's, of when, and which the root says itself in spite of it. Empty
 // without such a file.
 std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file);
