@@ -3,6 +3,7 @@
 #include "pipeline/command_calibrate.hpp"
 #include "pipeline/drift.hpp"
 #include "pipeline/drift_gather.hpp"
+#include "pipeline/drift_json.hpp"
 #include "pipeline/running_appliance.hpp"
 #include "pipeline/stop_signal.hpp"
 

@@ -35,7 +35,6 @@ DriftReport find_drift(const DriftFrames& frames, const DriftReference& referenc
                        Utc now);
 
 std::string drift_text(const DriftReport& report);     // a line for each finding
-std::string drift_json(const DriftReport& report);     // one object
 std::string drift_summary(const DriftReport& report);  // "well", or what has drifted, in one line
 
 }  // namespace kasumi

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/utc_text.hpp"
+#include "pipeline/drift_json.hpp"
 
 namespace kasumi {
 
@@ -68,17 +69,7 @@ Json check_json(const CheckNews& check) {
   Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(check.at))}, {"summary", check.summary}};
   json["well"] = check.report ? Json(check.report->well()) : Json(nullptr);
   json["reference_utc"] = check.report ? Json(utc_text(check.report->reference)) : Json(nullptr);
-  json["findings"] = Json::array();
-  if (!check.report) return json;
-  for (const auto& finding : check.report->findings)
-    json["findings"].push_back({{"camera", finding.camera},
-                                {"what", finding.what},
-                                {"state", name_of(finding.state)},
-                                {"words", finding.words},
-                                {"value", or_null(finding.value)},
-                                {"sigma", or_null(finding.sigma)},
-                                {"alarm", or_null(finding.alarm)},
-                                {"unit", finding.unit}});
+  json["findings"] = check.report ? findings_json(*check.report) : Json::array();
   return json;
 }
 
