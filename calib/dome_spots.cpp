@@ -6,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -46,12 +48,6 @@ Relief relief_of(const DomeLook& look, const Image<std::uint8_t>& usable) {
   return relief;
 }
 
-float quantile(std::vector<float>& values, double q) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 }  // namespace
 
 DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference, const Image<std::uint8_t>& usable) {
@@ -82,15 +78,15 @@ DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference,
       if (values.size() < fewest) continue;
       ++judged;
       is_judged.at(x, y) = 255;
-      often.at<float>(y, x) = quantile(values, kOften);
-      hue.at<float>(y, x) = quantile(hues, 0.5);
+      often.at<float>(y, x) = quantile_in_place(values, kOften);
+      hue.at<float>(y, x) = quantile_in_place(hues, 0.5);
       all.push_back(often.at<float>(y, x));
     }
   if (judged < 200) return state;
   state.looked_at = double(judged) / (double(width) * height);
-  const float middle = quantile(all, 0.5);
+  const float middle = quantile_in_place(all, 0.5);
   for (auto& value : all) value = std::abs(value - middle);
-  const float least = std::max(kLeast, 5.0f * 1.4826f * quantile(all, 0.5));
+  const float least = std::max(kLeast, 5.0f * static_cast<float>(kSigmaOverMedianSize) * quantile_in_place(all, 0.5));
   state.least_dimming = 1.0 - std::exp(double{-least});
 
   cv::Mat dark(height, width, CV_8U, cv::Scalar(0)), labels, stats, centres;

@@ -8,18 +8,13 @@
 #include <glm/geometric.hpp>
 
 #include "base/geometry.hpp"
+#include "base/statistics.hpp"
 
 namespace kasumi {
 namespace {
 
 constexpr double kWorseThanMedian = 3.0, kWorseBy_px = 0.3;
 constexpr double kWorthMore = 0.98;  // the best model's error over that of one we would rather have
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The worst view if it does not belong to the others.
 std::optional<std::size_t> outlier(const LensFit& fit) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/statistics.hpp"
 #include "calib/response_fit.hpp"
 #include "calib/response_levels.hpp"
 
@@ -189,9 +190,7 @@ std::vector<std::optional<double>> linear_ratios(const StackSamples& samples, co
       ratios.push_back(std::nullopt);
       continue;
     }
-    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-    std::nth_element(all.begin(), middle, all.end());
-    ratios.push_back(*middle);
+    ratios.push_back(median_in_place(all));
   }
   return ratios;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/statistics.hpp"
 #include "calib/response_fit.hpp"
 #include "calib/response_levels.hpp"
 
@@ -65,17 +66,12 @@ std::optional<NoiseModel> fit_noise(const StackSamples& samples, const ResponseF
       double light = 0.0;
       const std::size_t from = bin * all.size() / kBins, to = (bin + 1) * all.size() / kBins;
       for (std::size_t k = from; k < to; ++k) {
-        off.push_back(std::abs(all[k].error));
+        off.push_back(all[k].error);
         slopes.push_back(all[k].slope);
         light += all[k].light / static_cast<double>(to - from);
       }
-      const auto median = [](std::vector<double>& values) {
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        return *middle;
-      };
-      const double total = std::pow(1.4826 * median(off), 2);
-      const double steps = std::pow(samples.quantum * median(slopes), 2) / 12.0;
+      const double total = std::pow(robust_sigma(std::move(off)), 2);
+      const double steps = std::pow(samples.quantum * median(std::move(slopes)), 2) / 12.0;
       const double variance = total - steps, weight = 1.0 / (total * total + 1e-18);
       sxx += weight * light * light;
       sx += weight * light;

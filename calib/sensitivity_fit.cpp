@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "base/statistics.hpp"
 #include "calib/non_negative.hpp"
 
 namespace kasumi {
@@ -24,7 +25,6 @@ using Covariance = Eigen::Matrix<double, kBands, kBands>;
 constexpr double kSmooth = 0.3, kFloor = 0.05, kAlike_nm = 20.0, kRough = 1e-3;
 // The sky model's own error, however well a picture seems to fit: ln ratio.
 constexpr double kLeastScatter = 5e-4;
-constexpr double kTukey = 4.685;
 
 double band_nm(int i) {
   return kFirstVisible_nm + kStep_nm * i;
@@ -112,12 +112,6 @@ glm::dvec2 modelled(const Told& told, const DaylightWeights& spectrum) {
   return ratio;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Robust weights of the colours, by how far both their ratios are off; and the scatter of those that agree.
 struct Agreement {
   std::vector<double> weight;
@@ -127,12 +121,8 @@ struct Agreement {
 Agreement agreement_of(const std::vector<glm::dvec2>& left) {
   std::vector<double> sizes;
   for (const auto& off : left) sizes.push_back(std::hypot(off.x, off.y));
-  // The median length of a two-dimensional Gaussian is 1.1774 of its standard deviation.
-  Agreement agreement{{}, std::max(kLeastScatter, median(sizes) / 1.1774)};
-  for (const double size : sizes) {
-    const double u = size / (kTukey * agreement.scatter);
-    agreement.weight.push_back(u < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0);
-  }
+  Agreement agreement{{}, std::max(kLeastScatter, median(sizes) / kMedianLengthOverSigma)};
+  for (const double size : sizes) agreement.weight.push_back(tukey_weight(size / (kTukeyReach * agreement.scatter)));
   return agreement;
 }
 

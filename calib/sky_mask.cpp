@@ -8,6 +8,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -16,7 +18,6 @@ constexpr double kLeastLight = 0.01;  // linear, of the median around the zenith
 
 // ln of light against the smooth sky: what is darker than this never is sky, what is brighter surely may be.
 const double kDark = std::log(0.30), kSky = std::log(0.80);
-constexpr double kTukey = 4.685;
 
 struct View {
   Image<glm::dvec3> direction;  // zero where the lens does not see
@@ -37,12 +38,6 @@ View view_of(const Camera& camera) {
 
 bool up(const glm::dvec3& direction) {
   return direction.z > 0.0;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 std::array<std::array<float, 256>, 3> light_table(const Response& response) {
@@ -73,7 +68,7 @@ Typical typical_of(std::span<const Image<Rgb8>> pictures, const Camera& camera, 
         if (view.direction.at(x, y).z > cap)
           zenith.push_back(static_cast<double>(table[1][pictures[p].at(x, y).g] * view.gain.at(x, y).g));
     if (zenith.empty()) continue;
-    const double level = median(zenith);
+    const double level = median_in_place(zenith);
     if (level < kLeastLight) continue;
     lit.push_back(p);
     scale.push_back(static_cast<float>(1.0 / level));
@@ -86,9 +81,7 @@ Typical typical_of(std::span<const Image<Rgb8>> pictures, const Camera& camera, 
       for (int c = 0; c < 3; ++c) {
         for (std::size_t i = 0; i < lit.size(); ++i)
           values[i] = table[static_cast<std::size_t>(c)][pictures[lit[i]].at(x, y)[c]] * scale[i];
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        typical.light.at(x, y)[c] = *middle * view.gain.at(x, y)[c];
+        typical.light.at(x, y)[c] = median_in_place(values) * view.gain.at(x, y)[c];
       }
     }
   return typical;
@@ -129,16 +122,16 @@ Image<float> against_sky(const Typical& typical, const View& view) {
         if (d.z < lowest) continue;
         const auto terms = terms_of(d);
         const double left = static_cast<double>(seen.at(x, y)) - (round == 0 ? 0.0 : sky.dot(terms));
-        if (round > 0) off.push_back(std::abs(left));
+        if (round > 0) off.push_back(left);
         // Darker than the sky is what stands before it; brighter is cloud, or the sun's surroundings.
-        const double u = round == 0 ? 0.0 : left / (kTukey * scatter * (left < 0.0 ? 0.7 : 1.3));
+        const double u = round == 0 ? 0.0 : left / (kTukeyReach * scatter * (left < 0.0 ? 0.7 : 1.3));
         if (std::abs(u) >= 1.0) continue;
-        const double weight = (1.0 - u * u) * (1.0 - u * u) * std::max(d.z, 0.1);
+        const double weight = tukey_weight(u) * std::max(d.z, 0.1);
         matrix += weight * terms * terms.transpose();
         pull += weight * terms * static_cast<double>(seen.at(x, y));
       }
     sky = matrix.ldlt().solve(pull);
-    if (round > 0) scatter = std::clamp(1.4826 * median(off), 0.03, 0.3);
+    if (round > 0) scatter = std::clamp(robust_sigma(std::move(off)), 0.03, 0.3);
   }
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)

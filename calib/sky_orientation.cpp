@@ -11,6 +11,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -189,18 +191,15 @@ Solved solve(const Model& from, std::span<const SunSight> sights, const std::vec
   return solved;
 }
 
-// Robust standard deviation of one coordinate: 1.4826 x the median distance from 0.
+// Robust standard deviation of one coordinate.
 double spread_px(const std::vector<glm::dvec2>& residuals, const std::vector<bool>& used) {
   std::vector<double> all;
   for (std::size_t i = 0; i < residuals.size(); ++i)
     if (used[i]) {
-      all.push_back(std::abs(residuals[i].x));
-      all.push_back(std::abs(residuals[i].y));
+      all.push_back(residuals[i].x);
+      all.push_back(residuals[i].y);
     }
-  if (all.empty()) return 0.0;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return 1.4826 * *middle;
+  return robust_sigma(std::move(all));
 }
 
 bool at_one_place(std::span<const SunSight> sights) {

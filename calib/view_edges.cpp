@@ -10,6 +10,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -22,12 +24,6 @@ constexpr double kRoughest = 0.2;     // deviation of a side, over the step
 constexpr double kFoundAgain = 0.15;  // of the contrast it had
 constexpr int kFewestEdges = 12;
 constexpr double kDarkest = 0.03;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double sample(const Image<float>& from, glm::dvec2 at) {
   const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
@@ -160,7 +156,8 @@ std::optional<EdgeChange> compare_edges(const Lens& lens, std::span<const ViewEd
   change.spread_ratio = median(ratios);
   auto deviations = ratios;
   for (auto& value : deviations) value = std::abs(value - change.spread_ratio);
-  change.spread_sigma = 1.2533 * 1.4826 * median(deviations) / std::sqrt(double(ratios.size()));
+  change.spread_sigma =
+      kMedianErrorOverMeanError * kSigmaOverMedianSize * median(deviations) / std::sqrt(double(ratios.size()));
   change.before_px = median(before);
   change.now_px = median(now);
   return change;

@@ -13,6 +13,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -129,9 +131,7 @@ class Comparison {
       for (int x = 2; x < slope.cols - 2; x += 2)
         if (usable(x, y)) slopes.push_back(slope.at<float>(y, x));
     if (slopes.size() < kFewestPoints) return;
-    const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
-    std::nth_element(slopes.begin(), middle, slopes.end());
-    const float least = *middle;
+    const float least = median(std::move(slopes));
     const int side = std::max(8, slope.cols / kPartsAcross);
     for (int y = 2; y < slope.rows - 2; ++y)
       for (int x = 2 + y % 2; x < slope.cols - 2; x += 2) {
@@ -178,7 +178,7 @@ class Comparison {
     const std::array nudges{rotation({kDelta, 0, 0}), rotation({0, kDelta, 0}), rotation({0, 0, kDelta})};
     std::vector<Row> rows;
     rows.reserve(points_.size());
-    std::vector<double> sizes;
+    std::vector<double> residuals;
     for (const auto& point : points_) {
       const glm::dvec3 ray = turn_now * point.ray;
       const auto at = place(ray);
@@ -193,19 +193,17 @@ class Comparison {
       }
       if (!whole) continue;
       rows.push_back(row);
-      sizes.push_back(std::abs(row.residual));
+      residuals.push_back(row.residual);
     }
     if (rows.size() < kFewestPoints) return std::nullopt;
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double bound = 4.685 * std::max(1e-3, 1.4826 * *middle);
+    const double bound = kTukeyReach * std::max(1e-3, robust_sigma(std::move(residuals)));
     glm::dmat3 normal{0.0};
     glm::dvec3 right{0.0};
     std::vector<glm::dvec3> sums(kPartsAcross * 64 + 64);
     for (const auto& row : rows) {
       const double u = row.residual / bound;
       if (std::abs(u) >= 1.0) continue;
-      const double weight = (1 - u * u) * (1 - u * u);
+      const double weight = tukey_weight(u);
       normal += weight * glm::outerProduct(row.slope, row.slope);
       right -= weight * row.residual * row.slope;
       if (static_cast<std::size_t>(row.part) < sums.size())

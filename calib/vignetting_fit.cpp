@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <glm/geometric.hpp>
 
+#include "base/statistics.hpp"
 #include "calib/polynomial.hpp"
 
 namespace kasumi {
@@ -68,7 +69,7 @@ Result<VignettingFit> fit_vignetting(const std::vector<Image<float>>& pictures, 
     used = 0;
     for (const auto& pixel : pixels) {
       const double error = relative(pixel);
-      off.push_back(std::abs(error));
+      off.push_back(error);
       if (round > 5 && std::abs(error) > 4.0 * sigma) continue;
       const Eigen::Vector3d row{pixel.r2, pixel.r2 * pixel.r2, pixel.r2 * pixel.r2 * pixel.r2};
       normal += row * row.transpose();
@@ -77,9 +78,7 @@ Result<VignettingFit> fit_vignetting(const std::vector<Image<float>>& pictures, 
       ++used;
     }
     v = normal.ldlt().solve(right);
-    const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-    std::nth_element(off.begin(), middle, off.end());
-    sigma = std::max(1e-4, 1.4826 * *middle);
+    sigma = std::max(1e-4, robust_sigma(std::move(off)));
   }
   VignettingFit fit;
   fit.vignetting = {centre, radius_px, {v(0), v(1), v(2)}};

@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -84,9 +86,7 @@ std::optional<double> sky_to_scene_scale(const HorizonLight& scene, const Horizo
     if (seen_by_sky > 0.0 && seen_by_scene > 0.0) ratios.push_back(seen_by_scene / seen_by_sky);
   }
   if (ratios.empty()) return std::nullopt;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return *middle;
+  return median(std::move(ratios));
 }
 
 }  // namespace kasumi

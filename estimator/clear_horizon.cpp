@@ -7,6 +7,8 @@
 #include <Eigen/Dense>
 #include <glm/common.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -30,12 +32,6 @@ Terms terms(double azimuth, double elevation) {
 
 double largest(const glm::dvec3& residual) {
   return std::max({std::abs(residual.x), std::abs(residual.y), std::abs(residual.z)});
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 using Cells = std::vector<const HorizonCell*>;
@@ -93,8 +89,7 @@ ClearHorizon grow(const Cells& cells, const Cells& start, double tolerance) {
   for (int round = 0; round < kRounds; ++round) {
     const double reach = tolerance * std::max(1.5, 4.0 * std::pow(0.9, round));
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      const double u = largest(surface.residual(*cells[i])) / reach;
-      weights[i] = u < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
+      weights[i] = tukey_weight(largest(surface.residual(*cells[i])) / reach);
     }
     solve(surface, cells, weights);
   }

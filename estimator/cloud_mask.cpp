@@ -10,6 +10,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -59,8 +61,7 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
     std::vector<float> values;
     values.reserve(residuals.size());
     for (const glm::vec2& r : residuals) values.push_back(r[c]);
-    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-    return values[values.size() / 2];
+    return median_in_place(values);
   };
   const glm::vec2 origin = glm::vec2{middle(0), middle(1)} - 0.5f * kSide * kStep;
   // Counts summed from the corner, so that a cell of any width costs four look-ups.
@@ -171,13 +172,6 @@ cv::Mat1f texture_of(const cv::Mat1f& log_luminance, const cv::Mat1f& counts) {
   return mean_over(uneven, known, 5);
 }
 
-float quantile(std::vector<float> values, double share) {
-  if (values.empty()) return 0.0f;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
-}
-
 // Turns what is marked into cloud, cleaned and grown: single elements are noise, and what is left has soft edges a
 // degree or two wide. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
 double take_out(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b marked) {
@@ -231,8 +225,8 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
       if (smooth_colour(y, x) < 0.0f) bluer.push_back(-smooth_colour(y, x));
       unevenness.push_back(texture(y, x));
     }
-  const auto colour_limit = static_cast<float>(
-      std::max(options.least_colour, options.colour_scatter * 1.4826 * static_cast<double>(quantile(bluer, 0.5))));
+  const auto colour_limit = static_cast<float>(std::max(
+      options.least_colour, options.colour_scatter * kSigmaOverMedianSize * static_cast<double>(quantile(bluer, 0.5))));
   const auto texture_limit = static_cast<float>(
       std::max(options.least_texture, options.texture_scatter * static_cast<double>(quantile(unevenness, 0.25))));
 

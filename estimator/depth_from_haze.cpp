@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
 #include "estimator/guided_filter.hpp"
 
 namespace kasumi {
@@ -98,14 +99,13 @@ glm::dvec3 light_of_thickest_haze(const Image<glm::vec3>& light, const DepthFrom
   std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(count) - 1, [&](auto a, auto b) {
     return dark.elements()[a] > dark.elements()[b] || (!(dark.elements()[a] < dark.elements()[b]) && a < b);
   });
-  glm::dvec3 median{0.0};
+  glm::dvec3 middle{0.0};
   std::vector<float> values(count);
   for (int c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < count; ++i) values[i] = light.elements()[order[i]][c];
-    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(count / 2));
-    median[c] = static_cast<double>(values[count / 2]);
+    middle[c] = static_cast<double>(median_in_place(values));
   }
-  return glm::max(median, glm::dvec3{1e-6});
+  return glm::max(middle, glm::dvec3{1e-6});
 }
 
 Image<glm::vec3> light_of_haze(const Image<glm::vec3>& light, const Image<glm::vec3>& encoded,

@@ -6,6 +6,7 @@
 
 #include <glm/exponential.hpp>
 
+#include "base/statistics.hpp"
 #include "estimator/clear_horizon.hpp"
 #include "estimator/horizon_strips.hpp"
 
@@ -20,12 +21,6 @@ constexpr double kLeastShare = 0.25;              // of the cells
 constexpr double kLeastColumns = 0.75;            // of the strips
 constexpr Radians kFarthest = from_degrees(2.0);  // between a strip that shows none and one that does
 constexpr double kDarkest = 1e-6;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // A cell of the picture, and what is thought of it.
 struct Cell {
@@ -62,8 +57,8 @@ struct Measurement {
     for (int c = 0; c < 3; ++c) {
       const double middle = median(channels[c]);
       std::vector<double> off = channels[c];
-      for (double& value : off) value = std::abs(value - middle);
-      const double spread = std::max(1.4826 * median(off), step[c]);
+      for (double& value : off) value -= middle;
+      const double spread = std::max(robust_sigma(std::move(off)), step[c]);
       double sum = 0.0, squares = 0.0, agreeing = 0.0;
       for (const double value : channels[c]) {
         const double from_middle = value - middle;

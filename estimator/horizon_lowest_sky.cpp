@@ -8,17 +8,11 @@
 #include <Eigen/Dense>
 #include <glm/geometric.hpp>
 
+#include "base/statistics.hpp"
 #include "estimator/horizon_strips.hpp"
 
 namespace kasumi {
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Pixel {
   int x = 0, y = 0;
@@ -62,7 +56,7 @@ std::optional<Measured> measure_strip(const SceneSky& scene, const SkyStrip& str
   for (const Pixel& pixel : pixels) brightness.push_back(pixel.brightness);
   const double centre = median(brightness);
   for (double& value : brightness) value = std::abs(value - centre);
-  const double tolerance = std::max(3.0 * 1.4826 * median(brightness), 0.01 * centre);
+  const double tolerance = std::max(3.0 * kSigmaOverMedianSize * median(brightness), 0.01 * centre);
 
   Measured measured;
   glm::dvec3 light{0.0};
@@ -119,10 +113,10 @@ void smooth_over_azimuth(std::vector<HorizonColumn>& columns) {
         (root.asDiagonal() * basis).colPivHouseholderQr().solve(root.asDiagonal() * log_light);
     residual = log_light - basis * coefficients;
     const Eigen::VectorXd size_of = residual.rowwise().norm();
-    scale = std::max(1.4826 * median({size_of.data(), size_of.data() + size}), 1e-3);
+    scale = std::max(robust_sigma(std::vector(size_of.data(), size_of.data() + size)), 1e-3);
     for (Eigen::Index i = 0; i < size; ++i) {
-      const double u = size_of[i] / (4.685 * scale);
-      weight[i] = round < 10 ? 1.0 / std::max(size_of[i], scale) : std::pow(std::max(0.0, 1.0 - u * u), 2) + 1e-9;
+      weight[i] =
+          round < 10 ? 1.0 / std::max(size_of[i], scale) : tukey_weight(size_of[i] / (kTukeyReach * scale)) + 1e-9;
     }
   }
   const Eigen::MatrixXd fitted = log_light - residual;

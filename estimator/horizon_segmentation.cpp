@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
 #include "estimator/horizon.hpp"
 
 namespace kasumi {
@@ -56,14 +57,12 @@ Working prepare(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky
   return w;
 }
 
-double quantile(const cv::Mat& values, double share) {
-  std::vector<float> sorted;
-  sorted.reserve(values.total());
-  for (int y = 0; y < values.rows; ++y)
-    sorted.insert(sorted.end(), values.ptr<float>(y), values.ptr<float>(y) + values.cols);
-  const auto nth = sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), nth, sorted.end());
-  return static_cast<double>(*nth);
+double quantile_of(const cv::Mat& picture, double share) {
+  std::vector<float> values;
+  values.reserve(picture.total());
+  for (int y = 0; y < picture.rows; ++y)
+    values.insert(values.end(), picture.ptr<float>(y), picture.ptr<float>(y) + picture.cols);
+  return static_cast<double>(quantile_in_place(values, share));
 }
 
 cv::Mat kernel(int side) {
@@ -73,7 +72,7 @@ cv::Mat kernel(int side) {
 // Areas that are surely sky: textureless, bright or blue, in the upper part; those that reach the top, else the
 // largest.
 cv::Mat sky_seeds(const Working& w, double smooth) {
-  const double bright = quantile(w.lightness, 0.98);
+  const double bright = quantile_of(w.lightness, 0.98);
   cv::Mat seeds = cv::Mat::zeros(w.rgb.size(), CV_8U);
   for (int y = 0; y < w.rgb.rows * 3 / 5; ++y) {
     for (int x = 0; x < w.rgb.cols; ++x) {
@@ -173,10 +172,10 @@ SkySegmentation segment(const Image<Rgb8>& picture, const Image<std::uint8_t>& n
     return none(picture, "no sky: the mask of what cannot be sky differs from the picture in size");
   }
   const Working w = prepare(picture, never_sky);
-  if (quantile(w.lightness, 0.95) < kDarkestSky) return none(picture, "no sky: the picture is dark");
+  if (quantile_of(w.lightness, 0.95) < kDarkestSky) return none(picture, "no sky: the picture is dark");
 
   // A noisy picture's sky is as textured as its noise: the smoothest fifth of the upper half tells.
-  const double noise = quantile(w.texture.rowRange(0, w.rgb.rows / 2), 0.2);
+  const double noise = quantile_of(w.texture.rowRange(0, w.rgb.rows / 2), 0.2);
   const double smooth = std::clamp(3.0 * noise, 0.6, 2.0);
   const cv::Mat seeds = sky_seeds(w, smooth);
   if (cv::countNonZero(seeds) == 0) return none(picture, "no sky: nothing bright and textureless in the upper part");

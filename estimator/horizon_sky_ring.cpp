@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/statistics.hpp"
 #include "estimator/horizon.hpp"
 
 namespace kasumi {
@@ -21,13 +22,6 @@ struct Seen {
   glm::dvec3 light{0};
   double luminance = 0.0;
 };
-
-Seen at_quantile(std::vector<Seen> seen, double share) {
-  const auto nth = seen.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(seen.size() - 1));
-  std::nth_element(seen.begin(), nth, seen.end(),
-                   [](const Seen& a, const Seen& b) { return a.luminance < b.luminance; });
-  return *nth;
-}
 
 // XYZ of the ring around one azimuth: the sample of median luminance, so that clouds and masts have no say.
 std::optional<Seen> ring_at(const Camera& sky, const PictureView& picture, const glm::dmat3& to_xyz, double azimuth,
@@ -50,7 +44,7 @@ std::optional<Seen> ring_at(const Camera& sky, const PictureView& picture, const
     }
   }
   if (seen.size() < 8) return std::nullopt;
-  return at_quantile(std::move(seen), 0.5);
+  return quantile(std::move(seen), 0.5, &Seen::luminance);
 }
 
 // Luminance of the brightest things near the scene's horizon line, or near its top where that lies outside: the 98th
@@ -70,7 +64,7 @@ double brightest_distant(const Camera& scene, const PictureView& picture, const 
     }
   }
   const auto& chosen = near_horizon.size() >= 50 ? near_horizon : anywhere;
-  return chosen.empty() ? 0.0 : at_quantile(chosen, 0.98).luminance;
+  return quantile(chosen, 0.98, &Seen::luminance).luminance;
 }
 
 // Columns across the scene's view, their light as the ring's XYZ in the scene camera's channels; none where `ring`

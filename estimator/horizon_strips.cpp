@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 
 #include "base/geometry.hpp"
+#include "base/statistics.hpp"
 
 namespace kasumi {
 namespace {
@@ -15,13 +16,6 @@ constexpr double kSearchShare = 0.15;   // of the picture's height above the seg
 constexpr double kSearchDegrees = 3.0;  // hide; and at least so far up: a telephoto view is filled by such hills
 constexpr int kClipped = 252;           // encoded
 constexpr double kSoftestHill = 0.02;   // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Lowest row at which the strip x0..x1 is mostly sky; -1 when nowhere.
 int sky_bottom(const SceneSky& scene, int x0, int x1) {
@@ -107,8 +101,8 @@ void find_edges(const SceneSky& scene, SkyStrip& strip) {
     std::vector<double> profile;  // from the top down
     for (int y = strip.top; y <= strip.edge; ++y) profile.push_back(row_light(scene, strip.x0, strip.x1, y, seen));
     std::vector<double> changes;
-    for (std::size_t i = 1; i < profile.size(); ++i) changes.push_back(std::abs(profile[i] - profile[i - 1]));
-    const double noise = 1.4826 * median(changes);
+    for (std::size_t i = 1; i < profile.size(); ++i) changes.push_back(profile[i] - profile[i - 1]);
+    const double noise = robust_sigma(std::move(changes));
     // Sharp edges and, in fog, soft ones.
     for (const int reach : {std::max(3, height / 150), std::max(5, height / 75), std::max(8, height / 40)}) {
       const int drop = first_step_down(profile, reach, noise);

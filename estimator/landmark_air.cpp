@@ -7,6 +7,7 @@
 #include <glm/exponential.hpp>
 
 #include "base/picture.hpp"
+#include "base/statistics.hpp"
 
 namespace kasumi {
 namespace {
@@ -31,9 +32,7 @@ Image<Rgb8> eight_bits(const Image<glm::vec3>& encoded) {
 double middle_path_m(const std::vector<ContrastLandmark>& landmarks, double altitude_m) {
   std::vector<double> paths;
   for (const auto& landmark : landmarks) paths.push_back(haze_path_m(landmark, altitude_m));
-  if (paths.empty()) return 1000.0;
-  std::nth_element(paths.begin(), paths.begin() + static_cast<std::ptrdiff_t>(paths.size() / 2), paths.end());
-  return paths[paths.size() / 2];
+  return paths.empty() ? 1000.0 : median(std::move(paths));
 }
 
 }  // namespace

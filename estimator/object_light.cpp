@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/statistics.hpp"
 #include "calib/colorimetry.hpp"
 #include "estimator/airlight.hpp"
 
@@ -120,12 +121,7 @@ std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
     }
   if (ratios[0].size() < kLeastCells) return std::nullopt;
   glm::dvec3 unit;
-  for (int c = 0; c < 3; ++c) {
-    auto& of = ratios[static_cast<std::size_t>(c)];
-    const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
-    std::nth_element(of.begin(), middle, of.end());
-    unit[c] = *middle;
-  }
+  for (int c = 0; c < 3; ++c) unit[c] = median_in_place(ratios[static_cast<std::size_t>(c)]);
   return unit;
 }
 

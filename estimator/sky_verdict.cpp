@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "base/statistics.hpp"
 #include "estimator/perez_log.hpp"
 
 namespace kasumi {
@@ -26,18 +27,11 @@ constexpr double kWhitish = 8.0;
 constexpr double kUnexplained = 0.40, kUnexplainedWhitish = 0.20;
 constexpr double kSunVisible = 0.5;  // encoded: something in the picture is bright
 
-template <class T>
-T median_of(std::vector<T>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 // Median |ln Y - ln F - ln k|, ln k being the median itself; of ln Y - ln F.
 double median_error(std::vector<double> residuals) {
-  const double gain = median_of(residuals);
+  const double gain = median_in_place(residuals);
   for (double& r : residuals) r = std::abs(r - gain);
-  return median_of(residuals);
+  return median_in_place(residuals);
 }
 
 Refusal refusal(SkyCondition sky, std::string reason) {
@@ -90,15 +84,11 @@ SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geomet
     statistics.saturated /= statistics.solid_angle;
     statistics.dark /= statistics.solid_angle;
   }
-  if (!levels.empty()) {
-    const auto at = levels.begin() + static_cast<std::ptrdiff_t>(0.9995 * static_cast<double>(levels.size() - 1));
-    std::ranges::nth_element(levels, at);
-    statistics.brightest = std::max(statistics.brightest, static_cast<double>(*at));
-  }
+  statistics.brightest = std::max(statistics.brightest, static_cast<double>(quantile_in_place(levels, 0.9995)));
   float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
   for (std::vector<float>& patch : patches) {
     if (patch.size() < 20) continue;
-    const float level = median_of(patch);
+    const float level = median_in_place(patch);
     lowest = std::min(lowest, level);
     highest = std::max(highest, level);
   }

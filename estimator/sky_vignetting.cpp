@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <glm/geometric.hpp>
 
+#include "base/statistics.hpp"
 #include "calib/polynomial.hpp"
 #include "estimator/perez_log.hpp"
 
@@ -196,12 +197,10 @@ class Fit {
   }
 
   void drop_outliers() {
-    std::vector<double> sizes;
+    std::vector<double> all;
     for (const auto m : used_)
-      for (const auto& sample : moments_[m].samples) sizes.push_back(std::abs(residual(moments_[m], sample)));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double limit = kOutlier * std::max(1e-3, 1.4826 * *middle);
+      for (const auto& sample : moments_[m].samples) all.push_back(residual(moments_[m], sample));
+    const double limit = kOutlier * std::max(1e-3, robust_sigma(std::move(all)));
     for (const auto m : used_)
       for (auto& sample : moments_[m].samples) sample.used = std::abs(residual(moments_[m], sample)) <= limit;
   }
@@ -298,9 +297,7 @@ std::vector<glm::dvec2> profile_of(const Fit& fit, const Moment& moment, double 
   for (std::size_t b = 0; b < kBins; ++b) {
     auto& values = rings[b];
     if (values.size() < 10) continue;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    profile.emplace_back(radius_px * (static_cast<double>(b) + 0.5) / kBins, *middle);
+    profile.emplace_back(radius_px * (static_cast<double>(b) + 0.5) / kBins, median_in_place(values));
   }
   return profile;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "base/statistics.hpp"
 #include "gles/gl.hpp"
 #include "gles/kms_system.hpp"
 
@@ -32,13 +33,6 @@ ListedConnector listed(const KmsConnector& connector) {
   }
   if (made.preferred.empty() && !made.modes.empty()) made.preferred = made.modes.front();
   return made;
-}
-
-Duration median(std::vector<Duration> durations) {
-  if (durations.empty()) return {};
-  const auto middle = durations.begin() + static_cast<std::ptrdiff_t>(durations.size() / 2);
-  std::ranges::nth_element(durations, middle);
-  return *middle;
 }
 
 }  // namespace

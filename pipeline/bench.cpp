@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/statistics.hpp"
 #include "calib/radiometry.hpp"
 #include "estimator/attenuation.hpp"
 #include "estimator/sky_model.hpp"
@@ -12,12 +13,6 @@
 namespace kasumi {
 
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Samples of the model's own sky with an 8-bit camera's scatter, 30 % of them cloud. Only speed is measured on them.
 std::vector<SkySample> bench_samples(int count, Turbidity turbidity) {

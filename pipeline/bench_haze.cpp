@@ -1,12 +1,12 @@
 #include "pipeline/bench_haze.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <functional>
 
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
 #include "gles/context.hpp"
 #include "pipeline/bench_gles_stopwatch.hpp"
 #include "pipeline/haze_for_gles.hpp"
@@ -68,8 +68,7 @@ std::vector<BenchRow> on_cpu() {
   for (int i = 0; i < 10; ++i) seconds.push_back(processor_seconds_of(ours));
   const double explicit_seconds = processor_seconds_of(by(DiffusionScheme::explicit_steps, one_surface));
   for (int i = 0; i < 11; ++i) seconds.push_back(processor_seconds_of(ours));
-  std::ranges::nth_element(seconds, seconds.begin() + 10);
-  const double explicit_ratio = explicit_seconds / seconds[10];
+  const double explicit_ratio = explicit_seconds / median(std::move(seconds));
   const auto few = cost_of(DiffusionScheme::matched, 1.0, kWidest_px),
              many = cost_of(DiffusionScheme::explicit_steps, 1.0, kWidest_px);
   return {{"haze of 25 px, 1600 x 1120, CPU: explicit scheme / ours, time", explicit_ratio, "x", 60.0, false},

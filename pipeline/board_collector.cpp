@@ -6,6 +6,8 @@
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -17,12 +19,6 @@ constexpr std::size_t kViews = 12, kMostViews = 60;
 constexpr double kCovered = 0.8;
 constexpr int kLit = 20;                // of 255
 constexpr std::size_t kFewCorners = 2;  // that cover a cell
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // How far the corners both have went; far when they share few.
 double moved_px(const BoardView& before, const BoardView& now) {

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/statistics.hpp"
 #include "calib/dome_spots.hpp"
 
 namespace kasumi {
@@ -161,11 +162,10 @@ DriftFinding judge_sun(const std::vector<SunSeen>& all) {
   std::vector<double> misfits;
   for (const auto& sun : suns)
     misfits.push_back(glm::length(sun.ephemeris - sun.picture - glm::cross(offset, sun.picture)));
-  const auto middle = misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2);
-  std::nth_element(misfits.begin(), middle, misfits.end());
-  const double scatter = std::max(kSurestSun.value, *middle);
+  const double scatter = std::max(kSurestSun.value, median(std::move(misfits)));
   const double angle_deg = to_degrees(Radians{glm::length(offset)});
-  const double sigma_deg = to_degrees(Radians{scatter / 1.1774 / std::sqrt(static_cast<double>(suns.size()))});
+  const double sigma_deg =
+      to_degrees(Radians{scatter / kMedianLengthOverSigma / std::sqrt(static_cast<double>(suns.size()))});
   const double alarm_deg = std::max(kLeastSunOffset_deg, kSigmas * sigma_deg);
   const auto words = fmt::format("the sun stands {:.2f} +- {:.2f} deg from where it should ({} pictures)", angle_deg,
                                  sigma_deg, suns.size());

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/statistics.hpp"
 #include "estimator/sky_model.hpp"
 #include "estimator/sun.hpp"
 #include "estimator/sun_in_image.hpp"
@@ -53,22 +54,18 @@ double log_model_scale(Turbidity turbidity, const SunPosition& sun) {
 
 GreyPicture median_of(const std::vector<GreyPicture>& pictures) {
   if (pictures.empty()) return {};
-  GreyPicture median(pictures[0].width(), pictures[0].height());
+  GreyPicture still(pictures[0].width(), pictures[0].height());
   std::vector<std::uint8_t> values(pictures.size());
-  for (std::size_t i = 0; i < median.elements().size(); ++i) {
+  for (std::size_t i = 0; i < still.elements().size(); ++i) {
     for (std::size_t k = 0; k < pictures.size(); ++k) values[k] = pictures[k].elements()[i];
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median.elements()[i] = *middle;
+    still.elements()[i] = median_in_place(values);
   }
-  return median;
+  return still;
 }
 
 std::optional<double> middle_of(std::vector<double> values) {
   if (values.size() < std::size_t{kFewestCheckFrames}) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median_in_place(values);
 }
 
 int shrink_factor(const Camera& camera) {

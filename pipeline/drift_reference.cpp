@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/statistics.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/picture_sink.hpp"
@@ -69,16 +70,14 @@ std::optional<Utc> utc_of(const Json& json, const char* key) {
 }
 
 DomeLook median_of(const std::vector<DomeLook>& looks) {
-  DomeLook median(looks[0].width(), looks[0].height());
+  DomeLook still(looks[0].width(), looks[0].height());
   std::vector<float> values(looks.size());
-  for (std::size_t i = 0; i < median.elements().size(); ++i)
+  for (std::size_t i = 0; i < still.elements().size(); ++i)
     for (int c = 0; c < 3; ++c) {
       for (std::size_t k = 0; k < looks.size(); ++k) values[k] = looks[k].elements()[i][c];
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      median.elements()[i][c] = *middle;
+      still.elements()[i][c] = median_in_place(values);
     }
-  return median;
+  return still;
 }
 
 ViewReference view_of(const std::vector<GreyPicture>& pictures, const Camera& camera,

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "base/statistics.hpp"
 #include "pipeline/photograph.hpp"
 
 namespace kasumi {
@@ -98,11 +99,6 @@ Dark look_at_dark(const std::vector<Image<glm::vec3>>& pictures, double quantum)
   for (const auto& picture : pictures)
     for (std::size_t i = 0; i < size; ++i)
       mean[i] += glm::dvec3(picture.elements()[i]) / static_cast<double>(pictures.size());
-  const auto median = [](std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
   for (int c = 0; c < 3; ++c) {
     // The mean of the middle half: a median of whole steps is a whole step.
     std::vector<double> values;
@@ -112,7 +108,8 @@ Dark look_at_dark(const std::vector<Image<glm::vec3>>& pictures, double quantum)
     for (std::size_t i = size / 4; i < size - size / 4; ++i) sum += values[i];
     dark.black[c] = sum / static_cast<double>(size - 2 * (size / 4));
     for (auto& value : values) value = std::abs(value - dark.black[c]);
-    dark.hot_above = std::max(dark.hot_above, std::max(8.0 * quantum, 10.0 * 1.4826 * median(std::move(values))));
+    dark.hot_above =
+        std::max(dark.hot_above, std::max(8.0 * quantum, 10.0 * kSigmaOverMedianSize * median(std::move(values))));
   }
   const int width = pictures.front().width();
   for (std::size_t i = 0; i < size; ++i)

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "base/latest_slot.hpp"
+#include "base/statistics.hpp"
 #include "capture/replay_source.hpp"
 #include "gles/offscreen.hpp"
 #include "gles/window.hpp"
@@ -29,9 +30,7 @@ double film_rate(const std::vector<IndexRow>& rows) {
   for (std::size_t i = 1; i < rows.size(); ++i)
     intervals.push_back(to_seconds(rows[i].metadata.captured_at - rows[i - 1].metadata.captured_at));
   if (intervals.empty()) return 10.0;
-  std::nth_element(intervals.begin(), intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2),
-                   intervals.end());
-  const double interval = intervals[intervals.size() / 2];
+  const double interval = median(std::move(intervals));
   return interval > 0.0 && interval <= 1.0 ? std::min(1.0 / interval, 120.0) : 10.0;
 }
 

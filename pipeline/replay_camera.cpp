@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/statistics.hpp"
 #include "capture/fixture.hpp"
 
 namespace kasumi {
@@ -54,10 +55,7 @@ Duration usual_interval(const std::filesystem::path& camera_folder) {
   std::vector<Duration> intervals;
   for (std::size_t i = 1; i < rows->size(); ++i)
     intervals.push_back((*rows)[i].metadata.captured_at - (*rows)[i - 1].metadata.captured_at);
-  if (intervals.empty()) return Duration{0};
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return std::max(Duration{0}, *middle);
+  return std::max(Duration{0}, median(std::move(intervals)));
 }
 
 }  // namespace kasumi
