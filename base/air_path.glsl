@@ -1,5 +1,7 @@
-// How much light passes a straight path through the air (estimator/air_path.hpp tells of the numbers). GLSL ES 1.00 and
-// C++ (base/sky_text.hpp) alike.
+// How much light passes a straight path between any two altitudes up to 100 km: the corrected form of the report's
+// transparency integral (U Eq 3.2-3.4 gives negative depths; docs/sky.md). For paths that do not dip below their lower end
+// by more than a scale height: sights of 200 km, not tangents through the shell. GLSL ES 1.00 and C++ (base/sky_text.hpp)
+// alike.
 
 // AirCoefficients of base/dome.hpp: a sum over two wavelengths for each of linear red, green and blue.
 struct PathAir {
@@ -9,26 +11,48 @@ struct PathAir {
   vec3 ozone[2];
 };
 
+const real kEarthRadius_m = 6371000.0;  // base/earth.hpp's
+
+// Scale heights of air and of haze.
+const real kAirHeight_m = 8000.0;
 const real kAerosolHeight_m = 1200.0;
 
-// What stands above an altitude: metres of sea-level air, metres of sea-level haze, share of the ozone layer.
+// US standard atmosphere 1976: a troposphere of constant lapse rate, above it one temperature. The real pressure is 6 %
+// lower at 30 km, where 1 % of the air is left.
+const real kTropopause_m = 11000.0;
+const real kTemperatureOverLapse_m = 44330.77;  // of sea level: where the troposphere's temperature would reach 0 K
+const real kPressureExponent = 5.25588;
+const real kStratosphereHeight_m = 6341.62;  // scale height
+const real kAirColumn_m = 8434.5;  // pressure of sea level over its density times g: its air piled up without thinning
+
+// Green's profile of ozone: the layer's middle, and how steeply it ends.
+const real kOzoneMiddle_m = 22500.0;
+const real kOzoneWidth_m = 4700.0;
+
+// What stands above an altitude, straight up: metres of sea-level air, metres of sea-level haze, share of the ozone layer.
 FUNCTION vec3 air_above(real altitude_m) {
-  real pressure = pow(1.0 - min(altitude_m, 11000.0) / 44330.77, 5.25588) * exp(-max(altitude_m - 11000.0, 0.0) / 6341.62);
-  real ozone = (1.0 + exp(-22500.0 / 4700.0)) / (1.0 + exp((altitude_m - 22500.0) / 4700.0));
-  return vec3(8434.5 * pressure, kAerosolHeight_m * exp(-altitude_m / kAerosolHeight_m), ozone);
+  real pressure = pow(1.0 - min(altitude_m, kTropopause_m) / kTemperatureOverLapse_m, kPressureExponent) *
+                  exp(-max(altitude_m - kTropopause_m, 0.0) / kStratosphereHeight_m);
+  real ozone = (1.0 + exp(-kOzoneMiddle_m / kOzoneWidth_m)) / (1.0 + exp((altitude_m - kOzoneMiddle_m) / kOzoneWidth_m));
+  return vec3(kAirColumn_m * pressure, kAerosolHeight_m * exp(-altitude_m / kAerosolHeight_m), ozone);
 }
 
-// The same along a path: s (N(h0) - N(h1)) / (h1 - h0), where the report's Eq 3.3 gives negative depths. The ends are
-// kept 50 m apart; the second factor is the path's sag below the line between its ends' altitudes.
+// The same along a path of a length >= |difference of the altitudes|: s (N(h0) - N(h1)) / (h1 - h0), N = air_above, exact
+// over a flat Earth. The ends are kept 50 m apart, which leaves no 0 / 0 and costs 1e-4 at most. A round Earth lets the
+// path sag below the line between its ends' altitudes, by up to s^2 / 8R in its middle: each column grows by
+// exp(s^2 / (2 R H) / sqrt(36 + ((h1 - h0) / H)^2)), H its scale height.
+const real kClosestEnds_m = 50.0;
+const real kSagOfLevelPath = 36.0;
+const real kLargestSag = 4.0;  // of the exponent
 FUNCTION vec3 air_along(real altitude_0_m, real altitude_1_m, real length_m) {
   real middle = 0.5 * (altitude_0_m + altitude_1_m);
   real rise = abs(altitude_1_m - altitude_0_m);
-  real apart = max(rise, 50.0);
+  real apart = max(rise, kClosestEnds_m);
   vec3 column = (air_above(middle - 0.5 * apart) - air_above(middle + 0.5 * apart)) * (length_m / apart);
-  vec2 scale_height_m = vec2(8000.0, kAerosolHeight_m);
+  vec2 scale_height_m = vec2(kAirHeight_m, kAerosolHeight_m);
   vec2 steepness = rise / scale_height_m;
-  vec2 sag = length_m * (length_m / (12742000.0 * scale_height_m)) / sqrt(vec2(36.0) + steepness * steepness);
-  return column * vec3(exp(min(sag, vec2(4.0))), 1.0);
+  vec2 sag = length_m * (length_m / (2.0 * kEarthRadius_m * scale_height_m)) / sqrt(vec2(kSagOfLevelPath) + steepness * steepness);
+  return column * vec3(exp(min(sag, vec2(kLargestSag))), 1.0);
 }
 
 FUNCTION vec3 transparency_of(PathAir air, vec3 path) {
@@ -44,9 +68,10 @@ FUNCTION vec3 path_transparency(PathAir air, real altitude_0_m, real altitude_1_
 }
 
 // All the air above an altitude, at a slant: to 3 % of Chapman's function.
+const vec2 kSlantOfLevelRay = vec2(0.0032, 0.00048);  // 8 H / (pi R) of air and of haze
 FUNCTION vec3 transparency_to_space(PathAir air, vec3 above, real cos_zenith) {
   real c = max(cos_zenith, 0.0);
-  vec2 slant = 2.0 / (c + sqrt(c * c + vec2(0.0032, 0.00048)));  // 8 H / (pi R)
+  vec2 slant = 2.0 / (c + sqrt(c * c + kSlantOfLevelRay));
   return transparency_of(air, above * vec3(slant, slant.x));
 }
 

@@ -13,11 +13,17 @@ struct OlderAir {
 const real kOlderRayleighHeight_m = 8400.0;
 const real kOlderMieHeight_m = 1250.0;
 
-// Lengths of air and haze up to space, by the zenith angle's cosine (Kasten and Young's air mass; held at the horizon).
+// Lengths of air and haze up to space, by the zenith angle's cosine; held at the horizon. Kasten and Young 1989:
+// 1 / (cos z + a (b - z)^-c), angles in degrees.
+const real kKastenA = 0.50572;
+const real kKastenB_deg = 96.07995;
+const real kKastenC = 1.6364;
+const real kKastenAtHorizon_deg = 6.07995;  // b - 90
+const real kDegreesPerRadian = 57.29578;
 FUNCTION real older_air_mass(real cos_zenith) {
   real held = max(cos_zenith, 0.0);
-  real degrees_left = max(96.07995 - 57.29578 * acos(min(held, 1.0)), 6.07995);
-  return 1.0 / (held + 0.50572 * pow(degrees_left, -1.6364));
+  real degrees_left = max(kKastenB_deg - kDegreesPerRadian * acos(min(held, 1.0)), kKastenAtHorizon_deg);
+  return 1.0 / (held + kKastenA * pow(degrees_left, -kKastenC));
 }
 FUNCTION vec2 older_sky_path_m(real cos_zenith) {
   return older_air_mass(cos_zenith) * vec2(kOlderRayleighHeight_m, kOlderMieHeight_m);
@@ -72,10 +78,14 @@ struct PerezSky {
   vec3 e;
 };
 
+// XYZ to linear sRGB with the digits of Lindbloom's tables; calib/colorimetry.hpp has those that the standard prints, which
+// are four.
+const vec3 kRedOfXyz = vec3(3.2404542, -1.5371385, -0.4985314);
+const vec3 kGreenOfXyz = vec3(-0.9692660, 1.8760108, 0.0415560);
+const vec3 kBlueOfXyz = vec3(0.0556434, -0.2040259, 1.0572252);
 FUNCTION vec3 linear_srgb_of_Yxy(vec3 colour) {
   vec3 xyz = vec3(colour.y / colour.z, 1.0, (1.0 - colour.y - colour.z) / colour.z) * colour.x;
-  return vec3(dot(xyz, vec3(3.2404542, -1.5371385, -0.4985314)), dot(xyz, vec3(-0.9692660, 1.8760108, 0.0415560)),
-              dot(xyz, vec3(0.0556434, -0.2040259, 1.0572252)));
+  return vec3(dot(xyz, kRedOfXyz), dot(xyz, kGreenOfXyz), dot(xyz, kBlueOfXyz));
 }
 
 FUNCTION vec3 preetham_sky(PerezSky sky, real cos_zenith, real cos_sun) {

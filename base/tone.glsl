@@ -1,6 +1,7 @@
 // From light to what a screen can show. GLSL ES 1.00 and C++ (base/sky_text.hpp) alike.
 
-FUNCTION real luminance_of(vec3 linear_srgb) { return dot(linear_srgb, vec3(0.2126, 0.7152, 0.0722)); }
+const vec3 kLuminanceOfSrgb = vec3(0.2126, 0.7152, 0.0722);  // the row of Y in srgb_to_xyz() of calib/colorimetry.hpp
+FUNCTION real luminance_of(vec3 linear_srgb) { return dot(linear_srgb, kLuminanceOfSrgb); }
 
 // What is left of a colour's distance from grey. `needed`: that distance as a part of the way to the gamut's wall. Colours
 // well inside keep theirs; the others are led smoothly below the wall, however far out they are: none is clipped, no two
@@ -24,7 +25,14 @@ FUNCTION vec3 tone_mapped(vec3 light, real exposure) {
   return shown * (vec3(1.0) + kept * from_grey);
 }
 
+// IEC 61966-2-1.
+const real kSrgbLinearEnd = 0.0031308;
+const real kSrgbSlope = 12.92;
+const real kSrgbScale = 1.055;
+const real kSrgbOffset = 0.055;
+const real kSrgbExponent = 2.4;
 FUNCTION vec3 srgb_encoded(vec3 linear) {
   vec3 held = clamp(linear, 0.0, 1.0);
-  return mix(12.92 * held, 1.055 * pow(max(held, vec3(1e-6)), vec3(1.0 / 2.4)) - vec3(0.055), step(vec3(0.0031308), held));
+  vec3 power = kSrgbScale * pow(max(held, vec3(1e-6)), vec3(1.0 / kSrgbExponent)) - vec3(kSrgbOffset);
+  return mix(kSrgbSlope * held, power, step(vec3(kSrgbLinearEnd), held));
 }
