@@ -30,8 +30,7 @@ struct DomeFunction {
   std::array<glm::vec3, kDomeAngles * kDomePowers> coefficients{};  // CIE XYZ, cd/m2, or another linear space
 };
 
-// The sun's disc: drawn over the dome by who needs it. Its edge lies kSunRadius_rad from `sun`.
-constexpr float kSunRadius_rad = 0.004651F;
+// The sun's disc: drawn over the dome by who needs it. Its edge lies kDomeSunRadius_rad (base/sun_disc.hpp) from `sun`.
 struct SunLight {
   glm::vec3 illuminance{0};  // on a plane facing the sun, at the observer; XYZ, lux; 0 when the sun has set there
   glm::vec3 luminance{0};    // of the disc, mean; XYZ, cd/m2

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/sun_disc.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -129,7 +131,7 @@ glm::dvec3 SkyPainter::sky(const Direction& view) const {
 
 SkyPainter::Disc SkyPainter::disc(const Direction& view, double pixel_rad) const {
   if (scene_.sun_luminance == glm::dvec3(0.0)) return {};
-  const double radius{kSunRadius_rad};
+  const double radius{kDomeSunRadius_rad};
   const double off = angle_between(view, scene_.sun).value / radius;
   return {sky_text::sun_disc_light(scene_.sun_luminance, off), sky_text::sun_coverage(off, 0.5 * pixel_rad / radius)};
 }

@@ -106,11 +106,11 @@ struct Lights {
 // and smooth where noise is large beside the value.
 void undo_noise(const StackSamples& samples, int channel, const std::vector<double>& log_s,
                 std::vector<double>& light) {
-  constexpr double kStep = 0.125, kDarkest = -9.0, kSmooth = 0.25, kHighest = 0.975;
+  constexpr double kStep = 0.125, kDarkest = -9.0, kSmooth = 0.25, kHighest = 0.975, kClipped = 0.985;
   constexpr auto kNodes = static_cast<Eigen::Index>(-kDarkest / kStep) + 1;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(kNodes, kNodes);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(kNodes);
-  const double clipped = light_at(light, 0.985);
+  const double clipped = light_at(light, kClipped);
   double count = 0.0;
   Lights seen;
   for (std::size_t i = 0; i < samples.pixels; ++i) {

@@ -10,6 +10,7 @@
 
 #include "base/image.hpp"
 #include "base/result.hpp"
+#include "base/saturation.hpp"
 #include "calib/radiometry.hpp"
 
 namespace kasumi {
@@ -24,9 +25,6 @@ struct StackSamples {
     return values[static_cast<std::size_t>(channel)][pixel * exposures + exposure];
   }
 };
-
-// Values from here on are taken for saturated.
-constexpr double kSaturated = 0.98;
 
 // At most `count` pixels, spread evenly over all brightnesses; those under a mask of 0 are left aside. `black`: encoded
 // level without light, of each channel. The pictures are of one size, at least 2.

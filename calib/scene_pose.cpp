@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/earth.hpp"
 #include "base/geometry.hpp"
 #include "calib/calibration_file.hpp"
 
@@ -419,7 +420,6 @@ void tell_undetermined(ScenePose& pose, const Solved& solved, const Sights& sigh
 }  // namespace
 
 Radians dip_of_horizon(double height_m, double refraction) {
-  constexpr double kEarthRadius_m = 6371e3;
   const double radius = kEarthRadius_m / (1.0 - refraction);
   return {std::acos(radius / (radius + std::max(0.0, height_m)))};
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "base/saturation.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -10,10 +12,7 @@ namespace {
 constexpr int kColumns = 32, kRows = 24;  // places
 constexpr int kSamples = 4;               // each way in a place
 constexpr int kFingerprintRows = 64;
-// Encoded values. Limited range has black at 16 and white at 235; a full-range picture that is nowhere darker than 235
-// shows as little.
-constexpr int kDark = 40;
-constexpr int kSaturated = 235;
+constexpr int kDark = 40;  // of 255; limited range has black at 16
 
 // Where the first channel that carries brightness lies: Y, or G of RGB.
 struct Channel {
@@ -84,7 +83,7 @@ PictureCondition ConditionWatch::look(const PictureSample& sample, Instant now) 
   auto seen = PictureCondition::normal;
   if (sample.brightest < kDark)
     seen = PictureCondition::covered;
-  else if (sample.dim >= kSaturated)
+  else if (sample.dim >= kWhiteOut)
     seen = PictureCondition::white_out;
   else if (last_ && last_->fingerprint == sample.fingerprint)
     seen = PictureCondition::frozen;

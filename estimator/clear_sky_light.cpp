@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/sun_disc.hpp"
 #include "calib/colorimetry.hpp"
 #include "estimator/scattering.hpp"
 
@@ -29,7 +30,6 @@ constexpr std::array kSolar = {1655.90, 1623.37, 2112.75, 2588.82, 2582.91, 2423
                                3066.37, 2883.04, 2871.21, 2782.50, 2710.06, 2723.36, 2636.13, 2550.38, 2506.02, 2531.16,
                                2535.59, 2513.42, 2463.15, 2417.32, 2368.53, 2321.21, 2282.77, 2233.98, 2197.02, 2152.67,
                                2109.79, 2072.83, 2024.04, 1987.08, 1942.72, 1907.24, 1862.89, 1825.92};
-constexpr double kSunDisc_sr = 6.797e-5;  // of .2665 deg radius, at the mean distance
 
 // Ozone's absorption, 1/cm, 440-790 nm in 10 nm steps (Preetham 1999, Table 2, after Iqbal 1983).
 constexpr std::array kOzone = {0.0,   0.003, 0.006, 0.009, 0.014, 0.021, 0.030, 0.040, 0.048, 0.063, 0.075, 0.085,

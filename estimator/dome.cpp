@@ -6,12 +6,12 @@
 #include <glm/geometric.hpp>
 
 #include "base/dome_terms.hpp"
+#include "base/earth.hpp"
+#include "base/sun_disc.hpp"
 #include "estimator/dome_table.hpp"
 
 namespace kasumi {
 namespace {
-
-constexpr double kEarthRadius_m = 6371000.0;
 
 // Lagrange's four points around a value of an axis.
 struct FourPoints {
@@ -121,7 +121,7 @@ DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& su
 
 SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
   const Place place = clamped(altitude_m, turbidity, sun);
-  const double radius = kSunRadius_rad;
+  const double radius = kDomeSunRadius_rad;
   const double height = std::asin(std::clamp(sun.z, -1.0, 1.0)) - std::asin(horizon_sine(place.altitude_m));
   if (height <= -radius) return {};
   const glm::dvec3 whole = glm::exp(row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg).log_sun);

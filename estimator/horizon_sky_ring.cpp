@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/saturation.hpp"
 #include "base/statistics.hpp"
 #include "estimator/horizon.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 
 constexpr double kRingTop_deg = 75.0;
 constexpr double kRingBottom_deg = 85.0;
-constexpr int kClipped = 252;
 
 struct Seen {
   glm::dvec3 light{0};
@@ -38,7 +38,7 @@ std::optional<Seen> ring_at(const Camera& sky, const PictureView& picture, const
       if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) continue;
       if (!sky.mask.empty() && sky.mask.at(x, y) == 0) continue;
       const Rgb8 encoded = rgb_at(picture, x, y);
-      if (encoded.x >= kClipped || encoded.y >= kClipped || encoded.z >= kClipped) continue;
+      if (encoded.x >= kSaturatedHorizon || encoded.y >= kSaturatedHorizon || encoded.z >= kSaturatedHorizon) continue;
       const glm::dvec3 xyz = to_xyz * sky.light_at({x, y}, glm::dvec3(encoded) / 255.0);
       if (xyz.y > 0.0) seen.push_back({xyz, xyz.y});
     }
@@ -55,7 +55,7 @@ double brightest_distant(const Camera& scene, const PictureView& picture, const 
   for (int y = 0; y < picture.height; y += step) {
     for (int x = 0; x < picture.width; x += step) {
       const Rgb8 encoded = rgb_at(picture, x, y);
-      if (encoded.x >= kClipped || encoded.y >= kClipped || encoded.z >= kClipped) continue;
+      if (encoded.x >= kSaturatedHorizon || encoded.y >= kSaturatedHorizon || encoded.z >= kSaturatedHorizon) continue;
       const double luminance = (to_xyz * scene.light_at({x, y}, glm::dvec3(encoded) / 255.0)).y;
       if (y < picture.height / 5) anywhere.push_back({{}, luminance});
       const auto direction = scene.direction_at({x, y});

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 
 #include "base/geometry.hpp"
+#include "base/saturation.hpp"
 #include "base/statistics.hpp"
 
 namespace kasumi {
@@ -14,7 +15,6 @@ namespace {
 
 constexpr double kSearchShare = 0.15;   // of the picture's height above the segmentation's edge, where a faded hill may
 constexpr double kSearchDegrees = 3.0;  // hide; and at least so far up: a telephoto view is filled by such hills
-constexpr int kClipped = 252;           // encoded
 constexpr double kSoftestHill = 0.02;   // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
 
 // Lowest row at which the strip x0..x1 is mostly sky; -1 when nowhere.
@@ -127,7 +127,7 @@ glm::dvec3 SceneSky::log_step_at(int x, int y) const {
 
 bool SceneSky::clipped_at(int x, int y) const {
   const Rgb8& encoded = picture.at(x, y);
-  return encoded.x >= kClipped || encoded.y >= kClipped || encoded.z >= kClipped;
+  return encoded.x >= kSaturatedHorizon || encoded.y >= kSaturatedHorizon || encoded.z >= kSaturatedHorizon;
 }
 
 std::vector<SkyStrip> sky_strips(const SceneSky& scene, int strips) {

@@ -8,15 +8,15 @@
 #include <glm/exponential.hpp>
 #include <glm/vec2.hpp>
 
+#include "base/saturation.hpp"
 #include "estimator/attenuation.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr double kFull = 254.5 / 255.0;  // encoded; what lies above is clipped
-constexpr double kTrimmed = 0.1;         // of the pixels at either end: birds, threads, hot pixels
-constexpr double kIndependent = 0.25;    // of a box's pixels: colour sampling and JPEG smear the noise
-constexpr double kHiddenShare = 0.02;    // of a box, from which on it is not looked at
+constexpr double kTrimmed = 0.1;       // of the pixels at either end: birds, threads, hot pixels
+constexpr double kIndependent = 0.25;  // of a box's pixels: colour sampling and JPEG smear the noise
+constexpr double kHiddenShare = 0.02;  // of a box, from which on it is not looked at
 
 // A box's light, robustly.
 struct BoxLight {
@@ -57,7 +57,7 @@ BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const P
       by_row += row * pixel;
       rows += row * row;
       for (std::size_t c = 0; c < 3; ++c) light[c].push_back(pixel[static_cast<int>(c)]);
-      if (std::max({value.r, value.g, value.b}) >= kFull) found.clipped += 1.0 / pixels;
+      if (std::max({value.r, value.g, value.b}) >= kSaturatedBox) found.clipped += 1.0 / pixels;
       if (!camera.mask.empty() && camera.mask.at(x, y) == 0) found.hidden += 1.0 / pixels;
     }
   for (std::size_t c = 0; c < 3; ++c) found.mean[static_cast<int>(c)] = trimmed_mean(light[c]);

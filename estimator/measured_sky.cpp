@@ -5,13 +5,15 @@
 
 #include <glm/geometric.hpp>
 
+#include "base/saturation.hpp"
+
 namespace kasumi {
 namespace {
 
 constexpr double kRingWidth = 0.5 * kPi / MeasuredSky::kRings;
 constexpr double kSectorWidth = 2.0 * kPi / MeasuredSky::kSectors;
 constexpr std::size_t kCells = static_cast<std::size_t>(MeasuredSky::kRings) * MeasuredSky::kSectors;
-constexpr float kClipped = 0.985f;
+constexpr auto kClipped = static_cast<float>(kSaturatedSky);
 constexpr int kStride = 2;  // every other element in both directions tells enough of a cell
 
 std::size_t index_of(int ring, int sector) {

@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include "base/statistics.hpp"
+#include "base/sun_disc.hpp"
 #include "calib/colorimetry.hpp"
 #include "estimator/airlight.hpp"
 
@@ -16,11 +17,10 @@ namespace kasumi {
 namespace {
 
 constexpr double kLumensPerWatt = 683.0;
-constexpr double kSunRadius_deg = 0.2666;
 
 double visible_share_of_sun(Radians zenith) {
   const double elevation_deg = 90.0 - to_degrees(zenith);
-  return std::clamp(0.5 + 0.5 * elevation_deg / kSunRadius_deg, 0.0, 1.0);
+  return std::clamp(0.5 + 0.5 * elevation_deg / kSettingSunRadius_deg, 0.0, 1.0);
 }
 
 // Zenith luminance of a sky of the model's distribution that lights the level ground by `lux`.

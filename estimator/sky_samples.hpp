@@ -8,6 +8,7 @@
 
 #include "base/geometry.hpp"
 #include "base/image.hpp"
+#include "base/saturation.hpp"
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
 #include "estimator/sky_picture.hpp"
@@ -17,9 +18,9 @@ namespace kasumi {
 struct SampleLimits {
   Radians least_sun_distance = from_degrees(10.0);
   Radians largest_zenith = from_degrees(80.0);
-  double saturated = 0.985;   // encoded level from which a channel is taken for saturated
-  double dark_quanta = 2.5;   // a channel below this many quanta has no digits left
-  double shot_noise = 0.005;  // relative standard deviation of light at full scale; grows with 1 / sqrt(light)
+  double saturated = kSaturatedSky;  // encoded level from which a channel is taken for saturated
+  double dark_quanta = 2.5;          // a channel below this many quanta has no digits left
+  double shot_noise = 0.005;         // relative standard deviation of light at full scale; grows with 1 / sqrt(light)
 };
 
 // One sky pixel.

@@ -7,6 +7,7 @@
 
 #include <glm/vec2.hpp>
 
+#include "base/saturation.hpp"
 #include "base/units.hpp"
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
@@ -22,7 +23,7 @@ struct SunBlob {
 };
 
 struct SunBlobOptions {
-  double saturated = 0.97;                      // encoded level that the dimmest channel reaches: the core is white
+  double saturated = kSaturatedSun;             // encoded level that the dimmest channel reaches: the core is white
   Radians smallest_radius = from_degrees(0.1);  // the sun's own is 0.27 deg; a lens spreads it, never shrinks it
   Radians largest_radius = from_degrees(25.0);  // wider: a bright cloud, a white-out
   double least_confidence = 0.3;

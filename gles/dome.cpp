@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "base/sun_disc.hpp"
 #include "gles/dome_mesh.hpp"
 #include "gles/gl.hpp"
 #include "gles/grid_mesh.hpp"
@@ -163,8 +164,8 @@ struct Dome::State {
     const auto program = find(Stage::sun, DomeDetail::per_vertex);
     if (!program) return fail(program.error());
     begin(**program, target);
-    (*program)->set("sun_radius", double{kSunRadius_rad});
-    (*program)->set("blur", 0.5 * pixel_rad / double{kSunRadius_rad});
+    (*program)->set("sun_radius", double{kDomeSunRadius_rad});
+    (*program)->set("blur", 0.5 * pixel_rad / double{kDomeSunRadius_rad});
     (*program)->set("sun_luminance", scene.sun_luminance);
     sun->draw();
     return {};

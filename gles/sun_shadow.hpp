@@ -5,7 +5,7 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "base/units.hpp"
+#include "base/sun_disc.hpp"
 #include "gles/context.hpp"
 #include "gles/gpu_model.hpp"
 #include "gles/objects.hpp"
@@ -14,8 +14,7 @@
 
 namespace kasumi {
 
-constexpr Radians kSunRadius = from_degrees(0.2665);  // of its disc, mean over the year
-constexpr int kSunPoints = 16;                        // as sun_maps.glsl
+constexpr int kSunPoints = 16;  // as sun_maps.glsl
 
 // The object as the middle of the sun sees it: x and y in texels of a map from the middle of the bounds, z 0..1 away
 // from the sun, with an empty margin all around.

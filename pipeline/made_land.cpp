@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "base/earth.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -51,7 +53,6 @@ double ridged(std::uint64_t seed, glm::dvec2 p, int octaves) {
 }
 
 constexpr std::uint64_t kSeed = 20050617;
-constexpr double kEarthRadius_m = 6371e3;
 
 // Of a ring, 0 .. 1: evenly in the distance's logarithm, most of them where mountains may stand.
 double distance_of(const LandView& view, double part) {

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "base/earth.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -229,7 +231,6 @@ class Shapes {
 }  // namespace
 
 Radians dip_of_horizon(double altitude_m) {
-  constexpr double kEarthRadius_m = 6371e3;
   const double radius = kEarthRadius_m / (1.0 - kUsualRefraction);  // the one that light along the ground seems to have
   return {std::acos(radius / (radius + std::max(altitude_m, 0.0)))};
 }

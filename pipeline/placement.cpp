@@ -2,19 +2,17 @@
 
 #include <cmath>
 
+#include "base/earth.hpp"
+
 namespace kasumi {
 
 namespace {
 
-// WGS 84
-constexpr double kSemiMajorAxis_m = 6378137.0;
-constexpr double kFlattening = 1.0 / 298.257223563;
-
 glm::dvec3 earth_centred(double latitude_deg, double longitude_deg, double altitude_m) {
   const double latitude = from_degrees(latitude_deg).value, longitude = from_degrees(longitude_deg).value;
-  const double e2 = kFlattening * (2.0 - kFlattening);
+  const double e2 = kWgs84Flattening * (2.0 - kWgs84Flattening);
   const double s = std::sin(latitude), c = std::cos(latitude);
-  const double n = kSemiMajorAxis_m / std::sqrt(1.0 - e2 * s * s);
+  const double n = kWgs84SemiMajorAxis_m / std::sqrt(1.0 - e2 * s * s);
   return {(n + altitude_m) * c * std::cos(longitude), (n + altitude_m) * c * std::sin(longitude),
           (n * (1.0 - e2) + altitude_m) * s};
 }
@@ -31,7 +29,6 @@ glm::dvec3 east_north_up(const Site& site, double latitude_deg, double longitude
 }
 
 double lift_by_refraction(double distance_m, double coefficient) {
-  constexpr double kEarthRadius_m = 6371e3;
   return coefficient * distance_m * distance_m / (2.0 * kEarthRadius_m);
 }
 

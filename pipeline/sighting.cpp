@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/earth.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -27,7 +29,6 @@ std::array<glm::dvec3, 8> corners_of(const Installation& installation, const Mod
 
 // Height above the sea that a place must reach to be seen over the sea's curve, metres.
 double hidden_by_the_sea_m(double altitude_m, double distance_m) {
-  constexpr double kEarthRadius_m = 6371e3;
   const double seen_radius = kEarthRadius_m / (1.0 - kUsualRefraction);
   const double to_horizon = std::sqrt(2.0 * seen_radius * std::max(altitude_m, 0.0));
   const double beyond = std::max(0.0, distance_m - to_horizon);
@@ -109,7 +110,7 @@ Sighting sight_object(const Installation& installation, const ModelBounds& bound
                fmt::format("the building is outside the picture: {}, {}", place, beside(scene, centre)));
 
   // Straight up at the place, the tangent plane has left the earth by d^2 / 2R; the sea is as far below.
-  const double above_sea_m = installation.site.altitude_m + highest_m + distance * distance / (2.0 * 6371e3);
+  const double above_sea_m = installation.site.altitude_m + highest_m + distance * distance / (2.0 * kEarthRadius_m);
   const double hidden_m = hidden_by_the_sea_m(installation.site.altitude_m, distance);
   if (above_sea_m < hidden_m)
     return say(Verdict::below_horizon,

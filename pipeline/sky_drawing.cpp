@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/earth.hpp"
+
 namespace kasumi {
 
 SkyView view_of(const SkyCamera& camera) {
@@ -27,7 +29,7 @@ SkyView view_of(const SkyCamera& camera) {
 
 std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, bool mountains) {
   if (camera.projection == SkyProjection::fisheye) return std::nullopt;
-  constexpr double kEarthRadius_m = 6371e3, kHighestPeak_m = 3600.0;
+  constexpr double kHighestPeak_m = 3600.0;
   // The seam of the whole circle lies behind.
   double half = kPi - 1e-4;
   if (camera.projection == SkyProjection::perspective) {

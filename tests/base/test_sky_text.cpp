@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/dome_scene.hpp"
+#include "base/earth.hpp"
 
 namespace kasumi {
 namespace {
@@ -145,6 +146,12 @@ TEST(AirPath, IsTheIntegralOfTheHazeBetweenAnyTwoAltitudes) {
     EXPECT_NEAR(along / summed, 1.0, 0.02) << p.from_m << " m to " << p.to_m << " m, " << p.length_m << " m long";
     EXPECT_DOUBLE_EQ(along, sky_text::air_along(p.to_m, p.from_m, p.length_m).y);
   }
+}
+
+TEST(SkyText, HasTheNumbersOfTheHeaders) {
+  EXPECT_EQ(sky_text::kEarthRadius_m, kEarthRadius_m);
+  EXPECT_EQ(sky_text::kAngles, kDomeAngles);
+  EXPECT_EQ(sky_text::kPowers, kDomePowers);
 }
 
 TEST(AirPath, GrowsWithItsLengthAndNeverTurnsNegative) {
