@@ -1,5 +1,7 @@
 #include "calib/camera.hpp"
 
+#include "calib/colorimetry.hpp"
+
 namespace kasumi {
 
 std::optional<Direction> Camera::direction_at(const glm::dvec2& pixel) const {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include <glm/matrix.hpp>
+
 namespace kasumi {
 namespace {
 
@@ -81,6 +83,19 @@ double daylight_spectrum(double x, double y, double wavelength_nm) {
   const auto s = daylight_components(wavelength_nm);
   const auto weights = daylight_weights(x, y);
   return s[0] + weights.m1 * s[1] + weights.m2 * s[2];
+}
+
+// Rows as the standard prints them.
+glm::dmat3 srgb_to_xyz() {
+  return glm::transpose(glm::dmat3{0.4124, 0.3576, 0.1805,  //
+                                   0.2126, 0.7152, 0.0722,  //
+                                   0.0193, 0.1192, 0.9505});
+}
+
+glm::dmat3 xyz_to_linear_srgb() {
+  return glm::transpose(glm::dmat3{3.2406, -1.5372, -0.4986,  //
+                                   -0.9689, 1.8758, 0.0415,   //
+                                   0.0557, -0.2040, 1.0570});
 }
 
 }  // namespace kasumi

@@ -78,11 +78,4 @@ glm::dmat3 srgb_reflectance_to_channels(const SpectralSensitivity& sensitivity) 
   return result;
 }
 
-glm::dmat3 srgb_to_xyz() {
-  // Rows as IEC 61966-2-1 prints them.
-  return glm::transpose(glm::dmat3{0.4124, 0.3576, 0.1805,  //
-                                   0.2126, 0.7152, 0.0722,  //
-                                   0.0193, 0.1192, 0.9505});
-}
-
 }  // namespace kasumi

@@ -73,7 +73,5 @@ bool separates_daylight(const SpectralSensitivity& sensitivity);
 // (least squared differences between neighbouring wavelengths; Meng et al. 2015, without their bounds, so that it is
 // linear); white stays white. Saturated colours may leave 0..1.
 glm::dmat3 srgb_reflectance_to_channels(const SpectralSensitivity& sensitivity);
-// Linear sRGB to XYZ (IEC 61966-2-1), white (1, 1, 1) to D65 with Y = 1.
-glm::dmat3 srgb_to_xyz();
 
 }  // namespace kasumi

@@ -5,6 +5,8 @@
 
 #include <glm/matrix.hpp>
 
+#include "calib/colorimetry.hpp"
+
 namespace kasumi {
 namespace {
 

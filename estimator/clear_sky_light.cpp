@@ -37,7 +37,6 @@ constexpr std::array kOzone = {0.0,   0.003, 0.006, 0.009, 0.014, 0.021, 0.030, 
                                0.036, 0.028, 0.023, 0.018, 0.014, 0.011, 0.010, 0.009, 0.007, 0.004, 0.0,   0.0};
 constexpr double kOzone_cm = 0.35;
 
-constexpr double kLumensPerWatt = 683.0;
 constexpr double kLeastClearSky_lux = 800.0;
 
 // The rural aerosol of Bird and Riordan.
@@ -113,7 +112,7 @@ double clear_sky_lux(Turbidity turbidity, Radians sun_zenith, double altitude_m,
   constexpr double kStep_nm = 5.0;
   double lux = 0.0;
   for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += kStep_nm)
-    lux += kStep_nm * kLumensPerWatt * colour_matching(nm).y * solar_irradiance(nm) *
+    lux += kStep_nm * kLuminousEfficacy * colour_matching(nm).y * solar_irradiance(nm) *
            sky_transmittance(column_depth(turbidity, altitude_m, nm), sun_zenith, ground_albedo, nm);
   return std::max(lux, kLeastClearSky_lux);
 }

@@ -133,10 +133,6 @@ DomeFunction in_space(DomeFunction sky, const glm::dmat3& xyz_to_space) {
   return sky;
 }
 
-glm::dmat3 xyz_to_linear_srgb() {
-  return {3.2406, -0.9689, 0.0557, -1.5372, 1.8758, -0.2040, -0.4986, 0.0415, 1.0570};
-}
-
 glm::dvec3 dome_light(const DomeFunction& sky, const Direction& view) {
   const auto terms = dome_terms(sky, view);
   glm::dvec3 light{0};

@@ -22,10 +22,9 @@ DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& su
 // What arrives from the sun's disc at the observer under the same air; XYZ, lux and cd/m2.
 SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun);
 
-// The same sky in another linear space: the coefficients multiplied from the left. xyz_to_linear_srgb(): D65 white,
-// 1.0 stays 1 cd/m2.
+// The same sky in another linear space: the coefficients multiplied from the left. xyz_to_linear_srgb() of
+// calib/colorimetry.hpp: D65 white, 1.0 stays 1 cd/m2.
 DomeFunction in_space(DomeFunction sky, const glm::dmat3& xyz_to_space);
-glm::dmat3 xyz_to_linear_srgb();
 
 // The light of one direction, in double precision: the reference for base/dome.glsl. Below the horizon its own value
 // at that azimuth.

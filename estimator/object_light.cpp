@@ -16,8 +16,6 @@
 namespace kasumi {
 namespace {
 
-constexpr double kLumensPerWatt = 683.0;
-
 double visible_share_of_sun(Radians zenith) {
   const double elevation_deg = 90.0 - to_degrees(zenith);
   return std::clamp(0.5 + 0.5 * elevation_deg / kSettingSunRadius_deg, 0.0, 1.0);
@@ -58,9 +56,9 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
         zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun), options.altitude_m, options.ground_albedo));
 
   // Daylight spectra span three dimensions, so XYZ gives their spectrum and that the sensor's channels.
-  const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLumensPerWatt;
+  const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLuminousEfficacy;
   const bool srgb = scene.colour_space == Camera::ColourSpace::srgb;
-  xyz_to_light_ = srgb ? glm::inverse(srgb_to_xyz()) / kLumensPerWatt : xyz_to_sensor;
+  xyz_to_light_ = srgb ? glm::inverse(srgb_to_xyz()) / kLuminousEfficacy : xyz_to_sensor;
   const glm::dmat3 sensor_to_light = xyz_to_light_ * glm::inverse(xyz_to_sensor);  // identity for a sensor
 
   if (!srgb) light_.albedo_to_channels = srgb_reflectance_to_channels(scene.sensitivity);
@@ -78,7 +76,7 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
       const double power =
           sun_share * solar_irradiance(nm) * sun_transmittance(turbidity_, zenith, options.altitude_m, nm);
       on_sensor += power * scene.sensitivity.at(nm);
-      sun_normal_lux_ += kLumensPerWatt * power * colour_matching(nm).y;
+      sun_normal_lux_ += kLuminousEfficacy * power * colour_matching(nm).y;
     }
     light_.sun_irradiance = glm::max(sensor_to_light * on_sensor, glm::dvec3{0.0});
   }

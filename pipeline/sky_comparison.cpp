@@ -5,6 +5,7 @@
 
 #include <glm/matrix.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "estimator/dome.hpp"
 
 namespace kasumi {

@@ -5,6 +5,7 @@
 
 #include <glm/exponential.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "estimator/air_path.hpp"
 #include "estimator/dome.hpp"
 #include "estimator/scattering.hpp"

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "capture/replay_source.hpp"
 #include "estimator/dome.hpp"
 #include "estimator/sun.hpp"

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "calib/radiometry.hpp"
 #include "estimator/airlight.hpp"
 

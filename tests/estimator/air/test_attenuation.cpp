@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "calib/colorimetry.hpp"
 #include "estimator/attenuation.hpp"
 #include "tests/places.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <glm/common.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "estimator/horizon.hpp"
 #include "tests/estimator/air/drawn_scene.hpp"
 

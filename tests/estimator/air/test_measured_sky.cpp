@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "calib/lens.hpp"
 #include "estimator/measured_sky.hpp"
 #include "estimator/object_light.hpp"

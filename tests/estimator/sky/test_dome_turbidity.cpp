@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "calib/colorimetry.hpp"
 #include "estimator/dome.hpp"
 #include "estimator/turbidity.hpp"
 #include "tests/estimator/sky/synthetic_sky.hpp"

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "estimator/dome.hpp"
 #include "estimator/sky_model.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"

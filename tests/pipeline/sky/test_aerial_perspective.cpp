@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "calib/colorimetry.hpp"
 #include "estimator/dome.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
 #include "pipeline/sky_drawing.hpp"
