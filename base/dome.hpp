@@ -36,7 +36,7 @@ struct SunLight {
   glm::vec3 luminance{0};    // of the disc, mean; XYZ, cd/m2
 };
 
-// Transparency of air between two points, by altitude above sea level and distance: estimator/air_path.hpp explains.
+// Transparency of air between two points, by altitude above sea level and distance: base/air_path.glsl explains.
 //   transparency_c = sum over n of weight[n][c] exp(-(molecules[n][c] s_M + aerosol[n][c] s_A + ozone[n][c] s_O))
 // with (s_M, s_A, s_O) the path's columns, which depend on no wavelength.
 constexpr int kAirNodes = 2;

@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "estimator/air_path.hpp"
 #include "estimator/dome.hpp"
 #include "pipeline/bench_gles.hpp"
 #include "pipeline/sky_comparison.hpp"
@@ -176,19 +175,6 @@ TEST(TheDome, IsBlueOverheadUnderALowSun) {
   EXPECT_LT(ours.zenith_y, 0.29);
   const auto theirs = flaws_of(SkyKind::nielsen2003, {2.0}, low, low);
   EXPECT_GT(theirs.zenith_x, ours.zenith_x + 0.05);
-}
-
-TEST(TheAirOfAPath, IsTheEstimators) {
-  const AirCoefficients air = air_coefficients({3.0});
-  for (const double from_m : {0.0, 700.0, 3000.0, 12000.0})
-    for (const double to_m : {0.0, 710.0, 2500.0, 30000.0})
-      for (const double further_m : {10.0, 4000.0, 60e3}) {
-        const double length_m = std::abs(to_m - from_m) + further_m;
-        const glm::dvec3 expected = transparency(air, columns_between(from_m, to_m, length_m));
-        const glm::dvec3 found = sky_text::path_transparency(text_of(air), from_m, to_m, length_m);
-        for (int c = 0; c < 3; ++c)
-          EXPECT_NEAR(found[c], expected[c], 1e-6) << from_m << " " << to_m << " " << length_m;
-      }
 }
 
 TEST(MadeLand, IsMetFromAboveWhereItsPointsAre) {
