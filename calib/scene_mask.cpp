@@ -6,51 +6,10 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "calib/guided_filter.hpp"
+
 namespace kasumi {
 namespace {
-
-cv::Mat boxed(const cv::Mat& image, int radius) {
-  cv::Mat mean;
-  cv::boxFilter(image, mean, CV_32F, {2 * radius + 1, 2 * radius + 1}, {-1, -1}, true, cv::BORDER_REFLECT);
-  return mean;
-}
-
-// He et al. 2013 with a colour guide: the mask becomes, window by window, the linear function of the picture that is
-// nearest to it.
-cv::Mat guided(const cv::Mat& guide, const cv::Mat& mask, int radius, float smooth) {
-  std::array<cv::Mat, 3> channel, mean, covariance_with;
-  cv::split(guide, channel.data());
-  const cv::Mat mean_mask = boxed(mask, radius);
-  std::array<std::array<cv::Mat, 3>, 3> covariance;
-  for (std::size_t c = 0; c < 3; ++c) mean[c] = boxed(channel[c], radius);
-  for (std::size_t c = 0; c < 3; ++c) {
-    covariance_with[c] = boxed(channel[c].mul(mask), radius) - mean[c].mul(mean_mask);
-    for (std::size_t d = c; d < 3; ++d)
-      covariance[c][d] = boxed(channel[c].mul(channel[d]), radius) - mean[c].mul(mean[d]);
-  }
-  std::array<cv::Mat, 3> slope;
-  for (auto& of : slope) of.create(guide.size(), CV_32F);
-  cv::Mat offset(guide.size(), CV_32F);
-  for (int y = 0; y < guide.rows; ++y)
-    for (int x = 0; x < guide.cols; ++x) {
-      cv::Matx33f matrix;
-      cv::Vec3f pull, centre;
-      for (int c = 0; c < 3; ++c) {
-        const auto i = static_cast<std::size_t>(c);
-        pull[c] = covariance_with[i].at<float>(y, x);
-        centre[c] = mean[i].at<float>(y, x);
-        for (int d = c; d < 3; ++d)
-          matrix(c, d) = matrix(d, c) = covariance[i][static_cast<std::size_t>(d)].at<float>(y, x);
-        matrix(c, c) += smooth;
-      }
-      const cv::Vec3f a = matrix.solve(pull, cv::DECOMP_CHOLESKY);
-      for (int c = 0; c < 3; ++c) slope[static_cast<std::size_t>(c)].at<float>(y, x) = a[c];
-      offset.at<float>(y, x) = mean_mask.at<float>(y, x) - a.dot(centre);
-    }
-  cv::Mat result = boxed(offset, radius);
-  for (std::size_t c = 0; c < 3; ++c) result += boxed(slope[c], radius).mul(channel[c]);
-  return result;
-}
 
 // Pieces of a kind that no stroke of it touches become the other kind.
 void keep_stroked(cv::Mat& labels, const Image<Stroke>& strokes, const cv::Rect& box, Stroke kind) {
@@ -68,6 +27,20 @@ void keep_stroked(cv::Mat& labels, const Image<Stroke>& strokes, const cv::Rect&
     for (int x = 0; x < labels.cols; ++x)
       if (const int piece = pieces.at<int>(y, x); piece > 0 && !stroked[static_cast<std::size_t>(piece)])
         labels.at<std::uint8_t>(y, x) = kind == Stroke::hidden ? cv::GC_PR_BGD : cv::GC_PR_FGD;
+}
+
+// A mask of 0 and 1 made to follow what a few pixels of the picture show of leaves and branches.
+Image<float> softened(const cv::Mat& view, const cv::Mat& mask, int radius) {
+  constexpr double kFlat = 1e-4;
+  Image<glm::vec3> guide(view.cols, view.rows);
+  Image<float> input(view.cols, view.rows);
+  for (int y = 0; y < view.rows; ++y)
+    for (int x = 0; x < view.cols; ++x) {
+      const auto& pixel = view.at<cv::Vec3b>(y, x);
+      guide.at(x, y) = glm::vec3(pixel[0], pixel[1], pixel[2]) / 255.0F;
+      input.at(x, y) = mask.at<float>(y, x);
+    }
+  return guided_filter(guide, input, radius, kFlat);
 }
 
 }  // namespace
@@ -128,10 +101,9 @@ Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke
       free.at<float>(y, x) = label == cv::GC_BGD || label == cv::GC_PR_BGD ? 1.0F : 0.0F;
     }
   if (options.soft_px > 0.0) {
-    cv::Mat guide, hard, to_free_edge, to_hidden_edge;
-    view.convertTo(guide, CV_32FC3, 1.0 / 255.0);
     const int radius = std::max(1, static_cast<int>(std::lround(options.soft_px)));
-    const cv::Mat soft = guided(guide, free, radius, 1e-4F);
+    const Image<float> soft = softened(view, free, radius);
+    cv::Mat hard, to_free_edge, to_hidden_edge;
     free.convertTo(hard, CV_8UC1, 255.0);
     cv::distanceTransform(hard, to_hidden_edge, cv::DIST_L2, cv::DIST_MASK_PRECISE);
     cv::distanceTransform(255 - hard, to_free_edge, cv::DIST_L2, cv::DIST_MASK_PRECISE);
@@ -139,7 +111,7 @@ Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke
     for (int y = 0; y < box.height; ++y)
       for (int x = 0; x < box.width; ++x) {
         const float from_edge = std::max(to_hidden_edge.at<float>(y, x), to_free_edge.at<float>(y, x));
-        if (from_edge <= reach) free.at<float>(y, x) = std::clamp(soft.at<float>(y, x), 0.0F, 1.0F);
+        if (from_edge <= reach) free.at<float>(y, x) = std::clamp(soft.at(x, y), 0.0F, 1.0F);
       }
   }
 

@@ -5,7 +5,7 @@ set(AIR_SOURCES
   sensitivity_error.cpp sky_colours.cpp
   horizon_strips.cpp horizon_clear_sky.cpp horizon_lowest_sky.cpp horizon_sky_ring.cpp airlight.cpp
   measured_sky.cpp object_light.cpp site_sky.cpp clear_sky_light.cpp retarget.cpp
-  land_around.cpp picture_noise.cpp picture_paths.cpp guided_filter.cpp depth_from_haze.cpp
+  land_around.cpp picture_noise.cpp picture_paths.cpp depth_from_haze.cpp
   landmark_contrast.cpp landmark_extinction.cpp landmark_air.cpp air_path.cpp dome.cpp dome_table.cpp)
 set(AIR_LIBRARIES Ceres::ceres opencv_core opencv_imgproc)
 

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/statistics.hpp"
-#include "estimator/guided_filter.hpp"
+#include "calib/guided_filter.hpp"
 
 namespace kasumi {
 namespace {

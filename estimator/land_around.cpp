@@ -7,7 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "estimator/guided_filter.hpp"
+#include "calib/guided_filter.hpp"
 #include "estimator/picture_paths.hpp"
 
 namespace kasumi {

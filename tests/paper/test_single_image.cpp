@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/guided_filter.hpp"
+#include "calib/guided_filter.hpp"
 #include "tests/paper/single_image.hpp"
 
 namespace kasumi::paper {

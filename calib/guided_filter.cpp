@@ -1,4 +1,4 @@
-#include "estimator/guided_filter.hpp"
+#include "calib/guided_filter.hpp"
 
 #include <algorithm>
 #include <array>
