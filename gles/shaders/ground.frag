@@ -21,6 +21,9 @@ uniform mat3 fragment_to_patch;
 uniform float layer_unit;
 #endif
 
+const float kLeastShadow = 0.0005;  // of the light: less is not drawn
+const float kMapOfGround_m = 10.0;  // nearer, to be hidden: the map of depth shows the ground itself as well, about here
+
 void main() {
   vec3 normal = normalize(v_normal);
   if (!gl_FrontFacing) normal = -normal;
@@ -31,7 +34,7 @@ void main() {
 #if defined(FOREGROUND)
   kept = mix(vec3(1.0), kept, texture2D(foreground, place).r);
 #endif
-  if (kept.g > 0.9995) discard;
+  if (kept.g > 1.0 - kLeastShadow) discard;
   vec3 light = light_of(clamp(camera_at(place), 0.0, 1.0)) * kept;
 #if defined(HAZE_PER_FRAGMENT)
   light += v_airlight * (1.0 - attenuation(v_path)) * (1.0 - kept);
@@ -41,9 +44,9 @@ void main() {
   gl_FragColor = vec4(encoded(light) + dither(gl_FragCoord.xy) / 255.0, 1.0);
 #else
   float alpha = 1.0 - kept.g;
-  if (alpha < 0.0005) discard;
+  if (alpha < kLeastShadow) discard;
 #if defined(SCENE_DEPTH)
-  if (is_hidden(1.0 / gl_FragCoord.w - 10.0)) discard;  // the map shows the ground itself as well, about here
+  if (is_hidden(1.0 / gl_FragCoord.w - kMapOfGround_m)) discard;
 #endif
 #if defined(NO_AIR)
   vec3 passed_on = vec3(1.0);

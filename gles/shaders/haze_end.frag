@@ -15,6 +15,7 @@ void main() {
   vec4 faded = texture2D(light, place);
 #endif
   vec3 seen = clamp(faded.rgb + (1.0 - faded.a) * airlight, 0.0, 1.0);
-  vec3 encoded = mix(1.055 * pow(seen, vec3(1.0 / 2.4)) - 0.055, 12.92 * seen, step(seen, vec3(0.0031308)));
+  const float slope = 12.92, offset = 0.055, scale = 1.055, exponent = 2.4, linear_end = 0.0031308;  // IEC 61966-2-1
+  vec3 encoded = mix(scale * pow(seen, vec3(1.0 / exponent)) - offset, slope * seen, step(seen, vec3(linear_end)));
   gl_FragColor = vec4(encoded, 1.0);
 }

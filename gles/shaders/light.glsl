@@ -9,14 +9,16 @@ varying vec3 v_to_eye;         // world
 #endif
 
 #if defined(REFLECTS)
+const float kSunDisc = 5.4e-6;  // its solid angle over 4 pi (base/sun_disc.hpp)
+
 // GGX's lobe of the sun with Schlick's Fresnel, times pi. The sun's disc widens it: what is seen of a smooth mirror is the
-// disc's own radiance (its solid angle over 4 pi).
+// disc's own radiance.
 vec3 sun_lobe(vec3 n, vec3 eye, float across, float roughness, vec3 f0, vec3 f90) {
   float towards = dot(n, sun_direction);
   if (towards <= 0.0) return vec3(0.0);
   vec3 facet = normalize(eye + sun_direction);
   float nh = clamp(dot(n, facet), 0.0, 1.0);
-  float a2 = pow(roughness, 4.0) + 5.4e-6;
+  float a2 = pow(roughness, 4.0) + kSunDisc;
   float spread = 1.0 - nh * nh + nh * nh * a2;
   float hidden = towards * sqrt(across * across * (1.0 - a2) + a2) + across * sqrt(towards * towards * (1.0 - a2) + a2);
   float edge = pow(1.0 - clamp(dot(eye, facet), 0.0, 1.0), 5.0);
@@ -25,8 +27,9 @@ vec3 sun_lobe(vec3 n, vec3 eye, float across, float roughness, vec3 f0, vec3 f90
 
 // What goes back after reflections between facets, of what is reflected once (Fdez-Aguera 2019). `all`: reflected once by
 // a white one.
+const float kMeanOfEdge = 21.0;  // Schlick's edge averages to a 21st over the half sphere
 vec3 from_between(vec3 once, vec3 f0, vec3 f90, float all) {
-  vec3 mean = f0 + (f90 - f0) / 21.0;
+  vec3 mean = f0 + (f90 - f0) / kMeanOfEdge;
   return once * mean * (1.0 - all) / (1.0 - mean * (1.0 - all));
 }
 

@@ -18,6 +18,11 @@ uniform mat3 fragment_to_patch;  // 0..1 across the tile
 uniform float layer_unit;      // N that full scale of the layer stands for
 #endif
 
+#if !defined(FINAL_COLOUR)
+// The sun in a mirror is brighter than half floats hold; nothing that bright is told from white.
+const float kBrightest = 60000.0;
+#endif
+
 void main() {
   Surface surface = surface_here();
 #if defined(ALPHA_BLEND)
@@ -51,8 +56,7 @@ void main() {
 #endif
   vec2 at = (fragment_to_patch * vec3(gl_FragCoord.xy, 1.0)).xy;
   vec3 rho = radiance / (horizon_patch[0] + horizon_patch[1] * at.x + (horizon_patch[2] + horizon_patch[3] * at.x) * at.y);
-  // The sun in a mirror is brighter than half floats hold; nothing that bright is told from white.
-  vec3 seen = min((rho * passed + 1.0 - passed) / layer_unit, 60000.0);
+  vec3 seen = min((rho * passed + 1.0 - passed) / layer_unit, kBrightest);
 #if defined(LAYER_IN_8_BITS)
   seen += dither(gl_FragCoord.xy) / 255.0;
 #endif

@@ -18,7 +18,8 @@ vec4 mean_around(vec2 centre) {
 }
 
 #if defined(CHROMA_COLUMNS)
-vec3 grey_of(vec3 light) { return vec3(dot(light, vec3(0.299, 0.587, 0.114))); }
+const vec3 kLuma = vec3(0.299, 0.587, 0.114);  // Rec. 601, by which the camera made its chroma
+vec3 grey_of(vec3 light) { return vec3(dot(light, kLuma)); }
 
 // What the pixels of a block share is the object's own difference from grey, each weighted by its coverage: the
 // brightness stays every pixel's own, and where the object is not, nothing changes.

@@ -3,16 +3,19 @@
 #if defined(RESPONSE_SRGB)
 // IEC 61966-2-1, the powers as polynomials fitted for least largest error: .009 of a step of 255 in encoding, .005 of
 // 1/255 of light in decoding. A fifth of the time of pow.
+const float kSlope = 12.92;
+const float kLinearEnd = 0.04045;          // encoded
+const float kRootOfLinearEnd = 0.0559535;  // of its light
 vec3 encoded_root(vec3 root) {
   vec3 s = min(root, 1.0);
   vec3 r = sqrt(s);
   vec3 power = -0.06461152 + r * (0.19613576 + r * (1.12268187 + r * (-0.33550179 + r * 0.08133006)));
-  return mix(12.92 * s * s, power, step(0.0559535, s));
+  return mix(kSlope * s * s, power, step(kRootOfLinearEnd, s));
 }
 vec3 light_of(vec3 code) {
   vec3 power =
       0.00101054 + code * (0.03015452 + code * (0.5388562 + code * (0.61139626 + code * (-0.24117983 + code * 0.05978329))));
-  return mix(code / 12.92, power, step(0.04045, code));
+  return mix(code / kSlope, power, step(kLinearEnd, code));
 }
 #elif defined(RESPONSE_TABLE)
 // Each texel holds an entry and its successor as 16-bit numbers in two channels each; rows 0-2: light of code, rows

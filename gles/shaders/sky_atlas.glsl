@@ -2,6 +2,10 @@
 uniform sampler2D sky_atlas;
 uniform vec2 sky_unit;  // full scale of the mirrors' squares, of the last
 
+const float kSquare = 65.0;  // texels along a side of a square: 32 either way of its middle one
+const vec2 kAtlas = vec2(8.0 * kSquare, kSquare);
+const float kTableSteps = 31.0;  // of the first square's table, along each side
+
 // The octahedron's map, -1 .. 1.
 vec2 on_map(vec3 towards) {
   vec3 d = towards / (abs(towards.x) + abs(towards.y) + abs(towards.z));
@@ -9,8 +13,8 @@ vec2 on_map(vec3 towards) {
   return d.z >= 0.0 ? d.xy : vec2(d.x >= 0.0 ? over.x : -over.x, d.y >= 0.0 ? over.y : -over.y);
 }
 vec3 in_square(float square, vec2 place) {
-  vec2 texels = vec2(65.0 * square + 32.5, 32.5) + 32.0 * place;
-  vec4 texel = texture2D(sky_atlas, texels / vec2(520.0, 65.0));
+  vec2 texels = vec2(kSquare * square + 0.5 * kSquare, 0.5 * kSquare) + 0.5 * (kSquare - 1.0) * place;
+  vec4 texel = texture2D(sky_atlas, texels / kAtlas);
   vec3 root = texel.rgb * texel.a;
   return (square < 6.5 ? sky_unit.x : sky_unit.y) * root * root;
 }
@@ -29,6 +33,6 @@ vec3 mirrored_sky(vec3 image, float roughness) {
 // Of an even light around, reflected once: of a white mirror, and the part that Fresnel's edge gives. What of the sky is
 // seen in it: how far the image leans from the normal to the mirror's, and the roughness it is blurred by.
 vec4 given_back(float across, float roughness) {
-  return texture2D(sky_atlas, (vec2(sqrt(across), roughness) * 31.0 + 0.5) / vec2(520.0, 65.0));
+  return texture2D(sky_atlas, (vec2(sqrt(across), roughness) * kTableSteps + 0.5) / kAtlas);
 }
 #endif

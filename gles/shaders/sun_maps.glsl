@@ -5,13 +5,19 @@ uniform float sun_map_texels;  // along a side of one map
 
 // 16 points for as many parts of the disc, which has radius 1: 4 on a ring and 12 on one around it, so that their mean
 // and their spread are the disc's in every direction.
+const float kTurn = 6.2831853;
+const float kInnerRing = 0.3535534;  // radii: sqrt(1/8) and sqrt(5/8)
+const float kOuterRing = 0.7905694;
+const float kOuterTurned = 0.05;  // of a turn, so that no two points lie in line with the middle
 vec2 sun_point(float number) {
   float outer = step(3.5, number);
-  float turn = 6.2831853 * ((number - 4.0 * outer) / mix(4.0, 12.0, outer) + 0.05 * outer);
-  return mix(0.3535534, 0.7905694, outer) * vec2(cos(turn), sin(turn));
+  float turn = kTurn * ((number - 4.0 * outer) / mix(4.0, 12.0, outer) + kOuterTurned * outer);
+  return mix(kInnerRing, kOuterRing, outer) * vec2(cos(turn), sin(turn));
 }
-// Each map's texels lie elsewhere within one (Roberts 2018), so that together they are as good as finer ones.
+// Each map's texels lie elsewhere within one (Roberts 2018's sequence of two dimensions), so that together they are as good
+// as finer ones.
+const vec2 kRoberts = vec2(0.7548777, 0.5698403);
 vec2 place_in_map(vec3 point, float number) {
   return point.xy + (point.z - 0.5) * sun_spread * sun_point(number) + 0.5 * sun_map_texels +
-         fract(number * vec2(0.7548777, 0.5698403)) - 0.5;
+         fract(number * kRoberts) - 0.5;
 }

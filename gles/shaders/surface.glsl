@@ -48,7 +48,8 @@ struct Surface {
 
 vec3 decoded_colour(vec3 code) {
 #if defined(DECODE_TEXTURE)
-  return mix(code / 12.92, pow((code + 0.055) / 1.055, vec3(2.4)), step(0.04045, code));
+  const float slope = 12.92, offset = 0.055, scale = 1.055, exponent = 2.4, linear_end = 0.04045;  // IEC 61966-2-1
+  return mix(code / slope, pow((code + offset) / scale, vec3(exponent)), step(linear_end, code));
 #else
   return code;
 #endif
