@@ -388,7 +388,7 @@ double reference_light(const ResponseCurve& response, int channel, double code) 
 
 double reference_code(const ResponseCurve& response, int channel, double light) {
   double low = 0.0, high = 1.0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {  // to a billionth
     const double middle = 0.5 * (low + high);
     (reference_light(response, channel, middle) < light ? low : high) = middle;
   }
@@ -401,14 +401,20 @@ ReferencePicture render_reference(const ReferenceScene& scene, const Image<Rgb8>
   ReferencePicture picture{Image<glm::dvec3>(w, h), Image<glm::dvec4>(w, h, glm::dvec4{0.0}),
                            Image<glm::dvec3>(w, h, glm::dvec3{0.0})};
   Tracer(scene).trace(samples, picture);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      glm::dvec4& object = picture.layer.at(x, y);
-      glm::dvec3& taken = picture.taken.at(x, y);
-      if (!scene.mask.empty()) {
-        object *= scene.mask.at(x, y) / 255.0;
-        taken *= scene.mask.at(x, y) / 255.0;
+  if (!scene.mask.empty())
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        picture.layer.at(x, y) *= scene.mask.at(x, y) / 255.0;
+        picture.taken.at(x, y) *= scene.mask.at(x, y) / 255.0;
       }
+  return before_picture(std::move(picture), scene, camera);
+}
+
+ReferencePicture before_picture(ReferencePicture picture, const ReferenceScene& scene, const Image<Rgb8>& camera) {
+  for (int y = 0; y < scene.view.height; ++y)
+    for (int x = 0; x < scene.view.width; ++x) {
+      const glm::dvec4& object = picture.layer.at(x, y);
+      const glm::dvec3& taken = picture.taken.at(x, y);
       const glm::dvec3 airlight = bilinear(scene.measured, {x, y});
       for (int c = 0; c < 3; ++c) {
         const double code = camera.at(x, y)[c] / 255.0;

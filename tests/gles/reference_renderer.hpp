@@ -37,6 +37,8 @@ std::vector<glm::dvec2> pixel_centre();
 // `camera`: the encoded picture behind the object.
 ReferencePicture render_reference(const ReferenceScene& scene, const Image<Rgb8>& camera,
                                   const std::vector<glm::dvec2>& samples);
+// The same object and shadow before another picture.
+ReferencePicture before_picture(ReferencePicture rendered, const ReferenceScene& scene, const Image<Rgb8>& camera);
 
 // Exact response both ways, one channel.
 double reference_light(const ResponseCurve& response, int channel, double code);
