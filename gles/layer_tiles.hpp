@@ -36,7 +36,7 @@ constexpr std::array<std::array<int, 2>, 17> kLatticeOffsets{{{0, 0},
                                                               {-1, 2},
                                                               {1, -2}}};
 inline const double kSamplesPerPixel = std::sqrt(17.0);  // along the lattice's axes
-constexpr int kLatticeSize = 1024;     // of the buffer that holds a tile's samples
+constexpr int kLatticeSize = 1024;                       // of the buffer that holds a tile's samples
 
 // Columns of a matrix that acts on (x, y, 1).
 glm::dmat3 affine(const glm::dvec3& x_row, const glm::dvec3& y_row);
