@@ -12,12 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kBufferDeadline = 250ms;
-constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: the display is opened anew
-constexpr Duration kDisplayInterval = 1s;   // between tries to open one
-constexpr Duration kDisplayPause = 250ms;   // the same when displays are said to come and go
-constexpr Duration kGlance = 100ms;         // how often what costs nothing is looked at
-constexpr Duration kShowAgain = 1s;         // a picture without news: the loop's sign of life
+constexpr Duration kGlance = 100ms;  // how often what costs nothing is looked at
+constexpr Duration kShowAgain = 1s;  // a picture without news: the loop's sign of life
 constexpr Duration kFadeStep = 33ms;
 constexpr Duration kTellInterval = 500ms;
 
@@ -55,23 +51,23 @@ bool is_fading(const Rung& rung) {
 
 RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Exchange& exchange)
     : content_(std::move(content)),
-      devices_(devices),
       clock_(clock),
       exchange_(exchange),
-      watch_(devices.watch_displays()),
       watchdog_(notifier),
       ladder_(content_->config.ladder),
-      try_display_at_(clock.now()),
-      tried_display_at_(clock.now() - kDisplayPause),
+      screen_(content_, devices, clock, watchdog_, news_.display),
       shown_at_(clock.now()),
       minute_began_(clock.now()) {}
 
 Instant RenderLoop::step() {
   take_news();
   take_content();
-  if (!screen_) look_for_screen();
+  if (!screen_.is_open() && screen_.look()) {
+    shown_.reset();
+    picture_at_.reset();  // the new stage has none
+  }
   climb();
-  if (screen_) {
+  if (screen_.is_open()) {
     note_flips();
     if (!rest() && is_due(clock_.now())) present();
     note_flips();
@@ -80,8 +76,8 @@ Instant RenderLoop::step() {
   }
   tell();
   const auto now = clock_.now();
-  if (!screen_) return watch_ ? std::min(try_display_at_, now + kGlance) : try_display_at_;
-  if (screen_->off) return now + kGlance;
+  if (!screen_.is_open()) return screen_.next_look(now + kGlance);
+  if (screen_.is_off()) return now + kGlance;
   return is_fading(news_.rung) ? now + kFadeStep : std::min(shown_at_ + kShowAgain, now + kGlance);
 }
 
@@ -89,26 +85,16 @@ void RenderLoop::take_content() {
   if (auto content = exchange_.content.render.take()) new_content_ = std::move(*content);
   // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
   // it.
-  const bool is_seen = screen_ && news_.rung.still < 1.0 && !is_closed();
+  const bool is_seen = screen_.is_open() && news_.rung.still < 1.0 && !is_closed();
   if (!new_content_ || (is_seen && !waiting_)) return;
   const auto content = std::exchange(new_content_, nullptr);
-  const bool other_display = content->config.display != content_->config.display;
-  if (screen_ && !other_display) {
-    auto stage = Stage::create(screen_->display->context(), content);
-    if (!stage) {
-      spdlog::error("the new content cannot be drawn, the old one stays: {}", stage.error().message);
-      return;
-    }
-    screen_->stage = std::move(*stage);
+  if (auto adopted = screen_.adopt(content); !adopted) {
+    spdlog::error("the new content cannot be drawn, the old one stays: {}", adopted.error().message);
+    return;
   }
   content_ = content;
-  air_.reset();
   ladder_.adopt(patient_with(content_->config.ladder, camera_.frame_interval));
   shown_.reset();
-  if (other_display) {
-    screen_.reset();
-    try_display_at_ = clock_.now();
-  }
 }
 
 void RenderLoop::take_news() {
@@ -170,101 +156,47 @@ bool RenderLoop::is_due(Instant now) const {
   return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kShowAgain;
 }
 
-void RenderLoop::look_for_screen() {
-  if (watch_ && watch_->take_change()) try_display_at_ = std::min(try_display_at_, tried_display_at_ + kDisplayPause);
-  if (clock_.now() >= try_display_at_) open_screen();
-}
-
-void RenderLoop::open_screen() {
-  const auto now = clock_.now();
-  tried_display_at_ = now;
-  try_display_at_ = now + kDisplayInterval;
-  auto display = devices_.open_display(content_->config.display);
-  auto stage = display ? Stage::create((*display)->context(), content_, std::exchange(air_, std::nullopt))
-                       : tl::unexpected(display.error());
-  if (!stage) {
-    news_.display.up = false;
-    news_.display.cause = stage.error().message;
-    if (!display && display.error().kind == FaultKind::disconnected) watchdog_.looked_for_display(now);
-    if (!display_wanted_) spdlog::warn("display: not there: {}", stage.error().message);
-    display_wanted_ = true;
-    return;
-  }
-  display_wanted_ = false;
-  spdlog::info("display: {}, {}", (*display)->description(), (*display)->context().info().renderer);
-  for (const auto& note : stage->notes()) spdlog::info("display: {}", note);
-  news_.display.up = true;
-  news_.display.description = (*display)->description();
-  news_.display.cause.clear();
-  screen_ = Screen{std::move(*display), std::move(*stage)};
-  shown_.reset();
-  picture_at_.reset();  // the new stage has none
-  timeouts_since_.reset();
-}
-
 void RenderLoop::lose_screen(const Fault& fault) {
   if (fault.kind == FaultKind::end_of_stream) {
     closed_ = true;
     return;
   }
-  spdlog::warn("display: lost: {}", fault.message);
-  ++news_.display.resets;
-  news_.display.up = news_.building_drawn = false;
-  news_.display.cause = fault.message;
-  display_wanted_ = true;  // said
+  screen_.lose(fault);
+  news_.building_drawn = false;
   latency_.forget_pending();
-  air_ = screen_->stage.air();
-  screen_.reset();
-  try_display_at_ = clock_.now();
-}
-
-void RenderLoop::endure_timeout(const Fault& fault) {
-  ++news_.display.flip_timeouts;
-  const auto now = clock_.now();
-  if (!timeouts_since_) timeouts_since_ = now - kBufferDeadline;
-  if (now - *timeouts_since_ >= kStuckDisplay) lose_screen(fault);
 }
 
 // Closed: a last black picture, then the screen goes off where it can, and nothing is drawn any more. true: it is off.
 bool RenderLoop::rest() {
-  auto& screen = *screen_;
   if (!is_closed()) {
-    screen.off = screen.stays_on = false;
+    screen_.stay_on();
     return false;
   }
   waiting_.reset();
   picture_at_.reset();  // in the morning nobody shall see yesterday's
-  if (!screen.off && !screen.stays_on && shown_ && shown_->rung.dark >= 1.0) {
-    const auto off = screen.display->turn_off();
-    screen.off = off.has_value();
-    screen.stays_on = !off && off.error().kind == FaultKind::unsupported;
-    if (!off && !screen.stays_on && off.error().kind != FaultKind::timeout) {
+  if (shown_ && shown_->rung.dark >= 1.0)
+    if (auto off = screen_.turn_off(); !off) {
       lose_screen(off.error());
       return true;
     }
-  }
-  if (screen.off) watchdog_.rests(clock_.now());
-  return screen.off;
+  if (screen_.is_off()) watchdog_.rests(clock_.now());
+  return screen_.is_off();
 }
 
 void RenderLoop::present() {
-  auto& display = *screen_->display;
-  const auto target = display.begin(clock_.now() + kBufferDeadline);
-  if (!target)
-    return target.error().kind == FaultKind::timeout ? endure_timeout(target.error()) : lose_screen(target.error());
-  timeouts_since_.reset();
+  const auto target = screen_.begin();
+  if (!target) return lose_screen(target.error());
+  if (!*target) return;
 
   take_news();  // the newest frame there is now
   // The still goes first: the scene's programs may take a driver long to make, and nobody shall see black meanwhile.
-  const bool unseen = screen_->dark || is_closed();
+  const bool unseen = screen_.nothing_shown() || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
-  if (auto drawn = draw(frame ? &*frame : nullptr, *target); !drawn) return lose_screen(drawn.error());
-  if (auto alive = display.context().check_alive(); !alive) return lose_screen(alive.error());
-  const auto number = display.show(frame ? frame->holder : nullptr);
+  if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return lose_screen(drawn.error());
+  const auto number = screen_.show(frame ? frame->holder : nullptr);
   if (!number) return lose_screen(number.error());
 
-  screen_->dark = false;
-  news_.building_drawn = screen_->stage.draws_object() && news_.rung.still < 1.0 && news_.rung.dark < 1.0;
+  news_.building_drawn = screen_.stage().draws_object() && news_.rung.still < 1.0 && news_.rung.dark < 1.0;
   ++news_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;
@@ -274,7 +206,7 @@ void RenderLoop::present() {
 
 // Errors: device.
 Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
-  auto& stage = screen_->stage;
+  auto& stage = screen_.stage();
   const auto uploaded_before = stage.frames().uploaded;
   auto drawn = stage.draw_scene(frame, sky_.report, target);
   if (drawn && frame) picture_at_ = clock_.now();
@@ -288,9 +220,8 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
 }
 
 void RenderLoop::note_flips() {
-  if (!screen_) return;
-  for (const auto& flip : screen_->display->take_flips()) {
-    ++news_.display.flips;
+  if (!screen_.is_open()) return;
+  for (const auto& flip : screen_.take_flips()) {
     latency_.flipped(flip.number, flip.at);
     watchdog_.picture_shown(clock_.now());
   }
@@ -299,7 +230,7 @@ void RenderLoop::note_flips() {
 void RenderLoop::finish() {
   note_flips();
   waiting_.reset();
-  screen_.reset();
+  screen_.close();
   told_.reset();
   tell();
 }

@@ -6,7 +6,7 @@
 
 #include "pipeline/devices.hpp"
 #include "pipeline/exchange.hpp"
-#include "pipeline/stage.hpp"
+#include "pipeline/screen.hpp"
 #include "pipeline/watchdog.hpp"
 
 namespace kasumi {
@@ -24,17 +24,9 @@ class RenderLoop {
   const Rung& rung() const { return news_.rung; }
   const RenderNews& news() const { return news_; }  // of this moment; told to others twice a second
   // The display, for tests; null while there is none.
-  Display* display() { return screen_ ? screen_->display.get() : nullptr; }
+  Display* display() { return screen_.display(); }
 
  private:
-  struct Screen {  // goes and comes as one: all GL objects are the display's context's
-    std::unique_ptr<Display> display;
-    Stage stage;
-    bool dark = true;       // nothing has been shown on it yet
-    bool off = false;       // while closed
-    bool stays_on = false;  // it cannot be turned off
-  };
-
   void take_news();
   void take_content();
   Signs signs() const;
@@ -45,11 +37,7 @@ class RenderLoop {
   std::string words_now() const;
   bool is_due(Instant now) const;
 
-  void look_for_screen();
-  void open_screen();
   void lose_screen(const Fault& fault);
-  void endure_timeout(const Fault& fault);
-
   bool rest();
   void present();
   Result<> draw(const SceneFrame* frame, const DrawTarget& target);
@@ -59,19 +47,12 @@ class RenderLoop {
 
   ContentPtr content_;
   ContentPtr new_content_;  // not yet taken in; null: none
-  Devices& devices_;
   Clock& clock_;
   Exchange& exchange_;
-  std::unique_ptr<DisplayWatch> watch_;
   Watchdog watchdog_;
   Ladder ladder_;
-
-  std::optional<Screen> screen_;
-  std::optional<SceneAir> air_;  // what a stage that is lost had seen
-  Instant try_display_at_;
-  Instant tried_display_at_;
-  bool display_wanted_ = false;            // and said so in the log
-  std::optional<Instant> timeouts_since_;  // no buffer to draw into since then
+  RenderNews news_;
+  Screen screen_;
   bool closed_ = false;
 
   CameraNews camera_;
@@ -79,7 +60,6 @@ class RenderLoop {
   std::optional<SceneFrame> waiting_;  // not yet drawn
   std::optional<Instant> picture_at_;  // when the last good scene picture came
 
-  RenderNews news_;
   LatencyWatch latency_;
   std::optional<Composition> shown_;
   Instant shown_at_;
