@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <ceres/ceres.h>
-#include <ceres/rotation.h>
 #include <fmt/format.h>
 #include <Eigen/Dense>
 #include <glm/geometric.hpp>
@@ -12,192 +10,14 @@
 
 #include "base/geometry.hpp"
 #include "calib/calibration_file.hpp"
+#include "calib/pose_screening.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr int kUnknowns = 7;
-// A turn of the camera about its own axes (radians); then in sigmas of the prior: ln scale, its place.
-using Change = std::array<double, kUnknowns>;
-using Covariance = Eigen::Matrix<double, kUnknowns, kUnknowns>;
-
 constexpr double kStartTolerance = 12.0;  // sigmas: a pair's pose is no better than the pair
-// Of a squared studentised residual, by its degrees of freedom: exceeded once in a thousand.
-constexpr double kContradicted1 = 10.8, kContradicted2 = 13.8;
-constexpr double kUnchecked = 0.1;    // part of an error that shows in the landmark's own residual
-constexpr double kSaysNothing = 0.7;  // of the prior's sigma still left
-
-glm::dmat3 turn(const double* axis_angle) {
-  glm::dmat3 matrix;
-  ceres::AngleAxisToRotationMatrix(axis_angle, &matrix[0][0]);
-  return matrix;
-}
-
-struct Model {
-  glm::dmat3 to_world{1.0};
-  double log_scale = 0.0;  // over the prior's lens
-  glm::dvec3 position_m{0.0};
-
-  Model changed(const double* change, const ScenePrior& prior) const {
-    return {to_world * turn(change), log_scale + prior.scale_sigma * change[3],
-            position_m + prior.position_sigma_m * glm::dvec3{change[4], change[5], change[6]}};
-  }
-};
-
-// The prior's lens, scaled by a number that a fit moves.
-class ScaledLens {
- public:
-  explicit ScaledLens(const LensDescription& description)
-      : lens_(make_lens(description)), centre_(centre_of(description)), focal_px_(focal_px_of(description)) {}
-
-  std::optional<glm::dvec2> project(const glm::dvec3& ray, double log_scale) const {
-    const auto at = lens_->project(ray);
-    if (!at) return std::nullopt;
-    return centre_ + std::exp(log_scale) * (*at - centre_);
-  }
-  std::optional<glm::dvec3> unproject(const glm::dvec2& pixel, double log_scale) const {
-    return lens_->unproject(centre_ + std::exp(-log_scale) * (pixel - centre_));
-  }
-  double focal_px() const { return focal_px_; }
-
- private:
-  LensPtr lens_;
-  glm::dvec2 centre_;
-  double focal_px_;
-};
-
-double sigma_px(const LandmarkSight& sight, double focal_px) {
-  return std::hypot(sight.sigma_px, focal_px * sight.place_sigma_m / std::max(1.0, glm::length(sight.place_m)));
-}
-
-std::optional<glm::dvec2> residual_of(const Model& model, const ScaledLens& lens, const LandmarkSight& sight) {
-  const auto at = lens.project((sight.place_m - model.position_m) * model.to_world, model.log_scale);
-  if (!at) return std::nullopt;
-  return sight.pixel - *at;
-}
-
-// Pixels by which a point is seen above the level line.
-std::optional<double> residual_of(const Model& model, const ScaledLens& lens, const HorizonSight& sight) {
-  const auto ray = lens.unproject(sight.pixel, model.log_scale);
-  if (!ray) return std::nullopt;
-  const glm::dvec3 direction = model.to_world * *ray;
-  const double elevation = std::atan2(direction.z, std::hypot(direction.x, direction.y));
-  return lens.focal_px() * std::exp(model.log_scale) * (elevation + sight.dip.value);
-}
-
-struct Sights {
-  std::span<const LandmarkSight> landmarks;
-  std::span<const HorizonSight> horizon;
-  std::size_t size() const { return landmarks.size() + horizon.size(); }
-};
-
-struct LandmarkCost {
-  const ScaledLens* lens;
-  const ScenePrior* prior;
-  Model from;
-  LandmarkSight sight;
-  bool operator()(const double* change, double* residual) const {
-    const auto off = residual_of(from.changed(change, *prior), *lens, sight);
-    if (!off) return false;
-    const double sigma = sigma_px(sight, lens->focal_px());
-    residual[0] = off->x / sigma;
-    residual[1] = off->y / sigma;
-    return true;
-  }
-};
-
-struct HorizonCost {
-  const ScaledLens* lens;
-  const ScenePrior* prior;
-  Model from;
-  HorizonSight sight;
-  bool operator()(const double* change, double* residual) const {
-    const auto off = residual_of(from.changed(change, *prior), *lens, sight);
-    if (!off) return false;
-    residual[0] = *off / sight.sigma_px;
-    return true;
-  }
-};
-
-// What is held (sigma 0) has no effect on anything else and is kept where it was by this.
-struct PriorCost {
-  const ScenePrior* prior;
-  Model from;
-  bool operator()(const double* change, double* residual) const {
-    const Model model = from.changed(change, *prior);
-    residual[0] = model.to_world[0].z / prior->level_sigma.value;  // how far the picture's right side points up
-    residual[1] = prior->scale_sigma > 0.0 ? model.log_scale / prior->scale_sigma : change[3];
-    for (int i = 0; i < 3; ++i)
-      residual[2 + i] = prior->position_sigma_m > 0.0 ? model.position_m[i] / prior->position_sigma_m : change[4 + i];
-    return true;
-  }
-};
-
-struct Solved {
-  Model model;
-  Covariance covariance;
-  // Of each sight, used or not: residual over sigma and its derivatives; one row for a point of the horizon.
-  std::vector<Eigen::VectorXd> residuals;
-  std::vector<Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>> slopes;
-};
-
-ceres::CostFunction* cost_of(const ScaledLens& lens, const ScenePrior& prior, const Model& from, const Sights& sights,
-                             std::size_t i) {
-  if (i < sights.landmarks.size())
-    return new ceres::NumericDiffCostFunction<LandmarkCost, ceres::CENTRAL, 2, kUnknowns>(
-        new LandmarkCost{&lens, &prior, from, sights.landmarks[i]});
-  return new ceres::NumericDiffCostFunction<HorizonCost, ceres::CENTRAL, 1, kUnknowns>(
-      new HorizonCost{&lens, &prior, from, sights.horizon[i - sights.landmarks.size()]});
-}
-
-// Linearised at the solution. A sight that the model does not see at all has no rows.
-void linearise(Solved& solved, const ScaledLens& lens, const ScenePrior& prior, const Sights& sights,
-               const std::vector<bool>& used) {
-  Change none{};
-  const double* at[] = {none.data()};
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, kUnknowns, Eigen::RowMajor>;
-  const auto evaluate = [&](const ceres::CostFunction& cost, Eigen::VectorXd& residual, Rows& rows) {
-    residual.resize(cost.num_residuals());
-    rows.resize(cost.num_residuals(), kUnknowns);
-    double* slopes[] = {rows.data()};
-    return cost.Evaluate(at, residual.data(), slopes);
-  };
-  Covariance information = Covariance::Zero();
-  Eigen::VectorXd residual;
-  Rows rows;
-  const ceres::NumericDiffCostFunction<PriorCost, ceres::CENTRAL, 5, kUnknowns> known(
-      new PriorCost{&prior, solved.model});
-  if (evaluate(known, residual, rows)) information += rows.transpose() * rows;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    const std::unique_ptr<ceres::CostFunction> cost(cost_of(lens, prior, solved.model, sights, i));
-    const bool seen = evaluate(*cost, residual, rows);
-    solved.residuals.push_back(seen ? residual : Eigen::VectorXd());
-    solved.slopes.push_back(rows.topRows(seen ? rows.rows() : 0));
-    if (seen && used[i]) information += rows.transpose() * rows;
-  }
-  solved.covariance = information.ldlt().solve(Covariance::Identity());
-}
-
-Solved solve(const Model& from, const ScaledLens& lens, const ScenePrior& prior, const Sights& sights,
-             const std::vector<bool>& used) {
-  Change change{};
-  ceres::Problem problem;
-  for (std::size_t i = 0; i < sights.size(); ++i)
-    if (used[i]) problem.AddResidualBlock(cost_of(lens, prior, from, sights, i), nullptr, change.data());
-  problem.AddResidualBlock(
-      new ceres::NumericDiffCostFunction<PriorCost, ceres::CENTRAL, 5, kUnknowns>(new PriorCost{&prior, from}), nullptr,
-      change.data());
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  options.function_tolerance = 1e-12;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  Solved solved{summary.IsSolutionUsable() ? from.changed(change.data(), prior) : from, {}, {}, {}};
-  linearise(solved, lens, prior, sights, used);
-  return solved;
-}
+constexpr double kUnchecked = 0.1;        // part of an error that shows in the landmark's own residual
+constexpr double kSaysNothing = 0.7;      // of the prior's sigma still left
 
 // The rotation that takes one pair of directions to another as well as a rotation can.
 std::optional<glm::dmat3> rotation_between(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& to_a,
@@ -227,18 +47,18 @@ double log_scale_of(const ScaledLens& lens, const glm::dvec2& a, const glm::dvec
 }
 
 struct Start {
-  Model model;
+  PoseModel model;
   std::vector<bool> used;
 };
 
-std::optional<Start> best_pair(const Sights& sights, const ScaledLens& lens, const ScenePrior& prior) {
+std::optional<Start> best_pair(const PoseSights& sights, const ScaledLens& lens, const ScenePrior& prior) {
   std::optional<Start> best;
   double best_score = 0.0;
   const auto& all = sights.landmarks;
   for (std::size_t a = 0; a < all.size(); ++a)
     for (std::size_t b = a + 1; b < all.size(); ++b) {
       const glm::dvec3 to_a = glm::normalize(all[a].place_m), to_b = glm::normalize(all[b].place_m);
-      Model model;
+      PoseModel model;
       model.log_scale = log_scale_of(lens, all[a].pixel, all[b].pixel, angle_between(to_a, to_b), prior.scale_sigma);
       const auto ray_a = lens.unproject(all[a].pixel, model.log_scale);
       const auto ray_b = lens.unproject(all[b].pixel, model.log_scale);
@@ -266,7 +86,7 @@ std::optional<Start> best_pair(const Sights& sights, const ScaledLens& lens, con
 }
 
 // One landmark and a level camera: the horizon says how level.
-Start from_one(const Sights& sights, const ScaledLens& lens) {
+Start from_one(const PoseSights& sights, const ScaledLens& lens) {
   const auto& sight = sights.landmarks.front();
   const glm::dvec3 towards = glm::normalize(sight.place_m);
   Start start{{}, std::vector<bool>(sights.size(), true)};
@@ -282,84 +102,8 @@ Start from_one(const Sights& sights, const ScaledLens& lens) {
   return start;
 }
 
-// chi^2 of the sights used, and what it would be on average with honest sigmas.
-struct Misfit {
-  double chi2 = 0.0, expected = 0.0;
-};
-
-Eigen::MatrixXd explained(const Solved& solved, std::size_t i) {
-  return solved.slopes[i] * solved.covariance * solved.slopes[i].transpose();
-}
-
-Misfit misfit_of(const Solved& solved, const std::vector<bool>& used) {
-  Misfit misfit;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) continue;
-    misfit.chi2 += solved.residuals[i].squaredNorm();
-    misfit.expected += static_cast<double>(solved.residuals[i].size()) - explained(solved, i).trace();
-  }
-  return misfit;
-}
-
-// How far a sight contradicts the others, squared and in units of what is usual; directions in which nothing checks it
-// left aside. `least_checked`: the part of an error that shows at all.
-struct Contradiction {
-  double squared = 0.0;
-  double least_checked = 1.0;
-};
-Contradiction contradiction(const Solved& solved, std::size_t i, bool used) {
-  const auto rows = solved.residuals[i].size();
-  if (rows == 0) return {1e18, 1.0};
-  const Eigen::MatrixXd own = Eigen::MatrixXd::Identity(rows, rows);
-  const Eigen::MatrixXd variance = own + (used ? -1.0 : 1.0) * explained(solved, i);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(variance);
-  Contradiction found{0.0, axes.eigenvalues().minCoeff()};
-  for (int k = 0; k < rows; ++k) {
-    const double along = axes.eigenvectors().col(k).dot(solved.residuals[i]);
-    if (axes.eigenvalues()(k) > 0.01) found.squared += along * along / axes.eigenvalues()(k);
-  }
-  return found;
-}
-
-// Drops what the rest contradicts, the worst first, and takes in again what agrees after all.
-Solved snoop(Model model, const ScaledLens& lens, const ScenePrior& prior, const Sights& sights,
-             std::vector<bool>& used) {
-  std::vector<bool> dropped(sights.size(), false);
-  auto solved = solve(model, lens, prior, sights, used);
-  for (std::size_t round = 0; round < 3 * sights.size(); ++round) {
-    const auto misfit = misfit_of(solved, used);
-    std::optional<std::size_t> worst, best;
-    double most = 1.0, least = 1.0;
-    for (std::size_t i = 0; i < sights.size(); ++i) {
-      const double rows = i < sights.landmarks.size() ? 2.0 : 1.0;
-      const double found = contradiction(solved, i, used[i]).squared;
-      // The others' own scatter, should the sigmas have been too hopeful; two numbers say nothing of scatter.
-      const double rest = misfit.expected - (used[i] ? rows : 0.0);
-      const double scatter = rest >= 2.0 ? (misfit.chi2 - (used[i] ? found : 0.0)) / rest : 1.0;
-      const double share = found / (std::max(1.0, scatter) * (rows == 2.0 ? kContradicted2 : kContradicted1));
-      if (used[i] && share > most) {
-        most = share;
-        worst = i;
-      }
-      if (!used[i] && !dropped[i] && share < least) {
-        least = share;
-        best = i;
-      }
-    }
-    if (!worst && !best) break;
-    if (worst) {
-      used[*worst] = false;
-      dropped[*worst] = true;
-    } else {
-      used[*best] = true;
-    }
-    solved = solve(solved.model, lens, prior, sights, used);
-  }
-  return solved;
-}
-
-void fill_sigma(ScenePose& pose, const Solved& solved, const ScenePrior& prior, double inflation) {
-  const Covariance covariance = inflation * solved.covariance;
+void fill_sigma(ScenePose& pose, const PoseFit& solved, const ScenePrior& prior, double inflation) {
+  const PoseCovariance covariance = inflation * solved.covariance;
   const auto angles_of = [](const glm::dmat3& to_world) {
     const auto a = heading_pitch_roll(to_world);
     return Eigen::Vector3d{a.heading.value, a.pitch.value, a.roll.value};
@@ -367,11 +111,11 @@ void fill_sigma(ScenePose& pose, const Solved& solved, const ScenePrior& prior, 
   Eigen::Matrix3d by_turn;
   constexpr double kStep = 1e-6;
   for (int k = 0; k < 3; ++k) {
-    std::array<double, 3> forward{}, back{};
-    forward[static_cast<std::size_t>(k)] = kStep;
-    back[static_cast<std::size_t>(k)] = -kStep;
+    glm::dvec3 forward{0.0}, back{0.0};
+    forward[k] = kStep;
+    back[k] = -kStep;
     Eigen::Vector3d step =
-        angles_of(pose.to_world * turn(forward.data())) - angles_of(pose.to_world * turn(back.data()));
+        angles_of(pose.to_world * rotation_by(forward)) - angles_of(pose.to_world * rotation_by(back));
     for (int i = 0; i < 3; ++i) step(i) = std::remainder(step(i), 2.0 * kPi);
     by_turn.col(k) = step / (2.0 * kStep);
   }
@@ -400,7 +144,7 @@ void fill_sigma(ScenePose& pose, const Solved& solved, const ScenePrior& prior, 
     }
 }
 
-void tell_undetermined(ScenePose& pose, const Solved& solved, const Sights& sights, const std::vector<bool>& used,
+void tell_undetermined(ScenePose& pose, const PoseFit& solved, const PoseSights& sights, const std::vector<bool>& used,
                        const ScenePrior& prior) {
   auto& tell = pose.undetermined;
   if (pose.sigma.roll.value > kSaysNothing * prior.level_sigma.value)
@@ -431,14 +175,14 @@ Result<ScenePose> pose_scene(std::span<const LandmarkSight> landmarks, std::span
     return fail(FaultKind::bad_input,
                 "{} landmarks: expected at least 2, and 4 to find a wrong one (or 1, and 2 points of the horizon)",
                 landmarks.size());
-  const Sights sights{landmarks, horizon};
+  const PoseSights sights{landmarks, horizon};
   const ScaledLens lens(prior.lens);
   const auto start = one_will_do ? std::optional(from_one(sights, lens)) : best_pair(sights, lens, prior);
   if (!start)
     return fail(FaultKind::bad_input,
                 "no two landmarks fit the picture: expected the right places, pixels, site and focal length");
   auto used = start->used;
-  const auto solved = snoop(start->model, lens, prior, sights, used);
+  const auto solved = fit_without_wrong(start->model, lens, prior, sights, used);
 
   ScenePose pose;
   pose.to_world = solved.model.to_world;
