@@ -9,14 +9,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "calib/daylight_told.hpp"
 #include "calib/non_negative.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr int kBands = 81;
-constexpr double kStep_nm = 5.0;
-using Curve = Eigen::Matrix<double, kBands, 1>;
 using Covariance = Eigen::Matrix<double, kBands, kBands>;
 
 // Of the smooth deviations: standard deviation relative to the mean curve, with a floor of its largest value, and over
@@ -26,37 +24,8 @@ constexpr double kSmooth = 0.3, kFloor = 0.05, kAlike_nm = 20.0, kRough = 1e-3;
 constexpr double kLeastScatter = 5e-4;
 constexpr double kTukey = 4.685;
 
-double band_nm(int i) {
-  return kFirstVisible_nm + kStep_nm * i;
-}
-
-// Sums over 1 nm of what a curve given at the bands, linear between them, sees of S0, S1, S2: one column each.
-const Eigen::Matrix<double, kBands, 3>& daylight_sums() {
-  static const auto sums = [] {
-    Eigen::Matrix<double, kBands, 3> result = Eigen::Matrix<double, kBands, 3>::Zero();
-    for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
-      const int i = std::min(static_cast<int>((nm - kFirstVisible_nm) / kStep_nm), kBands - 2);
-      const double part = (nm - band_nm(i)) / kStep_nm;
-      const auto s = daylight_components(nm);
-      for (int k = 0; k < 3; ++k) {
-        result(i, k) += (1.0 - part) * s[k];
-        result(i + 1, k) += part * s[k];
-      }
-    }
-    return result;
-  }();
-  return sums;
-}
-
-// A channel at the bands, its mean 1.
-Curve curve_of(const SpectralSensitivity& sensitivity, int channel) {
-  Curve curve;
-  for (int i = 0; i < kBands; ++i) curve[i] = sensitivity.at(band_nm(i))[channel];
-  return curve * (kBands / curve.sum());
-}
-
 struct Prior {
-  std::array<Curve, 3> mean;
+  std::array<BandCurve, 3> mean;
   std::array<Covariance, 3> covariance;
 };
 
@@ -69,7 +38,7 @@ Prior prior_of(std::span<const SpectralSensitivity> cameras) {
       mean += curve_of(camera, static_cast<int>(c)) / static_cast<double>(cameras.size());
     Covariance covariance = Covariance::Zero();
     for (const auto& camera : cameras) {
-      const Curve deviation = curve_of(camera, static_cast<int>(c)) - mean;
+      const BandCurve deviation = curve_of(camera, static_cast<int>(c)) - mean;
       covariance += deviation * deviation.transpose() / static_cast<double>(cameras.size() - 1);
     }
     const double peak = mean.maxCoeff();
@@ -83,31 +52,6 @@ Prior prior_of(std::span<const SpectralSensitivity> cameras) {
     prior.covariance[c] = covariance;
   }
   return prior;
-}
-
-// What daylight tells of a camera: for each channel the integrals of q S1 and q S2 over that of q S0.
-using Told = Eigen::Matrix<double, 6, 1>;
-
-Told told_of(const std::array<Curve, 3>& curves) {
-  Told told;
-  for (int c = 0; c < 3; ++c) {
-    const Eigen::Vector3d sums = daylight_sums().transpose() * curves[static_cast<std::size_t>(c)];
-    told[2 * c] = sums[1] / sums[0];
-    told[2 * c + 1] = sums[2] / sums[0];
-  }
-  return told;
-}
-
-// ln of a channel's light of a spectrum over that of S0.
-double log_seen(const Told& told, int channel, const DaylightWeights& spectrum) {
-  return std::log(std::max(1e-6, 1.0 + spectrum.m1 * told[2 * channel] + spectrum.m2 * told[2 * channel + 1]));
-}
-
-constexpr std::array kAgainstGreen{0, 2};  // channels of the two log ratios
-
-glm::dvec2 modelled(const Told& told, const DaylightWeights& spectrum) {
-  const double green = log_seen(told, 1, spectrum);
-  return {log_seen(told, kAgainstGreen[0], spectrum) - green, log_seen(told, kAgainstGreen[1], spectrum) - green};
 }
 
 double median(std::vector<double> values) {
@@ -141,11 +85,11 @@ struct Centred {
   Agreement agreement;
 };
 
-Centred centred(std::span<const SkyColour> colours, const Told& told) {
+Centred centred(std::span<const SkyColour> colours, const DaylightTold& told) {
   Centred result;
   std::array<std::vector<double>, 2> raw;
   for (const auto& colour : colours) {
-    const auto off = colour.log_ratio - modelled(told, colour.spectrum);
+    const auto off = colour.log_ratio - log_ratios(told, colour.spectrum);
     raw[0].push_back(off.x);
     raw[1].push_back(off.y);
   }
@@ -165,17 +109,13 @@ Centred centred(std::span<const SkyColour> colours, const Told& told) {
   return result;
 }
 
-std::array<Curve, 3> curves_of(const SpectralSensitivity& sensitivity) {
-  return {curve_of(sensitivity, 0), curve_of(sensitivity, 1), curve_of(sensitivity, 2)};
-}
-
-// The data, linear about what is told so far: 8 numbers, those of Told and the two offsets.
+// The data, linear about what is told so far: 8 numbers, those of DaylightTold and the two offsets.
 struct Information {
   Eigen::Matrix<double, 8, 8> matrix = Eigen::Matrix<double, 8, 8>::Zero();
   Eigen::Matrix<double, 8, 1> pull = Eigen::Matrix<double, 8, 1>::Zero();
 };
 
-Information information_of(std::span<const SkyColour> colours, const Told& told, const Centred& at) {
+Information information_of(std::span<const SkyColour> colours, const DaylightTold& told, const Centred& at) {
   int pictures = 0;
   for (const auto& colour : colours) pictures = std::max(pictures, colour.picture + 1);
   const double counts = std::min(1.0, kIndependentParts * pictures / static_cast<double>(colours.size()));
@@ -201,11 +141,11 @@ Information information_of(std::span<const SkyColour> colours, const Told& told,
 
 constexpr int kUnknowns = 3 * kBands + 2;
 
-// Rows: how Told and the offsets move with the unknowns.
-Eigen::Matrix<double, 8, kUnknowns> slopes_of(const std::array<Curve, 3>& curves, const Told& told) {
+// Rows: how DaylightTold and the offsets move with the unknowns.
+Eigen::Matrix<double, 8, kUnknowns> slopes_of(const std::array<BandCurve, 3>& curves, const DaylightTold& told) {
   Eigen::Matrix<double, 8, kUnknowns> slopes = Eigen::Matrix<double, 8, kUnknowns>::Zero();
   for (int c = 0; c < 3; ++c) {
-    const Curve s0 = daylight_sums().col(0);
+    const BandCurve s0 = daylight_sums().col(0);
     const double seen = s0.dot(curves[static_cast<std::size_t>(c)]);
     for (int k = 0; k < 2; ++k)
       slopes.block<1, kBands>(2 * c + k, c * kBands) =
@@ -235,17 +175,17 @@ void judge(const Information& information, const Eigen::Matrix<double, 8, kUnkno
   fit.condition = std::sqrt(values[5] / std::max(values[0], 1e-12 * values[5]));
 }
 
-std::array<ChannelPlace, 3> places_of(const std::array<Curve, 3>& curves, const Eigen::MatrixXd& covariance,
+std::array<ChannelPlace, 3> places_of(const std::array<BandCurve, 3>& curves, const Eigen::MatrixXd& covariance,
                                       const Prior& prior) {
   std::array<ChannelPlace, 3> places;
   for (std::size_t c = 0; c < 3; ++c) {
-    const auto mean_of = [](const Curve& curve) {
+    const auto mean_of = [](const BandCurve& curve) {
       double sum = 0.0;
       for (int i = 0; i < kBands; ++i) sum += curve[i] * band_nm(i);
       return sum / curve.sum();
     };
     const auto sigma_of = [](const Covariance& of, double mean) {
-      Curve lever;
+      BandCurve lever;
       for (int i = 0; i < kBands; ++i) lever[i] = (band_nm(i) - mean) / kBands;
       return std::sqrt(std::max(0.0, lever.dot(of * lever)));
     };
@@ -258,8 +198,8 @@ std::array<ChannelPlace, 3> places_of(const std::array<Curve, 3>& curves, const 
 }
 
 // All channels see as much of an even spectrum; the largest value is 1.
-SpectralSensitivity sensitivity_of(const std::array<Curve, 3>& curves) {
-  SpectralSensitivity sensitivity{"estimated from the sky", kFirstVisible_nm, kStep_nm, {}};
+SpectralSensitivity sensitivity_of(const std::array<BandCurve, 3>& curves) {
+  SpectralSensitivity sensitivity{"estimated from the sky", kFirstVisible_nm, kBandStep_nm, {}};
   const double largest = std::max({curves[0].maxCoeff(), curves[1].maxCoeff(), curves[2].maxCoeff()});
   for (int i = 0; i < kBands; ++i)
     sensitivity.samples.push_back(glm::dvec3{curves[0][i], curves[1][i], curves[2][i]} / largest);
@@ -307,7 +247,7 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
     known.block<kBands, kBands>(c * kBands, c * kBands) =
         root.solve(Covariance::Identity()) + Covariance::Constant(kMeanIsOne / kBands);
     pull.segment<kBands>(c * kBands) =
-        root.solve(prior.mean[static_cast<std::size_t>(c)]) + Curve::Constant(kMeanIsOne);
+        root.solve(prior.mean[static_cast<std::size_t>(c)]) + BandCurve::Constant(kMeanIsOne);
   }
 
   auto curves = prior.mean;
@@ -329,7 +269,7 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
     solved = least_non_negative(matrix, wanted, 3 * kBands);
     double moved = 0.0;
     for (int c = 0; c < 3; ++c) {
-      Curve next = solved.x.segment<kBands>(c * kBands);
+      BandCurve next = solved.x.segment<kBands>(c * kBands);
       next *= kBands / next.sum();
       auto& curve = curves[static_cast<std::size_t>(c)];
       moved = std::max(moved, (next - curve).cwiseAbs().maxCoeff() / curve.maxCoeff());
@@ -354,7 +294,7 @@ std::vector<SkyColour> seen_by(const SpectralSensitivity& sensitivity, std::span
   const auto told = told_of(curves_of(sensitivity));
   std::vector<SkyColour> seen(colours.begin(), colours.end());
   for (std::size_t i = 0; i < seen.size(); ++i)
-    seen[i].log_ratio = modelled(told, seen[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
+    seen[i].log_ratio = log_ratios(told, seen[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
   return seen;
 }
 
