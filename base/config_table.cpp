@@ -5,27 +5,10 @@
 #include <set>
 #include <sstream>
 
-#include <toml++/toml.h>
-
+#include "base/config_table_file.hpp"
 #include "base/files.hpp"
 
 namespace kasumi {
-
-struct ConfigTable::File {
-  std::filesystem::path path;
-  toml::table root;
-  Problems problems;
-  std::set<std::string> read;  // full keys somebody asked for
-  std::map<std::string, std::filesystem::path> files;
-  std::map<std::string, std::filesystem::path> adopted;  // full keys, and the file each came from
-  bool missing_excused = false;
-};
-
-struct ConfigTable::Node {
-  const toml::table* table;  // inside File::root, or the empty table for a missing one
-  std::string prefix;        // "sky.lens." or ""
-  bool missing = false;      // already reported: say nothing about its keys
-};
 
 namespace {
 
@@ -62,23 +45,6 @@ void list_keys(const toml::table& table, const std::string& prefix, std::vector<
       for (std::size_t i = 0; i < array->size(); ++i)
         list_keys(*(*array)[i].as_table(), fmt::format("{}[{}].", full, i), keys);
   }
-}
-
-using Changes = std::map<std::string, std::optional<std::string>>;
-
-toml::table changed(const toml::table& table, const std::string& prefix, const Changes& changes) {
-  toml::table copy;
-  for (const auto& [key, node] : table) {
-    const std::string full = prefix + std::string(key.str());
-    if (const auto change = changes.find(full); change != changes.end()) {
-      if (change->second) copy.insert(key.str(), *change->second);
-    } else if (const auto* inner = node.as_table()) {
-      copy.insert(key.str(), changed(*inner, full + ".", changes));
-    } else {
-      copy.insert(key.str(), node);
-    }
-  }
-  return copy;
 }
 
 }  // namespace
@@ -319,36 +285,6 @@ void ConfigTable::ignore(std::string_view key) const {
   file_->read.insert(below.begin(), below.end());
 }
 
-ConfigTable::Adopted ConfigTable::adopt(const ConfigTable& other, std::string_view table, const Rivals& rivals) const {
-  Adopted adopted;
-  const auto* theirs = other.file_->root[table].as_table();
-  if (!theirs) return adopted;
-  auto& root = file_->root;
-  if (!root.contains(table)) root.insert(table, toml::table{});
-  auto* ours = root[table].as_table();
-  if (!ours) return adopted;  // something else by that name: its reader tells
-  const toml::table before = *ours;
-  const auto said_here = [&](std::string_view key) {
-    if (before.contains(key)) return true;
-    for (const auto& set : rivals)
-      if (set.contains(key) &&
-          std::any_of(set.begin(), set.end(), [&](const auto& rival) { return before.contains(rival); }))
-        return true;
-    return false;
-  };
-  for (const auto& [key, node] : *theirs) {
-    const auto full = fmt::format("{}.{}", table, key.str());
-    if (said_here(key.str())) {
-      adopted.overruled.push_back(full);
-      continue;
-    }
-    ours->insert(key.str(), node);
-    file_->adopted[full] = other.origin_of(full);
-    adopted.gained.push_back(full);
-  }
-  return adopted;
-}
-
 void ConfigTable::excuse_missing() const {
   file_->missing_excused = true;
 }
@@ -367,18 +303,6 @@ std::set<std::string> ConfigTable::keys_asked() const {
 
 std::map<std::string, std::filesystem::path> ConfigTable::files_asked() const {
   return file_->files;
-}
-
-std::string ConfigTable::copy_of(std::initializer_list<std::string_view> tables, const Changes& changes) const {
-  toml::table copy;
-  for (const auto name : tables) {
-    if (const auto* table = file_->root[name].as_table())
-      copy.insert(name, changed(*table, std::string(name) + ".", changes));
-    if (const auto* array = file_->root[name].as_array()) copy.insert(name, *array);
-  }
-  std::ostringstream text;
-  text << copy << "\n";
-  return text.str();
 }
 
 Result<> ConfigTable::finish() const {

@@ -32,7 +32,7 @@ const Rooms kMayInclude = {
 // Libraries that serve one purpose stay behind the files that serve it.
 const std::map<std::string, std::set<std::string>> kLibraryHomes = {
     {"ceres/", {"estimator/", "calib/", "fixtures/atmosphere/"}},
-    {"toml++/", {"base/config_table.cpp"}},
+    {"toml++/", {"base/config_table"}},
     {"opencv2/calib3d", {"calib/board.cpp"}},
     {"opencv2/aruco", {"calib/charuco.cpp"}},
     {"tiny_gltf.h", {"gles/", "fixtures/"}},

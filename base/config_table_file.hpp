@@ -1,0 +1,26 @@
+// What ConfigTable keeps of its file: for its own sources alone.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include "base/config_table.hpp"
+
+namespace kasumi {
+
+struct ConfigTable::File {
+  std::filesystem::path path;
+  toml::table root;
+  Problems problems;
+  std::set<std::string> read;  // full keys somebody asked for
+  std::map<std::string, std::filesystem::path> files;
+  std::map<std::string, std::filesystem::path> adopted;  // full keys, and the file each came from
+  bool missing_excused = false;
+};
+
+struct ConfigTable::Node {
+  const toml::table* table;  // inside File::root, or the empty table for a missing one
+  std::string prefix;        // "sky.lens." or ""
+  bool missing = false;      // already reported: say nothing about its keys
+};
+
+}  // namespace kasumi
