@@ -1,7 +1,7 @@
 // The sky as a function of direction (base/dome_function.hpp), what stands before it, and the sun. GLSL ES 1.00 and C++
 // (base/sky_text.hpp) alike. Light is linear sRGB, cd/m2.
 
-const int kAngles = 6;  // kDomeAngles and kDomePowers of base/dome.hpp
+const int kAngles = 6;  // kDomeAngles and kDomePowers of base/dome_function.hpp
 const int kPowers = 7;
 struct DomeSky {
   real horizon_sine;

@@ -8,7 +8,7 @@ namespace kasumi {
 
 constexpr Radians kSunRadius = from_degrees(0.2665);  // penumbras
 constexpr double kSettingSunRadius_deg = 0.2666;      // how much of it stands above the horizon
-constexpr float kDomeSunRadius_rad = 0.004651F;       // what the dome's sun (base/dome.hpp) is drawn with
+constexpr float kDomeSunRadius_rad = 0.004651F;       // what the dome's sun (base/dome_function.hpp) is drawn with
 constexpr double kSunDisc_sr = 6.797e-5;              // of kSunRadius
 
 }  // namespace kasumi

@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "pipeline/camera_file.hpp"
-#include "pipeline/contrast_landmarks.hpp"
+#include "pipeline/descriptions.hpp"
 #include "pipeline/fixture_file.hpp"
 #include "pipeline/foreign_keys.hpp"
 #include "pipeline/run_config.hpp"
