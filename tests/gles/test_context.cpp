@@ -4,6 +4,7 @@
 #include "gles/gl.hpp"
 #include "gles/objects.hpp"
 #include "gles/window.hpp"
+#include "tests/environment.hpp"
 #include "tests/gles/scenes.hpp"
 
 namespace kasumi {
@@ -87,11 +88,12 @@ TEST_F(Contexts, ShaderErrorsCarryTheDriversWords) {
 
 TEST(DeskWindow, ShowsAPictureAndCloses) {
   auto window = open_window({.title = "Kasumi test", .width = 200, .height = 100, .wait_for_refresh = false});
+  std::optional<EnvironmentVariable> driver;
   if (!window) {
     const std::string no_display = window.error().message;
     EXPECT_EQ(window.error().kind, FaultKind::unsupported);
     // SDL's own driver without a display still gives a context where EGL does.
-    setenv("SDL_VIDEODRIVER", "offscreen", 1);
+    driver.emplace("SDL_VIDEODRIVER", "offscreen");
     window = open_window({.title = "Kasumi test", .width = 200, .height = 100, .wait_for_refresh = false});
     if (!window) GTEST_SKIP() << no_display << "; " << window.error().message;
   }
@@ -112,14 +114,8 @@ TEST(DeskWindow, ShowsAPictureAndCloses) {
 }
 
 TEST(DeskWindow, SaysWhenThereIsNoDisplay) {
-  const char* before = std::getenv("SDL_VIDEODRIVER");
-  const std::string kept = before == nullptr ? "" : before;
-  setenv("SDL_VIDEODRIVER", "no-such-driver", 1);
+  const EnvironmentVariable driver("SDL_VIDEODRIVER", "no-such-driver");
   const auto window = open_window({});
-  if (before == nullptr)
-    unsetenv("SDL_VIDEODRIVER");
-  else
-    setenv("SDL_VIDEODRIVER", kept.c_str(), 1);
   ASSERT_FALSE(window);
   EXPECT_EQ(window.error().kind, FaultKind::unsupported);
   EXPECT_THAT(window.error().message, HasSubstr("no-such-driver"));

@@ -6,6 +6,7 @@
 
 #include "gles/gl.hpp"
 #include "gles/headless_display.hpp"
+#include "tests/environment.hpp"
 
 namespace kasumi {
 namespace {
@@ -110,10 +111,11 @@ TEST(HeadlessDisplays, RefuseASizeNoDriverHas) {
 TEST(WindowDisplays, FlipWithTheWindow) {
   ManualClock clock(kNoon);
   auto display = open_window_display({.title = "Kasumi test", .width = 120, .height = 80}, clock);
+  std::optional<EnvironmentVariable> driver;
   if (!display) {
     const std::string no_display = display.error().message;
     // SDL's own driver without a display still gives a context where EGL does.
-    setenv("SDL_VIDEODRIVER", "offscreen", 1);
+    driver.emplace("SDL_VIDEODRIVER", "offscreen");
     display = open_window_display({.title = "Kasumi test", .width = 120, .height = 80}, clock);
     if (!display) GTEST_SKIP() << no_display << "; " << display.error().message;
   }

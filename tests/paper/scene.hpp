@@ -85,8 +85,4 @@ inline Scene scene_at(const Land& land, double turbidity, std::uint64_t seed) {
     }
   return scene;
 }
-inline Scene scene_at(double turbidity, std::uint64_t seed) {
-  return scene_at(land_at({}), turbidity, seed);
-}
-
 }  // namespace kasumi

@@ -12,6 +12,7 @@
 #include "pipeline/photograph.hpp"
 #include "pipeline/picture_sink.hpp"
 #include "pipeline/picture_source.hpp"
+#include "tests/environment.hpp"
 #include "tests/paper/scene.hpp"
 #include "tests/pipeline/program.hpp"
 
@@ -47,8 +48,9 @@ class RetargetCommand : public testing::Test {
     folder = test_folder("retarget");
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
-    const Scene source = scene_at(1.9, 21);
-    target = scene_at(2.94, 22).picture;
+    const auto land = land_at({});
+    const Scene source = scene_at(land, 1.9, 21);
+    target = scene_at(land, 2.94, 22).picture;
     ASSERT_TRUE(write_png(folder / "source.png", source.picture));
     ASSERT_TRUE(write_png(folder / "target.png", target));
     ASSERT_TRUE(write_pfm(folder / "depth.pfm", source.distance_m));
@@ -178,7 +180,7 @@ TEST_F(RetargetCommand, TakesGroundAndWallsForDistances) {
 }
 
 TEST_F(RetargetCommand, ReadsExrAsItReadsPfm) {
-  setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
+  const EnvironmentVariable exr("OPENCV_IO_ENABLE_OPENEXR", "1");
   const auto distances = read_distances(folder / "depth.pfm", std::nullopt).value();
   cv::Mat map(distances.height(), distances.width(), CV_32FC1);
   for (int y = 0; y < map.rows; ++y)

@@ -38,8 +38,8 @@ fixtures::Recipe day(std::uint64_t seed, double turbidity, double clouds) {
   recipe.sky_frames = 9;
   recipe.sky_period_s = 180.0;
   recipe.sky_size = 260;
-  recipe.scene_width = 400;
-  recipe.scene_height = 225;
+  recipe.scene_width = 320;
+  recipe.scene_height = 180;
   recipe.scene_frames = 3;
   recipe.scene_period_s = 600.0;
   return recipe;

@@ -11,6 +11,7 @@
 #include "pipeline/haze_window.hpp"
 #include "pipeline/photograph.hpp"
 #include "pipeline/picture_sink.hpp"
+#include "tests/environment.hpp"
 #include "tests/pipeline/program.hpp"
 
 namespace kasumi {
@@ -164,9 +165,8 @@ TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
   auto window = HazeWindow::open(*task);
   if (!window) {
     const auto no_display = window.error().message;
-    setenv("SDL_VIDEODRIVER", "offscreen", 1);
+    const EnvironmentVariable driver("SDL_VIDEODRIVER", "offscreen");
     window = HazeWindow::open(*task);
-    unsetenv("SDL_VIDEODRIVER");
     if (!window) GTEST_SKIP() << no_display << "; " << window.error().message;
   }
   ASSERT_TRUE(window->step().value());

@@ -188,7 +188,7 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizon
 }
 
 TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
-  auto recipe = small("overcast", 2);
+  auto recipe = small("overcast", 1);
   recipe.truth_frames = 1;
   const auto fixture = recorded(recipe, "light-overcast");
   const auto out = test_folder("light-overcast-out");

@@ -9,7 +9,7 @@
 #include "pipeline/overlay_drawing.hpp"
 #include "pipeline/overlay_shapes.hpp"
 #include "pipeline/replay.hpp"
-#include "tests/places.hpp"
+#include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
 namespace {
@@ -247,28 +247,29 @@ TEST(OverlayDrawing, IsAsLargeAsItIsShown) {
 
 TEST(OverlayInReplay, ChangesThePictureAndNothingThatIsMeasured) {
   if (const auto context = open_headless_context(); !context) GTEST_SKIP() << context.error().message;
-  // The demo with everything that follows the camera: its noise must be the same in every replay.
-  const auto folder = test_output_folder() / "overlay";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  std::filesystem::copy(source_folder() / "fixtures/demo", folder / "fixture",
-                        std::filesystem::copy_options::recursive);
-  auto text = read_text_file(folder / "fixture/fixture.toml").value();
+  // With everything that follows the camera: its noise must be the same in every replay.
+  auto recipe = small("clear-noon", 1);
+  recipe.scene_width = 320;
+  recipe.scene_height = 180;
+  recipe.sky_size = 240;
+  const auto fixture = recorded(recipe, "overlay");
+  auto text = read_text_file(fixture / "fixture.toml").value();
   text.insert(text.find("[scene]\n") + 8, "point_spread_px = 0.5\nshared_chroma = true\n");
   text += "[scene.noise]\nfull_scale_electrons = 2000\nread_electrons = 3\n";
-  ASSERT_TRUE(write_text_file(folder / "fixture/fixture.toml", text));
+  ASSERT_TRUE(write_text_file(fixture / "fixture.toml", text));
   const auto play = [&](const char* out, bool overlay) {
     ReplayRequest request;
-    request.fixture = folder / "fixture";
-    request.out = folder / out;
+    request.fixture = fixture;
+    request.out = test_folder(out);
     request.frames = 1;
     request.overlay = overlay;
     const auto summary = replay(request);
     EXPECT_TRUE(summary) << summary.error().message;
-    return std::pair(read_file(folder / out / "frame-000000.png").value(),
-                     read_file(folder / out / "turbidity.csv").value());
+    return std::pair(read_file(*request.out / "frame-000000.png").value(),
+                     read_file(*request.out / "turbidity.csv").value());
   };
-  const auto plain = play("plain", false), again = play("again", false), overlaid = play("overlaid", true);
+  const auto plain = play("overlay-none", false), again = play("overlay-again", false),
+             overlaid = play("overlay-drawn", true);
   EXPECT_TRUE(plain == again) << "the same fixture, the same bits";
   EXPECT_FALSE(overlaid.first == plain.first);
   EXPECT_TRUE(overlaid.second == plain.second) << "turbidity.csv";

@@ -59,7 +59,7 @@ TEST(Replay, TheSameFixtureGivesTheSamePicturesBitForBit) {
 }
 
 TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
-  const auto fixture = recorded(small("overcast", 2), "overcast");
+  const auto fixture = recorded(small_scene("overcast", 2), "overcast");
   const auto summary = played(fixture, test_folder("overcast-out"));
   EXPECT_EQ(summary.pictures, 2u);
   EXPECT_EQ(summary.usable_sky_frames, 0u);
@@ -68,7 +68,7 @@ TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
 }
 
 TEST(Replay, ACoveredLensIsToldFromBadWeather) {
-  const auto fixture = recorded(small("covered-lens", 2), "covered");
+  const auto fixture = recorded(small_scene("covered-lens", 2), "covered");
   const auto summary = played(fixture, test_folder("covered-out"));
   EXPECT_EQ(summary.usable_sky_frames, 0u);
   ASSERT_TRUE(summary.last);
@@ -76,7 +76,8 @@ TEST(Replay, ACoveredLensIsToldFromBadWeather) {
 }
 
 TEST(Replay, EveryFaultOfTheFormatIsSkippedAndCounted) {
-  auto recipe = small("clear-noon", 12);
+  auto recipe = small_scene("clear-noon", 12);
+  recipe.sky_size = 240;
   recipe.faults = true;
   const auto fixture = recorded(recipe, "faults");
   const auto summary = played(fixture, test_folder("faults-out"));
@@ -85,7 +86,7 @@ TEST(Replay, EveryFaultOfTheFormatIsSkippedAndCounted) {
 }
 
 TEST(Replay, NoMorePicturesThanAskedFor) {
-  const auto fixture = recorded(small("clear-noon", 3), "two");
+  const auto fixture = recorded(small_scene("clear-noon", 3), "two");
   const auto summary = replay({fixture, test_folder("two-out"), false, false, 2, {}});
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_EQ(summary->pictures, 2u);
@@ -99,7 +100,7 @@ TEST(Replay, AFixtureThatIsNotThereIsNamed) {
 }
 
 TEST(Replay, EveryProblemOfADescriptionIsToldAtOnce) {
-  const auto fixture = recorded(small("clear-noon", 1), "broken-toml");
+  const auto fixture = recorded(small_scene("clear-noon", 1), "broken-toml");
   auto text = read_text_file(fixture / "fixture.toml").value();
   const auto put = [&](const std::string& from, const std::string& to) {
     const auto at = text.find(from);
@@ -117,7 +118,7 @@ TEST(Replay, EveryProblemOfADescriptionIsToldAtOnce) {
 }
 
 TEST(Replay, ADamagedModelIsAMessage) {
-  const auto fixture = recorded(small("clear-noon", 1), "broken-model");
+  const auto fixture = recorded(small_scene("clear-noon", 1), "broken-model");
   auto bytes = read_file(fixture / "temple.glb").value();
   bytes.resize(bytes.size() / 2);
   ASSERT_TRUE(write_file(fixture / "temple.glb", bytes));

@@ -8,7 +8,7 @@ namespace kasumi {
 namespace {
 
 TEST(Replay, InRealTimeTheSkyRunsBesideTheScene) {
-  auto recipe = small("clear-noon", 3);
+  auto recipe = small_scene("clear-noon", 3);
   recipe.sky_period_s = recipe.scene_period_s = 0.2;
   const auto fixture = recorded(recipe, "realtime");
   const auto summary = replay({fixture, test_folder("realtime-out"), false, true, std::nullopt, {}});

@@ -11,6 +11,7 @@
 #include "tests/estimator/sky/cramer_rao.hpp"
 #include "tests/estimator/sky/dome_samples.hpp"
 #include "tests/estimator/sky/synthetic_sky.hpp"
+#include "tests/figures.hpp"
 
 namespace kasumi::test {
 namespace {
@@ -41,10 +42,13 @@ class DomeFit : public testing::TestWithParam<double> {};
 
 TEST_P(DomeFit, ThePicturesOfADomeTellItsAerosol) {
   const double clouds = GetParam();
+  // The ends of what the table holds.
+  const auto suns_deg = figure_cases<double>("suns", {30.0, 75.0}, {30.0, 52.0, 75.0});
+  const auto turbidities = figure_cases<double>("turbidities", {1.7, 9.5}, {1.7, 2.0, 3.0, 5.0, 9.5});
   for (const double altitude_m : {0.0, 3000.0})
-    for (const double sun_zenith_deg : {30.0, 52.0, 75.0}) {
+    for (const double sun_zenith_deg : suns_deg) {
       fmt::print("{:.0f} % clouds, {:4.0f} m, sun {:.0f} deg:", 100 * clouds, altitude_m, sun_zenith_deg);
-      for (const double turbidity : {1.7, 2.0, 3.0, 5.0, 9.5}) {
+      for (const double turbidity : turbidities) {
         const auto [found, bound] = look_at(altitude_m, turbidity, sun_zenith_deg, clouds, SiteSkyModel::dome);
         fmt::print("  {} {:.2f} +- {:.2f} ({:.2f})", turbidity, found.turbidity.value, found.sigma, bound);
         EXPECT_TRUE(found.usable) << found.reason;
@@ -56,7 +60,7 @@ TEST_P(DomeFit, ThePicturesOfADomeTellItsAerosol) {
 INSTANTIATE_TEST_SUITE_P(Clouds, DomeFit, testing::Values(0.0, 0.3));
 
 TEST(DomeFit, SkiesOfTheSpectralAtmosphereAreFoundBetweenTheNodesOfTheTable) {
-  for (const double turbidity : {2.0, 3.9, 8.2}) {
+  for (const double turbidity : figure_cases<double>("turbidities", {8.2}, {2.0, 3.9, 8.2})) {
     const reference::ReferenceSky atmosphere(reference::Air{.turbidity = turbidity}, 40.0);
     for (const double altitude_m : {400.0, 2200.0})
       for (const double sun_zenith_deg : {33.0, 68.0}) {

@@ -67,7 +67,7 @@ void write_sky(const std::filesystem::path& folder, const std::filesystem::path&
   }
 }
 
-// Two test programs have one, and run side by side.
+// Three test programs have one, and run side by side.
 std::filesystem::path bench_folder(const std::string& suffix = {}) {
   return test_folder("bench-" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + suffix);
 }
@@ -94,17 +94,8 @@ std::filesystem::path make_fixture() {
 
 }  // namespace
 
-// Each test is a process of its own: what an earlier one made is taken, unless this program is newer.
 const std::filesystem::path& bench_fixture() {
-  static const auto folder = [] {
-    const auto made = bench_folder("-made");
-    std::error_code error;
-    const auto at = std::filesystem::last_write_time(made, error);
-    if (!error && at > std::filesystem::last_write_time("/proc/self/exe")) return bench_folder();
-    auto fresh = make_fixture();
-    check(write_text_file(made, "whole\n"));
-    return fresh;
-  }();
+  static const auto folder = make_fixture();
   return folder;
 }
 

@@ -174,15 +174,21 @@ TEST(Appliance, Row18ADisplayThatTakesNoPictureIsNotFedFor) {
 class FullDisk {
  public:
   FullDisk() {
-    std::signal(SIGXFSZ, SIG_IGN);
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
     ::getrlimit(RLIMIT_FSIZE, &before_);
     rlimit none{0, before_.rlim_max};
     ::setrlimit(RLIMIT_FSIZE, &none);
   }
-  ~FullDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
 
  private:
   rlimit before_{};
+  void (*handler_)(int) = nullptr;
 };
 
 TEST(Appliance, Row21AFullDiskIsSeenByNobody) {

@@ -8,6 +8,7 @@
 
 #include "pipeline/light_file.hpp"
 #include "pipeline/sky_order.hpp"
+#include "tests/environment.hpp"
 #include "tests/pipeline/program.hpp"
 
 namespace kasumi {
@@ -58,7 +59,7 @@ TEST(SkyCommand, WritesExrOrSaysWhereTheLightIs) {
     EXPECT_THAT(done.error().message, HasSubstr(".pfm holds the same light"));
     return;
   }
-  setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
+  const EnvironmentVariable exr("OPENCV_IO_ENABLE_OPENEXR", "1");
   const cv::Mat back = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(back.type(), CV_32FC3);
   EXPECT_EQ(back.at<cv::Vec3f>(1, 1)[0], 30000.0f);
