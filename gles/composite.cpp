@@ -66,7 +66,7 @@ Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& fra
   if (!whole_ || whole_size_ != size) whole_ = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
   whole_size_ = size;
   const auto program = programs.find(ProgramKind::picture, frame.camera.defines());
-  if (!program) return tl::unexpected(program.error());
+  if (!program) return fail(program.error());
   (*program)->use();
   frame.bind(**program, shown);
   whole_->draw(PictureArea::plain);
@@ -86,7 +86,7 @@ Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const Pic
     if (area != PictureArea::plain) defines.insert(frame.response.define());
     if (area != PictureArea::plain && !noise.none()) defines.insert("NOISE");
     const auto program = programs.find(ProgramKind::picture, defines);
-    if (!program) return tl::unexpected(program.error());
+    if (!program) return fail(program.error());
     (*program)->use();
     frame.bind(**program, shown);
     if (area != PictureArea::plain) {

@@ -33,7 +33,7 @@ Result<std::unique_ptr<GlContext>> open_on(EGLDisplay display, bool surfaceless)
 
 Result<std::unique_ptr<GlContext>> open_surfaceless() {
   const auto display = open_egl_display(EGL_PLATFORM_SURFACELESS_MESA, "EGL_MESA_platform_surfaceless", nullptr);
-  if (!display) return tl::unexpected(display.error());
+  if (!display) return fail(display.error());
   if (!egl_offers(eglQueryString(*display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context"))
     return fail(FaultKind::unsupported, "EGL_KHR_surfaceless_context is missing");
   return open_on(*display, true);

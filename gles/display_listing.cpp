@@ -74,7 +74,7 @@ Result<FlipTiming> measure_flips(Display& display, Clock& clock, int count) {
   };
   for (int i = 0; i < count; ++i) {
     const auto target = display.begin(clock.now() + kLongestWait);
-    if (!target) return tl::unexpected(target.error());
+    if (!target) return fail(target.error());
     take();
     glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
     const float grey = 0.25f + 0.001f * static_cast<float>(i % 2);  // no driver may take it for the same picture
@@ -82,11 +82,11 @@ Result<FlipTiming> measure_flips(Display& display, Clock& clock, int count) {
     glClear(GL_COLOR_BUFFER_BIT);
     const Instant now = clock.now();
     const auto number = display.show();
-    if (!number) return tl::unexpected(number.error());
+    if (!number) return fail(number.error());
     shown_at[*number] = now;
   }
   // begin() answers once the last picture is shown.
-  if (const auto settled = display.begin(clock.now() + kLongestWait); !settled) return tl::unexpected(settled.error());
+  if (const auto settled = display.begin(clock.now() + kLongestWait); !settled) return fail(settled.error());
   take();
 
   if (flips.size() < 2) return fail(FaultKind::timeout, "{} of {} pictures reached the display", flips.size(), count);

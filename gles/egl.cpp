@@ -109,7 +109,7 @@ Result<std::unique_ptr<GlContext>> make_egl_context(EGLDisplay display, EGLConfi
     return fault;
   }
   auto made = std::make_unique<EglContext>(display, surface, context, tells_of_resets);
-  if (auto current = made->make_current(); !current) return tl::unexpected(current.error());
+  if (auto current = made->make_current(); !current) return fail(current.error());
   return made;
 }
 

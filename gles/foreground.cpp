@@ -18,7 +18,7 @@ Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, const GlI
                mask.elements().data());
   set_filter(TextureFilter::nearest);
   clamp_to_edge();
-  if (auto uploaded = check_gl("uploading the foreground mask"); !uploaded) return tl::unexpected(uploaded.error());
+  if (auto uploaded = check_gl("uploading the foreground mask"); !uploaded) return fail(uploaded.error());
   return made;
 }
 

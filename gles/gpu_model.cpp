@@ -81,7 +81,7 @@ GpuModel::Chunk GpuModel::make_chunk(int material, std::span<const GpuVertex> ve
 
 Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool force_encoded_textures,
                                   std::vector<std::string>& notes) {
-  if (auto sound = check(model); !sound) return tl::unexpected(sound.error());
+  if (auto sound = check(model); !sound) return fail(sound.error());
   GpuModel made;
   made.materials_ = model.materials;
   made.bounds_ = model.bounds();
@@ -89,14 +89,14 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
   for (std::size_t i = 0; i < model.textures.size(); ++i) {
     auto uploaded =
         kasumi::upload(model.textures[i], cutoff_of(model, static_cast<int>(i)), info, force_encoded_textures, notes);
-    if (!uploaded) return tl::unexpected(uploaded.error());
+    if (!uploaded) return fail(uploaded.error());
     made.bytes_ += uploaded->bytes;
     made.textures_.push_back(std::move(*uploaded));
   }
   made.add(model, model.parts, made.solid_);
   made.add(model, model.ground, made.ground_);
   made.add_see_through(model);
-  if (auto uploaded = check_gl("uploading the model"); !uploaded) return tl::unexpected(uploaded.error());
+  if (auto uploaded = check_gl("uploading the model"); !uploaded) return fail(uploaded.error());
   return made;
 }
 
@@ -250,7 +250,7 @@ Result<> GpuModel::draw(Which which, Programs& programs, const Defines& variant,
       Defines defines = ground ? Defines{} : defines_of(material, textures_, units);
       defines.insert(variant.begin(), variant.end());
       const auto program = programs.find(ground ? ProgramKind::ground : ProgramKind::object, defines);
-      if (!program) return tl::unexpected(program.error());
+      if (!program) return fail(program.error());
       if (*program != in_use) {
         in_use = *program;
         in_use->use();
@@ -281,7 +281,7 @@ Result<> GpuModel::draw_shadow(Programs& programs, const Defines& variant,
       if (material.texture >= 0) defines.insert("BASE_MAP v_texture");
     }
     const auto program = programs.find(ProgramKind::sun_map, defines);
-    if (!program) return tl::unexpected(program.error());
+    if (!program) return fail(program.error());
     if (*program != in_use) {
       in_use = *program;
       in_use->use();

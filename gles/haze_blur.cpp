@@ -42,7 +42,7 @@ GlTexture packed_texture(int width, int height, First first, Second second) {
 
 Result<> add(std::vector<Program>& programs, const Defines& defines, std::string_view fragment) {
   auto made = Program::build(defines, "resolve.vert", fragment);
-  if (!made) return tl::unexpected(made.error());
+  if (!made) return fail(made.error());
   programs.push_back(std::move(*made));
   return {};
 }
@@ -53,7 +53,7 @@ Result<HazeBlur::State> HazeBlur::make_state(const GlInfo& info) const {
   State state;
   for (int i = 0; i < (in_bytes_ ? 2 : 1); ++i) {
     auto buffer = LayerBuffer::create(width_, height_, in_bytes_, info, "a buffer for haze");
-    if (!buffer) return tl::unexpected(buffer.error());
+    if (!buffer) return fail(buffer.error());
     state.buffers.push_back(std::move(*buffer));
   }
   return state;
@@ -78,19 +78,18 @@ Result<HazeBlur> HazeBlur::create(const GlInfo& info, int width, int height, con
   explicit_defines.insert("MEAN_RATES");
   for (const char* which : {"FIRST_PAIR", "SECOND_PAIR"}) {
     if (auto done = add(made.begin_, made.in_bytes_ ? Defines{which} : Defines{}, "haze_begin.frag"); !done)
-      return tl::unexpected(done.error());
+      return fail(done.error());
     if (!made.in_bytes_) break;
   }
-  if (auto done = add(made.pass_, pairs, "haze_pass.frag"); !done) return tl::unexpected(done.error());
-  if (auto done = add(made.explicit_pass_, explicit_defines, "haze_pass.frag"); !done)
-    return tl::unexpected(done.error());
-  if (auto done = add(made.end_, pairs, "haze_end.frag"); !done) return tl::unexpected(done.error());
+  if (auto done = add(made.pass_, pairs, "haze_pass.frag"); !done) return fail(done.error());
+  if (auto done = add(made.explicit_pass_, explicit_defines, "haze_pass.frag"); !done) return fail(done.error());
+  if (auto done = add(made.end_, pairs, "haze_end.frag"); !done) return fail(done.error());
   for (State* state : {&made.now_, &made.next_}) {
     auto buffers = made.make_state(info);
-    if (!buffers) return tl::unexpected(buffers.error());
+    if (!buffers) return fail(buffers.error());
     *state = std::move(*buffers);
   }
-  if (auto done = check_gl("making the blur of haze"); !done) return tl::unexpected(done.error());
+  if (auto done = check_gl("making the blur of haze"); !done) return fail(done.error());
   return made;
 }
 
@@ -238,7 +237,7 @@ Result<Image<glm::vec4>> HazeBlur::read() const {
       light.elements()[i][first + 1] = static_cast<float>(unit_ * unpacked(texel.b, texel.a));
     }
   }
-  if (auto done = check_gl("reading haze back"); !done) return tl::unexpected(done.error());
+  if (auto done = check_gl("reading haze back"); !done) return fail(done.error());
   return light;
 }
 

@@ -29,15 +29,15 @@ class OffscreenDisplay final : public HeadlessDisplay {
   GlContext& context() override { return *context_; }
 
   Result<DrawTarget> begin(Instant) override {
-    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
-    if (auto alive = context_->check_alive(); !alive) return tl::unexpected(alive.error());
+    if (auto current = context_->make_current(); !current) return fail(current.error());
+    if (auto alive = context_->check_alive(); !alive) return fail(alive.error());
     return drawn().target();
   }
 
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
-    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
+    if (auto current = context_->make_current(); !current) return fail(current.error());
     glFinish();  // a picture is on the glass when it is drawn, and the one before it is read no more
-    if (auto finished = check_gl("drawing a picture"); !finished) return tl::unexpected(finished.error());
+    if (auto finished = check_gl("drawing a picture"); !finished) return fail(finished.error());
     return flips_.shown(std::move(until_replaced));
   }
 
@@ -47,7 +47,7 @@ class OffscreenDisplay final : public HeadlessDisplay {
   Result<Image<Rgb8>> read() override {
     if (flips_.number() == 0)
       return fail(FaultKind::bad_input, "the headless display has not been shown a picture yet");
-    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
+    if (auto current = context_->make_current(); !current) return fail(current.error());
     return pictures_[(flips_.number() - 1) % 2].read();
   }
 
@@ -63,11 +63,11 @@ class OffscreenDisplay final : public HeadlessDisplay {
 
 Result<std::unique_ptr<HeadlessDisplay>> open_headless_display(const HeadlessDisplayOptions& options, Clock& clock) {
   auto context = open_headless_context();
-  if (!context) return tl::unexpected(context.error());
+  if (!context) return fail(context.error());
   auto first = Offscreen::create((*context)->info(), options.width, options.height);
-  if (!first) return tl::unexpected(first.error());
+  if (!first) return fail(first.error());
   auto second = Offscreen::create((*context)->info(), options.width, options.height);
-  if (!second) return tl::unexpected(second.error());
+  if (!second) return fail(second.error());
   return std::make_unique<OffscreenDisplay>(std::move(*context),
                                             std::array<Offscreen, 2>{std::move(*first), std::move(*second)}, clock);
 }

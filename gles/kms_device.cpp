@@ -12,7 +12,7 @@ std::string KmsMode::text() const {
 
 KmsResult<KmsFramebuffer> KmsFramebuffer::add(KmsDevice& device, const KmsBuffer& buffer) {
   const auto id = device.add_framebuffer(buffer);
-  if (!id) return tl::unexpected(id.error());
+  if (!id) return fail(id.error());
   return KmsFramebuffer(device, *id);
 }
 

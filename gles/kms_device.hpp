@@ -23,6 +23,10 @@ struct KmsError {
 template <class T = void>
 using KmsResult = tl::expected<T, KmsError>;
 
+inline tl::unexpected<KmsError> fail(KmsError error) {
+  return tl::unexpected<KmsError>(std::move(error));
+}
+
 struct KmsMode {
   int width = 0;  // pixels
   int height = 0;

@@ -52,10 +52,10 @@ class KmsDisplay final : public Display {
   GlContext& context() override { return scanout_->context(); }
 
   Result<DrawTarget> begin(Instant deadline) override {
-    if (auto there = check_display(); !there) return tl::unexpected(there.error());
-    if (auto settled = flips_.settle(deadline); !settled) return tl::unexpected(named(settled.error()));
-    if (auto current = context().make_current(); !current) return tl::unexpected(current.error());
-    if (auto alive = context().check_alive(); !alive) return tl::unexpected(alive.error());
+    if (auto there = check_display(); !there) return fail(there.error());
+    if (auto settled = flips_.settle(deadline); !settled) return fail(named(settled.error()));
+    if (auto current = context().make_current(); !current) return fail(current.error());
+    if (auto alive = context().check_alive(); !alive) return fail(alive.error());
     if (!scanout_->has_free_buffer())
       return fail(FaultKind::device, "{}: GL has no buffer left to draw into", device_->path());
     return scanout_->target();
@@ -63,14 +63,14 @@ class KmsDisplay final : public Display {
 
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
     if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
-    if (auto current = context().make_current(); !current) return tl::unexpected(current.error());
+    if (auto current = context().make_current(); !current) return fail(current.error());
     // Software GL draws into memory that no fence guards.
     if (context().info().software) glFinish();
     auto picture = scanout_->finish();
-    if (!picture) return tl::unexpected(picture.error());
+    if (!picture) return fail(picture.error());
     const std::uint64_t number = ++number_;
     if (auto sent = flips_.submit({number, std::move(*picture), std::move(until_replaced)}); !sent)
-      return tl::unexpected(named(sent.error()));
+      return fail(named(sent.error()));
     return number;
   }
 
@@ -80,9 +80,9 @@ class KmsDisplay final : public Display {
   }
   DisplayCounts counts() const override { return flips_.counts(); }
   Result<> turn_off() override {
-    if (auto advanced = flips_.advance(); !advanced) return tl::unexpected(named(advanced.error()));
+    if (auto advanced = flips_.advance(); !advanced) return fail(named(advanced.error()));
     if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
-    if (auto off = flips_.turn_off(); !off) return tl::unexpected(named(off.error()));
+    if (auto off = flips_.turn_off(); !off) return fail(named(off.error()));
     return {};
   }
 
@@ -102,8 +102,7 @@ class KmsDisplay final : public Display {
       next_check_ = now + kPeriodOfChecks;
       if (device_->connection(connector_) == KmsConnection::disconnected) changed_ = true;
       if (!device_->is_master())
-        return tl::unexpected(
-            named({FaultKind::device, fmt::format("{}: somebody else became DRM master", device_->path())}));
+        return fail(named({FaultKind::device, fmt::format("{}: somebody else became DRM master", device_->path())}));
     }
     if (!changed_ || now < next_probe_) return {};
     changed_ = false;
@@ -202,15 +201,15 @@ Result<> become_master(KmsSystem& system, KmsDevice& device) {
 Result<std::unique_ptr<Display>> open_kms_display(const KmsDisplayOptions& options, Clock& clock,
                                                   std::shared_ptr<KmsSystem> system) {
   auto opened = open_first_card(*system, options);
-  if (!opened) return tl::unexpected(opened.error());
+  if (!opened) return fail(opened.error());
   KmsDevice& device = *opened->device;
   const auto mode = choose_mode(opened->connector, options);
   if (!mode) return fail(mode.error().kind, "{}: {}", device.path(), mode.error().message);
-  if (auto master = become_master(*system, device); !master) return tl::unexpected(master.error());
+  if (auto master = become_master(*system, device); !master) return fail(master.error());
   const auto pipe = device.find_pipe(opened->connector, *mode);
   if (!pipe) return fail(FaultKind::device, "{}", pipe.error().what);
   auto scanout = system->open_scanout(device, mode->width, mode->height);
-  if (!scanout) return tl::unexpected(scanout.error());
+  if (!scanout) return fail(scanout.error());
   auto watch = system->watch();  // without udev the periodic check finds what changed, a second later
   return std::make_unique<KmsDisplay>(std::move(system), std::move(*opened), *pipe, std::move(*scanout),
                                       watch ? std::move(*watch) : nullptr, options, clock);

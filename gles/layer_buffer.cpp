@@ -33,7 +33,7 @@ Result<LayerBuffer> LayerBuffer::create(int width, int height, bool in_8_bits, c
   LayerBuffer made{make_target_texture(width, height, in_8_bits, info), make_framebuffer()};
   glBindFramebuffer(GL_FRAMEBUFFER, made.framebuffer.name());
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, made.texture.name(), 0);
-  if (auto complete = check_framebuffer(what); !complete) return tl::unexpected(complete.error());
+  if (auto complete = check_framebuffer(what); !complete) return fail(complete.error());
   return made;
 }
 

@@ -122,12 +122,12 @@ Result<> apply_sparse(const tinygltf::Model& gltf, const tinygltf::Accessor& acc
   const auto index_elements =
       elements_in(gltf, sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset), count, 1,
                   sparse.indices.componentType, false, what + ", sparse indices");
-  if (!index_elements) return tl::unexpected(index_elements.error());
+  if (!index_elements) return fail(index_elements.error());
   const auto places = whole_numbers(*index_elements, what + ", sparse indices");
-  if (!places) return tl::unexpected(places.error());
+  if (!places) return fail(places.error());
   const auto values = elements_in(gltf, sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset),
                                   count, floats.components, accessor.componentType, false, what + ", sparse values");
-  if (!values) return tl::unexpected(values.error());
+  if (!values) return fail(values.error());
   const auto width = static_cast<std::size_t>(floats.components);
   const std::size_t bytes = component_bytes(accessor.componentType);
   for (std::size_t i = 0; i < count; ++i) {
@@ -147,7 +147,7 @@ Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int index, std::
                                    std::size_t limit, const std::string& what) {
   const std::string named = fmt::format("{} (accessor {})", what, index);
   const auto found = find(gltf, index, limit, named);
-  if (!found) return tl::unexpected(found.error());
+  if (!found) return fail(found.error());
   const tinygltf::Accessor& accessor = **found;
   AccessorFloats floats;
   floats.components = component_count(accessor.type);
@@ -162,14 +162,14 @@ Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int index, std::
   if (accessor.bufferView >= 0) {
     const auto elements = elements_in(gltf, accessor.bufferView, accessor.byteOffset, accessor.count, floats.components,
                                       accessor.componentType, true, named);
-    if (!elements) return tl::unexpected(elements.error());
+    if (!elements) return fail(elements.error());
     for (std::size_t i = 0; i < floats.count; ++i)
       for (std::size_t c = 0; c < width; ++c)
         floats.values[i * width + c] =
             as_float(elements->data + i * elements->stride + c * bytes, accessor.componentType, accessor.normalized);
   }
   if (accessor.sparse.isSparse)
-    if (auto applied = apply_sparse(gltf, accessor, floats, named); !applied) return tl::unexpected(applied.error());
+    if (auto applied = apply_sparse(gltf, accessor, floats, named); !applied) return fail(applied.error());
   return floats;
 }
 
@@ -177,13 +177,13 @@ Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int
                                                 const std::string& what) {
   const std::string named = fmt::format("{} (accessor {})", what, index);
   const auto found = find(gltf, index, limit, named);
-  if (!found) return tl::unexpected(found.error());
+  if (!found) return fail(found.error());
   const tinygltf::Accessor& accessor = **found;
   if (accessor.sparse.isSparse) return fail(FaultKind::bad_input, "{}: sparse indices are not read", named);
   if (component_count(accessor.type) != 1) return fail(FaultKind::bad_input, "{}: indices are to be scalars", named);
   const auto elements = elements_in(gltf, accessor.bufferView, accessor.byteOffset, accessor.count, 1,
                                     accessor.componentType, true, named);
-  if (!elements) return tl::unexpected(elements.error());
+  if (!elements) return fail(elements.error());
   return whole_numbers(*elements, named);
 }
 

@@ -77,10 +77,10 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
   if (!size_error && size > limits.file_bytes)
     return fail(FaultKind::bad_input, "{}: {} bytes: expected {} at most", name, size, limits.file_bytes);
   const auto file = read_file(path);
-  if (!file) return tl::unexpected(file.error());
+  if (!file) return fail(file.error());
   const auto json = gltf_json(*file, name);
-  if (!json) return tl::unexpected(json.error());
-  if (auto sound = check_gltf_json(*json, name); !sound) return tl::unexpected(sound.error());
+  if (!json) return fail(json.error());
+  if (auto sound = check_gltf_json(*json, name); !sound) return fail(sound.error());
 
   std::error_code folder_error;
   const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");

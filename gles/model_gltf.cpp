@@ -56,7 +56,7 @@ class SceneReader {
 
   Result<> read() {
     auto surfaces = read_surfaces(gltf_, name_, limits_, model_.notes);
-    if (!surfaces) return tl::unexpected(surfaces.error());
+    if (!surfaces) return fail(surfaces.error());
     model_.materials = std::move(surfaces->materials);
     model_.textures = std::move(surfaces->textures);
     placements_ = std::move(surfaces->placements);
@@ -116,7 +116,7 @@ class SceneReader {
       bool ground;
     };
     const auto shown = scene();
-    if (!shown) return tl::unexpected(shown.error());
+    if (!shown) return fail(shown.error());
     std::vector<Visit> open;
     for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}, false});
     std::vector<bool> seen(gltf_.nodes.size());
@@ -131,7 +131,7 @@ class SceneReader {
       seen[at] = true;
       const tinygltf::Node& node = gltf_.nodes[at];
       const auto local = transform_of(node, what);
-      if (!local) return tl::unexpected(local.error());
+      if (!local) return fail(local.error());
       const glm::dmat4 whole = visit.parent * *local;
       const bool ground = visit.ground || marks_ground(node);
       if (node.mesh >= 0)
@@ -221,15 +221,15 @@ class SceneReader {
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) return fail(FaultKind::bad_input, "{}: no POSITION", what);
     const auto positions = read_floats(gltf_, position->second, {3}, limits_.vertices, what + ": POSITION");
-    if (!positions) return tl::unexpected(positions.error());
+    if (!positions) return fail(positions.error());
     const std::size_t count = positions->count;
     const auto& placements = placements_[static_cast<std::size_t>(part.material)];
     const auto normals = attribute(primitive, "NORMAL", {3}, count, what);
-    if (!normals) return tl::unexpected(normals.error());
+    if (!normals) return fail(normals.error());
     const auto tangents = attribute(primitive, "TANGENT", {4}, count, what);
-    if (!tangents) return tl::unexpected(tangents.error());
+    if (!tangents) return fail(tangents.error());
     const auto colours = attribute(primitive, "COLOR_0", {3, 4}, count, what);
-    if (!colours) return tl::unexpected(colours.error());
+    if (!colours) return fail(colours.error());
 
     part.vertices.resize(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -264,7 +264,7 @@ class SceneReader {
                const std::string& what) {
     const auto places =
         attribute(primitive, fmt::format("TEXCOORD_{}", placement.set), {2}, part.vertices.size(), what);
-    if (!places) return tl::unexpected(places.error());
+    if (!places) return fail(places.error());
     for (std::size_t i = 0; i < places->count; ++i) {
       const glm::dvec3 moved = placement.transform * glm::dvec3(places->values[2 * i], places->values[2 * i + 1], 1.0);
       if (finite(moved))
@@ -279,7 +279,7 @@ class SceneReader {
     std::vector<std::uint32_t> indices;
     if (primitive.indices >= 0) {
       auto read = read_indices(gltf_, primitive.indices, 3 * limits_.triangles, what + ": indices");
-      if (!read) return tl::unexpected(read.error());
+      if (!read) return fail(read.error());
       indices = std::move(*read);
     } else {
       indices.resize(part.vertices.size());
@@ -334,10 +334,9 @@ Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& li
   Model model;
   model.name = path.string();
   const auto gltf = parse_gltf(path, limits, model.notes);
-  if (!gltf) return tl::unexpected(gltf.error());
-  if (auto read = SceneReader(*gltf, path.string(), limits, scene, model).read(); !read)
-    return tl::unexpected(read.error());
-  if (auto sound = check(model); !sound) return tl::unexpected(sound.error());
+  if (!gltf) return fail(gltf.error());
+  if (auto read = SceneReader(*gltf, path.string(), limits, scene, model).read(); !read) return fail(read.error());
+  if (auto sound = check(model); !sound) return fail(sound.error());
   return model;
 }
 

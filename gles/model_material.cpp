@@ -199,7 +199,7 @@ class MaterialReader {
       read = read.and_then([&] { return add(laid(from.occlusionTexture), true, "occlusion", material.occlusion_map); });
     if (lit && material.emission != glm::vec3(0.0f))
       read = read.and_then([&] { return add(laid(from.emissiveTexture), false, "emission", material.emission_map); });
-    if (!read) return tl::unexpected(read.error());
+    if (!read) return fail(read.error());
     material.texture = base_map.texture;
     return material;
   }
@@ -250,7 +250,7 @@ class MaterialReader {
 
   Result<> add(const Laid& picture, bool data, const char* what, ModelMap& map) {
     const auto texture = textures_.read(picture.texture, data);
-    if (!texture) return tl::unexpected(texture.error());
+    if (!texture) return fail(texture.error());
     if (*texture < 0) return {};
     for (std::size_t i = 0; i < placements_.size(); ++i) {
       if (!placements_[i]) placements_[i] = picture.placement;
@@ -280,7 +280,7 @@ Result<Surfaces> read_surfaces(const tinygltf::Model& gltf, const std::string& n
   for (const tinygltf::Material& from : all) {
     MaterialReader reader(textures, name, notes);
     auto material = reader.read(from);
-    if (!material) return tl::unexpected(material.error());
+    if (!material) return fail(material.error());
     surfaces.materials.push_back(std::move(*material));
     surfaces.placements.push_back(reader.placements());
   }

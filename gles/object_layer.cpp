@@ -43,16 +43,16 @@ struct Lattice {
   static Result<Lattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
     constexpr std::string_view kName = "the buffer for anti-aliasing";
     auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, options.in_8_bits, info, kName);
-    if (!samples) return tl::unexpected(samples.error());
+    if (!samples) return fail(samples.error());
     Lattice made{std::move(*samples), make_renderbuffer(), std::nullopt};
     glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
     glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), kLatticeSize, kLatticeSize);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
-    if (auto complete = check_framebuffer(kName); !complete) return tl::unexpected(complete.error());
+    if (auto complete = check_framebuffer(kName); !complete) return fail(complete.error());
     if (options.detail.point_spread_px <= 0.0) return made;
     auto spread =
         PointSpread::create(spread_in_samples(options.detail), kLatticeSize, options.in_8_bits, info, programs);
-    if (!spread) return tl::unexpected(spread.error());
+    if (!spread) return fail(spread.error());
     made.spread = std::move(*spread);
     return made;
   }
@@ -150,12 +150,12 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
   layer.filters_ = options.in_8_bits || info.es_major >= 3 || info.has("GL_OES_texture_half_float_linear");
   auto buffer =
       LayerBuffer::create(box.right - box.left, box.bottom - box.top, options.in_8_bits, info, "the object's layer");
-  if (!buffer) return tl::unexpected(buffer.error());
+  if (!buffer) return fail(buffer.error());
   layer.buffer_ = std::move(*buffer);
   const auto lattice = Lattice::create(options, info, programs);
-  if (!lattice) return tl::unexpected(lattice.error());
+  if (!lattice) return fail(lattice.error());
   const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options));
-  if (!resolving) return tl::unexpected(resolving.error());
+  if (!resolving) return fail(resolving.error());
 
   const Defines defines = object_defines(options, projection);
   const DepthRange depth = depth_range(projection, model.bounds_with_ground());
@@ -173,11 +173,11 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
     const PixelBox seen = grown(tile.box(), pixels_of(tile.samples_around()));
     for (const auto part : drawn_parts(options))
       if (auto drawn = model.draw(part, programs, defines, units_for_layer(), seen, set_uniforms); !drawn)
-        return tl::unexpected(drawn.error());
+        return fail(drawn.error());
     if (lattice->spread) lattice->spread->apply(lattice->samples, tile.width(), tile.height());
     resolve(**resolving, lattice->samples, tile, layer.buffer_, box, projection.view);
   }
-  if (auto drawn = check_gl("drawing the object's layer"); !drawn) return tl::unexpected(drawn.error());
+  if (auto drawn = check_gl("drawing the object's layer"); !drawn) return fail(drawn.error());
   return layer;
 }
 
@@ -208,7 +208,7 @@ Result<Image<glm::vec4>> ObjectLayer::read() const {
     const glm::vec3 root(texel);
     texel = glm::vec4(root * root * static_cast<float>(unit_), std::min(2.0f * texel.a, 1.0f));
   }
-  if (auto read = check_gl("reading the object's layer"); !read) return tl::unexpected(read.error());
+  if (auto read = check_gl("reading the object's layer"); !read) return fail(read.error());
   return image;
 }
 

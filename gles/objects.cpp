@@ -121,9 +121,9 @@ Result<> check_framebuffer(std::string_view what) {
 Result<GlProgram> link_program(std::string_view name, const std::string& vertex_text, const std::string& fragment_text,
                                std::initializer_list<AttributePlace> attributes) {
   auto vertex = compile(name, GL_VERTEX_SHADER, vertex_text);
-  if (!vertex) return tl::unexpected(vertex.error());
+  if (!vertex) return fail(vertex.error());
   auto fragment = compile(name, GL_FRAGMENT_SHADER, fragment_text);
-  if (!fragment) return tl::unexpected(fragment.error());
+  if (!fragment) return fail(fragment.error());
   GlProgram program(glCreateProgram());
   glAttachShader(program.name(), vertex->name());
   glAttachShader(program.name(), fragment->name());

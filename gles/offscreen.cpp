@@ -79,8 +79,7 @@ Result<Offscreen> Offscreen::create(const GlInfo& info, int width, int height, i
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, made.drawn_colour_.name());
   }
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth_.name());
-  if (auto complete = check_framebuffer("the picture's framebuffer"); !complete)
-    return tl::unexpected(complete.error());
+  if (auto complete = check_framebuffer("the picture's framebuffer"); !complete) return fail(complete.error());
   return made;
 }
 
@@ -99,7 +98,7 @@ Result<Image<Rgb8>> Offscreen::read() {
   Image<glm::u8vec4> pixels(width_, height_);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, pixels.elements().data());
-  if (auto read = check_gl("reading the picture back"); !read) return tl::unexpected(read.error());
+  if (auto read = check_gl("reading the picture back"); !read) return fail(read.error());
   Image<Rgb8> picture(width_, height_);
   std::ranges::transform(pixels.elements(), picture.elements().begin(), [](glm::u8vec4 p) { return Rgb8(p); });
   return picture;

@@ -30,9 +30,9 @@ Result<PointSpread> PointSpread::create(double sigma, int size, bool in_8_bits, 
   Defines defines{fmt::format("SPREAD_RADIUS {}", weights.size() - 1)};
   if (in_8_bits) defines.insert("LAYER_IN_8_BITS");
   const auto program = programs.find(ProgramKind::spread, defines);
-  if (!program) return tl::unexpected(program.error());
+  if (!program) return fail(program.error());
   auto between = LayerBuffer::create(size, size, in_8_bits, info, "the buffer for the point spread");
-  if (!between) return tl::unexpected(between.error());
+  if (!between) return fail(between.error());
   return PointSpread(std::move(weights), size, std::move(*between), **program);
 }
 

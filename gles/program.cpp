@@ -27,12 +27,12 @@ Result<std::string> assemble(const Defines& defines, std::string_view preamble, 
 
 Result<Program> Program::build(const Defines& defines, std::string_view vertex_file, std::string_view fragment_file) {
   const auto vertex = assemble(defines, "", vertex_file);
-  if (!vertex) return tl::unexpected(vertex.error());
+  if (!vertex) return fail(vertex.error());
   std::string preamble(kFragmentPrecision);
   if (defines.contains("LAYOUT_EXTERNAL")) preamble = "#extension GL_OES_EGL_image_external : require\n" + preamble;
   if (defines.contains("FACE_SLOPES")) preamble = "#extension GL_OES_standard_derivatives : require\n" + preamble;
   const auto fragment = assemble(defines, preamble, fragment_file);
-  if (!fragment) return tl::unexpected(fragment.error());
+  if (!fragment) return fail(fragment.error());
   std::string name(fragment_file);
   for (const std::string& define : defines) name += fmt::format(" {}", define);
   auto linked = link_program(name, *vertex, *fragment,
@@ -42,7 +42,7 @@ Result<Program> Program::build(const Defines& defines, std::string_view vertex_f
                               {kColour, "colour"},
                               {kSecondPlace, "texture_place_2"},
                               {kTangent, "tangent"}});
-  if (!linked) return tl::unexpected(linked.error());
+  if (!linked) return fail(linked.error());
   return Program(std::move(*linked));
 }
 

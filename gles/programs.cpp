@@ -21,7 +21,7 @@ Result<const Program*> Programs::find(ProgramKind kind, const Defines& defines) 
   const auto known = built_.find({kind, defines});
   if (known != built_.end()) return &known->second;
   auto made = build(kind, defines);
-  if (!made) return tl::unexpected(made.error());
+  if (!made) return fail(made.error());
   return &built_.emplace(std::pair(kind, defines), std::move(*made)).first->second;
 }
 

@@ -103,7 +103,7 @@ struct Renderer::State {
     if (shadow && shadow->frame() == frame) return &*shadow;
     shadow.reset();
     auto drawn = SunShadow::draw(*model, frame, shadow_options, info, programs);
-    if (!drawn) return tl::unexpected(drawn.error());
+    if (!drawn) return fail(drawn.error());
     shadow = std::move(*drawn);
     return &*shadow;
   }
@@ -139,19 +139,19 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   state->shadows_work = state->info.highp_fragments && textures > kShadowUnit;
   if (!state->shadows_work) state->notes.emplace_back("no shadows: too few texture units or too little precision");
   auto response = ResponseOnGpu::create({});
-  if (!response) return tl::unexpected(response.error());
+  if (!response) return fail(response.error());
   state->response = std::move(*response);
   if (!state->info.highp_fragments)
     state->notes.emplace_back(
         "fragment shaders compute in medium precision: distances beyond 60 km and fine dithering suffer");
   if (state->layer_in_8_bits()) state->notes.emplace_back("the object's layer is kept in 8 bits (square roots)");
-  if (auto made = check_gl("making the renderer"); !made) return tl::unexpected(made.error());
+  if (auto made = check_gl("making the renderer"); !made) return fail(made.error());
   return Renderer(std::move(state));
 }
 
 Result<> Renderer::set_model(const Model& model) {
   auto uploaded = GpuModel::upload(model, state_->info, state_->options.force_encoded_textures, state_->notes);
-  if (!uploaded) return tl::unexpected(uploaded.error());
+  if (!uploaded) return fail(uploaded.error());
   const auto& materials = uploaded->materials();
   if (!std::ranges::all_of(materials, [&](const auto& m) { return holds(state_->units_in_one_pass, m); }))
     state_->notes.emplace_back("a moving view leaves out some pictures of the model: too few texture units");
@@ -163,7 +163,7 @@ Result<> Renderer::set_model(const Model& model) {
 
 Result<> Renderer::set_view(const SceneView& view, const glm::dmat4& model_to_world) {
   auto projection = make_projection(view, model_to_world);
-  if (!projection) return tl::unexpected(projection.error());
+  if (!projection) return fail(projection.error());
   state_->projection = *projection;
   state_->look();
   return {};
@@ -175,7 +175,7 @@ Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask) {
   s.foreground.reset();
   if (mask.empty()) return {};
   auto made = Foreground::upload(mask, s.info);
-  if (!made) return tl::unexpected(made.error());
+  if (!made) return fail(made.error());
   s.foreground = std::move(*made);
   return {};
 }
@@ -190,7 +190,7 @@ Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
     return {};
   }
   auto made = SceneDepth::upload(depth_m, s.info);
-  if (!made) return tl::unexpected(made.error());
+  if (!made) return fail(made.error());
   s.scene_depth = std::move(*made);
   return {};
 }
@@ -212,7 +212,7 @@ Result<> Renderer::set_detail(const ObjectDetail& detail) {
 
 Result<> Renderer::set_response(const ResponseCurve& response) {
   auto made = ResponseOnGpu::create(response);
-  if (!made) return tl::unexpected(made.error());
+  if (!made) return fail(made.error());
   state_->response = std::move(*made);
   return {};
 }
@@ -235,7 +235,7 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
   if (s.box.empty()) return {};
 
   const auto shadow = s.shadow_under(appearance);
-  if (!shadow) return tl::unexpected(shadow.error());
+  if (!shadow) return fail(shadow.error());
   if (auto lit = s.follow(appearance.light); !lit) return lit;
   glActiveTexture(GL_TEXTURE0 + kDitherUnit);
   glBindTexture(GL_TEXTURE_2D, s.dither.name());
@@ -248,9 +248,9 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
         set_appearance(program, appearance);
         s.sky.bind(program, units_for_layer().sky);
       });
-  if (!layer) return tl::unexpected(layer.error());
+  if (!layer) return fail(layer.error());
   const auto texels = layer->read();
-  if (!texels) return tl::unexpected(texels.error());
+  if (!texels) return fail(texels.error());
   s.composite.take(*layer, s.projection->view, *texels);
   s.layer = std::move(*layer);
   return check_gl("cutting the picture");
@@ -309,7 +309,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
 
   if (auto lit = s.follow(appearance.light); !lit) return lit;
   const auto drawn_shadow = s.shadow_under(appearance);
-  if (!drawn_shadow) return tl::unexpected(drawn_shadow.error());
+  if (!drawn_shadow) return fail(drawn_shadow.error());
   const SunShadow* shadow = detail == HazeDetail::per_vertex || s.many_varyings ? *drawn_shadow : nullptr;
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, true);

@@ -68,7 +68,7 @@ Result<ResponseOnGpu> ResponseOnGpu::create(const ResponseCurve& response) {
   ResponseOnGpu made;
   made.kind_ = response.kind;
   if (response.kind != ResponseCurve::Kind::table) return made;
-  if (auto sound = check(response); !sound) return tl::unexpected(sound.error());
+  if (auto sound = check(response); !sound) return fail(sound.error());
   const Image<glm::u8vec4> texels = response_texels(response);
   made.table_ = make_texture();
   glActiveTexture(GL_TEXTURE0);
@@ -78,7 +78,7 @@ Result<ResponseOnGpu> ResponseOnGpu::create(const ResponseCurve& response) {
                texels.elements().data());
   set_filter(TextureFilter::nearest);
   clamp_to_edge();
-  if (auto made_table = check_gl("the response table"); !made_table) return tl::unexpected(made_table.error());
+  if (auto made_table = check_gl("the response table"); !made_table) return fail(made_table.error());
   return made;
 }
 

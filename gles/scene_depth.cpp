@@ -38,7 +38,7 @@ Result<SceneDepth> SceneDepth::upload(const Image<float>& depth_m, const GlInfo&
                texels.elements().data());
   set_filter(TextureFilter::nearest);
   clamp_to_edge();
-  if (auto uploaded = check_gl("uploading the depth map"); !uploaded) return tl::unexpected(uploaded.error());
+  if (auto uploaded = check_gl("uploading the depth map"); !uploaded) return fail(uploaded.error());
   return made;
 }
 

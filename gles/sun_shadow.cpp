@@ -52,8 +52,7 @@ struct Target {
       glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), side, side);
       glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
     }
-    if (auto complete = check_framebuffer("the maps of the sun's shadow"); !complete)
-      return tl::unexpected(complete.error());
+    if (auto complete = check_framebuffer("the maps of the sun's shadow"); !complete) return fail(complete.error());
     return made;
   }
 };
@@ -127,7 +126,7 @@ Result<SunShadow> SunShadow::draw(const GpuModel& model, const SunFrame& frame, 
   glActiveTexture(GL_TEXTURE0 + kPlaneUnit);  // nothing else is in use now
   made.maps_ = make_maps(kMapsPerSide * frame.texels, options.packed, info);
   const auto target = Target::create(made.maps_, kMapsPerSide * frame.texels, options.packed, info);
-  if (!target) return tl::unexpected(target.error());
+  if (!target) return fail(target.error());
   glClearColor(1, 1, 1, 1);
   glDepthMask(GL_TRUE);
   glClear(GL_DEPTH_BUFFER_BIT | (options.packed ? GL_COLOR_BUFFER_BIT : 0u));
@@ -138,9 +137,9 @@ Result<SunShadow> SunShadow::draw(const GpuModel& model, const SunFrame& frame, 
       set_frame(program, frame);
       program.set("map_number", static_cast<double>(number));
     });
-    if (!drawn) return tl::unexpected(drawn.error());
+    if (!drawn) return fail(drawn.error());
   }
-  if (auto drawn = check_gl("drawing the sun's shadow"); !drawn) return tl::unexpected(drawn.error());
+  if (auto drawn = check_gl("drawing the sun's shadow"); !drawn) return fail(drawn.error());
   return made;
 }
 

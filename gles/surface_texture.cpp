@@ -182,7 +182,7 @@ Result<SurfaceTexture> upload(const ModelTexture& texture, std::optional<double>
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, texture.nearest ? GL_NEAREST : GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_mode(texture.wrap_s));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_mode(texture.wrap_t));
-  if (auto uploaded = check_gl("uploading a texture of the model"); !uploaded) return tl::unexpected(uploaded.error());
+  if (auto uploaded = check_gl("uploading a texture of the model"); !uploaded) return fail(uploaded.error());
   return made;
 }
 

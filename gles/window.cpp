@@ -119,7 +119,7 @@ class SdlWindow final : public Window {
 Result<std::unique_ptr<Window>> open_window(const WindowOptions& options) {
   SDL_SetMainReady();
   auto video = SdlVideo::start();
-  if (!video) return tl::unexpected(video.error());
+  if (!video) return fail(video.error());
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_ES);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 2);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 0);

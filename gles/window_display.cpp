@@ -22,17 +22,17 @@ class WindowDisplay final : public Display {
 
   Result<DrawTarget> begin(Instant) override {
     if (!window_->handle_events()) return fail(FaultKind::end_of_stream, "the window was closed");
-    if (auto current = window_->make_current(); !current) return tl::unexpected(current.error());
+    if (auto current = window_->make_current(); !current) return fail(current.error());
     return window_->target();
   }
 
   // BLOCKS until the desk's compositor takes the picture. How long that is nobody promises: the desk window is for
   // looking at, the appliance shows itself through the kernel.
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
-    if (auto current = window_->make_current(); !current) return tl::unexpected(current.error());
+    if (auto current = window_->make_current(); !current) return fail(current.error());
     window_->show();
     glFinish();  // the picture before is read no more
-    if (auto finished = check_gl("showing a picture in the window"); !finished) return tl::unexpected(finished.error());
+    if (auto finished = check_gl("showing a picture in the window"); !finished) return fail(finished.error());
     return flips_.shown(std::move(until_replaced));
   }
 
@@ -49,7 +49,7 @@ class WindowDisplay final : public Display {
 Result<std::unique_ptr<Display>> open_window_display(const WindowDisplayOptions& options, Clock& clock) {
   auto window =
       open_window({.title = options.title, .width = options.width, .height = options.height, .wait_for_refresh = true});
-  if (!window) return tl::unexpected(window.error());
+  if (!window) return fail(window.error());
   return std::make_unique<WindowDisplay>(std::move(*window), clock);
 }
 

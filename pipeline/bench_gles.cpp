@@ -22,7 +22,7 @@ struct Shares {
 
 Result<Shares> shares_of(Renderer& renderer, const SceneView& view) {
   const auto layer = renderer.read_layer();
-  if (!layer) return tl::unexpected(layer.error());
+  if (!layer) return fail(layer.error());
   const double pixels = static_cast<double>(view.width) * view.height;
   const auto covered = std::ranges::count_if(layer->elements(), [](const glm::vec4& texel) { return texel.a > 0.0f; });
   return Shares{100.0 * static_cast<double>(layer->elements().size()) / pixels,
@@ -32,10 +32,10 @@ Result<Shares> shares_of(Renderer& renderer, const SceneView& view) {
 Result<Renderer> make_renderer(GlContext& context, const BenchScene& scene) {
   auto renderer = Renderer::create(context);
   if (!renderer) return renderer;
-  if (auto set = renderer->set_model(scene.facade); !set) return tl::unexpected(set.error());
-  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return tl::unexpected(set.error());
-  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return tl::unexpected(drawn.error());
-  if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return tl::unexpected(loaded.error());
+  if (auto set = renderer->set_model(scene.facade); !set) return fail(set.error());
+  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
+  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
+  if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return fail(loaded.error());
   return renderer;
 }
 
@@ -43,15 +43,15 @@ Result<Renderer> make_renderer(GlContext& context, const BenchScene& scene) {
 
 Result<std::vector<BenchRow>> bench_gles() {
   auto context = open_headless_context();
-  if (!context) return tl::unexpected(context.error());
+  if (!context) return fail(context.error());
   const GlInfo& info = (*context)->info();
   const BenchScene scene = make_bench_scene();
   auto offscreen = Offscreen::create(info, scene.view.width, scene.view.height);
-  if (!offscreen) return tl::unexpected(offscreen.error());
+  if (!offscreen) return fail(offscreen.error());
   auto renderer = make_renderer(**context, scene);
-  if (!renderer) return tl::unexpected(renderer.error());
+  if (!renderer) return fail(renderer.error());
   const auto shares = shares_of(*renderer, scene.view);
-  if (!shares) return tl::unexpected(shares.error());
+  if (!shares) return fail(shares.error());
 
   const DrawTarget target = offscreen->target();
   const GlTexture picture =
@@ -61,11 +61,11 @@ Result<std::vector<BenchRow>> bench_gles() {
   const auto sum_of_41 = ScreenPass::under_air(picture.name(), scene, GammaBy::wavelengths_41);
   const auto sum_of_81 = ScreenPass::under_air(picture.name(), scene, GammaBy::wavelengths_81);
   for (const auto* pass : {&blit_pass, &two_nodes, &sum_of_41, &sum_of_81})
-    if (!*pass) return tl::unexpected(pass->error());
+    if (!*pass) return fail(pass->error());
   auto papers = TwoBufferLayout::create(info, picture.name(), scene, GammaBy::two_nodes);
   auto papers_81 = TwoBufferLayout::create(info, picture.name(), scene, GammaBy::wavelengths_81);
   for (const auto* layout : {&papers, &papers_81})
-    if (!*layout) return tl::unexpected(layout->error());
+    if (!*layout) return fail(layout->error());
 
   ObjectAppearance airless = scene.appearance;
   airless.aerial_perspective = false;
@@ -109,7 +109,7 @@ Result<std::vector<BenchRow>> bench_gles() {
   add("  the papers' two buffers with 81 wavelengths / cached composite", watch.ratio(layout_81, cached, kFewPairs));
   add("  upload of an NV12 frame and its conversion / plain blit", watch.ratio(uploaded(scene.frame.nv12()), blit));
   add("  upload of an RGBA frame and its picture / plain blit", watch.ratio(uploaded(scene.frame.rgba()), blit));
-  if (!watch.result()) return tl::unexpected(watch.result().error());
+  if (!watch.result()) return fail(watch.result().error());
   return rows;
 }
 

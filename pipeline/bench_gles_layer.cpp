@@ -21,11 +21,11 @@ Result<Renderer> showing(GlContext& context, const BenchScene& scene, const Mode
                          const ObjectDetail& detail = {}) {
   auto renderer = Renderer::create(context);
   if (!renderer) return renderer;
-  if (auto set = renderer->set_model(model); !set) return tl::unexpected(set.error());
-  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return tl::unexpected(set.error());
-  if (auto set = renderer->set_detail(detail); !set) return tl::unexpected(set.error());
-  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return tl::unexpected(drawn.error());
-  if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return tl::unexpected(loaded.error());
+  if (auto set = renderer->set_model(model); !set) return fail(set.error());
+  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
+  if (auto set = renderer->set_detail(detail); !set) return fail(set.error());
+  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
+  if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return fail(loaded.error());
   return renderer;
 }
 
@@ -61,10 +61,10 @@ class MovingSun {
 
 Result<std::vector<BenchRow>> bench_layer() {
   auto context = open_headless_context();
-  if (!context) return tl::unexpected(context.error());
+  if (!context) return fail(context.error());
   const BenchScene scene = make_bench_scene();
   auto offscreen = Offscreen::create((*context)->info(), scene.view.width, scene.view.height);
-  if (!offscreen) return tl::unexpected(offscreen.error());
+  if (!offscreen) return fail(offscreen.error());
   const DrawTarget target = offscreen->target();
 
   const Model large = make_bench_facade(7);
@@ -74,11 +74,11 @@ Result<std::vector<BenchRow>> bench_layer() {
       showing(**context, scene, scene.facade, {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2});
   auto million = showing(**context, scene, large);
   for (const auto* renderer : {&plain, &glossy, &spread, &million})
-    if (!*renderer) return tl::unexpected(renderer->error());
+    if (!*renderer) return fail(renderer->error());
   const GlTexture picture =
       make_picture_texture(scene.view.width, scene.view.height, scene.frame.pixels.elements().data());
   const auto blit = ScreenPass::blit(picture.name());
-  if (!blit) return tl::unexpected(blit.error());
+  if (!blit) return fail(blit.error());
 
   const auto plain_blit = [&] { return blit->draw(target); };
   const auto frame_of = [&](Renderer& renderer, const SensorNoise& noise = {}) {
@@ -113,7 +113,7 @@ Result<std::vector<BenchRow>> bench_layer() {
                   .value = static_cast<double>(million->model_bytes()) / (1 << 20),
                   .unit = "MiB",
                   .goal = {}});
-  if (!watch.result()) return tl::unexpected(watch.result().error());
+  if (!watch.result()) return fail(watch.result().error());
   return rows;
 }
 

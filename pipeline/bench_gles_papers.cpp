@@ -14,8 +14,7 @@ Result<GlFramebuffer> make_framebuffer_of(const GlTexture& colour, const GlTextu
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, colour.name(), 0);
   if (depth != nullptr) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth->name(), 0);
-  if (auto complete = check_framebuffer("a buffer of the papers' layout"); !complete)
-    return tl::unexpected(complete.error());
+  if (auto complete = check_framebuffer("a buffer of the papers' layout"); !complete) return fail(complete.error());
   return framebuffer;
 }
 
@@ -43,9 +42,9 @@ Result<TwoBufferLayout> TwoBufferLayout::create(const GlInfo& info, unsigned pic
   layout.scene_ = scene;
   std::vector<std::string> notes;
   auto model = GpuModel::upload(scene.facade, info, false, notes);
-  if (!model) return tl::unexpected(model.error());
+  if (!model) return fail(model.error());
   auto projection = make_projection(scene.view, scene.model_to_world);
-  if (!projection) return tl::unexpected(projection.error());
+  if (!projection) return fail(projection.error());
   layout.projection_ = *projection;
   model->look_from(layout.projection_);
   layout.range_ = depth_range(layout.projection_, model->bounds());
@@ -56,19 +55,19 @@ Result<TwoBufferLayout> TwoBufferLayout::create(const GlInfo& info, unsigned pic
   layout.object_depth_ = make_nearest_texture(width, height, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
   layout.background_colour_ = make_picture_texture(width, height, nullptr);
   auto object = make_framebuffer_of(layout.object_colour_, &layout.object_depth_);
-  if (!object) return tl::unexpected(object.error());
+  if (!object) return fail(object.error());
   layout.object_ = std::move(*object);
   auto background = make_framebuffer_of(layout.background_colour_, nullptr);
-  if (!background) return tl::unexpected(background.error());
+  if (!background) return fail(background.error());
   layout.background_ = std::move(*background);
 
-  if (auto lit = layout.sky_.update(scene.appearance.light.around, false); !lit) return tl::unexpected(lit.error());
+  if (auto lit = layout.sky_.update(scene.appearance.light.around, false); !lit) return fail(lit.error());
   auto blit = ScreenPass::blit(picture);
-  if (!blit) return tl::unexpected(blit.error());
+  if (!blit) return fail(blit.error());
   layout.passes_.push_back(std::move(*blit));
   auto compositing = ScreenPass::compositing(layout.object_colour_.name(), layout.object_depth_.name(),
                                              layout.background_colour_.name(), layout.range_, scene, gamma);
-  if (!compositing) return tl::unexpected(compositing.error());
+  if (!compositing) return fail(compositing.error());
   layout.passes_.push_back(std::move(*compositing));
   return layout;
 }

@@ -165,7 +165,7 @@ glm::dvec2 density_at(const Haze& haze) {
 Result<ScreenPass> ScreenPass::build(const std::string& name, const std::string& fragment,
                                      std::vector<unsigned> textures) {
   auto program = link_program(name, kVertex, kPreamble + fragment, {{kPosition, "position"}});
-  if (!program) return tl::unexpected(program.error());
+  if (!program) return fail(program.error());
   ScreenPass pass;
   pass.program_ = std::move(*program);
   pass.textures_ = std::move(textures);
@@ -176,7 +176,7 @@ Result<ScreenPass> ScreenPass::build(const std::string& name, const std::string&
   pass.square_ = make_buffer();
   glBindBuffer(GL_ARRAY_BUFFER, pass.square_.name());
   glBufferData(GL_ARRAY_BUFFER, sizeof(kCorners), kCorners.data(), GL_STATIC_DRAW);
-  if (auto made = check_gl(name); !made) return tl::unexpected(made.error());
+  if (auto made = check_gl(name); !made) return fail(made.error());
   return pass;
 }
 

@@ -52,8 +52,8 @@ std::map<std::string, std::string> properties_of(const std::string& text) {
 }
 
 void check_unit(const MachinePlaces& places, Findings& findings) {
-  const auto text = places.unit_properties ? places.unit_properties()
-                                           : tl::unexpected(Fault{FaultKind::unsupported, "nobody to ask"});
+  const auto text =
+      places.unit_properties ? places.unit_properties() : fail(Fault{FaultKind::unsupported, "nobody to ask"});
   if (!text) {
     findings.warn("service.unit", "systemd cannot be asked: " + text.error().message,
                   "nothing restarts the program here when it ends or hangs");

@@ -59,7 +59,7 @@ class DecoratedSystem final : public KmsSystem {
   std::vector<KmsCardPlace> cards() override { return real_->cards(); }
   KmsResult<std::unique_ptr<KmsDevice>> open_card(const std::string& path) override {
     auto device = real_->open_card(path);
-    if (!device) return tl::unexpected(device.error());
+    if (!device) return fail(device.error());
     auto decorated = std::make_unique<DecoratedDevice>(std::move(*device));
     last = decorated.get();
     return decorated;

@@ -309,9 +309,9 @@ class FakeSystem final : public KmsSystem {
   }
   Result<std::unique_ptr<Scanout>> open_scanout(KmsDevice& device, int width, int height) override {
     auto context = open_headless_context();
-    if (!context) return tl::unexpected(context.error());
+    if (!context) return fail(context.error());
     auto picture = Offscreen::create((*context)->info(), width, height);
-    if (!picture) return tl::unexpected(picture.error());
+    if (!picture) return fail(picture.error());
     return std::make_unique<FakeScanout>(std::move(*context), std::move(*picture), device, card_);
   }
   Result<std::unique_ptr<DisplayWatch>> watch() override {

@@ -40,7 +40,7 @@ class KmsRig : public testing::Test {
     display_ = std::move(*opened);
   }
   Result<std::uint64_t> show(std::shared_ptr<const void> holder = nullptr) {
-    if (const auto target = display_->begin(clock_.now() + 50ms); !target) return tl::unexpected(target.error());
+    if (const auto target = display_->begin(clock_.now() + 50ms); !target) return fail(target.error());
     return display_->show(std::move(holder));
   }
   // Shows pictures until the display answers that it has to be opened anew, for ten seconds at most.

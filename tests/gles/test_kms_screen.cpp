@@ -67,7 +67,7 @@ class KmsScreen : public testing::TestWithParam<bool> {
   }
   Result<std::uint64_t> show_pattern(Display& display, std::shared_ptr<const void> holder = nullptr) {
     const auto target = display.begin(clock_.now() + 3s);
-    if (!target) return tl::unexpected(target.error());
+    if (!target) return fail(target.error());
     draw_test_pattern(*target);
     return display.show(std::move(holder));
   }
