@@ -13,7 +13,7 @@
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "calib/camera.hpp"
-#include "calib/lens_description.hpp"
+#include "calib/lens/lens_description.hpp"
 
 namespace kasumi {
 

@@ -1,6 +1,6 @@
 #include "calib/camera.hpp"
 
-#include "calib/colorimetry.hpp"
+#include "calib/colour/colorimetry.hpp"
 
 namespace kasumi {
 

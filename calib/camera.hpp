@@ -12,9 +12,9 @@
 #include "base/geometry.hpp"
 #include "base/image.hpp"
 #include "base/picture.hpp"
-#include "calib/lens.hpp"
-#include "calib/radiometry.hpp"
-#include "calib/spectral_sensitivity.hpp"
+#include "calib/colour/spectral_sensitivity.hpp"
+#include "calib/lens/lens.hpp"
+#include "calib/light/radiometry.hpp"
 
 namespace kasumi {
 

@@ -8,7 +8,7 @@
 
 #include "base/files.hpp"
 #include "calib/camera.hpp"
-#include "calib/polynomial.hpp"
+#include "calib/lens/polynomial.hpp"
 
 namespace kasumi {
 namespace {

@@ -36,7 +36,7 @@ function(resolve out name within)
   set(${out} "${text}${rest}" PARENT_SCOPE)
 endfunction()
 
-set(text "// Made by embed_shaders.cmake from gles/shaders.\n#include \"gles/shader_text.hpp\"\n\nnamespace kasumi {\n\n")
+set(text "// Made by embed_shaders.cmake from gles/shaders.\n#include \"gles/gl/shader_text.hpp\"\n\nnamespace kasumi {\n\n")
 string(APPEND text "std::string_view shader_text(std::string_view name) {\n")
 foreach(shader ${SHADERS})
   get_filename_component(name ${shader} NAME)

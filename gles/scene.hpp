@@ -13,8 +13,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "base/light_around.hpp"
 #include "base/result.hpp"
+#include "base/sky/light_around.hpp"
 
 namespace kasumi {
 

@@ -7,7 +7,7 @@
 
 #include "base/files.hpp"
 #include "calib/camera.hpp"
-#include "calib/colorimetry.hpp"
+#include "calib/colour/colorimetry.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

@@ -6,8 +6,8 @@
 #include <random>
 
 #include "capture/reconnecting_source.hpp"
-#include "fake_camera.hpp"
-#include "recording.hpp"
+#include "tests/capture/known_frames.hpp"
+#include "tests/capture/v4l2/fake_camera.hpp"
 
 namespace kasumi {
 namespace {

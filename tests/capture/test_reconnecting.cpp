@@ -8,11 +8,11 @@
 #include <iostream>
 #include <thread>
 
-#include "capture/fixture_writer.hpp"
+#include "capture/fixture/fixture_writer.hpp"
+#include "capture/fixture/replay_source.hpp"
 #include "capture/reconnecting_source.hpp"
-#include "capture/replay_source.hpp"
-#include "fake_camera.hpp"
-#include "recording.hpp"
+#include "tests/capture/known_frames.hpp"
+#include "tests/capture/v4l2/fake_camera.hpp"
 
 namespace kasumi {
 namespace {

@@ -1,5 +1,5 @@
 // A curator's model, glTF or GLB.
-#include "gles/model.hpp"
+#include "gles/model/model.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

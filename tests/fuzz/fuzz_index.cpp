@@ -1,8 +1,8 @@
 // index.csv of a recording, and what its rows then deliver.
 #include <array>
 
-#include "capture/fixture.hpp"
-#include "capture/replay_source.hpp"
+#include "capture/fixture/fixture.hpp"
+#include "capture/fixture/replay_source.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

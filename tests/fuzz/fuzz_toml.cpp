@@ -1,6 +1,6 @@
 // Any TOML file a person hands us, asked for everything a configuration may hold.
 #include "base/config_table.hpp"
-#include "capture/fixture.hpp"
+#include "capture/fixture/fixture.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -8,10 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gles/context.hpp"
-#include "gles/offscreen.hpp"
-#include "gles/renderer.hpp"
-#include "tests/gles/reference_renderer.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/offscreen.hpp"
+#include "gles/object/renderer.hpp"
+#include "tests/gles/object/reference_renderer.hpp"
 
 namespace kasumi {
 

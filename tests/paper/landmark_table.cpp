@@ -5,8 +5,8 @@
 #include <fstream>
 #include <numeric>
 
-#include "pipeline/photograph.hpp"
-#include "pipeline/scene_visibility.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/photographs/scene_visibility.hpp"
 
 namespace kasumi {
 namespace {

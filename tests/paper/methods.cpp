@@ -4,11 +4,11 @@
 
 #include <glm/common.hpp>
 
-#include "estimator/depth_from_haze.hpp"
-#include "estimator/horizon.hpp"
-#include "estimator/land_around.hpp"
-#include "estimator/picture_noise.hpp"
-#include "estimator/retarget.hpp"
+#include "estimator/horizon/horizon.hpp"
+#include "estimator/photograph/depth_from_haze.hpp"
+#include "estimator/photograph/land_around.hpp"
+#include "estimator/photograph/picture_noise.hpp"
+#include "estimator/photograph/retarget.hpp"
 #include "tests/paper/single_image.hpp"
 
 namespace kasumi::paper {

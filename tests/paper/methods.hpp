@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "estimator/retarget.hpp"
-#include "tests/paper/scene.hpp"
+#include "estimator/photograph/retarget.hpp"
+#include "tests/paper/generated_scene.hpp"
 #include "tests/paper/similarity.hpp"
 
 namespace kasumi::paper {

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/guided_filter.hpp"
+#include "calib/mask/guided_filter.hpp"
 
 namespace kasumi::paper {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/depth_from_haze.hpp"
+#include "estimator/photograph/depth_from_haze.hpp"
 
 namespace kasumi {
 namespace {

@@ -6,8 +6,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "estimator/land_around.hpp"
-#include "estimator/picture_noise.hpp"
+#include "estimator/photograph/land_around.hpp"
+#include "estimator/photograph/picture_noise.hpp"
 
 namespace kasumi {
 namespace {

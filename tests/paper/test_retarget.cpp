@@ -6,12 +6,12 @@
 #include <glm/common.hpp>
 
 #include "base/picture.hpp"
-#include "estimator/horizon.hpp"
-#include "estimator/land_around.hpp"
-#include "estimator/picture_noise.hpp"
-#include "estimator/retarget.hpp"
+#include "estimator/horizon/horizon.hpp"
+#include "estimator/photograph/land_around.hpp"
+#include "estimator/photograph/picture_noise.hpp"
+#include "estimator/photograph/retarget.hpp"
 #include "tests/figures.hpp"
-#include "tests/paper/scene.hpp"
+#include "tests/paper/generated_scene.hpp"
 
 namespace kasumi {
 namespace {

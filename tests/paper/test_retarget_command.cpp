@@ -8,13 +8,13 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
-#include "calib/distance_map.hpp"
-#include "pipeline/photograph.hpp"
-#include "pipeline/picture_sink.hpp"
-#include "pipeline/picture_source.hpp"
+#include "calib/mask/distance_map.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/files/picture_source.hpp"
 #include "tests/environment.hpp"
-#include "tests/paper/scene.hpp"
-#include "tests/pipeline/program.hpp"
+#include "tests/paper/generated_scene.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
 namespace {

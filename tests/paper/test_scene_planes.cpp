@@ -6,8 +6,8 @@
 
 #include "base/files.hpp"
 #include "base/geometry.hpp"
-#include "calib/scene_planes.hpp"
-#include "estimator/other_air.hpp"
+#include "calib/mask/scene_planes.hpp"
+#include "estimator/photograph/other_air.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calib/guided_filter.hpp"
+#include "calib/mask/guided_filter.hpp"
 #include "tests/paper/single_image.hpp"
 
 namespace kasumi::paper {

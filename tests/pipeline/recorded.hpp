@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fixtures/generator.hpp"
+#include "fixtures/generator/generator.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "pipeline/photograph.hpp"
-#include "pipeline/replay.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/recording/replay.hpp"
 
 namespace kasumi {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/picture_sink.hpp"
-#include "tests/pipeline/program.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
 namespace {

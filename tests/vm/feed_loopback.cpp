@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/unique_fd.hpp"
-#include "capture/replay_source.hpp"
+#include "capture/fixture/replay_source.hpp"
 
 namespace kasumi {
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calib/colorimetry.hpp"
-#include "estimator/attenuation.hpp"
+#include "calib/colour/colorimetry.hpp"
+#include "estimator/air/attenuation.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

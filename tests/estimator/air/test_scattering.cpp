@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/scattering.hpp"
+#include "estimator/air/scattering.hpp"
 
 namespace kasumi {
 namespace {

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "estimator/dome.hpp"
-#include "estimator/turbidity.hpp"
+#include "estimator/sky/dome.hpp"
+#include "estimator/turbidity/turbidity.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
-#include "tests/estimator/sky/cramer_rao.hpp"
-#include "tests/estimator/sky/dome_samples.hpp"
-#include "tests/estimator/sky/synthetic_sky.hpp"
+#include "tests/estimator/turbidity/cramer_rao.hpp"
+#include "tests/estimator/turbidity/dome_samples.hpp"
+#include "tests/estimator/turbidity/synthetic_sky.hpp"
 #include "tests/figures.hpp"
 
 namespace kasumi::test {

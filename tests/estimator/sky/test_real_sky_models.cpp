@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "calib/colorimetry.hpp"
-#include "estimator/dome.hpp"
-#include "estimator/sky_model.hpp"
+#include "calib/colour/colorimetry.hpp"
+#include "estimator/sky/dome.hpp"
+#include "estimator/sky/sky_model.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
 #include "tests/places.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/sky_model.hpp"
-#include "synthetic_sky.hpp"
+#include "estimator/sky/sky_model.hpp"
+#include "tests/estimator/turbidity/synthetic_sky.hpp"
 
 namespace kasumi {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "estimator/sun.hpp"
+#include "estimator/sky/sun.hpp"
 
 namespace kasumi {
 namespace {

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
-#include "estimator/depth_from_haze.hpp"
-#include "estimator/horizon.hpp"
-#include "estimator/picture_noise.hpp"
-#include "estimator/retarget.hpp"
-#include "pipeline/contact_sheet.hpp"
-#include "pipeline/photograph.hpp"
+#include "estimator/horizon/horizon.hpp"
+#include "estimator/photograph/depth_from_haze.hpp"
+#include "estimator/photograph/picture_noise.hpp"
+#include "estimator/photograph/retarget.hpp"
+#include "pipeline/files/contact_sheet.hpp"
+#include "pipeline/files/photograph_file.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "pipeline/bench_gles.hpp"
+#include "pipeline/bench/gles.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "estimator/haze_diffusion.hpp"
-#include "pipeline/bench.hpp"
-#include "pipeline/photograph.hpp"
+#include "estimator/haze/diffusion.hpp"
+#include "pipeline/bench/bench.hpp"
+#include "pipeline/files/photograph_file.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

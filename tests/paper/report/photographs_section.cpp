@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "estimator/horizon.hpp"
-#include "estimator/other_air.hpp"
-#include "pipeline/contact_sheet.hpp"
-#include "pipeline/photograph.hpp"
+#include "estimator/horizon/horizon.hpp"
+#include "estimator/photograph/other_air.hpp"
+#include "pipeline/files/contact_sheet.hpp"
+#include "pipeline/files/photograph_file.hpp"
 #include "tests/paper/methods.hpp"
 #include "tests/paper/report/section.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "estimator/scattering.hpp"
+#include "estimator/air/scattering.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

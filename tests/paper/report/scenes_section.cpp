@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/contact_sheet.hpp"
+#include "pipeline/files/contact_sheet.hpp"
 #include "tests/paper/methods.hpp"
 #include "tests/paper/report/section.hpp"
 

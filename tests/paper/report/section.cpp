@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/html.hpp"
+#include "pipeline/files/html.hpp"
 
 namespace kasumi::paper {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/html.hpp"
+#include "pipeline/files/html.hpp"
 
 namespace kasumi::paper {
 namespace {

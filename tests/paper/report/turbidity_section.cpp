@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tests/estimator/sky/estimate_often.hpp"
+#include "tests/estimator/turbidity/estimate_often.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 
-#include "gles/headless_display.hpp"
+#include "gles/display/headless_display.hpp"
 
 namespace kasumi {
 

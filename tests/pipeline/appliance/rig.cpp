@@ -6,9 +6,9 @@
 #include <cstdio>
 
 #include "base/files.hpp"
-#include "capture/encode.hpp"
-#include "capture/fixture_writer.hpp"
-#include "pipeline/picture_sink.hpp"
+#include "capture/codec/encode.hpp"
+#include "capture/fixture/fixture_writer.hpp"
+#include "pipeline/files/picture_sink.hpp"
 #include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/picture.hpp"
-#include "pipeline/appliance.hpp"
+#include "pipeline/appliance/appliance.hpp"
 #include "tests/pipeline/appliance/faulty_display.hpp"
 #include "tests/pipeline/appliance/faulty_source.hpp"
 

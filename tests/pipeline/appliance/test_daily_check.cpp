@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "capture/fixture.hpp"
-#include "capture/replay_source.hpp"
-#include "pipeline/drift_reference.hpp"
+#include "capture/fixture/fixture.hpp"
+#include "capture/fixture/replay_source.hpp"
+#include "pipeline/camera_drift/drift_reference.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 #include "tests/pipeline/recorded.hpp"
 

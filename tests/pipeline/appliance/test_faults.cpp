@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "pipeline/remembered_state.hpp"
+#include "pipeline/appliance/remembered_state.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 
 namespace kasumi {

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "pipeline/ladder.hpp"
+#include "pipeline/config/ladder.hpp"
 
 namespace kasumi {
 namespace {

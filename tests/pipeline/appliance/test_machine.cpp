@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/remembered_state.hpp"
+#include "pipeline/appliance/remembered_state.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 #include "tests/places.hpp"
 

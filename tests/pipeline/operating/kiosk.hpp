@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "capture/fixture_writer.hpp"
-#include "capture/replay_source.hpp"
+#include "capture/fixture/fixture_writer.hpp"
+#include "capture/fixture/replay_source.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

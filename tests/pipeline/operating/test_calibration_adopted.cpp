@@ -9,9 +9,9 @@
 
 #include "calib/calibration_file.hpp"
 #include "capture/utc_text.hpp"
-#include "pipeline/content.hpp"
-#include "pipeline/fixture_file.hpp"
-#include "pipeline/recording.hpp"
+#include "pipeline/config/content.hpp"
+#include "pipeline/config/fixture_file.hpp"
+#include "pipeline/recording/recording.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
 #include "tests/places.hpp"
 

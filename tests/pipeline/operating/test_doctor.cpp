@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/doctor_checks.hpp"
+#include "pipeline/doctor/checks.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
 
 namespace kasumi {

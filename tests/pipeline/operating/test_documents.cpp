@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/pipeline/program.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {

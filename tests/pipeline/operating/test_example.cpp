@@ -7,7 +7,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "pipeline/run_config.hpp"
+#include "pipeline/config/run_config.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
 #include "tests/places.hpp"
 

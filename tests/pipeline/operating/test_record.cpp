@@ -9,12 +9,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "gles/headless_display.hpp"
-#include "pipeline/fixture_file.hpp"
-#include "pipeline/picture_sink.hpp"
-#include "pipeline/record.hpp"
-#include "pipeline/record_screen.hpp"
-#include "pipeline/replay.hpp"
+#include "gles/display/headless_display.hpp"
+#include "pipeline/config/fixture_file.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/recording/record.hpp"
+#include "pipeline/recording/record_screen.hpp"
+#include "pipeline/recording/replay.hpp"
 #include "tests/pipeline/operating/kiosk.hpp"
 #include "tests/places.hpp"
 

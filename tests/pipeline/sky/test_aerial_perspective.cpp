@@ -7,10 +7,10 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "calib/colorimetry.hpp"
-#include "estimator/dome.hpp"
+#include "calib/colour/colorimetry.hpp"
+#include "estimator/sky/dome.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
-#include "pipeline/sky_drawing.hpp"
+#include "pipeline/sky/sky_drawing.hpp"
 #include "tests/figures.hpp"
 
 namespace kasumi {

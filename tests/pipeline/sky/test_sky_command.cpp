@@ -6,10 +6,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "pipeline/light_file.hpp"
-#include "pipeline/sky_order.hpp"
+#include "pipeline/files/light_file.hpp"
+#include "pipeline/sky/sky_order.hpp"
 #include "tests/environment.hpp"
-#include "tests/pipeline/program.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
 namespace {

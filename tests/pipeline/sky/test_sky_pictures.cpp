@@ -7,11 +7,11 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "estimator/dome.hpp"
-#include "pipeline/bench_gles.hpp"
-#include "pipeline/sky_comparison.hpp"
-#include "pipeline/sky_drawing.hpp"
-#include "pipeline/sky_window.hpp"
+#include "estimator/sky/dome.hpp"
+#include "pipeline/bench/gles.hpp"
+#include "pipeline/sky/sky_comparison.hpp"
+#include "pipeline/sky/sky_drawing.hpp"
+#include "pipeline/sky/sky_window.hpp"
 
 namespace kasumi {
 namespace {

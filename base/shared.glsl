@@ -1,3 +1,0 @@
-// What the texts shared with C++ call these, in GLSL ES 1.00 (base/sky_text.hpp for C++).
-#define real float
-#define FUNCTION

@@ -1,0 +1,62 @@
+// Views of a board gathered from a running camera: which are worth keeping, and what the next should be.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/board/any_board.hpp"
+
+namespace kasumi {
+
+// How a board leans, as its squares' sizes show: the side named is nearer.
+enum class Lean { left, right, top, bottom };
+constexpr int kLeans = 4;
+
+class BoardCollector {
+ public:
+  enum class Found {
+    nothing,  // no board
+    moving,   // since the look before
+    blurred,
+    known,  // as others that were taken
+    taken,
+  };
+
+  explicit BoardCollector(AnyBoard board) : board_(std::move(board)) {}
+
+  // A frame, each of one size. `name`: of the view, should it be taken.
+  Found look(const Image<std::uint8_t>& grey, const std::string& name);
+
+  static constexpr int kCells = kCoverageCells;  // along each side of the picture
+  enum class Cell { dark, bare, covered };       // dark: the lens throws no picture there
+  Cell cell(int column, int row) const;
+  double covered() const;  // part of the cells that see anything
+  bool leaned(Lean lean) const { return leaned_[static_cast<std::size_t>(lean)]; }
+  const std::vector<BoardView>& views() const { return views_; }
+  const std::optional<BoardView>& seen() const { return seen_; }  // in the last frame
+
+  // 12 views, .8 of the picture, leaned all four ways.
+  bool enough() const;
+  // What to do next, for a person: "move the board to the lower left and tilt it, its right side nearer".
+  std::string advice() const;
+  std::string map() const;  // a line for each row of cells: "#" covered, "." bare, " " dark
+
+ private:
+  void look_for_light(const Image<std::uint8_t>& grey);
+  bool adds(const BoardView& view) const;
+  void take(BoardView view);
+
+  AnyBoard board_;
+  int width_ = 0, height_ = 0;
+  std::vector<BoardView> views_;
+  std::optional<BoardView> seen_;
+  std::array<bool, kCells * kCells> lit_{}, covered_{};
+  std::array<bool, kLeans> leaned_{};
+  std::array<bool, 9 * (kLeans + 1)> known_{};  // a ninth of the picture, and a lean or none
+};
+
+std::string_view words_of(BoardCollector::Found found);  // "hold still"
+
+}  // namespace kasumi

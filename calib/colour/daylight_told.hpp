@@ -1,0 +1,36 @@
+// What daylight tells of a camera: its sensitivity at bands, and the colours that it makes of the sky's spectra.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+#include <glm/vec2.hpp>
+
+#include "calib/colour/colorimetry.hpp"
+#include "calib/light/radiometry.hpp"
+
+namespace kasumi {
+
+constexpr int kBands = 81;
+constexpr double kBandStep_nm = 5.0;
+double band_nm(int i);  // from kFirstVisible_nm on
+
+// One channel's sensitivity at the bands, linear between them; its mean is 1.
+using BandCurve = Eigen::Matrix<double, kBands, 1>;
+BandCurve curve_of(const SpectralSensitivity& sensitivity, int channel);
+std::array<BandCurve, 3> curves_of(const SpectralSensitivity& sensitivity);
+
+// Sums over 1 nm of what a curve sees of S0, S1, S2: one column each.
+const Eigen::Matrix<double, kBands, 3>& daylight_sums();
+
+// All that daylight tells of a camera: for each channel the integrals of q S1 and q S2 over that of q S0.
+using DaylightTold = Eigen::Matrix<double, 6, 1>;
+DaylightTold told_of(const std::array<BandCurve, 3>& curves);
+
+// ln of a channel's light of a spectrum over that of S0.
+double log_seen(const DaylightTold& told, int channel, const DaylightWeights& spectrum);
+// ln(red / green), ln(blue / green); gains are not in them.
+constexpr std::array kAgainstGreen{0, 2};  // channels of the two log ratios
+glm::dvec2 log_ratios(const DaylightTold& told, const DaylightWeights& spectrum);
+
+}  // namespace kasumi

@@ -1,0 +1,102 @@
+#include "calib/lens/lens_description.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/toml_text.hpp"
+
+namespace kasumi {
+namespace {
+
+template <class... Functions>
+struct Overloaded : Functions... {
+  using Functions::operator()...;
+};
+template <class... Functions>
+Overloaded(Functions...) -> Overloaded<Functions...>;
+
+template <class Numbers>
+std::string list(const Numbers& numbers) {
+  std::vector<std::string> texts;
+  for (const double value : numbers) texts.push_back(toml_number(value));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+std::string pair(const glm::dvec2& v) {
+  return list(std::array{v.x, v.y});
+}
+
+}  // namespace
+
+LensPtr make_lens(const LensDescription& description) {
+  const Radians largest = description.largest_angle;
+  return std::visit(
+      Overloaded{[&](const IdealFisheyeModel& m) {
+                   return m.equisolid ? equisolid_lens(m.centre, m.focal_px, largest)
+                                      : equidistant_lens(m.centre, m.focal_px, largest);
+                 },
+                 [&](const OpencvFisheyeModel& m) { return opencv_fisheye_lens(m.focal_px, m.centre, m.k, largest); },
+                 [&](const ScaramuzzaModel& m) { return scaramuzza_lens(m, largest); },
+                 [&](const PinholeModel& m) { return pinhole_lens(m); }},
+      description.model);
+}
+
+std::string_view model_name(const LensDescription& description) {
+  using namespace std::string_view_literals;
+  return std::visit(Overloaded{[](const IdealFisheyeModel& m) { return m.equisolid ? "equisolid"sv : "equidistant"sv; },
+                               [](const OpencvFisheyeModel&) { return "opencv_fisheye"sv; },
+                               [](const ScaramuzzaModel&) { return "scaramuzza"sv; },
+                               [](const PinholeModel&) { return "pinhole"sv; }},
+                    description.model);
+}
+
+glm::dvec2 centre_of(const LensDescription& description) {
+  return std::visit([](const auto& m) { return m.centre; }, description.model);
+}
+
+double focal_px_of(const LensDescription& description) {
+  const auto mean = [](const glm::dvec2& focal) { return 0.5 * (focal.x + focal.y); };
+  return std::visit(Overloaded{[](const IdealFisheyeModel& m) { return m.focal_px; },
+                               [&](const OpencvFisheyeModel& m) { return mean(m.focal_px); },
+                               [](const ScaramuzzaModel& m) { return -m.polynomial.front() * 0.5 * (1.0 + m.c); },
+                               [&](const PinholeModel& m) { return mean(m.focal_px); }},
+                    description.model);
+}
+
+LensDescription moved(LensDescription description, const glm::dvec2& centre, double scale) {
+  std::visit(Overloaded{[&](IdealFisheyeModel& m) { m.focal_px *= scale; },
+                        [&](OpencvFisheyeModel& m) { m.focal_px *= scale; },
+                        [&](ScaramuzzaModel& m) {
+                          for (std::size_t i = 0; i < m.polynomial.size(); ++i)
+                            m.polynomial[i] *= std::pow(scale, 1.0 - static_cast<double>(i));
+                        },
+                        [&](PinholeModel& m) { m.focal_px *= scale; }},
+             description.model);
+  std::visit([&](auto& m) { m.centre = centre; }, description.model);
+  return description;
+}
+
+std::string toml_of(const LensDescription& description) {
+  auto text = fmt::format("model = \"{}\"\n", model_name(description));
+  text += std::visit(
+      Overloaded{
+          [](const IdealFisheyeModel& m) { return fmt::format("focal_px = {}\n", toml_number(m.focal_px)); },
+          [](const OpencvFisheyeModel& m) {
+            return fmt::format("focal_px = {}\nk = {}\n", pair(m.focal_px), list(m.k));
+          },
+          [](const ScaramuzzaModel& m) {
+            return fmt::format("polynomial = {}\naffine = {}\n", list(m.polynomial), list(std::array{m.c, m.d, m.e}));
+          },
+          [](const PinholeModel& m) {
+            return fmt::format("focal_px = {}\ndistortion = {}\n", pair(m.focal_px), list(m.distortion));
+          }},
+      description.model);
+  text += fmt::format("centre_px = {}\n", pair(centre_of(description)));
+  if (!std::holds_alternative<PinholeModel>(description.model))
+    text += fmt::format("largest_angle_deg = {}\n", toml_number(to_degrees(description.largest_angle)));
+  return text;
+}
+
+}  // namespace kasumi

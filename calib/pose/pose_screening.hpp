@@ -1,0 +1,29 @@
+// Which sights are wrong: those that the rest contradicts.
+#pragma once
+
+#include <vector>
+
+#include "calib/pose/pose_fit.hpp"
+
+namespace kasumi {
+
+// chi^2 of the sights used, and what it would be on average with honest sigmas.
+struct PoseMisfit {
+  double chi2 = 0.0, expected = 0.0;
+};
+PoseMisfit misfit_of(const PoseFit& fit, const std::vector<bool>& used);
+
+// How far a sight contradicts the others, squared and in units of what is usual; directions in which nothing checks it
+// left aside. `least_checked`: the part of an error that shows at all.
+struct Contradiction {
+  double squared = 0.0;
+  double least_checked = 1.0;
+};
+Contradiction contradiction(const PoseFit& fit, std::size_t sight, bool used);
+
+// Drops what the rest contradicts, the worst first, and takes in again what agrees after all (Baarda's data snooping).
+// `used`: to begin with, and then in the end.
+PoseFit fit_without_wrong(const PoseModel& from, const ScaledLens& lens, const ScenePrior& prior,
+                          const PoseSights& sights, std::vector<bool>& used);
+
+}  // namespace kasumi

@@ -1,0 +1,318 @@
+#include "calib/pose/sky_orientation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+#include <fmt/format.h>
+#include <Eigen/Dense>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "base/statistics.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr Radians kOnePlace = from_degrees(3.0);
+constexpr int kTrials = 500;
+constexpr double kAgree_px = 4.0, kAgree_sigma = 4.0;  // the first with a lens not yet fitted
+constexpr double kFewSights_px = 0.5;
+constexpr double kSaysNothing = 0.7;  // of the prior's sigma still left
+
+// A turn of the world (axis times angle, radians), the centre's shift in pixels, ln scale.
+using Change = std::array<double, 6>;
+
+glm::dmat3 turn(const double* axis_angle) {
+  glm::dmat3 matrix;
+  ceres::AngleAxisToRotationMatrix(axis_angle, &matrix[0][0]);
+  return matrix;
+}
+
+struct Model {
+  glm::dmat3 to_world;
+  LensDescription lens;
+
+  Model changed(const double* change) const {
+    return {turn(change) * to_world,
+            moved(lens, centre_of(lens) + glm::dvec2{change[3], change[4]}, std::exp(change[5]))};
+  }
+};
+
+// The lens beyond its own end too, where a fit may look in passing.
+LensDescription wide(LensDescription lens) {
+  lens.largest_angle = from_degrees(150.0);
+  return lens;
+}
+
+struct SightCost {
+  const Lens* lens;  // of the model the changes start from
+  glm::dvec2 centre;
+  glm::dmat3 to_world;
+  SunSight sight;
+  double sigma_px;
+
+  bool operator()(const double* change, double* residual) const {
+    const auto at = lens->project(sight.sun * (turn(change) * to_world));
+    if (!at) return false;
+    const glm::dvec2 seen = centre + glm::dvec2{change[3], change[4]} + std::exp(change[5]) * (*at - centre);
+    residual[0] = (sight.pixel.x - seen.x) / sigma_px;
+    residual[1] = (sight.pixel.y - seen.y) / sigma_px;
+    return true;
+  }
+};
+
+// How far the optical axis is from where it was mounted, the centre and the scale from what was known of them.
+struct PriorCost {
+  SkyPrior prior;
+  Model model;
+
+  bool operator()(const double* change, double* residual) const {
+    const glm::dvec3 axis = turn(change) * model.to_world[2];
+    // Heights of the axes above the horizon do not turn with the azimuth.
+    const glm::dvec3 mounted = prior.to_world[2];
+    const double off = std::acos(std::clamp(mounted.z, -1.0, 1.0));
+    if (off < 1e-6) {
+      residual[0] = axis.x / prior.level_sigma.value;
+      residual[1] = axis.y / prior.level_sigma.value;
+    } else {
+      residual[0] = (std::atan2(std::hypot(axis.x, axis.y), axis.z) - off) / prior.level_sigma.value;
+      residual[1] = 0.0;
+    }
+    const auto from = centre_of(prior.lens);
+    const glm::dvec2 centre = centre_of(model.lens) + glm::dvec2{change[3], change[4]};
+    residual[2] = (centre.x - from.x) / prior.centre_sigma_px.x;
+    residual[3] = (centre.y - from.y) / prior.centre_sigma_px.y;
+    const double scale = std::log(focal_px_of(model.lens) / focal_px_of(prior.lens)) + change[5];
+    residual[4] = scale / prior.scale_sigma;
+    return true;
+  }
+};
+
+std::vector<glm::dvec2> residuals_of(const Model& model, std::span<const SunSight> sights) {
+  const auto lens = make_lens(wide(model.lens));
+  std::vector<glm::dvec2> residuals;
+  for (const auto& sight : sights) {
+    const auto at = lens->project(sight.sun * model.to_world);
+    residuals.push_back(at ? sight.pixel - *at : glm::dvec2(1e4));
+  }
+  return residuals;
+}
+
+// The rotation that takes one pair of directions to another as well as a rotation can.
+std::optional<glm::dmat3> rotation_between(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& to_a,
+                                           const glm::dvec3& to_b) {
+  const auto frame = [](const glm::dvec3& p, const glm::dvec3& q) -> std::optional<glm::dmat3> {
+    const glm::dvec3 middle = glm::normalize(p + q), across = glm::cross(p, q);
+    if (!(glm::length(across) > 0.02)) return std::nullopt;
+    const glm::dvec3 normal = glm::normalize(across);
+    return glm::dmat3{middle, normal, glm::cross(middle, normal)};
+  };
+  const auto from = frame(a, b), to = frame(to_a, to_b);
+  if (!from || !to) return std::nullopt;
+  return *to * glm::transpose(*from);
+}
+
+std::vector<bool> agreeing(const Model& model, std::span<const SunSight> sights, double tolerance_px) {
+  std::vector<bool> agree;
+  for (const auto& residual : residuals_of(model, sights)) agree.push_back(glm::length(residual) <= tolerance_px);
+  return agree;
+}
+
+// The two sights that explain most of the others with the lens as it was known. A scale that is a few percent off
+// bends all rotations, so the tolerance grows with what is not known.
+std::optional<Model> consensus(std::span<const SunSight> sights, const SkyPrior& prior) {
+  const auto lens = make_lens(wide(prior.lens));
+  const double tolerance_px =
+      kAgree_px + glm::length(prior.centre_sigma_px) + prior.scale_sigma * focal_px_of(prior.lens);
+  std::mt19937_64 random(1);
+  std::optional<Model> best;
+  double best_score = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto& a = sights[random() % sights.size()];
+    const auto& b = sights[random() % sights.size()];
+    const auto ray_a = lens->unproject(a.pixel), ray_b = lens->unproject(b.pixel);
+    if (!ray_a || !ray_b) continue;
+    const auto rotation = rotation_between(*ray_a, *ray_b, a.sun, b.sun);
+    if (!rotation) continue;
+    const Model model{*rotation, prior.lens};
+    double score = 0.0;  // close ones count more
+    for (const auto& residual : residuals_of(model, sights))
+      score += std::max(0.0, 1.0 - glm::dot(residual, residual) / (tolerance_px * tolerance_px));
+    if (score > best_score) {
+      best_score = score;
+      best = model;
+    }
+  }
+  // Two sights always agree with themselves.
+  if (!best || (sights.size() > 2 && best_score < 2.2)) return std::nullopt;
+  return best;
+}
+
+struct Solved {
+  Model model;
+  Eigen::Matrix<double, 6, 6> covariance;
+};
+
+Solved solve(const Model& from, std::span<const SunSight> sights, const std::vector<bool>& used, const SkyPrior& prior,
+             double sigma_px) {
+  const auto lens = make_lens(wide(from.lens));
+  Change change{};
+  ceres::Problem problem;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    if (used[i])
+      problem.AddResidualBlock(new ceres::NumericDiffCostFunction<SightCost, ceres::CENTRAL, 2, 6>(
+                                   new SightCost{lens.get(), centre_of(from.lens), from.to_world, sights[i], sigma_px}),
+                               new ceres::CauchyLoss(2.0), change.data());
+  problem.AddResidualBlock(
+      new ceres::NumericDiffCostFunction<PriorCost, ceres::CENTRAL, 5, 6>(new PriorCost{prior, from}), nullptr,
+      change.data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  options.function_tolerance = 1e-12;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+
+  Solved solved{from.changed(change.data()), {}};
+  ceres::Problem::EvaluateOptions evaluation;
+  evaluation.apply_loss_function = false;
+  ceres::CRSMatrix jacobian;
+  problem.Evaluate(evaluation, nullptr, nullptr, nullptr, &jacobian);
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(jacobian.num_rows, jacobian.num_cols);
+  for (int row = 0; row < jacobian.num_rows; ++row)
+    for (int k = jacobian.rows[static_cast<std::size_t>(row)]; k < jacobian.rows[static_cast<std::size_t>(row) + 1];
+         ++k)
+      dense(row, jacobian.cols[static_cast<std::size_t>(k)]) = jacobian.values[static_cast<std::size_t>(k)];
+  solved.covariance = (dense.transpose() * dense).ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity());
+  return solved;
+}
+
+// Robust standard deviation of one coordinate.
+double spread_px(const std::vector<glm::dvec2>& residuals, const std::vector<bool>& used) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    if (used[i]) {
+      all.push_back(residuals[i].x);
+      all.push_back(residuals[i].y);
+    }
+  return robust_sigma(std::move(all));
+}
+
+bool at_one_place(std::span<const SunSight> sights) {
+  return std::all_of(sights.begin(), sights.end(),
+                     [&](const SunSight& s) { return angle_between(s.sun, sights[0].sun) <= kOnePlace; });
+}
+
+void finish(SkyOrientation& result, std::span<const SunSight> sights) {
+  result.residuals_px = residuals_of({result.to_world, result.lens}, sights);
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    if (result.used[i]) {
+      sum += glm::dot(result.residuals_px[i], result.residuals_px[i]);
+      ++count;
+    }
+  result.rms_px = count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0;
+}
+
+// The azimuth alone: the mounted camera turned about the vertical until the sun's azimuths agree.
+Result<SkyOrientation> azimuth_only(std::span<const SunSight> sights, const SkyPrior& prior) {
+  const auto lens = make_lens(wide(prior.lens));
+  glm::dvec2 towards{0.0};
+  double cotangent = 0.0;
+  SkyOrientation result;
+  for (const auto& sight : sights) {
+    const auto ray = lens->unproject(sight.pixel);
+    result.used.push_back(ray.has_value());
+    if (!ray) continue;
+    const double by = azimuth_angle(sight.sun).value - azimuth_angle(prior.to_world * *ray).value;
+    towards += glm::dvec2{std::cos(by), std::sin(by)};
+    const double zenith = std::max(zenith_angle(sight.sun).value, 1e-3);
+    cotangent = std::max(cotangent, 1.0 / std::tan(zenith));
+  }
+  if (!(glm::length(towards) > 0.0))
+    return fail(FaultKind::bad_input, "the sun's place in the picture is outside of what the lens sees");
+  const double by = std::atan2(towards.y, towards.x);
+  const std::array vertical{0.0, 0.0, -by};  // azimuth runs clockwise
+  result.to_world = turn(vertical.data()) * prior.to_world;
+  result.lens = prior.lens;
+  const double zenith = zenith_angle(sights[0].sun).value;
+  const double across = glm::length(prior.centre_sigma_px) / std::sqrt(2.0) / focal_px_of(prior.lens);
+  result.sigma.azimuth = {std::hypot(prior.level_sigma.value * cotangent, across / std::max(std::sin(zenith), 1e-3))};
+  result.sigma.tilt_east = result.sigma.tilt_north = prior.level_sigma;
+  result.sigma.centre_px = prior.centre_sigma_px;
+  result.sigma.scale = prior.scale_sigma;
+  result.undetermined = {
+      "the sun was seen at one place, which fixes the azimuth only; tilt, centre and focal length are as they were"};
+  finish(result, sights);
+  return result;
+}
+
+void tell_undetermined(SkyOrientation& result, const SkyPrior& prior) {
+  const auto& sigma = result.sigma;
+  const auto tell = [&](bool open, const char* what, double value, const char* unit) {
+    if (open)
+      result.undetermined.push_back(
+          fmt::format("{}: the sun's track says little of it, it is known to {:.2g} {} only", what, value, unit));
+  };
+  const double level = prior.level_sigma.value;
+  tell(sigma.tilt_east.value > kSaysNothing * level, "tilt to the east", to_degrees(sigma.tilt_east), "deg");
+  tell(sigma.tilt_north.value > kSaysNothing * level, "tilt to the north", to_degrees(sigma.tilt_north), "deg");
+  tell(
+      std::max(sigma.centre_px.x / prior.centre_sigma_px.x, sigma.centre_px.y / prior.centre_sigma_px.y) > kSaysNothing,
+      "centre of the lens", std::max(sigma.centre_px.x, sigma.centre_px.y), "px");
+  tell(sigma.scale > kSaysNothing * prior.scale_sigma, "focal length", 100.0 * sigma.scale, "percent");
+}
+
+}  // namespace
+
+Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPrior& prior) {
+  if (sights.empty())
+    return fail(FaultKind::bad_input, "the sun was seen in no picture: expected at least one with the sun's disc");
+  if (at_one_place(sights)) return azimuth_only(sights, prior);
+  const auto start = consensus(sights, prior);
+  if (!start)
+    return fail(FaultKind::bad_input,
+                "the sun's places in the {} pictures do not agree with its way across the sky: expected the right "
+                "time, site and lens",
+                sights.size());
+
+  // First what a lens not yet fitted can explain; then, as lens and noise become known, what is within 4 sigma.
+  Model model = *start;
+  const double generous =
+      kAgree_px + 2.0 * (glm::length(prior.centre_sigma_px) + prior.scale_sigma * focal_px_of(prior.lens));
+  auto used = agreeing(model, sights, generous);
+  double sigma_px = 1.0;
+  Solved solved{model, {}};
+  for (int round = 0; round < 6; ++round) {
+    solved = solve(model, sights, used, prior, sigma_px);
+    model = solved.model;
+    // A few sights agree by chance, since so much is free to follow them.
+    const bool few = std::count(used.begin(), used.end(), true) < 10;
+    sigma_px = std::max(few ? kFewSights_px : prior.least_sigma_px, spread_px(residuals_of(model, sights), used));
+    auto next = agreeing(model, sights, kAgree_sigma * sigma_px);
+    if (std::count(next.begin(), next.end(), true) < 2) break;
+    if (round >= 2 && next == used) break;
+    used = std::move(next);
+  }
+  solved = solve(model, sights, used, prior, sigma_px);
+
+  SkyOrientation result;
+  result.to_world = solved.model.to_world;
+  result.lens = solved.model.lens;
+  result.lens.largest_angle = prior.lens.largest_angle;
+  result.scale = focal_px_of(result.lens) / focal_px_of(prior.lens);
+  result.used = used;
+  const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, solved.covariance(i, i))); };
+  // A turn about the north axis tilts the optical axis to the east, about the east axis to the south.
+  result.sigma = {{sigma(2)}, {sigma(1)}, {sigma(0)}, {sigma(3), sigma(4)}, sigma(5)};
+  finish(result, sights);
+  tell_undetermined(result, prior);
+  return result;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,57 @@
+// Where the sky camera looks, and where its lens sits before the sensor, from places of the sun in its pictures.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+
+#include "base/geometry.hpp"
+#include "base/result.hpp"
+#include "calib/lens/lens_description.hpp"
+#include "calib/mask/image_circle.hpp"
+
+namespace kasumi {
+
+// The sun once: where it stood (ephemeris, refraction included) and where the picture shows it.
+struct SunSight {
+  Direction sun{0, 0, 1};
+  glm::dvec2 pixel{};
+};
+
+// What is known before the sun is asked. One standard deviation each.
+struct SkyPrior {
+  LensDescription lens;
+  glm::dvec2 centre_sigma_px{3.0};          // of the lens's centre: about 0.5 for a found image circle
+  double scale_sigma = 0.03;                // of its focal length, relative: a data sheet's; 1e-3 for a calibrated lens
+  glm::dmat3 to_world{1.0};                 // as mounted; of it only the optical axis is believed, never the azimuth
+  Radians level_sigma = from_degrees(3.0);  // of that axis
+  double least_sigma_px = 0.05;             // no centroid is better, however well a few happen to agree
+};
+
+struct SkyOrientation {
+  glm::dmat3 to_world{1.0};
+  LensDescription lens;                    // moved and scaled
+  double scale = 1.0;                      // focal length over the prior's
+  std::vector<bool> used;                  // one for each sight; false: not where the others say the sun was
+  std::vector<glm::dvec2> residuals_px{};  // seen minus modelled, of all sights
+  double rms_px = 0.0;                     // of those used
+  // One standard deviation each, priors included.
+  struct Sigma {
+    Radians azimuth, tilt_east, tilt_north;
+    glm::dvec2 centre_px{};
+    double scale = 0.0;
+  } sigma;
+  std::vector<std::string> undetermined;  // for a person: what the sights say nothing of
+};
+
+// A shift of the lens's centre and a tilt of the camera look nearly the same: the axis is found no better than
+// centre_sigma_px over the focal length, though pixels near the sun's way get their true direction all the same.
+// With the sun at one place (within 3 deg) only the turn about the vertical is found, all else stays as the prior has
+// it. Otherwise: the two sights that most others agree with (so that the azimuth needs no start and reflections do no
+// harm), then all that agree, by Ceres. Deterministic. Errors (bad_input): no sights; no two that agree.
+Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPrior& prior);
+
+}  // namespace kasumi

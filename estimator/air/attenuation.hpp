@@ -1,0 +1,62 @@
+// What is left of light after a path through the air, per camera channel (M Eq 11; physics 4).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "calib/camera.hpp"
+#include "calib/colour/colorimetry.hpp"
+#include "calib/colour/spectral_sensitivity.hpp"
+#include "estimator/air/scattering.hpp"
+#include "estimator/atmosphere.hpp"
+
+namespace kasumi {
+
+// A path's length weighted by the density of air and of haze relative to sea level: optical depth is the sea-level
+// coefficient times this. Exact for slanted straight paths over a flat earth (the earth's curvature lowers a path of
+// 50 km by 49 m in its middle, 4 % of the haze's scale height).
+struct OpticalPath {
+  double rayleigh_m = 0.0;
+  double mie_m = 0.0;
+};
+// Altitudes above sea level of the path's ends and its length, in metres.
+OpticalPath optical_path(double observer_altitude_m, double target_altitude_m, double distance_m);
+
+// The measure by which light of each wavelength counts in a channel, every nanometre from first_nm, each channel's sum
+// 1. Weights may be negative: a channel of linear sRGB is made from a sensor's by subtraction as well.
+struct SpectralMeasure {
+  double first_nm = kFirstVisible_nm;
+  std::vector<glm::dvec3> weight;
+};
+// M Eq 11's own: the spectral sensitivity q_c.
+SpectralMeasure spectral_measure(const SpectralSensitivity& sensitivity);
+// That of the channels the camera delivers: q_c, or its mix into linear sRGB when the camera converts. The difference
+// is not small: M's q_c on sRGB channels is off by up to 12 of 255 (mean 2-3 on dark surfaces), the mix by 1-2 (.3).
+SpectralMeasure spectral_measure(const Camera& camera);
+// Gamma at 1 nm in double precision: the slow truth.
+glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, Turbidity turbidity,
+                                 const OpticalPath& path);
+
+// Nodes of a measure in the manner of Gauss, of least worst error over T 1.7-20 and paths to 50 km: they depend on the
+// sensor alone, so that a new turbidity changes 2 coefficients per node. Worst error over all cameras we have data of:
+// 2.6e-4 for M's q_c (Gauss nodes in 1 / wavelength 7e-4), 6e-4 for its mix into sRGB.
+constexpr int kAttenuationNodes = 2;
+struct AttenuationNodes {
+  std::array<glm::dvec3, kAttenuationNodes> weight{};  // each channel's sum is 1
+  std::array<glm::dvec3, kAttenuationNodes> wavelength_nm{};
+};
+// Deterministic; takes some milliseconds.
+AttenuationNodes attenuation_nodes(const SpectralMeasure& measure);
+
+// The nodes under one turbidity; sea level. The renderer's Haze.
+struct HazeCoefficients {
+  std::array<glm::dvec3, kAttenuationNodes> weight{};
+  std::array<glm::dvec3, kAttenuationNodes> rayleigh_per_m{};
+  std::array<glm::dvec3, kAttenuationNodes> mie_per_m{};
+};
+HazeCoefficients haze_coefficients(const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity);
+glm::dvec3 attenuation(const HazeCoefficients& haze, const OpticalPath& path);
+
+}  // namespace kasumi

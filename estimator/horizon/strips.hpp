@@ -1,0 +1,51 @@
+// A scene's sky from the top down to its lowest part, strip by strip across the view.
+#pragma once
+
+#include <vector>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "calib/camera.hpp"
+#include "estimator/horizon/horizon.hpp"
+
+namespace kasumi {
+
+struct SceneSky {
+  const Camera& camera;
+  const Image<Rgb8>& picture;
+  const Image<std::uint8_t>& sky;  // 255 where sky
+
+  glm::dvec3 light_at(int x, int y) const;
+  glm::dvec3 log_step_at(int x, int y) const;  // one step of the encoded values, as ln light
+  bool clipped_at(int x, int y) const;         // in any channel
+};
+
+// Pixels of one strip near its lowest sky: columns x0..x1-1, rows top..edge.
+struct SkyStrip {
+  int x0 = 0, x1 = 0;
+  int top = 0;         // as far up as a faded hill may hide
+  int edge = 0;        // lowest row that is mostly sky, faded hills taken for sky
+  int first_drop = 0;  // going down, the last row above the first sharp drop of light; edge when there is none
+  int certain = 0;     // down to this row no hill is seen, but clouds may be
+};
+
+// Shares of the picture's height.
+constexpr double kHorizonBand = 0.025;    // the horizon region
+constexpr double kHorizonMargin = 0.006;  // above a silhouette, whose pixels are mixed
+
+// Strips with sky, from the left.
+std::vector<SkyStrip> sky_strips(const SceneSky& scene, int strips);
+
+// Light of the clear sky above the land, one column per strip: the lowest cells of one smooth surface of light that
+// clouds and hills do not lie on. Empty where too little of the sky is clear to be sure.
+std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips);
+
+// Light of the lowest sky above the first drop of light, outliers left out, smooth over azimuth. For clipped,
+// overcast and cloudy skies; a column for each strip that has enough of it.
+struct LowestSky {
+  std::vector<HorizonColumn> columns;
+  bool clipped = false;  // most of them
+};
+LowestSky lowest_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips);
+
+}  // namespace kasumi

@@ -1,0 +1,156 @@
+#include "estimator/landmarks/contrast.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/vec2.hpp>
+
+#include "base/saturation.hpp"
+#include "estimator/air/attenuation.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr double kTrimmed = 0.1;       // of the pixels at either end: birds, threads, hot pixels
+constexpr double kIndependent = 0.25;  // of a box's pixels: colour sampling and JPEG smear the noise
+constexpr double kHiddenShare = 0.02;  // of a box, from which on it is not looked at
+
+// A box's light, robustly.
+struct BoxLight {
+  glm::dvec3 mean{0};      // linear
+  glm::dvec3 variance{0};  // of the mean, by the pixels' noise
+  glm::dvec3 fall{0};      // d light / d row: of a sky's gradient
+  glm::dvec2 middle{0};
+  double clipped = 0.0, hidden = 0.0;  // shares
+};
+
+bool inside(const PictureBox& box, const Camera& camera) {
+  return box.x >= 0 && box.y >= 0 && box.width > 0 && box.height > 0 && box.x + box.width <= camera.width &&
+         box.y + box.height <= camera.height;
+}
+
+double trimmed_mean(std::vector<double>& values) {
+  std::sort(values.begin(), values.end());
+  const auto cut = static_cast<std::size_t>(kTrimmed * static_cast<double>(values.size()));
+  double sum = 0.0;
+  for (std::size_t i = cut; i < values.size() - cut; ++i) sum += values[i];
+  return sum / static_cast<double>(values.size() - 2 * cut);
+}
+
+BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const PictureBox& box, double pixel_noise) {
+  BoxLight found;
+  found.middle = {box.x + 0.5 * (box.width - 1), box.y + 0.5 * (box.height - 1)};
+  const double pixels = static_cast<double>(box.width) * box.height;
+  std::array<std::vector<double>, 3> light;
+  glm::dvec3 slope{0}, by_row{0};
+  double rows = 0.0;
+  for (int y = box.y; y < box.y + box.height; ++y)
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      const glm::dvec3 value(encoded.at(x, y));
+      const glm::dvec3 pixel = camera.light_at({x, y}, value);
+      // light_at divides by vignetting and white balance; so does the noise.
+      slope += camera.response.slope(value) / (camera.white_balance * camera.vignetting.at({x, y}));
+      const double row = y - found.middle.y;
+      by_row += row * pixel;
+      rows += row * row;
+      for (std::size_t c = 0; c < 3; ++c) light[c].push_back(pixel[static_cast<int>(c)]);
+      if (std::max({value.r, value.g, value.b}) >= kSaturatedBox) found.clipped += 1.0 / pixels;
+      if (!camera.mask.empty() && camera.mask.at(x, y) == 0) found.hidden += 1.0 / pixels;
+    }
+  for (std::size_t c = 0; c < 3; ++c) found.mean[static_cast<int>(c)] = trimmed_mean(light[c]);
+  const glm::dvec3 noise = pixel_noise * slope / pixels;
+  found.variance = noise * noise / std::max(1.0, kIndependent * pixels);
+  if (rows > 0.0) found.fall = by_row / rows;
+  return found;
+}
+
+// The light from infinity beside one landmark.
+struct SkyBeside {
+  glm::dvec3 light{0}, sigma{0};
+  std::string doubt;  // or, without light, why there is none
+};
+
+SkyBeside sky_beside(const Camera& camera, const Image<glm::vec3>& encoded, const ContrastLandmark& landmark,
+                     const glm::dvec2& place, const HorizonLight& horizon, const ContrastNoise& noise) {
+  SkyBeside sky;
+  if (landmark.sky) {
+    if (!inside(*landmark.sky, camera)) return {{}, {}, "its sky is outside the picture"};
+    const auto box = light_of(camera, encoded, *landmark.sky, noise.pixel);
+    sky.light = box.mean;
+    // Lower down it goes on as it does within the box, or it does not: both are as likely.
+    const auto lower = glm::abs(box.fall) * std::abs(place.y - box.middle.y);
+    sky.sigma = glm::sqrt(box.variance + lower * lower);
+    if (box.clipped > noise.clipped_share) {
+      sky.sigma = glm::sqrt(sky.sigma * sky.sigma + noise.clipped_sky * noise.clipped_sky * sky.light * sky.light);
+      sky.doubt = "the sky beside it is clipped";
+    }
+    return sky;
+  }
+  const auto direction = camera.direction_at(place);
+  if (!direction || !horizon.usable())
+    return {{}, {}, horizon.reason.empty() ? "no light from infinity is known" : horizon.reason};
+  const auto azimuth = azimuth_angle(*direction);
+  const auto column = column_at(horizon, azimuth);
+  sky.light = column.light;
+  // From one azimuth to its neighbours, and as much as the column's own pixels disagree.
+  constexpr double kHalfColumn = 0.02;  // rad
+  const auto left = column_at(horizon, Radians{azimuth.value - kHalfColumn}).light;
+  const auto right = column_at(horizon, Radians{azimuth.value + kHalfColumn}).light;
+  const auto doubtful = 0.02 + 0.1 * (1.0 - column.quality);
+  sky.sigma = 0.5 * glm::abs(left - right) + doubtful * column.light;
+  return sky;
+}
+
+ContrastReading read_contrast(const Camera& camera, const Image<glm::vec3>& encoded, const ContrastLandmark& landmark,
+                              const HorizonLight& horizon, const ContrastNoise& noise) {
+  ContrastReading reading;
+  const auto refuse = [&](std::string reason) {
+    reading.reason = std::move(reason);
+    return reading;
+  };
+  if (!inside(landmark.surface, camera)) return refuse("it is outside the picture");
+  const auto surface = light_of(camera, encoded, landmark.surface, noise.pixel);
+  if (surface.hidden > kHiddenShare) return refuse("the camera's mask hides it");
+  if (surface.clipped > noise.clipped_share) return refuse("it is brighter than full scale");
+  const auto sky = sky_beside(camera, encoded, landmark, surface.middle, horizon, noise);
+  if (!(std::min({sky.light.r, sky.light.g, sky.light.b}) > 0.0)) return refuse(sky.doubt);
+  const auto relative = surface.mean / sky.light;
+  auto variance = surface.variance / (sky.light * sky.light) + noise.flare * noise.flare;
+  const auto of_sky = sky.sigma / sky.light;
+  if (landmark.against) {
+    if (!inside(*landmark.against, camera)) return refuse("what it stands against is outside the picture");
+    const auto against = light_of(camera, encoded, *landmark.against, noise.pixel);
+    if (against.hidden > kHiddenShare) return refuse("the camera's mask hides what it stands against");
+    if (against.clipped > noise.clipped_share) return refuse("what it stands against is brighter than full scale");
+    reading.contrast = against.mean / sky.light - relative;
+    variance += against.variance / (sky.light * sky.light) + of_sky * of_sky * reading.contrast * reading.contrast;
+  } else {
+    reading.contrast = 1.0 - relative;
+    variance += of_sky * of_sky * relative * relative;
+  }
+  reading.sigma = glm::sqrt(variance);
+  reading.reason = sky.doubt;
+  reading.usable = true;
+  return reading;
+}
+
+}  // namespace
+
+std::vector<ContrastReading> read_contrasts(const Camera& camera, const Image<glm::vec3>& encoded,
+                                            const std::vector<ContrastLandmark>& landmarks, const HorizonLight& horizon,
+                                            const ContrastNoise& noise) {
+  std::vector<ContrastReading> readings;
+  readings.reserve(landmarks.size());
+  for (const auto& landmark : landmarks) readings.push_back(read_contrast(camera, encoded, landmark, horizon, noise));
+  return readings;
+}
+
+double haze_path_m(const ContrastLandmark& landmark, double camera_altitude_m) {
+  const auto path = optical_path(camera_altitude_m, camera_altitude_m + landmark.rise_m, landmark.distance_m);
+  return path.mie_m * std::exp(camera_altitude_m / kMieScaleHeight_m);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,155 @@
+#include "estimator/light/object_light.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "base/geometry.hpp"
+#include "base/sky/sun_disc.hpp"
+#include "base/statistics.hpp"
+#include "calib/colour/colorimetry.hpp"
+
+namespace kasumi {
+namespace {
+
+const Direction kUp{0.0, 0.0, 1.0};
+
+double visible_share_of_sun(Radians zenith) {
+  const double elevation_deg = 90.0 - to_degrees(zenith);
+  return std::clamp(0.5 + 0.5 * elevation_deg / kSettingSunRadius_deg, 0.0, 1.0);
+}
+
+// Zenith luminance of a sky of the model's distribution that lights the level ground by `lux`.
+double zenith_for(const SiteSky& model, double lux) {
+  constexpr int kZeniths = 60, kAzimuths = 72;
+  double per_zenith = 0.0;
+  for (int i = 0; i < kZeniths; ++i) {
+    // Even steps of cos^2, each of which weighs the same on the ground, so that an even sky is exact.
+    const Radians zenith{std::acos(std::sqrt((i + 0.5) / kZeniths))};
+    for (int j = 0; j < kAzimuths; ++j)
+      per_zenith += model.relative_xyz(direction_from(zenith, {(j + 0.5) * 2.0 * kPi / kAzimuths})).y;
+  }
+  return lux / (per_zenith * kPi / (kZeniths * kAzimuths));
+}
+
+// Krochmann and Seidl's zenith of the overcast sky, cd m-2.
+double overcast_zenith(const SunDirection& sun) {
+  return 123.0 + 8600.0 * std::max(0.0, sun.z);
+}
+
+}  // namespace
+
+Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options)
+    : options_(options),
+      sun_(sun),
+      turbidity_(clamp_turbidity(turbidity)),
+      model_(options.model, turbidity, sun, options.altitude_m),
+      zenith_cd_m2_(zenith_luminance()) {
+  // Daylight spectra span three dimensions, so XYZ gives their spectrum and that the sensor's channels.
+  const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLuminousEfficacy;
+  const bool srgb = scene.colour_space == Camera::ColourSpace::srgb;
+  xyz_to_light_ = srgb ? glm::inverse(srgb_to_xyz()) / kLuminousEfficacy : xyz_to_sensor;
+  const glm::dmat3 sensor_to_light = xyz_to_light_ * glm::inverse(xyz_to_sensor);  // identity for a sensor
+
+  if (!srgb) light_.albedo_to_channels = srgb_reflectance_to_channels(scene.sensitivity);
+  light_.sun_direction = sun;
+  const auto unit = options.measured ? unit_of(*options.measured) : std::nullopt;
+  light_by_sun(scene.sensitivity, sensor_to_light, unit ? options.measured->sun_share : 1.0);
+  light_by_sky(unit);
+  light_by_ground();
+}
+
+double Daylight::zenith_luminance() const {
+  if (is_overcast()) return overcast_zenith(sun_);
+  if (const auto zenith = model_.zenith_cd_m2()) return *zenith;
+  return zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun_), options_.altitude_m, options_.ground_albedo));
+}
+
+void Daylight::light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light,
+                            double through_clouds) {
+  const Radians zenith = zenith_angle(sun_);
+  const double share = is_overcast() ? 0.0 : through_clouds * visible_share_of_sun(zenith);
+  if (!(share > 0.0)) return;
+  if (const auto xyz = model_.sun_xyz()) {
+    light_.sun_irradiance = glm::max(share * (xyz_to_light_ * *xyz), glm::dvec3{0.0});
+    sun_normal_lux_ = share * xyz->y;
+    return;
+  }
+  glm::dvec3 on_sensor{0.0};
+  for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
+    const double power = share * solar_irradiance(nm) * sun_transmittance(turbidity_, zenith, options_.altitude_m, nm);
+    on_sensor += power * sensor.at(nm);
+    sun_normal_lux_ += kLuminousEfficacy * power * colour_matching(nm).y;
+  }
+  light_.sun_irradiance = glm::max(sensor_to_light * on_sensor, glm::dvec3{0.0});
+}
+
+glm::dvec3 Daylight::seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const {
+  const glm::dvec3 model = sky_xyz(direction);
+  if (!unit) return model;
+  const SkyCell& cell = options_.measured->at(direction);
+  const glm::dvec3 seen = *unit * cell.xyz;
+  // Clear air is the model's, which knows it more finely; what is clipped is at least as bright as it seems.
+  return glm::mix(model, cell.clipped ? glm::max(model, seen) : seen,
+                  is_overcast() ? cell.seen : cell.seen * (1.0 - cell.clear));
+}
+
+void Daylight::light_by_sky(const std::optional<glm::dvec3>& unit) {
+  light_.around =
+      light_around_of([&](const Direction& d) { return d.z > 0.0 ? light_of(seen_xyz(d, unit)) : glm::dvec3{0.0}; });
+  sky_horizontal_lux_ = (glm::inverse(xyz_to_light_) * irradiance(light_.around, kUp)).y;
+}
+
+// The ground around gives back evenly what falls on it; texels at the horizon hold some of both.
+void Daylight::light_by_ground() {
+  const glm::dvec3 falls = irradiance(light_.around, kUp) + std::max(0.0, sun_.z) * light_.sun_irradiance;
+  const glm::dvec3 ground = options_.ground_albedo / kPi * falls;
+  const auto below = light_around_of([&](const Direction& d) { return d.z > 0.0 ? glm::dvec3{0.0} : ground; });
+  auto& radiance = light_.around.radiance.elements();
+  for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] += below.radiance.elements()[i];
+}
+
+std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
+  constexpr std::size_t kLeastCells = 8;
+  const double not_near_sun = std::cos(from_degrees(20.0).value), not_low = std::cos(from_degrees(80.0).value);
+  std::array<std::vector<double>, 3> ratios;
+  for (int ring = 0; ring < MeasuredSky::kRings; ++ring)
+    for (int sector = 0; sector < MeasuredSky::kSectors; ++sector) {
+      const Direction centre = MeasuredSky::centre_of(ring, sector);
+      const SkyCell& cell = measured.at(centre);
+      const bool same = is_overcast() || cell.clear > 0.9;
+      if (!same || cell.clipped || cell.seen < 0.5 || centre.z < not_low) continue;
+      if (!is_overcast() && glm::dot(centre, sun_) > not_near_sun) continue;
+      if (!(std::min({cell.xyz.x, cell.xyz.y, cell.xyz.z}) > 0.0)) continue;
+      const glm::dvec3 ratio = sky_xyz(centre) / cell.xyz;
+      for (int c = 0; c < 3; ++c) ratios[static_cast<std::size_t>(c)].push_back(ratio[c]);
+    }
+  if (ratios[0].size() < kLeastCells) return std::nullopt;
+  glm::dvec3 unit;
+  for (int c = 0; c < 3; ++c) unit[c] = median_in_place(ratios[static_cast<std::size_t>(c)]);
+  return unit;
+}
+
+glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
+  const Direction view = raised_to_horizon(direction);
+  if (is_overcast()) {
+    constexpr double kD65x = 0.3127, kD65y = 0.3290;
+    return xyz_of({zenith_cd_m2_ * (1.0 + 2.0 * view.z) / 3.0, kD65x, kD65y});
+  }
+  return zenith_cd_m2_ * model_.relative_xyz(view);
+}
+
+glm::dvec3 Daylight::light_of(const glm::dvec3& xyz) const {
+  // Chromaticities at the model's edge may leave the gamut of linear sRGB.
+  return glm::max(xyz_to_light_ * xyz, 1e-3 * glm::abs(xyz_to_light_ * glm::dvec3{xyz.y}));
+}
+
+glm::dvec3 Daylight::airlight(const Direction& direction) const {
+  return light_of(sky_xyz(direction));
+}
+
+}  // namespace kasumi

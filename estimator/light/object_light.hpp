@@ -1,0 +1,77 @@
+// The light on the virtual object from the same sky as its airlight, in absolute units, so that rho = L0 / Linf is free
+// of the camera's exposure and white balance (physics 6).
+#pragma once
+
+#include <optional>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "base/geometry.hpp"
+#include "base/sky/light_around.hpp"
+#include "calib/camera.hpp"
+#include "estimator/atmosphere.hpp"
+#include "estimator/light/clear_sky_light.hpp"
+#include "estimator/sky/site_sky.hpp"
+#include "estimator/turbidity/measured_sky.hpp"
+
+namespace kasumi {
+
+// Light in the scene camera's channels: the integral of W m-2 nm-1 (sr-1) times q_c when its colour space is sensor;
+// when it is srgb, the same mixed into linear sRGB as the camera does it (exact for daylight; white of 683 lm is 1).
+struct LightOnObject {
+  SunDirection sun_direction{0, 0, 1};
+  glm::dvec3 sun_irradiance{0};        // on a surface facing the sun; zero when the sun is hidden
+  LightAround around;                  // sky and ground, without the sun's disc
+  glm::dmat3 albedo_to_channels{1.0};  // of a surface known by its linear sRGB colour
+};
+
+struct DaylightOptions {
+  SkyCondition sky = SkyCondition::clear;  // overcast: no sun, the CIE overcast sky
+  double ground_albedo = 0.2;
+  double altitude_m = 0.0;
+  SiteSkyModel model = SiteSkyModel::automatic;
+  // The sky camera's own look at a clouded sky, or null: its clouds light the object instead of the model where it sees
+  // them, and dim the sun. Only read while the Daylight is made.
+  const MeasuredSky* measured = nullptr;
+};
+
+// Sun, sky and ground for one turbidity and sun. Costs some milliseconds.
+class Daylight {
+ public:
+  Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options = {});
+
+  const LightOnObject& on_object() const { return light_; }
+  // The model's sky radiance in a direction; at or below the horizon the horizon's. Always > 0.
+  glm::dvec3 airlight(const Direction& direction) const;
+
+  // For people and for tests.
+  double sun_normal_lux() const { return sun_normal_lux_; }          // on a surface facing the sun
+  double sky_horizontal_lux() const { return sky_horizontal_lux_; }  // diffuse, on the ground
+
+ private:
+  bool is_overcast() const { return options_.sky == SkyCondition::overcast; }
+  double zenith_luminance() const;                       // cd m-2, of the model
+  glm::dvec3 sky_xyz(const Direction& direction) const;  // the same of any direction
+  // Where clouds are seen, theirs. `unit`: unit_of() the measured sky; empty: nothing is measured.
+  glm::dvec3 seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const;
+  glm::dvec3 light_of(const glm::dvec3& xyz) const;
+  // The camera's XYZ to the model's cd m-2, where both see the same; empty when they meet nowhere. It takes the sky
+  // camera's exposure and white balance along.
+  std::optional<glm::dvec3> unit_of(const MeasuredSky& measured) const;
+  void light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double through_clouds);
+  void light_by_sky(const std::optional<glm::dvec3>& unit);
+  void light_by_ground();  // after sun and sky, whose light it gives back
+
+  DaylightOptions options_;
+  SunDirection sun_;
+  Turbidity turbidity_;  // as the models take it
+  SiteSky model_;
+  double zenith_cd_m2_ = 0.0;
+  glm::dmat3 xyz_to_light_{1.0};
+  LightOnObject light_;
+  double sun_normal_lux_ = 0.0;
+  double sky_horizontal_lux_ = 0.0;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,31 @@
+// What the paths of light through a photograph leave of it, in a form that holds where nothing is left.
+#pragma once
+
+#include <optional>
+
+#include <glm/exponential.hpp>
+#include <glm/vec3.hpp>
+
+#include "estimator/air/attenuation.hpp"
+
+namespace kasumi {
+
+// e^largest * rest in each channel, so that the quotient of two of them holds where both vanish.
+struct LogSum {
+  glm::dvec3 largest, rest;
+  glm::dvec3 value() const { return glm::exp(largest) * rest; }
+};
+
+class PicturePaths {
+ public:
+  // No turbidity: no air.
+  PicturePaths(const AttenuationNodes& nodes, ScatteringModel model, const std::optional<Turbidity>& turbidity);
+  LogSum transmittance(const OpticalPath& path) const;
+
+ private:
+  AttenuationNodes nodes_;
+  bool clear_;
+  HazeCoefficients haze_;
+};
+
+}  // namespace kasumi

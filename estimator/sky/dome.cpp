@@ -1,0 +1,143 @@
+#include "estimator/sky/dome.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "base/earth.hpp"
+#include "base/sky/dome_terms.hpp"
+#include "base/sky/sun_disc.hpp"
+#include "estimator/sky/dome_table.hpp"
+
+namespace kasumi {
+namespace {
+
+// Lagrange's four points around a value of an axis.
+struct FourPoints {
+  std::size_t first = 0;
+  std::array<double, 4> weight{1, 1, 1, 1};
+};
+template <class Along>
+FourPoints four_points(std::span<const double> axis, double value, Along along) {
+  std::size_t i = 0;
+  while (i + 2 < axis.size() && value >= axis[i + 1]) ++i;
+  FourPoints four;
+  four.first = std::min(i > 0 ? i - 1 : 0, axis.size() - 4);
+  const double x = along(value);
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t other = 0; other < 4; ++other)
+      if (other != k)
+        four.weight[k] *=
+            (x - along(axis[four.first + other])) / (along(axis[four.first + k]) - along(axis[four.first + other]));
+  return four;
+}
+
+// A row of the table, between its nodes.
+struct Row {
+  glm::dvec3 log_mean{0}, log_sun{0};
+  std::array<glm::dvec3, kDomeTerms> chebyshev{};
+};
+Row row_at(double altitude_m, double turbidity, double sun_zenith_deg) {
+  const DomeTable& table = dome_table();
+  // Light falls off nearly as the air thins: the log of it runs straighter over this than over height.
+  const FourPoints a = four_points(table.altitudes_m, altitude_m, [](double h) { return std::log1p(h / 4000.0); });
+  const FourPoints t = four_points(table.turbidities, turbidity, [](double value) { return std::log(value); });
+  const FourPoints s = four_points(table.sun_zeniths_deg, sun_zenith_deg, [](double deg) { return deg; });
+  Row row;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const double weight = a.weight[i] * t.weight[j] * s.weight[k];
+        const std::size_t node =
+            ((a.first + i) * table.turbidities.size() + t.first + j) * table.sun_zeniths_deg.size() + s.first + k;
+        const std::int16_t* numbers = &table.rows[node * kDomeRow];
+        for (int c = 0; c < 3; ++c, numbers += kDomeRowHead + kDomeTerms) {
+          row.log_mean[c] += weight * numbers[0] / kDomeMeanSteps;
+          row.log_sun[c] += weight * numbers[1] / kDomeLogSteps;
+          const double unit = weight * std::exp(numbers[2] / kDomeLogSteps) / kDomeCoefficientSteps;
+          for (int term = 0; term < kDomeTerms; ++term) row.chebyshev[term][c] += unit * numbers[kDomeRowHead + term];
+        }
+      }
+  return row;
+}
+
+struct Place {
+  double altitude_m, turbidity, sun_zenith_deg;
+};
+Place clamped(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+  return {std::clamp(altitude_m, 0.0, kHighestDomeAltitude_m),
+          std::clamp(turbidity.value, kLowestTurbidity.value, kHighestDomeTurbidity.value),
+          std::clamp(to_degrees(zenith_angle(sun)), 0.0, to_degrees(kLowestDomeSun))};
+}
+
+// Coefficients of the powers of u for Chebyshev polynomials of w = stretch u + shift.
+using Powers = std::array<std::array<double, kDomePowers>, kDomePowers>;  // [degree][power]
+Powers chebyshev_in_powers(double stretch, double shift) {
+  Powers powers{};
+  powers[0][0] = 1.0;
+  powers[1][0] = shift;
+  powers[1][1] = stretch;
+  for (int k = 2; k < kDomePowers; ++k)
+    for (int p = 0; p < kDomePowers; ++p)
+      powers[k][p] =
+          2.0 * (shift * powers[k - 1][p] + (p > 0 ? stretch * powers[k - 1][p - 1] : 0.0)) - powers[k - 2][p];
+  return powers;
+}
+
+// Of the disc's area that stands above the horizon; height: of its middle, in its radii.
+double disc_above(double height) {
+  const double h = std::clamp(height, -1.0, 1.0);
+  return 0.5 + (h * std::sqrt(1.0 - h * h) + std::asin(h)) / kPi;
+}
+
+}  // namespace
+
+double horizon_sine(double altitude_m) {
+  const double q = kEarthRadius_m / (kEarthRadius_m + std::max(altitude_m, 0.0));
+  return -std::sqrt(1.0 - q * q);
+}
+
+DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+  const DomeTable& table = dome_table();
+  const Place place = clamped(altitude_m, turbidity, sun);
+  const Row row = row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg);
+  DomeFunction sky;
+  sky.sun = glm::vec3(direction_from(from_degrees(place.sun_zenith_deg), azimuth_angle(sun)));
+  sky.horizon_sine = static_cast<float>(horizon_sine(place.altitude_m));
+  sky.steepness = static_cast<float>(table.ground_steepness * std::exp(place.altitude_m / table.steepness_scale_m));
+  sky.lobes = glm::dvec3(table.lobes[0], table.lobes[1], table.lobes[2]);
+  const double lowest = 1.0 / (1.0 + double{sky.steepness});  // u overhead
+  const Powers powers = chebyshev_in_powers(2.0 / (1.0 - lowest), -(1.0 + lowest) / (1.0 - lowest));
+  const glm::dvec3 mean = glm::exp(row.log_mean);
+  for (int j = 0; j < kDomeAngles; ++j)
+    for (int p = 0; p < kDomePowers; ++p) {
+      glm::dvec3 sum{0};
+      for (int k = 0; k < kDomePowers; ++k) sum += powers[k][p] * row.chebyshev[j * kDomePowers + k];
+      sky.coefficients[j * kDomePowers + p] = glm::vec3(mean * sum);
+    }
+  return sky;
+}
+
+SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+  const Place place = clamped(altitude_m, turbidity, sun);
+  const double radius = kDomeSunRadius_rad;
+  const double height = std::asin(std::clamp(sun.z, -1.0, 1.0)) - std::asin(horizon_sine(place.altitude_m));
+  if (height <= -radius) return {};
+  const glm::dvec3 whole = glm::exp(row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg).log_sun);
+  return {glm::vec3(whole * disc_above(height / radius)), glm::vec3(whole / (kPi * radius * radius))};
+}
+
+DomeFunction in_space(DomeFunction sky, const glm::dmat3& xyz_to_space) {
+  for (glm::vec3& c : sky.coefficients) c = glm::vec3(xyz_to_space * glm::dvec3(c));
+  return sky;
+}
+
+glm::dvec3 dome_light(const DomeFunction& sky, const Direction& view) {
+  const auto terms = dome_terms(sky, view);
+  glm::dvec3 light{0};
+  for (int k = 0; k < kDomeTerms; ++k) light += terms[k] * glm::dvec3(sky.coefficients[k]);
+  return glm::max(light, glm::dvec3(0.0));
+}
+
+}  // namespace kasumi

@@ -1,0 +1,36 @@
+// The clear sky seen from any altitude to 30 km, under any turbidity and sun: fitted to a spectral atmosphere with all
+// orders of scattering (fixtures/atmosphere makes the table; docs/sky.md tells how well). U Chapter 3, issue of its
+// table put right.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+
+#include "base/sky/dome_function.hpp"
+#include "estimator/atmosphere.hpp"
+
+namespace kasumi {
+
+constexpr double kHighestDomeAltitude_m = 30000.0;
+constexpr Turbidity kHighestDomeTurbidity{10.0};
+constexpr Radians kLowestDomeSun = from_degrees(92.0);  // zenith angle, without refraction
+
+// All arguments are clamped to the table's range: altitude 0 .. 30 km, T 1.7 .. 10, sun's zenith angle 0 .. 92 deg (a
+// lower sun gives the sky of 92 deg with the sun's direction lifted to it). Light: CIE XYZ, Y in cd/m2, at the earth's
+// mean distance from the sun. Interpolates in a table in memory: some microseconds.
+DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun);
+
+// What arrives from the sun's disc at the observer under the same air; XYZ, lux and cd/m2.
+SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun);
+
+// The same sky in another linear space: the coefficients multiplied from the left. xyz_to_linear_srgb() of
+// calib/colour/colorimetry.hpp: D65 white, 1.0 stays 1 cd/m2.
+DomeFunction in_space(DomeFunction sky, const glm::dmat3& xyz_to_space);
+
+// The light of one direction, in double precision: the reference for base/sky/dome.glsl. Below the horizon its own value
+// at that azimuth.
+glm::dvec3 dome_light(const DomeFunction& sky, const Direction& view);
+
+// Sine of the geometric horizon's elevation at an altitude: -sqrt(1 - (R / (R + h))^2), R = 6371 km.
+double horizon_sine(double altitude_m);
+
+}  // namespace kasumi

@@ -1,0 +1,32 @@
+// What a picture of the sky needs, from altitude, turbidity and sun.
+#pragma once
+
+#include <optional>
+
+#include "base/sky/dome_scene.hpp"
+#include "estimator/atmosphere.hpp"
+
+namespace kasumi {
+
+struct SkyRequest {
+  SkyKind kind = SkyKind::dome;
+  double altitude_m = 0.0;
+  Turbidity turbidity{2.5};
+  SunDirection sun{0.0, 0.0, 1.0};
+  double exposure_ev = 0.0;        // twice as bright for each
+  std::optional<double> exposure;  // per cd/m2, instead of the sky's own: for skies side by side
+  bool sun_disc = true;
+  bool aerial_perspective = true;
+};
+
+// Exposed as eyes would: nearly, not wholly, adapted to the mean of the sky. Costs some milliseconds.
+SkyScene sky_scene(const SkyRequest& request);
+
+// Light of the upper half of the sky: mean of its logarithm, and on level ground. Linear sRGB, cd/m2 and lux.
+struct SkySums {
+  double mean_luminance = 0.0;
+  glm::dvec3 on_level_ground{0.0};
+};
+SkySums sky_sums(const SkyPainter& painter);
+
+}  // namespace kasumi

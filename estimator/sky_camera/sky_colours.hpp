@@ -1,0 +1,17 @@
+// The colours of a clear sky beside the spectra its light must have: what a camera's sensitivity is found from.
+#pragma once
+
+#include <vector>
+
+#include "calib/colour/sensitivity_fit.hpp"
+#include "estimator/turbidity/turbidity.hpp"
+
+namespace kasumi {
+
+// Cells of about 6 by 6 deg of what `look` took for clear sky: mean log ratios of the camera's linear light (vignetting
+// removed, white balance not), and the mean daylight weights of Preetham's chromaticities under this T and sun.
+// `number` is the picture's.
+std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyLook& look, const Camera& camera,
+                                   Turbidity turbidity, int number);
+
+}  // namespace kasumi

@@ -1,0 +1,262 @@
+#include "estimator/turbidity/cloud_mask.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/statistics.hpp"
+
+namespace kasumi {
+
+namespace {
+
+// ln R/B and ln Y of the clear sky in this camera's channels; NaN where the model leaves the camera's gamut.
+struct Expected {
+  float colour = 0.0f, luminance = 0.0f;
+};
+Expected expected_at(const SiteSky& model, const glm::dmat3& xyz_to_light, const Direction& view) {
+  const glm::dvec3 xyz = model.relative_xyz(view);
+  const glm::dvec3 light = xyz_to_light * xyz;
+  return {static_cast<float>(std::log(light.r / light.b)), static_cast<float>(std::log(xyz.y))};
+}
+
+float colour_of(const glm::vec3& light) {
+  return std::log(light.r / light.b);
+}
+
+// The air and the white balance under which most of the sky agrees in colour and luminance at once: the clear part,
+// since clouds agree in neither.
+struct ColourConsensus {
+  Turbidity turbidity;
+  float white_balance = 0.0f;  // measured minus expected ln R/B
+  double score = -std::numeric_limits<double>::infinity();
+};
+
+struct Look {
+  Direction view;
+  float colour, luminance;
+};
+
+// Fullest cell of a coarse plane of (colour, luminance) residuals; cells overlap by half.
+ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity, const SiteSky& model,
+                             const glm::dmat3& xyz_to_light) {
+  constexpr int kSide = 64;
+  constexpr float kStep = 0.05f;  // two of them make a cell
+  std::vector<glm::vec2> residuals;
+  residuals.reserve(looks.size());
+  for (const Look& look : looks) {
+    const Expected expected = expected_at(model, xyz_to_light, look.view);
+    const glm::vec2 residual{look.colour - expected.colour, look.luminance - expected.luminance};
+    if (std::isfinite(residual.x) && std::isfinite(residual.y)) residuals.push_back(residual);
+  }
+  ColourConsensus best{turbidity};
+  if (residuals.size() < 8) return best;
+  const auto middle = [&residuals](int c) {
+    std::vector<float> values;
+    values.reserve(residuals.size());
+    for (const glm::vec2& r : residuals) values.push_back(r[c]);
+    return median_in_place(values);
+  };
+  const glm::vec2 origin = glm::vec2{middle(0), middle(1)} - 0.5f * kSide * kStep;
+  // Counts summed from the corner, so that a cell of any width costs four look-ups.
+  constexpr int kSums = kSide + 1;
+  std::array<int, kSums * kSums> sums{};
+  const auto sum_to = [&sums](int x, int y) -> int& {
+    return sums[static_cast<std::size_t>(y) * kSums + static_cast<std::size_t>(x)];
+  };
+  for (const glm::vec2& r : residuals) {
+    const glm::vec2 cell = (r - origin) / kStep;
+    if (cell.x >= 0.0f && cell.y >= 0.0f && cell.x < kSide && cell.y < kSide)
+      ++sum_to(static_cast<int>(cell.x) + 1, static_cast<int>(cell.y) + 1);
+  }
+  for (int y = 1; y <= kSide; ++y)
+    for (int x = 1; x <= kSide; ++x) sum_to(x, y) += sum_to(x - 1, y) + sum_to(x, y - 1) - sum_to(x - 1, y - 1);
+  const auto all = static_cast<double>(residuals.size());
+  for (const int width : {2, 4, 8}) {
+    int most = 0, at = 0;
+    for (int y = 0; y + width <= kSide; ++y)
+      for (int x = 0; x + width <= kSide; ++x) {
+        const int sum = sum_to(x + width, y + width) - sum_to(x, y + width) - sum_to(x + width, y) + sum_to(x, y);
+        if (sum > most) most = sum, at = x;
+      }
+    // Log likelihood of so many in so small a cell, the rest anywhere.
+    constexpr double kBackground = 6.0;
+    const double inside = most, outside = all - inside, area = std::pow(width * static_cast<double>(kStep), 2);
+    const double score = inside * std::log(std::max(1.0, inside) / (all * area)) +
+                         (outside > 0.0 ? outside * std::log(outside / (all * kBackground)) : 0.0);
+    if (score > best.score)
+      best = {turbidity, origin.x + (static_cast<float>(at) + 0.5f * static_cast<float>(width)) * kStep, score};
+  }
+  return best;
+}
+
+template <class ModelAt>
+ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry, const ModelAt& model_at,
+                                const glm::dmat3& xyz_to_light) {
+  constexpr int kLooks = 500;
+  constexpr std::array kTurbidities{1.8, 2.0, 2.3, 2.7, 3.3, 4.2, 5.5, 7.5, 10.0, 14.0};
+  std::mt19937_64 random(2017);
+  std::vector<Look> looks;
+  for (const glm::ivec2& e : draw_elements(sky, geometry, kLooks, random))
+    looks.push_back({Direction(geometry.direction.at(e.x, e.y)), colour_of(sky.light.at(e.x, e.y)),
+                     sky.log_luminance.at(e.x, e.y)});
+  ColourConsensus best;
+  for (const double t : kTurbidities) {
+    const ColourConsensus here = fullest_cell(looks, Turbidity{t}, model_at(Turbidity{t}), xyz_to_light);
+    if (here.score > best.score) best = here;
+  }
+  return best;
+}
+
+// A smooth quantity of the sky, dear to compute, known on a coarse lattice and interpolated between.
+template <class Quantity>
+class Interpolated {
+ public:
+  Interpolated(const SkyGeometry& geometry, Quantity quantity) : geometry_(geometry), quantity_(std::move(quantity)) {
+    const int width = geometry.direction.width(), height = geometry.direction.height();
+    nodes_ = Image<float>((width + kStep - 1) / kStep + 1, (height + kStep - 1) / kStep + 1,
+                          std::numeric_limits<float>::quiet_NaN());
+    for (int j = 0; j < nodes_.height(); ++j)
+      for (int i = 0; i < nodes_.width(); ++i) {
+        const int x = i * kStep, y = j * kStep;
+        if (geometry.direction.contains(x, y) && geometry.direction.at(x, y).z > 0.1f) nodes_.at(i, j) = direct(x, y);
+      }
+  }
+  float at(int x, int y) const {
+    const int i = x / kStep, j = y / kStep;
+    const float u = static_cast<float>(x % kStep) / kStep, v = static_cast<float>(y % kStep) / kStep;
+    const float between = (1.0f - v) * ((1.0f - u) * nodes_.at(i, j) + u * nodes_.at(i + 1, j)) +
+                          v * ((1.0f - u) * nodes_.at(i, j + 1) + u * nodes_.at(i + 1, j + 1));
+    return std::isfinite(between) ? between : direct(x, y);
+  }
+
+ private:
+  static constexpr int kStep = 6;
+  float direct(int x, int y) const { return quantity_(Direction(geometry_.direction.at(x, y))); }
+  const SkyGeometry& geometry_;
+  Quantity quantity_;
+  Image<float> nodes_;
+};
+
+// Mean over a square window of the elements that count; zero where none does.
+cv::Mat1f mean_over(const cv::Mat1f& values, const cv::Mat1f& counts, int side) {
+  cv::Mat1f sum, number;
+  cv::boxFilter(values.mul(counts), sum, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(counts, number, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat1f mean;
+  cv::divide(sum, cv::max(number, 1.0), mean);
+  return mean;
+}
+
+// Unevenness: how far ln Y is from the mean of its neighbours, averaged over a patch. Smooth gradients cancel.
+cv::Mat1f texture_of(const cv::Mat1f& log_luminance, const cv::Mat1f& counts) {
+  constexpr int kReach = 2;
+  cv::Mat1f uneven(log_luminance.size(), 0.0f), known(log_luminance.size(), 0.0f);
+  for (int y = kReach; y + kReach < log_luminance.rows; ++y)
+    for (int x = kReach; x + kReach < log_luminance.cols; ++x) {
+      if (counts(y, x) * counts(y, x - kReach) * counts(y, x + kReach) * counts(y - kReach, x) *
+              counts(y + kReach, x) ==
+          0.0f)
+        continue;
+      const float neighbours = log_luminance(y, x - kReach) + log_luminance(y, x + kReach) +
+                               log_luminance(y - kReach, x) + log_luminance(y + kReach, x);
+      uneven(y, x) = std::abs(log_luminance(y, x) - 0.25f * neighbours);
+      known(y, x) = 1.0f;
+    }
+  return mean_over(uneven, known, 5);
+}
+
+// Turns what is marked into cloud, cleaned and grown: single elements are noise, and what is left has soft edges a
+// degree or two wide. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
+double take_out(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b marked) {
+  cv::medianBlur(marked, marked, 3);
+  cv::Mat1b grown;
+  const int side = 2 * std::max(1, static_cast<int>(std::lround(0.006 * std::min(marked.cols, marked.rows)))) + 1;
+  cv::dilate(marked, grown, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
+  double clear = 0.0, all = 0.0;
+  for (int y = 0; y < marked.rows; ++y)
+    for (int x = 0; x < marked.cols; ++x) {
+      if (sky.use.at(x, y) != PixelUse::clear) continue;
+      const auto angle = static_cast<double>(geometry.solid_angle.at(x, y));
+      all += angle;
+      if (marked(y, x) == 0) clear += angle;
+      if (grown(y, x) != 0) sky.use.at(x, y) = PixelUse::cloud;
+    }
+  return all > 0.0 ? clear / all : 0.0;
+}
+
+}  // namespace
+
+CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
+                            const CloudMaskOptions& options, const SkyToFit& fitted) {
+  const int width = sky.use.width(), height = sky.use.height();
+  const glm::dmat3 xyz_to_light = glm::inverse(geometry.light_to_xyz);
+  const auto model_at = [&](Turbidity t) { return SiteSky(fitted.model, t, sun, fitted.altitude_m); };
+  const ColourConsensus consensus = agree_on_colour(sky, geometry, model_at, xyz_to_light);
+  const SiteSky model = model_at(consensus.turbidity);
+
+  // Every element against the clear sky expected there.
+  const Interpolated expected(geometry,
+                              [&](const Direction& view) { return expected_at(model, xyz_to_light, view).colour; });
+  cv::Mat1f counts(height, width, 0.0f), colour(height, width, 0.0f), luminance(height, width, 0.0f);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (sky.use.at(x, y) != PixelUse::clear) continue;
+      const float whiter = colour_of(sky.light.at(x, y)) - expected.at(x, y) - consensus.white_balance;
+      if (!std::isfinite(whiter)) continue;
+      counts(y, x) = 1.0f;
+      colour(y, x) = whiter;
+      luminance(y, x) = sky.log_luminance.at(x, y);
+    }
+  const cv::Mat1f smooth_colour = mean_over(colour, counts, 3);
+  const cv::Mat1f texture = texture_of(luminance, counts);
+
+  // What the clear sky itself scatters: the width of its colour's own side, and its quieter part's unevenness.
+  std::vector<float> bluer, unevenness;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (counts(y, x) == 0.0f) continue;
+      if (smooth_colour(y, x) < 0.0f) bluer.push_back(-smooth_colour(y, x));
+      unevenness.push_back(texture(y, x));
+    }
+  const auto colour_limit = static_cast<float>(std::max(
+      options.least_colour, options.colour_scatter * kSigmaOverMedianSize * static_cast<double>(quantile(bluer, 0.5))));
+  const auto texture_limit = static_cast<float>(
+      std::max(options.least_texture, options.texture_scatter * static_cast<double>(quantile(unevenness, 0.25))));
+
+  cv::Mat1b cloud(height, width, std::uint8_t{0});
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (counts(y, x) != 0.0f && (smooth_colour(y, x) > colour_limit || texture(y, x) > texture_limit))
+        cloud(y, x) = 1;
+  return {take_out(sky, geometry, std::move(cloud)), consensus.turbidity};
+}
+
+double mask_strangers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
+                      double log_gain, double limit, const FittedSky& fitted) {
+  const int width = sky.use.width(), height = sky.use.height();
+  const Interpolated expected(geometry, [&](const Direction& view) {
+    return static_cast<float>(fitted.log_luminance(turbidity, view.z, angle_between(view, sun).value));
+  });
+  cv::Mat1f counts(height, width, 0.0f), residual(height, width, 0.0f);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (sky.use.at(x, y) != PixelUse::clear) continue;
+      counts(y, x) = 1.0f;
+      residual(y, x) = sky.log_luminance.at(x, y) - expected.at(x, y) - static_cast<float>(log_gain);
+    }
+  const cv::Mat1f smooth = mean_over(residual, counts, 3);
+  cv::Mat1b strange(height, width, std::uint8_t{0});
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (counts(y, x) != 0.0f && std::abs(smooth(y, x)) > static_cast<float>(limit)) strange(y, x) = 1;
+  return take_out(sky, geometry, std::move(strange));
+}
+
+}  // namespace kasumi

@@ -1,0 +1,45 @@
+// ln of the dome's luminance as a function of T, for one altitude and sun: what an estimate fits where the site's sky
+// is the dome.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "base/sky/dome_function.hpp"
+#include "estimator/atmosphere.hpp"
+
+namespace kasumi {
+
+class DomeLog {
+ public:
+  DomeLog(double altitude_m, const SunDirection& sun);
+
+  // ln Y at one place of the sky, for T at nodes even in ln T over the dome's table.
+  static constexpr std::size_t kNodes = 17;
+  using Nodes = std::array<float, kNodes>;
+  Nodes at(double cos_zenith, double cos_sun_distance) const;
+
+  // Cubics between the nodes (Catmull and Rom's; quadratics at the ends), the same for all places: ln Y and its slope
+  // in T are sums over four of them. Off by less than .001 of ln Y.
+  struct Between {
+    std::size_t first = 0;
+    std::array<double, 4> value{}, slope{};
+    double value_of(const Nodes& nodes) const { return sum(value, nodes); }
+    double slope_of(const Nodes& nodes) const { return sum(slope, nodes); }
+
+   private:
+    double sum(const std::array<double, 4>& weights, const Nodes& nodes) const;
+  };
+  static Between between(Turbidity turbidity);  // clamped to the dome's range
+
+ private:
+  std::array<DomeFunction, kNodes> domes_;
+};
+
+inline double DomeLog::Between::sum(const std::array<double, 4>& weights, const Nodes& nodes) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) sum += weights[k] * static_cast<double>(nodes[first + k]);
+  return sum;
+}
+
+}  // namespace kasumi

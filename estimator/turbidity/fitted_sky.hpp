@@ -1,0 +1,66 @@
+// The clear sky that an estimate fits: Preetham's, or the dome as it is seen from the site. T is the model's own
+// (docs/sky.md: the two are not the same), and everything else of an estimate is the same for both.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "estimator/sky/site_sky.hpp"
+#include "estimator/turbidity/dome_log.hpp"
+#include "estimator/turbidity/perez_log.hpp"
+
+namespace kasumi {
+
+class FittedSky {
+ public:
+  FittedSky() = default;  // Preetham's
+  FittedSky(const SkyToFit& sky, const SunDirection& sun) {
+    if (resolved(sky.model, sky.altitude_m) == SiteSkyModel::dome) dome_.emplace(sky.altitude_m, sun);
+  }
+  const DomeLog* dome() const { return dome_ ? &*dome_ : nullptr; }  // null: Preetham's
+  Turbidity highest() const { return dome_ ? kHighestDomeTurbidity : kHighestTurbidity; }
+
+  // ln of luminance, in a unit of the model's own that T does not change.
+  double log_luminance(Turbidity turbidity, double cos_zenith, double sun_distance) const {
+    const double cosine = std::cos(sun_distance);
+    if (dome_) return DomeLog::between(turbidity).value_of(dome_->at(cos_zenith, cosine));
+    return PerezLog(turbidity).at({1.0 / clamp_cosine(cos_zenith), sun_distance, cosine * cosine}).log_f;
+  }
+
+ private:
+  std::optional<DomeLog> dome_;
+};
+
+// The same at fixed places for many T, with the slope.
+class FittedPlaces {
+ public:
+  FittedPlaces(std::span<const SkySample> samples, const FittedSky& sky) {
+    if (const DomeLog* dome = sky.dome()) {
+      dome_.reserve(samples.size());
+      for (const SkySample& s : samples)
+        dome_.push_back(dome->at(std::cos(double{s.zenith}), std::cos(double{s.sun_distance})));
+    } else {
+      perez_.reserve(samples.size());
+      for (const SkySample& s : samples) perez_.push_back(perez_point(s));
+    }
+  }
+  // use(i, ln F, d ln F / dT) for every place.
+  template <class Use>
+  void at(Turbidity turbidity, Use&& use) const {
+    const PerezLog perez(turbidity);
+    for (std::size_t i = 0; i < perez_.size(); ++i) {
+      const auto [log_f, slope] = perez.at(perez_[i]);
+      use(i, log_f, slope);
+    }
+    const auto between = DomeLog::between(turbidity);
+    for (std::size_t i = 0; i < dome_.size(); ++i) use(i, between.value_of(dome_[i]), between.slope_of(dome_[i]));
+  }
+
+ private:
+  std::vector<PerezPoint> perez_;  // one of the two
+  std::vector<DomeLog::Nodes> dome_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,183 @@
+#include "estimator/turbidity/sky_samples.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace kasumi {
+
+namespace {
+
+// Encoded level -> linear light without a power per pixel.
+class LightTable {
+ public:
+  explicit LightTable(const Response& response) {
+    for (int i = 0; i <= kSteps; ++i) {
+      const glm::dvec3 light = response.to_light(glm::dvec3{static_cast<double>(i) / kSteps});
+      table_[static_cast<std::size_t>(i)] = glm::vec3(light);
+    }
+  }
+  glm::vec3 at(const glm::vec3& encoded) const {
+    return {channel(encoded, 0), channel(encoded, 1), channel(encoded, 2)};
+  }
+
+ private:
+  static constexpr int kSteps = 255 * 16;  // 8-bit levels fall on its nodes exactly
+  float channel(const glm::vec3& encoded, int c) const {
+    const float position = std::clamp(encoded[c], 0.0f, 1.0f) * static_cast<float>(kSteps);
+    const int i = std::min(static_cast<int>(position), kSteps - 1);
+    const float rest = position - static_cast<float>(i);
+    return table_[static_cast<std::size_t>(i)][c] * (1.0f - rest) + table_[static_cast<std::size_t>(i) + 1][c] * rest;
+  }
+  std::array<glm::vec3, kSteps + 1> table_{};
+};
+
+// Solid angle of an element from the directions of its neighbours [sr].
+float solid_angle_at(const Image<glm::vec3>& direction, int x, int y) {
+  const auto known = [&](int i, int j) { return direction.contains(i, j) && direction.at(i, j) != glm::vec3{0.0f}; };
+  const auto difference = [&](int dx, int dy) -> glm::vec3 {
+    const bool after = known(x + dx, y + dy), before = known(x - dx, y - dy);
+    if (after && before) return 0.5f * (direction.at(x + dx, y + dy) - direction.at(x - dx, y - dy));
+    if (after) return direction.at(x + dx, y + dy) - direction.at(x, y);
+    if (before) return direction.at(x, y) - direction.at(x - dx, y - dy);
+    return glm::vec3{0.0f};
+  };
+  return glm::length(glm::cross(difference(1, 0), difference(0, 1)));
+}
+
+bool open_in_mask(const Camera& camera, const glm::dvec2& pixel) {
+  if (camera.mask.empty()) return true;
+  const int x = static_cast<int>(std::lround(pixel.x)), y = static_cast<int>(std::lround(pixel.y));
+  return camera.mask.contains(x, y) && camera.mask.at(x, y) != 0;
+}
+
+}  // namespace
+
+double uniform(std::mt19937_64& random) {
+  return static_cast<double>(random() >> 11) * 0x1.0p-53;
+}
+
+bool SkyGeometry::fits(const SkyPicture& picture) const {
+  return direction.width() == picture.encoded.width() && direction.height() == picture.encoded.height() &&
+         step == picture.step && first == picture.first;
+}
+
+SkyGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
+  const int width = picture.encoded.width(), height = picture.encoded.height();
+  SkyGeometry geometry{Image<glm::vec3>(width, height),
+                       Image<glm::vec3>(width, height),
+                       Image<float>(width, height),
+                       Image<std::uint8_t>(width, height),
+                       camera.light_to_xyz(),
+                       picture.step,
+                       picture.first};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec2 pixel = picture.camera_pixel(x, y);
+      const auto direction = camera.direction_at(pixel);
+      if (!direction) continue;
+      geometry.direction.at(x, y) = glm::vec3(*direction);
+      geometry.gain.at(x, y) = glm::vec3(camera.light_at(pixel, glm::dvec3{1.0}));
+      geometry.open.at(x, y) = direction->z > 0.0 && open_in_mask(camera, pixel) ? 1 : 0;
+    }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (geometry.open.at(x, y) != 0) geometry.solid_angle.at(x, y) = solid_angle_at(geometry.direction, x, y);
+  return geometry;
+}
+
+SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
+                   const SunDirection& sun, const SampleLimits& limits) {
+  const int width = picture.encoded.width(), height = picture.encoded.height();
+  const LightTable table(camera.response);
+  const glm::dmat3& to_xyz = geometry.light_to_xyz;
+  const glm::vec3 luminance{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y};
+  const glm::vec3 towards_sun(sun);
+  const auto near_sun = static_cast<float>(std::cos(limits.least_sun_distance.value));
+  const auto lowest = static_cast<float>(std::cos(limits.largest_zenith.value));
+  const auto saturated = static_cast<float>(limits.saturated);
+  const auto dark = static_cast<float>(limits.dark_quanta * picture.quantum);
+
+  SkyLight sky{Image<PixelUse>(width, height, PixelUse::outside), Image<glm::vec3>(width, height),
+               Image<float>(width, height)};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::vec3& direction = geometry.direction.at(x, y);
+      if (geometry.open.at(x, y) == 0 || direction.z < lowest) continue;
+      const glm::vec3& encoded = picture.encoded.at(x, y);
+      PixelUse& use = sky.use.at(x, y);
+      if (glm::dot(direction, towards_sun) > near_sun) {
+        use = PixelUse::near_sun;
+      } else if (std::max({encoded.r, encoded.g, encoded.b}) >= saturated) {
+        use = PixelUse::saturated;
+      } else if (!(encoded.r > dark && encoded.g > dark && encoded.b > dark)) {  // so is what is not a number
+        use = PixelUse::dark;
+      } else {
+        const glm::vec3 light = table.at(encoded) * geometry.gain.at(x, y);
+        const float y_light = glm::dot(luminance, light);
+        use = y_light > 0.0f ? PixelUse::clear : PixelUse::dark;
+        if (use != PixelUse::clear) continue;
+        sky.light.at(x, y) = light;
+        sky.log_luminance.at(x, y) = std::log(y_light);
+      }
+    }
+  return sky;
+}
+
+std::vector<glm::ivec2> draw_elements(const SkyLight& sky, const SkyGeometry& geometry, int count,
+                                      std::mt19937_64& random) {
+  std::vector<glm::ivec2> clear;
+  std::vector<double> up_to;  // solid angle of the elements so far
+  double sum = 0.0;
+  for (int y = 0; y < sky.use.height(); ++y)
+    for (int x = 0; x < sky.use.width(); ++x) {
+      const auto solid_angle = static_cast<double>(geometry.solid_angle.at(x, y));
+      if (sky.use.at(x, y) != PixelUse::clear || !(solid_angle > 0.0)) continue;
+      clear.emplace_back(x, y);
+      up_to.push_back(sum += solid_angle);
+    }
+  const auto wanted = static_cast<std::size_t>(std::max(0, count));
+  if (clear.size() <= wanted) return clear;
+
+  std::vector<glm::ivec2> drawn;
+  std::vector<bool> taken(clear.size(), false);
+  for (std::size_t tries = 0; drawn.size() < wanted && tries < 100 * wanted; ++tries) {
+    const double position = uniform(random) * sum;
+    const auto i =
+        std::min(static_cast<std::size_t>(std::ranges::upper_bound(up_to, position) - up_to.begin()), clear.size() - 1);
+    if (taken[i]) continue;
+    taken[i] = true;
+    drawn.push_back(clear[i]);
+  }
+  return drawn;
+}
+
+std::vector<SkySample> samples_at(std::span<const glm::ivec2> elements, const SkyPicture& picture,
+                                  const SkyGeometry& geometry, const SkyLight& sky, const Camera& camera,
+                                  const SunDirection& sun, const SampleLimits& limits) {
+  const glm::dmat3& to_xyz = geometry.light_to_xyz;
+  const glm::dvec3 luminance{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y};
+  std::vector<SkySample> samples;
+  samples.reserve(elements.size());
+  for (const glm::ivec2& e : elements) {
+    const glm::dvec3 direction(geometry.direction.at(e.x, e.y));
+    const glm::dvec3 encoded(picture.encoded.at(e.x, e.y));
+    const glm::dvec3 gain(geometry.gain.at(e.x, e.y));
+    const glm::dvec3 share = luminance * gain / std::exp(static_cast<double>(sky.log_luminance.at(e.x, e.y)));
+    // d ln Y of one step of the encoded value, spread evenly over it; and of the photons' number.
+    const glm::dvec3 step = share * camera.response.slope(encoded) * picture.quantum;
+    const glm::dvec3 photons = share * limits.shot_noise * glm::sqrt(camera.response.to_light(encoded));
+    SkySample sample;
+    sample.zenith = static_cast<float>(zenith_angle(direction).value);
+    sample.sun_distance = static_cast<float>(angle_between(direction, sun).value);
+    sample.log_luminance = sky.log_luminance.at(e.x, e.y);
+    sample.quantisation = static_cast<float>(glm::length(step) / std::sqrt(12.0));
+    sample.sigma = static_cast<float>(std::hypot(glm::length(step) / std::sqrt(12.0), glm::length(photons)));
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,198 @@
+#include "estimator/turbidity/sky_verdict.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "base/statistics.hpp"
+#include "estimator/turbidity/perez_log.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr double kNightElevationDeg = -6.0;  // the end of civil twilight
+constexpr double kMostlyDark = 0.6;
+constexpr double kMostlySaturated = 0.5;
+constexpr double kUniform = 0.10;  // of ln Y: even fog varies more from the horizon to the zenith
+constexpr double kBetter = 0.75;   // of the clear sky's error: then a grey sky is believed ...
+constexpr double kGreySky = 0.18;  // ... if it is one at all ...
+constexpr double kGoodFit = 0.02;  // ... and the clear sky is no good
+// Residual over what there was to explain. A whitish sky must fit better: nothing blue speaks for it against a cloud.
+constexpr double kWhitish = 8.0;
+constexpr double kUnexplained = 0.40, kUnexplainedWhitish = 0.20;
+constexpr double kSunVisible = 0.5;  // encoded: something in the picture is bright
+
+// Median |ln Y - ln F - ln k|, ln k being the median itself; of ln Y - ln F.
+double median_error(std::vector<double> residuals) {
+  const double gain = median_in_place(residuals);
+  for (double& r : residuals) r = std::abs(r - gain);
+  return median_in_place(residuals);
+}
+
+Refusal refusal(SkyCondition sky, std::string reason) {
+  return {sky, "rejected: " + std::move(reason)};
+}
+
+}  // namespace
+
+std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateOptions& options) {
+  if (!std::isfinite(sun.x) || !std::isfinite(sun.y) || !std::isfinite(sun.z) ||
+      std::abs(glm::length(sun) - 1.0) > 1e-3)
+    return refusal(SkyCondition::unknown, "the sun's direction is not known");
+  const double elevation = 90.0 - to_degrees(zenith_angle(sun));
+  if (elevation < kNightElevationDeg)
+    return refusal(SkyCondition::night, fmt::format("night: the sun is {:.1f} deg below the horizon", -elevation));
+  const double lowest = to_degrees(options.lowest_sun);
+  if (elevation < lowest)
+    return refusal(SkyCondition::sun_too_low,
+                   fmt::format("sun too low: elevation {:.1f} deg < {:.1f} deg", elevation, lowest));
+  return std::nullopt;
+}
+
+SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geometry, const SkyLight& sky) {
+  constexpr int kRings = 3, kSectors = 8;
+  SkyStatistics statistics;
+  std::array<std::vector<float>, kRings * kSectors> patches;
+  std::vector<float> levels;
+  for (int y = 0; y < sky.use.height(); ++y)
+    for (int x = 0; x < sky.use.width(); ++x) {
+      const glm::vec3& direction = geometry.direction.at(x, y);
+      if (geometry.open.at(x, y) == 0) continue;
+      const glm::vec3& encoded = picture.encoded.at(x, y);
+      levels.push_back(std::max({encoded.r, encoded.g, encoded.b}));
+      const PixelUse use = sky.use.at(x, y);
+      if (use == PixelUse::near_sun)
+        statistics.brightest = std::max(statistics.brightest, static_cast<double>(levels.back()));
+      if (use == PixelUse::outside || use == PixelUse::near_sun) continue;
+      const auto angle = static_cast<double>(geometry.solid_angle.at(x, y));
+      statistics.solid_angle += angle;
+      if (use == PixelUse::saturated) statistics.saturated += angle;
+      if (use == PixelUse::dark) statistics.dark += angle;
+      if (use == PixelUse::saturated || use == PixelUse::dark) continue;
+      const double azimuth = std::atan2(static_cast<double>(direction.x), static_cast<double>(direction.y)) + kPi;
+      const int sector = std::min(kSectors - 1, static_cast<int>(azimuth / (2.0 * kPi) * kSectors));
+      const int ring = std::min(kRings - 1, static_cast<int>(std::acos(direction.z) / 1.4f * kRings));
+      patches[static_cast<std::size_t>(ring) * kSectors + static_cast<std::size_t>(sector)].push_back(
+          sky.log_luminance.at(x, y));
+    }
+  if (statistics.solid_angle > 0.0) {
+    statistics.saturated /= statistics.solid_angle;
+    statistics.dark /= statistics.solid_angle;
+  }
+  statistics.brightest = std::max(statistics.brightest, static_cast<double>(quantile_in_place(levels, 0.9995)));
+  float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+  for (std::vector<float>& patch : patches) {
+    if (patch.size() < 20) continue;
+    const float level = median_in_place(patch);
+    lowest = std::min(lowest, level);
+    highest = std::max(highest, level);
+  }
+  statistics.spread = highest > lowest ? static_cast<double>(highest - lowest) : 0.0;
+  return statistics;
+}
+
+std::optional<Refusal> refuse_by_light(const SkyStatistics& s, const SunDirection& sun) {
+  const double elevation = 90.0 - to_degrees(zenith_angle(sun));
+  if (!(s.solid_angle > 0.05))
+    return refusal(SkyCondition::unknown,
+                   fmt::format("the camera sees {:.2f} sr of open sky away from the sun", s.solid_angle));
+  if (s.dark > kMostlyDark) {
+    if (s.brightest > kSunVisible)
+      return refusal(SkyCondition::unknown,
+                     fmt::format("under-exposed: {:.0f} % of the sky is black or nearly so", 100.0 * s.dark));
+    return refusal(SkyCondition::covered_lens,
+                   fmt::format("dark all over ({:.0f} % of the sky is black) while the sun is {:.0f} deg high: lens "
+                               "covered, or the clock is wrong",
+                               100.0 * s.dark, elevation));
+  }
+  if (s.saturated > kMostlySaturated)
+    return refusal(SkyCondition::unknown,
+                   fmt::format("over-exposed: {:.0f} % of the sky is saturated", 100.0 * s.saturated));
+  if (s.spread < kUniform)
+    return refusal(SkyCondition::covered_lens,
+                   fmt::format("uniform: brightness varies by {:.1f} % over the whole sky: lens covered, or dense fog",
+                               100.0 * std::expm1(s.spread)));
+  return std::nullopt;
+}
+
+RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit, const FittedSky& sky) {
+  if (samples.empty()) return {};
+  std::vector<double> residuals(samples.size());
+  const auto log_y = [&](std::size_t i) { return static_cast<double>(samples[i].log_luminance); };
+  FittedPlaces(samples, sky).at(fit.turbidity, [&](std::size_t i, double log_f, double) {
+    residuals[i] = log_y(i) - log_f;
+  });
+  RivalSkies rivals{median_error(residuals), std::numeric_limits<double>::infinity(), 0.0};
+  for (const double b : {-0.7, -0.5, -0.3, 0.0, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0}) {
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      residuals[i] = log_y(i) - std::log1p(b * std::cos(static_cast<double>(samples[i].zenith)));
+    rivals.grey = std::min(rivals.grey, median_error(residuals));
+  }
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (fit.inlier[i] == 0) continue;
+    sum += log_y(i);
+    squares += log_y(i) * log_y(i);
+  }
+  const double n = std::max(1, fit.inliers);
+  rivals.spread = std::sqrt(std::max(0.0, squares / n - (sum / n) * (sum / n)));
+  return rivals;
+}
+
+std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
+                                     const RivalSkies& rivals, const EstimateOptions& options) {
+  const double agreement = drawn > 0 ? static_cast<double>(fit.inliers) / drawn : 0.0;
+  const double clouds = 100.0 * (1.0 - mask_clear);
+  // A sky that knows height but no sun explains the picture better than any clear sky.
+  if (drawn > 0 && rivals.clear > kGoodFit && rivals.grey < kGreySky && rivals.grey < kBetter * rivals.clear)
+    return refusal(SkyCondition::overcast,
+                   fmt::format("overcast or fog: brightness follows height alone within {:.1f} %, the best clear sky "
+                               "within {:.1f} %",
+                               100.0 * rivals.grey, 100.0 * rivals.clear));
+  // Clear or broken, a sky is brightest around the sun, and no exposure that shows the rest leaves that dull.
+  if (brightest < kSunVisible)
+    return refusal(SkyCondition::covered_lens,
+                   fmt::format("dull: nothing is brighter than {:.0f} % of full scale, not even around the sun: lens "
+                               "covered, or exposed far too short",
+                               100.0 * brightest));
+  if (mask_clear < options.least_clear_fraction)
+    return refusal(SkyCondition::overcast,
+                   fmt::format("clear sky {:.0f} % < {:.0f} % (clouds {:.0f} %)", 100.0 * mask_clear,
+                               100.0 * options.least_clear_fraction, clouds));
+  if (fit.inliers < std::min(options.least_samples, options.samples / 2))
+    return refusal(mask_clear < 0.5 ? SkyCondition::overcast : SkyCondition::unknown,
+                   fmt::format("{} clear samples < {} (clouds {:.0f} %)", fit.inliers,
+                               std::min(options.least_samples, options.samples / 2), clouds));
+  if (!fit.solved) return refusal(SkyCondition::unknown, "the clear samples say nothing about turbidity");
+  if (agreement < options.least_agreement)
+    return refusal(
+        mask_clear < 0.5 ? SkyCondition::overcast : SkyCondition::unknown,
+        fmt::format("only {:.0f} % of the samples agree on a clear sky (at least {:.0f} % must; clouds {:.0f} %)",
+                    100.0 * agreement, 100.0 * options.least_agreement, clouds));
+  const bool whitish = fit.turbidity.value > kWhitish;
+  if (fit.log_residual > options.largest_log_residual)
+    return refusal(whitish ? SkyCondition::overcast : SkyCondition::unknown,
+                   fmt::format("the best clear sky (T {:.2f}) is off by {:.1f} % > {:.0f} %", fit.turbidity.value,
+                               100.0 * fit.log_residual, 100.0 * options.largest_log_residual));
+  const double unexplained = fit.log_residual / std::max(1e-9, rivals.spread);
+  const double most_unexplained = whitish ? kUnexplainedWhitish : kUnexplained;
+  if (fit.log_residual > kGoodFit && unexplained > most_unexplained)
+    return refusal(
+        whitish ? SkyCondition::overcast : SkyCondition::unknown,
+        fmt::format("the best clear sky (T {:.2f}) leaves {:.0f} % of the sky's variation unexplained > {:.0f} %",
+                    fit.turbidity.value, 100.0 * unexplained, 100.0 * most_unexplained));
+  if (fit.at_edge)
+    return refusal(SkyCondition::unknown,
+                   fmt::format("the best T is the end of the sky model's range, {:.1f}", fit.turbidity.value));
+  if (fit.sigma > options.largest_relative_sigma * fit.turbidity.value)
+    return refusal(SkyCondition::unknown, fmt::format("T {:.2f} is uncertain by {:.2f} > {:.0f} %", fit.turbidity.value,
+                                                      fit.sigma, 100.0 * options.largest_relative_sigma));
+  return std::nullopt;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,45 @@
+// Is this look at the sky to be believed, and if not: why, in words with numbers.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "estimator/turbidity/sky_samples.hpp"
+#include "estimator/turbidity/turbidity.hpp"
+
+namespace kasumi {
+
+struct Refusal {
+  SkyCondition sky = SkyCondition::unknown;
+  std::string reason;
+};
+
+// By the sun alone: night, sun too low, direction not known.
+std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateOptions& options);
+
+// What can be said of the picture before any sky model is asked.
+struct SkyStatistics {
+  double solid_angle = 0.0;  // [sr] looked at: open, high enough, away from the sun
+  double saturated = 0.0;    // shares of it
+  double dark = 0.0;
+  double brightest = 0.0;  // encoded, 0..1: the fullest channel near the sun or, a high quantile, anywhere
+  double spread = 0.0;     // of ln Y over large patches of the sky: highest minus lowest
+};
+SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geometry, const SkyLight& sky);
+
+// Dark, covered, under-exposed, over-exposed, nothing to look at.
+std::optional<Refusal> refuse_by_light(const SkyStatistics& statistics, const SunDirection& sun);
+
+// How well two skies explain the same samples: median |residual| of ln Y, the gain free.
+struct RivalSkies {
+  double clear = 0.0;   // the fitted clear sky
+  double grey = 0.0;    // a sky that knows height but no sun, 1 + b cos theta: overcast (b = 2), fog (b small)
+  double spread = 0.0;  // standard deviation of ln Y of the fit's inliers: what there was to explain
+};
+RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit, const FittedSky& sky = {});
+
+// After the fit. `mask_clear`: the share of the sky that the cloud mask left; `brightest`: SkyStatistics'.
+std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
+                                     const RivalSkies& rivals, const EstimateOptions& options);
+
+}  // namespace kasumi

@@ -1,0 +1,99 @@
+#include "estimator/turbidity/turbidity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "estimator/turbidity/sky_verdict.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr double kClearSky = 0.80;  // from this share on the sky is called clear
+constexpr double kNearlyAll = 0.97;
+constexpr double kStrange = 3.0;         // standard deviations of the first fit's residuals ...
+constexpr double kLeastStrange = 0.004;  // ... and at least so much of ln Y, for elements that are no clear sky
+
+// The sample nearest to the zenith: a point of the sky that is hardly ever out of sight (M Sect 3.4).
+std::size_t nearest_to_zenith(std::span<const SkySample> samples) {
+  return static_cast<std::size_t>(std::ranges::min_element(samples, {}, &SkySample::zenith) - samples.begin());
+}
+
+}  // namespace
+
+SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options) {
+  SkyLook look;
+  TurbidityEstimate& estimate = look.estimate;
+  estimate.sun = sun;
+  look.sky = options.method == EstimateMethod::free_gain ? options.sky : SkyToFit{};
+  const auto refuse = [&look](const Refusal& refusal) -> SkyLook {
+    look.estimate.usable = false;
+    look.estimate.sky = refusal.sky;
+    look.estimate.reason = refusal.reason;
+    return std::move(look);
+  };
+  if (const auto refusal = refuse_by_sun(sun, options)) return refuse(*refusal);
+
+  if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
+  SkyLight sky = sky_light(picture, *geometry_, camera_, sun, options.limits);
+  const SkyStatistics statistics = statistics_of(picture, *geometry_, sky);
+  if (const auto refusal = refuse_by_light(statistics, sun)) {
+    look.use = std::move(sky.use);
+    return refuse(*refusal);
+  }
+
+  const FittedSky fitted(look.sky, sun);
+  std::mt19937_64 random(options.seed);
+  const auto draw_and_solve = [&] {
+    look.elements = draw_elements(sky, *geometry_, options.samples, random);
+    look.samples = samples_at(look.elements, picture, *geometry_, sky, camera_, sun, options.limits);
+    return options.method == EstimateMethod::free_gain || look.samples.empty()
+               ? solve_turbidity(look.samples, options.solver, fitted)
+               : solve_by_reference_pixel(look.samples, nearest_to_zenith(look.samples), options.reference);
+  };
+  double mask_clear = 1.0;
+  if (options.mask_clouds) mask_clear = mask_clouds(sky, *geometry_, sun, options.clouds, look.sky).clear_fraction;
+  TurbiditySolution fit = draw_and_solve();
+  // The fit itself shows what else is no clear sky, its thin edges above all; until hardly anything is.
+  constexpr int kRounds = 3;
+  for (int round = 0;
+       round < kRounds && options.mask_clouds && fit.solved && options.method == EstimateMethod::free_gain; ++round) {
+    const double limit = std::max(kLeastStrange, kStrange * fit.log_residual);
+    mask_clear *= mask_strangers(sky, *geometry_, sun, fit.turbidity, fit.log_gain, limit, fitted);
+    fit = draw_and_solve();
+    if (fit.inliers > kNearlyAll * static_cast<double>(look.samples.size())) break;
+  }
+  const RivalSkies rivals = compare_skies(look.samples, fit, fitted);
+  look.use = std::move(sky.use);
+  const int drawn = static_cast<int>(look.samples.size());
+  look.inlier = fit.inlier;
+  look.log_gain = fit.log_gain;
+  estimate.turbidity = fit.turbidity;
+  estimate.sigma = fit.sigma;
+  estimate.samples = fit.inliers;
+  estimate.log_residual = fit.log_residual;
+  estimate.clear_fraction = drawn > 0 ? mask_clear * fit.inliers / drawn : 0.0;
+
+  if (const auto refusal = refuse_by_fit(fit, drawn, mask_clear, statistics.brightest, rivals, options))
+    return refuse(*refusal);
+  estimate.usable = true;
+  estimate.sky = estimate.clear_fraction >= kClearSky ? SkyCondition::clear : SkyCondition::partly_cloudy;
+  return look;
+}
+
+std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyLook& look,
+                                                const Direction& through) {
+  const TurbidityEstimate& seen = look.estimate;
+  const bool clouds_known = seen.usable || seen.sky == SkyCondition::overcast;
+  if (!clouds_known || look.use.width() != picture.encoded.width() || look.use.height() != picture.encoded.height())
+    return std::nullopt;
+  if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
+  return measure_sky(picture, *geometry_, camera_, look.use, seen.sky, seen.sun, through);
+}
+
+TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,
+                                     const EstimateOptions& options) {
+  return SkyObserver(camera).look(picture, sun, options).estimate;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,99 @@
+#include "gles/display/display_listing.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "base/statistics.hpp"
+#include "gles/display/kms_system.hpp"
+#include "gles/gl/gl.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr Duration kLongestWait = std::chrono::seconds(5);
+
+std::string name_of(KmsConnection connection) {
+  switch (connection) {
+    case KmsConnection::connected: return "connected";
+    case KmsConnection::disconnected: return "disconnected";
+    case KmsConnection::unknown: break;
+  }
+  return "unknown";
+}
+
+ListedConnector listed(const KmsConnector& connector) {
+  ListedConnector made;
+  made.name = connector.name;
+  made.connection = name_of(connector.connection);
+  made.display = connector.display;
+  if (connector.mode_now) made.mode_now = connector.mode_now->text();
+  for (const KmsMode& mode : connector.modes) {
+    made.modes.push_back(mode.text());
+    if (mode.preferred && made.preferred.empty()) made.preferred = made.modes.back();
+  }
+  if (made.preferred.empty() && !made.modes.empty()) made.preferred = made.modes.front();
+  return made;
+}
+
+}  // namespace
+
+std::vector<ListedCard> list_displays(KmsSystem& system) {
+  std::vector<ListedCard> cards;
+  for (const KmsCardPlace& place : system.cards()) {
+    ListedCard card;
+    card.path = place.path;
+    card.by_path = place.by_path;
+    card.users = system.users_of(place.path);
+    if (auto device = system.open_card(place.path); !device) {
+      card.problem = device.error().what;
+    } else {
+      (*device)->drop_master();
+      card.driver = (*device)->driver();
+      card.atomic = (*device)->has_atomic();
+      if (const auto connectors = (*device)->connectors(); !connectors)
+        card.problem = connectors.error().what;
+      else
+        std::ranges::transform(*connectors, std::back_inserter(card.connectors), listed);
+    }
+    cards.push_back(std::move(card));
+  }
+  return cards;
+}
+
+std::vector<ListedCard> list_displays() {
+  return list_displays(*open_kms_system());
+}
+
+Result<FlipTiming> measure_flips(Display& display, Clock& clock, int count) {
+  if (count < 2) return fail(FaultKind::bad_input, "{} flips to measure: expected 2 or more", count);
+  std::map<std::uint64_t, Instant> shown_at;
+  std::vector<Flip> flips;
+  const auto take = [&] {
+    for (const Flip& flip : display.take_flips())
+      if (shown_at.contains(flip.number)) flips.push_back(flip);
+  };
+  for (int i = 0; i < count; ++i) {
+    const auto target = display.begin(clock.now() + kLongestWait);
+    if (!target) return fail(target.error());
+    take();
+    glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
+    const float grey = 0.25f + 0.001f * static_cast<float>(i % 2);  // no driver may take it for the same picture
+    glClearColor(grey, grey, grey, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    const Instant now = clock.now();
+    const auto number = display.show();
+    if (!number) return fail(number.error());
+    shown_at[*number] = now;
+  }
+  // begin() answers once the last picture is shown.
+  if (const auto settled = display.begin(clock.now() + kLongestWait); !settled) return fail(settled.error());
+  take();
+
+  if (flips.size() < 2) return fail(FaultKind::timeout, "{} of {} pictures reached the display", flips.size(), count);
+  std::vector<Duration> intervals, latencies;
+  for (const Flip& flip : flips) latencies.push_back(flip.at - shown_at[flip.number]);
+  for (std::size_t i = 1; i < flips.size(); ++i) intervals.push_back(flips[i].at - flips[i - 1].at);
+  return FlipTiming{static_cast<int>(flips.size()), median(intervals), std::ranges::max(intervals), median(latencies)};
+}
+
+}  // namespace kasumi

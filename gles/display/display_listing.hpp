@@ -1,0 +1,45 @@
+// What displays there are, for people who look after the machine.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+#include "gles/display/display.hpp"
+
+namespace kasumi {
+
+struct ListedConnector {
+  std::string name;        // "HDMI-A-1"
+  std::string connection;  // "connected", "disconnected", "unknown"
+  std::string display;     // "DEL U2412M"; empty: it does not say
+  std::string mode_now;    // "1920x1080@60.00"; empty: nothing is shown there
+  std::string preferred;   // of its modes; empty: it lists none
+  std::vector<std::string> modes;
+};
+
+struct ListedCard {
+  std::string path;     // "/dev/dri/card0"
+  std::string by_path;  // "/dev/dri/by-path/pci-0000:00:02.0-card"; empty: udev names none
+  std::string driver;   // "vc4"
+  bool atomic = false;
+  std::string users;    // "kasumi (pid 411) is master"; empty: nobody, or this user may not know
+  std::string problem;  // why the card could not be asked; the fields above it may be empty then
+  std::vector<ListedConnector> connectors;
+};
+
+// Every card that drives displays, or might. Does not disturb who shows something; BLOCKS for some 10 ms a connector.
+std::vector<ListedCard> list_displays();
+
+// How a display takes pictures.
+struct FlipTiming {
+  int flips = 0;
+  Duration median_interval{};  // between flips, pictures being offered as fast as the display takes them
+  Duration longest_interval{};
+  Duration median_latency{};  // from show() to the flip
+};
+// Shows `count` plain grey pictures. BLOCKS until the last is shown. Errors: as the display's; bad_input for count < 2.
+Result<FlipTiming> measure_flips(Display& display, Clock& clock, int count);
+
+}  // namespace kasumi

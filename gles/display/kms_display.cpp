@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gles/display/kms_choice.hpp"
+#include "gles/display/kms_flips.hpp"
+#include "gles/display/kms_system.hpp"
+#include "gles/gl/gl.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr Duration kPeriodOfChecks = std::chrono::seconds(1);        // of what costs nothing to ask
+constexpr Duration kPauseOfProbes = std::chrono::milliseconds(250);  // at least, between asking the display itself
+
+// The card with its connector and mode: everything a display is made of but GL.
+struct Opened {
+  std::unique_ptr<KmsDevice> device;
+  KmsConnector connector;
+};
+
+class KmsDisplay final : public Display {
+ public:
+  KmsDisplay(std::shared_ptr<KmsSystem> system, Opened opened, const KmsPipe& pipe, std::unique_ptr<Scanout> scanout,
+             std::unique_ptr<DisplayWatch> watch, const KmsDisplayOptions& options, Clock& clock)
+      : system_(std::move(system)),
+        device_(std::move(opened.device)),
+        connector_(std::move(opened.connector)),
+        mode_(pipe.mode),
+        scanout_(std::move(scanout)),
+        watch_(std::move(watch)),
+        clock_(clock),
+        mode_is_instead_(options.width > 0 && (mode_.width != options.width || mode_.height != options.height)),
+        flips_(*device_, pipe, options.atomic && device_->has_atomic(), options.flip_deadline, clock),
+        next_check_(clock.now() + kPeriodOfChecks) {
+    device_->remember(pipe);
+  }
+  KmsDisplay(const KmsDisplay&) = delete;
+  KmsDisplay& operator=(const KmsDisplay&) = delete;
+  ~KmsDisplay() override {
+    // First the console, then our pictures: taking the framebuffer away that is shown turns the screen off.
+    if (flips_.is_well() && device_->is_master() && device_->connection(connector_) != KmsConnection::disconnected)
+      device_->restore();
+    (void)scanout_->context().make_current();
+  }
+
+  std::string description() const override {
+    return fmt::format("{} ({}) {} {}{}, {}, {}", device_->path(), device_->driver(), connector_.name, mode_.text(),
+                       mode_is_instead_ ? " (the mode asked for is not offered)" : "",
+                       flips_.atomic() ? "atomic" : "legacy", scanout_->context().info().renderer);
+  }
+  GlContext& context() override { return scanout_->context(); }
+
+  Result<DrawTarget> begin(Instant deadline) override {
+    if (auto there = check_display(); !there) return fail(there.error());
+    if (auto settled = flips_.settle(deadline); !settled) return fail(named(settled.error()));
+    if (auto current = context().make_current(); !current) return fail(current.error());
+    if (auto alive = context().check_alive(); !alive) return fail(alive.error());
+    if (!scanout_->has_free_buffer())
+      return fail(FaultKind::device, "{}: GL has no buffer left to draw into", device_->path());
+    return scanout_->target();
+  }
+
+  Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
+    if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
+    if (auto current = context().make_current(); !current) return fail(current.error());
+    // Software GL draws into memory that no fence guards.
+    if (context().info().software) glFinish();
+    auto picture = scanout_->finish();
+    if (!picture) return fail(picture.error());
+    const std::uint64_t number = ++number_;
+    if (auto sent = flips_.submit({number, std::move(*picture), std::move(until_replaced)}); !sent)
+      return fail(named(sent.error()));
+    return number;
+  }
+
+  std::vector<Flip> take_flips() override {
+    (void)flips_.advance();  // what went wrong is told by the next begin()
+    return flips_.take_flips();
+  }
+  DisplayCounts counts() const override { return flips_.counts(); }
+  Result<> turn_off() override {
+    if (auto advanced = flips_.advance(); !advanced) return fail(named(advanced.error()));
+    if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
+    if (auto off = flips_.turn_off(); !off) return fail(named(off.error()));
+    return {};
+  }
+
+ private:
+  // Names who took the card from us.
+  Fault named(Fault fault) const {
+    if (fault.kind != FaultKind::device || device_->is_master()) return fault;
+    const std::string users = system_->users_of(device_->path());
+    if (!users.empty()) fault.message += "; " + users;
+    return fault;
+  }
+
+  Result<> check_display() {
+    const Instant now = clock_.now();
+    if (watch_ && watch_->take_change()) changed_ = true;
+    if (now >= next_check_) {
+      next_check_ = now + kPeriodOfChecks;
+      if (device_->connection(connector_) == KmsConnection::disconnected) changed_ = true;
+      if (!device_->is_master())
+        return fail(named({FaultKind::device, fmt::format("{}: somebody else became DRM master", device_->path())}));
+    }
+    if (!changed_ || now < next_probe_) return {};
+    changed_ = false;
+    next_probe_ = now + kPauseOfProbes;
+    return probe();
+  }
+
+  Result<> probe() {
+    const auto found = device_->connector(connector_.id);
+    if (!found) return fail(FaultKind::disconnected, "{} is gone: {}", connector_.name, found.error().what);
+    if (found->connection == KmsConnection::disconnected)
+      return fail(FaultKind::disconnected, "the display was unplugged from {}", connector_.name);
+    if (found->modes.empty())
+      return fail(FaultKind::disconnected, "the display at {} lists no modes any more (is it off?)", connector_.name);
+    if (found->identity != connector_.identity)
+      return fail(FaultKind::disconnected, "another display was plugged into {}", connector_.name);
+    if (std::ranges::none_of(found->modes, [&](const KmsMode& mode) { return mode.same_timing(mode_); }))
+      return fail(FaultKind::disconnected, "the display at {} does not offer {} any more", connector_.name,
+                  mode_.text());
+    if (found->link_bad) flips_.set_mode_again();
+    return {};
+  }
+
+  std::shared_ptr<KmsSystem> system_;
+  std::unique_ptr<KmsDevice> device_;
+  KmsConnector connector_;
+  KmsMode mode_;
+  std::unique_ptr<Scanout> scanout_;
+  std::unique_ptr<DisplayWatch> watch_;
+  Clock& clock_;
+  bool mode_is_instead_;
+  KmsFlips flips_;  // after the scanout: its pictures go first
+  std::uint64_t number_ = 0;
+  Instant next_check_;
+  Instant next_probe_{};
+  bool changed_ = false;
+};
+
+std::string hint(std::errc code) {
+  if (code == std::errc::permission_denied) return " (is this user in the group \"video\"?)";
+  return "";
+}
+
+Result<Opened> open_card(KmsSystem& system, const std::string& path, const KmsDisplayOptions& options) {
+  auto device = system.open_card(path);
+  if (!device) {
+    const std::errc code = device.error().code;
+    const bool absent = code == std::errc::no_such_file_or_directory || code == std::errc::no_such_device ||
+                        code == std::errc::no_such_device_or_address;
+    const bool no_display = code == std::errc::operation_not_supported;
+    return fail(absent       ? FaultKind::disconnected
+                : no_display ? FaultKind::unsupported
+                             : FaultKind::device,
+                "{}{}", device.error().what, hint(code));
+  }
+  const auto connectors = (*device)->connectors();
+  if (!connectors) return fail(FaultKind::device, "{}", connectors.error().what);
+  auto connector = choose_connector(*connectors, options.connector);
+  if (!connector) return fail(connector.error().kind, "{}: {}", path, connector.error().message);
+  return Opened{std::move(*device), std::move(*connector)};
+}
+
+// The first card that has what is asked for. What fits least ill is what the fault is about: a card that only lacks its
+// display before one that refuses, one that has no such connector, or that drives no displays at all.
+Result<Opened> open_first_card(KmsSystem& system, const KmsDisplayOptions& options) {
+  std::vector<KmsCardPlace> places;
+  if (options.device.empty())
+    places = system.cards();
+  else
+    places.push_back({options.device, ""});
+  if (places.empty()) return fail(FaultKind::disconnected, "there is no graphics card with a display output");
+
+  constexpr std::array kOrder{FaultKind::disconnected, FaultKind::device, FaultKind::bad_input, FaultKind::unsupported};
+  const auto rank = [&](FaultKind kind) { return std::ranges::find(kOrder, kind) - kOrder.begin(); };
+  Fault fault{FaultKind::unsupported, ""};
+  for (const KmsCardPlace& place : places) {
+    auto opened = open_card(system, place.path, options);
+    if (opened) return opened;
+    if (rank(opened.error().kind) < rank(fault.kind)) fault.kind = opened.error().kind;
+    fault.message += (fault.message.empty() ? "" : "\n") + opened.error().message;
+  }
+  return fail(std::move(fault));
+}
+
+Result<> become_master(KmsSystem& system, KmsDevice& device) {
+  if (const auto master = device.become_master(); !master) {
+    const std::string users = system.users_of(device.path());
+    return fail(FaultKind::device, "{}: somebody else is DRM master{}{}", master.error().what,
+                users.empty() ? "" : "; ", users);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Display>> open_kms_display(const KmsDisplayOptions& options, Clock& clock,
+                                                  std::shared_ptr<KmsSystem> system) {
+  auto opened = open_first_card(*system, options);
+  if (!opened) return fail(opened.error());
+  KmsDevice& device = *opened->device;
+  const auto mode = choose_mode(opened->connector, options);
+  if (!mode) return fail(mode.error().kind, "{}: {}", device.path(), mode.error().message);
+  if (auto master = become_master(*system, device); !master) return fail(master.error());
+  const auto pipe = device.find_pipe(opened->connector, *mode);
+  if (!pipe) return fail(FaultKind::device, "{}", pipe.error().what);
+  auto scanout = system->open_scanout(device, mode->width, mode->height);
+  if (!scanout) return fail(scanout.error());
+  auto watch = system->watch();  // without udev the periodic check finds what changed, a second later
+  return std::make_unique<KmsDisplay>(std::move(system), std::move(*opened), *pipe, std::move(*scanout),
+                                      watch ? std::move(*watch) : nullptr, options, clock);
+}
+
+Result<std::unique_ptr<Display>> open_kms_display(const KmsDisplayOptions& options, Clock& clock) {
+  return open_kms_display(options, clock, open_kms_system());
+}
+
+}  // namespace kasumi

@@ -1,0 +1,35 @@
+// Surfaces that GL draws to and the card can show: the second door of the KMS display, behind which tests can stand.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "base/result.hpp"
+#include "gles/display/kms_device.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/target.hpp"
+
+namespace kasumi {
+
+// A finished picture. Its buffer is drawn to again only after this is gone.
+class ScanoutPicture {
+ public:
+  virtual ~ScanoutPicture() = default;
+  virtual std::uint32_t framebuffer() const = 0;
+};
+
+class Scanout {
+ public:
+  virtual ~Scanout() = default;
+  virtual GlContext& context() = 0;
+  virtual bool has_free_buffer() const = 0;
+  virtual DrawTarget target() const = 0;
+  // Ends the picture drawn since the last call; it is drawn when the card shows it, not necessarily now. All pictures
+  // are gone before the scanout goes. Error: device.
+  virtual Result<std::unique_ptr<ScanoutPicture>> finish() = 0;
+};
+
+// Through GBM and EGL, XRGB8888. The device outlives the scanout. Errors: unsupported, device.
+Result<std::unique_ptr<Scanout>> open_gbm_scanout(KmsDevice& device, int width, int height);
+
+}  // namespace kasumi

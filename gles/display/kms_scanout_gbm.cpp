@@ -1,0 +1,186 @@
+// GBM and EGL behind kms_scanout.hpp.
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include <gbm.h>
+
+#include "base/c_ptr.hpp"
+#include "gles/display/kms_scanout.hpp"
+#include "gles/gl/egl.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr std::uint64_t kNoModifier = 0x00ffffffffffffffu;  // DRM_FORMAT_MOD_INVALID
+
+using GbmDevice = CPtr<gbm_device, gbm_device_destroy>;
+using GbmSurface = CPtr<gbm_surface, gbm_surface_destroy>;
+
+// EGL finds its displays again by the address of the GBM device: one that stayed initialised would meet the next
+// device at the same place. The display is ours alone, so that it may go.
+class EglOfGbm {
+ public:
+  explicit EglOfGbm(EGLDisplay display) : display_(display) {}
+  EglOfGbm(EglOfGbm&& other) noexcept : display_(std::exchange(other.display_, EGL_NO_DISPLAY)) {}
+  EglOfGbm& operator=(EglOfGbm&&) = delete;
+  EglOfGbm(const EglOfGbm&) = delete;
+  EglOfGbm& operator=(const EglOfGbm&) = delete;
+  ~EglOfGbm() {
+    if (display_ != EGL_NO_DISPLAY) eglTerminate(display_);
+  }
+  EGLDisplay get() const { return display_; }
+
+ private:
+  EGLDisplay display_;
+};
+
+struct Format {
+  std::uint32_t fourcc;
+  const char* name;
+};
+// The second is the first with a byte that the card is told not to look at.
+constexpr std::array kFormats{Format{GBM_FORMAT_XRGB8888, "XRGB8888"}, Format{GBM_FORMAT_ARGB8888, "ARGB8888"}};
+
+// EGL's configurations do not name their memory's format but by the native visual.
+EGLConfig find_config(EGLDisplay display, std::uint32_t fourcc, EGLint depth_bits) {
+  const std::array<EGLint, 13> wanted{EGL_RENDERABLE_TYPE,
+                                      EGL_OPENGL_ES2_BIT,
+                                      EGL_SURFACE_TYPE,
+                                      EGL_WINDOW_BIT,
+                                      EGL_RED_SIZE,
+                                      8,
+                                      EGL_GREEN_SIZE,
+                                      8,
+                                      EGL_BLUE_SIZE,
+                                      8,
+                                      EGL_DEPTH_SIZE,
+                                      depth_bits,
+                                      EGL_NONE};
+  EGLint count = 0;
+  if (!eglChooseConfig(display, wanted.data(), nullptr, 0, &count) || count <= 0) return nullptr;
+  std::vector<EGLConfig> configs(static_cast<std::size_t>(count));
+  if (!eglChooseConfig(display, wanted.data(), configs.data(), count, &count)) return nullptr;
+  configs.resize(static_cast<std::size_t>(std::max(count, 0)));
+  const auto found = std::ranges::find_if(configs, [&](EGLConfig config) {
+    EGLint visual = 0, samples = 0;
+    return eglGetConfigAttrib(display, config, EGL_NATIVE_VISUAL_ID, &visual) &&
+           eglGetConfigAttrib(display, config, EGL_SAMPLES, &samples) && samples == 0 &&
+           static_cast<std::uint32_t>(visual) == fourcc;
+  });
+  return found == configs.end() ? nullptr : *found;
+}
+
+class GbmPicture final : public ScanoutPicture {
+ public:
+  GbmPicture(gbm_surface* surface, gbm_bo* buffer, std::uint32_t framebuffer)
+      : surface_(surface), buffer_(buffer), framebuffer_(framebuffer) {}
+  GbmPicture(const GbmPicture&) = delete;
+  GbmPicture& operator=(const GbmPicture&) = delete;
+  ~GbmPicture() override { gbm_surface_release_buffer(surface_, buffer_); }
+  std::uint32_t framebuffer() const override { return framebuffer_; }
+
+ private:
+  gbm_surface* surface_;
+  gbm_bo* buffer_;
+  std::uint32_t framebuffer_;
+};
+
+KmsBuffer describe(gbm_bo* buffer) {
+  KmsBuffer made;
+  made.width = static_cast<int>(gbm_bo_get_width(buffer));
+  made.height = static_cast<int>(gbm_bo_get_height(buffer));
+  made.modifier = gbm_bo_get_modifier(buffer);
+  made.has_modifier = made.modifier != kNoModifier;
+  made.planes = std::clamp(gbm_bo_get_plane_count(buffer), 1, 4);
+  for (int i = 0; i < made.planes; ++i) {
+    const auto plane = static_cast<std::size_t>(i);
+    made.handle[plane] = gbm_bo_get_handle_for_plane(buffer, i).u32;
+    made.stride[plane] = gbm_bo_get_stride_for_plane(buffer, i);
+    made.offset[plane] = gbm_bo_get_offset(buffer, i);
+  }
+  return made;
+}
+
+class GbmScanout final : public Scanout {
+ public:
+  GbmScanout(KmsDevice& device, GbmDevice gbm, EglOfGbm egl, GbmSurface surface, EGLSurface egl_surface,
+             std::unique_ptr<GlContext> context, DrawTarget target)
+      : device_(device),
+        gbm_(std::move(gbm)),
+        egl_(std::move(egl)),
+        surface_(std::move(surface)),
+        egl_surface_(egl_surface),
+        context_(std::move(context)),
+        target_(target) {}
+
+  GlContext& context() override { return *context_; }
+  bool has_free_buffer() const override { return gbm_surface_has_free_buffers(surface_.get()) > 0; }
+  DrawTarget target() const override { return target_; }
+
+  Result<std::unique_ptr<ScanoutPicture>> finish() override {
+    if (!eglSwapBuffers(egl_.get(), egl_surface_))
+      return fail(FaultKind::device, "{}: a picture could not be finished: {}", device_.path(), egl_reason());
+    gbm_bo* buffer = gbm_surface_lock_front_buffer(surface_.get());
+    if (buffer == nullptr) return fail(FaultKind::device, "{}: GBM gives no finished picture", device_.path());
+    // GBM gives the same few buffers again and again; a framebuffer lives as long as its buffer.
+    auto* framebuffer = static_cast<KmsFramebuffer*>(gbm_bo_get_user_data(buffer));
+    if (framebuffer == nullptr) {
+      auto added = KmsFramebuffer::add(device_, describe(buffer));
+      if (!added) {
+        gbm_surface_release_buffer(surface_.get(), buffer);
+        return fail(FaultKind::device, "{}", added.error().what);
+      }
+      auto owner = std::make_unique<KmsFramebuffer>(std::move(*added));
+      framebuffer = owner.get();
+      gbm_bo_set_user_data(buffer, owner.release(), [](gbm_bo*, void* gone) {
+        const std::unique_ptr<KmsFramebuffer> deleted(static_cast<KmsFramebuffer*>(gone));
+      });
+    }
+    return std::make_unique<GbmPicture>(surface_.get(), buffer, framebuffer->id());
+  }
+
+ private:
+  KmsDevice& device_;
+  GbmDevice gbm_;
+  EglOfGbm egl_;
+  GbmSurface surface_;
+  EGLSurface egl_surface_;  // the context's
+  std::unique_ptr<GlContext> context_;
+  DrawTarget target_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Scanout>> open_gbm_scanout(KmsDevice& device, int width, int height) {
+  GbmDevice gbm(gbm_create_device(device.fd()));
+  if (gbm == nullptr)
+    return fail(FaultKind::unsupported, "{}: GBM has no driver for it (on Debian: apt install libgl1-mesa-dri)",
+                device.path());
+  const auto display = open_egl_display(EGL_PLATFORM_GBM_KHR, "EGL_KHR_platform_gbm", gbm.get());
+  if (!display) return fail(display.error().kind, "{}: EGL: {}", device.path(), display.error().message);
+  EglOfGbm egl(*display);
+  for (const Format& format : kFormats) {
+    for (const EGLint depth_bits : {24, 16}) {
+      const EGLConfig config = find_config(*display, format.fourcc, depth_bits);
+      if (config == nullptr) continue;
+      GbmSurface surface(gbm_surface_create(gbm.get(), static_cast<std::uint32_t>(width),
+                                            static_cast<std::uint32_t>(height), format.fourcc,
+                                            GBM_BO_USE_SCANOUT | GBM_BO_USE_RENDERING));
+      if (surface == nullptr) continue;
+      const EGLSurface egl_surface =
+          eglCreateWindowSurface(*display, config, reinterpret_cast<EGLNativeWindowType>(surface.get()), nullptr);
+      if (egl_surface == EGL_NO_SURFACE) continue;
+      auto context = make_egl_context(*display, config, egl_surface);
+      if (!context) return fail(context.error().kind, "{}: {}", device.path(), context.error().message);
+      // A window's rows: GL's row 0 is the bottom one.
+      return std::make_unique<GbmScanout>(device, std::move(gbm), std::move(egl), std::move(surface), egl_surface,
+                                          std::move(*context), DrawTarget{0, width, height, false});
+    }
+  }
+  return fail(FaultKind::unsupported, "{}: EGL and GBM share no 8-bit format with a depth buffer for {}x{} pixels: {}",
+              device.path(), width, height, egl_reason());
+}
+
+}  // namespace kasumi

@@ -1,0 +1,49 @@
+#include "gles/gl/layer_buffer.hpp"
+
+#include <array>
+
+#include "gles/gl/gl.hpp"
+#include "gles/gl/program.hpp"
+#include "gles/gl/texture_units.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr GLenum kRgba16f = 0x881A, kHalfFloat = 0x140B;
+
+GlTexture make_target_texture(int width, int height, bool in_8_bits, const GlInfo& info) {
+  GlTexture texture = make_texture();
+  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+  glBindTexture(GL_TEXTURE_2D, texture.name());
+  if (in_8_bits)
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  else if (info.es_major >= 3)
+    glTexImage2D(GL_TEXTURE_2D, 0, kRgba16f, width, height, 0, GL_RGBA, kHalfFloat, nullptr);
+  else
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, width, height, 0, GL_RGBA, GL_HALF_FLOAT_OES, nullptr);
+  set_filter(TextureFilter::nearest);
+  clamp_to_edge();
+  return texture;
+}
+
+}  // namespace
+
+Result<LayerBuffer> LayerBuffer::create(int width, int height, bool in_8_bits, const GlInfo& info,
+                                        std::string_view what) {
+  LayerBuffer made{make_target_texture(width, height, in_8_bits, info), make_framebuffer()};
+  glBindFramebuffer(GL_FRAMEBUFFER, made.framebuffer.name());
+  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, made.texture.name(), 0);
+  if (auto complete = check_framebuffer(what); !complete) return fail(complete.error());
+  return made;
+}
+
+void draw_square() {
+  constexpr std::array<float, 8> kCorners{-1, -1, 1, -1, -1, 1, 1, 1};
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  glEnableVertexAttribArray(kPosition);
+  glVertexAttribPointer(kPosition, 2, GL_FLOAT, GL_FALSE, 0, kCorners.data());
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  glDisableVertexAttribArray(kPosition);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,36 @@
+// A framebuffer of our own, for pictures that go to a file.
+#pragma once
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "base/result.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/objects.hpp"
+#include "gles/gl/target.hpp"
+
+namespace kasumi {
+
+class Offscreen {
+ public:
+  // samples > 1 asks for multisampling, which the one-pass path profits from; given where the driver has it.
+  // Errors: bad_input (size not in 1..GL_MAX_TEXTURE_SIZE), device.
+  static Result<Offscreen> create(const GlInfo& info, int width, int height, int samples = 1);
+
+  DrawTarget target() const;
+  int samples() const { return samples_; }
+  // BLOCKS until everything is drawn. Rows from the top.
+  Result<Image<Rgb8>> read();
+
+ private:
+  Offscreen() = default;
+  int width_ = 0;
+  int height_ = 0;
+  int samples_ = 1;
+  GlFramebuffer drawn_;  // multisampled when samples_ > 1
+  GlRenderbuffer drawn_colour_;
+  GlRenderbuffer depth_;
+  GlFramebuffer resolved_;
+  GlTexture resolved_colour_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,98 @@
+// The model on the GPU, cut into chunks that 16-bit indices can address: 32 bits would save nothing, for a tile of the
+// picture draws only the chunks that it shows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/result.hpp"
+#include "gles/gl/objects.hpp"
+#include "gles/gl/surface_texture.hpp"
+#include "gles/gpu_model/gpu_material.hpp"
+#include "gles/gpu_model/gpu_vertex.hpp"
+#include "gles/gpu_model/programs.hpp"
+#include "gles/gpu_model/projection.hpp"
+#include "gles/model/model.hpp"
+
+namespace kasumi {
+
+class GpuModel {
+ public:
+  // Errors: bad_input (see check(Model)), device.
+  static Result<GpuModel> upload(const Model& model, const GlInfo& info, bool force_encoded_textures,
+                                 std::vector<std::string>& notes);
+
+  const ModelBounds& bounds() const { return bounds_; }  // of the object
+  const ModelBounds& bounds_with_ground() const { return bounds_with_ground_; }
+  bool has_ground() const { return !ground_.empty(); }
+  bool has_blended() const { return !see_through_.triangles.empty(); }
+  const std::vector<ModelMaterial>& materials() const { return materials_; }
+  std::size_t bytes() const { return bytes_; }  // of buffers and textures on the GPU
+
+  // Finds each chunk's pixels and puts see-through triangles in order, farthest first. Returns the box around all.
+  PixelBox look_from(const Projection& projection);
+
+  // Draws the solid or the see-through chunks that touch `window` (all when it is empty) with the object program under
+  // `variant`, or those of the ground with the ground program; `set_uniforms` gets each program once it is in use.
+  enum class Which { solid, blended, ground };
+  Result<> draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
+                const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const;
+  // Draws what keeps the sun off, wherever it is seen from, with the sun map's program: solid chunks, both sides of
+  // them, masked ones cut out. What is see-through casts no shadow.
+  Result<> draw_shadow(Programs& programs, const Defines& variant,
+                       const std::function<void(const Program&)>& set_uniforms) const;
+
+ private:
+  struct Chunk {
+    int material = 0;
+    GlBuffer vertices;
+    GlBuffer indices;
+    std::vector<glm::vec3> positions;
+    std::vector<std::uint16_t> index_list;
+    PixelBox box;
+  };
+  struct Triangle {  // of the model being uploaded
+    std::uint32_t part = 0;
+    std::uint32_t first_index = 0;
+    glm::vec3 centre{};
+  };
+  struct SeeThroughTriangle {
+    int material = 0;
+    std::uint32_t part = 0;
+    std::array<std::uint32_t, 3> corners{};
+    double depth_m = 0.0;
+  };
+  // Kept, because what is drawn first depends on where one looks from.
+  struct SeeThrough {
+    std::vector<GpuVertex> vertices;
+    std::vector<SeeThroughTriangle> triangles;
+    std::vector<Chunk> chunks;
+  };
+  class Cutter;
+
+  void add(const Model& model, const std::vector<ModelPart>& parts, std::vector<Chunk>& chunks);
+  void add_see_through(const Model& model);
+  void sort_see_through(const Projection& projection);
+  static std::pair<std::span<Triangle>, std::span<Triangle>> halved(std::span<Triangle> triangles);
+  static Chunk make_chunk(int material, std::span<const GpuVertex> vertices, std::vector<std::uint16_t> index_list);
+  static void begin_chunks(bool write_depth);
+  static void end_chunks();
+  void draw_chunk(const Chunk& chunk) const;
+
+  const std::vector<Chunk>& chunks_of(Which which) const;
+
+  std::vector<Chunk> solid_;
+  std::vector<Chunk> ground_;
+  SeeThrough see_through_;
+  std::vector<ModelMaterial> materials_;
+  std::vector<SurfaceTexture> textures_;
+  ModelBounds bounds_;
+  ModelBounds bounds_with_ground_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,22 @@
+// The renderer's shader programs, each variant compiled when it is first needed.
+#pragma once
+
+#include <map>
+#include <utility>
+
+#include "base/result.hpp"
+#include "gles/gl/program.hpp"
+
+namespace kasumi {
+
+enum class ProgramKind { object, ground, sun_map, spread, resolve, picture };
+
+class Programs {
+ public:
+  Result<const Program*> find(ProgramKind kind, const Defines& defines);
+
+ private:
+  std::map<std::pair<ProgramKind, Defines>, Program> built_;
+};
+
+}  // namespace kasumi

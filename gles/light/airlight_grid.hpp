@@ -1,0 +1,22 @@
+// Grids of airlight on their way to the shaders.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/result.hpp"
+#include "gles/gl/program.hpp"
+#include "gles/scene.hpp"
+
+namespace kasumi {
+
+// Bilinear between the grid's points, held beyond its edges. `pixel`: (0, 0) is the centre of the top left pixel.
+glm::dvec3 airlight_at(const AirlightGrid& grid, const glm::dvec2& pixel);
+
+// positive: zero is refused as well (something is divided by it).
+void check(const AirlightGrid& grid, std::string_view name, bool positive, Problems& problems);
+
+// Uniforms NAME_light and NAME_place of airlight.glsl.
+void set_airlight(const Program& program, const std::string& name, const AirlightGrid& grid);
+
+}  // namespace kasumi

@@ -1,0 +1,25 @@
+// Light and air on their way to the shaders.
+#pragma once
+
+#include <span>
+
+#include "base/result.hpp"
+#include "gles/gl/program.hpp"
+#include "gles/light/sky_atlas.hpp"
+#include "gles/model/model.hpp"
+#include "gles/scene.hpp"
+
+namespace kasumi {
+
+// Everything finite, scale heights and the horizon's light > 0, nothing negative that cannot be.
+void check(const ObjectAppearance& appearance, Problems& problems);
+void check(const SensorNoise& noise, Problems& problems);
+
+// An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1 and these materials, the sun's glint on
+// smooth ones left out: it is white whatever it is cut to. `sky` holds the light's surroundings.
+double largest_n(const ObjectAppearance& appearance, const SkyAtlas& sky, std::span<const ModelMaterial> materials);
+
+// Uniforms of haze.glsl, path.glsl, sun.glsl, light.glsl; the horizon's light as horizon_light, horizon_place.
+void set_appearance(const Program& program, const ObjectAppearance& appearance);
+
+}  // namespace kasumi

@@ -1,0 +1,343 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
+
+#include "gles/model/accessor.hpp"
+#include "gles/model/material.hpp"
+#include "gles/model/model.hpp"
+#include "gles/model/model_file.hpp"
+#include "gles/model/model_mesh.hpp"
+
+namespace kasumi {
+namespace {
+
+bool finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+Result<glm::dmat4> transform_of(const tinygltf::Node& node, const std::string& what) {
+  for (const auto* numbers : {&node.matrix, &node.translation, &node.rotation, &node.scale})
+    if (!std::ranges::all_of(*numbers, [](double v) { return std::isfinite(v); }))
+      return fail(FaultKind::bad_input, "{}: its transform is not finite", what);
+  if (node.matrix.size() == 16) {
+    glm::dmat4 matrix;
+    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+    return matrix;
+  }
+  glm::dmat4 matrix{1.0};
+  if (node.rotation.size() == 4) {
+    const glm::dquat turn(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    if (glm::length(turn) < 1e-9) return fail(FaultKind::bad_input, "{}: its rotation is (0, 0, 0, 0)", what);
+    matrix = glm::mat4_cast(glm::normalize(turn));
+  }
+  if (node.scale.size() == 3)
+    for (int i = 0; i < 3; ++i) matrix[i] *= node.scale[static_cast<std::size_t>(i)];
+  if (node.translation.size() == 3) matrix[3] = {node.translation[0], node.translation[1], node.translation[2], 1.0};
+  return matrix;
+}
+
+// What a curator marks as the real ground; Blender numbers the names of copies.
+bool marks_ground(const tinygltf::Node& node) {
+  if (node.name.starts_with("kasumi_ground")) return true;
+  if (!node.extras.IsObject() || !node.extras.Has("kasumi")) return false;
+  const tinygltf::Value& mark = node.extras.Get("kasumi");
+  return mark.IsString() && mark.Get<std::string>() == "ground";
+}
+
+class SceneReader {
+ public:
+  SceneReader(const tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene,
+              Model& model)
+      : gltf_(gltf), name_(std::move(name)), limits_(limits), wanted_scene_(scene), model_(model) {}
+
+  Result<> read() {
+    auto surfaces = read_surfaces(gltf_, name_, limits_, model_.notes);
+    if (!surfaces) return fail(surfaces.error());
+    model_.materials = std::move(surfaces->materials);
+    model_.textures = std::move(surfaces->textures);
+    placements_ = std::move(surfaces->placements);
+    for (const tinygltf::Scene& scene : gltf_.scenes) model_.scenes.push_back(scene.name);
+    if (gltf_.nodes.size() > limits_.nodes)
+      return fail(FaultKind::bad_input, "{}: {} nodes: expected {} at most", name_, gltf_.nodes.size(), limits_.nodes);
+    if (auto walked = walk(); !walked) return walked;
+    if (!gltf_.animations.empty()) note("its animations stand still");
+    if (model_.triangle_count() == 0) return fail(FaultKind::bad_input, "{}: no triangles in its scene", name_);
+    return {};
+  }
+
+ private:
+  template <class... Args>
+  void note(fmt::format_string<Args...> format, Args&&... args) {
+    std::string text = fmt::format("{}: {}", name_, fmt::format(format, std::forward<Args>(args)...));
+    if (std::ranges::find(model_.notes, text) == model_.notes.end()) model_.notes.push_back(std::move(text));
+  }
+
+  // The scene to show; -1: the file has none.
+  Result<int> scene() const {
+    const auto count = static_cast<int>(gltf_.scenes.size());
+    if (wanted_scene_.empty()) {
+      const int scene = gltf_.defaultScene >= 0 ? gltf_.defaultScene : 0;
+      return scene < count ? scene : -1;
+    }
+    for (int i = 0; i < count; ++i)
+      if (gltf_.scenes[static_cast<std::size_t>(i)].name == wanted_scene_) return i;
+    int number = -1;
+    const char* end = wanted_scene_.data() + wanted_scene_.size();
+    const auto read = std::from_chars(wanted_scene_.data(), end, number);
+    if (read.ec == std::errc() && read.ptr == end && number >= 0 && number < count) return number;
+    std::string there;
+    for (int i = 0; i < count; ++i)
+      there += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, gltf_.scenes[static_cast<std::size_t>(i)].name);
+    return fail(FaultKind::bad_input, "{}: scene \"{}\": {}", name_, wanted_scene_,
+                count == 0 ? "the file has no scenes" : "expected one of these by name or number: " + there);
+  }
+
+  // The nodes to begin with: the scene's, else every node that is nobody's child.
+  std::vector<int> roots(int scene) const {
+    if (scene >= 0) return gltf_.scenes[static_cast<std::size_t>(scene)].nodes;
+    std::vector<bool> child(gltf_.nodes.size());
+    for (const tinygltf::Node& node : gltf_.nodes)
+      for (const int i : node.children)
+        if (i >= 0 && static_cast<std::size_t>(i) < child.size()) child[static_cast<std::size_t>(i)] = true;
+    std::vector<int> found;
+    for (std::size_t i = 0; i < child.size(); ++i)
+      if (!child[i]) found.push_back(static_cast<int>(i));
+    return found;
+  }
+
+  Result<> walk() {
+    struct Visit {
+      int node;
+      glm::dmat4 parent;
+      bool ground;
+    };
+    const auto shown = scene();
+    if (!shown) return fail(shown.error());
+    std::vector<Visit> open;
+    for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}, false});
+    std::vector<bool> seen(gltf_.nodes.size());
+    while (!open.empty()) {
+      const Visit visit = open.back();
+      open.pop_back();
+      const std::string what = fmt::format("{}: node {}", name_, visit.node);
+      if (visit.node < 0 || static_cast<std::size_t>(visit.node) >= gltf_.nodes.size())
+        return fail(FaultKind::bad_input, "{}: there are {}", what, gltf_.nodes.size());
+      const auto at = static_cast<std::size_t>(visit.node);
+      if (seen[at]) return fail(FaultKind::bad_input, "{} is its own ancestor or has two parents", what);
+      seen[at] = true;
+      const tinygltf::Node& node = gltf_.nodes[at];
+      const auto local = transform_of(node, what);
+      if (!local) return fail(local.error());
+      const glm::dmat4 whole = visit.parent * *local;
+      const bool ground = visit.ground || marks_ground(node);
+      if (node.mesh >= 0)
+        if (auto read = read_mesh(node.mesh, whole, ground ? model_.ground : model_.parts); !read) return read;
+      if (node.skin >= 0) note("its skinned meshes keep the shape they are stored in");
+      for (const int child : node.children) open.push_back({child, whole, ground});
+    }
+    return {};
+  }
+
+  Result<> read_mesh(int index, const glm::dmat4& transform, std::vector<ModelPart>& into) {
+    if (static_cast<std::size_t>(index) >= gltf_.meshes.size())
+      return fail(FaultKind::bad_input, "{}: mesh {}: there are {}", name_, index, gltf_.meshes.size());
+    const tinygltf::Mesh& mesh = gltf_.meshes[static_cast<std::size_t>(index)];
+    for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+      const std::string what = fmt::format("{}: mesh {}, primitive {}", name_, index, i);
+      if (auto read = read_primitive(mesh.primitives[i], transform, into, what); !read) return read;
+    }
+    return {};
+  }
+
+  Result<> read_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& transform,
+                          std::vector<ModelPart>& into, const std::string& what) {
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    if (mode > TINYGLTF_MODE_TRIANGLE_FAN)
+      return fail(FaultKind::bad_input, "{}: mode {}: expected 0 .. 6", what, mode);
+    if (mode < TINYGLTF_MODE_TRIANGLES) {
+      note("its points and lines are left out");
+      return {};
+    }
+    ModelPart part;
+    part.material = primitive.material < 0 ? static_cast<int>(gltf_.materials.size()) : primitive.material;
+    if (static_cast<std::size_t>(part.material) >= model_.materials.size())
+      return fail(FaultKind::bad_input, "{}: material {}: there are {}", what, part.material, gltf_.materials.size());
+    if (auto read = read_vertices(primitive, part, what); !read) return read;
+    if (auto read = read_triangles(primitive, mode, part, what); !read) return read;
+    if (part.indices.empty()) return {};
+
+    const bool with_normals = primitive.attributes.contains("NORMAL");
+    if (with_normals) {
+      if (const std::size_t mended = mend_normals(part); mended > 0)
+        note("{} normals without a direction replaced by their faces'", mended);
+    }
+    if (auto placed = place(part, transform, what); !placed) return placed;
+    if (!with_normals) give_flat_normals(part);
+    if (const ModelMap& normals = model_.materials[static_cast<std::size_t>(part.material)].normal_map;
+        normals.used()) {
+      if (with_normals && primitive.attributes.contains("TANGENT"))
+        mend_tangents(part);
+      else  // without normals, tangents are to be ignored as well
+        give_tangents(part, normals.second);
+    }
+    if (!primitive.targets.empty()) note("its morph targets are left out");
+    triangles_ += part.indices.size() / 3;
+    vertices_ += part.vertices.size();
+    if (triangles_ > limits_.triangles || vertices_ > limits_.vertices)
+      return fail(FaultKind::bad_input, "{}: more than {} triangles or {} vertices", name_, limits_.triangles,
+                  limits_.vertices);
+    if (&into == &model_.ground && primitive.material < 0) part.material = plain_ground();
+    into.push_back(std::move(part));
+    return {};
+  }
+
+  // Ground that the file gives no colour: glTF's default is white, which no ground is.
+  int plain_ground() {
+    if (plain_ground_ < 0) {
+      plain_ground_ = static_cast<int>(model_.materials.size());
+      model_.materials.push_back({.name = "ground", .base_colour = {0.1f, 0.1f, 0.1f, 1.0f}});
+    }
+    return plain_ground_;
+  }
+
+  // The accessor of an attribute, empty where the primitive has none; one element per vertex.
+  Result<AccessorFloats> attribute(const tinygltf::Primitive& primitive, const std::string& semantic,
+                                   std::initializer_list<int> components, std::size_t vertices,
+                                   const std::string& what) const {
+    const auto found = primitive.attributes.find(semantic);
+    if (found == primitive.attributes.end()) return AccessorFloats{};
+    auto floats = read_floats(gltf_, found->second, components, limits_.vertices, what + ": " + semantic);
+    if (floats && floats->count != vertices)
+      return fail(FaultKind::bad_input, "{}: {} has {} elements for {} vertices", what, semantic, floats->count,
+                  vertices);
+    return floats;
+  }
+
+  Result<> read_vertices(const tinygltf::Primitive& primitive, ModelPart& part, const std::string& what) {
+    const auto position = primitive.attributes.find("POSITION");
+    if (position == primitive.attributes.end()) return fail(FaultKind::bad_input, "{}: no POSITION", what);
+    const auto positions = read_floats(gltf_, position->second, {3}, limits_.vertices, what + ": POSITION");
+    if (!positions) return fail(positions.error());
+    const std::size_t count = positions->count;
+    const auto& placements = placements_[static_cast<std::size_t>(part.material)];
+    const auto normals = attribute(primitive, "NORMAL", {3}, count, what);
+    if (!normals) return fail(normals.error());
+    const auto tangents = attribute(primitive, "TANGENT", {4}, count, what);
+    if (!tangents) return fail(tangents.error());
+    const auto colours = attribute(primitive, "COLOR_0", {3, 4}, count, what);
+    if (!colours) return fail(colours.error());
+
+    part.vertices.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      ModelVertex& vertex = part.vertices[i];
+      const float* p = &positions->values[3 * i];
+      vertex.position = {p[0], p[1], p[2]};
+      if (!finite(vertex.position))
+        return fail(FaultKind::bad_input, "{}: vertex {}: its position is not finite", what, i);
+      if (normals->count > 0) {
+        const float* n = &normals->values[3 * i];
+        vertex.normal = {n[0], n[1], n[2]};
+      }
+      if (tangents->count > 0) {
+        const float* t = &tangents->values[4 * i];
+        vertex.tangent = {t[0], t[1], t[2], t[3]};
+      }
+      for (int c = 0; c < colours->components; ++c) {
+        const float value =
+            colours->values[i * static_cast<std::size_t>(colours->components) + static_cast<std::size_t>(c)];
+        vertex.colour[c] = value >= 0.0f ? std::min(value, 1.0f) : 0.0f;
+      }
+    }
+    for (const bool second : {false, true})
+      if (const auto& placement = placements[second ? 1 : 0]; placement) {
+        if (auto laid = lay(primitive, part, *placement, second, what); !laid) return laid;
+      }
+    return {};
+  }
+
+  // Texture coordinates, moved as the material says.
+  Result<> lay(const tinygltf::Primitive& primitive, ModelPart& part, const TexturePlacement& placement, bool second,
+               const std::string& what) {
+    const auto places =
+        attribute(primitive, fmt::format("TEXCOORD_{}", placement.set), {2}, part.vertices.size(), what);
+    if (!places) return fail(places.error());
+    for (std::size_t i = 0; i < places->count; ++i) {
+      const glm::dvec3 moved = placement.transform * glm::dvec3(places->values[2 * i], places->values[2 * i + 1], 1.0);
+      if (finite(moved))
+        (second ? part.vertices[i].texture_2 : part.vertices[i].texture) = glm::vec2(moved);
+      else
+        note("texture coordinates that are not finite read as 0");
+    }
+    return {};
+  }
+
+  Result<> read_triangles(const tinygltf::Primitive& primitive, int mode, ModelPart& part, const std::string& what) {
+    std::vector<std::uint32_t> indices;
+    if (primitive.indices >= 0) {
+      auto read = read_indices(gltf_, primitive.indices, 3 * limits_.triangles, what + ": indices");
+      if (!read) return fail(read.error());
+      indices = std::move(*read);
+    } else {
+      indices.resize(part.vertices.size());
+      for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = static_cast<std::uint32_t>(i);
+    }
+    const auto beyond = std::ranges::find_if(indices, [&](std::uint32_t i) { return i >= part.vertices.size(); });
+    if (beyond != indices.end())
+      return fail(FaultKind::bad_input, "{}: index {}: there are {} vertices", what, *beyond, part.vertices.size());
+    part.indices = as_triangles(indices, mode);
+    return {};
+  }
+
+  Result<> place(ModelPart& part, const glm::dmat4& transform, const std::string& what) {
+    constexpr double kFarthest_m = 1e7;  // a float still tells metres apart
+    const glm::dmat3 turn(transform);
+    const bool mirrors = glm::determinant(turn) < 0.0;
+    // Cofactors are the inverse transpose times the determinant, and exist for flattening transforms too.
+    const glm::dmat3 normal_turn(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]),
+                                 glm::cross(turn[0], turn[1]));
+    for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+      ModelVertex& vertex = part.vertices[i];
+      const glm::dvec3 position(transform * glm::dvec4(vertex.position, 1.0));
+      if (!finite(position) || glm::length(position) > kFarthest_m)
+        return fail(FaultKind::bad_input, "{}: vertex {}: more than {} m from the model's origin", what, i,
+                    kFarthest_m);
+      vertex.position = glm::vec3(position);
+      const glm::dvec3 normal = (mirrors ? -1.0 : 1.0) * (normal_turn * glm::dvec3(vertex.normal));
+      if (const double length = glm::length(normal); length > 0.0) vertex.normal = glm::vec3(normal / length);
+      const glm::dvec3 tangent = turn * glm::dvec3(vertex.tangent);
+      if (const double length = glm::length(tangent); length > 0.0)
+        vertex.tangent = glm::vec4(glm::vec3(tangent / length), mirrors ? -vertex.tangent.w : vertex.tangent.w);
+    }
+    if (mirrors)
+      for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) std::swap(part.indices[i + 1], part.indices[i + 2]);
+    return {};
+  }
+
+  const tinygltf::Model& gltf_;
+  std::string name_;
+  const ModelLimits& limits_;
+  std::string_view wanted_scene_;
+  Model& model_;
+  std::vector<Surfaces::Placements> placements_;
+  int plain_ground_ = -1;
+  std::size_t triangles_ = 0;
+  std::size_t vertices_ = 0;
+};
+
+}  // namespace
+
+Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits, std::string_view scene) {
+  Model model;
+  model.name = path.string();
+  const auto gltf = parse_gltf(path, limits, model.notes);
+  if (!gltf) return fail(gltf.error());
+  if (auto read = SceneReader(*gltf, path.string(), limits, scene, model).read(); !read) return fail(read.error());
+  if (auto sound = check(model); !sound) return fail(sound.error());
+  return model;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,291 @@
+#include "gles/model/material.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <glm/common.hpp>
+
+#include "gles/model/model_picture.hpp"
+
+namespace kasumi {
+namespace {
+
+std::vector<double> numbers(const tinygltf::Value& object, const std::string& key, std::vector<double> fallback) {
+  if (!object.IsObject() || !object.Has(key)) return fallback;
+  const tinygltf::Value& value = object.Get(key);
+  std::vector<double> read;
+  if (value.IsNumber()) read.push_back(value.GetNumberAsDouble());
+  if (value.IsArray())
+    for (std::size_t i = 0; i < value.ArrayLen(); ++i) {
+      const tinygltf::Value& element = value.Get(static_cast<int>(i));
+      if (element.IsNumber()) read.push_back(element.GetNumberAsDouble());
+    }
+  const bool usable =
+      read.size() == fallback.size() && std::ranges::all_of(read, [](double v) { return std::isfinite(v); });
+  return usable ? read : fallback;
+}
+
+int whole_number(const tinygltf::Value& object, const std::string& key, int fallback) {
+  return static_cast<int>(std::clamp(numbers(object, key, {double(fallback)}).front(), -1.0, 1e6));
+}
+
+// A picture as a material names it, whatever it is for.
+struct Laid {
+  int texture = -1;
+  TexturePlacement placement;
+};
+
+TexturePlacement placement_of(int set, const tinygltf::ExtensionMap& extensions) {
+  TexturePlacement placement;
+  placement.set = set;
+  const auto transform = extensions.find("KHR_texture_transform");
+  if (transform == extensions.end()) return placement;
+  const tinygltf::Value& value = transform->second;
+  const auto offset = numbers(value, "offset", {0.0, 0.0});
+  const auto scale = numbers(value, "scale", {1.0, 1.0});
+  const double turn = numbers(value, "rotation", {0.0}).front();
+  placement.set = whole_number(value, "texCoord", placement.set);
+  const double c = std::cos(turn), s = std::sin(turn);
+  placement.transform =
+      glm::dmat3({c * scale[0], -s * scale[0], 0.0}, {s * scale[1], c * scale[1], 0.0}, {offset[0], offset[1], 1.0});
+  return placement;
+}
+
+template <class Info>
+Laid laid(const Info& info) {
+  return {info.index, placement_of(info.texCoord, info.extensions)};
+}
+
+Laid laid(const tinygltf::Value& extension, const std::string& key) {
+  if (!extension.IsObject() || !extension.Has(key)) return {};
+  const tinygltf::Value& info = extension.Get(key);
+  tinygltf::ExtensionMap extensions;
+  if (info.IsObject() && info.Has("extensions") && info.Get("extensions").IsObject())
+    for (const std::string& name : info.Get("extensions").Keys()) extensions[name] = info.Get("extensions").Get(name);
+  return {whole_number(info, "index", -1), placement_of(whole_number(info, "texCoord", 0), extensions)};
+}
+
+float fraction(double value, float fallback) {
+  return std::isfinite(value) ? static_cast<float>(std::clamp(value, 0.0, 1.0)) : fallback;
+}
+
+glm::vec3 three(const std::vector<double>& values) {
+  return values.size() == 3 ? glm::vec3(glm::dvec3(values[0], values[1], values[2])) : glm::vec3(0.0f);
+}
+
+glm::vec4 colour_of(const std::vector<double>& factor) {
+  glm::vec4 colour{1.0f};
+  for (std::size_t i = 0; i < factor.size() && i < 4; ++i)
+    if (std::isfinite(factor[i])) colour[static_cast<int>(i)] = static_cast<float>(std::clamp(factor[i], 0.0, 1.0));
+  return colour;
+}
+
+TextureWrap wrap_of(int mode) {
+  if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return TextureWrap::clamp;
+  if (mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return TextureWrap::mirrored_repeat;
+  return TextureWrap::repeat;
+}
+
+// Decodes each picture once, however many materials use it.
+class TextureReader {
+ public:
+  TextureReader(const tinygltf::Model& gltf, const std::string& name, const ModelLimits& limits,
+                std::vector<std::string>& notes)
+      : gltf_(gltf), name_(name), limits_(limits), notes_(notes) {}
+
+  // The place in textures(), -1 where there is no picture to show.
+  Result<int> read(int texture, bool data) {
+    if (texture < 0) return -1;
+    if (const auto known = places_.find({texture, data}); known != places_.end()) return known->second;
+    if (static_cast<std::size_t>(texture) >= gltf_.textures.size())
+      return fail(FaultKind::bad_input, "{}: texture {}: there are {}", name_, texture, gltf_.textures.size());
+    const auto read = decode(gltf_.textures[static_cast<std::size_t>(texture)], data);
+    if (read) places_[{texture, data}] = *read;
+    return read;
+  }
+
+  std::vector<ModelTexture> textures() && { return std::move(textures_); }
+
+ private:
+  Result<int> decode(const tinygltf::Texture& texture, bool data) {
+    if (texture.source < 0) {
+      std::string kinds;
+      for (const auto& [kind, value] : texture.extensions)
+        kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind);
+      notes_.push_back(fmt::format("{}: a texture {} is left out: Kasumi reads PNG and JPEG", name_,
+                                   kinds.empty() ? "without a picture" : "that only " + kinds + " brings"));
+      return -1;
+    }
+    if (static_cast<std::size_t>(texture.source) >= gltf_.images.size())
+      return fail(FaultKind::bad_input, "{}: image {}: there are {}", name_, texture.source, gltf_.images.size());
+    const tinygltf::Image& image = gltf_.images[static_cast<std::size_t>(texture.source)];
+    const std::string what =
+        fmt::format("{}: image {}{}", name_, texture.source, image.uri.empty() ? "" : " (" + image.uri + ")");
+    if (image.image.empty())
+      return fail(FaultKind::bad_input, "{}: missing: expected a PNG or JPEG within the model's folder", what);
+    auto pixels = decode_picture(image.image, limits_.texture_size);
+    if (!pixels) return fail(FaultKind::bad_input, "{}: {}", what, pixels.error().message);
+    pixels_ += pixels->elements().size();
+    if (pixels_ > limits_.texture_pixels)
+      return fail(FaultKind::bad_input, "{}: textures of more than {} pixels together", name_, limits_.texture_pixels);
+    ModelTexture made;
+    made.pixels = std::move(*pixels);
+    made.data = data;
+    if (texture.sampler >= 0 && static_cast<std::size_t>(texture.sampler) < gltf_.samplers.size()) {
+      const tinygltf::Sampler& sampler = gltf_.samplers[static_cast<std::size_t>(texture.sampler)];
+      made.wrap_s = wrap_of(sampler.wrapS);
+      made.wrap_t = wrap_of(sampler.wrapT);
+      made.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    }
+    textures_.push_back(std::move(made));
+    return static_cast<int>(textures_.size()) - 1;
+  }
+
+  const tinygltf::Model& gltf_;
+  const std::string& name_;
+  const ModelLimits& limits_;
+  std::vector<std::string>& notes_;
+  std::map<std::pair<int, bool>, int> places_;  // by texture and whether it is data
+  std::vector<ModelTexture> textures_;
+  std::size_t pixels_ = 0;
+};
+
+const tinygltf::Value* extension(const tinygltf::Material& from, const std::string& name) {
+  const auto found = from.extensions.find(name);
+  return found == from.extensions.end() ? nullptr : &found->second;
+}
+
+// One material's pictures, each with its place among the two ways to lay pictures on.
+class MaterialReader {
+ public:
+  MaterialReader(TextureReader& textures, const std::string& name, std::vector<std::string>& notes)
+      : textures_(textures), name_(name), notes_(notes) {}
+
+  Result<ModelMaterial> read(const tinygltf::Material& from) {
+    ModelMaterial material;
+    material.name = from.name;
+    if (from.alphaMode == "MASK") material.alpha = ModelMaterial::Alpha::mask;
+    if (from.alphaMode == "BLEND") material.alpha = ModelMaterial::Alpha::blend;
+    if (std::isfinite(from.alphaCutoff))
+      material.alpha_cutoff = static_cast<float>(std::clamp(from.alphaCutoff, 0.0, 2.0));
+    material.double_sided = from.doubleSided;
+    material.unlit = extension(from, "KHR_materials_unlit") != nullptr;
+
+    Laid base, roughness;
+    if (const auto* older = extension(from, "KHR_materials_pbrSpecularGlossiness"); older != nullptr) {
+      base = read_older(*older, material);
+    } else {
+      base = laid(from.pbrMetallicRoughness.baseColorTexture);
+      roughness = laid(from.pbrMetallicRoughness.metallicRoughnessTexture);
+      material.base_colour = colour_of(from.pbrMetallicRoughness.baseColorFactor);
+      material.metallic = fraction(from.pbrMetallicRoughness.metallicFactor, 1.0f);
+      material.roughness = fraction(from.pbrMetallicRoughness.roughnessFactor, 1.0f);
+      read_dielectric(from, material);
+    }
+    material.normal_scale =
+        std::isfinite(from.normalTexture.scale) ? static_cast<float>(from.normalTexture.scale) : 1.0f;
+    material.occlusion_strength = fraction(from.occlusionTexture.strength, 1.0f);
+    read_emission(from, material);
+
+    ModelMap base_map;
+    const bool lit = !material.unlit;
+    Result<> read = add(base, false, "base colour", base_map);
+    if (lit) read = read.and_then([&] { return add(laid(from.normalTexture), true, "normal", material.normal_map); });
+    if (material.reflects())
+      read = read.and_then([&] { return add(roughness, true, "roughness", material.roughness_map); });
+    if (lit)
+      read = read.and_then([&] { return add(laid(from.occlusionTexture), true, "occlusion", material.occlusion_map); });
+    if (lit && material.emission != glm::vec3(0.0f))
+      read = read.and_then([&] { return add(laid(from.emissiveTexture), false, "emission", material.emission_map); });
+    if (!read) return fail(read.error());
+    material.texture = base_map.texture;
+    return material;
+  }
+
+  const Surfaces::Placements& placements() const { return placements_; }
+
+ private:
+  Laid read_older(const tinygltf::Value& older, ModelMaterial& material) {
+    material.base_colour = colour_of(numbers(older, "diffuseFactor", {1.0, 1.0, 1.0, 1.0}));
+    material.roughness = 1.0f - fraction(numbers(older, "glossinessFactor", {1.0}).front(), 1.0f);
+    material.reflectance =
+        glm::clamp(three(numbers(older, "specularFactor", {1.0, 1.0, 1.0})), glm::vec3(0.0f), glm::vec3(1.0f));
+    material.edge_reflectance = 1.0f;
+    if (older.IsObject() && older.Has("specularGlossinessTexture")) {
+      // What its picture varies is not read; its full values everywhere would make mirrors of walls.
+      material.reflectance = glm::vec3(0.04f);
+      material.roughness = 0.8f;
+      notes_.push_back(
+          fmt::format("{}: material \"{}\": its specularGlossinessTexture is left out", name_, material.name));
+    }
+    return laid(older, "diffuseTexture");
+  }
+
+  static void read_dielectric(const tinygltf::Material& from, ModelMaterial& material) {
+    double head_on = 0.04;
+    if (const auto* refraction = extension(from, "KHR_materials_ior"); refraction != nullptr) {
+      const double n = std::max(numbers(*refraction, "ior", {1.5}).front(), 0.0);
+      head_on = n == 0.0 ? 1.0 : std::pow((n - 1.0) / (n + 1.0), 2);  // 0 stands for "reflects all"
+    }
+    material.reflectance = glm::vec3(static_cast<float>(head_on));
+    material.edge_reflectance = 1.0f;
+    if (const auto* specular = extension(from, "KHR_materials_specular"); specular != nullptr) {
+      const float strength = fraction(numbers(*specular, "specularFactor", {1.0}).front(), 1.0f);
+      const glm::vec3 tint = glm::max(three(numbers(*specular, "specularColorFactor", {1.0, 1.0, 1.0})), 0.0f);
+      material.reflectance = glm::min(material.reflectance * tint, 1.0f) * strength;
+      material.edge_reflectance = strength;
+    }
+  }
+
+  static void read_emission(const tinygltf::Material& from, ModelMaterial& material) {
+    double strength = 1.0;
+    if (const auto* stronger = extension(from, "KHR_materials_emissive_strength"); stronger != nullptr)
+      strength = std::clamp(numbers(*stronger, "emissiveStrength", {1.0}).front(), 0.0, 1e6);
+    for (std::size_t i = 0; i < std::min<std::size_t>(from.emissiveFactor.size(), 3); ++i)
+      material.emission[static_cast<int>(i)] =
+          static_cast<float>(strength * double(fraction(from.emissiveFactor[i], 0.0f)));
+  }
+
+  Result<> add(const Laid& picture, bool data, const char* what, ModelMap& map) {
+    const auto texture = textures_.read(picture.texture, data);
+    if (!texture) return fail(texture.error());
+    if (*texture < 0) return {};
+    for (std::size_t i = 0; i < placements_.size(); ++i) {
+      if (!placements_[i]) placements_[i] = picture.placement;
+      if (*placements_[i] != picture.placement) continue;
+      map = {*texture, i == 1};
+      return {};
+    }
+    notes_.push_back(
+        fmt::format("{}: pictures of one material laid on in more than two ways: its {} is left out", name_, what));
+    return {};
+  }
+
+  TextureReader& textures_;
+  const std::string& name_;
+  std::vector<std::string>& notes_;
+  Surfaces::Placements placements_;
+};
+
+}  // namespace
+
+Result<Surfaces> read_surfaces(const tinygltf::Model& gltf, const std::string& name, const ModelLimits& limits,
+                               std::vector<std::string>& notes) {
+  Surfaces surfaces;
+  TextureReader textures(gltf, name, limits, notes);
+  std::vector<tinygltf::Material> all = gltf.materials;
+  all.emplace_back().name = "default";
+  for (const tinygltf::Material& from : all) {
+    MaterialReader reader(textures, name, notes);
+    auto material = reader.read(from);
+    if (!material) return fail(material.error());
+    surfaces.materials.push_back(std::move(*material));
+    surfaces.placements.push_back(reader.placements());
+  }
+  surfaces.textures = std::move(textures).textures();
+  return surfaces;
+}
+
+}  // namespace kasumi

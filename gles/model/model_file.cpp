@@ -1,0 +1,109 @@
+#include "gles/model/model_file.hpp"
+
+#include <algorithm>
+
+#include "base/files.hpp"
+#include "gles/model/model_json.hpp"
+
+namespace kasumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What tinygltf may read: regular files within the model's folder tree, none beyond the limit.
+struct Folder {
+  fs::path root;  // canonical
+  std::size_t largest_file;
+
+  bool holds(const std::string& name) const {
+    std::error_code error;
+    const fs::path whole = fs::canonical(name, error);
+    if (error || !fs::is_regular_file(whole, error)) return false;
+    return std::ranges::mismatch(root, whole).in1 == root.end();
+  }
+};
+
+bool file_exists(const std::string& name, void* folder) {
+  return static_cast<const Folder*>(folder)->holds(name);
+}
+
+std::string as_written(const std::string& name, void*) {
+  return name;
+}
+
+bool read_whole_file(std::vector<unsigned char>* bytes, std::string* error, const std::string& name, void* folder) {
+  const auto& allowed = *static_cast<const Folder*>(folder);
+  std::error_code size_error;
+  if (!allowed.holds(name)) {
+    *error = "not in the model's folder";
+  } else if (fs::file_size(name, size_error) > allowed.largest_file || size_error) {
+    *error = fmt::format("larger than {} bytes", allowed.largest_file);
+  } else if (auto read = read_file(name)) {
+    *bytes = std::move(*read);
+    return true;
+  } else {
+    *error = read.error().message;
+  }
+  return false;
+}
+
+bool refuse_writing(std::string* error, const std::string&, const std::vector<unsigned char>&, void*) {
+  *error = "models are only read";
+  return false;
+}
+
+// Decoding waits until it is known which pictures are needed.
+bool keep_picture(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                  int size, void*) {
+  image->as_is = true;
+  if (size > 0) image->image.assign(bytes, bytes + size);
+  return true;
+}
+
+// tinygltf's messages come as several lines.
+std::string one_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  std::string line;
+  for (const char c : text) line += c == '\n' ? std::string("; ") : std::string(1, c);
+  return line;
+}
+
+}  // namespace
+
+Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limits, std::vector<std::string>& notes) {
+  const std::string name = path.string();
+  std::error_code size_error;
+  const std::uintmax_t size = fs::file_size(path, size_error);
+  if (!size_error && size > limits.file_bytes)
+    return fail(FaultKind::bad_input, "{}: {} bytes: expected {} at most", name, size, limits.file_bytes);
+  const auto file = read_file(path);
+  if (!file) return fail(file.error());
+  const auto json = gltf_json(*file, name);
+  if (!json) return fail(json.error());
+  if (auto sound = check_gltf_json(*json, name); !sound) return fail(sound.error());
+
+  std::error_code folder_error;
+  const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  Folder folder{fs::canonical(parent, folder_error), limits.file_bytes};
+  if (folder_error) return fail(FaultKind::io, "{}: {}", parent.string(), folder_error.message());
+
+  tinygltf::Model gltf;
+  std::string error, warning;
+  bool parsed = false;
+  try {
+    tinygltf::TinyGLTF parser;
+    parser.SetFsCallbacks({file_exists, as_written, read_whole_file, refuse_writing, &folder});
+    parser.SetImageLoader(keep_picture, nullptr);
+    const auto length = static_cast<unsigned>(file->size());
+    const bool binary = json->data() != reinterpret_cast<const char*>(file->data());
+    parsed = binary ? parser.LoadBinaryFromMemory(&gltf, &error, &warning, file->data(), length, folder.root.string())
+                    : parser.LoadASCIIFromString(&gltf, &error, &warning, json->data(), length, folder.root.string());
+  } catch (const std::exception& thrown) {
+    error += thrown.what();
+  }
+  if (!parsed) return fail(FaultKind::bad_input, "{}: {}", name, one_line(error.empty() ? warning : error));
+  if (!warning.empty()) notes.push_back(fmt::format("{}: {}", name, one_line(warning)));
+  return gltf;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,102 @@
+#include "gles/object/composite.hpp"
+
+#include "gles/gl/gl.hpp"
+#include "gles/gl/patterns.hpp"
+#include "gles/gl/texture_units.hpp"
+#include "gles/light/airlight_grid.hpp"
+
+namespace kasumi {
+
+PictureOnTarget::PictureOnTarget(const DrawTarget& target, int width, int height)
+    : box(letterbox(target, width, height)) {
+  const double w = width, h = height, up = target.top_row_first ? 1.0 : -1.0;
+  same_size = box.width == width && box.height == height;
+  pixel_to_clip = glm::dmat3({2.0 / w, 0.0, 0.0}, {0.0, up * 2.0 / h, 0.0}, {1.0 / w - 1.0, up * (1.0 / h - 1.0), 1.0});
+  const double bw = box.width, bh = box.height;
+  fragment_to_picture = glm::dmat3({1.0 / bw, 0.0, 0.0}, {0.0, up / bh, 0.0},
+                                   {-box.x / bw, target.top_row_first ? -box.y / bh : 1.0 + box.y / bh, 1.0});
+}
+
+void PictureOnTarget::begin(const DrawTarget& target, bool with_depth) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glViewport(box.x, box.y, box.width, box.height);
+  const bool bars = box.width != target.width || box.height != target.height;
+  glClearColor(0, 0, 0, 1);
+  if (bars || with_depth) glClear((bars ? GL_COLOR_BUFFER_BIT : 0u) | (with_depth ? GL_DEPTH_BUFFER_BIT : 0u));
+}
+
+void CameraFrame::bind(const Program& program, const PictureOnTarget& shown) const {
+  camera.bind(program, !shown.same_size);
+  response.bind(program, kResponseUnit);
+  glActiveTexture(GL_TEXTURE0 + kDitherUnit);
+  glBindTexture(GL_TEXTURE_2D, dither.name());
+  program.set("dither_pattern", kDitherUnit);
+  program.set("picture_size", glm::dvec2{camera.width, camera.height});
+  program.set("pixel_to_clip", shown.pixel_to_clip);
+}
+
+void Composite::take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels) {
+  Image<float> coverage(texels.width(), texels.height());
+  for (std::size_t i = 0; i < coverage.elements().size(); ++i) coverage.elements()[i] = texels.elements()[i].a;
+  rectangles_ = cut_picture(view.width, view.height, layer.box(), coverage);
+  mesh_.reset();
+}
+
+// Grids stay where they are from frame to frame, so this hardly ever cuts anew.
+const PictureMesh& Composite::mesh_for(const AirlightGrid& grid) {
+  if (!mesh_ || grid.first_px != mesh_grid_.first_px || grid.last_px != mesh_grid_.last_px)
+    mesh_ = PictureMesh::upload(cut_at_lines(rectangles_, grid));
+  mesh_grid_ = grid;
+  return *mesh_;
+}
+
+void Composite::bind_noise(const Program& program, const SensorNoise& noise, bool smooth) {
+  if (!noise_) noise_ = make_noise_pattern();
+  glActiveTexture(GL_TEXTURE0 + kNoiseUnit);
+  glBindTexture(GL_TEXTURE_2D, noise_.name());
+  set_filter(smooth ? TextureFilter::linear : TextureFilter::nearest);
+  program.set("noise_pattern", kNoiseUnit);
+  program.set("noise_shot", noise.shot);
+  program.set("noise_read2", noise.read * noise.read);
+  program.set("noise_place", glm::dvec3(noise_start(noise.pattern), 1.0 / kNoiseSize));
+}
+
+Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
+  const glm::ivec2 size{frame.camera.width, frame.camera.height};
+  if (!whole_ || whole_size_ != size) whole_ = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
+  whole_size_ = size;
+  const auto program = programs.find(ProgramKind::picture, frame.camera.defines());
+  if (!program) return fail(program.error());
+  (*program)->use();
+  frame.bind(**program, shown);
+  whole_->draw(PictureArea::plain);
+  return check_gl("drawing the camera's picture");
+}
+
+Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+                         const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise) {
+  const PictureMesh& mesh = mesh_for(measured);
+  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge}) {
+    if (mesh.empty(area)) continue;
+    // Areas that do not need the camera or its response share one variant.
+    Defines defines;
+    if (area != PictureArea::covered) defines.merge(frame.camera.defines());
+    if (area == PictureArea::covered) defines.insert({"COVERED", "LAYOUT_RGB"});
+    if (area == PictureArea::edge) defines.insert("EDGE");
+    if (area != PictureArea::plain) defines.insert(frame.response.define());
+    if (area != PictureArea::plain && !noise.none()) defines.insert("NOISE");
+    const auto program = programs.find(ProgramKind::picture, defines);
+    if (!program) return fail(program.error());
+    (*program)->use();
+    frame.bind(**program, shown);
+    if (area != PictureArea::plain) {
+      layer.bind(**program, !shown.same_size);
+      set_airlight(**program, "measured", measured);
+      if (!noise.none()) bind_noise(**program, noise, !shown.same_size);
+    }
+    mesh.draw(area);
+  }
+  return check_gl("drawing the picture");
+}
+
+}  // namespace kasumi

@@ -1,0 +1,30 @@
+// What stands in front of the object, as a mask on the GPU.
+#pragma once
+
+#include <cstdint>
+
+#include <glm/vec2.hpp>
+
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/objects.hpp"
+
+namespace kasumi {
+
+class Foreground {
+ public:
+  // 0 where something stands, 255 where nothing does; not empty. Errors: bad_input (larger than the driver takes),
+  // device.
+  static Result<Foreground> upload(const Image<std::uint8_t>& mask, const GlInfo& info);
+
+  glm::ivec2 size() const { return size_; }
+  void bind() const;  // to kForegroundUnit
+
+ private:
+  Foreground() = default;
+  GlTexture texture_;
+  glm::ivec2 size_{};
+};
+
+}  // namespace kasumi

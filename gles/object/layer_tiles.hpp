@@ -1,0 +1,80 @@
+// The tiles that the object's layer is drawn in, and the lattice of samples that each is made of.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "gles/gpu_model/projection.hpp"
+#include "gles/scene.hpp"
+
+namespace kasumi {
+
+// Samples lie on a square lattice turned by atan(1/4): sample (a, b) is at pixel ((4a - b) / 17, (a + 4b) / 17), so
+// each pixel holds 17 of them, no two at the same height or the same width. Upright and level edges, which buildings
+// are made of, get 17 steps instead of the 4 of an upright 4 x 4 grid. The lattice is drawn as an ordinary picture, by
+// turning what is projected, and resolved by a sum over these offsets.
+constexpr std::array<std::array<int, 2>, 17> kLatticeOffsets{{{0, 0},
+                                                              {1, 0},
+                                                              {-1, 0},
+                                                              {0, 1},
+                                                              {0, -1},
+                                                              {1, 1},
+                                                              {1, -1},
+                                                              {-1, 1},
+                                                              {-1, -1},
+                                                              {2, 0},
+                                                              {-2, 0},
+                                                              {0, 2},
+                                                              {0, -2},
+                                                              {2, 1},
+                                                              {-2, -1},
+                                                              {-1, 2},
+                                                              {1, -2}}};
+inline const double kSamplesPerPixel = std::sqrt(17.0);  // along the lattice's axes
+constexpr int kLatticeSize = 1024;                       // of the buffer that holds a tile's samples
+
+// Columns of a matrix that acts on (x, y, 1).
+glm::dmat3 affine(const glm::dvec3& x_row, const glm::dvec3& y_row);
+
+// One tile: its pixels, and the lattice's numbers at the buffer's corner.
+class LayerTile {
+ public:
+  // `spare`: samples drawn around those that its pixels are made of.
+  LayerTile(const PixelBox& pixels, int spare);
+  // The longest side of one that fits into the buffer.
+  static int most_pixels(int spare);
+
+  const PixelBox& box() const { return box_; }
+  int samples_around() const { return around_; }  // beyond its pixels' own centres
+  glm::ivec2 first_sample() const { return {first_a_, first_b_}; }
+  // The part of the buffer that is used.
+  int width() const;
+  int height() const;
+
+  // Homogeneous pixels to the buffer's clip coordinates.
+  glm::dmat3 pixel_to_clip() const;
+  // gl_FragCoord in the buffer to the picture's pixels.
+  glm::dmat3 fragment_to_pixel() const;
+  // The same to 0..1 across the tile, from its first to one past its last pixel.
+  glm::dmat3 fragment_to_patch() const;
+  // The horizon's light across the tile, which lies within one cell of its grid.
+  std::array<glm::dvec3, 4> horizon_patch(const AirlightGrid& horizon) const;
+  // gl_FragCoord in the layer, which begins at the corner of `layer`, to texture coordinates of the buffer.
+  glm::dmat3 layer_fragment_to_sample(const PixelBox& layer) const;
+
+ private:
+  PixelBox box_;
+  int around_;
+  int first_a_;
+  int first_b_;
+};
+
+// Tiles that cover `box`: cut at the lines of the horizon's grid, and before they are too large for the buffer.
+std::vector<LayerTile> tiles_of(const PixelBox& box, int spare, const AirlightGrid& horizon);
+
+}  // namespace kasumi

@@ -1,0 +1,215 @@
+#include "gles/object/object_layer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "gles/gl/depth.hpp"
+#include "gles/gl/gl.hpp"
+#include "gles/gl/texture_units.hpp"
+#include "gles/light/airlight_grid.hpp"
+#include "gles/object/layer_tiles.hpp"
+#include "gles/object/point_spread.hpp"
+
+namespace kasumi {
+namespace {
+
+bool shares_chroma(const ObjectDetail& detail) {
+  return detail.chroma_columns > 1 || detail.chroma_rows > 1;
+}
+
+double spread_in_samples(const ObjectDetail& detail) {
+  return detail.point_spread_px * kSamplesPerPixel;
+}
+
+// How many around a pixel's own samples matter to it, each way along the lattice's axes.
+int spare_samples(const ObjectDetail& detail) {
+  const int spread = detail.point_spread_px > 0.0 ? spread_radius(spread_in_samples(detail)) : 0;
+  return spread + (shares_chroma(detail) ? 5 : 0);  // a neighbouring pixel's samples lie up to five away
+}
+
+// The corner of a square of so many samples lies so many pixels off, at most.
+int pixels_of(int samples) {
+  return (5 * samples + 16) / 17;
+}
+
+// The buffers that one tile after the other is drawn into.
+struct Lattice {
+  LayerBuffer samples;
+  GlRenderbuffer depth;
+  std::optional<PointSpread> spread;  // empty: none
+
+  static Result<Lattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
+    constexpr std::string_view kName = "the buffer for anti-aliasing";
+    auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, options.in_8_bits, info, kName);
+    if (!samples) return fail(samples.error());
+    Lattice made{std::move(*samples), make_renderbuffer(), std::nullopt};
+    glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
+    glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), kLatticeSize, kLatticeSize);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
+    if (auto complete = check_framebuffer(kName); !complete) return fail(complete.error());
+    if (options.detail.point_spread_px <= 0.0) return made;
+    auto spread =
+        PointSpread::create(spread_in_samples(options.detail), kLatticeSize, options.in_8_bits, info, programs);
+    if (!spread) return fail(spread.error());
+    made.spread = std::move(*spread);
+    return made;
+  }
+
+  void clear(const LayerTile& tile) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, samples.framebuffer.name());
+    glViewport(0, 0, kLatticeSize, kLatticeSize);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, 0, tile.width(), tile.height());
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    glDisable(GL_SCISSOR_TEST);
+  }
+};
+
+Defines object_defines(const ObjectLayer::Options& options, const Projection& projection) {
+  Defines defines{"HAZE_PER_FRAGMENT"};
+  if (!options.aerial_perspective) defines = {"NO_AIR"};
+  if (projection.distorted) defines.insert("DISTORTED");
+  if (options.in_8_bits) defines.insert("LAYER_IN_8_BITS");
+  if (options.scene_depth) defines.insert("SCENE_DEPTH");
+  if (!options.shadow) return defines;
+  defines.merge(options.shadow->defines());
+  defines.insert("ONE_MAP_EACH");
+  return defines;
+}
+
+Defines resolve_defines(const ObjectLayer::Options& options) {
+  Defines defines;
+  if (options.in_8_bits) defines.insert("LAYER_IN_8_BITS");
+  if (options.foreground) defines.insert("FOREGROUND");
+  if (shares_chroma(options.detail))
+    defines.merge(Defines{fmt::format("CHROMA_COLUMNS {}", options.detail.chroma_columns),
+                          fmt::format("CHROMA_ROWS {}", options.detail.chroma_rows)});
+  return defines;
+}
+
+// The ground shows nothing but the shadow on it.
+std::vector<GpuModel::Which> drawn_parts(const ObjectLayer::Options& options) {
+  if (options.shadow) return {GpuModel::Which::solid, GpuModel::Which::ground, GpuModel::Which::blended};
+  return {GpuModel::Which::solid, GpuModel::Which::blended};
+}
+
+void set_tile(const Program& program, const LayerTile& tile, const AirlightGrid& horizon,
+              const ObjectLayer::Options& options) {
+  program.set("pixel_to_clip", tile.pixel_to_clip());
+  program.set("fragment_to_patch", tile.fragment_to_patch());
+  program.set("horizon_patch", tile.horizon_patch(horizon));
+  if (options.scene_depth) {
+    options.scene_depth->bind(program, options.scene_depth_unit);
+    program.set("fragment_to_pixel", tile.fragment_to_pixel());
+  }
+  if (options.shadow) {
+    options.shadow->bind(program, kShadowUnit);
+    program.set("lattice_first", glm::dvec2(tile.first_sample()));
+  }
+}
+
+// A tile's samples to its pixels of the layer.
+void resolve(const Program& program, const LayerBuffer& samples, const LayerTile& tile, const LayerBuffer& layer,
+             const PixelBox& box, const SceneView& view) {
+  std::array<glm::dvec2, kLatticeOffsets.size()> offsets;
+  std::ranges::transform(kLatticeOffsets, offsets.begin(), [](const auto& o) { return glm::dvec2{o[0], o[1]}; });
+  const PixelBox& pixels = tile.box();
+  glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer.name());
+  glViewport(pixels.left - box.left, pixels.top - box.top, pixels.right - pixels.left, pixels.bottom - pixels.top);
+  program.use();
+  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+  glBindTexture(GL_TEXTURE_2D, samples.texture.name());
+  program.set("samples", kLayerUnit);
+  program.set("fragment_to_sample", tile.layer_fragment_to_sample(box));
+  program.set("sample_step", glm::dvec2{1.0 / kLatticeSize});
+  program.set("offsets", offsets);
+  program.set("first_pixel", glm::dvec2{box.left, box.top});
+  program.set("foreground", kForegroundUnit);
+  program.set("dither_pattern", kDitherUnit);
+  const double w = view.width, h = view.height;
+  program.set("fragment_to_picture", affine({1.0 / w, 0.0, box.left / w}, {0.0, 1.0 / h, box.top / h}));
+  draw_square();
+}
+
+}  // namespace
+
+int ObjectLayer::margin_px(const ObjectDetail& detail) {
+  return pixels_of(spare_samples(detail));
+}
+
+Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
+                                      const AirlightGrid& horizon, const Options& options, const GlInfo& info,
+                                      Programs& programs, const std::function<void(const Program&)>& set_appearance) {
+  ObjectLayer layer;
+  layer.box_ = box;
+  layer.in_8_bits_ = options.in_8_bits;
+  layer.unit_ = options.in_8_bits ? options.unit : 1.0;
+  layer.filters_ = options.in_8_bits || info.es_major >= 3 || info.has("GL_OES_texture_half_float_linear");
+  auto buffer =
+      LayerBuffer::create(box.right - box.left, box.bottom - box.top, options.in_8_bits, info, "the object's layer");
+  if (!buffer) return fail(buffer.error());
+  layer.buffer_ = std::move(*buffer);
+  const auto lattice = Lattice::create(options, info, programs);
+  if (!lattice) return fail(lattice.error());
+  const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options));
+  if (!resolving) return fail(resolving.error());
+
+  const Defines defines = object_defines(options, projection);
+  const DepthRange depth = depth_range(projection, model.bounds_with_ground());
+  for (const LayerTile& tile : tiles_of(box, spare_samples(options.detail), horizon)) {
+    lattice->clear(tile);
+    // The picture's rows grow downwards, the buffer's upwards: a mirror, which turns fronts into backs.
+    glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
+    const auto set_uniforms = [&](const Program& program) {
+      set_projection(program, projection, depth);
+      set_tile(program, tile, horizon, options);
+      program.set("layer_unit", layer.unit_);
+      program.set("dither_pattern", kDitherUnit);
+      set_appearance(program);
+    };
+    const PixelBox seen = grown(tile.box(), pixels_of(tile.samples_around()));
+    for (const auto part : drawn_parts(options))
+      if (auto drawn = model.draw(part, programs, defines, units_for_layer(), seen, set_uniforms); !drawn)
+        return fail(drawn.error());
+    if (lattice->spread) lattice->spread->apply(lattice->samples, tile.width(), tile.height());
+    resolve(**resolving, lattice->samples, tile, layer.buffer_, box, projection.view);
+  }
+  if (auto drawn = check_gl("drawing the object's layer"); !drawn) return fail(drawn.error());
+  return layer;
+}
+
+void ObjectLayer::bind(const Program& program, bool smooth) const {
+  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+  glBindTexture(GL_TEXTURE_2D, buffer_.texture.name());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, smooth && filters_ ? GL_LINEAR : GL_NEAREST);
+  program.set("layer", kLayerUnit);
+  program.set("layer_unit", unit_);
+  program.set("layer_place",
+              glm::dvec4(box_.left, box_.top, 1.0 / (box_.right - box_.left), 1.0 / (box_.bottom - box_.top)));
+}
+
+Result<Image<glm::vec4>> ObjectLayer::read() const {
+  Image<glm::vec4> image(box_.right - box_.left, box_.bottom - box_.top);
+  glBindFramebuffer(GL_FRAMEBUFFER, buffer_.framebuffer.name());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  if (in_8_bits_) {
+    Image<glm::u8vec4> bytes(image.width(), image.height());
+    glReadPixels(0, 0, image.width(), image.height(), GL_RGBA, GL_UNSIGNED_BYTE, bytes.elements().data());
+    std::ranges::transform(bytes.elements(), image.elements().begin(),
+                           [](glm::u8vec4 texel) { return glm::vec4(texel) / 255.0f; });
+  } else {
+    glReadPixels(0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT, image.elements().data());
+  }
+  for (glm::vec4& texel : image.elements()) {  // as layer.glsl
+    const glm::vec3 root(texel);
+    texel = glm::vec4(root * root * static_cast<float>(unit_), std::min(2.0f * texel.a, 1.0f));
+  }
+  if (auto read = check_gl("reading the object's layer"); !read) return fail(read.error());
+  return image;
+}
+
+}  // namespace kasumi

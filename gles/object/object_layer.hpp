@@ -1,0 +1,57 @@
+// The object drawn once for a fixed view (physics 6): premultiplied N = rho Gamma + 1 - Gamma and coverage, averaged
+// over 17 samples per pixel, no finer than the camera sees, without what real things hide of it.
+#pragma once
+
+#include <functional>
+
+#include <glm/vec4.hpp>
+
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/layer_buffer.hpp"
+#include "gles/gpu_model/gpu_model.hpp"
+#include "gles/gpu_model/programs.hpp"
+#include "gles/gpu_model/projection.hpp"
+#include "gles/object/scene_depth.hpp"
+#include "gles/shadow/sun_shadow.hpp"
+
+namespace kasumi {
+
+class ObjectLayer {
+ public:
+  struct Options {
+    bool in_8_bits = false;  // RGBA8 with square roots instead of half floats
+    double unit = 1.0;       // 8 bits: the largest N that occurs
+    bool aerial_perspective = true;
+    bool foreground = false;  // something is bound to kForegroundUnit
+    ObjectDetail detail = {};
+    const SceneDepth* scene_depth = nullptr;  // null: nothing real stands anywhere
+    int scene_depth_unit = 0;
+    const SunShadow* shadow = nullptr;  // null: nothing keeps the sun off
+  };
+  // How many pixels beyond its outline the object shows.
+  static int margin_px(const ObjectDetail& detail);
+
+  // `horizon` is the sky model's, per pixel. `set_appearance` sets the uniforms of light and air. The dither pattern is
+  // bound to kDitherUnit. Errors: device.
+  static Result<ObjectLayer> draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
+                                  const AirlightGrid& horizon, const Options& options, const GlInfo& info,
+                                  Programs& programs, const std::function<void(const Program&)>& set_appearance);
+
+  const PixelBox& box() const { return box_; }
+  // Uniforms of picture.frag, the texture to kLayerUnit.
+  void bind(const Program& program, bool smooth) const;
+  // One element per pixel of the box, linear.
+  Result<Image<glm::vec4>> read() const;
+
+ private:
+  ObjectLayer() = default;
+  PixelBox box_;
+  bool in_8_bits_ = false;  // else half floats
+  double unit_ = 1.0;
+  bool filters_ = false;  // the driver filters this kind of texture
+  LayerBuffer buffer_;
+};
+
+}  // namespace kasumi

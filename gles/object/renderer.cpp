@@ -1,0 +1,359 @@
+#include "gles/object/renderer.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "gles/gl/gl.hpp"
+#include "gles/gl/patterns.hpp"
+#include "gles/gl/texture_units.hpp"
+#include "gles/gpu_model/gpu_model.hpp"
+#include "gles/light/airlight_grid.hpp"
+#include "gles/light/appearance.hpp"
+#include "gles/light/sky_atlas.hpp"
+#include "gles/object/composite.hpp"
+#include "gles/object/foreground.hpp"
+#include "gles/object/object_layer.hpp"
+#include "gles/picture/camera_input.hpp"
+#include "gles/picture/response_table.hpp"
+
+namespace kasumi {
+struct Renderer::State {
+  State(const GlInfo& gl_info, const RendererOptions& given) : info(gl_info), options(given) {}
+
+  const GlInfo& info;
+  RendererOptions options;
+  Programs programs;
+  GlTexture dither;
+  CameraInput camera{info, options};
+  std::optional<ResponseOnGpu> response;
+  std::optional<GpuModel> model;
+  SkyAtlas sky;  // as lit last
+  SurfaceUnits units_in_one_pass;
+  std::optional<Projection> projection;
+  ObjectDetail detail;
+  PixelBox box;  // of the object
+  std::optional<Foreground> foreground;
+  std::optional<SceneDepth> scene_depth;
+  int scene_depth_unit = -1;
+  bool shadows_work = true;
+  bool many_varyings = true;  // more than GLES 2 promises
+  SunShadow::Options shadow_options;
+  std::optional<SunShadow> shadow;  // as drawn last
+  std::optional<ObjectLayer> layer;
+  Composite composite;
+  std::vector<std::string> notes;
+
+  bool layer_in_8_bits() const {
+    return options.force_rgba8 ||
+           !(info.has("GL_EXT_color_buffer_half_float") || info.has("GL_EXT_color_buffer_float"));
+  }
+
+  void drop_layer() {
+    layer.reset();
+    composite.drop_layer();
+  }
+
+  void look() {
+    drop_layer();
+    box = {};
+    if (!model || !projection) return;
+    const int margin = ObjectLayer::margin_px(detail);
+    projection->margin_px = margin;
+    box = cut_to_picture(grown(model->look_from(*projection), margin), projection->view);
+  }
+
+  CameraFrame frame() const { return {camera.newest(), *response, dither}; }
+
+  Result<> ready_for_frame(const DrawTarget& target) const {
+    const CameraTextures& picture = camera.newest();
+    if (picture.empty()) return fail(FaultKind::bad_input, "no camera picture has been uploaded to draw");
+    if (target.width < 1 || target.height < 1)
+      return fail(FaultKind::bad_input, "a target of {} x {} pixels: expected at least 1 x 1", target.width,
+                  target.height);
+    return fits_view(picture.width, picture.height);
+  }
+
+  Result<> fits_view(int width, int height) const {
+    if (!projection || (width == projection->view.width && height == projection->view.height)) return {};
+    return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", width, height,
+                projection->view.width, projection->view.height);
+  }
+
+  Result<> ready_for_object() const {
+    Problems problems;
+    if (!model) problems.add("no model has been set to draw");
+    if (!projection) problems.add("no view has been set to draw from");
+    if (projection && foreground && foreground->size() != glm::ivec2{projection->view.width, projection->view.height})
+      problems.add("foreground mask of {} x {} pixels: the view is of {} x {}", foreground->size().x,
+                   foreground->size().y, projection->view.width, projection->view.height);
+    if (projection && scene_depth && scene_depth->size() != glm::ivec2{projection->view.width, projection->view.height})
+      problems.add("depth map of {} x {} pixels: the view is of {} x {}", scene_depth->size().x, scene_depth->size().y,
+                   projection->view.width, projection->view.height);
+    if (!problems.empty()) return fail(problems.fault());
+    return {};
+  }
+
+  // Drawn anew when the sun, the pose or the size it is seen at have changed; null where the sun throws none.
+  Result<const SunShadow*> shadow_under(const ObjectAppearance& appearance) {
+    if (!appearance.shadows || !shadows_work || appearance.light.sun_irradiance == glm::dvec3{0.0}) return nullptr;
+    const int texels = SunShadow::texels_for(*model, *projection, info, shadow_options);
+    const SunFrame frame =
+        make_sun_frame(model->bounds(), projection->model_to_world, appearance.light.sun_direction, texels);
+    if (shadow && shadow->frame() == frame) return &*shadow;
+    shadow.reset();
+    auto drawn = SunShadow::draw(*model, frame, shadow_options, info, programs);
+    if (!drawn) return fail(drawn.error());
+    shadow = std::move(*drawn);
+    return &*shadow;
+  }
+
+  // What the surroundings give surfaces follows the light.
+  Result<> follow(const ObjectLight& light) {
+    return sky.update(light.around, std::ranges::any_of(model->materials(), &ModelMaterial::reflects));
+  }
+};
+
+Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+Renderer::~Renderer() = default;
+
+Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& options) {
+  constexpr GLint kUniforms = 64;
+  GLint uniforms = 0, textures = 0;
+  glGetIntegerv(GL_MAX_FRAGMENT_UNIFORM_VECTORS, &uniforms);
+  glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &textures);
+  if (uniforms < kUniforms || textures < kPromisedUnits)
+    return fail(FaultKind::unsupported, "{}: {} fragment uniform vectors and {} texture units: need {} and {}",
+                context.info().renderer, uniforms, textures, kUniforms, kPromisedUnits);
+  auto state = std::make_unique<State>(context.info(), options);
+  state->dither = make_dither_pattern();
+  state->units_in_one_pass = units_beside_camera(textures);
+  state->scene_depth_unit = textures > kSceneDepthUnit ? static_cast<int>(kSceneDepthUnit) : -1;
+  GLint varyings = 0;
+  glGetIntegerv(GL_MAX_VARYING_VECTORS, &varyings);
+  state->many_varyings = varyings > 8;
+  state->shadow_options =
+      SunShadow::options_for(state->info, {options.force_packed_shadows, !options.force_smooth_shadows});
+  state->shadows_work = state->info.highp_fragments && textures > kShadowUnit;
+  if (!state->shadows_work) state->notes.emplace_back("no shadows: too few texture units or too little precision");
+  auto response = ResponseOnGpu::create({});
+  if (!response) return fail(response.error());
+  state->response = std::move(*response);
+  if (!state->info.highp_fragments)
+    state->notes.emplace_back(
+        "fragment shaders compute in medium precision: distances beyond 60 km and fine dithering suffer");
+  if (state->layer_in_8_bits()) state->notes.emplace_back("the object's layer is kept in 8 bits (square roots)");
+  if (auto made = check_gl("making the renderer"); !made) return fail(made.error());
+  return Renderer(std::move(state));
+}
+
+Result<> Renderer::set_model(const Model& model) {
+  auto uploaded = GpuModel::upload(model, state_->info, state_->options.force_encoded_textures, state_->notes);
+  if (!uploaded) return fail(uploaded.error());
+  const auto& materials = uploaded->materials();
+  if (!std::ranges::all_of(materials, [&](const auto& m) { return holds(state_->units_in_one_pass, m); }))
+    state_->notes.emplace_back("a moving view leaves out some pictures of the model: too few texture units");
+  state_->model = std::move(*uploaded);
+  state_->shadow.reset();
+  state_->look();
+  return {};
+}
+
+Result<> Renderer::set_view(const SceneView& view, const glm::dmat4& model_to_world) {
+  auto projection = make_projection(view, model_to_world);
+  if (!projection) return fail(projection.error());
+  state_->projection = *projection;
+  state_->look();
+  return {};
+}
+
+Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask) {
+  State& s = *state_;
+  s.drop_layer();
+  s.foreground.reset();
+  if (mask.empty()) return {};
+  auto made = Foreground::upload(mask, s.info);
+  if (!made) return fail(made.error());
+  s.foreground = std::move(*made);
+  return {};
+}
+
+Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
+  State& s = *state_;
+  s.drop_layer();
+  s.scene_depth.reset();
+  if (depth_m.empty()) return {};
+  if (s.scene_depth_unit < 0) {
+    s.notes.push_back(fmt::format("the depth map is left out: {} has too few texture units", s.info.renderer));
+    return {};
+  }
+  auto made = SceneDepth::upload(depth_m, s.info);
+  if (!made) return fail(made.error());
+  s.scene_depth = std::move(*made);
+  return {};
+}
+
+Result<> Renderer::set_detail(const ObjectDetail& detail) {
+  Problems problems;
+  if (!(detail.point_spread_px >= 0.0 && detail.point_spread_px <= kWidestPointSpread_px))
+    problems.add("detail: a point spread of {} px: expected 0 .. {}", detail.point_spread_px, kWidestPointSpread_px);
+  const auto shared = [](int pixels) { return pixels == 1 || pixels == 2; };
+  if (!shared(detail.chroma_columns) || !shared(detail.chroma_rows))
+    problems.add("detail: a colour for {} x {} pixels: expected 1 or 2 each way", detail.chroma_columns,
+                 detail.chroma_rows);
+  if (!problems.empty()) return fail(problems.fault());
+  if (detail == state_->detail) return {};
+  state_->detail = detail;
+  state_->look();
+  return {};
+}
+
+Result<> Renderer::set_response(const ResponseCurve& response) {
+  auto made = ResponseOnGpu::create(response);
+  if (!made) return fail(made.error());
+  state_->response = std::move(*made);
+  return {};
+}
+
+std::size_t Renderer::model_bytes() const {
+  return state_->model ? state_->model->bytes() : 0;
+}
+
+PixelBox Renderer::object_box() const {
+  return state_->box;
+}
+
+Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
+  State& s = *state_;
+  if (auto ready = s.ready_for_object(); !ready) return ready;
+  Problems problems;
+  check(appearance, problems);
+  if (!problems.empty()) return fail(problems.fault());
+  s.drop_layer();
+  if (s.box.empty()) return {};
+
+  const auto shadow = s.shadow_under(appearance);
+  if (!shadow) return fail(shadow.error());
+  if (auto lit = s.follow(appearance.light); !lit) return lit;
+  glActiveTexture(GL_TEXTURE0 + kDitherUnit);
+  glBindTexture(GL_TEXTURE_2D, s.dither.name());
+  if (s.foreground) s.foreground->bind();
+  auto layer = ObjectLayer::draw(
+      *s.model, *s.projection, s.box, appearance.horizon,
+      {s.layer_in_8_bits(), largest_n(appearance, s.sky, s.model->materials()), appearance.aerial_perspective,
+       s.foreground.has_value(), s.detail, s.scene_depth ? &*s.scene_depth : nullptr, s.scene_depth_unit, *shadow},
+      s.info, s.programs, [&](const Program& program) {
+        set_appearance(program, appearance);
+        s.sky.bind(program, units_for_layer().sky);
+      });
+  if (!layer) return fail(layer.error());
+  const auto texels = layer->read();
+  if (!texels) return fail(texels.error());
+  s.composite.take(*layer, s.projection->view, *texels);
+  s.layer = std::move(*layer);
+  return check_gl("cutting the picture");
+}
+
+Result<Image<glm::vec4>> Renderer::read_layer() {
+  if (!state_->layer) return Image<glm::vec4>();
+  return state_->layer->read();
+}
+
+Result<> Renderer::upload(const PictureView& frame) {
+  if (auto fits = state_->fits_view(frame.width, frame.height); !fits) return fits;
+  return state_->camera.upload(frame);
+}
+
+Result<> Renderer::import_frame(const ExternalPicture& frame) {
+  State& s = *state_;
+  if (auto fits = s.fits_view(frame.width, frame.height); !fits) return fits;
+  return s.camera.import_frame(frame, s.notes);
+}
+
+FrameCounts Renderer::frames() const {
+  return state_->camera.frames();
+}
+
+Result<> Renderer::draw_background(const DrawTarget& target) {
+  State& s = *state_;
+  if (auto ready = s.ready_for_frame(target); !ready) return ready;
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
+  shown.begin(target, false);
+  return s.composite.draw_camera_alone(s.programs, s.frame(), shown);
+}
+
+Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
+  State& s = *state_;
+  if (!s.layer) return draw_background(target);
+  if (auto ready = s.ready_for_frame(target); !ready) return ready;
+  Problems problems;
+  check(measured, "measured airlight", false, problems);
+  check(noise, problems);
+  if (!problems.empty()) return fail(problems.fault());
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
+  shown.begin(target, false);
+  return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
+}
+
+Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured,
+                               const DrawTarget& target, HazeDetail detail) {
+  State& s = *state_;
+  if (auto ready = s.ready_for_object(); !ready) return ready;
+  if (auto ready = s.ready_for_frame(target); !ready) return ready;
+  Problems problems;
+  check(appearance, problems);
+  check(measured, "measured airlight", false, problems);
+  if (!problems.empty()) return fail(problems.fault());
+
+  if (auto lit = s.follow(appearance.light); !lit) return lit;
+  const auto drawn_shadow = s.shadow_under(appearance);
+  if (!drawn_shadow) return fail(drawn_shadow.error());
+  const SunShadow* shadow = detail == HazeDetail::per_vertex || s.many_varyings ? *drawn_shadow : nullptr;
+  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
+  shown.begin(target, true);
+  Defines defines{"FINAL_COLOUR", s.response->define()};
+  if (shadow) defines.merge(shadow->defines());
+  defines.merge(s.camera.newest().defines());
+  if (!appearance.aerial_perspective)
+    defines.insert("NO_AIR");
+  else if (detail == HazeDetail::per_fragment)
+    defines.insert("HAZE_PER_FRAGMENT");
+  if (s.foreground) defines.insert("FOREGROUND");
+  if (s.projection->distorted) defines.insert("DISTORTED");
+  if (s.foreground) s.foreground->bind();
+  const DepthRange depth = depth_range(*s.projection, s.model->bounds_with_ground());
+  glFrontFace(s.projection->mirrored == target.top_row_first ? GL_CCW : GL_CW);
+  const auto set_uniforms = [&](const Program& program) {
+    s.frame().bind(program, shown);
+    set_projection(program, *s.projection, depth);
+    set_appearance(program, appearance);
+    s.sky.bind(program, s.units_in_one_pass.sky);
+    if (shadow) shadow->bind(program, kShadowUnit);
+    set_airlight(program, "measured", measured);
+    program.set("foreground", kForegroundUnit);
+    program.set("fragment_to_picture", shown.fragment_to_picture);
+  };
+  // Nearest first: the early depth test then spares the background under the object.
+  const auto draw_model = [&](GpuModel::Which which) {
+    return s.model->draw(which, s.programs, defines, s.units_in_one_pass, {}, set_uniforms);
+  };
+  if (auto drawn = draw_model(GpuModel::Which::solid); !drawn) return drawn;
+  if (shadow)
+    if (auto drawn = draw_model(GpuModel::Which::ground); !drawn) return drawn;
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_FALSE);
+  const auto background = s.composite.draw_camera_alone(s.programs, s.frame(), shown);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  if (!background || !s.model->has_blended()) return background;
+  return draw_model(GpuModel::Which::blended);
+}
+
+const std::vector<std::string>& Renderer::notes() const {
+  return state_->notes;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,27 @@
+// The real scene's surfaces on the GPU: what of the object lies behind them is not drawn.
+#pragma once
+
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/objects.hpp"
+#include "gles/gl/program.hpp"
+
+namespace kasumi {
+
+class SceneDepth {
+ public:
+  // Planar depth in metres, one value per pixel of the camera's picture; 0 and what is not finite: nothing is known to
+  // stand there. Kept to a centimetre, up to 167 km. Errors: bad_input (too large for the driver), device.
+  static Result<SceneDepth> upload(const Image<float>& depth_m, const GlInfo& info);
+  // Uniforms of scene_depth.glsl but fragment_to_pixel.
+  void bind(const Program& program, int unit) const;
+  glm::ivec2 size() const { return size_; }
+
+ private:
+  SceneDepth(GlTexture texture, glm::ivec2 size) : texture_(std::move(texture)), size_(size) {}
+  GlTexture texture_;
+  glm::ivec2 size_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,92 @@
+#include "gles/picture/camera_planes.hpp"
+
+#include <algorithm>
+
+#include "gles/gl/gl.hpp"
+
+namespace kasumi {
+
+Result<CameraTextures> CameraPlanes::upload(const PictureView& picture, const GlInfo& info) {
+  Problems problems;
+  if (picture.width < 1 || picture.height < 1)
+    problems.add("camera picture: {} x {} pixels: expected at least 1 x 1", picture.width, picture.height);
+  if (picture.width > info.max_texture_size || picture.height > info.max_texture_size)
+    problems.add("camera picture: {} x {} pixels: this driver takes {} at most", picture.width, picture.height,
+                 info.max_texture_size);
+  if (!problems.empty()) return fail(problems.fault());
+  for (int i = 0; i < plane_count(picture.layout); ++i) {
+    const Plane& plane = picture.planes[static_cast<std::size_t>(i)];
+    const PlaneSize size = plane_size(picture.layout, picture.width, picture.height, i);
+    if (plane.data == nullptr) problems.add("camera picture ({}): plane {} is missing", name_of(picture.layout), i);
+    if (plane.stride < size.row_bytes)
+      problems.add("camera picture ({}): plane {} has a stride of {} bytes: expected at least {}",
+                   name_of(picture.layout), i, plane.stride, size.row_bytes);
+  }
+  if (!problems.empty()) return fail(problems.fault());
+
+  CameraTextures textures{
+      CameraTextures::Source::uploaded, picture.layout, picture.encoding, picture.width, picture.height, {}};
+  for (int i = 0; i < plane_count(picture.layout); ++i) {
+    upload_plane(picture, i, info);
+    textures.names[static_cast<std::size_t>(i)] = textures_[static_cast<std::size_t>(i)].name();
+  }
+  if (auto uploaded = check_gl("uploading the camera's picture"); !uploaded) return fail(uploaded.error());
+  return textures;
+}
+
+CameraPlanes::Texels CameraPlanes::texels_of(const PictureView& picture, int plane) {
+  const int half_width = (picture.width + 1) / 2;
+  const int rows = plane_size(picture.layout, picture.width, picture.height, plane).rows;
+  switch (picture.layout) {
+    case PixelLayout::rgb8:
+    case PixelLayout::bgr8: return {GL_RGB, 3, picture.width, rows};
+    case PixelLayout::rgba8:
+    case PixelLayout::bgra8: return {GL_RGBA, 4, picture.width, rows};
+    case PixelLayout::yuyv:
+    case PixelLayout::uyvy: return {GL_RGBA, 4, half_width, rows};
+    case PixelLayout::nv12:
+      if (plane == 1) return {GL_LUMINANCE_ALPHA, 2, half_width, rows};
+      return {GL_LUMINANCE, 1, picture.width, rows};
+    case PixelLayout::i420:
+    case PixelLayout::i422: return {GL_LUMINANCE, 1, plane == 0 ? picture.width : half_width, rows};
+    case PixelLayout::grey8:
+    case PixelLayout::i444: return {GL_LUMINANCE, 1, picture.width, rows};
+  }
+  return {};
+}
+
+void CameraPlanes::upload_plane(const PictureView& picture, int index, const GlInfo& info) {
+  const auto at = static_cast<std::size_t>(index);
+  const Texels texels = texels_of(picture, index);
+  const std::uint8_t* rows = picture.planes[at].data;
+  const std::size_t stride = picture.planes[at].stride;
+  const std::size_t row_bytes = texels.bytes * static_cast<std::size_t>(texels.width);
+
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  const bool gaps = stride != row_bytes;
+  const bool skip_gaps = gaps && stride % texels.bytes == 0 && info.has("GL_EXT_unpack_subimage");
+  if (skip_gaps) {
+    glPixelStorei(GL_UNPACK_ROW_LENGTH_EXT, static_cast<GLint>(stride / texels.bytes));
+  } else if (gaps) {
+    packed_.resize(row_bytes * static_cast<std::size_t>(texels.height));
+    for (std::size_t y = 0; y < static_cast<std::size_t>(texels.height); ++y)
+      std::copy_n(rows + y * stride, row_bytes, packed_.data() + y * row_bytes);
+    rows = packed_.data();
+  }
+
+  if (!textures_[at]) textures_[at] = make_texture();
+  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(index));
+  glBindTexture(GL_TEXTURE_2D, textures_[at].name());
+  if (held_[at] == texels) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, texels.width, texels.height, texels.format, GL_UNSIGNED_BYTE, rows);
+  } else {
+    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(texels.format), texels.width, texels.height, 0, texels.format,
+                 GL_UNSIGNED_BYTE, rows);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    held_[at] = texels;
+  }
+  if (skip_gaps) glPixelStorei(GL_UNPACK_ROW_LENGTH_EXT, 0);
+}
+
+}  // namespace kasumi

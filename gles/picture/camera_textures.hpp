@@ -1,0 +1,32 @@
+// How shaders read the camera's picture: from which textures, and what their channels hold.
+#pragma once
+
+#include <array>
+
+#include "base/picture.hpp"
+#include "gles/gl/program.hpp"
+
+namespace kasumi {
+
+struct CameraTextures {
+  enum class Source {
+    uploaded,  // planes copied into textures of our own: luminance, luminance and alpha, RGB(A)
+    imported,  // planes in a driver's memory: red, red and green, RGBA
+    external,  // the whole picture in a driver's memory, converted to RGB by the GPU's driver
+  };
+  Source source = Source::uploaded;
+  PixelLayout layout = PixelLayout::rgb8;
+  YuvEncoding encoding = YuvEncoding::bt601_full;
+  int width = 0;
+  int height = 0;
+  std::array<unsigned, 3> names{};
+
+  bool empty() const { return width == 0; }
+  int count() const;
+  // Which variant of camera_picture.glsl reads them.
+  Defines defines() const;
+  // To texture units 0 .. 2, and the uniforms of camera_picture.glsl. smooth: filtered, for showing at another size.
+  void bind(const Program& program, bool smooth) const;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,142 @@
+#include "gles/picture/flat_picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "gles/gl/gl.hpp"
+#include "gles/gl/objects.hpp"
+#include "gles/gl/program.hpp"
+#include "gles/gl/surface_texture.hpp"
+
+namespace kasumi {
+namespace {
+
+// So that filtering mixes what is seen: a transparent pixel's colour must not shine into its neighbours.
+Image<Rgba8> premultiplied(Image<Rgba8> picture) {
+  const auto part = [](int colour, int alpha) { return static_cast<std::uint8_t>((colour * alpha + 127) / 255); };
+  for (Rgba8& p : picture.elements()) p = {part(p.r, p.a), part(p.g, p.a), part(p.b, p.a), p.a};
+  return picture;
+}
+
+bool is_whole(double value) {
+  return value == std::floor(value);
+}
+
+}  // namespace
+
+struct FlatPicture::State {
+  int width = 0;
+  int height = 0;
+  Program program;
+  GlTexture texture;
+  GlBuffer corners;
+  bool has_mipmaps = false;
+
+  // Exact where a texel is a pixel; otherwise smooth.
+  GLint minifying_filter(const FlatPlace& place) const {
+    const double shrink = std::max(width / place.width, height / place.height);
+    if (place.width == width && place.height == height && is_whole(place.left) && is_whole(place.top))
+      return GL_NEAREST;
+    return shrink > 1.5 && has_mipmaps ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR;
+  }
+};
+
+FlatPicture::FlatPicture(std::unique_ptr<State> state) : state_(std::move(state)) {}
+FlatPicture::FlatPicture(FlatPicture&&) noexcept = default;
+FlatPicture& FlatPicture::operator=(FlatPicture&&) noexcept = default;
+FlatPicture::~FlatPicture() = default;
+
+int FlatPicture::width() const {
+  return state_->width;
+}
+int FlatPicture::height() const {
+  return state_->height;
+}
+
+Result<FlatPicture> FlatPicture::create(GlContext& context, const Image<Rgba8>& picture) {
+  if (picture.empty()) return fail(FaultKind::bad_input, "a flat picture without pixels");
+  auto program = Program::build({}, "flat.vert", "flat.frag");
+  if (!program) return fail(program.error());
+  const GlInfo& info = context.info();
+  Image<Rgba8> texels = picture;
+  while (texels.width() > info.max_texture_size || texels.height() > info.max_texture_size) texels = halved(texels);
+  texels = premultiplied(std::move(texels));
+
+  auto state = std::make_unique<State>(
+      State{picture.width(), picture.height(), std::move(*program), make_texture(), make_buffer()});
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, state->texture.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, texels.width(), texels.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               texels.elements().data());
+  clamp_to_edge();
+  const auto is_power_of_two = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
+  state->has_mipmaps = info.es_major >= 3 || info.has("GL_OES_texture_npot") ||
+                       (is_power_of_two(texels.width()) && is_power_of_two(texels.height()));
+  if (state->has_mipmaps) glGenerateMipmap(GL_TEXTURE_2D);
+
+  constexpr std::array<float, 8> kCorners{0, 0, 1, 0, 0, 1, 1, 1};
+  glBindBuffer(GL_ARRAY_BUFFER, state->corners.name());
+  glBufferData(GL_ARRAY_BUFFER, sizeof kCorners, kCorners.data(), GL_STATIC_DRAW);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  if (auto made = check_gl("uploading a flat picture"); !made) return fail(made.error());
+  return FlatPicture(std::move(state));
+}
+
+Result<> FlatPicture::draw(const DrawTarget& target, const FlatPlace& place, double opacity) const {
+  if (target.width < 1 || target.height < 1)
+    return fail(FaultKind::bad_input, "a target of {} x {} pixels: expected at least 1 x 1", target.width,
+                target.height);
+  if (!(std::isfinite(place.left) && std::isfinite(place.top) && place.width > 0 && place.height > 0 &&
+        std::isfinite(place.width) && std::isfinite(place.height)))
+    return fail(FaultKind::bad_input, "a flat picture at {}, {} of {} x {} pixels: expected numbers and a size above 0",
+                place.left, place.top, place.width, place.height);
+  if (!(opacity > 0)) return {};
+
+  const State& s = *state_;
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glViewport(0, 0, target.width, target.height);
+  s.program.use();
+  const double across = 2.0 / target.width, down = (target.top_row_first ? 2.0 : -2.0) / target.height;
+  s.program.set("place", glm::dvec4{place.left * across - 1.0, place.top * down + (target.top_row_first ? -1.0 : 1.0),
+                                    place.width * across, place.height * down});
+  s.program.set("opacity", std::min(opacity, 1.0));
+  s.program.set("picture", 0);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, s.texture.name());
+  const GLint filter = s.minifying_filter(place);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter == GL_NEAREST ? GL_NEAREST : GL_LINEAR);
+
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glBindBuffer(GL_ARRAY_BUFFER, s.corners.name());
+  glEnableVertexAttribArray(kPosition);
+  glVertexAttribPointer(kPosition, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  glDisableVertexAttribArray(kPosition);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  glDisable(GL_BLEND);
+  return check_gl("drawing a flat picture");
+}
+
+FlatPlace fitted(const DrawTarget& target, int width, int height) {
+  const Letterbox box = letterbox(target, width, height);
+  const int top = target.top_row_first ? box.y : target.height - box.y - box.height;
+  return {static_cast<double>(box.x), static_cast<double>(top), static_cast<double>(box.width),
+          static_cast<double>(box.height)};
+}
+
+FlatPlace everywhere(const DrawTarget& target) {
+  return {0.0, 0.0, static_cast<double>(target.width), static_cast<double>(target.height)};
+}
+
+void clear_to(const DrawTarget& target, const glm::vec3& encoded) {
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glClearColor(encoded.r, encoded.g, encoded.b, 1.0f);
+  glClear(GL_COLOR_BUFFER_BIT);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,52 @@
+// Flat pictures over or instead of the scene: captions, the curator's still picture.
+#pragma once
+
+#include <memory>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "base/image.hpp"
+#include "base/result.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/target.hpp"
+
+namespace kasumi {
+
+using Rgba8 = glm::u8vec4;  // encoded; colours not multiplied by alpha
+
+// Rectangle in the target, pixels from its top left corner.
+struct FlatPlace {
+  double left = 0.0;
+  double top = 0.0;
+  double width = 0.0;
+  double height = 0.0;
+};
+
+class FlatPicture {
+ public:
+  // Uploads the picture (halved until the driver takes it). Errors: bad_input (empty), device.
+  static Result<FlatPicture> create(GlContext& context, const Image<Rgba8>& picture);
+  FlatPicture(FlatPicture&&) noexcept;
+  FlatPicture& operator=(FlatPicture&&) noexcept;
+  ~FlatPicture();
+  int width() const;  // as given
+  int height() const;
+  // Blends it over what the target shows, in encoded values; opacity 0..1. Each of its pixels stays a pixel where the
+  // place is of its own size and at whole numbers. Errors: bad_input (no target, no place), device.
+  Result<> draw(const DrawTarget& target, const FlatPlace& place, double opacity = 1.0) const;
+
+ private:
+  struct State;
+  explicit FlatPicture(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+// The whole picture inside the target, its shape kept.
+FlatPlace fitted(const DrawTarget& target, int width, int height);
+FlatPlace everywhere(const DrawTarget& target);
+
+// Fills the target with one colour.
+void clear_to(const DrawTarget& target, const glm::vec3& encoded);
+
+}  // namespace kasumi

@@ -1,0 +1,23 @@
+// The rectangles of a cut picture as triangles on the GPU.
+#pragma once
+
+#include <array>
+
+#include "gles/gl/objects.hpp"
+#include "gles/picture/picture_cutting.hpp"
+
+namespace kasumi {
+
+class PictureMesh {
+ public:
+  static PictureMesh upload(const PictureRectangles& rectangles);
+  bool empty(PictureArea area) const;
+  void draw(PictureArea area) const;
+
+ private:
+  PictureMesh() = default;
+  GlBuffer corners_;
+  std::array<int, kPictureAreas + 1> first_{};
+};
+
+}  // namespace kasumi

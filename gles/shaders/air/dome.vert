@@ -1,0 +1,21 @@
+// The sky where the mesh has its corners; between them what is shown is linear (gles/air/dome_mesh.cpp sees to it).
+#if defined(PER_FRAGMENT)
+#include "dome_place.glsl"
+#else
+#include "dome_view.glsl"
+#include "dome_sky.glsl"
+#endif
+
+attribute vec2 position;  // right and down of the middle, pixels
+varying vec2 v_place;
+#if !defined(PER_FRAGMENT)
+varying vec3 v_shown;
+#endif
+
+void main() {
+  v_place = position;
+#if !defined(PER_FRAGMENT)
+  v_shown = shown(sky_light(view_of(position)));
+#endif
+  gl_Position = vec4(position * place_to_clip, 0.0, 1.0);
+}

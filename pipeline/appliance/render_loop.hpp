@@ -1,0 +1,70 @@
+// The main thread's loop: climbs the ladder, draws, shows. GL and the display belong to it alone.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "pipeline/appliance/screen.hpp"
+#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/machine/devices.hpp"
+#include "pipeline/machine/watchdog.hpp"
+
+namespace kasumi {
+
+class RenderLoop {
+ public:
+  RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Exchange& exchange);
+
+  // Does what is due now, and answers when it wants to be called again if no news come before. BLOCKS for at most a
+  // quarter of a second (a buffer to draw into), while a display is being opened for as long as its driver takes.
+  Instant step();
+  // The last flips, and everything of the display's let go of.
+  void finish();
+  bool closed() const { return closed_; }  // the person closed the window
+  const Rung& rung() const { return news_.rung; }
+  const RenderNews& news() const { return news_; }  // of this moment; told to others twice a second
+  // The display, for tests; null while there is none.
+  Display* display() { return screen_.display(); }
+
+ private:
+  void take_news();
+  void take_content();
+  Signs signs() const;
+  void climb();
+  bool is_open() const;
+  bool is_closed() const { return news_.rung.dark >= 1.0; }  // and the picture has gone
+  Composition composition() const;
+  std::string words_now() const;
+  bool is_due(Instant now) const;
+
+  void lose_screen(const Fault& fault);
+  bool rest();
+  void present();
+  Result<> draw(const SceneFrame* frame, const DrawTarget& target);
+  void note_flips();
+  void let_go_of_frames();
+  void tell();
+
+  ContentPtr content_;
+  ContentPtr new_content_;  // not yet taken in; null: none
+  Clock& clock_;
+  Exchange& exchange_;
+  Watchdog watchdog_;
+  Ladder ladder_;
+  RenderNews news_;
+  Screen screen_;
+  bool closed_ = false;
+
+  CameraNews camera_;
+  SkyNews sky_;
+  std::optional<SceneFrame> waiting_;  // not yet drawn
+  std::optional<Instant> picture_at_;  // when the last good scene picture came
+
+  LatencyWatch latency_;
+  std::optional<Composition> shown_;
+  Instant shown_at_;
+  std::optional<Instant> told_;
+  Instant minute_began_;
+};
+
+}  // namespace kasumi

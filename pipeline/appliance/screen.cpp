@@ -1,0 +1,122 @@
+#include "pipeline/appliance/screen.hpp"
+
+#include <spdlog/spdlog.h>
+
+namespace kasumi {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kBufferDeadline = 250ms;
+constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: the display is opened anew
+constexpr Duration kDisplayInterval = 1s;   // between tries to open one
+constexpr Duration kDisplayPause = 250ms;   // the same when displays are said to come and go
+
+}  // namespace
+
+Screen::Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& watchdog, DisplayNews& news)
+    : content_(std::move(content)),
+      devices_(devices),
+      clock_(clock),
+      watchdog_(watchdog),
+      news_(news),
+      watch_(devices.watch_displays()),
+      try_at_(clock.now()),
+      tried_at_(clock.now() - kDisplayPause) {}
+
+bool Screen::look() {
+  if (watch_ && watch_->take_change()) try_at_ = std::min(try_at_, tried_at_ + kDisplayPause);
+  return clock_.now() >= try_at_ && open();
+}
+
+bool Screen::open() {
+  const auto now = clock_.now();
+  tried_at_ = now;
+  try_at_ = now + kDisplayInterval;
+  auto display = devices_.open_display(content_->config.display);
+  auto stage = display ? Stage::create((*display)->context(), content_, std::exchange(air_, std::nullopt))
+                       : fail(display.error());
+  if (!stage) {
+    news_.up = false;
+    news_.cause = stage.error().message;
+    if (!display && display.error().kind == FaultKind::disconnected) watchdog_.looked_for_display(now);
+    if (!wanted_) spdlog::warn("display: not there: {}", stage.error().message);
+    wanted_ = true;
+    return false;
+  }
+  wanted_ = false;
+  spdlog::info("display: {}, {}", (*display)->description(), (*display)->context().info().renderer);
+  for (const auto& note : stage->notes()) spdlog::info("display: {}", note);
+  news_.up = true;
+  news_.description = (*display)->description();
+  news_.cause.clear();
+  open_ = Open{std::move(*display), std::move(*stage)};
+  timeouts_since_.reset();
+  return true;
+}
+
+Result<> Screen::adopt(const ContentPtr& content) {
+  const bool other_display = content->config.display != content_->config.display;
+  if (open_ && !other_display) {
+    auto stage = Stage::create(open_->display->context(), content);
+    if (!stage) return fail(stage.error());
+    open_->stage = std::move(*stage);
+  }
+  content_ = content;
+  air_.reset();
+  if (other_display) {
+    open_.reset();
+    try_at_ = clock_.now();
+  }
+  return {};
+}
+
+void Screen::lose(const Fault& fault) {
+  spdlog::warn("display: lost: {}", fault.message);
+  ++news_.resets;
+  news_.up = false;
+  news_.cause = fault.message;
+  wanted_ = true;  // said
+  air_ = open_->stage.air();
+  open_.reset();
+  try_at_ = clock_.now();
+}
+
+Result<std::optional<DrawTarget>> Screen::begin() {
+  const auto target = open_->display->begin(clock_.now() + kBufferDeadline);
+  if (target) {
+    timeouts_since_.reset();
+    return *target;
+  }
+  if (target.error().kind != FaultKind::timeout) return fail(target.error());
+  ++news_.flip_timeouts;
+  const auto now = clock_.now();
+  if (!timeouts_since_) timeouts_since_ = now - kBufferDeadline;
+  if (now - *timeouts_since_ >= kStuckDisplay) return fail(target.error());
+  return std::nullopt;
+}
+
+Result<std::uint64_t> Screen::show(std::shared_ptr<const void> until_replaced) {
+  if (auto alive = open_->display->context().check_alive(); !alive) return fail(alive.error());
+  auto number = open_->display->show(std::move(until_replaced));
+  if (number) open_->dark = false;
+  return number;
+}
+
+std::vector<Flip> Screen::take_flips() {
+  auto flips = open_->display->take_flips();
+  news_.flips += flips.size();
+  return flips;
+}
+
+Result<> Screen::turn_off() {
+  if (open_->off || open_->stays_on) return {};
+  const auto off = open_->display->turn_off();
+  open_->off = off.has_value();
+  open_->stays_on = !off && off.error().kind == FaultKind::unsupported;
+  if (!off && !open_->stays_on && off.error().kind != FaultKind::timeout) return fail(off.error());
+  return {};
+}
+
+}  // namespace kasumi

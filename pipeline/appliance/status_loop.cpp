@@ -1,0 +1,86 @@
+#include "pipeline/appliance/status_loop.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "base/files.hpp"
+#include "pipeline/appliance/remembered_state.hpp"
+
+namespace kasumi {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kStatsInterval = 1min;
+
+// One line when it begins, one when it ends.
+void log_outage(const Result<>& written, bool& failing, std::string_view what) {
+  if (!written && !failing) spdlog::warn("{}: {}", what, written.error().message);
+  if (written && failing) spdlog::info("{}: written again", what);
+  failing = !written;
+}
+
+}  // namespace
+
+StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Exchange& exchange)
+    : content_(std::move(content)),
+      options_(std::move(options)),
+      clock_(clock),
+      notifier_(notifier),
+      exchange_(exchange),
+      saved_(clock.now()),
+      stats_at_(clock.now()) {
+  status_.since = clock.utc();
+}
+
+void StatusLoop::gather() {
+  const auto newest = [](auto& slot, auto& to) {
+    if (auto value = slot.take()) to = std::move(*value);
+  };
+  StatusMail& mail = *exchange_.status;
+  newest(mail.content, content_);
+  newest(mail.scene_camera, status_.scene_camera);
+  newest(mail.sky_camera, status_.sky_camera);
+  newest(mail.sky, status_.sky);
+  newest(mail.render, status_.render);
+  newest(mail.reload, status_.reload);
+  newest(mail.check, status_.check);
+  newest(mail.visibility, status_.visibility);
+  status_.now = clock_.now();
+  status_.utc = clock_.utc();
+}
+
+void StatusLoop::step() {
+  gather();
+  write_status();
+  if (status_.now - saved_ >= options_.save_interval) save_air();
+  if (options_.stats && status_.now - stats_at_ >= kStatsInterval) {
+    stats_at_ = status_.now;
+    spdlog::info("{}", stats_text(status_));
+  }
+}
+
+void StatusLoop::finish() {
+  gather();
+  write_status();
+  save_air();
+  if (options_.stats) spdlog::info("{}", stats_text(status_));
+}
+
+void StatusLoop::write_status() {
+  if (auto line = status_line(status_); line != line_) notifier_.status(line_ = std::move(line));
+  if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), unwritten_, "status");
+}
+
+void StatusLoop::save_air() {
+  saved_ = status_.now;
+  const auto& folder = content_->config.state_folder;
+  const auto& tracked = status_.sky.report.tracked;
+  // Without a known time nobody could tell later how old it is.
+  if (!folder || !tracked || !status_.sky.clock_trusted) return;
+  const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age,
+                             content_->config.installation.sky_to_fit().model};
+  log_outage(save(state, *folder), unsaved_, "state");
+}
+
+}  // namespace kasumi

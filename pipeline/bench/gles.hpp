@@ -1,0 +1,22 @@
+// What drawing costs, side by side (docs/performance.md).
+#pragma once
+
+#include <vector>
+
+#include "base/result.hpp"
+#include "pipeline/bench/bench.hpp"
+
+namespace kasumi {
+
+// Opens a headless context of its own; full HD. Errors: unsupported (no GL here), device.
+Result<std::vector<BenchRow>> bench_gles();
+// The same of the layer: light, shadow, reflection, the camera's quality, a model of a million triangles.
+Result<std::vector<BenchRow>> bench_layer();
+// The sky's dome beside the skies of before.
+struct DomeBenchSize {
+  int width = 1920, height = 1080;
+  int pairs = 31;
+};
+Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size = {});
+
+}  // namespace kasumi

@@ -1,0 +1,120 @@
+// What the object's light, its size and the camera's quality cost: in the layer, which is drawn anew when air or sun
+// change, and in every frame.
+#include "gles/gl/context.hpp"
+#include "gles/gl/offscreen.hpp"
+#include "gles/object/renderer.hpp"
+#include "pipeline/bench/gles.hpp"
+#include "pipeline/bench/gles_papers.hpp"
+#include "pipeline/bench/gles_scene.hpp"
+#include "pipeline/bench/gles_stopwatch.hpp"
+
+#include <glm/geometric.hpp>
+
+namespace kasumi {
+namespace {
+
+constexpr int kManyPairs = 31;  // of frames
+constexpr int kFewPairs = 3;    // of redrawn layers
+constexpr int kOnePair = 1;     // of redrawn layers of the large model
+
+Result<Renderer> showing(GlContext& context, const BenchScene& scene, const Model& model,
+                         const ObjectDetail& detail = {}) {
+  auto renderer = Renderer::create(context);
+  if (!renderer) return renderer;
+  if (auto set = renderer->set_model(model); !set) return fail(set.error());
+  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
+  if (auto set = renderer->set_detail(detail); !set) return fail(set.error());
+  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
+  if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return fail(loaded.error());
+  return renderer;
+}
+
+Model glazed(Model model) {
+  ModelMaterial& material = model.materials.front();
+  material.roughness = 0.4f;
+  material.reflectance = glm::vec3(0.04f);
+  material.edge_reflectance = 1.0f;
+  return model;
+}
+
+// The layer under a sun and a sky that have moved since it was drawn last, as every redraw of a day.
+class MovingSun {
+ public:
+  MovingSun(Renderer& renderer, const ObjectAppearance& appearance, bool shadows)
+      : renderer_(renderer), appearance_(appearance) {
+    appearance_.shadows = shadows;
+  }
+  Result<> operator()() {
+    const double turn = 0.002;
+    const glm::dvec3 d = appearance_.light.sun_direction;
+    appearance_.light.sun_direction = glm::normalize(glm::dvec3{d.x - turn * d.y, d.y + turn * d.x, d.z});
+    for (glm::vec3& light : appearance_.light.around.radiance.elements()) light *= 1.001f;
+    return renderer_.redraw_layer(appearance_);
+  }
+
+ private:
+  Renderer& renderer_;
+  ObjectAppearance appearance_;
+};
+
+}  // namespace
+
+Result<std::vector<BenchRow>> bench_layer() {
+  auto context = open_headless_context();
+  if (!context) return fail(context.error());
+  const BenchScene scene = make_bench_scene();
+  auto offscreen = Offscreen::create((*context)->info(), scene.view.width, scene.view.height);
+  if (!offscreen) return fail(offscreen.error());
+  const DrawTarget target = offscreen->target();
+
+  const Model large = make_bench_facade(7);
+  auto plain = showing(**context, scene, scene.facade);
+  auto glossy = showing(**context, scene, glazed(scene.facade));
+  auto spread =
+      showing(**context, scene, scene.facade, {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2});
+  auto million = showing(**context, scene, large);
+  for (const auto* renderer : {&plain, &glossy, &spread, &million})
+    if (!*renderer) return fail(renderer->error());
+  const GlTexture picture =
+      make_picture_texture(scene.view.width, scene.view.height, scene.frame.pixels.elements().data());
+  const auto blit = ScreenPass::blit(picture.name());
+  if (!blit) return fail(blit.error());
+
+  const auto plain_blit = [&] { return blit->draw(target); };
+  const auto frame_of = [&](Renderer& renderer, const SensorNoise& noise = {}) {
+    return [&, noise] { return renderer.draw(scene.measured, target, noise); };
+  };
+  const SensorNoise noise{glm::dvec3{1.0 / 2000.0}, glm::dvec3{0.003}, 1};
+  const auto redraw = [&](Renderer& renderer, bool shadows) { return MovingSun(renderer, scene.appearance, shadows); };
+
+  Stopwatch watch;
+  std::vector<BenchRow> rows;
+  const auto add = [&](std::string name, double value, std::optional<double> goal = {}) {
+    rows.push_back({.name = std::move(name), .value = value, .goal = goal});
+  };
+  add("cached composite with the camera's noise / plain blit",
+      watch.ratio(frame_of(*plain, noise), plain_blit, kManyPairs), 1.30);
+  add("  with noise / without", watch.ratio(frame_of(*plain, noise), frame_of(*plain), kManyPairs));
+  add("cached composite with point spread and shared colour / without",
+      watch.ratio(frame_of(*spread), frame_of(*plain), kManyPairs), 1.10);
+  add(fmt::format("cached composite of {:.2f} M triangles / of {:.3f} M",
+                  1e-6 * static_cast<double>(large.triangle_count()),
+                  1e-6 * static_cast<double>(scene.facade.triangle_count())),
+      watch.ratio(frame_of(*million), frame_of(*plain), kManyPairs), 1.05);
+  add("layer redrawn with the sun's 16 maps / without shadow",
+      watch.ratio(redraw(*plain, true), redraw(*plain, false), kFewPairs), 2.0);
+  add("layer redrawn, glossy / matt", watch.ratio(redraw(*glossy, false), redraw(*plain, false), kFewPairs), 1.5);
+  add("layer redrawn with point spread and shared colour / without",
+      watch.ratio(redraw(*spread, false), redraw(*plain, false), kFewPairs), 2.0);
+  add("layer of the large model redrawn / of the small",
+      watch.ratio(redraw(*million, false), redraw(*plain, false), kOnePair));
+  add("  with the sun's 16 maps / without", watch.ratio(redraw(*million, true), redraw(*million, false), kOnePair));
+  rows.push_back({.name = "the large model on the GPU",
+                  .value = static_cast<double>(million->model_bytes()) / (1 << 20),
+                  .unit = "MiB",
+                  .goal = {}});
+  if (!watch.result()) return fail(watch.result().error());
+  return rows;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,42 @@
+// What `kasumi bench` draws: a facade 3.5 km away before a full-HD camera, under air of turbidity 3. Made in memory,
+// the same on every machine.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/gtc/type_precision.hpp>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "estimator/atmosphere.hpp"
+#include "gles/model/model.hpp"
+#include "gles/scene.hpp"
+
+namespace kasumi {
+
+constexpr Turbidity kBenchTurbidity{3.0};
+
+// The camera's frame, once in each layout.
+struct BenchFrame {
+  Image<glm::u8vec4> pixels;
+  std::vector<std::uint8_t> luma;    // as many as pixels
+  std::vector<std::uint8_t> chroma;  // U V at half width and half height
+  PictureView rgba() const;
+  PictureView nv12() const;
+};
+
+struct BenchScene {
+  Model facade;  // 20 000 triangles, arched openings and a gable: its edge is as long as a building's
+  glm::dmat4 model_to_world{1.0};
+  SceneView view;
+  ObjectAppearance appearance;
+  AirlightGrid measured;
+  BenchFrame frame;
+};
+
+BenchScene make_bench_scene();
+// The same facade of finer cells, `finer` each way: 7 make a million triangles.
+Model make_bench_facade(int finer);
+
+}  // namespace kasumi

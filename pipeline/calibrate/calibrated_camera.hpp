@@ -1,0 +1,16 @@
+// What several steps of `kasumi calibrate` begin with: what is calibrated of a recording's camera by now.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/config/fixture_file.hpp"
+
+namespace kasumi {
+
+// [sky] or [scene] of a recording, and what the calibration file already says in its place. Errors (bad_input): the
+// file is no calibration file, is of pictures of another size, or what the two say together makes no camera.
+Result<Camera> calibrated_camera(const Fixture& fixture, const std::filesystem::path& calibration,
+                                 const std::string& camera);
+
+}  // namespace kasumi

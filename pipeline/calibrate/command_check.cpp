@@ -1,0 +1,110 @@
+#include <CLI/CLI.hpp>
+
+#include "pipeline/calibrate/command_calibrate.hpp"
+#include "pipeline/camera_drift/drift.hpp"
+#include "pipeline/camera_drift/drift_gather.hpp"
+#include "pipeline/camera_drift/drift_json.hpp"
+#include "pipeline/machine/running_appliance.hpp"
+#include "pipeline/machine/stop_signal.hpp"
+
+namespace kasumi {
+
+namespace {
+
+struct CheckArguments {
+  std::string recording;
+  std::string config;
+  std::string calibration;
+  double minutes = 10.0;
+  bool reference = false;
+  bool json = false;
+};
+
+struct Looked {
+  DriftFrames frames;
+  Installation installation;
+  std::filesystem::path stem;
+  Utc now{};
+};
+
+Result<Looked> look_at_recording(const CheckArguments& arguments) {
+  const auto fixture = read_fixture(arguments.recording);
+  if (!fixture) return fail(fixture.error());
+  auto frames = gather_recorded(*fixture);
+  if (!frames) return fail(frames.error());
+  const auto stem = reference_stem(fixture->installation, fixture->folder / "fixture.toml");
+  return Looked{std::move(*frames), fixture->installation, stem, fixture->info.start_utc};
+}
+
+Result<Looked> look_at_cameras(const CheckArguments& arguments) {
+  const auto root = ConfigTable::read_file(arguments.config);
+  if (!root) return fail(root.error());
+  const auto config = read_run_config(*root);
+  if (auto whole = root->finish(); !whole) return fail(whole.error());
+  if (const auto running = find_running_appliance(kServiceStatusFile))
+    return fail(
+        FaultKind::bad_input,
+        "the appliance runs (pid {}) and has the cameras: what it found itself is in its status (kasumi doctor); "
+        "or sudo systemctl stop kasumi, check, sudo systemctl start kasumi",
+        running->pid);
+  SystemClock clock;
+  const auto devices = machine_devices(clock);
+  TimeTrust trust(config.clock);
+  const bool time_known = trust.judge(watch_kernel_time()->look(), clock.utc()) == SunSource::ephemeris;
+  if (!arguments.json) fmt::print("looking for {:.1f} minutes\n", arguments.minutes);
+  auto frames =
+      gather_live(config, *devices, clock, from_seconds(60.0 * arguments.minutes), time_known, stop_requested);
+  if (!frames) return fail(frames.error());
+  const auto stem = reference_stem(config.installation, arguments.config);
+  return Looked{std::move(*frames), config.installation, stem, clock.utc()};
+}
+
+Result<int> check(const CheckArguments& arguments) {
+  if (arguments.recording.empty() == arguments.config.empty())
+    return fail(FaultKind::bad_input, "expected a RECORDING, or --config kasumi.toml for the live cameras");
+  auto looked = arguments.config.empty() ? look_at_recording(arguments) : look_at_cameras(arguments);
+  if (!looked) return fail(looked.error());
+  if (!arguments.calibration.empty()) looked->stem = std::filesystem::path(arguments.calibration).replace_extension();
+
+  const auto take = [&](const std::string& why) -> Result<int> {
+    const auto taken = take_reference(looked->frames, looked->installation, looked->now);
+    if (!taken) return fail(taken.error());
+    if (auto saved = save_reference(*taken, looked->stem); !saved) return fail(saved.error());
+    fmt::print(stderr, "{}{}.check.json: taken as the reference: what is looked at later is compared with it\n", why,
+               looked->stem.string());
+    return 0;
+  };
+  if (arguments.reference) return take("");
+  const auto reference = load_reference(looked->stem);
+  if (!reference && reference.error().kind == FaultKind::bad_input) return fail(reference.error());
+  if (!reference) return take("there was nothing to compare with yet\n");
+  if (!belongs_to(*reference, looked->installation))
+    return take("the reference there was is of another calibration of the cameras\n");
+
+  const auto report = find_drift(looked->frames, *reference, looked->installation, looked->now);
+  fmt::print("{}", arguments.json ? drift_json(report) : drift_text(report) + drift_summary(report) + "\n");
+  return report.well() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_calibrate_check(CLI::App& calibrate_command, Action& action) {
+  auto* command = calibrate_command.add_subcommand(
+      "check", "What has changed since: a camera bumped, out of focus, fogged, a dirty dome (exit code 1: something)");
+  auto arguments = std::make_shared<CheckArguments>();
+  auto& a = *arguments;
+  command->add_option("recording", a.recording, "A recording of both cameras, some minutes of daylight");
+  command->add_option("--config", a.config, "kasumi.toml: look through the live cameras instead");
+  command->add_option("--minutes", a.minutes, "How long to look through the live cameras")
+      ->check(CLI::Range(0.01, 600.0))
+      ->capture_default_str();
+  command->add_option("--calibration", a.calibration,
+                      "The calibration file beside which the reference lies (default: the one that is named where the "
+                      "cameras are described, else beside that)");
+  command->add_flag("--reference", a.reference,
+                    "Take what is seen now as the reference (the first check does so itself)");
+  command->add_flag("--json", a.json, "One JSON object");
+  command->callback([arguments, &action] { action = [arguments] { return check(*arguments); }; });
+}
+
+}  // namespace kasumi

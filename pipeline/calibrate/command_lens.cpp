@@ -1,0 +1,267 @@
+#include <cstdio>
+
+#include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
+
+#include "calib/calibration_file.hpp"
+#include "calib/lens/import_lens.hpp"
+#include "calib/lens/lens_calibration.hpp"
+#include "capture/utc_text.hpp"
+#include "pipeline/calibrate/board_choice.hpp"
+#include "pipeline/calibrate/board_session.hpp"
+#include "pipeline/calibrate/command_calibrate.hpp"
+#include "pipeline/calibrate/save_calibration.hpp"
+#include "pipeline/calibration_report/plots.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/machine/stop_signal.hpp"
+
+namespace kasumi {
+
+namespace {
+
+struct LensArguments {
+  std::vector<std::string> pictures;
+  std::string config, live, size;  // pictures of a camera that runs, instead
+  bool window = false;
+  double seconds = 0.0;
+  BoardArguments board;
+  std::string import_file;
+  std::string camera = "sky";
+  std::string serial;
+  std::string model = "auto";
+  std::optional<double> largest_angle_deg;
+  std::string out;
+};
+
+std::optional<LensFamily> family_of(const std::string& model) {
+  for (const auto family : kLensFamilies)
+    if (model == name_of(family)) return family;
+  return std::nullopt;
+}
+
+Image<std::uint8_t> grey_of(const Image<Rgb8>& picture) {
+  Image<std::uint8_t> grey(picture.width(), picture.height());
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x) {
+      const auto& p = picture.at(x, y);
+      grey.at(x, y) = static_cast<std::uint8_t>((77 * p.r + 150 * p.g + 29 * p.b + 128) >> 8);
+    }
+  return grey;
+}
+
+// Now, to the second: a calibration is no stopwatch.
+std::string now_text() {
+  const auto now = std::chrono::floor<std::chrono::seconds>(SystemClock().utc());
+  return utc_text(now);
+}
+
+struct Found {
+  std::vector<BoardView> views;
+  std::vector<std::string> without;  // pictures in which no board was found
+  int width = 0, height = 0;
+};
+
+Result<Found> look_at_pictures(const LensArguments& arguments, const AnyBoard& board) {
+  Found found;
+  Problems problems;
+  for (const auto& file : arguments.pictures) {
+    const auto photograph = read_photograph(file);
+    if (!photograph) {
+      problems.add("{}", photograph.error().message);
+      continue;
+    }
+    const auto grey = grey_of(to_rgb8(*photograph));
+    if (found.width == 0) {
+      found.width = grey.width();
+      found.height = grey.height();
+    }
+    if (grey.width() != found.width || grey.height() != found.height) {
+      problems.add("{}: {} x {}, expected {} x {} like the first picture: one camera, one size", file, grey.width(),
+                   grey.height(), found.width, found.height);
+      continue;
+    }
+    const auto name = std::filesystem::path(file).filename().string();
+    if (auto view = find_any_board(grey, board, name)) {
+      fmt::print("  {}: {} corners\n", name, view->pixels.size());
+      found.views.push_back(std::move(*view));
+    } else {
+      found.without.push_back(name);
+      fmt::print("  {}: no {} was found\n", name, words_of(board));
+    }
+    std::fflush(stdout);
+  }
+  if (!problems.empty()) return fail(problems.fault());
+  return found;
+}
+
+Result<Found> look_at_camera(const LensArguments& arguments, const AnyBoard& board) {
+  SystemClock clock;
+  auto source = arguments.config.empty() ? open_live(arguments.live, arguments.camera, arguments.size, clock)
+                                         : open_configured(arguments.config, arguments.camera, clock);
+  if (!source) return fail(source.error());
+  fmt::print("{}: show it the {}, near and far, tilted; Ctrl-C ends it early\n", (*source)->description(),
+             words_of(board));
+  BoardSessionOptions options;
+  options.window = arguments.window;
+  options.longest = from_seconds(arguments.seconds);
+  options.stop = stop_requested;
+  options.say = [](const std::string& words) {
+    fmt::print("{}\n", words);
+    std::fflush(stdout);
+  };
+  auto gathered = gather_views(**source, board, clock, options);
+  if (!gathered) return fail(gathered.error());
+  fmt::print("{} views from {} frames; {}\n", gathered->views.size(), gathered->frames, gathered->ended);
+  return Found{std::move(gathered->views), {}, gathered->width, gathered->height};
+}
+
+void report(const LensCalibration& c) {
+  for (const auto& candidate : c.candidates)
+    if (candidate.held_out_rms_px)
+      fmt::print("{:<15} {:.3f} px (rms) on views it was not fitted to\n", name_of(candidate.family),
+                 *candidate.held_out_rms_px);
+    else
+      fmt::print("{:<15} does not fit\n", name_of(candidate.family));
+  for (const auto& dropped : c.dropped) fmt::print("dropped {}: {}\n", dropped.name, dropped.reason);
+  const auto centre = centre_of(c.fit.lens);
+  fmt::print("\n{}, from {} views: rms {:.3f} px\n", model_name(c.fit.lens), c.views.size(), c.fit.rms_px);
+  if (c.fit.sigma)
+    fmt::print("focal length {:.2f} +- {:.2f} px, centre ({:.2f} +- {:.2f}, {:.2f} +- {:.2f})\n",
+               focal_px_of(c.fit.lens), c.fit.sigma->focal_px, centre.x, c.fit.sigma->centre_px.x, centre.y,
+               c.fit.sigma->centre_px.y);
+  else
+    fmt::print("focal length {:.2f} px, centre ({:.2f}, {:.2f}); the views leave something undetermined\n",
+               focal_px_of(c.fit.lens), centre.x, centre.y);
+  fmt::print("corners up to {:.0f} deg off the axis, in {:.0f} % of the picture; used to {:.0f} deg\n",
+             to_degrees(c.coverage.farthest), 100.0 * c.coverage.covered, to_degrees(c.fit.lens.largest_angle));
+  for (const auto& advice : c.coverage.advice) fmt::print("better: {}\n", advice);
+}
+
+Measured measured_of(const AnyBoard& board, const LensCalibration& c, const Found& found, const std::string& now) {
+  Measured measured{"lens", now, "", {}, {}};
+  std::vector<std::string> names;
+  for (const auto& view : c.views) names.push_back(view.name);
+  measured.from = fmt::format("{} pictures of a {}: {}", names.size(), words_of(board), fmt::join(names, ", "));
+  measured.numbers = {{"rms_px", c.fit.rms_px}};
+  for (const auto& candidate : c.candidates)
+    if (candidate.held_out_rms_px)
+      measured.numbers.emplace_back(fmt::format("held_out_{}_px", name_of(candidate.family)),
+                                    *candidate.held_out_rms_px);
+  if (c.fit.sigma) {
+    measured.numbers.emplace_back("focal_sigma_px", c.fit.sigma->focal_px);
+    measured.numbers.emplace_back("centre_x_sigma_px", c.fit.sigma->centre_px.x);
+    measured.numbers.emplace_back("centre_y_sigma_px", c.fit.sigma->centre_px.y);
+  }
+  measured.numbers.emplace_back("farthest_corner_deg", to_degrees(c.coverage.farthest));
+  measured.numbers.emplace_back("covered", c.coverage.covered);
+  for (const auto& name : found.without) measured.remarks.push_back(name + ": no board was found");
+  for (const auto& dropped : c.dropped) measured.remarks.push_back(dropped.name + ": dropped, " + dropped.reason);
+  for (const auto& advice : c.coverage.advice) measured.remarks.push_back(advice);
+  return measured;
+}
+
+Result<int> write(const LensArguments& arguments, const CalibrationStep& step) {
+  const auto written = write_calibration(arguments.out, step);
+  if (!written) return fail(written.error());
+  fmt::print("written: {}\n", arguments.out);
+  if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
+  return 0;
+}
+
+CalibrationStep step_of(const LensArguments& arguments, int width, int height, const LensDescription& lens,
+                        const std::string& now) {
+  CalibrationStep step;
+  step.camera = arguments.camera;
+  step.width = width;
+  step.height = height;
+  step.serial = arguments.serial;
+  step.lens = lens;
+  step.calibrated_utc = now;
+  return step;
+}
+
+Result<int> import(const LensArguments& arguments) {
+  auto imported = import_lens(arguments.import_file);
+  if (!imported) return fail(imported.error());
+  if (arguments.largest_angle_deg) imported->lens.largest_angle = from_degrees(*arguments.largest_angle_deg);
+  const auto now = now_text();
+  auto step = step_of(arguments, imported->width, imported->height, imported->lens, now);
+  Measured measured{"lens",
+                    now,
+                    fmt::format("imported from {}, as {} wrote it",
+                                std::filesystem::path(arguments.import_file).filename().string(), imported->program),
+                    {},
+                    {}};
+  if (imported->rms_px) measured.numbers.emplace_back("rms_px", *imported->rms_px);
+  step.measured.push_back(std::move(measured));
+  fmt::print("{} of {} x {} pictures, from {}\n", model_name(imported->lens), imported->width, imported->height,
+             imported->program);
+  return write(arguments, step);
+}
+
+Result<int> calibrate(const LensArguments& arguments) {
+  Problems problems;
+  const bool importing = !arguments.import_file.empty();
+  const auto board = importing ? AnyBoard() : choose_board(arguments.board, false, problems);
+  const bool running = !arguments.config.empty() || !arguments.live.empty();
+  if (importing && !arguments.pictures.empty())
+    problems.add("--import {}: expected it or pictures, not both", arguments.import_file);
+  if (running && (importing || !arguments.pictures.empty() || (!arguments.config.empty() && !arguments.live.empty())))
+    problems.add("expected one of pictures, --config, --live and --import");
+  if (!running && !importing && arguments.pictures.size() < kFewestViews)
+    problems.add("{} pictures: expected at least {} of the board, 15 are better (or --config, --live, --import)",
+                 arguments.pictures.size(), kFewestViews);
+  if (arguments.camera == "scene" && (arguments.model == "opencv_fisheye" || arguments.model == "scaramuzza"))
+    problems.add("--model {}: expected pinhole, for the scene is drawn through a pinhole", arguments.model);
+  if (!problems.empty()) return fail(problems.fault());
+  if (importing) return import(arguments);
+
+  const auto found = running ? look_at_camera(arguments, board) : look_at_pictures(arguments, board);
+  if (!found) return fail(found.error());
+  LensCalibrationOptions options;
+  options.family = family_of(arguments.camera == "scene" ? "pinhole" : arguments.model);
+  if (arguments.largest_angle_deg) options.largest_angle = from_degrees(*arguments.largest_angle_deg);
+  const auto calibration = calibrate_lens(found->views, found->width, found->height, options);
+  if (!calibration) return fail(calibration.error());
+  report(*calibration);
+  const auto now = now_text();
+  auto step = step_of(arguments, found->width, found->height, calibration->fit.lens, now);
+  step.measured.push_back(measured_of(board, *calibration, *found, now));
+  const auto title = fmt::format("{}: {}, rms {:.3f} px over {} views", arguments.camera,
+                                 model_name(calibration->fit.lens), calibration->fit.rms_px, calibration->views.size());
+  return save_calibration(arguments.out, std::move(step), plot_lens(*calibration, found->width, found->height, title));
+}
+
+}  // namespace
+
+void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
+  auto* command = calibrate_command.add_subcommand(
+      "lens", "The lens, from pictures of a checkerboard or ChArUco board, or another's file");
+  auto arguments = std::make_shared<LensArguments>();
+  auto& a = *arguments;
+  command->add_option("picture", a.pictures, "Pictures of the board, held still, all over the picture");
+  add_board_options(*command, a.board);
+  command->add_option("--import", a.import_file, "OCamCalib's calib_results.txt, or OpenCV's .yml or .xml, instead");
+  command->add_option("--config", a.config, "Pictures of the camera that this kasumi.toml names, as it runs, instead");
+  command->add_option("--live", a.live, "Or of this one: a Video4Linux device, or a recording");
+  command->add_option("--size", a.size, "Of the device's pictures")->type_name("WIDTHxHEIGHT");
+  command->add_flag("--window", a.window, "Show the running camera's picture, what is covered and what is not");
+  command->add_option("--seconds", a.seconds, "How long to look at most; 0: until the picture is covered")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
+  command->add_option("--camera", a.camera, "Whose lens")
+      ->check(CLI::IsMember({"sky", "scene"}))
+      ->capture_default_str();
+  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--model", a.model, "The one that predicts unseen views best, or one of these")
+      ->check(CLI::IsMember({"auto", "pinhole", "opencv_fisheye", "scaramuzza"}))
+      ->capture_default_str();
+  command
+      ->add_option("--largest-angle-deg", a.largest_angle_deg,
+                   "How far off the axis a fisheye is to be used; 5 deg beyond the farthest corner when left out")
+      ->check(CLI::Range(1.0, 180.0));
+  command->add_option("--out", a.out, "The calibration file; an older one is kept beside it")->required();
+  command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
+}
+
+}  // namespace kasumi

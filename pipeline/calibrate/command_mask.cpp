@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+
+#include <CLI/CLI.hpp>
+
+#include "calib/calibration_file.hpp"
+#include "calib/mask/scene_mask.hpp"
+#include "calib/mask/sky_mask.hpp"
+#include "capture/utc_text.hpp"
+#include "pipeline/calibrate/calibrated_camera.hpp"
+#include "pipeline/calibrate/command_calibrate.hpp"
+#include "pipeline/calibrate/save_calibration.hpp"
+#include "pipeline/calibration_report/plots.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/files/picture_sink.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr int kMostPictures = 80;
+constexpr std::int64_t kMostBytes = 200'000'000;  // of pictures kept for their median
+
+struct MaskArguments {
+  std::string fixture;
+  std::string picture, strokes;
+  std::vector<int> box;
+  double margin_px = 2.0;
+  double soft_px = 3.0;
+  std::string serial;
+  std::string out;
+};
+
+// Writes the mask beside the calibration file, keeping the one that was there: a person may have drawn in it.
+Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Image<std::uint8_t>& mask,
+                 const Image<Rgb8>& drawing) {
+  const auto file = beside(arguments.out, step.camera + "-free.png");
+  step.mask = file.filename().string();
+  const auto kept = keep_old(file);
+  if (!kept) return fail(kept.error());
+  if (auto written = write_png(file, mask); !written) return fail(written.error());
+  fmt::print("written: {}: white is free, black is hidden; draw in it what is wrong\n", file.string());
+  if (*kept) fmt::print("the mask that was there is kept as {}\n", (*kept)->string());
+  return save_calibration(arguments.out, std::move(step), drawing);
+}
+
+CalibrationStep step_of(const MaskArguments& arguments, const std::string& camera, int width, int height) {
+  CalibrationStep step;
+  step.camera = camera;
+  step.width = width;
+  step.height = height;
+  step.serial = arguments.serial;
+  step.calibrated_utc = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
+  return step;
+}
+
+Result<int> mask_sky(const MaskArguments& arguments) {
+  const auto fixture = read_fixture(arguments.fixture);
+  if (!fixture) return fail(fixture.error());
+  const auto camera = calibrated_camera(*fixture, arguments.out, "sky");
+  if (!camera) return fail(camera.error());
+  std::vector<Image<Rgb8>> pictures;
+  const std::int64_t each = 3 * std::int64_t{camera->width} * camera->height;
+  const int most =
+      static_cast<int>(std::clamp<std::int64_t>(kMostBytes / std::max<std::int64_t>(1, each), 5, kMostPictures));
+  const auto read =
+      for_each_picture(*fixture, *camera, {.most = most},
+                       [&](const PictureView& view, const FrameMetadata&) { pictures.push_back(to_rgb(view)); });
+  if (!read) return fail(read.error());
+  const auto found = find_sky_mask(pictures, *camera, arguments.margin_px);
+  if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
+
+  const double hours = to_seconds(read->last - read->first) / 3600.0;
+  fmt::print("{} pictures over {:.1f} h, {} with light enough; {} damaged\n", read->good, hours, found->pictures,
+             read->damaged);
+  fmt::print("{:.1f} % of the sky is hidden; {:.1f} % was told by its surroundings\n", 100.0 * found->hidden_share,
+             100.0 * found->unsure_share);
+  std::vector<std::string> remarks;
+  if (found->pictures < 5 || hours < 2.0)
+    remarks.push_back("few pictures or hours: a cloud that stood still, or the sun, may have been taken for a thing");
+  if (found->unsure_share > 0.1)
+    remarks.push_back("much lies between sky and dark: look at the drawing, and mend the mask in a paint program");
+  for (const auto& words : remarks) fmt::print("{}\n", words);
+
+  auto step = step_of(arguments, "sky", camera->width, camera->height);
+  step.site = fixture->installation.site;
+  step.measured.push_back({"mask",
+                           step.calibrated_utc,
+                           fmt::format("{} pictures of the recording {}, {} to {}", found->pictures, fixture->info.name,
+                                       utc_text(read->first), utc_text(read->last)),
+                           {{"hidden_percent", 100.0 * found->hidden_share},
+                            {"unsure_percent", 100.0 * found->unsure_share},
+                            {"margin_px", arguments.margin_px}},
+                           remarks});
+  const auto title = fmt::format("red: never sky, {:.1f} %; {} pictures", 100.0 * found->hidden_share, found->pictures);
+  return save(arguments, std::move(step), found->mask, plot_mask(found->typical, found->mask, {}, title));
+}
+
+Result<int> mask_scene(const MaskArguments& arguments) {
+  const auto photograph = read_photograph(arguments.picture);
+  if (!photograph) return fail(photograph.error());
+  const auto picture = to_rgb8(*photograph);
+  Problems problems;
+  const auto strokes = read_strokes(arguments.strokes, picture.width(), picture.height());
+  if (!strokes) problems.add("{}", strokes.error().message);
+  SceneMaskOptions options;
+  options.soft_px = arguments.soft_px;
+  if (!arguments.box.empty()) {
+    const auto& b = arguments.box;
+    options.box = glm::ivec4(b[0], b[1], b[2], b[3]);
+    if (b[0] < 0 || b[1] < 0 || b[2] < 1 || b[3] < 1 || b[0] + b[2] > picture.width() || b[1] + b[3] > picture.height())
+      problems.add("--box {},{},{},{}: expected a rectangle X,Y,WIDTH,HEIGHT in the picture of {} x {}", b[0], b[1],
+                   b[2], b[3], picture.width(), picture.height());
+  }
+  if (!problems.empty()) return fail(problems.fault());
+  const auto found = find_scene_mask(picture, *strokes, options);
+  if (!found) return fail(found.error().kind, "{}: {}", arguments.strokes, found.error().message);
+  fmt::print("{:.1f} % of the {} is hidden\n", 100.0 * found->hidden_share, options.box ? "box" : "picture");
+
+  auto step = step_of(arguments, "scene", picture.width(), picture.height());
+  step.measured.push_back(
+      {"mask",
+       step.calibrated_utc,
+       fmt::format("strokes of {} on {}", std::filesystem::path(arguments.strokes).filename().string(),
+                   std::filesystem::path(arguments.picture).filename().string()),
+       {{"hidden_percent", 100.0 * found->hidden_share}, {"soft_px", arguments.soft_px}},
+       {}});
+  const auto title =
+      fmt::format("red: in front, {:.1f} %; pure red and green: the strokes", 100.0 * found->hidden_share);
+  return save(arguments, std::move(step), found->mask, plot_mask(picture, found->mask, *strokes, title));
+}
+
+Result<int> calibrate(const MaskArguments& arguments) {
+  Problems problems;
+  const bool sky = !arguments.fixture.empty(), scene = !arguments.picture.empty() || !arguments.strokes.empty();
+  if (sky == scene)
+    problems.add(
+        "expected either a recording (what never is sky) or --picture and --strokes (what stands before the "
+        "building)");
+  if (scene && (arguments.picture.empty() || arguments.strokes.empty()))
+    problems.add("--picture and --strokes: expected both");
+  if (sky && !arguments.box.empty()) problems.add("--box: expected with --picture and --strokes only");
+  if (!problems.empty()) return fail(problems.fault());
+  return sky ? mask_sky(arguments) : mask_scene(arguments);
+}
+
+}  // namespace
+
+void add_calibrate_mask(CLI::App& calibrate_command, Action& action) {
+  auto* command = calibrate_command.add_subcommand(
+      "mask", "What never is sky, from a recording of a day; what stands before the building, from a few strokes");
+  auto arguments = std::make_shared<MaskArguments>();
+  auto& a = *arguments;
+  command->add_option("fixture", a.fixture, "The sky camera: a recording of a day");
+  command->add_option("--picture", a.picture, "The scene camera: one of its pictures");
+  command->add_option("--strokes", a.strokes,
+                      "A PNG of that size with strokes, red on what stands in front, green or blue on what is free; or "
+                      "a TOML of lines (docs/calibration.md)");
+  command->add_option("--box", a.box, "Where the building will be seen; only there is anything hidden. All of it else")
+      ->type_name("X,Y,W,H")
+      ->delimiter(',')
+      ->expected(4);
+  command->add_option("--margin-px", a.margin_px, "Sky: how far what is hidden reaches beyond what is seen of it")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  command->add_option("--soft-px", a.soft_px, "Scene: how wide soft edges (leaves, hair) may be; 0: hard edges")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--out", a.out, "The calibration file; an older one, and an older mask, are kept beside it")
+      ->required();
+  command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
+}
+
+}  // namespace kasumi

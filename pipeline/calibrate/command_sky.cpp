@@ -1,0 +1,242 @@
+#include <CLI/CLI.hpp>
+
+#include "calib/adopt_calibration.hpp"
+#include "calib/calibration_file.hpp"
+#include "calib/mask/image_circle.hpp"
+#include "calib/pose/sky_orientation.hpp"
+#include "capture/utc_text.hpp"
+#include "estimator/sky/sun.hpp"
+#include "estimator/sky_camera/sun_in_image.hpp"
+#include "pipeline/calibrate/command_calibrate.hpp"
+#include "pipeline/calibrate/save_calibration.hpp"
+#include "pipeline/calibration_report/plots.hpp"
+#include "pipeline/config/fixture_file.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr Radians kLowestSun = from_degrees(5.0);  // below it refraction is not sure, and the sun no disc
+constexpr double kCircleSigma_px = 0.5;
+
+struct SkyArguments {
+  std::string fixture;
+  std::string serial;
+  double level_sigma_deg = 3.0;
+  double focal_sigma_percent = 3.0;
+  std::string out;
+};
+
+// The lens to begin with and what is known of it: as calibrated, or as the recording has it.
+struct KnownLens {
+  LensDescription lens;
+  bool calibrated = false;
+  std::optional<std::string> response;  // of the recording, where one word tells it
+};
+
+Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixture) {
+  const auto root = ConfigTable::read_file(fixture.folder / "fixture.toml");
+  if (!root) return fail(root.error());
+  adopt_calibration(*root);
+  KnownLens known{read_lens_description(root->table("sky").table("lens")), false, std::nullopt};
+  if (const auto word = root->table("sky").text("response"); word != "table") known.response = word;
+  std::error_code error;
+  if (!std::filesystem::exists(arguments.out, error)) return known;
+  const auto before = ConfigTable::read_file(arguments.out);
+  if (!before) return fail(before.error());
+  const auto sky = before->optional_table("sky");
+  const auto measured = sky ? sky->optional_table("measured") : std::nullopt;
+  if (!measured || !measured->has("lens") || !sky->has("lens")) return known;
+  const auto& camera = fixture.installation.sky;
+  if (sky->integer("width") != camera.width || sky->integer("height") != camera.height)
+    return fail(FaultKind::bad_input, "{}: sky: its lens is of {} x {} pictures, the recording's are {} x {}",
+                arguments.out, sky->integer("width"), sky->integer("height"), camera.width, camera.height);
+  known.lens = read_lens_description(sky->table("lens"));
+  known.calibrated = true;
+  for (const char* key : {"calibration", "site", "sky", "scene"}) before->ignore(key);
+  if (auto whole = before->finish(); !whole) return fail(whole.error());
+  return known;
+}
+
+struct Seen {
+  std::vector<SunSight> sights;
+  Image<Rgb8> brightest;  // of all pictures: the circle's rim shows wherever it was ever lit
+  PicturesRead read;
+  int without_sun = 0, too_low = 0;
+};
+
+void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
+  if (brightest.empty()) {
+    brightest = picture;
+    return;
+  }
+  for (std::size_t i = 0; i < picture.elements().size(); ++i)
+    brightest.elements()[i] = glm::max(brightest.elements()[i], picture.elements()[i]);
+}
+
+Result<Seen> look_at_recording(const Fixture& fixture, const Camera& camera) {
+  Seen seen;
+  const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
+    keep_brightest(seen.brightest, to_rgb(view));
+    const auto sun = sun_position(metadata.utc, fixture.installation.site);
+    if (sun.zenith > from_degrees(90.0) - kLowestSun) {
+      ++seen.too_low;
+      return;
+    }
+    const auto picture = sky_picture(view, camera, kLargestSide);
+    const auto blob = picture ? find_sun(*picture, camera) : std::nullopt;
+    if (blob)
+      seen.sights.push_back({sun.direction, blob->pixel});
+    else
+      ++seen.without_sun;
+  };
+  const auto read = for_each_picture(fixture, camera, {}, look);
+  if (!read) return fail(read.error());
+  seen.read = *read;
+  return seen;
+}
+
+SkyPrior prior_of(const SkyArguments& arguments, const Camera& camera, const KnownLens& known,
+                  const std::optional<ImageCircle>& circle) {
+  SkyPrior prior;
+  prior.lens = known.lens;
+  prior.to_world = camera.to_world;
+  prior.level_sigma = from_degrees(arguments.level_sigma_deg);
+  if (known.calibrated) {
+    prior.centre_sigma_px = glm::dvec2(0.2);
+    prior.scale_sigma = 0.002;
+    return prior;
+  }
+  prior.scale_sigma = 0.01 * arguments.focal_sigma_percent;
+  if (circle) {
+    prior.lens = moved(known.lens, circle->centre, 1.0);
+    prior.centre_sigma_px = glm::dvec2(kCircleSigma_px);
+  } else {
+    prior.centre_sigma_px = glm::dvec2(0.01 * std::max(camera.width, camera.height));
+  }
+  return prior;
+}
+
+// The angle off the axis at the circle's edge, by the lens as it was fitted.
+std::optional<Radians> edge_of(const LensDescription& lens, const ImageCircle& circle) {
+  auto wide = lens;
+  wide.largest_angle = from_degrees(150.0);
+  const auto ray = make_lens(wide)->unproject(centre_of(lens) + glm::dvec2{circle.radius_px, 0.0});
+  if (!ray) return std::nullopt;
+  return angle_between(*ray, {0.0, 0.0, 1.0});
+}
+
+std::vector<Measured> measured_of(const Fixture& fixture, const Seen& seen, const KnownLens& known,
+                                  const SkyOrientation& found, const std::optional<ImageCircle>& circle,
+                                  const std::string& now) {
+  const auto used = std::count(found.used.begin(), found.used.end(), true);
+  const auto from = fmt::format("the sun in {} of {} pictures of the recording {}, {} to {}", used, seen.read.good,
+                                fixture.info.name, utc_text(seen.read.first), utc_text(seen.read.last));
+  const auto& sigma = found.sigma;
+  Measured orientation{"orientation",
+                       now,
+                       from,
+                       {{"rms_px", found.rms_px},
+                        {"azimuth_sigma_deg", to_degrees(sigma.azimuth)},
+                        {"tilt_east_sigma_deg", to_degrees(sigma.tilt_east)},
+                        {"tilt_north_sigma_deg", to_degrees(sigma.tilt_north)},
+                        {"centre_x_sigma_px", sigma.centre_px.x},
+                        {"centre_y_sigma_px", sigma.centre_px.y},
+                        {"focal_sigma_percent", 100.0 * sigma.scale},
+                        {"focal_scale", found.scale}},
+                       found.undetermined};
+  orientation.remarks.push_back(known.calibrated ? "the lens was calibrated before"
+                                                 : "the lens was as the recording describes it");
+  std::vector<Measured> all{orientation};
+  if (circle) {
+    Measured rim{"image_circle", now, from, {}, {}};
+    rim.numbers = {
+        {"centre_x_px", circle->centre.x}, {"centre_y_px", circle->centre.y}, {"radius_px", circle->radius_px}};
+    if (const auto edge = edge_of(found.lens, *circle))
+      rim.numbers.emplace_back("field_of_view_deg", 2.0 * to_degrees(*edge));
+    all.push_back(rim);
+  }
+  return all;
+}
+
+void report(const Seen& seen, const SkyOrientation& found, const std::optional<ImageCircle>& circle) {
+  const auto used = std::count(found.used.begin(), found.used.end(), true);
+  fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", seen.read.good,
+             seen.sights.size(), seen.without_sun, seen.too_low, seen.read.damaged);
+  fmt::print("{} used, rms {:.2f} px; {} were not the sun\n", used, found.rms_px,
+             static_cast<std::ptrdiff_t>(seen.sights.size()) - used);
+  const auto angles = heading_pitch_roll(found.to_world);
+  fmt::print("heading {:.3f}, pitch {:.3f}, roll {:.3f} deg\n", to_degrees(angles.heading), to_degrees(angles.pitch),
+             to_degrees(angles.roll));
+  fmt::print("sure of the azimuth to {:.3f} deg, of the tilt to {:.3f} deg (east) and {:.3f} deg (north)\n",
+             to_degrees(found.sigma.azimuth), to_degrees(found.sigma.tilt_east), to_degrees(found.sigma.tilt_north));
+  const auto centre = centre_of(found.lens);
+  fmt::print("centre ({:.2f} +- {:.2f}, {:.2f} +- {:.2f}) px, focal length {:.2f} px +- {:.2f} %\n", centre.x,
+             found.sigma.centre_px.x, centre.y, found.sigma.centre_px.y, focal_px_of(found.lens),
+             100.0 * found.sigma.scale);
+  if (circle)
+    fmt::print("image circle: centre ({:.1f}, {:.1f}), radius {:.1f} px\n", circle->centre.x, circle->centre.y,
+               circle->radius_px);
+  else
+    fmt::print("image circle: its rim is not to be seen\n");
+  for (const auto& words : found.undetermined) fmt::print("undetermined: {}\n", words);
+  fmt::print("a clock 4 s off turns the sky by up to 1/60 deg: nothing here can tell that from the azimuth\n");
+}
+
+Result<int> calibrate(const SkyArguments& arguments) {
+  const auto fixture = read_fixture(arguments.fixture);
+  if (!fixture) return fail(fixture.error());
+  const auto known = known_lens(arguments, *fixture);
+  if (!known) return fail(known.error());
+  Camera camera = fixture->installation.sky;
+  camera.lens = make_lens(known->lens);
+  const auto seen = look_at_recording(*fixture, camera);
+  if (!seen) return fail(seen.error());
+  const auto circle = find_image_circle(seen->brightest);
+  const auto found = orient_sky(seen->sights, prior_of(arguments, camera, *known, circle));
+  if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
+  report(*seen, *found, circle);
+
+  CalibrationStep step;
+  step.camera = "sky";
+  step.width = camera.width;
+  step.height = camera.height;
+  step.serial = arguments.serial;
+  step.lens = found->lens;
+  step.to_world = found->to_world;
+  step.response = known->response;
+  step.site = fixture->installation.site;
+  const auto now = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
+  step.calibrated_utc = now;
+  step.measured = measured_of(*fixture, *seen, *known, *found, circle, now);
+
+  const auto title = fmt::format("{}: rms {:.2f} px, azimuth +- {:.3f} deg", fixture->info.name, found->rms_px,
+                                 to_degrees(found->sigma.azimuth));
+  return save_calibration(arguments.out, std::move(step), plot_sun_track(seen->brightest, seen->sights, *found, title));
+}
+
+}  // namespace
+
+void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
+  auto* command = calibrate_command.add_subcommand(
+      "sky", "Orientation, centre and focal length of the sky camera, from the sun's way in a recording");
+  auto arguments = std::make_shared<SkyArguments>();
+  auto& a = *arguments;
+  command->add_option("fixture", a.fixture, "A recording: hours of sun, or a few pictures of a day")->required();
+  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--level-deg", a.level_sigma_deg, "How well the camera was levelled when it was mounted")
+      ->check(CLI::Range(0.05, 30.0))
+      ->capture_default_str();
+  command
+      ->add_option("--focal-percent", a.focal_sigma_percent,
+                   "How sure the lens's focal length is, unless calibrate lens has measured it")
+      ->check(CLI::Range(0.05, 30.0))
+      ->capture_default_str();
+  command
+      ->add_option("--out", a.out,
+                   "The calibration file; a lens found in it is begun with, an older file is kept beside it")
+      ->required();
+  command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
+}
+
+}  // namespace kasumi

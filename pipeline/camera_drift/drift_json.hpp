@@ -1,0 +1,16 @@
+// The drift check's report for programs: docs/calibration.md lists its keys.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "pipeline/camera_drift/drift.hpp"
+
+namespace kasumi {
+
+std::string drift_json(const DriftReport& report);  // one object
+// Its list of findings by itself.
+nlohmann::ordered_json findings_json(const DriftReport& report);
+
+}  // namespace kasumi

@@ -1,0 +1,26 @@
+// What a kiosk shows, read whole before any of it is used.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "base/image.hpp"
+#include "gles/model/model.hpp"
+#include "gles/picture/flat_picture.hpp"
+#include "pipeline/config/run_config.hpp"
+
+namespace kasumi {
+
+struct Content {
+  RunConfig config;
+  Model model;                        // stays in memory: GL contexts come and go
+  std::optional<Image<Rgba8>> still;  // the curated picture; where it is transparent, the sky of the day shows
+};
+using ContentPtr = std::shared_ptr<const Content>;
+
+// Configuration, calibration, model, curated picture. BLOCKS for the seconds that takes. Errors (bad_input): every
+// problem of all of them at once.
+Result<ContentPtr> read_content(const std::filesystem::path& config_file);
+
+}  // namespace kasumi

@@ -1,0 +1,38 @@
+#include "pipeline/config/foreign_keys.hpp"
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace kasumi {
+namespace {
+
+// Of a fixture's description, and of a kiosk's configuration.
+constexpr std::array kRoot{"calibration", "format", "name",    "description", "licence",   "provenance", "start_utc",
+                           "site",        "sky",    "scene",   "object",      "landmarks", "display",    "still",
+                           "words",       "clock",  "opening", "check",       "ladder",    "state"};
+
+// What is in a table besides the site, the camera and the landmarks' contrast.
+const std::map<std::string_view, std::vector<std::string_view>>& shared_tables() {
+  static const std::map<std::string_view, std::vector<std::string_view>> kTables{
+      {"site", {"ground_albedo", "cloud_base_m", "fog", "sky_model", "haze_blur_px"}},
+      {"sky", {"camera"}},
+      {"scene", {"camera", "point_spread_px", "shared_chroma", "noise", "depth_map", "depth_step_m"}},
+      {"landmarks", {"name", "latitude_deg", "longitude_deg", "altitude_m"}}};
+  return kTables;
+}
+
+}  // namespace
+
+void ignore_what_others_read(const ConfigTable& root, const std::set<std::string_view>& own) {
+  for (const char* key : kRoot)
+    if (!own.contains(key)) root.ignore(key);
+  for (const auto& [name, keys] : shared_tables()) {
+    if (!own.contains(name) || !root.has(name)) continue;
+    const auto tables = name == "landmarks" ? root.tables(name) : std::vector{root.table(name)};
+    for (const auto& table : tables)
+      for (const auto key : keys) table.ignore(key);
+  }
+}
+
+}  // namespace kasumi

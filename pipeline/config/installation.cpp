@@ -1,0 +1,71 @@
+#include "pipeline/config/installation.hpp"
+
+#include <fmt/ranges.h>
+
+#include "calib/mask/distance_map.hpp"
+#include "capture/utc_text.hpp"
+#include "gles/scene.hpp"
+
+namespace kasumi {
+
+namespace {
+
+FogLayer read_fog(const ConfigTable& table) {
+  return {table.number("extinction_per_m", {0.0, 1.0}), table.number("base_altitude_m", {-500.0, 9000.0}),
+          table.number("scale_height_m", {1.0, 5000.0}, FogLayer{}.scale_height_m)};
+}
+
+Surroundings read_surroundings(const ConfigTable& table) {
+  const Surroundings usual;
+  Surroundings found{table.number("ground_albedo", {0.0, 1.0}, usual.ground_albedo),
+                     table.number("cloud_base_m", {50.0, 15e3}, usual.cloud_base_m), usual.fog, usual.sky_model,
+                     usual.haze_blur_px};
+  if (const auto fog = table.optional_table("fog")) found.fog = read_fog(*fog);
+  const auto model =
+      table.choice("sky_model", {"automatic", "preetham", "dome"}, std::string(name_of(usual.sky_model)));
+  found.sky_model = site_sky_model_named(model).value_or(usual.sky_model);
+  found.haze_blur_px = table.number("haze_blur_px", {0.0, kWidestPointSpread_px}, usual.haze_blur_px);
+  return found;
+}
+
+}  // namespace
+
+Installation read_installation(const ConfigTable& root) {
+  Installation installation;
+  installation.calibration = adopt_calibration(root);
+  installation.site = read_site(root.table("site"));
+  installation.surroundings = read_surroundings(root.table("site"));
+  installation.sky = read_camera(root.table("sky"), "sky");
+  const auto scene = root.table("scene");
+  installation.scene = read_camera(scene, "scene");
+  installation.scene_quality = read_image_quality(scene);
+  installation.scene_distances_m = read_distance_map(scene, installation.scene.width, installation.scene.height);
+  if (installation.scene.lens && !pinhole_model(*installation.scene.lens))
+    scene.table("lens").problem("model",
+                                "\"pinhole\": the picture is drawn through a pinhole (with Brown's distortion)");
+  installation.object = read_placement(root.table("object"), installation.site);
+  installation.landmarks = read_landmarks(root, installation.site);
+  installation.contrast_landmarks =
+      read_contrast_landmarks(root, installation.site, installation.scene.width, installation.scene.height);
+  return installation;
+}
+
+std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file) {
+  const auto& adopted = installation.calibration;
+  if (!adopted) return {};
+  const auto name = adopted->file.filename().string();
+  const auto date = [](const Camera& camera) {
+    return camera.calibrated_utc ? utc_text(std::chrono::floor<std::chrono::seconds>(*camera.calibrated_utc))
+                                 : std::string("an unknown date");
+  };
+  auto words = fmt::format("{}: the sky camera's of {}, the scene camera's of {}", name, date(installation.sky),
+                           date(installation.scene));
+  words += fmt::format("\n  from it: {}",
+                       adopted->gained.empty() ? "nothing" : fmt::format("{}", fmt::join(adopted->gained, ", ")));
+  if (!adopted->overruled.empty())
+    words += fmt::format("\n  {} says itself, and that holds: {}", root_file.filename().string(),
+                         fmt::join(adopted->overruled, ", "));
+  return words;
+}
+
+}  // namespace kasumi

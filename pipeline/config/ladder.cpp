@@ -1,0 +1,82 @@
+#include "pipeline/config/ladder.hpp"
+
+#include <algorithm>
+
+namespace kasumi {
+
+std::string_view name_of(Shown shown) {
+  switch (shown) {
+    case Shown::live: return "live";
+    case Shown::held: return "held";
+    case Shown::degraded: return "degraded";
+    case Shown::still: return "still";
+    case Shown::dark: return "dark";
+  }
+  return "unknown";
+}
+
+std::string_view name_of(Trouble trouble) {
+  switch (trouble) {
+    case Trouble::none: return "";
+    case Trouble::starting: return "starting: no picture from the scene camera yet";
+    case Trouble::scene_lost: return "no picture from the scene camera";
+    case Trouble::scene_frozen: return "the scene camera's picture is frozen";
+    case Trouble::scene_covered: return "the scene camera is covered";
+    case Trouble::scene_white_out: return "the scene camera sees nothing but white";
+    case Trouble::sky_lost: return "no picture from the sky camera: the air is held";
+    case Trouble::time_unknown: return "the time is not known: no sun, no building";
+    case Trouble::closed: return "closed";
+  }
+  return "unknown";
+}
+
+LadderOptions patient_with(LadderOptions options, Duration frame_interval) {
+  options.held = std::max(options.held, frame_interval * 5 / 2);
+  options.late = std::max(options.late, frame_interval * 3 / 2);
+  return options;
+}
+
+Trouble Ladder::scene_trouble(const Signs& signs) const {
+  if (!signs.picture_age) return Trouble::starting;
+  if (*signs.picture_age >= options_.held - options_.fade) return Trouble::scene_lost;
+  return signs.bad_scene_picture.value_or(Trouble::none);
+}
+
+Shown Ladder::rung_for(Instant now, const Signs& signs, Trouble trouble) {
+  if (!signs.open) return Shown::dark;
+  if (trouble != Trouble::none) {
+    well_since_.reset();
+    return Shown::still;
+  }
+  if (!well_since_) well_since_ = now;
+  // A camera that comes and goes must not make the screen flicker; at the start there is nothing to flicker from.
+  const bool from_still = rung_.shown == Shown::still && rung_.trouble != Trouble::starting;
+  if (from_still && now - *well_since_ < options_.steady) return Shown::still;
+  if (*signs.picture_age > options_.late) return Shown::held;
+  return signs.sky_up && signs.sun_known ? Shown::live : Shown::degraded;
+}
+
+Rung Ladder::step(Instant now, const Signs& signs) {
+  const auto trouble = scene_trouble(signs);
+  const auto shown = rung_for(now, signs, trouble);
+  const double moved = stepped_ ? std::max(0.0, to_seconds(now - *stepped_) / to_seconds(options_.fade)) : 1.0;
+  const auto towards = [&](double from, double to) { return from + std::clamp(to - from, -moved, moved); };
+
+  // Nothing lies behind the still before the first picture: it is there at once.
+  rung_.still = trouble == Trouble::starting ? 1.0 : towards(rung_.still, shown == Shown::still ? 1.0 : 0.0);
+  rung_.dark = towards(rung_.dark, shown == Shown::dark ? 1.0 : 0.0);
+  // The words stay until the still goes.
+  if (shown == Shown::dark)
+    rung_.trouble = Trouble::closed;
+  else if (trouble != Trouble::none)
+    rung_.trouble = trouble;
+  else if (shown != Shown::still)
+    rung_.trouble = shown != Shown::degraded ? Trouble::none
+                    : !signs.sun_known       ? Trouble::time_unknown
+                                             : Trouble::sky_lost;
+  rung_.shown = shown;
+  stepped_ = now;
+  return rung_;
+}
+
+}  // namespace kasumi

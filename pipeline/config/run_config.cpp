@@ -1,0 +1,219 @@
+#include "pipeline/config/run_config.hpp"
+
+#include <array>
+#include <charconv>
+
+namespace kasumi {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// Younger than any clock that has never been set.
+constexpr Utc kEarliest = std::chrono::sys_days{std::chrono::year{2025} / 1 / 1};
+
+std::optional<double> optional_number(const ConfigTable& table, std::string_view key, Range range) {
+  if (!table.has(key)) return std::nullopt;
+  return table.number(key, range);
+}
+
+CameraRequest read_request(const ConfigTable& table, const Camera& camera) {
+  CameraRequest request;
+  request.width = camera.width;
+  request.height = camera.height;
+  if (const auto code = table.text("format", std::string("auto")); code != "auto") {
+    const auto format = parse_four_cc(code);
+    if (format)
+      request.format = *format;
+    else
+      table.problem("format", fmt::format("\"auto\" or a format that is read: {}", format.error().message));
+  }
+  request.frames_per_second = table.number("frames_per_second", {0.0, 1000.0}, 0.0);
+  request.exposure_s = optional_number(table, "exposure_s", {1e-6, 10.0});
+  request.gain = optional_number(table, "gain", {0.01, 1000.0});
+  request.white_balance_k = optional_number(table, "white_balance_k", {1000.0, 20000.0});
+  request.lock_white_balance = table.flag("lock_white_balance", request.lock_white_balance);
+  request.buffers = table.integer("buffers", {3, 16}, request.buffers);
+  request.yuv_encoding = camera.yuv_encoding;
+  return request;
+}
+
+CameraChoice read_camera_choice(const ConfigTable& table, const Camera& camera) {
+  const auto source = table.choice("source", {"v4l2", "libcamera", "replay"});
+  if (source == "replay") {
+    ReplayCamera replay{table.folder() / table.text("fixture")};
+    std::error_code error;
+    if (const auto index = replay.fixture / camera.name / "index.csv"; !std::filesystem::is_regular_file(index, error))
+      table.problem("fixture", fmt::format("a fixture's folder (looked for {})", index.string()));
+    return replay;
+  }
+  auto request = read_request(table, camera);
+  // The sky's frames are looked at once a second: the driver gets its buffers back at once.
+  request.lend_buffers = camera.name != "sky";
+  if (source == "libcamera") return LibcameraOptions{table.text("camera"), request};
+  const auto device = table.text("device");
+  if (!device.empty() && !device.starts_with('/'))
+    table.problem("device", "a path like \"/dev/v4l/by-id/usb-...-video-index0\"");
+  return V4l2Options{device, request};
+}
+
+// "auto", "1920x1080" or "1920x1080@60"
+void read_mode(const ConfigTable& table, KmsDisplayOptions& options) {
+  const auto mode = table.text("mode", std::string("auto"));
+  if (mode == "auto") return;
+  const char *at = mode.data(), *end = mode.data() + mode.size();
+  const auto number = [&](auto& value) {
+    const auto parsed = std::from_chars(at, end, value);
+    const bool whole = parsed.ec == std::errc{};
+    at = parsed.ptr;
+    return whole;
+  };
+  const auto sign = [&](char c) { return at != end && *at == c && ++at != nullptr; };
+  bool whole = number(options.width) && sign('x') && number(options.height);
+  if (whole && at != end) whole = sign('@') && number(options.refresh_hz) && at == end;
+  const bool sane = options.width >= 16 && options.width <= 16384 && options.height >= 16 && options.height <= 16384 &&
+                    options.refresh_hz >= 0.0 && options.refresh_hz <= 1000.0;
+  if (!whole || !sane) table.problem("mode", R"("auto", "1920x1080" or "1920x1080@60")");
+}
+
+DisplayChoice read_display(const ConfigTable& table) {
+  constexpr Range kSize_px{16, 16384};
+  const auto kind = table.choice("kind", {"kms", "window", "headless"}, std::string("kms"));
+  if (kind == "window") {
+    WindowDisplayOptions window;
+    window.width = table.integer("width", kSize_px, window.width);
+    window.height = table.integer("height", kSize_px, window.height);
+    return window;
+  }
+  if (kind == "headless") {
+    HeadlessDisplayOptions headless;
+    headless.width = table.integer("width", kSize_px, headless.width);
+    headless.height = table.integer("height", kSize_px, headless.height);
+    return headless;
+  }
+  KmsDisplayOptions kms;
+  kms.device = table.text("device", std::string());
+  kms.connector = table.text("connector", std::string());
+  read_mode(table, kms);
+  kms.preferred_instead = true;  // a picture in another size is better than none
+  kms.atomic = table.flag("atomic", true);
+  return kms;
+}
+
+ClockChoice read_clock(const ConfigTable& table) {
+  ClockChoice clock;
+  const auto policy = table.choice("policy", {"synchronized", "trusted", "from_sky"}, std::string("synchronized"));
+  clock.policy = policy == "trusted"    ? ClockPolicy::trusted
+                 : policy == "from_sky" ? ClockPolicy::from_sky
+                                        : ClockPolicy::synchronized;
+  clock.earliest = table.has("earliest_utc") ? table.utc("earliest_utc") : kEarliest;
+  return clock;
+}
+
+OpeningHours read_opening(const ConfigTable& table) {
+  constexpr std::array kDays{"sunday", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday"};
+  OpeningHours opening;
+  // What cannot be read counts as open all day, and is a problem.
+  const auto hours = [&](const char* key, const DayHours& otherwise) {
+    const auto text = table.text(key, std::string());
+    if (text.empty()) return otherwise;
+    const auto parsed = parse_hours(text);
+    if (!parsed) table.problem(key, parsed.error().message);
+    return parsed.value_or(otherwise);
+  };
+  const auto every_day = hours("every_day", kAllDay);
+  for (std::size_t day = 0; day < kDays.size(); ++day) opening.week[day] = hours(kDays[day], every_day);
+  if (auto exceptions = parse_exceptions(table.text("exceptions", std::string())))
+    opening.exceptions = std::move(*exceptions);
+  else
+    table.problem("exceptions", exceptions.error().message);
+
+  opening.time_zone = table.text("time_zone", std::string());
+  if (!opening.time_zone.empty()) {
+    if (!is_time_zone(opening.time_zone))
+      table.problem("time_zone", "a time zone's name like \"Europe/Zurich\" (timedatectl list-timezones)");
+  } else if (!opening.is_always_open()) {
+    if (auto zone = machine_time_zone())
+      opening.time_zone = std::move(*zone);
+    else
+      table.problem("time_zone",
+                    fmt::format("a name like \"Europe/Zurich\", for the machine has none: {}", zone.error().message));
+  }
+  return opening;
+}
+
+CheckChoice read_check(const ConfigTable& table, const OpeningHours& opening) {
+  constexpr Range kMinutes{0.1, 240.0};
+  CheckChoice choice;
+  const auto time = table.text("time", std::string("13:00"));
+  const double minutes = table.number("minutes", kMinutes, 30.0);
+  if (time == "never") return choice;
+  const auto rest_of_day = parse_hours(time + "-24:00");
+  if (!rest_of_day || rest_of_day->size() != 1) {
+    table.problem("time", R"(a time of the day like "13:00", by the wall clock, or "never")");
+    return choice;
+  }
+  choice.length = from_seconds(60.0 * minutes);
+  OpeningHours hours;
+  hours.time_zone = opening.time_zone.empty() ? machine_time_zone().value_or("") : opening.time_zone;
+  const auto from = rest_of_day->front().from;
+  hours.week.fill({{from, from + std::chrono::ceil<std::chrono::minutes>(choice.length)}});
+  choice.hours = std::move(hours);
+  return choice;
+}
+
+LadderOptions read_ladder(const ConfigTable& table) {
+  LadderOptions ladder;
+  const auto seconds = [&](std::string_view key, Range range, Duration fallback) {
+    return from_seconds(table.number(key, range, to_seconds(fallback)));
+  };
+  ladder.fade = seconds("fade_s", {0.05, 5.0}, ladder.fade);
+  ladder.held = seconds("held_s", {0.5, 600.0}, ladder.held);
+  ladder.late = seconds("late_s", {0.05, 600.0}, ladder.late);
+  ladder.steady = seconds("steady_s", {0.0, 60.0}, ladder.steady);
+  if (ladder.held < ladder.fade + 100ms)
+    table.problem("held_s", fmt::format("at least 0.1 s more than fade_s ({} s)", to_seconds(ladder.fade)));
+  return ladder;
+}
+
+}  // namespace
+
+RunConfig read_run_config(const ConfigTable& root) {
+  // A table that may be missing is read as an empty one.
+  const auto section = [&](std::string_view key, auto read) {
+    const auto table = root.optional_table(key);
+    return read(table ? *table : *ConfigTable::parse("", root.path()));
+  };
+  RunConfig config;
+  config.installation = read_installation(root);
+  config.sky_camera = read_camera_choice(root.table("sky").table("camera"), config.installation.sky);
+  config.scene_camera = read_camera_choice(root.table("scene").table("camera"), config.installation.scene);
+  config.display = section("display", read_display);
+  config.overlay = section("display", [](const ConfigTable& table) { return table.flag("overlay", false); });
+  config.still = section("still", [](const ConfigTable& table) {
+    return StillChoice{table.optional_file("picture"), table.text("caption", std::string())};
+  });
+  config.words = section("words", [](const ConfigTable& table) {
+    WordsChoice words;
+    const auto language = parse_language(table.text("language", std::string("en")));
+    if (language)
+      words.language = *language;
+    else
+      table.problem("language", language.error().message);
+    words.font_file = table.optional_file("font_file");
+    words.show_faults = table.flag("show_faults", true);
+    return words;
+  });
+  config.clock = section("clock", read_clock);
+  config.opening = section("opening", read_opening);
+  config.check = section("check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
+  config.ladder = section("ladder", read_ladder);
+  config.state_folder = section("state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
+    const auto folder = table.text("folder", std::string());
+    if (folder.empty()) return std::nullopt;
+    return table.folder() / folder;
+  });
+  return config;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,62 @@
+// kasumi.toml: one kiosk, and how it is run.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "base/config_table.hpp"
+#include "capture/libcamera/libcamera_source.hpp"
+#include "capture/v4l2/v4l2_source.hpp"
+#include "gles/display/display.hpp"
+#include "pipeline/config/installation.hpp"
+#include "pipeline/config/ladder.hpp"
+#include "pipeline/config/opening_hours.hpp"
+#include "pipeline/config/time_trust.hpp"
+#include "pipeline/config/words.hpp"
+
+namespace kasumi {
+
+struct ReplayCamera {
+  std::filesystem::path fixture;  // played over and over
+  friend bool operator==(const ReplayCamera&, const ReplayCamera&) = default;
+};
+using CameraChoice = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
+using DisplayChoice = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
+
+struct StillChoice {
+  std::optional<std::filesystem::path> picture;  // empty: a plain ground
+  std::string caption;
+};
+struct WordsChoice {
+  Language language = Language::english;
+  std::optional<std::filesystem::path> font_file;
+  bool show_faults = true;  // false: the visitor reads the curated caption alone
+};
+
+// When the cameras are held against their calibration, once a day.
+struct CheckChoice {
+  std::optional<OpeningHours> hours;  // from when to when pictures are gathered for it; empty: never
+  Duration length{};                  // of that time
+};
+
+struct RunConfig {
+  Installation installation;
+  CameraChoice sky_camera;
+  CameraChoice scene_camera;
+  DisplayChoice display;
+  bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
+  StillChoice still;
+  WordsChoice words;
+  ClockChoice clock;
+  OpeningHours opening;
+  CheckChoice check;
+  LadderOptions ladder;
+  std::optional<std::filesystem::path> state_folder;
+};
+
+// Problems are left in the root's file.
+RunConfig read_run_config(const ConfigTable& root);
+
+}  // namespace kasumi

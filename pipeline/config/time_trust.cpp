@@ -1,0 +1,58 @@
+#include "pipeline/config/time_trust.hpp"
+
+#include <sys/timerfd.h>
+#include <sys/timex.h>
+
+#include <cerrno>
+#include <limits>
+
+#include <unistd.h>
+
+#include "base/unique_fd.hpp"
+
+namespace kasumi {
+
+namespace {
+
+class KernelTimeWatch final : public TimeWatch {
+ public:
+  KernelTimeWatch() : timer_(timerfd_create(CLOCK_REALTIME, TFD_NONBLOCK | TFD_CLOEXEC)) { arm(); }
+
+  TimeSigns look() override {
+    std::uint64_t expired = 0;
+    if (timer_ && ::read(timer_.value(), &expired, sizeof expired) < 0 && errno == ECANCELED) {
+      ++signs_.jumps;
+      arm();
+    }
+    struct timex state {};
+    signs_.synchronized = ::adjtimex(&state) >= 0 && (state.status & STA_UNSYNC) == 0;
+    return signs_;
+  }
+
+ private:
+  void arm() {
+    struct itimerspec never {};
+    never.it_value.tv_sec = std::numeric_limits<time_t>::max();
+    if (timer_) ::timerfd_settime(timer_.value(), TFD_TIMER_ABSTIME | TFD_TIMER_CANCEL_ON_SET, &never, nullptr);
+  }
+
+  UniqueFd timer_;
+  TimeSigns signs_;
+};
+
+}  // namespace
+
+std::unique_ptr<TimeWatch> watch_kernel_time() {
+  return std::make_unique<KernelTimeWatch>();
+}
+
+SunSource TimeTrust::judge(const TimeSigns& signs, Utc now) {
+  if (signs.jumps != jumps_) gained_ = false;
+  jumps_ = signs.jumps;
+  gained_ = gained_ || signs.synchronized;
+  const bool believed = now >= choice_.earliest && (gained_ || choice_.policy == ClockPolicy::trusted);
+  if (believed) return SunSource::ephemeris;
+  return choice_.policy == ClockPolicy::from_sky ? SunSource::image : SunSource::none;
+}
+
+}  // namespace kasumi

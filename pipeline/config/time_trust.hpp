@@ -1,0 +1,48 @@
+// Whether the machine's time is to be believed. At boot it may be years wrong, and the sun with it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "base/clock.hpp"
+#include "estimator/sky_camera/sun_in_image.hpp"
+
+namespace kasumi {
+
+enum class ClockPolicy {
+  synchronized,  // believed once the kernel says that something keeps it in step
+  trusted,       // always believed: somebody else looks after it, or the cameras play a recording
+  from_sky,      // as `synchronized`, and until then the sun is where the sky camera sees it
+};
+struct ClockChoice {
+  ClockPolicy policy = ClockPolicy::synchronized;
+  Utc earliest{};  // a time before that is never believed
+};
+
+// What the kernel knows of its clock.
+struct TimeSigns {
+  bool synchronized = false;  // adjtimex without STA_UNSYNC
+  std::uint64_t jumps = 0;    // how often it was set since the watch began
+};
+class TimeWatch {
+ public:
+  virtual ~TimeWatch() = default;
+  virtual TimeSigns look() = 0;  // does not block; for one thread
+};
+// By adjtimex and a timer that the kernel cancels when the clock is set.
+std::unique_ptr<TimeWatch> watch_kernel_time();
+
+class TimeTrust {
+ public:
+  explicit TimeTrust(ClockChoice choice = {}) : choice_(choice) {}
+  // Where the sun's place may be taken from now. Trust once gained stays while the clock runs on undisturbed (a machine
+  // cut off from its time server drifts by seconds a day), and is to be gained anew when somebody sets the clock.
+  SunSource judge(const TimeSigns& signs, Utc now);
+
+ private:
+  ClockChoice choice_;
+  bool gained_ = false;
+  std::uint64_t jumps_ = 0;
+};
+
+}  // namespace kasumi

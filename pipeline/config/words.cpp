@@ -1,0 +1,102 @@
+#include "pipeline/config/words.hpp"
+
+#include <array>
+
+namespace kasumi {
+namespace {
+
+struct Saying {
+  std::string_view english, german, french, italian, spanish, japanese;
+};
+
+constexpr std::array kCodes{"en", "de", "fr", "it", "es", "ja"};
+
+// French writes a narrow no-break space before its double punctuation marks.
+constexpr Saying saying(Message message) {
+  switch (message) {
+    case Message::starting:
+      return {"The live picture will appear in a moment.",     "Das Livebild erscheint gleich.",
+              "L’image en direct apparaîtra dans un instant.", "L’immagine dal vivo apparirà tra un istante.",
+              "La imagen en directo aparecerá en un momento.", "まもなくライブ映像が表示されます。"};
+    case Message::scene_camera_missing:
+      return {"No picture is coming from the camera.\nThe live view will return by itself.",
+              "Von der Kamera kommt kein Bild.\nDas Livebild kehrt von selbst zurück.",
+              "La caméra n’envoie pas d’image.\nLa vue en direct reviendra d’elle-même.",
+              "Dalla telecamera non arriva nessuna immagine.\nLa vista dal vivo tornerà da sola.",
+              "La cámara no envía ninguna imagen.\nLa vista en directo volverá por sí sola.",
+              "カメラからの映像が届いていません。\nライブ映像は自動的に復帰します。"};
+    case Message::scene_camera_frozen:
+      return {"The camera’s picture stands still.\nThe live view will return by itself.",
+              "Das Bild der Kamera steht still.\nDas Livebild kehrt von selbst zurück.",
+              "L’image de la caméra est figée.\nLa vue en direct reviendra d’elle-même.",
+              "L’immagine della telecamera è ferma.\nLa vista dal vivo tornerà da sola.",
+              "La imagen de la cámara se ha detenido.\nLa vista en directo volverá por sí sola.",
+              "カメラの映像が止まっています。\nライブ映像は自動的に復帰します。"};
+    case Message::scene_camera_covered:
+      return {"Something covers the camera.\nThe live view returns when it is clear again.",
+              "Die Kamera ist verdeckt.\nDas Livebild kehrt zurück, sobald sie wieder frei ist.",
+              "La caméra est masquée.\nLa vue en direct reviendra dès qu’elle sera dégagée.",
+              "La telecamera è coperta.\nLa vista dal vivo tornerà appena sarà libera.",
+              "La cámara está tapada.\nLa vista en directo volverá cuando quede despejada.",
+              "カメラが覆われています。\n取り除かれるとライブ映像に戻ります。"};
+    case Message::scene_camera_blinded:
+      return {"Bright light blinds the camera.\nThe live view returns when it has passed.",
+              "Helles Licht blendet die Kamera.\nDas Livebild kehrt danach zurück.",
+              "Une lumière vive éblouit la caméra.\nLa vue en direct reviendra ensuite.",
+              "Una luce intensa abbaglia la telecamera.\nLa vista dal vivo tornerà poco dopo.",
+              "Una luz intensa deslumbra la cámara.\nLa vista en directo volverá después.",
+              "強い光のためカメラが見えなくなっています。\n収まるとライブ映像に戻ります。"};
+    case Message::sky_camera_missing:
+      return {"No picture is coming from the sky camera: the haze is shown as it was last measured.",
+              "Von der Himmelskamera kommt kein Bild: Der Dunst ist so gezeigt, wie er zuletzt gemessen wurde.",
+              "La caméra du ciel n’envoie pas d’image\u202F: la brume est montrée telle que mesurée en dernier.",
+              "Dalla telecamera del cielo non arriva nessuna immagine: la foschia è mostrata come nell’ultima misura.",
+              "La cámara del cielo no envía ninguna imagen: la bruma se muestra según la última medición.",
+              "空のカメラからの映像が届いていません。\n霞は最後に測定された状態で表示しています。"};
+    case Message::no_clock:
+      return {"The clock is not set yet.\nThe building appears as soon as the time of day is known.",
+              "Die Uhr ist noch nicht gestellt.\nDas Bauwerk erscheint, sobald die Tageszeit bekannt ist.",
+              "L’horloge n’est pas encore réglée.\nL’édifice apparaîtra dès que l’heure sera connue.",
+              "L’orologio non è ancora regolato.\nL’edificio apparirà appena si conoscerà l’ora.",
+              "El reloj aún no está en hora.\nEl edificio aparecerá en cuanto se conozca la hora.",
+              "時計がまだ合っていません。\n時刻がわかりしだい建物が現れます。"};
+    case Message::closed:
+      return {"Closed.\nWe look forward to your next visit.",
+              "Geschlossen.\nWir freuen uns auf Ihren nächsten Besuch.",
+              "Fermé.\nAu plaisir de vous accueillir prochainement.",
+              "Chiuso.\nVi aspettiamo alla prossima visita.",
+              "Cerrado.\nLe esperamos en su próxima visita.",
+              "本日の公開は終了しました。\nまたのお越しをお待ちしております。"};
+    case Message::recording:
+      return {"Recording",          "Aufnahme läuft", "Enregistrement en cours", "Registrazione in corso",
+              "Grabación en curso", "録画中"};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<Language> parse_language(std::string_view code) {
+  for (const Language language : kLanguages)
+    if (code == code_of(language)) return language;
+  return fail(FaultKind::bad_input, "language \"{}\": expected one of {}", code, fmt::join(kCodes, ", "));
+}
+
+std::string_view code_of(Language language) {
+  return kCodes[static_cast<std::size_t>(language)];
+}
+
+std::string_view words(Message message, Language language) {
+  const Saying said = saying(message);
+  switch (language) {
+    case Language::english: return said.english;
+    case Language::german: return said.german;
+    case Language::french: return said.french;
+    case Language::italian: return said.italian;
+    case Language::spanish: return said.spanish;
+    case Language::japanese: return said.japanese;
+  }
+  return said.english;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,171 @@
+#include <nlohmann/json.hpp>
+
+#include "capture/utc_text.hpp"
+#include "pipeline/doctor/checks.hpp"
+
+namespace kasumi {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kStale_s = 5.0;  // it writes once a second
+
+// What may be missing is missing: another version wrote it.
+double number(const Json& json, const char* key) {
+  return json.is_object() && json.contains(key) && json[key].is_number() ? json[key].get<double>() : 0.0;
+}
+std::string text(const Json& json, const char* key) {
+  return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
+}
+bool flag(const Json& json, const char* key) {
+  return json.is_object() && json.contains(key) && json[key].is_boolean() && json[key].get<bool>();
+}
+Json part(const Json& json, const char* key) {
+  return json.is_object() && json.contains(key) ? json[key] : Json::object();
+}
+double sum(const Json& counts) {
+  double total = 0.0;
+  if (counts.is_object())
+    for (const auto& [reason, count] : counts.items()) total += count.is_number() ? count.get<double>() : 0.0;
+  return total;
+}
+std::string list_of(const Json& counts) {
+  std::string words;
+  for (const auto& [reason, count] : counts.items())
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count.dump(), reason);
+  return words;
+}
+
+// Counts belong to the moments at which they were written, not to those at which they were read.
+std::optional<double> between(const Json& before, const Json& later) {
+  const auto from = parse_utc(text(before, "utc")), to = parse_utc(text(later, "utc"));
+  if (!from || !to || *to <= *from) return std::nullopt;
+  return to_seconds(*to - *from);
+}
+
+void check_live_camera(const std::string& name, const CameraChoice& choice, const Json& before, const Json& later,
+                       double seconds, Findings& findings) {
+  if (!flag(later, "up")) {
+    findings.fail(name + ".open", "gone: " + text(later, "cause"),
+                  "cable, power, hub; the appliance takes it back by itself");
+    return;
+  }
+  const auto mode = part(later, "mode");
+  const auto who = mode.empty()
+                       ? std::string()
+                       : fmt::format("{} ({}, {}): ", text(mode, "card"), text(mode, "driver"), text(mode, "place"));
+  const auto found =
+      fmt::format("{}{} {:.0f}x{:.0f}", who, text(later, "format"), number(later, "width"), number(later, "height"));
+  std::string notes;
+  if (const auto said = part(mode, "notes"); said.is_array())
+    for (const auto& note : said)
+      if (note.is_string()) notes += (notes.empty() ? "" : "; ") + note.get<std::string>();
+  if (notes.empty())
+    findings.good(name + ".mode", found);
+  else
+    findings.warn(name + ".mode", found + "; not as asked: " + notes,
+                  "v4l2-ctl -d DEVICE --list-formats-ext and --list-ctrls show what it can; ask for that");
+
+  const double rate = (number(later, "good_frames") - number(before, "good_frames")) / seconds;
+  const auto* request = request_of(choice);
+  double asked = request ? request->frames_per_second : 0.0;
+  if (asked == 0.0) asked = number(mode, "frames_per_second");
+  const auto rates = asked > 0.0 ? fmt::format("{:.1f} frames a second of {:.4g}", rate, asked)
+                                 : fmt::format("{:.1f} frames a second", rate);
+  const bool slow = (0.8 * asked - rate) * seconds > 2.0;
+  auto& rated =
+      slow ? findings.warn(name + ".rate", rates,
+                           "dark scenes make cameras slow (exposure_s); USB bandwidth; the machine's load (top)")
+           : findings.good(name + ".rate", rates);
+  rated.values = {{"frames_per_second", rate}, {"asked_frames_per_second", asked}};
+
+  const auto bad = part(later, "bad_frames");
+  const double bad_now = sum(bad) - sum(part(before, "bad_frames"));
+  auto& frames = bad_now > 0
+                     ? findings.warn(name + ".frames", list_of(bad) + " since the start, and there are more",
+                                     "cable, hub, interference; dmesg | tail")
+                     : findings.good(name + ".frames",
+                                     sum(bad) > 0 ? list_of(bad) + " since the start, none now" : "all of them whole");
+  frames.values = {{"bad", sum(bad)}, {"bad_now", bad_now}};
+
+  const auto reopened = part(later, "reopened");
+  auto& outages = sum(reopened) > 0
+                      ? findings.warn(name + ".outages", "since the start: " + list_of(reopened),
+                                      "journalctl -u kasumi -p warning tells when; look for a loose cable")
+                      : findings.good(name + ".outages", "none since the start");
+  outages.values["reopened"] = sum(reopened);
+  if (const auto condition = text(later, "condition"); !condition.empty() && condition != "normal")
+    findings.fail(name + ".picture", condition, "look at the lens: covered, blinded, or a camera that repeats itself");
+}
+
+void check_live_display(const Json& before, const Json& later, double seconds, Findings& findings) {
+  if (!flag(later, "up")) {
+    findings.fail("display.open", "none: " + text(later, "cause"),
+                  "screen on? cable? another program on the screen? the appliance takes it back by itself");
+    return;
+  }
+  findings.good("display.open", text(later, "description"));
+  const double flips = (number(later, "flips") - number(before, "flips")) / seconds;
+  const double timeouts = number(later, "flip_timeouts"), resets = number(later, "resets");
+  const auto found = fmt::format(
+      "{:.1f} pictures a second; {:.0f} flips late, opened anew {:.0f} times since the start", flips, timeouts, resets);
+  auto& finding = flips <= 0.0   ? findings.fail("display.flips", found,
+                                                 "journalctl -u kasumi -p warning; sudo systemctl restart kasumi")
+                  : timeouts > 0 ? findings.warn("display.flips", found, "cable and converter; dmesg | grep drm")
+                                 : findings.good("display.flips", found);
+  finding.values = {{"flips_per_second", flips}, {"flip_timeouts", timeouts}, {"resets", resets}};
+}
+
+}  // namespace
+
+void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
+                     double seconds, Findings& findings) {
+  const auto was = Json::parse(before.status, nullptr, false), is = Json::parse(later.status, nullptr, false);
+  seconds = between(was, is).value_or(seconds);
+  if (later.age_s > kStale_s) {
+    findings.fail("service", fmt::format("pid {} has not told of itself for {:.0f} s", later.pid, later.age_s),
+                  "the watchdog restarts it if it hangs; else: disk full? journalctl -u kasumi");
+  } else {
+    const auto shown = text(is, "shown"), reason = text(is, "reason");
+    const auto found = fmt::format("pid {} shows: {}{}{}", later.pid, shown, reason.empty() ? "" : ", ", reason);
+    if (shown == "live" || shown == "dark")
+      findings.good("service", found);
+    else
+      findings.warn("service", found, "the checks below tell why");
+  }
+  check_live_camera("scene_camera", config.scene_camera, part(was, "scene_camera"), part(is, "scene_camera"), seconds,
+                    findings);
+  check_live_camera("sky_camera", config.sky_camera, part(was, "sky_camera"), part(is, "sky_camera"), seconds,
+                    findings);
+  check_live_display(part(was, "display"), part(is, "display"), seconds, findings);
+
+  if (const auto latency = part(is, "latency_ms"); latency.is_object() && latency.contains("median")) {
+    auto& finding = findings.good("latency", fmt::format("capture to screen {:.0f} ms, 95 % within {:.0f} ms",
+                                                         number(latency, "median"), number(latency, "p95")));
+    finding.values = {{"median_ms", number(latency, "median")}, {"p95_ms", number(latency, "p95")}};
+  }
+  if (!is.is_object() || !is.contains("turbidity") || !is["turbidity"].is_number())
+    findings.warn("air", "not known yet: " + text(is, "sky_reason"),
+                  "the sky must be clear enough for a while; kasumi estimate");
+  else
+    findings
+        .good("air", fmt::format("turbidity {:.2f} +- {:.2f}, {:.0f} s old", number(is, "turbidity"),
+                                 number(is, "sigma"), number(is, "turbidity_age_s")))
+        .values = {{"turbidity", number(is, "turbidity")}, {"age_s", number(is, "turbidity_age_s")}};
+  if (const auto check = part(is, "check"); check.is_object()) {
+    const auto found = fmt::format("{} ({})", text(check, "summary"), text(check, "utc"));
+    const auto well = part(check, "well");
+    if (well.is_boolean() && !well.get<bool>())
+      findings.warn("calibration.drift", found,
+                    "docs/calibration.md, \"What has changed since\": set the camera right, or calibrate it anew");
+    else
+      findings.good("calibration.drift", found);
+  }
+  const auto content = part(is, "content");
+  if (const auto problems = part(content, "problems"); problems.is_array() && !problems.empty())
+    findings.warn("content.reload", "the last change was refused, the old content is shown: " + problems.front().dump(),
+                  "kasumi run --config FILE --check; then sudo systemctl reload kasumi");
+}
+
+}  // namespace kasumi

@@ -1,0 +1,237 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "base/files.hpp"
+#include "capture/utc_text.hpp"
+#include "pipeline/doctor/checks.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr double kWarm = 75.0, kHot = 85.0;           // degrees Celsius, where a zone states no limits of its own
+constexpr double kLittleSpace = 1e9, kNoSpace = 2e8;  // bytes
+constexpr double kSlowWrite_s = 1.0;
+constexpr std::size_t kProbeBytes = 65536;
+
+struct Zone {
+  std::string name;
+  double celsius = 0.0;
+  double warm = kWarm;
+  double hot = kHot;
+};
+
+// "critical" is where the kernel switches the machine off; 10 degrees before that it is too hot.
+Zone read_zone(const std::filesystem::path& folder, double millidegrees) {
+  Zone zone{line_of(folder / "type"), millidegrees / 1000.0};
+  for (const auto& entry : entries_of(folder, "trip_point_")) {
+    const auto name = entry.filename().string();
+    if (!name.ends_with("_type")) continue;
+    const auto temperature = number_of(folder / (name.substr(0, name.size() - 5) + "_temp"));
+    if (!temperature || *temperature <= 0.0) continue;
+    const auto kind = line_of(entry);
+    if (kind == "critical") zone.hot = std::min(zone.hot, *temperature / 1000.0 - 10.0);
+    if (kind == "passive" || kind == "hot") zone.warm = std::min(zone.warm, *temperature / 1000.0);
+  }
+  zone.warm = std::min(zone.warm, zone.hot - 5.0);
+  return zone;
+}
+
+std::map<std::string, std::string> properties_of(const std::string& text) {
+  std::map<std::string, std::string> properties;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (const auto equals = line.find('='); equals != std::string::npos)
+      properties[line.substr(0, equals)] = line.substr(equals + 1);
+  return properties;
+}
+
+void check_unit(const MachinePlaces& places, Findings& findings) {
+  const auto text =
+      places.unit_properties ? places.unit_properties() : fail(Fault{FaultKind::unsupported, "nobody to ask"});
+  if (!text) {
+    findings.warn("service.unit", "systemd cannot be asked: " + text.error().message,
+                  "nothing restarts the program here when it ends or hangs");
+    return;
+  }
+  auto properties = properties_of(*text);
+  if (properties["LoadState"] != "loaded") {
+    findings.warn("service.unit", "kasumi.service is not installed",
+                  "install the package, or sudo cmake --install build; then sudo systemctl daemon-reload");
+    return;
+  }
+  if (properties["ActiveState"] == "failed")
+    findings.fail(
+        "service.unit", "kasumi.service has failed: " + properties["Result"],
+        properties["ExecMainStatus"] == "78"
+            ? "its configuration is refused: kasumi run --config FILE --check; then sudo systemctl restart kasumi"
+            : "journalctl -u kasumi -b; then sudo systemctl restart kasumi");
+  else if (properties["UnitFileState"] != "enabled")
+    findings.warn("service.unit", "kasumi.service does not start at boot (" + properties["UnitFileState"] + ")",
+                  "sudo systemctl enable kasumi");
+  else
+    findings.good("service.unit", "kasumi.service is " + properties["ActiveState"] + ", and starts at boot");
+
+  const auto restarts = std::atoi(properties["NRestarts"].c_str());
+  auto& restarted = restarts == 0
+                        ? findings.good("service.restarts", "none since it was started")
+                        : findings.warn("service.restarts", fmt::format("restarted {} times by itself", restarts),
+                                        "journalctl -u kasumi -b -p warning tells why");
+  restarted.values["restarts"] = restarts;
+
+  const auto& watchdog = properties["WatchdogUSec"];
+  if (watchdog.empty() || watchdog == "0" || watchdog == "infinity")
+    findings.warn("watchdog.service", "systemd does not watch the render loop",
+                  "WatchdogSec=20 is missing: systemctl cat kasumi shows who changed it");
+  else
+    findings.good("watchdog.service", "a render loop that hangs is restarted after " + watchdog);
+}
+
+}  // namespace
+
+void check_clock(const ClockChoice& choice, const TimeSigns& signs, Utc now, Findings& findings) {
+  const auto shown = utc_text(std::chrono::floor<std::chrono::seconds>(now));
+  if (now < choice.earliest)
+    findings.fail("clock", fmt::format("it is {} here, which cannot be", shown),
+                  "sudo timedatectl set-time ..., or give it a time server: systemctl status systemd-timesyncd");
+  else if (signs.synchronized)
+    findings.good("clock", fmt::format("{}, kept in step", shown));
+  else if (choice.policy == ClockPolicy::trusted)
+    findings.good("clock", fmt::format("{}, not kept in step, trusted by [clock] policy", shown));
+  else
+    findings.warn(
+        "clock",
+        fmt::format("{}, and nothing keeps it in step: {}", shown,
+                    choice.policy == ClockPolicy::from_sky ? "the sun is taken from the sky's picture"
+                                                           : "no building is drawn until it is"),
+        "timedatectl timesync-status; sudo apt install systemd-timesyncd; without a network: a clock chip or GPS, "
+        "or [clock] policy = \"from_sky\"");
+}
+
+void check_temperature(const MachinePlaces& places, Findings& findings) {
+  std::optional<Zone> closest;
+  for (const auto& folder : entries_of(places.sys / "class/thermal", "thermal_zone")) {
+    const auto millidegrees = number_of(folder / "temp");
+    if (!millidegrees || *millidegrees <= -40000.0) continue;
+    const auto zone = read_zone(folder, *millidegrees);
+    if (!closest || zone.hot - zone.celsius < closest->hot - closest->celsius) closest = zone;
+  }
+  if (!closest) {
+    findings.good("temperature", "this machine has no sensor for it");
+    return;
+  }
+  const auto found = fmt::format("{}: {:.0f} degrees", closest->name, closest->celsius);
+  const char* advice = "fan, dust, sun on the case; the machine slows down and then switches itself off";
+  auto& finding = closest->celsius >= closest->hot    ? findings.fail("temperature", found, advice)
+                  : closest->celsius >= closest->warm ? findings.warn("temperature", found, advice)
+                                                      : findings.good("temperature", found);
+  finding.values = {{"celsius", closest->celsius}, {"warm_celsius", closest->warm}, {"hot_celsius", closest->hot}};
+}
+
+void check_throttling(const MachinePlaces& places, Findings& findings) {
+  // Raspberry Pi's firmware: bits of now, and 16 higher of since boot.
+  if (auto text = line_of(places.sys / "devices/platform/soc/soc:firmware/get_throttled"); !text.empty()) {
+    const auto bits = std::strtoul(text.c_str(), nullptr, 16);
+    constexpr std::array kMeanings{"the supply's voltage is too low", "the clock is capped", "throttled",
+                                   "near the temperature's limit"};
+    std::string now, past;
+    for (std::size_t bit = 0; bit < kMeanings.size(); ++bit) {
+      const auto add = [&](std::string& to) { to += (to.empty() ? "" : ", ") + std::string(kMeanings[bit]); };
+      if (bits >> bit & 1)
+        add(now);
+      else if (bits >> (bit + 16) & 1)
+        add(past);
+    }
+    const bool voltage = (bits & 0x10001) != 0;
+    const char* advice = voltage ? "a stronger supply and a shorter cable: low voltage also corrupts cards"
+                                 : "fan, dust, sun on the case";
+    if (!now.empty())
+      findings.fail("throttling", "now: " + now, advice).values["bits"] = static_cast<double>(bits);
+    else if (!past.empty())
+      findings.warn("throttling", "since boot: " + past, advice).values["bits"] = static_cast<double>(bits);
+    else
+      findings.good("throttling", "none since boot").values["bits"] = 0;
+    return;
+  }
+  double count = 0.0;
+  bool told = false;
+  for (const auto& cpu : entries_of(places.sys / "devices/system/cpu", "cpu"))
+    if (const auto times = number_of(cpu / "thermal_throttle/package_throttle_count")) {
+      count = std::max(count, *times);
+      told = true;
+    }
+  if (!told)
+    findings.good("throttling", "this machine does not tell of it");
+  else if (count > 0.0)
+    findings
+        .warn("throttling", fmt::format("slowed down by heat {:.0f} times since boot", count),
+              "fan, dust, sun on the case")
+        .values["times"] = count;
+  else
+    findings.good("throttling", "none since boot").values["times"] = 0;
+}
+
+void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& findings) {
+  std::error_code error;
+  const auto space = std::filesystem::space(folder, error);
+  if (error) {
+    findings.fail("disk.space", fmt::format("{}: {}", folder.string(), error.message()),
+                  "the service makes /var/lib/kasumi when it starts; another [state] folder is yours to make");
+    return;
+  }
+  const double free = static_cast<double>(space.available);
+  const auto found = fmt::format("{:.1f} GB free for {}", free / 1e9, folder.string());
+  const char* advice = "move recordings away; sudo journalctl --vacuum-size=200M";
+  auto& finding = free < kNoSpace       ? findings.fail("disk.space", found, advice)
+                  : free < kLittleSpace ? findings.warn("disk.space", found, advice)
+                                        : findings.good("disk.space", found);
+  finding.values["free_bytes"] = free;
+
+  const auto probe = folder / ".doctor-probe";
+  const auto began = clock.now();
+  const auto written = write_file(probe, std::vector<std::uint8_t>(kProbeBytes, 0x5a));
+  const double seconds = to_seconds(clock.now() - began);
+  std::filesystem::remove(probe, error);
+  if (!written && ::access(folder.c_str(), W_OK) != 0 && errno == EACCES)
+    findings.warn("disk.write", "not tried: this user may not write " + folder.string(), "ask with sudo");
+  else if (!written)
+    findings.fail("disk.write", written.error().message,
+                  "mount | grep ' / ' shows whether it is read-only (a dying card is); dmesg | tail");
+  else if (seconds > kSlowWrite_s)
+    findings
+        .warn("disk.write", fmt::format("64 kB took {:.1f} s", seconds), "a dying or busy card: dmesg | tail, iotop")
+        .values["seconds"] = seconds;
+  else
+    findings.good("disk.write", fmt::format("64 kB written through in {:.0f} ms", seconds * 1e3)).values["seconds"] =
+        seconds;
+}
+
+void check_watchdogs(const MachinePlaces& places, Findings& findings) {
+  check_unit(places, findings);
+  const char* advice =
+      "RuntimeWatchdogSec=15 below [Manager] in /etc/systemd/system.conf.d/watchdog.conf, then reboot: a machine that "
+      "hangs "
+      "then starts anew";
+  const auto devices = entries_of(places.sys / "class/watchdog", "watchdog");
+  if (devices.empty()) {
+    findings.warn("watchdog.machine", "this machine has no hardware watchdog (or its driver is not loaded)",
+                  "modprobe softdog is better than nothing; then RuntimeWatchdogSec=15");
+    return;
+  }
+  for (const auto& device : devices) {
+    const auto identity = line_of(device / "identity");
+    if (line_of(device / "state") != "active") continue;
+    auto& finding =
+        findings.good("watchdog.machine", fmt::format("{}: on, {} s", identity, line_of(device / "timeout")));
+    if (const auto timeout = number_of(device / "timeout")) finding.values["timeout_s"] = *timeout;
+    return;
+  }
+  findings.warn("watchdog.machine", fmt::format("{}: off", line_of(devices.front() / "identity")), advice);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,235 @@
+#include "pipeline/doctor/doctor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "base/files.hpp"
+#include "capture/utc_text.hpp"
+#include "pipeline/doctor/checks.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr double kOldCalibration_days = 365.0;
+
+Result<std::string> ask_systemctl() {
+  std::FILE* pipe = ::popen("systemctl show kasumi.service 2>/dev/null", "re");
+  if (!pipe) return fail(FaultKind::unsupported, "systemctl does not start");
+  std::string text;
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
+  if (::pclose(pipe) != 0 || text.empty()) return fail(FaultKind::unsupported, "no systemd answers");
+  return text;
+}
+
+void check_content(const Content& content, Findings& findings) {
+  findings
+      .good("content.model",
+            fmt::format("{}: {} triangles, {} textures", content.config.installation.object.model.filename().string(),
+                        content.model.triangle_count(), content.model.textures.size()))
+      .values["triangles"] = static_cast<double>(content.model.triangle_count());
+  if (content.still)
+    findings.good("content.still", fmt::format("{}x{}", content.still->width(), content.still->height()));
+  else
+    findings.warn("content.still", "no still picture: while a camera is away visitors see a plain ground",
+                  "a photograph of the hill, and its name as [still] picture");
+}
+
+void check_calibration(const char* name, const Camera& camera, const Installation& installation, Utc now,
+                       Findings& findings) {
+  const auto check = std::string(name) + ".calibration";
+  if (!camera.calibrated_utc) {
+    findings.warn(check, "nobody wrote down when",
+                  fmt::format("calibrated_utc = 2026-06-21T00:00:00Z below [{}]", camera.name));
+    return;
+  }
+  const double days = to_seconds(now - *camera.calibrated_utc) / 86400.0;
+  const auto& adopted = installation.calibration;
+  const auto& gained = adopted ? adopted->gained : std::vector<std::string>{};
+  const bool from_file = std::find(gained.begin(), gained.end(), camera.name + ".calibrated_utc") != gained.end();
+  const auto found =
+      fmt::format("{:.0f} days old{}", days, from_file ? ", says " + adopted->file.filename().string() : "");
+  auto& finding =
+      days > kOldCalibration_days
+          ? findings.warn(check, found,
+                          "mountings creep: does the drawn building still stand on its hill? then renew the date")
+          : findings.good(check, found);
+  finding.values["days"] = days;
+}
+
+// As the appliance would: both at once, since they may share a bus.
+void check_cameras(const DoctorRequest& request, const RunConfig& config, Devices& devices, Clock& clock,
+                   Findings& findings) {
+  const auto watch = [&](CameraRole role, const CameraChoice& choice) {
+    return watch_camera(devices.camera(role, choice).opener, clock, request.watch);
+  };
+  WatchedCamera sky;
+  std::thread other([&] { sky = watch(CameraRole::sky, config.sky_camera); });
+  const auto scene = watch(CameraRole::scene, config.scene_camera);
+  other.join();
+  check_camera("scene_camera", config.scene_camera, scene, findings);
+  check_camera("sky_camera", config.sky_camera, sky, findings);
+}
+
+void check_display(const RunConfig& config, Devices& devices, Clock& clock, Findings& findings) {
+  auto display = devices.open_display(config.display);
+  if (!display) {
+    findings.fail(
+        "display.open", display.error().message,
+        "sudo fuser -v /dev/dri/card*: a desktop or another program holds the screen; id must show the group video");
+    return;
+  }
+  findings.good("display.open", (*display)->description());
+  check_gl((*display)->context().info(), findings);
+  check_flips(**display, clock, findings);
+}
+
+void check_running(const DoctorRequest& request, const RunConfig& config, const RunningAppliance& before, Clock& clock,
+                   Findings& findings) {
+  const auto began = clock.now();
+  clock.sleep_until(began + request.watch);
+  const auto later = find_running_appliance(request.places.status_file, request.places.proc);
+  if (!later || later->pid != before.pid)
+    findings.fail("service", fmt::format("pid {} ended while it was watched", before.pid), "journalctl -u kasumi -b");
+  else
+    check_appliance(config, before, *later, to_seconds(clock.now() - began), findings);
+  if (const auto gl = open_headless_context())
+    check_gl((*gl)->info(), findings);
+  else
+    findings.warn("gl.renderer", gl.error().message, "sudo apt install libgl1-mesa-dri");
+}
+
+}  // namespace
+
+std::string_view name_of(Grade grade) {
+  switch (grade) {
+    case Grade::good: return "good";
+    case Grade::warning: return "warning";
+    case Grade::failure: return "failure";
+  }
+  return "";
+}
+
+Finding& Findings::good(std::string check, std::string found) {
+  return findings_.emplace_back(Finding{std::move(check), Grade::good, std::move(found), {}, {}});
+}
+Finding& Findings::warn(std::string check, std::string found, std::string advice) {
+  return findings_.emplace_back(Finding{std::move(check), Grade::warning, std::move(found), std::move(advice), {}});
+}
+Finding& Findings::fail(std::string check, std::string found, std::string advice) {
+  return findings_.emplace_back(Finding{std::move(check), Grade::failure, std::move(found), std::move(advice), {}});
+}
+Grade Findings::worst() const {
+  Grade worst = Grade::good;
+  for (const auto& finding : findings_) worst = std::max(worst, finding.grade);
+  return worst;
+}
+
+MachinePlaces this_machine() {
+  MachinePlaces places;
+  places.displays = [] { return list_displays(); };
+  places.unit_properties = ask_systemctl;
+  return places;
+}
+
+std::string line_of(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+std::optional<double> number_of(const std::filesystem::path& file) {
+  const auto line = line_of(file);
+  char* end = nullptr;
+  const double value = std::strtod(line.c_str(), &end);
+  if (end == line.c_str()) return std::nullopt;
+  return value;
+}
+
+std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder, std::string_view prefix) {
+  std::vector<std::filesystem::path> found;
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->path().filename().string().starts_with(prefix)) found.push_back(entry->path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
+  Findings findings;
+  const auto content = read_content(request.config);
+  if (content)
+    findings.good("configuration", request.config.string());
+  else
+    findings.fail("configuration", content.error().message, "mend what is named; kasumi run --config FILE --check");
+
+  const auto& places = request.places;
+  const auto running = find_running_appliance(places.status_file, places.proc);
+  if (content) {
+    const auto& config = (*content)->config;
+    for (const auto& [name, choice] :
+         {std::pair{"scene_camera", &config.scene_camera}, {"sky_camera", &config.sky_camera}}) {
+      check_camera_path(places, name, *choice, findings);
+      check_camera_usb(places, name, *choice, findings);
+    }
+    if (const auto* kms = std::get_if<KmsDisplayOptions>(&config.display); kms && places.displays)
+      check_connectors(places.displays(), *kms, findings);
+    if (running) {
+      check_running(request, config, *running, clock, findings);
+    } else {
+      findings.warn("service", "the appliance does not run", "sudo systemctl start kasumi");
+      check_cameras(request, config, devices, clock, findings);
+      check_display(config, devices, clock, findings);
+    }
+    check_content(**content, findings);
+    const auto& installation = config.installation;
+    check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);
+    check_calibration("sky_camera", installation.sky, installation, clock.utc(), findings);
+  }
+  check_clock(content ? (*content)->config.clock : ClockChoice{}, watch_kernel_time()->look(), clock.utc(), findings);
+  check_temperature(places, findings);
+  check_throttling(places, findings);
+  check_disk(content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state, clock,
+             findings);
+  check_watchdogs(places, findings);
+  return findings;
+}
+
+std::string doctor_text(const Findings& findings) {
+  std::string text;
+  std::size_t warnings = 0, failures = 0;
+  for (const auto& finding : findings.all()) {
+    warnings += finding.grade == Grade::warning;
+    failures += finding.grade == Grade::failure;
+    const char* mark = finding.grade == Grade::good ? "  ok  " : finding.grade == Grade::warning ? " warn " : " FAIL ";
+    auto found = finding.found;
+    for (std::size_t at = 0; (at = found.find('\n', at)) != std::string::npos; ++at)
+      found.replace(at, 1, "\n" + std::string(32, ' '));
+    text += fmt::format("{}{:<25} {}\n", mark, finding.check, found);
+    if (!finding.advice.empty()) text += fmt::format("{:32}-> {}\n", "", finding.advice);
+  }
+  return text + fmt::format("failures: {}, warnings: {}\n", failures, warnings);
+}
+
+std::string doctor_json(const Findings& findings, Utc utc) {
+  nlohmann::ordered_json json;
+  json["grade"] = name_of(findings.worst());
+  json["utc"] = utc_text(std::chrono::floor<std::chrono::seconds>(utc));
+  json["findings"] = nlohmann::ordered_json::array();
+  for (const auto& finding : findings.all())
+    json["findings"].push_back({{"check", finding.check},
+                                {"grade", name_of(finding.grade)},
+                                {"found", finding.found},
+                                {"advice", finding.advice},
+                                {"values", finding.values}});
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kasumi

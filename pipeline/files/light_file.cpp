@@ -1,0 +1,48 @@
+#include "pipeline/files/light_file.hpp"
+
+#include <cstdlib>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/files.hpp"
+
+namespace kasumi {
+namespace {
+
+bool encode(const std::string& extension, const cv::Mat& bgr, std::vector<std::uint8_t>& bytes) try {
+  // OpenCV writes EXR only when told so.
+  setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
+  return cv::imencode(extension, bgr, bytes);
+} catch (const cv::Exception&) {
+  return false;
+}
+
+}  // namespace
+
+bool is_light_file(const std::filesystem::path& file) {
+  const auto extension = file.extension();
+  return extension == ".exr" || extension == ".pfm" || extension == ".hdr" || extension == ".tif" ||
+         extension == ".tiff";
+}
+
+Result<> write_light_file(const std::filesystem::path& file, const Image<glm::vec3>& light) {
+  if (!is_light_file(file))
+    return fail(FaultKind::bad_input, "{}: expected a name that ends in .exr, .pfm, .hdr or .tiff", file.string());
+  if (light.empty()) return fail(FaultKind::bad_input, "{}: a picture without pixels", file.string());
+  // OpenCV only reads from it.
+  const cv::Mat rgb(light.height(), light.width(), CV_32FC3, const_cast<glm::vec3*>(light.elements().data()));
+  cv::Mat bgr;
+  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+  std::vector<std::uint8_t> bytes;
+  if (encode(file.extension().string(), bgr, bytes)) return write_file(file, bytes);
+  auto beside = file;
+  beside.replace_extension(".pfm");
+  if (beside == file || !encode(".pfm", bgr, bytes))
+    return fail(FaultKind::unsupported, "{}: cannot be encoded by this machine's OpenCV", file.string());
+  if (auto written = write_file(beside, bytes); !written) return written;
+  return fail(FaultKind::unsupported, "{}: this machine's OpenCV writes no such files; {} holds the same light",
+              file.string(), beside.string());
+}
+
+}  // namespace kasumi

@@ -1,0 +1,125 @@
+#include "pipeline/files/picture_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+namespace kasumi {
+
+namespace {
+
+std::string ending_of(const std::filesystem::path& path) {
+  auto ending = path.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+bool is_film(const std::filesystem::path& path) {
+  static const std::set<std::string> kFilms{".mp4", ".mov", ".mkv", ".avi", ".webm", ".m4v"};
+  return kFilms.count(ending_of(path)) > 0;
+}
+
+bool is_picture(const std::filesystem::path& path) {
+  static const std::set<std::string> kPictures{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm", ".exr"};
+  return kPictures.count(ending_of(path)) > 0;
+}
+
+class Files final : public PictureSource {
+ public:
+  Files(std::vector<std::filesystem::path> files, bool moves) : files_(std::move(files)), moves_(moves) {}
+  Result<std::optional<NamedPicture>> next() override {
+    if (at_ == files_.size()) return std::nullopt;
+    const auto& file = files_[at_++];
+    auto photograph = read_photograph(file);
+    if (!photograph) return fail(photograph.error());
+    return NamedPicture{file.string(), file.stem().string(), std::move(*photograph)};
+  }
+  bool moves() const override { return moves_; }
+
+ private:
+  std::vector<std::filesystem::path> files_;
+  bool moves_;
+  std::size_t at_ = 0;
+};
+
+class Film final : public PictureSource {
+ public:
+  Film(std::filesystem::path file, cv::VideoCapture capture) : file_(std::move(file)), capture_(std::move(capture)) {}
+  Result<std::optional<NamedPicture>> next() override {
+    cv::Mat frame;
+    try {
+      if (!capture_.read(frame)) {
+        if (count_ == 0) return fail(FaultKind::bad_input, "{}: no picture can be read of this film", file_.string());
+        return std::nullopt;
+      }
+    } catch (const cv::Exception& error) {
+      return fail(FaultKind::bad_input, "{}: frame {}: cannot be read: {}", file_.string(), count_, error.err);
+    }
+    cv::Mat rgb;
+    cv::cvtColor(frame, rgb, cv::COLOR_BGR2RGB);
+    NamedPicture picture;
+    picture.name = fmt::format("{}, frame {}", file_.string(), count_);
+    picture.stem = fmt::format("{}.frame-{:06}", file_.stem().string(), count_++);
+    picture.photograph.quantum = 1.0 / 255.0;
+    picture.photograph.encoded = Image<glm::vec3>(rgb.cols, rgb.rows);
+    cv::Mat target(rgb.rows, rgb.cols, CV_32FC3, picture.photograph.encoded.elements().data());
+    rgb.convertTo(target, CV_32FC3, 1.0 / 255.0);
+    return picture;
+  }
+  std::optional<double> frames_per_second() const override {
+    const double found = capture_.get(cv::CAP_PROP_FPS);
+    return std::isfinite(found) && found > 0.0 ? std::optional(found) : std::nullopt;
+  }
+  bool moves() const override { return true; }
+
+ private:
+  std::filesystem::path file_;
+  cv::VideoCapture capture_;
+  int count_ = 0;
+};
+
+Result<std::unique_ptr<PictureSource>> open_film_to_read(const std::filesystem::path& path) {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what it cannot read is our message
+  cv::VideoCapture capture;
+  try {
+    capture.open(path.string(), cv::CAP_FFMPEG);
+  } catch (const cv::Exception&) {
+  }
+  if (!capture.isOpened())
+    return fail(FaultKind::bad_input, "{}: cannot be read as a film by this machine's OpenCV and FFmpeg",
+                path.string());
+  return std::make_unique<Film>(path, std::move(capture));
+}
+
+Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(path, error))
+    if (is_picture(entry.path())) files.push_back(entry.path());
+  if (files.empty()) return fail(FaultKind::bad_input, "{}: expected a folder with pictures in it", path.string());
+  std::sort(files.begin(), files.end());
+  return std::make_unique<Files>(std::move(files), true);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names) {
+  std::error_code error;
+  std::vector<std::filesystem::path> files(names.begin(), names.end());
+  for (const auto& file : files) {
+    const bool folder = std::filesystem::is_directory(file, error);
+    if (!folder && !is_film(file)) continue;
+    if (files.size() > 1)
+      return fail(FaultKind::bad_input, "{}: a film or a folder stands alone: expected no other picture beside it",
+                  file.string());
+    return folder ? open_folder(file) : open_film_to_read(file);
+  }
+  return std::make_unique<Files>(std::move(files), false);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,36 @@
+// Where pictures come from, one at a time: files, folders of them, films.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "pipeline/files/photograph_file.hpp"
+
+namespace kasumi {
+
+struct NamedPicture {
+  std::string name;  // "land/hazy.png", "land/hazy.mp4, frame 12"
+  std::string stem;  // "hazy", "hazy.frame-000012"
+  Photograph photograph;
+};
+
+class PictureSource {
+ public:
+  virtual ~PictureSource() = default;
+  // The next; empty after the last. Holds no more than one in memory. Errors: bad_input.
+  virtual Result<std::optional<NamedPicture>> next() = 0;
+  // Of a film as its file says; empty where there is none.
+  virtual std::optional<double> frames_per_second() const { return std::nullopt; }
+  // A film or a folder: one picture after the other through time.
+  virtual bool moves() const { return false; }
+};
+
+// Each of `names` a picture, a folder (its pictures by name) or a film (what this machine's FFmpeg reads: .mp4, .mov,
+// .mkv, .avi, .webm); a film or a folder stands alone. Errors (bad_input): nothing there, an empty folder.
+Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names);
+
+}  // namespace kasumi

@@ -1,0 +1,164 @@
+#include "pipeline/haze/haze_order.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+
+#include "calib/mask/distance_map.hpp"
+#include "estimator/photograph/other_air.hpp"
+
+namespace kasumi {
+namespace {
+
+std::optional<double> number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+// "2.5" or "2:8:.25": from, to, step.
+std::optional<std::vector<double>> numbers(const std::string& text, double least, double most) {
+  std::vector<double> parts, values;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ':');) {
+    const auto value = number(part);
+    if (!value) return std::nullopt;
+    parts.push_back(*value);
+  }
+  const auto good = [&](double value) { return value >= least && value <= most; };
+  if (parts.size() == 1 && good(parts[0])) return parts;
+  if (parts.size() != 3 || !good(parts[0]) || !good(parts[1]) || parts[2] <= 0.0 || parts[0] >= parts[1] ||
+      (parts[1] - parts[0]) / parts[2] > 10e3)
+    return std::nullopt;
+  for (int i = 0; parts[0] + i * parts[2] <= parts[1] + 1e-9; ++i)
+    values.push_back(std::min(parts[0] + i * parts[2], parts[1]));
+  return values;
+}
+
+std::vector<HazeValues> read_values(const HazeOrder& order, Problems& problems) {
+  std::vector<HazeValues> all;
+  if (order.turbidities.empty() == order.scatterings.empty())
+    problems.add("expected --turbidity T, or --kappa-s (and --kappa-a): what the haze is like is told one way");
+  if (!order.turbidities.empty() && order.kappa_a) problems.add("--kappa-a: expected none beside --turbidity");
+  for (const auto& text : order.turbidities) {
+    const auto list = numbers(text, kLowestTurbidity.value, kHighestTurbidity.value);
+    if (!list) problems.add("--turbidity {}: expected a T of 1.7 to 20, or FROM:TO:STEP", text);
+    for (const double t : list.value_or(std::vector<double>{})) all.push_back({Turbidity{t}, 0.0, 0.0, order.lambda});
+  }
+  for (const auto& text : order.scatterings) {
+    const auto list = numbers(text, 0.0, 100.0);
+    if (!list) problems.add("--kappa-s {}: expected 0 to 100 per farthest range, or FROM:TO:STEP", text);
+    for (const double s : list.value_or(std::vector<double>{}))
+      all.push_back({std::nullopt, order.kappa_a.value_or(0.0), s, order.lambda});
+  }
+  return all;
+}
+
+// Metres of a map of disparities, 0 and what cannot be being unknown.
+Image<float> metres_of(const Image<float>& disparity, double scale, double offset_px) {
+  auto metres = disparity;
+  for (float& value : metres.elements()) {
+    const double shifted = static_cast<double>(value) + offset_px;
+    value = value > 0.0F && shifted > 0.0 ? static_cast<float>(scale / shifted) : 0.0F;
+  }
+  return metres;
+}
+
+std::optional<Image<float>> read_range(const HazeOrder& order, Problems& problems) {
+  if (order.depth.empty() == order.disparity.empty()) {
+    problems.add("expected --depth FILE, or --disparity FILE with --disparity-scale");
+    return std::nullopt;
+  }
+  if (order.disparity.empty() && order.disparity_scale)
+    problems.add("--disparity-scale: expected --disparity beside it");
+  if (!order.disparity.empty() && !order.disparity_scale)
+    problems.add("--disparity: expected --disparity-scale, focal length times baseline, in pixels times metres");
+  auto read = read_distances(order.depth.empty() ? order.disparity : order.depth, order.depth_step_m);
+  if (!read) {
+    problems.add("{}", read.error().message);
+    return std::nullopt;
+  }
+  if (order.disparity.empty()) return std::move(*read);
+  return metres_of(*read, order.disparity_scale.value_or(1.0), order.disparity_offset_px);
+}
+
+Image<glm::vec3> light_of(const Camera& camera, const Image<glm::vec3>& encoded) {
+  Image<glm::vec3> light(encoded.width(), encoded.height());
+  for (int y = 0; y < encoded.height(); ++y)
+    for (int x = 0; x < encoded.width(); ++x) light.at(x, y) = camera.light_at({x, y}, glm::dvec3(encoded.at(x, y)));
+  return light;
+}
+
+// H takes one colour for all of the picture.
+Result<glm::dvec3> measured_airlight(const Camera& camera, const Photograph& photograph, const std::string& name) {
+  const auto horizon = horizon_of(camera, photograph, name);
+  if (!horizon) return fail(horizon.error());
+  glm::dvec3 sum{0.0};
+  for (const auto& column : horizon->columns) sum += column.light;
+  return sum / static_cast<double>(horizon->columns.size());
+}
+
+}  // namespace
+
+std::string HazeValues::name() const {
+  if (turbidity) return fmt::format("T{:.2f}", turbidity->value);
+  return fmt::format("a{:.2f}-s{:.2f}", kappa_a, kappa_s);
+}
+
+HazeOptics HazeTask::optics_of(const HazeValues& haze) const {
+  if (!haze.turbidity) return haze_optics(haze.kappa_a, haze.kappa_s, haze.lambda);
+  return haze_optics(nodes, scattering, *haze.turbidity, altitude_m, range.farthest_m, haze.lambda);
+}
+
+Result<HazeTask> haze_task(const HazeOrder& order) {
+  Problems problems;
+  HazeTask task;
+  task.values = read_values(order, problems);
+  task.scheme = diffusion_scheme_named(order.scheme).value_or(DiffusionScheme::matched);
+  task.scattering = scattering_model_named(order.scattering).value_or(ScatteringModel::morales2017);
+  task.altitude_m = order.altitude_m;
+  auto photograph = read_photograph(order.picture);
+  if (!photograph) problems.add("{}", photograph.error().message);
+  auto range_m = read_range(order, problems);
+  std::optional<SpectralSensitivity> sensitivity;
+  if (!order.sensitivity.empty()) {
+    auto read = read_spectral_sensitivity(order.sensitivity);
+    if (read)
+      sensitivity = std::move(*read);
+    else
+      problems.add("{}", read.error().message);
+  }
+  if (photograph && range_m &&
+      (range_m->width() != photograph->encoded.width() || range_m->height() != photograph->encoded.height()))
+    problems.add("{}: is {} x {}: expected {} x {}, as the picture is",
+                 order.depth.empty() ? order.disparity : order.depth, range_m->width(), range_m->height(),
+                 photograph->encoded.width(), photograph->encoded.height());
+  if (range_m) {
+    auto options = order.range;
+    if (order.indoors) options.smallest_sky_share = 1.0;
+    auto prepared = prepare_range(*range_m, options);
+    if (prepared)
+      task.range = std::move(*prepared);
+    else
+      problems.add("{}", prepared.error().message);
+  }
+  if (photograph) {
+    task.camera = plain_camera(photograph->encoded.width(), photograph->encoded.height(),
+                               from_degrees(order.field_of_view_deg), from_degrees(order.pitch_deg));
+    if (sensitivity) task.camera.sensitivity = *sensitivity;
+    if (order.airlight.size() == 3)
+      task.airlight = {order.airlight[0], order.airlight[1], order.airlight[2]};
+    else if (const auto measured = measured_airlight(task.camera, *photograph, order.picture))
+      task.airlight = *measured;
+    else
+      problems.add("{}", measured.error().message);
+  }
+  if (!problems.empty()) return fail(problems.fault());
+  task.photograph = std::move(*photograph);
+  task.light = light_of(task.camera, task.photograph.encoded);
+  task.nodes = attenuation_nodes(spectral_measure(task.camera));
+  return task;
+}
+
+}  // namespace kasumi

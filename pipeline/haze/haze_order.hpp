@@ -1,0 +1,51 @@
+// What `kasumi haze` was asked for, and what of it could be read.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calib/camera.hpp"
+#include "estimator/haze/haze_picture.hpp"
+#include "pipeline/files/photograph_file.hpp"
+
+namespace kasumi {
+
+struct HazeOrder {
+  std::string picture, depth, disparity, sensitivity, scattering = "morales2017", scheme = "matched";
+  std::optional<double> depth_step_m, disparity_scale;  // the latter: metres times pixels
+  double disparity_offset_px = 0.0, altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
+  HazeRangeOptions range;
+  bool indoors = false;
+  std::vector<std::string> turbidities, scatterings;  // numbers, or FROM:TO:STEP
+  std::optional<double> kappa_a;
+  double lambda = 15.0;
+  std::vector<double> airlight;  // empty: measured
+};
+
+// The haze of one picture: of a turbidity, or of H's coefficients per farthest range.
+struct HazeValues {
+  std::optional<Turbidity> turbidity;
+  double kappa_a = 0.0, kappa_s = 0.0;  // without a turbidity
+  double lambda = 15.0;
+  std::string name() const;  // "T4.00", "a0.25-s0.25": for files and sheets
+};
+
+struct HazeTask {
+  Camera camera;
+  Photograph photograph;
+  Image<glm::vec3> light;  // linear
+  HazeRange range;
+  glm::dvec3 airlight{1.0};
+  std::vector<HazeValues> values;  // at least one
+  DiffusionScheme scheme = DiffusionScheme::matched;
+  ScatteringModel scattering = ScatteringModel::morales2017;
+  double altitude_m = 0.0;
+  AttenuationNodes nodes;
+  HazeOptics optics_of(const HazeValues& haze) const;
+};
+
+// Errors: bad_input, with all that is wrong at once.
+Result<HazeTask> haze_task(const HazeOrder& order);
+
+}  // namespace kasumi

@@ -1,0 +1,41 @@
+// The desk window of `kasumi haze --live`: haze that follows the keys.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gles/air/haze_blur.hpp"
+#include "gles/display/window.hpp"
+#include "pipeline/haze/haze_order.hpp"
+
+namespace kasumi {
+
+// A and Z: more or less absorption; S and X: scattering (of a turbidity: T itself); D and C: lambda; R: as it was
+// given. Other keys change nothing. false when nothing has changed.
+bool turn_haze(HazeValues& haze, const HazeValues& given, char key);
+// "kappa_a .25 (A, Z)   kappa_s .25 (S, X)   lambda 15 (D, C)".
+std::string words_of(const HazeValues& haze);
+
+class HazeWindow {
+ public:
+  // `task` must outlive it. Errors: unsupported (no display), device.
+  static Result<HazeWindow> open(const HazeTask& task);
+  // Takes keys in, and those of `more` as if they had been pressed; draws and shows. false once it is to be closed.
+  // BLOCKS until the display takes the picture. Errors: device, bad_input (a blur larger than the picture).
+  Result<bool> step(const std::string& more = {});
+  const HazeValues& values() const { return haze_; }
+  DrawTarget target() const { return window_->target(); }
+
+ private:
+  HazeWindow(const HazeTask& task, std::unique_ptr<Window> window, HazeBlur blur)
+      : task_(&task), window_(std::move(window)), blur_(std::move(blur)), haze_(task.values.front()) {}
+  const HazeTask* task_;
+  std::unique_ptr<Window> window_;  // goes after what was made under it
+  HazeBlur blur_;
+  HazeValues haze_;
+  bool stale_ = true;
+  std::string problem_;  // why the last change was not followed
+};
+
+}  // namespace kasumi

@@ -1,0 +1,112 @@
+#include "pipeline/machine/devices.hpp"
+
+#include <map>
+#include <mutex>
+
+#include <spdlog/spdlog.h>
+
+#include "gles/display/headless_display.hpp"
+#include "pipeline/machine/replay_camera.hpp"
+
+namespace kasumi {
+
+namespace {
+
+// The cameras of one recording play in step, each in its own thread.
+class Recordings {
+ public:
+  explicit Recordings(Clock& clock) : clock_(clock) {}
+
+  Result<std::shared_ptr<ReplaySource>> open(const std::filesystem::path& fixture, CameraRole role) {
+    const std::lock_guard lock(mutex_);
+    auto both = opened_[fixture].lock();
+    if (!both) {
+      auto sources = open_fixture_sources(fixture, clock_, {.loop = true});
+      if (!sources) return fail(sources.error());
+      both = std::make_shared<FixtureSources>(std::move(*sources));
+      opened_[fixture] = both;
+    }
+    auto* source = role == CameraRole::sky ? both->sky.get() : both->scene.get();
+    return std::shared_ptr<ReplaySource>(std::move(both), source);
+  }
+
+ private:
+  Clock& clock_;
+  std::mutex mutex_;
+  std::map<std::filesystem::path, std::weak_ptr<FixtureSources>> opened_;
+};
+
+Duration interval_of(const CameraRequest& request) {
+  return request.frames_per_second > 0.0 ? from_seconds(1.0 / request.frames_per_second) : Duration{0};
+}
+
+// What the driver made of what was asked, once each time it is opened.
+Result<std::unique_ptr<FrameSource>> logged(const std::string& name, Result<std::unique_ptr<CameraSource>> source) {
+  if (!source) return fail(source.error());
+  const auto& mode = (*source)->mode();
+  spdlog::info("{}: {} ({}) at {}: {}x{} {} {:.3g} /s", name, mode.card, mode.driver, mode.place, mode.width,
+               mode.height, mode.format.text(), mode.frames_per_second);
+  for (const auto& note : mode.notes) spdlog::info("{}: {}", name, note);
+  return std::move(*source);
+}
+
+class MachineDevices final : public Devices {
+ public:
+  explicit MachineDevices(Clock& clock) : clock_(clock), recordings_(clock) {}
+
+  CameraOpening camera(CameraRole role, const CameraChoice& choice) override {
+    const std::string name = role == CameraRole::sky ? "sky camera" : "scene camera";
+    return std::visit([&](const auto& chosen) { return opening(name, role, chosen); }, choice);
+  }
+
+  Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) override {
+    return std::visit([&](const auto& chosen) { return open(chosen); }, choice);
+  }
+
+  std::unique_ptr<DisplayWatch> watch_displays() override {
+    auto watch = kasumi::watch_displays();
+    if (watch) return std::move(*watch);
+    spdlog::info("display: {}: looked for every second", watch.error().message);
+    return nullptr;
+  }
+
+ private:
+  CameraOpening opening(const std::string& name, CameraRole role, const ReplayCamera& replay) {
+    const auto folder = replay.fixture / (role == CameraRole::sky ? "sky" : "scene");
+    const auto recording = [this, role, fixture = replay.fixture] { return recordings_.open(fixture, role); };
+    return {replay_camera(name, recording, clock_), usual_interval(folder), true};
+  }
+  CameraOpening opening(const std::string& name, CameraRole, const V4l2Options& options) {
+    const auto open = [this, name, options] { return logged(name, open_v4l2_source(options, clock_)); };
+    const auto present = [device = options.device] {
+      std::error_code error;
+      return std::filesystem::exists(device, error);
+    };
+    return {{name, open, present}, interval_of(options.request), false};
+  }
+  CameraOpening opening(const std::string& name, CameraRole, const LibcameraOptions& options) {
+    const auto open = [this, name, options] { return logged(name, open_libcamera_source(options, clock_)); };
+    return {{name, open, {}}, interval_of(options.request), false};
+  }
+
+  Result<std::unique_ptr<Display>> open(const KmsDisplayOptions& kms) { return open_kms_display(kms, clock_); }
+  Result<std::unique_ptr<Display>> open(const WindowDisplayOptions& window) {
+    return open_window_display(window, clock_);
+  }
+  Result<std::unique_ptr<Display>> open(const HeadlessDisplayOptions& headless) {
+    auto display = open_headless_display(headless, clock_);
+    if (!display) return fail(display.error());
+    return std::move(*display);
+  }
+
+  Clock& clock_;
+  Recordings recordings_;
+};
+
+}  // namespace
+
+std::unique_ptr<Devices> machine_devices(Clock& clock) {
+  return std::make_unique<MachineDevices>(clock);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,150 @@
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+
+#include "capture/utc_text.hpp"
+#include "pipeline/command.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/machine/ordered_jobs.hpp"
+#include "pipeline/photographs/estimate_answer.hpp"
+#include "pipeline/photographs/estimate_arguments.hpp"
+#include "pipeline/photographs/fit_plot.hpp"
+#include "pipeline/photographs/scene_visibility.hpp"
+
+namespace kasumi {
+
+namespace {
+
+struct ImageJob {
+  std::filesystem::path file;
+  std::optional<Utc> utc;
+  std::string problem;                     // of a line of the list
+  const SceneVisibility* scene = nullptr;  // taken at the same time
+};
+
+// One line of a list: a path, or a path, a tab and a UTC time.
+ImageJob job_of(std::string line) {
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  ImageJob job;
+  const auto tab = line.find('\t');
+  job.file = line.substr(0, tab);
+  if (tab != std::string::npos) {
+    job.utc = parse_utc(line.substr(tab + 1));
+    if (!job.utc)
+      job.problem = fmt::format("{}: time '{}': expected a time like 2018-01-29T11:09:20Z", job.file.string(),
+                                line.substr(tab + 1));
+  }
+  return job;
+}
+
+// What the landmarks in the scene camera's picture of the same time say, beside the sky.
+std::string landmarks_of(const SceneVisibilities& scenes, const SceneVisibility& scene,
+                         const SkyPhotographReport* report, bool json) {
+  std::optional<SkyComparison> sky;
+  if (report && report->look.estimate.usable)
+    sky = scenes.watch.compare(scene.air, report->look.estimate.turbidity, report->look.estimate.sigma);
+  return json ? visibility_json(scenes.watch, scene, sky ? &*sky : nullptr)
+              : visibility_text(scenes.watch, scene, sky ? &*sky : nullptr);
+}
+
+std::filesystem::path plot_path(const EstimateArguments& arguments, const std::filesystem::path& image) {
+  auto name = image.filename();
+  name += ".fit.png";
+  return (arguments.plot_dir.empty() ? image.parent_path() : std::filesystem::path(arguments.plot_dir)) / name;
+}
+
+struct Answer {
+  std::string text;   // for standard output
+  std::string error;  // for standard error
+};
+
+Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs, const SceneVisibilities* scenes,
+                 const ImageJob& job) {
+  if (!job.problem.empty()) return {"", job.problem};
+  const auto report = photographs.look_at(job.file, job.utc);
+  if (!report) return {"", report.error().message};
+  const auto beside = job.scene ? landmarks_of(*scenes, *job.scene, &*report, arguments.json) : std::string();
+  Answer answer;
+  answer.text = arguments.json ? estimate_json(job.file, *report, beside) : estimate_text(job.file, *report) + beside;
+  if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
+    const auto path = plot_path(arguments, job.file);
+    const auto& estimate = report->look.estimate;
+    const auto title = estimate.usable ? fmt::format("{}: T = {:.3f} +- {:.3f}", job.file.filename().string(),
+                                                     estimate.turbidity.value, estimate.sigma)
+                                       : fmt::format("{}: {}", job.file.filename().string(), estimate.reason);
+    if (auto written = write_png(path, plot_fit(*report->picture, report->look, title)); !written)
+      answer.error = written.error().message;
+  }
+  return answer;
+}
+
+Result<int> estimate(const EstimateArguments& arguments) {
+  std::optional<SceneVisibilities> scenes;
+  if (!arguments.scenes.empty()) {
+    auto looked = look_at_scenes({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
+    if (!looked) return fail(looked.error());
+    scenes = std::move(*looked);
+    if (arguments.images.empty()) {
+      for (const auto& scene : scenes->pictures)
+        fmt::print("{}{}", landmarks_of(*scenes, scene, nullptr, arguments.json), arguments.json ? "\n" : "");
+      return 0;
+    }
+    if (arguments.from_stdin() || scenes->pictures.size() != arguments.images.size())
+      return fail(
+          FaultKind::bad_input,
+          "--scene: {} pictures beside {} of the sky: expected one for each, in their order, or none of the sky",
+          scenes->pictures.size(), arguments.from_stdin() ? 0 : arguments.images.size());
+  }
+  const auto setup = setup_of(arguments);
+  if (!setup) return fail(setup.error());
+
+  std::size_t given = 0;
+  const auto next = [&]() -> std::optional<ImageJob> {
+    if (!arguments.from_stdin()) {
+      if (given == arguments.images.size()) return std::nullopt;
+      const auto at = given++;
+      return ImageJob{arguments.images[at], std::nullopt, "", scenes ? &scenes->pictures[at] : nullptr};
+    }
+    for (std::string line; std::getline(std::cin, line);)
+      if (!line.empty()) return job_of(std::move(line));
+    return std::nullopt;
+  };
+
+  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
+  if (!arguments.from_stdin()) threads = std::min(threads, arguments.images.size());
+  std::vector<SkyPhotographs> workers;
+  for (std::size_t i = 0; i < threads; ++i) workers.emplace_back(*setup);
+
+  bool all_read = true;
+  run_in_order<ImageJob, Answer>(
+      threads, next,
+      [&](std::size_t worker, const ImageJob& job) {
+        return answer_of(arguments, workers[worker], scenes ? &*scenes : nullptr, job);
+      },
+      [&](const ImageJob&, const Answer& answer) {
+        fmt::print("{}", answer.text);
+        std::fflush(stdout);
+        if (answer.error.empty()) return;
+        fmt::print(stderr, "kasumi: {}\n", answer.error);
+        all_read = false;
+      });
+  return all_read ? 0 : 2;
+}
+
+}  // namespace
+
+void add_estimate_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("estimate", "Turbidity from photographs of the sky");
+  auto arguments = std::make_shared<EstimateArguments>();
+  add_estimate_options(*command, *arguments);
+  command->callback([arguments, &action] {
+    if (!arguments->scenes.empty() && arguments->landmarks.empty())
+      throw CLI::ValidationError("--scene", "expected --landmarks FILE, where they are and how far");
+    action = [arguments] { return estimate(*arguments); };
+  });
+}
+
+}  // namespace kasumi

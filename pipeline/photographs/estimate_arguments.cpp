@@ -1,0 +1,136 @@
+#include "pipeline/photographs/estimate_arguments.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "calib/adopt_calibration.hpp"
+#include "capture/utc_text.hpp"
+#include "pipeline/config/foreign_keys.hpp"
+
+namespace kasumi {
+
+namespace {
+
+Result<> read_calibration(const std::string& file, SkyPhotographSetup& setup) {
+  const auto root = ConfigTable::read_file(file);
+  if (!root) return fail(root.error());
+  if (root->has("format")) adopt_calibration(*root);  // a fixture's description, which may name one
+  if (auto site = root->optional_table("site")) setup.site = read_site(*site);
+  setup.calibrated = read_camera(root->table("sky"), "sky");
+  ignore_what_others_read(*root, {"site", "sky"});
+  return root->finish();
+}
+
+// Where the sun stood: exactly one way of telling.
+void read_sun(const EstimateArguments& arguments, SkyPhotographSetup& setup, Problems& problems) {
+  if (arguments.sun_zenith_deg.has_value() != arguments.sun_azimuth_deg.has_value())
+    problems.add("--sun-zenith-deg and --sun-azimuth-deg: expected both or neither");
+  if (arguments.lat.has_value() != arguments.lon.has_value()) problems.add("--lat and --lon: expected both or neither");
+  if (arguments.sun_zenith_deg && arguments.sun_azimuth_deg)
+    setup.sun = direction_from(from_degrees(*arguments.sun_zenith_deg), from_degrees(*arguments.sun_azimuth_deg));
+  if (arguments.lat && arguments.lon) setup.site = Site{"", *arguments.lat, *arguments.lon, arguments.altitude_m};
+  if (!arguments.utc.empty()) {
+    setup.utc = parse_utc(arguments.utc);
+    if (!setup.utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", arguments.utc);
+  }
+  setup.sun_from_image = arguments.sun_from_image;
+  if (setup.sun && setup.utc)
+    problems.add("--utc and --sun-zenith-deg: expected one of them, each tells where the sun stood");
+  const bool times_may_follow = arguments.from_stdin() && setup.site;
+  if (!setup.sun && !(setup.site && (setup.utc || times_may_follow)) && !setup.sun_from_image)
+    problems.add(
+        "where the sun stood is not known: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
+        "and --lon (or a --calibration with [site]), or --sun-from-image");
+}
+
+}  // namespace
+
+Result<SkyPhotographSetup> setup_of(const EstimateArguments& arguments) {
+  SkyPhotographSetup setup;
+  Problems problems;
+  if (!arguments.calibration.empty())
+    if (auto read = read_calibration(arguments.calibration, setup); !read) problems.add("{}", read.error().message);
+  setup.equisolid = arguments.lens == "equisolid";
+  setup.field_of_view = from_degrees(arguments.fov_deg);
+  if (!arguments.circle.empty()) {
+    if (arguments.circle[2] > 0.0)
+      setup.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
+    else
+      problems.add("--circle: radius {} px, expected more than 0", arguments.circle[2]);
+  }
+  setup.azimuth_up = from_degrees(arguments.azimuth_up_deg);
+  setup.linear_response = arguments.response == "linear";
+  read_sun(arguments, setup, problems);
+  setup.estimate.method =
+      arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
+  const double altitude_m = setup.site ? setup.site->altitude_m : arguments.altitude_m;
+  setup.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
+  if (setup.estimate.method == EstimateMethod::reference_pixel && setup.estimate.sky.model == SiteSkyModel::dome)
+    problems.add("--method reference-pixel: the papers' way fits the papers' sky, expected --sky-model preetham");
+  setup.estimate.samples = arguments.samples;
+  setup.estimate.seed = arguments.seed;
+  if (!problems.empty()) return fail(problems.fault());
+  return setup;
+}
+
+void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
+  auto& a = arguments;
+  command.add_option(
+      "image", a.images,
+      "Pictures; none or -: a list on standard input, one path a line, with a tab and its UTC where known");
+  auto* scene = command.add_option(
+      "--scene", a.scenes,
+      "Pictures of the scene camera, or a folder: visibility from --landmarks; beside as many of the sky");
+  command.add_option("--landmarks", a.landmarks, "TOML of [[landmarks]] at known distance (docs/operating.md)")
+      ->check(CLI::ExistingFile)
+      ->needs(scene);
+  command.add_option("--calibration", a.calibration,
+                     "TOML with [sky] (docs/cameras.md) and, if wanted, [site]; instead of the lens options");
+  command.add_option("--lens", a.lens, "Fisheye model")
+      ->check(CLI::IsMember({"equidistant", "equisolid"}))
+      ->capture_default_str();
+  command.add_option("--fov-deg", a.fov_deg, "Field of view across the image circle")
+      ->check(CLI::Range(60.0, 250.0))
+      ->capture_default_str();
+  command
+      .add_option("--circle", a.circle, "Image circle in pixels: centre and radius; found in the picture when left out")
+      ->type_name("CX,CY,R")
+      ->delimiter(',')
+      ->expected(3);
+  command
+      .add_option("--azimuth-up-deg", a.azimuth_up_deg, "Azimuth of the image's top; azimuth grows counter-clockwise")
+      ->check(CLI::Range(-360.0, 360.0))
+      ->capture_default_str();
+  command.add_option("--response", a.response, "What the numbers mean")
+      ->check(CLI::IsMember({"srgb", "linear"}))
+      ->capture_default_str();
+  command.add_option("--sun-zenith-deg", a.sun_zenith_deg, "Zenith angle of the sun")->check(CLI::Range(0.0, 180.0));
+  command.add_option("--sun-azimuth-deg", a.sun_azimuth_deg, "Azimuth of the sun, clockwise from north")
+      ->check(CLI::Range(-360.0, 360.0));
+  command.add_option("--lat", a.lat, "Latitude, degrees north")->check(CLI::Range(-90.0, 90.0));
+  command.add_option("--lon", a.lon, "Longitude, degrees east")->check(CLI::Range(-180.0, 180.0));
+  command.add_option("--altitude-m", a.altitude_m, "Altitude of the camera")
+      ->check(CLI::Range(-500.0, 9000.0))
+      ->capture_default_str();
+  command.add_option("--utc", a.utc, "When the picture was taken, like 2018-01-29T11:09:20Z");
+  command.add_flag("--sun-from-image", a.sun_from_image, "Find the sun as the saturated blob in the picture");
+  command.add_option("--method", a.method, "free-gain, or the papers' single reference pixel")
+      ->check(CLI::IsMember({"free-gain", "reference-pixel"}))
+      ->capture_default_str();
+  command
+      .add_option("--sky-model", a.sky_model,
+                  "The clear sky whose turbidity is found: the papers', or the dome seen from --altitude-m or the "
+                  "calibration's site (docs/sky.md); automatic: the dome above 1500 m")
+      ->check(CLI::IsMember({"preetham", "dome", "automatic"}))
+      ->capture_default_str();
+  command.add_option("--samples", a.samples, "Sky pixels that are looked at")
+      ->check(CLI::Range(60, 100000))
+      ->capture_default_str();
+  command.add_option("--seed", a.seed, "Of the choice of pixels")->capture_default_str();
+  command.add_flag("--json", a.json, "One JSON object a line");
+  command.add_flag("--plot", a.plot, "Write IMAGE.fit.png, fit against samples, beside each image");
+  command.add_option("--plot-dir", a.plot_dir, "Write the plots into this folder instead");
+  command.add_option("--jobs", a.jobs, "Pictures worked on at a time (all cores when left out)")
+      ->check(CLI::Range(1, 1024));
+}
+
+}  // namespace kasumi

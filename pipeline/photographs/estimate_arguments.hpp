@@ -1,0 +1,48 @@
+// What `kasumi estimate` is asked for.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/photographs/sky_photograph.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace kasumi {
+
+struct EstimateArguments {
+  std::vector<std::string> images;
+  std::vector<std::string> scenes;  // of the scene camera
+  std::string landmarks;
+  std::string calibration;
+  std::string lens = "equidistant";
+  double fov_deg = 180.0;
+  std::vector<double> circle;
+  double azimuth_up_deg = 0.0;
+  std::string response = "srgb";
+  std::optional<double> sun_zenith_deg, sun_azimuth_deg, lat, lon;
+  double altitude_m = 0.0;
+  std::string utc;
+  bool sun_from_image = false;
+  std::string method = "free-gain";
+  std::string sky_model = "preetham";
+  int samples = EstimateOptions{}.samples;
+  std::uint64_t seed = 1;
+  bool json = false;
+  bool plot = false;
+  std::string plot_dir;
+  std::size_t jobs = 0;
+
+  bool from_stdin() const { return (images.empty() && scenes.empty()) || images == std::vector<std::string>{"-"}; }
+};
+
+void add_estimate_options(CLI::App& command, EstimateArguments& arguments);
+
+// How to read the pictures of the sky. Errors (bad_input): everything that is wrong with them at once.
+Result<SkyPhotographSetup> setup_of(const EstimateArguments& arguments);
+
+}  // namespace kasumi

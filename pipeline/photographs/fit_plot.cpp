@@ -1,0 +1,103 @@
+#include "pipeline/photographs/fit_plot.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+#include "estimator/turbidity/fitted_sky.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr int kSide = 520, kMargin = 70, kTop = 60;
+const cv::Scalar kInk(40, 40, 40), kFaint(215, 215, 215), kAgrees(40, 150, 60), kDisagrees(220, 50, 40);
+
+void write(cv::Mat& canvas, const std::string& text, cv::Point at, double size = 0.45) {
+  cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
+}
+
+void draw_sky(cv::Mat canvas, const SkyPicture& picture, const SkyLook& look) {
+  const int width = picture.encoded.width(), height = picture.encoded.height();
+  const double scale = static_cast<double>(kSide) / std::max(width, height);
+  for (int y = 0; y < canvas.rows; ++y)
+    for (int x = 0; x < canvas.cols; ++x) {
+      const int px = static_cast<int>(x / scale), py = static_cast<int>(y / scale);
+      if (px >= width || py >= height) continue;
+      glm::vec3 v = 255.0f * glm::clamp(picture.encoded.at(px, py), 0.0f, 1.0f);
+      if (!look.use.empty() && look.use.at(px, py) == PixelUse::cloud) v = 0.6f * v + 0.4f * glm::vec3(60, 90, 255);
+      canvas.at<cv::Vec3b>(y, x) = {cv::saturate_cast<uchar>(v.r), cv::saturate_cast<uchar>(v.g),
+                                    cv::saturate_cast<uchar>(v.b)};
+    }
+  for (std::size_t i = 0; i < look.elements.size(); ++i) {
+    const cv::Point at(static_cast<int>((look.elements[i].x + 0.5) * scale),
+                       static_cast<int>((look.elements[i].y + 0.5) * scale));
+    const bool agrees = i < look.inlier.size() && look.inlier[i];
+    cv::circle(canvas, at, 3, agrees ? kAgrees : kDisagrees, 1, cv::LINE_AA);
+  }
+}
+
+struct Axis {
+  double lowest = 0.0, highest = 1.0;
+  double place(double value) const { return (value - lowest) / (highest - lowest); }
+};
+
+// ln of luminance over the zenith's: modelled and measured.
+std::vector<cv::Point2d> points_of(const SkyLook& look) {
+  std::vector<cv::Point2d> points;
+  const Turbidity turbidity = look.estimate.turbidity;
+  const SunDirection& sun = look.estimate.sun;
+  const FittedSky sky(look.sky, sun);
+  const double zenith = sky.log_luminance(turbidity, 1.0, zenith_angle(sun).value);
+  for (const auto& sample : look.samples) {
+    const double model = sky.log_luminance(turbidity, std::cos(double{sample.zenith}), double{sample.sun_distance});
+    points.emplace_back(model - zenith, double{sample.log_luminance} - look.log_gain - zenith);
+  }
+  return points;
+}
+
+void draw_fit(cv::Mat canvas, const SkyLook& look) {
+  const auto points = points_of(look);
+  if (points.empty()) {
+    write(canvas, "no samples", {kSide / 2 - 40, kSide / 2});
+    return;
+  }
+  Axis axis{points.front().x, points.front().x};
+  for (const auto& point : points) {
+    axis.lowest = std::min({axis.lowest, point.x, std::max(point.y, point.x - 1.0)});
+    axis.highest = std::max({axis.highest, point.x, std::min(point.y, point.x + 1.0)});
+  }
+  axis.lowest -= 0.05;
+  axis.highest += 0.05;
+  const auto at = [&](double x, double y) {
+    return cv::Point(static_cast<int>(kSide * axis.place(x)), static_cast<int>(kSide * (1.0 - axis.place(y))));
+  };
+  for (const double value : {0.2, 0.3, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0}) {
+    const double v = std::log(value);
+    if (v < axis.lowest || v > axis.highest) continue;
+    cv::line(canvas, at(v, axis.lowest), at(v, axis.highest), kFaint);
+    cv::line(canvas, at(axis.lowest, v), at(axis.highest, v), kFaint);
+    write(canvas, fmt::format("{:g}", value), at(v, axis.lowest) + cv::Point(3, -5), 0.4);
+    write(canvas, fmt::format("{:g}", value), at(axis.lowest, v) + cv::Point(4, -3), 0.4);
+  }
+  cv::line(canvas, at(axis.lowest, axis.lowest), at(axis.highest, axis.highest), kInk, 1, cv::LINE_AA);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    cv::circle(canvas, at(points[i].x, points[i].y), 2, look.inlier[i] ? kAgrees : kDisagrees, -1, cv::LINE_AA);
+  cv::rectangle(canvas, cv::Rect(0, 0, kSide, kSide), kInk);
+}
+
+}  // namespace
+
+Image<Rgb8> plot_fit(const SkyPicture& picture, const SkyLook& look, const std::string& title) {
+  Image<Rgb8> image(2 * kSide + 3 * kMargin, kSide + kTop + kMargin, Rgb8(255));
+  cv::Mat canvas(image.height(), image.width(), CV_8UC3, image.elements().data());
+  write(canvas, title, {kMargin, 35}, 0.55);
+  draw_sky(canvas(cv::Rect(kMargin, kTop, kSide, kSide)), picture, look);
+  draw_fit(canvas(cv::Rect(2 * kMargin + kSide, kTop, kSide, kSide)), look);
+  write(canvas, "green: samples that agree   red: that do not   blue tint: cloud", {kMargin, kTop + kSide + 25});
+  write(canvas, "luminance / zenith: measured (up) against model (right)", {2 * kMargin + kSide, kTop + kSide + 25});
+  return image;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,86 @@
+#include "pipeline/photographs/retarget_outputs.hpp"
+
+#include <cstdio>
+
+namespace kasumi {
+namespace {
+
+std::string name_of(const std::optional<Turbidity>& target) {
+  return target ? fmt::format("T{:.2f}", target->value) : "clear";
+}
+
+Result<> write_mask(const std::filesystem::path& path, const Image<std::uint8_t>& mask) {
+  Image<Rgb8> picture(mask.width(), mask.height());
+  for (std::size_t i = 0; i < mask.elements().size(); ++i) picture.elements()[i] = Rgb8(mask.elements()[i]);
+  return write_png(path, picture);
+}
+
+}  // namespace
+
+Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
+                                              const std::vector<std::optional<Turbidity>>& targets,
+                                              const PictureSource& source) {
+  RetargetOutputs outputs;
+  outputs.out_ = a.out;
+  outputs.sheet_file_ = a.sheet;
+  outputs.targets_ = targets;
+  outputs.alone_ = a.pictures.size() == 1 && targets.size() == 1 && !source.moves();
+  outputs.talks_ = !source.moves();
+  if (source.moves() && !a.sheet.empty())
+    return fail(FaultKind::bad_input, "--sheet {}: expected pictures, not a film or a folder: a sheet holds them all",
+                a.sheet);
+  if (!outputs.alone_ && !a.out.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(a.out, error);
+    if (error)
+      return fail(FaultKind::bad_input, "--out {}: expected a folder, for several pictures ({})", a.out,
+                  error.message());
+  }
+  if (a.film.empty()) return outputs;
+  const double frames_per_second = a.frames_per_second.value_or(source.frames_per_second().value_or(10.0));
+  const bool one = !source.moves() || targets.size() == 1;
+  const std::filesystem::path film = a.film;
+  for (std::size_t i = 0; i < (one ? 1 : targets.size()); ++i) {
+    const auto name = one ? film
+                          : film.parent_path() / fmt::format("{}.{}{}", film.stem().string(), name_of(targets[i]),
+                                                             film.extension().string());
+    auto opened = open_film(name, frames_per_second);
+    if (!opened) return fail(opened.error());
+    outputs.films_.push_back(std::move(*opened));
+  }
+  return outputs;
+}
+
+// OUT itself for one picture under one air; else OUT/NAME.T2.50.png.
+std::filesystem::path RetargetOutputs::place_of(const std::string& stem, std::size_t target) const {
+  return alone_ ? out_ : out_ / fmt::format("{}.{}.png", stem, name_of(targets_[target]));
+}
+
+void RetargetOutputs::as_taken(const Photograph& photograph) {
+  if (!sheet_file_.empty()) sheet_.add(to_rgb8(photograph), "as taken");
+}
+
+Result<> RetargetOutputs::put(const std::string& stem, std::size_t target, const UnderOtherAir& made) {
+  if (!out_.empty()) {
+    const auto place = place_of(stem, target);
+    auto mask = place;
+    mask.replace_extension(".restored.png");
+    if (auto done = write_photograph(place, made.picture); !done) return done;
+    if (auto done = write_mask(mask, made.restored); !done) return done;
+    if (talks_)
+      fmt::print("{}: {}, {:.1f} % too faint to restore\n", place.string(), name_of(targets_[target]),
+                 100.0 * made.too_faint_fraction);
+  }
+  if (sheet_file_.empty() && films_.empty()) return {};
+  const auto pixels = to_rgb8(made.picture);
+  if (!sheet_file_.empty()) sheet_.add(pixels, name_of(targets_[target]));
+  return films_.empty() ? Result<>{} : films_[films_.size() == 1 ? 0 : target]->put(pixels);
+}
+
+Result<> RetargetOutputs::finish() {
+  for (const auto& film : films_)
+    if (auto done = film->finish(); !done) return done;
+  return sheet_file_.empty() ? Result<>{} : sheet_.write(sheet_file_);
+}
+
+}  // namespace kasumi

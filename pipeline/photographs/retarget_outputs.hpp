@@ -1,0 +1,41 @@
+// Where the pictures that `kasumi retarget` makes go.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/files/contact_sheet.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/files/picture_source.hpp"
+#include "pipeline/photographs/retarget_task.hpp"
+
+namespace kasumi {
+
+// A picture or a folder of them, a contact sheet, films: of stills one film of all that is made, of what moves one for
+// each air.
+class RetargetOutputs {
+ public:
+  // Errors: bad_input (a folder that cannot be made, a sheet of what moves, which would hold all of it in memory).
+  static Result<RetargetOutputs> open(const RetargetArguments& arguments,
+                                      const std::vector<std::optional<Turbidity>>& targets,
+                                      const PictureSource& source);
+
+  void as_taken(const Photograph& photograph);
+  // `stem`: of the picture it was made of; `target`: its number among the airs.
+  Result<> put(const std::string& stem, std::size_t target, const UnderOtherAir& made);
+  Result<> finish();
+
+ private:
+  std::filesystem::path place_of(const std::string& stem, std::size_t target) const;
+
+  std::filesystem::path out_, sheet_file_;
+  std::vector<std::optional<Turbidity>> targets_;
+  bool alone_ = false;  // --out is a picture's name
+  bool talks_ = false;  // a line for each picture
+  ContactSheet sheet_;
+  std::vector<std::unique_ptr<PictureSink>> films_;
+};
+
+}  // namespace kasumi

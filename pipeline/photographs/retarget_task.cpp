@@ -1,0 +1,171 @@
+#include "pipeline/photographs/retarget_task.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <CLI/CLI.hpp>
+
+#include "calib/mask/distance_map.hpp"
+#include "calib/mask/scene_planes.hpp"
+#include "capture/utc_text.hpp"
+#include "estimator/sky/sun.hpp"
+#include "pipeline/config/descriptions.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/photographs/sky_photograph.hpp"
+
+namespace kasumi {
+namespace {
+
+// "2.5", "clear", or "2:8:.25": from, to, step.
+void read_turbidities(const RetargetArguments& arguments, std::vector<std::optional<Turbidity>>& targets,
+                      Problems& problems) {
+  const auto number = [](const std::string& text) -> std::optional<double> {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    return !text.empty() && *end == '\0' ? std::optional(value) : std::nullopt;
+  };
+  const auto good = [](double t) { return t >= kLowestTurbidity.value && t <= kHighestTurbidity.value; };
+  for (const auto& text : arguments.turbidities) {
+    if (text == "clear") {
+      targets.push_back(std::nullopt);
+      continue;
+    }
+    const auto parts = CLI::detail::split(text, ':');
+    std::vector<double> values;
+    for (const auto& part : parts)
+      if (const auto value = number(part)) values.push_back(*value);
+    const bool one = parts.size() == 1 && values.size() == 1 && good(values[0]);
+    const bool sweep = parts.size() == 3 && values.size() == 3 && good(values[0]) && good(values[1]) &&
+                       values[2] > 0.0 && values[0] < values[1] && (values[1] - values[0]) / values[2] <= 10e3;
+    if (one)
+      targets.push_back(Turbidity{values[0]});
+    else if (sweep)
+      for (int i = 0; values[0] + i * values[2] <= values[1] + 1e-9; ++i)
+        targets.push_back(Turbidity{std::min(values[0] + i * values[2], values[1])});
+    else
+      problems.add("--turbidity {}: expected a T of 1.7 to 20, FROM:TO:STEP, or clear", text);
+  }
+}
+
+// T of the pictures' own air: given, or seen in a picture of the sky.
+Result<Turbidity> source_turbidity(const RetargetArguments& arguments, const CameraFile& camera,
+                                   const std::optional<Utc>& utc, const std::optional<SunDirection>& sun) {
+  if (arguments.source_turbidity) return Turbidity{*arguments.source_turbidity};
+  SkyPhotographSetup setup;
+  setup.calibrated = camera.sky;
+  setup.site = camera.site;
+  setup.utc = utc;
+  if (!utc) setup.sun = sun;
+  setup.sun_from_image = !utc && !sun;
+  const auto report = SkyPhotographs(std::move(setup)).look_at(arguments.sky, utc);
+  if (!report) return fail(report.error());
+  const auto& estimate = report->look.estimate;
+  if (!estimate.usable)
+    return fail(FaultKind::bad_input,
+                "{}: no turbidity to be had from this sky ({}): expected another picture, or --source-turbidity",
+                arguments.sky, estimate.reason);
+  fmt::print("source: T {:.2f} +- {:.2f} from {}\n", estimate.turbidity.value, estimate.sigma, arguments.sky);
+  return estimate.turbidity;
+}
+
+std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
+  if (values.size() != 3) return std::nullopt;
+  return glm::dvec3(values[0], values[1], values[2]);
+}
+
+// One of the ways to tell how far things are.
+void read_depth(const RetargetArguments& a, OtherAirSetup& setup, Problems& problems) {
+  const int ways =
+      (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
+  if (ways != 1)
+    return problems.add(
+        "expected one of --depth FILE, --planes FILE, --distance-m where all that is not sky is about as far, or "
+        "--from-haze where nothing is known");
+  setup.everything_at_m = a.distance_m;
+  setup.from_haze = a.from_haze;
+  const int width = setup.camera.width, height = setup.camera.height;
+  if (!a.depth.empty()) {
+    auto distances = read_distances(a.depth, a.depth_step_m);
+    if (!distances)
+      problems.add("{}", distances.error().message);
+    else if (distances->width() != width || distances->height() != height)
+      problems.add("{}: is {} x {}: expected {} x {}, as the picture is", a.depth, distances->width(),
+                   distances->height(), width, height);
+    else
+      setup.distance_m = std::move(*distances);
+  } else if (!a.planes.empty()) {
+    const auto planes = read_scene_planes(a.planes);
+    if (!planes) return problems.add("{}", planes.error().message);
+    setup.distance_m = distances_to(*planes, setup.camera);
+    setup.find_sky = planes->sky_from_picture();
+  }
+}
+
+}  // namespace
+
+Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph& first) {
+  RetargetTask task;
+  auto& setup = task.setup;
+  Problems problems;
+  read_turbidities(a, task.targets, problems);
+  CameraFile file;
+  if (!a.camera.empty()) {
+    auto read = read_camera_file(a.camera);
+    if (!read)
+      problems.add("{}", read.error().message);
+    else
+      file = std::move(*read);
+  }
+  const int width = first.encoded.width(), height = first.encoded.height();
+  setup.camera =
+      file.scene.value_or(plain_camera(width, height, from_degrees(a.field_of_view_deg), from_degrees(a.pitch_deg)));
+  setup.altitude_m = file.site ? file.site->altitude_m : a.altitude_m;
+
+  std::optional<Utc> utc;
+  if (!a.utc.empty()) {
+    utc = parse_utc(a.utc);
+    if (!utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", a.utc);
+    if (!file.site) problems.add("--utc: expected a --camera file with [site], which places the sun");
+  }
+  if (a.sun_zenith_deg.has_value() != a.sun_azimuth_deg.has_value())
+    problems.add("--sun-zenith-deg and --sun-azimuth-deg: expected both or neither");
+  else if (a.sun_zenith_deg)
+    setup.sun = direction_from(from_degrees(*a.sun_zenith_deg), from_degrees(*a.sun_azimuth_deg));
+  else if (utc && file.site)
+    setup.sun = sun_position(*utc, *file.site).direction;
+
+  if (setup.camera.width != width || setup.camera.height != height)
+    problems.add("{}: [scene] is {} x {}: expected {} x {}, as the picture is", a.camera, setup.camera.width,
+                 setup.camera.height, width, height);
+  else
+    read_depth(a, setup, problems);
+  if (a.source_turbidity.has_value() == !a.sky.empty())
+    problems.add("expected --source-turbidity T, or --sky PICTURE to find it in");
+  if (!a.target_airlight.empty() && !a.target_picture.empty())
+    problems.add("--target-airlight and --target-picture: expected one of them, each tells the same");
+  if (!problems.empty()) return fail(problems.fault());
+
+  const auto source = source_turbidity(a, file, utc, setup.sun);
+  if (!source) return fail(source.error());
+  setup.source = *source;
+  setup.airlight = light_of(a.airlight);
+  setup.target_airlight = light_of(a.target_airlight);
+  setup.scattering = scattering_model_named(a.scattering).value_or(ScatteringModel::morales2017);
+  setup.relight = !a.keep_reflectance;
+  setup.amplify_noise = a.amplify_noise;
+  setup.same_exposure = a.same_exposure;
+  setup.largest_gain = a.largest_gain;
+  if (!a.target_picture.empty()) {
+    const auto picture = read_photograph(a.target_picture);
+    if (!picture) return fail(picture.error());
+    if (picture->encoded.width() != width || picture->encoded.height() != height)
+      return fail(FaultKind::bad_input, "{}: is {} x {}: expected {} x {}, taken by the same camera", a.target_picture,
+                  picture->encoded.width(), picture->encoded.height(), width, height);
+    auto horizon = horizon_of(setup.camera, *picture, a.target_picture);
+    if (!horizon) return fail(horizon.error());
+    setup.target_horizon = std::move(*horizon);
+  }
+  return task;
+}
+
+}  // namespace kasumi

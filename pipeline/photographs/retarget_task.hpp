@@ -1,0 +1,32 @@
+// What a call of `kasumi retarget` asks for, read into what is to be done.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "estimator/photograph/other_air.hpp"
+
+namespace kasumi {
+
+struct RetargetArguments {
+  std::vector<std::string> pictures, turbidities;
+  std::string camera, depth, planes, sky, utc, target_picture, scattering = "morales2017", out, sheet, film;
+  std::optional<double> depth_step_m, distance_m, source_turbidity, sun_zenith_deg, sun_azimuth_deg, frames_per_second;
+  double field_of_view_deg = 50.0, pitch_deg = 0.0, altitude_m = 0.0;
+  double largest_gain = RetargetOptions{}.largest_gain;
+  std::vector<double> airlight, target_airlight;
+  bool keep_reflectance = false, amplify_noise = false, same_exposure = false, from_haze = false;
+};
+
+struct RetargetTask {
+  OtherAirSetup setup;
+  std::vector<std::optional<Turbidity>> targets;  // no turbidity: clear
+};
+
+// `first`: of the pictures, all of whose size it has. Errors (bad_input): every problem at once; no turbidity in the
+// picture of the sky.
+Result<RetargetTask> retarget_task(const RetargetArguments& arguments, const Photograph& first);
+
+}  // namespace kasumi

@@ -1,0 +1,33 @@
+// Visibility from pictures of the scene camera: what `kasumi estimate --scene` says of each.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "estimator/landmarks/landmark_air.hpp"
+
+namespace kasumi {
+
+struct SceneVisibility {
+  std::filesystem::path picture;
+  std::vector<ContrastReading> readings;  // one for each landmark
+  LandmarkAir air;
+};
+
+struct SceneVisibilities {
+  LandmarkWatch watch;
+  std::vector<SceneVisibility> pictures;  // in the order given; those of a folder by name
+};
+
+// Pictures of one camera, or folders of them: what each tells of the landmarks' own contrasts helps the others. Only
+// the readings are kept in memory. Errors (bad_input): the file of landmarks, a picture.
+Result<SceneVisibilities> look_at_scenes(const std::vector<std::filesystem::path>& pictures,
+                                         const std::filesystem::path& landmarks);
+
+// One JSON object; `sky`: what the sky camera says at the same time.
+std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky);
+// Lines for a person.
+std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky);
+
+}  // namespace kasumi

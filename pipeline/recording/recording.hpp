@@ -1,0 +1,54 @@
+// A recording in the making: a fixture's folder, both cameras' frames, and what bounds it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "capture/fixture/fixture_writer.hpp"
+#include "pipeline/machine/devices.hpp"
+
+namespace kasumi {
+
+struct RecordingLimits {
+  std::uint64_t most_bytes = 4'000'000'000;  // of both cameras together
+  std::uint64_t keep_free = 500'000'000;     // bytes left to others on the disk
+};
+
+// Used by several threads.
+class Recording {
+ public:
+  // Makes the folder: fixture.toml with what the configuration says of site, cameras and building, the files it names,
+  // and two empty indexes. From then on it replays whenever it is cut, once each camera has a row.
+  // Errors: bad_input (the configuration, with all its problems; a recording is there already), io.
+  static Result<std::unique_ptr<Recording>> create(const std::filesystem::path& config_file,
+                                                   const std::filesystem::path& folder, Utc start,
+                                                   const RecordingLimits& limits);
+
+  // BLOCKS until the frame is on the disk. Bad frames are kept as they came. Errors: io (disk full: what was kept
+  // stays whole); bad_input (a frame of impossible geometry: not kept, the recording goes on); end_of_stream (a limit
+  // is reached: not kept).
+  Result<> keep(CameraRole role, const Frame& frame);
+  Result<> keep_disconnect(CameraRole role, Instant at, Utc utc);
+
+  int rows(CameraRole role) const;
+  std::uint64_t bytes() const;
+
+ private:
+  Recording(std::filesystem::path folder, RecordingLimits limits, FixtureWriter sky, FixtureWriter scene)
+      : folder_(std::move(folder)), limits_(limits), writers_{std::move(sky), std::move(scene)} {}
+  FixtureWriter& writer(CameraRole role) { return writers_[role == CameraRole::sky ? 0 : 1]; }
+  Result<> check_limits(std::uint64_t more) const;
+
+  std::filesystem::path folder_;
+  RecordingLimits limits_;
+  mutable std::array<std::mutex, 2> mutexes_;  // one camera's disk does not hold up the other's
+  std::array<FixtureWriter, 2> writers_;
+  std::array<std::atomic<std::uint64_t>, 2> bytes_{};
+  std::array<std::atomic<int>, 2> rows_{};
+};
+
+}  // namespace kasumi

@@ -1,0 +1,267 @@
+#include "pipeline/recording/replay.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "base/latest_slot.hpp"
+#include "base/statistics.hpp"
+#include "capture/fixture/replay_source.hpp"
+#include "gles/display/window.hpp"
+#include "gles/gl/offscreen.hpp"
+#include "pipeline/config/fixture_file.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/machine/progress.hpp"
+#include "pipeline/machine/stop_signal.hpp"
+#include "pipeline/recording/turbidity_table.hpp"
+#include "pipeline/scene/compositor.hpp"
+#include "pipeline/stage/overlay.hpp"
+
+namespace kasumi {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// Pictures a second of a film: the recorded rate, or a time lapse where the recording takes seconds between frames.
+double film_rate(const std::vector<IndexRow>& rows) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    intervals.push_back(to_seconds(rows[i].metadata.captured_at - rows[i - 1].metadata.captured_at));
+  if (intervals.empty()) return 10.0;
+  const double interval = median(std::move(intervals));
+  return interval > 0.0 && interval <= 1.0 ? std::min(1.0 / interval, 120.0) : 10.0;
+}
+
+bool is_film(const std::filesystem::path& out) {
+  return out.extension() == ".mp4";
+}
+
+// Where the pictures of one run are drawn and kept.
+struct Screen {
+  std::unique_ptr<GlContext> headless;
+  std::unique_ptr<Window> window;
+  std::optional<Offscreen> offscreen;
+  std::unique_ptr<PictureSink> sink;
+
+  GlContext& context() { return window ? *window : *headless; }
+};
+
+Result<Screen> open_screen(const ReplayRequest& request, const Fixture& fixture) {
+  Screen screen;
+  const auto& scene = fixture.installation.scene;
+  if (request.window) {
+    auto window = open_window({"Kasumi: " + fixture.info.name, scene.width, scene.height, request.realtime});
+    if (!window) return fail(window.error());
+    screen.window = std::move(*window);
+  } else {
+    auto context = open_headless_context();
+    if (!context) return fail(context.error());
+    screen.headless = std::move(*context);
+  }
+  if (request.out || !request.window) {
+    auto offscreen = Offscreen::create(screen.context().info(), scene.width, scene.height);
+    if (!offscreen) return fail(offscreen.error());
+    screen.offscreen = std::move(*offscreen);
+  }
+  if (request.out) {
+    Result<std::unique_ptr<PictureSink>> sink;
+    if (is_film(*request.out)) {
+      const auto rows = read_index(fixture.folder / "scene");
+      if (!rows) return fail(rows.error());
+      sink = open_film(*request.out, film_rate(*rows));
+    } else {
+      sink = open_picture_folder(*request.out);
+    }
+    if (!sink) return fail(sink.error());
+    screen.sink = std::move(*sink);
+  }
+  return screen;
+}
+
+// One run: its state, and what each kind of frame does to it.
+class Run {
+ public:
+  Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, Screen screen, Compositor compositor)
+      : request_(request),
+        screen_(std::move(screen)),
+        compositor_(std::move(compositor)),
+        watch_(fixture.installation) {
+    if (request.overlay) overlay_.emplace(screen_.context(), fixture.installation, model.bounds(), std::nullopt);
+    summary_.fixture = fixture.info.name;
+    summary_.gl_renderer = screen_.context().info().renderer;
+    summary_.software_gl = screen_.context().info().software;
+  }
+
+  Result<> play(FixtureSources& sources) {
+    Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
+    while (!over()) {
+      const auto sky_due = sources.sky->due(), scene_due = sources.scene->due();
+      if (!scene_due) break;
+      if (sky_due && *sky_due <= *scene_due) {
+        look_at_sky(sources.sky->next(*sky_due + 1s));
+        continue;
+      }
+      if (auto shown = show(sources.scene->next(*scene_due + 1s)); !shown) return shown;
+      progress.advance(words());
+    }
+    while (sources.sky->due() && !over()) look_at_sky(sources.sky->next(*sources.sky->due() + 1s));
+    return {};
+  }
+
+  // The sky in a thread of its own; this thread owns GL.
+  Result<> play_in_real_time(FixtureSources& sources, Clock& clock) {
+    Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
+    LatestSlot<SkyReport> reports;
+    std::atomic<bool> stopping = false;
+    std::thread sky([&] {
+      while (!stopping && sources.sky->due()) {
+        if (auto report = observe_sky(sources.sky->next(clock.now() + 500ms))) reports.put(std::move(*report));
+      }
+    });
+    Result<> result;
+    while (!over() && sources.scene->due()) {
+      auto frame = sources.scene->next(clock.now() + 50ms);
+      if (auto report = reports.take()) latest_ = std::move(*report);
+      if (!frame && frame.error().kind == FaultKind::timeout)
+        continue;  // a gap: the window is served, the picture held
+      if (result = show(std::move(frame)); !result) break;
+      progress.advance(words());
+    }
+    stopping = true;
+    clock.interrupt();
+    sky.join();
+    summary_.dropped = reports.dropped();
+    return result;
+  }
+
+  Result<ReplaySummary> finish() {
+    if (screen_.sink) {
+      if (auto finished = screen_.sink->finish(); !finished) return fail(finished.error());
+      const auto folder = is_film(*request_.out) ? request_.out->parent_path() : *request_.out;
+      if (auto written = table_.write(folder / "turbidity.csv"); !written) return fail(written.error());
+    }
+    summary_.sky_frames = sky_frames_;
+    summary_.usable_sky_frames = usable_sky_frames_;
+    summary_.skipped.merge(sky_skipped_);
+    summary_.layers_drawn = compositor_.layers_drawn();
+    summary_.horizon = compositor_.air().horizon().source;
+    summary_.horizon_reason = compositor_.air().horizon().reason;
+    summary_.notes = compositor_.notes();
+    if (latest_.picture) summary_.last = latest_;
+    return summary_;
+  }
+
+ private:
+  bool over() {
+    if (request_.frames && summary_.pictures >= *request_.frames) return true;
+    return stop_requested() || (screen_.window && !screen_.window->handle_events());
+  }
+
+  std::string words() const {
+    return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T not known yet";
+  }
+
+  // Only the sky's own state: safe in the sky's thread.
+  std::optional<SkyReport> observe_sky(Result<Frame> frame) {
+    if (!frame) {
+      if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
+        ++sky_skipped_[fmt::format("sky camera: {}", name_of(frame.error().kind))];
+      return std::nullopt;
+    }
+    ++sky_frames_;
+    auto report = watch_.observe(*frame);
+    if (!report) {
+      ++sky_skipped_[fmt::format(
+          "sky camera: {}", frame->metadata.status == FrameStatus::good ? "damaged" : name_of(frame->metadata.status))];
+      return std::nullopt;
+    }
+    table_.add(*report);
+    if (report->estimate.usable) ++usable_sky_frames_;
+    return std::move(*report);
+  }
+
+  void look_at_sky(Result<Frame> frame) {
+    if (auto report = observe_sky(std::move(frame))) latest_ = std::move(*report);
+  }
+
+  Result<> show(Result<Frame> frame) {
+    if (!frame) {
+      if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
+        ++summary_.skipped[fmt::format("scene camera: {}", name_of(frame.error().kind))];
+      return {};
+    }
+    if (screen_.offscreen) {
+      if (auto drawn = compositor_.draw(*frame, latest_, screen_.offscreen->target()); !drawn)
+        return skip_or_fail(*frame, drawn.error());
+      if (auto drawn = draw_overlay(screen_.offscreen->target()); !drawn) return drawn;
+      auto picture = screen_.offscreen->read();
+      if (!picture) return fail(picture.error());
+      if (screen_.sink)
+        if (auto put = screen_.sink->put(*picture); !put) return put;
+    }
+    if (screen_.window) {
+      if (auto drawn = compositor_.draw(*frame, latest_, screen_.window->target()); !drawn)
+        return skip_or_fail(*frame, drawn.error());
+      if (auto drawn = draw_overlay(screen_.window->target()); !drawn) return drawn;
+      screen_.window->show();
+    }
+    ++summary_.pictures;
+    return {};
+  }
+
+  Result<> draw_overlay(const DrawTarget& target) { return overlay_ ? overlay_->draw(target) : Result<>{}; }
+
+  Result<> skip_or_fail(const Frame& frame, const Fault& fault) {
+    if (fault.kind != FaultKind::bad_input) return fail(fault);
+    const auto status = frame.metadata.status;
+    ++summary_.skipped[fmt::format("scene camera: {}", status == FrameStatus::good ? "damaged" : name_of(status))];
+    return {};
+  }
+
+  const ReplayRequest& request_;
+  Screen screen_;
+  Compositor compositor_;
+  std::optional<Overlay> overlay_;
+  SkyWatch watch_;
+  TurbidityTable table_;
+  SkyReport latest_;
+  ReplaySummary summary_;
+  // The sky thread's own, merged when it has ended.
+  std::size_t sky_frames_ = 0;
+  std::size_t usable_sky_frames_ = 0;
+  std::map<std::string, std::size_t> sky_skipped_;
+};
+
+}  // namespace
+
+Result<ReplaySummary> replay(const ReplayRequest& request) {
+  const auto started = std::chrono::steady_clock::now();
+  const auto fixture = read_fixture(request.fixture);
+  if (!fixture) return fail(fixture.error());
+
+  std::unique_ptr<Clock> clock;
+  if (request.realtime)
+    clock = std::make_unique<SystemClock>();
+  else
+    clock = std::make_unique<UnhurriedClock>(fixture->info.start_utc);
+  auto sources = open_fixture_sources(fixture->folder, *clock);
+  if (!sources) return fail(sources.error());
+  auto screen = open_screen(request, *fixture);
+  if (!screen) return fail(screen.error());
+  const auto model = read_gltf(fixture->installation.object.model);
+  if (!model) return fail(model.error());
+  auto compositor = Compositor::create(screen->context(), fixture->installation, *model, request.air);
+  if (!compositor) return fail(compositor.error());
+
+  Run run(request, *fixture, *model, std::move(*screen), std::move(*compositor));
+  auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources);
+  if (!played) return fail(played.error());
+  auto summary = run.finish();
+  if (summary) summary->sighting = sight_object(fixture->installation, model->bounds());
+  if (summary) summary->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return summary;
+}
+
+}  // namespace kasumi

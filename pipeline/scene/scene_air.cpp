@@ -1,0 +1,141 @@
+#include "pipeline/scene/scene_air.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/colour/colorimetry.hpp"
+#include "pipeline/scene/for_gles.hpp"
+
+namespace kasumi {
+
+namespace {
+
+// Clouds and people pass, the air stays: the horizon is smoothed over so long. What was seen an hour ago, before a
+// camera was unplugged, is forgotten.
+constexpr double kHorizonMemory_s = 2.8;
+
+// Below what the eye can see in one step: half a percent of the haze, a tenth of a degree of the sun.
+constexpr double kLeastHazeChange = 0.005;
+constexpr Radians kLeastSunMove = from_degrees(0.1);
+constexpr double kLeastSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
+
+bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
+  if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
+  if (now.measured && difference(*drawn.measured, *now.measured) > kLeastSkyChange) return false;
+  const double haze = now.turbidity.value - 1.0, haze_drawn = drawn.turbidity.value - 1.0;
+  return std::abs(haze - haze_drawn) <= kLeastHazeChange * haze_drawn &&
+         angle_between(now.sun, drawn.sun) <= kLeastSunMove;
+}
+
+std::optional<double> exposure_of(const FrameMetadata& metadata) {
+  if (!metadata.exposure_s || *metadata.exposure_s <= 0) return std::nullopt;
+  return *metadata.exposure_s * metadata.gain.value_or(1.0);
+}
+
+void scale(HorizonLight& horizon, double factor) {
+  for (auto& column : horizon.columns) column.light *= factor;
+}
+
+OpticalPath path_to(const Installation& installation) {
+  const auto& place = installation.object.placement;
+  const double altitude_m = installation.site.altitude_m;
+  return optical_path(altitude_m, altitude_m + place.up_m, std::hypot(place.east_m, place.north_m, place.up_m));
+}
+
+}  // namespace
+
+SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
+    : scene_(installation.scene),
+      sky_(installation.sky),
+      altitude_m_(installation.site.altitude_m),
+      ground_albedo_(installation.surroundings.ground_albedo),
+      shadows_(installation.object.shadows),
+      sky_model_(installation.surroundings.sky_model),
+      fog_(installation.surroundings.fog),
+      blur_of_depth_1_px_(installation.surroundings.haze_blur_px),
+      to_object_(path_to(installation)),
+      options_(options),
+      nodes_(attenuation_nodes(spectral_measure(scene_))) {}
+
+SceneConditions SceneAir::conditions(const SkyReport& report) const {
+  SceneConditions conditions;
+  conditions.turbidity = report.tracked ? report.tracked->turbidity : options_.until_known;
+  if (options_.turbidity) conditions.turbidity = *options_.turbidity;
+  conditions.sky = report.estimate.sky;
+  if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
+  conditions.measured = report.measured;
+  conditions.haze_blur_px = haze_blur_px(conditions.turbidity);
+  return conditions;
+}
+
+SceneConditions SceneAir::take_in(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky) {
+  auto now = conditions(sky);
+  look_for_horizon(metadata, scene, sky.picture ? &sky.picture->view() : nullptr, &now);
+  return now;
+}
+
+DrawnAir SceneAir::drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer) const {
+  DrawnAir air;
+  if (!layer || !look_alike(now, *layer)) air.appearance = appearance(now, box);
+  air.measured = measured(now, box);
+  return air;
+}
+
+ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
+  const Daylight daylight(scene_, conditions.turbidity, conditions.sun,
+                          {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get()});
+  ObjectAppearance appearance;
+  appearance.haze =
+      haze_for_gles(haze_coefficients(nodes_, options_.scattering, conditions.turbidity), altitude_m_, fog_);
+  appearance.light = light_for_gles(daylight.on_object());
+  appearance.horizon = airlight_grid(
+      scene_, box, [&](const glm::dvec2&, const Direction& direction) { return daylight.airlight(direction); });
+  appearance.aerial_perspective = options_.aerial_perspective;
+  appearance.shadows = shadows_;
+  return appearance;
+}
+
+double SceneAir::haze_blur_px(Turbidity turbidity) const {
+  if (blur_of_depth_1_px_ <= 0.0 || !options_.aerial_perspective) return 0.0;
+  const auto haze = haze_coefficients(nodes_, options_.scattering, turbidity);
+  const double left = std::clamp(attenuation(haze, to_object_).g, 1e-9, 1.0);
+  return blur_of_depth_1_px_ * std::sqrt(-std::log(left));
+}
+
+HorizonLight SceneAir::modelled(const SceneConditions& conditions, const PictureView& scene) const {
+  if (conditions.sky == SkyCondition::overcast) {
+    const glm::dvec3 grey = srgb_to_xyz() * glm::dvec3{1.0};
+    return horizon_from_model([&](const Direction&) { return grey; }, scene_, scene);
+  }
+  const SiteSky sky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_);
+  return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
+}
+
+void SceneAir::look_for_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
+                                const SceneConditions* conditions) {
+  const auto exposure = exposure_of(metadata);
+  if (exposure && exposure_) scale(horizon_, *exposure / *exposure_);
+  exposure_ = exposure;
+  const bool backwards = looked_at_ && metadata.captured_at < *looked_at_;
+  if (looked_at_ && !backwards && metadata.captured_at - *looked_at_ < options_.horizon_interval) return;
+  const double since_s = !looked_at_ ? 0.0 : std::abs(to_seconds(metadata.captured_at - *looked_at_));
+  looked_at_ = metadata.captured_at;
+
+  auto seen = measure_horizon(scene_, scene);
+  if (!seen.usable() && sky_picture) seen = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
+  if (!seen.usable() && conditions) seen = modelled(*conditions, scene);
+  horizon_ = blend(horizon_, seen, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
+}
+
+AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {
+  if (!horizon_.usable())
+    return airlight_grid(scene_, box, [](const glm::dvec2&, const Direction&) { return glm::dvec3{0.5}; });
+  const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_),
+                          scene_.light_to_xyz(), options_.zeta);
+  return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
+    // Back into the camera's own light: what its pixels are compared and mixed with.
+    return airlight.from(direction) * scene_.white_balance * scene_.vignetting.at(pixel);
+  });
+}
+
+}  // namespace kasumi

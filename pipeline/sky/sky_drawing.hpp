@@ -1,0 +1,53 @@
+// Pictures of the sky one after the other: drawn by the GPU, or by the CPU as the reference.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "estimator/sky/sky_scene.hpp"
+#include "gles/air/dome_renderer.hpp"
+#include "gles/gl/context.hpp"
+#include "gles/gl/offscreen.hpp"
+#include "pipeline/sky/made_land.hpp"
+#include "pipeline/sky/sky_reference.hpp"
+
+namespace kasumi {
+
+struct SkyCamera {
+  SkyProjection projection = SkyProjection::perspective;
+  int width = 1280;
+  int height = 720;
+  double field_of_view_deg = 65.0;  // across the picture; the other projections show all there is
+  double heading_deg = 0.0;         // fisheye: the azimuth at the picture's top
+  double pitch_deg = 12.0;          // not for the others
+};
+SkyView view_of(const SkyCamera& camera);
+
+// Land for such a view: mountains, or the bare plain; none under a fisheye, which sees none. Reaches to the horizon.
+struct LandAround {
+  DomeLand land;
+  Radians from, to;
+};
+std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, bool mountains);
+
+// Where there is land, nobody's eyes are below it: at least 25 m above the plain.
+SkyRequest standing_on_land(const SkyCamera& camera, SkyRequest sky);
+
+class SkyDrawing {
+ public:
+  // Errors: unsupported (no GL here: --cpu needs none), device.
+  static Result<SkyDrawing> by_gpu();
+  static SkyDrawing by_cpu() { return SkyDrawing(nullptr); }
+  Result<Image<Rgb8>> draw(const SkyView& view, const SkyScene& scene, const LandAround* land);
+
+ private:
+  explicit SkyDrawing(std::unique_ptr<GlContext> context) : context_(std::move(context)) {}
+  std::unique_ptr<GlContext> context_;
+  std::optional<DomeRenderer> dome_;
+  std::optional<Offscreen> target_;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace kasumi

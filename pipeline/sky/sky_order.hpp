@@ -1,0 +1,37 @@
+// What `kasumi sky` is asked for, as it was typed.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "calib/camera.hpp"
+#include "pipeline/sky/sky_drawing.hpp"
+
+namespace kasumi {
+
+struct SkyOrder {
+  std::string projection = "perspective", size, utc, model = "dome", out, sheet, day, compare;
+  std::vector<double> turbidities, altitudes_m, site;
+  std::optional<double> sun_zenith_deg, sun_azimuth_deg;
+  double field_of_view_deg = 65.0, heading_deg = 0.0, pitch_deg = 12.0, exposure_ev = 0.0, frames_per_second = 12.0;
+  int frames = 96;
+  bool terrain = false, no_aerial_perspective = false, cpu = false, window = false;
+};
+
+// The order understood: nothing in it can be wrong any more.
+struct SkyTask {
+  SkyCamera camera;
+  SkyRequest sky;  // of the first turbidity and altitude
+  std::vector<double> turbidities, altitudes_m;
+  std::optional<Site> site;
+  std::optional<Utc> utc;
+  bool mountains = false;
+};
+// Error: bad_input, all that is wrong at once.
+Result<SkyTask> understand(const SkyOrder& order);
+
+Result<int> fill_sky_order(const SkyOrder& order);
+
+}  // namespace kasumi

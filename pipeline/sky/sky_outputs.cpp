@@ -1,0 +1,132 @@
+// The pictures, sheets and films that `kasumi sky` was asked for.
+#include <cmath>
+
+#include "estimator/sky/dome.hpp"
+#include "estimator/sky/sun.hpp"
+#include "pipeline/files/contact_sheet.hpp"
+#include "pipeline/files/light_file.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/sky/sky_comparison.hpp"
+#include "pipeline/sky/sky_order.hpp"
+#include "pipeline/sky/sky_window.hpp"
+
+namespace kasumi {
+namespace {
+
+Result<Image<Rgb8>> drawn(SkyDrawing& drawing, const SkyCamera& camera, const SkyRequest& asked, bool mountains) {
+  const SkyRequest sky = standing_on_land(camera, asked);
+  const auto land = land_for(camera, sky.altitude_m, mountains);
+  return drawing.draw(view_of(camera), sky_scene(sky), land ? &*land : nullptr);
+}
+
+Result<> write_out(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
+  if (is_light_file(order.out)) {
+    const SkyRequest sky = standing_on_land(task.camera, task.sky);
+    const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
+    std::optional<LandSight> sight;
+    if (land) sight.emplace(land->land, land->from, land->to);
+    return write_light_file(order.out,
+                            sky_light_picture(view_of(task.camera), sky_scene(sky), sight ? &*sight : nullptr));
+  }
+  const auto picture = drawn(drawing, task.camera, task.sky, task.mountains);
+  if (!picture) return fail(picture.error());
+  return write_png(order.out, *picture);
+}
+
+Result<> write_sheet(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
+  ContactSheet sheet;
+  // Of one exposure, so that it shows which is the brighter.
+  SkyRequest first = task.sky;
+  first.exposure_ev = 0.0;
+  const double exposure = sky_scene(first).exposure;
+  for (const double altitude_m : task.altitudes_m)
+    for (const double t : task.turbidities) {
+      SkyRequest sky = task.sky;
+      sky.altitude_m = altitude_m;
+      sky.turbidity = {t};
+      sky.exposure = exposure;
+      const auto picture = drawn(drawing, task.camera, sky, task.mountains);
+      if (!picture) return fail(picture.error());
+      sheet.add(*picture, fmt::format("T {:g}, {:g} km", t, altitude_m / 1000.0));
+    }
+  // Turbidities side by side, altitudes one below the other; a single row where there is one turbidity.
+  const std::size_t columns = task.turbidities.size() > 1 ? task.turbidities.size() : task.altitudes_m.size();
+  return write_png(order.sheet, sheet.drawn(static_cast<int>(columns)));
+}
+
+// The moments of the day around `utc` at which the sun stands high enough for a sky.
+std::vector<SunDirection> suns_of_day(const SkyTask& task, int frames) {
+  constexpr int kMinutes = 24 * 60;
+  // Noon at the site lies in the middle.
+  const auto day = std::chrono::floor<std::chrono::days>(
+      *task.utc + std::chrono::minutes(std::lround(4.0 * task.site->longitude_deg)));
+  const Utc start = day - std::chrono::minutes(std::lround(4.0 * task.site->longitude_deg));
+  std::vector<SunDirection> light;
+  for (int minute = 0; minute < kMinutes; ++minute) {
+    const auto sun = sun_position(start + std::chrono::minutes(minute), *task.site);
+    if (sun.zenith <= kLowestDomeSun) light.push_back(sun.direction);
+  }
+  std::vector<SunDirection> suns;
+  for (int i = 0; i < frames && !light.empty(); ++i)
+    suns.push_back(light[light.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(frames)]);
+  return suns;
+}
+
+Result<> write_day(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
+  const auto suns = suns_of_day(task, order.frames);
+  if (suns.empty())
+    return fail(FaultKind::bad_input, "--day: the sun does not rise at --site on that day; expected another day");
+  auto sink = std::filesystem::path(order.day).has_extension() ? open_film(order.day, order.frames_per_second)
+                                                               : open_picture_folder(order.day);
+  if (!sink) return fail(sink.error());
+  SkyRequest sky = standing_on_land(task.camera, task.sky);
+  const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
+  for (const SunDirection& sun : suns) {
+    sky.sun = sun;
+    const auto picture = drawing.draw(view_of(task.camera), sky_scene(sky), land ? &*land : nullptr);
+    if (!picture) return fail(picture.error());
+    if (auto put = (*sink)->put(*picture); !put) return put;
+  }
+  return (*sink)->finish();
+}
+
+Result<> write_comparison(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
+  const auto low = direction_from(from_degrees(88.0), azimuth_angle(task.sky.sun));
+  ContactSheet sheet;
+  fmt::print("{:<22} {:>22} {:>30}\n", "", "darkest / opposite sun", "zenith under a sun of 2 deg");
+  using enum SkyKind;
+  for (const SkyKind kind : {dome, preetham1999, hoffman_preetham2002, nielsen2003}) {
+    SkyRequest sky = task.sky;
+    sky.kind = kind;
+    const auto picture = drawn(drawing, task.camera, sky, false);
+    if (!picture) return fail(picture.error());
+    sheet.add(*picture, std::string(name_of(kind)));
+    const auto flaws = flaws_of(kind, sky.turbidity, sky.sun, low);
+    fmt::print("{:<22} {:>22.3f} {:>13.0f} cd/m2, x {:.4f} y {:.4f}\n", name_of(kind), flaws.band,
+               flaws.zenith_luminance, flaws.zenith_x, flaws.zenith_y);
+  }
+  return write_png(order.compare, sheet.drawn(2));
+}
+
+}  // namespace
+
+Result<int> fill_sky_order(const SkyOrder& order) {
+  const auto task = understand(order);
+  if (!task) return fail(task.error());
+  // Light in floats is the reference's alone.
+  const bool a_picture = !order.out.empty() && !is_light_file(order.out);
+  const bool by_gpu = !order.cpu && (a_picture || !order.sheet.empty() || !order.day.empty() || !order.compare.empty());
+  auto drawing = by_gpu ? SkyDrawing::by_gpu() : Result<SkyDrawing>(SkyDrawing::by_cpu());
+  if (!drawing) return fail(drawing.error().kind, "{}; --cpu needs none", drawing.error().message);
+  const auto step = [&](const std::string& wanted, auto work) -> Result<> {
+    return wanted.empty() ? Result<>{} : work(order, *task, *drawing);
+  };
+  for (const auto& done : {step(order.out, write_out), step(order.sheet, write_sheet), step(order.day, write_day),
+                           step(order.compare, write_comparison)})
+    if (!done) return fail(done.error());
+  if (order.window)
+    if (auto shown = show_sky_window(*task); !shown) return fail(shown.error());
+  return 0;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,41 @@
+// The sky and land under it by the CPU, pixel by pixel in double precision: the reference for what the GPU draws, and
+// the light itself for files that hold it.
+#pragma once
+
+#include <optional>
+
+#include "base/image.hpp"
+#include "base/picture.hpp"
+#include "base/sky/dome_scene.hpp"
+#include "gles/air/dome_land.hpp"
+
+namespace kasumi {
+
+// Where a view meets land.
+struct LandHit {
+  glm::dvec3 place{0.0};  // metres; x east, y north, z up from the sea below the observer
+  double altitude_m = 0.0;
+  glm::dvec3 normal{0.0, 0.0, 1.0};
+  glm::dvec3 albedo{0.2};
+};
+// Land whose columns go from azimuth `from` to `to`, seen from above its middle.
+class LandSight {
+ public:
+  LandSight(const DomeLand& land, Radians from, Radians to) : land_(land), from_(from), to_(to) {}
+  std::optional<LandHit> along(const Direction& view, double observer_m) const;
+
+ private:
+  const DomeLand& land_;
+  Radians from_, to_;
+};
+
+// Linear sRGB, cd/m2; black beyond a fisheye's circle. land: null for none.
+Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandSight* land);
+// Encoded as the GPU shows it, rounded, not dithered.
+Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandSight* land);
+
+// What a view shows there, in 0 .. 1: what both above are made of.
+glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandSight* land,
+                        const glm::dvec2& pixel);
+
+}  // namespace kasumi

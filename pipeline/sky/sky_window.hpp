@@ -1,0 +1,26 @@
+// The desk window of `kasumi sky`: drag the sun, turn the air and the altitude, look around.
+#pragma once
+
+#include <string>
+
+#include "gles/display/window.hpp"
+#include "pipeline/sky/sky_order.hpp"
+
+namespace kasumi {
+
+// What the window shows, changed by what a person does.
+struct SkyShown {
+  SkyCamera camera;
+  SkyRequest sky;
+  bool mountains = false;
+
+  // Takes the pointer (pixels of the camera's picture) and keys. false when nothing changed.
+  bool take(const WindowInput& input);
+  // "T 2.5   altitude 0 m   sun 45.0 deg from the zenith, azimuth 180.0 deg".
+  std::string words() const;
+};
+
+// BLOCKS until the window is closed. Errors: unsupported (no display), device.
+Result<> show_sky_window(const SkyTask& task);
+
+}  // namespace kasumi

@@ -1,0 +1,29 @@
+// The overlay on a target: over the finished picture, for the people who set a kiosk up.
+#pragma once
+
+#include <optional>
+
+#include "gles/picture/flat_picture.hpp"
+#include "pipeline/stage/overlay_shapes.hpp"
+
+namespace kasumi {
+
+// Belongs to the thread of its GL context.
+class Overlay {
+ public:
+  // `font_file`: as CaptionStyle's.
+  Overlay(GlContext& context, const Installation& installation, const ModelBounds& bounds,
+          std::optional<std::filesystem::path> font_file);
+  // Drawn anew only for a target of another size. Errors: bad_input (font file), device.
+  Result<> draw(const DrawTarget& target);
+
+ private:
+  GlContext* context_;
+  OverlayShapes shapes_;
+  int scene_width_;
+  int scene_height_;
+  std::optional<std::filesystem::path> font_file_;
+  std::optional<FlatPicture> picture_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,70 @@
+// Everything of one content under one GL context: the scene with its building, the curated picture, the words.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pipeline/config/content.hpp"
+#include "pipeline/config/ladder.hpp"
+#include "pipeline/scene/compositor.hpp"
+#include "pipeline/scene/scene_frame.hpp"
+#include "pipeline/stage/overlay.hpp"
+#include "pipeline/stage/still_picture.hpp"
+
+namespace kasumi {
+
+// What one picture consists of, from the back to the front.
+struct Composition {
+  Rung rung;
+  std::string words;  // what is wrong, for the person standing there; empty: nothing to say
+  friend bool operator==(const Composition&, const Composition&) = default;
+};
+
+// Belongs to the thread of its GL context.
+class Stage {
+ public:
+  // BLOCKS while model and pictures are uploaded. `air`: what an earlier stage of this content had seen of it.
+  // Errors: bad_input (too large for this GL), device, unsupported.
+  static Result<Stage> create(GlContext& context, ContentPtr content, std::optional<SceneAir> air = std::nullopt);
+
+  // The scene first, of a new frame or as it was drawn last. Errors: bad_input (the frame is of another size: nothing
+  // was drawn), device.
+  Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
+  // Then what lies over it. Errors: device.
+  Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
+
+  // The scene drawn last has the building in it (where the view shows it).
+  bool draws_object() const { return draws_object_; }
+
+  const SceneAir& air() const { return compositor_.air(); }
+  FrameCounts frames() const { return compositor_.frames(); }
+
+  const std::vector<std::string>& notes() const { return compositor_.notes(); }
+
+ private:
+  struct Words {
+    std::string text;
+    int target_width = 0;
+    std::optional<FlatPicture> picture;  // empty: they could not be drawn
+  };
+  Stage(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still)
+      : context_(&context),
+        content_(std::move(content)),
+        compositor_(std::move(compositor)),
+        still_(std::move(still)) {}
+  Result<> draw_overlay(const DrawTarget& target);
+  Result<> draw_words(Words& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
+  void set_words(Words& drawn, const std::string& text, const DrawTarget& target);
+
+  GlContext* context_;
+  ContentPtr content_;
+  Compositor compositor_;
+  std::optional<Overlay> overlay_;  // empty: nobody wants it
+  StillPicture still_;
+  std::optional<FlatPicture> black_;  // one pixel, to fill the target
+  Words caption_, trouble_;
+  bool has_scene_ = false;
+  bool draws_object_ = false;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,150 @@
+#include "pipeline/stage/still_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <spdlog/spdlog.h>
+#include <glm/common.hpp>
+
+#include "base/geometry.hpp"
+#include "estimator/sky/sky_scene.hpp"
+#include "gles/gl/offscreen.hpp"
+
+namespace kasumi {
+namespace {
+
+// Less is not seen in a picture that nobody compares with the one before.
+const Radians kLeastSunMove = from_degrees(0.4);
+constexpr double kLeastHazeChange = 0.05;  // of T - 1
+constexpr double kLeastCloudChange = 0.1;
+constexpr double kUsualFieldOfView_deg = 50.0;
+
+// As the scene camera looks; lenses that are not pinholes, and views too narrow to show more than one colour, as an eye
+// would.
+SkyView view_of_sky(const Camera& scene, int width, int height) {
+  const auto pinhole = scene.lens ? pinhole_model(*scene.lens) : std::nullopt;
+  const double usual = 0.5 / std::tan(0.5 * from_degrees(kUsualFieldOfView_deg).value);
+  const double focal = pinhole && scene.width > 0 ? pinhole->focal_px.x / scene.width : usual;
+  return {SkyProjection::perspective, width, height, std::min(focal, 4.0 * usual) * width, scene.to_world};
+}
+
+// The curator's picture was taken by day and stays as it is: its sky gives way to the dusk more than eyes that adapt
+// would have it.
+void dim(SkyScene& scene, const SkySums& sums) {
+  constexpr double kDay_cd_m2 = 3000.0, kLoss = 0.15;  // in stops, of what the light loses
+  scene.exposure *= std::pow(std::clamp(sums.mean_luminance / kDay_cd_m2, 1e-4, 1.0), kLoss);
+}
+
+// A closed cover is grey and even; so much of it as there are clouds.
+void cover(SkyScene& scene, const SkySums& sums, double clouds) {
+  if (clouds <= 0.0) return;
+  constexpr double kLevel = 0.55;  // of the clear sky's mean: what its exposure was chosen by
+  const glm::dvec3 grey = kLevel * sums.mean_luminance * glm::dvec3(0.97, 1.0, 1.04);
+  for (auto& coefficient : scene.sky.coefficients) coefficient *= static_cast<float>(1.0 - clouds);
+  scene.sky.coefficients[0] += glm::vec3(clouds * grey);
+  scene.sun_luminance *= clouds > 0.8 ? 0.0 : 1.0;
+}
+
+}  // namespace
+
+std::optional<StillSky> still_sky(const SkyReport& report) {
+  const auto sky = report.estimate.sky;
+  if (report.sun.source == SunSource::none || sky == SkyCondition::night) return std::nullopt;
+  StillSky found;
+  found.sun = report.sun.direction;
+  if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil dusk has ended
+  if (report.tracked) found.turbidity = report.tracked->turbidity;  // Preetham's too means his optical depth of haze
+  if (sky == SkyCondition::overcast)
+    found.clouds = 1.0;
+  else if (sky == SkyCondition::partly_cloudy)
+    found.clouds = std::clamp(1.0 - report.estimate.clear_fraction, 0.0, 1.0);
+  return found;
+}
+
+Result<StillPicture> StillPicture::create(GlContext& context, const Content& content) {
+  StillPicture still(context);
+  still.scene_ = content.config.installation.scene;
+  still.altitude_m_ = content.config.installation.site.altitude_m;
+  auto ground = FlatPicture::create(context, Image<Rgba8>(1, 1, kStillGround));
+  if (!ground) return fail(ground.error());
+  still.ground_ = std::move(*ground);
+  if (!content.still) return still;
+  auto curated = FlatPicture::create(context, *content.still);
+  if (!curated) return fail(curated.error());
+  still.curated_ = std::move(*curated);
+  still.shows_sky_ = std::ranges::any_of(content.still->elements(), [](const Rgba8& pixel) { return pixel.a < 255; });
+  return still;
+}
+
+bool StillPicture::holds(const DrawTarget& target, const StillSky& sky) const {
+  if (!with_sky_ || with_sky_->width != target.width || with_sky_->height != target.height) return false;
+  const auto& drawn = with_sky_->sky;
+  const double haze = sky.turbidity.value - 1.0, drawn_haze = drawn.turbidity.value - 1.0;
+  return std::abs(haze - drawn_haze) <= kLeastHazeChange * drawn_haze &&
+         std::abs(sky.clouds - drawn.clouds) <= kLeastCloudChange && angle_between(sky.sun, drawn.sun) <= kLeastSunMove;
+}
+
+// Drawn beside the target and taken as one picture, so that it can fade.
+Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
+  if (!dome_) {
+    auto dome = DomeRenderer::create(*context_);
+    if (!dome) return fail(dome.error());
+    dome_ = std::move(*dome);
+  }
+  auto beside = Offscreen::create(context_->info(), target.width, target.height);
+  if (!beside) return fail(beside.error());
+  const DrawTarget whole = beside->target();
+  const int width = curated_ ? curated_->width() : target.width, height = curated_ ? curated_->height() : target.height;
+  const SkyView view = view_of_sky(scene_, width, height);
+  SkyRequest request;
+  request.altitude_m = altitude_m_;
+  request.turbidity = sky.turbidity;
+  request.sun = sky.sun;
+  auto scene = sky_scene(request);
+  const auto sums = sky_sums(SkyPainter(scene));
+  dim(scene, sums);
+  cover(scene, sums, sky.clouds);
+  clear_to(whole, glm::vec3(kStillGround) / 255.0f);
+  if (auto set = dome_->set(view, scene); !set) return set;
+  if (auto drawn = dome_->draw(whole); !drawn) return drawn;
+  if (curated_) {
+    if (auto drawn = curated_->draw(whole, fitted(whole, width, height)); !drawn) return drawn;
+  } else {
+    // Plain land below the horizon, where that is in the picture.
+    const Direction axis = view.camera_to_world * glm::dvec3(0.0, 0.0, 1.0);
+    const double below = std::clamp(0.5 * height + view.focal_px * std::tan(std::asin(axis.z)), 0.0, 1.0 * height);
+    const FlatPlace land{0.0, below, static_cast<double>(width), height - below};
+    if (land.height > 0.0)
+      if (auto drawn = ground_->draw(whole, land); !drawn) return drawn;
+  }
+  const auto pixels = beside->read();
+  if (!pixels) return fail(pixels.error());
+  Image<Rgba8> opaque(pixels->width(), pixels->height());
+  std::ranges::transform(pixels->elements(), opaque.elements().begin(),
+                         [](const Rgb8& colour) { return Rgba8(colour, 255); });
+  auto picture = FlatPicture::create(*context_, opaque);
+  if (!picture) return fail(picture.error());
+  with_sky_ = WithSky{std::move(*picture), sky, target.width, target.height};
+  return {};
+}
+
+Result<> StillPicture::draw_plain(const DrawTarget& target, double opacity) {
+  if (auto drawn = ground_->draw(target, everywhere(target), opacity); !drawn) return drawn;
+  return curated_ ? curated_->draw(target, fitted(target, curated_->width(), curated_->height()), opacity) : Result<>{};
+}
+
+Result<> StillPicture::draw(const DrawTarget& target, const SkyReport& report, double opacity) {
+  if (opacity <= 0.0) return {};
+  const auto sky = shows_sky_ ? still_sky(report) : std::nullopt;
+  if (!sky) return draw_plain(target, opacity);
+  if (!holds(target, *sky))
+    if (auto drawn = redraw(target, *sky); !drawn) {
+      if (drawn.error().kind == FaultKind::device) return drawn;
+      spdlog::warn("the sky of the still picture cannot be drawn: {}", drawn.error().message);
+      shows_sky_ = false;
+      return draw_plain(target, opacity);
+    }
+  return with_sky_->picture.draw(target, everywhere(target), opacity);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,544 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <linux/v4l2-controls.h>
+
+#include <atomic>
+#include <cerrno>
+#include <thread>
+
+#include "base/latest_slot.hpp"
+#include "tests/capture/known_frames.hpp"
+#include "tests/capture/v4l2/fake_camera.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+const FakeMode kNv12{V4L2_PIX_FMT_NV12, 64, 48};
+
+std::vector<Rgb8> pixels(const PictureView& view) {
+  return to_rgb(view).elements();
+}
+
+int open_descriptors() {
+  int count = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) ++count;
+  return count;
+}
+
+class V4l2 : public testing::Test {
+ protected:
+  FakeCamera& camera(std::vector<FakeMode> modes) {
+    camera_ = std::make_unique<FakeCamera>(std::move(modes), clock);
+    return *camera_;
+  }
+  CameraRequest request(int width = 64, int height = 48) {
+    CameraRequest request;
+    request.width = width;
+    request.height = height;
+    return request;
+  }
+  Result<std::unique_ptr<CameraSource>> try_open(const CameraRequest& request) {
+    return open_v4l2_source(camera_->open(), {"/dev/v4l/by-id/fake", request}, clock);
+  }
+  std::unique_ptr<CameraSource> open(const CameraRequest& request) {
+    auto source = try_open(request);
+    EXPECT_TRUE(source) << source.error().message;
+    return source ? std::move(*source) : nullptr;
+  }
+  Result<Frame> next(FrameSource& source, Duration longest = 1s) { return source.next(clock.now() + longest); }
+
+  UnhurriedClock clock{Utc{std::chrono::sys_days{std::chrono::June / 21 / 2026}}};
+  std::unique_ptr<FakeCamera> camera_;
+};
+
+// --- frames
+
+TEST_F(V4l2, FramesComeAtTheirInstantsWithWhatTheDriverSaysOfThem) {
+  camera({kNv12}).latency = 5ms;
+  auto source = open(request());
+  const auto start = clock.now();
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    const auto frame = next(*source);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const auto at = start + 40ms * (i + 1);
+    EXPECT_EQ(frame->metadata.sequence, i);
+    EXPECT_EQ(frame->metadata.captured_at, at);
+    EXPECT_EQ(frame->metadata.utc, clock.utc() - 5ms);
+    EXPECT_EQ(clock.now(), at + 5ms);
+    EXPECT_EQ(frame->metadata.status, FrameStatus::good);
+    EXPECT_EQ(frame->metadata.bytes_used, 64u * 48 * 3 / 2);
+    EXPECT_EQ(frame->metadata.stride, 64u);
+    EXPECT_EQ(frame->metadata.skipped, 0u);
+    EXPECT_THAT(frame->payload.bytes, testing::Each(i));
+  }
+  EXPECT_EQ(source->frames_copied(), 0u);
+}
+
+TEST_F(V4l2, EveryFormatDecodesToThePictureThatWasEncoded) {
+  struct Case {
+    std::uint32_t code;
+    const char (&format)[5];
+  };
+  const auto picture = test_picture(64, 48);
+  for (const auto& [code, format] :
+       {Case{V4L2_PIX_FMT_YUYV, "YUYV"}, Case{V4L2_PIX_FMT_UYVY, "UYVY"}, Case{V4L2_PIX_FMT_NV12, "NV12"},
+        Case{V4L2_PIX_FMT_YUV420, "YU12"}, Case{V4L2_PIX_FMT_RGB24, "RGB3"}, Case{V4L2_PIX_FMT_BGR24, "BGR3"},
+        Case{V4L2_PIX_FMT_XBGR32, "XR24"}, Case{V4L2_PIX_FMT_ABGR32, "XR24"}, Case{V4L2_PIX_FMT_BGR32, "XR24"},
+        Case{V4L2_PIX_FMT_RGBX32, "AB24"}, Case{V4L2_PIX_FMT_RGBA32, "AB24"}, Case{V4L2_PIX_FMT_GREY, "GREY"},
+        Case{V4L2_PIX_FMT_MJPEG, "MJPG"}, Case{V4L2_PIX_FMT_JPEG, "MJPG"}}) {
+    SCOPED_TRACE(format);
+    const std::uint32_t padding = code == V4L2_PIX_FMT_MJPEG || code == V4L2_PIX_FMT_JPEG ? 0 : 16;
+    FakeMode mode{code, 64, 48, {{1, 30}}, padding};
+    EncodeOptions options;
+    if (padding != 0)
+      options.stride = static_cast<std::uint32_t>(plane_size(*layout_of(four_cc(format)), 64, 48, 0).row_bytes) + 16;
+    const auto encoded = encode_frame(picture, four_cc(format), options).value();
+    camera({mode}).content = [&](std::uint32_t) {
+      return std::vector<std::vector<std::uint8_t>>{{encoded.payload.bytes.begin(), encoded.payload.bytes.end()}};
+    };
+    auto source = open(request());
+    ASSERT_TRUE(source);
+    EXPECT_EQ(source->mode().format, four_cc(format));
+    const auto frame = next(*source);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const auto got = decode(*frame, YuvEncoding::bt601_full), expected = decode(encoded, YuvEncoding::bt601_full);
+    ASSERT_TRUE(got) << got.error().message;
+    EXPECT_EQ(pixels(got->view()), pixels(expected->view()));
+  }
+}
+
+TEST_F(V4l2, PlanesInMemoriesOfTheirOwnAreGathered) {
+  const auto picture = test_picture(62, 46);
+  struct Case {
+    std::uint32_t code;
+    const char (&format)[5];
+  };
+  for (const auto& [code, format] : {Case{V4L2_PIX_FMT_NV12M, "NV12"}, Case{V4L2_PIX_FMT_YUV420M, "YU12"}}) {
+    SCOPED_TRACE(format);
+    camera({{code, 62, 46, {{1, 30}}, 10}}).multiplanar = true;  // rows of 72 and of 72 or 41 bytes
+    const auto layout = *layout_of(four_cc(format));
+    const auto encoded = encode_frame(picture, four_cc(format)).value();
+    const auto view = decode(encoded, YuvEncoding::bt601_full).value();
+    camera_->content = [&](std::uint32_t) {
+      std::vector<std::vector<std::uint8_t>> planes;
+      for (int i = 0; i < plane_count(layout); ++i) {
+        const auto size = plane_size(layout, 62, 46, i);
+        const auto& plane = view.view().planes[static_cast<std::size_t>(i)];
+        auto& bytes = planes.emplace_back();
+        for (int y = 0; y < size.rows; ++y) {
+          const auto* row = plane.data + static_cast<std::size_t>(y) * plane.stride;
+          bytes.insert(bytes.end(), row, row + size.row_bytes);
+          bytes.insert(bytes.end(), 10, 0xee);
+        }
+      }
+      return planes;
+    };
+    auto source = open(request(62, 46));
+    ASSERT_TRUE(source);
+    const auto frame = next(*source);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->metadata.status, FrameStatus::good);
+    const auto got = decode(*frame, YuvEncoding::bt601_full);
+    ASSERT_TRUE(got) << got.error().message;
+    EXPECT_EQ(pixels(got->view()), pixels(view.view()));
+    EXPECT_EQ(source->frames_copied(), 1u);
+    EXPECT_EQ(camera_->with_driver(), 6);
+  }
+}
+
+TEST_F(V4l2, AMultiplanarDriverWithOneMemoryPlaneLendsItFromItsDataOffset) {
+  camera({kNv12}).multiplanar = true;
+  camera_->tamper([](FakeAnswer& answer) { answer.planes[0].data_offset = 128; });
+  auto lent = open(request());
+  const auto frame = next(*lent);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->metadata.status, FrameStatus::truncated) << "128 bytes too few are left behind the header";
+  camera_->tamper({});
+  const auto whole = next(*lent);
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->metadata.status, FrameStatus::good);
+  ASSERT_TRUE(whole->payload.dma_buf);
+  EXPECT_EQ(whole->payload.dma_buf->offset, 0u);
+}
+
+TEST_F(V4l2, TheNewestFrameWinsAndThoseBeforeItGoBack) {
+  camera({kNv12});
+  auto source = open(request());
+  ASSERT_TRUE(next(*source));
+  clock.sleep_until(clock.now() + 130ms);  // three more
+  const auto frame = next(*source, 0s);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->metadata.sequence, 3u);
+  EXPECT_EQ(frame->metadata.skipped, 2u);
+  EXPECT_EQ(camera_->with_driver(), 5);
+}
+
+TEST_F(V4l2, WithoutAMonotonicTimestampTheArrivalCounts) {
+  camera({kNv12}).latency = 7ms;
+  camera_->tamper([](FakeAnswer& answer) { answer.buffer.flags = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN; });
+  auto source = open(request());
+  const auto frame = next(*source);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->metadata.captured_at, clock.now());
+  EXPECT_EQ(frame->metadata.utc, clock.utc());
+}
+
+TEST_F(V4l2, AFrameThatDoesNotComeIsATimeoutAtTheDeadline) {
+  camera({kNv12}).stop_filling(true);
+  auto source = open(request());
+  const auto deadline = clock.now() + 300ms;
+  const auto frame = source->next(deadline);
+  ASSERT_FALSE(frame);
+  EXPECT_EQ(frame.error().kind, FaultKind::timeout);
+  EXPECT_EQ(clock.now(), deadline);
+}
+
+// --- lending
+
+TEST_F(V4l2, FramesLieInTheDriversBuffersUntilTheyAreLetGo) {
+  camera({kNv12});
+  auto source = open(request());
+  auto frame = next(*source);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(camera_->with_driver(), 5);
+  ASSERT_TRUE(frame->payload.dma_buf);
+  EXPECT_GE(frame->payload.dma_buf->fd, 0);
+  auto picture = decode(*frame, YuvEncoding::bt601_full);
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->dma_buf()->buffer, frame->payload.dma_buf->buffer);
+  *frame = Frame{};
+  EXPECT_EQ(camera_->with_driver(), 5) << "the picture still holds it";
+  *picture = DecodedPicture{};
+  EXPECT_EQ(camera_->with_driver(), 6);
+}
+
+TEST_F(V4l2, TheSameMemoryHasTheSameNumberAndNoOtherHas) {
+  camera({kNv12});
+  std::map<const std::uint8_t*, std::uint64_t> numbers;
+  std::set<std::uint64_t> distinct;
+  for (int round = 0; round < 2; ++round) {
+    auto source = open(request());
+    std::map<const std::uint8_t*, std::uint64_t> now;
+    for (int i = 0; i < 12; ++i) {
+      const auto frame = next(*source);
+      ASSERT_TRUE(frame);
+      const auto [entry, added] = now.emplace(frame->payload.bytes.data(), frame->payload.dma_buf->buffer);
+      EXPECT_EQ(entry->second, frame->payload.dma_buf->buffer);
+      EXPECT_EQ(distinct.insert(entry->second).second, added);
+    }
+  }
+}
+
+TEST_F(V4l2, WhoHoldsFramesDoesNotStarveTheCamera) {
+  camera({kNv12});
+  auto source = open(request());
+  std::vector<Frame> held;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    auto frame = next(*source);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->metadata.sequence, i) << "no frame was lost";
+    EXPECT_EQ(frame->payload.dma_buf.has_value(), i < 4) << "six buffers, two of which the driver keeps";
+    held.push_back(std::move(*frame));
+  }
+  EXPECT_EQ(source->frames_copied(), 16u);
+  for (std::uint32_t i = 0; i < 20; ++i) EXPECT_THAT(held[i].payload.bytes, testing::Each(i));
+  held.clear();
+  EXPECT_EQ(camera_->with_driver(), 6);
+}
+
+TEST_F(V4l2, WhoWantsCopiesHoldsNothingOfTheDriver) {
+  camera({kNv12});
+  auto wanted = request();
+  wanted.lend_buffers = false;
+  auto source = open(wanted);
+  const auto frame = next(*source);
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE(frame->payload.dma_buf);
+  EXPECT_EQ(camera_->with_driver(), 6);
+  source.reset();
+  EXPECT_EQ(camera_->opened(), 0);
+  EXPECT_THAT(frame->payload.bytes, testing::Each(0));
+}
+
+TEST_F(V4l2, OfALoopbackWhoseWriterRespectsNobodyFramesAreCopied) {
+  camera({kNv12}).driver = "v4l2 loopback";
+  camera_->shared = true;
+  camera_->exports = false;
+  camera_->most_buffers = 3;
+  auto source = open(request());
+  std::vector<Frame> held;
+  for (int i = 0; i < 20; ++i) {
+    clock.sleep_until(clock.now() + 40ms * (i % 5));  // now and then more frames than there are buffers
+    auto frame = next(*source);
+    ASSERT_TRUE(frame) << i << ": " << frame.error().message;
+    held.push_back(std::move(*frame));
+  }
+  for (const auto& frame : held) EXPECT_THAT(frame.payload.bytes, testing::Each(frame.metadata.sequence));
+  EXPECT_EQ(source->frames_copied(), 20u);
+}
+
+TEST_F(V4l2, ADriverThatExportsNothingLendsItsMemoryAllTheSame) {
+  camera({kNv12}).exports = false;
+  auto source = open(request());
+  const auto frame = next(*source);
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE(frame->payload.dma_buf);
+  EXPECT_EQ(camera_->with_driver(), 5);
+}
+
+TEST_F(V4l2, FramesMayBeLetGoInAnotherThread) {
+  SystemClock real;
+  FakeCamera fast({kNv12}, real);
+  fast.interval = 200us;
+  auto source = open_v4l2_source(fast.open(), {"/dev/v4l/by-id/fake", request()}, real).value();
+  LatestSlot<Frame> slot;
+  std::atomic<bool> ended{false};
+  std::thread reader([&] {
+    while (!ended) {
+      const auto frame = slot.take();
+      if (!frame) continue;
+      EXPECT_EQ(frame->payload.bytes.front(), static_cast<std::uint8_t>(frame->metadata.sequence));
+    }
+  });
+  for (int i = 0; i < 300; ++i) {
+    auto frame = source->next(real.now() + 5s);
+    EXPECT_TRUE(frame) << frame.error().message;
+    if (frame) slot.put(std::move(*frame));
+  }
+  source.reset();  // while the reader may hold one
+  ended = true;
+  reader.join();
+  slot.take();
+  EXPECT_EQ(fast.mapped(), 0);
+  EXPECT_EQ(fast.opened(), 0);
+}
+
+// --- teardown
+
+TEST_F(V4l2, NothingIsLeftOfASourceThatIsClosed) {
+  const int before = open_descriptors();
+  camera({kNv12});
+  for (int i = 0; i < 5; ++i) {
+    auto source = open(request());
+    ASSERT_TRUE(next(*source));
+    source.reset();
+    EXPECT_EQ(camera_->mapped(), 0);
+    EXPECT_EQ(camera_->opened(), 0);
+    EXPECT_FALSE(camera_->streaming());
+    EXPECT_FALSE(camera_->allocated());
+    EXPECT_EQ(open_descriptors(), before);
+  }
+}
+
+TEST_F(V4l2, AHeldFrameOutlivesItsSourceAndTheCameraCanBeOpenedAnewMeanwhile) {
+  camera({kNv12});
+  const int before = open_descriptors();
+  auto source = open(request());
+  auto held = next(*source);
+  ASSERT_TRUE(held);
+  source.reset();
+  EXPECT_FALSE(camera_->streaming());
+  EXPECT_EQ(camera_->mapped(), 1) << "only what is held";
+  EXPECT_EQ(camera_->opened(), 1);
+  EXPECT_THAT(held->payload.bytes, testing::Each(0));
+  auto again = open(request());
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(next(*again));
+  *held = Frame{};
+  EXPECT_TRUE(next(*again)) << "letting go disturbs nobody";
+  again.reset();
+  EXPECT_EQ(camera_->mapped(), 0);
+  EXPECT_EQ(camera_->opened(), 0);
+  EXPECT_EQ(open_descriptors(), before);
+}
+
+TEST_F(V4l2, AnOldKernelsBuffersAreFreedWhenTheLastFrameIsLetGo) {
+  camera({kNv12}).keeps_orphans = false;
+  auto source = open(request());
+  auto held = next(*source);
+  source.reset();
+  EXPECT_TRUE(camera_->allocated());
+  const auto refused = try_open(request());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, FaultKind::device);
+  EXPECT_THAT(refused.error().message, HasSubstr("in use"));
+  *held = Frame{};
+  EXPECT_FALSE(camera_->allocated());
+  EXPECT_TRUE(open(request()));
+}
+
+TEST_F(V4l2, EachStepOfOpeningThatFailsLeavesNothingBehind) {
+  const int before = open_descriptors();
+  for (const auto& [request_code, name] :
+       {std::pair{VIDIOC_QUERYCAP, "VIDIOC_QUERYCAP"}, std::pair{VIDIOC_S_FMT, "VIDIOC_S_FMT"},
+        std::pair{VIDIOC_REQBUFS, "VIDIOC_REQBUFS"}, std::pair{VIDIOC_QUERYBUF, "VIDIOC_QUERYBUF"},
+        std::pair{VIDIOC_QBUF, "VIDIOC_QBUF"}, std::pair{VIDIOC_STREAMON, "VIDIOC_STREAMON"}}) {
+    SCOPED_TRACE(name);
+    camera({kNv12}).refuse(request_code, EIO, 1);
+    const auto refused = try_open(request());
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, FaultKind::device);
+    EXPECT_THAT(refused.error().message, HasSubstr(name));
+    EXPECT_EQ(camera_->opened(), 0);
+    EXPECT_EQ(camera_->mapped(), 0);
+    EXPECT_FALSE(camera_->allocated());
+    EXPECT_EQ(open_descriptors(), before);
+    EXPECT_TRUE(open(request())) << "and it works the next time";
+  }
+}
+
+TEST_F(V4l2, UnpluggedWhileOpeningIsDisconnectedAtWhateverStep) {
+  for (const auto step : {VIDIOC_QUERYCAP, VIDIOC_S_FMT, VIDIOC_REQBUFS, VIDIOC_QUERYBUF, VIDIOC_QBUF, VIDIOC_STREAMON,
+                          VIDIOC_QUERYCTRL}) {
+    camera({kNv12}).refuse(step, ENODEV);
+    const auto refused = try_open(request());
+    ASSERT_FALSE(refused) << step;
+    EXPECT_EQ(refused.error().kind, FaultKind::disconnected) << refused.error().message;
+    EXPECT_EQ(camera_->mapped(), 0);
+  }
+}
+
+// --- what drivers answer
+
+TEST_F(V4l2, FlaggedEmptyAndShortFramesSayTheirStatusAndTheStreamGoesOn) {
+  camera({kNv12}).tamper([](FakeAnswer& answer) {
+    if (answer.number % 4 == 1) answer.buffer.flags |= V4L2_BUF_FLAG_ERROR;
+    if (answer.number % 4 == 2) answer.planes[0].bytesused = 0;
+    if (answer.number % 4 == 3) answer.planes[0].bytesused -= 1;
+  });
+  auto source = open(request());
+  const std::array expected{FrameStatus::good, FrameStatus::flagged, FrameStatus::truncated, FrameStatus::truncated};
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    const auto frame = next(*source);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->metadata.sequence, i) << "every buffer went back";
+    EXPECT_EQ(frame->metadata.status, expected[i % 4]) << i;
+  }
+}
+
+TEST_F(V4l2, MoreBytesThanThereAreAreNotRead) {
+  camera({kNv12}).tamper([](FakeAnswer& answer) { answer.planes[0].bytesused = 0xffffffff; });
+  auto source = open(request());
+  const auto frame = next(*source);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->metadata.status, FrameStatus::flagged);
+  EXPECT_EQ(frame->payload.bytes.size(), 64u * 48 * 3 / 2);
+  EXPECT_EQ(camera_->with_driver(), 6);
+}
+
+TEST_F(V4l2, ABufferThatIsNotTheDriversIsAFault) {
+  for (const std::uint32_t index : {6u, 31u, 0xffffffffu}) {
+    camera({kNv12}).tamper([&](FakeAnswer& answer) { answer.buffer.index = index; });
+    auto source = open(request());
+    const auto frame = next(*source);
+    ASSERT_FALSE(frame);
+    EXPECT_EQ(frame.error().kind, FaultKind::device);
+    EXPECT_THAT(frame.error().message, HasSubstr(fmt::format("buffer {}", index)));
+  }
+  camera({kNv12});  // the same one twice
+  camera_->tamper([](FakeAnswer& answer) { answer.buffer.index = 0; });
+  auto source = open(request());
+  const auto first = next(*source);
+  ASSERT_TRUE(first);
+  const auto second = next(*source);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().kind, FaultKind::device);
+}
+
+TEST_F(V4l2, StridesAndSizesThatHoldNoPictureAreRefused) {
+  const auto refused_with = [&](std::function<void(v4l2_pix_format&)> change) {
+    camera({kNv12}).lie([change](unsigned long code, void* argument) {
+      if (code == VIDIOC_S_FMT) change(static_cast<v4l2_format*>(argument)->fmt.pix);
+    });
+    const auto source = try_open(request());
+    EXPECT_EQ(camera_->opened(), source ? 1 : 0);
+    return source ? std::string("opened") : source.error().message;
+  };
+  EXPECT_THAT(refused_with([](auto& pix) { pix.bytesperline = 63; }), HasSubstr("63 bytes in a row"));
+  EXPECT_THAT(refused_with([](auto& pix) { pix.bytesperline = 1u << 31; }), HasSubstr("bytes in a row"));
+  EXPECT_THAT(refused_with([](auto& pix) { pix.sizeimage = 64 * 48; }), HasSubstr("3072 bytes for a picture"));
+  EXPECT_THAT(refused_with([](auto& pix) { pix.sizeimage = 0xffffffff; }), HasSubstr("expected at most"));
+  EXPECT_THAT(refused_with([](auto& pix) { pix.width = 32; }), HasSubstr("it would give NV12 32x48"));
+  EXPECT_THAT(refused_with([](auto& pix) { pix.field = V4L2_FIELD_ALTERNATE; }), HasSubstr("half pictures"));
+  EXPECT_EQ(refused_with([](auto& pix) { pix.bytesperline = 0; }), "opened") << "old drivers mean: packed";
+}
+
+TEST_F(V4l2, BuffersSmallerThanAgreedOrTooFewAreRefused) {
+  camera({kNv12}).lie([](unsigned long code, void* argument) {
+    if (code == VIDIOC_QUERYBUF) static_cast<v4l2_buffer*>(argument)->length = 4095;
+  });
+  EXPECT_THAT(try_open(request()).error().message, HasSubstr("buffer 0 has 4095 bytes"));
+  EXPECT_EQ(camera_->mapped(), 0);
+  camera({kNv12}).most_buffers = 1;
+  EXPECT_THAT(try_open(request()).error().message, HasSubstr("1 buffers"));
+  camera({kNv12}).lie([](unsigned long code, void* argument) {
+    if (code == VIDIOC_REQBUFS) static_cast<v4l2_requestbuffers*>(argument)->count = 1000;
+  });
+  EXPECT_THAT(try_open(request()).error().message, HasSubstr("1000 buffers"));
+}
+
+TEST_F(V4l2, AnUnpluggedCameraSaysSoAtOnceAndForGood) {
+  camera({kNv12});
+  auto source = open(request());
+  ASSERT_TRUE(next(*source));
+  camera_->unplug();
+  const auto at = clock.now();
+  const auto gone = next(*source, 10s);
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().kind, FaultKind::disconnected);
+  EXPECT_EQ(clock.now(), at);
+  camera_->plug_in();
+  EXPECT_EQ(next(*source).error().kind, FaultKind::disconnected) << "another camera may have come";
+}
+
+TEST_F(V4l2, AQueueThatFailsIsAFaultWithTheDriversWord) {
+  camera({kNv12});
+  auto source = open(request());
+  ASSERT_TRUE(next(*source));
+  camera_->fail_queue();
+  const auto at = clock.now();
+  const auto failed = next(*source, 10s);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().kind, FaultKind::device);
+  EXPECT_THAT(failed.error().message, HasSubstr("Input/output error"));
+  EXPECT_EQ(clock.now(), at);
+}
+
+TEST_F(V4l2, ABufferThatCannotBeGivenBackIsAFault) {
+  camera({kNv12});
+  auto source = open(request());
+  auto frame = next(*source);
+  ASSERT_TRUE(frame);
+  camera_->refuse(VIDIOC_QBUF, EINVAL);
+  *frame = Frame{};
+  const auto failed = next(*source);
+  ASSERT_FALSE(failed);
+  EXPECT_THAT(failed.error().message, HasSubstr("VIDIOC_QBUF"));
+}
+
+TEST_F(V4l2, ASourceThatChangesItsSizeIsAFault) {
+  camera({kNv12});
+  auto source = open(request());
+  ASSERT_TRUE(next(*source));
+  camera_->announce_source_change();
+  const auto failed = next(*source);
+  ASSERT_FALSE(failed);
+  EXPECT_THAT(failed.error().message, HasSubstr("changed its size"));
+}
+
+TEST_F(V4l2, TheEndOfAStreamIsAFault) {
+  camera({kNv12});
+  auto source = open(request());
+  camera_->refuse(VIDIOC_DQBUF, EPIPE);
+  EXPECT_THAT(next(*source).error().message, HasSubstr("ended the stream"));
+}
+
+}  // namespace
+}  // namespace kasumi

@@ -1,0 +1,96 @@
+// A photograph under other air, against what M Eq 25 and 26 say of every pixel.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "estimator/photograph/other_air.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kWidth = 12, kHeight = 8;
+const glm::dvec3 kAirlight{0.55, 0.6, 0.7};  // linear
+
+// Rows from the sky (0) down to the land, which is as far away in each as in the next.
+Photograph colourful() {
+  Photograph photograph;
+  photograph.encoded = Image<glm::vec3>(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      photograph.encoded.at(x, y) = {0.40F + 0.03F * static_cast<float>(x), 0.75F - 0.02F * static_cast<float>(y),
+                                     0.60F + 0.02F * static_cast<float>(x)};
+  return photograph;
+}
+
+OtherAirSetup setup_of(Turbidity source) {
+  OtherAirSetup setup;
+  setup.camera = plain_camera(kWidth, kHeight, from_degrees(40.0), Radians{0.0});
+  setup.source = source;
+  setup.airlight = kAirlight;
+  setup.distance_m = Image<float>(kWidth, kHeight, 4000.0F);
+  for (int x = 0; x < kWidth; ++x) setup.distance_m.at(x, 0) = 0.0F;
+  setup.amplify_noise = true;  // nothing is taken out of the picture
+  return setup;
+}
+
+Photograph under(const Photograph& photograph, Turbidity source, const std::optional<Turbidity>& target) {
+  OtherAir air(setup_of(source));
+  const auto taken = air.take(photograph, "picture");
+  EXPECT_TRUE(taken) << taken.error().message;
+  return air.under(target).picture;
+}
+
+double largest_difference(const Photograph& one, const Photograph& other) {
+  double largest = 0.0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const glm::dvec3 off = glm::abs(one.encoded.at(x, y) - other.encoded.at(x, y));
+      largest = std::max({largest, off.r, off.g, off.b});
+    }
+  return largest;
+}
+
+TEST(OtherAir, UnderItsOwnAirAPictureStaysAsItIs) {
+  EXPECT_LE(largest_difference(under(colourful(), Turbidity{3.0}, Turbidity{3.0}), colourful()), 1e-5);
+}
+
+TEST(OtherAir, ThickerAirBringsEachChannelTowardsTheAirlightByOneShare) {
+  const auto camera = setup_of(Turbidity{2.0}).camera;
+  const auto before = colourful(), after = under(before, Turbidity{2.0}, Turbidity{4.0});
+  const auto share_at = [&](int x, int y) {
+    const glm::dvec3 from = camera.light_at({x, y}, glm::dvec3(before.encoded.at(x, y)));
+    return (camera.light_at({x, y}, glm::dvec3(after.encoded.at(x, y))) - kAirlight) / (from - kAirlight);
+  };
+  const auto share = share_at(0, 4);
+  for (const int x : {2, 6, 11})
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(share_at(x, 4)[c], share[c], 2e-3) << x << ", channel " << c;
+  for (int c = 0; c < 3; ++c) EXPECT_TRUE(share[c] > 0.2 && share[c] < 0.95) << share[c];
+  EXPECT_GT(share.r, share.b) << "air passes red light better";
+  EXPECT_NEAR(share_at(6, 0).r, 1.0, 1e-3) << "the sky keeps its ratio to the light from infinity";
+}
+
+TEST(OtherAir, ThereAndBackIsWhereItBegan) {
+  const auto thicker = under(colourful(), Turbidity{2.0}, Turbidity{3.5});
+  EXPECT_GT(largest_difference(thicker, colourful()), 0.02);
+  EXPECT_LE(largest_difference(under(thicker, Turbidity{3.5}, Turbidity{2.0}), colourful()), 1e-4);
+}
+
+TEST(OtherAir, WhatCannotBeDoneIsTold) {
+  auto setup = setup_of(Turbidity{2.0});
+  Photograph small;
+  small.encoded = Image<glm::vec3>(3, 2);
+  const auto other_size = OtherAir(setup).take(small, "small.png");
+  ASSERT_FALSE(other_size);
+  EXPECT_THAT(other_size.error().message, HasSubstr("small.png: is 3 x 2: expected 12 x 8"));
+  setup.airlight.reset();
+  Photograph dark;
+  dark.encoded = Image<glm::vec3>(kWidth, kHeight, glm::vec3(0.0F));
+  const auto no_horizon = OtherAir(setup).take(dark, "dark.png");
+  ASSERT_FALSE(no_horizon);
+  EXPECT_EQ(no_horizon.error().kind, FaultKind::bad_input);
+  EXPECT_THAT(no_horizon.error().message, HasSubstr("dark.png: no horizon"));
+}
+
+}  // namespace
+}  // namespace kasumi

@@ -1,0 +1,15 @@
+// The same weighted least squares by Ceres with automatic derivatives: what the hand-written solver is held to.
+#pragma once
+
+#include <span>
+
+#include "estimator/turbidity/sky_samples.hpp"
+
+namespace kasumi::test {
+
+struct CeresSolution {
+  double turbidity = 0.0, log_gain = 0.0, cost = 0.0;
+};
+CeresSolution solve_by_ceres(std::span<const SkySample> samples, std::span<const double> weights, double start);
+
+}  // namespace kasumi::test

@@ -1,0 +1,15 @@
+// How well T can be known at best.
+#pragma once
+
+#include <span>
+
+#include "estimator/turbidity/fitted_sky.hpp"
+
+namespace kasumi {
+
+// Lower bound of the standard deviation of T for a free gain and Gaussian errors of the samples' `sigma` (or, with
+// quantisation_only, of their `quantisation`); infinite when the samples say nothing about T.
+double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only = false,
+                        const FittedSky& sky = {});
+
+}  // namespace kasumi

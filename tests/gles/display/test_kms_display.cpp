@@ -1,0 +1,542 @@
+// The KMS display on a scripted card: rows 15, 16 and 17 of what may go wrong. Times to recover are the manual clock's.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/gles/display/kms_fake.hpp"
+
+namespace kasumi {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::AllOf;
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const Utc kNoon = Utc{} + std::chrono::hours(24 * 365 * 50 + 12);
+
+std::size_t open_descriptors() {
+  std::size_t count = 0;
+  for ([[maybe_unused]] const auto& fd : std::filesystem::directory_iterator("/proc/self/fd")) ++count;
+  return count;
+}
+
+double ms(Duration duration) {
+  return 1e3 * to_seconds(duration);
+}
+
+// The visitor's screen and who draws for it.
+class KmsRig : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (auto context = open_headless_context(); !context) GTEST_SKIP() << context.error().message;
+  }
+  Result<std::unique_ptr<Display>> open() { return open_kms_display(options_, clock_, system_); }
+  void switch_on() {
+    auto opened = open();
+    ASSERT_TRUE(opened.has_value()) << opened.error().message;
+    display_ = std::move(*opened);
+  }
+  Result<std::uint64_t> show(std::shared_ptr<const void> holder = nullptr) {
+    if (const auto target = display_->begin(clock_.now() + 50ms); !target) return fail(target.error());
+    return display_->show(std::move(holder));
+  }
+  // Shows pictures until the display answers that it has to be opened anew, for ten seconds at most.
+  Result<std::uint64_t> show_until_refused() {
+    const Instant start = clock_.now();
+    Result<std::uint64_t> shown = 0u;
+    while ((shown || shown.error().kind == FaultKind::timeout) && clock_.now() < start + 10s) shown = show();
+    if (shown) return fail(FaultKind::bad_input, "the display never complained");
+    return shown;
+  }
+  // Shows pictures, and opens the display anew as the appliance does, until one has reached the glass; how long that
+  // took. `pause` is how often the appliance looks while there is no display.
+  Duration recover(Duration pause = 500ms) {
+    const Instant start = clock_.now();
+    while (clock_.now() < start + 60s) {
+      if (!display_) {
+        auto opened = open();
+        if (opened)
+          display_ = std::move(*opened);
+        else
+          clock_.advance(pause);
+        continue;
+      }
+      const auto shown = show();
+      if (!shown && shown.error().kind != FaultKind::timeout) {
+        causes_.push_back(shown.error());
+        display_.reset();
+        continue;
+      }
+      (void)display_->begin(clock_.now() + 50ms);
+      for (const Flip& flip : display_->take_flips())
+        if (flip.at > start) return flip.at - start;
+    }
+    ADD_FAILURE() << "no picture within a minute";
+    return 60s;
+  }
+
+  ManualClock clock_{kNoon};
+  FakeCard card_{clock_};
+  std::shared_ptr<FakeSystem> system_ = std::make_shared<FakeSystem>(card_);
+  KmsDisplayOptions options_;
+  std::unique_ptr<Display> display_;
+  std::vector<Fault> causes_;
+};
+
+TEST_F(KmsRig, SetsTheModeOnceAndFlipsFromThenOn) {
+  switch_on();
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(show().has_value());
+  EXPECT_THAT(card_.calls, ElementsAre("remember", "commit_mode wait", "commit_flip", "commit_flip", "commit_flip"));
+  EXPECT_THAT(display_->description(),
+              AllOf(HasSubstr("/dev/dri/card9"), HasSubstr("HDMI-A-1 64x48@60.00"), HasSubstr("atomic")));
+}
+
+TEST_F(KmsRig, TakesTheLegacyCallsWhereAtomicOnesAreMissingOrNotWanted) {
+  for (const bool offered : {false, true}) {
+    card_.has_atomic = offered;
+    options_.atomic = !offered;
+    card_.calls.clear();
+    switch_on();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());
+    EXPECT_THAT(card_.calls, ElementsAre("remember", "set_crtc", "page_flip", "page_flip"));
+    EXPECT_THAT(display_->description(), HasSubstr("legacy"));
+    display_.reset();
+  }
+}
+
+TEST_F(KmsRig, FallsBackToLegacyWhenTheFirstAtomicCommitIsRefused) {
+  card_.atomic_mode_refusals = {std::errc::invalid_argument};
+  switch_on();
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());
+  EXPECT_THAT(card_.calls, ElementsAre("remember", "commit_mode wait", "set_crtc", "page_flip", "page_flip"));
+}
+
+TEST_F(KmsRig, TellsWhenEachPictureReachedTheGlass) {
+  switch_on();
+  std::vector<Flip> flips;
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_EQ(show().value(), static_cast<std::uint64_t>(i + 1));
+    ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+    for (const Flip& flip : display_->take_flips()) flips.push_back(flip);
+  }
+  ASSERT_EQ(flips.size(), 5u);
+  for (std::size_t i = 0; i < flips.size(); ++i) {
+    EXPECT_EQ(flips[i].number, i + 1);
+    EXPECT_EQ(flips[i].at.time_since_epoch() % card_.refresh, 0ns) << "at a refresh";
+    EXPECT_EQ(flips[i].at - flips[0].at, static_cast<int>(i) * card_.refresh);
+  }
+  EXPECT_EQ(display_->counts().flips, 5u);
+}
+
+TEST_F(KmsRig, DoesNotBelieveTimesThatCannotBe) {
+  for (const Duration wrong : {Duration(1h), Duration(-1h)}) {
+    card_.event_offset = wrong;
+    switch_on();
+    ASSERT_TRUE(show().has_value());
+    ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+    const auto flips = display_->take_flips();
+    ASSERT_EQ(flips.size(), 1u);
+    EXPECT_EQ(flips[0].at, clock_.now());
+    display_.reset();
+  }
+}
+
+// A driver that knows when the first line leaves says so before it does; nobody may have asked for a while.
+TEST_F(KmsRig, BelievesTimesAroundTheFlip) {
+  card_.event_offset = 1ms;
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  EXPECT_EQ(display_->take_flips().at(0).at, clock_.now() + 1ms);
+  card_.event_offset = 0ms;
+  ASSERT_TRUE(display_->show().has_value());
+  const Instant sent = clock_.now();
+  clock_.advance(700ms);
+  card_.event_offset = -600ms;
+  EXPECT_EQ(display_->take_flips().at(0).at, sent + 100ms);
+}
+
+TEST_F(KmsRig, HoldsTheCamerasBufferUntilTheFlipThatReplacedIt) {
+  switch_on();
+  std::vector<std::weak_ptr<int>> held;
+  const auto show_one = [&] {
+    auto holder = std::make_shared<int>(0);
+    held.push_back(holder);
+    return show(std::move(holder));
+  };
+  const auto alive = [&] {
+    std::vector<bool> answer;
+    for (const auto& one : held) answer.push_back(!one.expired());
+    return answer;
+  };
+  ASSERT_TRUE(show_one().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  ASSERT_TRUE(display_->show(nullptr).has_value());
+  EXPECT_THAT(alive(), ElementsAre(true)) << "its successor is only queued";
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  EXPECT_THAT(alive(), ElementsAre(false)) << "its successor is on the glass";
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(show_one().has_value());
+  EXPECT_THAT(alive(), ElementsAre(false, false, true, true)) << "one is shown, one is queued";
+  EXPECT_EQ(card_.locked.size(), 2u);
+  display_.reset();
+  EXPECT_THAT(alive(), Each(false));
+  EXPECT_TRUE(card_.locked.empty());
+}
+
+TEST_F(KmsRig, WaitsNoLongerThanItsDeadline) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  card_.stuck = true;
+  const Instant before = clock_.now();
+  const auto late = display_->begin(before + 5ms);
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().kind, FaultKind::timeout);
+  EXPECT_EQ(clock_.now(), before + 5ms);
+  EXPECT_EQ(display_->show().error().kind, FaultKind::timeout) << "nothing to draw into yet";
+  card_.stuck = false;
+  EXPECT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+}
+
+TEST_F(KmsRig, Row16LostFlipIsMendedByANewMode) {
+  switch_on();
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  card_.lost_events = 1;
+  const Duration took = recover();
+  std::printf("row 16, flip event lost: picture after %.0f ms\n", ms(took));
+  EXPECT_LE(took, 2s);
+  EXPECT_THAT(causes_, testing::IsEmpty()) << "the display stays open";
+  EXPECT_EQ(display_->counts().flip_timeouts, 1u);
+  EXPECT_EQ(display_->counts().modesets, 2u);
+  EXPECT_EQ(card_.count("commit_mode"), 1) << "set again without waiting for the hardware";
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());  // and a later one is mended as well
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  card_.lost_events = 1;
+  recover();
+  EXPECT_THAT(causes_, testing::IsEmpty());
+  EXPECT_EQ(display_->counts().flip_timeouts, 2u);
+}
+
+TEST_F(KmsRig, Row16StuckDriverIsOpenedAnew) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  card_.stuck = true;
+  const Instant stuck = clock_.now();
+  const auto shown = show_until_refused();
+  std::printf("row 16, flips never complete: told after %.0f ms\n", ms(clock_.now() - stuck));
+  EXPECT_EQ(shown.error().kind, FaultKind::device);
+  EXPECT_LE(clock_.now() - stuck, 2s + 50ms);
+  EXPECT_EQ(display_->counts().flip_timeouts, 2u);
+  EXPECT_EQ(card_.count("restore"), 0);
+  display_.reset();
+  EXPECT_EQ(card_.count("restore"), 0) << "what hangs is left alone";
+  card_.stuck = false;
+  std::printf("row 16, flips never complete: picture %.0f ms after opening anew\n", ms(recover()));
+}
+
+TEST_F(KmsRig, Row16BusyDriverIsAskedAgain) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  card_.busy = 5;
+  const Duration took = recover();
+  std::printf("row 16, EBUSY five times: picture after %.0f ms\n", ms(took));
+  EXPECT_LE(took, 100ms);
+  EXPECT_EQ(display_->counts().modesets, 1u) << "nothing had to be mended";
+  card_.busy = 1 << 20;
+  const Instant busy = clock_.now();
+  const auto shown = show_until_refused();
+  std::printf("row 16, EBUSY for ever: told after %.0f ms\n", ms(clock_.now() - busy));
+  EXPECT_EQ(shown.error().kind, FaultKind::device);
+  EXPECT_LE(clock_.now() - busy, 2s + 50ms);
+}
+
+TEST_F(KmsRig, Row16LostMasterIsTold) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  card_.master_elsewhere = true;
+  system_->users = "Xorg (pid 812) is master";
+  const auto shown = show();
+  ASSERT_FALSE(shown);
+  EXPECT_EQ(shown.error().kind, FaultKind::device);
+  EXPECT_THAT(shown.error().message, AllOf(HasSubstr("DRM master"), HasSubstr("Xorg (pid 812)")));
+  display_.reset();
+  EXPECT_EQ(card_.count("restore"), 0) << "the screen is another's";
+  const auto again = open();
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().kind, FaultKind::device);
+  EXPECT_THAT(again.error().message, AllOf(HasSubstr("DRM master"), HasSubstr("Xorg (pid 812)")));
+  card_.master_elsewhere = false;
+  const Duration took = recover();
+  std::printf("row 16, DRM master given back: picture after %.0f ms\n", ms(took));
+  EXPECT_LE(took, 2s);
+}
+
+TEST_F(KmsRig, Row16LostMasterIsNoticedWhileNothingIsShown) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  card_.master_elsewhere = true;
+  clock_.advance(1s);
+  EXPECT_EQ(display_->begin(clock_.now() + 50ms).error().kind, FaultKind::device);
+}
+
+TEST_F(KmsRig, ARefusedFlipSetsTheModeAnewOnce) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  card_.refusals = {std::errc::invalid_argument};  // somebody turned the CRTC off behind our back
+  ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  EXPECT_EQ(display_->counts().modesets, 2u);
+  card_.refusals = {std::errc::invalid_argument, std::errc::invalid_argument};
+  const auto refused = show();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, FaultKind::device);
+  EXPECT_THAT(refused.error().message, HasSubstr("Invalid argument"));
+}
+
+TEST_F(KmsRig, Row15NoDisplayAtBoot) {
+  card_.unplug();
+  const auto none = open();
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().kind, FaultKind::disconnected);
+  EXPECT_THAT(none.error().message, HasSubstr("HDMI-A-1: disconnected"));
+  card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true)}));
+  const Duration took = recover();
+  std::printf("row 15, display plugged in after boot: picture after %.0f ms\n", ms(took));
+  EXPECT_LE(took, 3s);
+}
+
+TEST_F(KmsRig, Row15NoCardAtBoot) {
+  card_.present = false;
+  EXPECT_EQ(open().error().kind, FaultKind::disconnected);
+  options_.device = "/dev/dri/card9";
+  EXPECT_EQ(open().error().kind, FaultKind::disconnected);
+  card_.present = true;
+  EXPECT_LE(recover(), 3s);
+}
+
+TEST_F(KmsRig, Row15UnpluggedAndOtherModeOnReturn) {
+  for (const bool udev_tells : {true, false}) {
+    system_->has_udev = udev_tells;
+    card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true)}));
+    switch_on();
+    for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());
+    card_.unplug(udev_tells);
+    const Instant pulled = clock_.now();
+    const auto shown = show_until_refused();
+    EXPECT_EQ(shown.error().kind, FaultKind::disconnected) << shown.error().message;
+    std::printf("row 15, unplugged, %s udev: told after %.0f ms\n", udev_tells ? "with" : "without",
+                ms(clock_.now() - pulled));
+    EXPECT_LE(clock_.now() - pulled, 1s + 50ms);
+    display_.reset();
+    EXPECT_EQ(open().error().kind, FaultKind::disconnected);
+    auto other = fake_connector(30, "HDMI-A-1", {fake_mode(32, 24, 75, true)});
+    other.identity = 8;
+    card_.plug(other);
+    const Duration took = recover();
+    std::printf("row 15, another display on return: picture after %.0f ms\n", ms(took));
+    EXPECT_LE(took, 3s);
+    EXPECT_THAT(display_->description(), HasSubstr("32x24@75.00"));
+    const auto target = display_->begin(clock_.now() + 50ms);
+    ASSERT_TRUE(target.has_value());
+    EXPECT_EQ(target->width, 32);
+    display_.reset();
+  }
+}
+
+TEST_F(KmsRig, Row15AnotherDisplayPluggedInBetweenTwoPictures) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  auto other = card_.connectors[0];
+  other.identity = 8;
+  card_.plug(other);
+  EXPECT_EQ(show().error().kind, FaultKind::disconnected);
+}
+
+TEST_F(KmsRig, Row15ConnectedButNoModes) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  const auto before = card_.connectors[0];
+  card_.plug(fake_connector(30, "HDMI-A-1", {}));
+  const auto shown = show();
+  ASSERT_FALSE(shown);
+  EXPECT_EQ(shown.error().kind, FaultKind::disconnected);
+  EXPECT_THAT(shown.error().message, HasSubstr("lists no modes"));
+  display_.reset();
+  EXPECT_EQ(open().error().kind, FaultKind::disconnected);
+  card_.plug(before);
+  const Duration took = recover();
+  std::printf("row 15, modes listed again: picture after %.0f ms\n", ms(took));
+  EXPECT_LE(took, 3s);
+}
+
+TEST_F(KmsRig, Row15CardGoesAway) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  card_.present = false;
+  const auto shown = show_until_refused();
+  EXPECT_EQ(shown.error().kind, FaultKind::disconnected);
+  display_.reset();
+  card_.present = true;
+  EXPECT_LE(recover(), 3s);
+}
+
+TEST_F(KmsRig, AskedForAModeTheNewDisplayLacksItTakesThePreferredOneIfItMay) {
+  options_.width = 64;
+  options_.height = 48;
+  card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(32, 24, 75, true)}));
+  EXPECT_EQ(open().error().kind, FaultKind::bad_input);
+  options_.preferred_instead = true;
+  switch_on();
+  EXPECT_THAT(display_->description(), AllOf(HasSubstr("32x24@75.00"), HasSubstr("not offered")));
+}
+
+TEST_F(KmsRig, ABadLinkIsTrainedAgain) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  auto bad = card_.connectors[0];
+  bad.link_bad = true;
+  card_.plug(bad);
+  ASSERT_TRUE(show().has_value());
+  EXPECT_EQ(display_->counts().modesets, 2u);
+}
+
+TEST_F(KmsRig, DoesNotAskTheDisplayWithoutReason) {
+  switch_on();
+  const int before = card_.probes;
+  for (int i = 0; i < 600; ++i) ASSERT_TRUE(show().has_value());  // ten seconds
+  EXPECT_EQ(card_.probes, before);
+  // Nor without end when events storm: asking takes a display some 10 ms.
+  for (int i = 0; i < 60; ++i) {
+    card_.changed = true;
+    ASSERT_TRUE(show().has_value());
+  }
+  EXPECT_LE(card_.probes, before + 5);
+}
+
+TEST_F(KmsRig, TurnsTheScreenOffAndTheNextPictureWakesIt) {
+  for (const bool atomic : {true, false}) {
+    options_.atomic = atomic;
+    display_.reset();
+    switch_on();
+    ASSERT_TRUE(show());
+    ASSERT_TRUE(display_->begin(clock_.now() + 50ms));  // the first one has arrived
+    const auto off = display_->turn_off();
+    ASSERT_TRUE(off) << off.error().message;
+    EXPECT_TRUE(card_.asleep);
+    const auto modes = display_->counts().modesets;
+    const auto flips = display_->counts().flips;
+    clock_.advance(8h);
+    const auto woken = show();
+    ASSERT_TRUE(woken) << woken.error().message;
+    ASSERT_TRUE(display_->begin(clock_.now() + 50ms));
+    EXPECT_FALSE(card_.asleep);
+    EXPECT_EQ(display_->counts().modesets, modes + 1);
+    EXPECT_EQ(display_->counts().flips, flips + 1);
+    EXPECT_EQ(display_->counts().flip_timeouts, 0u);
+  }
+}
+
+TEST_F(KmsRig, TellsApartWhatWillNotTurnOffWhatIsBusyAndWhatIsLost) {
+  switch_on();
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::unsupported) << "it is not ours before the first picture";
+  ASSERT_TRUE(show());
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::timeout) << "the picture is on its way";
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms));
+  card_.busy = 1;
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::timeout);
+  card_.refusals = {std::errc::invalid_argument};
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::unsupported);
+  card_.master_elsewhere = true;
+  EXPECT_EQ(display_->turn_off().error().kind, FaultKind::device);
+  EXPECT_FALSE(card_.asleep);
+}
+
+TEST_F(KmsRig, Row17LostContextIsTold) {
+  switch_on();
+  ASSERT_TRUE(show().has_value());
+  card_.gl_lost = true;
+  const auto shown = show();
+  ASSERT_FALSE(shown);
+  EXPECT_EQ(shown.error().kind, FaultKind::device);
+  EXPECT_THAT(shown.error().message, HasSubstr("GL context lost"));
+  display_.reset();
+  card_.gl_lost = false;
+  const Duration took = recover();
+  std::printf("row 17, GL context lost: picture after %.0f ms\n", ms(took));
+  EXPECT_LE(took, 1s);
+}
+
+TEST_F(KmsRig, GivesTheConsoleItsScreenBackBeforeItsPicturesGo) {
+  switch_on();
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(show().has_value());
+  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  display_.reset();
+  const auto restored = std::ranges::find(card_.calls, "restore");
+  const auto removed = std::ranges::find(card_.calls, "remove_framebuffer");
+  ASSERT_NE(restored, card_.calls.end());
+  ASSERT_NE(removed, card_.calls.end());
+  EXPECT_LT(restored - card_.calls.begin(), removed - card_.calls.begin());
+}
+
+TEST_F(KmsRig, KeepsNothingOpenWhenItGoes) {
+  switch_on();  // what the GL driver keeps for good is there now
+  display_.reset();
+  const std::size_t before = open_descriptors();
+  for (int i = 0; i < 50; ++i) {
+    switch_on();
+    for (int picture = 0; picture < 3; ++picture) ASSERT_TRUE(show().has_value());
+    if (i % 2 == 0) card_.unplug();
+    (void)show();
+    display_.reset();
+    card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true)}));
+  }
+  EXPECT_EQ(open_descriptors(), before);
+  EXPECT_EQ(card_.open_devices, 0);
+  EXPECT_TRUE(card_.framebuffers.empty());
+  EXPECT_TRUE(card_.locked.empty());
+}
+
+TEST_F(KmsRig, FlipsNobodyTakesDoNotPileUp) {
+  switch_on();
+  for (int i = 0; i < 1000; ++i) ASSERT_TRUE(show().has_value());
+  EXPECT_LE(display_->take_flips().size(), 256u);
+  EXPECT_GE(display_->counts().flips, 999u);
+}
+
+TEST_F(KmsRig, ListsCardsWithoutTakingThem) {
+  system_->users = "kasumi (pid 411) is master";
+  const auto cards = list_displays(*system_);
+  ASSERT_EQ(cards.size(), 1u);
+  EXPECT_EQ(cards[0].path, "/dev/dri/card9");
+  EXPECT_EQ(cards[0].by_path, "/dev/dri/by-path/fake-card");
+  EXPECT_EQ(cards[0].driver, "fake");
+  EXPECT_TRUE(cards[0].atomic);
+  EXPECT_EQ(cards[0].users, "kasumi (pid 411) is master");
+  ASSERT_EQ(cards[0].connectors.size(), 1u);
+  EXPECT_EQ(cards[0].connectors[0].connection, "connected");
+  EXPECT_EQ(cards[0].connectors[0].preferred, "64x48@60.00");
+  EXPECT_EQ(cards[0].connectors[0].modes.size(), 3u);
+  EXPECT_EQ(card_.count("drop_master"), 1);
+  EXPECT_EQ(card_.open_devices, 0);
+}
+
+TEST_F(KmsRig, MeasuresItsFlips) {
+  switch_on();
+  const auto timing = measure_flips(*display_, clock_, 20);
+  ASSERT_TRUE(timing.has_value()) << timing.error().message;
+  EXPECT_EQ(timing->flips, 20);
+  EXPECT_EQ(timing->median_interval, card_.refresh);
+  EXPECT_EQ(timing->longest_interval, card_.refresh);
+  EXPECT_LE(timing->median_latency, card_.refresh);
+  EXPECT_EQ(measure_flips(*display_, clock_, 1).error().kind, FaultKind::bad_input);
+}
+
+}  // namespace
+}  // namespace kasumi

@@ -1,0 +1,287 @@
+// Files that lie, and files nobody tried before.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "base/files.hpp"
+#include "gles/model/model.hpp"
+#include "gles/model/model_picture.hpp"
+#include "tests/gles/model/gltf_writer.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+struct Lie {
+  std::string what;
+  std::function<void(GltfFile&)> tell;
+  std::string answer;
+};
+
+GltfFile dressed_square() {
+  GltfFile file = square_file();
+  file.primitive()["attributes"]["NORMAL"] = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 3);
+  file.primitive()["attributes"]["TEXCOORD_0"] = file.add_floats({0, 0, 1, 0, 1, 1, 0, 1}, 2);
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", cv::Mat(4, 4, CV_8UC3, cv::Scalar(10, 20, 30)), png);
+  file.add_picture(png);
+  file.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  file.primitive()["material"] = 0;
+  return file;
+}
+
+TEST(HostileModel, EachLieIsAnsweredByName) {
+  using J = nlohmann::json;
+  const std::vector<Lie> lies{
+      {"accessor beyond its view", [](GltfFile& f) { f.json["accessors"][0]["count"] = 5; },
+       "POSITION (accessor 0): 5 elements"},
+      {"accessor with a huge count", [](GltfFile& f) { f.json["accessors"][0]["count"] = 4000000000000ull; },
+       "30000000 at most"},
+      {"accessor offset beyond its view", [](GltfFile& f) { f.json["accessors"][0]["byteOffset"] = 1000; },
+       "from byte 1000"},
+      {"view beyond its buffer", [](GltfFile& f) { f.json["bufferViews"][0]["byteLength"] = 100000; },
+       "covers bytes 0 + 100000"},
+      {"view of no buffer", [](GltfFile& f) { f.json["bufferViews"][0]["buffer"] = 7; }, "buffer 7: there are 1"},
+      {"accessor of no view", [](GltfFile& f) { f.json["accessors"][0]["bufferView"] = 99; }, "buffer view 99"},
+      {"attribute of no accessor", [](GltfFile& f) { f.primitive()["attributes"]["POSITION"] = 99; },
+       "accessor 99: there are"},
+      {"index beyond the vertices",
+       [](GltfFile& f) {
+         f.primitive()["indices"] = f.add_shorts({0, 1, 4});
+       },
+       "index 4: there are 4"},
+      {"indices of floats",
+       [](GltfFile& f) {
+         f.primitive()["indices"] = f.add_floats({0, 1, 2}, 1);
+       },
+       "component type 5126"},
+      {"positions of two components",
+       [](GltfFile& f) {
+         f.primitive()["attributes"]["POSITION"] = f.add_floats({0, 0, 1, 0, 1, 1, 0, 1}, 2);
+       },
+       "of 2 components"},
+      {"too few normals",
+       [](GltfFile& f) {
+         f.primitive()["attributes"]["NORMAL"] = f.add_floats({0, 0, 1}, 3);
+       },
+       "NORMAL has 1 elements for 4"},
+      {"a position that is not a number",
+       [](GltfFile& f) {
+         f.primitive()["attributes"]["POSITION"] = f.add_floats({0, 0, 0, 1, 0, 0, 1, NAN, 0, 0, 1, 0}, 3);
+       },
+       "vertex 2: its position is not finite"},
+      {"an infinite position",
+       [](GltfFile& f) {
+         f.primitive()["attributes"]["POSITION"] = f.add_floats({0, 0, 0, 1, 0, 0, 1, INFINITY, 0, 0, 1, 0}, 3);
+       },
+       "vertex 2: its position is not finite"},
+      {"no positions", [](GltfFile& f) { f.primitive()["attributes"].erase("POSITION"); }, "no POSITION"},
+      {"no triangles", [](GltfFile& f) { f.primitive()["mode"] = 1; }, "no triangles"},
+      {"an unknown mode", [](GltfFile& f) { f.primitive()["mode"] = 12; }, "mode 12"},
+      {"a node that is its own child", [](GltfFile& f) { f.node()["children"] = {0}; }, "its own ancestor"},
+      {"nodes in a ring",
+       [](GltfFile& f) {
+         f.json["nodes"] = J::array({{{"children", {1}}}, {{"children", {2}}}, {{"children", {1}}, {"mesh", 0}}});
+       },
+       "its own ancestor"},
+      {"a child with two parents",
+       [](GltfFile& f) {
+         f.json["nodes"] = J::array({{{"children", {1, 2}}}, {{"children", {2}}}, {{"mesh", 0}}});
+       },
+       "two parents"},
+      {"a node that is not there", [](GltfFile& f) { f.node()["children"] = {8}; }, "node 8: there are 1"},
+      {"a mesh that is not there", [](GltfFile& f) { f.node()["mesh"] = 8; }, "mesh 8: there are 1"},
+      {"a material that is not there", [](GltfFile& f) { f.primitive()["material"] = 8; }, "material 8: there are 1"},
+      {"a texture that is not there",
+       [](GltfFile& f) { f.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 8; },
+       "texture 8: there are 1"},
+      {"an image that is not there", [](GltfFile& f) { f.json["textures"][0]["source"] = 8; }, "8"},
+      {"an image that is none", [](GltfFile& f) { f.json["images"][0]["uri"] = "data:image/png;base64,AAAA"; },
+       "image 0"},
+      {"an image half there",
+       [](GltfFile& f) {
+         auto& uri = f.json["images"][0]["uri"].get_ref<std::string&>();
+         uri.resize(uri.size() / 8 * 4 + 2);
+       },
+       "image 0"},
+      {"a rotation of no length",
+       [](GltfFile& f) {
+         f.node()["rotation"] = {0, 0, 0, 0};
+       },
+       "rotation is (0, 0, 0, 0)"},
+      {"a place beyond the map",
+       [](GltfFile& f) {
+         f.node()["translation"] = {1e12, 0, 0};
+       },
+       "from the model's origin"},
+      {"Draco", [](GltfFile& f) { f.json["extensionsRequired"] = {"KHR_draco_mesh_compression"}; },
+       "KHR_draco_mesh_compression"},
+      {"meshopt and Basis",
+       [](GltfFile& f) {
+         f.json["extensionsRequired"] = {"EXT_meshopt_compression", "KHR_texture_basisu"};
+       },
+       "KHR_texture_basisu"},
+      {"glTF 1", [](GltfFile& f) { f.json["asset"]["version"] = "1.0"; }, "version \"1.0\""},
+      {"no asset", [](GltfFile& f) { f.json.erase("asset"); }, "version \"\""},
+      {"sparse beyond the end",
+       [](GltfFile& f) {
+         f.json["accessors"][0]["sparse"] = {
+             {"count", 1},
+             {"indices", {{"bufferView", 1}, {"byteOffset", 11}, {"componentType", 5123}}},
+             {"values", {{"bufferView", 0}}}};
+       },
+       "sparse"},
+      {"sparse of an element not there",
+       [](GltfFile& f) {
+         const int i = f.add_shorts({9});
+         f.json["accessors"][0]["sparse"] = {
+             {"count", 1},
+             {"indices", {{"bufferView", f.json["accessors"][i]["bufferView"]}, {"componentType", 5123}}},
+             {"values", {{"bufferView", 0}}}};
+       },
+       "element 9"},
+      {"deep nesting", [](GltfFile& f) { f.json["extras"] = J::parse(std::string(500, '[') + std::string(500, ']')); },
+       "nested 50"},
+  };
+  for (const Lie& lie : lies) {
+    GltfFile file = dressed_square();
+    ASSERT_TRUE(file.read("honest"));
+    lie.tell(file);
+    const auto refused = file.read("lie");
+    ASSERT_FALSE(refused) << lie.what;
+    EXPECT_EQ(refused.error().kind, FaultKind::bad_input) << lie.what;
+    EXPECT_THAT(refused.error().message, testing::AllOf(HasSubstr("lie.gltf"), HasSubstr(lie.answer))) << lie.what;
+  }
+}
+
+TEST(HostileModel, DeepNestingDoesNotReachTheStack) {
+  const auto path = model_folder() / "deep.gltf";
+  const std::string deep =
+      R"({"asset":{"version":"2.0"},"extras":)" + std::string(2000000, '[') + std::string(2000000, ']') + "}";
+  ASSERT_TRUE(write_text_file(path, deep));
+  EXPECT_THAT(read_gltf(path).error().message, HasSubstr("nested"));
+}
+
+TEST(HostileModel, LimitsHold) {
+  const GltfFile file = dressed_square();
+  EXPECT_THAT(file.read("limits", {.file_bytes = 100}).error().message, HasSubstr("expected 100 at most"));
+  EXPECT_THAT(file.read("limits", {.triangles = 1}).error().message, HasSubstr("3 at most"));
+  EXPECT_THAT(file.read("limits", {.vertices = 3}).error().message, HasSubstr("3 at most"));
+  EXPECT_THAT(file.read("limits", {.nodes = 0}).error().message, HasSubstr("0 at most"));
+  EXPECT_THAT(file.read("limits", {.texture_size = 2}).error().message, HasSubstr("expected 1 .. 2"));
+  EXPECT_THAT(file.read("limits", {.texture_pixels = 15}).error().message, HasSubstr("15 pixels"));
+  // One mesh shown by many nodes counts as often as it is shown.
+  GltfFile many = square_file();
+  for (int i = 1; i < 50; ++i) {
+    many.json["nodes"].push_back({{"mesh", 0}});
+    many.json["scenes"][0]["nodes"].push_back(i);
+  }
+  EXPECT_TRUE(many.read("limits", {.triangles = 100}));
+  EXPECT_THAT(many.read("limits", {.triangles = 99}).error().message, HasSubstr("more than 99 triangles"));
+}
+
+TEST(HostileModel, PictureHeadersAreBelievedBeforeAnythingIsDecoded) {
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", cv::Mat(4, 5, CV_8UC3, cv::Scalar(1, 2, 3)), png);
+  EXPECT_EQ(picture_size(png), glm::ivec2(5, 4));
+  png[16] = 0x7f;  // says 2 billion columns
+  EXPECT_THAT(decode_picture(png, 4096).error().message, HasSubstr("expected 1 .. 4096"));
+  std::vector<std::uint8_t> jpeg;
+  cv::imencode(".jpg", cv::Mat(40, 50, CV_8UC3, cv::Scalar(1, 2, 3)), jpeg);
+  EXPECT_EQ(picture_size(jpeg), glm::ivec2(50, 40));
+  EXPECT_THAT(decode_picture(jpeg, 45).error().message, HasSubstr("50 x 40"));
+  const auto decoded = decode_picture(jpeg, 4096);
+  ASSERT_TRUE(decoded);
+  EXPECT_NEAR(decoded->at(20, 20).r, 3, 2);
+  EXPECT_EQ(decode_picture({}, 10).error().kind, FaultKind::bad_input);
+}
+
+TEST(HostileModel, NoFileIsNoModel) {
+  EXPECT_FALSE(read_gltf(model_folder() / "not-there.glb"));
+  const auto empty = model_folder() / "empty.glb";
+  ASSERT_TRUE(write_text_file(empty, ""));
+  EXPECT_THAT(read_gltf(empty).error().message, HasSubstr("empty.glb"));
+  ASSERT_TRUE(write_text_file(empty, "glTF"));
+  EXPECT_THAT(read_gltf(empty).error().message, HasSubstr("too few"));
+}
+
+// Bytes and tokens of a sound file changed at random: whatever comes out is sound, or a message.
+TEST(HostileModel, RandomDamageNeverGetsThrough) {
+  std::mt19937_64 random(20260621);
+  const std::vector<std::uint8_t> sound = dressed_square().binary();
+  const std::string text = dressed_square().text();
+  const std::vector<std::string> tokens{"-1", "4294967295", "1e99",       "null", "[]",
+                                        "{}", "\"\"",       "2147483648", "0.5",  "99999999999999999999"};
+  int loaded = 0, refused = 0;
+  const auto path = model_folder() / "damaged.glb";
+  for (int round = 0; round < 1500; ++round) {
+    std::vector<std::uint8_t> file = sound;
+    if (round % 3 == 0) {  // bits anywhere
+      for (std::uint64_t i = 0; i <= random() % 4; ++i)
+        file[random() % file.size()] ^= static_cast<std::uint8_t>(1u << random() % 8);
+    } else if (round % 3 == 1) {  // a cut
+      file.resize(random() % file.size());
+    } else {  // a number of the JSON replaced
+      std::string changed = text;
+      std::vector<std::size_t> numbers;
+      for (std::size_t i = 1; i < changed.size(); ++i)
+        if (std::isdigit(static_cast<unsigned char>(changed[i])) &&
+            (changed[i - 1] == ':' || changed[i - 1] == '[' || changed[i - 1] == ','))
+          numbers.push_back(i);
+      const std::size_t at = numbers[random() % numbers.size()];
+      std::size_t end = at;
+      while (end < changed.size() && (std::isdigit(static_cast<unsigned char>(changed[end])) || changed[end] == '.'))
+        ++end;
+      changed.replace(at, end - at, tokens[random() % tokens.size()]);
+      file.assign(changed.begin(), changed.end());
+    }
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
+    const auto model = read_gltf(path);
+    if (model) {
+      ++loaded;
+      ASSERT_TRUE(check(*model)) << round;
+    } else {
+      ++refused;
+      ASSERT_THAT(model.error().message, HasSubstr("damaged.glb")) << round;
+    }
+  }
+  EXPECT_GT(loaded, 30);
+  EXPECT_GT(refused, 300);
+}
+
+TEST(HostileModel, EveryTestModelLoadsOrIsRefusedWithAMessage) {
+  const std::filesystem::path root = "/usr/share/assimp/models";
+  if (!std::filesystem::exists(root)) GTEST_SKIP() << "apt install assimp-testmodels";
+  int loaded = 0, refused = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+    std::string extension = entry.path().extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (extension != ".gltf" && extension != ".glb") continue;
+    const auto model = read_gltf(entry.path());
+    if (model) {
+      ++loaded;
+      EXPECT_TRUE(check(*model)) << entry.path();
+    } else {
+      ++refused;
+      EXPECT_THAT(model.error().message, HasSubstr(entry.path().filename().string()));
+      EXPECT_GT(model.error().message.size(), entry.path().string().size() + 10);
+    }
+    RecordProperty(fmt::format("{}", entry.path().string().substr(root.string().size())),
+                   model ? "loaded" : model.error().message);
+  }
+  RecordProperty("loaded", loaded);
+  RecordProperty("refused", refused);
+  EXPECT_GT(loaded, 20);
+}
+
+}  // namespace
+}  // namespace kasumi

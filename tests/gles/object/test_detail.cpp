@@ -1,0 +1,295 @@
+// The object is no finer than the camera: its point spread and its shared chroma, against closed forms.
+#include <cmath>
+
+#include "gles/object/point_spread.hpp"
+#include "tests/gles/scenes.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+// Integral of the normal distribution's integral.
+double twice_integrated(double t, double sigma) {
+  return t * 0.5 * std::erfc(-t / (sigma * std::sqrt(2.0))) +
+         sigma / std::sqrt(2.0 * kPi) * std::exp(-0.5 * t * t / (sigma * sigma));
+}
+// What a pixel at x sees of a plane that begins at `edge` and goes on to the right, spread by sigma.
+double share_of_plane(double x, double edge, double sigma) {
+  return twice_integrated(x + 0.5 - edge, sigma) - twice_integrated(x - 0.5 - edge, sigma);
+}
+
+// Samples place an upright or level edge to 1/34 of a pixel, which is as much coverage as the edge is steep there.
+double tolerance(double sigma) {
+  return std::erf(0.5 / (sigma * std::sqrt(2.0))) / 34.0 + 0.003;
+}
+
+class Detail : public GlesTest {
+ protected:
+  static constexpr double kFocal_px = 6000.0, kDistance_m = 3500.0, kMetresPerPixel = kDistance_m / kFocal_px;
+
+  // A white board of no depth upright before the camera, from column to column and from row to row.
+  ReferenceScene board(double left_px, double right_px, double top_px = -200.0, double bottom_px = 400.0) const {
+    ReferenceScene scene;
+    scene.view = view_north(160, 120, kFocal_px);
+    const auto east = [&](double px) { return (px - scene.view.centre_px.x) * kMetresPerPixel; };
+    const auto up = [&](double px) { return (scene.view.centre_px.y - px) * kMetresPerPixel; };
+    scene.model.name = "board";
+    scene.model.materials.push_back({.name = "white", .base_colour = {1.0f, 1.0f, 1.0f, 1.0f}});
+    scene.model.parts.push_back(
+        box_part({east(left_px), up(bottom_px), -0.005}, {east(right_px), up(top_px), 0.005}, 1));
+    scene.model_to_world = model_to_world({0, kDistance_m, 0, {}, 1.0});
+    scene.appearance = furnace(1.0);
+    scene.measured = measured_airlight(scene.view);
+    return scene;
+  }
+
+  // Premultiplied N and coverage of the whole picture.
+  Image<glm::dvec4> layer_of(const ReferenceScene& scene, const ObjectDetail& detail,
+                             const RendererOptions& options = {}) {
+    Renderer renderer = make_renderer(options);
+    EXPECT_TRUE(renderer.set_detail(detail));
+    load(renderer, scene);
+    const auto layer = renderer.read_layer().value();
+    const PixelBox box = renderer.object_box();
+    Image<glm::dvec4> whole(scene.view.width, scene.view.height);
+    for (int y = box.top; y < box.bottom; ++y)
+      for (int x = box.left; x < box.right; ++x) whole.at(x, y) = glm::dvec4(layer.at(x - box.left, y - box.top));
+    return whole;
+  }
+  static glm::dvec4 sum_of(const Image<glm::dvec4>& layer) {
+    glm::dvec4 sum{0.0};
+    for (const auto& texel : layer.elements()) sum += texel;
+    return sum;
+  }
+};
+
+TEST_F(Detail, WeightsHaveTheGaussiansVarianceHoweverNarrowItIs) {
+  for (const double sigma : {0.2, 0.5, 1.0, 2.06, 5.0, 12.4}) {
+    const auto weights = gaussian_weights(sigma);
+    double sum = weights[0], variance = 0.0;
+    for (std::size_t i = 1; i < weights.size(); ++i) {
+      sum += 2.0 * weights[i];
+      variance += 2.0 * weights[i] * double(i * i);
+      EXPECT_LT(weights[i], weights[i - 1]);
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    EXPECT_NEAR(variance, sigma * sigma, 0.012 * sigma * sigma) << "3.5 deviations are kept";
+  }
+}
+
+TEST_F(Detail, AnEdgeIsSpreadAsTheClosedFormSaysWhereverItLiesInThePixel) {
+  const auto expect_edge = [&](double sigma, double edge, const RendererOptions& options) {
+    const auto layer = layer_of(board(edge, 400.0), {.point_spread_px = sigma}, options);
+    double worst = 0.0;
+    for (int x = 0; x < 160; ++x) worst = std::max(worst, std::abs(layer.at(x, 60).a - share_of_plane(x, edge, sigma)));
+    EXPECT_LE(worst, tolerance(sigma)) << "of the coverage; sigma " << sigma << ", edge at " << edge;
+  };
+  for (const double sigma : {0.3, 0.5, 1.0, 2.5})
+    for (const double edge : {70.5, 70.8, 71.07}) expect_edge(sigma, edge, {});
+  expect_edge(0.5, 70.63, {.force_rgba8 = true});
+}
+
+TEST_F(Detail, ALevelEdgeIsSpreadTheSame) {
+  const auto layer = layer_of(board(-200.0, 400.0, 40.3, 400.0), {.point_spread_px = 0.7});
+  for (int y = 0; y < 120; ++y)
+    EXPECT_NEAR(layer.at(80, y).a, share_of_plane(y, 40.3, 0.7), tolerance(0.7)) << "row " << y;
+}
+
+TEST_F(Detail, AColumnThinnerThanAPixelIsSpreadAndKept) {
+  constexpr double kSigma = 0.5;
+  for (const double left : {80.0, 80.21, 80.44, 80.69}) {
+    const double width = 6.0 / 17.0;  // as many samples wherever it stands
+    const auto scene = board(left, left + width);
+    const auto sharp = layer_of(scene, {}), spread = layer_of(scene, {.point_spread_px = kSigma});
+    double sharp_sum = 0.0, spread_sum = 0.0;
+    for (int x = 0; x < 160; ++x) {
+      const double expected = share_of_plane(x, left, kSigma) - share_of_plane(x, left + width, kSigma);
+      EXPECT_NEAR(spread.at(x, 60).a, expected, 0.012) << "column " << x << " of one that begins at " << left;
+      sharp_sum += sharp.at(x, 60).a;
+      spread_sum += spread.at(x, 60).a;
+    }
+    EXPECT_NEAR(spread_sum, width, 0.01) << "pixels covered by a row";
+    EXPECT_NEAR(spread_sum, sharp_sum, 0.003) << "pixels covered by a row";
+  }
+}
+
+TEST_F(Detail, SpreadingKeepsTheLight) {
+  ReferenceScene scene = board(0, 0);
+  scene.model = columns_model(7, 0.3, 4.0, 20.0);
+  scene.appearance = afternoon(scene.view);
+  const auto sharp = sum_of(layer_of(scene, {}));
+  for (const double sigma : {0.4, 1.3}) {
+    const auto spread = sum_of(layer_of(scene, {.point_spread_px = sigma}));
+    for (int c = 0; c < 4; ++c) EXPECT_NEAR(spread[c], sharp[c], 0.003 * sharp[c]) << "channel " << c;
+  }
+}
+
+TEST_F(Detail, LooksLikeAPictureOfManySamplesSpreadOnTheCpu) {
+  // 16 rays a pixel, spread by the Gaussian at their own distances, then gathered into pixels.
+  constexpr int kSide = 4;
+  constexpr double kSigma = 0.8;
+  const ReferenceScene scene = box_scene();
+  const int w = scene.view.width, h = scene.view.height;
+  Image<glm::dvec4> fine(kSide * w, kSide * h);
+  const auto offsets = upright_grid(kSide);
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) {
+      const auto rays = render_reference(scene, Image<Rgb8>(w, h), {offsets[std::size_t(kSide * j + i)]});
+      for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) fine.at(kSide * x + i, kSide * y + j) = rays.layer.at(x, y);
+    }
+  const auto spread_at = [&](double centre, int count, auto at) {
+    glm::dvec4 sum{0.0};
+    for (int i = 0; i < count; ++i) {
+      const double away = (i + 0.5) / kSide - 0.5 - centre;
+      if (std::abs(away) > 4.0) continue;
+      const double part =
+          share_of_plane(0.0, away - 0.5 / kSide, kSigma) - share_of_plane(0.0, away + 0.5 / kSide, kSigma);
+      sum += part * at(i);
+    }
+    return sum;
+  };
+  Image<glm::dvec4> across(w, kSide * h), expected(w, h);
+  for (int y = 0; y < kSide * h; ++y)
+    for (int x = 0; x < w; ++x) across.at(x, y) = spread_at(x, kSide * w, [&](int i) { return fine.at(i, y); });
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) expected.at(x, y) = spread_at(y, kSide * h, [&](int j) { return across.at(x, j); });
+
+  const auto layer = layer_of(scene, {.point_spread_px = kSigma});
+  double worst = 0.0, square = 0.0;
+  for (int y = 6; y < h - 6; ++y)
+    for (int x = 6; x < w - 6; ++x)
+      for (int c = 0; c < 4; ++c) {
+        const double miss = std::abs(layer.at(x, y)[c] - expected.at(x, y)[c]);
+        worst = std::max(worst, miss);
+        square += miss * miss / (4.0 * w * h);
+      }
+  // The rays, too, place an edge no better than to 1/8 pixel.
+  EXPECT_LE(worst, 0.08) << "of N and coverage";
+  EXPECT_LE(std::sqrt(square), 0.006) << "of N and coverage";
+}
+
+TEST_F(Detail, TheMasksEdgeStaysAsItIs) {
+  ReferenceScene scene = board(-200.0, 400.0);
+  scene.mask = Image<std::uint8_t>(160, 120, 255);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) scene.mask.at(x, y) = x < 70 ? 0 : x == 70 ? 100 : 255;
+  const auto layer = layer_of(scene, {.point_spread_px = 1.5});
+  for (int x = 0; x < 160; ++x) EXPECT_NEAR(layer.at(x, 60).a, scene.mask.at(x, 60) / 255.0, 0.001) << "column " << x;
+}
+
+TEST_F(Detail, WhatLiesBeyondThePicturesBorderIsNotMissed) {
+  for (const auto& [left, right] : {std::pair{-30.0, 20.0}, {-200.0, 400.0}}) {
+    // In many parts, of which some are wholly outside.
+    ReferenceScene scene = board(left, right);
+    const ModelPart whole = scene.model.parts[0];
+    scene.model.parts.clear();
+    const glm::dvec3 low(whole.vertices[0].position.x, -60, -0.005);
+    const double width = (right - left) * kMetresPerPixel;
+    for (int i = 0; i < 60; ++i)
+      scene.model.parts.push_back(
+          box_part({low.x + width * i / 60, -60, -0.005}, {low.x + width * (i + 1) / 60, 60, 0.005}, 1));
+    const auto layer = layer_of(scene, {.point_spread_px = 2.0});
+    for (int x = 0; x < 8; ++x) EXPECT_NEAR(layer.at(x, 60).a, 1.0, 0.002) << "column " << x;
+    EXPECT_NEAR(layer.at(3, 0).a, 1.0, 0.002);
+  }
+}
+
+TEST_F(Detail, ABoardJustOutsideThePictureShinesIntoIt) {
+  const auto layer = layer_of(board(-40.0, -1.0), {.point_spread_px = 1.0});
+  for (int x = 0; x < 4; ++x)
+    EXPECT_NEAR(layer.at(x, 60).a, 1.0 - share_of_plane(x, -1.0, 1.0), 0.012) << "column " << x;
+}
+
+TEST_F(Detail, LargerThanOneTileItHasNoSeams) {
+  ReferenceScene scene = board(-900.0, 900.0, -900.0, 900.0);
+  scene.view = view_north(260, 230, kFocal_px);
+  scene.measured = measured_airlight(scene.view);
+  const auto layer = layer_of(scene, {.point_spread_px = 1.5, .chroma_columns = 2, .chroma_rows = 2});
+  for (const auto& texel : layer.elements()) {
+    ASSERT_EQ(texel.a, 1.0);
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(texel[c], layer.at(0, 0)[c], 0.002 * layer.at(0, 0)[c]);
+  }
+}
+
+// Stripes of two colours, each as wide as a pixel, on a board that covers a part of the picture.
+class SharedChroma : public Detail {
+ protected:
+  ReferenceScene stripes() const {
+    ReferenceScene scene = board(20.5, 120.5, 10.5, 100.5);
+    scene.model.textures.push_back({.pixels = Image<glm::u8vec4>(4, 4)});
+    for (int y = 0; y < 4; ++y)
+      for (int x = 0; x < 4; ++x)
+        scene.model.textures[0].pixels.at(x, y) =
+            (x + y) % 2 == 0 ? glm::u8vec4{230, 60, 40, 255} : glm::u8vec4{40, 200, 90, 255};
+    scene.model.materials[0].texture = 0;
+    for (ModelVertex& vertex : scene.model.parts[0].vertices) vertex.texture *= glm::vec2{33.3f, 21.7f};
+    return scene;
+  }
+  static double grey(const glm::dvec4& n) { return 0.299 * n.r + 0.587 * n.g + 0.114 * n.b; }
+};
+
+TEST_F(SharedChroma, EveryBlockHasOneColourAndEveryPixelItsOwnBrightness) {
+  const auto scene = stripes();
+  const auto own = layer_of(scene, {});
+  for (const glm::ivec2 block : {glm::ivec2{2, 1}, glm::ivec2{2, 2}}) {
+    const auto shared = layer_of(scene, {.chroma_columns = block.x, .chroma_rows = block.y});
+    for (int y = 20; y < 90; y += block.y)
+      for (int x = 30; x < 110; x += 2) {
+        glm::dvec3 mean{0.0};
+        for (int j = 0; j < block.y; ++j)
+          for (int i = 0; i < 2; ++i)
+            mean += (glm::dvec3(own.at(x + i, y + j)) - grey(own.at(x + i, y + j))) / (2.0 * block.y);
+        for (int j = 0; j < block.y; ++j)
+          for (int i = 0; i < 2; ++i) {
+            const auto pixel = shared.at(x + i, y + j);
+            ASSERT_NEAR(grey(pixel), grey(own.at(x + i, y + j)), 0.002) << x + i << ", " << y + j;
+            for (int c = 0; c < 3; ++c) ASSERT_NEAR(pixel[c] - grey(pixel), mean[c], 0.003) << x + i << ", " << y + j;
+          }
+      }
+  }
+}
+
+TEST_F(SharedChroma, NeitherCoverageNorLightChanges) {
+  const auto scene = stripes();
+  const auto own = layer_of(scene, {}), shared = layer_of(scene, {.chroma_columns = 2, .chroma_rows = 2});
+  for (std::size_t i = 0; i < own.elements().size(); ++i) ASSERT_EQ(own.elements()[i].a, shared.elements()[i].a);
+  const auto before = sum_of(own), after = sum_of(shared);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c], before[c], 0.001 * before[c]);
+}
+
+TEST_F(SharedChroma, PixelsWithoutTheObjectPassUnchanged) {
+  const auto scene = stripes();
+  const Image<Rgb8> camera = landscape(160, 120);
+  Renderer renderer = make_renderer();
+  ASSERT_OK(renderer.set_detail({.chroma_columns = 2, .chroma_rows = 2}));
+  load(renderer, scene);
+  const auto picture = draw(renderer, scene.measured, view_of(camera));
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x)
+      if (x < 20 || x > 121 || y < 10 || y > 101) {
+        ASSERT_EQ(picture.at(x, y), camera.at(x, y)) << x << ", " << y;
+      }
+}
+
+TEST_F(Detail, WhatCannotBeIsRefused) {
+  Renderer renderer = make_renderer();
+  EXPECT_THAT(renderer.set_detail({.point_spread_px = 3.5, .chroma_columns = 3}).error().message,
+              testing::AllOf(HasSubstr("point spread of 3.5 px"), HasSubstr("3 x 1 pixels")));
+  EXPECT_FALSE(renderer.set_detail({.point_spread_px = std::nan("")}));
+}
+
+TEST_F(Detail, AnotherDetailDropsTheLayer) {
+  const auto scene = board(70.5, 90.5);
+  const Image<Rgb8> camera = landscape(160, 120);
+  Renderer renderer = make_renderer();
+  load(renderer, scene);
+  const PixelBox before = renderer.object_box();
+  ASSERT_OK(renderer.set_detail({.point_spread_px = 1.0}));
+  EXPECT_LT(renderer.object_box().left, before.left);
+  EXPECT_EQ(draw(renderer, scene.measured, view_of(camera)).elements(), camera.elements());
+}
+
+}  // namespace
+}  // namespace kasumi

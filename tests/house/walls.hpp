@@ -1,0 +1,140 @@
+// The house as data: which folder may include which, and behind which files each library stays. docs/architecture.md
+// shows the same to people, and test_architecture_page.cpp compares the two.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+namespace kasumi::house {
+
+using Walls = std::map<std::string, std::set<std::string>>;
+
+// A room may include whole rooms. Inside, a room's own folder and each sub-room may include these of the same room,
+// named in full; what a room may include of others, its sub-rooms may too.
+inline const Walls kMayInclude = {
+    {"base", {}},
+    {"base/sky", {"base"}},
+
+    {"calib", {"base", "calib/colour", "calib/lens", "calib/light"}},
+    {"calib/board", {}},
+    {"calib/colour", {"calib/light"}},
+    {"calib/lens", {"calib/board"}},
+    {"calib/light", {"calib/lens"}},
+    {"calib/mask", {"calib"}},
+    {"calib/pose", {"calib", "calib/lens", "calib/mask"}},
+
+    {"capture", {"base"}},
+    {"capture/codec", {"capture"}},
+    {"capture/fixture", {"capture"}},
+    {"capture/libcamera", {"capture"}},
+    {"capture/v4l2", {"capture"}},
+
+    {"estimator", {"base", "calib"}},
+    {"estimator/air", {"estimator"}},
+    {"estimator/haze", {"estimator/air"}},
+    {"estimator/horizon", {}},
+    {"estimator/landmarks", {"estimator/air", "estimator/horizon"}},
+    {"estimator/light", {"estimator", "estimator/air", "estimator/horizon", "estimator/sky", "estimator/turbidity"}},
+    {"estimator/photograph", {"estimator/air", "estimator/horizon", "estimator/light"}},
+    {"estimator/sky", {"estimator", "estimator/air"}},
+    {"estimator/sky_camera", {"estimator", "estimator/air", "estimator/sky", "estimator/turbidity"}},
+    {"estimator/turbidity", {"estimator", "estimator/sky"}},
+
+    {"gles", {"base"}},
+    {"gles/air", {"gles/gl"}},
+    {"gles/display", {"gles/gl"}},
+    {"gles/gl", {"gles/model"}},
+    {"gles/gpu_model", {"gles", "gles/gl", "gles/model"}},
+    {"gles/light", {"gles", "gles/gl", "gles/model"}},
+    {"gles/model", {}},
+    {"gles/object", {"gles", "gles/gl", "gles/gpu_model", "gles/light", "gles/model", "gles/picture", "gles/shadow"}},
+    {"gles/picture", {"gles", "gles/gl"}},
+    {"gles/shadow", {"gles/gl", "gles/gpu_model"}},
+
+    {"pipeline", {"base", "calib", "capture", "estimator", "gles"}},
+    {"pipeline/appliance",
+     {"pipeline", "pipeline/camera_drift", "pipeline/config", "pipeline/machine", "pipeline/scene", "pipeline/stage"}},
+    {"pipeline/bench", {"pipeline", "pipeline/scene", "pipeline/sky"}},
+    {"pipeline/calibrate",
+     {"pipeline", "pipeline/calibration_report", "pipeline/camera_drift", "pipeline/config", "pipeline/files",
+      "pipeline/machine"}},
+    {"pipeline/calibration_report", {"pipeline/config", "pipeline/files"}},
+    {"pipeline/camera_drift", {"pipeline/config", "pipeline/files", "pipeline/machine"}},
+    {"pipeline/config", {"pipeline/files"}},
+    {"pipeline/doctor", {"pipeline", "pipeline/config", "pipeline/machine"}},
+    {"pipeline/files", {}},
+    {"pipeline/haze", {"pipeline", "pipeline/files", "pipeline/scene", "pipeline/stage"}},
+    {"pipeline/machine", {"pipeline/config"}},
+    {"pipeline/photographs", {"pipeline", "pipeline/config", "pipeline/files", "pipeline/machine"}},
+    {"pipeline/recording",
+     {"pipeline", "pipeline/config", "pipeline/files", "pipeline/machine", "pipeline/scene", "pipeline/stage"}},
+    {"pipeline/scene", {"pipeline/config"}},
+    {"pipeline/sky", {"pipeline", "pipeline/files", "pipeline/machine"}},
+    {"pipeline/stage", {"pipeline/config", "pipeline/scene"}},
+
+    {"fixtures", {"base", "calib", "capture", "fixtures/generator", "fixtures/model", "fixtures/temple"}},
+    {"fixtures/assemble", {}},
+    {"fixtures/atmosphere", {"fixtures/light", "fixtures/model"}},
+    {"fixtures/generator",
+     {"fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
+      "fixtures/temple"}},
+    {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise"}},
+    {"fixtures/light", {"fixtures/noise"}},
+    {"fixtures/model", {}},
+    {"fixtures/noise", {}},
+    {"fixtures/pagoda", {"fixtures/landscape", "fixtures/model", "fixtures/noise"}},
+    {"fixtures/temple", {"fixtures/model", "fixtures/noise"}},
+};
+
+// The sub-rooms of pipeline that each serve one purpose of the program: none includes another, but for the pairs named.
+inline const std::set<std::string> kVerticals = {
+    "pipeline/appliance", "pipeline/bench", "pipeline/calibrate",   "pipeline/camera_drift", "pipeline/doctor",
+    "pipeline/haze",      "pipeline/sky",   "pipeline/photographs", "pipeline/recording",
+};
+inline const Walls kVerticalsMayInclude = {
+    {"pipeline/appliance", {"pipeline/camera_drift"}},
+    {"pipeline/calibrate", {"pipeline/camera_drift"}},
+    {"pipeline/bench", {"pipeline/sky"}},
+};
+
+// Beginnings of a library's headers, and of the names of the files that may include them; * stands for anything.
+inline const Walls kLibraryDoors = {
+    {"CLI/",
+     {"pipeline/main.cpp", "pipeline/*/command_", "pipeline/calibrate/board_choice.cpp",
+      "pipeline/photographs/estimate_arguments.cpp", "pipeline/photographs/retarget_task.cpp", "fixtures/*main.cpp",
+      "fixtures/atmosphere/draw_ozone.cpp"}},
+    {"EGL/", {"gles/gl/"}},
+    {"Eigen/",
+     {"calib/", "estimator/horizon/", "estimator/landmarks/", "estimator/sky_camera/", "fixtures/atmosphere/"}},
+    {"GLES2/", {"gles/gl/", "pipeline/bench/gles_"}},
+    {"SDL", {"gles/display/window.cpp"}},
+    {"ceres/", {"calib/lens/", "calib/pose/", "estimator/air/attenuation_nodes.cpp", "fixtures/atmosphere/"}},
+    {"date/", {"pipeline/config/opening_hours.cpp"}},
+    {"drm", {"gles/display/kms_drm"}},
+    {"erfa", {"estimator/sky/sun.cpp"}},
+    {"ft2build.h", {"pipeline/stage/caption.cpp"}},
+    {"gbm.h", {"gles/display/kms_scanout_gbm.cpp"}},
+    {"jpeglib.h", {"capture/codec/"}},
+    {"libcamera/", {"capture/libcamera/"}},
+    {"libudev.h", {"gles/display/kms_udev.cpp"}},
+    {"linux/v4l2-controls.h", {"capture/v4l2/"}},
+    {"linux/videodev2.h", {"capture/v4l2/"}},
+    {"nlohmann/",
+     {"calib/colour/", "gles/model/", "pipeline/appliance/", "pipeline/camera_drift/", "pipeline/doctor/",
+      "pipeline/machine/", "pipeline/photographs/", "pipeline/recording/", "fixtures/"}},
+    {"opencv2/",
+     {"calib/board/", "calib/lens/import_lens.cpp", "calib/mask/", "calib/pose/", "calib/read_camera.cpp",
+      "estimator/haze/", "estimator/horizon/", "estimator/photograph/", "estimator/sky_camera/", "estimator/turbidity/",
+      "gles/model/", "pipeline/bench/haze.cpp", "pipeline/calibrate/", "pipeline/calibration_report/",
+      "pipeline/files/", "pipeline/photographs/", "pipeline/sky/", "fixtures/"}},
+    {"opencv2/aruco", {"calib/board/charuco.cpp"}},
+    {"opencv2/calib3d", {"calib/board/board.cpp"}},
+    {"spdlog/", {"pipeline/"}},
+    {"systemd/", {"pipeline/machine/notifier.cpp"}},
+    {"tiny_gltf.h", {"gles/model/"}},
+    {"toml++/", {"base/config_table"}},
+    {"xf86drm", {"gles/display/kms_drm"}},
+};
+
+}  // namespace kasumi::house

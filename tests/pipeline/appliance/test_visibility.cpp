@@ -1,0 +1,255 @@
+// Visibility from landmarks as a person asks for it, and as the appliance tells it.
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "base/files.hpp"
+#include "estimator/air/attenuation.hpp"
+#include "pipeline/appliance/status.hpp"
+#include "pipeline/appliance/visibility_loop.hpp"
+#include "pipeline/files/picture_sink.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
+
+namespace kasumi {
+namespace {
+
+using namespace std::chrono_literals;
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+constexpr int kWidth = 320, kHeight = 120, kLandmarks = 6;
+double distance_of(int landmark) {
+  return 1500.0 * std::pow(1.6, landmark);
+}
+
+// Dark squares in a row under an even sky, each behind its distance of air: at 1 nm, by the scattering model.
+Image<Rgb8> squares_under(double turbidity) {
+  const Camera camera;
+  const glm::dvec3 sky{0.55, 0.6, 0.65};
+  Image<Rgb8> picture(kWidth, kHeight);
+  const auto put = [&](int x, int y, const glm::dvec3& light) {
+    picture.at(x, y) = Rgb8(glm::round(255.0 * camera.response.to_encoded(light)));
+  };
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) put(x, y, sky);
+  for (int i = 0; i < kLandmarks; ++i) {
+    const auto left = attenuation_reference(spectral_measure(camera), ScatteringModel::morales2017,
+                                            Turbidity{turbidity}, optical_path(0.0, 0.0, distance_of(i)));
+    for (int y = 60; y < 90; ++y)
+      for (int x = 10 + 50 * i; x < 40 + 50 * i; ++x) put(x, y, sky * (1.0 - 0.85 * left));
+  }
+  return picture;
+}
+
+std::string landmark_tables() {
+  std::string text;
+  for (int i = 0; i < kLandmarks; ++i)
+    text += fmt::format(
+        "[[landmarks]]\nname = \"square {}\"\ndistance_m = {}\nregion_px = [{}, 65, 20, 20]\nsky_px = [{}, 30, 20, "
+        "20]\n",
+        i, distance_of(i), 15 + 50 * i, 15 + 50 * i);
+  return text;
+}
+
+class VisibilityCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = test_folder("visibility");
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder / "scenes");
+    ASSERT_TRUE(write_png(folder / "scenes/1.png", squares_under(3.0)));
+    ASSERT_TRUE(write_png(folder / "scenes/2.png", squares_under(6.0)));
+    ASSERT_TRUE(write_text_file(folder / "landmarks.toml", landmark_tables()));
+    fixtures::SkyRecipe recipe;
+    recipe.turbidity = 3.0;
+    recipe.size = 400;
+    ASSERT_TRUE(write_png(folder / "sky.png", fixtures::sky_picture(recipe).pixels));
+  }
+  static std::string in_folder(const std::string& name) { return (folder / name).string(); }
+  static std::string asked(const std::string& scenes) {
+    return fmt::format("estimate --json --scene {} --landmarks {} ", in_folder(scenes), in_folder("landmarks.toml"));
+  }
+  static std::filesystem::path folder;
+};
+std::filesystem::path VisibilityCommand::folder;
+
+TEST_F(VisibilityCommand, TellsThatOfAPicture) {
+  const auto outcome = run_kasumi(asked("scenes/1.png"));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = Json::parse(outcome.out);
+  EXPECT_EQ(json["visibility"], "value");
+  EXPECT_NEAR(json["visibility_m"].get<double>() / meteorological_range_m(Turbidity{3.0}, 0.0), 1.0, 0.1);
+  EXPECT_NEAR(json["optical_range_m"].get<double>() / json["visibility_m"].get<double>(), 0.7658, 1e-3);
+  EXPECT_NEAR(json["turbidity"].get<double>(), 3.0, 0.3);
+  EXPECT_GT(json["sigma_m"].get<double>(), 0.0);
+  EXPECT_EQ(json["readings"].size(), std::size_t{kLandmarks});
+  EXPECT_TRUE(json["sky"].is_null());
+}
+
+TEST_F(VisibilityCommand, TakesAFolder) {
+  const auto outcome = run_kasumi(asked("scenes"));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::istringstream lines(outcome.out);
+  std::vector<double> turbidities;
+  for (std::string line; std::getline(lines, line);)
+    turbidities.push_back(Json::parse(line)["turbidity"].get<double>());
+  ASSERT_EQ(turbidities.size(), 2U);
+  EXPECT_NEAR(turbidities[0] / 3.0, 1.0, 0.15);
+  EXPECT_NEAR(turbidities[1] / 6.0, 1.0, 0.15);
+}
+
+TEST_F(VisibilityCommand, StandsBesideTheSkysOwnAndIsNotMixedWithIt) {
+  const std::string sky =
+      in_folder("sky.png") + " --circle 199.5,199.5,200 --sun-zenith-deg 58.4 --sun-azimuth-deg 180";
+  const auto alone = run_kasumi("estimate --json " + sky);
+  const auto same = run_kasumi(asked("scenes/1.png") + sky), other = run_kasumi(asked("scenes/2.png") + sky);
+  ASSERT_EQ(same.code, 0) << same.err;
+  ASSERT_EQ(other.code, 0) << other.err;
+  auto json = Json::parse(same.out);
+  EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "agrees") << json["landmarks"]["sky"].dump();
+  json = Json::parse(other.out);
+  EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "disagrees") << json["landmarks"]["sky"].dump();
+  EXPECT_GT(json["landmarks"]["sky"]["sigmas"].get<double>(), 3.0);
+  json.erase("landmarks");
+  EXPECT_EQ(json, Json::parse(alone.out)) << "what the sky says stays as it is";
+}
+
+TEST_F(VisibilityCommand, NamesAllThatIsWrongWithTheLandmarks) {
+  ASSERT_TRUE(write_text_file(folder / "wrong.toml",
+                              "[[landmarks]]\nname = \"a\"\ndistance_m = 100\nregion_px = [310, 0, 20, 20]\n"
+                              "[[landmarks]]\nname = \"b\"\ndistance_m = -3\nregion_px = [1, 1, 5, 5]\n"
+                              "[[landmarks]]\nname = \"c\"\nregion_px = [1, 1, 5, 5]\ncontrst = 1\n"));
+  const auto outcome =
+      run_kasumi(fmt::format("estimate --scene {} --landmarks {}", in_folder("scenes/1.png"), in_folder("wrong.toml")));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("within the scene camera's 320 x 120 pixels"));
+  EXPECT_THAT(outcome.err, HasSubstr("distance_m = -3"));
+  EXPECT_THAT(outcome.err, HasSubstr("without a [site] its place tells none"));
+  EXPECT_THAT(outcome.err, HasSubstr("contrst"));
+  EXPECT_NE(run_kasumi("estimate --scene " + in_folder("scenes/1.png")).code, 0) << "without --landmarks";
+}
+
+// The loop alone, by a clock that is turned.
+class VisibilityLoopTest : public testing::Test {
+ protected:
+  VisibilityLoopTest() : clock(Utc{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21} + 3h}) {
+    begin(landmark_tables());
+  }
+  // The kiosk is started, anew.
+  void begin(const std::string& landmarks, std::optional<std::filesystem::path> state_folder = {}) {
+    auto content = std::make_shared<Content>();
+    auto& installation = content->config.installation;
+    installation.scene.width = kWidth;
+    installation.scene.height = kHeight;
+    const auto tables = ConfigTable::parse(landmarks, "kasumi.toml").value();
+    installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, kWidth, kHeight);
+    content->config.state_folder = std::move(state_folder);
+    exchange.scene.visibility_wants_picture = false;
+    loop.emplace(std::move(content), clock, exchange);
+  }
+  // How sure it is of one picture's air.
+  double sigma_of_a_look(double turbidity) {
+    look(turbidity);
+    return told()["sigma_m"].get<double>() / told()["visibility_m"].get<double>();
+  }
+  // One picture a minute, as the scene camera's loop gives when asked.
+  void look(double turbidity) {
+    const auto again = loop->step();
+    EXPECT_TRUE(exchange.scene.visibility_wants_picture.exchange(false)) << "a picture is asked for";
+    EXPECT_LE(again - clock.now(), 1s);
+    exchange.visibility.scene.put({{}, squares_under(turbidity), false});
+    loop->step();
+    if (auto told = exchange.status->visibility.take()) news = std::move(*told);
+    EXPECT_FALSE(exchange.scene.visibility_wants_picture) << "one a minute is enough";
+    clock.advance(1min);
+  }
+  void sky_says(double turbidity, double height = 0.6) {
+    TrackedTurbidity tracked;
+    tracked.turbidity = Turbidity{turbidity};
+    tracked.sigma = 0.1;
+    exchange.visibility.sky.put({tracked, SunDirection{0.0, std::sqrt(1.0 - height * height), height}});
+  }
+  Json told() {
+    Status status;
+    status.visibility = news;
+    return Json::parse(status_json(status))["visibility"];
+  }
+  ManualClock clock;
+  Exchange exchange;
+  std::optional<VisibilityLoop> loop;
+  VisibilityNews news;
+};
+
+TEST_F(VisibilityLoopTest, TellsTheVisibilityBesideTheSkysAir) {
+  EXPECT_TRUE(told().is_null());
+  sky_says(3.0);
+  look(3.0);
+  const auto json = told();
+  EXPECT_NEAR(json["visibility_m"].get<double>() / meteorological_range_m(Turbidity{3.0}, 0.0), 1.0, 0.1);
+  EXPECT_TRUE(json["bound"].is_null());
+  EXPECT_EQ(json["agreement"], "agrees") << json.dump();
+  EXPECT_EQ(json["finding"], false);
+  EXPECT_EQ(json["landmarks"], kLandmarks);
+}
+
+TEST_F(VisibilityLoopTest, ADisagreementThatLastsIsAFindingAndEnds) {
+  sky_says(2.0);
+  for (int i = 0; i < 4; ++i) look(6.0);
+  EXPECT_EQ(told()["agreement"], "disagrees");
+  EXPECT_EQ(told()["finding"], false) << "not for what passes";
+  look(6.0);
+  EXPECT_EQ(told()["finding"], true);
+  EXPECT_THAT(told()["words"].get<std::string>(), HasSubstr("standard deviations apart"));
+  EXPECT_NEAR(told()["turbidity"].get<double>() / 6.0, 1.0, 0.2) << "never an average";
+  sky_says(6.0);
+  look(6.0);
+  EXPECT_EQ(told()["finding"], false);
+}
+
+TEST_F(VisibilityLoopTest, WhatTheLandmarksAreLikeIsRememberedOverARestart) {
+  const auto folder = test_folder("visibility-state");
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  begin(landmark_tables(), folder);
+  const double at_first = sigma_of_a_look(3.0);
+  for (int i = 0; i < 10; ++i) {
+    clock.advance(30min);
+    look(2.5 + 0.2 * i);
+  }
+  const double learnt = sigma_of_a_look(3.0);
+  EXPECT_LT(learnt, 0.95 * at_first);
+
+  begin(landmark_tables(), folder);
+  EXPECT_NEAR(sigma_of_a_look(3.0) / learnt, 1.0, 0.02);
+
+  auto moved = landmark_tables();
+  moved.replace(moved.find("15, 65"), 2, "16");
+  begin(moved, folder);
+  EXPECT_NEAR(sigma_of_a_look(3.0) / at_first, 1.0, 0.02) << "another box is another landmark";
+
+  begin(landmark_tables(), folder);
+  look(3.0);
+  auto damaged = Json::parse(read_text_file(folder / "landmarks.json").value());
+  damaged["channels"][1]["covariance"][0] = -1.0;
+  for (const auto& text : {damaged.dump(), std::string("{\"landmarks\": 3"), std::string()}) {
+    ASSERT_TRUE(write_text_file(folder / "landmarks.json", text));
+    begin(landmark_tables(), folder);
+    EXPECT_NEAR(sigma_of_a_look(3.0) / at_first, 1.0, 0.02) << text;
+  }
+}
+
+TEST_F(VisibilityLoopTest, SaysNothingUnderALowSunOrWithoutASky) {
+  look(3.0);
+  EXPECT_EQ(told()["agreement"], "unknown");
+  EXPECT_FALSE(told()["visibility_m"].is_null()) << "the landmarks need no sky camera";
+  sky_says(3.0, 0.02);
+  look(3.0);
+  EXPECT_TRUE(told()["visibility_m"].is_null());
+  EXPECT_THAT(told()["reason"].get<std::string>(), HasSubstr("sun is too low"));
+}
+
+}  // namespace
+}  // namespace kasumi

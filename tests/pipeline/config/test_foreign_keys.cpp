@@ -1,0 +1,76 @@
+// Readers of parts of a file: what they leave to others, and what stays a typing error.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/files.hpp"
+#include "pipeline/config/descriptions.hpp"
+#include "pipeline/config/fixture_file.hpp"
+#include "pipeline/config/foreign_keys.hpp"
+#include "pipeline/config/run_config.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kCamera =
+    "width = 60\nheight = 40\nresponse = \"srgb\"\nheading_deg = 0\npitch_deg = 0\n"
+    "lens = {model = \"pinhole\", focal_px = [50.0, 50.0], centre_px = [29.5, 19.5]}\n";
+
+// A kiosk's configuration with something of each reader in it.
+std::string kiosk(const std::string& in_scene = "") {
+  return "[site]\nlatitude_deg = 34.2\nlongitude_deg = 135.6\naltitude_m = 20\nfog = {top_m = 100}\n"
+         "[display]\nkind = \"headless\"\n[sky]\n" +
+         std::string(kCamera) + "camera = {source = \"v4l2\", device = \"/dev/video0\"}\n[scene]\n" + kCamera +
+         in_scene +
+         "point_spread_px = 0.5\nnoise = {full_scale_electrons = 9000, read_electrons = 3}\n"
+         "[[landmarks]]\nname = \"mast\"\nlatitude_deg = 34.3\nlongitude_deg = 135.6\naltitude_m = 90\n"
+         "[[landmarks]]\nname = \"ridge\"\ndistance_m = 4000\nregion_px = [10, 10, 5, 5]\n";
+}
+
+std::filesystem::path written(const std::string& text) {
+  const auto file = test_output_folder() / "kiosk.toml";
+  std::filesystem::create_directories(file.parent_path());
+  EXPECT_TRUE(write_text_file(file, text));
+  return file;
+}
+
+TEST(ForeignKeys, EveryReaderOfAPartTakesAKiosksConfigurationAsItIs) {
+  const auto file = written(kiosk());
+  const auto cameras = read_camera_file(file);
+  EXPECT_TRUE(cameras) << cameras.error().message;
+  const auto landmarks = read_landmark_file(file, 60, 40);
+  ASSERT_TRUE(landmarks) << landmarks.error().message;
+  EXPECT_EQ(landmarks->landmarks.size(), 1u) << "only one of them has a region";
+}
+
+TEST(ForeignKeys, ATypingErrorIsStillTold) {
+  const auto file = written(kiosk("colour_spice = \"srgb\"\n") + "[dispaly]\nkind = \"kms\"\n");
+  for (const auto& told : {read_camera_file(file).error().message, read_landmark_file(file, 60, 40).error().message}) {
+    EXPECT_THAT(told, HasSubstr("scene.colour_spice: not a key"));
+    EXPECT_THAT(told, HasSubstr("dispaly: not a key"));
+  }
+}
+
+// Else a key that is added to the configuration would be a typing error elsewhere.
+TEST(ForeignKeys, WhateverTheWholeFilesReadersAskForIsKnown) {
+  const auto asked = ConfigTable::parse(kiosk(), "a.toml").value();
+  read_run_config(asked);
+  read_fixture_info(asked);
+  const auto known = ConfigTable::parse(kiosk(), "a.toml").value();
+  read_site(known.table("site"));
+  for (const char* camera : {"sky", "scene"}) read_camera(known.table(camera), camera);
+  ignore_what_others_read(known, {"site", "sky", "scene"});
+  const auto have = known.keys_asked();
+  for (const auto& key : asked.keys_asked()) {
+    const auto parts = std::count(key.begin(), key.end(), '.');
+    const bool of_ours = key.starts_with("site.") || key.starts_with("sky.") || key.starts_with("scene.");
+    if (parts == 0 || (parts == 1 && of_ours)) {
+      EXPECT_TRUE(have.contains(key)) << key;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kasumi

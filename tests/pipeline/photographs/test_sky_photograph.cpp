@@ -1,0 +1,101 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/photographs/sky_photograph.hpp"
+#include "tests/pipeline/recorded.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+std::filesystem::path generated(const fixtures::SkyRecipe& recipe, const std::string& name) {
+  const auto file = test_folder("skies") / (name + ".png");
+  std::filesystem::create_directories(file.parent_path());
+  EXPECT_TRUE(write_png(file, fixtures::sky_picture(recipe).pixels));
+  return file;
+}
+
+SkyPhotographSetup setup_of(const fixtures::SkyRecipe& recipe) {
+  SkyPhotographSetup setup;
+  const double middle = 0.5 * (recipe.size - 1);
+  setup.circle = ImageCircle{{middle, middle}, 0.5 * recipe.size};
+  setup.sun = direction_from(recipe.sun_zenith, recipe.sun_azimuth);
+  return setup;
+}
+
+TEST(SkyPhotograph, AGeneratedSkyTellsItsTurbidity) {
+  for (const double turbidity : {2.0, 4.0, 7.0}) {
+    fixtures::SkyRecipe recipe;
+    recipe.turbidity = turbidity;
+    SkyPhotographs photographs(setup_of(recipe));
+    const auto report = photographs.look_at(generated(recipe, "clear"), std::nullopt);
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
+    EXPECT_NEAR(report->look.estimate.turbidity.value, turbidity, 0.1);
+    ASSERT_TRUE(report->air);
+    // Angstrom's beta of Preetham's formula at 550 nm.
+    EXPECT_NEAR(report->air->aod_550, (0.04608 * turbidity - 0.04586) * std::pow(0.55, -1.3), 0.02);
+  }
+}
+
+TEST(SkyPhotograph, TheSunIsFoundInTheImageWhenAsked) {
+  fixtures::SkyRecipe recipe;
+  recipe.sun_azimuth = from_degrees(140.0);
+  auto setup = setup_of(recipe);
+  setup.sun.reset();
+  setup.sun_from_image = true;
+  SkyPhotographs photographs(setup);
+  const auto report = photographs.look_at(generated(recipe, "sun"), std::nullopt).value();
+  ASSERT_TRUE(report.sun) << report.look.estimate.reason;
+  EXPECT_LT(to_degrees(angle_between(*report.sun, direction_from(recipe.sun_zenith, recipe.sun_azimuth))), 0.5);
+}
+
+TEST(SkyPhotograph, WithoutACircleItIsFoundInThePicture) {
+  fixtures::SkyRecipe recipe;
+  auto setup = setup_of(recipe);
+  setup.circle.reset();
+  SkyPhotographs photographs(setup);
+  const auto report = photographs.look_at(generated(recipe, "circle"), std::nullopt).value();
+  ASSERT_TRUE(report.circle);
+  EXPECT_NEAR(report.circle->radius_px, 250.0, 4.0);
+}
+
+TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
+  fixtures::SkyRecipe recipe;
+  recipe.covered_lens = true;
+  SkyPhotographs photographs(setup_of(recipe));
+  const auto report = photographs.look_at(generated(recipe, "covered"), std::nullopt).value();
+  EXPECT_FALSE(report.look.estimate.usable);
+  EXPECT_EQ(report.look.estimate.sky, SkyCondition::covered_lens) << report.look.estimate.reason;
+}
+
+// A real winter sky over Alpnach; facts in the data's own README.
+TEST(SkyPhotograph, TwoExposuresOfOneRealSkyAgree) {
+  const auto folder = shared_data_folder() / "sky" / "skycam-alpnach";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here: real sky not tested";
+  SkyPhotographSetup setup;
+  setup.field_of_view = from_degrees(185.0);
+  setup.circle = ImageCircle{{149.6, 140.7}, 133.0};
+  setup.linear_response = true;
+  setup.sun_from_image = true;
+  SkyPhotographs photographs(setup);
+  std::vector<TurbidityEstimate> estimates;
+  for (const int exposure : {8, 9}) {
+    const auto file = folder / fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure);
+    const auto report = photographs.look_at(file, std::nullopt);
+    ASSERT_TRUE(report) << report.error().message;
+    ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
+    estimates.push_back(report->look.estimate);
+    std::printf("exposure %d: T %.3f +- %.3f\n", exposure, estimates.back().turbidity.value, estimates.back().sigma);
+    EXPECT_GE(estimates.back().turbidity.value, 2.0);
+    EXPECT_LE(estimates.back().turbidity.value, 2.6);
+  }
+  EXPECT_LE(std::abs(estimates[0].turbidity.value - estimates[1].turbidity.value),
+            std::hypot(estimates[0].sigma, estimates[1].sigma) * 2.0);
+}
+
+}  // namespace
+}  // namespace kasumi

@@ -1,0 +1,282 @@
+// The object's light, from the cameras' pictures to its own pixels, against the slow spectral path.
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "calib/colour/colorimetry.hpp"
+#include "capture/fixture/replay_source.hpp"
+#include "estimator/sky/dome.hpp"
+#include "estimator/sky/sun.hpp"
+#include "fixtures/landscape/building.hpp"
+#include "fixtures/landscape/scene_view.hpp"
+#include "gles/light/airlight_grid.hpp"
+#include "pipeline/config/fixture_file.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/recording/replay.hpp"
+#include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/replayed.hpp"
+
+namespace kasumi {
+namespace {
+
+// White balance that makes the light of a black body grey.
+glm::dvec3 balance_for(const Camera& camera, double kelvin) {
+  Camera raw = camera;
+  raw.white_balance = glm::dvec3{1.0};
+  fixtures::Spectrum body{};
+  for (int i = 0; i < fixtures::kWavelengths; ++i) {
+    const double m = fixtures::wavelength_nm(i) * 1e-9;
+    body[static_cast<std::size_t>(i)] = std::pow(m, -5.0) / std::expm1(0.014387769 / (m * kelvin)) * 1e-30;
+  }
+  const glm::dvec3 seen = fixtures::Channels(raw).of(body);
+  return seen.y / seen;
+}
+
+// A white board that faces south: the patch in the scene, and its twin that is drawn.
+fixtures::Mesh board(float half_m = 30.0F) {
+  fixtures::Mesh mesh;
+  mesh.materials = {{"white", Image<Rgb8>(4, 4, Rgb8(255))}};
+  fixtures::MeshPart part;
+  for (const auto& [x, y] : {std::pair{-1.0F, -1.0F}, {1.0F, -1.0F}, {1.0F, 1.0F}, {-1.0F, 1.0F}})
+    part.vertices.push_back({{half_m * x, half_m * y, 0.0F}, {0, 0, 1}, {x, y}});
+  part.indices = {0, 1, 2, 0, 2, 3};
+  mesh.parts = {part};
+  return mesh;
+}
+
+double through_density(double length_m, double altitude_m, double rise_m, double scale_height_m) {
+  const double start = std::exp(-altitude_m / scale_height_m), x = rise_m / scale_height_m;
+  return length_m * start * (std::abs(x) < 1e-9 ? 1.0 : -std::expm1(-x) / x);
+}
+
+// What the renderer makes of a white surface (gles/shaders), on the CPU: rho Gamma + 1 - Gamma over the measured light.
+glm::dvec3 drawn(const DrawnAir& air, const glm::dvec2& pixel, const glm::dvec3& place, const glm::dvec3& normal) {
+  const ObjectAppearance& appearance = air.appearance.value();
+  const ObjectLight& light = appearance.light;
+  const glm::dvec3 irradiance_here =
+      std::max(0.0, glm::dot(normal, light.sun_direction)) * light.sun_irradiance + irradiance(light.around, normal);
+  const glm::dvec3 rho = irradiance_here / kPi / airlight_at(appearance.horizon, pixel);
+  const Haze& haze = appearance.haze;
+  const double length = glm::length(place);
+  const double rayleigh = through_density(length, haze.observer_altitude_m, place.z, haze.rayleigh_scale_height_m);
+  const double mie = through_density(length, haze.observer_altitude_m, place.z, haze.mie_scale_height_m);
+  glm::dvec3 gamma{0.0};
+  for (std::size_t k = 0; k < kHazeNodes; ++k)
+    gamma += haze.weight[k] * glm::exp(-haze.rayleigh_per_m[k] * rayleigh - haze.mie_per_m[k] * mie);
+  return airlight_at(air.measured, pixel) * (rho * gamma + 1.0 - gamma);
+}
+
+TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
+  const fixtures::SceneCamera made =
+      fixtures::scene_camera({.width = 480, .height = 270, .field_of_view_deg = 6.2, .heading_deg = 4.0});
+  fixtures::Weather weather;
+  weather.turbidity = 3.0;
+  weather.sun = direction_from(from_degrees(50.0), from_degrees(200.0));
+  weather.altitude_m = 980.0;
+  const fixtures::Illumination day(weather);
+  const double heading = from_degrees(4.0).value;
+  const glm::dvec3 place{3500.0 * std::sin(heading), 3500.0 * std::cos(heading), 60.0};
+  // Without land the horizon is what it is: how well it is found above ridges is asked elsewhere.
+  fixtures::SceneGeometry land;
+  land.points = Image<fixtures::GroundPoint>(480 * fixtures::kRaysPerSide, 270 * fixtures::kRaysPerSide);
+  const glm::ivec2 pixel = glm::ivec2(glm::round(made.camera.pixel_of(glm::normalize(place)).value()));
+
+  Installation installation;
+  installation.site.altitude_m = weather.altitude_m;
+  installation.scene = made.camera;  // as configured: of the white balance's steps it knows nothing
+  const PixelBox box{pixel.x - 4, pixel.y - 4, pixel.x + 4, pixel.y + 4};
+  const SceneConditions conditions{Turbidity{weather.turbidity}, weather.sun, SkyCondition::clear, nullptr};
+
+  std::vector<glm::dvec3> ratios;
+  for (const double kelvin : {3000.0, 5000.0, 6500.0, 9000.0})
+    for (const double stops : {-3.0, 0.0, 3.0}) {
+      if (kelvin != 6500.0 && stops != 0.0) continue;  // each alone: fewer pictures
+      Camera camera = made.camera;
+      camera.white_balance = balance_for(camera, kelvin);
+      const Image<glm::dvec3> light = fixtures::look_at_scene(day, camera, land);
+      // Steps of exposure start where +3 EV still fit; at -3 EV the picture is too dark to find a horizon in, and what
+      // was seen before goes by the exposure the camera reports.
+      const bool steps = kelvin == 6500.0;
+      fixtures::Exposure exposure = fixtures::automatic_exposure(light, 0.97, steps ? 0.115 : 0.5);
+      exposure.seed = 7;
+      SceneAir air(installation, {});
+      FrameMetadata metadata;
+      metadata.exposure_s = exposure.exposure_s;
+      metadata.gain = exposure.gain;
+      if (stops != 0.0) {
+        air.look_for_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+        exposure.exposure_s *= std::exp2(stops);
+        metadata.exposure_s = exposure.exposure_s;
+        metadata.captured_at += std::chrono::seconds(2);
+      }
+      air.look_for_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+
+      const fixtures::Building patch(board(), {place.x, place.y, place.z, 0.0});
+      const auto seen = fixtures::look_at_building(patch, day, camera, land);
+      ASSERT_EQ(seen.coverage.at(pixel.x, pixel.y), 1.0);
+      const glm::dvec3 real = seen.light.at(pixel.x, pixel.y) * camera.vignetting.at(pixel) * fixtures::kResponsivity *
+                              exposure.exposure_s * exposure.gain;
+
+      ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
+      const glm::dvec3 rendered = drawn(air.drawn_air(conditions, box), pixel, place, {0.0, -1.0, 0.0});
+      ratios.push_back(rendered / real);
+      fmt::print("{} K, {:+.0f} EV: rendered / real {:.4f} {:.4f} {:.4f}\n", kelvin, stops, ratios.back().r,
+                 ratios.back().g, ratios.back().b);
+    }
+  glm::dvec3 least{1e9}, greatest{0.0};
+  for (const auto& ratio : ratios) {
+    least = glm::min(least, ratio);
+    greatest = glm::max(greatest, ratio);
+  }
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_LE(greatest[c] / least[c] - 1.0, 0.02) << "channel " << c;
+    EXPECT_NEAR(0.5 * (least[c] + greatest[c]), 1.0, 0.03) << "channel " << c;
+  }
+}
+
+// A low sun at the right edge of a wide view, 15 deg above it; boards below the horizon line on both sides, so far away
+// that they are hardly seen but for the air before them.
+TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizonLine) {
+  const fixtures::SceneCamera made = fixtures::scene_camera(
+      {.width = 480, .height = 270, .field_of_view_deg = 40.0, .heading_deg = 220.0, .pitch_deg = 0.0});
+  fixtures::SceneGeometry land;
+  land.points = Image<fixtures::GroundPoint>(480 * fixtures::kRaysPerSide, 270 * fixtures::kRaysPerSide);
+  Installation installation;
+  installation.site.altitude_m = 980.0;
+  installation.scene = made.camera;
+  for (const double turbidity : {2.5, 5.0}) {
+    fixtures::Weather weather;
+    weather.turbidity = turbidity;
+    weather.sun = direction_from(from_degrees(75.0), from_degrees(240.0));
+    weather.altitude_m = 980.0;
+    const fixtures::Illumination day(weather);
+    const Image<glm::dvec3> light = fixtures::look_at_scene(day, made.camera, land);
+    fixtures::Exposure exposure = fixtures::automatic_exposure(light, 0.97, 0.5);
+    exposure.seed = 11;
+    const double scale = fixtures::kResponsivity * exposure.exposure_s * exposure.gain;
+    SceneAir air(installation, {});
+    air.look_for_horizon({}, view_of(fixtures::expose(light, made.camera, exposure)), nullptr);
+    ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
+    const SceneConditions conditions{Turbidity{turbidity}, weather.sun, SkyCondition::clear, nullptr};
+    const PixelBox box{20, 100, 460, 180};
+    const auto over = air.drawn_air(conditions, box);
+
+    std::array<double, 2> real_green{}, drawn_green{};
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      const Direction towards = direction_from(from_degrees(92.0), from_degrees(side == 0 ? 203.0 : 237.0));
+      const glm::dvec3 place = 12e3 * towards;
+      const glm::dvec2 pixel = glm::round(made.camera.pixel_of(towards).value());
+      const fixtures::Building patch(board(150.0F), {place.x, place.y, place.z, 40.0});
+      const auto seen = fixtures::look_at_building(patch, day, made.camera, land);
+      const glm::ivec2 at(pixel);
+      ASSERT_EQ(seen.coverage.at(at.x, at.y), 1.0);
+      const glm::dvec3 real = seen.light.at(at.x, at.y) * made.camera.vignetting.at(pixel) * scale;
+      const double turn = from_degrees(40.0).value;
+      const glm::dvec3 ours = drawn(over, pixel, place, {-std::sin(turn), -std::cos(turn), 0.0});
+      fmt::print("T {}, {}: rendered / real {:.4f} {:.4f} {:.4f}\n", turbidity,
+                 side == 0 ? "away from the sun" : "near it", ours.r / real.r, ours.g / real.g, ours.b / real.b);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(ours[c] / real[c], 1.0, 0.03) << "channel " << c << ", side " << side;
+      real_green[side] = real.g;
+      drawn_green[side] = ours.g;
+    }
+    EXPECT_GT(real_green[1], 1.15 * real_green[0]) << "the scene must have a side of the sun to tell";
+    EXPECT_NEAR(drawn_green[1] / drawn_green[0] / (real_green[1] / real_green[0]), 1.0, 0.02);
+  }
+}
+
+TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
+  auto recipe = small("overcast", 1);
+  recipe.truth_frames = 1;
+  const auto fixture = recorded(recipe, "light-overcast");
+  const auto out = test_folder("light-overcast-out");
+  SceneAirOptions air;
+  air.turbidity = Turbidity{recipe.turbidity};  // no sky tells it through clouds; the light is what is looked at here
+  const auto summary = replay({fixture, out, false, false, 1, air});
+  ASSERT_TRUE(summary) << summary.error().message;
+  ASSERT_TRUE(summary->last && summary->last->measured);
+  EXPECT_EQ(summary->last->measured->sun_share, 0.0);
+  EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.words;
+  EXPECT_LE(building_error(fixture, out, "overcast"), 4.0);
+
+  // Between two pictures of a slow sky camera its clouds stay, for a while.
+  const auto read = read_fixture(fixture).value();
+  UnhurriedClock clock(read.info.start_utc);
+  auto sources = open_fixture_sources(fixture, clock).value();
+  SkyWatch watch(read.installation);
+  const auto frame = sources.sky->next(*sources.sky->due() + std::chrono::seconds(1)).value();
+  ASSERT_TRUE(watch.observe(frame));
+  const auto at = frame.metadata.captured_at;
+  EXPECT_TRUE(watch.at(at + std::chrono::seconds(30), frame.metadata.utc, SunSource::ephemeris).measured);
+  EXPECT_FALSE(watch.at(at + std::chrono::minutes(5), frame.metadata.utc, SunSource::ephemeris).measured);
+}
+
+// Through 8 bits of sRGB, as a fisheye that looks up sees it; the brightest light away from the sun is full scale.
+Frame frame_of(const DomeFunction& sky, const SunDirection& sun, const Camera& camera, Utc utc) {
+  const DomeFunction in_rgb = in_space(sky, xyz_to_linear_srgb());
+  std::vector<glm::dvec3> light;
+  double brightest = 0.0;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const auto view = camera.direction_at({x, y});
+      const bool seen = view && view->z > 0.0;
+      light.push_back(seen ? glm::max(dome_light(in_rgb, *view), 0.0) : glm::dvec3{0.0});
+      const auto& at = light.back();
+      if (seen && to_degrees(angle_between(*view, sun)) > 10.0) brightest = std::max({brightest, at.r, at.g, at.b});
+    }
+  std::vector<std::uint8_t> bytes;
+  for (const auto& at : light) {
+    const glm::dvec3 encoded = camera.response.to_encoded(glm::min(at / brightest, 1.0));
+    for (int c = 0; c < 3; ++c) bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0 * encoded[c])));
+  }
+  Frame frame;
+  frame.metadata.utc = utc;
+  frame.metadata.format = four_cc("RGB3");
+  frame.metadata.width = camera.width;
+  frame.metadata.height = camera.height;
+  frame.metadata.stride = 3u * static_cast<std::uint32_t>(camera.width);
+  frame.metadata.bytes_used = static_cast<std::uint32_t>(bytes.size());
+  frame.payload = payload_of(std::move(bytes));
+  return frame;
+}
+
+TEST(SkyWatch, TheTurbidityOfAHighSiteIsTheDomes) {
+  Installation installation;
+  installation.site = {"pass", 46.5, 8.4, 3000.0};
+  Camera& camera = installation.sky;
+  camera.width = camera.height = 160;
+  camera.lens = equidistant_lens({79.5, 79.5}, 80.0 / from_degrees(90.0).value, from_degrees(90.0));
+  camera.to_world = camera_to_world(from_degrees(180.0), from_degrees(90.0), {0.0});
+  const Utc utc = std::chrono::sys_days{std::chrono::June / 21 / 2026} + std::chrono::hours(8);
+  const SunDirection sun = sun_position(utc, installation.site).direction;
+  const Frame frame = frame_of(dome(3000.0, Turbidity{5.0}, sun), sun, camera, utc);
+  const auto found = [&] { return SkyWatch(installation).observe(frame, Instant{}, SunSource::ephemeris).value(); };
+  const auto by_dome = found();
+  ASSERT_TRUE(by_dome.tracked) << by_dome.estimate.reason;
+  EXPECT_NEAR(by_dome.tracked->turbidity.value, 5.0, 0.25);
+  // Preetham's skies know no altitude: a high one is always his clearest.
+  installation.surroundings.sky_model = SiteSkyModel::preetham;
+  const auto by_preetham = found();
+  ASSERT_TRUE(by_preetham.tracked) << by_preetham.estimate.reason;
+  EXPECT_LT(by_preetham.tracked->turbidity.value, 2.2);
+}
+
+TEST(SceneAir, SupposesAnOrdinaryClearDayUntilTheSkyIsKnown) {
+  // Aerosol optical depths of clear days on land are .1 to .3 at 550 nm.
+  Installation installation;
+  const auto supposed = [&] { return SceneAir(installation, {}).conditions({}).turbidity; };
+  const auto depth = [](Turbidity turbidity) { return aerosol_optical_depth(turbidity, 550.0); };
+  for (const double altitude_m : {100.0, 2200.0, 3000.0}) {
+    installation.site.altitude_m = altitude_m;
+    EXPECT_GE(depth(supposed()), 0.1) << altitude_m << " m";
+    EXPECT_LE(depth(supposed()), 0.3) << altitude_m << " m";
+  }
+  SkyReport known;
+  known.tracked.emplace().turbidity = Turbidity{2.6};
+  EXPECT_EQ(SceneAir(installation, {}).conditions(known).turbidity, Turbidity{2.6});
+}
+
+}  // namespace
+}  // namespace kasumi

@@ -1,0 +1,132 @@
+// The whole way, from a recording of known truth to the picture.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "base/files.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/recording/replay.hpp"
+#include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/replayed.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+// Where two outputs that should be the same begin to differ, in words.
+std::string what_differs(const std::filesystem::path& a, const std::filesystem::path& b) {
+  if (a.extension() != ".png") {
+    std::ifstream one(a), other(b);
+    std::string line, other_line;
+    for (int number = 1; std::getline(one, line) && std::getline(other, other_line); ++number)
+      if (line != other_line)
+        return fmt::format("{} line {}:\n{}\n{}", a.filename().string(), number, line, other_line);
+    return fmt::format("{}: one has more lines", a.filename().string());
+  }
+  const auto one = read_photograph(a).value().encoded, other = read_photograph(b).value().encoded;
+  if (one.width() != other.width() || one.height() != other.height())
+    return fmt::format("{}: {} x {} and {} x {}", a.filename().string(), one.width(), one.height(), other.width(),
+                       other.height());
+  int pixels = 0, left = one.width(), right = -1, top = one.height(), bottom = -1;
+  double largest = 0.0;
+  for (int y = 0; y < one.height(); ++y)
+    for (int x = 0; x < one.width(); ++x) {
+      const auto difference = 255.0 * glm::abs(glm::dvec3(one.at(x, y)) - glm::dvec3(other.at(x, y)));
+      if (const double worst = std::max({difference.r, difference.g, difference.b}); worst > 0.0) {
+        ++pixels, largest = std::max(largest, worst);
+        left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
+      }
+    }
+  return fmt::format("{}: {} pixels differ, by {:.1f}/255 at most, in columns {} to {}, rows {} to {}",
+                     a.filename().string(), pixels, largest, left, right, top, bottom);
+}
+
+TEST(Replay, TheSameFixtureGivesTheSamePicturesBitForBit) {
+  const auto fixture = recorded(small("broken-clouds", 3), "same");
+  const auto first = test_folder("same-1"), second = test_folder("same-2");
+  played(fixture, first);
+  played(fixture, second);
+  for (const char* name : {"frame-000000.png", "frame-000002.png", "turbidity.csv"}) {
+    const auto a = read_file(first / name), b = read_file(second / name);
+    ASSERT_TRUE(a && b) << name;
+    // Not EXPECT_EQ: a picture's bytes tell a reader nothing.
+    EXPECT_TRUE(*a == *b) << what_differs(first / name, second / name);
+  }
+}
+
+TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
+  const auto fixture = recorded(small_scene("overcast", 2), "overcast");
+  const auto summary = played(fixture, test_folder("overcast-out"));
+  EXPECT_EQ(summary.pictures, 2u);
+  EXPECT_EQ(summary.usable_sky_frames, 0u);
+  ASSERT_TRUE(summary.last);
+  EXPECT_EQ(summary.last->estimate.sky, SkyCondition::overcast) << summary.last->estimate.reason;
+}
+
+TEST(Replay, ACoveredLensIsToldFromBadWeather) {
+  const auto fixture = recorded(small_scene("covered-lens", 2), "covered");
+  const auto summary = played(fixture, test_folder("covered-out"));
+  EXPECT_EQ(summary.usable_sky_frames, 0u);
+  ASSERT_TRUE(summary.last);
+  EXPECT_EQ(summary.last->estimate.sky, SkyCondition::covered_lens) << summary.last->estimate.reason;
+}
+
+TEST(Replay, EveryFaultOfTheFormatIsSkippedAndCounted) {
+  auto recipe = small_scene("clear-noon", 12);
+  recipe.sky_size = 240;
+  recipe.faults = true;
+  const auto fixture = recorded(recipe, "faults");
+  const auto summary = played(fixture, test_folder("faults-out"));
+  EXPECT_GT(summary.pictures, 3u);
+  EXPECT_FALSE(summary.skipped.empty());
+}
+
+TEST(Replay, NoMorePicturesThanAskedFor) {
+  const auto fixture = recorded(small_scene("clear-noon", 3), "two");
+  const auto summary = replay({fixture, test_folder("two-out"), false, false, 2, {}});
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_EQ(summary->pictures, 2u);
+}
+
+TEST(Replay, AFixtureThatIsNotThereIsNamed) {
+  const auto summary = replay({"/nowhere/fixture", std::nullopt, false, false, std::nullopt, {}});
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error().kind, FaultKind::bad_input);
+  EXPECT_THAT(summary.error().message, testing::HasSubstr("/nowhere/fixture"));
+}
+
+TEST(Replay, EveryProblemOfADescriptionIsToldAtOnce) {
+  const auto fixture = recorded(small_scene("clear-noon", 1), "broken-toml");
+  auto text = read_text_file(fixture / "fixture.toml").value();
+  const auto put = [&](const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+  };
+  put("latitude_deg = ", "latitude_deg = 1000 #");
+  put("model = \"temple.glb\"", "model = \"castle-that-is-not-there.glb\"");
+  put("[scene]\n", "[scene]\nwidht = 3\n");
+  ASSERT_TRUE(write_text_file(fixture / "fixture.toml", text));
+  const auto summary = replay({fixture, std::nullopt, false, false, std::nullopt, {}});
+  ASSERT_FALSE(summary);
+  for (const char* word : {"site.latitude_deg = 1000", "castle-that-is-not-there.glb", "scene.widht"})
+    EXPECT_THAT(summary.error().message, testing::HasSubstr(word));
+}
+
+TEST(Replay, ADamagedModelIsAMessage) {
+  const auto fixture = recorded(small_scene("clear-noon", 1), "broken-model");
+  auto bytes = read_file(fixture / "temple.glb").value();
+  bytes.resize(bytes.size() / 2);
+  ASSERT_TRUE(write_file(fixture / "temple.glb", bytes));
+  const auto summary = replay({fixture, std::nullopt, false, false, std::nullopt, {}});
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error().kind, FaultKind::bad_input);
+  EXPECT_THAT(summary.error().message, testing::HasSubstr("temple.glb"));
+}
+
+}  // namespace
+}  // namespace kasumi

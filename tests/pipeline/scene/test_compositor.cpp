@@ -1,0 +1,218 @@
+// The scene camera's frames on the GPU: copied or not, shown again, and drawn on when the GPU has lost everything.
+#include <chrono>
+#include <ctime>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gles/gl/offscreen.hpp"
+#include "pipeline/config/fixture_file.hpp"
+#include "pipeline/scene/compositor.hpp"
+#include "tests/gles/picture/lent_buffers.hpp"
+#include "tests/pipeline/recorded.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 270;
+
+#define ASSERT_OK(result)                                                                       \
+  do {                                                                                          \
+    auto&& kasumi_result = (result);                                                            \
+    ASSERT_TRUE(kasumi_result.has_value()) << #result << ": " << kasumi_result.error().message; \
+  } while (false)
+
+class Compositors : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { folder_ = new std::filesystem::path(recorded(small("clear-noon", 1), "compositor")); }
+  static void TearDownTestSuite() { delete folder_; }
+
+  void SetUp() override {
+    auto context = open_headless_context();
+    if (!context) GTEST_SKIP() << context.error().message;
+    context_ = std::move(*context);
+    auto fixture = read_fixture(*folder_);
+    ASSERT_OK(fixture);
+    installation_ = fixture->installation;
+    auto model = read_gltf(installation_.object.model);
+    ASSERT_OK(model);
+    model_ = std::move(*model);
+    report_.sun = {SunSource::ephemeris, SunDirection{0.0, -0.6, 0.8}, std::nullopt, false, {}};
+    report_.estimate.sky = SkyCondition::clear;
+  }
+
+  Compositor make(const RendererOptions& options = {}) {
+    auto made = Compositor::create(*context_, installation_, model_, SceneAir(installation_, {}), options);
+    EXPECT_TRUE(made.has_value()) << (made ? "" : made.error().message);
+    return std::move(*made);
+  }
+  RendererOptions with_test_images() {
+    RendererOptions options;
+    options.import_on_software = true;
+    options.image_device = [this](const GlInfo&) -> Result<std::unique_ptr<ImageDevice>> {
+      return std::make_unique<TestImages>(calls_);
+    };
+    return options;
+  }
+
+  // A frame in a driver's buffer; `returned` turns true when the driver has it back.
+  static Frame lent(const Buffer& buffer, bool& returned) {
+    returned = false;
+    Frame frame;
+    frame.metadata.format = four_cc("NV12");
+    frame.metadata.width = kWidth;
+    frame.metadata.height = kHeight;
+    frame.metadata.stride = buffer.picture.planes[0].stride;
+    frame.metadata.bytes_used = static_cast<std::uint32_t>(buffer.bytes());
+    frame.payload.bytes = {buffer.view.planes[0].data, buffer.bytes()};
+    frame.payload.dma_buf = DmaBuf{buffer.fd(), 0, buffer.picture.buffer};
+    frame.payload.holder = std::shared_ptr<const void>(&buffer, [&returned](const void*) { returned = true; });
+    return frame;
+  }
+  static Frame copied(Frame frame) {
+    frame.payload = payload_of({frame.payload.bytes.begin(), frame.payload.bytes.end()});
+    return frame;
+  }
+
+  template <class Draw>
+  Image<Rgb8> picture_of(Draw draw) {
+    auto target = Offscreen::create(context_->info(), kWidth, kHeight);
+    EXPECT_TRUE(target.has_value());
+    const auto drawn = draw(target->target());
+    EXPECT_TRUE(drawn.has_value()) << (drawn ? "" : drawn.error().message);
+    return target->read().value();
+  }
+  Image<Rgb8> drawn(Compositor& compositor, const Frame& frame) {
+    return picture_of([&](const DrawTarget& target) { return compositor.draw(frame, report_, target); });
+  }
+  Image<Rgb8> drawn_again(Compositor& compositor) {
+    return picture_of([&](const DrawTarget& target) { return compositor.draw_again(target); });
+  }
+
+  static inline const std::filesystem::path* folder_ = nullptr;
+  ImageCalls calls_;
+  std::unique_ptr<GlContext> context_;
+  Installation installation_;
+  Model model_;
+  SkyReport report_;
+};
+
+TEST_F(Compositors, ReadALentFrameInPlaceAndDrawTheSameBits) {
+  const Buffer buffer(PixelLayout::nv12, installation_.scene.yuv_encoding, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  Compositor importing = make(with_test_images()), copying = make();
+  Frame frame = lent(buffer, returned);
+  const auto in_place = drawn(importing, frame), copy = drawn(copying, copied(frame));
+  EXPECT_EQ(in_place.elements(), copy.elements());
+  EXPECT_EQ(importing.frames().imported, 1u);
+  EXPECT_EQ(importing.frames().uploaded, 0u) << "copies";
+  EXPECT_EQ(copying.frames().uploaded, 1u);
+  EXPECT_GE(importing.layers_drawn(), 1u);
+}
+
+TEST_F(Compositors, KeepALentBufferUntilTheNextFrame) {
+  const Buffer first(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  const Buffer second(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 2);
+  bool first_returned = false, second_returned = false;
+  Compositor compositor = make(with_test_images());
+  drawn(compositor, lent(first, first_returned));
+  EXPECT_FALSE(first_returned);
+  drawn(compositor, lent(second, second_returned));
+  EXPECT_TRUE(first_returned);
+  EXPECT_FALSE(second_returned);
+}
+
+TEST_F(Compositors, ShowAPictureAgainWithoutKeepingTheDriversBuffer) {
+  Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  Compositor compositor = make(with_test_images());
+  const auto before = drawn(compositor, lent(buffer, returned));
+  EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
+  EXPECT_TRUE(returned) << "an unplugged camera comes back only when its buffers are let go of";
+  buffer.fill(17);  // the driver's again
+  EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
+  EXPECT_EQ(compositor.frames().uploaded, 1u) << "one copy, however often it is shown";
+}
+
+TEST_F(Compositors, KeepTheLastPictureWhenOneOfAnotherSizeComes) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  const Buffer small_buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth / 2, kHeight / 2, 0, 2);
+  bool returned = false, small_returned = false;
+  Frame other = lent(small_buffer, small_returned);
+  other.metadata.width = kWidth / 2;
+  other.metadata.height = kHeight / 2;
+  for (const bool importing : {false, true}) {
+    Compositor compositor = importing ? make(with_test_images()) : make();
+    const auto before = drawn(compositor, lent(buffer, returned));
+    auto target = Offscreen::create(context_->info(), kWidth, kHeight);
+    const auto refused = compositor.draw(other, report_, target->target());
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
+    EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
+  }
+}
+
+TEST_F(Compositors, CopyWhatTheGpuRefuses) {
+  calls_.refused = {"*"};
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  Compositor compositor = make(with_test_images()), copying = make();
+  const Frame frame = lent(buffer, returned);
+  EXPECT_EQ(drawn(compositor, frame).elements(), drawn(copying, copied(frame)).elements());
+  EXPECT_EQ(compositor.frames().uploaded, 1u);
+  EXPECT_THAT(compositor.notes(), testing::Contains(testing::HasSubstr("copied")));
+}
+
+TEST_F(Compositors, ShowTheCameraAloneWhileTheSunIsUnknown) {
+  const Buffer buffer(PixelLayout::nv12, installation_.scene.yuv_encoding, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  const auto frame = lent(buffer, returned);
+  const auto picture = decode(frame, installation_.scene.yuv_encoding);
+  ASSERT_OK(picture);
+  Compositor compositor = make();
+  EXPECT_FALSE(compositor.draw_again({}).has_value()) << "nothing has been drawn yet";
+  const auto alone =
+      picture_of([&](const DrawTarget& target) { return compositor.draw_without_object(*picture, target); });
+  const auto expected = to_rgb(picture->view());
+  int worst = 0;
+  for (std::size_t i = 0; i < alone.elements().size(); ++i)
+    for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(alone.elements()[i][c] - expected.elements()[i][c]));
+  EXPECT_LE(worst, 1) << "steps of 255";
+  EXPECT_EQ(compositor.layers_drawn(), 0u);
+  EXPECT_EQ(drawn_again(compositor).elements(), alone.elements());
+}
+
+TEST_F(Compositors, Row17AreMadeAnewFromMemoryWhenTheContextIsLost) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  const Frame frame = lent(buffer, returned);
+  std::optional<Compositor> compositor = make();
+  drawn(*compositor, frame);
+  const auto before = drawn(*compositor, frame);
+
+  // The GPU was reset: every GL object is gone, and with the files of the content moved away nothing can be read again.
+  const auto away = installation_.object.model.string() + ".away";
+  std::filesystem::rename(installation_.object.model, away);
+  const auto cpu = std::clock();
+  const auto begin = std::chrono::steady_clock::now();
+  const SceneAir air = compositor->air();
+  compositor.reset();
+  context_.reset();
+  auto context = open_headless_context();
+  ASSERT_OK(context);
+  context_ = std::move(*context);
+  auto made = Compositor::create(*context_, installation_, model_, air);
+  ASSERT_OK(made);
+  const auto after = drawn(*made, frame);
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const double cpu_s = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
+  std::filesystem::rename(away, installation_.object.model);
+
+  EXPECT_EQ(before.elements(), after.elements());
+  EXPECT_LE(cpu_s, 2.0) << "seconds; what other programs take meanwhile is not counted";
+  fmt::print("row 17, GL context lost: the same picture after {:.2f} s ({:.2f} s of this program's own time)\n", wall_s,
+             cpu_s);
+}
+
+}  // namespace
+}  // namespace kasumi

@@ -1,0 +1,217 @@
+// What the appliance says: which words, where their lines end, and how they look.
+#include <filesystem>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "pipeline/config/words.hpp"
+#include "pipeline/stage/caption.hpp"
+#include "pipeline/stage/text_breaking.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+#define ASSERT_OK(result) ASSERT_TRUE((result).has_value()) << (result).error().message
+
+TEST(Words, EveryLanguageHasEveryMessageInItsOwnWords) {
+  for (const Language language : kLanguages) {
+    std::set<std::string_view> said;
+    for (const Message message : kMessages) {
+      const auto sentence = words(message, language);
+      EXPECT_FALSE(sentence.empty()) << code_of(language) << ", message " << static_cast<int>(message);
+      EXPECT_TRUE(characters_of(sentence).has_value()) << sentence;
+      if (language != Language::english) {
+        EXPECT_NE(sentence, words(message, Language::english)) << code_of(language);
+      }
+      said.insert(sentence);
+    }
+    EXPECT_EQ(said.size(), std::size(kMessages)) << code_of(language) << ": two messages say the same";
+  }
+  EXPECT_EQ(std::size(kMessages), static_cast<std::size_t>(Message::recording) + 1);
+}
+
+TEST(Words, LanguagesAreNamedByTheirCodes) {
+  for (const Language language : kLanguages) EXPECT_EQ(parse_language(code_of(language)), language);
+  EXPECT_EQ(parse_language("ja"), Language::japanese);
+  const auto wrong = parse_language("tlh");
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().kind, FaultKind::bad_input);
+  EXPECT_THAT(wrong.error().message, testing::AllOf(HasSubstr("tlh"), HasSubstr("en, de, fr, it, es, ja")));
+}
+
+TEST(TextBreaking, ReadsUtf8AndNothingElse) {
+  EXPECT_EQ(characters_of("a\u00e9\u6F22\U0001F600"), (std::u32string{U'a', 0xE9, 0x6F22, 0x1F600}));
+  EXPECT_EQ(characters_of(""), std::u32string{});
+  // A lone continuation, cut off, Latin-1, overlong (Unicode 15, table 3-7), a surrogate, beyond U+10FFFF.
+  for (const char* bytes : {"\x80", "\xE6\xBC", "caf\xE9", "\xC0\xAF", "\xE0\x9F\xBF", "\xF0\x8F\xBF\xBF",
+                            "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xFF"})
+    EXPECT_FALSE(characters_of(bytes).has_value()) << testing::PrintToString(bytes);
+  EXPECT_THAT(characters_of("caf\xE9").error().message, HasSubstr("byte 3"));
+}
+
+double count(std::u32string_view line) {
+  return static_cast<double>(line.size());
+}
+
+TEST(TextBreaking, EndsLinesAtSpacesAndLineFeeds) {
+  EXPECT_THAT(break_lines(U"the castle\n\nstood here", 20, count), ElementsAre(U"the castle", U"", U"stood here"));
+  EXPECT_THAT(break_lines(U"  aaa bbb ccc ", 7, count), ElementsAre(U"aaa bbb", U"ccc"));
+  EXPECT_THAT(break_lines(U"", 7, count), ElementsAre(U""));
+  // U+00A0 holds its neighbours together.
+  EXPECT_THAT(break_lines(U"aa bb\u00A0cc", 6, count), ElementsAre(U"aa", U"bb\u00A0cc"));
+}
+
+TEST(TextBreaking, MakesLinesOfOneParagraphAboutEquallyLong) {
+  // Filled one after the other this would leave "d" alone.
+  EXPECT_THAT(break_lines(U"aaaa bbbb cccc d", 14, count), ElementsAre(U"aaaa bbbb", U"cccc d"));
+}
+
+TEST(TextBreaking, CutsAWordThatIsWiderThanALine) {
+  const auto lines = break_lines(U"abcdefghij", 4, count);
+  std::u32string together;
+  for (const auto& line : lines) {
+    EXPECT_LE(line.size(), 4u);
+    together += line;
+  }
+  EXPECT_EQ(together, U"abcdefghij");
+  EXPECT_EQ(lines.size(), 3u);
+  EXPECT_EQ(break_lines(U"ab", 0.5, count).size(), 2u) << "a character is the least a line holds";
+}
+
+TEST(TextBreaking, BreaksJapaneseBetweenCharactersButNotBeforeItsMarks) {
+  // JIS X 4051: no line begins with a full stop or a closing bracket, none ends with an opening one.
+  for (double width = 3; width < 12; ++width)
+    for (const auto& line : break_lines(U"雲が晴れると「城」が見えます。遠くに、霞む。", width, count)) {
+      EXPECT_EQ(std::u32string_view(U"。、」").find(line.front()), std::u32string_view::npos) << width;
+      EXPECT_TRUE(line.size() == 1 || line.back() != U'「') << width;
+    }
+  EXPECT_THAT(break_lines(U"あいうえお", 3, count), ElementsAre(U"あいう", U"えお"));
+}
+
+class Captions : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (const auto drawn = draw_caption("x", {}); !drawn && drawn.error().kind == FaultKind::unsupported)
+      GTEST_SKIP() << drawn.error().message;
+  }
+  static Image<Rgba8> draw(const std::string& text, const CaptionStyle& style = {}) {
+    auto drawn = draw_caption(text, style);
+    EXPECT_TRUE(drawn.has_value()) << (drawn ? "" : drawn.error().message);
+    return drawn ? *drawn : Image<Rgba8>();
+  }
+};
+
+bool has_word(const Rgba8& p) {
+  return p.r > 128;
+}
+
+// Columns [first, last] that hold words.
+std::pair<int, int> columns_with_words(const Image<Rgba8>& picture) {
+  int first = picture.width(), last = -1;
+  for (int y = 0; y < picture.height(); ++y)
+    for (int x = 0; x < picture.width(); ++x)
+      if (has_word(picture.at(x, y))) first = std::min(first, x), last = std::max(last, x);
+  return {first, last};
+}
+
+TEST_F(Captions, AreLightOnADarkRoundedGround) {
+  const Image<Rgba8> picture = draw("Himeji");
+  const int w = picture.width(), h = picture.height();
+  EXPECT_EQ(picture.at(0, 0).a, 0) << "corners are cut";
+  EXPECT_EQ(picture.at(w - 1, h - 1).a, 0);
+  const Rgba8 ground = picture.at(w / 2, 1);
+  EXPECT_GT(ground.a, 128);
+  EXPECT_LT(ground.a, 255);
+  EXPECT_LT(ground.r, 40);
+  std::set<int> corner;
+  for (int x = 0; x < 16; ++x)
+    for (int y = 0; y < 16; ++y) corner.insert(picture.at(x, y).a);
+  EXPECT_GT(corner.size(), 5u) << "the corner is anti-aliased";
+  std::set<int> greys;
+  for (const Rgba8& p : picture.elements()) greys.insert(p.r);
+  EXPECT_GT(greys.size(), 20u) << "the letters are anti-aliased";
+  EXPECT_GE(*greys.rbegin(), 240);
+}
+
+TEST_F(Captions, StandInTheMiddleOfTheirGround) {
+  const Image<Rgba8> picture = draw("HHHH", {.height_px = 64});
+  const auto [first, last] = columns_with_words(picture);
+  EXPECT_NEAR(first, picture.width() - 1 - last, 2) << "pixels left and right";
+  for (int y = 0; y < picture.height(); ++y)  // left and right halves mirror each other
+    EXPECT_EQ(picture.at(0, y).a, picture.at(picture.width() - 1, y).a);
+}
+
+TEST_F(Captions, BreakWithinTheirWidthAndKeepTheirHeight) {
+  const std::string text{words(Message::sky_camera_missing, Language::german)};
+  const Image<Rgba8> one = draw(text, {.height_px = 30, .largest_width_px = 4000});
+  const Image<Rgba8> three = draw(text, {.height_px = 30, .largest_width_px = 600});
+  EXPECT_GT(one.width(), 1000);
+  EXPECT_LE(three.width(), 600);
+  const int more = three.height() - one.height();
+  EXPECT_GE(more, 30);
+  EXPECT_EQ(more % 30, 0) << "whole lines";
+}
+
+TEST_F(Captions, GrowInProportion) {
+  const auto small = columns_with_words(draw("Turbidity", {.height_px = 32}));
+  const auto large = columns_with_words(draw("Turbidity", {.height_px = 128}));
+  EXPECT_NEAR(large.second - large.first, 4.0 * (small.second - small.first), 8.0) << "pixels: no rounding per letter";
+}
+
+TEST_F(Captions, KernTheirLetters) {
+  // What the pen gains between V and A is not gained between H and H.
+  const auto width = [](const char* text) { return draw(text, {.height_px = 400, .largest_width_px = 16000}).width(); };
+  const int a = width("AA") - width("A"), v = width("VV") - width("V");
+  EXPECT_LT(width("AVAVAV") + 20, width("A") + 2 * a + 3 * v);
+}
+
+TEST_F(Captions, ShowABoxForWhatNoFontHas) {
+  // Private use: no font of these defines it.
+  const auto [first, last] = columns_with_words(draw("\U0010FFFD", {.height_px = 64}));
+  EXPECT_GT(last - first, 10);
+}
+
+TEST_F(Captions, RefuseWhatIsNoTextAndWhatIsNoFont) {
+  EXPECT_EQ(draw_caption("caf\xE9", {}).error().kind, FaultKind::bad_input);
+  EXPECT_EQ(draw_caption("x", {.height_px = 0}).error().kind, FaultKind::bad_input);
+  EXPECT_EQ(draw_caption("x", {.largest_width_px = 0}).error().kind, FaultKind::bad_input);
+  EXPECT_EQ(draw_caption(std::string(100000, 'x'), {}).error().kind, FaultKind::bad_input);
+  const auto no_font = draw_caption("x", {.font_file = source_folder() / "README.md"});
+  ASSERT_FALSE(no_font);
+  EXPECT_EQ(no_font.error().kind, FaultKind::bad_input);
+  EXPECT_THAT(no_font.error().message, HasSubstr("README.md"));
+  EXPECT_EQ(draw_caption("x", {.font_file = "no/such/font.ttf"}).error().kind, FaultKind::bad_input);
+}
+
+// For a person to look at: every message in every language over a grey sky.
+TEST_F(Captions, CanBeLookedAt) {
+  std::filesystem::create_directories(test_output_folder());
+  for (const Language language : kLanguages) {
+    cv::Mat sheet(1000, 1280, CV_8UC3, cv::Scalar(205, 190, 170));
+    int top = 10;
+    for (const Message message : kMessages) {
+      const Image<Rgba8> picture =
+          draw(std::string(words(message, language)), {.height_px = 30, .largest_width_px = 800});
+      ASSERT_LE(picture.width(), 800);
+      for (int y = 0; y < picture.height() && top + y < sheet.rows; ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+          const Rgba8 over = picture.at(x, y);
+          auto& below = sheet.at<cv::Vec3b>(top + y, 20 + x);
+          for (int c = 0; c < 3; ++c)
+            below[c] = static_cast<std::uint8_t>((over[2 - c] * over.a + below[c] * (255 - over.a) + 127) / 255);
+        }
+      top += picture.height() + 8;
+    }
+    EXPECT_LE(top, sheet.rows);
+    cv::imwrite(fmt::format("{}/words-{}.png", test_output_folder().string(), code_of(language)), sheet);
+  }
+}
+
+}  // namespace
+}  // namespace kasumi
