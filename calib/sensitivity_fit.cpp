@@ -54,8 +54,6 @@ Prior prior_of(std::span<const SpectralSensitivity> cameras) {
   return prior;
 }
 
-}
-
 // Robust weights of the colours, by how far both their ratios are off; and the scatter of those that agree.
 struct Agreement {
   std::vector<double> weight;
