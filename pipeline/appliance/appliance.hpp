@@ -12,7 +12,7 @@
 namespace kasumi {
 
 // What the appliance stands on; tests bring their own.
-struct Ground {
+struct ApplianceServices {
   Devices& devices;
   Clock& clock;
   TimeWatch& time;
@@ -21,8 +21,8 @@ struct Ground {
 
 class Appliance {
  public:
-  Appliance(std::filesystem::path config_file, ContentPtr content, const Ground& ground, StatusOptions status,
-            SkyWatchOptions sky = {});
+  Appliance(std::filesystem::path config_file, ContentPtr content, const ApplianceServices& services,
+            StatusOptions status, SkyWatchOptions sky = {});
 
   SceneLoop& scene() { return scene_; }
   SkyLoop& sky() { return sky_; }
@@ -38,7 +38,7 @@ class Appliance {
 
  private:
   std::filesystem::path config_file_;
-  Ground ground_;
+  ApplianceServices services_;
   Exchange exchange_;
   SceneLoop scene_;
   SkyLoop sky_;

@@ -158,7 +158,7 @@ Rig::Rig(RigOptions options)
     return;
   }
   devices.scene.gives = [this](std::uint32_t number) { given_at_[number % kSceneFrames] = clock.now(); };
-  appliance = std::make_unique<Appliance>(config, *content, Ground{devices, clock, time, notifier},
+  appliance = std::make_unique<Appliance>(config, *content, ApplianceServices{devices, clock, time, notifier},
                                           StatusOptions{folder / "status.json", false, 10s}, std::move(options.sky));
 }
 
