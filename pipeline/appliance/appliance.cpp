@@ -21,12 +21,12 @@ Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, cons
                      StatusOptions status, SkyWatchOptions sky)
     : config_file_(std::move(config_file)),
       services_(services),
-      scene_(content, services.devices, services.clock, exchange_),
-      sky_(content, services.devices, services.clock, services.time, exchange_, std::move(sky)),
-      render_(content, services.devices, services.clock, services.notifier, exchange_),
-      status_(content, std::move(status), services.clock, services.notifier, exchange_),
-      check_(content, config_file_, services.clock, exchange_),
-      visibility_(std::move(content), services.clock, exchange_) {}
+      scene_(content, services.devices, services.clock, mailboxes_),
+      sky_(content, services.devices, services.clock, services.time, mailboxes_, std::move(sky)),
+      render_(content, services.devices, services.clock, services.notifier, mailboxes_),
+      status_(content, std::move(status), services.clock, services.notifier, mailboxes_),
+      check_(content, config_file_, services.clock, mailboxes_),
+      visibility_(std::move(content), services.clock, mailboxes_) {}
 
 void Appliance::reload() {
   services_.notifier.reloading();
@@ -34,14 +34,14 @@ void Appliance::reload() {
   ReloadNews news{services_.clock.utc(), {}};
   if (content) {
     spdlog::info("{}: taken in anew", config_file_.string());
-    for (Mail* mail : exchange_.mails()) mail->content.put(*content);
+    for (Mailbox* mailbox : mailboxes_.all()) mailbox->content.put(*content);
   } else {
     news.problems = lines_of(content.error().message);
     spdlog::error("the new content is refused, the old one stays:");
     for (const auto& problem : news.problems) spdlog::error("  {}", problem);
   }
-  exchange_.status->reload.put(std::move(news));
-  exchange_.render.bell.ring();
+  mailboxes_.status->reload.put(std::move(news));
+  mailboxes_.render.bell.ring();
   services_.notifier.ready();
 }
 

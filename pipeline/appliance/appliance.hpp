@@ -30,7 +30,7 @@ class Appliance {
   StatusLoop& status() { return status_; }
   CheckLoop& check() { return check_; }
   VisibilityLoop& visibility() { return visibility_; }
-  Bell& render_bell() { return exchange_.render.bell; }
+  Bell& render_bell() { return mailboxes_.render.bell; }
 
   // Reads configuration and content anew and hands them to the loops; refused, the old ones stay and every problem is
   // logged and told. BLOCKS for the seconds reading takes, in whatever thread; not for two at once.
@@ -39,7 +39,7 @@ class Appliance {
  private:
   std::filesystem::path config_file_;
   ApplianceServices services_;
-  Exchange exchange_;
+  Mailboxes mailboxes_;
   SceneLoop scene_;
   SkyLoop sky_;
   RenderLoop render_;

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "pipeline/appliance/exchange.hpp"
+#include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/machine/devices.hpp"
 
 namespace kasumi {

@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/camera_drift/drift_reference.hpp"
 
 namespace kasumi {
@@ -28,11 +28,11 @@ std::optional<DriftReference> find_reference(const std::filesystem::path& beside
 
 }  // namespace
 
-CheckLoop::CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Exchange& exchange)
-    : content_(std::move(content)), config_file_(std::move(config_file)), clock_(clock), exchange_(exchange) {}
+CheckLoop::CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Mailboxes& mailboxes)
+    : content_(std::move(content)), config_file_(std::move(config_file)), clock_(clock), mailboxes_(mailboxes) {}
 
 Instant CheckLoop::step() {
-  if (const auto content = exchange_.check.content.take()) {
+  if (const auto content = mailboxes_.check.content.take()) {
     content_ = *content;
     frames_.reset();
     done_ = false;
@@ -40,12 +40,12 @@ Instant CheckLoop::step() {
   const auto& choice = content_->config.check;
   const auto now = clock_.now();
   if (!choice.hours || !content_->config.state_folder) return now + kLook;
-  const bool time = exchange_.check.clock_trusted && choice.hours->is_open(clock_.utc());
+  const bool time = mailboxes_.check.clock_trusted && choice.hours->is_open(clock_.utc());
   if (frames_) {
     take_pictures();
     const auto full = [](const auto& pictures) { return pictures.size() >= std::size_t{kMostCheckFrames}; };
     if ((full(frames_->scene()) && full(frames_->sky())) || !time) {
-      exchange_.scene.check_wants_picture = exchange_.sky.check_wants_picture = false;
+      mailboxes_.scene.check_wants_picture = mailboxes_.sky.check_wants_picture = false;
       judge();
       frames_.reset();
       done_ = true;
@@ -55,21 +55,21 @@ Instant CheckLoop::step() {
   if (!time || done_) return now + kLook;
   if (!frames_) {
     frames_.emplace(content_->config.installation);
-    exchange_.check.scene.take();
-    exchange_.check.sky.take();
+    mailboxes_.check.scene.take();
+    mailboxes_.check.sky.take();
     due_ = now;
   }
   if (now >= due_) {
-    exchange_.scene.check_wants_picture = frames_->scene().size() < std::size_t{kMostCheckFrames};
-    exchange_.sky.check_wants_picture = frames_->sky().size() < std::size_t{kMostCheckFrames};
+    mailboxes_.scene.check_wants_picture = frames_->scene().size() < std::size_t{kMostCheckFrames};
+    mailboxes_.sky.check_wants_picture = frames_->sky().size() < std::size_t{kMostCheckFrames};
     due_ = now + choice.length / (kMostCheckFrames + 1);
   }
   return now + kGathering;
 }
 
 void CheckLoop::take_pictures() {
-  if (const auto scene = exchange_.check.scene.take()) frames_->add_scene(view_of(scene->picture));
-  if (const auto sky = exchange_.check.sky.take())
+  if (const auto scene = mailboxes_.check.scene.take()) frames_->add_scene(view_of(scene->picture));
+  if (const auto sky = mailboxes_.check.sky.take())
     frames_->add_sky(view_of(sky->picture), sky->metadata,
                      sky->time_known ? std::optional(sky->metadata.utc) : std::nullopt);
 }
@@ -95,7 +95,7 @@ void CheckLoop::judge() {
 
 void CheckLoop::tell(std::string summary, std::optional<DriftReport> report, bool warn) {
   spdlog::log(warn ? spdlog::level::warn : spdlog::level::info, "calibration: {}", summary);
-  exchange_.status->check.put({clock_.utc(), std::move(summary), std::move(report)});
+  mailboxes_.status->check.put({clock_.utc(), std::move(summary), std::move(report)});
 }
 
 }  // namespace kasumi

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "pipeline/appliance/exchange.hpp"
+#include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/camera_drift/drift.hpp"
 #include "pipeline/camera_drift/drift_frames.hpp"
 
@@ -12,7 +12,7 @@ namespace kasumi {
 
 class CheckLoop {
  public:
-  CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Exchange& exchange);
+  CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Mailboxes& mailboxes);
   // Asks the cameras' loops for pictures, and once enough have come, judges them, which BLOCKS for seconds: in a thread
   // of its own. Returns when to be called again.
   Instant step();
@@ -25,7 +25,7 @@ class CheckLoop {
   ContentPtr content_;
   std::filesystem::path config_file_;
   Clock& clock_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   std::optional<DriftFrames> frames_;  // while it gathers
   Instant due_{};                      // the next pictures
   bool done_ = false;                  // for this day

@@ -49,10 +49,10 @@ bool is_fading(const Rung& rung) {
 
 }  // namespace
 
-RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Exchange& exchange)
+RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Mailboxes& mailboxes)
     : content_(std::move(content)),
       clock_(clock),
-      exchange_(exchange),
+      mailboxes_(mailboxes),
       watchdog_(notifier),
       ladder_(content_->config.ladder),
       screen_(content_, devices, clock, watchdog_, news_.display),
@@ -82,7 +82,7 @@ Instant RenderLoop::step() {
 }
 
 void RenderLoop::take_content() {
-  if (auto content = exchange_.render.content.take()) new_content_ = std::move(*content);
+  if (auto content = mailboxes_.render.content.take()) new_content_ = std::move(*content);
   // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
   // it.
   const bool is_seen = screen_.is_open() && news_.rung.still < 1.0 && !is_closed();
@@ -98,14 +98,14 @@ void RenderLoop::take_content() {
 }
 
 void RenderLoop::take_news() {
-  if (auto sky = exchange_.render.sky.take()) sky_ = std::move(*sky);
-  if (auto camera = exchange_.render.scene_camera.take()) {
+  if (auto sky = mailboxes_.render.sky.take()) sky_ = std::move(*sky);
+  if (auto camera = mailboxes_.render.scene_camera.take()) {
     if (camera->outages != camera_.outages) shown_.reset();  // shown anew at once, so that the driver's buffer is free
     if (camera->frame_interval != camera_.frame_interval)
       ladder_.adopt(patient_with(content_->config.ladder, camera->frame_interval));
     camera_ = std::move(*camera);
   }
-  if (auto frame = exchange_.render.frames.take()) waiting_ = std::move(*frame);
+  if (auto frame = mailboxes_.render.frames.take()) waiting_ = std::move(*frame);
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
 }
 
@@ -239,13 +239,13 @@ void RenderLoop::tell() {
   const auto now = clock_.now();
   if (told_ && now - *told_ < kTellInterval) return;
   told_ = now;
-  news_.frames_dropped = exchange_.render.frames.dropped();
+  news_.frames_dropped = mailboxes_.render.frames.dropped();
   news_.latency = latency_.whole();
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
     news_.latency_minute = latency_.take_minute();
   }
-  exchange_.status->render.put(news_);
+  mailboxes_.status->render.put(news_);
 }
 
 }  // namespace kasumi

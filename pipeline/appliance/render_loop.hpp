@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "pipeline/appliance/screen.hpp"
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
 
@@ -13,7 +13,7 @@ namespace kasumi {
 
 class RenderLoop {
  public:
-  RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Exchange& exchange);
+  RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
 
   // Does what is due now, and answers when it wants to be called again if no news come before. BLOCKS for at most a
   // quarter of a second (a buffer to draw into), while a display is being opened for as long as its driver takes.
@@ -48,7 +48,7 @@ class RenderLoop {
   ContentPtr content_;
   ContentPtr new_content_;  // not yet taken in; null: none
   Clock& clock_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   Watchdog watchdog_;
   Ladder ladder_;
   RenderNews news_;

@@ -1,6 +1,6 @@
 #include "pipeline/appliance/scene_loop.hpp"
 
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 
 namespace kasumi {
 
@@ -10,11 +10,11 @@ constexpr Duration kTellInterval = std::chrono::milliseconds(500);
 
 }  // namespace
 
-SceneLoop::SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Exchange& exchange)
+SceneLoop::SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Mailboxes& mailboxes)
     : content_(std::move(content)),
       devices_(devices),
       clock_(clock),
-      exchange_(exchange),
+      mailboxes_(mailboxes),
       camera_(devices.camera(CameraRole::scene, content_->config.scene_camera), clock) {}
 
 void SceneLoop::step(Instant deadline) {
@@ -23,7 +23,7 @@ void SceneLoop::step(Instant deadline) {
   if (frame && frame->metadata.status == FrameStatus::good) {
     hand_on(std::move(*frame));
   } else if (!frame && frame.error().kind == FaultKind::disconnected) {
-    exchange_.render.frames.take();  // a lent frame nobody fetched keeps the device open
+    mailboxes_.render.frames.take();  // a lent frame nobody fetched keeps the device open
   }
   tell();
 }
@@ -37,21 +37,21 @@ void SceneLoop::hand_on(Frame frame) {
         fmt::format("{}x{} instead of {}x{}", metadata.width, metadata.height, scene.width, scene.height));
   auto picture = decode(frame, scene.yuv_encoding);
   if (!picture) return camera_.reject("damaged");
-  if (exchange_.scene.check_wants_picture.exchange(false))
-    exchange_.check.scene.put({metadata, to_rgb(picture->view()), false});
-  if (exchange_.scene.visibility_wants_picture.exchange(false))
-    exchange_.visibility.scene.put({metadata, to_rgb(picture->view()), false});
-  exchange_.render.frames.put({metadata, std::move(*picture), frame.payload.holder, camera_.outages()});
-  exchange_.render.bell.ring();
+  if (mailboxes_.scene.check_wants_picture.exchange(false))
+    mailboxes_.check.scene.put({metadata, to_rgb(picture->view()), false});
+  if (mailboxes_.scene.visibility_wants_picture.exchange(false))
+    mailboxes_.visibility.scene.put({metadata, to_rgb(picture->view()), false});
+  mailboxes_.render.frames.put({metadata, std::move(*picture), frame.payload.holder, camera_.outages()});
+  mailboxes_.render.bell.ring();
 }
 
 void SceneLoop::take_content() {
-  const auto content = exchange_.scene.content.take();
+  const auto content = mailboxes_.scene.content.take();
   if (!content) return;
   const bool other_camera = (*content)->config.scene_camera != content_->config.scene_camera;
   content_ = *content;
   if (!other_camera) return;
-  exchange_.render.frames.take();
+  mailboxes_.render.frames.take();
   camera_.replace(devices_.camera(CameraRole::scene, content_->config.scene_camera));
 }
 
@@ -62,9 +62,9 @@ void SceneLoop::tell() {
   told_ = clock_.now();
   told_outages_ = news.outages;
   told_condition_ = news.health.condition;
-  exchange_.status->scene_camera.put(news);
-  exchange_.render.scene_camera.put(std::move(news));
-  if (changed) exchange_.render.bell.ring();
+  mailboxes_.status->scene_camera.put(news);
+  mailboxes_.render.scene_camera.put(std::move(news));
+  if (changed) mailboxes_.render.bell.ring();
 }
 
 }  // namespace kasumi

@@ -7,7 +7,7 @@ namespace kasumi {
 
 class SceneLoop {
  public:
-  SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Exchange& exchange);
+  SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Mailboxes& mailboxes);
   // BLOCKS until a frame has been handed on or the deadline passes.
   void step(Instant deadline);
 
@@ -19,7 +19,7 @@ class SceneLoop {
   ContentPtr content_;
   Devices& devices_;
   Clock& clock_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   CameraLink camera_;
   std::optional<Instant> told_;
   std::uint64_t told_outages_ = 0;

@@ -3,7 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "pipeline/appliance/remembered_state.hpp"
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 
 namespace kasumi {
 
@@ -20,13 +20,13 @@ constexpr Duration kYoungAir = 2h;            // what was written to disk is wor
 
 }  // namespace
 
-SkyLoop::SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Exchange& exchange,
+SkyLoop::SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Mailboxes& mailboxes,
                  SkyWatchOptions options)
     : content_(std::move(content)),
       devices_(devices),
       clock_(clock),
       time_(time),
-      exchange_(exchange),
+      mailboxes_(mailboxes),
       options_(std::move(options)),
       camera_(devices.camera(CameraRole::sky, content_->config.sky_camera), clock),
       trust_(content_->config.clock),
@@ -48,7 +48,7 @@ void SkyLoop::step(Instant deadline) {
 }
 
 void SkyLoop::take_content() {
-  const auto content = exchange_.sky.content.take();
+  const auto content = mailboxes_.sky.content.take();
   if (!content) return;
   const bool other_camera = (*content)->config.sky_camera != content_->config.sky_camera;
   content_ = *content;
@@ -99,9 +99,9 @@ void SkyLoop::look(const Frame& frame, SunSource sun_from) {
     return go_without(sun_from);
   }
   if (sun_from == SunSource::image) hold_sun(report->sun);
-  exchange_.check.clock_trusted = sun_from == SunSource::ephemeris;
-  if (report->picture && exchange_.sky.check_wants_picture.exchange(false))
-    exchange_.check.sky.put({frame.metadata, to_rgb(report->picture->view()), sun_from == SunSource::ephemeris});
+  mailboxes_.check.clock_trusted = sun_from == SunSource::ephemeris;
+  if (report->picture && mailboxes_.sky.check_wants_picture.exchange(false))
+    mailboxes_.check.sky.put({frame.metadata, to_rgb(report->picture->view()), sun_from == SunSource::ephemeris});
   tell(std::move(*report), true, sun_from);
 }
 
@@ -135,16 +135,16 @@ void SkyLoop::tell(SkyReport report, bool up, SunSource sun_from) {
   const auto& tracked = news.report.tracked;
   SkyAir air{tracked && tracked->trustworthy ? tracked : std::nullopt, std::nullopt};
   if (news.sun_known()) air.sun = news.report.sun.direction;
-  exchange_.visibility.sky.put(std::move(air));
-  exchange_.status->sky.put(news);
-  exchange_.render.sky.put(std::move(news));
+  mailboxes_.visibility.sky.put(std::move(air));
+  mailboxes_.status->sky.put(news);
+  mailboxes_.render.sky.put(std::move(news));
 }
 
 void SkyLoop::tell_health() {
   const auto now = clock_.now();
   if (told_health_ && now - *told_health_ < kHealthInterval) return;
   told_health_ = now;
-  exchange_.status->sky_camera.put(camera_.news());
+  mailboxes_.status->sky_camera.put(camera_.news());
 }
 
 }  // namespace kasumi

@@ -8,7 +8,7 @@ namespace kasumi {
 
 class SkyLoop {
  public:
-  SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Exchange& exchange,
+  SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Mailboxes& mailboxes,
           SkyWatchOptions options = {});
   // BLOCKS until a frame has been looked at or the deadline passes; an estimate takes about a tenth of a second.
   void step(Instant deadline);
@@ -27,7 +27,7 @@ class SkyLoop {
   Devices& devices_;
   Clock& clock_;
   TimeWatch& time_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   SkyWatchOptions options_;
   CameraLink camera_;
   TimeTrust trust_;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 
 namespace kasumi {
 

@@ -22,12 +22,13 @@ void log_outage(const Result<>& written, bool& failing, std::string_view what) {
 
 }  // namespace
 
-StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Exchange& exchange)
+StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier,
+                       Mailboxes& mailboxes)
     : content_(std::move(content)),
       options_(std::move(options)),
       clock_(clock),
       notifier_(notifier),
-      exchange_(exchange),
+      mailboxes_(mailboxes),
       saved_(clock.now()),
       stats_at_(clock.now()) {
   status_.since = clock.utc();
@@ -37,15 +38,15 @@ void StatusLoop::gather() {
   const auto newest = [](auto& slot, auto& to) {
     if (auto value = slot.take()) to = std::move(*value);
   };
-  StatusMail& mail = *exchange_.status;
-  newest(mail.content, content_);
-  newest(mail.scene_camera, status_.scene_camera);
-  newest(mail.sky_camera, status_.sky_camera);
-  newest(mail.sky, status_.sky);
-  newest(mail.render, status_.render);
-  newest(mail.reload, status_.reload);
-  newest(mail.check, status_.check);
-  newest(mail.visibility, status_.visibility);
+  StatusMailbox& mailbox = *mailboxes_.status;
+  newest(mailbox.content, content_);
+  newest(mailbox.scene_camera, status_.scene_camera);
+  newest(mailbox.sky_camera, status_.sky_camera);
+  newest(mailbox.sky, status_.sky);
+  newest(mailbox.render, status_.render);
+  newest(mailbox.reload, status_.reload);
+  newest(mailbox.check, status_.check);
+  newest(mailbox.visibility, status_.visibility);
   status_.now = clock_.now();
   status_.utc = clock_.utc();
 }

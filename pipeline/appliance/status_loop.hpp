@@ -17,7 +17,7 @@ struct StatusOptions {
 
 class StatusLoop {
  public:
-  StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Exchange& exchange);
+  StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
   // BLOCKS as long as the disk takes. To be called about once a second.
   void step();
   void finish();  // the last of each, for good
@@ -32,7 +32,7 @@ class StatusLoop {
   StatusOptions options_;
   Clock& clock_;
   Notifier& notifier_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   Status status_;
   std::string line_;
   bool unwritten_ = false, unsaved_ = false;  // and said so in the log

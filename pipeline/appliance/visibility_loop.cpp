@@ -27,8 +27,8 @@ Image<glm::vec3> encoded_of(const Image<Rgb8>& picture) {
 
 }  // namespace
 
-VisibilityLoop::VisibilityLoop(ContentPtr content, Clock& clock, Exchange& exchange)
-    : content_(std::move(content)), clock_(clock), exchange_(exchange) {
+VisibilityLoop::VisibilityLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes)
+    : content_(std::move(content)), clock_(clock), mailboxes_(mailboxes) {
   take_content();
 }
 
@@ -64,20 +64,20 @@ void VisibilityLoop::learn(const std::vector<ContrastReading>& readings) {
 }
 
 Instant VisibilityLoop::step() {
-  if (const auto content = exchange_.visibility.content.take()) {
+  if (const auto content = mailboxes_.visibility.content.take()) {
     content_ = *content;
     take_content();
-    exchange_.status->visibility.put({});
+    mailboxes_.status->visibility.put({});
   }
   const auto now = clock_.now();
   if (!watch_) return now + kLook;
-  if (auto sky = exchange_.visibility.sky.take()) sky_ = *sky;
-  if (const auto picture = exchange_.visibility.scene.take()) judge(*picture);
+  if (auto sky = mailboxes_.visibility.sky.take()) sky_ = *sky;
+  if (const auto picture = mailboxes_.visibility.scene.take()) judge(*picture);
   if (now >= due_) {
-    exchange_.scene.visibility_wants_picture = true;
+    mailboxes_.scene.visibility_wants_picture = true;
     due_ = now + kInterval;
   }
-  return exchange_.scene.visibility_wants_picture ? now + kWaiting : due_;
+  return mailboxes_.scene.visibility_wants_picture ? now + kWaiting : due_;
 }
 
 void VisibilityLoop::judge(const CheckPicture& picture) {
@@ -105,7 +105,7 @@ void VisibilityLoop::tell(VisibilityNews news) {
   if (!apart && told_) spdlog::info("visibility: landmarks and sky are not apart any more");
   told_ = apart_ >= kApart;
   news.finding = told_;
-  exchange_.status->visibility.put(std::move(news));
+  mailboxes_.status->visibility.put(std::move(news));
 }
 
 }  // namespace kasumi

@@ -5,13 +5,13 @@
 #include <optional>
 
 #include "estimator/landmarks/landmark_air.hpp"
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 
 namespace kasumi {
 
 class VisibilityLoop {
  public:
-  VisibilityLoop(ContentPtr content, Clock& clock, Exchange& exchange);
+  VisibilityLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes);
   // Asks the scene camera's loop for a picture, and once it has come, reads the landmarks, which BLOCKS for a fraction
   // of a second: in a thread behind all others. Returns when to be called again.
   Instant step();
@@ -24,7 +24,7 @@ class VisibilityLoop {
 
   ContentPtr content_;
   Clock& clock_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   std::optional<LandmarkWatch> watch_;  // empty: no landmark says how far it is
   SkyAir sky_;
   Instant due_{};

@@ -147,8 +147,8 @@ class VisibilityLoopTest : public testing::Test {
     const auto tables = ConfigTable::parse(landmarks, "kasumi.toml").value();
     installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, kWidth, kHeight);
     content->config.state_folder = std::move(state_folder);
-    exchange.scene.visibility_wants_picture = false;
-    loop.emplace(std::move(content), clock, exchange);
+    mailboxes.scene.visibility_wants_picture = false;
+    loop.emplace(std::move(content), clock, mailboxes);
   }
   // How sure it is of one picture's air.
   double sigma_of_a_look(double turbidity) {
@@ -158,19 +158,19 @@ class VisibilityLoopTest : public testing::Test {
   // One picture a minute, as the scene camera's loop gives when asked.
   void look(double turbidity) {
     const auto again = loop->step();
-    EXPECT_TRUE(exchange.scene.visibility_wants_picture.exchange(false)) << "a picture is asked for";
+    EXPECT_TRUE(mailboxes.scene.visibility_wants_picture.exchange(false)) << "a picture is asked for";
     EXPECT_LE(again - clock.now(), 1s);
-    exchange.visibility.scene.put({{}, squares_under(turbidity), false});
+    mailboxes.visibility.scene.put({{}, squares_under(turbidity), false});
     loop->step();
-    if (auto told = exchange.status->visibility.take()) news = std::move(*told);
-    EXPECT_FALSE(exchange.scene.visibility_wants_picture) << "one a minute is enough";
+    if (auto told = mailboxes.status->visibility.take()) news = std::move(*told);
+    EXPECT_FALSE(mailboxes.scene.visibility_wants_picture) << "one a minute is enough";
     clock.advance(1min);
   }
   void sky_says(double turbidity, double height = 0.6) {
     TrackedTurbidity tracked;
     tracked.turbidity = Turbidity{turbidity};
     tracked.sigma = 0.1;
-    exchange.visibility.sky.put({tracked, SunDirection{0.0, std::sqrt(1.0 - height * height), height}});
+    mailboxes.visibility.sky.put({tracked, SunDirection{0.0, std::sqrt(1.0 - height * height), height}});
   }
   Json told() {
     Status status;
@@ -178,7 +178,7 @@ class VisibilityLoopTest : public testing::Test {
     return Json::parse(status_json(status))["visibility"];
   }
   ManualClock clock;
-  Exchange exchange;
+  Mailboxes mailboxes;
   std::optional<VisibilityLoop> loop;
   VisibilityNews news;
 };

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "estimator/landmarks/landmark_air.hpp"
-#include "pipeline/appliance/exchange.hpp"
 #include "pipeline/appliance/latency.hpp"
+#include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/camera_drift/drift.hpp"
 #include "pipeline/config/ladder.hpp"
 
@@ -57,7 +57,7 @@ struct VisibilityNews {
   bool finding = false;  // they disagree with the sky, and have for minutes
 };
 
-struct StatusMail : Mail {
+struct StatusMailbox : Mailbox {
   LatestSlot<CameraNews> scene_camera, sky_camera;
   LatestSlot<SkyNews> sky;
   LatestSlot<RenderNews> render;

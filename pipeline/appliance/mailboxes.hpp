@@ -44,49 +44,49 @@ struct SkyAir {
 };
 
 // A loop's mailbox: what the others have put there since it looked.
-struct Mail {
+struct Mailbox {
   LatestSlot<ContentPtr> content;  // to go by from now on
 };
 
-struct SceneMail : Mail {
+struct SceneMailbox : Mailbox {
   std::atomic<bool> check_wants_picture = false, visibility_wants_picture = false;  // the next that comes
 };
 
-struct SkyMail : Mail {
+struct SkyMailbox : Mailbox {
   std::atomic<bool> check_wants_picture = false;  // the next that comes
 };
 
-struct RenderMail : Mail {
+struct RenderMailbox : Mailbox {
   LatestSlot<SceneFrame> frames;
   LatestSlot<CameraNews> scene_camera;
   LatestSlot<SkyNews> sky;
   Bell bell;  // rung by whoever puts what cannot wait
 };
 
-struct CheckMail : Mail {
+struct CheckMailbox : Mailbox {
   LatestSlot<CheckPicture> scene, sky;
   std::atomic<bool> clock_trusted = false;
 };
 
-struct VisibilityMail : Mail {
+struct VisibilityMailbox : Mailbox {
   LatestSlot<CheckPicture> scene;
   LatestSlot<SkyAir> sky;
 };
 
-struct StatusMail;  // status_mail.hpp: it hears of everything, which not everybody needs to know
+struct StatusMailbox;  // status_mailbox.hpp: it hears of everything, which not everybody needs to know
 
-struct Exchange {
-  Exchange();
-  ~Exchange();
+struct Mailboxes {
+  Mailboxes();
+  ~Mailboxes();
   // Every loop's.
-  std::array<Mail*, 6> mails();
+  std::array<Mailbox*, 6> all();
 
-  SceneMail scene;
-  SkyMail sky;
-  RenderMail render;
-  CheckMail check;
-  VisibilityMail visibility;
-  const std::unique_ptr<StatusMail> status;
+  SceneMailbox scene;
+  SkyMailbox sky;
+  RenderMailbox render;
+  CheckMailbox check;
+  VisibilityMailbox visibility;
+  const std::unique_ptr<StatusMailbox> status;
 };
 
 }  // namespace kasumi
