@@ -31,16 +31,16 @@ Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, cons
 void Appliance::reload() {
   services_.notifier.reloading();
   auto content = read_content(config_file_);
-  ReloadNews news{services_.clock.utc(), {}};
+  ReloadStatus status{services_.clock.utc(), {}};
   if (content) {
     spdlog::info("{}: taken in anew", config_file_.string());
     for (Mailbox* mailbox : mailboxes_.all()) mailbox->content.put(*content);
   } else {
-    news.problems = lines_of(content.error().message);
+    status.problems = lines_of(content.error().message);
     spdlog::error("the new content is refused, the old one stays:");
-    for (const auto& problem : news.problems) spdlog::error("  {}", problem);
+    for (const auto& problem : status.problems) spdlog::error("  {}", problem);
   }
-  mailboxes_.status->reload.put(std::move(news));
+  mailboxes_.status->reload.put(std::move(status));
   mailboxes_.render.bell.ring();
   services_.notifier.ready();
 }

@@ -68,7 +68,7 @@ void CameraLink::log_changes() {
   }
 }
 
-CameraNews CameraLink::news() const {
+CameraStatus CameraLink::status() const {
   return {source_->health(), outages_, opening_.frame_interval};
 }
 

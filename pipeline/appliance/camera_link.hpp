@@ -24,7 +24,7 @@ class CameraLink {
   CameraHealth health() const { return source_->health(); }
   std::uint64_t outages() const { return outages_; }
   bool recorded() const { return opening_.recorded; }
-  CameraNews news() const;
+  CameraStatus status() const;
 
  private:
   void log_changes();

@@ -17,13 +17,13 @@
 namespace kasumi {
 
 // A camera as its loop knows it.
-struct CameraNews {
+struct CameraStatus {
   CameraHealth health;
   std::uint64_t outages = 0;  // a frame of an earlier number is to be let go of
   Duration frame_interval{};  // 0: not known
 };
 
-struct SkyNews {
+struct SkyStatus {
   SkyReport report;
   bool up = false;  // the sky camera's pictures come
   bool clock_trusted = false;
@@ -58,8 +58,8 @@ struct SkyMailbox : Mailbox {
 
 struct RenderMailbox : Mailbox {
   LatestSlot<SceneFrame> frames;
-  LatestSlot<CameraNews> scene_camera;
-  LatestSlot<SkyNews> sky;
+  LatestSlot<CameraStatus> scene_camera;
+  LatestSlot<SkyStatus> sky;
   Bell bell;  // rung by whoever puts what cannot wait
 };
 

@@ -55,12 +55,12 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       mailboxes_(mailboxes),
       watchdog_(notifier),
       ladder_(content_->config.ladder),
-      screen_(content_, devices, clock, watchdog_, news_.display),
+      screen_(content_, devices, clock, watchdog_, status_.display),
       shown_at_(clock.now()),
       minute_began_(clock.now()) {}
 
 Instant RenderLoop::step() {
-  take_news();
+  read_mailbox();
   take_content();
   if (!screen_.is_open() && screen_.look()) {
     shown_.reset();
@@ -78,14 +78,14 @@ Instant RenderLoop::step() {
   const auto now = clock_.now();
   if (!screen_.is_open()) return screen_.next_look(now + kGlance);
   if (screen_.is_off()) return now + kGlance;
-  return is_fading(news_.rung) ? now + kFadeStep : std::min(shown_at_ + kShowAgain, now + kGlance);
+  return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kShowAgain, now + kGlance);
 }
 
 void RenderLoop::take_content() {
   if (auto content = mailboxes_.render.content.take()) new_content_ = std::move(*content);
   // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
   // it.
-  const bool is_seen = screen_.is_open() && news_.rung.still < 1.0 && !is_closed();
+  const bool is_seen = screen_.is_open() && status_.rung.still < 1.0 && !is_closed();
   if (!new_content_ || (is_seen && !waiting_)) return;
   const auto content = std::exchange(new_content_, nullptr);
   if (auto adopted = screen_.adopt(content); !adopted) {
@@ -97,7 +97,7 @@ void RenderLoop::take_content() {
   shown_.reset();
 }
 
-void RenderLoop::take_news() {
+void RenderLoop::read_mailbox() {
   if (auto sky = mailboxes_.render.sky.take()) sky_ = std::move(*sky);
   if (auto camera = mailboxes_.render.scene_camera.take()) {
     if (camera->outages != camera_.outages) shown_.reset();  // shown anew at once, so that the driver's buffer is free
@@ -130,22 +130,22 @@ bool RenderLoop::is_open() const {
 }
 
 void RenderLoop::climb() {
-  const auto before = news_.rung;
-  news_.rung = ladder_.step(clock_.now(), signs());
-  if (news_.rung.shown == before.shown && news_.rung.trouble == before.trouble) return;
-  if (news_.rung.shown == Shown::held || before.shown == Shown::held) return;  // short, and the camera's log says why
-  const auto why = name_of(news_.rung.trouble);
-  spdlog::info("shown: {}{}{}", name_of(news_.rung.shown), why.empty() ? "" : ": ", why);
+  const auto before = status_.rung;
+  status_.rung = ladder_.step(clock_.now(), signs());
+  if (status_.rung.shown == before.shown && status_.rung.trouble == before.trouble) return;
+  if (status_.rung.shown == Shown::held || before.shown == Shown::held) return;  // short, and the camera's log says why
+  const auto why = name_of(status_.rung.trouble);
+  spdlog::info("shown: {}{}{}", name_of(status_.rung.shown), why.empty() ? "" : ": ", why);
 }
 
 Composition RenderLoop::composition() const {
-  return {news_.rung, words_now()};
+  return {status_.rung, words_now()};
 }
 
 // A sky camera that is gone is no visitor's concern while the air is still known.
 std::string RenderLoop::words_now() const {
   const auto& choice = content_->config.words;
-  const auto trouble = news_.rung.trouble;
+  const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
   const bool air_known = sky_.report.tracked && sky_.report.tracked->trustworthy;
   if (!choice.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
@@ -162,7 +162,7 @@ void RenderLoop::lose_screen(const Fault& fault) {
     return;
   }
   screen_.lose(fault);
-  news_.building_drawn = false;
+  status_.building_drawn = false;
   latency_.forget_pending();
 }
 
@@ -188,7 +188,7 @@ void RenderLoop::present() {
   if (!target) return lose_screen(target.error());
   if (!*target) return;
 
-  take_news();  // the newest frame there is now
+  read_mailbox();  // the newest frame there is now
   // The still goes first: the scene's programs may take a driver long to make, and nobody shall see black meanwhile.
   const bool unseen = screen_.nothing_shown() || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
@@ -196,11 +196,11 @@ void RenderLoop::present() {
   const auto number = screen_.show(frame ? frame->holder : nullptr);
   if (!number) return lose_screen(number.error());
 
-  news_.building_drawn = screen_.stage().draws_object() && news_.rung.still < 1.0 && news_.rung.dark < 1.0;
-  ++news_.pictures;
+  status_.building_drawn = screen_.stage().draws_object() && status_.rung.still < 1.0 && status_.rung.dark < 1.0;
+  ++status_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;
-  ++news_.scene_frames;
+  ++status_.scene_frames;
   latency_.shown(*number, frame->metadata.captured_at);
 }
 
@@ -213,7 +213,7 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   // A frame of the camera before new content came.
   if (!drawn && drawn.error().kind == FaultKind::bad_input) drawn = stage.draw_scene(nullptr, sky_.report, target);
   if (!drawn) return drawn;
-  news_.uploads += stage.frames().uploaded - uploaded_before;
+  status_.uploads += stage.frames().uploaded - uploaded_before;
   climb();
   shown_ = composition();
   return stage.draw_over(*shown_, sky_.report, target);
@@ -239,13 +239,13 @@ void RenderLoop::tell() {
   const auto now = clock_.now();
   if (told_ && now - *told_ < kTellInterval) return;
   told_ = now;
-  news_.frames_dropped = mailboxes_.render.frames.dropped();
-  news_.latency = latency_.whole();
+  status_.frames_dropped = mailboxes_.render.frames.dropped();
+  status_.latency = latency_.whole();
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
-    news_.latency_minute = latency_.take_minute();
+    status_.latency_minute = latency_.take_minute();
   }
-  mailboxes_.status->render.put(news_);
+  mailboxes_.status->render.put(status_);
 }
 
 }  // namespace kasumi

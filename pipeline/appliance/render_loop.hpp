@@ -21,18 +21,18 @@ class RenderLoop {
   // The last flips, and everything of the display's let go of.
   void finish();
   bool closed() const { return closed_; }  // the person closed the window
-  const Rung& rung() const { return news_.rung; }
-  const RenderNews& news() const { return news_; }  // of this moment; told to others twice a second
+  const Rung& rung() const { return status_.rung; }
+  const RenderStatus& status() const { return status_; }  // of this moment; told to others twice a second
   // The display, for tests; null while there is none.
   Display* display() { return screen_.display(); }
 
  private:
-  void take_news();
+  void read_mailbox();
   void take_content();
   Signs signs() const;
   void climb();
   bool is_open() const;
-  bool is_closed() const { return news_.rung.dark >= 1.0; }  // and the picture has gone
+  bool is_closed() const { return status_.rung.dark >= 1.0; }  // and the picture has gone
   Composition composition() const;
   std::string words_now() const;
   bool is_due(Instant now) const;
@@ -51,12 +51,12 @@ class RenderLoop {
   Mailboxes& mailboxes_;
   Watchdog watchdog_;
   Ladder ladder_;
-  RenderNews news_;
+  RenderStatus status_;
   Screen screen_;
   bool closed_ = false;
 
-  CameraNews camera_;
-  SkyNews sky_;
+  CameraStatus camera_;
+  SkyStatus sky_;
   std::optional<SceneFrame> waiting_;  // not yet drawn
   std::optional<Instant> picture_at_;  // when the last good scene picture came
 

@@ -56,14 +56,14 @@ void SceneLoop::take_content() {
 }
 
 void SceneLoop::tell() {
-  auto news = camera_.news();
-  const bool changed = news.outages != told_outages_ || news.health.condition != told_condition_;
+  auto status = camera_.status();
+  const bool changed = status.outages != told_outages_ || status.health.condition != told_condition_;
   if (!changed && told_ && clock_.now() - *told_ < kTellInterval) return;
   told_ = clock_.now();
-  told_outages_ = news.outages;
-  told_condition_ = news.health.condition;
-  mailboxes_.status->scene_camera.put(news);
-  mailboxes_.render.scene_camera.put(std::move(news));
+  told_outages_ = status.outages;
+  told_condition_ = status.health.condition;
+  mailboxes_.status->scene_camera.put(status);
+  mailboxes_.render.scene_camera.put(std::move(status));
   if (changed) mailboxes_.render.bell.ring();
 }
 

@@ -13,12 +13,12 @@
 
 namespace kasumi {
 
-// Belongs to the main thread, as GL and the display do. Keeps `news` up to date. Only look(), adopt(), close() and
+// Belongs to the main thread, as GL and the display do. Keeps `status` up to date. Only look(), adopt(), close() and
 // display() may be called while it is not open.
 class Screen {
  public:
   // All references must outlive it.
-  Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& watchdog, DisplayNews& news);
+  Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& watchdog, DisplayStatus& status);
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
@@ -65,7 +65,7 @@ class Screen {
   Devices& devices_;
   Clock& clock_;
   Watchdog& watchdog_;
-  DisplayNews& news_;
+  DisplayStatus& status_;
   std::unique_ptr<DisplayWatch> watch_;
 
   std::optional<Open> open_;

@@ -131,20 +131,20 @@ void SkyLoop::go_without(SunSource sun_from) {
 
 void SkyLoop::tell(SkyReport report, bool up, SunSource sun_from) {
   told_ = clock_.now();
-  SkyNews news{std::move(report), up, sun_from == SunSource::ephemeris};
-  const auto& tracked = news.report.tracked;
+  SkyStatus status{std::move(report), up, sun_from == SunSource::ephemeris};
+  const auto& tracked = status.report.tracked;
   SkyAir air{tracked && tracked->trustworthy ? tracked : std::nullopt, std::nullopt};
-  if (news.sun_known()) air.sun = news.report.sun.direction;
+  if (status.sun_known()) air.sun = status.report.sun.direction;
   mailboxes_.visibility.sky.put(std::move(air));
-  mailboxes_.status->sky.put(news);
-  mailboxes_.render.sky.put(std::move(news));
+  mailboxes_.status->sky.put(status);
+  mailboxes_.render.sky.put(std::move(status));
 }
 
 void SkyLoop::tell_health() {
   const auto now = clock_.now();
   if (told_health_ && now - *told_health_ < kHealthInterval) return;
   told_health_ = now;
-  mailboxes_.status->sky_camera.put(camera_.news());
+  mailboxes_.status->sky_camera.put(camera_.status());
 }
 
 }  // namespace kasumi

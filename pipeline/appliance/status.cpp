@@ -19,8 +19,8 @@ Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-Json camera_json(const CameraNews& news, Instant now) {
-  const auto& health = news.health;
+Json camera_json(const CameraStatus& status, Instant now) {
+  const auto& health = status.health;
   Json json;
   json["up"] = health.up;
   json["cause"] = health.cause;
@@ -52,7 +52,7 @@ Json camera_json(const CameraNews& news, Instant now) {
   return json;
 }
 
-Json display_json(const DisplayNews& display) {
+Json display_json(const DisplayStatus& display) {
   return {{"up", display.up},       {"description", display.description},     {"cause", display.cause},
           {"flips", display.flips}, {"flip_timeouts", display.flip_timeouts}, {"resets", display.resets}};
 }
@@ -65,7 +65,7 @@ Json latency_json(const std::optional<LatencySummary>& latency) {
           {"pictures", latency->pictures}};
 }
 
-Json check_json(const CheckNews& check) {
+Json check_json(const CheckStatus& check) {
   Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(check.at))}, {"summary", check.summary}};
   json["well"] = check.report ? Json(check.report->well()) : Json(nullptr);
   json["reference_utc"] = check.report ? Json(utc_text(check.report->reference)) : Json(nullptr);
@@ -73,25 +73,26 @@ Json check_json(const CheckNews& check) {
   return json;
 }
 
-Json visibility_json(const VisibilityNews& news) {
-  if (news.at == Utc{}) return nullptr;
-  Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(news.at))}};
-  const auto kind = news.air ? news.air->extinction().kind : ExtinctionKind::nothing;
+Json visibility_json(const VisibilityStatus& status) {
+  if (status.at == Utc{}) return nullptr;
+  Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(status.at))}};
+  const auto kind = status.air ? status.air->extinction().kind : ExtinctionKind::nothing;
   const bool value = kind == ExtinctionKind::value;
   json["bound"] = kind == ExtinctionKind::at_most    ? Json("at least")
                   : kind == ExtinctionKind::at_least ? Json("at most")
                                                      : Json(nullptr);
-  json["visibility_m"] = kind == ExtinctionKind::nothing ? Json(nullptr) : Json(std::round(news.air->visibility_m()));
-  json["sigma_m"] = value ? Json(std::round(news.air->visibility_sigma_m())) : Json(nullptr);
+  json["visibility_m"] = kind == ExtinctionKind::nothing ? Json(nullptr) : Json(std::round(status.air->visibility_m()));
+  json["sigma_m"] = value ? Json(std::round(status.air->visibility_sigma_m())) : Json(nullptr);
   json["turbidity"] =
-      value && news.air->turbidity.turbidity ? Json(news.air->turbidity.turbidity->value) : Json(nullptr);
-  json["turbidity_sigma"] = value && news.air->turbidity.turbidity ? Json(news.air->turbidity.sigma) : Json(nullptr);
-  json["landmarks"] = news.air ? news.air->extinction().landmarks : 0;
-  json["reason"] = news.reason;
-  json["agreement"] = name_of(news.sky ? news.sky->agreement : Agreement::unknown);
-  json["sigmas_apart"] = news.sky ? Json(news.sky->sigmas) : Json(nullptr);
-  json["finding"] = news.finding;
-  json["words"] = news.sky ? news.sky->words : std::string();
+      value && status.air->turbidity.turbidity ? Json(status.air->turbidity.turbidity->value) : Json(nullptr);
+  json["turbidity_sigma"] =
+      value && status.air->turbidity.turbidity ? Json(status.air->turbidity.sigma) : Json(nullptr);
+  json["landmarks"] = status.air ? status.air->extinction().landmarks : 0;
+  json["reason"] = status.reason;
+  json["agreement"] = name_of(status.sky ? status.sky->agreement : Agreement::unknown);
+  json["sigmas_apart"] = status.sky ? Json(status.sky->sigmas) : Json(nullptr);
+  json["finding"] = status.finding;
+  json["words"] = status.sky ? status.sky->words : std::string();
   return json;
 }
 

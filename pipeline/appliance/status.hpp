@@ -13,12 +13,12 @@ struct Status {
   Instant now{};
   Utc utc{};
   Utc since{};
-  CameraNews scene_camera, sky_camera;
-  SkyNews sky;
-  RenderNews render;
-  std::optional<ReloadNews> reload;  // empty: never asked to
-  std::optional<CheckNews> check;    // empty: none since the start
-  VisibilityNews visibility;
+  CameraStatus scene_camera, sky_camera;
+  SkyStatus sky;
+  RenderStatus render;
+  std::optional<ReloadStatus> reload;  // empty: never asked to
+  std::optional<CheckStatus> check;    // empty: none since the start
+  VisibilityStatus visibility;
 };
 
 // JSON; docs/operating.md lists its keys.

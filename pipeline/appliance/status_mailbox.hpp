@@ -14,7 +14,7 @@
 
 namespace kasumi {
 
-struct DisplayNews {
+struct DisplayStatus {
   bool up = false;
   std::string description;
   std::string cause;  // why it is not up
@@ -23,9 +23,9 @@ struct DisplayNews {
   std::uint64_t resets = 0;  // how often it was opened anew
 };
 
-struct RenderNews {
+struct RenderStatus {
   Rung rung;
-  DisplayNews display;
+  DisplayStatus display;
   bool building_drawn = false;                   // in the picture shown last
   std::uint64_t pictures = 0;                    // shown
   std::uint64_t scene_frames = 0;                // of them, with a new frame of the scene camera
@@ -36,20 +36,20 @@ struct RenderNews {
 };
 
 // How the last attempt to take in new content ended.
-struct ReloadNews {
+struct ReloadStatus {
   Utc at{};
   std::vector<std::string> problems;  // empty: taken in
 };
 
 // How the last check of the calibration ended.
-struct CheckNews {
+struct CheckStatus {
   Utc at{};
   std::string summary;                // in a line; also when there was nothing to compare
   std::optional<DriftReport> report;  // empty: no comparison was made
 };
 
 // What the landmarks in the scene camera's picture say of the air.
-struct VisibilityNews {
+struct VisibilityStatus {
   Utc at{};
   std::optional<LandmarkAir> air;    // empty: not looked at, and `reason` says why
   std::optional<SkyComparison> sky;  // empty: the sky says nothing
@@ -58,12 +58,12 @@ struct VisibilityNews {
 };
 
 struct StatusMailbox : Mailbox {
-  LatestSlot<CameraNews> scene_camera, sky_camera;
-  LatestSlot<SkyNews> sky;
-  LatestSlot<RenderNews> render;
-  LatestSlot<ReloadNews> reload;
-  LatestSlot<CheckNews> check;
-  LatestSlot<VisibilityNews> visibility;
+  LatestSlot<CameraStatus> scene_camera, sky_camera;
+  LatestSlot<SkyStatus> sky;
+  LatestSlot<RenderStatus> render;
+  LatestSlot<ReloadStatus> reload;
+  LatestSlot<CheckStatus> check;
+  LatestSlot<VisibilityStatus> visibility;
 };
 
 }  // namespace kasumi

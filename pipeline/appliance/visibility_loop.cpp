@@ -84,28 +84,28 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
   const auto& installation = content_->config.installation;
   if (picture.picture.width() != installation.scene.width || picture.picture.height() != installation.scene.height)
     return;
-  VisibilityNews news{clock_.utc(), {}, {}, {}};
+  VisibilityStatus status{clock_.utc(), {}, {}, {}};
   if (sky_.sun && sky_.sun->z < kLowestSun) {
-    news.reason = "the sun is too low: land and horizon do not share their light";
-    return tell(std::move(news));
+    status.reason = "the sun is too low: land and horizon do not share their light";
+    return tell(std::move(status));
   }
   const auto readings = watch_->read(installation.scene, encoded_of(picture.picture));
-  news.air = watch_->look(readings);
-  news.reason = news.air->extinction().reason;
-  if (sky_.turbidity) news.sky = watch_->compare(*news.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
+  status.air = watch_->look(readings);
+  status.reason = status.air->extinction().reason;
+  if (sky_.turbidity) status.sky = watch_->compare(*status.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
   learn(readings);
-  tell(std::move(news));
+  tell(std::move(status));
 }
 
 // One line when it begins, one when it ends.
-void VisibilityLoop::tell(VisibilityNews news) {
-  const bool apart = news.sky && news.sky->agreement == Agreement::disagrees;
+void VisibilityLoop::tell(VisibilityStatus status) {
+  const bool apart = status.sky && status.sky->agreement == Agreement::disagrees;
   apart_ = apart ? apart_ + 1 : 0;
-  if (apart_ >= kApart && !told_) spdlog::warn("visibility: {}", news.sky->words);
+  if (apart_ >= kApart && !told_) spdlog::warn("visibility: {}", status.sky->words);
   if (!apart && told_) spdlog::info("visibility: landmarks and sky are not apart any more");
   told_ = apart_ >= kApart;
-  news.finding = told_;
-  mailboxes_.status->visibility.put(std::move(news));
+  status.finding = told_;
+  mailboxes_.status->visibility.put(std::move(status));
 }
 
 }  // namespace kasumi

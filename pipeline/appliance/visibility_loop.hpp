@@ -20,7 +20,7 @@ class VisibilityLoop {
   void take_content();
   void judge(const CheckPicture& picture);
   void learn(const std::vector<ContrastReading>& readings);
-  void tell(VisibilityNews news);
+  void tell(VisibilityStatus status);
 
   ContentPtr content_;
   Clock& clock_;

@@ -79,7 +79,7 @@ TEST(Appliance, Row15APlugThatDoesNotHoldKeepsNobodyBusy) {
   }
   EXPECT_LE(display.tried - tried, 41) << "four times a second for ten seconds";
   display.unplugged = display.told = false;
-  EXPECT_TRUE(rig->recover("15 plugged in after a storm of news", 2s));
+  EXPECT_TRUE(rig->recover("15 plugged in after a storm of status", 2s));
 }
 
 TEST(Appliance, Row16AFlipThatNeverCompletesLeadsToANewModeset) {
@@ -129,17 +129,17 @@ TEST(Appliance, Row17ALostContextIsRebuilt) {
 // The scene's programs may take a driver minutes to make.
 TEST(Appliance, Row17TheStillIsOnTheGlassBeforeAnythingOfTheSceneIsDrawn) {
   const auto rig = running({.name = "row17-still"});
-  const auto& news = rig->appliance->render().news();
+  const auto& status = rig->appliance->render().status();
   rig->devices.display.context_lost = true;
-  const auto lost = rig->advance_until([&] { return news.display.resets == 1; }, 1s);
+  const auto lost = rig->advance_until([&] { return status.display.resets == 1; }, 1s);
   ASSERT_TRUE(lost) << "noticed with the next frame, which waits to be drawn";
-  const auto pictures = news.pictures, scene_frames = news.scene_frames, uploads = news.uploads;
-  ASSERT_TRUE(rig->advance_until([&] { return news.pictures > pictures; }, 1s));
-  EXPECT_EQ(news.scene_frames, scene_frames);
-  EXPECT_EQ(news.uploads, uploads);
+  const auto pictures = status.pictures, scene_frames = status.scene_frames, uploads = status.uploads;
+  ASSERT_TRUE(rig->advance_until([&] { return status.pictures > pictures; }, 1s));
+  EXPECT_EQ(status.scene_frames, scene_frames);
+  EXPECT_EQ(status.uploads, uploads);
   EXPECT_TRUE(rig->shows_still());
   rig->advance(Rig::kTick);
-  EXPECT_EQ(news.scene_frames, scene_frames + 1) << "the frame that waited follows at once";
+  EXPECT_EQ(status.scene_frames, scene_frames + 1) << "the frame that waited follows at once";
 }
 
 TEST(Appliance, Row18ALoopThatHangsIsNotFed) {

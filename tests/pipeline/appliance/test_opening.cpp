@@ -133,7 +133,7 @@ TEST_F(LocalHours, Row26OutsideTheHoursTheScreenIsOffAndThatIsNoFault) {
   options.utc = kSunday + 3h + 50s;
   const auto rig = running(options);
   const auto& display = rig->devices.display;
-  const auto& news = rig->appliance->render().news();
+  const auto& status = rig->appliance->render().status();
   rig->advance(5s);
   EXPECT_EQ(rig->shown(), Shown::live) << "a second before";
   const auto closed = rig->advance_until([&] { return display.off; }, 3s);
@@ -144,10 +144,10 @@ TEST_F(LocalHours, Row26OutsideTheHoursTheScreenIsOffAndThatIsNoFault) {
       << "black first";
 
   const auto alives = rig->notifier.alives;
-  const auto pictures = news.pictures;
+  const auto pictures = status.pictures;
   rig->advance(100s, 100ms);
   EXPECT_TRUE(display.off);
-  EXPECT_EQ(news.pictures, pictures) << "nothing is drawn for nobody";
+  EXPECT_EQ(status.pictures, pictures) << "nothing is drawn for nobody";
   EXPECT_GE(rig->notifier.alives, alives + 90) << "the service manager knows that all is well";
   EXPECT_EQ(rig->shown(), Shown::dark);
   EXPECT_EQ(name_of(rig->trouble()), "closed");
@@ -175,11 +175,11 @@ TEST_F(LocalHours, Row26AScreenThatCannotBeTurnedOffShowsBlackAndDrawsHardlyAnyt
   Rig rig(options);
   rig.advance(3s);
   ASSERT_EQ(rig.shown(), Shown::dark);
-  const auto& news = rig.appliance->render().news();
-  const auto pictures = news.pictures, scene_frames = news.scene_frames;
+  const auto& status = rig.appliance->render().status();
+  const auto pictures = status.pictures, scene_frames = status.scene_frames;
   rig.advance(60s, 100ms);
-  EXPECT_NEAR(static_cast<double>(news.pictures - pictures), 60.0, 3.0) << "a sign of life a second";
-  EXPECT_EQ(news.scene_frames, scene_frames);
+  EXPECT_NEAR(static_cast<double>(status.pictures - pictures), 60.0, 3.0) << "a sign of life a second";
+  EXPECT_EQ(status.scene_frames, scene_frames);
   const auto picture = rig.picture();
   EXPECT_TRUE(std::ranges::all_of(picture.elements(), [](const Rgb8& c) { return c.r + c.g + c.b == 0; }));
 }

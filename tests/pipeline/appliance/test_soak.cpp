@@ -204,7 +204,7 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
   bool numbers_are_true = true;
   std::vector<std::pair<double, double>> resident, files;
   std::vector<MemorySample> memory;
-  const auto& pictures = rig.appliance->render().news().pictures;
+  const auto& pictures = rig.appliance->render().status().pictures;
   const auto watch = [&] {
     rig.advance(Rig::kTick);
     // While there is no display, and with it no GL, whose driver holds 13 MB more or less as it pleases.

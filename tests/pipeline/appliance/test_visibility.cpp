@@ -162,7 +162,7 @@ class VisibilityLoopTest : public testing::Test {
     EXPECT_LE(again - clock.now(), 1s);
     mailboxes.visibility.scene.put({{}, squares_under(turbidity), false});
     loop->step();
-    if (auto told = mailboxes.status->visibility.take()) news = std::move(*told);
+    if (auto told = mailboxes.status->visibility.take()) status = std::move(*told);
     EXPECT_FALSE(mailboxes.scene.visibility_wants_picture) << "one a minute is enough";
     clock.advance(1min);
   }
@@ -174,13 +174,13 @@ class VisibilityLoopTest : public testing::Test {
   }
   Json told() {
     Status status;
-    status.visibility = news;
+    status.visibility = status;
     return Json::parse(status_json(status))["visibility"];
   }
   ManualClock clock;
   Mailboxes mailboxes;
   std::optional<VisibilityLoop> loop;
-  VisibilityNews news;
+  VisibilityStatus status;
 };
 
 TEST_F(VisibilityLoopTest, TellsTheVisibilityBesideTheSkysAir) {
