@@ -11,8 +11,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kLook = 10s;         // for the hour to come
-constexpr Duration kGathering = 200ms;  // for pictures that were asked for
+constexpr Duration kCheckPollInterval = 10s;        // for the hour to come
+constexpr Duration kGatheringPollInterval = 200ms;  // for pictures that were asked for
 
 // What is written goes into the state's folder: beside the calibration file the service may not write.
 std::optional<DriftReference> find_reference(const std::filesystem::path& beside, const std::filesystem::path& own,
@@ -35,11 +35,11 @@ Instant CheckLoop::step() {
   if (const auto content = mailboxes_.check.content.take()) {
     content_ = *content;
     frames_.reset();
-    done_ = false;
+    done_today_ = false;
   }
   const auto& choice = content_->config.check;
   const auto now = clock_.now();
-  if (!choice.hours || !content_->config.state_folder) return now + kLook;
+  if (!choice.hours || !content_->config.state_folder) return now + kCheckPollInterval;
   const bool time = mailboxes_.check.clock_trusted && choice.hours->is_open(clock_.utc());
   if (frames_) {
     take_pictures();
@@ -48,11 +48,11 @@ Instant CheckLoop::step() {
       mailboxes_.scene.check_wants_picture = mailboxes_.sky.check_wants_picture = false;
       judge();
       frames_.reset();
-      done_ = true;
+      done_today_ = true;
     }
   }
-  if (!time) done_ = false;
-  if (!time || done_) return now + kLook;
+  if (!time) done_today_ = false;
+  if (!time || done_today_) return now + kCheckPollInterval;
   if (!frames_) {
     frames_.emplace(content_->config.installation);
     mailboxes_.check.scene.take();
@@ -64,7 +64,7 @@ Instant CheckLoop::step() {
     mailboxes_.sky.check_wants_picture = frames_->sky().size() < std::size_t{kMostCheckFrames};
     due_ = now + choice.length / (kMostCheckFrames + 1);
   }
-  return now + kGathering;
+  return now + kGatheringPollInterval;
 }
 
 void CheckLoop::take_pictures() {
@@ -79,21 +79,22 @@ void CheckLoop::judge() {
   const auto now = clock_.utc();
   const auto enough = std::size_t{kFewestCheckFrames};
   if (frames_->scene().size() < enough && frames_->sky().size() < enough)
-    return tell("not done: too few pictures came", std::nullopt, true);
+    return publish("not done: too few pictures came", std::nullopt, true);
   const auto own = *content_->config.state_folder / "calibration";
   if (const auto reference = find_reference(reference_stem(installation, config_file_), own, installation)) {
     auto report = find_drift(*frames_, *reference, installation, now);
     auto summary = drift_summary(report);
     const bool well = report.well();
-    return tell(std::move(summary), std::move(report), !well);
+    return publish(std::move(summary), std::move(report), !well);
   }
   const auto taken = take_reference(*frames_, installation, now);
-  if (!taken) return tell("no reference could be taken: " + taken.error().message, std::nullopt, true);
-  if (auto saved = save_reference(*taken, own); !saved) return tell(saved.error().message, std::nullopt, true);
-  tell(fmt::format("what is seen now is the reference from now on ({}.check.json)", own.string()), std::nullopt, false);
+  if (!taken) return publish("no reference could be taken: " + taken.error().message, std::nullopt, true);
+  if (auto saved = save_reference(*taken, own); !saved) return publish(saved.error().message, std::nullopt, true);
+  publish(fmt::format("what is seen now is the reference from now on ({}.check.json)", own.string()), std::nullopt,
+          false);
 }
 
-void CheckLoop::tell(std::string summary, std::optional<DriftReport> report, bool warn) {
+void CheckLoop::publish(std::string summary, std::optional<DriftReport> report, bool warn) {
   spdlog::log(warn ? spdlog::level::warn : spdlog::level::info, "calibration: {}", summary);
   mailboxes_.status->check.put({clock_.utc(), std::move(summary), std::move(report)});
 }

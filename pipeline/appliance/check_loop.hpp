@@ -20,7 +20,7 @@ class CheckLoop {
  private:
   void take_pictures();
   void judge();
-  void tell(std::string summary, std::optional<DriftReport> report, bool warn);
+  void publish(std::string summary, std::optional<DriftReport> report, bool warn);
 
   ContentPtr content_;
   std::filesystem::path config_file_;
@@ -28,7 +28,7 @@ class CheckLoop {
   Mailboxes& mailboxes_;
   std::optional<DriftFrames> frames_;  // while it gathers
   Instant due_{};                      // the next pictures
-  bool done_ = false;                  // for this day
+  bool done_today_ = false;            // for this day
 };
 
 }  // namespace kasumi

@@ -28,7 +28,7 @@ std::string text_of(const std::optional<PictureBox>& box) {
 }
 
 // What an installer says of each: another box or distance is another landmark.
-std::vector<std::string> said_of(const std::vector<ContrastLandmark>& landmarks) {
+std::vector<std::string> identities_of(const std::vector<ContrastLandmark>& landmarks) {
   std::vector<std::string> all;
   for (const auto& one : landmarks)
     all.push_back(fmt::format("{} at {:.1f} m, {:.1f} m up, {} against {}, sky {}, {} +- {}", one.name, one.distance_m,
@@ -85,7 +85,7 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
 }
 
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder) {
-  Json json = {{"landmarks", said_of(watch.landmarks())}};
+  Json json = {{"landmarks", identities_of(watch.landmarks())}};
   for (const auto& channel : watch.learnt())
     json["channels"].push_back({{"contrasts", channel.mean}, {"covariance", channel.covariance}});
   return write_text_file(landmark_file(folder), json.dump(1) + "\n");
@@ -98,7 +98,7 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   const auto text = read_text_file(file);
   if (!text) return fail(FaultKind::bad_input, "{}", text.error().message);
   const auto json = Json::parse(*text, nullptr, false);
-  if (!json.is_object() || json.value("landmarks", Json()) != Json(said_of(watch.landmarks())))
+  if (!json.is_object() || json.value("landmarks", Json()) != Json(identities_of(watch.landmarks())))
     return fail(FaultKind::bad_input, "{}: of other landmarks than the configuration's; what they were is learnt anew",
                 file.string());
   std::vector<LearntContrasts> learnt;

@@ -12,10 +12,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kGlance = 100ms;  // how often what costs nothing is looked at
-constexpr Duration kShowAgain = 1s;  // a picture without news: the loop's sign of life
+constexpr Duration kPollInterval = 100ms;  // how often what costs nothing is looked at
+constexpr Duration kRefreshInterval = 1s;  // a picture without news: the loop's sign of life
 constexpr Duration kFadeStep = 33ms;
-constexpr Duration kTellInterval = 500ms;
+constexpr Duration kRenderStatusInterval = 500ms;
 
 std::optional<Trouble> trouble_of(PictureCondition condition) {
   switch (condition) {
@@ -61,27 +61,27 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
 
 Instant RenderLoop::step() {
   read_mailbox();
-  take_content();
-  if (!screen_.is_open() && screen_.look()) {
+  adopt_content();
+  if (!screen_.is_open() && screen_.try_open()) {
     shown_.reset();
     picture_at_.reset();  // the new stage has none
   }
-  climb();
+  update_rung();
   if (screen_.is_open()) {
-    note_flips();
-    if (!rest() && is_due(clock_.now())) present();
-    note_flips();
+    record_flips();
+    if (!turn_off_if_closed() && is_due(clock_.now())) present();
+    record_flips();
   } else {
-    let_go_of_frames();
+    discard_frames();
   }
-  tell();
+  publish();
   const auto now = clock_.now();
-  if (!screen_.is_open()) return screen_.next_look(now + kGlance);
-  if (screen_.is_off()) return now + kGlance;
-  return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kShowAgain, now + kGlance);
+  if (!screen_.is_open()) return screen_.next_attempt(now + kPollInterval);
+  if (screen_.is_off()) return now + kPollInterval;
+  return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kRefreshInterval, now + kPollInterval);
 }
 
-void RenderLoop::take_content() {
+void RenderLoop::adopt_content() {
   if (auto content = mailboxes_.render.content.take()) new_content_ = std::move(*content);
   // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
   // it.
@@ -109,7 +109,7 @@ void RenderLoop::read_mailbox() {
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
 }
 
-void RenderLoop::let_go_of_frames() {
+void RenderLoop::discard_frames() {
   if (waiting_) picture_at_ = clock_.now();  // there would be a picture if there were a display
   waiting_.reset();
 }
@@ -129,7 +129,7 @@ bool RenderLoop::is_open() const {
   return !sky_.clock_trusted || content_->config.opening.is_open(clock_.utc());
 }
 
-void RenderLoop::climb() {
+void RenderLoop::update_rung() {
   const auto before = status_.rung;
   status_.rung = ladder_.step(clock_.now(), signs());
   if (status_.rung.shown == before.shown && status_.rung.trouble == before.trouble) return;
@@ -139,11 +139,11 @@ void RenderLoop::climb() {
 }
 
 Composition RenderLoop::composition() const {
-  return {status_.rung, words_now()};
+  return {status_.rung, visible_message()};
 }
 
 // A sky camera that is gone is no visitor's concern while the air is still known.
-std::string RenderLoop::words_now() const {
+std::string RenderLoop::visible_message() const {
   const auto& choice = content_->config.words;
   const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
@@ -153,21 +153,21 @@ std::string RenderLoop::words_now() const {
 }
 
 bool RenderLoop::is_due(Instant now) const {
-  return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kShowAgain;
+  return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kRefreshInterval;
 }
 
-void RenderLoop::lose_screen(const Fault& fault) {
+void RenderLoop::handle_screen_fault(const Fault& fault) {
   if (fault.kind == FaultKind::end_of_stream) {
     closed_ = true;
     return;
   }
-  screen_.lose(fault);
+  screen_.handle_fault(fault);
   status_.building_drawn = false;
   latency_.forget_pending();
 }
 
 // Closed: a last black picture, then the screen goes off where it can, and nothing is drawn any more. true: it is off.
-bool RenderLoop::rest() {
+bool RenderLoop::turn_off_if_closed() {
   if (!is_closed()) {
     screen_.stay_on();
     return false;
@@ -176,7 +176,7 @@ bool RenderLoop::rest() {
   picture_at_.reset();  // in the morning nobody shall see yesterday's
   if (shown_ && shown_->rung.dark >= 1.0)
     if (auto off = screen_.turn_off(); !off) {
-      lose_screen(off.error());
+      handle_screen_fault(off.error());
       return true;
     }
   if (screen_.is_off()) watchdog_.rests(clock_.now());
@@ -185,16 +185,16 @@ bool RenderLoop::rest() {
 
 void RenderLoop::present() {
   const auto target = screen_.begin();
-  if (!target) return lose_screen(target.error());
+  if (!target) return handle_screen_fault(target.error());
   if (!*target) return;
 
   read_mailbox();  // the newest frame there is now
   // The still goes first: the scene's programs may take a driver long to make, and nobody shall see black meanwhile.
   const bool unseen = screen_.nothing_shown() || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
-  if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return lose_screen(drawn.error());
+  if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return handle_screen_fault(drawn.error());
   const auto number = screen_.show(frame ? frame->holder : nullptr);
-  if (!number) return lose_screen(number.error());
+  if (!number) return handle_screen_fault(number.error());
 
   status_.building_drawn = screen_.stage().draws_object() && status_.rung.still < 1.0 && status_.rung.dark < 1.0;
   ++status_.pictures;
@@ -214,12 +214,12 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   if (!drawn && drawn.error().kind == FaultKind::bad_input) drawn = stage.draw_scene(nullptr, sky_.report, target);
   if (!drawn) return drawn;
   status_.uploads += stage.frames().uploaded - uploaded_before;
-  climb();
+  update_rung();
   shown_ = composition();
   return stage.draw_over(*shown_, sky_.report, target);
 }
 
-void RenderLoop::note_flips() {
+void RenderLoop::record_flips() {
   if (!screen_.is_open()) return;
   for (const auto& flip : screen_.take_flips()) {
     latency_.flipped(flip.number, flip.at);
@@ -228,17 +228,17 @@ void RenderLoop::note_flips() {
 }
 
 void RenderLoop::finish() {
-  note_flips();
+  record_flips();
   waiting_.reset();
   screen_.close();
-  told_.reset();
-  tell();
+  published_at_.reset();
+  publish();
 }
 
-void RenderLoop::tell() {
+void RenderLoop::publish() {
   const auto now = clock_.now();
-  if (told_ && now - *told_ < kTellInterval) return;
-  told_ = now;
+  if (published_at_ && now - *published_at_ < kRenderStatusInterval) return;
+  published_at_ = now;
   status_.frames_dropped = mailboxes_.render.frames.dropped();
   status_.latency = latency_.whole();
   if (now - minute_began_ >= 1min) {

@@ -28,22 +28,22 @@ class RenderLoop {
 
  private:
   void read_mailbox();
-  void take_content();
+  void adopt_content();
   Signs signs() const;
-  void climb();
+  void update_rung();
   bool is_open() const;
   bool is_closed() const { return status_.rung.dark >= 1.0; }  // and the picture has gone
   Composition composition() const;
-  std::string words_now() const;
+  std::string visible_message() const;
   bool is_due(Instant now) const;
 
-  void lose_screen(const Fault& fault);
-  bool rest();
+  void handle_screen_fault(const Fault& fault);
+  bool turn_off_if_closed();
   void present();
   Result<> draw(const SceneFrame* frame, const DrawTarget& target);
-  void note_flips();
-  void let_go_of_frames();
-  void tell();
+  void record_flips();
+  void discard_frames();
+  void publish();
 
   ContentPtr content_;
   ContentPtr new_content_;  // not yet taken in; null: none
@@ -63,7 +63,7 @@ class RenderLoop {
   LatencyWatch latency_;
   std::optional<Composition> shown_;
   Instant shown_at_;
-  std::optional<Instant> told_;
+  std::optional<Instant> published_at_;
   Instant minute_began_;
 };
 

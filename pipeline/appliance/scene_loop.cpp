@@ -6,7 +6,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Duration kTellInterval = std::chrono::milliseconds(500);
+constexpr Duration kSceneStatusInterval = std::chrono::milliseconds(500);
 
 }  // namespace
 
@@ -18,18 +18,18 @@ SceneLoop::SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Mailbox
       camera_(devices.camera(CameraRole::scene, content_->config.scene_camera), clock) {}
 
 void SceneLoop::step(Instant deadline) {
-  take_content();
+  adopt_content();
   auto frame = camera_.next(deadline);
   if (frame && frame->metadata.status == FrameStatus::good) {
-    hand_on(std::move(*frame));
+    forward(std::move(*frame));
   } else if (!frame && frame.error().kind == FaultKind::disconnected) {
     mailboxes_.render.frames.take();  // a lent frame nobody fetched keeps the device open
   }
-  tell();
+  publish();
 }
 
 // JPEGs are decoded here, so that drawing does not wait for it.
-void SceneLoop::hand_on(Frame frame) {
+void SceneLoop::forward(Frame frame) {
   const auto& scene = content_->config.installation.scene;
   const auto& metadata = frame.metadata;
   if (metadata.width != scene.width || metadata.height != scene.height)
@@ -45,7 +45,7 @@ void SceneLoop::hand_on(Frame frame) {
   mailboxes_.render.bell.ring();
 }
 
-void SceneLoop::take_content() {
+void SceneLoop::adopt_content() {
   const auto content = mailboxes_.scene.content.take();
   if (!content) return;
   const bool other_camera = (*content)->config.scene_camera != content_->config.scene_camera;
@@ -55,13 +55,13 @@ void SceneLoop::take_content() {
   camera_.replace(devices_.camera(CameraRole::scene, content_->config.scene_camera));
 }
 
-void SceneLoop::tell() {
+void SceneLoop::publish() {
   auto status = camera_.status();
-  const bool changed = status.outages != told_outages_ || status.health.condition != told_condition_;
-  if (!changed && told_ && clock_.now() - *told_ < kTellInterval) return;
-  told_ = clock_.now();
-  told_outages_ = status.outages;
-  told_condition_ = status.health.condition;
+  const bool changed = status.outages != published_outages_ || status.health.condition != published_condition_;
+  if (!changed && published_at_ && clock_.now() - *published_at_ < kSceneStatusInterval) return;
+  published_at_ = clock_.now();
+  published_outages_ = status.outages;
+  published_condition_ = status.health.condition;
   mailboxes_.status->scene_camera.put(status);
   mailboxes_.render.scene_camera.put(std::move(status));
   if (changed) mailboxes_.render.bell.ring();

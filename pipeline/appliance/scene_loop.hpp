@@ -12,18 +12,18 @@ class SceneLoop {
   void step(Instant deadline);
 
  private:
-  void take_content();
-  void hand_on(Frame frame);
-  void tell();
+  void adopt_content();
+  void forward(Frame frame);
+  void publish();
 
   ContentPtr content_;
   Devices& devices_;
   Clock& clock_;
   Mailboxes& mailboxes_;
   CameraLink camera_;
-  std::optional<Instant> told_;
-  std::uint64_t told_outages_ = 0;
-  PictureCondition told_condition_ = PictureCondition::normal;
+  std::optional<Instant> published_at_;
+  std::uint64_t published_outages_ = 0;
+  PictureCondition published_condition_ = PictureCondition::normal;
 };
 
 }  // namespace kasumi

@@ -25,7 +25,7 @@ Screen::Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& wat
       try_at_(clock.now()),
       tried_at_(clock.now() - kDisplayPause) {}
 
-bool Screen::look() {
+bool Screen::try_open() {
   if (watch_ && watch_->take_change()) try_at_ = std::min(try_at_, tried_at_ + kDisplayPause);
   return clock_.now() >= try_at_ && open();
 }
@@ -41,11 +41,11 @@ bool Screen::open() {
     status_.up = false;
     status_.cause = stage.error().message;
     if (!display && display.error().kind == FaultKind::disconnected) watchdog_.looked_for_display(now);
-    if (!wanted_) spdlog::warn("display: not there: {}", stage.error().message);
-    wanted_ = true;
+    if (!missing_logged_) spdlog::warn("display: not there: {}", stage.error().message);
+    missing_logged_ = true;
     return false;
   }
-  wanted_ = false;
+  missing_logged_ = false;
   spdlog::info("display: {}, {}", (*display)->description(), (*display)->context().info().renderer);
   for (const auto& note : stage->notes()) spdlog::info("display: {}", note);
   status_.up = true;
@@ -72,12 +72,12 @@ Result<> Screen::adopt(const ContentPtr& content) {
   return {};
 }
 
-void Screen::lose(const Fault& fault) {
+void Screen::handle_fault(const Fault& fault) {
   spdlog::warn("display: lost: {}", fault.message);
   ++status_.resets;
   status_.up = false;
   status_.cause = fault.message;
-  wanted_ = true;  // said
+  missing_logged_ = true;  // said
   air_ = open_->stage.air();
   open_.reset();
   try_at_ = clock_.now();

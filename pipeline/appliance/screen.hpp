@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// Belongs to the main thread, as GL and the display do. Keeps `status` up to date. Only look(), adopt(), close() and
+// Belongs to the main thread, as GL and the display do. Keeps `status` up to date. Only try_open(), adopt(), close() and
 // display() may be called while it is not open.
 class Screen {
  public:
@@ -25,14 +25,14 @@ class Screen {
   bool is_open() const { return open_.has_value(); }
   // While it is not open: opens it when that is due; true: it is open now. BLOCKS for as long as the display's driver
   // takes.
-  bool look();
-  // When to look again; where it hears of displays that come and go, no later than `glance`.
-  Instant next_look(Instant glance) const { return watch_ ? std::min(try_at_, glance) : try_at_; }
+  bool try_open();
+  // When to look again; where it hears of displays that come and go, no later than `poll`.
+  Instant next_attempt(Instant poll) const { return watch_ ? std::min(try_at_, poll) : try_at_; }
 
   // New content, on the display that it names. Errors: its stage's; the old content stays then.
   Result<> adopt(const ContentPtr& content);
   // A fault of the display: it is let go of, and opened anew.
-  void lose(const Fault& fault);
+  void handle_fault(const Fault& fault);
   void close() { open_.reset(); }
 
   // A buffer to draw into; empty: none is free yet. BLOCKS for at most a quarter of a second. Errors: those of
@@ -72,7 +72,7 @@ class Screen {
   std::optional<SceneAir> air_;  // what a stage that is lost had seen
   Instant try_at_;
   Instant tried_at_;
-  bool wanted_ = false;                    // and said so in the log
+  bool missing_logged_ = false;            // and said so in the log
   std::optional<Instant> timeouts_since_;  // no buffer to draw into since then
 };
 

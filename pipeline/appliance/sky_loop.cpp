@@ -11,12 +11,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kLookInterval = 1s;  // air changes in minutes
-constexpr Duration kTellInterval = 1s;  // while no frame comes
+constexpr Duration kObserveInterval = 1s;    // air changes in minutes
+constexpr Duration kSkyStatusInterval = 1s;  // while no frame comes
 constexpr Duration kHealthInterval = 500ms;
-constexpr Duration kFirstFramePatience = 2s;  // at the start, before the air is said to be known without a frame
-constexpr Duration kSeenSunHolds = 10min;     // it moves 2.5 degrees in that
-constexpr Duration kYoungAir = 2h;            // what was written to disk is worth remembering
+constexpr Duration kFirstFrameTimeout = 2s;  // at the start, before the air is said to be known without a frame
+constexpr Duration kSunHoldTime = 10min;     // it moves 2.5 degrees in that
+constexpr Duration kMaxStoredAge = 2h;       // what was written to disk is worth remembering
 
 }  // namespace
 
@@ -34,28 +34,28 @@ SkyLoop::SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& 
       started_(clock.now()) {}
 
 void SkyLoop::step(Instant deadline) {
-  take_content();
+  adopt_content();
   const auto sun_from = sun_source();
-  remember_air();
+  restore_air();
   const auto frame = camera_.next(deadline);
   const bool good = frame && frame->metadata.status == FrameStatus::good;
   // A frozen picture shows an earlier sky under a sun that moves on.
   if (good && camera_.health().condition != PictureCondition::frozen)
-    look(*frame, sun_from);
+    observe(*frame, sun_from);
   else
-    go_without(sun_from);
-  tell_health();
+    report_without_frame(sun_from);
+  publish_health();
 }
 
-void SkyLoop::take_content() {
+void SkyLoop::adopt_content() {
   const auto content = mailboxes_.sky.content.take();
   if (!content) return;
   const bool other_camera = (*content)->config.sky_camera != content_->config.sky_camera;
   content_ = *content;
   trust_ = TimeTrust(content_->config.clock);
   watch_ = SkyWatch(content_->config.installation, options_);
-  air_remembered_ = false;
-  looked_at_.reset();
+  air_restored_ = false;
+  observed_at_.reset();
   if (other_camera) camera_.replace(devices_.camera(CameraRole::sky, content_->config.sky_camera));
 }
 
@@ -70,10 +70,10 @@ SunSource SkyLoop::sun_source() {
 }
 
 // How old it is can be told only once the time is known.
-void SkyLoop::remember_air() {
+void SkyLoop::restore_air() {
   const auto& folder = content_->config.state_folder;
-  if (air_remembered_ || sun_from_ != SunSource::ephemeris || !folder) return;
-  air_remembered_ = true;
+  if (air_restored_ || sun_from_ != SunSource::ephemeris || !folder) return;
+  air_restored_ = true;
   const auto state = load_turbidity_state(*folder);
   if (!state) {
     std::error_code error;
@@ -81,28 +81,28 @@ void SkyLoop::remember_air() {
     return;
   }
   const auto age = clock_.utc() - state->utc;
-  if (age < Duration{0} || age > kYoungAir) return;
+  if (age < Duration{0} || age > kMaxStoredAge) return;
   // The other model's T is another quantity.
   if (state->sky_model != content_->config.installation.sky_to_fit().model) return;
   watch_.remember(state->turbidity, state->sigma, clock_.now() - age);
   spdlog::info("air: turbidity {:.2f} of {:.0f} minutes ago remembered", state->turbidity.value, to_seconds(age) / 60);
 }
 
-void SkyLoop::look(const Frame& frame, SunSource sun_from) {
+void SkyLoop::observe(const Frame& frame, SunSource sun_from) {
   const auto now = clock_.now();
-  if (looked_at_ && now - *looked_at_ < kLookInterval) return;
-  looked_at_ = now;
+  if (observed_at_ && now - *observed_at_ < kObserveInterval) return;
+  observed_at_ = now;
   recorded_utc_offset_ = camera_.recorded() ? frame.metadata.utc - clock_.utc() : Duration{0};
   auto report = watch_.observe(frame, now, sun_from);
   if (!report) {
     camera_.reject("damaged");
-    return go_without(sun_from);
+    return report_without_frame(sun_from);
   }
   if (sun_from == SunSource::image) hold_sun(report->sun);
   mailboxes_.check.clock_trusted = sun_from == SunSource::ephemeris;
   if (report->picture && mailboxes_.sky.check_wants_picture.exchange(false))
     mailboxes_.check.sky.put({frame.metadata, to_rgb(report->picture->view()), sun_from == SunSource::ephemeris});
-  tell(std::move(*report), true, sun_from);
+  publish(std::move(*report), true, sun_from);
 }
 
 // Clouds hide the sun for minutes; the building does not come and go with them.
@@ -110,15 +110,15 @@ void SkyLoop::hold_sun(SunCheck& sun) {
   const auto now = clock_.now();
   if (sun.source == SunSource::image)
     seen_sun_ = {sun, now};
-  else if (seen_sun_ && now - seen_sun_->at <= kSeenSunHolds)
+  else if (seen_sun_ && now - seen_sun_->at <= kSunHoldTime)
     sun = seen_sun_->sun;
 }
 
-void SkyLoop::go_without(SunSource sun_from) {
+void SkyLoop::report_without_frame(SunSource sun_from) {
   const auto now = clock_.now();
   const auto health = camera_.health();
-  if (!looked_at_ && now - started_ < kFirstFramePatience && health.cause.empty()) return;
-  if (told_ && now - *told_ < kTellInterval) return;
+  if (!observed_at_ && now - started_ < kFirstFrameTimeout && health.cause.empty()) return;
+  if (published_at_ && now - *published_at_ < kSkyStatusInterval) return;
   auto report = watch_.at(now, clock_.utc() + recorded_utc_offset_, sun_from);
   if (sun_from == SunSource::image) hold_sun(report.sun);
   const bool up = health.up && health.condition != PictureCondition::frozen;
@@ -126,11 +126,11 @@ void SkyLoop::go_without(SunSource sun_from) {
     report.estimate.usable = false;
     report.estimate.reason = fmt::format("no picture of the sky: {}", health.up ? "frozen" : health.cause);
   }
-  tell(std::move(report), up, sun_from);
+  publish(std::move(report), up, sun_from);
 }
 
-void SkyLoop::tell(SkyReport report, bool up, SunSource sun_from) {
-  told_ = clock_.now();
+void SkyLoop::publish(SkyReport report, bool up, SunSource sun_from) {
+  published_at_ = clock_.now();
   SkyStatus status{std::move(report), up, sun_from == SunSource::ephemeris};
   const auto& tracked = status.report.tracked;
   SkyAir air{tracked && tracked->trustworthy ? tracked : std::nullopt, std::nullopt};
@@ -140,10 +140,10 @@ void SkyLoop::tell(SkyReport report, bool up, SunSource sun_from) {
   mailboxes_.render.sky.put(std::move(status));
 }
 
-void SkyLoop::tell_health() {
+void SkyLoop::publish_health() {
   const auto now = clock_.now();
-  if (told_health_ && now - *told_health_ < kHealthInterval) return;
-  told_health_ = now;
+  if (health_published_at_ && now - *health_published_at_ < kHealthInterval) return;
+  health_published_at_ = now;
   mailboxes_.status->sky_camera.put(camera_.status());
 }
 

@@ -14,14 +14,14 @@ class SkyLoop {
   void step(Instant deadline);
 
  private:
-  void take_content();
+  void adopt_content();
   SunSource sun_source();
-  void remember_air();
-  void look(const Frame& frame, SunSource sun_from);
+  void restore_air();
+  void observe(const Frame& frame, SunSource sun_from);
   void hold_sun(SunCheck& sun);
-  void go_without(SunSource sun_from);
-  void tell(SkyReport report, bool up, SunSource sun_from);
-  void tell_health();
+  void report_without_frame(SunSource sun_from);
+  void publish(SkyReport report, bool up, SunSource sun_from);
+  void publish_health();
 
   ContentPtr content_;
   Devices& devices_;
@@ -33,8 +33,8 @@ class SkyLoop {
   TimeTrust trust_;
   SkyWatch watch_;
   Instant started_;
-  std::optional<Instant> looked_at_, told_, told_health_;
-  bool air_remembered_ = false;
+  std::optional<Instant> observed_at_, published_at_, health_published_at_;
+  bool air_restored_ = false;
   SunSource sun_from_ = SunSource::none;
   Duration recorded_utc_offset_{};  // of a recording's UTC from the machine's
   struct SeenSun {

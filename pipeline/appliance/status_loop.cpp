@@ -70,7 +70,7 @@ void StatusLoop::finish() {
 
 void StatusLoop::write_status() {
   if (auto line = status_line(status_); line != line_) notifier_.status(line_ = std::move(line));
-  if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), unwritten_, "status");
+  if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), write_failing_, "status");
 }
 
 void StatusLoop::save_air() {
@@ -81,7 +81,7 @@ void StatusLoop::save_air() {
   if (!folder || !tracked || !status_.sky.clock_trusted) return;
   const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age,
                              content_->config.installation.sky_to_fit().model};
-  log_outage(save(state, *folder), unsaved_, "state");
+  log_outage(save(state, *folder), save_failing_, "state");
 }
 
 }  // namespace kasumi

@@ -35,7 +35,7 @@ class StatusLoop {
   Mailboxes& mailboxes_;
   Status status_;
   std::string line_;
-  bool unwritten_ = false, unsaved_ = false;  // and said so in the log
+  bool write_failing_ = false, save_failing_ = false;  // and said so in the log
   Instant saved_, stats_at_;
 };
 

@@ -20,8 +20,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kPatience = 200ms;      // how long a camera's loop waits for a frame before it looks around
-constexpr Duration kEndDeadline = 1500ms;  // for everybody, once asked
+constexpr Duration kFrameTimeout = 200ms;       // how long a camera's loop waits for a frame before it looks around
+constexpr Duration kShutdownDeadline = 1500ms;  // for everybody, once asked
 
 // Set and never cleared; everybody who waits is woken.
 class Stop {
@@ -65,7 +65,7 @@ void wait_for_signals(Stop& stop, Bell& reload, Bell& ended) {
     if (signal == SIGHUP) reload.ring();
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }
-  if (ended.wait_for(kEndDeadline)) return;
+  if (ended.wait_for(kShutdownDeadline)) return;
   // What holds us up is a driver or a disk; asked to go, we go. All that is kept was written whole.
   spdlog::warn("a driver or a disk holds a thread up: ending without it");
   std::_Exit(EXIT_SUCCESS);
@@ -89,10 +89,10 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   auto guard = start("signals", [&] { wait_for_signals(stop, reload, ended); });
   std::vector<std::thread> loops;
   loops.push_back(start("scene", [&] {
-    while (!stop.wanted()) appliance.scene().step(clock.now() + kPatience);
+    while (!stop.wanted()) appliance.scene().step(clock.now() + kFrameTimeout);
   }));
   loops.push_back(start("sky", [&] {
-    while (!stop.wanted()) appliance.sky().step(clock.now() + kPatience);
+    while (!stop.wanted()) appliance.sky().step(clock.now() + kFrameTimeout);
   }));
   loops.push_back(start("reload", [&] {
     while (!stop.wanted())

@@ -17,10 +17,10 @@ class VisibilityLoop {
   Instant step();
 
  private:
-  void take_content();
+  void adopt_content();
   void judge(const CheckPicture& picture);
   void learn(const std::vector<ContrastReading>& readings);
-  void tell(VisibilityStatus status);
+  void publish(VisibilityStatus status);
 
   ContentPtr content_;
   Clock& clock_;
@@ -29,9 +29,9 @@ class VisibilityLoop {
   SkyAir sky_;
   Instant due_{};
   std::optional<Instant> learnt_;
-  bool unsaved_ = false;  // and said
-  int apart_ = 0;         // looks in a row that disagreed with the sky
-  bool told_ = false;     // that they do
+  bool save_failing_ = false;  // and said
+  int disagreements_ = 0;      // looks in a row that disagreed with the sky
+  bool reported_ = false;      // that they do
 };
 
 }  // namespace kasumi

@@ -15,7 +15,6 @@ namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-using Json = nlohmann::json;
 
 // The bench's recording begins at 3:00 UTC: a check at 3:00 for 6 s of every day.
 RigOptions checked(const std::string& name, const std::string& time = "03:00") {
@@ -25,9 +24,9 @@ RigOptions checked(const std::string& name, const std::string& time = "03:00") {
   return options;
 }
 
-Json told(Rig& rig) {
+nlohmann::json told(Rig& rig) {
   rig.status();
-  return Json::parse(read_text_file(rig.folder / "status.json").value())["check"];
+  return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["check"];
 }
 
 // What the bench's scene camera saw before somebody tilted it down by half a degree: the generator's own picture.
