@@ -37,10 +37,10 @@ Instant CheckLoop::step() {
     frames_.reset();
     done_today_ = false;
   }
-  const auto& choice = content_->config.check;
+  const auto& options = content_->config.check;
   const auto now = clock_.now();
-  if (!choice.hours || !content_->config.state_folder) return now + kCheckPollInterval;
-  const bool time = mailboxes_.check.clock_trusted && choice.hours->is_open(clock_.utc());
+  if (!options.hours || !content_->config.state_folder) return now + kCheckPollInterval;
+  const bool time = mailboxes_.check.clock_trusted && options.hours->is_open(clock_.utc());
   if (frames_) {
     take_pictures();
     const auto full = [](const auto& pictures) { return pictures.size() >= std::size_t{kMostCheckFrames}; };
@@ -62,7 +62,7 @@ Instant CheckLoop::step() {
   if (now >= due_) {
     mailboxes_.scene.check_wants_picture = frames_->scene().size() < std::size_t{kMostCheckFrames};
     mailboxes_.sky.check_wants_picture = frames_->sky().size() < std::size_t{kMostCheckFrames};
-    due_ = now + choice.length / (kMostCheckFrames + 1);
+    due_ = now + options.length / (kMostCheckFrames + 1);
   }
   return now + kGatheringPollInterval;
 }

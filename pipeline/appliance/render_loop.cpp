@@ -114,14 +114,14 @@ void RenderLoop::discard_frames() {
   waiting_.reset();
 }
 
-Signs RenderLoop::signs() const {
-  Signs signs;
-  if (picture_at_) signs.picture_age = clock_.now() - *picture_at_;
-  signs.bad_scene_picture = trouble_of(camera_.health.condition);
-  signs.sky_up = sky_.up;
-  signs.sun_known = sky_.sun_known();
-  signs.open = is_open();
-  return signs;
+LadderInput RenderLoop::ladder_input() const {
+  LadderInput input;
+  if (picture_at_) input.picture_age = clock_.now() - *picture_at_;
+  input.bad_scene_picture = trouble_of(camera_.health.condition);
+  input.sky_up = sky_.up;
+  input.sun_known = sky_.sun_known();
+  input.open = is_open();
+  return input;
 }
 
 // A clock that is not believed closes no doors.
@@ -131,7 +131,7 @@ bool RenderLoop::is_open() const {
 
 void RenderLoop::update_rung() {
   const auto before = status_.rung;
-  status_.rung = ladder_.step(clock_.now(), signs());
+  status_.rung = ladder_.step(clock_.now(), ladder_input());
   if (status_.rung.shown == before.shown && status_.rung.trouble == before.trouble) return;
   if (status_.rung.shown == Shown::held || before.shown == Shown::held) return;  // short, and the camera's log says why
   const auto why = name_of(status_.rung.trouble);
@@ -144,12 +144,12 @@ Composition RenderLoop::composition() const {
 
 // A sky camera that is gone is no visitor's concern while the air is still known.
 std::string RenderLoop::visible_message() const {
-  const auto& choice = content_->config.words;
+  const auto& options = content_->config.words;
   const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
   const bool air_known = sky_.report.tracked && sky_.report.tracked->trustworthy;
-  if (!choice.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
-  return std::string(words(*message, choice.language));
+  if (!options.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
+  return std::string(words(*message, options.language));
 }
 
 bool RenderLoop::is_due(Instant now) const {

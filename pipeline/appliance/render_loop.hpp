@@ -29,7 +29,7 @@ class RenderLoop {
  private:
   void read_mailbox();
   void adopt_content();
-  Signs signs() const;
+  LadderInput ladder_input() const;
   void update_rung();
   bool is_open() const;
   bool is_closed() const { return status_.rung.dark >= 1.0; }  // and the picture has gone

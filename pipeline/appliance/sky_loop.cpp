@@ -60,7 +60,7 @@ void SkyLoop::adopt_content() {
 }
 
 SunSource SkyLoop::sun_source() {
-  const auto source = trust_.judge(time_.look(), clock_.utc());
+  const auto source = trust_.judge(time_.read(), clock_.utc());
   if (source != sun_from_)
     spdlog::info("clock: {}", source == SunSource::ephemeris ? "believed: the sun stands where the time says"
                               : source == SunSource::image   ? "not believed yet: the sun is looked for in the picture"

@@ -50,7 +50,7 @@ Result<Looked> look_at_cameras(const CheckArguments& arguments) {
   SystemClock clock;
   const auto devices = machine_devices(clock);
   TimeTrust trust(config.clock);
-  const bool time_known = trust.judge(watch_kernel_time()->look(), clock.utc()) == SunSource::ephemeris;
+  const bool time_known = trust.judge(watch_kernel_time()->read(), clock.utc()) == SunSource::ephemeris;
   if (!arguments.json) fmt::print("looking for {:.1f} minutes\n", arguments.minutes);
   auto frames =
       gather_live(config, *devices, clock, from_seconds(60.0 * arguments.minutes), time_known, stop_requested);

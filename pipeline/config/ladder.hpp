@@ -1,4 +1,4 @@
-// What the visitor is shown when not all is well: live, held, degraded, still, dark. A pure state machine: signs and
+// What the visitor is shown when not all is well: live, held, degraded, still, dark. A pure state machine: input and
 // the time in, the rung out.
 #pragma once
 
@@ -43,7 +43,7 @@ struct LadderOptions {
 LadderOptions patient_with(LadderOptions options, Duration frame_interval);
 
 // What the render loop sees now.
-struct Signs {
+struct LadderInput {
   std::optional<Duration> picture_age;       // of the newest good scene picture; empty: there never was one
   std::optional<Trouble> bad_scene_picture;  // pictures come, but show nothing: frozen, covered, white-out
   bool sky_up = false;
@@ -64,13 +64,13 @@ class Ladder {
   explicit Ladder(LadderOptions options = {}) : options_(options) {}
   // The fade ends when the held time does: no picture is ever seen that is older than options.held. Calling it more or
   // less often leads to the same rungs.
-  Rung step(Instant now, const Signs& signs);
+  Rung step(Instant now, const LadderInput& input);
   // From now on by these; the rung stays.
   void adopt(const LadderOptions& options) { options_ = options; }
 
  private:
-  Trouble scene_trouble(const Signs& signs) const;
-  Shown rung_for(Instant now, const Signs& signs, Trouble trouble);
+  Trouble scene_trouble(const LadderInput& input) const;
+  Shown rung_for(Instant now, const LadderInput& input, Trouble trouble);
 
   LadderOptions options_;
   Rung rung_;

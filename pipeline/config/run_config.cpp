@@ -38,7 +38,7 @@ CameraRequest read_request(const ConfigTable& table, const Camera& camera) {
   return request;
 }
 
-CameraChoice read_camera_choice(const ConfigTable& table, const Camera& camera) {
+CameraOptions read_camera_options(const ConfigTable& table, const Camera& camera) {
   const auto source = table.choice("source", {"v4l2", "libcamera", "replay"});
   if (source == "replay") {
     ReplayCamera replay{table.folder() / table.text("fixture")};
@@ -76,7 +76,7 @@ void read_mode(const ConfigTable& table, KmsDisplayOptions& options) {
   if (!whole || !sane) table.problem("mode", R"("auto", "1920x1080" or "1920x1080@60")");
 }
 
-DisplayChoice read_display(const ConfigTable& table) {
+DisplayOptions read_display(const ConfigTable& table) {
   constexpr Range kSize_px{16, 16384};
   const auto kind = table.choice("kind", {"kms", "window", "headless"}, std::string("kms"));
   if (kind == "window") {
@@ -100,8 +100,8 @@ DisplayChoice read_display(const ConfigTable& table) {
   return kms;
 }
 
-ClockChoice read_clock(const ConfigTable& table) {
-  ClockChoice clock;
+ClockOptions read_clock(const ConfigTable& table) {
+  ClockOptions clock;
   const auto policy = table.choice("policy", {"synchronized", "trusted", "from_sky"}, std::string("synchronized"));
   clock.policy = policy == "trusted"    ? ClockPolicy::trusted
                  : policy == "from_sky" ? ClockPolicy::from_sky
@@ -142,24 +142,24 @@ OpeningHours read_opening(const ConfigTable& table) {
   return opening;
 }
 
-CheckChoice read_check(const ConfigTable& table, const OpeningHours& opening) {
+CheckOptions read_check(const ConfigTable& table, const OpeningHours& opening) {
   constexpr Range kMinutes{0.1, 240.0};
-  CheckChoice choice;
+  CheckOptions options;
   const auto time = table.text("time", std::string("13:00"));
   const double minutes = table.number("minutes", kMinutes, 30.0);
-  if (time == "never") return choice;
+  if (time == "never") return options;
   const auto rest_of_day = parse_hours(time + "-24:00");
   if (!rest_of_day || rest_of_day->size() != 1) {
     table.problem("time", R"(a time of the day like "13:00", by the wall clock, or "never")");
-    return choice;
+    return options;
   }
-  choice.length = from_seconds(60.0 * minutes);
+  options.length = from_seconds(60.0 * minutes);
   OpeningHours hours;
   hours.time_zone = opening.time_zone.empty() ? machine_time_zone().value_or("") : opening.time_zone;
   const auto from = rest_of_day->front().from;
-  hours.week.fill({{from, from + std::chrono::ceil<std::chrono::minutes>(choice.length)}});
-  choice.hours = std::move(hours);
-  return choice;
+  hours.week.fill({{from, from + std::chrono::ceil<std::chrono::minutes>(options.length)}});
+  options.hours = std::move(hours);
+  return options;
 }
 
 LadderOptions read_ladder(const ConfigTable& table) {
@@ -186,15 +186,15 @@ RunConfig read_run_config(const ConfigTable& root) {
   };
   RunConfig config;
   config.installation = read_installation(root);
-  config.sky_camera = read_camera_choice(root.table("sky").table("camera"), config.installation.sky);
-  config.scene_camera = read_camera_choice(root.table("scene").table("camera"), config.installation.scene);
+  config.sky_camera = read_camera_options(root.table("sky").table("camera"), config.installation.sky);
+  config.scene_camera = read_camera_options(root.table("scene").table("camera"), config.installation.scene);
   config.display = section("display", read_display);
   config.overlay = section("display", [](const ConfigTable& table) { return table.flag("overlay", false); });
   config.still = section("still", [](const ConfigTable& table) {
-    return StillChoice{table.optional_file("picture"), table.text("caption", std::string())};
+    return StillOptions{table.optional_file("picture"), table.text("caption", std::string())};
   });
   config.words = section("words", [](const ConfigTable& table) {
-    WordsChoice words;
+    MessageOptions words;
     const auto language = parse_language(table.text("language", std::string("en")));
     if (language)
       words.language = *language;

@@ -22,36 +22,36 @@ struct ReplayCamera {
   std::filesystem::path fixture;  // played over and over
   friend bool operator==(const ReplayCamera&, const ReplayCamera&) = default;
 };
-using CameraChoice = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
-using DisplayChoice = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
+using CameraOptions = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
+using DisplayOptions = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
 
-struct StillChoice {
+struct StillOptions {
   std::optional<std::filesystem::path> picture;  // empty: a plain ground
   std::string caption;
 };
-struct WordsChoice {
+struct MessageOptions {
   Language language = Language::english;
   std::optional<std::filesystem::path> font_file;
   bool show_faults = true;  // false: the visitor reads the curated caption alone
 };
 
 // When the cameras are held against their calibration, once a day.
-struct CheckChoice {
+struct CheckOptions {
   std::optional<OpeningHours> hours;  // from when to when pictures are gathered for it; empty: never
   Duration length{};                  // of that time
 };
 
 struct RunConfig {
   Installation installation;
-  CameraChoice sky_camera;
-  CameraChoice scene_camera;
-  DisplayChoice display;
+  CameraOptions sky_camera;
+  CameraOptions scene_camera;
+  DisplayOptions display;
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
-  StillChoice still;
-  WordsChoice words;
-  ClockChoice clock;
+  StillOptions still;
+  MessageOptions words;
+  ClockOptions clock;
   OpeningHours opening;
-  CheckChoice check;
+  CheckOptions check;
   LadderOptions ladder;
   std::optional<std::filesystem::path> state_folder;
 };

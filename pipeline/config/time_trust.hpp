@@ -14,33 +14,33 @@ enum class ClockPolicy {
   trusted,       // always believed: somebody else looks after it, or the cameras play a recording
   from_sky,      // as `synchronized`, and until then the sun is where the sky camera sees it
 };
-struct ClockChoice {
+struct ClockOptions {
   ClockPolicy policy = ClockPolicy::synchronized;
   Utc earliest{};  // a time before that is never believed
 };
 
 // What the kernel knows of its clock.
-struct TimeSigns {
+struct ClockState {
   bool synchronized = false;  // adjtimex without STA_UNSYNC
   std::uint64_t jumps = 0;    // how often it was set since the watch began
 };
 class TimeWatch {
  public:
   virtual ~TimeWatch() = default;
-  virtual TimeSigns look() = 0;  // does not block; for one thread
+  virtual ClockState read() = 0;  // does not block; for one thread
 };
 // By adjtimex and a timer that the kernel cancels when the clock is set.
 std::unique_ptr<TimeWatch> watch_kernel_time();
 
 class TimeTrust {
  public:
-  explicit TimeTrust(ClockChoice choice = {}) : choice_(choice) {}
+  explicit TimeTrust(ClockOptions options = {}) : options_(options) {}
   // Where the sun's place may be taken from now. Trust once gained stays while the clock runs on undisturbed (a machine
   // cut off from its time server drifts by seconds a day), and is to be gained anew when somebody sets the clock.
-  SunSource judge(const TimeSigns& signs, Utc now);
+  SunSource judge(const ClockState& state, Utc now);
 
  private:
-  ClockChoice choice_;
+  ClockOptions options_;
   bool gained_ = false;
   std::uint64_t jumps_ = 0;
 };

@@ -44,7 +44,7 @@ std::optional<double> between(const Json& before, const Json& later) {
   return to_seconds(*to - *from);
 }
 
-void check_live_camera(const std::string& name, const CameraChoice& choice, const Json& before, const Json& later,
+void check_live_camera(const std::string& name, const CameraOptions& options, const Json& before, const Json& later,
                        double seconds, Findings& findings) {
   if (!flag(later, "up")) {
     findings.fail(name + ".open", "gone: " + text(later, "cause"),
@@ -68,7 +68,7 @@ void check_live_camera(const std::string& name, const CameraChoice& choice, cons
                   "v4l2-ctl -d DEVICE --list-formats-ext and --list-ctrls show what it can; ask for that");
 
   const double rate = (number(later, "good_frames") - number(before, "good_frames")) / seconds;
-  const auto* request = request_of(choice);
+  const auto* request = request_of(options);
   double asked = request ? request->frames_per_second : 0.0;
   if (asked == 0.0) asked = number(mode, "frames_per_second");
   const auto rates = asked > 0.0 ? fmt::format("{:.1f} frames a second of {:.4g}", rate, asked)

@@ -50,9 +50,9 @@ std::string list_of(const std::map<std::string, std::uint64_t>& counts) {
 
 }  // namespace
 
-const CameraRequest* request_of(const CameraChoice& choice) {
-  if (const auto* v4l2 = std::get_if<V4l2Options>(&choice)) return &v4l2->request;
-  if (const auto* libcamera = std::get_if<LibcameraOptions>(&choice)) return &libcamera->request;
+const CameraRequest* request_of(const CameraOptions& options) {
+  if (const auto* v4l2 = std::get_if<V4l2Options>(&options)) return &v4l2->request;
+  if (const auto* libcamera = std::get_if<LibcameraOptions>(&options)) return &libcamera->request;
   return nullptr;
 }
 
@@ -95,14 +95,14 @@ WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration le
   return seen;
 }
 
-void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                        Findings& findings) {
   const auto check = name + ".path";
-  if (const auto* replay = std::get_if<ReplayCamera>(&choice)) {
+  if (const auto* replay = std::get_if<ReplayCamera>(&options)) {
     findings.good(check, "a recording: " + replay->fixture.string());
     return;
   }
-  if (const auto* libcamera = std::get_if<LibcameraOptions>(&choice)) {
+  if (const auto* libcamera = std::get_if<LibcameraOptions>(&options)) {
     const auto cameras = list_libcamera_cameras();
     if (!cameras) {
       findings.fail(check, cameras.error().message, "install a build with libcamera, or take source = \"v4l2\"");
@@ -120,7 +120,7 @@ void check_camera_path(const MachinePlaces& places, const std::string& name, con
                   ids.empty() ? "cables and power; libcamera sees no camera (cam -l)" : "libcamera sees: " + ids);
     return;
   }
-  const auto& device = std::get<V4l2Options>(choice).device;
+  const auto& device = std::get<V4l2Options>(options).device;
   const auto here = placed(places, device);
   std::error_code error;
   const auto node = std::filesystem::canonical(here, error);
@@ -140,9 +140,9 @@ void check_camera_path(const MachinePlaces& places, const std::string& name, con
   findings.good(check, fmt::format("{} is {}", device.string(), node.filename().string()));
 }
 
-void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                       Findings& findings) {
-  const auto* v4l2 = std::get_if<V4l2Options>(&choice);
+  const auto* v4l2 = std::get_if<V4l2Options>(&options);
   if (!v4l2) return;
   std::error_code error;
   const auto node = std::filesystem::canonical(placed(places, v4l2->device), error);
@@ -170,14 +170,14 @@ void check_camera_usb(const MachinePlaces& places, const std::string& name, cons
   finding.values["mbit_per_s"] = *speed;
 }
 
-void check_camera(const std::string& name, const CameraChoice& choice, const WatchedCamera& camera,
+void check_camera(const std::string& name, const CameraOptions& options, const WatchedCamera& camera,
                   Findings& findings) {
   if (!camera.opened) {
     findings.fail(name + ".open", camera.problem,
                   "who has it: sudo fuser -v /dev/video*; may this user: id must show the group video");
     return;
   }
-  const auto* request = request_of(choice);
+  const auto* request = request_of(options);
   if (camera.mode) {
     const auto& mode = *camera.mode;
     std::string notes;

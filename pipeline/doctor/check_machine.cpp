@@ -94,21 +94,21 @@ void check_unit(const MachinePlaces& places, Findings& findings) {
 
 }  // namespace
 
-void check_clock(const ClockChoice& choice, const TimeSigns& signs, Utc now, Findings& findings) {
+void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings) {
   const auto shown = utc_text(std::chrono::floor<std::chrono::seconds>(now));
-  if (now < choice.earliest)
+  if (now < options.earliest)
     findings.fail("clock", fmt::format("it is {} here, which cannot be", shown),
                   "sudo timedatectl set-time ..., or give it a time server: systemctl status systemd-timesyncd");
-  else if (signs.synchronized)
+  else if (state.synchronized)
     findings.good("clock", fmt::format("{}, kept in step", shown));
-  else if (choice.policy == ClockPolicy::trusted)
+  else if (options.policy == ClockPolicy::trusted)
     findings.good("clock", fmt::format("{}, not kept in step, trusted by [clock] policy", shown));
   else
     findings.warn(
         "clock",
         fmt::format("{}, and nothing keeps it in step: {}", shown,
-                    choice.policy == ClockPolicy::from_sky ? "the sun is taken from the sky's picture"
-                                                           : "no building is drawn until it is"),
+                    options.policy == ClockPolicy::from_sky ? "the sun is taken from the sky's picture"
+                                                            : "no building is drawn until it is"),
         "timedatectl timesync-status; sudo apt install systemd-timesyncd; without a network: a clock chip or GPS, "
         "or [clock] policy = \"from_sky\"");
 }

@@ -16,15 +16,15 @@ std::optional<double> number_of(const std::filesystem::path& file);
 std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder, std::string_view prefix);
 
 // check_machine.cpp
-void check_clock(const ClockChoice& choice, const TimeSigns& signs, Utc now, Findings& findings);
+void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings);
 void check_temperature(const MachinePlaces& places, Findings& findings);
 void check_throttling(const MachinePlaces& places, Findings& findings);
 void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& findings);
 void check_watchdogs(const MachinePlaces& places, Findings& findings);
 
 // check_cameras.cpp
-const CameraRequest* request_of(const CameraChoice& choice);  // null for a recording
-struct WatchedCamera {                                        // what was seen of it in `lasted`
+const CameraRequest* request_of(const CameraOptions& options);  // null for a recording
+struct WatchedCamera {                                          // what was seen of it in `lasted`
   bool opened = false;
   std::string problem;  // why it could not be opened, or why no frame came
   std::optional<double> first_frame_s;
@@ -35,11 +35,12 @@ struct WatchedCamera {                                        // what was seen o
   double lasted_s = 0.0;
 };
 WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration length);
-void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                        Findings& findings);
-void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                       Findings& findings);
-void check_camera(const std::string& name, const CameraChoice& choice, const WatchedCamera& camera, Findings& findings);
+void check_camera(const std::string& name, const CameraOptions& options, const WatchedCamera& camera,
+                  Findings& findings);
 
 // check_display.cpp
 void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOptions& options, Findings& findings);

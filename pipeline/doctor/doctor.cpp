@@ -66,8 +66,8 @@ void check_calibration(const char* name, const Camera& camera, const Installatio
 // As the appliance would: both at once, since they may share a bus.
 void check_cameras(const DoctorRequest& request, const RunConfig& config, Devices& devices, Clock& clock,
                    Findings& findings) {
-  const auto watch = [&](CameraRole role, const CameraChoice& choice) {
-    return watch_camera(devices.camera(role, choice).opener, clock, request.watch);
+  const auto watch = [&](CameraRole role, const CameraOptions& options) {
+    return watch_camera(devices.camera(role, options).opener, clock, request.watch);
   };
   WatchedCamera sky;
   std::thread other([&] { sky = watch(CameraRole::sky, config.sky_camera); });
@@ -176,8 +176,8 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
     const auto& config = (*content)->config;
     for (const auto& [name, choice] :
          {std::pair{"scene_camera", &config.scene_camera}, {"sky_camera", &config.sky_camera}}) {
-      check_camera_path(places, name, *choice, findings);
-      check_camera_usb(places, name, *choice, findings);
+      check_camera_path(places, name, *options, findings);
+      check_camera_usb(places, name, *options, findings);
     }
     if (const auto* kms = std::get_if<KmsDisplayOptions>(&config.display); kms && places.displays)
       check_connectors(places.displays(), *kms, findings);
@@ -193,7 +193,7 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
     check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);
     check_calibration("sky_camera", installation.sky, installation, clock.utc(), findings);
   }
-  check_clock(content ? (*content)->config.clock : ClockChoice{}, watch_kernel_time()->look(), clock.utc(), findings);
+  check_clock(content ? (*content)->config.clock : ClockOptions{}, watch_kernel_time()->read(), clock.utc(), findings);
   check_temperature(places, findings);
   check_throttling(places, findings);
   check_disk(content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state, clock,

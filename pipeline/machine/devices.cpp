@@ -54,13 +54,13 @@ class MachineDevices final : public Devices {
  public:
   explicit MachineDevices(Clock& clock) : clock_(clock), recordings_(clock) {}
 
-  CameraOpening camera(CameraRole role, const CameraChoice& choice) override {
+  CameraOpening camera(CameraRole role, const CameraOptions& options) override {
     const std::string name = role == CameraRole::sky ? "sky camera" : "scene camera";
-    return std::visit([&](const auto& chosen) { return opening(name, role, chosen); }, choice);
+    return std::visit([&](const auto& chosen) { return opening(name, role, chosen); }, options);
   }
 
-  Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) override {
-    return std::visit([&](const auto& chosen) { return open(chosen); }, choice);
+  Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) override {
+    return std::visit([&](const auto& chosen) { return open(chosen); }, options);
   }
 
   std::unique_ptr<DisplayWatch> watch_displays() override {

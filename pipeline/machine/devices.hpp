@@ -22,8 +22,8 @@ class Devices {
  public:
   virtual ~Devices() = default;
   // Opens nothing yet. The opener's `open` BLOCKS as the camera's driver does.
-  virtual CameraOpening camera(CameraRole role, const CameraChoice& choice) = 0;
-  virtual Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) = 0;
+  virtual CameraOpening camera(CameraRole role, const CameraOptions& options) = 0;
+  virtual Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) = 0;
   // Hears of displays that come and go. Null: nobody tells, they are looked for now and then.
   virtual std::unique_ptr<DisplayWatch> watch_displays() = 0;
 };

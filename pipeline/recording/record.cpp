@@ -43,13 +43,13 @@ class Ending {
 };
 
 // Frames come and go as fast as the disk takes them: lending them would hold up the driver.
-CameraChoice copying(CameraChoice choice) {
+CameraOptions copying(CameraOptions options) {
   std::visit(
       [](auto& chosen) {
         if constexpr (requires { chosen.request; }) chosen.request.lend_buffers = false;
       },
-      choice);
-  return choice;
+      options);
+  return options;
 }
 
 // One camera's loop.

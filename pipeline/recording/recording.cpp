@@ -98,7 +98,7 @@ Result<std::unique_ptr<Recording>> Recording::create(const std::filesystem::path
   if (!changes) return fail(changes.error());
   (*changes)["sky.camera"] = std::nullopt;
   (*changes)["scene.camera"] = std::nullopt;
-  const bool synchronized = watch_kernel_time()->look().synchronized;
+  const bool synchronized = watch_kernel_time()->read().synchronized;
   const auto text =
       head_of(folder, start, synchronized) + root->copy_of({"site", "sky", "scene", "object", "landmarks"}, *changes);
   if (auto written = write_text_file(folder / "fixture.toml", text); !written) return fail(written.error());

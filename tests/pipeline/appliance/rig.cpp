@@ -133,14 +133,14 @@ std::filesystem::path write_config(const std::filesystem::path& folder, const st
   return folder / "kasumi.toml";
 }
 
-CameraOpening BenchDevices::camera(CameraRole role, const CameraChoice& choice) {
-  auto opening = machine_->camera(role, choice);
+CameraOpening BenchDevices::camera(CameraRole role, const CameraOptions& options) {
+  auto opening = machine_->camera(role, options);
   opening.opener = with_faults(opening.opener, role == CameraRole::sky ? sky : scene, clock_);
   return opening;
 }
 
-Result<std::unique_ptr<Display>> BenchDevices::open_display(const DisplayChoice& choice) {
-  return open_faulty_display(std::get<HeadlessDisplayOptions>(choice), clock_, display);
+Result<std::unique_ptr<Display>> BenchDevices::open_display(const DisplayOptions& options) {
+  return open_faulty_display(std::get<HeadlessDisplayOptions>(options), clock_, display);
 }
 
 Rig::Rig(RigOptions options)

@@ -29,8 +29,8 @@ std::filesystem::path write_config(const std::filesystem::path& folder, const st
 
 class FakeTime final : public TimeWatch {
  public:
-  TimeSigns look() override { return signs; }
-  TimeSigns signs;
+  ClockState read() override { return state; }
+  ClockState state;
 };
 
 struct FakeNotifier final : Notifier {
@@ -47,8 +47,8 @@ struct FakeNotifier final : Notifier {
 class BenchDevices final : public Devices {
  public:
   explicit BenchDevices(Clock& clock) : clock_(clock), machine_(machine_devices(clock)) {}
-  CameraOpening camera(CameraRole role, const CameraChoice& choice) override;
-  Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) override;
+  CameraOpening camera(CameraRole role, const CameraOptions& options) override;
+  Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) override;
   std::unique_ptr<DisplayWatch> watch_displays() override { return watch_faulty_display(display); }
   CameraFaults sky, scene;
   DisplayFaults display;

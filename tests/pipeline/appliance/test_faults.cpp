@@ -283,10 +283,10 @@ TEST(Appliance, Row24WithTheClockAt1970ThePictureIsLiveAndNothingDependsOnTheSun
   const auto without_building = rig.picture();
 
   // The time server answers: the kernel's clock is set, then kept in step.
-  rig.time.signs.jumps = 1;
+  rig.time.state.jumps = 1;
   rig.advance(1s);
   EXPECT_FALSE(rig.status().sky.clock_trusted) << "set is not yet in step";
-  rig.time.signs.synchronized = true;
+  rig.time.state.synchronized = true;
   const auto took = rig.advance_until([&] { return rig.status().sky.clock_trusted; }, 5s);
   EXPECT_FALSE(took) << "a time before earliest_utc is never believed, whatever the kernel says";
 }
@@ -295,11 +295,11 @@ TEST(Appliance, Row24OnceInStepTheBuildingIsThere) {
   Rig rig({.name = "row24-sync", .clock_policy = "synchronized"});
   rig.advance(6s);
   ASSERT_EQ(rig.trouble(), Trouble::time_unknown);
-  rig.time.signs = {.synchronized = true, .jumps = 1};
+  rig.time.state = {.synchronized = true, .jumps = 1};
   EXPECT_TRUE(rig.recover("24 clock not in step, then synchronised", 3s));
   EXPECT_TRUE(rig.status().sky.clock_trusted);
   // Somebody sets the clock by hand.
-  rig.time.signs = {.synchronized = false, .jumps = 2};
+  rig.time.state = {.synchronized = false, .jumps = 2};
   rig.advance(4s);
   EXPECT_EQ(rig.trouble(), Trouble::time_unknown);
   EXPECT_EQ(rig.shown(), Shown::degraded);

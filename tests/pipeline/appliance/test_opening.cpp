@@ -190,7 +190,7 @@ TEST_F(LocalHours, Row26AClockThatIsNotBelievedClosesNoDoors) {
   Rig rig(options);
   rig.advance(20s);
   EXPECT_EQ(rig.shown(), Shown::degraded);
-  rig.time.signs = {.synchronized = true, .jumps = 1};
+  rig.time.state = {.synchronized = true, .jumps = 1};
   EXPECT_TRUE(rig.advance_until([&] { return rig.devices.display.off; }, 3s));
 }
 

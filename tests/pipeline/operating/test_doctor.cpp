@@ -62,7 +62,7 @@ bool has(const Findings& findings, const std::string& check) {
 constexpr Utc kNow = std::chrono::sys_days{std::chrono::year{2026} / 6 / 21};
 
 TEST(DoctorClock, TellsAClockInStepFromOneThatIsNotAndOneThatCannotBe) {
-  ClockChoice choice;
+  ClockOptions choice;
   choice.earliest = std::chrono::sys_days{std::chrono::year{2025} / 1 / 1};
   const auto grade = [&](bool synchronized, Utc now) {
     Findings findings;
@@ -237,7 +237,7 @@ TEST(DoctorCamera, AStableNameIsAskedFor) {
 }
 
 TEST(DoctorCamera, WhatWasSeenIsHeldAgainstWhatWasAskedFor) {
-  const CameraChoice choice = usb_camera();
+  const CameraOptions choice = usb_camera();
   WatchedCamera seen;
   seen.opened = true;
   seen.first_frame_s = 0.4;
@@ -437,11 +437,11 @@ TEST(Doctor, ExaminesAKioskThatDoesNotRunByOpeningItsDevices) {
 // Devices that must not be touched.
 class Untouchable final : public Devices {
  public:
-  CameraOpening camera(CameraRole, const CameraChoice&) override {
+  CameraOpening camera(CameraRole, const CameraOptions&) override {
     ADD_FAILURE() << "the appliance has the cameras";
     return {};
   }
-  Result<std::unique_ptr<Display>> open_display(const DisplayChoice&) override {
+  Result<std::unique_ptr<Display>> open_display(const DisplayOptions&) override {
     ADD_FAILURE() << "the appliance has the display";
     return fail(FaultKind::device, "busy");
   }
