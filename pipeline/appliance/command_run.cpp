@@ -34,10 +34,10 @@ Result<int> run(const RunArguments& arguments) {
     return kBadConfiguration;
   }
   const auto sighting = sight_object((*content)->config.installation, (*content)->model.bounds());
-  spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.words);
+  spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.message);
   if (arguments.check) {
-    if (const auto words = calibration_words((*content)->config.installation, arguments.config); !words.empty())
-      fmt::print("{}\n", words);
+    if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
+      fmt::print("{}\n", summary);
     fmt::print("{}: well\n", arguments.config);
     return 0;
   }

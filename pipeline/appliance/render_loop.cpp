@@ -4,7 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/config/words.hpp"
+#include "pipeline/config/messages.hpp"
 
 namespace kasumi {
 
@@ -144,12 +144,12 @@ Composition RenderLoop::composition() const {
 
 // A sky camera that is gone is no visitor's concern while the air is still known.
 std::string RenderLoop::visible_message() const {
-  const auto& options = content_->config.words;
+  const auto& options = content_->config.messages;
   const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
   const bool air_known = sky_.report.tracked && sky_.report.tracked->trustworthy;
   if (!options.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
-  return std::string(words(*message, options.language));
+  return std::string(message_text(*message, options.language));
 }
 
 bool RenderLoop::is_due(Instant now) const {

@@ -26,18 +26,18 @@ constexpr std::size_t kFewestSuns = 3;
 constexpr Radians kSunsAgree = from_degrees(0.4), kSurestSun = from_degrees(0.05);
 constexpr Radians kNearSun = from_degrees(20.0), kLowForDome = from_degrees(20.0);
 
-DriftFinding untold(const char* camera, const char* what, std::string words) {
-  return {camera, what, DriftState::untold, std::move(words), {}, {}, {}, {}};
+DriftFinding untold(const char* camera, const char* what, std::string message) {
+  return {camera, what, DriftState::untold, std::move(message), {}, {}, {}, {}};
 }
 
 DriftFinding judged(const char* camera, const char* what, const char* unit, double value, double sigma, double alarm,
-                    std::string words) {
-  return {camera, what, value > alarm ? DriftState::drifted : DriftState::steady, std::move(words), value, sigma,
+                    std::string message) {
+  return {camera, what, value > alarm ? DriftState::drifted : DriftState::steady, std::move(message), value, sigma,
           alarm,  unit};
 }
 
 // How the camera itself has moved, its picture having moved the other way.
-std::string turn_words(const ViewTurn& turn) {
+std::string turn_text(const ViewTurn& turn) {
   const auto part = [](double radians, const char* one, const char* other) {
     return fmt::format("{:.2f} {}", std::abs(to_degrees(Radians{radians})), radians >= 0.0 ? one : other);
   };
@@ -62,10 +62,10 @@ DriftFinding judge_focus(const char* name, const std::optional<EdgeChange>& seen
                               change.sought, change.edges));
   const double widening = change.spread_ratio - 1.0;
   const double alarm = std::max(kLeastWidening, kSigmas * change.spread_sigma);
-  const auto words = fmt::format("edges are {:.2f} +- {:.2f} times as wide as they were ({:.2f} px, then {:.2f})",
-                                 change.spread_ratio, change.spread_sigma, change.now_px, change.before_px);
+  const auto message = fmt::format("edges are {:.2f} +- {:.2f} times as wide as they were ({:.2f} px, then {:.2f})",
+                                   change.spread_ratio, change.spread_sigma, change.now_px, change.before_px);
   return judged(name, "focus", "percent", 100.0 * widening, 100.0 * change.spread_sigma, 100.0 * alarm,
-                widening > alarm ? "out of focus: " + words : words);
+                widening > alarm ? "out of focus: " + message : message);
 }
 
 // Haze comes with the air's turbidity, and takes more from what is farther; a fogged lens takes from all alike.
@@ -83,12 +83,12 @@ DriftFinding judge_lens(const char* name, const std::optional<Veil>& veil, const
   const bool alike = change->step_low > kAlike * change->step_high;
   const bool fogged = finding.state == DriftState::drifted && pale && alike;
   if (fogged && haze.known() && !haze.thicker())
-    finding.words = "fogged or dirty: " + finding.words;
+    finding.message = "fogged or dirty: " + finding.message;
   else if (fogged && !haze.known())
-    finding = untold(name, "lens", finding.words + ": a fogged lens or hazy air, whose turbidity is not known");
+    finding = untold(name, "lens", finding.message + ": a fogged lens or hazy air, whose turbidity is not known");
   else
     finding.state = DriftState::steady;
-  if (finding.state == DriftState::steady && pale) finding.words += ": the air is hazier, the lens is clear";
+  if (finding.state == DriftState::steady && pale) finding.message += ": the air is hazier, the lens is clear";
   return finding;
 }
 
@@ -109,7 +109,7 @@ DriftFinding judge_turn(const View& view, const std::optional<ViewTurn>& turn) {
   const double angle_deg = to_degrees(turn->angle()), sigma_deg = to_degrees(turn->sigma());
   const double alarm_deg = std::max(view.least_turn_deg, kSigmas * sigma_deg);
   return judged(view.name, "view", "deg", angle_deg, sigma_deg, alarm_deg,
-                angle_deg > alarm_deg ? "the camera has turned by " + turn_words(*turn)
+                angle_deg > alarm_deg ? "the camera has turned by " + turn_text(*turn)
                                       : fmt::format("where it was, to {:.3f} +- {:.3f} deg", angle_deg, sigma_deg));
 }
 
@@ -171,10 +171,10 @@ DriftFinding judge_sun(const std::vector<SunSeen>& all) {
   const double sigma_deg =
       to_degrees(Radians{scatter / kMedianLengthOverSigma / std::sqrt(static_cast<double>(suns.size()))});
   const double alarm_deg = std::max(kLeastSunOffset_deg, kSigmas * sigma_deg);
-  const auto words = fmt::format("the sun stands {:.2f} +- {:.2f} deg from where it should ({} pictures)", angle_deg,
-                                 sigma_deg, suns.size());
+  const auto message = fmt::format("the sun stands {:.2f} +- {:.2f} deg from where it should ({} pictures)", angle_deg,
+                                   sigma_deg, suns.size());
   return judged("sky", "sun", "deg", angle_deg, sigma_deg, alarm_deg,
-                angle_deg > alarm_deg ? "the camera has turned, or the clock is wrong: " + words : words);
+                angle_deg > alarm_deg ? "the camera has turned, or the clock is wrong: " + message : message);
 }
 
 // Open sky, away from the horizon, obstructions and every place of the sun.
@@ -266,7 +266,7 @@ std::string drift_summary(const DriftReport& report) {
   std::vector<std::string> parts;
   for (const auto& finding : report.findings)
     if (finding.state == DriftState::drifted)
-      parts.push_back(fmt::format("{} camera, {}: {}", finding.camera, finding.what, finding.words));
+      parts.push_back(fmt::format("{} camera, {}: {}", finding.camera, finding.what, finding.message));
   if (!parts.empty()) return fmt::format("{}", fmt::join(parts, "; "));
   const auto untold = std::count_if(report.findings.begin(), report.findings.end(),
                                     [](const DriftFinding& finding) { return finding.state == DriftState::untold; });
@@ -279,7 +279,7 @@ std::string drift_text(const DriftReport& report) {
     const char* mark = finding.state == DriftState::drifted  ? " DRIFT "
                        : finding.state == DriftState::steady ? "  ok   "
                                                              : "  ?    ";
-    text += fmt::format("{}{:<16} {}\n", mark, finding.camera + "." + finding.what, finding.words);
+    text += fmt::format("{}{:<16} {}\n", mark, finding.camera + "." + finding.what, finding.message);
   }
   return text;
 }

@@ -16,7 +16,7 @@ struct DriftFinding {
   std::string camera;  // "sky", "scene"
   std::string what;    // "view", "sun", "focus", "lens", "dome", "exposure"
   DriftState state = DriftState::untold;
-  std::string words;            // for a person
+  std::string message;          // for a person
   std::optional<double> value;  // in `unit`
   std::optional<double> sigma;  // one standard deviation
   std::optional<double> alarm;  // the value from which on it is called drift

@@ -15,7 +15,7 @@ nlohmann::ordered_json findings_json(const DriftReport& report) {
     json.push_back({{"camera", finding.camera},
                     {"what", finding.what},
                     {"state", name_of(finding.state)},
-                    {"words", finding.words},
+                    {"words", finding.message},
                     {"value", or_null(finding.value)},
                     {"sigma", or_null(finding.sigma)},
                     {"alarm", or_null(finding.alarm)},

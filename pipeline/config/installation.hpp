@@ -52,6 +52,6 @@ struct Installation {
 Installation read_installation(const ConfigTable& root);
 // For a person: which values are the calibration file's, of when, and which the root says itself in spite of it. Empty
 // without such a file.
-std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file);
+std::string calibration_summary(const Installation& installation, const std::filesystem::path& root_file);
 
 }  // namespace kasumi

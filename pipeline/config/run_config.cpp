@@ -193,16 +193,16 @@ RunConfig read_run_config(const ConfigTable& root) {
   config.still = section("still", [](const ConfigTable& table) {
     return StillOptions{table.optional_file("picture"), table.text("caption", std::string())};
   });
-  config.words = section("words", [](const ConfigTable& table) {
-    MessageOptions words;
+  config.messages = section("words", [](const ConfigTable& table) {
+    MessageOptions options;
     const auto language = parse_language(table.text("language", std::string("en")));
     if (language)
-      words.language = *language;
+      options.language = *language;
     else
       table.problem("language", language.error().message);
-    words.font_file = table.optional_file("font_file");
-    words.show_faults = table.flag("show_faults", true);
-    return words;
+    options.font_file = table.optional_file("font_file");
+    options.show_faults = table.flag("show_faults", true);
+    return options;
   });
   config.clock = section("clock", read_clock);
   config.opening = section("opening", read_opening);

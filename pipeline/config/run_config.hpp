@@ -12,9 +12,9 @@
 #include "gles/display/display.hpp"
 #include "pipeline/config/installation.hpp"
 #include "pipeline/config/ladder.hpp"
+#include "pipeline/config/messages.hpp"
 #include "pipeline/config/opening_hours.hpp"
 #include "pipeline/config/time_trust.hpp"
-#include "pipeline/config/words.hpp"
 
 namespace kasumi {
 
@@ -48,7 +48,7 @@ struct RunConfig {
   DisplayOptions display;
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
   StillOptions still;
-  MessageOptions words;
+  MessageOptions messages;
   ClockOptions clock;
   OpeningHours opening;
   CheckOptions check;

@@ -92,9 +92,9 @@ Sighting sight_object(const Installation& installation, const ModelBounds& bound
   const double distance = std::hypot(centre.x, centre.y);
   const auto place = fmt::format("{:.2f} km away at azimuth {:.1f} deg", sighting.distance_m / 1000.0,
                                  to_degrees(azimuth_angle(centre)));
-  const auto say = [&](Verdict verdict, std::string words) {
+  const auto say = [&](Verdict verdict, std::string message) {
     sighting.verdict = verdict;
-    sighting.words = std::move(words);
+    sighting.message = std::move(message);
     return sighting;
   };
   if (before == 0)

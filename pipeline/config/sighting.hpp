@@ -22,7 +22,7 @@ struct Sighting {
   };
   Verdict verdict = Verdict::visible;
   double distance_m = 0.0;
-  std::string words;  // "the building is in the picture: 3.50 km away at azimuth 5.0 deg, 61 x 38 pixels"
+  std::string message;  // "the building is in the picture: 3.50 km away at azimuth 5.0 deg, 61 x 38 pixels"
   bool in_picture() const { return verdict == Verdict::visible || verdict == Verdict::cut_off; }
 };
 

@@ -43,9 +43,9 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
              summary.seconds, static_cast<double>(summary.pictures) / summary.seconds, summary.gl_renderer,
              summary.software_gl ? ", which is software" : "");
   if (summary.sighting.in_picture())
-    fmt::print("{}\n", summary.sighting.words);
+    fmt::print("{}\n", summary.sighting.message);
   else
-    spdlog::warn("{}", summary.sighting.words);
+    spdlog::warn("{}", summary.sighting.message);
   fmt::print("sky: {} frames, {} usable\n", summary.sky_frames, summary.usable_sky_frames);
   if (summary.last && summary.last->tracked && summary.last->air) {
     const auto& tracked = *summary.last->tracked;

@@ -7,7 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/latest_slot.hpp"
-#include "pipeline/config/words.hpp"
+#include "pipeline/config/messages.hpp"
 #include "pipeline/recording/record_screen.hpp"
 
 namespace kasumi {
@@ -115,7 +115,7 @@ Result<RecordScreen> open_screen(Devices& devices, const RunConfig& config) {
 void show_until_over(RecordScreen first, const RecordRequest& request, const RunConfig& config, Devices& devices,
                      const Recording& recording, Clock& clock, const std::function<bool()>& stop, Ending& ending,
                      LatestSlot<Frame>& frames) {
-  const std::string word(words(Message::recording, config.words.language));
+  const std::string word(message_text(Message::recording, config.messages.language));
   std::optional<RecordScreen> screen = std::move(first);
   const auto began = clock.now();
   auto try_again_at = began;

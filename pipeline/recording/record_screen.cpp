@@ -40,23 +40,23 @@ Result<RecordScreen> RecordScreen::open(std::unique_ptr<Display> display, const 
   return RecordScreen(std::move(display), std::move(*renderer), std::move(*light), config);
 }
 
-Result<> RecordScreen::set_words(const std::string& words, const DrawTarget& target) {
-  if (sign_ && words == words_ && target.height == sign_for_height_) return {};
+Result<> RecordScreen::set_text(const std::string& text, const DrawTarget& target) {
+  if (sign_ && text == text_ && target.height == sign_for_height_) return {};
   CaptionStyle style;
   style.font_file = font_;
   style.height_px = std::max(14.0, target.height / 28.0);
   style.largest_width_px = target.width * 3 / 4;
-  const auto picture = draw_caption(words, style);
+  const auto picture = draw_caption(text, style);
   if (!picture) return fail(picture.error());
   auto sign = FlatPicture::create(display_->context(), *picture);
   if (!sign) return fail(sign.error());
   sign_ = std::move(*sign);
-  words_ = words;
+  text_ = text;
   sign_for_height_ = target.height;
   return {};
 }
 
-Result<> RecordScreen::show(const Frame* frame, const std::string& words, Instant deadline) {
+Result<> RecordScreen::show(const Frame* frame, const std::string& text, Instant deadline) {
   const auto target = display_->begin(deadline);
   if (!target) return target.error().kind == FaultKind::timeout ? Result<>{} : fail(target.error());
 
@@ -74,7 +74,7 @@ Result<> RecordScreen::show(const Frame* frame, const std::string& words, Instan
   if (auto drawn = light_.draw(*target, {left, margin + 0.4 * line, line, line}); !drawn) return drawn;
   left += 1.5 * line;
   // Without a font the red light has to do.
-  if (set_words(words, *target) && sign_) {
+  if (set_text(text, *target) && sign_) {
     const FlatPlace place{left, margin, static_cast<double>(sign_->width()), static_cast<double>(sign_->height())};
     if (auto drawn = sign_->draw(*target, place); !drawn) return drawn;
   }

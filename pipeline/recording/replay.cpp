@@ -104,7 +104,7 @@ class Run {
         continue;
       }
       if (auto shown = show(sources.scene->next(*scene_due + 1s)); !shown) return shown;
-      progress.advance(words());
+      progress.advance(progress_detail());
     }
     while (sources.sky->due() && !over()) look_at_sky(sources.sky->next(*sources.sky->due() + 1s));
     return {};
@@ -127,7 +127,7 @@ class Run {
       if (!frame && frame.error().kind == FaultKind::timeout)
         continue;  // a gap: the window is served, the picture held
       if (result = show(std::move(frame)); !result) break;
-      progress.advance(words());
+      progress.advance(progress_detail());
     }
     stopping = true;
     clock.interrupt();
@@ -159,7 +159,7 @@ class Run {
     return stop_requested() || (screen_.window && !screen_.window->handle_events());
   }
 
-  std::string words() const {
+  std::string progress_detail() const {
     return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T not known yet";
   }
 

@@ -16,7 +16,7 @@ namespace kasumi {
 // What one picture consists of, from the back to the front.
 struct Composition {
   Rung rung;
-  std::string words;  // what is wrong, for the person standing there; empty: nothing to say
+  std::string message;  // what is wrong, for the person standing there; empty: nothing to say
   friend bool operator==(const Composition&, const Composition&) = default;
 };
 
@@ -42,7 +42,7 @@ class Stage {
   const std::vector<std::string>& notes() const { return compositor_.notes(); }
 
  private:
-  struct Words {
+  struct DrawnText {
     std::string text;
     int target_width = 0;
     std::optional<FlatPicture> picture;  // empty: they could not be drawn
@@ -53,8 +53,8 @@ class Stage {
         compositor_(std::move(compositor)),
         still_(std::move(still)) {}
   Result<> draw_overlay(const DrawTarget& target);
-  Result<> draw_words(Words& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
-  void set_words(Words& drawn, const std::string& text, const DrawTarget& target);
+  Result<> draw_text(DrawnText& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
+  void update_text(DrawnText& drawn, const std::string& text, const DrawTarget& target);
 
   GlContext* context_;
   ContentPtr content_;
@@ -62,7 +62,7 @@ class Stage {
   std::optional<Overlay> overlay_;  // empty: nobody wants it
   StillPicture still_;
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
-  Words caption_, trouble_;
+  DrawnText caption_, trouble_;
   bool has_scene_ = false;
   bool draws_object_ = false;
 };

@@ -166,7 +166,7 @@ void dirty_the_dome(Day later) {
   EXPECT_THAT(drifted(found), testing::ElementsAre("sky.dome"));
   const auto& dome = finding(found, "sky", "dome");
   EXPECT_NEAR(dome.value.value_or(0.0), 27.0, 8.0) << "30 %, less what the surroundings and the pixels make of it";
-  EXPECT_THAT(dome.words, HasSubstr("2 spots"));
+  EXPECT_THAT(dome.message, HasSubstr("2 spots"));
 }
 
 void put_the_scene_out_of_focus(Day later) {
@@ -197,7 +197,7 @@ void fog_the_scene_camera(Day later) {
   redraw(later.scene, camera, [&](const Light& light, glm::dvec2 pixel) { return 0.5 * light(pixel) + 0.5 * mean; });
   const auto found = report(later);
   EXPECT_THAT(drifted(found), testing::ElementsAre("scene.lens"));
-  EXPECT_THAT(finding(found, "scene", "lens").words, HasSubstr("fogged"));
+  EXPECT_THAT(finding(found, "scene", "lens").message, HasSubstr("fogged"));
 }
 
 TEST(Drift, EachDisturbanceIsFoundNamedAndMeasured) {

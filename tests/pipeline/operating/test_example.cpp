@@ -82,8 +82,8 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.display, b.display);
   EXPECT_EQ(a.overlay, b.overlay);
   EXPECT_EQ(a.still.caption, b.still.caption);
-  EXPECT_EQ(a.words.language, b.words.language);
-  EXPECT_EQ(a.words.show_faults, b.words.show_faults);
+  EXPECT_EQ(a.messages.language, b.messages.language);
+  EXPECT_EQ(a.messages.show_faults, b.messages.show_faults);
   EXPECT_EQ(a.clock.policy, b.clock.policy);
   EXPECT_EQ(a.clock.earliest, b.clock.earliest);
   EXPECT_EQ(a.opening, b.opening);

@@ -198,7 +198,7 @@ TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
   ASSERT_TRUE(summary) << summary.error().message;
   ASSERT_TRUE(summary->last && summary->last->measured);
   EXPECT_EQ(summary->last->measured->sun_share, 0.0);
-  EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.words;
+  EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.message;
   EXPECT_LE(building_error(fixture, out, "overcast"), 4.0);
 
   // Between two pictures of a slow sky camera its clouds stay, for a while.

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "pipeline/config/words.hpp"
+#include "pipeline/config/messages.hpp"
 #include "pipeline/stage/caption.hpp"
 #include "pipeline/stage/text_breaking.hpp"
 #include "tests/places.hpp"
@@ -23,11 +23,11 @@ TEST(Words, EveryLanguageHasEveryMessageInItsOwnWords) {
   for (const Language language : kLanguages) {
     std::set<std::string_view> said;
     for (const Message message : kMessages) {
-      const auto sentence = words(message, language);
+      const auto sentence = message_text(message, language);
       EXPECT_FALSE(sentence.empty()) << code_of(language) << ", message " << static_cast<int>(message);
       EXPECT_TRUE(characters_of(sentence).has_value()) << sentence;
       if (language != Language::english) {
-        EXPECT_NE(sentence, words(message, Language::english)) << code_of(language);
+        EXPECT_NE(sentence, message_text(message, Language::english)) << code_of(language);
       }
       said.insert(sentence);
     }
@@ -148,7 +148,7 @@ TEST_F(Captions, StandInTheMiddleOfTheirGround) {
 }
 
 TEST_F(Captions, BreakWithinTheirWidthAndKeepTheirHeight) {
-  const std::string text{words(Message::sky_camera_missing, Language::german)};
+  const std::string text{message_text(Message::sky_camera_missing, Language::german)};
   const Image<Rgba8> one = draw(text, {.height_px = 30, .largest_width_px = 4000});
   const Image<Rgba8> three = draw(text, {.height_px = 30, .largest_width_px = 600});
   EXPECT_GT(one.width(), 1000);
@@ -197,7 +197,7 @@ TEST_F(Captions, CanBeLookedAt) {
     int top = 10;
     for (const Message message : kMessages) {
       const Image<Rgba8> picture =
-          draw(std::string(words(message, language)), {.height_px = 30, .largest_width_px = 800});
+          draw(std::string(message_text(message, language)), {.height_px = 30, .largest_width_px = 800});
       ASSERT_LE(picture.width(), 800);
       for (int y = 0; y < picture.height() && top + y < sheet.rows; ++y)
         for (int x = 0; x < picture.width(); ++x) {

@@ -40,6 +40,6 @@ inline constexpr Message kMessages[] = {
 };
 
 // One or two sentences, UTF-8, a line each. Never empty.
-std::string_view words(Message message, Language language);
+std::string_view message_text(Message message, Language language);
 
 }  // namespace kasumi
