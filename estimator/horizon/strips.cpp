@@ -29,14 +29,14 @@ int sky_bottom(const SceneSky& scene, int x0, int x1) {
 
 // Median over the strip's sky pixels of a row. Red on its own, too, because the air lets most of it through: a hill
 // that has all but faded shows there last.
-enum class Seen { brightness, red };
-double row_light(const SceneSky& scene, int x0, int x1, int y, Seen seen) {
+enum class Band { brightness, red };
+double row_light(const SceneSky& scene, int x0, int x1, int y, Band seen) {
   std::vector<double> values;
   const int step = std::max(1, (x1 - x0) / 48);
   for (int x = x0; x < x1; x += step) {
     if (scene.sky.at(x, y) == 0) continue;
     const glm::dvec3 light = scene.light_at(x, y);
-    values.push_back(seen == Seen::red ? light.x : (light.x + light.y + light.z) / 3.0);
+    values.push_back(seen == Band::red ? light.x : (light.x + light.y + light.z) / 3.0);
   }
   return median(std::move(values));
 }
@@ -97,7 +97,7 @@ void find_edges(const SceneSky& scene, SkyStrip& strip) {
   const int height = scene.picture.height();
   strip.first_drop = strip.edge;
   int last_rise = strip.top;
-  for (const Seen seen : {Seen::brightness, Seen::red}) {
+  for (const Band seen : {Band::brightness, Band::red}) {
     std::vector<double> profile;  // from the top down
     for (int y = strip.top; y <= strip.edge; ++y) profile.push_back(row_light(scene, strip.x0, strip.x1, y, seen));
     std::vector<double> changes;

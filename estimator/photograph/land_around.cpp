@@ -18,7 +18,7 @@ constexpr float kDistances = 3.0F;   // of ln distance
 constexpr float kBrightness = 0.5F;  // of encoded brightness: sun beside shade is no edge yet, white beside black is
 constexpr int kLargeEnough = 500;    // pixels, of the longer side, in which surroundings are told well
 constexpr float kHidden = 1e-4F;     // a weight so small that nothing depends on it
-const glm::vec3 kGrey{0.3F, 0.6F, 0.1F};
+const glm::vec3 kGreyOfGuide{0.3F, 0.6F, 0.1F};
 
 }  // namespace
 
@@ -36,7 +36,7 @@ Image<glm::vec3> land_around(const Image<glm::vec3>& light, const PictureDepth& 
       const auto relative = light.at(x, y) / glm::max(air.of(x, y), glm::vec3{1e-9F});
       const float distance_m = depth.distance_m.at(x, y);
       const bool land = distance_m > 0.0F;
-      guide.at(x, y) = {kBrightness * std::sqrt(glm::dot(kGrey, glm::min(relative, 4.0F))),
+      guide.at(x, y) = {kBrightness * std::sqrt(glm::dot(kGreyOfGuide, glm::min(relative, 4.0F))),
                         kDistances * std::log(land ? distance_m : 1.5F * farthest_m), 0.0F};
       if (!land) continue;
       const auto left = glm::max(glm::vec3(paths.transmittance(depth.path(x, y)).value()), glm::vec3{1e-9F});
