@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/appliance/mailboxes.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
 #include "pipeline/stage/stage.hpp"
