@@ -84,8 +84,8 @@ void CheckLoop::judge() {
   if (const auto reference = find_reference(reference_stem(installation, config_file_), own, installation)) {
     auto report = find_drift(*frames_, *reference, installation, now);
     auto summary = drift_summary(report);
-    const bool well = report.well();
-    return publish(std::move(summary), std::move(report), !well);
+    const bool steady = report.steady();
+    return publish(std::move(summary), std::move(report), !steady);
   }
   const auto taken = take_reference(*frames_, installation, now);
   if (!taken) return publish("no reference could be taken: " + taken.error().message, std::nullopt, true);

@@ -68,7 +68,7 @@ OrderedJson latency_json(const std::optional<LatencySummary>& latency) {
 
 OrderedJson check_json(const CheckStatus& check) {
   OrderedJson json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(check.at))}, {"summary", check.summary}};
-  json["well"] = check.report ? OrderedJson(check.report->well()) : OrderedJson(nullptr);
+  json["well"] = check.report ? OrderedJson(check.report->steady()) : OrderedJson(nullptr);
   json["reference_utc"] = check.report ? OrderedJson(utc_text(check.report->reference)) : OrderedJson(nullptr);
   json["findings"] = check.report ? findings_json(*check.report) : OrderedJson::array();
   return json;

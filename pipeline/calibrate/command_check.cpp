@@ -83,7 +83,7 @@ Result<int> check(const CheckArguments& arguments) {
 
   const auto report = find_drift(looked->frames, *reference, looked->installation, looked->now);
   fmt::print("{}", arguments.json ? drift_json(report) : drift_text(report) + drift_summary(report) + "\n");
-  return report.well() ? 0 : 1;
+  return report.steady() ? 0 : 1;
 }
 
 }  // namespace

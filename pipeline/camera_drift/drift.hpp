@@ -9,13 +9,13 @@
 
 namespace kasumi {
 
-enum class DriftState { steady, drifted, untold };  // untold: nothing of it can be seen in these pictures
+enum class DriftState { steady, drifted, undetermined };  // untold: nothing of it can be seen in these pictures
 std::string_view name_of(DriftState state);
 
 struct DriftFinding {
   std::string camera;  // "sky", "scene"
   std::string what;    // "view", "sun", "focus", "lens", "dome", "exposure"
-  DriftState state = DriftState::untold;
+  DriftState state = DriftState::undetermined;
   std::string message;          // for a person
   std::optional<double> value;  // in `unit`
   std::optional<double> sigma;  // one standard deviation
@@ -27,7 +27,7 @@ struct DriftReport {
   Utc checked{};
   Utc reference{};  // when that was taken
   std::vector<DriftFinding> findings;
-  bool well() const;  // nothing drifted
+  bool steady() const;  // nothing drifted
 };
 
 // docs/calibration.md tells what each finding means and where its bound is from. Takes seconds with large pictures.

@@ -63,7 +63,7 @@ GreyPicture median_of(const std::vector<GreyPicture>& pictures) {
   return still;
 }
 
-std::optional<double> middle_of(std::vector<double> values) {
+std::optional<double> median_if_enough(std::vector<double> values) {
   if (values.size() < std::size_t{kFewestCheckFrames}) return std::nullopt;
   return median_in_place(values);
 }

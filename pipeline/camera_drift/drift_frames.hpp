@@ -20,7 +20,7 @@ constexpr int kDomeSide_px = 160;
 using GreyPicture = Image<std::uint8_t>;
 GreyPicture median_of(const std::vector<GreyPicture>& pictures);
 // Of three or more; of fewer nothing.
-std::optional<double> middle_of(std::vector<double> values);
+std::optional<double> median_if_enough(std::vector<double> values);
 int shrink_factor(const Camera& camera);
 // By that factor, each element the mean light of its pixels; what is left over at the right and below is dropped.
 GreyPicture shrunk(const GreyPicture& picture, const Camera& camera);
@@ -31,7 +31,7 @@ Image<float> light_of(const GreyPicture& picture, const Camera& camera);
 Image<std::uint8_t> still_part_of_sky(const Camera& sky, int factor);
 
 // The sun once: where it stood, and where the calibration says that the picture shows it.
-struct SunSeen {
+struct SunObservation {
   Direction ephemeris{0, 0, 1};
   Direction picture{0, 0, 1};
 };
@@ -46,7 +46,7 @@ class DriftFrames {
   const std::vector<GreyPicture>& scene() const { return scene_; }
   const std::vector<GreyPicture>& sky() const { return sky_; }
   const std::vector<DomeLook>& dome() const { return dome_; }
-  const std::vector<SunSeen>& suns() const { return suns_; }
+  const std::vector<SunObservation>& suns() const { return suns_; }
   const std::vector<Direction>& sun_places() const { return sun_places_; }
   // ln of the clear sky's light per exposure, over what the sky's model has: constant as long as lens and sensor are.
   const std::vector<double>& levels() const { return levels_; }
@@ -58,7 +58,7 @@ class DriftFrames {
   SkyObserver observer_;
   std::vector<GreyPicture> scene_, sky_;
   std::vector<DomeLook> dome_;
-  std::vector<SunSeen> suns_;
+  std::vector<SunObservation> suns_;
   std::vector<Direction> sun_places_;
   std::vector<double> levels_, turbidities_;
 };

@@ -7,7 +7,7 @@
 namespace kasumi {
 namespace {
 
-constexpr Duration kPatience = std::chrono::milliseconds(200);
+constexpr Duration kFrameTimeout = std::chrono::milliseconds(200);
 
 // One camera, in a thread of its own: it keeps its driver going and takes a picture now and then.
 void watch(CameraOpening opening, const Camera& camera, Clock& clock, Instant until, Duration apart,
@@ -15,7 +15,7 @@ void watch(CameraOpening opening, const Camera& camera, Clock& clock, Instant un
   const auto source = reconnecting(std::move(opening.opener), clock);
   auto due = clock.now();
   while (clock.now() < until && !stop()) {
-    const auto frame = source->next(std::min(until, clock.now() + kPatience));
+    const auto frame = source->next(std::min(until, clock.now() + kFrameTimeout));
     if (!frame || frame->metadata.status != FrameStatus::good || clock.now() < due) continue;
     const auto decoded = decode(*frame, camera.yuv_encoding);
     if (!decoded) continue;

@@ -69,7 +69,7 @@ std::optional<Utc> utc_of(const Json& json, const char* key) {
   return parse_utc(json[key].get<std::string>());
 }
 
-DomeLook median_of(const std::vector<DomeLook>& looks) {
+DomeLook median_look(const std::vector<DomeLook>& looks) {
   DomeLook still(looks[0].width(), looks[0].height());
   std::vector<float> values(looks.size());
   for (std::size_t i = 0; i < still.elements().size(); ++i)
@@ -82,7 +82,7 @@ DomeLook median_of(const std::vector<DomeLook>& looks) {
 
 ViewReference view_of(const std::vector<GreyPicture>& pictures, const Camera& camera,
                       const Image<std::uint8_t>& usable) {
-  const auto still = kasumi::median_of(pictures);
+  const auto still = median_of(pictures);
   return {shrunk(still, camera), find_edges(light_of(still, camera), usable)};
 }
 
@@ -113,11 +113,11 @@ Result<DriftReference> take_reference(const DriftFrames& frames, const Installat
   if (enough(frames.scene())) reference.scene = view_of(frames.scene(), installation.scene, {});
   if (enough(frames.sky())) {
     reference.sky = view_of(frames.sky(), installation.sky, still_part_of_sky(installation.sky, 1));
-    reference.dome = median_of(frames.dome());
+    reference.dome = median_look(frames.dome());
     reference.suns = frames.sun_places();
   }
-  reference.turbidity = middle_of(frames.turbidities());
-  reference.level = middle_of(frames.levels());
+  reference.turbidity = median_if_enough(frames.turbidities());
+  reference.level = median_if_enough(frames.levels());
   return reference;
 }
 
