@@ -179,7 +179,7 @@ bool RenderLoop::turn_off_if_closed() {
       handle_screen_fault(off.error());
       return true;
     }
-  if (screen_.is_off()) watchdog_.rests(clock_.now());
+  if (screen_.is_off()) watchdog_.display_off(clock_.now());
   return screen_.is_off();
 }
 

@@ -40,7 +40,7 @@ bool Screen::open() {
   if (!stage) {
     status_.up = false;
     status_.cause = stage.error().message;
-    if (!display && display.error().kind == FaultKind::disconnected) watchdog_.looked_for_display(now);
+    if (!display && display.error().kind == FaultKind::disconnected) watchdog_.display_missing(now);
     if (!missing_logged_) spdlog::warn("display: not there: {}", stage.error().message);
     missing_logged_ = true;
     return false;

@@ -56,8 +56,8 @@ const CameraRequest* request_of(const CameraOptions& options) {
   return nullptr;
 }
 
-WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration length) {
-  WatchedCamera seen;
+CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Duration length) {
+  CameraMeasurement seen;
   auto source = opener.open();
   if (!source) {
     seen.problem = source.error().message;
@@ -170,7 +170,7 @@ void check_camera_usb(const MachinePlaces& places, const std::string& name, cons
   finding.values["mbit_per_s"] = *speed;
 }
 
-void check_camera(const std::string& name, const CameraOptions& options, const WatchedCamera& camera,
+void check_camera(const std::string& name, const CameraOptions& options, const CameraMeasurement& camera,
                   Findings& findings) {
   if (!camera.opened) {
     findings.fail(name + ".open", camera.problem,

@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 constexpr int kPictures = 60;
 constexpr Duration kLongFlip = 500ms;
 
-std::string in_words(const ListedConnector& connector) {
+std::string text_of(const ListedConnector& connector) {
   return fmt::format("{} ({}{}{})", connector.name, connector.connection, connector.display.empty() ? "" : ", ",
                      connector.display);
 }
@@ -52,7 +52,7 @@ void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOpti
     else
       findings.good("display.master", fmt::format("{}: {}", card.path, card.users));
     for (const auto& connector : card.connectors) {
-      there += (there.empty() ? "" : ", ") + in_words(connector);
+      there += (there.empty() ? "" : ", ") + text_of(connector);
       const bool asked =
           options.connector.empty() ? connector.connection == "connected" : connector.name == options.connector;
       const bool on_card = options.device.empty() || options.device == card.path || options.device == card.by_path;
@@ -67,11 +67,11 @@ void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOpti
     return;
   }
   if (chosen->connection == "disconnected") {
-    findings.fail("display.connector", in_words(*chosen), "cable; is the screen on? there are: " + there);
+    findings.fail("display.connector", text_of(*chosen), "cable; is the screen on? there are: " + there);
     return;
   }
   findings.good("display.connector",
-                fmt::format("{}{}{}", in_words(*chosen), chosen->mode_now.empty() ? "" : ", now ", chosen->mode_now));
+                fmt::format("{}{}{}", text_of(*chosen), chosen->mode_now.empty() ? "" : ", now ", chosen->mode_now));
   if (chosen->modes.empty())
     findings.fail("display.modes", "the screen lists none",
                   "another cable (its data lines); the screen's input; dmesg | grep -i edid");

@@ -14,16 +14,16 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kWarm = 75.0, kHot = 85.0;           // degrees Celsius, where a zone states no limits of its own
-constexpr double kLittleSpace = 1e9, kNoSpace = 2e8;  // bytes
+constexpr double kWarm_C = 75.0, kHot_C = 85.0;  // degrees Celsius, where a zone states no limits of its own
+constexpr double kLowSpace_bytes = 1e9, kFullDisk_bytes = 2e8;  // bytes
 constexpr double kSlowWrite_s = 1.0;
 constexpr std::size_t kProbeBytes = 65536;
 
 struct Zone {
   std::string name;
   double celsius = 0.0;
-  double warm = kWarm;
-  double hot = kHot;
+  double warm = kWarm_C;
+  double hot = kHot_C;
 };
 
 // "critical" is where the kernel switches the machine off; 10 degrees before that it is too hot.
@@ -187,9 +187,9 @@ void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& fin
   const double free = static_cast<double>(space.available);
   const auto found = fmt::format("{:.1f} GB free for {}", free / 1e9, folder.string());
   const char* advice = "move recordings away; sudo journalctl --vacuum-size=200M";
-  auto& finding = free < kNoSpace       ? findings.fail("disk.space", found, advice)
-                  : free < kLittleSpace ? findings.warn("disk.space", found, advice)
-                                        : findings.good("disk.space", found);
+  auto& finding = free < kFullDisk_bytes   ? findings.fail("disk.space", found, advice)
+                  : free < kLowSpace_bytes ? findings.warn("disk.space", found, advice)
+                                           : findings.good("disk.space", found);
   finding.values["free_bytes"] = free;
 
   const auto probe = folder / ".doctor-probe";

@@ -24,7 +24,7 @@ void check_watchdogs(const MachinePlaces& places, Findings& findings);
 
 // check_cameras.cpp
 const CameraRequest* request_of(const CameraOptions& options);  // null for a recording
-struct WatchedCamera {                                          // what was seen of it in `lasted`
+struct CameraMeasurement {                                      // what was seen of it in `lasted`
   bool opened = false;
   std::string problem;  // why it could not be opened, or why no frame came
   std::optional<double> first_frame_s;
@@ -34,12 +34,12 @@ struct WatchedCamera {                                          // what was seen
   std::uint64_t gaps = 0;
   double lasted_s = 0.0;
 };
-WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration length);
+CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Duration length);
 void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                        Findings& findings);
 void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                       Findings& findings);
-void check_camera(const std::string& name, const CameraOptions& options, const WatchedCamera& camera,
+void check_camera(const std::string& name, const CameraOptions& options, const CameraMeasurement& camera,
                   Findings& findings);
 
 // check_display.cpp

@@ -67,9 +67,9 @@ void check_calibration(const char* name, const Camera& camera, const Installatio
 void check_cameras(const DoctorRequest& request, const RunConfig& config, Devices& devices, Clock& clock,
                    Findings& findings) {
   const auto watch = [&](CameraRole role, const CameraOptions& options) {
-    return watch_camera(devices.camera(role, options).opener, clock, request.watch);
+    return measure_camera(devices.camera(role, options).opener, clock, request.watch);
   };
-  WatchedCamera sky;
+  CameraMeasurement sky;
   std::thread other([&] { sky = watch(CameraRole::sky, config.sky_camera); });
   const auto scene = watch(CameraRole::scene, config.scene_camera);
   other.join();

@@ -41,7 +41,7 @@ Duration interval_of(const CameraRequest& request) {
 }
 
 // What the driver made of what was asked, once each time it is opened.
-Result<std::unique_ptr<FrameSource>> logged(const std::string& name, Result<std::unique_ptr<CameraSource>> source) {
+Result<std::unique_ptr<FrameSource>> log_mode(const std::string& name, Result<std::unique_ptr<CameraSource>> source) {
   if (!source) return fail(source.error());
   const auto& mode = (*source)->mode();
   spdlog::info("{}: {} ({}) at {}: {}x{} {} {:.3g} /s", name, mode.card, mode.driver, mode.place, mode.width,
@@ -74,10 +74,10 @@ class MachineDevices final : public Devices {
   CameraOpening opening(const std::string& name, CameraRole role, const ReplayCamera& replay) {
     const auto folder = replay.fixture / (role == CameraRole::sky ? "sky" : "scene");
     const auto recording = [this, role, fixture = replay.fixture] { return recordings_.open(fixture, role); };
-    return {replay_camera(name, recording, clock_), usual_interval(folder), true};
+    return {replay_camera(name, recording, clock_), median_interval(folder), true};
   }
   CameraOpening opening(const std::string& name, CameraRole, const V4l2Options& options) {
-    const auto open = [this, name, options] { return logged(name, open_v4l2_source(options, clock_)); };
+    const auto open = [this, name, options] { return log_mode(name, open_v4l2_source(options, clock_)); };
     const auto present = [device = options.device] {
       std::error_code error;
       return std::filesystem::exists(device, error);
@@ -85,7 +85,7 @@ class MachineDevices final : public Devices {
     return {{name, open, present}, interval_of(options.request), false};
   }
   CameraOpening opening(const std::string& name, CameraRole, const LibcameraOptions& options) {
-    const auto open = [this, name, options] { return logged(name, open_libcamera_source(options, clock_)); };
+    const auto open = [this, name, options] { return log_mode(name, open_libcamera_source(options, clock_)); };
     return {{name, open, {}}, interval_of(options.request), false};
   }
 

@@ -50,7 +50,7 @@ SourceOpener replay_camera(std::string name, std::function<Result<std::shared_pt
   return reopening(std::move(name), std::move(source), clock);
 }
 
-Duration usual_interval(const std::filesystem::path& camera_folder) {
+Duration median_interval(const std::filesystem::path& camera_folder) {
   const auto rows = read_index(camera_folder);
   if (!rows) return Duration{0};
   std::vector<Duration> intervals;

@@ -17,6 +17,6 @@ SourceOpener replay_camera(std::string name, std::function<Result<std::shared_pt
                            Clock& clock);
 
 // Between two frames of a recording, the median; 0 when there are fewer than two or it cannot be read.
-Duration usual_interval(const std::filesystem::path& camera_folder);
+Duration median_interval(const std::filesystem::path& camera_folder);
 
 }  // namespace kasumi

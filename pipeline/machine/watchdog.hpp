@@ -19,7 +19,7 @@ class Watchdog {
     feed(now);
   }
   // No display is connected (a television is off at night); the loop went to look again.
-  void looked_for_display(Instant now) {
+  void display_missing(Instant now) {
     if (!ready_ && (!extended_ || now - *extended_ >= kExtendInterval)) {
       notifier_.extend_start(3 * kExtendInterval);
       extended_ = now;
@@ -27,7 +27,7 @@ class Watchdog {
     feed(now);
   }
   // Closed: the screen is off, and the loop looks whether it is time to open.
-  void rests(Instant now) { feed(now); }
+  void display_off(Instant now) { feed(now); }
 
  private:
   static constexpr Duration kFeedInterval = std::chrono::seconds(1);

@@ -1,4 +1,4 @@
-// What the display shows while recording: the scene camera's picture, and a sign that it is kept.
+// What the display shows while recording: the scene camera's picture, and a caption that it is kept.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ namespace kasumi {
 class RecordScreen {
  public:
   static Result<RecordScreen> open(std::unique_ptr<Display> display, const RunConfig& config);
-  // Shows the picture (nothing new: the last one) under the sign with these text. BLOCKS until there is a buffer to
+  // Shows the picture (nothing new: the last one) under the caption with these text. BLOCKS until there is a buffer to
   // draw into, or the deadline passes: no error. Errors: as Display's.
   Result<> show(const Frame* frame, const std::string& text, Instant deadline);
   Display& display() { return *display_; }
@@ -35,9 +35,9 @@ class RecordScreen {
   FlatPicture light_;
   YuvEncoding encoding_;
   std::optional<std::filesystem::path> font_;
-  std::optional<FlatPicture> sign_;
+  std::optional<FlatPicture> caption_;
   std::string text_;
-  int sign_for_height_ = 0;
+  int caption_for_height_ = 0;
   bool has_picture_ = false;
 };
 

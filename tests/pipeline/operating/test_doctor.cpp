@@ -238,7 +238,7 @@ TEST(DoctorCamera, AStableNameIsAskedFor) {
 
 TEST(DoctorCamera, WhatWasSeenIsHeldAgainstWhatWasAskedFor) {
   const CameraOptions choice = usb_camera();
-  WatchedCamera seen;
+  CameraMeasurement seen;
   seen.opened = true;
   seen.first_frame_s = 0.4;
   seen.good = 88;

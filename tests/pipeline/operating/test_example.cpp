@@ -108,11 +108,11 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
   const auto text = example();
   const auto known = documented(text);
   // Keys of other lenses and of other ways to say the same are told in words, and in docs/cameras.md.
-  const std::set<std::string> in_words{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
-                                       "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
-                                       "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
-                                       "sky.lens.fov_deg",    "sky.lens.circle_px",   "sky.measured",
-                                       "scene.measured"};
+  const std::set<std::string> text_of{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
+                                      "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
+                                      "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
+                                      "sky.lens.fov_deg",    "sky.lens.circle_px",   "sky.measured",
+                                      "scene.measured"};
   const auto scene_device = text.find("[scene.camera]");
   auto replay = text;
   replay =
@@ -138,7 +138,7 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
       // What one camera's table shows holds for the other's.
       auto twin = key;
       if (key.starts_with("scene.")) twin = "sky." + key.substr(6);
-      if (!table && !known.contains(key) && !known.contains(twin) && !in_words.contains(key)) missing.insert(key);
+      if (!table && !known.contains(key) && !known.contains(twin) && !text_of.contains(key)) missing.insert(key);
     }
   }
   EXPECT_THAT(missing, testing::IsEmpty());
