@@ -49,8 +49,8 @@ class Compositor {
         encoding_(installation.scene.yuv_encoding),
         quality_(installation.scene_quality),
         white_balance_(installation.scene.white_balance) {}
-  Result<> take(const DecodedPicture& picture);
-  Result<> fit_detail(PixelLayout layout, double haze_blur_px);
+  Result<> pass_to_gpu(const DecodedPicture& picture);
+  Result<> update_detail(PixelLayout layout, double haze_blur_px);
   Result<> show(const DrawTarget& target);
 
   Renderer renderer_;

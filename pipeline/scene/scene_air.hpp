@@ -49,15 +49,15 @@ class SceneAir {
 
   SceneConditions conditions(const SkyReport& report) const;
   // Takes a scene frame in, and what the sky camera knows: the conditions that the frame is to be drawn under.
-  SceneConditions take_in(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky);
+  SceneConditions observe(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky);
   // `box`: where the object appears. `layer`: the conditions its layer was drawn under; null: there is none.
   DrawnAir drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer = nullptr) const;
 
   // Looks at the horizon in a scene frame (at most once in horizon_interval of recorded time; between, the camera's own
   // exposure carries it on). `sky_picture`: the latest of the sky camera, for scenes that show no sky; may be null.
-  // `conditions`: for when neither shows any; may be null. Part of take_in().
-  void look_for_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
-                        const SceneConditions* conditions = nullptr);
+  // `conditions`: for when neither shows any; may be null. Part of observe().
+  void update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
+                      const SceneConditions* conditions = nullptr);
   const HorizonLight& horizon() const { return horizon_; }
 
  private:
@@ -78,7 +78,7 @@ class SceneAir {
   SceneAirOptions options_;
   AttenuationNodes nodes_;
   HorizonLight horizon_;
-  std::optional<Instant> looked_at_;
+  std::optional<Instant> horizon_seen_at_;
   std::optional<double> exposure_;  // of the last frame: seconds times gain
 };
 

@@ -71,7 +71,7 @@ Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource 
   estimate(*picture, report);
   last_estimate_ = report.estimate;
   last_measured_ = report.measured;
-  last_looked_ = when;
+  last_observed_ = when;
   tracker_.observe(report.estimate, when);
   add_air(report, when);
   return report;
@@ -82,7 +82,7 @@ SkyReport SkyWatch::at(Instant when, Utc utc, SunSource sun_from) const {
   report.utc = utc;
   report.sun = place_sun(utc, nullptr, sun_from);
   report.estimate = last_estimate_;
-  if (when - last_looked_ <= kCloudsHold) report.measured = last_measured_;
+  if (when - last_observed_ <= kCloudsHold) report.measured = last_measured_;
   add_air(report, when);
   return report;
 }

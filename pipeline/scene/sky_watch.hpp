@@ -64,7 +64,7 @@ class SkyWatch {
   TurbidityTracker tracker_;
   TurbidityEstimate last_estimate_;
   std::shared_ptr<const MeasuredSky> last_measured_;  // of the same frame
-  Instant last_looked_{};
+  Instant last_observed_{};
 };
 
 // An estimate whose numbers cannot be is made unusable, with a reason.

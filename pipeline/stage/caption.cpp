@@ -28,12 +28,12 @@ constexpr std::array kFonts{
     "/usr/share/fonts-droid-fallback/truetype/DroidSansFallbackFull.ttf",
 };
 constexpr std::size_t kMostCharacters = 4000;
-constexpr double kLeastHeight = 6.0, kMostHeight = 512.0;
+constexpr double kMinHeight = 6.0, kMostHeight = 512.0;
 constexpr int kMostWidth = 16384;
 
-constexpr glm::dvec3 kWords{247, 246, 241};
-constexpr glm::dvec3 kGround{17, 19, 23};
-constexpr double kGroundOpacity = 0.72;
+constexpr glm::dvec3 kTextColour{247, 246, 241};
+constexpr glm::dvec3 kBackground{17, 19, 23};
+constexpr double kBackgroundOpacity = 0.72;
 
 // FreeType counts in 64ths of a pixel.
 double from_26_6(FT_Pos value) {
@@ -157,10 +157,10 @@ double inside_rounded(int x, int y, int width, int height, double radius) {
   return std::clamp(radius - std::hypot(dx, dy) + 0.5, 0.0, 1.0);
 }
 
-Rgba8 words_over_ground(double words, double ground) {
-  const double opacity = words + ground * (1.0 - words);
+Rgba8 text_over_background(double text, double background) {
+  const double opacity = text + background * (1.0 - text);
   if (opacity <= 0.0) return {};
-  const glm::dvec3 colour = (kWords * words + kGround * ground * (1.0 - words)) / opacity;
+  const glm::dvec3 colour = (kTextColour * text + kBackground * background * (1.0 - text)) / opacity;
   return {glm::round(glm::dvec4(colour, 255.0 * opacity))};
 }
 
@@ -168,8 +168,8 @@ Rgba8 words_over_ground(double words, double ground) {
 
 Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& style) {
   Problems problems;
-  if (!(style.height_px >= kLeastHeight && style.height_px <= kMostHeight))
-    problems.add("caption: lines of {} pixels: expected {} to {}", style.height_px, kLeastHeight, kMostHeight);
+  if (!(style.height_px >= kMinHeight && style.height_px <= kMostHeight))
+    problems.add("caption: lines of {} pixels: expected {} to {}", style.height_px, kMinHeight, kMostHeight);
   if (style.largest_width_px < 1 || style.largest_width_px > kMostWidth)
     problems.add("caption: {} pixels wide: expected 1 to {}", style.largest_width_px, kMostWidth);
   auto characters = characters_of(text);
@@ -205,7 +205,7 @@ Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& s
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       picture.at(x, y) =
-          words_over_ground(coverage.at(x, y), kGroundOpacity * inside_rounded(x, y, width, height, radius));
+          text_over_background(coverage.at(x, y), kBackgroundOpacity * inside_rounded(x, y, width, height, radius));
   return picture;
 }
 

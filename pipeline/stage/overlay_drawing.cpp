@@ -12,9 +12,6 @@ namespace kasumi {
 
 namespace {
 
-using Kind = OverlayLine::Kind;
-using Side = OverlayLabel::Side;
-
 constexpr double kEdgeOpacity = 0.55;
 constexpr glm::dvec3 kEdge{8, 10, 14};
 
@@ -23,17 +20,17 @@ struct Pen {
   double width;  // of the usual
 };
 
-Pen pen_of(Kind kind) {
+Pen pen_of(OverlayLineKind kind) {
   switch (kind) {
-    case Kind::grid: return {{205, 225, 240}, 0.55};
-    case Kind::horizon: return {{255, 170, 60}, 1.0};
-    case Kind::box: return {{255, 240, 150}, 0.6};
-    case Kind::footprint: return {{255, 240, 150}, 1.2};
-    case Kind::axis_x: return {{255, 90, 80}, 1.0};
-    case Kind::axis_y: return {{110, 230, 110}, 1.0};
-    case Kind::axis_z: return {{100, 160, 255}, 1.0};
-    case Kind::heading: return {{255, 255, 255}, 1.2};
-    case Kind::landmark: return {{255, 130, 240}, 1.3};
+    case OverlayLineKind::grid: return {{205, 225, 240}, 0.55};
+    case OverlayLineKind::horizon: return {{255, 170, 60}, 1.0};
+    case OverlayLineKind::box: return {{255, 240, 150}, 0.6};
+    case OverlayLineKind::footprint: return {{255, 240, 150}, 1.2};
+    case OverlayLineKind::axis_x: return {{255, 90, 80}, 1.0};
+    case OverlayLineKind::axis_y: return {{110, 230, 110}, 1.0};
+    case OverlayLineKind::axis_z: return {{100, 160, 255}, 1.0};
+    case OverlayLineKind::heading: return {{255, 255, 255}, 1.2};
+    case OverlayLineKind::landmark: return {{255, 130, 240}, 1.3};
   }
   return {{255, 255, 255}, 1.0};
 }
@@ -65,10 +62,10 @@ Rectangle rectangle_of(const OverlayLabel& label, const glm::dvec2& at, const Im
                        const Image<Rgba8>& picture) {
   const double w = words.width(), h = words.height();
   glm::dvec2 corner = at - 0.5 * glm::dvec2{w, h};
-  if (label.side == Side::left_of) corner.x = at.x - gap - w;
-  if (label.side == Side::right_of) corner.x = at.x + gap;
-  if (label.side == Side::above) corner.y = at.y - gap - h;
-  if (label.side == Side::below) corner.y = at.y + gap;
+  if (label.side == OverlayLabelSide::left_of) corner.x = at.x - gap - w;
+  if (label.side == OverlayLabelSide::right_of) corner.x = at.x + gap;
+  if (label.side == OverlayLabelSide::above) corner.y = at.y - gap - h;
+  if (label.side == OverlayLabelSide::below) corner.y = at.y + gap;
   corner = glm::round(
       glm::clamp(corner, glm::dvec2{gap},
                  glm::max(glm::dvec2{gap}, glm::dvec2{picture.width() - w - gap, picture.height() - h - gap})));
@@ -125,7 +122,7 @@ Result<Image<Rgba8>> draw_shapes(const OverlayShapes& shapes, int width, int hei
   // The grid lies under everything else.
   for (const bool grid : {true, false})
     for (const auto& line : shapes.lines) {
-      if ((line.kind == Kind::grid) != grid) continue;
+      if ((line.kind == OverlayLineKind::grid) != grid) continue;
       std::vector<glm::dvec2> points;
       for (const auto& point : line.points) points.push_back(here(point));
       const auto pen = pen_of(line.kind);

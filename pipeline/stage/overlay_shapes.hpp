@@ -13,16 +13,18 @@
 
 namespace kasumi {
 
+enum class OverlayLineKind { grid, horizon, box, footprint, axis_x, axis_y, axis_z, heading, landmark };
+
 struct OverlayLine {
-  enum class Kind { grid, horizon, box, footprint, axis_x, axis_y, axis_z, heading, landmark };
-  Kind kind = Kind::grid;
+  OverlayLineKind kind = OverlayLineKind::grid;
   std::vector<glm::dvec2> points;  // one after the other; what lies outside the picture may be missing
 };
 
+enum class OverlayLabelSide { left_of, right_of, above, below, on };
+
 struct OverlayLabel {
-  enum class Side { left_of, right_of, above, below, on };
   glm::dvec2 at{};
-  Side side = Side::on;
+  OverlayLabelSide side = OverlayLabelSide::on;
   std::string text;
   bool may_be_left_out = false;  // where there is no room
 };

@@ -41,7 +41,7 @@ Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const 
     return drawn;
   }
   if (has_scene_) return compositor_.draw_again(target);
-  clear_to(target, glm::vec3(kStillGround) / 255.0f);
+  clear_to(target, glm::vec3(kStillBackground) / 255.0f);
   return {};
 }
 

@@ -14,9 +14,9 @@ namespace kasumi {
 namespace {
 
 // Less is not seen in a picture that nobody compares with the one before.
-const Radians kLeastSunMove = from_degrees(0.4);
-constexpr double kLeastHazeChange = 0.05;  // of T - 1
-constexpr double kLeastCloudChange = 0.1;
+const Radians kMinSunMove = from_degrees(0.4);
+constexpr double kMinHazeChange = 0.05;  // of T - 1
+constexpr double kMinCloudChange = 0.1;
 constexpr double kUsualFieldOfView_deg = 50.0;
 
 // As the scene camera looks; lenses that are not pinholes, and views too narrow to show more than one colour, as an eye
@@ -65,9 +65,9 @@ Result<StillPicture> StillPicture::create(GlContext& context, const Content& con
   StillPicture still(context);
   still.scene_ = content.config.installation.scene;
   still.altitude_m_ = content.config.installation.site.altitude_m;
-  auto ground = FlatPicture::create(context, Image<Rgba8>(1, 1, kStillGround));
-  if (!ground) return fail(ground.error());
-  still.ground_ = std::move(*ground);
+  auto background = FlatPicture::create(context, Image<Rgba8>(1, 1, kStillBackground));
+  if (!background) return fail(background.error());
+  still.background_ = std::move(*background);
   if (!content.still) return still;
   auto curated = FlatPicture::create(context, *content.still);
   if (!curated) return fail(curated.error());
@@ -80,8 +80,8 @@ bool StillPicture::holds(const DrawTarget& target, const StillSky& sky) const {
   if (!with_sky_ || with_sky_->width != target.width || with_sky_->height != target.height) return false;
   const auto& drawn = with_sky_->sky;
   const double haze = sky.turbidity.value - 1.0, drawn_haze = drawn.turbidity.value - 1.0;
-  return std::abs(haze - drawn_haze) <= kLeastHazeChange * drawn_haze &&
-         std::abs(sky.clouds - drawn.clouds) <= kLeastCloudChange && angle_between(sky.sun, drawn.sun) <= kLeastSunMove;
+  return std::abs(haze - drawn_haze) <= kMinHazeChange * drawn_haze &&
+         std::abs(sky.clouds - drawn.clouds) <= kMinCloudChange && angle_between(sky.sun, drawn.sun) <= kMinSunMove;
 }
 
 // Drawn beside the target and taken as one picture, so that it can fade.
@@ -104,7 +104,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   const auto sums = sky_sums(SkyPainter(scene));
   dim(scene, sums);
   cover(scene, sums, sky.clouds);
-  clear_to(whole, glm::vec3(kStillGround) / 255.0f);
+  clear_to(whole, glm::vec3(kStillBackground) / 255.0f);
   if (auto set = dome_->set(view, scene); !set) return set;
   if (auto drawn = dome_->draw(whole); !drawn) return drawn;
   if (curated_) {
@@ -115,7 +115,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
     const double below = std::clamp(0.5 * height + view.focal_px * std::tan(std::asin(axis.z)), 0.0, 1.0 * height);
     const FlatPlace land{0.0, below, static_cast<double>(width), height - below};
     if (land.height > 0.0)
-      if (auto drawn = ground_->draw(whole, land); !drawn) return drawn;
+      if (auto drawn = background_->draw(whole, land); !drawn) return drawn;
   }
   const auto pixels = beside->read();
   if (!pixels) return fail(pixels.error());
@@ -129,7 +129,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
 }
 
 Result<> StillPicture::draw_plain(const DrawTarget& target, double opacity) {
-  if (auto drawn = ground_->draw(target, everywhere(target), opacity); !drawn) return drawn;
+  if (auto drawn = background_->draw(target, everywhere(target), opacity); !drawn) return drawn;
   return curated_ ? curated_->draw(target, fitted(target, curated_->width(), curated_->height()), opacity) : Result<>{};
 }
 

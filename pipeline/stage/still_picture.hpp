@@ -12,7 +12,7 @@
 namespace kasumi {
 
 // Around and instead of a curated picture: a dusk that no one mistakes for black.
-constexpr Rgba8 kStillGround{38, 44, 52, 255};
+constexpr Rgba8 kStillBackground{38, 44, 52, 255};
 
 // What its sky is drawn from.
 struct StillSky {
@@ -48,8 +48,8 @@ class StillPicture {
   double altitude_m_ = 0.0;  // of the site
   bool shows_sky_ = true;
   std::optional<FlatPicture> curated_;
-  std::optional<FlatPicture> ground_;  // one pixel
-  std::optional<DomeRenderer> dome_;   // once it has been wanted
+  std::optional<FlatPicture> background_;  // one pixel
+  std::optional<DomeRenderer> dome_;       // once it has been wanted
   std::optional<WithSky> with_sky_;
 };
 

@@ -99,7 +99,7 @@ TEST_F(StillPictureTest, WhereItIsTransparentTheSkyOfTheDayShows) {
 TEST_F(StillPictureTest, WithoutOneThereIsPlainLandUnderTheSky) {
   const auto shown = drawn(content(std::nullopt), report(40.0));
   EXPECT_GT(shown.at(kWidth / 2, 5).b, shown.at(kWidth / 2, 5).r + 25);
-  EXPECT_EQ(shown.at(kWidth / 2, kHeight - 5), Rgb8(kStillGround));
+  EXPECT_EQ(shown.at(kWidth / 2, kHeight - 5), Rgb8(kStillBackground));
 }
 
 TEST_F(StillPictureTest, WhereTheSunIsNotKnownOrItIsNightThereIsNoSkyToShow) {
@@ -107,7 +107,7 @@ TEST_F(StillPictureTest, WhereTheSunIsNotKnownOrItIsNightThereIsNoSkyToShow) {
   unknown.sun.source = SunSource::none;
   for (const auto& sky : {unknown, report(110.0), report(80.0, SkyCondition::night)}) {
     const auto shown = drawn(content(std::nullopt), sky);
-    EXPECT_EQ(shown.at(kWidth / 2, 5), Rgb8(kStillGround));
+    EXPECT_EQ(shown.at(kWidth / 2, 5), Rgb8(kStillBackground));
   }
 }
 
