@@ -33,11 +33,11 @@ void Appliance::reload() {
   auto content = read_content(config_file_);
   ReloadStatus status{services_.clock.utc(), {}};
   if (content) {
-    spdlog::info("{}: taken in anew", config_file_.string());
+    spdlog::info("{}: reloaded", config_file_.string());
     for (Mailbox* mailbox : mailboxes_.all()) mailbox->content.put(*content);
   } else {
     status.problems = lines_of(content.error().message);
-    spdlog::error("the new content is refused, the old one stays:");
+    spdlog::error("the new content is invalid, keeping the old content:");
     for (const auto& problem : status.problems) spdlog::error("  {}", problem);
   }
   mailboxes_.status->reload.put(std::move(status));

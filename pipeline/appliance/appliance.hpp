@@ -1,5 +1,5 @@
-// The appliance: its loops and what passes between them. Knows no threads: in a kiosk each loop has its own, in a test
-// one thread calls them all by a clock it turns.
+// The appliance: its loops and their mailboxes. It starts no threads: a kiosk runs each loop in a thread of its own, a
+// test calls them all from one thread under a manual clock.
 #pragma once
 
 #include "pipeline/appliance/check_loop.hpp"
@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// What the appliance stands on; tests bring their own.
+// What the appliance needs from the machine; tests supply their own.
 struct ApplianceServices {
   Devices& devices;
   Clock& clock;
@@ -32,8 +32,9 @@ class Appliance {
   VisibilityLoop& visibility() { return visibility_; }
   Bell& render_bell() { return mailboxes_.render.bell; }
 
-  // Reads configuration and content anew and hands them to the loops; refused, the old ones stay and every problem is
-  // logged and told. BLOCKS for the seconds reading takes, in whatever thread; not for two at once.
+  // Reads configuration and content again and hands them to the loops. When they are invalid, the old ones stay and
+  // every problem is logged and reported in the status. BLOCKS for the seconds that reading takes. Any thread, but only
+  // one at a time.
   void reload();
 
  private:

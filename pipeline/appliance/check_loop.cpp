@@ -11,10 +11,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kCheckPollInterval = 10s;        // for the hour to come
-constexpr Duration kGatheringPollInterval = 200ms;  // for pictures that were asked for
+constexpr Duration kCheckPollInterval = 10s;        // for the hour of the check
+constexpr Duration kGatheringPollInterval = 200ms;  // for requested pictures
 
-// What is written goes into the state's folder: beside the calibration file the service may not write.
+// A reference next to the calibration file comes first; the service may write only into its state folder.
 std::optional<DriftReference> find_reference(const std::filesystem::path& beside, const std::filesystem::path& own,
                                              const Installation& installation) {
   for (const auto& stem : {beside, own}) {
@@ -79,7 +79,7 @@ void CheckLoop::judge() {
   const auto now = clock_.utc();
   const auto enough = std::size_t{kFewestCheckFrames};
   if (frames_->scene().size() < enough && frames_->sky().size() < enough)
-    return publish("not done: too few pictures came", std::nullopt, true);
+    return publish("not checked: too few pictures arrived", std::nullopt, true);
   const auto own = *content_->config.state_folder / "calibration";
   if (const auto reference = find_reference(reference_stem(installation, config_file_), own, installation)) {
     auto report = find_drift(*frames_, *reference, installation, now);
@@ -88,10 +88,9 @@ void CheckLoop::judge() {
     return publish(std::move(summary), std::move(report), !steady);
   }
   const auto taken = take_reference(*frames_, installation, now);
-  if (!taken) return publish("no reference could be taken: " + taken.error().message, std::nullopt, true);
+  if (!taken) return publish("no reference could be made: " + taken.error().message, std::nullopt, true);
   if (auto saved = save_reference(*taken, own); !saved) return publish(saved.error().message, std::nullopt, true);
-  publish(fmt::format("what is seen now is the reference from now on ({}.check.json)", own.string()), std::nullopt,
-          false);
+  publish(fmt::format("today's view is the reference from now on ({}.check.json)", own.string()), std::nullopt, false);
 }
 
 void CheckLoop::publish(std::string summary, std::optional<DriftReport> report, bool warn) {

@@ -1,4 +1,4 @@
-// The appliance's daily look at whether its cameras are still as they were calibrated. It tells; it changes nothing.
+// The daily check whether the cameras still match their calibration. It reports only and changes nothing.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ namespace kasumi {
 class CheckLoop {
  public:
   CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Mailboxes& mailboxes);
-  // Asks the cameras' loops for pictures, and once enough have come, judges them, which BLOCKS for seconds: in a thread
-  // of its own. Returns when to be called again.
+  // Requests pictures from the cameras' loops and judges them once there are enough, which BLOCKS for seconds: run
+  // it in a thread of its own. Returns when to be called again.
   Instant step();
 
  private:
@@ -26,9 +26,9 @@ class CheckLoop {
   std::filesystem::path config_file_;
   Clock& clock_;
   Mailboxes& mailboxes_;
-  std::optional<DriftFrames> frames_;  // while it gathers
-  Instant due_{};                      // the next pictures
-  bool done_today_ = false;            // for this day
+  std::optional<DriftFrames> frames_;  // while gathering
+  Instant due_{};                      // for the next pictures
+  bool done_today_ = false;            // checked; reset the next day
 };
 
 }  // namespace kasumi

@@ -16,36 +16,36 @@
 
 namespace kasumi {
 
-// A camera as its loop knows it.
+// A camera's state as its loop knows it.
 struct CameraStatus {
   CameraHealth health;
-  std::uint64_t outages = 0;  // a frame of an earlier number is to be let go of
-  Duration frame_interval{};  // 0: not known
+  std::uint64_t outages = 0;  // frames from before the last outage must be released
+  Duration frame_interval{};  // 0: unknown
 };
 
 struct SkyStatus {
   SkyReport report;
-  bool up = false;  // the sky camera's pictures come
+  bool up = false;  // the sky camera delivers pictures
   bool clock_trusted = false;
   bool sun_known() const { return report.sun.source != SunSource::none; }
 };
 
-// A picture for the daily check, of a camera that was asked for one.
+// A picture that the daily check or the landmarks requested from a camera's loop.
 struct CheckPicture {
   FrameMetadata metadata;
   Image<Rgb8> picture;
-  bool time_known = false;  // metadata.utc tells where the sun stands
+  bool time_known = false;  // metadata.utc is reliable enough for the sun's position
 };
 
-// Today's air by the sky, for comparison.
+// The air as the sky camera measures it, for comparison.
 struct SkyAir {
-  std::optional<TrackedTurbidity> turbidity;  // empty: not known, or not trustworthy
+  std::optional<TrackedTurbidity> turbidity;  // empty: unknown or not trustworthy
   std::optional<SunDirection> sun;
 };
 
-// A loop's mailbox: what the others have put there since it looked.
+// A loop's mailbox: what the others have posted since it last read it.
 struct Mailbox {
-  LatestSlot<ContentPtr> content;  // to go by from now on
+  LatestSlot<ContentPtr> content;  // to be used from now on
 };
 
 struct SceneMailbox : Mailbox {
@@ -60,7 +60,7 @@ struct RenderMailbox : Mailbox {
   LatestSlot<SceneFrame> frames;
   LatestSlot<CameraStatus> scene_camera;
   LatestSlot<SkyStatus> sky;
-  Bell bell;  // rung by whoever puts what cannot wait
+  Bell bell;  // rung by whoever posts something that cannot wait
 };
 
 struct CheckMailbox : Mailbox {
@@ -73,12 +73,12 @@ struct VisibilityMailbox : Mailbox {
   LatestSlot<SkyAir> sky;
 };
 
-struct StatusMailbox;  // status_mailbox.hpp: it hears of everything, which not everybody needs to know
+struct StatusMailbox;  // in status_mailbox.hpp, since its contents would make everyone include everything
 
 struct Mailboxes {
   Mailboxes();
   ~Mailboxes();
-  // Every loop's.
+  // Of every loop.
   std::array<Mailbox*, 6> all();
 
   SceneMailbox scene;

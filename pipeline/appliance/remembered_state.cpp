@@ -27,7 +27,7 @@ std::string text_of(const std::optional<PictureBox>& box) {
   return box ? fmt::format("{},{},{},{}", box->x, box->y, box->width, box->height) : "-";
 }
 
-// What an installer says of each: another box or distance is another landmark.
+// A landmark with another box or distance is another landmark.
 std::vector<std::string> identities_of(const std::vector<ContrastLandmark>& landmarks) {
   std::vector<std::string> all;
   for (const auto& one : landmarks)
@@ -64,12 +64,12 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
   };
   const bool has_utc = json.is_object() && json.contains("utc") && json["utc"].is_string();
   const auto utc = has_utc ? parse_utc(json["utc"].get<std::string>()) : std::nullopt;
-  // Whose T it is was not told while all were Preetham's.
+  // Older files do not name the model: it was always Preetham's.
   auto model = SiteSkyModel::preetham;
   if (json.is_object() && json.contains("sky_model")) {
     const auto& name = json["sky_model"];
     const auto named = name.is_string() ? site_sky_model_named(name.get<std::string>()) : std::nullopt;
-    model = named.value_or(SiteSkyModel::automatic);  // no name is its own
+    model = named.value_or(SiteSkyModel::automatic);  // its name is always rejected below
   }
   const TurbidityState state{{number("turbidity")}, number("sigma"), utc.value_or(Utc{}), model};
   const bool possible = utc && model != SiteSkyModel::automatic && state.turbidity.value > 1.0 &&
@@ -99,13 +99,13 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   if (!text) return fail(FaultKind::bad_input, "{}", text.error().message);
   const auto json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("landmarks", Json()) != Json(identities_of(watch.landmarks())))
-    return fail(FaultKind::bad_input, "{}: of other landmarks than the configuration's; what they were is learnt anew",
+    return fail(FaultKind::bad_input, "{}: saved for other landmarks than configured; learning their contrasts again",
                 file.string());
   std::vector<LearntContrasts> learnt;
   for (const auto& channel : json.value("channels", Json::array()))
     learnt.push_back({numbers(channel, "contrasts"), numbers(channel, "covariance")});
   if (!watch.resume(learnt))
-    return fail(FaultKind::bad_input, "{}: damaged; the landmarks' contrasts are learnt anew", file.string());
+    return fail(FaultKind::bad_input, "{}: damaged; learning the landmarks' contrasts again", file.string());
   return true;
 }
 

@@ -12,8 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kPollInterval = 100ms;  // how often what costs nothing is looked at
-constexpr Duration kRefreshInterval = 1s;  // a picture without news: the loop's sign of life
+constexpr Duration kPollInterval = 100ms;  // for everything that is cheap to check
+constexpr Duration kRefreshInterval = 1s;  // an unchanged picture is shown again: it proves that the loop is alive
 constexpr Duration kFadeStep = 33ms;
 constexpr Duration kRenderStatusInterval = 500ms;
 
@@ -64,7 +64,7 @@ Instant RenderLoop::step() {
   adopt_content();
   if (!screen_.is_open() && screen_.try_open()) {
     shown_.reset();
-    picture_at_.reset();  // the new stage has none
+    picture_at_.reset();  // the new stage has no scene picture
   }
   update_rung();
   if (screen_.is_open()) {
@@ -83,13 +83,13 @@ Instant RenderLoop::step() {
 
 void RenderLoop::adopt_content() {
   if (auto content = mailboxes_.render.content.take()) new_content_ = std::move(*content);
-  // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
-  // it.
+  // A new stage has no scene yet: the old picture stays on the display until there is a frame to draw or the still
+  // picture covers it.
   const bool is_seen = screen_.is_open() && status_.rung.still < 1.0 && !is_closed();
   if (!new_content_ || (is_seen && !waiting_)) return;
   const auto content = std::exchange(new_content_, nullptr);
   if (auto adopted = screen_.adopt(content); !adopted) {
-    spdlog::error("the new content cannot be drawn, the old one stays: {}", adopted.error().message);
+    spdlog::error("the new content cannot be drawn, keeping the old content: {}", adopted.error().message);
     return;
   }
   content_ = content;
@@ -100,7 +100,7 @@ void RenderLoop::adopt_content() {
 void RenderLoop::read_mailbox() {
   if (auto sky = mailboxes_.render.sky.take()) sky_ = std::move(*sky);
   if (auto camera = mailboxes_.render.scene_camera.take()) {
-    if (camera->outages != camera_.outages) shown_.reset();  // shown anew at once, so that the driver's buffer is free
+    if (camera->outages != camera_.outages) shown_.reset();  // redraw at once, so that the driver's buffer is released
     if (camera->frame_interval != camera_.frame_interval)
       ladder_.adopt(patient_with(content_->config.ladder, camera->frame_interval));
     camera_ = std::move(*camera);
@@ -110,7 +110,7 @@ void RenderLoop::read_mailbox() {
 }
 
 void RenderLoop::discard_frames() {
-  if (waiting_) picture_at_ = clock_.now();  // there would be a picture if there were a display
+  if (waiting_) picture_at_ = clock_.now();  // with a display there would be a picture
   waiting_.reset();
 }
 
@@ -124,7 +124,7 @@ LadderInput RenderLoop::ladder_input() const {
   return input;
 }
 
-// A clock that is not believed closes no doors.
+// While the clock is not trusted, opening hours are ignored.
 bool RenderLoop::is_open() const {
   return !sky_.clock_trusted || content_->config.opening.is_open(clock_.utc());
 }
@@ -133,7 +133,7 @@ void RenderLoop::update_rung() {
   const auto before = status_.rung;
   status_.rung = ladder_.step(clock_.now(), ladder_input());
   if (status_.rung.shown == before.shown && status_.rung.trouble == before.trouble) return;
-  if (status_.rung.shown == Shown::held || before.shown == Shown::held) return;  // short, and the camera's log says why
+  if (status_.rung.shown == Shown::held || before.shown == Shown::held) return;  // brief, and the camera's log says why
   const auto why = name_of(status_.rung.trouble);
   spdlog::info("shown: {}{}{}", name_of(status_.rung.shown), why.empty() ? "" : ": ", why);
 }
@@ -142,7 +142,7 @@ Composition RenderLoop::composition() const {
   return {status_.rung, visible_message()};
 }
 
-// A sky camera that is gone is no visitor's concern while the air is still known.
+// While the air is still known, visitors need not hear of a missing sky camera.
 std::string RenderLoop::visible_message() const {
   const auto& options = content_->config.messages;
   const auto trouble = status_.rung.trouble;
@@ -166,14 +166,14 @@ void RenderLoop::handle_screen_fault(const Fault& fault) {
   latency_.forget_pending();
 }
 
-// Closed: a last black picture, then the screen goes off where it can, and nothing is drawn any more. true: it is off.
+// Closed: shows a last black picture, then turns the screen off where it can. true: it is off, draw nothing.
 bool RenderLoop::turn_off_if_closed() {
   if (!is_closed()) {
     screen_.stay_on();
     return false;
   }
   waiting_.reset();
-  picture_at_.reset();  // in the morning nobody shall see yesterday's
+  picture_at_.reset();  // yesterday's picture must not appear in the morning
   if (shown_ && shown_->rung.dark >= 1.0)
     if (auto off = screen_.turn_off(); !off) {
       handle_screen_fault(off.error());
@@ -188,8 +188,9 @@ void RenderLoop::present() {
   if (!target) return handle_screen_fault(target.error());
   if (!*target) return;
 
-  read_mailbox();  // the newest frame there is now
-  // The still goes first: the scene's programs may take a driver long to make, and nobody shall see black meanwhile.
+  read_mailbox();  // a newer frame may have arrived while waiting for the buffer
+  // The still picture goes first: a driver may take long to compile the scene's shaders, and the screen must not be
+  // black meanwhile.
   const bool unseen = screen_.nothing_shown() || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return handle_screen_fault(drawn.error());
@@ -210,7 +211,7 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   const auto uploaded_before = stage.frames().uploaded;
   auto drawn = stage.draw_scene(frame, sky_.report, target);
   if (drawn && frame) picture_at_ = clock_.now();
-  // A frame of the camera before new content came.
+  // A frame captured before the content changed has another size.
   if (!drawn && drawn.error().kind == FaultKind::bad_input) drawn = stage.draw_scene(nullptr, sky_.report, target);
   if (!drawn) return drawn;
   status_.uploads += stage.frames().uploaded - uploaded_before;

@@ -1,4 +1,4 @@
-// The main thread's loop: climbs the ladder, draws, shows. GL and the display belong to it alone.
+// The main thread's loop: steps the ladder, draws, and shows. It alone owns GL and the display.
 #pragma once
 
 #include <memory>
@@ -15,14 +15,14 @@ class RenderLoop {
  public:
   RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
 
-  // Does what is due now, and answers when it wants to be called again if no news come before. BLOCKS for at most a
-  // quarter of a second (a buffer to draw into), while a display is being opened for as long as its driver takes.
+  // Does what is due and returns when to be called again unless the bell rings before. BLOCKS for at most a quarter of
+  // a second (waiting for a buffer), and while a display is being opened for as long as its driver takes.
   Instant step();
-  // The last flips, and everything of the display's let go of.
+  // Records the last flips and closes the display.
   void finish();
-  bool closed() const { return closed_; }  // the person closed the window
+  bool closed() const { return closed_; }  // a person closed the window
   const Rung& rung() const { return status_.rung; }
-  const RenderStatus& status() const { return status_; }  // of this moment; told to others twice a second
+  const RenderStatus& status() const { return status_; }  // current; published twice a second
   // The display, for tests; null while there is none.
   Display* display() { return screen_.display(); }
 
@@ -32,7 +32,7 @@ class RenderLoop {
   LadderInput ladder_input() const;
   void update_rung();
   bool is_open() const;
-  bool is_closed() const { return status_.rung.dark >= 1.0; }  // and the picture has gone
+  bool is_closed() const { return status_.rung.dark >= 1.0; }  // and faded to black
   Composition composition() const;
   std::string visible_message() const;
   bool is_due(Instant now) const;
@@ -46,7 +46,7 @@ class RenderLoop {
   void publish();
 
   ContentPtr content_;
-  ContentPtr new_content_;  // not yet taken in; null: none
+  ContentPtr new_content_;  // not yet adopted; null: none
   Clock& clock_;
   Mailboxes& mailboxes_;
   Watchdog watchdog_;

@@ -23,12 +23,12 @@ void SceneLoop::step(Instant deadline) {
   if (frame && frame->metadata.status == FrameStatus::good) {
     forward(std::move(*frame));
   } else if (!frame && frame.error().kind == FaultKind::disconnected) {
-    mailboxes_.render.frames.take();  // a lent frame nobody fetched keeps the device open
+    mailboxes_.render.frames.take();  // a frame nobody fetched would keep the device open
   }
   publish();
 }
 
-// JPEGs are decoded here, so that drawing does not wait for it.
+// JPEGs are decoded here, so that drawing does not wait for them.
 void SceneLoop::forward(Frame frame) {
   const auto& scene = content_->config.installation.scene;
   const auto& metadata = frame.metadata;

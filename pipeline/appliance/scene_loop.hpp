@@ -1,4 +1,4 @@
-// The scene camera's thread: takes its frames and hands the newest to the render loop.
+// The scene camera's loop: hands its newest frame to the render loop.
 #pragma once
 
 #include "pipeline/appliance/camera_link.hpp"
@@ -8,7 +8,7 @@ namespace kasumi {
 class SceneLoop {
  public:
   SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Mailboxes& mailboxes);
-  // BLOCKS until a frame has been handed on or the deadline passes.
+  // BLOCKS until a frame has been forwarded or the deadline passes.
   void step(Instant deadline);
 
  private:

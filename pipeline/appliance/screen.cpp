@@ -9,9 +9,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kBufferDeadline = 250ms;
-constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: the display is opened anew
-constexpr Duration kDisplayInterval = 1s;   // between tries to open one
-constexpr Duration kDisplayPause = 250ms;   // the same when displays are said to come and go
+constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: reopen the display
+constexpr Duration kDisplayInterval = 1s;   // between attempts to open one
+constexpr Duration kDisplayPause = 250ms;   // the same after a hotplug event
 
 }  // namespace
 
@@ -41,7 +41,7 @@ bool Screen::open() {
     status_.up = false;
     status_.cause = stage.error().message;
     if (!display && display.error().kind == FaultKind::disconnected) watchdog_.display_missing(now);
-    if (!missing_logged_) spdlog::warn("display: not there: {}", stage.error().message);
+    if (!missing_logged_) spdlog::warn("display: not available: {}", stage.error().message);
     missing_logged_ = true;
     return false;
   }
@@ -77,7 +77,7 @@ void Screen::handle_fault(const Fault& fault) {
   ++status_.resets;
   status_.up = false;
   status_.cause = fault.message;
-  missing_logged_ = true;  // said
+  missing_logged_ = true;  // by the warning above
   air_ = open_->stage.air();
   open_.reset();
   try_at_ = clock_.now();

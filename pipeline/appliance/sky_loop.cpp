@@ -14,9 +14,9 @@ using namespace std::chrono_literals;
 constexpr Duration kObserveInterval = 1s;    // air changes in minutes
 constexpr Duration kSkyStatusInterval = 1s;  // while no frame comes
 constexpr Duration kHealthInterval = 500ms;
-constexpr Duration kFirstFrameTimeout = 2s;  // at the start, before the air is said to be known without a frame
-constexpr Duration kSunHoldTime = 10min;     // it moves 2.5 degrees in that
-constexpr Duration kMaxStoredAge = 2h;       // what was written to disk is worth remembering
+constexpr Duration kFirstFrameTimeout = 2s;  // at the start, before a report without a frame
+constexpr Duration kSunHoldTime = 10min;     // it moves 2.5 degrees meanwhile
+constexpr Duration kMaxStoredAge = 2h;       // older air is not worth restoring
 
 }  // namespace
 
@@ -62,14 +62,14 @@ void SkyLoop::adopt_content() {
 SunSource SkyLoop::sun_source() {
   const auto source = trust_.judge(time_.read(), clock_.utc());
   if (source != sun_from_)
-    spdlog::info("clock: {}", source == SunSource::ephemeris ? "believed: the sun stands where the time says"
-                              : source == SunSource::image   ? "not believed yet: the sun is looked for in the picture"
-                                                             : "not believed yet: nothing is made of the sun");
+    spdlog::info("clock: {}", source == SunSource::ephemeris ? "trusted: the sun's position follows from the time"
+                              : source == SunSource::image   ? "not trusted yet: searching for the sun in the picture"
+                                                             : "not trusted yet: the sun's position is unknown");
   sun_from_ = source;
   return source;
 }
 
-// How old it is can be told only once the time is known.
+// Its age is known only once the time is.
 void SkyLoop::restore_air() {
   const auto& folder = content_->config.state_folder;
   if (air_restored_ || sun_from_ != SunSource::ephemeris || !folder) return;
@@ -82,10 +82,10 @@ void SkyLoop::restore_air() {
   }
   const auto age = clock_.utc() - state->utc;
   if (age < Duration{0} || age > kMaxStoredAge) return;
-  // The other model's T is another quantity.
+  // T of the other sky model is another quantity.
   if (state->sky_model != content_->config.installation.sky_to_fit().model) return;
   watch_.remember(state->turbidity, state->sigma, clock_.now() - age);
-  spdlog::info("air: turbidity {:.2f} of {:.0f} minutes ago remembered", state->turbidity.value, to_seconds(age) / 60);
+  spdlog::info("air: turbidity {:.2f} of {:.0f} minutes ago restored", state->turbidity.value, to_seconds(age) / 60);
 }
 
 void SkyLoop::observe(const Frame& frame, SunSource sun_from) {
@@ -105,7 +105,7 @@ void SkyLoop::observe(const Frame& frame, SunSource sun_from) {
   publish(std::move(*report), true, sun_from);
 }
 
-// Clouds hide the sun for minutes; the building does not come and go with them.
+// Clouds hide the sun for minutes; the building must not come and go with them.
 void SkyLoop::hold_sun(SunCheck& sun) {
   const auto now = clock_.now();
   if (sun.source == SunSource::image)

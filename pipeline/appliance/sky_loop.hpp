@@ -1,4 +1,4 @@
-// The sky camera's thread: looks at the sky once a second, and keeps the air known while no picture comes.
+// The sky camera's loop: observes the sky once a second and keeps reporting the air while no picture comes.
 #pragma once
 
 #include "pipeline/appliance/camera_link.hpp"
@@ -10,7 +10,7 @@ class SkyLoop {
  public:
   SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Mailboxes& mailboxes,
           SkyWatchOptions options = {});
-  // BLOCKS until a frame has been looked at or the deadline passes; an estimate takes about a tenth of a second.
+  // BLOCKS until a frame has been observed or the deadline passes; an estimate takes about a tenth of a second.
   void step(Instant deadline);
 
  private:
@@ -36,7 +36,7 @@ class SkyLoop {
   std::optional<Instant> observed_at_, published_at_, health_published_at_;
   bool air_restored_ = false;
   SunSource sun_from_ = SunSource::none;
-  Duration recorded_utc_offset_{};  // of a recording's UTC from the machine's
+  Duration recorded_utc_offset_{};  // recording's UTC minus the machine's
   struct SeenSun {
     SunCheck sun;
     Instant at;

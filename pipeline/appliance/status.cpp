@@ -98,7 +98,7 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   return json;
 }
 
-// Out of the driver's memory, and to the GPU.
+// From the driver's memory, and to the GPU.
 double copies_per_frame(const Status& status) {
   const auto& camera = status.scene_camera.health;
   const auto& render = status.render;
@@ -129,7 +129,7 @@ std::string status_json(const Status& status) {
   json["sun"] = status.sky.report.sun.words;
   json["building_drawn"] = status.render.building_drawn;
   json["clock_trusted"] = status.sky.clock_trusted;
-  json["recording"] = false;  // cameras serve one program at a time: who records is `kasumi record`
+  json["recording"] = false;  // recording needs the cameras for itself: only `kasumi record` does it
   json["latency_ms"] = latency_json(status.render.latency);
   json["latency_ms_last_minute"] = latency_json(status.render.latency_minute);
   json["copies_per_frame"] = copies_per_frame(status);

@@ -1,4 +1,4 @@
-// How the appliance is: for operators, `kasumi doctor` and tests.
+// The appliance's status: for operators, `kasumi doctor` and tests.
 #pragma once
 
 #include <optional>
@@ -16,8 +16,8 @@ struct Status {
   CameraStatus scene_camera, sky_camera;
   SkyStatus sky;
   RenderStatus render;
-  std::optional<ReloadStatus> reload;  // empty: never asked to
-  std::optional<CheckStatus> check;    // empty: none since the start
+  std::optional<ReloadStatus> reload;  // empty: never reloaded
+  std::optional<CheckStatus> check;    // empty: not checked since the start
   VisibilityStatus visibility;
 };
 
@@ -25,7 +25,7 @@ struct Status {
 std::string status_json(const Status& status);
 // "live, T 2.41 +- 0.05, 25.0 pictures a second"
 std::string status_line(const Status& status);
-// For a person at the end of a run, several lines: latency, copies, drops.
+// Several lines for a person: latency, copies, drops.
 std::string stats_text(const Status& status);
 
 }  // namespace kasumi

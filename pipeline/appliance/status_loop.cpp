@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration kStatsInterval = 1min;
 
-// One line when it begins, one when it ends.
+// Logs once when writing begins to fail and once when it works again.
 void log_outage(const Result<>& written, bool& failing, std::string_view what) {
   if (!written && !failing) spdlog::warn("{}: {}", what, written.error().message);
   if (written && failing) spdlog::info("{}: written again", what);
@@ -77,7 +77,7 @@ void StatusLoop::save_air() {
   saved_ = status_.now;
   const auto& folder = content_->config.state_folder;
   const auto& tracked = status_.sky.report.tracked;
-  // Without a known time nobody could tell later how old it is.
+  // Without a trusted clock its age would be unknown after a restart.
   if (!folder || !tracked || !status_.sky.clock_trusted) return;
   const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age,
                              content_->config.installation.sky_to_fit().model};

@@ -1,4 +1,4 @@
-// What the loops tell the status of themselves.
+// What the other loops report to the status loop.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct DisplayStatus {
   std::string cause;  // why it is not up
   std::uint64_t flips = 0;
   std::uint64_t flip_timeouts = 0;
-  std::uint64_t resets = 0;  // how often it was opened anew
+  std::uint64_t resets = 0;  // how often it was reopened
 };
 
 struct RenderStatus {
@@ -28,33 +28,33 @@ struct RenderStatus {
   DisplayStatus display;
   bool building_drawn = false;                   // in the picture shown last
   std::uint64_t pictures = 0;                    // shown
-  std::uint64_t scene_frames = 0;                // of them, with a new frame of the scene camera
-  std::uint64_t uploads = 0;                     // scene frames copied to the GPU by us
-  std::uint64_t frames_dropped = 0;              // a newer one came before they were shown
+  std::uint64_t scene_frames = 0;                // of them, with a new frame from the scene camera
+  std::uint64_t uploads = 0;                     // scene frames copied to the GPU by the CPU
+  std::uint64_t frames_dropped = 0;              // superseded before they were shown
   std::optional<LatencySummary> latency;         // since the start
   std::optional<LatencySummary> latency_minute;  // of the last whole minute
 };
 
-// How the last attempt to take in new content ended.
+// Result of the last reload.
 struct ReloadStatus {
   Utc at{};
-  std::vector<std::string> problems;  // empty: taken in
+  std::vector<std::string> problems;  // empty: the new content is in use
 };
 
-// How the last check of the calibration ended.
+// Result of the last check of the calibration.
 struct CheckStatus {
   Utc at{};
-  std::string summary;                // in a line; also when there was nothing to compare
+  std::string summary;                // one line; also when there was nothing to compare
   std::optional<DriftReport> report;  // empty: no comparison was made
 };
 
-// What the landmarks in the scene camera's picture say of the air.
+// The air as the landmarks in the scene camera's picture show it.
 struct VisibilityStatus {
   Utc at{};
-  std::optional<LandmarkAir> air;    // empty: not looked at, and `reason` says why
-  std::optional<SkyComparison> sky;  // empty: the sky says nothing
+  std::optional<LandmarkAir> air;    // empty: not measured, and `reason` says why
+  std::optional<SkyComparison> sky;  // empty: no turbidity from the sky to compare with
   std::string reason;
-  bool finding = false;  // they disagree with the sky, and have for minutes
+  bool finding = false;  // they have disagreed with the sky for minutes
 };
 
 struct StatusMailbox : Mailbox {

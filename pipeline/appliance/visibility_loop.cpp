@@ -10,13 +10,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kVisibilityPollInterval = 10s;  // for other content
+constexpr Duration kVisibilityPollInterval = 10s;  // for new content
 constexpr Duration kReadingInterval = 1min;        // air changes in minutes
-constexpr Duration kPictureWaitInterval = 200ms;   // for a picture that was asked for
-constexpr Duration kLearnInterval = 30min;         // until surfaces are lit otherwise
-constexpr double kForgottenShare = 0.005;  // with each that is learnt, some twenty a day: ten days, seasons are longer
-constexpr int kDisagreementsToReport = 5;  // looks: a lorry before a landmark is gone by then
-constexpr double kLowestSun = 0.087;       // sine of 5 degrees: below, the land lies in other light than the horizon
+constexpr Duration kPictureWaitInterval = 200ms;   // for a requested picture
+constexpr Duration kLearnInterval = 30min;         // until surfaces are lit differently
+constexpr double kForgottenShare = 0.005;          // per reading, some twenty a day: a memory of ten days
+constexpr int kDisagreementsToReport = 5;          // readings in a row: a lorry in front of a landmark has left by then
+constexpr double kLowestSun = 0.087;               // sine of 5 degrees: below, land and horizon are lit differently
 
 Image<glm::vec3> encoded_of(const Image<Rgb8>& picture) {
   Image<glm::vec3> encoded(picture.width(), picture.height());
@@ -46,10 +46,10 @@ void VisibilityLoop::adopt_content() {
   if (!resumed)
     spdlog::warn("visibility: {}", resumed.error().message);
   else if (*resumed)
-    learnt_ = clock_.now();  // perhaps in this very light
+    learnt_ = clock_.now();  // the saved state may already include the present light
 }
 
-// The light of one half hour is learnt once.
+// Learns once per half hour, since the light hardly changes within it.
 void VisibilityLoop::learn(const std::vector<ContrastReading>& readings) {
   const auto now = clock_.now();
   if (learnt_ && now - *learnt_ < kLearnInterval) return;
@@ -86,7 +86,7 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
     return;
   VisibilityStatus status{clock_.utc(), {}, {}, {}};
   if (sky_.sun && sky_.sun->z < kLowestSun) {
-    status.reason = "the sun is too low: land and horizon do not share their light";
+    status.reason = "the sun is too low: land and horizon are lit differently";
     return publish(std::move(status));
   }
   const auto readings = watch_->read(installation.scene, encoded_of(picture.picture));
@@ -97,12 +97,12 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
   publish(std::move(status));
 }
 
-// One line when it begins, one when it ends.
+// Logs once when a disagreement is established and once when it ends.
 void VisibilityLoop::publish(VisibilityStatus status) {
   const bool disagrees = status.sky && status.sky->agreement == Agreement::disagrees;
   disagreements_ = disagrees ? disagreements_ + 1 : 0;
   if (disagreements_ >= kDisagreementsToReport && !reported_) spdlog::warn("visibility: {}", status.sky->words);
-  if (!disagrees && reported_) spdlog::info("visibility: landmarks and sky are not apart any more");
+  if (!disagrees && reported_) spdlog::info("visibility: landmarks and sky agree again");
   reported_ = disagreements_ >= kDisagreementsToReport;
   status.finding = reported_;
   mailboxes_.status->visibility.put(std::move(status));

@@ -1,5 +1,5 @@
-// The appliance's landmarks: about once a minute, what the scene camera says of the air beside the sky camera's T. It
-// tells; it changes nothing.
+// Visibility from landmarks: about once a minute, compares the air in the scene camera's picture with the sky camera's
+// T. It reports only and changes nothing.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@ namespace kasumi {
 class VisibilityLoop {
  public:
   VisibilityLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes);
-  // Asks the scene camera's loop for a picture, and once it has come, reads the landmarks, which BLOCKS for a fraction
-  // of a second: in a thread behind all others. Returns when to be called again.
+  // Requests a picture from the scene camera's loop and reads the landmarks once it has come, which BLOCKS for a
+  // fraction of a second: for a low-priority thread. Returns when to be called again.
   Instant step();
 
  private:
@@ -25,13 +25,13 @@ class VisibilityLoop {
   ContentPtr content_;
   Clock& clock_;
   Mailboxes& mailboxes_;
-  std::optional<LandmarkWatch> watch_;  // empty: no landmark says how far it is
+  std::optional<LandmarkWatch> watch_;  // empty: no landmark has a distance
   SkyAir sky_;
   Instant due_{};
   std::optional<Instant> learnt_;
-  bool save_failing_ = false;  // and said
+  bool save_failing_ = false;  // already logged
   int disagreements_ = 0;      // looks in a row that disagreed with the sky
-  bool reported_ = false;      // that they do
+  bool reported_ = false;      // that they disagree
 };
 
 }  // namespace kasumi

@@ -126,7 +126,7 @@ TEST_F(VisibilityCommand, NamesAllThatIsWrongWithTheLandmarks) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("within the scene camera's 320 x 120 pixels"));
   EXPECT_THAT(outcome.err, HasSubstr("distance_m = -3"));
-  EXPECT_THAT(outcome.err, HasSubstr("without a [site] its place tells none"));
+  EXPECT_THAT(outcome.err, HasSubstr("a place needs a [site]"));
   EXPECT_THAT(outcome.err, HasSubstr("contrst"));
   EXPECT_NE(run_kasumi("estimate --scene " + in_folder("scenes/1.png")).code, 0) << "without --landmarks";
 }
