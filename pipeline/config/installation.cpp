@@ -63,8 +63,7 @@ std::string calibration_summary(const Installation& installation, const std::fil
   text += fmt::format("\n  from it: {}",
                       adopted->gained.empty() ? "nothing" : fmt::format("{}", fmt::join(adopted->gained, ", ")));
   if (!adopted->overruled.empty())
-    text += fmt::format("\n  {} says itself, and that holds: {}", root_file.filename().string(),
-                        fmt::join(adopted->overruled, ", "));
+    text += fmt::format("\n  overridden by {}: {}", root_file.filename().string(), fmt::join(adopted->overruled, ", "));
   return text;
 }
 

@@ -49,7 +49,7 @@ Shown Ladder::rung_for(Instant now, const LadderInput& input, Trouble trouble) {
     return Shown::still;
   }
   if (!well_since_) well_since_ = now;
-  // A camera that comes and goes must not make the screen flicker; at the start there is nothing to flicker from.
+  // An unstable camera must not make the screen flicker; the first picture may appear at once.
   const bool from_still = rung_.shown == Shown::still && rung_.trouble != Trouble::starting;
   if (from_still && now - *well_since_ < options_.steady) return Shown::still;
   if (*input.picture_age > options_.late) return Shown::held;
@@ -62,10 +62,10 @@ Rung Ladder::step(Instant now, const LadderInput& input) {
   const double moved = stepped_ ? std::max(0.0, to_seconds(now - *stepped_) / to_seconds(options_.fade)) : 1.0;
   const auto towards = [&](double from, double to) { return from + std::clamp(to - from, -moved, moved); };
 
-  // Nothing lies behind the still before the first picture: it is there at once.
+  // Before the first picture there is nothing to fade from: the still appears at once.
   rung_.still = trouble == Trouble::starting ? 1.0 : towards(rung_.still, shown == Shown::still ? 1.0 : 0.0);
   rung_.dark = towards(rung_.dark, shown == Shown::dark ? 1.0 : 0.0);
-  // The words stay until the still goes.
+  // The message stays until the still goes.
   if (shown == Shown::dark)
     rung_.trouble = Trouble::closed;
   else if (trouble != Trouble::none)

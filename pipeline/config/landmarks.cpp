@@ -9,7 +9,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kWithinSight_m = 400e3;  // Everest from the plains of Bengal; beyond, a number is wrong
+constexpr double kWithinSight_m = 400e3;  // Everest from the plains of Bengal; a farther place is a mistake
 constexpr Range kDistances_m{5.0, kWithinSight_m};
 
 std::optional<PictureBox> read_box(const ConfigTable& table, std::string_view key, int width, int height) {
@@ -28,7 +28,7 @@ std::optional<PictureBox> read_box(const ConfigTable& table, std::string_view ke
 std::vector<Landmark> read_landmarks(const ConfigTable& root, const Site& site) {
   std::vector<Landmark> landmarks;
   for (const auto& table : root.tables("landmarks")) {
-    if (table.has("distance_m") && !table.has("latitude_deg")) continue;  // for the visibility alone
+    if (table.has("distance_m") && !table.has("latitude_deg")) continue;  // only for visibility
     Landmark landmark;
     landmark.name = table.text("name");
     landmark.place_m =
@@ -53,7 +53,7 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
     const auto surface = read_box(table, "region_px", width, height);
     if (!surface) {
       if (told)
-        table.problem("region_px", "[x, y, width, height]: where the picture shows it, as its distance is told");
+        table.problem("region_px", "[x, y, width, height]: where the picture shows it, since distance_m is given");
       continue;
     }
     ContrastLandmark landmark;
@@ -72,7 +72,7 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
     } else {
       table.problem("distance_m", site
                                       ? "its distance in metres, or its place (latitude_deg, longitude_deg, altitude_m)"
-                                      : "its distance in metres (without a [site] its place tells none)");
+                                      : "its distance in metres (a place needs a [site])");
     }
     const double usual = landmark.against ? 0.4 : ContrastLandmark{}.contrast;
     const double usual_sigma = landmark.against ? 0.3 : ContrastLandmark{}.contrast_sigma;

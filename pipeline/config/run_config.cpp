@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Younger than any clock that has never been set.
+// Later than any clock that has never been set.
 constexpr Utc kEarliest = std::chrono::sys_days{std::chrono::year{2025} / 1 / 1};
 
 std::optional<double> optional_number(const ConfigTable& table, std::string_view key, Range range) {
@@ -48,7 +48,7 @@ CameraOptions read_camera_options(const ConfigTable& table, const Camera& camera
     return replay;
   }
   auto request = read_request(table, camera);
-  // The sky's frames are looked at once a second: the driver gets its buffers back at once.
+  // Sky frames are used once a second, so they are copied and the driver gets its buffers back at once.
   request.lend_buffers = camera.name != "sky";
   if (source == "libcamera") return LibcameraOptions{table.text("camera"), request};
   const auto device = table.text("device");
@@ -95,7 +95,7 @@ DisplayOptions read_display(const ConfigTable& table) {
   kms.device = table.text("device", std::string());
   kms.connector = table.text("connector", std::string());
   read_mode(table, kms);
-  kms.preferred_instead = true;  // a picture in another size is better than none
+  kms.preferred_instead = true;  // a picture of another size is better than none
   kms.atomic = table.flag("atomic", true);
   return kms;
 }
@@ -113,7 +113,7 @@ ClockOptions read_clock(const ConfigTable& table) {
 OpeningHours read_opening(const ConfigTable& table) {
   constexpr std::array kDays{"sunday", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday"};
   OpeningHours opening;
-  // What cannot be read counts as open all day, and is a problem.
+  // Hours that cannot be parsed are a problem and count as the default.
   const auto hours = [&](const char* key, const DayHours& otherwise) {
     const auto text = table.text(key, std::string());
     if (text.empty()) return otherwise;
@@ -137,7 +137,7 @@ OpeningHours read_opening(const ConfigTable& table) {
       opening.time_zone = std::move(*zone);
     else
       table.problem("time_zone",
-                    fmt::format("a name like \"Europe/Zurich\", for the machine has none: {}", zone.error().message));
+                    fmt::format("a name like \"Europe/Zurich\", since the machine has none: {}", zone.error().message));
   }
   return opening;
 }
@@ -179,7 +179,7 @@ LadderOptions read_ladder(const ConfigTable& table) {
 }  // namespace
 
 RunConfig read_run_config(const ConfigTable& root) {
-  // A table that may be missing is read as an empty one.
+  // A missing optional table is read as an empty one.
   const auto section = [&](std::string_view key, auto read) {
     const auto table = root.optional_table(key);
     return read(table ? *table : *ConfigTable::parse("", root.path()));

@@ -1,4 +1,4 @@
-// kasumi.toml: one kiosk, and how it is run.
+// kasumi.toml: one kiosk and how it runs.
 #pragma once
 
 #include <filesystem>
@@ -19,25 +19,25 @@
 namespace kasumi {
 
 struct ReplayCamera {
-  std::filesystem::path fixture;  // played over and over
+  std::filesystem::path fixture;  // played in a loop
   friend bool operator==(const ReplayCamera&, const ReplayCamera&) = default;
 };
 using CameraOptions = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
 using DisplayOptions = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
 
 struct StillOptions {
-  std::optional<std::filesystem::path> picture;  // empty: a plain ground
+  std::optional<std::filesystem::path> picture;  // empty: a plain background
   std::string caption;
 };
 struct MessageOptions {
   Language language = Language::english;
   std::optional<std::filesystem::path> font_file;
-  bool show_faults = true;  // false: the visitor reads the curated caption alone
+  bool show_faults = true;  // false: visitors see only the caption of the still picture
 };
 
-// When the cameras are held against their calibration, once a day.
+// The daily check of the cameras against their calibration.
 struct CheckOptions {
-  std::optional<OpeningHours> hours;  // from when to when pictures are gathered for it; empty: never
+  std::optional<OpeningHours> hours;  // when pictures are gathered for it; empty: never
   Duration length{};                  // of that time
 };
 
@@ -56,7 +56,7 @@ struct RunConfig {
   std::optional<std::filesystem::path> state_folder;
 };
 
-// Problems are left in the root's file.
+// Problems are collected in the root's file.
 RunConfig read_run_config(const ConfigTable& root);
 
 }  // namespace kasumi

@@ -111,7 +111,7 @@ TEST(CalibrationAdopted, TheKioskRunsOnWhatWasMeasuredWhereItSaysNothingItself) 
   const auto outcome = check(config);
   EXPECT_EQ(outcome.code, 0) << outcome.words;
   for (const char* part : {"calibration.toml: the sky camera's of 2026-11-21", "scene camera's of 2026-11-22",
-                           "from it: site.altitude_m", "kasumi.toml says itself, and that holds: ", "scene.roll_deg"})
+                           "from it: site.altitude_m", "overridden by kasumi.toml: ", "scene.roll_deg"})
     EXPECT_THAT(outcome.words, HasSubstr(part));
 }
 
