@@ -12,7 +12,7 @@ namespace kasumi {
 
 namespace {
 
-// The cameras of one recording play in step, each in its own thread.
+// The two cameras of one recording play in sync, each in its own thread.
 class Recordings {
  public:
   explicit Recordings(Clock& clock) : clock_(clock) {}
@@ -40,7 +40,7 @@ Duration interval_of(const CameraRequest& request) {
   return request.frames_per_second > 0.0 ? from_seconds(1.0 / request.frames_per_second) : Duration{0};
 }
 
-// What the driver made of what was asked, once each time it is opened.
+// Logs what the driver made of the request, each time the camera is opened.
 Result<std::unique_ptr<FrameSource>> log_mode(const std::string& name, Result<std::unique_ptr<CameraSource>> source) {
   if (!source) return fail(source.error());
   const auto& mode = (*source)->mode();
@@ -66,7 +66,7 @@ class MachineDevices final : public Devices {
   std::unique_ptr<DisplayWatch> watch_displays() override {
     auto watch = kasumi::watch_displays();
     if (watch) return std::move(*watch);
-    spdlog::info("display: {}: looked for every second", watch.error().message);
+    spdlog::info("display: {}: polling every second instead", watch.error().message);
     return nullptr;
   }
 

@@ -10,7 +10,7 @@ namespace kasumi {
 namespace {
 
 constexpr Duration kMaxLateness =
-    std::chrono::seconds(1);  // a frame that waited for longer was of a time nobody looked
+    std::chrono::seconds(1);  // later frames were due while nobody asked: they are skipped
 
 class LiveRecording final : public FrameSource {
  public:
