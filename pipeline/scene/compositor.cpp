@@ -73,7 +73,7 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   return show(target);
 }
 
-// Cameras hardly ever change their layout; the first frame tells it. Air changes by the hour.
+// Rarely does anything: the layout is known from the first frame on, and the air changes within hours.
 Result<> Compositor::update_detail(PixelLayout layout, double haze_blur_px) {
   const auto detail = detail_for_gles(quality_, layout, haze_blur_px);
   if (detail == detail_) return {};

@@ -10,11 +10,11 @@ namespace kasumi {
 
 namespace {
 
-// Clouds and people pass, the air stays: the horizon is smoothed over so long. What was seen an hour ago, before a
-// camera was unplugged, is forgotten.
+// Clouds and people pass while the air stays, so the horizon is smoothed with this time constant. A horizon from before
+// a long outage has no weight.
 constexpr double kHorizonMemory_s = 2.8;
 
-// Below what the eye can see in one step: half a percent of the haze, a tenth of a degree of the sun.
+// Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kMinHazeChange = 0.005;
 constexpr Radians kMinSunMove = from_degrees(0.1);
 constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
@@ -132,7 +132,7 @@ AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBo
   const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_),
                           scene_.light_to_xyz(), options_.zeta);
   return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
-    // Back into the camera's own light: what its pixels are compared and mixed with.
+    // Back into the camera's own linear light, in which its pixels are compared and blended.
     return airlight.from(direction) * scene_.white_balance * scene_.vignetting.at(pixel);
   });
 }

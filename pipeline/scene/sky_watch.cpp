@@ -8,7 +8,7 @@ namespace kasumi {
 
 namespace {
 
-// Between two pictures of a slow camera; then they have passed.
+// Longer than between two pictures of a slow camera; older clouds have moved on.
 constexpr Duration kCloudsHold = std::chrono::minutes(2);
 
 }  // namespace
@@ -26,7 +26,7 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {
     SunCheck unknown;
-    unknown.words = "the time is not to be trusted yet";
+    unknown.words = "the time is not trusted yet";
     return unknown;
   }
   const bool clock_trusted = sun_from == SunSource::ephemeris;
@@ -105,7 +105,7 @@ TurbidityEstimate checked(TurbidityEstimate estimate) {
   if (possible) return estimate;
   TurbidityEstimate refused;
   refused.sky = estimate.sky;
-  refused.reason = fmt::format("rejected: a turbidity of {} +- {} cannot be", t, sigma);
+  refused.reason = fmt::format("rejected: a turbidity of {} +- {} is impossible", t, sigma);
   return refused;
 }
 

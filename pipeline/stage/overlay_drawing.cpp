@@ -17,7 +17,7 @@ constexpr glm::dvec3 kEdge{8, 10, 14};
 
 struct Pen {
   glm::dvec3 colour;
-  double width;  // of the usual
+  double width;  // relative to the usual
 };
 
 Pen pen_of(OverlayLineKind kind) {
@@ -35,7 +35,7 @@ Pen pen_of(OverlayLineKind kind) {
   return {{255, 255, 255}, 1.0};
 }
 
-// `colour` over what is there, both encoded and not multiplied by their opacity.
+// Alpha blending; both colours are encoded and not premultiplied.
 void blend(Rgba8& pixel, const glm::dvec3& colour, double opacity) {
   if (opacity <= 0.0) return;
   const double below = pixel.a / 255.0 * (1.0 - opacity), together = opacity + below;
@@ -57,7 +57,7 @@ struct Rectangle {
   }
 };
 
-// Beside its point, and inside the picture.
+// Next to its point and inside the picture.
 Rectangle rectangle_of(const OverlayLabel& label, const glm::dvec2& at, const Image<Rgba8>& words, double gap,
                        const Image<Rgba8>& picture) {
   const double w = words.width(), h = words.height();
@@ -84,7 +84,7 @@ void put(Image<Rgba8>& picture, const Image<Rgba8>& words, const Rectangle& plac
 
 void draw_line(Image<Rgba8>& picture, const std::vector<glm::dvec2>& points, double width_px,
                const glm::dvec3& colour) {
-  // The whole line's distance first, so that its pieces do not show where they meet.
+  // Computes the distance to the whole line first, so that no seams show between segments.
   const double half = 0.5 * width_px, edge = 1.5 * width_px, reach = edge + 0.5;
   glm::dvec2 low{1e18}, high{-1e18};
   for (const auto& point : points) low = glm::min(low, point), high = glm::max(high, point);
@@ -136,13 +136,13 @@ Result<Image<Rgba8>> draw_shapes(const OverlayShapes& shapes, int width, int hei
   std::vector<Rectangle> taken;
   for (const auto& label : shapes.labels) {
     const auto words = draw_caption(label.text, style);
-    if (!words && words.error().kind == FaultKind::unsupported) break;  // no font: the lines say most of it
+    if (!words && words.error().kind == FaultKind::unsupported) break;  // no font: draw the lines only
     if (!words) return fail(words.error());
     auto place = rectangle_of(label, here(label.at), *words, 2.0 * usual, picture);
     const auto is_free = [&] {
       return std::ranges::none_of(taken, [&](const Rectangle& other) { return place.overlaps(other); });
     };
-    // What must be said moves up until there is room.
+    // A required label moves up until there is room.
     const double step = words->height() + usual;
     while (!label.may_be_left_out && !is_free() && place.top > step) place.top -= step, place.bottom -= step;
     if (label.may_be_left_out && !is_free()) continue;

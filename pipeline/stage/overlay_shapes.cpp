@@ -13,13 +13,13 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kPieces = 96;  // of a line of the grid: a lens bends it
+constexpr int kPieces = 96;  // segments per grid line, since a lens bends it
 
 Direction direction_of(double azimuth_deg, double elevation_deg) {
   return direction_from(from_degrees(90.0 - elevation_deg), from_degrees(azimuth_deg));
 }
 
-// What the picture shows, degrees; azimuths may go beyond 360 or below 0 so that they have no gap.
+// Directions that the picture covers, degrees; azimuths may exceed 360 or be negative, so that the range has no gap.
 struct Extent {
   double least_azimuth = 1e9, greatest_azimuth = -1e9, least_elevation = 90.0, greatest_elevation = -90.0;
   double azimuths() const { return greatest_azimuth - least_azimuth; }
@@ -43,7 +43,7 @@ class Shapes {
   bool contains(const glm::dvec2& pixel) const {
     return pixel.x >= -0.5 && pixel.y >= -0.5 && pixel.x <= scene_.width - 0.5 && pixel.y <= scene_.height - 0.5;
   }
-  // Far outside, the lens's polynomial may lead back into the picture.
+  // Far outside its range, the lens's polynomial may fold back into the picture.
   std::optional<glm::dvec2> pixel_of(const glm::dvec3& place) const {
     if (glm::length(place) <= 0.0) return std::nullopt;
     const auto direction = glm::normalize(place);
@@ -53,7 +53,7 @@ class Shapes {
     return back && angle_between(*back, direction).value < 1e-4 ? pixel : std::nullopt;
   }
 
-  // Adds the parts of a line that are seen; answers the points inside the picture.
+  // Adds the visible parts of a line; returns its points inside the picture.
   template <class PlaceAt>
   std::vector<glm::dvec2> add_line(OverlayLineKind kind, int pieces, PlaceAt place_at) {
     std::vector<glm::dvec2> inside;
@@ -66,9 +66,9 @@ class Shapes {
     for (int i = 0; i <= pieces; ++i) {
       const auto pixel = pixel_of(place_at(static_cast<double>(i) / pieces));
       if (!pixel || !is_near(*pixel)) {
-        if (pixel && !line.points.empty()) line.points.push_back(*pixel);  // to where it leaves
+        if (pixel && !line.points.empty()) line.points.push_back(*pixel);  // where it leaves the picture
         end();
-        if (pixel) line.points.push_back(*pixel);  // from where it may come in
+        if (pixel) line.points.push_back(*pixel);  // where it may enter the picture
         continue;
       }
       line.points.push_back(*pixel);
@@ -194,7 +194,7 @@ class Shapes {
          false});
   }
 
-  // An arrow on the ground, as long as the axes, the way -z goes.
+  // An arrow on the ground along -z, as long as the axes.
   template <class World>
   void add_heading(World world, double length) {
     const double barb = 0.15 * length;
@@ -213,7 +213,7 @@ class Shapes {
       const auto stroke = [&](const glm::dvec2& from, const glm::dvec2& to) {
         shapes_.lines.push_back({OverlayLineKind::landmark, {*pixel + arm * from, *pixel + arm * to}});
       };
-      // Open in the middle: the thing itself stays in sight.
+      // A cross with an open centre, so that the landmark stays visible.
       for (const glm::dvec2 towards : {glm::dvec2{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) stroke(0.3 * towards, towards);
       shapes_.labels.push_back({*pixel - glm::dvec2{0.0, arm}, OverlayLabelSide::above,
                                 fmt::format("{}, {:.1f} km", landmark.name, glm::length(landmark.place_m) / 1000.0),
@@ -230,7 +230,7 @@ class Shapes {
 }  // namespace
 
 Radians dip_of_horizon(double altitude_m) {
-  const double radius = kEarthRadius_m / (1.0 - kUsualRefraction);  // the one that light along the ground seems to have
+  const double radius = kEarthRadius_m / (1.0 - kUsualRefraction);  // the effective radius with refraction
   return {std::acos(radius / (radius + std::max(altitude_m, 0.0)))};
 }
 

@@ -45,7 +45,7 @@ Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const 
   return {};
 }
 
-// The picture goes on without one that cannot be drawn.
+// An overlay that cannot be drawn is dropped, and the picture goes on without it.
 Result<> Stage::draw_overlay(const DrawTarget& target) {
   if (!overlay_ || !has_scene_) return {};
   auto drawn = overlay_->draw(target);
@@ -65,7 +65,7 @@ void Stage::update_text(DrawnText& drawn, const std::string& text, const DrawTar
   style.largest_width_px = std::max(64, target.width * 8 / 10);
   const auto picture = draw_caption(text, style);
   if (!picture) {
-    spdlog::warn("words cannot be drawn: {}", picture.error().message);
+    spdlog::warn("a message cannot be drawn: {}", picture.error().message);
     return;
   }
   if (auto flat = FlatPicture::create(*context_, *picture)) drawn.picture = std::move(*flat);

@@ -13,14 +13,14 @@
 namespace kasumi {
 namespace {
 
-// Less is not seen in a picture that nobody compares with the one before.
+// Smaller changes are invisible in a picture that nobody compares with the previous one.
 const Radians kMinSunMove = from_degrees(0.4);
 constexpr double kMinHazeChange = 0.05;  // of T - 1
 constexpr double kMinCloudChange = 0.1;
 constexpr double kUsualFieldOfView_deg = 50.0;
 
-// As the scene camera looks; lenses that are not pinholes, and views too narrow to show more than one colour, as an eye
-// would.
+// The scene camera's view; for other lenses than pinholes, and for views too narrow to show more than one colour, a
+// usual field of view instead.
 SkyView view_of_sky(const Camera& scene, int width, int height) {
   const auto pinhole = scene.lens ? pinhole_model(*scene.lens) : std::nullopt;
   const double usual = 0.5 / std::tan(0.5 * from_degrees(kUsualFieldOfView_deg).value);
@@ -28,17 +28,17 @@ SkyView view_of_sky(const Camera& scene, int width, int height) {
   return {SkyProjection::perspective, width, height, std::min(focal, 4.0 * usual) * width, scene.to_world};
 }
 
-// The curator's picture was taken by day and stays as it is: its sky gives way to the dusk more than eyes that adapt
-// would have it.
+// The curated picture was taken by day and does not change: its sky must darken at dusk more than it would for adapted
+// eyes.
 void dim(SkyScene& scene, const SkySums& sums) {
-  constexpr double kDay_cd_m2 = 3000.0, kLoss = 0.15;  // in stops, of what the light loses
+  constexpr double kDay_cd_m2 = 3000.0, kLoss = 0.15;  // of the stops that the light loses
   scene.exposure *= std::pow(std::clamp(sums.mean_luminance / kDay_cd_m2, 1e-4, 1.0), kLoss);
 }
 
-// A closed cover is grey and even; so much of it as there are clouds.
+// Blends in an overcast sky, grey and even, in proportion to the clouds.
 void cover(SkyScene& scene, const SkySums& sums, double clouds) {
   if (clouds <= 0.0) return;
-  constexpr double kLevel = 0.55;  // of the clear sky's mean: what its exposure was chosen by
+  constexpr double kLevel = 0.55;  // of the clear sky's mean, which set the exposure
   const glm::dvec3 grey = kLevel * sums.mean_luminance * glm::dvec3(0.97, 1.0, 1.04);
   for (auto& coefficient : scene.sky.coefficients) coefficient *= static_cast<float>(1.0 - clouds);
   scene.sky.coefficients[0] += glm::vec3(clouds * grey);
@@ -52,8 +52,9 @@ std::optional<StillSky> still_sky(const SkyReport& report) {
   if (report.sun.source == SunSource::none || sky == SkyCondition::night) return std::nullopt;
   StillSky found;
   found.sun = report.sun.direction;
-  if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil dusk has ended
-  if (report.tracked) found.turbidity = report.tracked->turbidity;  // Preetham's too means his optical depth of haze
+  if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil twilight has ended
+  // Preetham's T stands for the same optical depth of haze here.
+  if (report.tracked) found.turbidity = report.tracked->turbidity;
   if (sky == SkyCondition::overcast)
     found.clouds = 1.0;
   else if (sky == SkyCondition::partly_cloudy)
@@ -84,7 +85,7 @@ bool StillPicture::holds(const DrawTarget& target, const StillSky& sky) const {
          std::abs(sky.clouds - drawn.clouds) <= kMinCloudChange && angle_between(sky.sun, drawn.sun) <= kMinSunMove;
 }
 
-// Drawn beside the target and taken as one picture, so that it can fade.
+// Rendered offscreen into one picture, so that it can fade.
 Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   if (!dome_) {
     auto dome = DomeRenderer::create(*context_);
