@@ -14,13 +14,13 @@
 namespace kasumi {
 namespace {
 
-constexpr double kSigmas = 5.0;  // a false alarm is worse than a late one
+constexpr double kSigmas = 5.0;  // a false alarm is worse than a late alarm
 constexpr double kMinSceneTurn_deg = 0.02, kMinSkyTurn_deg = 0.2, kMinSunOffset_deg = 0.3;
 constexpr double kMinWidening = 0.3;     // of edges
 constexpr double kMinVeil = 0.12;        // of the picture's mean light
 constexpr double kVeiledContrast = 0.7;  // and the edges keep less than that
-constexpr double kMinEvenness = 0.5;  // the fifth of the edges that lost most keeps so much of what the best fifth does
-constexpr double kBrightestVeilReference = 0.4;  // the reference has nothing near to judge a veil by
+constexpr double kMinEvenness = 0.5;     // fogged: worst fifth of the edges keeps this share of what the best does
+constexpr double kBrightestVeilReference = 0.4;  // without a darker reference a veil cannot be judged
 constexpr double kMinExposure = 0.35;            // the sky's model itself is no surer
 constexpr std::size_t kFewestSuns = 3;
 constexpr Radians kSunAgreement = from_degrees(0.4), kMinSunScatter = from_degrees(0.05);
@@ -36,7 +36,7 @@ DriftFinding judged(const char* camera, const char* what, const char* unit, doub
           alarm,  unit};
 }
 
-// How the camera itself has moved, its picture having moved the other way.
+// The camera's own motion, which is opposite to its picture's.
 std::string turn_text(const ViewTurn& turn) {
   const auto part = [](double radians, const char* one, const char* other) {
     return fmt::format("{:.2f} {}", std::abs(to_degrees(Radians{radians})), radians >= 0.0 ? one : other);
@@ -46,7 +46,7 @@ std::string turn_text(const ViewTurn& turn) {
                      part(turn.turn.z, "counter-clockwise", "clockwise"));
 }
 
-// The air's turbidity then and now, where both skies told it.
+// The air's turbidity then and now, where both could be estimated.
 struct HazeChange {
   std::optional<double> before, now;
   bool known() const { return before && now; }
@@ -58,25 +58,25 @@ DriftFinding judge_focus(const char* name, const std::optional<EdgeChange>& seen
   const EdgeChange& change = *seen;
   if (change.edges < 12 || 3 * change.edges < change.sought)
     return undetermined(name, "focus",
-                        fmt::format("of {} edges only {} are to be seen: haze, darkness or a lens far out of focus",
+                        fmt::format("only {1} of {0} edges are visible: haze, darkness or a lens far out of focus",
                                     change.sought, change.edges));
   const double widening = change.spread_ratio - 1.0;
   const double alarm = std::max(kMinWidening, kSigmas * change.spread_sigma);
-  const auto message = fmt::format("edges are {:.2f} +- {:.2f} times as wide as they were ({:.2f} px, then {:.2f})",
+  const auto message = fmt::format("edges are {:.2f} +- {:.2f} times as wide as before ({:.2f} px, before {:.2f} px)",
                                    change.spread_ratio, change.spread_sigma, change.now_px, change.before_px);
   return judged(name, "focus", "percent", 100.0 * widening, 100.0 * change.spread_sigma, 100.0 * alarm,
                 widening > alarm ? "out of focus: " + message : message);
 }
 
-// HazeChange comes with the air's turbidity, and takes more from what is farther; a fogged lens takes from all alike.
+// Haze raises the turbidity and weakens distant edges more; a fogged lens weakens all edges alike.
 DriftFinding judge_lens(const char* name, const std::optional<Veil>& veil, const std::optional<EdgeChange>& change,
                         const HazeChange& haze) {
   if (!veil || !change || veil->before > kBrightestVeilReference)
-    return undetermined(name, "lens", "nothing dark and near to see a fogged lens by");
+    return undetermined(name, "lens", "nothing dark and near that would show a fogged lens");
   const double more = veil->now - veil->before;
   const bool pale = change->contrast_ratio < kVeiledContrast;
   auto finding = judged(name, "lens", "percent", 100.0 * more, 0.0, 100.0 * kMinVeil,
-                        fmt::format("{:.0f} % of the mean light lies over what is darkest, then {:.0f} %; edges keep "
+                        fmt::format("{:.0f} % of the mean light veils the darkest parts, before {:.0f} %; edges keep "
                                     "{:.0f} % of their contrast",
                                     100.0 * veil->now, 100.0 * veil->before, 100.0 * change->contrast_ratio));
   finding.sigma.reset();
@@ -85,39 +85,40 @@ DriftFinding judge_lens(const char* name, const std::optional<Veil>& veil, const
   if (fogged && haze.known() && !haze.thicker())
     finding.message = "fogged or dirty: " + finding.message;
   else if (fogged && !haze.known())
-    finding = undetermined(name, "lens", finding.message + ": a fogged lens or hazy air, whose turbidity is not known");
+    finding =
+        undetermined(name, "lens", finding.message + ": a fogged lens or hazy air, since the turbidity is unknown");
   else
     finding.state = DriftState::steady;
   if (finding.state == DriftState::steady && pale) finding.message += ": the air is hazier, the lens is clear";
   return finding;
 }
 
-// One camera's view of what stands still, as it was and as it is.
+// One camera's view of static things, before and now.
 struct View {
   const char* name;
   const Camera& camera;
   const std::optional<ViewReference>& before;
   const std::vector<GreyPicture>& now;
-  double least_turn_deg;            // that is called drift
-  Image<std::uint8_t> usable = {};  // where something stands still; empty: everywhere
+  double least_turn_deg;            // smallest turn called drift
+  Image<std::uint8_t> usable = {};  // where static things are; empty: everywhere
 };
 
 DriftFinding judge_turn(const View& view, const std::optional<ViewTurn>& turn) {
   if (!turn)
     return undetermined(view.name, "view",
-                        "nothing looks as in the reference: darkness, fog, snow, or the camera was turned far away");
+                        "nothing matches the reference: darkness, fog, snow, or the camera was turned far away");
   const double angle_deg = to_degrees(turn->angle()), sigma_deg = to_degrees(turn->sigma());
   const double alarm_deg = std::max(view.least_turn_deg, kSigmas * sigma_deg);
   return judged(view.name, "view", "deg", angle_deg, sigma_deg, alarm_deg,
                 angle_deg > alarm_deg ? "the camera has turned by " + turn_text(*turn)
-                                      : fmt::format("where it was, to {:.3f} +- {:.3f} deg", angle_deg, sigma_deg));
+                                      : fmt::format("unchanged within {:.3f} +- {:.3f} deg", angle_deg, sigma_deg));
 }
 
-// Focus and lens can be told only where the view is recognised.
+// Focus and lens can be judged only where the view matches the reference.
 std::vector<DriftFinding> judge_view(const View& view, const HazeChange& haze) {
   if (!view.before) return {undetermined(view.name, "view", "the reference has no picture of this camera")};
   if (view.now.size() < std::size_t{kFewestCheckFrames})
-    return {undetermined(view.name, "view", fmt::format("only {} pictures came", view.now.size()))};
+    return {undetermined(view.name, "view", fmt::format("only {} pictures arrived", view.now.size()))};
   const auto still = median_of(view.now);
   auto before = shrunk_view(view.before->small, view.camera);
   const auto now = shrunk_view(shrunk(still, view.camera), view.camera);
@@ -131,12 +132,12 @@ std::vector<DriftFinding> judge_view(const View& view, const HazeChange& haze) {
   return findings;
 }
 
-// What takes the picture's sun to the ephemeris' by the shortest way.
+// The shortest rotation from the sun in the picture to its ephemeris.
 glm::dvec3 offset_of(const SunObservation& sun) {
   return glm::cross(sun.picture, sun.ephemeris);
 }
 
-// Those with which most others agree: bright clouds are taken for the sun now here, now there.
+// The largest group of observations that agree: bright clouds mistaken for the sun scatter.
 std::vector<SunObservation> largest_agreeing_group(const std::vector<SunObservation>& all) {
   std::vector<SunObservation> best;
   for (const auto& one : all) {
@@ -148,15 +149,16 @@ std::vector<SunObservation> largest_agreeing_group(const std::vector<SunObservat
   return best;
 }
 
-// The small rotation that takes the pictures' suns to the ephemeris'; about the suns' own direction none is seen.
+// Fits the small rotation from the suns in the pictures to their ephemeris.
 DriftFinding judge_sun(const std::vector<SunObservation>& all) {
   const auto suns = largest_agreeing_group(all);
   if (suns.size() < kFewestSuns || 2 * suns.size() <= all.size())
     return undetermined(
         "sky", "sun",
-        fmt::format("something like the sun is in {} pictures, and {} of them agree: {} are needed, and most",
-                    all.size(), suns.size(), kFewestSuns));
-  // About the suns' own direction nothing is to be made of their noise.
+        fmt::format(
+            "{} pictures show a candidate for the sun, and {} of them agree: at least {} and a majority are needed",
+            all.size(), suns.size(), kFewestSuns));
+  // Regularised, since a rotation about the suns' own direction is not observable.
   glm::dmat3 normal{0.03 * static_cast<double>(suns.size())};
   glm::dvec3 right{0.0};
   for (const auto& sun : suns) {
@@ -172,13 +174,13 @@ DriftFinding judge_sun(const std::vector<SunObservation>& all) {
   const double sigma_deg =
       to_degrees(Radians{scatter / kMedianLengthOverSigma / std::sqrt(static_cast<double>(suns.size()))});
   const double alarm_deg = std::max(kMinSunOffset_deg, kSigmas * sigma_deg);
-  const auto message = fmt::format("the sun stands {:.2f} +- {:.2f} deg from where it should ({} pictures)", angle_deg,
+  const auto message = fmt::format("the sun is {:.2f} +- {:.2f} deg off its expected position ({} pictures)", angle_deg,
                                    sigma_deg, suns.size());
   return judged("sky", "sun", "deg", angle_deg, sigma_deg, alarm_deg,
                 angle_deg > alarm_deg ? "the camera has turned, or the clock is wrong: " + message : message);
 }
 
-// Open sky, away from the horizon, obstructions and every place of the sun.
+// Open sky, away from the horizon, obstructions and all positions of the sun.
 Image<std::uint8_t> open_sky(const Camera& sky, const DomeLook& look, const std::vector<Direction>& suns) {
   const int factor = std::max(1, sky.width / std::max(1, look.width()));
   Image<std::uint8_t> open(look.width(), look.height(), 0);
@@ -205,7 +207,7 @@ DriftFinding judge_dome(const DriftFrames& frames, const DriftReference& referen
   auto suns = reference.suns;
   suns.insert(suns.end(), frames.sun_places().begin(), frames.sun_places().end());
   const auto state = find_spots(frames.dome(), *reference.dome, open_sky(sky, *reference.dome, suns));
-  if (!(state.looked_at > 0.0)) return undetermined("sky", "dome", "too little of the open sky was seen");
+  if (!(state.looked_at > 0.0)) return undetermined("sky", "dome", "too little open sky is visible");
   double area = 0.0;
   for (const auto& spot : state.spots) area += spot.area;
   if (state.spots.empty())
@@ -227,7 +229,7 @@ DriftFinding judge_exposure(const DriftFrames& frames, const DriftReference& ref
   const double sigma = 0.5 * (levels[levels.size() * 3 / 4] - levels[levels.size() / 4]);
   return judged("sky", "exposure", "percent", 100.0 * std::abs(change), 100.0 * sigma,
                 100.0 * std::max(kMinExposure, kSigmas * sigma),
-                fmt::format("the clear sky, for its exposure, is {:.0f} +- {:.0f} % {} than it was",
+                fmt::format("the clear sky, relative to the exposure, is {:.0f} +- {:.0f} % {} than before",
                             100.0 * std::abs(change), 100.0 * sigma, change < 0.0 ? "darker" : "brighter"));
 }
 
@@ -272,7 +274,9 @@ std::string drift_summary(const DriftReport& report) {
   const auto undetermined =
       std::count_if(report.findings.begin(), report.findings.end(),
                     [](const DriftFinding& finding) { return finding.state == DriftState::undetermined; });
-  return undetermined == 0 ? "well" : fmt::format("well, {} of {} not to be told", untold, report.findings.size());
+  return undetermined == 0
+             ? "no drift found"
+             : fmt::format("no drift found, {} of {} checks inconclusive", undetermined, report.findings.size());
 }
 
 std::string drift_text(const DriftReport& report) {

@@ -13,8 +13,8 @@ namespace kasumi {
 namespace {
 
 constexpr Radians kLowestSun = from_degrees(10.0);
-constexpr Radians kFarthestSun = from_degrees(15.0);  // from the ephemeris: farther is a reflection
-constexpr Radians kLargestSun = from_degrees(3.0);    // with its glare: a bright cloud is larger
+constexpr Radians kFarthestSun = from_degrees(15.0);  // from the ephemeris: anything farther is a reflection
+constexpr Radians kLargestSun = from_degrees(3.0);    // radius with glare: bright clouds are larger
 constexpr int kBesideObstruction_px = 6;              // of the shrunk picture
 constexpr Radians kLowSky = from_degrees(15.0);
 
@@ -43,7 +43,7 @@ DomeLook dome_look(const Image<Rgb8>& picture, const Camera& camera) {
   return look;
 }
 
-// ln of the light that a unit of the fit's gain stands for, by the sky's model: F(0, sun) over the zenith's luminance.
+// ln of the light per unit of the fit's gain in the sky model: F(0, sun) over the zenith luminance.
 double log_model_scale(Turbidity turbidity, const SunPosition& sun) {
   const double ratio = perez(perez_coefficients(PerezQuantity::luminance, turbidity), 1.0, sun.zenith);
   const double zenith = SkyModel(turbidity, sun.direction).zenith_luminance();

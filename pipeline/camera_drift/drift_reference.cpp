@@ -30,7 +30,7 @@ Image<Rgb8> picture_of(const GreyPicture& grey) {
   return picture;
 }
 
-// Light as 8 bits, square root: relative steps of 1 % in the bright half.
+// Light as 8 bits with a square root: relative steps of 1 % in the bright half.
 Image<Rgb8> picture_of(const DomeLook& look) {
   Image<Rgb8> picture(look.width(), look.height());
   std::transform(
@@ -86,7 +86,7 @@ ViewReference view_of(const std::vector<GreyPicture>& pictures, const Camera& ca
   return {shrunk(still, camera), find_edges(light_of(still, camera), usable)};
 }
 
-// The camera's picture, shrunk, as it was written; empty when it is damaged.
+// A camera's saved reference; empty when it is missing or damaged.
 std::optional<ViewReference> read_view(const Json& json, const char* name, const std::filesystem::path& file) {
   if (!json.contains(name)) return std::nullopt;
   auto edges = edges_of(json[name]);
@@ -141,7 +141,7 @@ Result<> save_reference(const DriftReference& reference, const std::filesystem::
   for (const auto& sun : reference.suns) json["suns"].push_back({sun.x, sun.y, sun.z});
   if (reference.level) json["log_level"] = *reference.level;
   if (reference.turbidity) json["turbidity"] = *reference.turbidity;
-  // Pictures first: what names them comes when they are there.
+  // Pictures first, so that the JSON file never names missing ones.
   for (const auto& [view, name, ending] : {std::tuple{&reference.scene, "scene_edges", ".check-scene.png"},
                                            std::tuple{&reference.sky, "sky_edges", ".check-sky.png"}}) {
     if (!*view) continue;
