@@ -1,4 +1,4 @@
-// The single checks of `kasumi doctor`. Each adds what it found.
+// The individual checks of `kasumi doctor`. Each adds its findings.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,10 @@
 
 namespace kasumi {
 
-// Files of sysfs and procfs: the first line; empty when it cannot be read.
+// First line of a file in sysfs or procfs; empty when it cannot be read.
 std::string line_of(const std::filesystem::path& file);
 std::optional<double> number_of(const std::filesystem::path& file);
-// The folder's entries whose names begin so, sorted.
+// The folder's entries whose names start with `prefix`, sorted.
 std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder, std::string_view prefix);
 
 // check_machine.cpp
@@ -24,7 +24,7 @@ void check_watchdogs(const MachinePlaces& places, Findings& findings);
 
 // check_cameras.cpp
 const CameraRequest* request_of(const CameraOptions& options);  // null for a recording
-struct CameraMeasurement {                                      // what was seen of it in `lasted`
+struct CameraMeasurement {                                      // of `lasted_s` seconds
   bool opened = false;
   std::string problem;  // why it could not be opened, or why no frame came
   std::optional<double> first_frame_s;
@@ -44,11 +44,11 @@ void check_camera(const std::string& name, const CameraOptions& options, const C
 
 // check_display.cpp
 void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOptions& options, Findings& findings);
-// Shows plain pictures as fast as the display takes them.
+// Shows plain pictures as fast as the display accepts them.
 void check_flips(Display& display, Clock& clock, Findings& findings);
 void check_gl(const GlInfo& info, Findings& findings);
 
-// check_appliance.cpp: what the running appliance says of itself, `later` read some seconds after `before`.
+// check_appliance.cpp: judges the running appliance's own status, `later` read some seconds after `before`.
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
                      double seconds, Findings& findings);
 

@@ -121,7 +121,7 @@ TEST(DoctorThrottling, ReadsTheFirmwaresBits) {
   EXPECT_THAT(judged("50000\n").found, HasSubstr("since boot: the supply's voltage is too low, throttled"));
   EXPECT_EQ(judged("50005\n").grade, Grade::failure);
   EXPECT_THAT(judged("50005\n").advice, HasSubstr("stronger supply"));
-  EXPECT_THAT(judged("0x80008\n").found, HasSubstr("now: near the temperature's limit"));
+  EXPECT_THAT(judged("0x80008\n").found, HasSubstr("now: near the temperature limit"));
 }
 
 TEST(DoctorThrottling, CountsAPcsToo) {
