@@ -16,12 +16,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kFrameTimeout = 200ms;   // how long a camera's loop does not look up
-constexpr Duration kScreenInterval = 40ms;  // between two looks for a picture to show
-constexpr Duration kBufferTimeout = 250ms;  // for the display to give one
-constexpr Duration kDisplayInterval = 2s;   // between tries to open one that went away
+constexpr Duration kFrameTimeout = 200ms;   // for a frame: then a camera's loop checks whether to stop
+constexpr Duration kScreenInterval = 40ms;  // between checks for a picture to show
+constexpr Duration kBufferTimeout = 250ms;  // for a free display buffer
+constexpr Duration kDisplayInterval = 2s;   // between attempts to reopen the display
 
-// Why it ended; whoever comes first says it.
+// Why the recording ended; the first reason counts.
 class Ending {
  public:
   void set(std::string why, bool planned) {
@@ -32,7 +32,7 @@ class Ending {
     over_ = true;
   }
   bool over() const { return over_; }
-  std::string why() const { return why_; }  // once over
+  std::string why() const { return why_; }  // only once over()
   bool planned() const { return planned_; }
 
  private:
@@ -42,7 +42,7 @@ class Ending {
   bool planned_ = false;
 };
 
-// Frames come and go as fast as the disk takes them: lending them would hold up the driver.
+// Frames wait for the disk: lending buffers would stall the driver.
 CameraOptions without_lending(CameraOptions options) {
   std::visit(
       [](auto& chosen) {
@@ -83,7 +83,7 @@ class CameraRecorder {
     if (every_ > Duration{0}) due_ = std::max(due_ + every_, clock_.now());
     auto kept = recording_.keep(role_, frame);
     if (kept || kept.error().kind != FaultKind::bad_input) return kept;
-    spdlog::warn("{}: a frame is not kept: {}", name(), kept.error().message);
+    spdlog::warn("{}: frame dropped: {}", name(), kept.error().message);
     return {};
   }
   Result<> record_outage(const std::string& cause) {
@@ -111,7 +111,7 @@ Result<RecordScreen> open_screen(Devices& devices, const RunConfig& config) {
   return RecordScreen::open(std::move(*display), config);
 }
 
-// The display's loop: this thread's.
+// The display's loop, in the calling thread.
 void run_screen(RecordScreen first, const RecordRequest& request, const RunConfig& config, Devices& devices,
                 const Recording& recording, Clock& clock, const std::function<bool()>& stop, Ending& ending,
                 LatestSlot<Frame>& frames) {
@@ -122,9 +122,9 @@ void run_screen(RecordScreen first, const RecordRequest& request, const RunConfi
   std::string shown;
   while (!ending.over()) {
     const auto now = clock.now();
-    if (stop()) ending.set("it was ended by hand", true);
+    if (stop()) ending.set("interrupted", true);
     if (request.length > Duration{0} && now - began >= request.length)
-      ending.set(fmt::format("{:.0f} s are recorded", to_seconds(now - began)), true);
+      ending.set(fmt::format("{:.0f} s recorded", to_seconds(now - began)), true);
     if (!screen && now >= try_again_at) {
       if (auto opened = open_screen(devices, config)) screen = std::move(*opened);
       try_again_at = now + kDisplayInterval;
@@ -136,7 +136,7 @@ void run_screen(RecordScreen first, const RecordRequest& request, const RunConfi
       if (auto done = screen->show(frame ? &*frame : nullptr, text, now + kBufferTimeout); done) {
         shown = text;
       } else if (done.error().kind == FaultKind::end_of_stream) {
-        ending.set("its window was closed", true);
+        ending.set("the window was closed", true);
       } else {
         spdlog::warn("display: lost: {}", done.error().message);
         screen.reset();
@@ -157,7 +157,8 @@ Result<RecordSummary> record(const RecordRequest& request, Devices& devices, Clo
 
   auto screen = open_screen(devices, config);
   if (!screen)
-    return fail(screen.error().kind, "{}\n(nothing is recorded unseen; [display] kind = \"headless\" does without)",
+    return fail(screen.error().kind,
+                "{}\n(recording needs a display to show the notice; [display] kind = \"headless\" goes without)",
                 screen.error().message);
   auto recording = Recording::create(request.config, request.folder, clock.utc(), request.limits);
   if (!recording) return fail(recording.error());

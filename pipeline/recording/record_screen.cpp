@@ -13,7 +13,7 @@ namespace {
 constexpr glm::vec3 kBackground{0.15f, 0.17f, 0.2f};
 constexpr int kLightSize = 64;
 
-// The red light every camera has, with a soft edge.
+// The usual red recording light, with a soft edge.
 Image<Rgba8> red_light() {
   Image<Rgba8> light(kLightSize, kLightSize, Rgba8(224, 32, 32, 0));
   const double middle = 0.5 * (kLightSize - 1), radius = 0.5 * kLightSize - 2.0;
@@ -60,7 +60,7 @@ Result<> RecordScreen::show(const Frame* frame, const std::string& text, Instant
   const auto target = display_->begin(deadline);
   if (!target) return target.error().kind == FaultKind::timeout ? Result<>{} : fail(target.error());
 
-  // A damaged picture is recorded as it came and not shown.
+  // A damaged picture is recorded but not shown.
   if (frame)
     if (const auto picture = decode(*frame, encoding_); picture && renderer_.upload(picture->view()))
       has_picture_ = true;
@@ -73,7 +73,7 @@ Result<> RecordScreen::show(const Frame* frame, const std::string& text, Instant
   double left = margin;
   if (auto drawn = light_.draw(*target, {left, margin + 0.4 * line, line, line}); !drawn) return drawn;
   left += 1.5 * line;
-  // Without a font the red light has to do.
+  // Without a font the red light alone is shown.
   if (set_text(text, *target) && caption_) {
     const FlatPlace place{left, margin, static_cast<double>(caption_->width()),
                           static_cast<double>(caption_->height())};

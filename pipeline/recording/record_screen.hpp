@@ -30,7 +30,7 @@ class RecordScreen {
         font_(config.messages.font_file) {}
   Result<> set_text(const std::string& text, const DrawTarget& target);
 
-  std::unique_ptr<Display> display_;  // first in, last out: all below is made under its context
+  std::unique_ptr<Display> display_;  // declared first, since everything below belongs to its context
   Renderer renderer_;
   FlatPicture light_;
   YuvEncoding encoding_;

@@ -24,7 +24,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Pictures a second of a film: the recorded rate, or a time lapse where the recording takes seconds between frames.
+// Frame rate of the video: the recorded rate, or a time lapse where there are seconds between frames.
 double film_rate(const std::vector<IndexRow>& rows) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < rows.size(); ++i)
@@ -38,7 +38,7 @@ bool is_film(const std::filesystem::path& out) {
   return out.extension() == ".mp4";
 }
 
-// Where the pictures of one run are drawn and kept.
+// Where the pictures of one run are drawn and stored.
 struct ReplayOutput {
   std::unique_ptr<GlContext> headless;
   std::unique_ptr<Window> window;
@@ -80,7 +80,7 @@ Result<ReplayOutput> open_output(const ReplayRequest& request, const Fixture& fi
   return output;
 }
 
-// One run: its state, and what each kind of frame does to it.
+// The state of one run and what each kind of frame does.
 class Run {
  public:
   Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, ReplayOutput output,
@@ -111,7 +111,7 @@ class Run {
     return {};
   }
 
-  // The sky in a thread of its own; this thread owns GL.
+  // The sky runs in a thread of its own; this thread owns GL.
   Result<> play_in_real_time(FixtureSources& sources, Clock& clock) {
     Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
     LatestSlot<SkyReport> reports;
@@ -126,7 +126,7 @@ class Run {
       auto frame = sources.scene->next(clock.now() + 50ms);
       if (auto report = reports.take()) latest_ = std::move(*report);
       if (!frame && frame.error().kind == FaultKind::timeout)
-        continue;  // a gap: the window is served, the picture held
+        continue;  // a gap: keep handling the window's events and hold the picture
       if (result = show(std::move(frame)); !result) break;
       progress.advance(progress_detail());
     }
@@ -161,10 +161,10 @@ class Run {
   }
 
   std::string progress_detail() const {
-    return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T not known yet";
+    return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T unknown yet";
   }
 
-  // Only the sky's own state: safe in the sky's thread.
+  // Touches only the sky's state, so it is safe in the sky's thread.
   std::optional<SkyReport> observe_sky(Result<Frame> frame) {
     if (!frame) {
       if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
@@ -229,7 +229,7 @@ class Run {
   TurbidityTable table_;
   SkyReport latest_;
   ReplaySummary summary_;
-  // The sky thread's own, merged when it has ended.
+  // Owned by the sky's thread, merged when it has ended.
   std::size_t sky_frames_ = 0;
   std::size_t usable_sky_frames_ = 0;
   std::map<std::string, std::size_t> sky_skipped_;
