@@ -25,7 +25,7 @@ Rgb8 colour_of(int number) {
   const auto level = [&](int digit) {
     return static_cast<std::uint8_t>(digit % kLevels * kLevelStep + kLevelStep / 2);
   };
-  // The sum of the digits as a check, so that no other colour is taken for a number.
+  // A checksum, so that no other colour is mistaken for a number.
   return {level(number), level(number / kLevels), level(number + number / kLevels)};
 }
 
@@ -53,7 +53,7 @@ void write_scene(const std::filesystem::path& folder, const std::filesystem::pat
   }
 }
 
-// The generator's sky frames in turn, as often as the scene's: a loop without a gap.
+// Cycles through the generator's sky frames at the scene's rate: a loop without a gap.
 void write_sky(const std::filesystem::path& folder, const std::filesystem::path& generated) {
   const auto rows = read_index(generated / "sky").value();
   auto writer = FixtureWriter::create(folder / "sky").value();
@@ -67,7 +67,7 @@ void write_sky(const std::filesystem::path& folder, const std::filesystem::path&
   }
 }
 
-// Three test programs have one, and run side by side.
+// Several test programs use a rig at the same time.
 std::filesystem::path bench_folder(const std::string& suffix = {}) {
   return test_folder("bench-" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + suffix);
 }

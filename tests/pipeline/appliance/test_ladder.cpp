@@ -1,4 +1,4 @@
-// The ladder by itself: input in, rungs out.
+// The ladder alone: inputs in, rungs out.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 class LadderTest : public testing::Test {
  protected:
-  // The picture of `age` is shown; the other input are good.
+  // The picture of `age` is shown; all other inputs are good.
   Rung at(Duration now, std::optional<Duration> age) {
     input.picture_age = age;
     return ladder.step(Instant{now}, input);
@@ -49,7 +49,7 @@ TEST_F(LadderTest, AnOldPictureIsHeldAndCoveredByTheStillWhenItIsTwoSecondsOld) 
   EXPECT_EQ(rung.still, 1.0) << "no picture older than two seconds is seen";
 }
 
-TEST_F(LadderTest, TheFadeTakesItsTimeHoweverOftenItIsAsked) {
+TEST_F(LadderTest, TheFadeDoesNotDependOnHowOftenItIsCalled) {
   for (const Duration step : {10ms, 50ms, 130ms}) {
     Ladder fading;
     input.picture_age = 20ms;
@@ -102,7 +102,7 @@ TEST_F(LadderTest, WithoutTheSkyCameraThePictureIsLiveUnderAnEarlierAir) {
   EXPECT_EQ(rung.still, 0.0);
 }
 
-TEST_F(LadderTest, WithoutTheTimeThePictureIsLiveAndTheReasonIsTold) {
+TEST_F(LadderTest, WithoutATrustedTimeThePictureIsLiveAndTheReasonIsGiven) {
   settle(10s);
   input.sun_known = false;
   input.sky_up = false;
@@ -123,7 +123,7 @@ TEST_F(LadderTest, OutsideOpeningHoursItIsDarkAndThatIsNoFault) {
   EXPECT_EQ(at(12s, 20ms).dark, 0.0);
 }
 
-TEST_F(LadderTest, ASlowCameraGetsThePatienceItNeeds) {
+TEST_F(LadderTest, ASlowCameraGetsLongerDeadlines) {
   const auto options = patient_with({}, 5s);
   EXPECT_EQ(options.held, 12500ms);
   EXPECT_EQ(patient_with({}, 40ms).held, 2s);

@@ -1,4 +1,4 @@
-// Visibility from landmarks as a person asks for it, and as the appliance tells it.
+// Visibility from landmarks: by the command, and in the appliance's status.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -131,13 +131,13 @@ TEST_F(VisibilityCommand, NamesAllThatIsWrongWithTheLandmarks) {
   EXPECT_NE(run_kasumi("estimate --scene " + in_folder("scenes/1.png")).code, 0) << "without --landmarks";
 }
 
-// The loop alone, by a clock that is turned.
+// The loop alone, under a manual clock.
 class VisibilityLoopTest : public testing::Test {
  protected:
   VisibilityLoopTest() : clock(Utc{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21} + 3h}) {
     begin(landmark_tables());
   }
-  // The kiosk is started, anew.
+  // Starts or restarts the loop.
   void begin(const std::string& landmarks, std::optional<std::filesystem::path> state_folder = {}) {
     auto content = std::make_shared<Content>();
     auto& installation = content->config.installation;
@@ -149,19 +149,19 @@ class VisibilityLoopTest : public testing::Test {
     mailboxes.scene.visibility_wants_picture = false;
     loop.emplace(std::move(content), clock, mailboxes);
   }
-  // How sure it is of one picture's air.
+  // Relative sigma of the visibility from one picture.
   double sigma_of_a_look(double turbidity) {
     look(turbidity);
     return told()["sigma_m"].get<double>() / told()["visibility_m"].get<double>();
   }
-  // One picture a minute, as the scene camera's loop gives when asked.
+  // Supplies one picture a minute, as the scene camera's loop does on request.
   void look(double turbidity) {
     const auto again = loop->step();
-    EXPECT_TRUE(mailboxes.scene.visibility_wants_picture.exchange(false)) << "a picture is asked for";
+    EXPECT_TRUE(mailboxes.scene.visibility_wants_picture.exchange(false)) << "a picture is requested";
     EXPECT_LE(again - clock.now(), 1s);
     mailboxes.visibility.scene.put({{}, squares_under(turbidity), false});
     loop->step();
-    if (auto told = mailboxes.status->visibility.take()) status = std::move(*told);
+    if (auto told = mailboxes.status->visibility.take()) latest = std::move(*told);
     EXPECT_FALSE(mailboxes.scene.visibility_wants_picture) << "one a minute is enough";
     clock.advance(1min);
   }
@@ -173,13 +173,13 @@ class VisibilityLoopTest : public testing::Test {
   }
   nlohmann::json told() {
     Status status;
-    status.visibility = status;
+    status.visibility = latest;
     return nlohmann::json::parse(status_json(status))["visibility"];
   }
   ManualClock clock;
   Mailboxes mailboxes;
   std::optional<VisibilityLoop> loop;
-  VisibilityStatus status;
+  VisibilityStatus latest;
 };
 
 TEST_F(VisibilityLoopTest, TellsTheVisibilityBesideTheSkysAir) {

@@ -1,4 +1,4 @@
-// Whether the building can be seen, and what is said about it.
+// Whether the building is visible, and the message about it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ TEST_F(SightingOf, TellsPlaceAndSizeInThePicture) {
   EXPECT_THAT(sighting.message, testing::HasSubstr("3.50 km away at azimuth 0.0 deg, 11 x 6 pixels"));
 }
 
-TEST_F(SightingOf, ATurnedCameraLosesItAndSaysWhere) {
+TEST_F(SightingOf, ATurnedCameraLosesItAndReportsWhere) {
   look_to(30.0);
   EXPECT_EQ(now().verdict, Verdict::outside);
   EXPECT_THAT(now().message, testing::HasSubstr("30.0 deg left"));
@@ -75,7 +75,7 @@ TEST_F(SightingOf, ThingsInFrontHideItOnlyWhenTheyHideAll) {
   EXPECT_EQ(now().verdict, Verdict::visible);
 }
 
-TEST_F(SightingOf, AHillBeforeItHidesItAndOneBehindItDoesNot) {
+TEST_F(SightingOf, AHillInFrontHidesItAndOneBehindDoesNot) {
   auto& distances = installation.scene_distances_m = Image<float>(600, 400, 3000.0F);
   EXPECT_EQ(now().verdict, Verdict::behind_the_mask);
   EXPECT_THAT(now().message, testing::HasSubstr("scene.depth_map"));

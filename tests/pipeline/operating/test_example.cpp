@@ -1,5 +1,4 @@
-// The example configuration is what operators read: it must be accepted, name every key there is, and tell the truth
-// about defaults.
+// The example configuration is what operators read: it must be valid, contain every key, and state the true defaults.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@ std::string example() {
   return read_text_file(source_folder() / "systemd/kasumi.toml").value();
 }
 
-// Read where the files it names are.
+// Read in a folder with the files it refers to.
 struct Read {
   Result<> whole;
   RunConfig config;
@@ -145,7 +144,7 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
   EXPECT_GT(known.size(), 60u);
 }
 
-TEST(ExampleConfiguration, AKeyThatIsNotInItWouldBeMissed) {
+TEST(ExampleConfiguration, AMissingKeyWouldBeFound) {
   const auto known =
       documented("[sky.camera]\n#buffers = 4\n# gain = 1.0\nsource = \"v4l2\"\n# words about format = x y\n");
   EXPECT_THAT(known, testing::UnorderedElementsAre("sky.camera.buffers", "sky.camera.gain", "sky.camera.source"));

@@ -1,4 +1,5 @@
-// Recording from live cameras: what is on the disk replays, however it ended (rows 21 and 22 of the faults).
+// Recording from live cameras: whatever is on the disk can be replayed, however it ended (rows 21 and 22 of the
+// faults).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -122,7 +123,7 @@ TEST(Record, AnOutageIsPartOfTheRecording) {
   EXPECT_GT(played->scene.good, 10) << "frames from before and after";
 }
 
-TEST(Record, FramesAreThinnedToOneInSoManySeconds) {
+TEST(Record, FramesAreThinnedToTheInterval) {
   const auto folder = operating_folder("every");
   auto request = request_in(folder, write_kiosk(folder));
   request.every = 500ms;
@@ -151,7 +152,7 @@ TEST(Record, ItEndsBeforeItsBytesAreExceeded) {
   EXPECT_TRUE(play(folder / "kept"));
 }
 
-TEST(Record, ItLeavesOthersTheirShareOfTheDisk) {
+TEST(Record, ItKeepsSpaceOnTheDiskFree) {
   const auto folder = operating_folder("floor");
   auto request = request_in(folder, write_kiosk(folder));
   request.limits.keep_free = std::uint64_t{1} << 60;
@@ -173,7 +174,7 @@ TEST(Record, ARecordingIsNotOverwritten) {
   EXPECT_THAT(again.error().message, HasSubstr("already contains a recording"));
 }
 
-// A file system of its own, so that it can be filled.
+// A separate file system, so that it can be filled.
 class SmallDisk {
  public:
   explicit SmallDisk(const std::filesystem::path& at, const char* options) : at_(at) {
@@ -190,7 +191,7 @@ class SmallDisk {
   bool mounted_ = false;
 };
 
-TEST(Record, AFullDiskEndsItAndWhatIsThereReplays) {
+TEST(Record, AFullDiskEndsItAndTheRestReplays) {
   const auto folder = operating_folder("full");
   auto request = request_in(folder, write_kiosk(folder));
   const SmallDisk disk(folder / "disk", "size=800k");
@@ -212,7 +213,7 @@ TEST(Record, AFullDiskEndsItAndWhatIsThereReplays) {
     EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr(".part"))) << "left over";
 }
 
-// kill -9 stands in for the power cut as far as the order of what is written goes.
+// kill -9 simulates a power cut as far as the order of writes goes.
 TEST(Record, KilledAtAnyMomentItReplays) {
   const auto folder = operating_folder("killed");
   const auto config = write_kiosk(folder);
@@ -246,7 +247,7 @@ TEST(Record, KilledAtAnyMomentItReplays) {
   EXPECT_GT(replayed, 6);
 }
 
-TEST(RecordScreen, WhoLooksSeesThePictureAndThatItIsRecorded) {
+TEST(RecordScreen, ShowsThePictureAndTheNotice) {
   const auto folder = operating_folder("sign");
   const auto root = ConfigTable::read_file(write_kiosk(folder));
   const auto config = read_run_config(*root);
