@@ -146,14 +146,14 @@ CheckOptions read_check(const ConfigTable& table, const OpeningHours& opening) {
   constexpr Range kMinutes{0.1, 240.0};
   CheckOptions options;
   const auto time = table.text("time", std::string("13:00"));
-  const double minutes = table.number("minutes", kMinutes, 30.0);
+  const double length_min = table.number("minutes", kMinutes, 30.0);
   if (time == "never") return options;
   const auto rest_of_day = parse_hours(time + "-24:00");
   if (!rest_of_day || rest_of_day->size() != 1) {
     table.problem("time", R"(a time of the day like "13:00", by the wall clock, or "never")");
     return options;
   }
-  options.length = from_seconds(60.0 * minutes);
+  options.length = from_seconds(60.0 * length_min);
   OpeningHours hours;
   hours.time_zone = opening.time_zone.empty() ? machine_time_zone().value_or("") : opening.time_zone;
   const auto from = rest_of_day->front().from;
