@@ -1,4 +1,4 @@
-// What the overlay draws, against geometry worked out here, and how it draws.
+// The overlay's shapes against geometry computed here, and their drawing.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -197,7 +197,7 @@ TEST(Landmarks, EverythingWrongIsNamedAtOnce) {
 }
 
 TEST(OverlayDrawing, ALineCoversItsWidthAndHasADarkEdge) {
-  // Across a slanted line: what of its colour is there adds up to its width, however it lies between the pixels.
+  // Across a slanted line the coverage adds up to its width, wherever it lies between the pixels.
   for (const double shift : {0.0, 0.3, 0.5}) {
     Image<Rgba8> picture(60, 60);
     draw_line(picture, {{-5.0, 20.0 + shift}, {65.0, 34.0 + shift}}, 2.0, {255, 255, 255});
@@ -214,7 +214,7 @@ TEST(OverlayDrawing, ALineCoversItsWidthAndHasADarkEdge) {
   }
 }
 
-TEST(OverlayDrawing, PiecesOfALineDoNotShowWhereTheyMeet) {
+TEST(OverlayDrawing, SegmentsOfALineHaveNoSeams) {
   std::vector<glm::dvec2> whole{{5.0, 10.3}, {55.0, 10.3}}, pieces;
   for (int i = 0; i <= 50; ++i) pieces.emplace_back(5.0 + i, 10.3);
   Image<Rgba8> one(60, 20), many(60, 20);
@@ -223,7 +223,7 @@ TEST(OverlayDrawing, PiecesOfALineDoNotShowWhereTheyMeet) {
   EXPECT_EQ(one.elements(), many.elements());
 }
 
-TEST(OverlayDrawing, LinesOutsideThePictureAreNoMatter) {
+TEST(OverlayDrawing, LinesOutsideThePictureAreHarmless) {
   Image<Rgba8> picture(20, 20);
   draw_line(picture, {{-500.0, -3.0}, {900.0, -40.0}}, 2.0, {255, 255, 255});
   draw_line(picture, {{1e7, 1e7}, {2e7, 1e7}}, 2.0, {255, 255, 255});
@@ -274,7 +274,7 @@ TEST(OverlayInReplay, ChangesThePictureAndNothingThatIsMeasured) {
   EXPECT_TRUE(overlaid.second == plain.second) << "turbidity.csv";
 }
 
-TEST(OverlayDrawing, AFontThatIsNotThereIsNamed) {
+TEST(OverlayDrawing, AMissingFontIsReported) {
   const auto picture = draw_shapes(overlay_shapes(kiosk(), kBuilding), 960, 540, 1.0, "/nowhere/font.ttf");
   ASSERT_FALSE(picture);
   EXPECT_THAT(picture.error().message, HasSubstr("/nowhere/font.ttf"));
