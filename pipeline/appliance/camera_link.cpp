@@ -9,7 +9,7 @@ namespace kasumi {
 namespace {
 
 // The deadlines are made for video; a slow camera gets the same tolerance in frames.
-ReconnectOptions patience(Duration interval) {
+ReconnectOptions reconnect_options(Duration interval) {
   ReconnectOptions options;
   const auto at_least = [](Duration& deadline, Duration least) { deadline = std::max(deadline, least); };
   at_least(options.stall_deadline, interval * 5 / 2);
@@ -24,13 +24,13 @@ ReconnectOptions patience(Duration interval) {
 CameraLink::CameraLink(CameraOpening opening, Clock& clock)
     : clock_(clock),
       opening_(std::move(opening)),
-      source_(reconnecting(opening_.opener, clock_, patience(opening_.frame_interval))) {}
+      source_(reconnecting(opening_.opener, clock_, reconnect_options(opening_.frame_interval))) {}
 
 void CameraLink::replace(CameraOpening opening) {
   source_.reset();  // a camera cannot be opened twice
   ++outages_;
   opening_ = std::move(opening);
-  source_ = reconnecting(opening_.opener, clock_, patience(opening_.frame_interval));
+  source_ = reconnecting(opening_.opener, clock_, reconnect_options(opening_.frame_interval));
   lost_ = waited_for_ = false;
   condition_ = PictureCondition::normal;
 }

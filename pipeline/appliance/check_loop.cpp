@@ -15,9 +15,9 @@ constexpr Duration kCheckPollInterval = 10s;        // for the hour of the check
 constexpr Duration kGatheringPollInterval = 200ms;  // for requested pictures
 
 // A reference next to the calibration file comes first; the service may write only into its state folder.
-std::optional<DriftReference> find_reference(const std::filesystem::path& beside, const std::filesystem::path& own,
+std::optional<DriftReference> find_reference(const std::filesystem::path& installed, const std::filesystem::path& own,
                                              const Installation& installation) {
-  for (const auto& stem : {beside, own}) {
+  for (const auto& stem : {installed, own}) {
     auto reference = load_reference(stem);
     if (reference && belongs_to(*reference, installation)) return std::move(*reference);
     if (!reference && reference.error().kind == FaultKind::bad_input)

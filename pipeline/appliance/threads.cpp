@@ -60,8 +60,8 @@ sigset_t our_signals() {
 void wait_for_signals(Stop& stop, Bell& reload, Bell& ended) {
   const auto set = our_signals();
   while (!stop.wanted()) {
-    const timespec patience{0, 200'000'000};
-    const int signal = ::sigtimedwait(&set, nullptr, &patience);
+    const timespec timeout{0, 200'000'000};
+    const int signal = ::sigtimedwait(&set, nullptr, &timeout);
     if (signal == SIGHUP) reload.ring();
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }

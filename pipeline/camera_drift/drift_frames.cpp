@@ -114,10 +114,10 @@ Image<std::uint8_t> still_part_of_sky(const Camera& sky, int factor) {
         part.at(x, y) = zenith_angle(*direction) > from_degrees(90.0) - kLowSky ? 255 : 0;
         continue;
       }
-      bool beside = false;
+      bool near_obstruction = false;
       for (const auto& [dx, dy] : {std::pair{0, 0}, {reach, 0}, {-reach, 0}, {0, reach}, {0, -reach}})
-        beside = beside || (part.contains(x + dx, y + dy) && blocked(x + dx, y + dy));
-      part.at(x, y) = beside ? 255 : 0;
+        near_obstruction = near_obstruction || (part.contains(x + dx, y + dy) && blocked(x + dx, y + dy));
+      part.at(x, y) = near_obstruction ? 255 : 0;
     }
   return part;
 }

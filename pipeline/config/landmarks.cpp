@@ -49,10 +49,10 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
                                                       int width, int height) {
   std::vector<ContrastLandmark> landmarks;
   for (const auto& table : root.tables("landmarks")) {
-    const bool told = table.has("distance_m");
+    const bool has_distance = table.has("distance_m");
     const auto surface = read_box(table, "region_px", width, height);
     if (!surface) {
-      if (told)
+      if (has_distance)
         table.problem("region_px", "[x, y, width, height]: where the picture shows it, since distance_m is given");
       continue;
     }
@@ -61,7 +61,7 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
     landmark.surface = *surface;
     landmark.against = read_box(table, "against_px", width, height);
     landmark.sky = read_box(table, "sky_px", width, height);
-    if (told) {
+    if (has_distance) {
       landmark.distance_m = table.number("distance_m", kDistances_m);
       landmark.rise_m = table.number("rise_m", {-5000.0, 9000.0}, 0.0);
     } else if (site && table.has("latitude_deg") && table.has("longitude_deg") && table.has("altitude_m")) {

@@ -50,8 +50,8 @@ SunSource TimeTrust::judge(const ClockState& state, Utc now) {
   if (state.jumps != jumps_) gained_ = false;
   jumps_ = state.jumps;
   gained_ = gained_ || state.synchronized;
-  const bool believed = now >= options_.earliest && (gained_ || options_.policy == ClockPolicy::trusted);
-  if (believed) return SunSource::ephemeris;
+  const bool trusted = now >= options_.earliest && (gained_ || options_.policy == ClockPolicy::trusted);
+  if (trusted) return SunSource::ephemeris;
   return options_.policy == ClockPolicy::from_sky ? SunSource::image : SunSource::none;
 }
 

@@ -31,10 +31,10 @@ double sum(const Json& counts) {
   return total;
 }
 std::string list_of(const Json& counts) {
-  std::string words;
+  std::string text_list;
   for (const auto& [reason, count] : counts.items())
-    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count.dump(), reason);
-  return words;
+    text_list += fmt::format("{}{} {}", text_list.empty() ? "" : ", ", count.dump(), reason);
+  return text_list;
 }
 
 // Counts belong to the time of writing, not of reading.
@@ -58,8 +58,8 @@ void check_live_camera(const std::string& name, const CameraOptions& options, co
   const auto found =
       fmt::format("{}{} {:.0f}x{:.0f}", who, text(later, "format"), number(later, "width"), number(later, "height"));
   std::string notes;
-  if (const auto said = part(mode, "notes"); said.is_array())
-    for (const auto& note : said)
+  if (const auto driver_notes = part(mode, "notes"); driver_notes.is_array())
+    for (const auto& note : driver_notes)
       if (note.is_string()) notes += (notes.empty() ? "" : "; ") + note.get<std::string>();
   if (notes.empty())
     findings.good(name + ".mode", found);

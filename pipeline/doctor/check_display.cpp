@@ -23,10 +23,10 @@ bool offers(const ListedConnector& connector, const KmsDisplayOptions& options) 
   });
 }
 
-std::string list_of(const std::vector<std::string>& words) {
+std::string list_of(const std::vector<std::string>& modes) {
   std::string text;
-  for (std::size_t i = 0; i < words.size() && i < 12; ++i) text += (i ? ", " : "") + words[i];
-  return text + (words.size() > 12 ? ", ..." : "");
+  for (std::size_t i = 0; i < modes.size() && i < 12; ++i) text += (i ? ", " : "") + modes[i];
+  return text + (modes.size() > 12 ? ", ..." : "");
 }
 
 }  // namespace

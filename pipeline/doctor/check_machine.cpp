@@ -159,13 +159,13 @@ void check_throttling(const MachinePlaces& places, Findings& findings) {
     return;
   }
   double count = 0.0;
-  bool told = false;
+  bool reported = false;
   for (const auto& cpu : entries_of(places.sys / "devices/system/cpu", "cpu"))
     if (const auto times = number_of(cpu / "thermal_throttle/package_throttle_count")) {
       count = std::max(count, *times);
-      told = true;
+      reported = true;
     }
-  if (!told)
+  if (!reported)
     findings.good("throttling", "this machine does not report it");
   else if (count > 0.0)
     findings

@@ -40,7 +40,7 @@ SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_f
 void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
   const SunCheck& sun = report.sun;
   if (sun.source == SunSource::none) {
-    report.estimate.reason = "the sun's place is unknown: " + sun.words;
+    report.estimate.reason = "the sun's position is unknown: " + sun.words;
     return;
   }
   if (options_.estimator) {

@@ -58,9 +58,9 @@ struct Rectangle {
 };
 
 // Next to its point and inside the picture.
-Rectangle rectangle_of(const OverlayLabel& label, const glm::dvec2& at, const Image<Rgba8>& words, double gap,
+Rectangle rectangle_of(const OverlayLabel& label, const glm::dvec2& at, const Image<Rgba8>& text, double gap,
                        const Image<Rgba8>& picture) {
-  const double w = words.width(), h = words.height();
+  const double w = text.width(), h = text.height();
   glm::dvec2 corner = at - 0.5 * glm::dvec2{w, h};
   if (label.side == OverlayLabelSide::left_of) corner.x = at.x - gap - w;
   if (label.side == OverlayLabelSide::right_of) corner.x = at.x + gap;
@@ -72,12 +72,12 @@ Rectangle rectangle_of(const OverlayLabel& label, const glm::dvec2& at, const Im
   return {corner.x, corner.y, corner.x + w, corner.y + h};
 }
 
-void put(Image<Rgba8>& picture, const Image<Rgba8>& words, const Rectangle& place) {
+void put(Image<Rgba8>& picture, const Image<Rgba8>& text, const Rectangle& place) {
   const int left = static_cast<int>(place.left), top = static_cast<int>(place.top);
-  for (int y = 0; y < words.height(); ++y)
-    for (int x = 0; x < words.width(); ++x)
+  for (int y = 0; y < text.height(); ++y)
+    for (int x = 0; x < text.width(); ++x)
       if (picture.contains(left + x, top + y))
-        blend(picture.at(left + x, top + y), glm::dvec3(words.at(x, y)), words.at(x, y).a / 255.0);
+        blend(picture.at(left + x, top + y), glm::dvec3(text.at(x, y)), text.at(x, y).a / 255.0);
 }
 
 }  // namespace
@@ -135,19 +135,19 @@ Result<Image<Rgba8>> draw_shapes(const OverlayShapes& shapes, int width, int hei
   style.largest_width_px = std::max(64, width / 2);
   std::vector<Rectangle> taken;
   for (const auto& label : shapes.labels) {
-    const auto words = draw_caption(label.text, style);
-    if (!words && words.error().kind == FaultKind::unsupported) break;  // no font: draw the lines only
-    if (!words) return fail(words.error());
-    auto place = rectangle_of(label, here(label.at), *words, 2.0 * usual, picture);
+    const auto text = draw_caption(label.text, style);
+    if (!text && text.error().kind == FaultKind::unsupported) break;  // no font: draw the lines only
+    if (!text) return fail(text.error());
+    auto place = rectangle_of(label, here(label.at), *text, 2.0 * usual, picture);
     const auto is_free = [&] {
       return std::ranges::none_of(taken, [&](const Rectangle& other) { return place.overlaps(other); });
     };
     // A required label moves up until there is room.
-    const double step = words->height() + usual;
+    const double step = text->height() + usual;
     while (!label.may_be_left_out && !is_free() && place.top > step) place.top -= step, place.bottom -= step;
     if (label.may_be_left_out && !is_free()) continue;
     taken.push_back(place);
-    put(picture, *words, place);
+    put(picture, *text, place);
   }
   return picture;
 }

@@ -92,9 +92,9 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
     if (!dome) return fail(dome.error());
     dome_ = std::move(*dome);
   }
-  auto beside = Offscreen::create(context_->info(), target.width, target.height);
-  if (!beside) return fail(beside.error());
-  const DrawTarget whole = beside->target();
+  auto offscreen = Offscreen::create(context_->info(), target.width, target.height);
+  if (!offscreen) return fail(offscreen.error());
+  const DrawTarget whole = offscreen->target();
   const int width = curated_ ? curated_->width() : target.width, height = curated_ ? curated_->height() : target.height;
   const SkyView view = view_of_sky(scene_, width, height);
   SkyRequest request;
@@ -118,7 +118,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
     if (land.height > 0.0)
       if (auto drawn = background_->draw(whole, land); !drawn) return drawn;
   }
-  const auto pixels = beside->read();
+  const auto pixels = offscreen->read();
   if (!pixels) return fail(pixels.error());
   Image<Rgba8> opaque(pixels->width(), pixels->height());
   std::ranges::transform(pixels->elements(), opaque.elements().begin(),
