@@ -1,4 +1,4 @@
-// The commands of `kasumi`. Each registers its options and, when it is the one asked for, leaves what is to be done.
+// The commands of `kasumi`. Each registers its options and sets `action` when it is selected.
 #pragma once
 
 #include <functional>

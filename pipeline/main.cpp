@@ -1,4 +1,4 @@
-// kasumi <command>: see docs/architecture.md for the way of a frame.
+// kasumi <command>: docs/architecture.md shows a frame's way through the program.
 #include <cstdio>
 #include <exception>
 
@@ -11,8 +11,8 @@
 
 namespace {
 
-constexpr int kFailed = 1;    // this machine could not do it
-constexpr int kBadInput = 2;  // a person has to mend something
+constexpr int kFailed = 1;    // a fault of this machine
+constexpr int kBadInput = 2;  // a fault in the input, which a person has to fix
 
 int exit_code(const kasumi::Fault& fault) {
   return fault.kind == kasumi::FaultKind::bad_input ? kBadInput : kFailed;

@@ -17,32 +17,32 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 }  // namespace
 
-Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, const Ground& ground, StatusOptions status,
-                     SkyWatchOptions sky)
+Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, const ApplianceServices& services,
+                     StatusOptions status, SkyWatchOptions sky)
     : config_file_(std::move(config_file)),
-      ground_(ground),
-      scene_(content, ground.devices, ground.clock, exchange_),
-      sky_(content, ground.devices, ground.clock, ground.time, exchange_, std::move(sky)),
-      render_(content, ground.devices, ground.clock, ground.notifier, exchange_),
-      status_(content, std::move(status), ground.clock, ground.notifier, exchange_),
-      check_(content, config_file_, ground.clock, exchange_),
-      visibility_(std::move(content), ground.clock, exchange_) {}
+      services_(services),
+      scene_(content, services.devices, services.clock, mailboxes_),
+      sky_(content, services.devices, services.clock, services.time, mailboxes_, std::move(sky)),
+      render_(content, services.devices, services.clock, services.notifier, mailboxes_),
+      status_(content, std::move(status), services.clock, services.notifier, mailboxes_),
+      check_(content, config_file_, services.clock, mailboxes_),
+      visibility_(std::move(content), services.clock, mailboxes_) {}
 
 void Appliance::reload() {
-  ground_.notifier.reloading();
+  services_.notifier.reloading();
   auto content = read_content(config_file_);
-  ReloadNews news{ground_.clock.utc(), {}};
+  ReloadStatus status{services_.clock.utc(), {}};
   if (content) {
-    spdlog::info("{}: taken in anew", config_file_.string());
-    for (Mail* mail : exchange_.mails()) mail->content.put(*content);
+    spdlog::info("{}: reloaded", config_file_.string());
+    for (Mailbox* mailbox : mailboxes_.all()) mailbox->content.put(*content);
   } else {
-    news.problems = lines_of(content.error().message);
-    spdlog::error("the new content is refused, the old one stays:");
-    for (const auto& problem : news.problems) spdlog::error("  {}", problem);
+    status.problems = lines_of(content.error().message);
+    spdlog::error("the new content is invalid, keeping the old content:");
+    for (const auto& problem : status.problems) spdlog::error("  {}", problem);
   }
-  exchange_.status->reload.put(std::move(news));
-  exchange_.render.bell.ring();
-  ground_.notifier.ready();
+  mailboxes_.status->reload.put(std::move(status));
+  mailboxes_.render.bell.ring();
+  services_.notifier.ready();
 }
 
 }  // namespace kasumi

@@ -1,5 +1,5 @@
-// The appliance: its loops and what passes between them. Knows no threads: in a kiosk each loop has its own, in a test
-// one thread calls them all by a clock it turns.
+// The appliance: its loops and their mailboxes. It starts no threads: a kiosk runs each loop in a thread of its own, a
+// test calls them all from one thread under a manual clock.
 #pragma once
 
 #include "pipeline/appliance/check_loop.hpp"
@@ -11,8 +11,8 @@
 
 namespace kasumi {
 
-// What the appliance stands on; tests bring their own.
-struct Ground {
+// What the appliance needs from the machine; tests supply their own.
+struct ApplianceServices {
   Devices& devices;
   Clock& clock;
   TimeWatch& time;
@@ -21,8 +21,8 @@ struct Ground {
 
 class Appliance {
  public:
-  Appliance(std::filesystem::path config_file, ContentPtr content, const Ground& ground, StatusOptions status,
-            SkyWatchOptions sky = {});
+  Appliance(std::filesystem::path config_file, ContentPtr content, const ApplianceServices& services,
+            StatusOptions status, SkyWatchOptions sky = {});
 
   SceneLoop& scene() { return scene_; }
   SkyLoop& sky() { return sky_; }
@@ -30,16 +30,17 @@ class Appliance {
   StatusLoop& status() { return status_; }
   CheckLoop& check() { return check_; }
   VisibilityLoop& visibility() { return visibility_; }
-  Bell& render_bell() { return exchange_.render.bell; }
+  Bell& render_bell() { return mailboxes_.render.bell; }
 
-  // Reads configuration and content anew and hands them to the loops; refused, the old ones stay and every problem is
-  // logged and told. BLOCKS for the seconds reading takes, in whatever thread; not for two at once.
+  // Reads configuration and content again and hands them to the loops. When they are invalid, the old ones stay and
+  // every problem is logged and reported in the status. BLOCKS for the seconds that reading takes. Any thread, but only
+  // one at a time.
   void reload();
 
  private:
   std::filesystem::path config_file_;
-  Ground ground_;
-  Exchange exchange_;
+  ApplianceServices services_;
+  Mailboxes mailboxes_;
   SceneLoop scene_;
   SkyLoop sky_;
   RenderLoop render_;

@@ -8,8 +8,8 @@ namespace kasumi {
 
 namespace {
 
-// The deadlines are made for video; a camera that takes its time gets as much patience in frames.
-ReconnectOptions patience(Duration interval) {
+// The deadlines are made for video; a slow camera gets the same tolerance in frames.
+ReconnectOptions reconnect_options(Duration interval) {
   ReconnectOptions options;
   const auto at_least = [](Duration& deadline, Duration least) { deadline = std::max(deadline, least); };
   at_least(options.stall_deadline, interval * 5 / 2);
@@ -24,13 +24,13 @@ ReconnectOptions patience(Duration interval) {
 CameraLink::CameraLink(CameraOpening opening, Clock& clock)
     : clock_(clock),
       opening_(std::move(opening)),
-      source_(reconnecting(opening_.opener, clock_, patience(opening_.frame_interval))) {}
+      source_(reconnecting(opening_.opener, clock_, reconnect_options(opening_.frame_interval))) {}
 
 void CameraLink::replace(CameraOpening opening) {
-  source_.reset();  // two cannot have the camera
+  source_.reset();  // a camera cannot be opened twice
   ++outages_;
   opening_ = std::move(opening);
-  source_ = reconnecting(opening_.opener, clock_, patience(opening_.frame_interval));
+  source_ = reconnecting(opening_.opener, clock_, reconnect_options(opening_.frame_interval));
   lost_ = waited_for_ = false;
   condition_ = PictureCondition::normal;
 }
@@ -38,7 +38,7 @@ void CameraLink::replace(CameraOpening opening) {
 Result<Frame> CameraLink::next(Instant deadline) {
   auto frame = source_->next(deadline);
   if (!frame && frame.error().kind == FaultKind::disconnected) ++outages_;
-  // Other faults may come at once, again and again.
+  // Other faults may return immediately every time: without a pause this would spin.
   if (!frame && frame.error().kind != FaultKind::disconnected && frame.error().kind != FaultKind::timeout)
     clock_.sleep_until(deadline);
   log_changes();
@@ -49,26 +49,26 @@ void CameraLink::log_changes() {
   const auto health = source_->health();
   const auto& name = opening_.opener.name;
   if (health.up && (lost_ || waited_for_))
-    spdlog::info("{}: {} after {:.1f} s", name, lost_ ? "back" : "there", to_seconds(health.last_outage));
+    spdlog::info("{}: {} after {:.1f} s", name, lost_ ? "back" : "connected", to_seconds(health.last_outage));
   if (health.up) lost_ = waited_for_ = false;
   if (!health.up && !lost_ && health.good_frames > 0) {
     spdlog::warn("{}: lost: {}", name, health.cause);
     lost_ = true;
   }
   if (!health.up && !waited_for_ && health.good_frames == 0 && !health.cause.empty()) {
-    spdlog::warn("{}: not there yet: {}", name, health.cause);
+    spdlog::warn("{}: not available yet: {}", name, health.cause);
     waited_for_ = true;
   }
   if (health.condition != condition_) {
     condition_ = health.condition;
     if (condition_ == PictureCondition::normal)
-      spdlog::info("{}: its picture is one again", name);
+      spdlog::info("{}: picture normal again", name);
     else
-      spdlog::warn("{}: its picture is {}", name, name_of(condition_));
+      spdlog::warn("{}: picture is {}", name, name_of(condition_));
   }
 }
 
-CameraNews CameraLink::news() const {
+CameraStatus CameraLink::status() const {
   return {source_->health(), outages_, opening_.frame_interval};
 }
 

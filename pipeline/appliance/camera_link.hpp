@@ -1,11 +1,11 @@
-// One live camera as its loop sees it: comes back by itself, its outages logged once each, its health told to others.
+// One live camera as its loop sees it: reconnects by itself, logs each outage once, reports its health.
 #pragma once
 
 #include <memory>
 #include <string>
 #include <string_view>
 
-#include "pipeline/appliance/exchange.hpp"
+#include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/machine/devices.hpp"
 
 namespace kasumi {
@@ -14,17 +14,17 @@ namespace kasumi {
 class CameraLink {
  public:
   CameraLink(CameraOpening opening, Clock& clock);
-  // Lets go of the camera there was and takes this one.
+  // Releases the current camera and uses this one.
   void replace(CameraOpening opening);
 
   // BLOCKS until a frame arrives or the deadline passes. Errors as ReconnectingSource.
   Result<Frame> next(Instant deadline);
-  // The frame given last was none after all: it counts as bad.
+  // Counts the last frame as bad after all.
   void reject(std::string_view reason) { source_->reject(reason); }
   CameraHealth health() const { return source_->health(); }
   std::uint64_t outages() const { return outages_; }
   bool recorded() const { return opening_.recorded; }
-  CameraNews news() const;
+  CameraStatus status() const;
 
  private:
   void log_changes();
@@ -33,8 +33,8 @@ class CameraLink {
   CameraOpening opening_;
   std::unique_ptr<ReconnectingSource> source_;
   std::uint64_t outages_ = 0;
-  bool lost_ = false;        // it was there and is gone
-  bool waited_for_ = false;  // it has not been there yet, and that was said
+  bool lost_ = false;        // it worked before and is gone
+  bool waited_for_ = false;  // it has never worked, and that was logged
   PictureCondition condition_ = PictureCondition::normal;
 };
 

@@ -1,10 +1,10 @@
-// The appliance's daily look at whether its cameras are still as they were calibrated. It tells; it changes nothing.
+// The daily check whether the cameras still match their calibration. It reports only and changes nothing.
 #pragma once
 
 #include <filesystem>
 #include <optional>
 
-#include "pipeline/appliance/exchange.hpp"
+#include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/camera_drift/drift.hpp"
 #include "pipeline/camera_drift/drift_frames.hpp"
 
@@ -12,23 +12,23 @@ namespace kasumi {
 
 class CheckLoop {
  public:
-  CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Exchange& exchange);
-  // Asks the cameras' loops for pictures, and once enough have come, judges them, which BLOCKS for seconds: in a thread
-  // of its own. Returns when to be called again.
+  CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Mailboxes& mailboxes);
+  // Requests pictures from the cameras' loops and judges them once there are enough, which BLOCKS for seconds: run
+  // it in a thread of its own. Returns when to be called again.
   Instant step();
 
  private:
   void take_pictures();
   void judge();
-  void tell(std::string summary, std::optional<DriftReport> report, bool warn);
+  void publish(std::string summary, std::optional<DriftReport> report, bool warn);
 
   ContentPtr content_;
   std::filesystem::path config_file_;
   Clock& clock_;
-  Exchange& exchange_;
-  std::optional<DriftFrames> frames_;  // while it gathers
-  Instant due_{};                      // the next pictures
-  bool done_ = false;                  // for this day
+  Mailboxes& mailboxes_;
+  std::optional<DriftFrames> frames_;  // while gathering
+  Instant due_{};                      // for the next pictures
+  bool done_today_ = false;            // checked; reset the next day
 };
 
 }  // namespace kasumi

@@ -11,7 +11,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kBadConfiguration = 78;  // EX_CONFIG: the unit does not start it again before a person mended it
+constexpr int kBadConfiguration = 78;  // EX_CONFIG: the unit does not restart it until a person has fixed the file
 
 struct RunArguments {
   std::string config;
@@ -30,15 +30,15 @@ std::optional<std::filesystem::path> status_file(const std::string& given) {
 Result<int> run(const RunArguments& arguments) {
   auto content = read_content(arguments.config);
   if (!content) {
-    fmt::print(stderr, "kasumi: the configuration is refused:\n{}\n", content.error().message);
+    fmt::print(stderr, "kasumi: the configuration is invalid:\n{}\n", content.error().message);
     return kBadConfiguration;
   }
   const auto sighting = sight_object((*content)->config.installation, (*content)->model.bounds());
-  spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.words);
+  spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.message);
   if (arguments.check) {
-    if (const auto words = calibration_words((*content)->config.installation, arguments.config); !words.empty())
-      fmt::print("{}\n", words);
-    fmt::print("{}: well\n", arguments.config);
+    if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
+      fmt::print("{}\n", summary);
+    fmt::print("{}: configuration is valid\n", arguments.config);
     return 0;
   }
   const auto ended = run_appliance(arguments.config, std::move(*content),
@@ -54,12 +54,12 @@ void add_run_command(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<RunArguments>();
   command->add_option("--config", arguments->config, "kasumi.toml")->required();
   command->add_option("--status", arguments->status,
-                      "Write how it is into FILE every second (default: "
+                      "Write the status to FILE every second (default: "
                       "$RUNTIME_DIRECTORY/status.json)");
   command->add_flag("--stats", arguments->stats,
                     "Log capture-to-flip latency, copies and drops every minute, and at "
                     "the end");
-  command->add_flag("--check", arguments->check, "Only read configuration and content, and say all that is wrong");
+  command->add_flag("--check", arguments->check, "Only read configuration and content, and report every problem");
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
 

@@ -1,4 +1,4 @@
-// From the camera's buffer to the glass: how long each picture took.
+// Capture-to-display latency of each picture.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ struct LatencySummary {
   std::uint64_t pictures = 0;
 };
 
-// A histogram of bins that each are 1 % wider than the one before, from .1 ms to hours: constant memory over months,
-// and a slow machine is told as truly as a fast one.
+// A histogram whose bins each are 1 % wider than the one before, from .1 ms to hours: constant memory over months and
+// the same relative precision on fast and slow machines.
 class LatencyHistogram {
  public:
   void add(Duration latency);
@@ -38,7 +38,7 @@ class LatencyWatch {
   void shown(std::uint64_t picture, Instant captured_at);
   void flipped(std::uint64_t picture, Instant at);
   void forget_pending() { pending_.clear(); }   // the display is gone
-  std::optional<LatencySummary> take_minute();  // since it was last asked
+  std::optional<LatencySummary> take_minute();  // since the last call
   std::optional<LatencySummary> whole() const { return whole_.summary(); }
 
  private:

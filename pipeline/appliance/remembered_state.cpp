@@ -27,8 +27,8 @@ std::string text_of(const std::optional<PictureBox>& box) {
   return box ? fmt::format("{},{},{},{}", box->x, box->y, box->width, box->height) : "-";
 }
 
-// What an installer says of each: another box or distance is another landmark.
-std::vector<std::string> said_of(const std::vector<ContrastLandmark>& landmarks) {
+// A landmark with another box or distance is another landmark.
+std::vector<std::string> identities_of(const std::vector<ContrastLandmark>& landmarks) {
   std::vector<std::string> all;
   for (const auto& one : landmarks)
     all.push_back(fmt::format("{} at {:.1f} m, {:.1f} m up, {} against {}, sky {}, {} +- {}", one.name, one.distance_m,
@@ -64,12 +64,12 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
   };
   const bool has_utc = json.is_object() && json.contains("utc") && json["utc"].is_string();
   const auto utc = has_utc ? parse_utc(json["utc"].get<std::string>()) : std::nullopt;
-  // Whose T it is was not told while all were Preetham's.
+  // Older files do not name the model: it was always Preetham's.
   auto model = SiteSkyModel::preetham;
   if (json.is_object() && json.contains("sky_model")) {
     const auto& name = json["sky_model"];
     const auto named = name.is_string() ? site_sky_model_named(name.get<std::string>()) : std::nullopt;
-    model = named.value_or(SiteSkyModel::automatic);  // no name is its own
+    model = named.value_or(SiteSkyModel::automatic);  // its name is always rejected below
   }
   const TurbidityState state{{number("turbidity")}, number("sigma"), utc.value_or(Utc{}), model};
   const bool possible = utc && model != SiteSkyModel::automatic && state.turbidity.value > 1.0 &&
@@ -85,7 +85,7 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
 }
 
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder) {
-  Json json = {{"landmarks", said_of(watch.landmarks())}};
+  Json json = {{"landmarks", identities_of(watch.landmarks())}};
   for (const auto& channel : watch.learnt())
     json["channels"].push_back({{"contrasts", channel.mean}, {"covariance", channel.covariance}});
   return write_text_file(landmark_file(folder), json.dump(1) + "\n");
@@ -98,14 +98,14 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   const auto text = read_text_file(file);
   if (!text) return fail(FaultKind::bad_input, "{}", text.error().message);
   const auto json = Json::parse(*text, nullptr, false);
-  if (!json.is_object() || json.value("landmarks", Json()) != Json(said_of(watch.landmarks())))
-    return fail(FaultKind::bad_input, "{}: of other landmarks than the configuration's; what they were is learnt anew",
+  if (!json.is_object() || json.value("landmarks", Json()) != Json(identities_of(watch.landmarks())))
+    return fail(FaultKind::bad_input, "{}: saved for other landmarks than configured; learning their contrasts again",
                 file.string());
   std::vector<LearntContrasts> learnt;
   for (const auto& channel : json.value("channels", Json::array()))
     learnt.push_back({numbers(channel, "contrasts"), numbers(channel, "covariance")});
   if (!watch.resume(learnt))
-    return fail(FaultKind::bad_input, "{}: damaged; the landmarks' contrasts are learnt anew", file.string());
+    return fail(FaultKind::bad_input, "{}: damaged; learning the landmarks' contrasts again", file.string());
   return true;
 }
 

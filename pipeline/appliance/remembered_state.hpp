@@ -1,5 +1,5 @@
-// What an appliance has learnt, kept on disk so that a restart does not begin at nothing. Each file is old or new, but
-// never half of one.
+// What an appliance has learnt, kept on disk so that a restart does not begin from nothing. Files are replaced
+// atomically.
 #pragma once
 
 #include <filesystem>
@@ -11,23 +11,23 @@
 
 namespace kasumi {
 
-// The air of some minutes ago.
+// The last estimate of the air.
 struct TurbidityState {
   Turbidity turbidity;
   double sigma = 0.0;
-  Utc utc{};                                        // of the last estimate that was taken in
-  SiteSkyModel sky_model = SiteSkyModel::preetham;  // whose T it is: never automatic
+  Utc utc{};                                        // of the last estimate used
+  SiteSkyModel sky_model = SiteSkyModel::preetham;  // the model T belongs to; never automatic
 };
 
 // folder/turbidity.json. Error: io.
 Result<> save(const TurbidityState& state, const std::filesystem::path& folder);
-// Errors: bad_input (no such file; not what save() writes, or numbers that cannot be).
+// Errors: bad_input (no such file, not written by save(), impossible numbers).
 Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder);
 
-// What the landmarks' contrasts have turned out to be, into folder/landmarks.json. Error: io.
+// The learnt contrasts of the landmarks, into folder/landmarks.json. Error: io.
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder);
-// false: nothing was saved there. Error (bad_input): of landmarks at other places or distances; not what save() writes.
-// The watch then stays as it was.
+// false: nothing was saved there. Error (bad_input): saved for landmarks at other places or distances, or not written
+// by save(); the watch then stays unchanged.
 Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder);
 
 }  // namespace kasumi

@@ -4,7 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/config/words.hpp"
+#include "pipeline/config/messages.hpp"
 
 namespace kasumi {
 
@@ -12,10 +12,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kGlance = 100ms;  // how often what costs nothing is looked at
-constexpr Duration kShowAgain = 1s;  // a picture without news: the loop's sign of life
+constexpr Duration kPollInterval = 100ms;  // for everything that is cheap to check
+constexpr Duration kRefreshInterval = 1s;  // an unchanged picture is shown again: it proves that the loop is alive
 constexpr Duration kFadeStep = 33ms;
-constexpr Duration kTellScreenInterval = 500ms;
+constexpr Duration kRenderStatusInterval = 500ms;
 
 std::optional<Trouble> trouble_of(PictureCondition condition) {
   switch (condition) {
@@ -49,47 +49,47 @@ bool is_fading(const Rung& rung) {
 
 }  // namespace
 
-RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Exchange& exchange)
+RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Mailboxes& mailboxes)
     : content_(std::move(content)),
       clock_(clock),
-      exchange_(exchange),
+      mailboxes_(mailboxes),
       watchdog_(notifier),
       ladder_(content_->config.ladder),
-      screen_(content_, devices, clock, watchdog_, news_.display),
+      screen_(content_, devices, clock, watchdog_, status_.display),
       shown_at_(clock.now()),
       minute_began_(clock.now()) {}
 
 Instant RenderLoop::step() {
-  take_news();
-  take_content();
-  if (!screen_.is_open() && screen_.look()) {
+  read_mailbox();
+  adopt_content();
+  if (!screen_.is_open() && screen_.try_open()) {
     shown_.reset();
-    picture_at_.reset();  // the new stage has none
+    picture_at_.reset();  // the new stage has no scene picture
   }
-  climb();
+  update_rung();
   if (screen_.is_open()) {
-    note_flips();
-    if (!rest() && is_due(clock_.now())) present();
-    note_flips();
+    record_flips();
+    if (!turn_off_if_closed() && is_due(clock_.now())) present();
+    record_flips();
   } else {
-    let_go_of_frames();
+    discard_frames();
   }
-  tell();
+  publish();
   const auto now = clock_.now();
-  if (!screen_.is_open()) return screen_.next_look(now + kGlance);
-  if (screen_.is_off()) return now + kGlance;
-  return is_fading(news_.rung) ? now + kFadeStep : std::min(shown_at_ + kShowAgain, now + kGlance);
+  if (!screen_.is_open()) return screen_.next_attempt(now + kPollInterval);
+  if (screen_.is_off()) return now + kPollInterval;
+  return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kRefreshInterval, now + kPollInterval);
 }
 
-void RenderLoop::take_content() {
-  if (auto content = exchange_.render.content.take()) new_content_ = std::move(*content);
-  // Its stage has no scene yet: the old one's stays on the glass until there is a frame to draw, or the still covers
-  // it.
-  const bool is_seen = screen_.is_open() && news_.rung.still < 1.0 && !is_closed();
+void RenderLoop::adopt_content() {
+  if (auto content = mailboxes_.render.content.take()) new_content_ = std::move(*content);
+  // A new stage has no scene yet: the old picture stays on the display until there is a frame to draw or the still
+  // picture covers it.
+  const bool is_seen = screen_.is_open() && status_.rung.still < 1.0 && !is_closed();
   if (!new_content_ || (is_seen && !waiting_)) return;
   const auto content = std::exchange(new_content_, nullptr);
   if (auto adopted = screen_.adopt(content); !adopted) {
-    spdlog::error("the new content cannot be drawn, the old one stays: {}", adopted.error().message);
+    spdlog::error("the new content cannot be drawn, keeping the old content: {}", adopted.error().message);
     return;
   }
   content_ = content;
@@ -97,110 +97,111 @@ void RenderLoop::take_content() {
   shown_.reset();
 }
 
-void RenderLoop::take_news() {
-  if (auto sky = exchange_.render.sky.take()) sky_ = std::move(*sky);
-  if (auto camera = exchange_.render.scene_camera.take()) {
-    if (camera->outages != camera_.outages) shown_.reset();  // shown anew at once, so that the driver's buffer is free
+void RenderLoop::read_mailbox() {
+  if (auto sky = mailboxes_.render.sky.take()) sky_ = std::move(*sky);
+  if (auto camera = mailboxes_.render.scene_camera.take()) {
+    if (camera->outages != camera_.outages) shown_.reset();  // redraw at once, so that the driver's buffer is released
     if (camera->frame_interval != camera_.frame_interval)
       ladder_.adopt(patient_with(content_->config.ladder, camera->frame_interval));
     camera_ = std::move(*camera);
   }
-  if (auto frame = exchange_.render.frames.take()) waiting_ = std::move(*frame);
+  if (auto frame = mailboxes_.render.frames.take()) waiting_ = std::move(*frame);
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
 }
 
-void RenderLoop::let_go_of_frames() {
-  if (waiting_) picture_at_ = clock_.now();  // there would be a picture if there were a display
+void RenderLoop::discard_frames() {
+  if (waiting_) picture_at_ = clock_.now();  // with a display there would be a picture
   waiting_.reset();
 }
 
-Signs RenderLoop::signs() const {
-  Signs signs;
-  if (picture_at_) signs.picture_age = clock_.now() - *picture_at_;
-  signs.bad_scene_picture = trouble_of(camera_.health.condition);
-  signs.sky_up = sky_.up;
-  signs.sun_known = sky_.sun_known();
-  signs.open = is_open();
-  return signs;
+LadderInput RenderLoop::ladder_input() const {
+  LadderInput input;
+  if (picture_at_) input.picture_age = clock_.now() - *picture_at_;
+  input.bad_scene_picture = trouble_of(camera_.health.condition);
+  input.sky_up = sky_.up;
+  input.sun_known = sky_.sun_known();
+  input.open = is_open();
+  return input;
 }
 
-// A clock that is not believed closes no doors.
+// While the clock is not trusted, opening hours are ignored.
 bool RenderLoop::is_open() const {
   return !sky_.clock_trusted || content_->config.opening.is_open(clock_.utc());
 }
 
-void RenderLoop::climb() {
-  const auto before = news_.rung;
-  news_.rung = ladder_.step(clock_.now(), signs());
-  if (news_.rung.shown == before.shown && news_.rung.trouble == before.trouble) return;
-  if (news_.rung.shown == Shown::held || before.shown == Shown::held) return;  // short, and the camera's log says why
-  const auto why = name_of(news_.rung.trouble);
-  spdlog::info("shown: {}{}{}", name_of(news_.rung.shown), why.empty() ? "" : ": ", why);
+void RenderLoop::update_rung() {
+  const auto before = status_.rung;
+  status_.rung = ladder_.step(clock_.now(), ladder_input());
+  if (status_.rung.shown == before.shown && status_.rung.trouble == before.trouble) return;
+  if (status_.rung.shown == Shown::held || before.shown == Shown::held) return;  // brief, and the camera's log says why
+  const auto why = name_of(status_.rung.trouble);
+  spdlog::info("shown: {}{}{}", name_of(status_.rung.shown), why.empty() ? "" : ": ", why);
 }
 
 Composition RenderLoop::composition() const {
-  return {news_.rung, words_now()};
+  return {status_.rung, visible_message()};
 }
 
-// A sky camera that is gone is no visitor's concern while the air is still known.
-std::string RenderLoop::words_now() const {
-  const auto& choice = content_->config.words;
-  const auto trouble = news_.rung.trouble;
+// While the air is still known, visitors need not hear of a missing sky camera.
+std::string RenderLoop::visible_message() const {
+  const auto& options = content_->config.messages;
+  const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
   const bool air_known = sky_.report.tracked && sky_.report.tracked->trustworthy;
-  if (!choice.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
-  return std::string(words(*message, choice.language));
+  if (!options.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
+  return std::string(message_text(*message, options.language));
 }
 
 bool RenderLoop::is_due(Instant now) const {
-  return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kShowAgain;
+  return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kRefreshInterval;
 }
 
-void RenderLoop::lose_screen(const Fault& fault) {
+void RenderLoop::handle_screen_fault(const Fault& fault) {
   if (fault.kind == FaultKind::end_of_stream) {
     closed_ = true;
     return;
   }
-  screen_.lose(fault);
-  news_.building_drawn = false;
+  screen_.handle_fault(fault);
+  status_.building_drawn = false;
   latency_.forget_pending();
 }
 
-// Closed: a last black picture, then the screen goes off where it can, and nothing is drawn any more. true: it is off.
-bool RenderLoop::rest() {
+// Closed: shows a last black picture, then turns the screen off where it can. true: it is off, draw nothing.
+bool RenderLoop::turn_off_if_closed() {
   if (!is_closed()) {
     screen_.stay_on();
     return false;
   }
   waiting_.reset();
-  picture_at_.reset();  // in the morning nobody shall see yesterday's
+  picture_at_.reset();  // yesterday's picture must not appear in the morning
   if (shown_ && shown_->rung.dark >= 1.0)
     if (auto off = screen_.turn_off(); !off) {
-      lose_screen(off.error());
+      handle_screen_fault(off.error());
       return true;
     }
-  if (screen_.is_off()) watchdog_.rests(clock_.now());
+  if (screen_.is_off()) watchdog_.display_off(clock_.now());
   return screen_.is_off();
 }
 
 void RenderLoop::present() {
   const auto target = screen_.begin();
-  if (!target) return lose_screen(target.error());
+  if (!target) return handle_screen_fault(target.error());
   if (!*target) return;
 
-  take_news();  // the newest frame there is now
-  // The still goes first: the scene's programs may take a driver long to make, and nobody shall see black meanwhile.
+  read_mailbox();  // a newer frame may have arrived while waiting for the buffer
+  // The still picture goes first: a driver may take long to compile the scene's shaders, and the screen must not be
+  // black meanwhile.
   const bool unseen = screen_.nothing_shown() || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
-  if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return lose_screen(drawn.error());
+  if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return handle_screen_fault(drawn.error());
   const auto number = screen_.show(frame ? frame->holder : nullptr);
-  if (!number) return lose_screen(number.error());
+  if (!number) return handle_screen_fault(number.error());
 
-  news_.building_drawn = screen_.stage().draws_object() && news_.rung.still < 1.0 && news_.rung.dark < 1.0;
-  ++news_.pictures;
+  status_.building_drawn = screen_.stage().draws_object() && status_.rung.still < 1.0 && status_.rung.dark < 1.0;
+  ++status_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;
-  ++news_.scene_frames;
+  ++status_.scene_frames;
   latency_.shown(*number, frame->metadata.captured_at);
 }
 
@@ -210,16 +211,16 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   const auto uploaded_before = stage.frames().uploaded;
   auto drawn = stage.draw_scene(frame, sky_.report, target);
   if (drawn && frame) picture_at_ = clock_.now();
-  // A frame of the camera before new content came.
+  // A frame captured before the content changed has another size.
   if (!drawn && drawn.error().kind == FaultKind::bad_input) drawn = stage.draw_scene(nullptr, sky_.report, target);
   if (!drawn) return drawn;
-  news_.uploads += stage.frames().uploaded - uploaded_before;
-  climb();
+  status_.uploads += stage.frames().uploaded - uploaded_before;
+  update_rung();
   shown_ = composition();
   return stage.draw_over(*shown_, sky_.report, target);
 }
 
-void RenderLoop::note_flips() {
+void RenderLoop::record_flips() {
   if (!screen_.is_open()) return;
   for (const auto& flip : screen_.take_flips()) {
     latency_.flipped(flip.number, flip.at);
@@ -228,24 +229,24 @@ void RenderLoop::note_flips() {
 }
 
 void RenderLoop::finish() {
-  note_flips();
+  record_flips();
   waiting_.reset();
   screen_.close();
-  told_.reset();
-  tell();
+  published_at_.reset();
+  publish();
 }
 
-void RenderLoop::tell() {
+void RenderLoop::publish() {
   const auto now = clock_.now();
-  if (told_ && now - *told_ < kTellScreenInterval) return;
-  told_ = now;
-  news_.frames_dropped = exchange_.render.frames.dropped();
-  news_.latency = latency_.whole();
+  if (published_at_ && now - *published_at_ < kRenderStatusInterval) return;
+  published_at_ = now;
+  status_.frames_dropped = mailboxes_.render.frames.dropped();
+  status_.latency = latency_.whole();
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
-    news_.latency_minute = latency_.take_minute();
+    status_.latency_minute = latency_.take_minute();
   }
-  exchange_.status->render.put(news_);
+  mailboxes_.status->render.put(status_);
 }
 
 }  // namespace kasumi

@@ -1,11 +1,11 @@
-// The main thread's loop: climbs the ladder, draws, shows. GL and the display belong to it alone.
+// The main thread's loop: steps the ladder, draws, and shows. It alone owns GL and the display.
 #pragma once
 
 #include <memory>
 #include <optional>
 
 #include "pipeline/appliance/screen.hpp"
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
 
@@ -13,57 +13,57 @@ namespace kasumi {
 
 class RenderLoop {
  public:
-  RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Exchange& exchange);
+  RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
 
-  // Does what is due now, and answers when it wants to be called again if no news come before. BLOCKS for at most a
-  // quarter of a second (a buffer to draw into), while a display is being opened for as long as its driver takes.
+  // Does what is due and returns when to be called again unless the bell rings before. BLOCKS for at most a quarter of
+  // a second (waiting for a buffer), and while a display is being opened for as long as its driver takes.
   Instant step();
-  // The last flips, and everything of the display's let go of.
+  // Records the last flips and closes the display.
   void finish();
-  bool closed() const { return closed_; }  // the person closed the window
-  const Rung& rung() const { return news_.rung; }
-  const RenderNews& news() const { return news_; }  // of this moment; told to others twice a second
+  bool closed() const { return closed_; }  // a person closed the window
+  const Rung& rung() const { return status_.rung; }
+  const RenderStatus& status() const { return status_; }  // current; published twice a second
   // The display, for tests; null while there is none.
   Display* display() { return screen_.display(); }
 
  private:
-  void take_news();
-  void take_content();
-  Signs signs() const;
-  void climb();
+  void read_mailbox();
+  void adopt_content();
+  LadderInput ladder_input() const;
+  void update_rung();
   bool is_open() const;
-  bool is_closed() const { return news_.rung.dark >= 1.0; }  // and the picture has gone
+  bool is_closed() const { return status_.rung.dark >= 1.0; }  // and faded to black
   Composition composition() const;
-  std::string words_now() const;
+  std::string visible_message() const;
   bool is_due(Instant now) const;
 
-  void lose_screen(const Fault& fault);
-  bool rest();
+  void handle_screen_fault(const Fault& fault);
+  bool turn_off_if_closed();
   void present();
   Result<> draw(const SceneFrame* frame, const DrawTarget& target);
-  void note_flips();
-  void let_go_of_frames();
-  void tell();
+  void record_flips();
+  void discard_frames();
+  void publish();
 
   ContentPtr content_;
-  ContentPtr new_content_;  // not yet taken in; null: none
+  ContentPtr new_content_;  // not yet adopted; null: none
   Clock& clock_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   Watchdog watchdog_;
   Ladder ladder_;
-  RenderNews news_;
+  RenderStatus status_;
   Screen screen_;
   bool closed_ = false;
 
-  CameraNews camera_;
-  SkyNews sky_;
+  CameraStatus camera_;
+  SkyStatus sky_;
   std::optional<SceneFrame> waiting_;  // not yet drawn
   std::optional<Instant> picture_at_;  // when the last good scene picture came
 
   LatencyWatch latency_;
   std::optional<Composition> shown_;
   Instant shown_at_;
-  std::optional<Instant> told_;
+  std::optional<Instant> published_at_;
   Instant minute_began_;
 };
 

@@ -1,4 +1,4 @@
-// The scene camera's thread: takes its frames and hands the newest to the render loop.
+// The scene camera's loop: hands its newest frame to the render loop.
 #pragma once
 
 #include "pipeline/appliance/camera_link.hpp"
@@ -7,23 +7,23 @@ namespace kasumi {
 
 class SceneLoop {
  public:
-  SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Exchange& exchange);
-  // BLOCKS until a frame has been handed on or the deadline passes.
+  SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Mailboxes& mailboxes);
+  // BLOCKS until a frame has been forwarded or the deadline passes.
   void step(Instant deadline);
 
  private:
-  void take_content();
-  void hand_on(Frame frame);
-  void tell();
+  void adopt_content();
+  void forward(Frame frame);
+  void publish();
 
   ContentPtr content_;
   Devices& devices_;
   Clock& clock_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   CameraLink camera_;
-  std::optional<Instant> told_;
-  std::uint64_t told_outages_ = 0;
-  PictureCondition told_condition_ = PictureCondition::normal;
+  std::optional<Instant> published_at_;
+  std::uint64_t published_outages_ = 0;
+  PictureCondition published_condition_ = PictureCondition::normal;
 };
 
 }  // namespace kasumi

@@ -9,23 +9,23 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kBufferDeadline = 250ms;
-constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: the display is opened anew
-constexpr Duration kDisplayInterval = 1s;   // between tries to open one
-constexpr Duration kDisplayPause = 250ms;   // the same when displays are said to come and go
+constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: reopen the display
+constexpr Duration kDisplayInterval = 1s;   // between attempts to open one
+constexpr Duration kDisplayPause = 250ms;   // the same after a hotplug event
 
 }  // namespace
 
-Screen::Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& watchdog, DisplayNews& news)
+Screen::Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& watchdog, DisplayStatus& status)
     : content_(std::move(content)),
       devices_(devices),
       clock_(clock),
       watchdog_(watchdog),
-      news_(news),
+      status_(status),
       watch_(devices.watch_displays()),
       try_at_(clock.now()),
       tried_at_(clock.now() - kDisplayPause) {}
 
-bool Screen::look() {
+bool Screen::try_open() {
   if (watch_ && watch_->take_change()) try_at_ = std::min(try_at_, tried_at_ + kDisplayPause);
   return clock_.now() >= try_at_ && open();
 }
@@ -38,19 +38,19 @@ bool Screen::open() {
   auto stage = display ? Stage::create((*display)->context(), content_, std::exchange(air_, std::nullopt))
                        : fail(display.error());
   if (!stage) {
-    news_.up = false;
-    news_.cause = stage.error().message;
-    if (!display && display.error().kind == FaultKind::disconnected) watchdog_.looked_for_display(now);
-    if (!wanted_) spdlog::warn("display: not there: {}", stage.error().message);
-    wanted_ = true;
+    status_.up = false;
+    status_.cause = stage.error().message;
+    if (!display && display.error().kind == FaultKind::disconnected) watchdog_.display_missing(now);
+    if (!missing_logged_) spdlog::warn("display: not available: {}", stage.error().message);
+    missing_logged_ = true;
     return false;
   }
-  wanted_ = false;
+  missing_logged_ = false;
   spdlog::info("display: {}, {}", (*display)->description(), (*display)->context().info().renderer);
   for (const auto& note : stage->notes()) spdlog::info("display: {}", note);
-  news_.up = true;
-  news_.description = (*display)->description();
-  news_.cause.clear();
+  status_.up = true;
+  status_.description = (*display)->description();
+  status_.cause.clear();
   open_ = Open{std::move(*display), std::move(*stage)};
   timeouts_since_.reset();
   return true;
@@ -72,12 +72,12 @@ Result<> Screen::adopt(const ContentPtr& content) {
   return {};
 }
 
-void Screen::lose(const Fault& fault) {
+void Screen::handle_fault(const Fault& fault) {
   spdlog::warn("display: lost: {}", fault.message);
-  ++news_.resets;
-  news_.up = false;
-  news_.cause = fault.message;
-  wanted_ = true;  // said
+  ++status_.resets;
+  status_.up = false;
+  status_.cause = fault.message;
+  missing_logged_ = true;  // by the warning above
   air_ = open_->stage.air();
   open_.reset();
   try_at_ = clock_.now();
@@ -90,7 +90,7 @@ Result<std::optional<DrawTarget>> Screen::begin() {
     return *target;
   }
   if (target.error().kind != FaultKind::timeout) return fail(target.error());
-  ++news_.flip_timeouts;
+  ++status_.flip_timeouts;
   const auto now = clock_.now();
   if (!timeouts_since_) timeouts_since_ = now - kBufferDeadline;
   if (now - *timeouts_since_ >= kStuckDisplay) return fail(target.error());
@@ -106,7 +106,7 @@ Result<std::uint64_t> Screen::show(std::shared_ptr<const void> until_replaced) {
 
 std::vector<Flip> Screen::take_flips() {
   auto flips = open_->display->take_flips();
-  news_.flips += flips.size();
+  status_.flips += flips.size();
   return flips;
 }
 

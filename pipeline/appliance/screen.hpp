@@ -1,4 +1,4 @@
-// The display and the stage on it, which come and go as one: opened when there is one, anew when it is lost.
+// The display and the stage drawn on it, which are opened and lost together; reopened after a fault.
 #pragma once
 
 #include <algorithm>
@@ -6,44 +6,44 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/mailboxes.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
 #include "pipeline/stage/stage.hpp"
 
 namespace kasumi {
 
-// Belongs to the main thread, as GL and the display do. Keeps `news` up to date. Only look(), adopt(), close() and
-// display() may be called while it is not open.
+// Belongs to the main thread, as GL and the display do. Keeps `status` up to date. While it is
+// not open, only try_open(), adopt(), close() and display() may be called.
 class Screen {
  public:
   // All references must outlive it.
-  Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& watchdog, DisplayNews& news);
+  Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& watchdog, DisplayStatus& status);
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
   bool is_open() const { return open_.has_value(); }
-  // While it is not open: opens it when that is due; true: it is open now. BLOCKS for as long as the display's driver
-  // takes.
-  bool look();
-  // When to look again; where it hears of displays that come and go, no later than `glance`.
-  Instant next_look(Instant glance) const { return watch_ ? std::min(try_at_, glance) : try_at_; }
+  // Opens the display when an attempt is due; true: it is open now. BLOCKS for as long as its driver takes.
+  bool try_open();
+  // When to call try_open() again: no later than `poll` where hotplug events are reported.
+  Instant next_attempt(Instant poll) const { return watch_ ? std::min(try_at_, poll) : try_at_; }
 
-  // New content, on the display that it names. Errors: its stage's; the old content stays then.
+  // Switches to new content and to the display that it names. Errors: those of Stage::create(); the old content stays.
   Result<> adopt(const ContentPtr& content);
-  // A fault of the display: it is let go of, and opened anew.
-  void lose(const Fault& fault);
+  // Closes the display after a fault; the next try_open() reopens it.
+  void handle_fault(const Fault& fault);
   void close() { open_.reset(); }
 
   // A buffer to draw into; empty: none is free yet. BLOCKS for at most a quarter of a second. Errors: those of
-  // Display::begin(), a timeout only when it lasts.
+  // Display::begin(), but a timeout only when it persists.
   Result<std::optional<DrawTarget>> begin();
-  // Errors: those of Display::show(), or the context is lost.
+  // Errors: those of Display::show(), or device when the GL context is lost.
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced);
   std::vector<Flip> take_flips();
   bool nothing_shown() const { return open_->dark; }
 
-  // Where that can be done; else it stays on. Errors: device, disconnected.
+  // Where the display supports it, else it stays on. Errors: device, disconnected.
   Result<> turn_off();
   bool is_off() const { return open_->off; }
   void stay_on() { open_->off = open_->stays_on = false; }  // the next picture turns it on
@@ -54,7 +54,7 @@ class Screen {
  private:
   struct Open {
     std::unique_ptr<Display> display;
-    Stage stage;  // all its GL objects are the display's context's
+    Stage stage;  // its GL objects belong to the display's context
     bool dark = true;
     bool off = false;
     bool stays_on = false;  // it cannot be turned off
@@ -65,15 +65,15 @@ class Screen {
   Devices& devices_;
   Clock& clock_;
   Watchdog& watchdog_;
-  DisplayNews& news_;
+  DisplayStatus& status_;
   std::unique_ptr<DisplayWatch> watch_;
 
   std::optional<Open> open_;
-  std::optional<SceneAir> air_;  // what a stage that is lost had seen
+  std::optional<SceneAir> air_;  // of the last stage, for the next one
   Instant try_at_;
   Instant tried_at_;
-  bool wanted_ = false;                    // and said so in the log
-  std::optional<Instant> timeouts_since_;  // no buffer to draw into since then
+  bool missing_logged_ = false;            // that there is no display
+  std::optional<Instant> timeouts_since_;  // since when begin() has had no buffer
 };
 
 }  // namespace kasumi

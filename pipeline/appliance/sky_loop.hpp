@@ -1,4 +1,4 @@
-// The sky camera's thread: looks at the sky once a second, and keeps the air known while no picture comes.
+// The sky camera's loop: observes the sky once a second and keeps reporting the air while no picture comes.
 #pragma once
 
 #include "pipeline/appliance/camera_link.hpp"
@@ -8,35 +8,35 @@ namespace kasumi {
 
 class SkyLoop {
  public:
-  SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Exchange& exchange,
+  SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Mailboxes& mailboxes,
           SkyWatchOptions options = {});
-  // BLOCKS until a frame has been looked at or the deadline passes; an estimate takes about a tenth of a second.
+  // BLOCKS until a frame has been observed or the deadline passes; an estimate takes about a tenth of a second.
   void step(Instant deadline);
 
  private:
-  void take_content();
+  void adopt_content();
   SunSource sun_source();
-  void remember_air();
-  void look(const Frame& frame, SunSource sun_from);
+  void restore_air();
+  void observe(const Frame& frame, SunSource sun_from);
   void hold_sun(SunCheck& sun);
-  void go_without(SunSource sun_from);
-  void tell(SkyReport report, bool up, SunSource sun_from);
-  void tell_health();
+  void report_without_frame(SunSource sun_from);
+  void publish(SkyReport report, bool up, SunSource sun_from);
+  void publish_health();
 
   ContentPtr content_;
   Devices& devices_;
   Clock& clock_;
   TimeWatch& time_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   SkyWatchOptions options_;
   CameraLink camera_;
   TimeTrust trust_;
   SkyWatch watch_;
   Instant started_;
-  std::optional<Instant> looked_at_, told_, told_health_;
-  bool air_remembered_ = false;
+  std::optional<Instant> observed_at_, published_at_, health_published_at_;
+  bool air_restored_ = false;
   SunSource sun_from_ = SunSource::none;
-  Duration recorded_utc_offset_{};  // of a recording's UTC from the machine's
+  Duration recorded_utc_offset_{};  // recording's UTC minus the machine's
   struct SeenSun {
     SunCheck sun;
     Instant at;

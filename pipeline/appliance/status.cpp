@@ -19,8 +19,8 @@ OrderedJson or_null(const std::optional<T>& value) {
   return value ? OrderedJson(*value) : OrderedJson(nullptr);
 }
 
-OrderedJson camera_json(const CameraNews& news, Instant now) {
-  const auto& health = news.health;
+OrderedJson camera_json(const CameraStatus& status, Instant now) {
+  const auto& health = status.health;
   OrderedJson json;
   json["up"] = health.up;
   json["cause"] = health.cause;
@@ -53,7 +53,7 @@ OrderedJson camera_json(const CameraNews& news, Instant now) {
   return json;
 }
 
-OrderedJson display_json(const DisplayNews& display) {
+OrderedJson display_json(const DisplayStatus& display) {
   return {{"up", display.up},       {"description", display.description},     {"cause", display.cause},
           {"flips", display.flips}, {"flip_timeouts", display.flip_timeouts}, {"resets", display.resets}};
 }
@@ -66,39 +66,39 @@ OrderedJson latency_json(const std::optional<LatencySummary>& latency) {
           {"pictures", latency->pictures}};
 }
 
-OrderedJson check_json(const CheckNews& check) {
+OrderedJson check_json(const CheckStatus& check) {
   OrderedJson json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(check.at))}, {"summary", check.summary}};
-  json["well"] = check.report ? OrderedJson(check.report->well()) : OrderedJson(nullptr);
+  json["well"] = check.report ? OrderedJson(check.report->steady()) : OrderedJson(nullptr);
   json["reference_utc"] = check.report ? OrderedJson(utc_text(check.report->reference)) : OrderedJson(nullptr);
   json["findings"] = check.report ? findings_json(*check.report) : OrderedJson::array();
   return json;
 }
 
-OrderedJson visibility_json(const VisibilityNews& news) {
-  if (news.at == Utc{}) return nullptr;
-  OrderedJson json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(news.at))}};
-  const auto kind = news.air ? news.air->extinction().kind : ExtinctionKind::nothing;
+OrderedJson visibility_json(const VisibilityStatus& status) {
+  if (status.at == Utc{}) return nullptr;
+  OrderedJson json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(status.at))}};
+  const auto kind = status.air ? status.air->extinction().kind : ExtinctionKind::nothing;
   const bool value = kind == ExtinctionKind::value;
   json["bound"] = kind == ExtinctionKind::at_most    ? OrderedJson("at least")
                   : kind == ExtinctionKind::at_least ? OrderedJson("at most")
                                                      : OrderedJson(nullptr);
   json["visibility_m"] =
-      kind == ExtinctionKind::nothing ? OrderedJson(nullptr) : OrderedJson(std::round(news.air->visibility_m()));
-  json["sigma_m"] = value ? OrderedJson(std::round(news.air->visibility_sigma_m())) : OrderedJson(nullptr);
-  json["turbidity"] =
-      value && news.air->turbidity.turbidity ? OrderedJson(news.air->turbidity.turbidity->value) : OrderedJson(nullptr);
+      kind == ExtinctionKind::nothing ? OrderedJson(nullptr) : OrderedJson(std::round(status.air->visibility_m()));
+  json["sigma_m"] = value ? OrderedJson(std::round(status.air->visibility_sigma_m())) : OrderedJson(nullptr);
+  json["turbidity"] = value && status.air->turbidity.turbidity ? OrderedJson(status.air->turbidity.turbidity->value)
+                                                               : OrderedJson(nullptr);
   json["turbidity_sigma"] =
-      value && news.air->turbidity.turbidity ? OrderedJson(news.air->turbidity.sigma) : OrderedJson(nullptr);
-  json["landmarks"] = news.air ? news.air->extinction().landmarks : 0;
-  json["reason"] = news.reason;
-  json["agreement"] = name_of(news.sky ? news.sky->agreement : Agreement::unknown);
-  json["sigmas_apart"] = news.sky ? OrderedJson(news.sky->sigmas) : OrderedJson(nullptr);
-  json["finding"] = news.finding;
-  json["words"] = news.sky ? news.sky->words : std::string();
+      value && status.air->turbidity.turbidity ? OrderedJson(status.air->turbidity.sigma) : OrderedJson(nullptr);
+  json["landmarks"] = status.air ? status.air->extinction().landmarks : 0;
+  json["reason"] = status.reason;
+  json["agreement"] = name_of(status.sky ? status.sky->agreement : Agreement::unknown);
+  json["sigmas_apart"] = status.sky ? OrderedJson(status.sky->sigmas) : OrderedJson(nullptr);
+  json["finding"] = status.finding;
+  json["words"] = status.sky ? status.sky->words : std::string();
   return json;
 }
 
-// Out of the driver's memory, and to the GPU.
+// From the driver's memory, and to the GPU.
 double copies_per_frame(const Status& status) {
   const auto& camera = status.scene_camera.health;
   const auto& render = status.render;
@@ -129,7 +129,7 @@ std::string status_json(const Status& status) {
   json["sun"] = status.sky.report.sun.words;
   json["building_drawn"] = status.render.building_drawn;
   json["clock_trusted"] = status.sky.clock_trusted;
-  json["recording"] = false;  // cameras serve one program at a time: who records is `kasumi record`
+  json["recording"] = false;  // recording needs the cameras for itself: only `kasumi record` does it
   json["latency_ms"] = latency_json(status.render.latency);
   json["latency_ms_last_minute"] = latency_json(status.render.latency_minute);
   json["copies_per_frame"] = copies_per_frame(status);

@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration kStatsInterval = 1min;
 
-// One line when it begins, one when it ends.
+// Logs once when writing begins to fail and once when it works again.
 void log_outage(const Result<>& written, bool& failing, std::string_view what) {
   if (!written && !failing) spdlog::warn("{}: {}", what, written.error().message);
   if (written && failing) spdlog::info("{}: written again", what);
@@ -22,12 +22,13 @@ void log_outage(const Result<>& written, bool& failing, std::string_view what) {
 
 }  // namespace
 
-StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Exchange& exchange)
+StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier,
+                       Mailboxes& mailboxes)
     : content_(std::move(content)),
       options_(std::move(options)),
       clock_(clock),
       notifier_(notifier),
-      exchange_(exchange),
+      mailboxes_(mailboxes),
       saved_(clock.now()),
       stats_at_(clock.now()) {
   status_.since = clock.utc();
@@ -37,15 +38,15 @@ void StatusLoop::gather() {
   const auto newest = [](auto& slot, auto& to) {
     if (auto value = slot.take()) to = std::move(*value);
   };
-  StatusMail& mail = *exchange_.status;
-  newest(mail.content, content_);
-  newest(mail.scene_camera, status_.scene_camera);
-  newest(mail.sky_camera, status_.sky_camera);
-  newest(mail.sky, status_.sky);
-  newest(mail.render, status_.render);
-  newest(mail.reload, status_.reload);
-  newest(mail.check, status_.check);
-  newest(mail.visibility, status_.visibility);
+  StatusMailbox& mailbox = *mailboxes_.status;
+  newest(mailbox.content, content_);
+  newest(mailbox.scene_camera, status_.scene_camera);
+  newest(mailbox.sky_camera, status_.sky_camera);
+  newest(mailbox.sky, status_.sky);
+  newest(mailbox.render, status_.render);
+  newest(mailbox.reload, status_.reload);
+  newest(mailbox.check, status_.check);
+  newest(mailbox.visibility, status_.visibility);
   status_.now = clock_.now();
   status_.utc = clock_.utc();
 }
@@ -69,18 +70,18 @@ void StatusLoop::finish() {
 
 void StatusLoop::write_status() {
   if (auto line = status_line(status_); line != line_) notifier_.status(line_ = std::move(line));
-  if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), unwritten_, "status");
+  if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), write_failing_, "status");
 }
 
 void StatusLoop::save_air() {
   saved_ = status_.now;
   const auto& folder = content_->config.state_folder;
   const auto& tracked = status_.sky.report.tracked;
-  // Without a known time nobody could tell later how old it is.
+  // Without a trusted clock its age would be unknown after a restart.
   if (!folder || !tracked || !status_.sky.clock_trusted) return;
   const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age,
                              content_->config.installation.sky_to_fit().model};
-  log_outage(save(state, *folder), unsaved_, "state");
+  log_outage(save(state, *folder), save_failing_, "state");
 }
 
 }  // namespace kasumi

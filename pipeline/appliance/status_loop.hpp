@@ -1,4 +1,4 @@
-// The status thread: writes down how the appliance is, and keeps the air for the next start.
+// The status loop: writes the appliance's status and saves the air for the next start.
 #pragma once
 
 #include <filesystem>
@@ -11,16 +11,16 @@ namespace kasumi {
 
 struct StatusOptions {
   std::optional<std::filesystem::path> file;         // status.json
-  bool stats = false;                                // latency and copies into the log, every minute
+  bool stats = false;                                // log latency and copies every minute
   Duration save_interval = std::chrono::minutes(5);  // of the air
 };
 
 class StatusLoop {
  public:
-  StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Exchange& exchange);
-  // BLOCKS as long as the disk takes. To be called about once a second.
+  StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
+  // BLOCKS for as long as the disk takes. Call it about once a second.
   void step();
-  void finish();  // the last of each, for good
+  void finish();  // writes and saves one last time
   const Status& status() const { return status_; }
 
  private:
@@ -32,10 +32,10 @@ class StatusLoop {
   StatusOptions options_;
   Clock& clock_;
   Notifier& notifier_;
-  Exchange& exchange_;
+  Mailboxes& mailboxes_;
   Status status_;
   std::string line_;
-  bool unwritten_ = false, unsaved_ = false;  // and said so in the log
+  bool write_failing_ = false, save_failing_ = false;  // already logged
   Instant saved_, stats_at_;
 };
 

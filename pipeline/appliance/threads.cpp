@@ -20,10 +20,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kPatience = 200ms;      // how long a camera's loop waits for a frame before it looks around
-constexpr Duration kEndDeadline = 1500ms;  // for everybody, once asked
+constexpr Duration kFrameTimeout = 200ms;       // for a frame: then a camera's loop checks whether to stop
+constexpr Duration kShutdownDeadline = 1500ms;  // for all threads together
 
-// Set and never cleared; everybody who waits is woken.
+// A request to stop, never withdrawn; wakes every waiting thread.
 class Stop {
  public:
   Stop(Clock& clock, Notifier& notifier) : clock_(clock), notifier_(notifier) {}
@@ -60,14 +60,14 @@ sigset_t our_signals() {
 void wait_for_signals(Stop& stop, Bell& reload, Bell& ended) {
   const auto set = our_signals();
   while (!stop.wanted()) {
-    const timespec patience{0, 200'000'000};
-    const int signal = ::sigtimedwait(&set, nullptr, &patience);
+    const timespec timeout{0, 200'000'000};
+    const int signal = ::sigtimedwait(&set, nullptr, &timeout);
     if (signal == SIGHUP) reload.ring();
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }
-  if (ended.wait_for(kEndDeadline)) return;
-  // What holds us up is a driver or a disk; asked to go, we go. All that is kept was written whole.
-  spdlog::warn("a driver or a disk holds a thread up: ending without it");
+  if (ended.wait_for(kShutdownDeadline)) return;
+  // A thread is stuck in a driver or a disk. Files are replaced atomically, so exiting now corrupts nothing.
+  spdlog::warn("a thread is stuck in a driver or a disk: exiting without it");
   std::_Exit(EXIT_SUCCESS);
 }
 
@@ -89,10 +89,10 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   auto guard = start("signals", [&] { wait_for_signals(stop, reload, ended); });
   std::vector<std::thread> loops;
   loops.push_back(start("scene", [&] {
-    while (!stop.wanted()) appliance.scene().step(clock.now() + kPatience);
+    while (!stop.wanted()) appliance.scene().step(clock.now() + kFrameTimeout);
   }));
   loops.push_back(start("sky", [&] {
-    while (!stop.wanted()) appliance.sky().step(clock.now() + kPatience);
+    while (!stop.wanted()) appliance.sky().step(clock.now() + kFrameTimeout);
   }));
   loops.push_back(start("reload", [&] {
     while (!stop.wanted())
@@ -105,7 +105,7 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
     }
   }));
   loops.push_back(start("check", [&] {
-    // After everybody else: it may take its time.
+    // Lowest priority: it may take its time.
     ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 19);
     while (!stop.wanted()) {
       const auto again = std::min(appliance.check().step(), appliance.visibility().step());

@@ -1,4 +1,4 @@
-// The appliance as a process: a thread for each loop, signals, an end within two seconds.
+// The appliance as a process: a thread for each loop, signal handling, shutdown within two seconds.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace kasumi {
 
-// Runs until SIGTERM, SIGINT or the window is closed; SIGHUP reads configuration and content anew. Call it before any
-// other thread exists: the signals are blocked in all of them. Errors: none of the world's faults end it.
+// Runs until SIGTERM, SIGINT or the window is closed; SIGHUP reloads configuration and content. Call it before any
+// other thread exists, since it blocks the signals in all of them. Faults of cameras, displays and disks do not end it.
 Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr content, StatusOptions status);
 
 }  // namespace kasumi

@@ -10,13 +10,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kLookForContent = 10s;  // for other content
-constexpr Duration kInterval = 1min;       // air changes in minutes
-constexpr Duration kWaiting = 200ms;       // for a picture that was asked for
-constexpr Duration kLearning = 30min;      // until surfaces are lit otherwise
-constexpr double kForgetting = 0.005;      // with each that is learnt, some twenty a day: ten days, seasons are longer
-constexpr int kApart = 5;                  // looks: a lorry before a landmark is gone by then
-constexpr double kLowestSun = 0.087;       // sine of 5 degrees: below, the land lies in other light than the horizon
+constexpr Duration kVisibilityPollInterval = 10s;  // for new content
+constexpr Duration kReadingInterval = 1min;        // air changes in minutes
+constexpr Duration kPictureWaitInterval = 200ms;   // for a requested picture
+constexpr Duration kLearnInterval = 30min;         // until surfaces are lit differently
+constexpr double kForgottenShare = 0.005;          // per reading, some twenty a day: a memory of ten days
+constexpr int kDisagreementsToReport = 5;          // readings in a row: a lorry in front of a landmark has left by then
+constexpr double kLowestSun = 0.087;               // sine of 5 degrees: below, land and horizon are lit differently
 
 Image<glm::vec3> encoded_of(const Image<Rgb8>& picture) {
   Image<glm::vec3> encoded(picture.width(), picture.height());
@@ -27,17 +27,17 @@ Image<glm::vec3> encoded_of(const Image<Rgb8>& picture) {
 
 }  // namespace
 
-VisibilityLoop::VisibilityLoop(ContentPtr content, Clock& clock, Exchange& exchange)
-    : content_(std::move(content)), clock_(clock), exchange_(exchange) {
-  take_content();
+VisibilityLoop::VisibilityLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes)
+    : content_(std::move(content)), clock_(clock), mailboxes_(mailboxes) {
+  adopt_content();
 }
 
-void VisibilityLoop::take_content() {
+void VisibilityLoop::adopt_content() {
   const auto& installation = content_->config.installation;
   watch_.reset();
   learnt_.reset();
-  apart_ = 0;
-  told_ = false;
+  disagreements_ = 0;
+  reported_ = false;
   if (installation.contrast_landmarks.empty()) return;
   watch_.emplace(installation.scene, installation.site.altitude_m, installation.contrast_landmarks);
   const auto& folder = content_->config.state_folder;
@@ -46,66 +46,66 @@ void VisibilityLoop::take_content() {
   if (!resumed)
     spdlog::warn("visibility: {}", resumed.error().message);
   else if (*resumed)
-    learnt_ = clock_.now();  // perhaps in this very light
+    learnt_ = clock_.now();  // the saved state may already include the present light
 }
 
-// The light of one half hour is learnt once.
+// Learns once per half hour, since the light hardly changes within it.
 void VisibilityLoop::learn(const std::vector<ContrastReading>& readings) {
   const auto now = clock_.now();
-  if (learnt_ && now - *learnt_ < kLearning) return;
+  if (learnt_ && now - *learnt_ < kLearnInterval) return;
   learnt_ = now;
-  watch_->forget(kForgetting);
+  watch_->forget(kForgottenShare);
   watch_->learn(readings);
   const auto& folder = content_->config.state_folder;
   if (!folder) return;
   const auto saved = save(*watch_, *folder);
-  if (!saved && !unsaved_) spdlog::warn("visibility: {}", saved.error().message);
-  unsaved_ = !saved;
+  if (!saved && !save_failing_) spdlog::warn("visibility: {}", saved.error().message);
+  save_failing_ = !saved;
 }
 
 Instant VisibilityLoop::step() {
-  if (const auto content = exchange_.visibility.content.take()) {
+  if (const auto content = mailboxes_.visibility.content.take()) {
     content_ = *content;
-    take_content();
-    exchange_.status->visibility.put({});
+    adopt_content();
+    mailboxes_.status->visibility.put({});
   }
   const auto now = clock_.now();
-  if (!watch_) return now + kLookForContent;
-  if (auto sky = exchange_.visibility.sky.take()) sky_ = *sky;
-  if (const auto picture = exchange_.visibility.scene.take()) judge(*picture);
+  if (!watch_) return now + kVisibilityPollInterval;
+  if (auto sky = mailboxes_.visibility.sky.take()) sky_ = *sky;
+  if (const auto picture = mailboxes_.visibility.scene.take()) judge(*picture);
   if (now >= due_) {
-    exchange_.scene.visibility_wants_picture = true;
-    due_ = now + kInterval;
+    mailboxes_.scene.visibility_wants_picture = true;
+    due_ = now + kReadingInterval;
   }
-  return exchange_.scene.visibility_wants_picture ? now + kWaiting : due_;
+  return mailboxes_.scene.visibility_wants_picture ? now + kPictureWaitInterval : due_;
 }
 
 void VisibilityLoop::judge(const CheckPicture& picture) {
   const auto& installation = content_->config.installation;
   if (picture.picture.width() != installation.scene.width || picture.picture.height() != installation.scene.height)
     return;
-  VisibilityNews news{clock_.utc(), {}, {}, {}};
+  VisibilityStatus status{clock_.utc(), {}, {}, {}};
   if (sky_.sun && sky_.sun->z < kLowestSun) {
-    news.reason = "the sun is too low: land and horizon do not share their light";
-    return tell(std::move(news));
+    status.reason = "the sun is too low: land and horizon are lit differently";
+    return publish(std::move(status));
   }
   const auto readings = watch_->read(installation.scene, encoded_of(picture.picture));
-  news.air = watch_->look(readings);
-  news.reason = news.air->extinction().reason;
-  if (sky_.turbidity) news.sky = watch_->compare(*news.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
+  status.air = watch_->look(readings);
+  status.reason = status.air->extinction().reason;
+  if (sky_.turbidity) status.sky = watch_->compare(*status.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
   learn(readings);
-  tell(std::move(news));
+  publish(std::move(status));
 }
 
-// One line when it begins, one when it ends.
-void VisibilityLoop::tell(VisibilityNews news) {
-  const bool apart = news.sky && news.sky->agreement == Agreement::disagrees;
-  apart_ = apart ? apart_ + 1 : 0;
-  if (apart_ >= kApart && !told_) spdlog::warn("visibility: {}", news.sky->words);
-  if (!apart && told_) spdlog::info("visibility: landmarks and sky are not apart any more");
-  told_ = apart_ >= kApart;
-  news.finding = told_;
-  exchange_.status->visibility.put(std::move(news));
+// Logs once when a disagreement is established and once when it ends.
+void VisibilityLoop::publish(VisibilityStatus status) {
+  const bool disagrees = status.sky && status.sky->agreement == Agreement::disagrees;
+  disagreements_ = disagrees ? disagreements_ + 1 : 0;
+  if (disagreements_ >= kDisagreementsToReport && !reported_) spdlog::warn("visibility: {}", status.sky->words);
+  if (!disagrees && reported_) spdlog::info("visibility: landmarks and sky agree again");
+  reported_ = disagreements_ >= kDisagreementsToReport;
+  status.finding = reported_;
+  mailboxes_.status->visibility.put(std::move(status));
 }
 
 }  // namespace kasumi

@@ -1,37 +1,37 @@
-// The appliance's landmarks: about once a minute, what the scene camera says of the air beside the sky camera's T. It
-// tells; it changes nothing.
+// Visibility from landmarks: about once a minute, compares the air in the scene camera's picture with the sky camera's
+// T. It reports only and changes nothing.
 #pragma once
 
 #include <optional>
 
 #include "estimator/landmarks/landmark_air.hpp"
-#include "pipeline/appliance/status_mail.hpp"
+#include "pipeline/appliance/status_mailbox.hpp"
 
 namespace kasumi {
 
 class VisibilityLoop {
  public:
-  VisibilityLoop(ContentPtr content, Clock& clock, Exchange& exchange);
-  // Asks the scene camera's loop for a picture, and once it has come, reads the landmarks, which BLOCKS for a fraction
-  // of a second: in a thread behind all others. Returns when to be called again.
+  VisibilityLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes);
+  // Requests a picture from the scene camera's loop and reads the landmarks once it has come, which BLOCKS for a
+  // fraction of a second: for a low-priority thread. Returns when to be called again.
   Instant step();
 
  private:
-  void take_content();
+  void adopt_content();
   void judge(const CheckPicture& picture);
   void learn(const std::vector<ContrastReading>& readings);
-  void tell(VisibilityNews news);
+  void publish(VisibilityStatus status);
 
   ContentPtr content_;
   Clock& clock_;
-  Exchange& exchange_;
-  std::optional<LandmarkWatch> watch_;  // empty: no landmark says how far it is
+  Mailboxes& mailboxes_;
+  std::optional<LandmarkWatch> watch_;  // empty: no landmark has a distance
   SkyAir sky_;
   Instant due_{};
   std::optional<Instant> learnt_;
-  bool unsaved_ = false;  // and said
-  int apart_ = 0;         // looks in a row that disagreed with the sky
-  bool told_ = false;     // that they do
+  bool save_failing_ = false;  // already logged
+  int disagreements_ = 0;      // looks in a row that disagreed with the sky
+  bool reported_ = false;      // that they disagree
 };
 
 }  // namespace kasumi

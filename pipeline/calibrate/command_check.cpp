@@ -50,7 +50,7 @@ Result<Looked> look_at_cameras(const CheckArguments& arguments) {
   SystemClock clock;
   const auto devices = machine_devices(clock);
   TimeTrust trust(config.clock);
-  const bool time_known = trust.judge(watch_kernel_time()->look(), clock.utc()) == SunSource::ephemeris;
+  const bool time_known = trust.judge(watch_kernel_time()->read(), clock.utc()) == SunSource::ephemeris;
   if (!arguments.json) fmt::print("looking for {:.1f} minutes\n", arguments.minutes);
   auto frames =
       gather_live(config, *devices, clock, from_seconds(60.0 * arguments.minutes), time_known, stop_requested);
@@ -83,7 +83,7 @@ Result<int> check(const CheckArguments& arguments) {
 
   const auto report = find_drift(looked->frames, *reference, looked->installation, looked->now);
   fmt::print("{}", arguments.json ? drift_json(report) : drift_text(report) + drift_summary(report) + "\n");
-  return report.well() ? 0 : 1;
+  return report.steady() ? 0 : 1;
 }
 
 }  // namespace

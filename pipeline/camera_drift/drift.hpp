@@ -1,4 +1,4 @@
-// What has changed of two cameras since they were calibrated: turned, out of focus, fogged, dirty, brighter or darker.
+// What has changed in two cameras since their calibration: turned, out of focus, fogged, dirty, brighter or darker.
 #pragma once
 
 #include <optional>
@@ -9,32 +9,32 @@
 
 namespace kasumi {
 
-enum class DriftState { steady, drifted, untold };  // untold: nothing of it can be seen in these pictures
+enum class DriftState { steady, drifted, undetermined };  // undetermined: these pictures cannot show it
 std::string_view name_of(DriftState state);
 
 struct DriftFinding {
   std::string camera;  // "sky", "scene"
   std::string what;    // "view", "sun", "focus", "lens", "dome", "exposure"
-  DriftState state = DriftState::untold;
-  std::string words;            // for a person
+  DriftState state = DriftState::undetermined;
+  std::string message;          // for a person
   std::optional<double> value;  // in `unit`
   std::optional<double> sigma;  // one standard deviation
-  std::optional<double> alarm;  // the value from which on it is called drift
+  std::optional<double> alarm;  // values above this are called drift
   std::string unit;             // "deg", "percent"
 };
 
 struct DriftReport {
   Utc checked{};
-  Utc reference{};  // when that was taken
+  Utc reference{};  // when the reference was taken
   std::vector<DriftFinding> findings;
-  bool well() const;  // nothing drifted
+  bool steady() const;  // nothing drifted
 };
 
-// docs/calibration.md tells what each finding means and where its bound is from. Takes seconds with large pictures.
+// docs/calibration.md explains each finding and its threshold. Takes seconds with large pictures.
 DriftReport find_drift(const DriftFrames& frames, const DriftReference& reference, const Installation& installation,
                        Utc now);
 
 std::string drift_text(const DriftReport& report);     // a line for each finding
-std::string drift_summary(const DriftReport& report);  // "well", or what has drifted, in one line
+std::string drift_summary(const DriftReport& report);  // one line: what has drifted, or that nothing has
 
 }  // namespace kasumi

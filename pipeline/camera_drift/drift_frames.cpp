@@ -13,8 +13,8 @@ namespace kasumi {
 namespace {
 
 constexpr Radians kLowestSun = from_degrees(10.0);
-constexpr Radians kFarthestSun = from_degrees(15.0);  // from the ephemeris: farther is a reflection
-constexpr Radians kLargestSun = from_degrees(3.0);    // with its glare: a bright cloud is larger
+constexpr Radians kFarthestSun = from_degrees(15.0);  // from the ephemeris: anything farther is a reflection
+constexpr Radians kLargestSun = from_degrees(3.0);    // radius with glare: bright clouds are larger
 constexpr int kBesideObstruction_px = 6;              // of the shrunk picture
 constexpr Radians kLowSky = from_degrees(15.0);
 
@@ -43,7 +43,7 @@ DomeLook dome_look(const Image<Rgb8>& picture, const Camera& camera) {
   return look;
 }
 
-// ln of the light that a unit of the fit's gain stands for, by the sky's model: F(0, sun) over the zenith's luminance.
+// ln of the light per unit of the fit's gain in the sky model: F(0, sun) over the zenith luminance.
 double log_model_scale(Turbidity turbidity, const SunPosition& sun) {
   const double ratio = perez(perez_coefficients(PerezQuantity::luminance, turbidity), 1.0, sun.zenith);
   const double zenith = SkyModel(turbidity, sun.direction).zenith_luminance();
@@ -63,7 +63,7 @@ GreyPicture median_of(const std::vector<GreyPicture>& pictures) {
   return still;
 }
 
-std::optional<double> middle_of(std::vector<double> values) {
+std::optional<double> median_if_enough(std::vector<double> values) {
   if (values.size() < std::size_t{kFewestCheckFrames}) return std::nullopt;
   return median_in_place(values);
 }
@@ -114,10 +114,10 @@ Image<std::uint8_t> still_part_of_sky(const Camera& sky, int factor) {
         part.at(x, y) = zenith_angle(*direction) > from_degrees(90.0) - kLowSky ? 255 : 0;
         continue;
       }
-      bool beside = false;
+      bool near_obstruction = false;
       for (const auto& [dx, dy] : {std::pair{0, 0}, {reach, 0}, {-reach, 0}, {0, reach}, {0, -reach}})
-        beside = beside || (part.contains(x + dx, y + dy) && blocked(x + dx, y + dy));
-      part.at(x, y) = beside ? 255 : 0;
+        near_obstruction = near_obstruction || (part.contains(x + dx, y + dy) && blocked(x + dx, y + dy));
+      part.at(x, y) = near_obstruction ? 255 : 0;
     }
   return part;
 }

@@ -7,15 +7,15 @@
 namespace kasumi {
 namespace {
 
-constexpr Duration kPatience = std::chrono::milliseconds(200);
+constexpr Duration kFrameTimeout = std::chrono::milliseconds(200);
 
-// One camera, in a thread of its own: it keeps its driver going and takes a picture now and then.
+// Keeps one camera streaming and keeps a picture of it now and then.
 void watch(CameraOpening opening, const Camera& camera, Clock& clock, Instant until, Duration apart,
            const std::function<bool()>& stop, const std::function<void(const Frame&, const PictureView&)>& keep) {
   const auto source = reconnecting(std::move(opening.opener), clock);
   auto due = clock.now();
   while (clock.now() < until && !stop()) {
-    const auto frame = source->next(std::min(until, clock.now() + kPatience));
+    const auto frame = source->next(std::min(until, clock.now() + kFrameTimeout));
     if (!frame || frame->metadata.status != FrameStatus::good || clock.now() < due) continue;
     const auto decoded = decode(*frame, camera.yuv_encoding);
     if (!decoded) continue;
@@ -46,7 +46,7 @@ Result<DriftFrames> gather_live(const RunConfig& config, Devices& devices, Clock
   const auto apart = length / kMostCheckFrames;
   auto sky = devices.camera(CameraRole::sky, config.sky_camera);
   const bool recorded = sky.recorded;
-  // Each thread writes what the other does not touch.
+  // The threads write to different members of `frames`.
   std::thread other([&] {
     watch(std::move(sky), config.installation.sky, clock, until, apart, stop,
           [&](const Frame& frame, const PictureView& view) {

@@ -1,4 +1,4 @@
-// Pictures for the check, out of a recording or of the live cameras.
+// Gathers pictures for the check from a recording or from live cameras.
 #pragma once
 
 #include <functional>
@@ -9,11 +9,11 @@
 
 namespace kasumi {
 
-// At most 15 of each camera, evenly over the recording. Errors: what the recording's reader finds.
+// At most 15 of each camera, spread evenly over the recording. Errors: those of for_each_picture().
 Result<DriftFrames> gather_recorded(const Fixture& fixture);
 
-// 15 of each over `length`. BLOCKS so long, or until `stop` says so; what came by then is given. `time_known`: whether
-// the clock's time tells where the sun stands.
+// 15 of each camera over `length`. BLOCKS for that time, or until `stop` returns true: then returns what has come so
+// far. `time_known`: whether the clock can be trusted for the sun's position.
 Result<DriftFrames> gather_live(const RunConfig& config, Devices& devices, Clock& clock, Duration length,
                                 bool time_known, const std::function<bool()>& stop);
 

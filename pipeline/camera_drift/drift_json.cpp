@@ -15,7 +15,7 @@ nlohmann::ordered_json findings_json(const DriftReport& report) {
     json.push_back({{"camera", finding.camera},
                     {"what", finding.what},
                     {"state", name_of(finding.state)},
-                    {"words", finding.words},
+                    {"words", finding.message},
                     {"value", or_null(finding.value)},
                     {"sigma", or_null(finding.sigma)},
                     {"alarm", or_null(finding.alarm)},
@@ -26,7 +26,7 @@ nlohmann::ordered_json findings_json(const DriftReport& report) {
 std::string drift_json(const DriftReport& report) {
   const auto date = [](Utc utc) { return utc_text(std::chrono::floor<std::chrono::seconds>(utc)); };
   nlohmann::ordered_json json;
-  json["well"] = report.well();
+  json["well"] = report.steady();
   json["utc"] = date(report.checked);
   json["reference_utc"] = date(report.reference);
   json["summary"] = drift_summary(report);

@@ -10,7 +10,7 @@
 namespace kasumi {
 
 std::string drift_json(const DriftReport& report);  // one object
-// Its list of findings by itself.
+// Only its list of findings.
 nlohmann::ordered_json findings_json(const DriftReport& report);
 
 }  // namespace kasumi

@@ -30,7 +30,7 @@ Image<Rgb8> picture_of(const GreyPicture& grey) {
   return picture;
 }
 
-// Light as 8 bits, square root: relative steps of 1 % in the bright half.
+// Light as 8 bits with a square root: relative steps of 1 % in the bright half.
 Image<Rgb8> picture_of(const DomeLook& look) {
   Image<Rgb8> picture(look.width(), look.height());
   std::transform(
@@ -69,7 +69,7 @@ std::optional<Utc> utc_of(const Json& json, const char* key) {
   return parse_utc(json[key].get<std::string>());
 }
 
-DomeLook median_of(const std::vector<DomeLook>& looks) {
+DomeLook median_look(const std::vector<DomeLook>& looks) {
   DomeLook still(looks[0].width(), looks[0].height());
   std::vector<float> values(looks.size());
   for (std::size_t i = 0; i < still.elements().size(); ++i)
@@ -82,11 +82,11 @@ DomeLook median_of(const std::vector<DomeLook>& looks) {
 
 ViewReference view_of(const std::vector<GreyPicture>& pictures, const Camera& camera,
                       const Image<std::uint8_t>& usable) {
-  const auto still = kasumi::median_of(pictures);
+  const auto still = median_of(pictures);
   return {shrunk(still, camera), find_edges(light_of(still, camera), usable)};
 }
 
-// The camera's picture, shrunk, as it was written; empty when it is damaged.
+// A camera's saved reference; empty when it is missing or damaged.
 std::optional<ViewReference> read_view(const Json& json, const char* name, const std::filesystem::path& file) {
   if (!json.contains(name)) return std::nullopt;
   auto edges = edges_of(json[name]);
@@ -113,11 +113,11 @@ Result<DriftReference> take_reference(const DriftFrames& frames, const Installat
   if (enough(frames.scene())) reference.scene = view_of(frames.scene(), installation.scene, {});
   if (enough(frames.sky())) {
     reference.sky = view_of(frames.sky(), installation.sky, still_part_of_sky(installation.sky, 1));
-    reference.dome = median_of(frames.dome());
+    reference.dome = median_look(frames.dome());
     reference.suns = frames.sun_places();
   }
-  reference.turbidity = middle_of(frames.turbidities());
-  reference.level = middle_of(frames.levels());
+  reference.turbidity = median_if_enough(frames.turbidities());
+  reference.level = median_if_enough(frames.levels());
   return reference;
 }
 
@@ -141,7 +141,7 @@ Result<> save_reference(const DriftReference& reference, const std::filesystem::
   for (const auto& sun : reference.suns) json["suns"].push_back({sun.x, sun.y, sun.z});
   if (reference.level) json["log_level"] = *reference.level;
   if (reference.turbidity) json["turbidity"] = *reference.turbidity;
-  // Pictures first: what names them comes when they are there.
+  // Pictures first, so that the JSON file never names missing ones.
   for (const auto& [view, name, ending] : {std::tuple{&reference.scene, "scene_edges", ".check-scene.png"},
                                            std::tuple{&reference.sky, "sky_edges", ".check-sky.png"}}) {
     if (!*view) continue;

@@ -1,4 +1,4 @@
-// How the two cameras saw the world when they were calibrated: what later pictures are compared with.
+// The two cameras' views at calibration time, with which later pictures are compared.
 #pragma once
 
 #include <filesystem>
@@ -8,32 +8,32 @@
 
 namespace kasumi {
 
-// Small and still, so that nobody can be recognised in it: the median of pictures over minutes, at most 480 px long.
+// The median of pictures over minutes, at most 480 px long, so that nobody can be recognised in it.
 struct ViewReference {
   GreyPicture small;
-  std::vector<ViewEdge> edges;  // of the full picture
+  std::vector<ViewEdge> edges;  // of the full-size picture
 };
 
 struct DriftReference {
   Utc taken{};
   std::optional<ViewReference> scene, sky;
   std::optional<DomeLook> dome;  // median, at most 160 px
-  std::vector<Direction> suns;   // where the sun stood over it
+  std::vector<Direction> suns;   // the sun's positions in those pictures
   std::optional<double> turbidity;
   std::optional<double> level;                          // ln, see DriftFrames
   std::optional<Utc> scene_calibrated, sky_calibrated;  // of the calibrations it belongs to
 };
 
-// Errors (bad_input): fewer than 3 pictures of both cameras. Of one camera: then the other's alone.
+// A camera with fewer than 3 pictures is left out. Errors (bad_input): so few of both.
 Result<DriftReference> take_reference(const DriftFrames& frames, const Installation& installation, Utc now);
-// Whether it was taken under these calibrations of these cameras; else one is to be taken anew.
+// Whether it was taken with the present calibrations; otherwise a new reference is needed.
 bool belongs_to(const DriftReference& reference, const Installation& installation);
 
 // STEM.check.json and STEM.check-scene.png, -sky.png, -dome.png.
 Result<> save_reference(const DriftReference& reference, const std::filesystem::path& stem);
 // Errors: io (there is none), bad_input (damaged, of another version).
 Result<DriftReference> load_reference(const std::filesystem::path& stem);
-// Beside the calibration file (else the file that names the cameras), under its name.
+// Next to the calibration file (without one, the file that describes the cameras), with its name.
 std::filesystem::path reference_stem(const Installation& installation, const std::filesystem::path& root_file);
 
 }  // namespace kasumi

@@ -27,7 +27,7 @@ Image<Rgba8> with_opacity(const Photograph& photograph) {
 
 }  // namespace
 
-// A file that is missing has been told by the reader of its key.
+// A missing file is already reported by the reader of its key.
 Result<ContentPtr> read_content(const std::filesystem::path& config_file) {
   const auto root = ConfigTable::read_file(config_file);
   if (!root) return fail(FaultKind::bad_input, "{}", root.error().message);

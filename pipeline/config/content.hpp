@@ -1,4 +1,4 @@
-// What a kiosk shows, read whole before any of it is used.
+// What a kiosk shows: read completely before any of it is used.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +19,8 @@ struct Content {
 };
 using ContentPtr = std::shared_ptr<const Content>;
 
-// Configuration, calibration, model, curated picture. BLOCKS for the seconds that takes. Errors (bad_input): every
-// problem of all of them at once.
+// Reads configuration, calibration, model and curated picture, which BLOCKS for seconds. Errors (bad_input): all
+// problems of all files at once.
 Result<ContentPtr> read_content(const std::filesystem::path& config_file);
 
 }  // namespace kasumi

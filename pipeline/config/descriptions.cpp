@@ -37,7 +37,7 @@ Result<LandmarkFile> read_landmark_file(const std::filesystem::path& path, int w
   found.landmarks = read_contrast_landmarks(*root, site, width, height);
   ignore_what_others_read(*root, {"site", "scene", "landmarks"});
   if (found.landmarks.empty())
-    root->problem("landmarks", "[[landmarks]] with region_px, and distance_m or a place beside a [site]");
+    root->problem("landmarks", "[[landmarks]] with region_px, and distance_m or a place and a [site]");
   if (auto done = root->finish(); !done) return fail(done.error());
   return found;
 }

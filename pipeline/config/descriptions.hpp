@@ -1,5 +1,4 @@
-// Files that describe cameras or landmarks by themselves, without a building: for commands that work on pictures at
-// hand.
+// Files that describe only cameras or landmarks, without a building: for commands that work on given pictures.
 #pragma once
 
 #include <filesystem>
@@ -17,17 +16,17 @@ struct CameraFile {
   std::optional<Site> site;
 };
 
-// [scene] and, if wanted, [sky], [site] (docs/cameras.md), with the calibration file they name beneath them. What
-// `kasumi calibrate` wrote serves, and so does a fixture's description as it is. Errors (bad_input): every problem.
+// [scene] and, if wanted, [sky], [site] (docs/cameras.md), on top of the calibration file they name. Accepts
+// what `kasumi calibrate` wrote and a fixture's description. Errors (bad_input): all problems.
 Result<CameraFile> read_camera_file(const std::filesystem::path& file);
 
 struct LandmarkFile {
-  std::optional<Camera> scene;  // [scene]; else an ordinary camera, sRGB
+  std::optional<Camera> scene;  // [scene]; empty: an ordinary sRGB camera
   double altitude_m = 0.0;      // of [site]
   std::vector<ContrastLandmark> landmarks;
 };
-// A list of [[landmarks]] by itself, with [scene] and [site] where known; a fixture's description and a kiosk's
-// configuration serve as they are. `width`, `height`: of the pictures. Errors (bad_input): every problem at once.
+// A list of [[landmarks]], with optional [scene] and [site]; a fixture's description and a kiosk's configuration are
+// accepted too. `width`, `height`: of the pictures. Errors (bad_input): all problems at once.
 Result<LandmarkFile> read_landmark_file(const std::filesystem::path& path, int width, int height);
 
 }  // namespace kasumi

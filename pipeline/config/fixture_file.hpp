@@ -1,4 +1,4 @@
-// A fixture's description, whole: what the recording is and what was recorded with.
+// A fixture's complete description: the recording and the installation that recorded it.
 #pragma once
 
 #include <filesystem>
@@ -16,10 +16,10 @@ struct Fixture {
   Installation installation;
 };
 
-// folder/fixture.toml. Errors (bad_input): every problem of it at once.
+// folder/fixture.toml. Errors (bad_input): all its problems at once.
 Result<Fixture> read_fixture(const std::filesystem::path& folder);
 
-// The pictures of its camera of that name; encoding and size are the camera's, whatever the options say.
+// The recorded pictures of `camera`, by its name; its encoding and size override those in the options.
 Result<PicturesRead> for_each_picture(const Fixture& fixture, const Camera& camera, ReadingOptions options,
                                       const std::function<void(const PictureView&, const FrameMetadata&)>& use);
 

@@ -12,7 +12,7 @@ constexpr std::array kRoot{"calibration", "format", "name",    "description", "l
                            "site",        "sky",    "scene",   "object",      "landmarks", "display",    "still",
                            "words",       "clock",  "opening", "check",       "ladder",    "state"};
 
-// What is in a table besides the site, the camera and the landmarks' contrast.
+// Keys that the readers of site, camera and landmark contrast leave to others.
 const std::map<std::string_view, std::vector<std::string_view>>& shared_tables() {
   static const std::map<std::string_view, std::vector<std::string_view>> kTables{
       {"site", {"ground_albedo", "cloud_base_m", "fog", "sky_model", "haze_blur_px"}},

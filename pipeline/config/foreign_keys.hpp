@@ -1,4 +1,4 @@
-// One file, several readers: what each leaves to the others.
+// One file has several readers: the keys that each leaves to the others.
 #pragma once
 
 #include <set>
@@ -8,9 +8,9 @@
 
 namespace kasumi {
 
-// For the root, by a reader of parts of a fixture's description, a kiosk's configuration or a calibration file: `own`
-// are the tables it reads ("site", "sky", "scene", "landmarks"). All others are ignored whole; of its own, the keys
-// that others read in them. What nobody knows stays a problem.
+// For a reader of only some tables of a fixture's description, a kiosk's configuration or a calibration file. `own`:
+// the tables it reads ("site", "sky", "scene", "landmarks"). Ignores all other tables, and in its own tables the keys
+// that other readers know. Keys that no reader knows stay a problem.
 void ignore_what_others_read(const ConfigTable& root, const std::set<std::string_view>& own);
 
 }  // namespace kasumi

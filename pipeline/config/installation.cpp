@@ -50,7 +50,7 @@ Installation read_installation(const ConfigTable& root) {
   return installation;
 }
 
-std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file) {
+std::string calibration_summary(const Installation& installation, const std::filesystem::path& root_file) {
   const auto& adopted = installation.calibration;
   if (!adopted) return {};
   const auto name = adopted->file.filename().string();
@@ -58,14 +58,13 @@ std::string calibration_words(const Installation& installation, const std::files
     return camera.calibrated_utc ? utc_text(std::chrono::floor<std::chrono::seconds>(*camera.calibrated_utc))
                                  : std::string("an unknown date");
   };
-  auto words = fmt::format("{}: the sky camera's of {}, the scene camera's of {}", name, date(installation.sky),
-                           date(installation.scene));
-  words += fmt::format("\n  from it: {}",
-                       adopted->gained.empty() ? "nothing" : fmt::format("{}", fmt::join(adopted->gained, ", ")));
+  auto text = fmt::format("{}: the sky camera's of {}, the scene camera's of {}", name, date(installation.sky),
+                          date(installation.scene));
+  text += fmt::format("\n  from it: {}",
+                      adopted->gained.empty() ? "nothing" : fmt::format("{}", fmt::join(adopted->gained, ", ")));
   if (!adopted->overruled.empty())
-    words += fmt::format("\n  {} says itself, and that holds: {}", root_file.filename().string(),
-                         fmt::join(adopted->overruled, ", "));
-  return words;
+    text += fmt::format("\n  overridden by {}: {}", root_file.filename().string(), fmt::join(adopted->overruled, ", "));
+  return text;
 }
 
 }  // namespace kasumi

@@ -11,8 +11,8 @@
 
 namespace kasumi {
 
-// Fog that lies in a valley: grey, thinning with altitude as exp(-(altitude - base) / scale height). It takes light
-// from what is seen through it and gives the horizon's; what falls on the object it leaves alone.
+// Fog in a valley: grey, thinning with altitude as exp(-(altitude - base) / scale height). It replaces light from what
+// is seen through it by the horizon's; the light that falls on the object stays unchanged.
 struct FogLayer {
   double extinction_per_m = 0.0;  // at the base; 0: none
   double base_altitude_m = 0.0;   // above sea level; usually that of the object's foot
@@ -20,13 +20,13 @@ struct FogLayer {
   friend bool operator==(const FogLayer&, const FogLayer&) = default;
 };
 
-// What lies around the object and above it.
+// The object's surroundings and the sky above.
 struct Surroundings {
   double ground_albedo = 0.2;    // of sunlight, mean over the visible: grass .2, sand .35, fresh snow .8
-  double cloud_base_m = 2000.0;  // above the site: where a cloud that shades the object is looked for in the sky
+  double cloud_base_m = 2000.0;  // above the site: a cloud there may shade the object
   FogLayer fog;
-  SiteSkyModel sky_model = SiteSkyModel::automatic;  // what the clear sky looks like, by the site's altitude
-  // H's lambda: standard deviation by which haze of optical depth 1 blurs what stands behind it, pixels; 0: not at all.
+  SiteSkyModel sky_model = SiteSkyModel::automatic;  // model of the clear sky; automatic: by altitude
+  // H's lambda: blur of what lies behind haze of optical depth 1, standard deviation in pixels; 0: none.
   double haze_blur_px = 0.0;
 };
 
@@ -40,18 +40,18 @@ struct Installation {
                                    // known to stand; empty: nowhere
   ObjectPlacement object;
   std::vector<Landmark> landmarks;
-  std::vector<ContrastLandmark> contrast_landmarks;  // those of them that tell the visibility
-  std::optional<AdoptedCalibration> calibration;     // the file beneath the one that was read
+  std::vector<ContrastLandmark> contrast_landmarks;  // those used to measure visibility
+  std::optional<AdoptedCalibration> calibration;     // the calibration file it builds on
 
-  // The clear sky of the site, whose T is estimated and drawn by; its model is never automatic.
+  // The model of the site's clear sky, with which T is estimated and drawn; never automatic.
   SkyToFit sky_to_fit() const { return {resolved(surroundings.sky_model, site.altitude_m), site.altitude_m}; }
 };
 
-// [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration, and beneath them the calibration file
-// it names. Problems are left in the root's file.
+// Reads [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration on top of the calibration file it
+// names. Problems are collected in the root's file.
 Installation read_installation(const ConfigTable& root);
-// For a person: which values are the calibration file's, of when, and which the root says itself in spite of it. Empty
-// without such a file.
-std::string calibration_words(const Installation& installation, const std::filesystem::path& root_file);
+// For a person: which values come from the calibration file, of what date, and which of them the root overrides. Empty
+// without a calibration file.
+std::string calibration_summary(const Installation& installation, const std::filesystem::path& root_file);
 
 }  // namespace kasumi

@@ -1,5 +1,5 @@
-// What the visitor is shown when not all is well: live, held, degraded, still, dark. A pure state machine: signs and
-// the time in, the rung out.
+// What visitors see when something is wrong: live, held, degraded, still, dark. A pure state machine: inputs and time
+// in, rung out.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,10 @@ namespace kasumi {
 
 enum class Shown {
   live,      // the scene, with the building under today's air
-  held,      // the last good picture, for a moment
-  degraded,  // the scene is live, the air is an earlier hour's or not known
+  held,      // the last good picture, briefly
+  degraded,  // the scene is live, but the air is out of date or the sun's position unknown
   still,     // the curated picture with its caption
-  dark,      // closed: on purpose
+  dark,      // closed, on purpose
 };
 std::string_view name_of(Shown shown);
 
@@ -25,9 +25,9 @@ enum class Trouble {
   scene_lost,       // no picture comes from the scene camera
   scene_frozen,     // always the same picture
   scene_covered,    // something lies over the lens
-  scene_white_out,  // nothing but white
-  sky_lost,         // no picture comes from the sky camera: the air is an earlier one
-  time_unknown,     // the sun's place is not known, so there is no building
+  scene_white_out,  // overexposed: all white
+  sky_lost,         // no picture comes from the sky camera: the last known air is used
+  time_unknown,     // the sun's position is unknown, so no building is drawn
   closed,           // outside opening hours
 };
 std::string_view name_of(Trouble trouble);
@@ -35,17 +35,17 @@ std::string_view name_of(Trouble trouble);
 struct LadderOptions {
   Duration held = std::chrono::seconds(2);           // the longest an old picture is shown
   Duration late = std::chrono::milliseconds(500);    // a picture older than that is called held
-  Duration steady = std::chrono::milliseconds(500);  // so long must pictures come before the still goes
+  Duration steady = std::chrono::milliseconds(500);  // pictures must come for so long before the still goes
   Duration fade = std::chrono::milliseconds(400);
   friend bool operator==(const LadderOptions&, const LadderOptions&) = default;
 };
-// For a camera that takes its time between pictures: the same patience in pictures instead of seconds.
+// For a slow camera: the same tolerance counted in frames instead of seconds.
 LadderOptions patient_with(LadderOptions options, Duration frame_interval);
 
-// What the render loop sees now.
-struct Signs {
-  std::optional<Duration> picture_age;       // of the newest good scene picture; empty: there never was one
-  std::optional<Trouble> bad_scene_picture;  // pictures come, but show nothing: frozen, covered, white-out
+// What the render loop observes now.
+struct LadderInput {
+  std::optional<Duration> picture_age;       // of the newest good scene picture; empty: none yet
+  std::optional<Trouble> bad_scene_picture;  // pictures come, but are useless: frozen, covered, white-out
   bool sky_up = false;
   bool sun_known = false;
   bool open = true;
@@ -54,7 +54,7 @@ struct Signs {
 struct Rung {
   Shown shown = Shown::still;
   Trouble trouble = Trouble::starting;
-  double still = 1.0;  // opacity of the still picture over the scene: moves during a fade
+  double still = 1.0;  // opacity of the still picture over the scene: changes during a fade
   double dark = 0.0;   // opacity of black over all
   friend bool operator==(const Rung&, const Rung&) = default;
 };
@@ -62,20 +62,20 @@ struct Rung {
 class Ladder {
  public:
   explicit Ladder(LadderOptions options = {}) : options_(options) {}
-  // The fade ends when the held time does: no picture is ever seen that is older than options.held. Calling it more or
-  // less often leads to the same rungs.
-  Rung step(Instant now, const Signs& signs);
-  // From now on by these; the rung stays.
+  // The fade to the still ends when the held time does, so no picture older than options.held is ever seen. The result
+  // does not depend on how often this is called.
+  Rung step(Instant now, const LadderInput& input);
+  // Uses these options from now on; the rung stays.
   void adopt(const LadderOptions& options) { options_ = options; }
 
  private:
-  Trouble scene_trouble(const Signs& signs) const;
-  Shown rung_for(Instant now, const Signs& signs, Trouble trouble);
+  Trouble scene_trouble(const LadderInput& input) const;
+  Shown rung_for(Instant now, const LadderInput& input, Trouble trouble);
 
   LadderOptions options_;
   Rung rung_;
   std::optional<Instant> stepped_;
-  std::optional<Instant> well_since_;  // pictures come again
+  std::optional<Instant> well_since_;  // since when pictures come again
 };
 
 }  // namespace kasumi

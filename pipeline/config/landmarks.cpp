@@ -9,7 +9,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kWithinSight_m = 400e3;  // Everest from the plains of Bengal; beyond, a number is wrong
+constexpr double kWithinSight_m = 400e3;  // Everest from the plains of Bengal; a farther place is a mistake
 constexpr Range kDistances_m{5.0, kWithinSight_m};
 
 std::optional<PictureBox> read_box(const ConfigTable& table, std::string_view key, int width, int height) {
@@ -28,7 +28,7 @@ std::optional<PictureBox> read_box(const ConfigTable& table, std::string_view ke
 std::vector<Landmark> read_landmarks(const ConfigTable& root, const Site& site) {
   std::vector<Landmark> landmarks;
   for (const auto& table : root.tables("landmarks")) {
-    if (table.has("distance_m") && !table.has("latitude_deg")) continue;  // for the visibility alone
+    if (table.has("distance_m") && !table.has("latitude_deg")) continue;  // only for visibility
     Landmark landmark;
     landmark.name = table.text("name");
     landmark.place_m =
@@ -49,11 +49,11 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
                                                       int width, int height) {
   std::vector<ContrastLandmark> landmarks;
   for (const auto& table : root.tables("landmarks")) {
-    const bool told = table.has("distance_m");
+    const bool has_distance = table.has("distance_m");
     const auto surface = read_box(table, "region_px", width, height);
     if (!surface) {
-      if (told)
-        table.problem("region_px", "[x, y, width, height]: where the picture shows it, as its distance is told");
+      if (has_distance)
+        table.problem("region_px", "[x, y, width, height]: where the picture shows it, since distance_m is given");
       continue;
     }
     ContrastLandmark landmark;
@@ -61,7 +61,7 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
     landmark.surface = *surface;
     landmark.against = read_box(table, "against_px", width, height);
     landmark.sky = read_box(table, "sky_px", width, height);
-    if (told) {
+    if (has_distance) {
       landmark.distance_m = table.number("distance_m", kDistances_m);
       landmark.rise_m = table.number("rise_m", {-5000.0, 9000.0}, 0.0);
     } else if (site && table.has("latitude_deg") && table.has("longitude_deg") && table.has("altitude_m")) {
@@ -72,7 +72,7 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
     } else {
       table.problem("distance_m", site
                                       ? "its distance in metres, or its place (latitude_deg, longitude_deg, altitude_m)"
-                                      : "its distance in metres (without a [site] its place tells none)");
+                                      : "its distance in metres (a place needs a [site])");
     }
     const double usual = landmark.against ? 0.4 : ContrastLandmark{}.contrast;
     const double usual_sigma = landmark.against ? 0.3 : ContrastLandmark{}.contrast_sigma;

@@ -1,4 +1,4 @@
-// Things that anybody can see from the site and find on a map: [[landmarks]] of a fixture or configuration.
+// Things visible from the site whose position a map gives: [[landmarks]] of a fixture or configuration.
 #pragma once
 
 #include <optional>
@@ -13,19 +13,19 @@
 
 namespace kasumi {
 
-// Where the overlay says they should stand, they do, or the camera's heading is wrong.
+// The overlay marks where it should appear: if it does not, the camera's orientation is wrong.
 struct Landmark {
   std::string name;
-  glm::dvec3 place_m{};  // east, north, up as seen from the site: the earth's curvature and refraction are in it
+  glm::dvec3 place_m{};  // east, north, up from the site, with the earth's curvature and refraction
 };
 
-// [[landmarks]]: name, latitude_deg, longitude_deg, altitude_m; those that tell their distance_m alone are not among
-// them. Problems are left in the root's file.
+// [[landmarks]] with name, latitude_deg, longitude_deg, altitude_m; those that give only distance_m are skipped.
+// Problems are collected in the root's file.
 std::vector<Landmark> read_landmarks(const ConfigTable& root, const Site& site);
 
-// Those that tell the visibility, by how far they are and where the scene camera's picture shows them: all with a
-// region_px (docs/operating.md lists their keys). Without a site they must say distance_m themselves. Problems are left
-// in the root's file.
+// The landmarks that measure visibility, by their distance and their place in the scene camera's picture: all with a
+// region_px (docs/operating.md lists their keys). Without a site they must give distance_m. Problems are collected in
+// the root's file.
 std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, const std::optional<Site>& site,
                                                       int width, int height);
 

@@ -5,7 +5,7 @@
 #include <exception>
 #include <optional>
 
-// The calendar is the standard library's; its time zones come with g++ 14.
+// The calendar is the standard library's; time zones come from the date library until g++ 14 has them.
 #include <date/tz.h>
 
 namespace kasumi {
@@ -34,7 +34,7 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
   }
 }
 
-// All of the text is digits, and that many of them.
+// The text consists of exactly that many digits.
 std::optional<int> number(std::string_view text, std::size_t digits) {
   int value = 0;
   if (text.size() != digits || !std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; }))
@@ -76,7 +76,7 @@ std::chrono::local_time<Duration> local_time(const std::string& zone, Utc now) {
     if (!zone.empty())
       return std::chrono::local_time<Duration>(
           date::locate_zone(zone)->to_local(date::sys_time<Duration>(since)).time_since_epoch());
-  } catch (const std::exception&) {  // the data was there when the configuration was read
+  } catch (const std::exception&) {  // removed since the configuration was read: UTC
   }
   return std::chrono::local_time<Duration>(since);
 }
@@ -122,7 +122,7 @@ Result<std::vector<DatedHours>> parse_exceptions(std::string_view text) {
 bool OpeningHours::is_open(Utc now) const {
   const auto local = local_time(time_zone, now);
   const auto today = std::chrono::floor<days>(local);
-  // What began yesterday may last past midnight.
+  // Yesterday's hours may extend past midnight.
   for (const auto day : {today, today - days(1)})
     for (const auto& span : hours_of(*this, day))
       if (local - day >= span.from && local - day < span.until) return true;

@@ -1,4 +1,4 @@
-// When the place is open, by the clock on its wall.
+// Opening hours in local time.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace kasumi {
 
-// From one time of the day to another, minutes after midnight; beyond 24 h: it ends on the next day.
+// From one time of day to another, in minutes after midnight; beyond 24 h it ends on the next day.
 struct OpenSpan {
   std::chrono::minutes from{};
   std::chrono::minutes until{};
@@ -24,30 +24,30 @@ inline const DayHours kAllDay{{std::chrono::hours(0), std::chrono::hours(24)}};
 // "09:00-17:30", "09:00-12:00, 13:30-17:30", "18:00-01:00" (past midnight), "closed". Error: bad_input.
 Result<DayHours> parse_hours(std::string_view text);
 
-// Other hours on some days, both included.
+// Different hours from one date to another, both included.
 struct DatedHours {
   std::chrono::year_month_day first, last;
   DayHours hours;
   friend bool operator==(const DatedHours&, const DatedHours&) = default;
 };
 
-// "2026-12-24 09:00-12:00; 2026-12-25..2027-01-02 closed": each ends with a semicolon or a line. Error: bad_input.
+// "2026-12-24 09:00-12:00; 2026-12-25..2027-01-02 closed": separated by semicolons or line breaks. Error: bad_input.
 Result<std::vector<DatedHours>> parse_exceptions(std::string_view text);
 
 struct OpeningHours {
   std::string time_zone;  // "Europe/Zurich"; empty: UTC
-  std::array<DayHours, 7> week{kAllDay, kAllDay, kAllDay, kAllDay, kAllDay, kAllDay, kAllDay};  // from Sunday on
-  std::vector<DatedHours> exceptions;  // the last one that fits is in force
+  std::array<DayHours, 7> week{kAllDay, kAllDay, kAllDay, kAllDay, kAllDay, kAllDay, kAllDay};  // Sunday first
+  std::vector<DatedHours> exceptions;  // the last one that matches applies
 
-  // Follows the zone's changes between summer and winter time. A zone that is not known is taken for UTC.
+  // Follows the zone's changes between summer and winter time. An unknown zone counts as UTC.
   bool is_open(Utc now) const;
   bool is_always_open() const { return exceptions.empty() && week == OpeningHours{}.week; }
   friend bool operator==(const OpeningHours&, const OpeningHours&) = default;
 };
 
-// Whether the machine knows a time zone of that name (package tzdata).
+// Whether the machine's tzdata has a time zone of that name.
 bool is_time_zone(const std::string& name);
-// The machine's own, as `timedatectl` shows it. Error: unsupported (it has none by name).
+// The machine's own, as `timedatectl` shows it. Error: unsupported (it has no named zone).
 Result<std::string> machine_time_zone();
 
 }  // namespace kasumi

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Younger than any clock that has never been set.
+// Later than any clock that has never been set.
 constexpr Utc kEarliest = std::chrono::sys_days{std::chrono::year{2025} / 1 / 1};
 
 std::optional<double> optional_number(const ConfigTable& table, std::string_view key, Range range) {
@@ -38,7 +38,7 @@ CameraRequest read_request(const ConfigTable& table, const Camera& camera) {
   return request;
 }
 
-CameraChoice read_camera_choice(const ConfigTable& table, const Camera& camera) {
+CameraOptions read_camera_options(const ConfigTable& table, const Camera& camera) {
   const auto source = table.choice("source", {"v4l2", "libcamera", "replay"});
   if (source == "replay") {
     ReplayCamera replay{table.folder() / table.text("fixture")};
@@ -48,7 +48,7 @@ CameraChoice read_camera_choice(const ConfigTable& table, const Camera& camera) 
     return replay;
   }
   auto request = read_request(table, camera);
-  // The sky's frames are looked at once a second: the driver gets its buffers back at once.
+  // Sky frames are used once a second, so they are copied and the driver gets its buffers back at once.
   request.lend_buffers = camera.name != "sky";
   if (source == "libcamera") return LibcameraOptions{table.text("camera"), request};
   const auto device = table.text("device");
@@ -76,7 +76,7 @@ void read_mode(const ConfigTable& table, KmsDisplayOptions& options) {
   if (!whole || !sane) table.problem("mode", R"("auto", "1920x1080" or "1920x1080@60")");
 }
 
-DisplayChoice read_display(const ConfigTable& table) {
+DisplayOptions read_display(const ConfigTable& table) {
   constexpr Range kSize_px{16, 16384};
   const auto kind = table.choice("kind", {"kms", "window", "headless"}, std::string("kms"));
   if (kind == "window") {
@@ -95,13 +95,13 @@ DisplayChoice read_display(const ConfigTable& table) {
   kms.device = table.text("device", std::string());
   kms.connector = table.text("connector", std::string());
   read_mode(table, kms);
-  kms.preferred_instead = true;  // a picture in another size is better than none
+  kms.preferred_instead = true;  // a picture of another size is better than none
   kms.atomic = table.flag("atomic", true);
   return kms;
 }
 
-ClockChoice read_clock(const ConfigTable& table) {
-  ClockChoice clock;
+ClockOptions read_clock(const ConfigTable& table) {
+  ClockOptions clock;
   const auto policy = table.choice("policy", {"synchronized", "trusted", "from_sky"}, std::string("synchronized"));
   clock.policy = policy == "trusted"    ? ClockPolicy::trusted
                  : policy == "from_sky" ? ClockPolicy::from_sky
@@ -113,7 +113,7 @@ ClockChoice read_clock(const ConfigTable& table) {
 OpeningHours read_opening(const ConfigTable& table) {
   constexpr std::array kDays{"sunday", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday"};
   OpeningHours opening;
-  // What cannot be read counts as open all day, and is a problem.
+  // Hours that cannot be parsed are a problem and count as the default.
   const auto hours = [&](const char* key, const DayHours& otherwise) {
     const auto text = table.text(key, std::string());
     if (text.empty()) return otherwise;
@@ -137,29 +137,29 @@ OpeningHours read_opening(const ConfigTable& table) {
       opening.time_zone = std::move(*zone);
     else
       table.problem("time_zone",
-                    fmt::format("a name like \"Europe/Zurich\", for the machine has none: {}", zone.error().message));
+                    fmt::format("a name like \"Europe/Zurich\", since the machine has none: {}", zone.error().message));
   }
   return opening;
 }
 
-CheckChoice read_check(const ConfigTable& table, const OpeningHours& opening) {
+CheckOptions read_check(const ConfigTable& table, const OpeningHours& opening) {
   constexpr Range kMinutes{0.1, 240.0};
-  CheckChoice choice;
+  CheckOptions options;
   const auto time = table.text("time", std::string("13:00"));
-  const double minutes = table.number("minutes", kMinutes, 30.0);
-  if (time == "never") return choice;
+  const double length_min = table.number("minutes", kMinutes, 30.0);
+  if (time == "never") return options;
   const auto rest_of_day = parse_hours(time + "-24:00");
   if (!rest_of_day || rest_of_day->size() != 1) {
     table.problem("time", R"(a time of the day like "13:00", by the wall clock, or "never")");
-    return choice;
+    return options;
   }
-  choice.length = from_seconds(60.0 * minutes);
+  options.length = from_seconds(60.0 * length_min);
   OpeningHours hours;
   hours.time_zone = opening.time_zone.empty() ? machine_time_zone().value_or("") : opening.time_zone;
   const auto from = rest_of_day->front().from;
-  hours.week.fill({{from, from + std::chrono::ceil<std::chrono::minutes>(choice.length)}});
-  choice.hours = std::move(hours);
-  return choice;
+  hours.week.fill({{from, from + std::chrono::ceil<std::chrono::minutes>(options.length)}});
+  options.hours = std::move(hours);
+  return options;
 }
 
 LadderOptions read_ladder(const ConfigTable& table) {
@@ -179,30 +179,30 @@ LadderOptions read_ladder(const ConfigTable& table) {
 }  // namespace
 
 RunConfig read_run_config(const ConfigTable& root) {
-  // A table that may be missing is read as an empty one.
+  // A missing optional table is read as an empty one.
   const auto section = [&](std::string_view key, auto read) {
     const auto table = root.optional_table(key);
     return read(table ? *table : *ConfigTable::parse("", root.path()));
   };
   RunConfig config;
   config.installation = read_installation(root);
-  config.sky_camera = read_camera_choice(root.table("sky").table("camera"), config.installation.sky);
-  config.scene_camera = read_camera_choice(root.table("scene").table("camera"), config.installation.scene);
+  config.sky_camera = read_camera_options(root.table("sky").table("camera"), config.installation.sky);
+  config.scene_camera = read_camera_options(root.table("scene").table("camera"), config.installation.scene);
   config.display = section("display", read_display);
   config.overlay = section("display", [](const ConfigTable& table) { return table.flag("overlay", false); });
   config.still = section("still", [](const ConfigTable& table) {
-    return StillChoice{table.optional_file("picture"), table.text("caption", std::string())};
+    return StillOptions{table.optional_file("picture"), table.text("caption", std::string())};
   });
-  config.words = section("words", [](const ConfigTable& table) {
-    WordsChoice words;
+  config.messages = section("words", [](const ConfigTable& table) {
+    MessageOptions options;
     const auto language = parse_language(table.text("language", std::string("en")));
     if (language)
-      words.language = *language;
+      options.language = *language;
     else
       table.problem("language", language.error().message);
-    words.font_file = table.optional_file("font_file");
-    words.show_faults = table.flag("show_faults", true);
-    return words;
+    options.font_file = table.optional_file("font_file");
+    options.show_faults = table.flag("show_faults", true);
+    return options;
   });
   config.clock = section("clock", read_clock);
   config.opening = section("opening", read_opening);

@@ -1,4 +1,4 @@
-// kasumi.toml: one kiosk, and how it is run.
+// kasumi.toml: one kiosk and how it runs.
 #pragma once
 
 #include <filesystem>
@@ -12,51 +12,51 @@
 #include "gles/display/display.hpp"
 #include "pipeline/config/installation.hpp"
 #include "pipeline/config/ladder.hpp"
+#include "pipeline/config/messages.hpp"
 #include "pipeline/config/opening_hours.hpp"
 #include "pipeline/config/time_trust.hpp"
-#include "pipeline/config/words.hpp"
 
 namespace kasumi {
 
 struct ReplayCamera {
-  std::filesystem::path fixture;  // played over and over
+  std::filesystem::path fixture;  // played in a loop
   friend bool operator==(const ReplayCamera&, const ReplayCamera&) = default;
 };
-using CameraChoice = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
-using DisplayChoice = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
+using CameraOptions = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
+using DisplayOptions = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
 
-struct StillChoice {
-  std::optional<std::filesystem::path> picture;  // empty: a plain ground
+struct StillOptions {
+  std::optional<std::filesystem::path> picture;  // empty: a plain background
   std::string caption;
 };
-struct WordsChoice {
+struct MessageOptions {
   Language language = Language::english;
   std::optional<std::filesystem::path> font_file;
-  bool show_faults = true;  // false: the visitor reads the curated caption alone
+  bool show_faults = true;  // false: visitors see only the caption of the still picture
 };
 
-// When the cameras are held against their calibration, once a day.
-struct CheckChoice {
-  std::optional<OpeningHours> hours;  // from when to when pictures are gathered for it; empty: never
+// The daily check of the cameras against their calibration.
+struct CheckOptions {
+  std::optional<OpeningHours> hours;  // when pictures are gathered for it; empty: never
   Duration length{};                  // of that time
 };
 
 struct RunConfig {
   Installation installation;
-  CameraChoice sky_camera;
-  CameraChoice scene_camera;
-  DisplayChoice display;
+  CameraOptions sky_camera;
+  CameraOptions scene_camera;
+  DisplayOptions display;
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
-  StillChoice still;
-  WordsChoice words;
-  ClockChoice clock;
+  StillOptions still;
+  MessageOptions messages;
+  ClockOptions clock;
   OpeningHours opening;
-  CheckChoice check;
+  CheckOptions check;
   LadderOptions ladder;
   std::optional<std::filesystem::path> state_folder;
 };
 
-// Problems are left in the root's file.
+// Problems are collected in the root's file.
 RunConfig read_run_config(const ConfigTable& root);
 
 }  // namespace kasumi

@@ -27,7 +27,7 @@ std::array<glm::dvec3, 8> corners_of(const Installation& installation, const Mod
   return corners;
 }
 
-// Height above the sea that a place must reach to be seen over the sea's curve, metres.
+// Height above the sea below which the earth's curvature hides a place, metres.
 double hidden_by_the_sea_m(double altitude_m, double distance_m) {
   const double seen_radius = kEarthRadius_m / (1.0 - kUsualRefraction);
   const double to_horizon = std::sqrt(2.0 * seen_radius * std::max(altitude_m, 0.0));
@@ -35,12 +35,12 @@ double hidden_by_the_sea_m(double altitude_m, double distance_m) {
   return beyond * beyond / (2.0 * seen_radius);
 }
 
-// Pixels that the corners span.
+// Extent of the corners in pixels.
 struct Span {
   glm::dvec2 least{1e18}, greatest{-1e18};
 };
 
-std::string beside(const Camera& scene, const glm::dvec3& centre_m) {
+std::string offset_text(const Camera& scene, const glm::dvec3& centre_m) {
   const glm::dvec3 seen = glm::transpose(scene.to_world) * centre_m, middle{0, 0, 1};
   const double right_deg = to_degrees({std::atan2(seen.x, seen.z)});
   const double up_deg = to_degrees({std::atan2(-seen.y, std::hypot(seen.x, seen.z))});
@@ -48,7 +48,7 @@ std::string beside(const Camera& scene, const glm::dvec3& centre_m) {
                      right_deg < 0 ? "left" : "right", std::abs(up_deg), up_deg < 0 ? "below" : "above");
 }
 
-// By things in front of it: what the mask covers, and what stands nearer than its nearest corner.
+// Whether things in front hide it: masked pixels, or a depth nearer than its nearest corner.
 bool is_covered(const Installation& installation, const Span& span, double nearest_m) {
   const auto& mask = installation.scene.mask;
   const auto& distances_m = installation.scene_distances_m;
@@ -92,43 +92,43 @@ Sighting sight_object(const Installation& installation, const ModelBounds& bound
   const double distance = std::hypot(centre.x, centre.y);
   const auto place = fmt::format("{:.2f} km away at azimuth {:.1f} deg", sighting.distance_m / 1000.0,
                                  to_degrees(azimuth_angle(centre)));
-  const auto say = [&](Verdict verdict, std::string words) {
+  const auto result = [&](Verdict verdict, std::string message) {
     sighting.verdict = verdict;
-    sighting.words = std::move(words);
+    sighting.message = std::move(message);
     return sighting;
   };
   if (before == 0)
-    return say(Verdict::behind,
-               fmt::format("the building stands behind the scene camera: {}; the camera looks to {:.1f} "
-                           "deg (object's place, or scene.heading_deg)",
-                           place, to_degrees(azimuth_angle(scene.to_world[2]))));
+    return result(Verdict::behind,
+                  fmt::format("the building is behind the scene camera: {}; the camera looks to {:.1f} "
+                              "deg (object's place, or scene.heading_deg)",
+                              place, to_degrees(azimuth_angle(scene.to_world[2]))));
   const double right = scene.width - 0.5, bottom = scene.height - 0.5;
   const bool beside_picture = projected == 0 || span.greatest.x < -0.5 || span.greatest.y < -0.5 ||
                               span.least.x > right || span.least.y > bottom;
   if (beside_picture)
-    return say(Verdict::outside,
-               fmt::format("the building is outside the picture: {}, {}", place, beside(scene, centre)));
+    return result(Verdict::outside,
+                  fmt::format("the building is outside the picture: {}, {}", place, offset_text(scene, centre)));
 
-  // Straight up at the place, the tangent plane has left the earth by d^2 / 2R; the sea is as far below.
+  // At the place, the tangent plane lies d^2 / 2R above the earth, so the sea is that much farther below.
   const double above_sea_m = installation.site.altitude_m + highest_m + distance * distance / (2.0 * kEarthRadius_m);
   const double hidden_m = hidden_by_the_sea_m(installation.site.altitude_m, distance);
   if (above_sea_m < hidden_m)
-    return say(Verdict::below_horizon,
-               fmt::format("the building is below the horizon: {}, its top is {:.0f} m above the "
-                           "sea, and less than {:.0f} m is hidden there",
-                           place, above_sea_m, hidden_m));
+    return result(Verdict::below_horizon,
+                  fmt::format("the building is below the horizon: {}, its top is {:.0f} m above the "
+                              "sea, and everything below {:.0f} m is hidden there",
+                              place, above_sea_m, hidden_m));
   if (is_covered(installation, span, nearest_m))
-    return say(Verdict::behind_the_mask,
-               fmt::format("the building is hidden: {}, wholly behind what scene.mask{} covers", place,
-                           installation.scene_distances_m.empty() ? "" : " or scene.depth_map"));
+    return result(Verdict::behind_the_mask,
+                  fmt::format("the building is hidden: {}, completely behind what scene.mask{} covers", place,
+                              installation.scene_distances_m.empty() ? "" : " or scene.depth_map"));
 
   const glm::dvec2 size = span.greatest - span.least;
   const bool cut = projected < 8 || span.least.x < -0.5 || span.least.y < -0.5 || span.greatest.x > right ||
                    span.greatest.y > bottom;
-  return say(cut ? Verdict::cut_off : Verdict::visible,
-             fmt::format("the building is in the picture{}: {}, {:.0f} x {:.0f} pixels at ({:.0f}, {:.0f})",
-                         cut ? ", cut by its edge" : "", place, size.x, size.y, 0.5 * (span.least.x + span.greatest.x),
-                         0.5 * (span.least.y + span.greatest.y)));
+  return result(cut ? Verdict::cut_off : Verdict::visible,
+                fmt::format("the building is in the picture{}: {}, {:.0f} x {:.0f} pixels at ({:.0f}, {:.0f})",
+                            cut ? ", cut by its edge" : "", place, size.x, size.y,
+                            0.5 * (span.least.x + span.greatest.x), 0.5 * (span.least.y + span.greatest.y)));
 }
 
 }  // namespace kasumi

@@ -1,5 +1,5 @@
-// What the scene camera can see of the building's place: told when a kiosk starts, so that a slip of heading or place
-// is not looked for in the picture.
+// Whether the building lies in the scene camera's view: reported when a kiosk starts, so that a wrong heading or place
+// is noticed at once.
 #pragma once
 
 #include <string>
@@ -15,18 +15,18 @@ struct Sighting {
   enum class Verdict {
     visible,
     cut_off,         // the picture's edge cuts it
-    outside,         // beside, above or below the picture
+    outside,         // left, right, above or below the picture
     behind,          // behind the camera
-    below_horizon,   // the sea's curve hides it
-    behind_the_mask  // everything of it lies behind what the foreground mask covers or the depth map has nearer
+    below_horizon,   // hidden by the earth's curvature
+    behind_the_mask  // completely behind the foreground mask or nearer parts of the depth map
   };
   Verdict verdict = Verdict::visible;
   double distance_m = 0.0;
-  std::string words;  // "the building is in the picture: 3.50 km away at azimuth 5.0 deg, 61 x 38 pixels"
+  std::string message;  // "the building is in the picture: 3.50 km away at azimuth 5.0 deg, 61 x 38 pixels"
   bool in_picture() const { return verdict == Verdict::visible || verdict == Verdict::cut_off; }
 };
 
-// Of the model's box in its place.
+// For the model's bounding box at its place.
 Sighting sight_object(const Installation& installation, const ModelBounds& bounds);
 
 }  // namespace kasumi

@@ -18,15 +18,15 @@ class KernelTimeWatch final : public TimeWatch {
  public:
   KernelTimeWatch() : timer_(timerfd_create(CLOCK_REALTIME, TFD_NONBLOCK | TFD_CLOEXEC)) { arm(); }
 
-  TimeSigns look() override {
+  ClockState read() override {
     std::uint64_t expired = 0;
     if (timer_ && ::read(timer_.value(), &expired, sizeof expired) < 0 && errno == ECANCELED) {
-      ++signs_.jumps;
+      ++state_.jumps;
       arm();
     }
-    struct timex state {};
-    signs_.synchronized = ::adjtimex(&state) >= 0 && (state.status & STA_UNSYNC) == 0;
-    return signs_;
+    struct timex kernel {};
+    state_.synchronized = ::adjtimex(&kernel) >= 0 && (kernel.status & STA_UNSYNC) == 0;
+    return state_;
   }
 
  private:
@@ -37,7 +37,7 @@ class KernelTimeWatch final : public TimeWatch {
   }
 
   UniqueFd timer_;
-  TimeSigns signs_;
+  ClockState state_;
 };
 
 }  // namespace
@@ -46,13 +46,13 @@ std::unique_ptr<TimeWatch> watch_kernel_time() {
   return std::make_unique<KernelTimeWatch>();
 }
 
-SunSource TimeTrust::judge(const TimeSigns& signs, Utc now) {
-  if (signs.jumps != jumps_) gained_ = false;
-  jumps_ = signs.jumps;
-  gained_ = gained_ || signs.synchronized;
-  const bool believed = now >= choice_.earliest && (gained_ || choice_.policy == ClockPolicy::trusted);
-  if (believed) return SunSource::ephemeris;
-  return choice_.policy == ClockPolicy::from_sky ? SunSource::image : SunSource::none;
+SunSource TimeTrust::judge(const ClockState& state, Utc now) {
+  if (state.jumps != jumps_) gained_ = false;
+  jumps_ = state.jumps;
+  gained_ = gained_ || state.synchronized;
+  const bool trusted = now >= options_.earliest && (gained_ || options_.policy == ClockPolicy::trusted);
+  if (trusted) return SunSource::ephemeris;
+  return options_.policy == ClockPolicy::from_sky ? SunSource::image : SunSource::none;
 }
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// Whether the machine's time is to be believed. At boot it may be years wrong, and the sun with it.
+// Whether the machine's time can be trusted. At boot it may be wrong by years, and so would be the sun's position.
 #pragma once
 
 #include <cstdint>
@@ -10,37 +10,37 @@
 namespace kasumi {
 
 enum class ClockPolicy {
-  synchronized,  // believed once the kernel says that something keeps it in step
-  trusted,       // always believed: somebody else looks after it, or the cameras play a recording
-  from_sky,      // as `synchronized`, and until then the sun is where the sky camera sees it
+  synchronized,  // trusted once the kernel reports it as synchronized
+  trusted,       // always trusted: set by other means, or the cameras play a recording
+  from_sky,      // as `synchronized`; until then the sky camera locates the sun
 };
-struct ClockChoice {
+struct ClockOptions {
   ClockPolicy policy = ClockPolicy::synchronized;
-  Utc earliest{};  // a time before that is never believed
+  Utc earliest{};  // an earlier time is never trusted
 };
 
-// What the kernel knows of its clock.
-struct TimeSigns {
+// The kernel's state of its clock.
+struct ClockState {
   bool synchronized = false;  // adjtimex without STA_UNSYNC
-  std::uint64_t jumps = 0;    // how often it was set since the watch began
+  std::uint64_t jumps = 0;    // how often it was set since watching began
 };
 class TimeWatch {
  public:
   virtual ~TimeWatch() = default;
-  virtual TimeSigns look() = 0;  // does not block; for one thread
+  virtual ClockState read() = 0;  // does not block; one thread only
 };
-// By adjtimex and a timer that the kernel cancels when the clock is set.
+// Uses adjtimex and a timer that the kernel cancels when the clock is set.
 std::unique_ptr<TimeWatch> watch_kernel_time();
 
 class TimeTrust {
  public:
-  explicit TimeTrust(ClockChoice choice = {}) : choice_(choice) {}
-  // Where the sun's place may be taken from now. Trust once gained stays while the clock runs on undisturbed (a machine
-  // cut off from its time server drifts by seconds a day), and is to be gained anew when somebody sets the clock.
-  SunSource judge(const TimeSigns& signs, Utc now);
+  explicit TimeTrust(ClockOptions options = {}) : options_(options) {}
+  // Where to take the sun's position from now. Trust, once gained, lasts until somebody sets the clock: a machine cut
+  // off from its time server drifts only by seconds a day.
+  SunSource judge(const ClockState& state, Utc now);
 
  private:
-  ClockChoice choice_;
+  ClockOptions options_;
   bool gained_ = false;
   std::uint64_t jumps_ = 0;
 };

@@ -9,9 +9,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kStale_s = 5.0;  // it writes once a second
+constexpr double kStale_s = 5.0;  // it is written once a second
 
-// What may be missing is missing: another version wrote it.
+// Another version may have written the file, so any key may be missing.
 double number(const Json& json, const char* key) {
   return json.is_object() && json.contains(key) && json[key].is_number() ? json[key].get<double>() : 0.0;
 }
@@ -31,24 +31,24 @@ double sum(const Json& counts) {
   return total;
 }
 std::string list_of(const Json& counts) {
-  std::string words;
+  std::string text_list;
   for (const auto& [reason, count] : counts.items())
-    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count.dump(), reason);
-  return words;
+    text_list += fmt::format("{}{} {}", text_list.empty() ? "" : ", ", count.dump(), reason);
+  return text_list;
 }
 
-// Counts belong to the moments at which they were written, not to those at which they were read.
+// Counts belong to the time of writing, not of reading.
 std::optional<double> between(const Json& before, const Json& later) {
   const auto from = parse_utc(text(before, "utc")), to = parse_utc(text(later, "utc"));
   if (!from || !to || *to <= *from) return std::nullopt;
   return to_seconds(*to - *from);
 }
 
-void check_live_camera(const std::string& name, const CameraChoice& choice, const Json& before, const Json& later,
+void check_live_camera(const std::string& name, const CameraOptions& options, const Json& before, const Json& later,
                        double seconds, Findings& findings) {
   if (!flag(later, "up")) {
-    findings.fail(name + ".open", "gone: " + text(later, "cause"),
-                  "cable, power, hub; the appliance takes it back by itself");
+    findings.fail(name + ".open", "not available: " + text(later, "cause"),
+                  "check cable, power, hub; the appliance reconnects by itself");
     return;
   }
   const auto mode = part(later, "mode");
@@ -58,17 +58,17 @@ void check_live_camera(const std::string& name, const CameraChoice& choice, cons
   const auto found =
       fmt::format("{}{} {:.0f}x{:.0f}", who, text(later, "format"), number(later, "width"), number(later, "height"));
   std::string notes;
-  if (const auto said = part(mode, "notes"); said.is_array())
-    for (const auto& note : said)
+  if (const auto driver_notes = part(mode, "notes"); driver_notes.is_array())
+    for (const auto& note : driver_notes)
       if (note.is_string()) notes += (notes.empty() ? "" : "; ") + note.get<std::string>();
   if (notes.empty())
     findings.good(name + ".mode", found);
   else
-    findings.warn(name + ".mode", found + "; not as asked: " + notes,
-                  "v4l2-ctl -d DEVICE --list-formats-ext and --list-ctrls show what it can; ask for that");
+    findings.warn(name + ".mode", found + "; differs from the request: " + notes,
+                  "v4l2-ctl -d DEVICE --list-formats-ext and --list-ctrls list what it supports; configure that");
 
   const double rate = (number(later, "good_frames") - number(before, "good_frames")) / seconds;
-  const auto* request = request_of(choice);
+  const auto* request = request_of(options);
   double asked = request ? request->frames_per_second : 0.0;
   if (asked == 0.0) asked = number(mode, "frames_per_second");
   const auto rates = asked > 0.0 ? fmt::format("{:.1f} frames a second of {:.4g}", rate, asked)
@@ -82,34 +82,34 @@ void check_live_camera(const std::string& name, const CameraChoice& choice, cons
 
   const auto bad = part(later, "bad_frames");
   const double bad_now = sum(bad) - sum(part(before, "bad_frames"));
-  auto& frames = bad_now > 0
-                     ? findings.warn(name + ".frames", list_of(bad) + " since the start, and there are more",
-                                     "cable, hub, interference; dmesg | tail")
-                     : findings.good(name + ".frames",
-                                     sum(bad) > 0 ? list_of(bad) + " since the start, none now" : "all of them whole");
+  auto& frames = bad_now > 0 ? findings.warn(name + ".frames", list_of(bad) + " since the start, and still increasing",
+                                             "cable, hub, interference; dmesg | tail")
+                             : findings.good(name + ".frames",
+                                             sum(bad) > 0 ? list_of(bad) + " since the start, none now" : "all intact");
   frames.values = {{"bad", sum(bad)}, {"bad_now", bad_now}};
 
   const auto reopened = part(later, "reopened");
   auto& outages = sum(reopened) > 0
                       ? findings.warn(name + ".outages", "since the start: " + list_of(reopened),
-                                      "journalctl -u kasumi -p warning tells when; look for a loose cable")
+                                      "journalctl -u kasumi -p warning shows when; look for a loose cable")
                       : findings.good(name + ".outages", "none since the start");
   outages.values["reopened"] = sum(reopened);
   if (const auto condition = text(later, "condition"); !condition.empty() && condition != "normal")
-    findings.fail(name + ".picture", condition, "look at the lens: covered, blinded, or a camera that repeats itself");
+    findings.fail(name + ".picture", condition,
+                  "check the lens: covered, blinded, or a camera that repeats one picture");
 }
 
 void check_live_display(const Json& before, const Json& later, double seconds, Findings& findings) {
   if (!flag(later, "up")) {
-    findings.fail("display.open", "none: " + text(later, "cause"),
-                  "screen on? cable? another program on the screen? the appliance takes it back by itself");
+    findings.fail("display.open", "no display: " + text(later, "cause"),
+                  "is the screen on? cable? another program using it? the appliance reopens it by itself");
     return;
   }
   findings.good("display.open", text(later, "description"));
   const double flips = (number(later, "flips") - number(before, "flips")) / seconds;
   const double timeouts = number(later, "flip_timeouts"), resets = number(later, "resets");
-  const auto found = fmt::format(
-      "{:.1f} pictures a second; {:.0f} flips late, opened anew {:.0f} times since the start", flips, timeouts, resets);
+  const auto found = fmt::format("{:.1f} pictures a second; {:.0f} late flips, reopened {:.0f} times since the start",
+                                 flips, timeouts, resets);
   auto& finding = flips <= 0.0   ? findings.fail("display.flips", found,
                                                  "journalctl -u kasumi -p warning; sudo systemctl restart kasumi")
                   : timeouts > 0 ? findings.warn("display.flips", found, "cable and converter; dmesg | grep drm")
@@ -124,7 +124,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
   const auto was = Json::parse(before.status, nullptr, false), is = Json::parse(later.status, nullptr, false);
   seconds = between(was, is).value_or(seconds);
   if (later.age_s > kStale_s) {
-    findings.fail("service", fmt::format("pid {} has not told of itself for {:.0f} s", later.pid, later.age_s),
+    findings.fail("service", fmt::format("pid {} has not written its status for {:.0f} s", later.pid, later.age_s),
                   "the watchdog restarts it if it hangs; else: disk full? journalctl -u kasumi");
   } else {
     const auto shown = text(is, "shown"), reason = text(is, "reason");
@@ -132,7 +132,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
     if (shown == "live" || shown == "dark")
       findings.good("service", found);
     else
-      findings.warn("service", found, "the checks below tell why");
+      findings.warn("service", found, "the checks below show why");
   }
   check_live_camera("scene_camera", config.scene_camera, part(was, "scene_camera"), part(is, "scene_camera"), seconds,
                     findings);
@@ -146,7 +146,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
     finding.values = {{"median_ms", number(latency, "median")}, {"p95_ms", number(latency, "p95")}};
   }
   if (!is.is_object() || !is.contains("turbidity") || !is["turbidity"].is_number())
-    findings.warn("air", "not known yet: " + text(is, "sky_reason"),
+    findings.warn("air", "unknown yet: " + text(is, "sky_reason"),
                   "the sky must be clear enough for a while; kasumi estimate");
   else
     findings
@@ -158,13 +158,14 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
     const auto well = part(check, "well");
     if (well.is_boolean() && !well.get<bool>())
       findings.warn("calibration.drift", found,
-                    "docs/calibration.md, \"What has changed since\": set the camera right, or calibrate it anew");
+                    "docs/calibration.md, \"What has changed since\": realign the camera or calibrate it again");
     else
       findings.good("calibration.drift", found);
   }
   const auto content = part(is, "content");
   if (const auto problems = part(content, "problems"); problems.is_array() && !problems.empty())
-    findings.warn("content.reload", "the last change was refused, the old content is shown: " + problems.front().dump(),
+    findings.warn("content.reload",
+                  "the last reload was rejected, the old content is still in use: " + problems.front().dump(),
                   "kasumi run --config FILE --check; then sudo systemctl reload kasumi");
 }
 

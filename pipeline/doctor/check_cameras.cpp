@@ -8,9 +8,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kFirstFrame = 4s;  // the appliance gives up then
+constexpr Duration kFirstFrame = 4s;  // the appliance gives up after that
 constexpr double kSlowFirstFrame_s = 2.0;
-constexpr double kUsb2Bytes = 24e6;  // a second: what USB 2.0 carries of video, of its 480 Mbit/s
+constexpr double kUsb2Bytes = 24e6;  // per second: video that fits into USB 2.0's 480 Mbit/s
 constexpr double kUsb2_mbit = 480.0;
 
 bool is_number_name(const std::filesystem::path& device) {
@@ -19,8 +19,8 @@ bool is_number_name(const std::filesystem::path& device) {
 }
 
 std::string offers(const std::vector<V4l2Listing>& cameras) {
-  if (cameras.empty()) return "no camera is there";
-  std::string text = "there are:";
+  if (cameras.empty()) return "no camera is connected";
+  std::string text = "connected:";
   for (const auto& camera : cameras)
     text += fmt::format(" {} ({})",
                         camera.stable_paths.empty() ? camera.node.string() : camera.stable_paths.front().string(),
@@ -28,7 +28,7 @@ std::string offers(const std::vector<V4l2Listing>& cameras) {
   return text;
 }
 
-// "/dev/v4l/..." below the places' /dev.
+// Maps "/dev/v4l/..." into places.dev.
 std::filesystem::path placed(const MachinePlaces& places, const std::filesystem::path& device) {
   const auto text = device.string();
   return text.starts_with("/dev/") ? places.dev / text.substr(5) : device;
@@ -50,14 +50,14 @@ std::string list_of(const std::map<std::string, std::uint64_t>& counts) {
 
 }  // namespace
 
-const CameraRequest* request_of(const CameraChoice& choice) {
-  if (const auto* v4l2 = std::get_if<V4l2Options>(&choice)) return &v4l2->request;
-  if (const auto* libcamera = std::get_if<LibcameraOptions>(&choice)) return &libcamera->request;
+const CameraRequest* request_of(const CameraOptions& options) {
+  if (const auto* v4l2 = std::get_if<V4l2Options>(&options)) return &v4l2->request;
+  if (const auto* libcamera = std::get_if<LibcameraOptions>(&options)) return &libcamera->request;
   return nullptr;
 }
 
-WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration length) {
-  WatchedCamera seen;
+CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Duration length) {
+  CameraMeasurement seen;
   auto source = opener.open();
   if (!source) {
     seen.problem = source.error().message;
@@ -90,22 +90,22 @@ WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration le
   }
   if (first) seen.lasted_s = to_seconds(clock.now() - *first);
   if (!first && seen.problem.empty())
-    seen.problem = fmt::format("no good frame came in {:.0f} s", to_seconds(kFirstFrame));
+    seen.problem = fmt::format("no good frame arrived within {:.0f} s", to_seconds(kFirstFrame));
   if (const auto* camera = dynamic_cast<const CameraSource*>(source->get())) seen.mode = camera->mode();
   return seen;
 }
 
-void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                        Findings& findings) {
   const auto check = name + ".path";
-  if (const auto* replay = std::get_if<ReplayCamera>(&choice)) {
+  if (const auto* replay = std::get_if<ReplayCamera>(&options)) {
     findings.good(check, "a recording: " + replay->fixture.string());
     return;
   }
-  if (const auto* libcamera = std::get_if<LibcameraOptions>(&choice)) {
+  if (const auto* libcamera = std::get_if<LibcameraOptions>(&options)) {
     const auto cameras = list_libcamera_cameras();
     if (!cameras) {
-      findings.fail(check, cameras.error().message, "install a build with libcamera, or take source = \"v4l2\"");
+      findings.fail(check, cameras.error().message, "install a build with libcamera, or use source = \"v4l2\"");
       return;
     }
     std::string ids;
@@ -116,17 +116,18 @@ void check_camera_path(const MachinePlaces& places, const std::string& name, con
       }
       ids += fmt::format("{}{} ({})", ids.empty() ? "" : ", ", camera.id, camera.model);
     }
-    findings.fail(check, fmt::format("{} is not there", libcamera->camera),
-                  ids.empty() ? "cables and power; libcamera sees no camera (cam -l)" : "libcamera sees: " + ids);
+    findings.fail(
+        check, fmt::format("{} is not connected", libcamera->camera),
+        ids.empty() ? "check cables and power; libcamera finds no camera (cam -l)" : "libcamera finds: " + ids);
     return;
   }
-  const auto& device = std::get<V4l2Options>(choice).device;
+  const auto& device = std::get<V4l2Options>(options).device;
   const auto here = placed(places, device);
   std::error_code error;
   const auto node = std::filesystem::canonical(here, error);
   if (error) {
-    findings.fail(check, device.string() + " is not there",
-                  "cable, hub, power (dmesg | tail); " + offers(list_v4l2_cameras(places.dev)));
+    findings.fail(check, device.string() + " does not exist",
+                  "check cable, hub, power (dmesg | tail); " + offers(list_v4l2_cameras(places.dev)));
     return;
   }
   if (is_number_name(device)) {
@@ -140,13 +141,13 @@ void check_camera_path(const MachinePlaces& places, const std::string& name, con
   findings.good(check, fmt::format("{} is {}", device.string(), node.filename().string()));
 }
 
-void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                       Findings& findings) {
-  const auto* v4l2 = std::get_if<V4l2Options>(&choice);
+  const auto* v4l2 = std::get_if<V4l2Options>(&options);
   if (!v4l2) return;
   std::error_code error;
   const auto node = std::filesystem::canonical(placed(places, v4l2->device), error);
-  if (error) return;  // said by its path
+  if (error) return;  // check_camera_path() reports it
   auto folder = std::filesystem::canonical(places.sys / "class/video4linux" / node.filename() / "device", error);
   if (error) return;
   std::optional<double> speed;
@@ -160,24 +161,24 @@ void check_camera_usb(const MachinePlaces& places, const std::string& name, cons
   const auto found = fmt::format("{:.0f} Mbit/s", *speed);
   auto& finding =
       *speed < kUsb2_mbit ? findings.fail(name + ".usb", found + ": too slow for video",
-                                          "another port or hub; a worn cable falls back to this")
+                                          "use another port or hub; a worn cable also causes this")
       : *speed <= kUsb2_mbit && need > kUsb2Bytes
           ? findings.warn(name + ".usb",
-                          fmt::format("{}, and {} at this size and rate takes {:.0f} MB/s of the {:.0f} it carries",
+                          fmt::format("{}, and {} at this size and rate takes {:.0f} MB/s of the available {:.0f}",
                                       found, request.format->text(), need / 1e6, kUsb2Bytes / 1e6),
                           "format = \"MJPG\", fewer frames_per_second, or a USB 3 port with a USB 3 cable")
           : findings.good(name + ".usb", found);
   finding.values["mbit_per_s"] = *speed;
 }
 
-void check_camera(const std::string& name, const CameraChoice& choice, const WatchedCamera& camera,
+void check_camera(const std::string& name, const CameraOptions& options, const CameraMeasurement& camera,
                   Findings& findings) {
   if (!camera.opened) {
     findings.fail(name + ".open", camera.problem,
-                  "who has it: sudo fuser -v /dev/video*; may this user: id must show the group video");
+                  "in use? sudo fuser -v /dev/video*; permission? id must show the group video");
     return;
   }
-  const auto* request = request_of(choice);
+  const auto* request = request_of(options);
   if (camera.mode) {
     const auto& mode = *camera.mode;
     std::string notes;
@@ -187,18 +188,17 @@ void check_camera(const std::string& name, const CameraChoice& choice, const Wat
     if (notes.empty())
       findings.good(name + ".mode", found);
     else
-      findings.warn(name + ".mode", found + "; not as asked: " + notes,
-                    "v4l2-ctl -d DEVICE --list-formats-ext and --list-ctrls show what it can; ask for that");
+      findings.warn(name + ".mode", found + "; differs from the request: " + notes,
+                    "v4l2-ctl -d DEVICE --list-formats-ext and --list-ctrls list what it supports; configure that");
   }
   if (!camera.first_frame_s) {
-    findings.fail(
-        name + ".first_frame", camera.problem,
-        "unplug it and plug it in again; another port; dmesg | tail; too little bandwidth for two cameras on one hub");
+    findings.fail(name + ".first_frame", camera.problem,
+                  "replug it; try another port; dmesg | tail; too little bandwidth for two cameras on one hub?");
     return;
   }
   const auto first = fmt::format("after {:.2f} s", *camera.first_frame_s);
   auto& finding = *camera.first_frame_s > kSlowFirstFrame_s
-                      ? findings.warn(name + ".first_frame", first, "every reconnection takes as long")
+                      ? findings.warn(name + ".first_frame", first, "every reconnection takes this long")
                       : findings.good(name + ".first_frame", first);
   finding.values["seconds"] = *camera.first_frame_s;
 
@@ -221,7 +221,7 @@ void check_camera(const std::string& name, const CameraChoice& choice, const Wat
                  : bad > 0              ? findings.warn(name + ".frames", list_of(camera.bad), cable)
                  : camera.gaps > 0
                      ? findings.warn(name + ".frames", fmt::format("{} dropped by the driver", camera.gaps), cable)
-                     : findings.good(name + ".frames", "all of them whole");
+                     : findings.good(name + ".frames", "all intact");
   frames.values = {{"bad", static_cast<double>(bad)}, {"dropped", static_cast<double>(camera.gaps)}};
 }
 

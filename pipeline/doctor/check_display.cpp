@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 constexpr int kPictures = 60;
 constexpr Duration kLongFlip = 500ms;
 
-std::string in_words(const ListedConnector& connector) {
+std::string text_of(const ListedConnector& connector) {
   return fmt::format("{} ({}{}{})", connector.name, connector.connection, connector.display.empty() ? "" : ", ",
                      connector.display);
 }
@@ -23,18 +23,18 @@ bool offers(const ListedConnector& connector, const KmsDisplayOptions& options) 
   });
 }
 
-std::string list_of(const std::vector<std::string>& words) {
+std::string list_of(const std::vector<std::string>& modes) {
   std::string text;
-  for (std::size_t i = 0; i < words.size() && i < 12; ++i) text += (i ? ", " : "") + words[i];
-  return text + (words.size() > 12 ? ", ..." : "");
+  for (std::size_t i = 0; i < modes.size() && i < 12; ++i) text += (i ? ", " : "") + modes[i];
+  return text + (modes.size() > 12 ? ", ..." : "");
 }
 
 }  // namespace
 
 void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOptions& options, Findings& findings) {
   if (cards.empty()) {
-    findings.fail("display.card", "this machine has no graphics card for screens",
-                  "its driver is missing: dmesg | grep drm; ls /dev/dri; a firmware package?");
+    findings.fail("display.card", "this machine has no graphics card with display outputs",
+                  "missing driver? dmesg | grep drm; ls /dev/dri; missing firmware package?");
     return;
   }
   std::string there;
@@ -43,16 +43,16 @@ void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOpti
     const auto name = card.by_path.empty() ? card.path : card.by_path;
     if (!card.problem.empty())
       findings.warn("display.card", fmt::format("{}: {}", card.path, card.problem),
-                    "may this user: id must show the group video");
+                    "permission? id must show the group video");
     else
       findings.good("display.card",
                     fmt::format("{}: {}{}", name, card.driver, card.atomic ? ", atomic" : ", legacy calls"));
     if (card.users.empty())
-      findings.good("display.master", fmt::format("{}: nobody else has it, as far as this user may know", card.path));
+      findings.good("display.master", fmt::format("{}: no other user visible to this account", card.path));
     else
       findings.good("display.master", fmt::format("{}: {}", card.path, card.users));
     for (const auto& connector : card.connectors) {
-      there += (there.empty() ? "" : ", ") + in_words(connector);
+      there += (there.empty() ? "" : ", ") + text_of(connector);
       const bool asked =
           options.connector.empty() ? connector.connection == "connected" : connector.name == options.connector;
       const bool on_card = options.device.empty() || options.device == card.path || options.device == card.by_path;
@@ -63,18 +63,19 @@ void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOpti
     findings.fail("display.connector",
                   options.connector.empty() ? "no screen is connected"
                                             : fmt::format("there is no connector {}", options.connector),
-                  there.empty() ? "cable; is the screen on?" : "cable; is the screen on? there are: " + there);
+                  there.empty() ? "check the cable; is the screen on?"
+                                : "check the cable; is the screen on? connectors: " + there);
     return;
   }
   if (chosen->connection == "disconnected") {
-    findings.fail("display.connector", in_words(*chosen), "cable; is the screen on? there are: " + there);
+    findings.fail("display.connector", text_of(*chosen), "check the cable; is the screen on? connectors: " + there);
     return;
   }
   findings.good("display.connector",
-                fmt::format("{}{}{}", in_words(*chosen), chosen->mode_now.empty() ? "" : ", now ", chosen->mode_now));
+                fmt::format("{}{}{}", text_of(*chosen), chosen->mode_now.empty() ? "" : ", now ", chosen->mode_now));
   if (chosen->modes.empty())
-    findings.fail("display.modes", "the screen lists none",
-                  "another cable (its data lines); the screen's input; dmesg | grep -i edid");
+    findings.fail("display.modes", "the screen lists no modes",
+                  "try another cable (broken data lines) or input of the screen; dmesg | grep -i edid");
   else if (options.width > 0 && !offers(*chosen, options))
     findings.fail("display.modes", fmt::format("no {}x{}", options.width, options.height),
                   "it offers " + list_of(chosen->modes));
@@ -93,7 +94,7 @@ void check_flips(Display& display, Clock& clock, Findings& findings) {
                                  ms(timing->median_interval), ms(timing->longest_interval), ms(timing->median_latency));
   auto& finding =
       timing->longest_interval > kLongFlip
-          ? findings.warn("display.flips", found, "a busy machine (top), or a driver that stumbles: dmesg | grep drm")
+          ? findings.warn("display.flips", found, "a busy machine (top), or driver problems: dmesg | grep drm")
           : findings.good("display.flips", found);
   finding.values = {{"interval_ms", ms(timing->median_interval)},
                     {"longest_ms", ms(timing->longest_interval)},
@@ -104,16 +105,16 @@ void check_gl(const GlInfo& info, Findings& findings) {
   const auto found = fmt::format("{}, {}", info.renderer, info.version);
   if (info.software)
     findings.warn(
-        "gl.renderer", found + ": every pixel is drawn by the processor",
+        "gl.renderer", found + ": software rendering on the CPU",
         "no GPU or no driver for it: sudo apt install libgl1-mesa-dri; ls -l /dev/dri; id must show the group render; "
-        "plan for a few pictures a second");
+        "expect only a few pictures a second");
   else
     findings.good("gl.renderer", found);
   const bool imports = info.has("GL_OES_EGL_image");
   const bool robust = info.has("GL_EXT_robustness") || info.has("GL_KHR_robustness");
   auto& finding = findings.good(
       "gl.extensions", fmt::format("camera buffers {}; a lost context {}", imports ? "can be imported" : "are copied",
-                                   robust ? "is noticed at once" : "is noticed by its errors"));
+                                   robust ? "is detected at once" : "is detected by GL errors"));
   finding.values = {{"egl_image", imports}, {"robustness", robust}, {"max_texture_size", info.max_texture_size}};
 }
 

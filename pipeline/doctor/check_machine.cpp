@@ -14,19 +14,19 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kWarm = 75.0, kHot = 85.0;           // degrees Celsius, where a zone states no limits of its own
-constexpr double kLittleSpace = 1e9, kNoSpace = 2e8;  // bytes
+constexpr double kWarm_C = 75.0, kHot_C = 85.0;                 // where a zone states no limits of its own
+constexpr double kLowSpace_bytes = 1e9, kFullDisk_bytes = 2e8;  // bytes
 constexpr double kSlowWrite_s = 1.0;
 constexpr std::size_t kProbeBytes = 65536;
 
 struct Zone {
   std::string name;
   double celsius = 0.0;
-  double warm = kWarm;
-  double hot = kHot;
+  double warm = kWarm_C;
+  double hot = kHot_C;
 };
 
-// "critical" is where the kernel switches the machine off; 10 degrees before that it is too hot.
+// At "critical" the kernel switches the machine off; 10 degrees below that counts as too hot.
 Zone read_zone(const std::filesystem::path& folder, double millidegrees) {
   Zone zone{line_of(folder / "type"), millidegrees / 1000.0};
   for (const auto& entry : entries_of(folder, "trip_point_")) {
@@ -53,10 +53,10 @@ std::map<std::string, std::string> properties_of(const std::string& text) {
 
 void check_unit(const MachinePlaces& places, Findings& findings) {
   const auto text =
-      places.unit_properties ? places.unit_properties() : fail(Fault{FaultKind::unsupported, "nobody to ask"});
+      places.unit_properties ? places.unit_properties() : fail(Fault{FaultKind::unsupported, "not available here"});
   if (!text) {
-    findings.warn("service.unit", "systemd cannot be asked: " + text.error().message,
-                  "nothing restarts the program here when it ends or hangs");
+    findings.warn("service.unit", "systemd does not answer: " + text.error().message,
+                  "without systemd nothing restarts the program when it ends or hangs");
     return;
   }
   auto properties = properties_of(*text);
@@ -69,7 +69,7 @@ void check_unit(const MachinePlaces& places, Findings& findings) {
     findings.fail(
         "service.unit", "kasumi.service has failed: " + properties["Result"],
         properties["ExecMainStatus"] == "78"
-            ? "its configuration is refused: kasumi run --config FILE --check; then sudo systemctl restart kasumi"
+            ? "its configuration is invalid: kasumi run --config FILE --check; then sudo systemctl restart kasumi"
             : "journalctl -u kasumi -b; then sudo systemctl restart kasumi");
   else if (properties["UnitFileState"] != "enabled")
     findings.warn("service.unit", "kasumi.service does not start at boot (" + properties["UnitFileState"] + ")",
@@ -81,34 +81,34 @@ void check_unit(const MachinePlaces& places, Findings& findings) {
   auto& restarted = restarts == 0
                         ? findings.good("service.restarts", "none since it was started")
                         : findings.warn("service.restarts", fmt::format("restarted {} times by itself", restarts),
-                                        "journalctl -u kasumi -b -p warning tells why");
+                                        "journalctl -u kasumi -b -p warning shows why");
   restarted.values["restarts"] = restarts;
 
   const auto& watchdog = properties["WatchdogUSec"];
   if (watchdog.empty() || watchdog == "0" || watchdog == "infinity")
     findings.warn("watchdog.service", "systemd does not watch the render loop",
-                  "WatchdogSec=20 is missing: systemctl cat kasumi shows who changed it");
+                  "WatchdogSec=20 is missing: systemctl cat kasumi shows where it was changed");
   else
-    findings.good("watchdog.service", "a render loop that hangs is restarted after " + watchdog);
+    findings.good("watchdog.service", "a hanging render loop is restarted after " + watchdog);
 }
 
 }  // namespace
 
-void check_clock(const ClockChoice& choice, const TimeSigns& signs, Utc now, Findings& findings) {
+void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings) {
   const auto shown = utc_text(std::chrono::floor<std::chrono::seconds>(now));
-  if (now < choice.earliest)
-    findings.fail("clock", fmt::format("it is {} here, which cannot be", shown),
-                  "sudo timedatectl set-time ..., or give it a time server: systemctl status systemd-timesyncd");
-  else if (signs.synchronized)
-    findings.good("clock", fmt::format("{}, kept in step", shown));
-  else if (choice.policy == ClockPolicy::trusted)
-    findings.good("clock", fmt::format("{}, not kept in step, trusted by [clock] policy", shown));
+  if (now < options.earliest)
+    findings.fail("clock", fmt::format("the clock shows {}, which is impossible", shown),
+                  "sudo timedatectl set-time ..., or set up a time server: systemctl status systemd-timesyncd");
+  else if (state.synchronized)
+    findings.good("clock", fmt::format("{}, synchronized", shown));
+  else if (options.policy == ClockPolicy::trusted)
+    findings.good("clock", fmt::format("{}, not synchronized, but trusted by [clock] policy", shown));
   else
     findings.warn(
         "clock",
-        fmt::format("{}, and nothing keeps it in step: {}", shown,
-                    choice.policy == ClockPolicy::from_sky ? "the sun is taken from the sky's picture"
-                                                           : "no building is drawn until it is"),
+        fmt::format("{}, not synchronized: {}", shown,
+                    options.policy == ClockPolicy::from_sky ? "the sky camera locates the sun"
+                                                            : "no building is drawn until it is synchronized"),
         "timedatectl timesync-status; sudo apt install systemd-timesyncd; without a network: a clock chip or GPS, "
         "or [clock] policy = \"from_sky\"");
 }
@@ -122,11 +122,11 @@ void check_temperature(const MachinePlaces& places, Findings& findings) {
     if (!closest || zone.hot - zone.celsius < closest->hot - closest->celsius) closest = zone;
   }
   if (!closest) {
-    findings.good("temperature", "this machine has no sensor for it");
+    findings.good("temperature", "this machine has no temperature sensor");
     return;
   }
   const auto found = fmt::format("{}: {:.0f} degrees", closest->name, closest->celsius);
-  const char* advice = "fan, dust, sun on the case; the machine slows down and then switches itself off";
+  const char* advice = "check fan, dust, sun on the case; the machine throttles and then switches itself off";
   auto& finding = closest->celsius >= closest->hot    ? findings.fail("temperature", found, advice)
                   : closest->celsius >= closest->warm ? findings.warn("temperature", found, advice)
                                                       : findings.good("temperature", found);
@@ -134,11 +134,11 @@ void check_temperature(const MachinePlaces& places, Findings& findings) {
 }
 
 void check_throttling(const MachinePlaces& places, Findings& findings) {
-  // Raspberry Pi's firmware: bits of now, and 16 higher of since boot.
+  // Raspberry Pi's firmware: low bits for now, the same bits 16 higher for since boot.
   if (auto text = line_of(places.sys / "devices/platform/soc/soc:firmware/get_throttled"); !text.empty()) {
     const auto bits = std::strtoul(text.c_str(), nullptr, 16);
-    constexpr std::array kMeanings{"the supply's voltage is too low", "the clock is capped", "throttled",
-                                   "near the temperature's limit"};
+    constexpr std::array kMeanings{"the supply's voltage is too low", "the CPU frequency is capped", "throttled",
+                                   "near the temperature limit"};
     std::string now, past;
     for (std::size_t bit = 0; bit < kMeanings.size(); ++bit) {
       const auto add = [&](std::string& to) { to += (to.empty() ? "" : ", ") + std::string(kMeanings[bit]); };
@@ -148,7 +148,7 @@ void check_throttling(const MachinePlaces& places, Findings& findings) {
         add(past);
     }
     const bool voltage = (bits & 0x10001) != 0;
-    const char* advice = voltage ? "a stronger supply and a shorter cable: low voltage also corrupts cards"
+    const char* advice = voltage ? "use a stronger supply and a shorter cable: low voltage also corrupts memory cards"
                                  : "fan, dust, sun on the case";
     if (!now.empty())
       findings.fail("throttling", "now: " + now, advice).values["bits"] = static_cast<double>(bits);
@@ -159,14 +159,14 @@ void check_throttling(const MachinePlaces& places, Findings& findings) {
     return;
   }
   double count = 0.0;
-  bool told = false;
+  bool reported = false;
   for (const auto& cpu : entries_of(places.sys / "devices/system/cpu", "cpu"))
     if (const auto times = number_of(cpu / "thermal_throttle/package_throttle_count")) {
       count = std::max(count, *times);
-      told = true;
+      reported = true;
     }
-  if (!told)
-    findings.good("throttling", "this machine does not tell of it");
+  if (!reported)
+    findings.good("throttling", "this machine does not report it");
   else if (count > 0.0)
     findings
         .warn("throttling", fmt::format("slowed down by heat {:.0f} times since boot", count),
@@ -181,15 +181,15 @@ void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& fin
   const auto space = std::filesystem::space(folder, error);
   if (error) {
     findings.fail("disk.space", fmt::format("{}: {}", folder.string(), error.message()),
-                  "the service makes /var/lib/kasumi when it starts; another [state] folder is yours to make");
+                  "the service creates /var/lib/kasumi when it starts; create another [state] folder yourself");
     return;
   }
   const double free = static_cast<double>(space.available);
   const auto found = fmt::format("{:.1f} GB free for {}", free / 1e9, folder.string());
   const char* advice = "move recordings away; sudo journalctl --vacuum-size=200M";
-  auto& finding = free < kNoSpace       ? findings.fail("disk.space", found, advice)
-                  : free < kLittleSpace ? findings.warn("disk.space", found, advice)
-                                        : findings.good("disk.space", found);
+  auto& finding = free < kFullDisk_bytes   ? findings.fail("disk.space", found, advice)
+                  : free < kLowSpace_bytes ? findings.warn("disk.space", found, advice)
+                                           : findings.good("disk.space", found);
   finding.values["free_bytes"] = free;
 
   const auto probe = folder / ".doctor-probe";
@@ -198,16 +198,16 @@ void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& fin
   const double seconds = to_seconds(clock.now() - began);
   std::filesystem::remove(probe, error);
   if (!written && ::access(folder.c_str(), W_OK) != 0 && errno == EACCES)
-    findings.warn("disk.write", "not tried: this user may not write " + folder.string(), "ask with sudo");
+    findings.warn("disk.write", "not tried: this user may not write " + folder.string(), "run this with sudo");
   else if (!written)
     findings.fail("disk.write", written.error().message,
-                  "mount | grep ' / ' shows whether it is read-only (a dying card is); dmesg | tail");
+                  "mount | grep ' / ' shows whether it is read-only, as with a failing memory card; dmesg | tail");
   else if (seconds > kSlowWrite_s)
     findings
-        .warn("disk.write", fmt::format("64 kB took {:.1f} s", seconds), "a dying or busy card: dmesg | tail, iotop")
+        .warn("disk.write", fmt::format("64 kB took {:.1f} s", seconds), "a failing or busy disk: dmesg | tail, iotop")
         .values["seconds"] = seconds;
   else
-    findings.good("disk.write", fmt::format("64 kB written through in {:.0f} ms", seconds * 1e3)).values["seconds"] =
+    findings.good("disk.write", fmt::format("64 kB written to disk in {:.0f} ms", seconds * 1e3)).values["seconds"] =
         seconds;
 }
 
@@ -216,7 +216,7 @@ void check_watchdogs(const MachinePlaces& places, Findings& findings) {
   const char* advice =
       "RuntimeWatchdogSec=15 below [Manager] in /etc/systemd/system.conf.d/watchdog.conf, then reboot: a machine that "
       "hangs "
-      "then starts anew";
+      "then reboots";
   const auto devices = entries_of(places.sys / "class/watchdog", "watchdog");
   if (devices.empty()) {
     findings.warn("watchdog.machine", "this machine has no hardware watchdog (or its driver is not loaded)",

@@ -1,4 +1,4 @@
-// The single checks of `kasumi doctor`. Each adds what it found.
+// The individual checks of `kasumi doctor`. Each adds its findings.
 #pragma once
 
 #include <optional>
@@ -9,22 +9,22 @@
 
 namespace kasumi {
 
-// Files of sysfs and procfs: the first line; empty when it cannot be read.
+// First line of a file in sysfs or procfs; empty when it cannot be read.
 std::string line_of(const std::filesystem::path& file);
 std::optional<double> number_of(const std::filesystem::path& file);
-// The folder's entries whose names begin so, sorted.
+// The folder's entries whose names start with `prefix`, sorted.
 std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder, std::string_view prefix);
 
 // check_machine.cpp
-void check_clock(const ClockChoice& choice, const TimeSigns& signs, Utc now, Findings& findings);
+void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings);
 void check_temperature(const MachinePlaces& places, Findings& findings);
 void check_throttling(const MachinePlaces& places, Findings& findings);
 void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& findings);
 void check_watchdogs(const MachinePlaces& places, Findings& findings);
 
 // check_cameras.cpp
-const CameraRequest* request_of(const CameraChoice& choice);  // null for a recording
-struct WatchedCamera {                                        // what was seen of it in `lasted`
+const CameraRequest* request_of(const CameraOptions& options);  // null for a recording
+struct CameraMeasurement {                                      // of `lasted_s` seconds
   bool opened = false;
   std::string problem;  // why it could not be opened, or why no frame came
   std::optional<double> first_frame_s;
@@ -34,20 +34,21 @@ struct WatchedCamera {                                        // what was seen o
   std::uint64_t gaps = 0;
   double lasted_s = 0.0;
 };
-WatchedCamera watch_camera(const SourceOpener& opener, Clock& clock, Duration length);
-void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Duration length);
+void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                        Findings& findings);
-void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraChoice& choice,
+void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                       Findings& findings);
-void check_camera(const std::string& name, const CameraChoice& choice, const WatchedCamera& camera, Findings& findings);
+void check_camera(const std::string& name, const CameraOptions& options, const CameraMeasurement& camera,
+                  Findings& findings);
 
 // check_display.cpp
 void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOptions& options, Findings& findings);
-// Shows plain pictures as fast as the display takes them.
+// Shows plain pictures as fast as the display accepts them.
 void check_flips(Display& display, Clock& clock, Findings& findings);
 void check_gl(const GlInfo& info, Findings& findings);
 
-// check_appliance.cpp: what the running appliance says of itself, `later` read some seconds after `before`.
+// check_appliance.cpp: judges the running appliance's own status, `later` read some seconds after `before`.
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
                      double seconds, Findings& findings);
 

@@ -29,12 +29,11 @@ Result<int> run(const DoctorArguments& arguments) {
 void add_doctor_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand(
       "doctor",
-      "Look at everything the kiosk lives on, and say what to do (exit code 0: well, 1: warnings, 2: failures)");
+      "Check everything the kiosk depends on and say what to do (exit code 0: no problem, 1: warnings, 2: failures)");
   auto arguments = std::make_shared<DoctorArguments>();
   command->add_option("--config", arguments->config, "kasumi.toml")->capture_default_str();
-  command->add_option("--status", arguments->status, "Where the appliance that runs writes how it is")
-      ->capture_default_str();
-  command->add_flag("--json", arguments->json, "For programs");
+  command->add_option("--status", arguments->status, "The running appliance's status file")->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print JSON");
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
 

@@ -20,11 +20,11 @@ constexpr double kOldCalibration_days = 365.0;
 
 Result<std::string> ask_systemctl() {
   std::FILE* pipe = ::popen("systemctl show kasumi.service 2>/dev/null", "re");
-  if (!pipe) return fail(FaultKind::unsupported, "systemctl does not start");
+  if (!pipe) return fail(FaultKind::unsupported, "systemctl cannot be run");
   std::string text;
   std::array<char, 4096> buffer;
   for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
-  if (::pclose(pipe) != 0 || text.empty()) return fail(FaultKind::unsupported, "no systemd answers");
+  if (::pclose(pipe) != 0 || text.empty()) return fail(FaultKind::unsupported, "systemd does not answer");
   return text;
 }
 
@@ -37,16 +37,17 @@ void check_content(const Content& content, Findings& findings) {
   if (content.still)
     findings.good("content.still", fmt::format("{}x{}", content.still->width(), content.still->height()));
   else
-    findings.warn("content.still", "no still picture: while a camera is away visitors see a plain ground",
-                  "a photograph of the hill, and its name as [still] picture");
+    findings.warn("content.still",
+                  "no still picture: while a camera is unavailable, visitors see the sky over plain land",
+                  "set [still] picture to a photograph of the view");
 }
 
 void check_calibration(const char* name, const Camera& camera, const Installation& installation, Utc now,
                        Findings& findings) {
   const auto check = std::string(name) + ".calibration";
   if (!camera.calibrated_utc) {
-    findings.warn(check, "nobody wrote down when",
-                  fmt::format("calibrated_utc = 2026-06-21T00:00:00Z below [{}]", camera.name));
+    findings.warn(check, "its date is unknown",
+                  fmt::format("add calibrated_utc = 2026-06-21T00:00:00Z below [{}]", camera.name));
     return;
   }
   const double days = to_seconds(now - *camera.calibrated_utc) / 86400.0;
@@ -54,22 +55,21 @@ void check_calibration(const char* name, const Camera& camera, const Installatio
   const auto& gained = adopted ? adopted->gained : std::vector<std::string>{};
   const bool from_file = std::find(gained.begin(), gained.end(), camera.name + ".calibrated_utc") != gained.end();
   const auto found =
-      fmt::format("{:.0f} days old{}", days, from_file ? ", says " + adopted->file.filename().string() : "");
+      fmt::format("{:.0f} days old{}", days, from_file ? ", according to " + adopted->file.filename().string() : "");
   auto& finding =
       days > kOldCalibration_days
-          ? findings.warn(check, found,
-                          "mountings creep: does the drawn building still stand on its hill? then renew the date")
+          ? findings.warn(check, found, "mounts creep: is the building still drawn in its place? if so, renew the date")
           : findings.good(check, found);
   finding.values["days"] = days;
 }
 
-// As the appliance would: both at once, since they may share a bus.
+// Both at once, as the appliance does, since they may share a bus.
 void check_cameras(const DoctorRequest& request, const RunConfig& config, Devices& devices, Clock& clock,
                    Findings& findings) {
-  const auto watch = [&](CameraRole role, const CameraChoice& choice) {
-    return watch_camera(devices.camera(role, choice).opener, clock, request.watch);
+  const auto watch = [&](CameraRole role, const CameraOptions& options) {
+    return measure_camera(devices.camera(role, options).opener, clock, request.watch);
   };
-  WatchedCamera sky;
+  CameraMeasurement sky;
   std::thread other([&] { sky = watch(CameraRole::sky, config.sky_camera); });
   const auto scene = watch(CameraRole::scene, config.scene_camera);
   other.join();
@@ -80,9 +80,8 @@ void check_cameras(const DoctorRequest& request, const RunConfig& config, Device
 void check_display(const RunConfig& config, Devices& devices, Clock& clock, Findings& findings) {
   auto display = devices.open_display(config.display);
   if (!display) {
-    findings.fail(
-        "display.open", display.error().message,
-        "sudo fuser -v /dev/dri/card*: a desktop or another program holds the screen; id must show the group video");
+    findings.fail("display.open", display.error().message,
+                  "in use by a desktop or another program? sudo fuser -v /dev/dri/card*; id must show the group video");
     return;
   }
   findings.good("display.open", (*display)->description());
@@ -168,23 +167,23 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
   if (content)
     findings.good("configuration", request.config.string());
   else
-    findings.fail("configuration", content.error().message, "mend what is named; kasumi run --config FILE --check");
+    findings.fail("configuration", content.error().message, "fix the keys named; kasumi run --config FILE --check");
 
   const auto& places = request.places;
   const auto running = find_running_appliance(places.status_file, places.proc);
   if (content) {
     const auto& config = (*content)->config;
-    for (const auto& [name, choice] :
+    for (const auto& [name, options] :
          {std::pair{"scene_camera", &config.scene_camera}, {"sky_camera", &config.sky_camera}}) {
-      check_camera_path(places, name, *choice, findings);
-      check_camera_usb(places, name, *choice, findings);
+      check_camera_path(places, name, *options, findings);
+      check_camera_usb(places, name, *options, findings);
     }
     if (const auto* kms = std::get_if<KmsDisplayOptions>(&config.display); kms && places.displays)
       check_connectors(places.displays(), *kms, findings);
     if (running) {
       check_running(request, config, *running, clock, findings);
     } else {
-      findings.warn("service", "the appliance does not run", "sudo systemctl start kasumi");
+      findings.warn("service", "the appliance is not running", "sudo systemctl start kasumi");
       check_cameras(request, config, devices, clock, findings);
       check_display(config, devices, clock, findings);
     }
@@ -193,7 +192,7 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
     check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);
     check_calibration("sky_camera", installation.sky, installation, clock.utc(), findings);
   }
-  check_clock(content ? (*content)->config.clock : ClockChoice{}, watch_kernel_time()->look(), clock.utc(), findings);
+  check_clock(content ? (*content)->config.clock : ClockOptions{}, watch_kernel_time()->read(), clock.utc(), findings);
   check_temperature(places, findings);
   check_throttling(places, findings);
   check_disk(content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state, clock,

@@ -1,4 +1,4 @@
-// A look at everything a kiosk lives on; each finding says what to do.
+// Checks everything a kiosk depends on; each finding says what to do.
 #pragma once
 
 #include <filesystem>
@@ -37,15 +37,15 @@ class Findings {
   std::vector<Finding> findings_;
 };
 
-// Where the kernel and systemd tell of themselves. Tests put a folder in their place.
+// Where to read the state of the kernel and systemd. Tests substitute a folder.
 struct MachinePlaces {
   std::filesystem::path sys = "/sys";
   std::filesystem::path proc = "/proc";
   std::filesystem::path dev = "/dev";
   std::filesystem::path status_file = kServiceStatusFile;
-  std::filesystem::path state = "/var/lib/kasumi";  // where the configuration names none
+  std::filesystem::path state = "/var/lib/kasumi";  // if the configuration names none
   std::function<std::vector<ListedCard>()> displays;
-  // The properties of kasumi.service as `systemctl show` prints them. Errors: unsupported (no systemd here).
+  // The properties of kasumi.service as `systemctl show` prints them. Errors: unsupported (no systemd).
   std::function<Result<std::string>()> unit_properties;
 };
 MachinePlaces this_machine();
@@ -56,7 +56,8 @@ struct DoctorRequest {
   MachinePlaces places = this_machine();
 };
 
-// BLOCKS for some seconds. While the appliance runs its cameras and display are not opened: its own account is read.
+// BLOCKS for some seconds. While the appliance runs, its cameras and display are not opened; its status file is read
+// instead.
 Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock);
 
 // For a person, one line each with its advice below; for programs.

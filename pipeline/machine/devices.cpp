@@ -12,7 +12,7 @@ namespace kasumi {
 
 namespace {
 
-// The cameras of one recording play in step, each in its own thread.
+// The two cameras of one recording play in sync, each in its own thread.
 class Recordings {
  public:
   explicit Recordings(Clock& clock) : clock_(clock) {}
@@ -40,8 +40,8 @@ Duration interval_of(const CameraRequest& request) {
   return request.frames_per_second > 0.0 ? from_seconds(1.0 / request.frames_per_second) : Duration{0};
 }
 
-// What the driver made of what was asked, once each time it is opened.
-Result<std::unique_ptr<FrameSource>> logged(const std::string& name, Result<std::unique_ptr<CameraSource>> source) {
+// Logs what the driver made of the request, each time the camera is opened.
+Result<std::unique_ptr<FrameSource>> log_mode(const std::string& name, Result<std::unique_ptr<CameraSource>> source) {
   if (!source) return fail(source.error());
   const auto& mode = (*source)->mode();
   spdlog::info("{}: {} ({}) at {}: {}x{} {} {:.3g} /s", name, mode.card, mode.driver, mode.place, mode.width,
@@ -54,19 +54,19 @@ class MachineDevices final : public Devices {
  public:
   explicit MachineDevices(Clock& clock) : clock_(clock), recordings_(clock) {}
 
-  CameraOpening camera(CameraRole role, const CameraChoice& choice) override {
+  CameraOpening camera(CameraRole role, const CameraOptions& options) override {
     const std::string name = role == CameraRole::sky ? "sky camera" : "scene camera";
-    return std::visit([&](const auto& chosen) { return opening(name, role, chosen); }, choice);
+    return std::visit([&](const auto& chosen) { return opening(name, role, chosen); }, options);
   }
 
-  Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) override {
-    return std::visit([&](const auto& chosen) { return open(chosen); }, choice);
+  Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) override {
+    return std::visit([&](const auto& chosen) { return open(chosen); }, options);
   }
 
   std::unique_ptr<DisplayWatch> watch_displays() override {
     auto watch = kasumi::watch_displays();
     if (watch) return std::move(*watch);
-    spdlog::info("display: {}: looked for every second", watch.error().message);
+    spdlog::info("display: {}: polling every second instead", watch.error().message);
     return nullptr;
   }
 
@@ -74,10 +74,10 @@ class MachineDevices final : public Devices {
   CameraOpening opening(const std::string& name, CameraRole role, const ReplayCamera& replay) {
     const auto folder = replay.fixture / (role == CameraRole::sky ? "sky" : "scene");
     const auto recording = [this, role, fixture = replay.fixture] { return recordings_.open(fixture, role); };
-    return {replay_camera(name, recording, clock_), usual_interval(folder), true};
+    return {replay_camera(name, recording, clock_), median_interval(folder), true};
   }
   CameraOpening opening(const std::string& name, CameraRole, const V4l2Options& options) {
-    const auto open = [this, name, options] { return logged(name, open_v4l2_source(options, clock_)); };
+    const auto open = [this, name, options] { return log_mode(name, open_v4l2_source(options, clock_)); };
     const auto present = [device = options.device] {
       std::error_code error;
       return std::filesystem::exists(device, error);
@@ -85,7 +85,7 @@ class MachineDevices final : public Devices {
     return {{name, open, present}, interval_of(options.request), false};
   }
   CameraOpening opening(const std::string& name, CameraRole, const LibcameraOptions& options) {
-    const auto open = [this, name, options] { return logged(name, open_libcamera_source(options, clock_)); };
+    const auto open = [this, name, options] { return log_mode(name, open_libcamera_source(options, clock_)); };
     return {{name, open, {}}, interval_of(options.request), false};
   }
 

@@ -1,4 +1,4 @@
-// The one place that knows which cameras and displays there are. Tests stand behind it.
+// The only place that knows the kinds of cameras and displays. Tests substitute their own.
 #pragma once
 
 #include <memory>
@@ -11,24 +11,24 @@ namespace kasumi {
 
 enum class CameraRole { sky, scene };
 
-// How a camera is opened, and what is known of it before.
+// How to open a camera, and what is known about it beforehand.
 struct CameraOpening {
   SourceOpener opener;
-  Duration frame_interval{};  // between two frames; 0: not known
+  Duration frame_interval{};  // 0: unknown
   bool recorded = false;      // its UTC is the recording's, not the machine's
 };
 
 class Devices {
  public:
   virtual ~Devices() = default;
-  // Opens nothing yet. The opener's `open` BLOCKS as the camera's driver does.
-  virtual CameraOpening camera(CameraRole role, const CameraChoice& choice) = 0;
-  virtual Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) = 0;
-  // Hears of displays that come and go. Null: nobody tells, they are looked for now and then.
+  // Opens nothing yet. The opener's `open` BLOCKS for as long as the camera's driver takes.
+  virtual CameraOpening camera(CameraRole role, const CameraOptions& options) = 0;
+  virtual Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) = 0;
+  // Hotplug events of displays. Null: not available, poll instead.
   virtual std::unique_ptr<DisplayWatch> watch_displays() = 0;
 };
 
-// The machine's. Used by several threads; `clock` must outlive it.
+// The devices of this machine. Thread-safe; `clock` must outlive it.
 std::unique_ptr<Devices> machine_devices(Clock& clock);
 
 }  // namespace kasumi

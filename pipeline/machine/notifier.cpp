@@ -12,25 +12,25 @@ namespace {
 
 class SystemdNotifier final : public Notifier {
  public:
-  void ready() override { tell("READY=1"); }
+  void ready() override { send("READY=1"); }
   void status(const std::string& line) override {
     auto one_line = line;
     std::replace(one_line.begin(), one_line.end(), '\n', ' ');
-    tell("STATUS=" + one_line);
+    send("STATUS=" + one_line);
   }
-  void alive() override { tell("WATCHDOG=1"); }
+  void alive() override { send("WATCHDOG=1"); }
   void extend_start(Duration by) override {
-    tell(fmt::format("EXTEND_TIMEOUT_USEC={}", std::chrono::duration_cast<std::chrono::microseconds>(by).count()));
+    send(fmt::format("EXTEND_TIMEOUT_USEC={}", std::chrono::duration_cast<std::chrono::microseconds>(by).count()));
   }
   void reloading() override {
     const auto now = std::chrono::steady_clock::now().time_since_epoch();
-    tell(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
+    send(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
                      std::chrono::duration_cast<std::chrono::microseconds>(now).count()));
   }
-  void stopping() override { tell("STOPPING=1"); }
+  void stopping() override { send("STOPPING=1"); }
 
  private:
-  static void tell(const std::string& state) { ::sd_notify(0, state.c_str()); }
+  static void send(const std::string& state) { ::sd_notify(0, state.c_str()); }
 };
 
 }  // namespace

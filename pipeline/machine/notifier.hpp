@@ -1,4 +1,4 @@
-// Tells the service manager how we are.
+// Reports the program's state to the service manager.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@ class Notifier {
   virtual void stopping() = 0;
 };
 
-// sd_notify; without a service manager nothing happens. Any thread.
+// Uses sd_notify; without a service manager nothing happens. Any thread.
 std::unique_ptr<Notifier> notify_systemd();
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// A stream of jobs worked on by several threads, results in the order the jobs came.
+// Runs a stream of jobs on several threads and delivers the results in order.
 #pragma once
 
 #include <condition_variable>
@@ -13,18 +13,17 @@
 
 namespace kasumi {
 
-// next: called by one worker at a time until it gives nothing; it may block (a list that is still being written)
-// without holding up what is already being worked on. work: called in the workers with the worker's index (0 ..
-// threads-1). done: called in order, one at a time, from whichever worker is at it. About 4 x threads results at most
-// wait for an earlier one.
+// next: called by one worker at a time until it returns nothing; it may block (a list that is still being written)
+// without delaying jobs in progress. work: called in the workers with the worker's index (0 .. threads-1). done: called
+// in order, one at a time, from any worker. At most about 4 x threads results wait for an earlier one.
 template <class Job, class Answer>
 void run_in_order(std::size_t threads, const std::function<std::optional<Job>()>& next,
                   const std::function<Answer(std::size_t worker, const Job&)>& work,
                   const std::function<void(const Job&, const Answer&)>& done) {
-  std::mutex input;  // next() and taken
+  std::mutex input;  // guards next() and taken
   std::size_t taken = 0;
   bool over = false;
-  std::mutex results;  // the rest
+  std::mutex results;  // guards the rest
   std::condition_variable room;
   std::map<std::size_t, std::pair<Job, Answer>> waiting;
   std::size_t finished = 0;

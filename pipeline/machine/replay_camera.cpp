@@ -9,7 +9,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr Duration kMissed = std::chrono::seconds(1);  // a frame that waited for longer was of a time nobody looked
+constexpr Duration kMaxLateness =
+    std::chrono::seconds(1);  // later frames were due while nobody asked: they are skipped
 
 class LiveRecording final : public FrameSource {
  public:
@@ -24,7 +25,7 @@ class LiveRecording final : public FrameSource {
       source_ = std::move(*source);
     }
     auto due = source_->due();
-    for (; due && clock_.now() - *due > kMissed; due = source_->due()) (void)source_->next(clock_.now());
+    for (; due && clock_.now() - *due > kMaxLateness; due = source_->due()) (void)source_->next(clock_.now());
     auto frame = source_->next(deadline);
     if (!frame) return frame;
     auto& captured_at = frame->metadata.captured_at;
@@ -49,7 +50,7 @@ SourceOpener replay_camera(std::string name, std::function<Result<std::shared_pt
   return reopening(std::move(name), std::move(source), clock);
 }
 
-Duration usual_interval(const std::filesystem::path& camera_folder) {
+Duration median_interval(const std::filesystem::path& camera_folder) {
   const auto rows = read_index(camera_folder);
   if (!rows) return Duration{0};
   std::vector<Duration> intervals;

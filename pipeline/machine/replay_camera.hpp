@@ -1,4 +1,4 @@
-// A recording that stands in for a live camera: played over and over, gone where the recording says so, and back.
+// A recording that stands in for a live camera: played in a loop, with the disconnections it recorded.
 #pragma once
 
 #include <filesystem>
@@ -10,13 +10,13 @@
 
 namespace kasumi {
 
-// The recording runs on while the camera is torn down and opened again, as the world does before a live one: what
-// passed meanwhile is not seen. Frames are stamped with the clock's time at which they were due, so that their age can
-// be told. `recording` is asked when the camera is first opened.
+// The recording keeps running while the camera is closed and reopened, as the world in front of a live camera does:
+// frames due meanwhile are skipped. Frames are stamped with the clock's time at which they were due, so that their age
+// is right. `recording` is called when the camera is first opened.
 SourceOpener replay_camera(std::string name, std::function<Result<std::shared_ptr<ReplaySource>>()> recording,
                            Clock& clock);
 
-// Between two frames of a recording, the median; 0 when there are fewer than two or it cannot be read.
-Duration usual_interval(const std::filesystem::path& camera_folder);
+// The median interval between frames of a recording; 0 when it has fewer than two or cannot be read.
+Duration median_interval(const std::filesystem::path& camera_folder);
 
 }  // namespace kasumi

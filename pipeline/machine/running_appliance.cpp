@@ -18,7 +18,7 @@ std::optional<RunningAppliance> find_running_appliance(const std::filesystem::pa
   const auto json = nlohmann::json::parse(running.status, nullptr, false);
   if (!json.is_object() || !json.contains("pid") || !json["pid"].is_number_integer()) return std::nullopt;
   running.pid = json["pid"].get<int>();
-  // A number may have passed to another program since.
+  // The process id may belong to another program by now.
   const auto name = read_text_file(proc / std::to_string(running.pid) / "comm");
   if (!name || *name != "kasumi\n") return std::nullopt;
   const auto written = std::filesystem::last_write_time(status_file, error);

@@ -1,4 +1,4 @@
-// Whether `kasumi run` has this machine's cameras and display now.
+// Whether `kasumi run` is using this machine's cameras and display.
 #pragma once
 
 #include <filesystem>
@@ -9,15 +9,15 @@ namespace kasumi {
 
 struct RunningAppliance {
   int pid = 0;
-  std::string status;  // status.json as it was read
+  std::string status;  // contents of status.json
   double age_s = 0.0;  // of the file
 };
 
-// By its status file and the process it names. Empty: none is running (or it never wrote one).
+// Found by its status file and the process it names. Empty: none is running, or it never wrote one.
 std::optional<RunningAppliance> find_running_appliance(const std::filesystem::path& status_file,
                                                        const std::filesystem::path& proc = "/proc");
 
-// Where the service writes it.
+// Where the service writes its status.
 inline constexpr const char* kServiceStatusFile = "/run/kasumi/status.json";
 
 }  // namespace kasumi

@@ -6,7 +6,7 @@ namespace kasumi {
 
 namespace {
 
-volatile std::sig_atomic_t g_stop = 0;  // a signal handler can reach nothing else
+volatile std::sig_atomic_t g_stop = 0;  // a signal handler may access only such a global
 
 bool install() {
   struct sigaction action {};

@@ -1,9 +1,9 @@
-// SIGINT and SIGTERM as a question the loops ask.
+// SIGINT and SIGTERM as a flag that loops poll.
 #pragma once
 
 namespace kasumi {
 
-// From the first call on the signals no longer end the process.
+// Installs the handlers on the first call; from then on the signals do not end the process.
 bool stop_requested();
 
 }  // namespace kasumi

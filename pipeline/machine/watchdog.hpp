@@ -1,5 +1,5 @@
-// What the service manager is told of the render loop's progress. Only pictures that reached the glass count, or the
-// certainty that there is no glass: a loop that hangs, or a display that takes no picture, is restarted.
+// Reports the render loop's progress to the service manager. Only pictures that reached the display count, or the
+// certainty that none is connected: when the loop hangs or the display accepts no picture, the service is restarted.
 #pragma once
 
 #include <optional>
@@ -12,22 +12,22 @@ class Watchdog {
  public:
   explicit Watchdog(Notifier& notifier) : notifier_(notifier) {}
 
-  // A picture is on the glass: ready, and alive.
+  // A picture is on the display.
   void picture_shown(Instant now) {
     if (!ready_) notifier_.ready();
     ready_ = true;
     feed(now);
   }
-  // No display is connected (a television is off at night); the loop went to look again.
-  void looked_for_display(Instant now) {
+  // No display is connected (a television is off at night), but the loop keeps checking.
+  void display_missing(Instant now) {
     if (!ready_ && (!extended_ || now - *extended_ >= kExtendInterval)) {
       notifier_.extend_start(3 * kExtendInterval);
       extended_ = now;
     }
     feed(now);
   }
-  // Closed: the screen is off, and the loop looks whether it is time to open.
-  void rests(Instant now) { feed(now); }
+  // Outside opening hours: the screen is off, and the loop waits for the time to open.
+  void display_off(Instant now) { feed(now); }
 
  private:
   static constexpr Duration kFeedInterval = std::chrono::seconds(1);

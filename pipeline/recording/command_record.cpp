@@ -23,19 +23,20 @@ void print(const char* name, const RecordedCamera& camera) {
   const auto& health = camera.health;
   fmt::print("{}: {} rows; {} good frames, {} dropped by the driver", name, camera.rows, health.good_frames,
              health.sequence_gaps);
-  if (health.skipped > 0) fmt::print(", {} passed over because the disk was slow", health.skipped);
+  if (health.skipped > 0) fmt::print(", {} skipped because the disk was slow", health.skipped);
   for (const auto& [reason, count] : health.bad_frames) fmt::print(", {} {}", count, reason);
-  if (!health.up && !health.cause.empty()) fmt::print("; gone: {}", health.cause);
+  if (!health.up && !health.cause.empty()) fmt::print("; disconnected: {}", health.cause);
   fmt::print("\n");
 }
 
 Result<int> run(const RecordArguments& arguments) {
   // Cameras serve one program at a time.
   if (const auto running = find_running_appliance(kServiceStatusFile))
-    return fail(FaultKind::bad_input,
-                "the appliance runs (pid {}) and has the cameras: sudo systemctl stop kasumi, record, sudo systemctl "
-                "start kasumi",
-                running->pid);
+    return fail(
+        FaultKind::bad_input,
+        "the appliance is running (pid {}) and uses the cameras: sudo systemctl stop kasumi, record, sudo systemctl "
+        "start kasumi",
+        running->pid);
   RecordRequest request;
   request.config = arguments.config;
   request.folder = arguments.out;
@@ -48,7 +49,7 @@ Result<int> run(const RecordArguments& arguments) {
   if (!summary) return fail(summary.error());
   print("sky", summary->sky);
   print("scene", summary->scene);
-  fmt::print("{:.1f} MB in {:.1f} s; it ended because {}\n", static_cast<double>(summary->bytes) / 1e6,
+  fmt::print("{:.1f} MB in {:.1f} s; stopped: {}\n", static_cast<double>(summary->bytes) / 1e6,
              to_seconds(summary->lasted), summary->ended);
   fmt::print("written: {} (kasumi replay {})\n", arguments.out, arguments.out);
   return summary->whole ? 0 : 1;
@@ -57,19 +58,18 @@ Result<int> run(const RecordArguments& arguments) {
 }  // namespace
 
 void add_record_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("record", "Record both live cameras as a fixture, and show that it is recorded");
+  auto* command = app.add_subcommand("record", "Record both live cameras as a fixture, with a notice on the display");
   auto arguments = std::make_shared<RecordArguments>();
   command->add_option("--config", arguments->config, "kasumi.toml")->required();
   command->add_option("--out", arguments->out, "A new folder")->required();
-  command->add_option("--seconds", arguments->seconds, "How long; 0: until it is ended by hand")
+  command->add_option("--seconds", arguments->seconds, "How long; 0: until interrupted")
       ->check(CLI::Range(0.0, 366.0 * 86400.0))
       ->capture_default_str();
-  command->add_option("--bytes", arguments->bytes, "At most so many bytes")->capture_default_str();
+  command->add_option("--bytes", arguments->bytes, "Size limit")->capture_default_str();
   command->add_option("--every", arguments->every_s, "Keep a frame of each camera every S seconds; 0: every frame")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  command->add_option("--keep-free", arguments->keep_free, "Leave so many bytes of the disk free")
-      ->capture_default_str();
+  command->add_option("--keep-free", arguments->keep_free, "Bytes of the disk to keep free")->capture_default_str();
   command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
 }
 

@@ -41,11 +41,11 @@ ReplayRequest request_of(const ReplayArguments& arguments) {
 void print(const ReplaySummary& summary, const ReplayRequest& request) {
   fmt::print("{}: {} pictures in {:.1f} s ({:.1f} a second) by {}{}\n", summary.fixture, summary.pictures,
              summary.seconds, static_cast<double>(summary.pictures) / summary.seconds, summary.gl_renderer,
-             summary.software_gl ? ", which is software" : "");
+             summary.software_gl ? " (software)" : "");
   if (summary.sighting.in_picture())
-    fmt::print("{}\n", summary.sighting.words);
+    fmt::print("{}\n", summary.sighting.message);
   else
-    spdlog::warn("{}", summary.sighting.words);
+    spdlog::warn("{}", summary.sighting.message);
   fmt::print("sky: {} frames, {} usable\n", summary.sky_frames, summary.usable_sky_frames);
   if (summary.last && summary.last->tracked && summary.last->air) {
     const auto& tracked = *summary.last->tracked;
@@ -53,13 +53,13 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
                tracked.turbidity.value, tracked.sigma, summary.last->air->aod_550,
                summary.last->air->visibility_m / 1000.0, name_of(summary.last->air->weather));
   } else if (!request.air.turbidity) {
-    fmt::print("turbidity: not known; {:.1f} was assumed{}\n", request.air.until_known.value,
+    fmt::print("turbidity: unknown; {:.1f} was assumed{}\n", request.air.until_known.value,
                summary.last ? " (" + summary.last->estimate.reason + ")" : "");
   }
-  if (request.air.turbidity) fmt::print("drawn at turbidity {:.2f}, as asked\n", request.air.turbidity->value);
+  if (request.air.turbidity) fmt::print("drawn at turbidity {:.2f}, as requested\n", request.air.turbidity->value);
   fmt::print("airlight: {}{}\n", name_of(summary.horizon),
              summary.horizon_reason.empty() ? "" : ", " + summary.horizon_reason);
-  fmt::print("the building was drawn anew {} times\n", summary.layers_drawn);
+  fmt::print("the building was redrawn {} times\n", summary.layers_drawn);
   for (const auto& [reason, count] : summary.skipped) fmt::print("skipped: {} x {}\n", count, reason);
   for (const auto& note : summary.notes) spdlog::info("{}", note);
   if (request.out) fmt::print("written: {}\n", request.out->string());

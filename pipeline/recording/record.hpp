@@ -1,4 +1,4 @@
-// Records both live cameras as a fixture, and shows on the display that it does.
+// Records both live cameras as a fixture and shows a notice on the display.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,9 @@ namespace kasumi {
 
 struct RecordRequest {
   std::filesystem::path config;  // kasumi.toml
-  std::filesystem::path folder;  // made; holds the fixture
+  std::filesystem::path folder;  // created; holds the fixture
   Duration length = std::chrono::seconds(60);
-  Duration every{};  // of each camera at most one frame in this time; 0: every frame
+  Duration every{};  // at most one frame of each camera in this time; 0: every frame
   RecordingLimits limits;
 };
 
@@ -28,13 +28,13 @@ struct RecordSummary {
   RecordedCamera sky, scene;
   std::uint64_t bytes = 0;
   Duration lasted{};
-  std::string ended;   // why: "60 s are recorded"
-  bool whole = false;  // it ended as it was meant to, and both cameras have frames
+  std::string ended;   // why: "60 s recorded"
+  bool whole = false;  // it ended as planned, and both cameras have frames
 };
 
-// BLOCKS until a limit is reached or `stop` answers true. Whatever is on the disk by then replays.
-// Errors: bad_input (configuration; a recording is there already), io (the folder), and whatever the display says when
-// it cannot be opened: nobody is recorded without being told. One that goes away later is waited for while recording.
+// BLOCKS until a limit is reached or `stop` returns true. Whatever is on the disk by then can be replayed.
+// Errors: bad_input (configuration; a recording is there already), io (the folder), and those of opening the display:
+// nobody is recorded without a notice. If the display is lost later, recording goes on while it is reopened.
 Result<RecordSummary> record(const RecordRequest& request, Devices& devices, Clock& clock,
                              const std::function<bool()>& stop);
 

@@ -10,10 +10,10 @@ namespace kasumi {
 
 namespace {
 
-constexpr glm::vec3 kGround{0.15f, 0.17f, 0.2f};
+constexpr glm::vec3 kBackground{0.15f, 0.17f, 0.2f};
 constexpr int kLightSize = 64;
 
-// The red light every camera has, with a soft edge.
+// The usual red recording light, with a soft edge.
 Image<Rgba8> red_light() {
   Image<Rgba8> light(kLightSize, kLightSize, Rgba8(224, 32, 32, 0));
   const double middle = 0.5 * (kLightSize - 1), radius = 0.5 * kLightSize - 2.0;
@@ -40,32 +40,32 @@ Result<RecordScreen> RecordScreen::open(std::unique_ptr<Display> display, const 
   return RecordScreen(std::move(display), std::move(*renderer), std::move(*light), config);
 }
 
-Result<> RecordScreen::set_words(const std::string& words, const DrawTarget& target) {
-  if (sign_ && words == words_ && target.height == sign_for_height_) return {};
+Result<> RecordScreen::set_text(const std::string& text, const DrawTarget& target) {
+  if (caption_ && text == text_ && target.height == caption_for_height_) return {};
   CaptionStyle style;
   style.font_file = font_;
   style.height_px = std::max(14.0, target.height / 28.0);
   style.largest_width_px = target.width * 3 / 4;
-  const auto picture = draw_caption(words, style);
+  const auto picture = draw_caption(text, style);
   if (!picture) return fail(picture.error());
-  auto sign = FlatPicture::create(display_->context(), *picture);
-  if (!sign) return fail(sign.error());
-  sign_ = std::move(*sign);
-  words_ = words;
-  sign_for_height_ = target.height;
+  auto caption = FlatPicture::create(display_->context(), *picture);
+  if (!caption) return fail(caption.error());
+  caption_ = std::move(*caption);
+  text_ = text;
+  caption_for_height_ = target.height;
   return {};
 }
 
-Result<> RecordScreen::show(const Frame* frame, const std::string& words, Instant deadline) {
+Result<> RecordScreen::show(const Frame* frame, const std::string& text, Instant deadline) {
   const auto target = display_->begin(deadline);
   if (!target) return target.error().kind == FaultKind::timeout ? Result<>{} : fail(target.error());
 
-  // A damaged picture is recorded as it came and not shown.
+  // A damaged picture is recorded but not shown.
   if (frame)
     if (const auto picture = decode(*frame, encoding_); picture && renderer_.upload(picture->view()))
       has_picture_ = true;
   if (!has_picture_)
-    clear_to(*target, kGround);
+    clear_to(*target, kBackground);
   else if (auto drawn = renderer_.draw_background(*target); !drawn)
     return drawn;
 
@@ -73,10 +73,11 @@ Result<> RecordScreen::show(const Frame* frame, const std::string& words, Instan
   double left = margin;
   if (auto drawn = light_.draw(*target, {left, margin + 0.4 * line, line, line}); !drawn) return drawn;
   left += 1.5 * line;
-  // Without a font the red light has to do.
-  if (set_words(words, *target) && sign_) {
-    const FlatPlace place{left, margin, static_cast<double>(sign_->width()), static_cast<double>(sign_->height())};
-    if (auto drawn = sign_->draw(*target, place); !drawn) return drawn;
+  // Without a font the red light alone is shown.
+  if (set_text(text, *target) && caption_) {
+    const FlatPlace place{left, margin, static_cast<double>(caption_->width()),
+                          static_cast<double>(caption_->height())};
+    if (auto drawn = caption_->draw(*target, place); !drawn) return drawn;
   }
   const auto shown = display_->show();
   if (!shown) return fail(shown.error());

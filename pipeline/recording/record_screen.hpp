@@ -1,4 +1,4 @@
-// What the display shows while recording: the scene camera's picture, and a sign that it is kept.
+// What the display shows while recording: the scene camera's picture, and a caption that it is kept.
 #pragma once
 
 #include <optional>
@@ -16,9 +16,9 @@ namespace kasumi {
 class RecordScreen {
  public:
   static Result<RecordScreen> open(std::unique_ptr<Display> display, const RunConfig& config);
-  // Shows the picture (nothing new: the last one) under the sign with these words. BLOCKS until there is a buffer to
+  // Shows the picture (nothing new: the last one) under the caption with these text. BLOCKS until there is a buffer to
   // draw into, or the deadline passes: no error. Errors: as Display's.
-  Result<> show(const Frame* frame, const std::string& words, Instant deadline);
+  Result<> show(const Frame* frame, const std::string& text, Instant deadline);
   Display& display() { return *display_; }
 
  private:
@@ -27,17 +27,17 @@ class RecordScreen {
         renderer_(std::move(renderer)),
         light_(std::move(light)),
         encoding_(config.installation.scene.yuv_encoding),
-        font_(config.words.font_file) {}
-  Result<> set_words(const std::string& words, const DrawTarget& target);
+        font_(config.messages.font_file) {}
+  Result<> set_text(const std::string& text, const DrawTarget& target);
 
-  std::unique_ptr<Display> display_;  // first in, last out: all below is made under its context
+  std::unique_ptr<Display> display_;  // declared first, since everything below belongs to its context
   Renderer renderer_;
   FlatPicture light_;
   YuvEncoding encoding_;
   std::optional<std::filesystem::path> font_;
-  std::optional<FlatPicture> sign_;
-  std::string words_;
-  int sign_for_height_ = 0;
+  std::optional<FlatPicture> caption_;
+  std::string text_;
+  int caption_for_height_ = 0;
   bool has_picture_ = false;
 };
 

@@ -24,7 +24,7 @@ Result<> keep_copy(const std::filesystem::path& from, const std::filesystem::pat
   return write_file(to, *bytes);
 }
 
-// The files a .gltf names, below its folder; what cannot be read here has been read by the model's reader.
+// The files in its folder that a .gltf refers to. Errors are ignored: the model's reader reports them.
 std::set<std::filesystem::path> companions_of(const std::filesystem::path& model) {
   std::set<std::filesystem::path> found;
   if (model.extension() != ".gltf") return found;
@@ -45,11 +45,11 @@ std::set<std::filesystem::path> companions_of(const std::filesystem::path& model
   return found;
 }
 
-// The installation's files beside fixture.toml, under names of their own; the text of their keys.
+// Copies the installation's files next to fixture.toml under unique names; returns the new values of their keys.
 Result<std::map<std::string, std::optional<std::string>>> copy_files(const ConfigTable& root,
                                                                      const std::filesystem::path& folder) {
   std::map<std::string, std::optional<std::string>> changes;
-  std::map<std::string, std::filesystem::path> taken;  // name here, file it is a copy of
+  std::map<std::string, std::filesystem::path> taken;  // name of the copy, original file
   for (const auto& [key, file] : root.files_asked()) {
     const auto table = key.substr(0, key.find('.'));
     if (table != "sky" && table != "scene" && table != "object") continue;
@@ -67,14 +67,14 @@ Result<std::map<std::string, std::optional<std::string>>> copy_files(const Confi
 
 std::string head_of(const std::filesystem::path& folder, Utc start, bool synchronized) {
   const auto name = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
-  std::string quoted;  // a folder may be called anything, TOML takes UTF-8 alone
+  std::string quoted;  // a folder's name may contain any bytes, TOML only UTF-8
   for (const char c : name.string())
     if (c >= ' ' && c <= '~' && c != '"' && c != '\\') quoted += c;
   if (quoted.empty()) quoted = "recording";
   return fmt::format(
       "format = {}\nname = \"{}\"\nlicence = \"LicenseRef-not-stated\"\nprovenance = \"Recorded by kasumi record from "
       "live cameras{}\"\nstart_utc = {}\n\n",
-      kFixtureFormat, quoted, synchronized ? "" : "; the machine's clock was not kept in step: utc may be wrong",
+      kFixtureFormat, quoted, synchronized ? "" : "; the machine's clock was not synchronized: utc may be wrong",
       utc_text(start));
 }
 
@@ -90,20 +90,20 @@ Result<std::unique_ptr<Recording>> Recording::create(const std::filesystem::path
 
   std::error_code error;
   if (std::filesystem::exists(folder / "fixture.toml", error))
-    return fail(FaultKind::bad_input, "{}: a recording is there already; expected a new folder", folder.string());
+    return fail(FaultKind::bad_input, "{}: already contains a recording; expected a new folder", folder.string());
   std::filesystem::create_directories(folder, error);
-  if (error) return fail(FaultKind::io, "{}: cannot be made: {}", folder.string(), error.message());
+  if (error) return fail(FaultKind::io, "{}: cannot be created: {}", folder.string(), error.message());
 
   auto changes = copy_files(*root, folder);
   if (!changes) return fail(changes.error());
   (*changes)["sky.camera"] = std::nullopt;
   (*changes)["scene.camera"] = std::nullopt;
-  const bool synchronized = watch_kernel_time()->look().synchronized;
+  const bool synchronized = watch_kernel_time()->read().synchronized;
   const auto text =
       head_of(folder, start, synchronized) + root->copy_of({"site", "sky", "scene", "object", "landmarks"}, *changes);
   if (auto written = write_text_file(folder / "fixture.toml", text); !written) return fail(written.error());
 
-  // A live camera's frames differ, and looking for equal ones would remember each.
+  // A live camera's frames all differ, and searching for equal ones would keep each in memory.
   const FixtureWriterOptions options{.share_equal_payloads = false};
   auto sky = FixtureWriter::create(folder / "sky", options);
   if (!sky) return fail(sky.error());
@@ -114,13 +114,12 @@ Result<std::unique_ptr<Recording>> Recording::create(const std::filesystem::path
 
 Result<> Recording::check_limits(std::uint64_t more) const {
   if (bytes() + more > limits_.most_bytes)
-    return fail(FaultKind::end_of_stream, "{:.0f} MB are recorded, as many as were allowed",
-                static_cast<double>(bytes()) / 1e6);
+    return fail(FaultKind::end_of_stream, "{:.0f} MB recorded, the limit", static_cast<double>(bytes()) / 1e6);
   std::error_code error;
   const auto space = std::filesystem::space(folder_, error);
   if (error) return fail(FaultKind::io, "{}: {}", folder_.string(), error.message());
   if (space.available < limits_.keep_free + more)
-    return fail(FaultKind::io, "{}: the disk has only {:.0f} MB left, and {:.0f} MB are to stay free", folder_.string(),
+    return fail(FaultKind::io, "{}: only {:.0f} MB left on the disk, and {:.0f} MB must stay free", folder_.string(),
                 static_cast<double>(space.available) / 1e6, static_cast<double>(limits_.keep_free) / 1e6);
   return {};
 }

@@ -1,4 +1,4 @@
-// A recording in the making: a fixture's folder, both cameras' frames, and what bounds it.
+// A recording in progress: the fixture's folder, both cameras' frames, and its limits.
 #pragma once
 
 #include <array>
@@ -15,22 +15,22 @@ namespace kasumi {
 
 struct RecordingLimits {
   std::uint64_t most_bytes = 4'000'000'000;  // of both cameras together
-  std::uint64_t keep_free = 500'000'000;     // bytes left to others on the disk
+  std::uint64_t keep_free = 500'000'000;     // bytes of the disk to keep free
 };
 
-// Used by several threads.
+// Thread-safe.
 class Recording {
  public:
-  // Makes the folder: fixture.toml with what the configuration says of site, cameras and building, the files it names,
-  // and two empty indexes. From then on it replays whenever it is cut, once each camera has a row.
-  // Errors: bad_input (the configuration, with all its problems; a recording is there already), io.
+  // Creates the folder: fixture.toml with the configuration's site, cameras and building, the files these name, and two
+  // empty indexes. Once each camera has a row, the recording can be replayed whenever it is interrupted.
+  // Errors: bad_input (all problems of the configuration; the folder already contains a recording), io.
   static Result<std::unique_ptr<Recording>> create(const std::filesystem::path& config_file,
                                                    const std::filesystem::path& folder, Utc start,
                                                    const RecordingLimits& limits);
 
-  // BLOCKS until the frame is on the disk. Bad frames are kept as they came. Errors: io (disk full: what was kept
-  // stays whole); bad_input (a frame of impossible geometry: not kept, the recording goes on); end_of_stream (a limit
-  // is reached: not kept).
+  // BLOCKS until the frame is on the disk. Bad frames are kept unchanged. Errors: io (disk full: earlier frames stay
+  // intact); bad_input (a frame of impossible geometry: not kept, the recording can go on); end_of_stream (a limit is
+  // reached: not kept).
   Result<> keep(CameraRole role, const Frame& frame);
   Result<> keep_disconnect(CameraRole role, Instant at, Utc utc);
 
@@ -45,7 +45,7 @@ class Recording {
 
   std::filesystem::path folder_;
   RecordingLimits limits_;
-  mutable std::array<std::mutex, 2> mutexes_;  // one camera's disk does not hold up the other's
+  mutable std::array<std::mutex, 2> mutexes_;  // one per camera, so that they do not wait for each other's writes
   std::array<FixtureWriter, 2> writers_;
   std::array<std::atomic<std::uint64_t>, 2> bytes_{};
   std::array<std::atomic<int>, 2> rows_{};

@@ -24,7 +24,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Pictures a second of a film: the recorded rate, or a time lapse where the recording takes seconds between frames.
+// Frame rate of the video: the recorded rate, or a time lapse where there are seconds between frames.
 double film_rate(const std::vector<IndexRow>& rows) {
   std::vector<double> intervals;
   for (std::size_t i = 1; i < rows.size(); ++i)
@@ -38,8 +38,8 @@ bool is_film(const std::filesystem::path& out) {
   return out.extension() == ".mp4";
 }
 
-// Where the pictures of one run are drawn and kept.
-struct Screen {
+// Where the pictures of one run are drawn and stored.
+struct ReplayOutput {
   std::unique_ptr<GlContext> headless;
   std::unique_ptr<Window> window;
   std::optional<Offscreen> offscreen;
@@ -48,22 +48,22 @@ struct Screen {
   GlContext& context() { return window ? *window : *headless; }
 };
 
-Result<Screen> open_screen(const ReplayRequest& request, const Fixture& fixture) {
-  Screen screen;
+Result<ReplayOutput> open_output(const ReplayRequest& request, const Fixture& fixture) {
+  ReplayOutput output;
   const auto& scene = fixture.installation.scene;
   if (request.window) {
     auto window = open_window({"Kasumi: " + fixture.info.name, scene.width, scene.height, request.realtime});
     if (!window) return fail(window.error());
-    screen.window = std::move(*window);
+    output.window = std::move(*window);
   } else {
     auto context = open_headless_context();
     if (!context) return fail(context.error());
-    screen.headless = std::move(*context);
+    output.headless = std::move(*context);
   }
   if (request.out || !request.window) {
-    auto offscreen = Offscreen::create(screen.context().info(), scene.width, scene.height);
+    auto offscreen = Offscreen::create(output.context().info(), scene.width, scene.height);
     if (!offscreen) return fail(offscreen.error());
-    screen.offscreen = std::move(*offscreen);
+    output.offscreen = std::move(*offscreen);
   }
   if (request.out) {
     Result<std::unique_ptr<PictureSink>> sink;
@@ -75,23 +75,24 @@ Result<Screen> open_screen(const ReplayRequest& request, const Fixture& fixture)
       sink = open_picture_folder(*request.out);
     }
     if (!sink) return fail(sink.error());
-    screen.sink = std::move(*sink);
+    output.sink = std::move(*sink);
   }
-  return screen;
+  return output;
 }
 
-// One run: its state, and what each kind of frame does to it.
+// The state of one run and what each kind of frame does.
 class Run {
  public:
-  Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, Screen screen, Compositor compositor)
+  Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, ReplayOutput output,
+      Compositor compositor)
       : request_(request),
-        screen_(std::move(screen)),
+        output_(std::move(output)),
         compositor_(std::move(compositor)),
         watch_(fixture.installation) {
-    if (request.overlay) overlay_.emplace(screen_.context(), fixture.installation, model.bounds(), std::nullopt);
+    if (request.overlay) overlay_.emplace(output_.context(), fixture.installation, model.bounds(), std::nullopt);
     summary_.fixture = fixture.info.name;
-    summary_.gl_renderer = screen_.context().info().renderer;
-    summary_.software_gl = screen_.context().info().software;
+    summary_.gl_renderer = output_.context().info().renderer;
+    summary_.software_gl = output_.context().info().software;
   }
 
   Result<> play(FixtureSources& sources) {
@@ -100,17 +101,17 @@ class Run {
       const auto sky_due = sources.sky->due(), scene_due = sources.scene->due();
       if (!scene_due) break;
       if (sky_due && *sky_due <= *scene_due) {
-        look_at_sky(sources.sky->next(*sky_due + 1s));
+        take_sky_frame(sources.sky->next(*sky_due + 1s));
         continue;
       }
       if (auto shown = show(sources.scene->next(*scene_due + 1s)); !shown) return shown;
-      progress.advance(words());
+      progress.advance(progress_detail());
     }
-    while (sources.sky->due() && !over()) look_at_sky(sources.sky->next(*sources.sky->due() + 1s));
+    while (sources.sky->due() && !over()) take_sky_frame(sources.sky->next(*sources.sky->due() + 1s));
     return {};
   }
 
-  // The sky in a thread of its own; this thread owns GL.
+  // The sky runs in a thread of its own; this thread owns GL.
   Result<> play_in_real_time(FixtureSources& sources, Clock& clock) {
     Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
     LatestSlot<SkyReport> reports;
@@ -125,9 +126,9 @@ class Run {
       auto frame = sources.scene->next(clock.now() + 50ms);
       if (auto report = reports.take()) latest_ = std::move(*report);
       if (!frame && frame.error().kind == FaultKind::timeout)
-        continue;  // a gap: the window is served, the picture held
+        continue;  // a gap: keep handling the window's events and hold the picture
       if (result = show(std::move(frame)); !result) break;
-      progress.advance(words());
+      progress.advance(progress_detail());
     }
     stopping = true;
     clock.interrupt();
@@ -137,8 +138,8 @@ class Run {
   }
 
   Result<ReplaySummary> finish() {
-    if (screen_.sink) {
-      if (auto finished = screen_.sink->finish(); !finished) return fail(finished.error());
+    if (output_.sink) {
+      if (auto finished = output_.sink->finish(); !finished) return fail(finished.error());
       const auto folder = is_film(*request_.out) ? request_.out->parent_path() : *request_.out;
       if (auto written = table_.write(folder / "turbidity.csv"); !written) return fail(written.error());
     }
@@ -156,14 +157,14 @@ class Run {
  private:
   bool over() {
     if (request_.frames && summary_.pictures >= *request_.frames) return true;
-    return stop_requested() || (screen_.window && !screen_.window->handle_events());
+    return stop_requested() || (output_.window && !output_.window->handle_events());
   }
 
-  std::string words() const {
-    return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T not known yet";
+  std::string progress_detail() const {
+    return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T unknown yet";
   }
 
-  // Only the sky's own state: safe in the sky's thread.
+  // Touches only the sky's state, so it is safe in the sky's thread.
   std::optional<SkyReport> observe_sky(Result<Frame> frame) {
     if (!frame) {
       if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
@@ -182,7 +183,7 @@ class Run {
     return std::move(*report);
   }
 
-  void look_at_sky(Result<Frame> frame) {
+  void take_sky_frame(Result<Frame> frame) {
     if (auto report = observe_sky(std::move(frame))) latest_ = std::move(*report);
   }
 
@@ -192,20 +193,20 @@ class Run {
         ++summary_.skipped[fmt::format("scene camera: {}", name_of(frame.error().kind))];
       return {};
     }
-    if (screen_.offscreen) {
-      if (auto drawn = compositor_.draw(*frame, latest_, screen_.offscreen->target()); !drawn)
+    if (output_.offscreen) {
+      if (auto drawn = compositor_.draw(*frame, latest_, output_.offscreen->target()); !drawn)
         return skip_or_fail(*frame, drawn.error());
-      if (auto drawn = draw_overlay(screen_.offscreen->target()); !drawn) return drawn;
-      auto picture = screen_.offscreen->read();
+      if (auto drawn = draw_overlay(output_.offscreen->target()); !drawn) return drawn;
+      auto picture = output_.offscreen->read();
       if (!picture) return fail(picture.error());
-      if (screen_.sink)
-        if (auto put = screen_.sink->put(*picture); !put) return put;
+      if (output_.sink)
+        if (auto put = output_.sink->put(*picture); !put) return put;
     }
-    if (screen_.window) {
-      if (auto drawn = compositor_.draw(*frame, latest_, screen_.window->target()); !drawn)
+    if (output_.window) {
+      if (auto drawn = compositor_.draw(*frame, latest_, output_.window->target()); !drawn)
         return skip_or_fail(*frame, drawn.error());
-      if (auto drawn = draw_overlay(screen_.window->target()); !drawn) return drawn;
-      screen_.window->show();
+      if (auto drawn = draw_overlay(output_.window->target()); !drawn) return drawn;
+      output_.window->show();
     }
     ++summary_.pictures;
     return {};
@@ -221,14 +222,14 @@ class Run {
   }
 
   const ReplayRequest& request_;
-  Screen screen_;
+  ReplayOutput output_;
   Compositor compositor_;
   std::optional<Overlay> overlay_;
   SkyWatch watch_;
   TurbidityTable table_;
   SkyReport latest_;
   ReplaySummary summary_;
-  // The sky thread's own, merged when it has ended.
+  // Owned by the sky's thread, merged when it has ended.
   std::size_t sky_frames_ = 0;
   std::size_t usable_sky_frames_ = 0;
   std::map<std::string, std::size_t> sky_skipped_;
@@ -248,14 +249,14 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     clock = std::make_unique<UnhurriedClock>(fixture->info.start_utc);
   auto sources = open_fixture_sources(fixture->folder, *clock);
   if (!sources) return fail(sources.error());
-  auto screen = open_screen(request, *fixture);
-  if (!screen) return fail(screen.error());
+  auto output = open_output(request, *fixture);
+  if (!output) return fail(output.error());
   const auto model = read_gltf(fixture->installation.object.model);
   if (!model) return fail(model.error());
-  auto compositor = Compositor::create(screen->context(), fixture->installation, *model, request.air);
+  auto compositor = Compositor::create(output->context(), fixture->installation, *model, request.air);
   if (!compositor) return fail(compositor.error());
 
-  Run run(request, *fixture, *model, std::move(*screen), std::move(*compositor));
+  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor));
   auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources);
   if (!played) return fail(played.error());
   auto summary = run.finish();

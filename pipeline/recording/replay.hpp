@@ -15,10 +15,10 @@ namespace kasumi {
 
 struct ReplayRequest {
   std::filesystem::path fixture;             // a folder with fixture.toml
-  std::optional<std::filesystem::path> out;  // a folder for PNGs, or a film's name; turbidity.csv goes beside them
+  std::optional<std::filesystem::path> out;  // a folder for PNGs, or a video file; turbidity.csv goes next to them
   bool window = false;
   bool realtime = false;  // at the recorded pace; the sky then runs in a thread of its own, as in the appliance
-  std::optional<std::size_t> frames;  // at most so many pictures
+  std::optional<std::size_t> frames;  // stop after so many pictures
   SceneAirOptions air;
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the pictures
 };
@@ -29,7 +29,7 @@ struct ReplaySummary {
   std::size_t sky_frames = 0;
   std::size_t usable_sky_frames = 0;
   std::map<std::string, std::size_t> skipped;  // frames by reason
-  std::uint64_t dropped = 0;                   // sky reports nobody drew (realtime only)
+  std::uint64_t dropped = 0;                   // sky reports superseded before drawing (realtime only)
   std::uint64_t layers_drawn = 0;
   std::optional<SkyReport> last;
   HorizonLight::Source horizon = HorizonLight::Source::none;

@@ -57,9 +57,9 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
-  if (auto taken = take(picture); !taken) return taken;
-  const auto now = air_.take_in(metadata, picture.view(), sky);
-  if (auto fitted = fit_detail(picture.view().layout, now.haze_blur_px); !fitted) return fitted;
+  if (auto taken = pass_to_gpu(picture); !taken) return taken;
+  const auto now = air_.observe(metadata, picture.view(), sky);
+  if (auto fitted = update_detail(picture.view().layout, now.haze_blur_px); !fitted) return fitted;
   noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
 
   const auto air = air_.drawn_air(now, renderer_.object_box(), layer_ ? &*layer_ : nullptr);
@@ -73,8 +73,8 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   return show(target);
 }
 
-// Cameras hardly ever change their layout; the first frame tells it. Air changes by the hour.
-Result<> Compositor::fit_detail(PixelLayout layout, double haze_blur_px) {
+// Rarely does anything: the layout is known from the first frame on, and the air changes within hours.
+Result<> Compositor::update_detail(PixelLayout layout, double haze_blur_px) {
   const auto detail = detail_for_gles(quality_, layout, haze_blur_px);
   if (detail == detail_) return {};
   if (auto set = renderer_.set_detail(detail); !set) return set;
@@ -84,13 +84,13 @@ Result<> Compositor::fit_detail(PixelLayout layout, double haze_blur_px) {
 }
 
 Result<> Compositor::draw_without_object(const DecodedPicture& picture, const DrawTarget& target) {
-  if (auto taken = take(picture); !taken) return taken;
+  if (auto taken = pass_to_gpu(picture); !taken) return taken;
   measured_.reset();
   drawn_ = true;
   return show(target);
 }
 
-Result<> Compositor::take(const DecodedPicture& picture) {
+Result<> Compositor::pass_to_gpu(const DecodedPicture& picture) {
   if (picture.dma_buf() && renderer_.import_frame(external(picture.view(), *picture.dma_buf()))) {
     lent_ = picture;
     return {};

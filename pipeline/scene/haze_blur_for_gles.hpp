@@ -1,4 +1,4 @@
-// Haze that blurs, from the estimator's words to the renderer's.
+// Converts blurring haze from the estimator's structs to the renderer's.
 #pragma once
 
 #include "estimator/haze/haze_picture.hpp"
@@ -8,7 +8,8 @@ namespace kasumi {
 
 HazeScene haze_scene(const Image<glm::vec3>& light, const HazeRange& range);
 
-// The GPU's schemes: explicit_steps and matched. `range`: of the picture, whose farthest pixel gives the passes.
+// `scheme`: one the GPU has, explicit_steps or matched. `range`: of the picture; its farthest pixel determines the
+// passes.
 HazeLook haze_look(const HazeOptics& optics, const HazeRange& range, const glm::dvec3& airlight,
                    DiffusionScheme scheme = DiffusionScheme::matched);
 

@@ -10,21 +10,20 @@ namespace kasumi {
 
 namespace {
 
-// Clouds and people pass, the air stays: the horizon is smoothed over so long. What was seen an hour ago, before a
-// camera was unplugged, is forgotten.
+// Clouds and people pass while the air stays, so the horizon is smoothed with this time constant. A horizon from before
+// a long outage has no weight.
 constexpr double kHorizonMemory_s = 2.8;
 
-// Below what the eye can see in one step: half a percent of the haze, a tenth of a degree of the sun.
-constexpr double kLeastHazeChange = 0.005;
-constexpr Radians kLeastSunMove = from_degrees(0.1);
-constexpr double kLeastSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
+// Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
+constexpr double kMinHazeChange = 0.005;
+constexpr Radians kMinSunMove = from_degrees(0.1);
+constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
   if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
-  if (now.measured && difference(*drawn.measured, *now.measured) > kLeastSkyChange) return false;
+  if (now.measured && difference(*drawn.measured, *now.measured) > kMinSkyChange) return false;
   const double haze = now.turbidity.value - 1.0, haze_drawn = drawn.turbidity.value - 1.0;
-  return std::abs(haze - haze_drawn) <= kLeastHazeChange * haze_drawn &&
-         angle_between(now.sun, drawn.sun) <= kLeastSunMove;
+  return std::abs(haze - haze_drawn) <= kMinHazeChange * haze_drawn && angle_between(now.sun, drawn.sun) <= kMinSunMove;
 }
 
 std::optional<double> exposure_of(const FrameMetadata& metadata) {
@@ -68,9 +67,9 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   return conditions;
 }
 
-SceneConditions SceneAir::take_in(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky) {
+SceneConditions SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky) {
   auto now = conditions(sky);
-  look_for_horizon(metadata, scene, sky.picture ? &sky.picture->view() : nullptr, &now);
+  update_horizon(metadata, scene, sky.picture ? &sky.picture->view() : nullptr, &now);
   return now;
 }
 
@@ -111,15 +110,15 @@ HorizonLight SceneAir::modelled(const SceneConditions& conditions, const Picture
   return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
 }
 
-void SceneAir::look_for_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
-                                const SceneConditions* conditions) {
+void SceneAir::update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
+                              const SceneConditions* conditions) {
   const auto exposure = exposure_of(metadata);
   if (exposure && exposure_) scale(horizon_, *exposure / *exposure_);
   exposure_ = exposure;
-  const bool backwards = looked_at_ && metadata.captured_at < *looked_at_;
-  if (looked_at_ && !backwards && metadata.captured_at - *looked_at_ < options_.horizon_interval) return;
-  const double since_s = !looked_at_ ? 0.0 : std::abs(to_seconds(metadata.captured_at - *looked_at_));
-  looked_at_ = metadata.captured_at;
+  const bool backwards = horizon_seen_at_ && metadata.captured_at < *horizon_seen_at_;
+  if (horizon_seen_at_ && !backwards && metadata.captured_at - *horizon_seen_at_ < options_.horizon_interval) return;
+  const double since_s = !horizon_seen_at_ ? 0.0 : std::abs(to_seconds(metadata.captured_at - *horizon_seen_at_));
+  horizon_seen_at_ = metadata.captured_at;
 
   auto seen = measure_horizon(scene_, scene);
   if (!seen.usable() && sky_picture) seen = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
@@ -133,7 +132,7 @@ AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBo
   const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_),
                           scene_.light_to_xyz(), options_.zeta);
   return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
-    // Back into the camera's own light: what its pixels are compared and mixed with.
+    // Back into the camera's own linear light, in which its pixels are compared and blended.
     return airlight.from(direction) * scene_.white_balance * scene_.vignetting.at(pixel);
   });
 }

@@ -1,4 +1,4 @@
-// Today's air between the scene camera and the object: from T and the visible horizon to what the renderer needs.
+// Today's air between the scene camera and the object: turns T and the visible horizon into what the renderer needs.
 #pragma once
 
 #include <memory>
@@ -18,9 +18,9 @@ struct SceneAirOptions {
   ScatteringModel scattering = ScatteringModel::morales2017;
   ZetaForm zeta = ZetaForm::full;
   bool aerial_perspective = true;                       // false: the "before" picture
-  std::optional<Turbidity> turbidity;                   // instead of the sky's
-  Turbidity until_known{3.0};                           // while no sky frame was usable: an ordinary clear day
-  Duration horizon_interval = std::chrono::seconds(1);  // between looks for the horizon
+  std::optional<Turbidity> turbidity;                   // instead of the estimate from the sky
+  Turbidity until_known{3.0};                           // until a sky frame is usable: an ordinary clear day
+  Duration horizon_interval = std::chrono::seconds(1);  // between measurements of the horizon
 };
 
 // The air a picture is drawn under.
@@ -28,16 +28,16 @@ struct SceneConditions {
   Turbidity turbidity;
   SunDirection sun{0, 0, 1};
   SkyCondition sky = SkyCondition::unknown;
-  std::shared_ptr<const MeasuredSky> measured;  // its clouds; null: the model alone
-  // How far the haze before the object blurs it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
+  std::shared_ptr<const MeasuredSky> measured;  // the clouds; null: the sky model alone
+  // Blur of the object by the haze in front of it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
   // deviation in pixels. The fog of a valley is not counted.
   double haze_blur_px = 0.0;
 };
 
-// What the renderer needs to draw one frame: all of it, so that nothing has to be asked twice.
+// All that the renderer needs to draw one frame.
 struct DrawnAir {
-  // Haze, light and the model's horizon over the object's part of the picture. Empty: what the layer was drawn under
-  // looks the same.
+  // Haze, light and the model's horizon over the object's part of the picture. Empty: the cached layer looks the same
+  // under the present air.
   std::optional<ObjectAppearance> appearance;
   // Measured light from infinity in the scene camera's linear light; a plain grey of 0.5 while no horizon is known.
   AirlightGrid measured;
@@ -48,16 +48,16 @@ class SceneAir {
   SceneAir(const Installation& installation, SceneAirOptions options);
 
   SceneConditions conditions(const SkyReport& report) const;
-  // Takes a scene frame in, and what the sky camera knows: the conditions that the frame is to be drawn under.
-  SceneConditions take_in(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky);
+  // Updates the horizon from a scene frame and the sky's report; returns the conditions to draw the frame under.
+  SceneConditions observe(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky);
   // `box`: where the object appears. `layer`: the conditions its layer was drawn under; null: there is none.
   DrawnAir drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer = nullptr) const;
 
-  // Looks at the horizon in a scene frame (at most once in horizon_interval of recorded time; between, the camera's own
-  // exposure carries it on). `sky_picture`: the latest of the sky camera, for scenes that show no sky; may be null.
-  // `conditions`: for when neither shows any; may be null. Part of take_in().
-  void look_for_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
-                        const SceneConditions* conditions = nullptr);
+  // Measures the horizon in a scene frame, at most once per horizon_interval of recorded time; in between it follows
+  // the camera's exposure. `sky_picture`: the sky camera's latest, for scenes that show no sky; may be null.
+  // `conditions`: for a model of the sky when neither picture shows any; may be null. Part of observe().
+  void update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
+                      const SceneConditions* conditions = nullptr);
   const HorizonLight& horizon() const { return horizon_; }
 
  private:
@@ -78,7 +78,7 @@ class SceneAir {
   SceneAirOptions options_;
   AttenuationNodes nodes_;
   HorizonLight horizon_;
-  std::optional<Instant> looked_at_;
+  std::optional<Instant> horizon_seen_at_;
   std::optional<double> exposure_;  // of the last frame: seconds times gain
 };
 

@@ -1,4 +1,4 @@
-// A picture of the scene camera on its way to the screen.
+// A picture from the scene camera on its way to the screen.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace kasumi {
 struct SceneFrame {
   FrameMetadata metadata;
   DecodedPicture picture;
-  std::shared_ptr<const void> holder;  // of the driver's buffer
-  std::uint64_t outages = 0;           // of the camera, before it came
+  std::shared_ptr<const void> holder;  // keeps the driver's buffer in use
+  std::uint64_t outages = 0;           // of the camera before this frame
 };
 
 }  // namespace kasumi

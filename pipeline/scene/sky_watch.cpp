@@ -8,7 +8,7 @@ namespace kasumi {
 
 namespace {
 
-// Between two pictures of a slow camera; then they have passed.
+// Longer than between two pictures of a slow camera; older clouds have moved on.
 constexpr Duration kCloudsHold = std::chrono::minutes(2);
 
 }  // namespace
@@ -26,7 +26,7 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {
     SunCheck unknown;
-    unknown.words = "the time is not to be trusted yet";
+    unknown.words = "the time is not trusted yet";
     return unknown;
   }
   const bool clock_trusted = sun_from == SunSource::ephemeris;
@@ -40,7 +40,7 @@ SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_f
 void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
   const SunCheck& sun = report.sun;
   if (sun.source == SunSource::none) {
-    report.estimate.reason = "the sun's place is unknown: " + sun.words;
+    report.estimate.reason = "the sun's position is unknown: " + sun.words;
     return;
   }
   if (options_.estimator) {
@@ -71,7 +71,7 @@ Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource 
   estimate(*picture, report);
   last_estimate_ = report.estimate;
   last_measured_ = report.measured;
-  last_looked_ = when;
+  last_observed_ = when;
   tracker_.observe(report.estimate, when);
   add_air(report, when);
   return report;
@@ -82,7 +82,7 @@ SkyReport SkyWatch::at(Instant when, Utc utc, SunSource sun_from) const {
   report.utc = utc;
   report.sun = place_sun(utc, nullptr, sun_from);
   report.estimate = last_estimate_;
-  if (when - last_looked_ <= kCloudsHold) report.measured = last_measured_;
+  if (when - last_observed_ <= kCloudsHold) report.measured = last_measured_;
   add_air(report, when);
   return report;
 }
@@ -105,7 +105,7 @@ TurbidityEstimate checked(TurbidityEstimate estimate) {
   if (possible) return estimate;
   TurbidityEstimate refused;
   refused.sky = estimate.sky;
-  refused.reason = fmt::format("rejected: a turbidity of {} +- {} cannot be", t, sigma);
+  refused.reason = fmt::format("rejected: a turbidity of {} +- {} is impossible", t, sigma);
   return refused;
 }
 

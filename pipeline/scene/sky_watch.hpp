@@ -16,22 +16,22 @@
 
 namespace kasumi {
 
-// What one sky frame taught us; the renderer reads the latest of these.
+// Result of one sky frame; the renderer uses the latest.
 struct SkyReport {
   Utc utc{};
   TurbidityEstimate estimate;               // of this frame
   std::optional<TrackedTurbidity> tracked;  // over time; empty until the first usable estimate
   std::optional<AirQuality> air;            // of the tracked turbidity
   SunCheck sun;
-  std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: it tells no more than the model
+  std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: nothing beyond the model
   std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
 };
 
 using TurbidityEstimator = std::function<TurbidityEstimate(const SkyPicture&, const SunDirection&)>;
 
 struct SkyWatchOptions {
-  EstimateOptions estimate;      // but its sky, which is the site's
-  TurbidityEstimator estimator;  // instead of ours, for tests
+  EstimateOptions estimate;      // except its sky, which is the site's
+  TurbidityEstimator estimator;  // replaces the built-in one, for tests
 };
 
 // Belongs to one thread.
@@ -39,16 +39,17 @@ class SkyWatch {
  public:
   explicit SkyWatch(const Installation& installation, SkyWatchOptions options = {});
 
-  // A recorded frame: its own time, and its clock is believed. Errors (bad_input): a frame without a picture:
-  // truncated, flagged, damaged, of another size. The watch goes on.
+  // For a recorded frame, whose own time is used and trusted. Errors (bad_input): a frame without a picture: truncated,
+  // flagged, damaged, of another size. The watch can continue.
   Result<SkyReport> observe(const Frame& frame) {
     return observe(frame, frame.metadata.captured_at, SunSource::ephemeris);
   }
-  // A live one, taken in at `when`. `sun_from`: what may place the sun; from `none` nothing is estimated.
+  // For a live frame that arrived at `when`. `sun_from`: where to take the sun's position from; with `none` nothing is
+  // estimated.
   Result<SkyReport> observe(const Frame& frame, Instant when, SunSource sun_from);
-  // While no frame comes: the last estimate, the air as it has aged, the sun where it stands at `utc`.
+  // While no frame comes: the last estimate, the tracked air at its present age, the sun's position at `utc`.
   SkyReport at(Instant when, Utc utc, SunSource sun_from) const;
-  // What was known of the air at an earlier instant. No effect once an estimate has been taken in.
+  // Restores what was known of the air at an earlier instant. No effect once there is an estimate.
   void remember(Turbidity turbidity, double sigma, Instant when);
 
  private:
@@ -57,17 +58,17 @@ class SkyWatch {
   void add_air(SkyReport& report, Instant when) const;
 
   Site site_;
-  glm::dvec3 object_m_;  // where clouds may shade it
+  glm::dvec3 object_m_;  // clouds in front of the sun may shade it
   double cloud_base_m_;
   SkyWatchOptions options_;
   SkyObserver observer_;
   TurbidityTracker tracker_;
   TurbidityEstimate last_estimate_;
   std::shared_ptr<const MeasuredSky> last_measured_;  // of the same frame
-  Instant last_looked_{};
+  Instant last_observed_{};
 };
 
-// An estimate whose numbers cannot be is made unusable, with a reason.
+// Marks an estimate with impossible numbers as unusable, with a reason.
 TurbidityEstimate checked(TurbidityEstimate estimate);
 
 }  // namespace kasumi

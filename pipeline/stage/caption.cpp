@@ -17,7 +17,7 @@
 namespace kasumi {
 namespace {
 
-// Where Debian's packages put them; the second group lends what the first has no glyph for (Japanese).
+// Debian's paths; the second group supplies glyphs that the first lacks (Japanese).
 constexpr std::array kFonts{
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",  // fonts-dejavu-core
     "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
@@ -28,12 +28,12 @@ constexpr std::array kFonts{
     "/usr/share/fonts-droid-fallback/truetype/DroidSansFallbackFull.ttf",
 };
 constexpr std::size_t kMostCharacters = 4000;
-constexpr double kLeastHeight = 6.0, kMostHeight = 512.0;
+constexpr double kMinHeight = 6.0, kMostHeight = 512.0;
 constexpr int kMostWidth = 16384;
 
-constexpr glm::dvec3 kWords{247, 246, 241};
-constexpr glm::dvec3 kGround{17, 19, 23};
-constexpr double kGroundOpacity = 0.72;
+constexpr glm::dvec3 kTextColour{247, 246, 241};
+constexpr glm::dvec3 kBackground{17, 19, 23};
+constexpr double kBackgroundOpacity = 0.72;
 
 // FreeType counts in 64ths of a pixel.
 double from_26_6(FT_Pos value) {
@@ -59,7 +59,7 @@ class Fonts {
  public:
   static Result<Fonts> open(const CaptionStyle& style) {
     FT_Library library = nullptr;
-    if (FT_Init_FreeType(&library) != 0) return fail(FaultKind::unsupported, "FreeType does not start");
+    if (FT_Init_FreeType(&library) != 0) return fail(FaultKind::unsupported, "FreeType cannot be initialised");
     Fonts fonts{Library(library)};
     if (style.font_file) {
       if (const FT_Error error = fonts.add(style.font_file->c_str(), style.height_px); error != 0)
@@ -68,8 +68,7 @@ class Fonts {
     }
     for (const char* file : kFonts) fonts.add(file, style.height_px);
     if (fonts.faces_.empty())
-      return fail(FaultKind::unsupported,
-                  "no font for words on the picture (on Debian: apt install fonts-dejavu-core)");
+      return fail(FaultKind::unsupported, "no font for text on the picture (on Debian: apt install fonts-dejavu-core)");
     return fonts;
   }
 
@@ -79,7 +78,7 @@ class Fonts {
     return {faces_.front().get(), 0};
   }
 
-  // Calls put(glyph, x) with the pen's place before each glyph; answers where the pen ends.
+  // Calls put(glyph, x) with the pen position before each glyph; returns the final pen position.
   template <class Put>
   double walk(std::u32string_view line, Put put) const {
     double pen = 0.0;
@@ -91,7 +90,7 @@ class Fonts {
         FT_Get_Kerning(now.face, before.index, now.index, FT_KERNING_UNFITTED, &kerning);
       pen += from_26_6(kerning.x);
       put(now, pen);
-      // 16.16, not rounded to whole pixels
+      // 16.16 fixed point, not rounded to whole pixels
       FT_Fixed advance = 0;
       if (FT_Load_Glyph(now.face, now.index, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP) == 0)
         advance = now.face->glyph->linearHoriAdvance;
@@ -113,7 +112,7 @@ class Fonts {
     if (const FT_Error error = FT_New_Face(library_.get(), file, 0, &opened); error != 0) return error;
     Face face(opened);
     if (!FT_IS_SCALABLE(opened)) return FT_Err_Unknown_File_Format;
-    // The first font's tallest letters and deepest tails fit a line; the others take its size.
+    // The first font's ascenders and descenders fit a line; the others use its size.
     if (faces_.empty()) {
       const double tall = static_cast<double>(opened->ascender - opened->descender) / opened->units_per_EM;
       em_px_ = height_px / std::clamp(tall, 1.2, 2.0);
@@ -129,7 +128,7 @@ class Fonts {
   double em_px_ = 0.0;
 };
 
-// How much of each pixel the words cover.
+// Adds a glyph's coverage to each pixel.
 void add_glyph(Image<float>& coverage, const Glyph& glyph, double x, double baseline) {
   if (FT_Load_Glyph(glyph.face, glyph.index, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP) != 0) return;
   const FT_GlyphSlot slot = glyph.face->glyph;
@@ -149,7 +148,7 @@ void add_glyph(Image<float>& coverage, const Glyph& glyph, double x, double base
     }
 }
 
-// The part of a pixel inside a rounded rectangle that fills the picture, from its centre's distance to the edge.
+// Coverage of a pixel by the rounded rectangle that fills the picture, from its centre's distance to the edge.
 double inside_rounded(int x, int y, int width, int height, double radius) {
   const double dx = std::max(std::abs(x + 0.5 - width / 2.0) - (width / 2.0 - radius), 0.0);
   const double dy = std::max(std::abs(y + 0.5 - height / 2.0) - (height / 2.0 - radius), 0.0);
@@ -157,10 +156,10 @@ double inside_rounded(int x, int y, int width, int height, double radius) {
   return std::clamp(radius - std::hypot(dx, dy) + 0.5, 0.0, 1.0);
 }
 
-Rgba8 words_over_ground(double words, double ground) {
-  const double opacity = words + ground * (1.0 - words);
+Rgba8 text_over_background(double text, double background) {
+  const double opacity = text + background * (1.0 - text);
   if (opacity <= 0.0) return {};
-  const glm::dvec3 colour = (kWords * words + kGround * ground * (1.0 - words)) / opacity;
+  const glm::dvec3 colour = (kTextColour * text + kBackground * background * (1.0 - text)) / opacity;
   return {glm::round(glm::dvec4(colour, 255.0 * opacity))};
 }
 
@@ -168,8 +167,8 @@ Rgba8 words_over_ground(double words, double ground) {
 
 Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& style) {
   Problems problems;
-  if (!(style.height_px >= kLeastHeight && style.height_px <= kMostHeight))
-    problems.add("caption: lines of {} pixels: expected {} to {}", style.height_px, kLeastHeight, kMostHeight);
+  if (!(style.height_px >= kMinHeight && style.height_px <= kMostHeight))
+    problems.add("caption: lines of {} pixels: expected {} to {}", style.height_px, kMinHeight, kMostHeight);
   if (style.largest_width_px < 1 || style.largest_width_px > kMostWidth)
     problems.add("caption: {} pixels wide: expected 1 to {}", style.largest_width_px, kMostWidth);
   auto characters = characters_of(text);
@@ -205,7 +204,7 @@ Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& s
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       picture.at(x, y) =
-          words_over_ground(coverage.at(x, y), kGroundOpacity * inside_rounded(x, y, width, height, radius));
+          text_over_background(coverage.at(x, y), kBackgroundOpacity * inside_rounded(x, y, width, height, radius));
   return picture;
 }
 

@@ -1,4 +1,4 @@
-// The overlay on a target: over the finished picture, for the people who set a kiosk up.
+// Draws the overlay over the finished picture, for people who set up a kiosk.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ class Overlay {
   // `font_file`: as CaptionStyle's.
   Overlay(GlContext& context, const Installation& installation, const ModelBounds& bounds,
           std::optional<std::filesystem::path> font_file);
-  // Drawn anew only for a target of another size. Errors: bad_input (font file), device.
+  // Rendered again only for a target of another size. Errors: bad_input (font file), device.
   Result<> draw(const DrawTarget& target);
 
  private:

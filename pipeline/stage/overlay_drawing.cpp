@@ -12,33 +12,30 @@ namespace kasumi {
 
 namespace {
 
-using Kind = OverlayLine::Kind;
-using Side = OverlayLabel::Side;
-
 constexpr double kEdgeOpacity = 0.55;
 constexpr glm::dvec3 kEdge{8, 10, 14};
 
 struct Pen {
   glm::dvec3 colour;
-  double width;  // of the usual
+  double width;  // relative to the usual
 };
 
-Pen pen_of(Kind kind) {
+Pen pen_of(OverlayLineKind kind) {
   switch (kind) {
-    case Kind::grid: return {{205, 225, 240}, 0.55};
-    case Kind::horizon: return {{255, 170, 60}, 1.0};
-    case Kind::box: return {{255, 240, 150}, 0.6};
-    case Kind::footprint: return {{255, 240, 150}, 1.2};
-    case Kind::axis_x: return {{255, 90, 80}, 1.0};
-    case Kind::axis_y: return {{110, 230, 110}, 1.0};
-    case Kind::axis_z: return {{100, 160, 255}, 1.0};
-    case Kind::heading: return {{255, 255, 255}, 1.2};
-    case Kind::landmark: return {{255, 130, 240}, 1.3};
+    case OverlayLineKind::grid: return {{205, 225, 240}, 0.55};
+    case OverlayLineKind::horizon: return {{255, 170, 60}, 1.0};
+    case OverlayLineKind::box: return {{255, 240, 150}, 0.6};
+    case OverlayLineKind::footprint: return {{255, 240, 150}, 1.2};
+    case OverlayLineKind::axis_x: return {{255, 90, 80}, 1.0};
+    case OverlayLineKind::axis_y: return {{110, 230, 110}, 1.0};
+    case OverlayLineKind::axis_z: return {{100, 160, 255}, 1.0};
+    case OverlayLineKind::heading: return {{255, 255, 255}, 1.2};
+    case OverlayLineKind::landmark: return {{255, 130, 240}, 1.3};
   }
   return {{255, 255, 255}, 1.0};
 }
 
-// `colour` over what is there, both encoded and not multiplied by their opacity.
+// Alpha blending; both colours are encoded and not premultiplied.
 void blend(Rgba8& pixel, const glm::dvec3& colour, double opacity) {
   if (opacity <= 0.0) return;
   const double below = pixel.a / 255.0 * (1.0 - opacity), together = opacity + below;
@@ -60,34 +57,34 @@ struct Rectangle {
   }
 };
 
-// Beside its point, and inside the picture.
-Rectangle rectangle_of(const OverlayLabel& label, const glm::dvec2& at, const Image<Rgba8>& words, double gap,
+// Next to its point and inside the picture.
+Rectangle rectangle_of(const OverlayLabel& label, const glm::dvec2& at, const Image<Rgba8>& text, double gap,
                        const Image<Rgba8>& picture) {
-  const double w = words.width(), h = words.height();
+  const double w = text.width(), h = text.height();
   glm::dvec2 corner = at - 0.5 * glm::dvec2{w, h};
-  if (label.side == Side::left_of) corner.x = at.x - gap - w;
-  if (label.side == Side::right_of) corner.x = at.x + gap;
-  if (label.side == Side::above) corner.y = at.y - gap - h;
-  if (label.side == Side::below) corner.y = at.y + gap;
+  if (label.side == OverlayLabelSide::left_of) corner.x = at.x - gap - w;
+  if (label.side == OverlayLabelSide::right_of) corner.x = at.x + gap;
+  if (label.side == OverlayLabelSide::above) corner.y = at.y - gap - h;
+  if (label.side == OverlayLabelSide::below) corner.y = at.y + gap;
   corner = glm::round(
       glm::clamp(corner, glm::dvec2{gap},
                  glm::max(glm::dvec2{gap}, glm::dvec2{picture.width() - w - gap, picture.height() - h - gap})));
   return {corner.x, corner.y, corner.x + w, corner.y + h};
 }
 
-void put(Image<Rgba8>& picture, const Image<Rgba8>& words, const Rectangle& place) {
+void put(Image<Rgba8>& picture, const Image<Rgba8>& text, const Rectangle& place) {
   const int left = static_cast<int>(place.left), top = static_cast<int>(place.top);
-  for (int y = 0; y < words.height(); ++y)
-    for (int x = 0; x < words.width(); ++x)
+  for (int y = 0; y < text.height(); ++y)
+    for (int x = 0; x < text.width(); ++x)
       if (picture.contains(left + x, top + y))
-        blend(picture.at(left + x, top + y), glm::dvec3(words.at(x, y)), words.at(x, y).a / 255.0);
+        blend(picture.at(left + x, top + y), glm::dvec3(text.at(x, y)), text.at(x, y).a / 255.0);
 }
 
 }  // namespace
 
 void draw_line(Image<Rgba8>& picture, const std::vector<glm::dvec2>& points, double width_px,
                const glm::dvec3& colour) {
-  // The whole line's distance first, so that its pieces do not show where they meet.
+  // Computes the distance to the whole line first, so that no seams show between segments.
   const double half = 0.5 * width_px, edge = 1.5 * width_px, reach = edge + 0.5;
   glm::dvec2 low{1e18}, high{-1e18};
   for (const auto& point : points) low = glm::min(low, point), high = glm::max(high, point);
@@ -125,7 +122,7 @@ Result<Image<Rgba8>> draw_shapes(const OverlayShapes& shapes, int width, int hei
   // The grid lies under everything else.
   for (const bool grid : {true, false})
     for (const auto& line : shapes.lines) {
-      if ((line.kind == Kind::grid) != grid) continue;
+      if ((line.kind == OverlayLineKind::grid) != grid) continue;
       std::vector<glm::dvec2> points;
       for (const auto& point : line.points) points.push_back(here(point));
       const auto pen = pen_of(line.kind);
@@ -138,19 +135,19 @@ Result<Image<Rgba8>> draw_shapes(const OverlayShapes& shapes, int width, int hei
   style.largest_width_px = std::max(64, width / 2);
   std::vector<Rectangle> taken;
   for (const auto& label : shapes.labels) {
-    const auto words = draw_caption(label.text, style);
-    if (!words && words.error().kind == FaultKind::unsupported) break;  // no font: the lines say most of it
-    if (!words) return fail(words.error());
-    auto place = rectangle_of(label, here(label.at), *words, 2.0 * usual, picture);
+    const auto text = draw_caption(label.text, style);
+    if (!text && text.error().kind == FaultKind::unsupported) break;  // no font: draw the lines only
+    if (!text) return fail(text.error());
+    auto place = rectangle_of(label, here(label.at), *text, 2.0 * usual, picture);
     const auto is_free = [&] {
       return std::ranges::none_of(taken, [&](const Rectangle& other) { return place.overlaps(other); });
     };
-    // What must be said moves up until there is room.
-    const double step = words->height() + usual;
+    // A required label moves up until there is room.
+    const double step = text->height() + usual;
     while (!label.may_be_left_out && !is_free() && place.top > step) place.top -= step, place.bottom -= step;
     if (label.may_be_left_out && !is_free()) continue;
     taken.push_back(place);
-    put(picture, *words, place);
+    put(picture, *text, place);
   }
   return picture;
 }

@@ -13,16 +13,13 @@ namespace kasumi {
 
 namespace {
 
-using Kind = OverlayLine::Kind;
-using Side = OverlayLabel::Side;
-
-constexpr int kPieces = 96;  // of a line of the grid: a lens bends it
+constexpr int kPieces = 96;  // segments per grid line, since a lens bends it
 
 Direction direction_of(double azimuth_deg, double elevation_deg) {
   return direction_from(from_degrees(90.0 - elevation_deg), from_degrees(azimuth_deg));
 }
 
-// What the picture shows, degrees; azimuths may go beyond 360 or below 0 so that they have no gap.
+// Directions that the picture covers, degrees; azimuths may exceed 360 or be negative, so that the range has no gap.
 struct Extent {
   double least_azimuth = 1e9, greatest_azimuth = -1e9, least_elevation = 90.0, greatest_elevation = -90.0;
   double azimuths() const { return greatest_azimuth - least_azimuth; }
@@ -46,7 +43,7 @@ class Shapes {
   bool contains(const glm::dvec2& pixel) const {
     return pixel.x >= -0.5 && pixel.y >= -0.5 && pixel.x <= scene_.width - 0.5 && pixel.y <= scene_.height - 0.5;
   }
-  // Far outside, the lens's polynomial may lead back into the picture.
+  // Far outside its range, the lens's polynomial may fold back into the picture.
   std::optional<glm::dvec2> pixel_of(const glm::dvec3& place) const {
     if (glm::length(place) <= 0.0) return std::nullopt;
     const auto direction = glm::normalize(place);
@@ -56,9 +53,9 @@ class Shapes {
     return back && angle_between(*back, direction).value < 1e-4 ? pixel : std::nullopt;
   }
 
-  // Adds the parts of a line that are seen; answers the points inside the picture.
+  // Adds the visible parts of a line; returns its points inside the picture.
   template <class PlaceAt>
-  std::vector<glm::dvec2> add_line(Kind kind, int pieces, PlaceAt place_at) {
+  std::vector<glm::dvec2> add_line(OverlayLineKind kind, int pieces, PlaceAt place_at) {
     std::vector<glm::dvec2> inside;
     OverlayLine line{kind, {}};
     const auto end = [&] {
@@ -69,9 +66,9 @@ class Shapes {
     for (int i = 0; i <= pieces; ++i) {
       const auto pixel = pixel_of(place_at(static_cast<double>(i) / pieces));
       if (!pixel || !is_near(*pixel)) {
-        if (pixel && !line.points.empty()) line.points.push_back(*pixel);  // to where it leaves
+        if (pixel && !line.points.empty()) line.points.push_back(*pixel);  // where it leaves the picture
         end();
-        if (pixel) line.points.push_back(*pixel);  // from where it may come in
+        if (pixel) line.points.push_back(*pixel);  // where it may enter the picture
         continue;
       }
       line.points.push_back(*pixel);
@@ -121,24 +118,24 @@ class Shapes {
     const double high = std::min(seen.greatest_elevation + step, 89.0);
     for (int i = first(seen.least_azimuth); i <= last(seen.greatest_azimuth); ++i) {
       const double azimuth = i * step;
-      const auto inside =
-          add_line(Kind::grid, kPieces, [&](double t) { return direction_of(azimuth, low + t * (high - low)); });
+      const auto inside = add_line(OverlayLineKind::grid, kPieces,
+                                   [&](double t) { return direction_of(azimuth, low + t * (high - low)); });
       const double named = std::fmod(std::fmod(azimuth, 360.0) + 360.0, 360.0);
       if (inside.empty()) continue;
       const auto highest = *std::ranges::min_element(inside, {}, &glm::dvec2::y);
-      shapes_.labels.push_back({highest, Side::below, fmt::format("{:.{}f}°", named, decimals), true});
+      shapes_.labels.push_back({highest, OverlayLabelSide::below, fmt::format("{:.{}f}°", named, decimals), true});
     }
     const double from = seen.least_azimuth - step, to = seen.greatest_azimuth + step;
     for (int i = first(seen.least_elevation); i <= last(seen.greatest_elevation); ++i) {
       const double elevation = i * step;
       if (std::abs(elevation) > 89.0) continue;
-      const auto inside =
-          add_line(Kind::grid, kPieces, [&](double t) { return direction_of(from + t * (to - from), elevation); });
+      const auto inside = add_line(OverlayLineKind::grid, kPieces,
+                                   [&](double t) { return direction_of(from + t * (to - from), elevation); });
       if (inside.empty()) continue;
       const auto leftmost = *std::ranges::min_element(inside, {}, &glm::dvec2::x);
       const std::string sign = i > 0 ? "+" : i < 0 ? "\u2212" : "";
       shapes_.labels.push_back(
-          {leftmost, Side::right_of, fmt::format("{}{:.{}f}°", sign, std::abs(elevation), decimals), true});
+          {leftmost, OverlayLabelSide::right_of, fmt::format("{}{:.{}f}°", sign, std::abs(elevation), decimals), true});
     }
   }
 
@@ -146,27 +143,28 @@ class Shapes {
     const auto seen = extent();
     const double dip_deg = to_degrees(dip_of_horizon(installation_.site.altitude_m));
     const double from = seen.least_azimuth - 1.0, to = seen.greatest_azimuth + 1.0;
-    const auto inside =
-        add_line(Kind::horizon, 2 * kPieces, [&](double t) { return direction_of(from + t * (to - from), -dip_deg); });
+    const auto inside = add_line(OverlayLineKind::horizon, 2 * kPieces,
+                                 [&](double t) { return direction_of(from + t * (to - from), -dip_deg); });
     if (inside.empty()) return;
     const auto rightmost = *std::ranges::max_element(inside, {}, &glm::dvec2::x);
-    shapes_.labels.push_back({rightmost, Side::left_of, fmt::format("horizon \u2212{:.2f}°", dip_deg), false});
+    shapes_.labels.push_back(
+        {rightmost, OverlayLabelSide::left_of, fmt::format("horizon \u2212{:.2f}°", dip_deg), false});
   }
 
   void add_object() {
     const auto to_world = model_to_world(installation_.object.placement);
     const glm::dvec3 low(bounds_.lowest), high(bounds_.highest);
     const auto world = [&](const glm::dvec3& model) { return glm::dvec3(to_world * glm::dvec4(model, 1.0)); };
-    const auto segment = [&](Kind kind, const glm::dvec3& a, const glm::dvec3& b) {
+    const auto segment = [&](OverlayLineKind kind, const glm::dvec3& a, const glm::dvec3& b) {
       return add_line(kind, 8, [&](double t) { return world(a + t * (b - a)); });
     };
     const auto corner = [&](int x, int y, int z) {
       return glm::dvec3{x ? high.x : low.x, y ? high.y : low.y, z ? high.z : low.z};
     };
     for (const int x : {0, 1})
-      for (const int z : {0, 1}) segment(Kind::box, corner(x, 0, z), corner(x, 1, z));
+      for (const int z : {0, 1}) segment(OverlayLineKind::box, corner(x, 0, z), corner(x, 1, z));
     for (const int y : {1, 0}) {
-      const auto kind = y == 0 ? Kind::footprint : Kind::box;
+      const auto kind = y == 0 ? OverlayLineKind::footprint : OverlayLineKind::box;
       constexpr std::array<std::array<int, 2>, 5> kAround{{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}}};
       for (std::size_t i = 0; i < 4; ++i)
         segment(kind, corner(kAround[i][0], y, kAround[i][1]), corner(kAround[i + 1][0], y, kAround[i + 1][1]));
@@ -175,27 +173,28 @@ class Shapes {
     // The model's own axes; at heading 0 its x points east and its -z north.
     const glm::dvec3 size = high - low;
     const double length = 0.75 * std::max({size.x, size.y, size.z});
-    const auto axis = [&](Kind kind, const glm::dvec3& towards, const char* name) {
+    const auto axis = [&](OverlayLineKind kind, const glm::dvec3& towards, const char* name) {
       const auto inside = segment(kind, glm::dvec3{0.0}, length * towards);
       const auto tip = pixel_of(world(length * towards));
-      if (!inside.empty() && tip && contains(*tip)) shapes_.labels.push_back({*tip, Side::above, name, true});
+      if (!inside.empty() && tip && contains(*tip))
+        shapes_.labels.push_back({*tip, OverlayLabelSide::above, name, true});
     };
-    axis(Kind::axis_x, {1, 0, 0}, "x");
-    axis(Kind::axis_y, {0, 1, 0}, "y");
-    axis(Kind::axis_z, {0, 0, 1}, "z");
+    axis(OverlayLineKind::axis_x, {1, 0, 0}, "x");
+    axis(OverlayLineKind::axis_y, {0, 1, 0}, "y");
+    axis(OverlayLineKind::axis_z, {0, 0, 1}, "z");
     add_heading(world, length);
 
     const glm::dvec3 centre = world(0.5 * (low + high));
     const auto above = pixel_of(world({0.5 * (low.x + high.x), high.y, 0.5 * (low.z + high.z)}));
     if (!above || !contains(*above)) return;
     shapes_.labels.push_back(
-        {*above, Side::above,
+        {*above, OverlayLabelSide::above,
          fmt::format("{:.2f} km at {:.2f}°, heading {:.1f}°", glm::length(centre) / 1000.0,
                      to_degrees(azimuth_angle(centre)), to_degrees(installation_.object.placement.heading)),
          false});
   }
 
-  // An arrow on the ground, as long as the axes, the way -z goes.
+  // An arrow on the ground along -z, as long as the axes.
   template <class World>
   void add_heading(World world, double length) {
     const double barb = 0.15 * length;
@@ -203,7 +202,7 @@ class Shapes {
     const std::array<std::array<glm::dvec3, 2>, 3> strokes{
         {{glm::dvec3{0.0}, tip}, {tip, tip + glm::dvec3{-barb, 0.0, barb}}, {tip, tip + glm::dvec3{barb, 0.0, barb}}}};
     for (const auto& [from, to] : strokes)
-      add_line(Kind::heading, 8, [&](double t) { return world(from + t * (to - from)); });
+      add_line(OverlayLineKind::heading, 8, [&](double t) { return world(from + t * (to - from)); });
   }
 
   void add_landmarks() {
@@ -212,11 +211,11 @@ class Shapes {
       const auto pixel = pixel_of(landmark.place_m);
       if (!pixel || !contains(*pixel)) continue;
       const auto stroke = [&](const glm::dvec2& from, const glm::dvec2& to) {
-        shapes_.lines.push_back({Kind::landmark, {*pixel + arm * from, *pixel + arm * to}});
+        shapes_.lines.push_back({OverlayLineKind::landmark, {*pixel + arm * from, *pixel + arm * to}});
       };
-      // Open in the middle: the thing itself stays in sight.
+      // A cross with an open centre, so that the landmark stays visible.
       for (const glm::dvec2 towards : {glm::dvec2{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) stroke(0.3 * towards, towards);
-      shapes_.labels.push_back({*pixel - glm::dvec2{0.0, arm}, Side::above,
+      shapes_.labels.push_back({*pixel - glm::dvec2{0.0, arm}, OverlayLabelSide::above,
                                 fmt::format("{}, {:.1f} km", landmark.name, glm::length(landmark.place_m) / 1000.0),
                                 false});
     }
@@ -231,7 +230,7 @@ class Shapes {
 }  // namespace
 
 Radians dip_of_horizon(double altitude_m) {
-  const double radius = kEarthRadius_m / (1.0 - kUsualRefraction);  // the one that light along the ground seems to have
+  const double radius = kEarthRadius_m / (1.0 - kUsualRefraction);  // the effective radius with refraction
   return {std::acos(radius / (radius + std::max(altitude_m, 0.0)))};
 }
 

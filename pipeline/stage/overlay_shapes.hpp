@@ -1,6 +1,6 @@
-// What the overlay shows, in pixels of the scene camera: a grid of azimuth and elevation, the horizon, the building's
-// box, axes and heading, and landmarks where they should be. A slip of heading, place or scale shows as a difference
-// between these lines and the picture under them.
+// The overlay's contents in pixels of the scene camera: a grid of azimuth and elevation, the horizon, the building's
+// box, axes and heading, and the landmarks' expected positions. A wrong heading, place or scale shows as a mismatch
+// between these lines and the picture.
 #pragma once
 
 #include <string>
@@ -13,18 +13,20 @@
 
 namespace kasumi {
 
+enum class OverlayLineKind { grid, horizon, box, footprint, axis_x, axis_y, axis_z, heading, landmark };
+
 struct OverlayLine {
-  enum class Kind { grid, horizon, box, footprint, axis_x, axis_y, axis_z, heading, landmark };
-  Kind kind = Kind::grid;
-  std::vector<glm::dvec2> points;  // one after the other; what lies outside the picture may be missing
+  OverlayLineKind kind = OverlayLineKind::grid;
+  std::vector<glm::dvec2> points;  // in order; points outside the picture may be missing
 };
 
+enum class OverlayLabelSide { left_of, right_of, above, below, on };
+
 struct OverlayLabel {
-  enum class Side { left_of, right_of, above, below, on };
   glm::dvec2 at{};
-  Side side = Side::on;
+  OverlayLabelSide side = OverlayLabelSide::on;
   std::string text;
-  bool may_be_left_out = false;  // where there is no room
+  bool may_be_left_out = false;  // if there is no room
 };
 
 struct OverlayShapes {
@@ -32,10 +34,10 @@ struct OverlayShapes {
   std::vector<OverlayLabel> labels;  // the important ones first
 };
 
-// How far below the level the sea's horizon is seen from that altitude, refraction included.
+// Dip of the sea's horizon below the horizontal, with refraction.
 Radians dip_of_horizon(double altitude_m);
 
-// Directions are as the eye has them, as everywhere in the scene camera: refraction is in the places, not in the grid.
+// Directions are apparent ones, as everywhere in the scene camera: refraction is applied to places, not to the grid.
 OverlayShapes overlay_shapes(const Installation& installation, const ModelBounds& bounds);
 
 }  // namespace kasumi

@@ -23,7 +23,7 @@ Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optiona
   if (!still) return fail(still.error());
   Stage stage(context, content, std::move(*compositor), std::move(*still));
   if (content->config.overlay)
-    stage.overlay_.emplace(context, installation, content->model.bounds(), content->config.words.font_file);
+    stage.overlay_.emplace(context, installation, content->model.bounds(), content->config.messages.font_file);
 
   auto black = FlatPicture::create(context, Image<Rgba8>(1, 1, kBlack));
   if (!black) return fail(black.error());
@@ -41,11 +41,11 @@ Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const 
     return drawn;
   }
   if (has_scene_) return compositor_.draw_again(target);
-  clear_to(target, glm::vec3(kStillGround) / 255.0f);
+  clear_to(target, glm::vec3(kStillBackground) / 255.0f);
   return {};
 }
 
-// The picture goes on without one that cannot be drawn.
+// An overlay that cannot be drawn is dropped, and the picture goes on without it.
 Result<> Stage::draw_overlay(const DrawTarget& target) {
   if (!overlay_ || !has_scene_) return {};
   auto drawn = overlay_->draw(target);
@@ -55,25 +55,25 @@ Result<> Stage::draw_overlay(const DrawTarget& target) {
   return {};
 }
 
-void Stage::set_words(Words& drawn, const std::string& text, const DrawTarget& target) {
+void Stage::update_text(DrawnText& drawn, const std::string& text, const DrawTarget& target) {
   if (drawn.text == text && drawn.target_width == target.width) return;
   drawn = {text, target.width, std::nullopt};
   if (text.empty()) return;
   CaptionStyle style;
-  style.font_file = content_->config.words.font_file;
+  style.font_file = content_->config.messages.font_file;
   style.height_px = std::max(14.0, target.height / 28.0);
   style.largest_width_px = std::max(64, target.width * 8 / 10);
   const auto picture = draw_caption(text, style);
   if (!picture) {
-    spdlog::warn("words cannot be drawn: {}", picture.error().message);
+    spdlog::warn("a message cannot be drawn: {}", picture.error().message);
     return;
   }
   if (auto flat = FlatPicture::create(*context_, *picture)) drawn.picture = std::move(*flat);
 }
 
-Result<> Stage::draw_words(Words& drawn, const std::string& text, bool at_top, double opacity,
-                           const DrawTarget& target) {
-  set_words(drawn, text, target);
+Result<> Stage::draw_text(DrawnText& drawn, const std::string& text, bool at_top, double opacity,
+                          const DrawTarget& target) {
+  update_text(drawn, text, target);
   if (!drawn.picture || opacity <= 0.0) return {};
   const double width = drawn.picture->width(), height = drawn.picture->height(), margin = target.height / 24.0;
   const FlatPlace place{(target.width - width) / 2.0, at_top ? margin : target.height - margin - height, width, height};
@@ -84,9 +84,8 @@ Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, 
   const auto& rung = composition.rung;
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
   if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
-  if (auto drawn = draw_words(caption_, content_->config.still.caption, false, rung.still, target); !drawn)
-    return drawn;
-  if (auto drawn = draw_words(trouble_, composition.words, true, 1.0, target); !drawn) return drawn;
+  if (auto drawn = draw_text(caption_, content_->config.still.caption, false, rung.still, target); !drawn) return drawn;
+  if (auto drawn = draw_text(trouble_, composition.message, true, 1.0, target); !drawn) return drawn;
   return rung.dark > 0.0 ? black_->draw(target, everywhere(target), rung.dark) : Result<>{};
 }
 

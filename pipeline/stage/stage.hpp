@@ -1,4 +1,4 @@
-// Everything of one content under one GL context: the scene with its building, the curated picture, the words.
+// All that one content draws in one GL context: the scene with its building, the curated picture, the messages.
 #pragma once
 
 #include <optional>
@@ -13,27 +13,27 @@
 
 namespace kasumi {
 
-// What one picture consists of, from the back to the front.
+// What one picture consists of, besides the scene.
 struct Composition {
   Rung rung;
-  std::string words;  // what is wrong, for the person standing there; empty: nothing to say
+  std::string message;  // what is wrong, for visitors; empty: nothing
   friend bool operator==(const Composition&, const Composition&) = default;
 };
 
 // Belongs to the thread of its GL context.
 class Stage {
  public:
-  // BLOCKS while model and pictures are uploaded. `air`: what an earlier stage of this content had seen of it.
+  // BLOCKS while model and pictures are uploaded. `air`: of an earlier stage of this content.
   // Errors: bad_input (too large for this GL), device, unsupported.
   static Result<Stage> create(GlContext& context, ContentPtr content, std::optional<SceneAir> air = std::nullopt);
 
-  // The scene first, of a new frame or as it was drawn last. Errors: bad_input (the frame is of another size: nothing
-  // was drawn), device.
+  // Draws the scene, from a new frame or (null) as it was drawn last. Errors: bad_input (the frame has another size:
+  // nothing was drawn), device.
   Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
-  // Then what lies over it. Errors: device.
+  // Then draws what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
 
-  // The scene drawn last has the building in it (where the view shows it).
+  // Whether the scene drawn last includes the building.
   bool draws_object() const { return draws_object_; }
 
   const SceneAir& air() const { return compositor_.air(); }
@@ -42,10 +42,10 @@ class Stage {
   const std::vector<std::string>& notes() const { return compositor_.notes(); }
 
  private:
-  struct Words {
+  struct DrawnText {
     std::string text;
     int target_width = 0;
-    std::optional<FlatPicture> picture;  // empty: they could not be drawn
+    std::optional<FlatPicture> picture;  // empty: it could not be drawn
   };
   Stage(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still)
       : context_(&context),
@@ -53,16 +53,16 @@ class Stage {
         compositor_(std::move(compositor)),
         still_(std::move(still)) {}
   Result<> draw_overlay(const DrawTarget& target);
-  Result<> draw_words(Words& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
-  void set_words(Words& drawn, const std::string& text, const DrawTarget& target);
+  Result<> draw_text(DrawnText& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
+  void update_text(DrawnText& drawn, const std::string& text, const DrawTarget& target);
 
   GlContext* context_;
   ContentPtr content_;
   Compositor compositor_;
-  std::optional<Overlay> overlay_;  // empty: nobody wants it
+  std::optional<Overlay> overlay_;  // empty: not enabled
   StillPicture still_;
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
-  Words caption_, trouble_;
+  DrawnText caption_, trouble_;
   bool has_scene_ = false;
   bool draws_object_ = false;
 };

@@ -13,14 +13,14 @@
 namespace kasumi {
 namespace {
 
-// Less is not seen in a picture that nobody compares with the one before.
-const Radians kLeastSunMove = from_degrees(0.4);
-constexpr double kLeastHazeChange = 0.05;  // of T - 1
-constexpr double kLeastCloudChange = 0.1;
+// Smaller changes are invisible in a picture that nobody compares with the previous one.
+const Radians kMinSunMove = from_degrees(0.4);
+constexpr double kMinHazeChange = 0.05;  // of T - 1
+constexpr double kMinCloudChange = 0.1;
 constexpr double kUsualFieldOfView_deg = 50.0;
 
-// As the scene camera looks; lenses that are not pinholes, and views too narrow to show more than one colour, as an eye
-// would.
+// The scene camera's view; for other lenses than pinholes, and for views too narrow to show more than one colour, a
+// usual field of view instead.
 SkyView view_of_sky(const Camera& scene, int width, int height) {
   const auto pinhole = scene.lens ? pinhole_model(*scene.lens) : std::nullopt;
   const double usual = 0.5 / std::tan(0.5 * from_degrees(kUsualFieldOfView_deg).value);
@@ -28,17 +28,17 @@ SkyView view_of_sky(const Camera& scene, int width, int height) {
   return {SkyProjection::perspective, width, height, std::min(focal, 4.0 * usual) * width, scene.to_world};
 }
 
-// The curator's picture was taken by day and stays as it is: its sky gives way to the dusk more than eyes that adapt
-// would have it.
+// The curated picture was taken by day and does not change: its sky must darken at dusk more than it would for adapted
+// eyes.
 void dim(SkyScene& scene, const SkySums& sums) {
-  constexpr double kDay_cd_m2 = 3000.0, kLoss = 0.15;  // in stops, of what the light loses
+  constexpr double kDay_cd_m2 = 3000.0, kLoss = 0.15;  // of the stops that the light loses
   scene.exposure *= std::pow(std::clamp(sums.mean_luminance / kDay_cd_m2, 1e-4, 1.0), kLoss);
 }
 
-// A closed cover is grey and even; so much of it as there are clouds.
+// Blends in an overcast sky, grey and even, in proportion to the clouds.
 void cover(SkyScene& scene, const SkySums& sums, double clouds) {
   if (clouds <= 0.0) return;
-  constexpr double kLevel = 0.55;  // of the clear sky's mean: what its exposure was chosen by
+  constexpr double kLevel = 0.55;  // of the clear sky's mean, which set the exposure
   const glm::dvec3 grey = kLevel * sums.mean_luminance * glm::dvec3(0.97, 1.0, 1.04);
   for (auto& coefficient : scene.sky.coefficients) coefficient *= static_cast<float>(1.0 - clouds);
   scene.sky.coefficients[0] += glm::vec3(clouds * grey);
@@ -52,8 +52,9 @@ std::optional<StillSky> still_sky(const SkyReport& report) {
   if (report.sun.source == SunSource::none || sky == SkyCondition::night) return std::nullopt;
   StillSky found;
   found.sun = report.sun.direction;
-  if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil dusk has ended
-  if (report.tracked) found.turbidity = report.tracked->turbidity;  // Preetham's too means his optical depth of haze
+  if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil twilight has ended
+  // Preetham's T stands for the same optical depth of haze here.
+  if (report.tracked) found.turbidity = report.tracked->turbidity;
   if (sky == SkyCondition::overcast)
     found.clouds = 1.0;
   else if (sky == SkyCondition::partly_cloudy)
@@ -65,9 +66,9 @@ Result<StillPicture> StillPicture::create(GlContext& context, const Content& con
   StillPicture still(context);
   still.scene_ = content.config.installation.scene;
   still.altitude_m_ = content.config.installation.site.altitude_m;
-  auto ground = FlatPicture::create(context, Image<Rgba8>(1, 1, kStillGround));
-  if (!ground) return fail(ground.error());
-  still.ground_ = std::move(*ground);
+  auto background = FlatPicture::create(context, Image<Rgba8>(1, 1, kStillBackground));
+  if (!background) return fail(background.error());
+  still.background_ = std::move(*background);
   if (!content.still) return still;
   auto curated = FlatPicture::create(context, *content.still);
   if (!curated) return fail(curated.error());
@@ -80,20 +81,20 @@ bool StillPicture::holds(const DrawTarget& target, const StillSky& sky) const {
   if (!with_sky_ || with_sky_->width != target.width || with_sky_->height != target.height) return false;
   const auto& drawn = with_sky_->sky;
   const double haze = sky.turbidity.value - 1.0, drawn_haze = drawn.turbidity.value - 1.0;
-  return std::abs(haze - drawn_haze) <= kLeastHazeChange * drawn_haze &&
-         std::abs(sky.clouds - drawn.clouds) <= kLeastCloudChange && angle_between(sky.sun, drawn.sun) <= kLeastSunMove;
+  return std::abs(haze - drawn_haze) <= kMinHazeChange * drawn_haze &&
+         std::abs(sky.clouds - drawn.clouds) <= kMinCloudChange && angle_between(sky.sun, drawn.sun) <= kMinSunMove;
 }
 
-// Drawn beside the target and taken as one picture, so that it can fade.
+// Rendered offscreen into one picture, so that it can fade.
 Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   if (!dome_) {
     auto dome = DomeRenderer::create(*context_);
     if (!dome) return fail(dome.error());
     dome_ = std::move(*dome);
   }
-  auto beside = Offscreen::create(context_->info(), target.width, target.height);
-  if (!beside) return fail(beside.error());
-  const DrawTarget whole = beside->target();
+  auto offscreen = Offscreen::create(context_->info(), target.width, target.height);
+  if (!offscreen) return fail(offscreen.error());
+  const DrawTarget whole = offscreen->target();
   const int width = curated_ ? curated_->width() : target.width, height = curated_ ? curated_->height() : target.height;
   const SkyView view = view_of_sky(scene_, width, height);
   SkyRequest request;
@@ -104,7 +105,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   const auto sums = sky_sums(SkyPainter(scene));
   dim(scene, sums);
   cover(scene, sums, sky.clouds);
-  clear_to(whole, glm::vec3(kStillGround) / 255.0f);
+  clear_to(whole, glm::vec3(kStillBackground) / 255.0f);
   if (auto set = dome_->set(view, scene); !set) return set;
   if (auto drawn = dome_->draw(whole); !drawn) return drawn;
   if (curated_) {
@@ -115,9 +116,9 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
     const double below = std::clamp(0.5 * height + view.focal_px * std::tan(std::asin(axis.z)), 0.0, 1.0 * height);
     const FlatPlace land{0.0, below, static_cast<double>(width), height - below};
     if (land.height > 0.0)
-      if (auto drawn = ground_->draw(whole, land); !drawn) return drawn;
+      if (auto drawn = background_->draw(whole, land); !drawn) return drawn;
   }
-  const auto pixels = beside->read();
+  const auto pixels = offscreen->read();
   if (!pixels) return fail(pixels.error());
   Image<Rgba8> opaque(pixels->width(), pixels->height());
   std::ranges::transform(pixels->elements(), opaque.elements().begin(),
@@ -129,7 +130,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
 }
 
 Result<> StillPicture::draw_plain(const DrawTarget& target, double opacity) {
-  if (auto drawn = ground_->draw(target, everywhere(target), opacity); !drawn) return drawn;
+  if (auto drawn = background_->draw(target, everywhere(target), opacity); !drawn) return drawn;
   return curated_ ? curated_->draw(target, fitted(target, curated_->width(), curated_->height()), opacity) : Result<>{};
 }
 

@@ -1,5 +1,5 @@
-// What is shown instead of the scene: the curator's picture, and where that is transparent, or where there is none, the
-// sky as it is now behind it.
+// What is shown instead of the scene: the curated picture, with the present sky behind its transparent parts, or the
+// sky alone where there is no picture.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,16 @@
 
 namespace kasumi {
 
-// Around and instead of a curated picture: a dusk that no one mistakes for black.
-constexpr Rgba8 kStillGround{38, 44, 52, 255};
+// Around and instead of a curated picture: a dusky grey that nobody mistakes for a black screen.
+constexpr Rgba8 kStillBackground{38, 44, 52, 255};
 
-// What its sky is drawn from.
+// Parameters of its sky.
 struct StillSky {
   Turbidity turbidity{3.0};  // of an ordinary clear day
   SunDirection sun{0.0, 0.0, 1.0};
-  double clouds = 0.0;  // share of the sky: the more, the greyer
+  double clouds = 0.0;  // share of the sky that they cover
 };
-// Empty while nobody knows where the sun is, or that it is night or the lens covered: then there is no sky to show.
+// Empty at night and while the sun's position is unknown: then no sky is shown.
 std::optional<StillSky> still_sky(const SkyReport& report);
 
 class StillPicture {
@@ -28,12 +28,12 @@ class StillPicture {
   // BLOCKS while the picture is uploaded. Errors: bad_input (too large for this GL), device.
   static Result<StillPicture> create(GlContext& context, const Content& content);
 
-  // Blends it over what the target shows. The sky is drawn anew where it has changed for the eye: every few minutes.
-  // Errors: device.
+  // Blends it over the target's contents. The sky is redrawn when it has changed visibly: every few minutes. Errors:
+  // device.
   Result<> draw(const DrawTarget& target, const SkyReport& report, double opacity);
 
  private:
-  struct WithSky {  // the whole picture, of a target's size
+  struct WithSky {  // the complete picture at a target's size
     FlatPicture picture;
     StillSky sky;
     int width = 0, height = 0;
@@ -48,8 +48,8 @@ class StillPicture {
   double altitude_m_ = 0.0;  // of the site
   bool shows_sky_ = true;
   std::optional<FlatPicture> curated_;
-  std::optional<FlatPicture> ground_;  // one pixel
-  std::optional<DomeRenderer> dome_;   // once it has been wanted
+  std::optional<FlatPicture> background_;  // one pixel
+  std::optional<DomeRenderer> dome_;       // created when first needed
   std::optional<WithSky> with_sky_;
 };
 

@@ -5,7 +5,7 @@
 namespace kasumi {
 namespace {
 
-constexpr bool is_space(char32_t c) {  // that a line may end at; U+00A0 and U+202F hold words together
+constexpr bool is_space(char32_t c) {  // where a line may break; U+00A0 and U+202F are non-breaking
   return c == U' ' || c == U'\t' || c == U'\u3000';
 }
 
@@ -33,7 +33,7 @@ std::u32string_view trimmed(std::u32string_view text) {
   return text;
 }
 
-// As much in each line as goes in.
+// Greedy: each line takes as much as fits.
 std::vector<std::u32string_view> filled(std::u32string_view rest, double largest, const WidthOf& width_of) {
   std::vector<std::u32string_view> lines;
   for (rest = trimmed(rest); !rest.empty(); rest = trimmed(rest)) {
@@ -53,7 +53,7 @@ std::vector<std::u32string_view> filled(std::u32string_view rest, double largest
   return lines;
 }
 
-// The narrowest lines that are as few: a last line of one word reads badly.
+// The narrowest lines of the same number, since a last line of one word reads badly.
 std::vector<std::u32string_view> balanced(std::u32string_view paragraph, double largest, const WidthOf& width_of) {
   auto lines = filled(paragraph, largest, width_of);
   if (lines.size() < 2) return lines;

@@ -1,4 +1,4 @@
-// The program as a person or a script meets it.
+// Runs the program as a person or a script does.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The program as a person or a script meets it.
+// The command line as a person or a script uses it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ class EstimateCommand : public testing::Test {
 };
 std::filesystem::path EstimateCommand::sky;
 
-TEST_F(EstimateCommand, JsonHasEveryPromisedKey) {
+TEST_F(EstimateCommand, JsonHasEveryDocumentedKey) {
   const auto outcome = run_kasumi("estimate --json " + camera + " " + sky.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
@@ -42,7 +42,7 @@ TEST_F(EstimateCommand, JsonHasEveryPromisedKey) {
   EXPECT_NEAR(json["sun_zenith_deg"].get<double>(), 58.4, 1e-3);
 }
 
-TEST_F(EstimateCommand, TheSkyThatIsFittedIsTheOneAskedFor) {
+TEST_F(EstimateCommand, TheRequestedSkyModelIsFitted) {
   // A sky of Preetham's is no dome at all, but it is the dome that is then told of.
   for (const auto& [options, model] : {std::pair{"", "preetham"},
                                        {"--sky-model dome", "dome"},
@@ -72,7 +72,7 @@ TEST_F(EstimateCommand, AListOnStandardInputGivesOneObjectALineInItsOrder) {
   EXPECT_EQ(count, 3);
 }
 
-TEST_F(EstimateCommand, AnUnreadableImageIsToldAndTheOthersAreDone) {
+TEST_F(EstimateCommand, AnUnreadableImageIsReportedAndTheOthersAreProcessed) {
   const auto broken = test_folder("command") / "broken.png";
   std::ofstream(broken) << "no picture";
   const auto outcome = run_kasumi("estimate --json " + camera + " " + broken.string() + " " + sky.string());
@@ -92,7 +92,7 @@ TEST_F(EstimateCommand, AnUnusableSkyIsNoError) {
   EXPECT_TRUE(json["turbidity"].is_null());
 }
 
-TEST_F(EstimateCommand, EveryWrongOptionIsToldAtOnce) {
+TEST_F(EstimateCommand, EveryWrongOptionIsReportedAtOnce) {
   const auto outcome = run_kasumi("estimate --sun-zenith-deg 10 --lat 40 --utc yesterday " + sky.string());
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("--sun-azimuth-deg"));
@@ -100,7 +100,7 @@ TEST_F(EstimateCommand, EveryWrongOptionIsToldAtOnce) {
   EXPECT_THAT(outcome.err, HasSubstr("--utc yesterday"));
 }
 
-TEST_F(EstimateCommand, APlotIsWrittenBesideTheImageOnRequest) {
+TEST_F(EstimateCommand, APlotIsWrittenNextToTheImageOnRequest) {
   const auto plot = sky.string() + ".fit.png";
   std::filesystem::remove(plot);
   ASSERT_EQ(run_kasumi("estimate --plot " + camera + " " + sky.string()).code, 0);

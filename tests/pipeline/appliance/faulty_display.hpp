@@ -1,4 +1,4 @@
-// A display nobody sees, whose faults a test turns on and off.
+// A headless display with faults that a test switches on and off.
 #pragma once
 
 #include <memory>
@@ -10,15 +10,15 @@ namespace kasumi {
 
 struct DisplayFaults {
   bool unplugged = false;      // no connector, or no modes
-  bool busy = false;           // somebody else is DRM master
-  bool stuck = false;          // flips do not complete any more, until it is opened anew
-  bool opening_mends = false;  // it is stuck until it is opened anew
+  bool busy = false;           // another program is DRM master
+  bool stuck = false;          // flips no longer complete, until told otherwise
+  bool opening_mends = false;  // reopening ends `stuck`
   bool context_lost = false;   // once: the GPU was reset
   bool stays_on = false;       // it cannot be turned off
-  bool told = false;           // that displays came or went, once
+  bool told = false;           // a pending hotplug event
   bool off = false;            // turned off, and no picture shown since
   int opened = 0;
-  int tried = 0;                                    // to open it
+  int tried = 0;                                    // attempts to open it
   std::optional<std::pair<int, int>> other_size{};  // of the mode it comes back with
 };
 

@@ -14,7 +14,7 @@ class FaultySource final : public FrameSource {
 
   Result<Frame> next(Instant deadline) override {
     if (faults_.unplugged || gone_) {
-      gone_ = true;  // a device that was torn away does not come back under the same descriptor
+      gone_ = true;  // an unplugged device does not come back under the same descriptor
       return fail(FaultKind::disconnected, "{}: ENODEV", description());
     }
     if (std::exchange(faults_.fatal_queue, false)) return fail(FaultKind::device, "{}: DQBUF: EIO", description());
@@ -37,7 +37,7 @@ class FaultySource final : public FrameSource {
   bool gone_ = false;
 };
 
-// Judged again, as the driver's side does with what it is given.
+// Checks the frame again, as the driver's side does.
 void give(Frame& frame, std::vector<std::uint8_t> bytes) {
   frame.metadata.bytes_used = static_cast<std::uint32_t>(bytes.size());
   frame.payload = payload_of(std::move(bytes));

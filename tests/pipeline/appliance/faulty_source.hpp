@@ -1,4 +1,4 @@
-// A camera whose faults a test turns on and off: a recording with a person at the cable.
+// A recording played as a camera, with faults that a test switches on and off.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace kasumi {
 struct CameraFaults {
   bool unplugged = false;
   int opened = 0;
-  std::string open_fails;                    // the driver's words; empty: it opens
-  bool silent = false;                       // streams, and no frame comes
-  bool fatal_queue = false;                  // the next call answers with an error, once
+  std::string open_fails;                    // the driver's message; empty: it opens
+  bool silent = false;                       // streaming, but no frame comes
+  bool fatal_queue = false;                  // the next call fails, once
   std::function<void(Frame&)> spoil;         // each frame; empty: as recorded
   std::function<void(std::uint32_t)> gives;  // called with the recorded number of each good frame
 };

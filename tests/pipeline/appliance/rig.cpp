@@ -25,7 +25,7 @@ Rgb8 colour_of(int number) {
   const auto level = [&](int digit) {
     return static_cast<std::uint8_t>(digit % kLevels * kLevelStep + kLevelStep / 2);
   };
-  // The sum of the digits as a check, so that no other colour is taken for a number.
+  // A checksum, so that no other colour is mistaken for a number.
   return {level(number), level(number / kLevels), level(number + number / kLevels)};
 }
 
@@ -53,7 +53,7 @@ void write_scene(const std::filesystem::path& folder, const std::filesystem::pat
   }
 }
 
-// The generator's sky frames in turn, as often as the scene's: a loop without a gap.
+// Cycles through the generator's sky frames at the scene's rate: a loop without a gap.
 void write_sky(const std::filesystem::path& folder, const std::filesystem::path& generated) {
   const auto rows = read_index(generated / "sky").value();
   auto writer = FixtureWriter::create(folder / "sky").value();
@@ -67,7 +67,7 @@ void write_sky(const std::filesystem::path& folder, const std::filesystem::path&
   }
 }
 
-// Three test programs have one, and run side by side.
+// Several test programs use a rig at the same time.
 std::filesystem::path bench_folder(const std::string& suffix = {}) {
   return test_folder("bench-" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + suffix);
 }
@@ -133,14 +133,14 @@ std::filesystem::path write_config(const std::filesystem::path& folder, const st
   return folder / "kasumi.toml";
 }
 
-CameraOpening BenchDevices::camera(CameraRole role, const CameraChoice& choice) {
-  auto opening = machine_->camera(role, choice);
+CameraOpening BenchDevices::camera(CameraRole role, const CameraOptions& options) {
+  auto opening = machine_->camera(role, options);
   opening.opener = with_faults(opening.opener, role == CameraRole::sky ? sky : scene, clock_);
   return opening;
 }
 
-Result<std::unique_ptr<Display>> BenchDevices::open_display(const DisplayChoice& choice) {
-  return open_faulty_display(std::get<HeadlessDisplayOptions>(choice), clock_, display);
+Result<std::unique_ptr<Display>> BenchDevices::open_display(const DisplayOptions& options) {
+  return open_faulty_display(std::get<HeadlessDisplayOptions>(options), clock_, display);
 }
 
 Rig::Rig(RigOptions options)
@@ -158,7 +158,7 @@ Rig::Rig(RigOptions options)
     return;
   }
   devices.scene.gives = [this](std::uint32_t number) { given_at_[number % kSceneFrames] = clock.now(); };
-  appliance = std::make_unique<Appliance>(config, *content, Ground{devices, clock, time, notifier},
+  appliance = std::make_unique<Appliance>(config, *content, ApplianceServices{devices, clock, time, notifier},
                                           StatusOptions{folder / "status.json", false, 10s}, std::move(options.sky));
 }
 

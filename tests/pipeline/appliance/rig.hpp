@@ -1,5 +1,5 @@
-// A kiosk on the bench: real loops, real drawing, a recording for a world, faults at hand, and a clock that stands
-// still until it is turned. One thread does everything, so that a test passes or fails the same each time.
+// A kiosk on the bench: real loops and drawing, a recording for the cameras, faults on demand and a manual clock. One
+// thread does everything, so that tests are deterministic.
 #pragma once
 
 #include <filesystem>
@@ -29,8 +29,8 @@ std::filesystem::path write_config(const std::filesystem::path& folder, const st
 
 class FakeTime final : public TimeWatch {
  public:
-  TimeSigns look() override { return signs; }
-  TimeSigns signs;
+  ClockState read() override { return state; }
+  ClockState state;
 };
 
 struct FakeNotifier final : Notifier {
@@ -47,8 +47,8 @@ struct FakeNotifier final : Notifier {
 class BenchDevices final : public Devices {
  public:
   explicit BenchDevices(Clock& clock) : clock_(clock), machine_(machine_devices(clock)) {}
-  CameraOpening camera(CameraRole role, const CameraChoice& choice) override;
-  Result<std::unique_ptr<Display>> open_display(const DisplayChoice& choice) override;
+  CameraOpening camera(CameraRole role, const CameraOptions& options) override;
+  Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) override;
   std::unique_ptr<DisplayWatch> watch_displays() override { return watch_faulty_display(display); }
   CameraFaults sky, scene;
   DisplayFaults display;
@@ -62,9 +62,9 @@ struct RigOptions {
   std::string name = "rig";  // of its folder
   std::string clock_policy = "trusted";
   std::string more_config{};  // at the end of kasumi.toml
-  std::optional<Utc> utc{};   // the machine's at the start; empty: the recording's
+  std::optional<Utc> utc{};   // the machine's time at the start; empty: the recording's
   SkyWatchOptions sky{};
-  bool keep_folder = false;  // what an earlier rig of that name left on disk is found there
+  bool keep_folder = false;  // keep what an earlier rig of that name left on disk
   DisplayFaults display{};
 };
 
@@ -74,9 +74,9 @@ class Rig {
   explicit Rig(RigOptions options = {});
   ~Rig();
 
-  // Turns the clock step by step, and lets every loop do what is due.
+  // Advances the clock step by step and runs every loop that is due.
   void advance(Duration by, Duration step = kTick);
-  // The same until it is so, at most so long: how long it took, empty when it never was.
+  // The same until `condition` holds, for at most `longest`. Returns how long it took; empty: it never held.
   template <class Condition>
   std::optional<Duration> advance_until(Condition condition, Duration longest) {
     const auto began = clock.now();
@@ -86,19 +86,19 @@ class Rig {
     }
     return clock.now() - began;
   }
-  // Until the picture is live again; adds the time to what the test prints.
+  // Advances until the picture is live again; prints the time it took.
   std::optional<Duration> recover(const std::string& fault, Duration longest);
 
   Shown shown() const { return appliance->render().rung().shown; }
   Trouble trouble() const { return appliance->render().rung().trouble; }
-  // As an operator reads it, half a second old at most.
+  // The status as operators read it, at most half a second old.
   const Status& status() const {
     appliance->status().step();
     return appliance->status().status();
   }
   Image<Rgb8> picture();
   bool shows_still();
-  // How old the scene on the screen is; empty when the screen shows something else.
+  // Age of the scene on the screen; empty when the screen shows something else.
   std::optional<Duration> age_on_screen();
 
   void hang_up() { appliance->reload(); }  // SIGHUP
@@ -114,10 +114,10 @@ class Rig {
  private:
   void tick(Duration by);
   std::optional<Instant> told_;
-  std::vector<std::optional<Instant>> given_at_;  // by frame number: when the camera gave it last
+  std::vector<std::optional<Instant>> given_at_;  // by frame number: when the camera last delivered it
 };
 
-// In a text file, which must have it.
+// Replaces `from` in a text file, which must contain it.
 void replace_in(const std::filesystem::path& file, const std::string& from, const std::string& to);
 
 // A rig whose picture is live under a known air.

@@ -1,4 +1,4 @@
-// The daily check of the calibration, by a clock the test turns: told in the status, and nothing else happens.
+// The daily check of the calibration under a manual clock: it reports in the status and changes nothing else.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +15,6 @@ namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-using Json = nlohmann::json;
 
 // The bench's recording begins at 3:00 UTC: a check at 3:00 for 6 s of every day.
 RigOptions checked(const std::string& name, const std::string& time = "03:00") {
@@ -25,12 +24,12 @@ RigOptions checked(const std::string& name, const std::string& time = "03:00") {
   return options;
 }
 
-Json told(Rig& rig) {
+nlohmann::json told(Rig& rig) {
   rig.status();
-  return Json::parse(read_text_file(rig.folder / "status.json").value())["check"];
+  return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["check"];
 }
 
-// What the bench's scene camera saw before somebody tilted it down by half a degree: the generator's own picture.
+// The reference: the bench's scene camera before it was tilted down by half a degree.
 DriftReference before_the_bump(const Installation& installation) {
   auto recipe = small("clear-noon", 1);
   recipe.start_utc = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h;
@@ -48,7 +47,7 @@ DriftReference before_the_bump(const Installation& installation) {
   return take_reference(frames, installation, recipe.start_utc).value();
 }
 
-// In steps as long as it takes pictures: 15 of them.
+// In steps of its picture interval: 15 pictures.
 bool check_again(Rig& rig, std::optional<Utc> last = {}, int ticks = 150) {
   for (int i = 0; i < ticks; ++i) {
     rig.advance(400ms, 400ms);
@@ -57,7 +56,7 @@ bool check_again(Rig& rig, std::optional<Utc> last = {}, int ticks = 150) {
   return false;
 }
 
-TEST(DailyCheck, TheFirstTakesTheReferenceTheNextFindsAllWell) {
+TEST(DailyCheck, TheFirstTakesTheReferenceAndTheNextFindsNoDrift) {
   Rig rig(checked("check-well"));
   EXPECT_TRUE(told(rig).is_null());
   ASSERT_TRUE(check_again(rig));
@@ -73,7 +72,7 @@ TEST(DailyCheck, TheFirstTakesTheReferenceTheNextFindsAllWell) {
   EXPECT_FALSE(check["findings"].empty());
 }
 
-TEST(DailyCheck, ACameraBumpedSinceIsToldWithItsSizeAndThePictureGoesOn) {
+TEST(DailyCheck, ABumpedCameraIsReportedWithItsTurnAndThePictureGoesOn) {
   Rig rig(checked("check-bumped"));
   const auto installation = read_content(rig.config).value()->config.installation;
   ASSERT_TRUE(save_reference(before_the_bump(installation), rig.folder / "state/calibration"));
@@ -89,7 +88,7 @@ TEST(DailyCheck, ACameraBumpedSinceIsToldWithItsSizeAndThePictureGoesOn) {
   EXPECT_EQ(rig.shown(), Shown::live);
 }
 
-TEST(DailyCheck, WithoutAKnownTimeOrWhenToldNeverItIsLeftOut) {
+TEST(DailyCheck, ItIsSkippedWithoutATrustedTimeOrWhenDisabled) {
   Rig never(checked("check-never", "never"));
   never.advance(20s, 1s);
   EXPECT_TRUE(told(never).is_null());

@@ -22,7 +22,7 @@ void advance_watching(Rig& rig, Duration by) {
   }
 }
 
-TEST(Appliance, TheStillIsThereFirstAndThePictureFollows) {
+TEST(Appliance, TheStillAppearsFirstAndThePictureFollows) {
   Rig rig({.name = "start"});
   rig.devices.scene.silent = true;
   rig.advance(100ms);
@@ -52,7 +52,7 @@ TEST(Appliance, Row1SceneCameraUnpluggedAndReplugged) {
   EXPECT_TRUE(rig->recover("1 scene camera unplugged, replugged", 3s));
 }
 
-TEST(Appliance, Row2SkyCameraUnpluggedChangesNothingButTheAge) {
+TEST(Appliance, Row2UnpluggingTheSkyCameraChangesOnlyTheAgeOfTheAir) {
   const auto rig = running({.name = "row2"});
   const auto before = rig->status().sky.report.tracked->turbidity.value;
   rig->devices.sky.unplugged = true;
@@ -67,7 +67,7 @@ TEST(Appliance, Row2SkyCameraUnpluggedChangesNothingButTheAge) {
   EXPECT_TRUE(rig->recover("2 sky camera unplugged, replugged", 3s));
 }
 
-TEST(Appliance, Row4ACameraThatWillNotOpenIsTriedAgain) {
+TEST(Appliance, Row4OpeningACameraIsRetried) {
   const auto rig = running({.name = "row4"});
   rig->devices.scene.fatal_queue = true;
   rig->devices.scene.open_fails = "VIDIOC_STREAMON: ENOSPC";
@@ -78,7 +78,7 @@ TEST(Appliance, Row4ACameraThatWillNotOpenIsTriedAgain) {
   EXPECT_TRUE(rig->recover("4 STREAMON fails for 5 s", 18s));
 }
 
-TEST(Appliance, Row5AStreamWithoutFramesIsOpenedAnew) {
+TEST(Appliance, Row5AStreamWithoutFramesIsReopened) {
   Rig rig({.name = "row5"});
   rig.devices.scene.silent = true;
   rig.advance(4500ms);
@@ -101,7 +101,7 @@ TEST(Appliance, Row6AStallIsNoticedInTwoSeconds) {
   EXPECT_EQ(rig->status().scene_camera.health.reopened.at("stall"), 1u);
 }
 
-TEST(Appliance, Row7AFatalQueueErrorIsOverBeforeThePictureIsMissed) {
+TEST(Appliance, Row7AFatalQueueErrorIsRecoveredBeforeThePictureIsTooOld) {
   const auto rig = running({.name = "row7"});
   rig->devices.scene.fatal_queue = true;
   bool still = false;
@@ -115,7 +115,7 @@ TEST(Appliance, Row7AFatalQueueErrorIsOverBeforeThePictureIsMissed) {
   ASSERT_TRUE(took);
   std::printf("%-52s live after %.2f s\n", "7 fatal queue error", to_seconds(*took));
   EXPECT_LE(*took, 2s);
-  EXPECT_FALSE(still) << "held was enough";
+  EXPECT_FALSE(still) << "holding the picture was enough";
 }
 
 struct BadKind {
@@ -142,7 +142,7 @@ TEST_P(BadFrames, Row8ThePreviousFrameStays) {
   for (const auto& [reason, count] : rig->status().scene_camera.health.bad_frames) bad += count;
   EXPECT_EQ(bad, 3u);
   EXPECT_GE(rig->status().scene_camera.health.good_frames, good + 2);
-  EXPECT_EQ(rig->status().scene_camera.health.opened, 1u) << "nothing was opened anew";
+  EXPECT_EQ(rig->status().scene_camera.health.opened, 1u) << "the camera was not reopened";
   std::printf("8 %-50s next frame\n", name);
 }
 
@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, BadFrames,
                                          BadKind{"empty", empty}, BadKind{"foreign_jpeg", replace_by_rubbish_jpeg}),
                          [](const testing::TestParamInfo<BadKind>& kind) { return std::string(kind.param.name); });
 
-TEST(Appliance, Row9WhenEveryFrameIsBadTheCameraIsOpenedAnew) {
+TEST(Appliance, Row9WhenEveryFrameIsBadTheCameraIsReopened) {
   const auto rig = running({.name = "row9"});
   bool first_opening = true;
   rig->devices.scene.spoil = [&](Frame& frame) {
@@ -182,7 +182,7 @@ TEST(Appliance, Row10FramesOfAnotherSizeNeverReachTheScreen) {
   EXPECT_TRUE(rig->recover("10 another size, then the right one", 1s));
 }
 
-TEST(Appliance, Row11TimestampsThatRunBackwardsAreCountedAndSeenByNobody) {
+TEST(Appliance, Row11TimestampsThatRunBackwardsAreCountedAndNotVisible) {
   const auto rig = running({.name = "row11"});
   rig->devices.scene.spoil = run_backwards();
   for (int i = 0; i < 200; ++i) {
@@ -201,7 +201,7 @@ struct Blind {
 };
 class BlindCamera : public testing::TestWithParam<int> {};
 
-TEST_P(BlindCamera, Row12AfterHalfAMinuteTheStillIsShownUntilThePictureIsOneAgain) {
+TEST_P(BlindCamera, Row12AfterHalfAMinuteTheStillIsShownUntilThePictureIsNormalAgain) {
   const Blind blind = GetParam() == 0   ? Blind{"frozen", freeze(), Trouble::scene_frozen}
                       : GetParam() == 1 ? Blind{"covered", cover, Trouble::scene_covered}
                                         : Blind{"white-out", white_out, Trouble::scene_white_out};
@@ -219,7 +219,7 @@ TEST_P(BlindCamera, Row12AfterHalfAMinuteTheStillIsShownUntilThePictureIsOneAgai
 INSTANTIATE_TEST_SUITE_P(Ways, BlindCamera, testing::Values(0, 1, 2));
 
 // What a bird, rain or glare does to an estimate: one look that says something else.
-TEST(Appliance, Row13ALoneOutlierMovesNothing) {
+TEST(Appliance, Row13ASingleOutlierChangesNothing) {
   auto turbidity = std::make_shared<double>(3.0);
   SkyWatchOptions sky;
   sky.estimator = [turbidity](const SkyPicture&, const SunDirection&) {
@@ -272,40 +272,40 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Nonsense,
 
 constexpr Utc k1970{};
 
-TEST(Appliance, Row24WithTheClockAt1970ThePictureIsLiveAndNothingDependsOnTheSun) {
+TEST(Appliance, Row24WithTheClockAt1970ThePictureIsLiveWithoutTheBuilding) {
   Rig rig({.name = "row24", .clock_policy = "synchronized", .utc = k1970});
   rig.advance(6s);
   EXPECT_EQ(rig.shown(), Shown::degraded);
   EXPECT_EQ(rig.trouble(), Trouble::time_unknown);
   EXPECT_TRUE(rig.age_on_screen());
   EXPECT_FALSE(rig.status().sky.sun_known());
-  EXPECT_FALSE(rig.status().sky.report.tracked) << "no estimate is made of a sun that nobody knows";
+  EXPECT_FALSE(rig.status().sky.report.tracked) << "no estimate without the sun's position";
   const auto without_building = rig.picture();
 
-  // The time server answers: the kernel's clock is set, then kept in step.
-  rig.time.signs.jumps = 1;
+  // The time server answers: the kernel's clock is set, then it is synchronized.
+  rig.time.state.jumps = 1;
   rig.advance(1s);
-  EXPECT_FALSE(rig.status().sky.clock_trusted) << "set is not yet in step";
-  rig.time.signs.synchronized = true;
+  EXPECT_FALSE(rig.status().sky.clock_trusted) << "being set is not being synchronized";
+  rig.time.state.synchronized = true;
   const auto took = rig.advance_until([&] { return rig.status().sky.clock_trusted; }, 5s);
-  EXPECT_FALSE(took) << "a time before earliest_utc is never believed, whatever the kernel says";
+  EXPECT_FALSE(took) << "a time before earliest_utc is never trusted, whatever the kernel says";
 }
 
-TEST(Appliance, Row24OnceInStepTheBuildingIsThere) {
+TEST(Appliance, Row24OnceSynchronizedTheBuildingAppears) {
   Rig rig({.name = "row24-sync", .clock_policy = "synchronized"});
   rig.advance(6s);
   ASSERT_EQ(rig.trouble(), Trouble::time_unknown);
-  rig.time.signs = {.synchronized = true, .jumps = 1};
+  rig.time.state = {.synchronized = true, .jumps = 1};
   EXPECT_TRUE(rig.recover("24 clock not in step, then synchronised", 3s));
   EXPECT_TRUE(rig.status().sky.clock_trusted);
   // Somebody sets the clock by hand.
-  rig.time.signs = {.synchronized = false, .jumps = 2};
+  rig.time.state = {.synchronized = false, .jumps = 2};
   rig.advance(4s);
   EXPECT_EQ(rig.trouble(), Trouble::time_unknown);
   EXPECT_EQ(rig.shown(), Shown::degraded);
 }
 
-TEST(Appliance, Row24FromTheSkyTheSunIsTakenFromThePicture) {
+TEST(Appliance, Row24WithPolicyFromSkyTheSunIsLocatedInThePicture) {
   Rig rig({.name = "row24-sky", .clock_policy = "from_sky", .utc = k1970});
   rig.advance(6s);
   EXPECT_EQ(rig.shown(), Shown::live);
@@ -314,7 +314,7 @@ TEST(Appliance, Row24FromTheSkyTheSunIsTakenFromThePicture) {
   EXPECT_NEAR(rig.status().sky.report.tracked->turbidity.value, 2.5, 0.25) << "the generator's";
 }
 
-TEST(Appliance, TheAirIsRememberedOverARestart) {
+TEST(Appliance, TheAirIsRestoredAfterARestart) {
   {
     const auto rig = running({.name = "remember"});
     rig->appliance->status().finish();
@@ -330,7 +330,7 @@ TEST(Appliance, TheAirIsRememberedOverARestart) {
   EXPECT_NEAR(to_seconds(rig.status().sky.report.tracked->age), 600.0, 10.0);
 }
 
-TEST(Appliance, AirInTheTermsOfTheOtherSkyIsNotRemembered) {
+TEST(Appliance, AirOfTheOtherSkyModelIsNotRestored) {
   {
     const auto rig = running({.name = "remember-other"});
     rig->appliance->status().finish();

@@ -1,4 +1,4 @@
-// The ladder by itself: signs in, rungs out.
+// The ladder alone: inputs in, rungs out.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -12,17 +12,17 @@ using namespace std::chrono_literals;
 
 class LadderTest : public testing::Test {
  protected:
-  // The picture of `age` is shown; the other signs are good.
+  // The picture of `age` is shown; all other inputs are good.
   Rung at(Duration now, std::optional<Duration> age) {
-    signs.picture_age = age;
-    return ladder.step(Instant{now}, signs);
+    input.picture_age = age;
+    return ladder.step(Instant{now}, input);
   }
   // Fresh pictures until the rung is steady.
   void settle(Duration until) {
     for (Duration now = until - 5s; now <= until; now += 40ms) at(now, 20ms);
   }
   Ladder ladder;
-  Signs signs{.picture_age = {}, .bad_scene_picture = {}, .sky_up = true, .sun_known = true, .open = true};
+  LadderInput input{.picture_age = {}, .bad_scene_picture = {}, .sky_up = true, .sun_known = true, .open = true};
 };
 
 TEST_F(LadderTest, BeforeTheFirstPictureTheStillIsThereAtOnce) {
@@ -49,18 +49,18 @@ TEST_F(LadderTest, AnOldPictureIsHeldAndCoveredByTheStillWhenItIsTwoSecondsOld) 
   EXPECT_EQ(rung.still, 1.0) << "no picture older than two seconds is seen";
 }
 
-TEST_F(LadderTest, TheFadeTakesItsTimeHoweverOftenItIsAsked) {
+TEST_F(LadderTest, TheFadeDoesNotDependOnHowOftenItIsCalled) {
   for (const Duration step : {10ms, 50ms, 130ms}) {
     Ladder fading;
-    signs.picture_age = 20ms;
-    for (Duration now{}; now < 5s; now += 50ms) fading.step(Instant{now}, signs);
-    signs.bad_scene_picture = Trouble::scene_covered;
+    input.picture_age = 20ms;
+    for (Duration now{}; now < 5s; now += 50ms) fading.step(Instant{now}, input);
+    input.bad_scene_picture = Trouble::scene_covered;
     Duration now = 5s;
-    double opacity = fading.step(Instant{now}, signs).still;
+    double opacity = fading.step(Instant{now}, input).still;
     const auto began = now;
-    while (opacity < 1.0) opacity = fading.step(Instant{now += step}, signs).still;
+    while (opacity < 1.0) opacity = fading.step(Instant{now += step}, input).still;
     EXPECT_NEAR(to_seconds(now - began), 0.4, to_seconds(step) + 0.05);
-    signs.bad_scene_picture.reset();
+    input.bad_scene_picture.reset();
   }
 }
 
@@ -82,7 +82,7 @@ TEST_F(LadderTest, ACameraThatComesAndGoesDoesNotMakeTheScreenFlicker) {
   EXPECT_LE(changes, 2 * 8) << "at most once there and back for each frame";
   // Frames for 0.3 s only never lift the still.
   Ladder other;
-  Signs seen = signs;
+  LadderInput seen = input;
   seen.picture_age = 10ms;
   other.step(Instant{0s}, seen);
   seen.picture_age = 3s;
@@ -95,35 +95,35 @@ TEST_F(LadderTest, ACameraThatComesAndGoesDoesNotMakeTheScreenFlicker) {
 
 TEST_F(LadderTest, WithoutTheSkyCameraThePictureIsLiveUnderAnEarlierAir) {
   settle(10s);
-  signs.sky_up = false;
+  input.sky_up = false;
   const auto rung = at(10s + 40ms, 20ms);
   EXPECT_EQ(rung.shown, Shown::degraded);
   EXPECT_EQ(rung.trouble, Trouble::sky_lost);
   EXPECT_EQ(rung.still, 0.0);
 }
 
-TEST_F(LadderTest, WithoutTheTimeThePictureIsLiveAndTheReasonIsTold) {
+TEST_F(LadderTest, WithoutATrustedTimeThePictureIsLiveAndTheReasonIsGiven) {
   settle(10s);
-  signs.sun_known = false;
-  signs.sky_up = false;
+  input.sun_known = false;
+  input.sky_up = false;
   EXPECT_EQ(at(10s + 40ms, 20ms).trouble, Trouble::time_unknown);
 }
 
 TEST_F(LadderTest, OutsideOpeningHoursItIsDarkAndThatIsNoFault) {
   settle(10s);
-  signs.open = false;
+  input.open = false;
   for (Duration now = 10s; now < 11s; now += 20ms) at(now, 20ms);
   const auto rung = at(11s, 20ms);
   EXPECT_EQ(rung.shown, Shown::dark);
   EXPECT_EQ(rung.trouble, Trouble::closed);
   EXPECT_EQ(rung.dark, 1.0);
-  signs.open = true;
+  input.open = true;
   for (Duration now = 11s; now < 12s; now += 20ms) at(now, 20ms);
   EXPECT_EQ(at(12s, 20ms).shown, Shown::live);
   EXPECT_EQ(at(12s, 20ms).dark, 0.0);
 }
 
-TEST_F(LadderTest, ASlowCameraGetsThePatienceItNeeds) {
+TEST_F(LadderTest, ASlowCameraGetsLongerDeadlines) {
   const auto options = patient_with({}, 5s);
   EXPECT_EQ(options.held, 12500ms);
   EXPECT_EQ(patient_with({}, 40ms).held, 2s);
@@ -139,10 +139,10 @@ TEST_F(LadderTest, NoOrderOfEventsShowsAPictureThatIsTooOld) {
   for (Duration now = 0s; now < 3600s; now += 20ms) {
     if (chance(0.004)) camera = !camera;
     if (camera && chance(0.6)) picture = now;
-    if (chance(0.002)) signs.sky_up = !signs.sky_up;
-    if (chance(0.001)) signs.sun_known = !signs.sun_known;
+    if (chance(0.002)) input.sky_up = !input.sky_up;
+    if (chance(0.001)) input.sun_known = !input.sun_known;
     if (chance(0.001))
-      signs.bad_scene_picture = signs.bad_scene_picture ? std::nullopt : std::optional(Trouble::scene_frozen);
+      input.bad_scene_picture = input.bad_scene_picture ? std::nullopt : std::optional(Trouble::scene_frozen);
     const auto rung = at(now, now - picture);
     const auto& options = LadderOptions{};
     if (now - picture > options.held + 20ms) {

@@ -51,8 +51,8 @@ TEST(Appliance, Row15ADisplayThatComesBackWithAnotherModeShowsThePicture) {
   EXPECT_EQ(rig->picture().width(), 640);
 }
 
-// Right after it has looked in vain, the longest of all waits by the clock alone.
-TEST(Appliance, Row15ADisplayThatIsPluggedInIsNoticedAtOnce) {
+// Right after a failed attempt, when the wait for the next is longest.
+TEST(Appliance, Row15APluggedInDisplayIsDetectedAtOnce) {
   const auto rig = running({.name = "row15-told"});
   auto& display = rig->devices.display;
   display.unplugged = true;
@@ -67,7 +67,7 @@ TEST(Appliance, Row15ADisplayThatIsPluggedInIsNoticedAtOnce) {
   EXPECT_LE(*took, 260ms);
 }
 
-TEST(Appliance, Row15APlugThatDoesNotHoldKeepsNobodyBusy) {
+TEST(Appliance, Row15ALooseConnectorCausesFewAttempts) {
   const auto rig = running({.name = "row15-storm"});
   auto& display = rig->devices.display;
   display.unplugged = true;
@@ -79,7 +79,7 @@ TEST(Appliance, Row15APlugThatDoesNotHoldKeepsNobodyBusy) {
   }
   EXPECT_LE(display.tried - tried, 41) << "four times a second for ten seconds";
   display.unplugged = display.told = false;
-  EXPECT_TRUE(rig->recover("15 plugged in after a storm of news", 2s));
+  EXPECT_TRUE(rig->recover("15 plugged in after a storm of status", 2s));
 }
 
 TEST(Appliance, Row16AFlipThatNeverCompletesLeadsToANewModeset) {
@@ -96,7 +96,7 @@ TEST(Appliance, Row16AFlipThatNeverCompletesLeadsToANewModeset) {
   EXPECT_EQ(rig->status().render.display.resets, 1u);
 }
 
-TEST(Appliance, Row16ALostMasterIsAskedForAgainAndNotFedMeanwhile) {
+TEST(Appliance, Row16ALostMasterIsRequestedAgainAndTheWatchdogNotFed) {
   const auto rig = running({.name = "row16-master"});
   rig->devices.display.busy = true;
   rig->advance(2s);
@@ -126,23 +126,23 @@ TEST(Appliance, Row17ALostContextIsRebuilt) {
   EXPECT_LT(different, before.width() * before.height() / 500);
 }
 
-// The scene's programs may take a driver minutes to make.
-TEST(Appliance, Row17TheStillIsOnTheGlassBeforeAnythingOfTheSceneIsDrawn) {
+// A driver may take minutes to compile the scene's shaders.
+TEST(Appliance, Row17TheStillIsDisplayedBeforeTheSceneIsDrawn) {
   const auto rig = running({.name = "row17-still"});
-  const auto& news = rig->appliance->render().news();
+  const auto& status = rig->appliance->render().status();
   rig->devices.display.context_lost = true;
-  const auto lost = rig->advance_until([&] { return news.display.resets == 1; }, 1s);
+  const auto lost = rig->advance_until([&] { return status.display.resets == 1; }, 1s);
   ASSERT_TRUE(lost) << "noticed with the next frame, which waits to be drawn";
-  const auto pictures = news.pictures, scene_frames = news.scene_frames, uploads = news.uploads;
-  ASSERT_TRUE(rig->advance_until([&] { return news.pictures > pictures; }, 1s));
-  EXPECT_EQ(news.scene_frames, scene_frames);
-  EXPECT_EQ(news.uploads, uploads);
+  const auto pictures = status.pictures, scene_frames = status.scene_frames, uploads = status.uploads;
+  ASSERT_TRUE(rig->advance_until([&] { return status.pictures > pictures; }, 1s));
+  EXPECT_EQ(status.scene_frames, scene_frames);
+  EXPECT_EQ(status.uploads, uploads);
   EXPECT_TRUE(rig->shows_still());
   rig->advance(Rig::kTick);
-  EXPECT_EQ(news.scene_frames, scene_frames + 1) << "the frame that waited follows at once";
+  EXPECT_EQ(status.scene_frames, scene_frames + 1) << "the frame that waited follows at once";
 }
 
-TEST(Appliance, Row18ALoopThatHangsIsNotFed) {
+TEST(Appliance, Row18AHangingLoopDoesNotFeedTheWatchdog) {
   const auto rig = running({.name = "row18"});
   rig->advance(10s);
   const auto alives = rig->notifier.alives;
@@ -161,7 +161,7 @@ TEST(Appliance, Row18ALostCameraDoesNotStarveTheWatchdog) {
   EXPECT_GE(rig->notifier.alives, alives + 50) << "still pictures are pictures";
 }
 
-TEST(Appliance, Row18ADisplayThatTakesNoPictureIsNotFedFor) {
+TEST(Appliance, Row18AStuckDisplayDoesNotFeedTheWatchdog) {
   const auto rig = running({.name = "row18-stuck"});
   rig->devices.display.stuck = true;
   rig->advance(1s);
@@ -170,7 +170,7 @@ TEST(Appliance, Row18ADisplayThatTakesNoPictureIsNotFedFor) {
   EXPECT_EQ(rig->notifier.alives, alives);
 }
 
-// A disk that takes no byte more: a limit on the size of files does to this process what a full one does.
+// Simulates a full disk by a limit on the size of files.
 class FullDisk {
  public:
   FullDisk() {
@@ -191,7 +191,7 @@ class FullDisk {
   void (*handler_)(int) = nullptr;
 };
 
-TEST(Appliance, Row21AFullDiskIsSeenByNobody) {
+TEST(Appliance, Row21AFullDiskIsNotVisible) {
   const auto rig = running({.name = "row21"});
   rig->advance(12s);
   const auto state = load_turbidity_state(rig->folder / "state");
@@ -203,13 +203,13 @@ TEST(Appliance, Row21AFullDiskIsSeenByNobody) {
       ASSERT_EQ(rig->shown(), Shown::live);
     }
   }
-  EXPECT_EQ(load_turbidity_state(rig->folder / "state").value().utc, state->utc) << "the old one stays whole";
+  EXPECT_EQ(load_turbidity_state(rig->folder / "state").value().utc, state->utc) << "the old file stays intact";
   rig->advance(12s);
   EXPECT_GT(load_turbidity_state(rig->folder / "state").value().utc, state->utc);
   std::printf("%-52s when free, next write\n", "21 disk full");
 }
 
-TEST(Appliance, Row21AStateFolderThatCannotBeWrittenIsSeenByNobody) {
+TEST(Appliance, Row21AReadOnlyStateFolderIsNotVisible) {
   Rig rig({.name = "row21-folder"});
   std::filesystem::remove_all(rig.folder / "state");
   ASSERT_TRUE(write_text_file(rig.folder / "state", "a file where a folder should be"));
@@ -217,7 +217,7 @@ TEST(Appliance, Row21AStateFolderThatCannotBeWrittenIsSeenByNobody) {
   EXPECT_EQ(rig.shown(), Shown::live);
 }
 
-TEST(Appliance, Row22KilledAtAnyMomentTheStateIsOldOrNewAndWhole) {
+TEST(Appliance, Row22KilledAtAnyMomentTheStateIsOldOrNewAndIntact) {
   const auto folder = test_output_folder() / "pipeline" / "row22";
   std::filesystem::create_directories(folder);
   std::mt19937_64 random(3);
@@ -241,7 +241,7 @@ TEST(Appliance, Row22KilledAtAnyMomentTheStateIsOldOrNewAndWhole) {
   std::printf("%-52s whole after each of 40 cuts\n", "22 power cut while state is written");
 }
 
-TEST(TurbidityState, NonsenseOnDiskIsRefused) {
+TEST(TurbidityState, NonsenseOnDiskIsRejected) {
   const auto folder = test_output_folder() / "pipeline" / "state-nonsense";
   std::filesystem::create_directories(folder);
   for (const char* text : {"", "{", "[]", "null", "{\"turbidity\": 3}",
@@ -257,7 +257,7 @@ TEST(TurbidityState, NonsenseOnDiskIsRefused) {
   }
 }
 
-TEST(TurbidityState, KeepsWhoseTItIsAndTheFirstFilesWerePreethams) {
+TEST(TurbidityState, KeepsTheSkyModelWhichIsPreethamInOldFiles) {
   const auto folder = test_output_folder() / "pipeline" / "state-model";
   std::filesystem::create_directories(folder);
   ASSERT_TRUE(save({{4.0}, 0.1, Utc{1s}, SiteSkyModel::dome}, folder));
@@ -269,7 +269,7 @@ TEST(TurbidityState, KeepsWhoseTItIsAndTheFirstFilesWerePreethams) {
 
 class BrokenContent : public testing::TestWithParam<int> {};
 
-TEST_P(BrokenContent, Row23TheOldOneKeepsRunningAndEveryProblemIsTold) {
+TEST_P(BrokenContent, Row23TheOldContentStaysAndEveryProblemIsReported) {
   const auto rig = running({.name = fmt::format("row23-{}", GetParam())});
   std::string told;
   switch (GetParam()) {
@@ -320,7 +320,7 @@ TEST_P(BrokenContent, Row23TheOldOneKeepsRunningAndEveryProblemIsTold) {
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, BrokenContent, testing::Range(0, 7));
 
-TEST(Appliance, GoodContentIsTakenInWithoutAGap) {
+TEST(Appliance, ValidContentIsReloadedWithoutAGap) {
   const auto rig = running({.name = "reload"});
   const auto opened = rig->status().scene_camera.health.opened;
   replace_in(rig->config, "language = \"en\"", "language = \"ja\"");
@@ -354,7 +354,7 @@ TEST(Appliance, AnotherCameraIsOpenedInsteadOfTheOldOne) {
   EXPECT_EQ(rig->status().scene_camera.health.opened, 1u) << "of the new one";
 }
 
-TEST(Appliance, TheStatusFileHasEveryPromisedKey) {
+TEST(Appliance, TheStatusFileHasEveryDocumentedKey) {
   const auto rig = running({.name = "status"});
   const auto json = nlohmann::json::parse(read_text_file(rig->folder / "status.json").value());
   for (const char* key :

@@ -1,4 +1,4 @@
-// Opening hours: what is written, what the wall clock makes of it, and what the screen does (design: faults, row 26).
+// Opening hours: parsing, local time, and what the screen does (design: faults, row 26).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,7 +69,7 @@ TEST(OpeningHours, ExceptionsGoBeforeWeekdaysAndLaterOnesBeforeEarlier) {
   EXPECT_EQ(open_minutes(opening, kSunday + days(2)).count, 8 * 60);
 }
 
-TEST(OpeningHours, NonsenseIsRefused) {
+TEST(OpeningHours, NonsenseIsRejected) {
   for (const char* text :
        {"", "9:00-17:00", "09:00", "09:00-25:00", "09:00-17:60", "09:00-09:00", "09:00-17:00,", "open", "09:00-24:01",
         "24:00-09:00", "09.00-17.00", "-", "09:00-17:00-18:00", "+9:00-17:00"})
@@ -100,7 +100,7 @@ TEST_F(LocalHours, TheWallClockChangesInSpringAndAutumn) {
   EXPECT_EQ(open_minutes(opening, sys_days(January / 1 / 2026), 24h * 365).count, 365 * 8 * 60) << "as long every day";
 }
 
-TEST_F(LocalHours, AnHourThatDoesNotExistIsNotOpenAndOneThatComesTwiceIsTwice) {
+TEST_F(LocalHours, ASkippedHourIsNotOpenAndARepeatedHourCountsTwice) {
   const auto opening = every_day("02:15-02:45", "Europe/Zurich");
   const auto spring = sys_days(March / 29 / 2026), autumn = sys_days(October / 25 / 2026);
   EXPECT_EQ(open_minutes(opening, spring, 12h).count, 0);
@@ -110,7 +110,7 @@ TEST_F(LocalHours, AnHourThatDoesNotExistIsNotOpenAndOneThatComesTwiceIsTwice) {
   EXPECT_EQ(twice.count, 60);
 }
 
-TEST_F(LocalHours, TheDayIsTheOneOnTheWall) {
+TEST_F(LocalHours, DaysFollowLocalTime) {
   auto opening = every_day("closed", "Asia/Tokyo");
   opening.week[1] = kAllDay;  // Monday, which begins there on Sunday at 15:00 UTC
   const auto open = open_minutes(opening, kSunday, 48h);
@@ -118,7 +118,7 @@ TEST_F(LocalHours, TheDayIsTheOneOnTheWall) {
   EXPECT_EQ(open.count, 24 * 60);
 }
 
-TEST_F(LocalHours, OnlyZonesThatThereAreAreTaken) {
+TEST_F(LocalHours, UnknownTimeZonesAreRejected) {
   for (const char* name : {"Europe/Atlantis", "../../../etc/passwd", "/etc/localtime", ""})
     EXPECT_FALSE(is_time_zone(name)) << name;
 }
@@ -133,7 +133,7 @@ TEST_F(LocalHours, Row26OutsideTheHoursTheScreenIsOffAndThatIsNoFault) {
   options.utc = kSunday + 3h + 50s;
   const auto rig = running(options);
   const auto& display = rig->devices.display;
-  const auto& news = rig->appliance->render().news();
+  const auto& status = rig->appliance->render().status();
   rig->advance(5s);
   EXPECT_EQ(rig->shown(), Shown::live) << "a second before";
   const auto closed = rig->advance_until([&] { return display.off; }, 3s);
@@ -144,18 +144,18 @@ TEST_F(LocalHours, Row26OutsideTheHoursTheScreenIsOffAndThatIsNoFault) {
       << "black first";
 
   const auto alives = rig->notifier.alives;
-  const auto pictures = news.pictures;
+  const auto pictures = status.pictures;
   rig->advance(100s, 100ms);
   EXPECT_TRUE(display.off);
-  EXPECT_EQ(news.pictures, pictures) << "nothing is drawn for nobody";
+  EXPECT_EQ(status.pictures, pictures) << "nothing is drawn while closed";
   EXPECT_GE(rig->notifier.alives, alives + 90) << "the service manager knows that all is well";
   EXPECT_EQ(rig->shown(), Shown::dark);
   EXPECT_EQ(name_of(rig->trouble()), "closed");
-  EXPECT_TRUE(rig->status().scene_camera.health.up) << "the air is followed all the time";
+  EXPECT_TRUE(rig->status().scene_camera.health.up) << "the cameras keep running";
 
   const auto opened = rig->advance_until([&] { return !display.off; }, 30s);
   ASSERT_TRUE(opened);
-  EXPECT_EQ(duration_cast<seconds>(rig->clock.utc() - kSunday), 3h + 3min) << "on the stroke";
+  EXPECT_EQ(duration_cast<seconds>(rig->clock.utc() - kSunday), 3h + 3min) << "on time";
   // What was seen before it closed is never seen again.
   bool live = false;
   for (int i = 0; i < 100; ++i) {
@@ -169,33 +169,33 @@ TEST_F(LocalHours, Row26OutsideTheHoursTheScreenIsOffAndThatIsNoFault) {
   std::printf("%-52s on the stroke\n", "26 outside opening hours, then open");
 }
 
-TEST_F(LocalHours, Row26AScreenThatCannotBeTurnedOffShowsBlackAndDrawsHardlyAnything) {
+TEST_F(LocalHours, Row26AScreenThatCannotBeTurnedOffShowsBlackOnceASecond) {
   auto options = with_hours("row26-black", "time_zone = \"Asia/Tokyo\"\nevery_day = \"closed\"");
   options.display.stays_on = true;
   Rig rig(options);
   rig.advance(3s);
   ASSERT_EQ(rig.shown(), Shown::dark);
-  const auto& news = rig.appliance->render().news();
-  const auto pictures = news.pictures, scene_frames = news.scene_frames;
+  const auto& status = rig.appliance->render().status();
+  const auto pictures = status.pictures, scene_frames = status.scene_frames;
   rig.advance(60s, 100ms);
-  EXPECT_NEAR(static_cast<double>(news.pictures - pictures), 60.0, 3.0) << "a sign of life a second";
-  EXPECT_EQ(news.scene_frames, scene_frames);
+  EXPECT_NEAR(static_cast<double>(status.pictures - pictures), 60.0, 3.0) << "a sign of life a second";
+  EXPECT_EQ(status.scene_frames, scene_frames);
   const auto picture = rig.picture();
   EXPECT_TRUE(std::ranges::all_of(picture.elements(), [](const Rgb8& c) { return c.r + c.g + c.b == 0; }));
 }
 
-TEST_F(LocalHours, Row26AClockThatIsNotBelievedClosesNoDoors) {
+TEST_F(LocalHours, Row26AnUntrustedClockIgnoresOpeningHours) {
   auto options = with_hours("row26-clock", "time_zone = \"Asia/Tokyo\"\nevery_day = \"closed\"");
   options.clock_policy = "synchronized";
   Rig rig(options);
   rig.advance(20s);
   EXPECT_EQ(rig.shown(), Shown::degraded);
-  rig.time.signs = {.synchronized = true, .jumps = 1};
+  rig.time.state = {.synchronized = true, .jumps = 1};
   EXPECT_TRUE(rig.advance_until([&] { return rig.devices.display.off; }, 3s));
 }
 
 // 02:58 in summer time; two minutes later it is 02:00 again.
-TEST_F(LocalHours, Row26WhenSummerEndsTheHourComesAgain) {
+TEST_F(LocalHours, Row26WhenSummerTimeEndsTheHourIsRepeated) {
   auto options = with_hours("row26-autumn", "time_zone = \"Europe/Zurich\"\nevery_day = \"02:00-02:59\"");
   options.utc = sys_days{October / 25 / 2026} + 58min;
   Rig rig(options);

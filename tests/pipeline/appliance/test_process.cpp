@@ -1,4 +1,4 @@
-// The appliance as a process: its threads, its signals, its exit codes, what it tells the service manager.
+// The appliance as a process: threads, signals, exit codes, notifications to the service manager.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ class Listener {
     EXPECT_EQ(::bind(socket_.value(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   }
   std::string path() const { return path_.string(); }
-  // Everything told so far.
+  // All messages so far.
   const std::string& heard() {
     char buffer[4096];
     for (ssize_t n; (n = ::recv(socket_.value(), buffer, sizeof buffer, 0)) > 0;)
@@ -115,16 +115,16 @@ nlohmann::json status_in(const std::filesystem::path& folder) {
   return text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
 }
 
-// The thread sanitizer slows us down tenfold: a step that is under way when the end comes may then outlast the patience
-// that we have with drivers and disks.
+// The thread sanitizer makes everything ten times slower: a step in progress at shutdown may then exceed the deadline
+// for stuck drivers and disks.
 #ifdef __SANITIZE_THREAD__
 constexpr bool kSlowedDown = true;
 #else
 constexpr bool kSlowedDown = false;
 #endif
 
-// All threads at work; under the thread sanitizer this is what it looks at.
-TEST(Process, RunsTakesInNewContentAndEndsWithinTwoSecondsOfBeingAsked) {
+// Runs all threads: the main test for the thread sanitizer.
+TEST(Process, RunsReloadsContentAndEndsWithinTwoSecondsOfSigterm) {
   const auto folder = process_folder("run");
   Listener manager(folder / "notify");
   Process kasumi(folder, {"run", "--config", (folder / "kasumi.toml").string(), "--stats"}, manager.path());
@@ -195,7 +195,7 @@ TEST(Process, ABadConfigurationIsExitCode78WithEveryProblem) {
   }
 }
 
-TEST(Process, CheckSaysThatAllIsWell) {
+TEST(Process, CheckReportsAValidConfiguration) {
   const auto folder = process_folder("check");
   Process kasumi(folder, {"run", "--config", (folder / "kasumi.toml").string(), "--check"});
   EXPECT_EQ(kasumi.wait(60s), 0) << kasumi.log();

@@ -1,5 +1,5 @@
-// Weeks in minutes: a kiosk whose world breaks all the time, by seeded chance. Everything must come back, nothing may
-// leak, and no visitor may ever look at an old picture. KASUMI_SOAK_MINUTES makes it longer.
+// Weeks in minutes: a kiosk under constant random faults with a fixed seed. Everything must recover, nothing may leak,
+// and no old picture may ever be shown. KASUMI_SOAK_MINUTES makes it longer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,10 +36,10 @@ class Chance {
 // A fault, how it begins and ends, and how long it may take afterwards until the picture is live.
 struct SoakFault {
   const char* name;
-  std::function<Duration(Rig&)> begin;  // answers how long it lasts
+  std::function<Duration(Rig&)> begin;  // returns how long it lasts
   std::function<void(Rig&)> end;
   Duration recovery;
-  bool old_picture_is_the_fault = false;  // a frozen camera gives the same number again and again
+  bool old_picture_is_the_fault = false;  // a frozen camera repeats the same number
 };
 
 std::vector<SoakFault> faults(Chance& chance, SkyWatchOptions& sky, std::shared_ptr<bool> nonsense) {
@@ -104,7 +104,7 @@ std::vector<SoakFault> faults(Chance& chance, SkyWatchOptions& sky, std::shared_
        [](Rig& rig) { rig.devices.display.busy = false; }, 3s},
       {"GL context lost", lasting(0.1, 0.2, [](Rig& rig) { rig.devices.display.context_lost = true; }), [](Rig&) {},
        2s},
-      {"content taken in anew", lasting(0.1, 1, [](Rig& rig) { rig.hang_up(); }), [](Rig&) {}, 3s},
+      {"content reloaded", lasting(0.1, 1, [](Rig& rig) { rig.hang_up(); }), [](Rig&) {}, 3s},
       {"broken content refused",
        lasting(0.1, 1,
                [](Rig& rig) {
@@ -124,7 +124,7 @@ double resident_mb() {
   return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
-// What has been asked for and not given back, whatever the allocator keeps besides.
+// Bytes allocated and not freed, without what the allocator itself retains.
 double heap_bytes() {
   const auto heap = ::mallinfo2();
   return static_cast<double>(heap.uordblks) + static_cast<double>(heap.hblkhd);
@@ -136,7 +136,7 @@ struct MemorySample {
   std::uint64_t pictures = 0;
 };
 
-// The least that was in use in [from, to) of the run.
+// The minimum in use during [from, to) of the run.
 MemorySample least(const std::vector<MemorySample>& samples, double from, double to) {
   MemorySample least{0.0, std::numeric_limits<double>::infinity(), 0};
   for (const auto& sample : samples)
@@ -164,7 +164,7 @@ double slope(const std::vector<std::pair<double, double>>& points) {
   return tt > 0 ? ty / tt : 0.0;
 }
 
-// The address sanitizer keeps what was freed: memory then tells nothing, and everything takes longer.
+// The address sanitizer retains freed memory, so memory use means nothing, and everything takes longer.
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool kMemoryTells = false;
 constexpr double kMinutes = 4.0;
@@ -204,10 +204,10 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
   bool numbers_are_true = true;
   std::vector<std::pair<double, double>> resident, files;
   std::vector<MemorySample> memory;
-  const auto& pictures = rig.appliance->render().news().pictures;
+  const auto& pictures = rig.appliance->render().status().pictures;
   const auto watch = [&] {
     rig.advance(Rig::kTick);
-    // While there is no display, and with it no GL, whose driver holds 13 MB more or less as it pleases.
+    // Measured without a display and thus without GL, whose driver's use varies by 13 MB.
     if (!rig.appliance->render().display())
       memory.push_back({to_seconds(rig.clock.now() - began) / 60.0, heap_bytes(), pictures});
     const auto age = rig.age_on_screen();
@@ -256,7 +256,7 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
 
   for (const auto& [name, note] : recovered)
     std::printf("%-28s %3d times, live after at most %5.2f s\n", name.c_str(), note.times, note.longest_s);
-  // The first third is for caches to fill.
+  // Caches fill during the first third.
   const double lasted = minute();
   files.erase(files.begin(), files.begin() + static_cast<std::ptrdiff_t>(files.size() / 3));
   const double file_slope = slope(files);

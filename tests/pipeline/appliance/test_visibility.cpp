@@ -1,4 +1,4 @@
-// Visibility from landmarks as a person asks for it, and as the appliance tells it.
+// Visibility from landmarks: by the command, and in the appliance's status.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,10 +17,9 @@ namespace kasumi {
 namespace {
 
 using namespace std::chrono_literals;
-using Json = nlohmann::json;
 using testing::HasSubstr;
 
-constexpr int kWidth = 320, kHeight = 120, kLandmarks = 6;
+constexpr int kPictureWidth = 320, kPictureHeight = 120, kLandmarks = 6;
 double distance_of(int landmark) {
   return 1500.0 * std::pow(1.6, landmark);
 }
@@ -29,12 +28,12 @@ double distance_of(int landmark) {
 Image<Rgb8> squares_under(double turbidity) {
   const Camera camera;
   const glm::dvec3 sky{0.55, 0.6, 0.65};
-  Image<Rgb8> picture(kWidth, kHeight);
+  Image<Rgb8> picture(kPictureWidth, kPictureHeight);
   const auto put = [&](int x, int y, const glm::dvec3& light) {
     picture.at(x, y) = Rgb8(glm::round(255.0 * camera.response.to_encoded(light)));
   };
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) put(x, y, sky);
+  for (int y = 0; y < kPictureHeight; ++y)
+    for (int x = 0; x < kPictureWidth; ++x) put(x, y, sky);
   for (int i = 0; i < kLandmarks; ++i) {
     const auto left = attenuation_reference(spectral_measure(camera), ScatteringModel::morales2017,
                                             Turbidity{turbidity}, optical_path(0.0, 0.0, distance_of(i)));
@@ -79,7 +78,7 @@ std::filesystem::path VisibilityCommand::folder;
 TEST_F(VisibilityCommand, TellsThatOfAPicture) {
   const auto outcome = run_kasumi(asked("scenes/1.png"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const auto json = Json::parse(outcome.out);
+  const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["visibility"], "value");
   EXPECT_NEAR(json["visibility_m"].get<double>() / meteorological_range_m(Turbidity{3.0}, 0.0), 1.0, 0.1);
   EXPECT_NEAR(json["optical_range_m"].get<double>() / json["visibility_m"].get<double>(), 0.7658, 1e-3);
@@ -95,7 +94,7 @@ TEST_F(VisibilityCommand, TakesAFolder) {
   std::istringstream lines(outcome.out);
   std::vector<double> turbidities;
   for (std::string line; std::getline(lines, line);)
-    turbidities.push_back(Json::parse(line)["turbidity"].get<double>());
+    turbidities.push_back(nlohmann::json::parse(line)["turbidity"].get<double>());
   ASSERT_EQ(turbidities.size(), 2U);
   EXPECT_NEAR(turbidities[0] / 3.0, 1.0, 0.15);
   EXPECT_NEAR(turbidities[1] / 6.0, 1.0, 0.15);
@@ -108,13 +107,13 @@ TEST_F(VisibilityCommand, StandsBesideTheSkysOwnAndIsNotMixedWithIt) {
   const auto same = run_kasumi(asked("scenes/1.png") + sky), other = run_kasumi(asked("scenes/2.png") + sky);
   ASSERT_EQ(same.code, 0) << same.err;
   ASSERT_EQ(other.code, 0) << other.err;
-  auto json = Json::parse(same.out);
+  auto json = nlohmann::json::parse(same.out);
   EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "agrees") << json["landmarks"]["sky"].dump();
-  json = Json::parse(other.out);
+  json = nlohmann::json::parse(other.out);
   EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "disagrees") << json["landmarks"]["sky"].dump();
   EXPECT_GT(json["landmarks"]["sky"]["sigmas"].get<double>(), 3.0);
   json.erase("landmarks");
-  EXPECT_EQ(json, Json::parse(alone.out)) << "what the sky says stays as it is";
+  EXPECT_EQ(json, nlohmann::json::parse(alone.out)) << "what the sky says stays as it is";
 }
 
 TEST_F(VisibilityCommand, NamesAllThatIsWrongWithTheLandmarks) {
@@ -127,60 +126,60 @@ TEST_F(VisibilityCommand, NamesAllThatIsWrongWithTheLandmarks) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("within the scene camera's 320 x 120 pixels"));
   EXPECT_THAT(outcome.err, HasSubstr("distance_m = -3"));
-  EXPECT_THAT(outcome.err, HasSubstr("without a [site] its place tells none"));
+  EXPECT_THAT(outcome.err, HasSubstr("a place needs a [site]"));
   EXPECT_THAT(outcome.err, HasSubstr("contrst"));
   EXPECT_NE(run_kasumi("estimate --scene " + in_folder("scenes/1.png")).code, 0) << "without --landmarks";
 }
 
-// The loop alone, by a clock that is turned.
+// The loop alone, under a manual clock.
 class VisibilityLoopTest : public testing::Test {
  protected:
   VisibilityLoopTest() : clock(Utc{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21} + 3h}) {
     begin(landmark_tables());
   }
-  // The kiosk is started, anew.
+  // Starts or restarts the loop.
   void begin(const std::string& landmarks, std::optional<std::filesystem::path> state_folder = {}) {
     auto content = std::make_shared<Content>();
     auto& installation = content->config.installation;
-    installation.scene.width = kWidth;
-    installation.scene.height = kHeight;
+    installation.scene.width = kPictureWidth;
+    installation.scene.height = kPictureHeight;
     const auto tables = ConfigTable::parse(landmarks, "kasumi.toml").value();
-    installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, kWidth, kHeight);
+    installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, kPictureWidth, kPictureHeight);
     content->config.state_folder = std::move(state_folder);
-    exchange.scene.visibility_wants_picture = false;
-    loop.emplace(std::move(content), clock, exchange);
+    mailboxes.scene.visibility_wants_picture = false;
+    loop.emplace(std::move(content), clock, mailboxes);
   }
-  // How sure it is of one picture's air.
+  // Relative sigma of the visibility from one picture.
   double sigma_of_a_look(double turbidity) {
     look(turbidity);
     return told()["sigma_m"].get<double>() / told()["visibility_m"].get<double>();
   }
-  // One picture a minute, as the scene camera's loop gives when asked.
+  // Supplies one picture a minute, as the scene camera's loop does on request.
   void look(double turbidity) {
     const auto again = loop->step();
-    EXPECT_TRUE(exchange.scene.visibility_wants_picture.exchange(false)) << "a picture is asked for";
+    EXPECT_TRUE(mailboxes.scene.visibility_wants_picture.exchange(false)) << "a picture is requested";
     EXPECT_LE(again - clock.now(), 1s);
-    exchange.visibility.scene.put({{}, squares_under(turbidity), false});
+    mailboxes.visibility.scene.put({{}, squares_under(turbidity), false});
     loop->step();
-    if (auto told = exchange.status->visibility.take()) news = std::move(*told);
-    EXPECT_FALSE(exchange.scene.visibility_wants_picture) << "one a minute is enough";
+    if (auto told = mailboxes.status->visibility.take()) latest = std::move(*told);
+    EXPECT_FALSE(mailboxes.scene.visibility_wants_picture) << "one a minute is enough";
     clock.advance(1min);
   }
   void sky_says(double turbidity, double height = 0.6) {
     TrackedTurbidity tracked;
     tracked.turbidity = Turbidity{turbidity};
     tracked.sigma = 0.1;
-    exchange.visibility.sky.put({tracked, SunDirection{0.0, std::sqrt(1.0 - height * height), height}});
+    mailboxes.visibility.sky.put({tracked, SunDirection{0.0, std::sqrt(1.0 - height * height), height}});
   }
-  Json told() {
+  nlohmann::json told() {
     Status status;
-    status.visibility = news;
-    return Json::parse(status_json(status))["visibility"];
+    status.visibility = latest;
+    return nlohmann::json::parse(status_json(status))["visibility"];
   }
   ManualClock clock;
-  Exchange exchange;
+  Mailboxes mailboxes;
   std::optional<VisibilityLoop> loop;
-  VisibilityNews news;
+  VisibilityStatus latest;
 };
 
 TEST_F(VisibilityLoopTest, TellsTheVisibilityBesideTheSkysAir) {
@@ -232,7 +231,7 @@ TEST_F(VisibilityLoopTest, WhatTheLandmarksAreLikeIsRememberedOverARestart) {
 
   begin(landmark_tables(), folder);
   look(3.0);
-  auto damaged = Json::parse(read_text_file(folder / "landmarks.json").value());
+  auto damaged = nlohmann::json::parse(read_text_file(folder / "landmarks.json").value());
   damaged["channels"][1]["covariance"][0] = -1.0;
   for (const auto& text : {damaged.dump(), std::string("{\"landmarks\": 3"), std::string()}) {
     ASSERT_TRUE(write_text_file(folder / "landmarks.json", text));

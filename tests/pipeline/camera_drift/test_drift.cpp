@@ -125,16 +125,16 @@ Day other_day() {
   return later;
 }
 
-TEST(Drift, AnotherDayOfOtherCloudsHazeAndHourIsNoDrift) {
+TEST(Drift, ADayWithOtherCloudsHazeAndHourIsNoDrift) {
   auto recipe = day(21, 8.0, 0.5);
   recipe.start_utc = kNoon - 2h - 30min;
   const auto hazy = report(made(recipe, "hazy"));
   EXPECT_THAT(drifted(hazy), testing::IsEmpty());
-  EXPECT_EQ(finding(hazy, "scene", "view").state, DriftState::steady) << "it is told all the same";
+  EXPECT_EQ(finding(hazy, "scene", "view").state, DriftState::steady) << "it can still be determined";
   EXPECT_THAT(drifted(report(other_day())), testing::IsEmpty());
 }
 
-// What each disturbance does to the other day; one test, for the days take long to draw.
+// Applies each disturbance to the other day; one test, since drawing the days takes long.
 void bump_the_sky_camera(Day later) {
   const auto& camera = first_day().installation.sky;
   // Half a degree about the picture's x axis: in what is seen, up.
@@ -166,7 +166,7 @@ void dirty_the_dome(Day later) {
   EXPECT_THAT(drifted(found), testing::ElementsAre("sky.dome"));
   const auto& dome = finding(found, "sky", "dome");
   EXPECT_NEAR(dome.value.value_or(0.0), 27.0, 8.0) << "30 %, less what the surroundings and the pixels make of it";
-  EXPECT_THAT(dome.words, HasSubstr("2 spots"));
+  EXPECT_THAT(dome.message, HasSubstr("2 spots"));
 }
 
 void put_the_scene_out_of_focus(Day later) {
@@ -197,7 +197,7 @@ void fog_the_scene_camera(Day later) {
   redraw(later.scene, camera, [&](const Light& light, glm::dvec2 pixel) { return 0.5 * light(pixel) + 0.5 * mean; });
   const auto found = report(later);
   EXPECT_THAT(drifted(found), testing::ElementsAre("scene.lens"));
-  EXPECT_THAT(finding(found, "scene", "lens").words, HasSubstr("fogged"));
+  EXPECT_THAT(finding(found, "scene", "lens").message, HasSubstr("fogged"));
 }
 
 TEST(Drift, EachDisturbanceIsFoundNamedAndMeasured) {
@@ -209,7 +209,7 @@ TEST(Drift, EachDisturbanceIsFoundNamedAndMeasured) {
 }
 
 // As a person calls it: on recordings, with the reference beside a file.
-TEST(Drift, TheCommandTakesAReferenceThenComparesAndItsExitCodeTells) {
+TEST(Drift, TheCommandTakesAReferenceThenComparesAndSetsItsExitCode) {
   const auto stem = fresh_folder("drift-command") / "calibration";
   auto recipe = day(11, 2.5, 0.0);
   recipe.sky_frames = 3;
@@ -241,7 +241,7 @@ TEST(Drift, TheCommandTakesAReferenceThenComparesAndItsExitCodeTells) {
   EXPECT_THAT(view["words"].get<std::string>(), HasSubstr("0.50 up"));
 
   EXPECT_EQ(call(bumped, "--reference").code, 0);
-  EXPECT_EQ(call(bumped, "").code, 0) << "what is seen is right by decree";
+  EXPECT_EQ(call(bumped, "").code, 0) << "today's view is the reference now";
   ASSERT_TRUE(write_text_file(stem.string() + ".check.json", "{\"check_reference\": 7}\n"));
   EXPECT_EQ(call(first, "").code, 2);
   EXPECT_EQ(run("check").code, 2);
@@ -262,7 +262,7 @@ TEST(Drift, AReferenceIsReadBackAsItWasTaken) {
   EXPECT_LE(std::max(again->scene->small.width(), again->scene->small.height()), 480) << "nobody is recognised in it";
   auto other = fixture.installation;
   other.scene.calibrated_utc = kNoon;
-  EXPECT_FALSE(belongs_to(*again, other)) << "the cameras were calibrated anew";
+  EXPECT_FALSE(belongs_to(*again, other)) << "the cameras were calibrated again";
   ASSERT_TRUE(write_text_file(stem.string() + ".check.json", "{\"check_reference\": 7}\n"));
   EXPECT_EQ(load_reference(stem).error().kind, FaultKind::bad_input);
   EXPECT_EQ(load_reference(stem.string() + "-none").error().kind, FaultKind::io);

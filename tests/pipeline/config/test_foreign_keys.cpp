@@ -1,4 +1,4 @@
-// Readers of parts of a file: what they leave to others, and what stays a typing error.
+// Readers of parts of a file: which keys they ignore, and which stay typing errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ TEST(ForeignKeys, EveryReaderOfAPartTakesAKiosksConfigurationAsItIs) {
   EXPECT_EQ(landmarks->landmarks.size(), 1u) << "only one of them has a region";
 }
 
-TEST(ForeignKeys, ATypingErrorIsStillTold) {
+TEST(ForeignKeys, ATypingErrorIsStillReported) {
   const auto file = written(kiosk("colour_spice = \"srgb\"\n") + "[dispaly]\nkind = \"kms\"\n");
   for (const auto& told : {read_camera_file(file).error().message, read_landmark_file(file, 60, 40).error().message}) {
     EXPECT_THAT(told, HasSubstr("scene.colour_spice: not a key"));
@@ -53,7 +53,7 @@ TEST(ForeignKeys, ATypingErrorIsStillTold) {
   }
 }
 
-// Else a key that is added to the configuration would be a typing error elsewhere.
+// Otherwise a key added to the configuration would become a typing error elsewhere.
 TEST(ForeignKeys, WhateverTheWholeFilesReadersAskForIsKnown) {
   const auto asked = ConfigTable::parse(kiosk(), "a.toml").value();
   read_run_config(asked);

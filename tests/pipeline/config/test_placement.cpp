@@ -56,7 +56,7 @@ class PlacementFile : public testing::Test {
   ObjectPlacement object;
 };
 
-TEST_F(PlacementFile, MetresAreTakenAsTheyAre) {
+TEST_F(PlacementFile, MetresAreUsedUnchanged) {
   ASSERT_TRUE(read("east_m = 10\nnorth_m = 3500.5\nup_m = -20\nheading_deg = 90\nscale = 2"));
   EXPECT_EQ(object.placement.east_m, 10);
   EXPECT_EQ(object.placement.north_m, 3500.5);
@@ -71,7 +71,7 @@ TEST_F(PlacementFile, APlaceOnEarthIsTurnedIntoMetres) {
   EXPECT_NEAR(object.placement.up_m, 79, 0.2);
 }
 
-TEST_F(PlacementFile, RefractionIsASettingOfPlacesOnEarthOnly) {
+TEST_F(PlacementFile, RefractionAppliesOnlyToGeographicPlaces) {
   const std::string place = "latitude_deg = 34.8691\nlongitude_deg = 135.8\naltitude_m = 180\n";  // 20 km
   ASSERT_TRUE(read(place));
   const double usual = object.placement.up_m;
@@ -80,7 +80,7 @@ TEST_F(PlacementFile, RefractionIsASettingOfPlacesOnEarthOnly) {
   EXPECT_FALSE(read("east_m = 1\nnorth_m = 2\nup_m = 3\nrefraction = 0.2"));
 }
 
-TEST_F(PlacementFile, BothWaysAtOnceAreRefused) {
+TEST_F(PlacementFile, BothKindsOfPlaceAtOnceAreRejected) {
   const auto result = read("east_m = 1\nnorth_m = 2\nup_m = 3\nlatitude_deg = 34\nlongitude_deg = 135\naltitude_m = 1");
   ASSERT_FALSE(result);
   EXPECT_THAT(result.error().message, testing::HasSubstr("not both"));

@@ -1,4 +1,4 @@
-// Whether the building can be seen, and what is said about it.
+// Whether the building is visible, and the message about it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,16 +39,16 @@ TEST_F(SightingOf, TellsPlaceAndSizeInThePicture) {
   EXPECT_EQ(sighting.verdict, Verdict::visible);
   EXPECT_NEAR(sighting.distance_m, 3500.0, 1.0);
   // 40 m at 3480 m, the nearer side: 11.5 px; 20 m: 5.7 px
-  EXPECT_THAT(sighting.words, testing::HasSubstr("3.50 km away at azimuth 0.0 deg, 11 x 6 pixels"));
+  EXPECT_THAT(sighting.message, testing::HasSubstr("3.50 km away at azimuth 0.0 deg, 11 x 6 pixels"));
 }
 
-TEST_F(SightingOf, ATurnedCameraLosesItAndSaysWhere) {
+TEST_F(SightingOf, ATurnedCameraLosesItAndReportsWhere) {
   look_to(30.0);
   EXPECT_EQ(now().verdict, Verdict::outside);
-  EXPECT_THAT(now().words, testing::HasSubstr("30.0 deg left"));
+  EXPECT_THAT(now().message, testing::HasSubstr("30.0 deg left"));
   look_to(180.0);
   EXPECT_EQ(now().verdict, Verdict::behind);
-  EXPECT_THAT(now().words, testing::HasSubstr("the camera looks to 180.0 deg"));
+  EXPECT_THAT(now().message, testing::HasSubstr("the camera looks to 180.0 deg"));
 }
 
 TEST_F(SightingOf, TheEdgeOfThePictureCutsIt) {
@@ -75,10 +75,10 @@ TEST_F(SightingOf, ThingsInFrontHideItOnlyWhenTheyHideAll) {
   EXPECT_EQ(now().verdict, Verdict::visible);
 }
 
-TEST_F(SightingOf, AHillBeforeItHidesItAndOneBehindItDoesNot) {
+TEST_F(SightingOf, AHillInFrontHidesItAndOneBehindDoesNot) {
   auto& distances = installation.scene_distances_m = Image<float>(600, 400, 3000.0F);
   EXPECT_EQ(now().verdict, Verdict::behind_the_mask);
-  EXPECT_THAT(now().words, testing::HasSubstr("scene.depth_map"));
+  EXPECT_THAT(now().message, testing::HasSubstr("scene.depth_map"));
   for (const float open_m : {0.0F, 3600.0F}) {
     distances.at(300, 196) = open_m;
     EXPECT_EQ(now().verdict, Verdict::visible) << open_m;

@@ -28,7 +28,7 @@ TEST(OrderedJobs, AnswersComeInTheOrderOfTheJobsWhateverTheirDuration) {
   }
 }
 
-TEST(OrderedJobs, AnAnswerIsOutBeforeTheNextJobIsAskedForByASlowGiver) {
+TEST(OrderedJobs, AnAnswerIsDeliveredWhileTheNextJobIsAwaited) {
   // Like a program that writes one path and waits for its answer before it writes the next.
   std::promise<void> first_answered;
   auto answered = first_answered.get_future();

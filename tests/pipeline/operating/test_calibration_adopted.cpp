@@ -1,4 +1,4 @@
-// One calibration file, named by the kiosk's configuration and by recordings, in place of copied tables.
+// One calibration file, referred to by the kiosk's configuration and by recordings, instead of copied tables.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ std::string without(std::string text, const std::string& from, const std::string
   return text.erase(at, end - at);
 }
 
-// What the installer's steps leave: lens and orientation of the sky camera; pose, response, noise of the scene camera.
+// Results of the installer's steps: lens and orientation of the sky camera; pose, response, noise of the scene camera.
 void write_measured(const std::filesystem::path& file, int sky_width = kKioskWidth) {
   CalibrationStep sky;
   sky.camera = "sky";
@@ -55,7 +55,7 @@ void write_measured(const std::filesystem::path& file, int sky_width = kKioskWid
   ASSERT_TRUE(write_calibration(file, scene));
 }
 
-// The kiosk, its own words on the sky camera's lens, place and response left out.
+// The kiosk's configuration without the sky camera's lens, place and response.
 std::filesystem::path write_calibrated_kiosk(const std::filesystem::path& folder) {
   const auto config = write_kiosk(folder);
   auto text = read_text_file(config).value();
@@ -85,7 +85,7 @@ Outcome check(const std::filesystem::path& config) {
   return outcome;
 }
 
-TEST(CalibrationAdopted, TheKioskRunsOnWhatWasMeasuredWhereItSaysNothingItself) {
+TEST(CalibrationAdopted, TheKioskUsesMeasuredValuesThatItDoesNotOverride) {
   const auto folder = operating_folder("adopted");
   const auto config = write_calibrated_kiosk(folder);
   write_measured(folder / "measured/calibration.toml");
@@ -111,11 +111,11 @@ TEST(CalibrationAdopted, TheKioskRunsOnWhatWasMeasuredWhereItSaysNothingItself) 
   const auto outcome = check(config);
   EXPECT_EQ(outcome.code, 0) << outcome.words;
   for (const char* part : {"calibration.toml: the sky camera's of 2026-11-21", "scene camera's of 2026-11-22",
-                           "from it: site.altitude_m", "kasumi.toml says itself, and that holds: ", "scene.roll_deg"})
+                           "from it: site.altitude_m", "overridden by kasumi.toml: ", "scene.roll_deg"})
     EXPECT_THAT(outcome.words, HasSubstr(part));
 }
 
-TEST(CalibrationAdopted, ARecordingHoldsAllThatWasAdopted) {
+TEST(CalibrationAdopted, ARecordingContainsAllAdoptedValues) {
   const auto folder = operating_folder("adopted-recorded");
   const auto config = write_calibrated_kiosk(folder);
   write_measured(folder / "measured/calibration.toml");
@@ -128,14 +128,14 @@ TEST(CalibrationAdopted, ARecordingHoldsAllThatWasAdopted) {
   ASSERT_TRUE(recording) << recording.error().message;
   const auto kept = read_fixture(folder / "kept");
   ASSERT_TRUE(kept) << kept.error().message;
-  EXPECT_FALSE(kept->installation.calibration) << "it stands alone";
+  EXPECT_FALSE(kept->installation.calibration) << "it is self-contained";
   EXPECT_EQ(kept->installation.site.longitude_deg, 8.25);
   EXPECT_EQ(kept->installation.sky.lens->project({0.0, 0.0, 1.0}), glm::dvec2(30.25, 22.75));
   EXPECT_EQ(kept->installation.scene_quality.read_electrons, 4.5);
   EXPECT_FALSE(kept->installation.scene.mask.empty());
 }
 
-TEST(CalibrationAdopted, AFixtureMayNameOneToo) {
+TEST(CalibrationAdopted, AFixtureMayUseOneToo) {
   const auto folder = operating_folder("adopted-fixture");
   write_measured(folder / "calibration.toml");
   std::filesystem::copy_file(source_folder() / "fixtures/temple.glb", folder / "temple.glb");
@@ -161,7 +161,7 @@ up_m = -39.0
   EXPECT_EQ(fixture->installation.site.altitude_m, 450.0);
 }
 
-TEST(CalibrationAdopted, WhatIsWrongWithTheFileIsOneMessage) {
+TEST(CalibrationAdopted, AnInvalidFileGivesOneMessage) {
   const auto folder = operating_folder("adopted-wrong");
   const auto config = write_calibrated_kiosk(folder);
   const auto file = folder / "measured/calibration.toml";
@@ -187,7 +187,7 @@ TEST(CalibrationAdopted, WhatIsWrongWithTheFileIsOneMessage) {
   refused_with("a calibration of 64 x 48 pictures, the size [sky] gives (that one was done on 640 x 48)");
 }
 
-TEST(CalibrationAdopted, AWrongValueIsToldWithTheFileItStandsIn) {
+TEST(CalibrationAdopted, AWrongValueIsReportedWithItsFile) {
   const auto folder = operating_folder("adopted-value");
   const auto config = write_calibrated_kiosk(folder);
   const auto file = folder / "measured/calibration.toml";

@@ -1,4 +1,4 @@
-// Each check against a machine made of files, and the whole against a kiosk of recordings.
+// Each check on a machine simulated by files, and all of them on a kiosk with recordings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-// A folder in the place of /sys, /proc, /dev and /run.
+// A folder that stands in for /sys, /proc, /dev and /run.
 class Machine {
  public:
   explicit Machine(const std::string& name) : folder_(operating_folder("machine-" + name)) {
@@ -61,8 +61,8 @@ bool has(const Findings& findings, const std::string& check) {
 
 constexpr Utc kNow = std::chrono::sys_days{std::chrono::year{2026} / 6 / 21};
 
-TEST(DoctorClock, TellsAClockInStepFromOneThatIsNotAndOneThatCannotBe) {
-  ClockChoice choice;
+TEST(DoctorClock, DistinguishesSynchronizedUnsynchronizedAndImpossibleClocks) {
+  ClockOptions choice;
   choice.earliest = std::chrono::sys_days{std::chrono::year{2025} / 1 / 1};
   const auto grade = [&](bool synchronized, Utc now) {
     Findings findings;
@@ -121,7 +121,7 @@ TEST(DoctorThrottling, ReadsTheFirmwaresBits) {
   EXPECT_THAT(judged("50000\n").found, HasSubstr("since boot: the supply's voltage is too low, throttled"));
   EXPECT_EQ(judged("50005\n").grade, Grade::failure);
   EXPECT_THAT(judged("50005\n").advice, HasSubstr("stronger supply"));
-  EXPECT_THAT(judged("0x80008\n").found, HasSubstr("now: near the temperature's limit"));
+  EXPECT_THAT(judged("0x80008\n").found, HasSubstr("now: near the temperature limit"));
 }
 
 TEST(DoctorThrottling, CountsAPcsToo) {
@@ -134,7 +134,7 @@ TEST(DoctorThrottling, CountsAPcsToo) {
   EXPECT_EQ(found(findings, "throttling").values["times"], 7.0);
 }
 
-TEST(DoctorDisk, WritesThroughAndLeavesNothingBehind) {
+TEST(DoctorDisk, WritesToDiskAndLeavesNothingBehind) {
   Machine machine("disk");
   SystemClock clock;
   Findings findings;
@@ -147,7 +147,7 @@ TEST(DoctorDisk, WritesThroughAndLeavesNothingBehind) {
   EXPECT_EQ(found(missing, "disk.space").grade, Grade::failure);
 }
 
-TEST(DoctorWatchdog, WantsSystemdsAndTheMachines) {
+TEST(DoctorWatchdog, RequiresSystemdsAndTheMachines) {
   Machine machine("watchdog");
   machine.write("sys/class/watchdog/watchdog0/identity", "Broadcom BCM2835 Watchdog timer\n");
   machine.write("sys/class/watchdog/watchdog0/state", "inactive\n");
@@ -187,7 +187,7 @@ V4l2Options usb_camera() {
   return camera;
 }
 
-TEST(DoctorUsb, HoldsWhatTheCameraSendsAgainstWhatTheBusCarries) {
+TEST(DoctorUsb, ComparesTheCamerasDataRateWithTheBus) {
   Machine machine("usb");
   machine.write("dev/video2", "");
   machine.link("dev/v4l/by-id/usb-Sky-video-index0", "dev/video2");
@@ -215,10 +215,10 @@ TEST(DoctorUsb, HoldsWhatTheCameraSendsAgainstWhatTheBusCarries) {
   machine.link("sys/class/video4linux/video2/device", "sys/devices/platform/csi");
   Findings none;
   check_camera_usb(machine.places, "sky_camera", camera, none);
-  EXPECT_FALSE(has(none, "sky_camera.usb")) << "not on USB: nothing to say";
+  EXPECT_FALSE(has(none, "sky_camera.usb")) << "not on USB: no finding";
 }
 
-TEST(DoctorCamera, AStableNameIsAskedFor) {
+TEST(DoctorCamera, RecommendsAStableName) {
   Machine machine("path");
   machine.write("dev/video2", "");
   machine.link("dev/v4l/by-id/usb-Sky-video-index0", "dev/video2");
@@ -236,9 +236,9 @@ TEST(DoctorCamera, AStableNameIsAskedFor) {
   EXPECT_EQ(judged().grade, Grade::failure);
 }
 
-TEST(DoctorCamera, WhatWasSeenIsHeldAgainstWhatWasAskedFor) {
-  const CameraChoice choice = usb_camera();
-  WatchedCamera seen;
+TEST(DoctorCamera, ComparesTheMeasurementWithTheRequest) {
+  const CameraOptions choice = usb_camera();
+  CameraMeasurement seen;
   seen.opened = true;
   seen.first_frame_s = 0.4;
   seen.good = 88;
@@ -347,7 +347,7 @@ nlohmann::json healthy_status() {
           {"pid", 4711}};
 }
 
-TEST(DoctorAppliance, ReadsItsAccountTwiceAndHoldsOneAgainstTheOther) {
+TEST(DoctorAppliance, ReadsItsStatusTwiceAndComparesThem) {
   const RunConfig config;
   auto before = healthy_status(), later = healthy_status();
   later["scene_camera"]["good_frames"] = 1075;
@@ -385,7 +385,7 @@ TEST(DoctorAppliance, ReadsItsAccountTwiceAndHoldsOneAgainstTheOther) {
   EXPECT_EQ(judged("service").grade, Grade::failure);
 }
 
-TEST(DoctorAppliance, AnAccountThatIsDamagedIsNoReasonToFall) {
+TEST(DoctorAppliance, ADamagedStatusIsHarmless) {
   for (const char* text : {"", "[]", "{\"pid\": 4711, \"scene_camera\": 3, \"display\": []}",
                            "{\"scene_camera\": {\"up\": true, \"bad_frames\": 7}}"}) {
     Findings findings;
@@ -394,7 +394,7 @@ TEST(DoctorAppliance, AnAccountThatIsDamagedIsNoReasonToFall) {
   }
 }
 
-TEST(RunningAppliance, IsBelievedOnlyWhileItsProcessLives) {
+TEST(RunningAppliance, IsFoundOnlyWhileItsProcessLives) {
   Machine machine("running");
   EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc));
   machine.run_appliance(healthy_status());
@@ -402,12 +402,12 @@ TEST(RunningAppliance, IsBelievedOnlyWhileItsProcessLives) {
   EXPECT_EQ(find_running_appliance(machine.places.status_file, machine.places.proc)->pid, 4711);
   machine.write("proc/4711/comm", "bash\n");
   EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc))
-      << "the number is another's now";
+      << "the process id belongs to another program now";
   machine.write("run/kasumi/status.json", "{");
   EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc));
 }
 
-TEST(Doctor, ExaminesAKioskThatDoesNotRunByOpeningItsDevices) {
+TEST(Doctor, ExaminesAStoppedKioskByOpeningItsDevices) {
   Machine machine("kiosk");
   const auto config = write_kiosk(operating_folder("examined"));
   SystemClock clock;
@@ -416,7 +416,7 @@ TEST(Doctor, ExaminesAKioskThatDoesNotRunByOpeningItsDevices) {
   EXPECT_EQ(found(findings, "configuration").grade, Grade::good);
   EXPECT_EQ(found(findings, "service").grade, Grade::warning);
   EXPECT_TRUE(found(findings, "scene_camera.first_frame").values.contains("seconds"));
-  EXPECT_GT(found(findings, "scene_camera.rate").values["frames_per_second"], 5.0) << "20 a second are recorded";
+  EXPECT_GT(found(findings, "scene_camera.rate").values["frames_per_second"], 5.0) << "recorded at 20 a second";
   EXPECT_LT(found(findings, "scene_camera.rate").values["frames_per_second"], 25.0);
   EXPECT_EQ(found(findings, "display.open").grade, Grade::good);
   EXPECT_GT(found(findings, "content.model").values["triangles"], 100.0);
@@ -437,18 +437,18 @@ TEST(Doctor, ExaminesAKioskThatDoesNotRunByOpeningItsDevices) {
 // Devices that must not be touched.
 class Untouchable final : public Devices {
  public:
-  CameraOpening camera(CameraRole, const CameraChoice&) override {
+  CameraOpening camera(CameraRole, const CameraOptions&) override {
     ADD_FAILURE() << "the appliance has the cameras";
     return {};
   }
-  Result<std::unique_ptr<Display>> open_display(const DisplayChoice&) override {
+  Result<std::unique_ptr<Display>> open_display(const DisplayOptions&) override {
     ADD_FAILURE() << "the appliance has the display";
     return fail(FaultKind::device, "busy");
   }
   std::unique_ptr<DisplayWatch> watch_displays() override { return nullptr; }
 };
 
-TEST(Doctor, WhileTheApplianceRunsItsAccountIsReadInstead) {
+TEST(Doctor, WhileTheApplianceRunsItsStatusIsReadInstead) {
   Machine machine("busy");
   machine.run_appliance(healthy_status());
   const auto config = write_kiosk(operating_folder("examined-running"));
@@ -460,7 +460,7 @@ TEST(Doctor, WhileTheApplianceRunsItsAccountIsReadInstead) {
   EXPECT_TRUE(has(findings, "scene_camera.rate"));
 }
 
-TEST(Doctor, ARefusedConfigurationIsAFailureAndTheMachineIsExaminedAllTheSame) {
+TEST(Doctor, AnInvalidConfigurationIsAFailureAndTheMachineIsExaminedAnyway) {
   Machine machine("refused");
   const auto folder = operating_folder("refused");
   std::ofstream(folder / "kasumi.toml") << "[site]\nlatitude_deg = 134\n";

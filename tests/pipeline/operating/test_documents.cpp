@@ -1,4 +1,4 @@
-// What the documents tell people to type must be what the program takes.
+// Commands in the documents must be accepted by the program.
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -57,7 +57,7 @@ const std::string& help_of(const std::string& command) {
   return at->second;
 }
 
-TEST(Documents, TellNoOptionThatTheProgramDoesNotHave) {
+TEST(Documents, MentionOnlyOptionsOfTheProgram) {
   const std::filesystem::path root = source_folder();
   std::vector<std::filesystem::path> documents{root / "README.md", root / "CHANGELOG.md", root / "CONTRIBUTING.md",
                                                root / "fixtures/README.md"};

@@ -1,5 +1,4 @@
-// The example configuration is what operators read: it must be accepted, name every key there is, and tell the truth
-// about defaults.
+// The example configuration is what operators read: it must be valid, contain every key, and state the true defaults.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@ std::string example() {
   return read_text_file(source_folder() / "systemd/kasumi.toml").value();
 }
 
-// Read where the files it names are.
+// Read in a folder with the files it refers to.
 struct Read {
   Result<> whole;
   RunConfig config;
@@ -82,8 +81,8 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.display, b.display);
   EXPECT_EQ(a.overlay, b.overlay);
   EXPECT_EQ(a.still.caption, b.still.caption);
-  EXPECT_EQ(a.words.language, b.words.language);
-  EXPECT_EQ(a.words.show_faults, b.words.show_faults);
+  EXPECT_EQ(a.messages.language, b.messages.language);
+  EXPECT_EQ(a.messages.show_faults, b.messages.show_faults);
   EXPECT_EQ(a.clock.policy, b.clock.policy);
   EXPECT_EQ(a.clock.earliest, b.clock.earliest);
   EXPECT_EQ(a.opening, b.opening);
@@ -108,11 +107,11 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
   const auto text = example();
   const auto known = documented(text);
   // Keys of other lenses and of other ways to say the same are told in words, and in docs/cameras.md.
-  const std::set<std::string> in_words{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
-                                       "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
-                                       "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
-                                       "sky.lens.fov_deg",    "sky.lens.circle_px",   "sky.measured",
-                                       "scene.measured"};
+  const std::set<std::string> text_of{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
+                                      "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
+                                      "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
+                                      "sky.lens.fov_deg",    "sky.lens.circle_px",   "sky.measured",
+                                      "scene.measured"};
   const auto scene_device = text.find("[scene.camera]");
   auto replay = text;
   replay =
@@ -138,14 +137,14 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
       // What one camera's table shows holds for the other's.
       auto twin = key;
       if (key.starts_with("scene.")) twin = "sky." + key.substr(6);
-      if (!table && !known.contains(key) && !known.contains(twin) && !in_words.contains(key)) missing.insert(key);
+      if (!table && !known.contains(key) && !known.contains(twin) && !text_of.contains(key)) missing.insert(key);
     }
   }
   EXPECT_THAT(missing, testing::IsEmpty());
   EXPECT_GT(known.size(), 60u);
 }
 
-TEST(ExampleConfiguration, AKeyThatIsNotInItWouldBeMissed) {
+TEST(ExampleConfiguration, AMissingKeyWouldBeFound) {
   const auto known =
       documented("[sky.camera]\n#buffers = 4\n# gain = 1.0\nsource = \"v4l2\"\n# words about format = x y\n");
   EXPECT_THAT(known, testing::UnorderedElementsAre("sky.camera.buffers", "sky.camera.gain", "sky.camera.source"));

@@ -1,4 +1,5 @@
-// Recording from live cameras: what is on the disk replays, however it ended (rows 21 and 22 of the faults).
+// Recording from live cameras: whatever is on the disk can be replayed, however it ended (rows 21 and 22 of the
+// faults).
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -76,7 +77,7 @@ TEST(Record, WhatWasRecordedReplaysWithItsCalibration) {
   const auto summary = record_kiosk(request_in(folder, config));
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_TRUE(summary->whole) << summary->ended;
-  EXPECT_THAT(summary->ended, HasSubstr("s are recorded"));
+  EXPECT_THAT(summary->ended, HasSubstr("s recorded"));
 
   const auto played = play(folder / "kept");
   ASSERT_TRUE(played) << played.error().message;
@@ -122,7 +123,7 @@ TEST(Record, AnOutageIsPartOfTheRecording) {
   EXPECT_GT(played->scene.good, 10) << "frames from before and after";
 }
 
-TEST(Record, FramesAreThinnedToOneInSoManySeconds) {
+TEST(Record, FramesAreThinnedToTheInterval) {
   const auto folder = operating_folder("every");
   auto request = request_in(folder, write_kiosk(folder));
   request.every = 500ms;
@@ -140,7 +141,7 @@ TEST(Record, ItEndsBeforeItsBytesAreExceeded) {
   const auto summary = record_kiosk(request);
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_TRUE(summary->whole) << summary->ended;
-  EXPECT_THAT(summary->ended, HasSubstr("as many as were allowed"));
+  EXPECT_THAT(summary->ended, HasSubstr("MB recorded, the limit"));
   EXPECT_LT(summary->lasted, 15s);
   std::uintmax_t on_disk = 0;
   for (const char* camera : {"sky", "scene"})
@@ -151,14 +152,14 @@ TEST(Record, ItEndsBeforeItsBytesAreExceeded) {
   EXPECT_TRUE(play(folder / "kept"));
 }
 
-TEST(Record, ItLeavesOthersTheirShareOfTheDisk) {
+TEST(Record, ItKeepsSpaceOnTheDiskFree) {
   const auto folder = operating_folder("floor");
   auto request = request_in(folder, write_kiosk(folder));
   request.limits.keep_free = std::uint64_t{1} << 60;
   const auto summary = record_kiosk(request);
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_FALSE(summary->whole);
-  EXPECT_THAT(summary->ended, HasSubstr("left, and"));
+  EXPECT_THAT(summary->ended, HasSubstr("left on the disk, and"));
   EXPECT_EQ(summary->bytes, 0u);
 }
 
@@ -170,10 +171,10 @@ TEST(Record, ARecordingIsNotOverwritten) {
   const auto again = record_kiosk(request);
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().kind, FaultKind::bad_input);
-  EXPECT_THAT(again.error().message, HasSubstr("a recording is there already"));
+  EXPECT_THAT(again.error().message, HasSubstr("already contains a recording"));
 }
 
-// A file system of its own, so that it can be filled.
+// A separate file system, so that it can be filled.
 class SmallDisk {
  public:
   explicit SmallDisk(const std::filesystem::path& at, const char* options) : at_(at) {
@@ -190,7 +191,7 @@ class SmallDisk {
   bool mounted_ = false;
 };
 
-TEST(Record, AFullDiskEndsItAndWhatIsThereReplays) {
+TEST(Record, AFullDiskEndsItAndTheRestReplays) {
   const auto folder = operating_folder("full");
   auto request = request_in(folder, write_kiosk(folder));
   const SmallDisk disk(folder / "disk", "size=800k");
@@ -201,7 +202,7 @@ TEST(Record, AFullDiskEndsItAndWhatIsThereReplays) {
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_FALSE(summary->whole);
   EXPECT_LT(summary->lasted, 25s) << summary->ended;
-  EXPECT_THAT(summary->ended, testing::AnyOf(HasSubstr("No space left"), HasSubstr("to stay free")));
+  EXPECT_THAT(summary->ended, testing::AnyOf(HasSubstr("No space left"), HasSubstr("must stay free")));
   const auto played = play(request.folder);
   ASSERT_TRUE(played) << played.error().message;
   EXPECT_EQ(played->scene.good, summary->scene.rows);
@@ -212,7 +213,7 @@ TEST(Record, AFullDiskEndsItAndWhatIsThereReplays) {
     EXPECT_THAT(entry.path().filename().string(), testing::Not(HasSubstr(".part"))) << "left over";
 }
 
-// kill -9 stands in for the power cut as far as the order of what is written goes.
+// kill -9 simulates a power cut as far as the order of writes goes.
 TEST(Record, KilledAtAnyMomentItReplays) {
   const auto folder = operating_folder("killed");
   const auto config = write_kiosk(folder);
@@ -246,7 +247,7 @@ TEST(Record, KilledAtAnyMomentItReplays) {
   EXPECT_GT(replayed, 6);
 }
 
-TEST(RecordScreen, WhoLooksSeesThePictureAndThatItIsRecorded) {
+TEST(RecordScreen, ShowsThePictureAndTheNotice) {
   const auto folder = operating_folder("sign");
   const auto root = ConfigTable::read_file(write_kiosk(folder));
   const auto config = read_run_config(*root);

@@ -107,12 +107,12 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
       metadata.exposure_s = exposure.exposure_s;
       metadata.gain = exposure.gain;
       if (stops != 0.0) {
-        air.look_for_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+        air.update_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
         exposure.exposure_s *= std::exp2(stops);
         metadata.exposure_s = exposure.exposure_s;
         metadata.captured_at += std::chrono::seconds(2);
       }
-      air.look_for_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+      air.update_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
 
       const fixtures::Building patch(board(), {place.x, place.y, place.z, 0.0});
       const auto seen = fixtures::look_at_building(patch, day, camera, land);
@@ -158,7 +158,7 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizon
     exposure.seed = 11;
     const double scale = fixtures::kResponsivity * exposure.exposure_s * exposure.gain;
     SceneAir air(installation, {});
-    air.look_for_horizon({}, view_of(fixtures::expose(light, made.camera, exposure)), nullptr);
+    air.update_horizon({}, view_of(fixtures::expose(light, made.camera, exposure)), nullptr);
     ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
     const SceneConditions conditions{Turbidity{turbidity}, weather.sun, SkyCondition::clear, nullptr};
     const PixelBox box{20, 100, 460, 180};
@@ -198,7 +198,7 @@ TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
   ASSERT_TRUE(summary) << summary.error().message;
   ASSERT_TRUE(summary->last && summary->last->measured);
   EXPECT_EQ(summary->last->measured->sun_share, 0.0);
-  EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.words;
+  EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.message;
   EXPECT_LE(building_error(fixture, out, "overcast"), 4.0);
 
   // Between two pictures of a slow sky camera its clouds stay, for a while.

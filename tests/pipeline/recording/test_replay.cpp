@@ -1,4 +1,4 @@
-// The whole way, from a recording of known truth to the picture.
+// End to end, from a recording of known truth to the picture.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace kasumi {
 namespace {
 
-// Where two outputs that should be the same begin to differ, in words.
+// Describes where two outputs that should be equal begin to differ.
 std::string what_differs(const std::filesystem::path& a, const std::filesystem::path& b) {
   if (a.extension() != ".png") {
     std::ifstream one(a), other(b);
@@ -67,7 +67,7 @@ TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
   EXPECT_EQ(summary.last->estimate.sky, SkyCondition::overcast) << summary.last->estimate.reason;
 }
 
-TEST(Replay, ACoveredLensIsToldFromBadWeather) {
+TEST(Replay, ACoveredLensIsDistinguishedFromBadWeather) {
   const auto fixture = recorded(small_scene("covered-lens", 2), "covered");
   const auto summary = played(fixture, test_folder("covered-out"));
   EXPECT_EQ(summary.usable_sky_frames, 0u);
@@ -85,21 +85,21 @@ TEST(Replay, EveryFaultOfTheFormatIsSkippedAndCounted) {
   EXPECT_FALSE(summary.skipped.empty());
 }
 
-TEST(Replay, NoMorePicturesThanAskedFor) {
+TEST(Replay, NoMorePicturesThanRequested) {
   const auto fixture = recorded(small_scene("clear-noon", 3), "two");
   const auto summary = replay({fixture, test_folder("two-out"), false, false, 2, {}});
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_EQ(summary->pictures, 2u);
 }
 
-TEST(Replay, AFixtureThatIsNotThereIsNamed) {
+TEST(Replay, AMissingFixtureIsReported) {
   const auto summary = replay({"/nowhere/fixture", std::nullopt, false, false, std::nullopt, {}});
   ASSERT_FALSE(summary);
   EXPECT_EQ(summary.error().kind, FaultKind::bad_input);
   EXPECT_THAT(summary.error().message, testing::HasSubstr("/nowhere/fixture"));
 }
 
-TEST(Replay, EveryProblemOfADescriptionIsToldAtOnce) {
+TEST(Replay, EveryProblemOfADescriptionIsReportedAtOnce) {
   const auto fixture = recorded(small_scene("clear-noon", 1), "broken-toml");
   auto text = read_text_file(fixture / "fixture.toml").value();
   const auto put = [&](const std::string& from, const std::string& to) {
@@ -117,7 +117,7 @@ TEST(Replay, EveryProblemOfADescriptionIsToldAtOnce) {
     EXPECT_THAT(summary.error().message, testing::HasSubstr(word));
 }
 
-TEST(Replay, ADamagedModelIsAMessage) {
+TEST(Replay, ADamagedModelGivesAMessage) {
   const auto fixture = recorded(small_scene("clear-noon", 1), "broken-model");
   auto bytes = read_file(fixture / "temple.glb").value();
   bytes.resize(bytes.size() / 2);

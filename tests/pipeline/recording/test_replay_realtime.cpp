@@ -7,7 +7,7 @@
 namespace kasumi {
 namespace {
 
-TEST(Replay, InRealTimeTheSkyRunsBesideTheScene) {
+TEST(Replay, InRealTimeTheSkyRunsInParallelWithTheScene) {
   auto recipe = small_scene("clear-noon", 3);
   recipe.sky_period_s = recipe.scene_period_s = 0.2;
   const auto fixture = recorded(recipe, "realtime");

@@ -1,5 +1,5 @@
-// The whole way from a recording of known truth to the picture, held to that truth: turbidity, and the building drawn
-// by the slow spectral path.
+// End to end from a recording to the picture, compared with its known truth: turbidity, and the building drawn by the
+// slow spectral path.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// The scene camera's frames on the GPU: copied or not, shown again, and drawn on when the GPU has lost everything.
+// The scene camera's frames on the GPU: copied or imported, shown again, and restored after a lost context.
 #include <chrono>
 #include <ctime>
 
@@ -55,7 +55,7 @@ class Compositors : public testing::Test {
     return options;
   }
 
-  // A frame in a driver's buffer; `returned` turns true when the driver has it back.
+  // A frame in a driver's buffer; `returned` becomes true when the driver has it back.
   static Frame lent(const Buffer& buffer, bool& returned) {
     returned = false;
     Frame frame;
@@ -129,7 +129,7 @@ TEST_F(Compositors, ShowAPictureAgainWithoutKeepingTheDriversBuffer) {
   const auto before = drawn(compositor, lent(buffer, returned));
   EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
   EXPECT_TRUE(returned) << "an unplugged camera comes back only when its buffers are let go of";
-  buffer.fill(17);  // the driver's again
+  buffer.fill(17);  // the driver may reuse it now
   EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
   EXPECT_EQ(compositor.frames().uploaded, 1u) << "one copy, however often it is shown";
 }
@@ -152,7 +152,7 @@ TEST_F(Compositors, KeepTheLastPictureWhenOneOfAnotherSizeComes) {
   }
 }
 
-TEST_F(Compositors, CopyWhatTheGpuRefuses) {
+TEST_F(Compositors, CopyWhatTheGpuCannotImport) {
   calls_.refused = {"*"};
   const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
   bool returned = false;
@@ -182,7 +182,7 @@ TEST_F(Compositors, ShowTheCameraAloneWhileTheSunIsUnknown) {
   EXPECT_EQ(drawn_again(compositor).elements(), alone.elements());
 }
 
-TEST_F(Compositors, Row17AreMadeAnewFromMemoryWhenTheContextIsLost) {
+TEST_F(Compositors, Row17AreRestoredFromMemoryWhenTheContextIsLost) {
   const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
   bool returned = false;
   const Frame frame = lent(buffer, returned);

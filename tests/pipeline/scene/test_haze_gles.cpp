@@ -12,19 +12,19 @@
 namespace kasumi {
 namespace {
 
-constexpr int kWidth = 240, kHeight = 160;
+constexpr int kFrameWidth = 240, kFrameHeight = 160;
 
 // A floor in perspective, a wall, two things before it, sky.
 struct Scene {
-  Image<glm::vec3> light{kWidth, kHeight};
+  Image<glm::vec3> light{kFrameWidth, kFrameHeight};
   HazeRange range;
 };
 Scene scene() {
   Scene made;
-  const auto pattern = bars(kWidth, kHeight);
-  Image<float> range_m(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
+  const auto pattern = bars(kFrameWidth, kFrameHeight);
+  Image<float> range_m(kFrameWidth, kFrameHeight);
+  for (int y = 0; y < kFrameHeight; ++y)
+    for (int x = 0; x < kFrameWidth; ++x) {
       range_m.at(x, y) = y < 30 ? 0.0F : y < 90 ? 60.0F : 600.0F / static_cast<float>(y - 80);
       if (x > 60 && x < 90 && y > 15) range_m.at(x, y) = 12.0F;
       if (x > 150 && x < 153 && y > 40) range_m.at(x, y) = 25.0F;
@@ -51,7 +51,7 @@ class HazeOnGpu : public testing::Test {
     context = std::move(*opened);
   }
   Image<glm::vec4> on_gpu(const Scene& s, const HazeLook& look, bool force_bytes) {
-    auto blur = HazeBlur::create(context->info(), kWidth, kHeight, {force_bytes});
+    auto blur = HazeBlur::create(context->info(), kFrameWidth, kFrameHeight, {force_bytes});
     if (!blur) ADD_FAILURE() << blur.error().message;
     EXPECT_TRUE(blur->set_scene(haze_scene(s.light, s.range)));
     const auto run = blur->run(look);
@@ -103,12 +103,12 @@ TEST_F(HazeOnGpu, TheExplicitSchemeIsTheReferenceToo) {
 
 TEST_F(HazeOnGpu, NothingLeaksOverEdgesThereEither) {
   for (const bool bright : {true, false}) {
-    const auto object = object_before_wall(kHeight, 0.3F, bright ? 1.0F : 0.0F, bright ? 0.0F : 1.0F);
+    const auto object = object_before_wall(kFrameHeight, 0.3F, bright ? 1.0F : 0.0F, bright ? 0.0F : 1.0F);
     Scene s;
-    s.light = Image<glm::vec3>(kWidth, kHeight, glm::vec3(bright ? 0.0F : 1.0F));
-    Image<float> range_m(kWidth, kHeight, 100.0F);
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kHeight; ++x) {
+    s.light = Image<glm::vec3>(kFrameWidth, kFrameHeight, glm::vec3(bright ? 0.0F : 1.0F));
+    Image<float> range_m(kFrameWidth, kFrameHeight, 100.0F);
+    for (int y = 0; y < kFrameHeight; ++y)
+      for (int x = 0; x < kFrameHeight; ++x) {
         range_m.at(x, y) = 100.0F * object.range.at(x, y);
         s.light.at(x, y) = glm::vec3(object.light.at(x, y));
       }
@@ -119,8 +119,8 @@ TEST_F(HazeOnGpu, NothingLeaksOverEdgesThereEither) {
       if (!bytes && !half_floats()) continue;
       const auto blurred = on_gpu(s, haze_look(optics, s.range, airlight), bytes);
       double worst = 0.0;
-      for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
+      for (int y = 0; y < kFrameHeight; ++y)
+        for (int x = 0; x < kFrameWidth; ++x)
           worst = std::max(worst, static_cast<double>(std::abs(blurred.at(x, y).r - s.light.at(x, y).r)));
       EXPECT_EQ(worst, 0.0) << (bytes ? "bytes" : "half floats");
     }
@@ -133,15 +133,15 @@ TEST_F(HazeOnGpu, ShowsWhatTheReferenceComposites) {
   const auto truth = under_haze(s.light, s.range, optics, airlight, DiffusionScheme::matched).value();
   for (const bool bytes : {true, false}) {
     if (!bytes && !half_floats()) continue;
-    auto blur = HazeBlur::create(context->info(), kWidth, kHeight, {bytes}).value();
+    auto blur = HazeBlur::create(context->info(), kFrameWidth, kFrameHeight, {bytes}).value();
     ASSERT_TRUE(blur.set_scene(haze_scene(s.light, s.range)));
     ASSERT_TRUE(blur.run(haze_look(optics, s.range, airlight)));
-    auto offscreen = Offscreen::create(context->info(), kWidth, kHeight).value();
+    auto offscreen = Offscreen::create(context->info(), kFrameWidth, kFrameHeight).value();
     ASSERT_TRUE(blur.show(offscreen.target()));
     const auto seen = offscreen.read().value();
     double worst = 0.0;
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x)
+    for (int y = 0; y < kFrameHeight; ++y)
+      for (int x = 0; x < kFrameWidth; ++x)
         for (int c = 0; c < 3; ++c) {
           const auto light = std::min(static_cast<double>(truth.light.at(x, y)[c]), 1.0);
           const double encoded = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;

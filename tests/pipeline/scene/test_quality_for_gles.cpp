@@ -1,4 +1,4 @@
-// From what is known of the scene camera to what the renderer is told.
+// From the scene camera's quality to the renderer's settings.
 #include <cmath>
 
 #include <gtest/gtest.h>

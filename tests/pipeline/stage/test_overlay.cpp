@@ -1,4 +1,4 @@
-// What the overlay draws, against geometry worked out here, and how it draws.
+// The overlay's shapes against geometry computed here, and their drawing.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -15,7 +15,6 @@ namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-using Kind = OverlayLine::Kind;
 
 constexpr double kFocal_px = 3000.0, kCentreX = 479.5, kCentreY = 269.5;
 
@@ -33,7 +32,7 @@ Installation kiosk(double pitch_deg = 0.0, double roll_deg = 0.0, double heading
 }
 constexpr ModelBounds kBuilding{{-20.0F, 0.0F, -30.0F}, {20.0F, 25.0F, 30.0F}};
 
-std::vector<OverlayLine> lines_of(const OverlayShapes& shapes, Kind kind) {
+std::vector<OverlayLine> lines_of(const OverlayShapes& shapes, OverlayLineKind kind) {
   std::vector<OverlayLine> found;
   for (const auto& line : shapes.lines)
     if (line.kind == kind) found.push_back(line);
@@ -57,7 +56,7 @@ TEST(Overlay, TheHorizonLiesItsDipBelowTheLevelAndTurnsWithTheCamera) {
   const double dip = dip_of_horizon(1000.0).value;
   for (const double pitch_deg : {0.0, 2.0, -1.5})
     for (const double roll_deg : {0.0, 4.0, -7.0}) {
-      const auto lines = lines_of(overlay_shapes(kiosk(pitch_deg, roll_deg), kBuilding), Kind::horizon);
+      const auto lines = lines_of(overlay_shapes(kiosk(pitch_deg, roll_deg), kBuilding), OverlayLineKind::horizon);
       ASSERT_EQ(lines.size(), 1u);
       const double roll = from_degrees(roll_deg).value,
                    below = kFocal_px * std::tan(dip + from_degrees(pitch_deg).value);
@@ -87,7 +86,7 @@ TEST(Overlay, TheGridsLinesLieWhereTheirLabelsSay) {
   const double across = (up->at.x - kCentreX) / kFocal_px;
   EXPECT_NEAR(up->at.y, kCentreY - kFocal_px * std::tan(from_degrees(5.0).value) * std::hypot(1.0, across), 1e-6);
   EXPECT_EQ(label_of(shapes, "340°"), nullptr) << "out of the picture";
-  EXPECT_GE(lines_of(shapes, Kind::grid).size(), 5u);
+  EXPECT_GE(lines_of(shapes, OverlayLineKind::grid).size(), 5u);
 }
 
 TEST(Overlay, TheGridFollowsTheLens) {
@@ -95,7 +94,7 @@ TEST(Overlay, TheGridFollowsTheLens) {
   installation.scene.lens = pinhole_lens({{kFocal_px, kFocal_px}, {kCentreX, kCentreY}, {-0.5, 0.0, 0.0, 0.0, 0.0}});
   const auto* label = label_of(overlay_shapes(installation, kBuilding), "5°");
   ASSERT_NE(label, nullptr);
-  for (const auto& line : lines_of(overlay_shapes(installation, kBuilding), Kind::grid))
+  for (const auto& line : lines_of(overlay_shapes(installation, kBuilding), OverlayLineKind::grid))
     for (const auto& p : line.points) {
       const auto direction = installation.scene.direction_at(p);
       ASSERT_TRUE(direction);
@@ -110,7 +109,7 @@ TEST(Overlay, TheBuildingsBoxStandsWhereTheBuildingStands) {
   installation.object.placement.heading = from_degrees(90.0);  // its -z, north at heading 0, points east
   installation.object.placement.scale = 2.0;
   const auto shapes = overlay_shapes(installation, kBuilding);
-  const auto footprint = lines_of(shapes, Kind::footprint), box = lines_of(shapes, Kind::box);
+  const auto footprint = lines_of(shapes, OverlayLineKind::footprint), box = lines_of(shapes, OverlayLineKind::box);
   ASSERT_EQ(footprint.size(), 4u);
   EXPECT_EQ(box.size(), 8u);
   // Turned, it is 120 m wide and 80 m deep: from -40 to +80 m east of the camera, 2960 to 3040 m away, foot at -10 m.
@@ -135,14 +134,14 @@ TEST(Overlay, AxesAndHeadingPointAsTheModelIsTurned) {
     const double length = 0.75 * 60.0, turn = from_degrees(heading_deg).value;
     // glTF's x points east at heading 0 and turns clockwise.
     const double east = 20.0 + length * std::cos(turn), north = 3000.0 - length * std::sin(turn);
-    const auto x = lines_of(shapes, Kind::axis_x);
+    const auto x = lines_of(shapes, OverlayLineKind::axis_x);
     ASSERT_EQ(x.size(), 1u);
     EXPECT_NEAR(x[0].points.back().x, kCentreX + kFocal_px * east / north, 1e-3) << heading_deg;
-    const auto arrow = lines_of(shapes, Kind::heading);
+    const auto arrow = lines_of(shapes, OverlayLineKind::heading);
     ASSERT_GE(arrow.size(), 1u);
     const double tip_east = 20.0 + length * std::sin(turn), tip_north = 3000.0 + length * std::cos(turn);
     EXPECT_NEAR(arrow[0].points.back().x, kCentreX + kFocal_px * tip_east / tip_north, 1e-3) << heading_deg;
-    const auto up = lines_of(shapes, Kind::axis_y);
+    const auto up = lines_of(shapes, OverlayLineKind::axis_y);
     ASSERT_EQ(up.size(), 1u);
     EXPECT_NEAR(up[0].points.back().y, kCentreY - kFocal_px * (length - 10.0) / 3000.0, 1e-3);
     EXPECT_NE(label_of(shapes, fmt::format("heading {:.1f}°", heading_deg)), nullptr);
@@ -164,7 +163,7 @@ TEST(Overlay, ALandmarkFortyKilometresAwayStandsLowerByTheEarthsCurveAndHigherBy
   const auto shapes = overlay_shapes(installation, kBuilding);
   const auto* label = label_of(shapes, "Peak, 40.0 km");
   ASSERT_NE(label, nullptr);
-  const auto marks = lines_of(shapes, Kind::landmark);
+  const auto marks = lines_of(shapes, OverlayLineKind::landmark);
   ASSERT_EQ(marks.size(), 4u);
   glm::dvec2 middle{0.0};
   for (const auto& mark : marks) middle += 0.25 * mark.points[0];
@@ -178,7 +177,7 @@ TEST(Overlay, LandmarksBehindAndBesideThePictureAreLeftOut) {
       with_landmarks("[[landmarks]]\nname = 'South'\nlatitude_deg = 45.9\nlongitude_deg = 8.0\naltitude_m = 1000\n"
                      "[[landmarks]]\nname = 'East'\nlatitude_deg = 46.0\nlongitude_deg = 8.3\naltitude_m = 1000\n"),
       kBuilding);
-  EXPECT_TRUE(lines_of(shapes, Kind::landmark).empty());
+  EXPECT_TRUE(lines_of(shapes, OverlayLineKind::landmark).empty());
   EXPECT_EQ(label_of(shapes, "South"), nullptr);
 }
 
@@ -198,7 +197,7 @@ TEST(Landmarks, EverythingWrongIsNamedAtOnce) {
 }
 
 TEST(OverlayDrawing, ALineCoversItsWidthAndHasADarkEdge) {
-  // Across a slanted line: what of its colour is there adds up to its width, however it lies between the pixels.
+  // Across a slanted line the coverage adds up to its width, wherever it lies between the pixels.
   for (const double shift : {0.0, 0.3, 0.5}) {
     Image<Rgba8> picture(60, 60);
     draw_line(picture, {{-5.0, 20.0 + shift}, {65.0, 34.0 + shift}}, 2.0, {255, 255, 255});
@@ -215,7 +214,7 @@ TEST(OverlayDrawing, ALineCoversItsWidthAndHasADarkEdge) {
   }
 }
 
-TEST(OverlayDrawing, PiecesOfALineDoNotShowWhereTheyMeet) {
+TEST(OverlayDrawing, SegmentsOfALineHaveNoSeams) {
   std::vector<glm::dvec2> whole{{5.0, 10.3}, {55.0, 10.3}}, pieces;
   for (int i = 0; i <= 50; ++i) pieces.emplace_back(5.0 + i, 10.3);
   Image<Rgba8> one(60, 20), many(60, 20);
@@ -224,7 +223,7 @@ TEST(OverlayDrawing, PiecesOfALineDoNotShowWhereTheyMeet) {
   EXPECT_EQ(one.elements(), many.elements());
 }
 
-TEST(OverlayDrawing, LinesOutsideThePictureAreNoMatter) {
+TEST(OverlayDrawing, LinesOutsideThePictureAreHarmless) {
   Image<Rgba8> picture(20, 20);
   draw_line(picture, {{-500.0, -3.0}, {900.0, -40.0}}, 2.0, {255, 255, 255});
   draw_line(picture, {{1e7, 1e7}, {2e7, 1e7}}, 2.0, {255, 255, 255});
@@ -275,7 +274,7 @@ TEST(OverlayInReplay, ChangesThePictureAndNothingThatIsMeasured) {
   EXPECT_TRUE(overlaid.second == plain.second) << "turbidity.csv";
 }
 
-TEST(OverlayDrawing, AFontThatIsNotThereIsNamed) {
+TEST(OverlayDrawing, AMissingFontIsReported) {
   const auto picture = draw_shapes(overlay_shapes(kiosk(), kBuilding), 960, 540, 1.0, "/nowhere/font.ttf");
   ASSERT_FALSE(picture);
   EXPECT_THAT(picture.error().message, HasSubstr("/nowhere/font.ttf"));

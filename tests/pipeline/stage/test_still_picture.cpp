@@ -70,7 +70,7 @@ double luminance(const Rgb8& colour) {
   return 0.2126 * colour.r + 0.7152 * colour.g + 0.0722 * colour.b;
 }
 
-TEST_F(StillPictureTest, AnOpaqueOneIsShownAsItIsWhateverTheSky) {
+TEST_F(StillPictureTest, AnOpaqueOneIsShownUnchangedWhateverTheSky) {
   Image<Rgba8> picture(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) picture.at(x, y) = Rgba8{(7 * x + 3 * y) % 256, (x * y) % 256, (5 * x) % 256, 255};
@@ -79,7 +79,7 @@ TEST_F(StillPictureTest, AnOpaqueOneIsShownAsItIsWhateverTheSky) {
     ASSERT_EQ(shown.elements()[i], Rgb8(picture.elements()[i])) << i;
 }
 
-TEST_F(StillPictureTest, WhereItIsTransparentTheSkyOfTheDayShows) {
+TEST_F(StillPictureTest, TransparentPartsShowThePresentSky) {
   const auto clear = drawn(content(wall()), report(40.0));
   const Rgb8 sky = clear.at(kWidth / 2, 5), ground = clear.at(kWidth / 2, kHeight - 5);
   EXPECT_EQ(ground, (Rgb8{180, 30, 20}));
@@ -99,15 +99,15 @@ TEST_F(StillPictureTest, WhereItIsTransparentTheSkyOfTheDayShows) {
 TEST_F(StillPictureTest, WithoutOneThereIsPlainLandUnderTheSky) {
   const auto shown = drawn(content(std::nullopt), report(40.0));
   EXPECT_GT(shown.at(kWidth / 2, 5).b, shown.at(kWidth / 2, 5).r + 25);
-  EXPECT_EQ(shown.at(kWidth / 2, kHeight - 5), Rgb8(kStillGround));
+  EXPECT_EQ(shown.at(kWidth / 2, kHeight - 5), Rgb8(kStillBackground));
 }
 
-TEST_F(StillPictureTest, WhereTheSunIsNotKnownOrItIsNightThereIsNoSkyToShow) {
+TEST_F(StillPictureTest, AtNightOrWithoutTheSunsPositionNoSkyIsShown) {
   auto unknown = report(40.0);
   unknown.sun.source = SunSource::none;
   for (const auto& sky : {unknown, report(110.0), report(80.0, SkyCondition::night)}) {
     const auto shown = drawn(content(std::nullopt), sky);
-    EXPECT_EQ(shown.at(kWidth / 2, 5), Rgb8(kStillGround));
+    EXPECT_EQ(shown.at(kWidth / 2, 5), Rgb8(kStillBackground));
   }
 }
 
@@ -119,7 +119,7 @@ TEST_F(StillPictureTest, FadesAsAWhole) {
       EXPECT_NEAR(half.at(pixel.x, pixel.y)[c], 0.5 * whole.at(pixel.x, pixel.y)[c], 1.5) << pixel.x << " " << c;
 }
 
-TEST_F(StillPictureTest, TheSkyIsDrawnAnewOnlyWhenItHasChanged) {
+TEST_F(StillPictureTest, TheSkyIsRedrawnOnlyWhenItHasChanged) {
   auto still = StillPicture::create(*context_, content(wall())).value();
   const auto first = drawn(still, report(40.0));
   EXPECT_EQ(drawn(still, report(40.1)).elements(), first.elements()) << "a tenth of a degree is not seen";

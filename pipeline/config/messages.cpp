@@ -1,18 +1,18 @@
-#include "pipeline/config/words.hpp"
+#include "pipeline/config/messages.hpp"
 
 #include <array>
 
 namespace kasumi {
 namespace {
 
-struct Saying {
+struct Translations {
   std::string_view english, german, french, italian, spanish, japanese;
 };
 
 constexpr std::array kCodes{"en", "de", "fr", "it", "es", "ja"};
 
 // French writes a narrow no-break space before its double punctuation marks.
-constexpr Saying saying(Message message) {
+constexpr Translations translations_of(Message message) {
   switch (message) {
     case Message::starting:
       return {"The live picture will appear in a moment.",     "Das Livebild erscheint gleich.",
@@ -86,17 +86,17 @@ std::string_view code_of(Language language) {
   return kCodes[static_cast<std::size_t>(language)];
 }
 
-std::string_view words(Message message, Language language) {
-  const Saying said = saying(message);
+std::string_view message_text(Message message, Language language) {
+  const Translations texts = translations_of(message);
   switch (language) {
-    case Language::english: return said.english;
-    case Language::german: return said.german;
-    case Language::french: return said.french;
-    case Language::italian: return said.italian;
-    case Language::spanish: return said.spanish;
-    case Language::japanese: return said.japanese;
+    case Language::english: return texts.english;
+    case Language::german: return texts.german;
+    case Language::french: return texts.french;
+    case Language::italian: return texts.italian;
+    case Language::spanish: return texts.spanish;
+    case Language::japanese: return texts.japanese;
   }
-  return said.english;
+  return texts.english;
 }
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// What the appliance says: which words, where their lines end, and how they look.
+// Messages on the picture: their texts, line breaking and rendering.
 #include <filesystem>
 #include <set>
 
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "pipeline/config/words.hpp"
+#include "pipeline/config/messages.hpp"
 #include "pipeline/stage/caption.hpp"
 #include "pipeline/stage/text_breaking.hpp"
 #include "tests/places.hpp"
@@ -19,15 +19,15 @@ using testing::HasSubstr;
 
 #define ASSERT_OK(result) ASSERT_TRUE((result).has_value()) << (result).error().message
 
-TEST(Words, EveryLanguageHasEveryMessageInItsOwnWords) {
+TEST(Messages, EveryLanguageHasItsOwnTextOfEveryMessage) {
   for (const Language language : kLanguages) {
     std::set<std::string_view> said;
     for (const Message message : kMessages) {
-      const auto sentence = words(message, language);
+      const auto sentence = message_text(message, language);
       EXPECT_FALSE(sentence.empty()) << code_of(language) << ", message " << static_cast<int>(message);
       EXPECT_TRUE(characters_of(sentence).has_value()) << sentence;
       if (language != Language::english) {
-        EXPECT_NE(sentence, words(message, Language::english)) << code_of(language);
+        EXPECT_NE(sentence, message_text(message, Language::english)) << code_of(language);
       }
       said.insert(sentence);
     }
@@ -36,7 +36,7 @@ TEST(Words, EveryLanguageHasEveryMessageInItsOwnWords) {
   EXPECT_EQ(std::size(kMessages), static_cast<std::size_t>(Message::recording) + 1);
 }
 
-TEST(Words, LanguagesAreNamedByTheirCodes) {
+TEST(Messages, LanguagesAreNamedByTheirCodes) {
   for (const Language language : kLanguages) EXPECT_EQ(parse_language(code_of(language)), language);
   EXPECT_EQ(parse_language("ja"), Language::japanese);
   const auto wrong = parse_language("tlh");
@@ -63,12 +63,12 @@ TEST(TextBreaking, EndsLinesAtSpacesAndLineFeeds) {
   EXPECT_THAT(break_lines(U"the castle\n\nstood here", 20, count), ElementsAre(U"the castle", U"", U"stood here"));
   EXPECT_THAT(break_lines(U"  aaa bbb ccc ", 7, count), ElementsAre(U"aaa bbb", U"ccc"));
   EXPECT_THAT(break_lines(U"", 7, count), ElementsAre(U""));
-  // U+00A0 holds its neighbours together.
+  // U+00A0 does not break.
   EXPECT_THAT(break_lines(U"aa bb\u00A0cc", 6, count), ElementsAre(U"aa", U"bb\u00A0cc"));
 }
 
 TEST(TextBreaking, MakesLinesOfOneParagraphAboutEquallyLong) {
-  // Filled one after the other this would leave "d" alone.
+  // Greedy filling would leave "d" alone.
   EXPECT_THAT(break_lines(U"aaaa bbbb cccc d", 14, count), ElementsAre(U"aaaa bbbb", U"cccc d"));
 }
 
@@ -111,7 +111,7 @@ bool has_word(const Rgba8& p) {
   return p.r > 128;
 }
 
-// Columns [first, last] that hold words.
+// Columns [first, last] that contain text.
 std::pair<int, int> columns_with_words(const Image<Rgba8>& picture) {
   int first = picture.width(), last = -1;
   for (int y = 0; y < picture.height(); ++y)
@@ -120,7 +120,7 @@ std::pair<int, int> columns_with_words(const Image<Rgba8>& picture) {
   return {first, last};
 }
 
-TEST_F(Captions, AreLightOnADarkRoundedGround) {
+TEST_F(Captions, AreLightOnADarkRoundedBackground) {
   const Image<Rgba8> picture = draw("Himeji");
   const int w = picture.width(), h = picture.height();
   EXPECT_EQ(picture.at(0, 0).a, 0) << "corners are cut";
@@ -139,7 +139,7 @@ TEST_F(Captions, AreLightOnADarkRoundedGround) {
   EXPECT_GE(*greys.rbegin(), 240);
 }
 
-TEST_F(Captions, StandInTheMiddleOfTheirGround) {
+TEST_F(Captions, AreCentredOnTheirBackground) {
   const Image<Rgba8> picture = draw("HHHH", {.height_px = 64});
   const auto [first, last] = columns_with_words(picture);
   EXPECT_NEAR(first, picture.width() - 1 - last, 2) << "pixels left and right";
@@ -148,7 +148,7 @@ TEST_F(Captions, StandInTheMiddleOfTheirGround) {
 }
 
 TEST_F(Captions, BreakWithinTheirWidthAndKeepTheirHeight) {
-  const std::string text{words(Message::sky_camera_missing, Language::german)};
+  const std::string text{message_text(Message::sky_camera_missing, Language::german)};
   const Image<Rgba8> one = draw(text, {.height_px = 30, .largest_width_px = 4000});
   const Image<Rgba8> three = draw(text, {.height_px = 30, .largest_width_px = 600});
   EXPECT_GT(one.width(), 1000);
@@ -171,13 +171,13 @@ TEST_F(Captions, KernTheirLetters) {
   EXPECT_LT(width("AVAVAV") + 20, width("A") + 2 * a + 3 * v);
 }
 
-TEST_F(Captions, ShowABoxForWhatNoFontHas) {
+TEST_F(Captions, ShowABoxForMissingGlyphs) {
   // Private use: no font of these defines it.
   const auto [first, last] = columns_with_words(draw("\U0010FFFD", {.height_px = 64}));
   EXPECT_GT(last - first, 10);
 }
 
-TEST_F(Captions, RefuseWhatIsNoTextAndWhatIsNoFont) {
+TEST_F(Captions, RejectInvalidTextAndFonts) {
   EXPECT_EQ(draw_caption("caf\xE9", {}).error().kind, FaultKind::bad_input);
   EXPECT_EQ(draw_caption("x", {.height_px = 0}).error().kind, FaultKind::bad_input);
   EXPECT_EQ(draw_caption("x", {.largest_width_px = 0}).error().kind, FaultKind::bad_input);
@@ -189,15 +189,15 @@ TEST_F(Captions, RefuseWhatIsNoTextAndWhatIsNoFont) {
   EXPECT_EQ(draw_caption("x", {.font_file = "no/such/font.ttf"}).error().kind, FaultKind::bad_input);
 }
 
-// For a person to look at: every message in every language over a grey sky.
-TEST_F(Captions, CanBeLookedAt) {
+// For visual inspection: every message in every language over a grey sky.
+TEST_F(Captions, AreWrittenForInspection) {
   std::filesystem::create_directories(test_output_folder());
   for (const Language language : kLanguages) {
     cv::Mat sheet(1000, 1280, CV_8UC3, cv::Scalar(205, 190, 170));
     int top = 10;
     for (const Message message : kMessages) {
       const Image<Rgba8> picture =
-          draw(std::string(words(message, language)), {.height_px = 30, .largest_width_px = 800});
+          draw(std::string(message_text(message, language)), {.height_px = 30, .largest_width_px = 800});
       ASSERT_LE(picture.width(), 800);
       for (int y = 0; y < picture.height() && top + y < sheet.rows; ++y)
         for (int x = 0; x < picture.width(); ++x) {

@@ -1,4 +1,4 @@
-// What the appliance says on the picture, in the visitors' language.
+// Messages shown on the picture, in the visitors' language.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ enum class Language { english, german, french, italian, spanish, japanese };
 inline constexpr Language kLanguages[] = {Language::english, Language::german,  Language::french,
                                           Language::italian, Language::spanish, Language::japanese};
 
-// ISO 639: "en", "de", "fr", "it", "es", "ja". Error (bad_input): none of these.
+// ISO 639: "en", "de", "fr", "it", "es", "ja". Error (bad_input): any other code.
 Result<Language> parse_language(std::string_view code);
 std::string_view code_of(Language language);
 
@@ -21,9 +21,9 @@ enum class Message {
   scene_camera_missing,  // unplugged, or it sends nothing
   scene_camera_frozen,   // always the same picture
   scene_camera_covered,  // something lies over the lens
-  scene_camera_blinded,  // nothing but white
-  sky_camera_missing,    // the air is an earlier one
-  no_clock,              // the sun's place is not known, so there is no building
+  scene_camera_blinded,  // overexposed: all white
+  sky_camera_missing,    // the last known air is used
+  no_clock,              // the sun's position is unknown, so no building is drawn
   closed,                // outside opening hours
   recording,
 };
@@ -39,7 +39,7 @@ inline constexpr Message kMessages[] = {
     Message::recording,
 };
 
-// One or two sentences, UTF-8, a line each. Never empty.
-std::string_view words(Message message, Language language);
+// One or two sentences in UTF-8, each on its own line. Never empty.
+std::string_view message_text(Message message, Language language);
 
 }  // namespace kasumi

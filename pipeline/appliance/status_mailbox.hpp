@@ -1,0 +1,69 @@
+// What the other loops report to the status loop.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimator/landmarks/landmark_air.hpp"
+#include "pipeline/appliance/latency.hpp"
+#include "pipeline/appliance/mailboxes.hpp"
+#include "pipeline/camera_drift/drift.hpp"
+#include "pipeline/config/ladder.hpp"
+
+namespace kasumi {
+
+struct DisplayStatus {
+  bool up = false;
+  std::string description;
+  std::string cause;  // why it is not up
+  std::uint64_t flips = 0;
+  std::uint64_t flip_timeouts = 0;
+  std::uint64_t resets = 0;  // how often it was reopened
+};
+
+struct RenderStatus {
+  Rung rung;
+  DisplayStatus display;
+  bool building_drawn = false;                   // in the picture shown last
+  std::uint64_t pictures = 0;                    // shown
+  std::uint64_t scene_frames = 0;                // of them, with a new frame from the scene camera
+  std::uint64_t uploads = 0;                     // scene frames copied to the GPU by the CPU
+  std::uint64_t frames_dropped = 0;              // superseded before they were shown
+  std::optional<LatencySummary> latency;         // since the start
+  std::optional<LatencySummary> latency_minute;  // of the last whole minute
+};
+
+// Result of the last reload.
+struct ReloadStatus {
+  Utc at{};
+  std::vector<std::string> problems;  // empty: the new content is in use
+};
+
+// Result of the last check of the calibration.
+struct CheckStatus {
+  Utc at{};
+  std::string summary;                // one line; also when there was nothing to compare
+  std::optional<DriftReport> report;  // empty: no comparison was made
+};
+
+// The air as the landmarks in the scene camera's picture show it.
+struct VisibilityStatus {
+  Utc at{};
+  std::optional<LandmarkAir> air;    // empty: not measured, and `reason` says why
+  std::optional<SkyComparison> sky;  // empty: no turbidity from the sky to compare with
+  std::string reason;
+  bool finding = false;  // they have disagreed with the sky for minutes
+};
+
+struct StatusMailbox : Mailbox {
+  LatestSlot<CameraStatus> scene_camera, sky_camera;
+  LatestSlot<SkyStatus> sky;
+  LatestSlot<RenderStatus> render;
+  LatestSlot<ReloadStatus> reload;
+  LatestSlot<CheckStatus> check;
+  LatestSlot<VisibilityStatus> visibility;
+};
+
+}  // namespace kasumi
