@@ -91,7 +91,7 @@ Json visibility_json(const VisibilityNews& news) {
   json["agreement"] = name_of(news.sky ? news.sky->agreement : Agreement::unknown);
   json["sigmas_apart"] = news.sky ? Json(news.sky->sigmas) : Json(nullptr);
   json["finding"] = news.finding;
-  json["words"] = news.sky ? news.sky->words : std::string();
+  json["words"] = news.sky ? news.sky->message : std::string();
   return json;
 }
 
@@ -123,7 +123,7 @@ std::string status_json(const Status& status) {
   json["turbidity_trustworthy"] = tracked_value([](const auto& t) { return t.trustworthy; });
   json["sky"] = name_of(status.sky.report.estimate.sky);
   json["sky_reason"] = status.sky.report.estimate.reason;
-  json["sun"] = status.sky.report.sun.words;
+  json["sun"] = status.sky.report.sun.message;
   json["building_drawn"] = status.render.building_drawn;
   json["clock_trusted"] = status.sky.clock_trusted;
   json["recording"] = false;  // cameras serve one program at a time: who records is `kasumi record`

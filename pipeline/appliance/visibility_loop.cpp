@@ -101,7 +101,7 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
 void VisibilityLoop::tell(VisibilityNews news) {
   const bool apart = news.sky && news.sky->agreement == Agreement::disagrees;
   apart_ = apart ? apart_ + 1 : 0;
-  if (apart_ >= kApart && !told_) spdlog::warn("visibility: {}", news.sky->words);
+  if (apart_ >= kApart && !told_) spdlog::warn("visibility: {}", news.sky->message);
   if (!apart && told_) spdlog::info("visibility: landmarks and sky are not apart any more");
   told_ = apart_ >= kApart;
   news.finding = told_;

@@ -131,7 +131,7 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
                    {"extinction_per_m", rounded(sky->sky_per_m, 4)},
                    {"extinction_sigma_per_m", rounded(sky->sky_sigma_per_m, 3)},
                    {"sigmas", rounded(sky->sigmas, 3)},
-                   {"words", sky->words}};
+                   {"words", sky->message}};
   return json.dump();
 }
 
@@ -164,7 +164,7 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
   }
   for (const auto i : green.left_out)
     text += fmt::format("  not used         {}: far off the others\n", watch.landmarks()[i].name);
-  if (sky) text += fmt::format("  beside the sky   {}\n", sky->words);
+  if (sky) text += fmt::format("  beside the sky   {}\n", sky->message);
   return text;
 }
 

@@ -26,7 +26,7 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {
     SunCheck unknown;
-    unknown.words = "the time is not to be trusted yet";
+    unknown.message = "the time is not to be trusted yet";
     return unknown;
   }
   const bool clock_trusted = sun_from == SunSource::ephemeris;
@@ -40,7 +40,7 @@ SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_f
 void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
   const SunCheck& sun = report.sun;
   if (sun.source == SunSource::none) {
-    report.estimate.reason = "the sun's place is unknown: " + sun.words;
+    report.estimate.reason = "the sun's place is unknown: " + sun.message;
     return;
   }
   if (options_.estimator) {

@@ -170,7 +170,7 @@ TEST(LandmarkContrast, IsReadInLinearLight) {
     for (int x = 40; x < 56; ++x) encoded.at(x, y) = glm::vec3(1.0F);
   readings = read_contrasts(camera, encoded, {landmark});
   EXPECT_TRUE(readings[0].usable);
-  EXPECT_EQ(readings[0].reason, "the sky beside it is clipped");
+  EXPECT_EQ(readings[0].reason, "the sky next to it is clipped");
   EXPECT_GT(readings[0].sigma.g, 0.02);
   landmark.surface.x = 60;
   EXPECT_FALSE(read_contrasts(camera, encoded, {landmark})[0].usable);
@@ -220,10 +220,10 @@ TEST_F(LandmarkAirTest, IsTheTurbidityThatTakesAsMuch) {
 TEST_F(LandmarkAirTest, TellsADisagreementAndNeverAverages) {
   const auto air = air_of(4.0);
   const auto same = watch.compare(air, Turbidity{4.0}, 0.05);
-  EXPECT_EQ(same.agreement, Agreement::agrees) << same.words;
+  EXPECT_EQ(same.agreement, Agreement::agrees) << same.message;
   EXPECT_LT(std::abs(same.sigmas), 1.0);
   const auto other = watch.compare(air, Turbidity{2.0}, 0.05);
-  EXPECT_EQ(other.agreement, Agreement::disagrees) << other.words;
+  EXPECT_EQ(other.agreement, Agreement::disagrees) << other.message;
   EXPECT_GT(other.sigmas, 3.0) << "the landmarks see the thicker air";
   EXPECT_NEAR(air.turbidity.turbidity->value, 4.0, 0.15) << "whatever the sky says";
   EXPECT_EQ(watch.compare(air, Turbidity{2.0}, 30.0).agreement, Agreement::agrees) << "who knows little agrees";

@@ -87,8 +87,8 @@ TEST(CrossCheck, NamesADisagreementInDegrees) {
   const SunBlob blob{direction_from(from_degrees(60), from_degrees(100)), {}, {}, 0.9};
   const SunCheck check = cross_check(ephemeris, blob, true);
   EXPECT_FALSE(check.agrees);
-  EXPECT_NE(check.words.find("20.0 deg"), std::string::npos) << check.words;
-  EXPECT_NE(check.words.find("orientation"), std::string::npos) << check.words;
+  EXPECT_NE(check.message.find("20.0 deg"), std::string::npos) << check.message;
+  EXPECT_NE(check.message.find("orientation"), std::string::npos) << check.message;
 }
 
 TEST(CrossCheck, KnowsNoSunWithoutClockAndBlob) {
