@@ -50,7 +50,7 @@ Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photogra
   auto horizon = measure_horizon(camera, view_of(pixels));
   if (!horizon.usable())
     return fail(FaultKind::bad_input,
-                "{}: no horizon to measure the light from infinity at ({}): expected a picture with some sky above the "
+                "{}: no horizon to measure the light from infinity ({}): expected a picture with some sky above the "
                 "land, or --airlight R,G,B",
                 name, horizon.reason);
   return horizon;
@@ -65,7 +65,8 @@ Result<> OtherAir::take(Photograph photograph, const std::string& name) {
   const auto& camera = setup_.camera;
   const auto& encoded = photograph.encoded;
   if (encoded.width() != camera.width || encoded.height() != camera.height)
-    return fail(FaultKind::bad_input, "{}: is {} x {}: expected {} x {}, as its camera or the first picture is", name,
+    return fail(FaultKind::bad_input,
+                "{}: is {} x {}: expected {} x {}, the size of its camera or of the first picture", name,
                 encoded.width(), encoded.height(), camera.width, camera.height);
   quantum_ = photograph.quantum;
   if (setup_.from_haze) {
@@ -75,7 +76,7 @@ Result<> OtherAir::take(Photograph photograph, const std::string& name) {
   }
   if (!setup_.airlight) {
     auto found = horizon_of(camera, photograph, name);
-    // A picture of a film in which nothing is found goes by those before.
+    // In a film, a picture in which no horizon is found uses that of the pictures before it.
     if (!found && (!horizon_ || setup_.horizon_weight >= 1.0)) return fail(found.error());
     if (found && horizon_ && setup_.horizon_weight < 1.0)
       horizon_ = blend(*horizon_, *found, setup_.horizon_weight);
@@ -118,7 +119,7 @@ void OtherAir::guess_from_haze(const Photograph& photograph) {
   auto relative = light_;
   for (std::size_t i = 0; i < relative.elements().size(); ++i)
     relative.elements()[i] /= source_.from_infinity.elements()[i];
-  // Paths at sea level: only their optical depth counts.
+  // Paths at sea level, since only their optical depth matters.
   depth_ = {depth_from_haze(relative, photograph.encoded, nodes_, setup_.scattering, setup_.source), {}, 0.0};
 }
 
@@ -127,7 +128,7 @@ Image<glm::vec3> OtherAir::from_infinity(const std::optional<glm::dvec3>& given,
   const auto& camera = setup_.camera;
   if (given) return {1, 1, glm::vec3(*given)};
   if (setup_.sun) return light_from_infinity(camera, Airlight(*horizon, turbidity, *setup_.sun, camera.light_to_xyz()));
-  // Where the sun stood is not known: the horizon's light, the same at all elevations.
+  // The sun's position is unknown: the horizon's light is used for all elevations.
   Image<glm::vec3> light(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x)
@@ -145,7 +146,7 @@ Image<glm::vec3> OtherAir::targets(const std::optional<Turbidity>& target) const
   const auto& camera = setup_.camera;
   DaylightOptions options;
   options.altitude_m = setup_.altitude_m;
-  options.model = SiteSkyModel::preetham;  // as the airlight and the light on the land
+  options.model = SiteSkyModel::preetham;  // as for the airlight and the light on the land
   const Daylight before(camera, setup_.source, *setup_.sun, options), after(camera, turbidity, *setup_.sun, options);
   double exposure = 1.0;
   if (const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/turbidity/square.hpp"
+
 namespace kasumi {
 
 namespace {
 
-// Successive looks err alike (same lens, same model), so averaging them never leaves less than this part of one's
-// sigma.
+// Errors of successive estimates are correlated (same lens, same model), so averaging never reduces sigma below this
+// share of a single one's.
 constexpr double kSharedError = 0.3;
 constexpr double kLeastSigma = 0.003;
 constexpr double kLeastHaze = 1e-3;  // T - 1
@@ -22,10 +24,6 @@ Turbidity turbidity_of(double log_haze) {
 Duration passed(Instant from, Instant to) {
   return std::max(Duration{0}, to - from);
 }
-double square(double x) {
-  return x * x;
-}
-
 }  // namespace
 
 double TurbidityTracker::variance_at(Instant when) const {

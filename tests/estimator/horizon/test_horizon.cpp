@@ -159,7 +159,7 @@ TEST(Horizon, TakesAClippedSkyAtItsFaceValueAndSaysSo) {
   const DrawnScene scene = draw(camera, options);
   const HorizonLight horizon = measure_horizon(camera, view_of(scene.picture));
   ASSERT_TRUE(horizon.usable()) << horizon.reason;
-  EXPECT_EQ(horizon.reason, "the horizon sky is clipped: its light is at least this");
+  EXPECT_EQ(horizon.reason, "the horizon sky is clipped: its light is a lower bound");
   for (const HorizonColumn& column : horizon.columns) {
     EXPECT_NEAR(column.light.y, 1.0, 1e-3);
     EXPECT_LT(column.quality, 0.2);

@@ -85,7 +85,7 @@ TEST(HorizonUnderClouds, IsTheLowestSkysWhereNothingIsClearAndSaysSo) {
   };
   const HorizonLight horizon = measure_horizon(camera, view_of(draw(camera, options).picture));
   ASSERT_TRUE(horizon.usable());
-  EXPECT_EQ(horizon.reason, "little clear sky at the horizon: the lowest sky is taken, clouds and all");
+  EXPECT_EQ(horizon.reason, "little clear sky at the horizon: the lowest sky is used, including clouds");
   EXPECT_LT(worst_light_error(horizon), 0.3);  // within what the billows show
 }
 

@@ -90,7 +90,7 @@ TEST(CloudMask, TakesOutWhatStandsOutOfAFit) {
   const double gain = static_cast<double>(sky.log_luminance.at(150, 100)) - std::log(f);
   for (int y = 180; y < 200; ++y)
     for (int x = 140; x < 160; ++x) sky.log_luminance.at(x, y) += 0.1f;
-  const double left = mask_strangers(sky, geometry, rendered.sun, Turbidity{3.0}, gain, 0.03);
+  const double left = mask_outliers(sky, geometry, rendered.sun, Turbidity{3.0}, gain, 0.03);
   EXPECT_GT(left, 0.98);
   for (int y = 180; y < 200; ++y)
     for (int x = 140; x < 160; ++x) EXPECT_NE(sky.use.at(x, y), PixelUse::clear);
