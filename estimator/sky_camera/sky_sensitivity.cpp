@@ -20,7 +20,7 @@ Skies look_at(std::span<const SkyMoment> moments, const Camera& camera, const st
   Skies skies;
   SkyObserver observer(camera);
   for (const auto& moment : moments) {
-    const auto look = observer.look(moment.picture, moment.sun);
+    const auto look = observer.observe(moment.picture, moment.sun);
     if (!look.estimate.usable) {
       skies.refused.push_back(fmt::format("{}: {}", moment.name, look.estimate.reason));
       continue;

@@ -229,7 +229,7 @@ Moment look_at(SkyObserver& observer, Bare& bare, const SkyMoment& seen, double 
   look_options.least_agreement = 0.2;
   look_options.largest_relative_sigma = 1.0;
   Moment moment;
-  const auto look = observer.look(seen.picture, seen.sun, look_options);
+  const auto look = observer.observe(seen.picture, seen.sun, look_options);
   if (!look.estimate.usable) {
     moment.reason = look.estimate.reason;
     return moment;

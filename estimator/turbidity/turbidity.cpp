@@ -21,12 +21,13 @@ std::size_t nearest_to_zenith(std::span<const SkySample> samples) {
 
 }  // namespace
 
-SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options) {
-  SkyLook look;
+SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirection& sun,
+                                    const EstimateOptions& options) {
+  SkyObservation look;
   TurbidityEstimate& estimate = look.estimate;
   estimate.sun = sun;
   look.sky = options.method == EstimateMethod::free_gain ? options.sky : SkyToFit{};
-  const auto refuse = [&look](const Refusal& refusal) -> SkyLook {
+  const auto refuse = [&look](const Refusal& refusal) -> SkyObservation {
     look.estimate.usable = false;
     look.estimate.sky = refusal.sky;
     look.estimate.reason = refusal.reason;
@@ -81,7 +82,7 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
   return look;
 }
 
-std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyLook& look,
+std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyObservation& look,
                                                 const Direction& through) {
   const TurbidityEstimate& seen = look.estimate;
   const bool clouds_known = seen.usable || seen.sky == SkyCondition::overcast;
@@ -93,7 +94,7 @@ std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const
 
 TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,
                                      const EstimateOptions& options) {
-  return SkyObserver(camera).look(picture, sun, options).estimate;
+  return SkyObserver(camera).observe(picture, sun, options).estimate;
 }
 
 }  // namespace kasumi

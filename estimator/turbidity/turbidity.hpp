@@ -40,7 +40,7 @@ struct EstimateOptions {
 };
 
 // An estimate with all its intermediate results, for a plot or a report.
-struct SkyLook {
+struct SkyObservation {
   TurbidityEstimate estimate;
   SkyToFit sky;  // the model to which T belongs
   std::vector<SkySample> samples;
@@ -54,10 +54,10 @@ struct SkyLook {
 class SkyObserver {
  public:
   explicit SkyObserver(Camera camera) : camera_(std::move(camera)) {}
-  SkyLook look(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
-  // The sky of a picture after look(), for the light on an object; empty when too little of it is visible to improve on
+  SkyObservation observe(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
+  // The sky of a picture after observe(), for the light on an object; empty when too little of it is visible to improve on
   // the model. `through`: where a cloud would shade the object.
-  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyLook& look, const Direction& through);
+  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyObservation& look, const Direction& through);
   const Camera& camera() const { return camera_; }
 
  private:

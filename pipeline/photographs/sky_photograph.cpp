@@ -67,7 +67,7 @@ Result<SkyPhotographReport> SkyPhotographs::look_at(const std::filesystem::path&
     return report;
   }
   report.sun = sun.direction;
-  report.look = observer_->look(*picture, sun.direction, setup_.estimate);
+  report.look = observer_->observe(*picture, sun.direction, setup_.estimate);
   report.picture = std::move(*picture);
   if (report.look.estimate.usable)
     report.air =

@@ -34,7 +34,7 @@ Found look_at(double altitude_m, double turbidity, double sun_zenith_deg, double
   const auto picture = render(description, camera).to_8_bit();
   EstimateOptions options;
   options.sky = {fitted, altitude_m};
-  const auto look = SkyObserver(camera).look(*sky_picture(view_of(picture), camera), sun, options);
+  const auto look = SkyObserver(camera).observe(*sky_picture(view_of(picture), camera), sun, options);
   return {look.estimate, cramer_rao_sigma(look.samples, Turbidity{turbidity}, false, FittedSky(options.sky, sun))};
 }
 
