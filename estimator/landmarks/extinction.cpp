@@ -148,7 +148,7 @@ std::vector<std::size_t> LandmarkExtinction::agreeing(const std::vector<Contrast
   return used;
 }
 
-Extinction LandmarkExtinction::look(const std::vector<ContrastReading>& readings) const {
+Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& readings) const {
   Extinction found;
   const auto used = agreeing(readings, usable(readings), &found.left_out);
   found.landmarks = static_cast<int>(used.size());
@@ -255,7 +255,7 @@ std::vector<Extinction> extinction_of(const LandmarkExtinction& before,
     auto learnt = before;
     for (std::size_t i = 0; i < pictures.size(); ++i)
       if (i % parts != part) learnt.learn(pictures[i]);
-    for (auto i = part; i < pictures.size(); i += parts) found[i] = learnt.look(pictures[i]);
+    for (auto i = part; i < pictures.size(); i += parts) found[i] = learnt.estimate(pictures[i]);
   }
   return found;
 }

@@ -49,7 +49,7 @@ class LandmarkExtinction {
                      int channel, const ContrastSpread& spread = {});
 
   // From this picture alone, with what was learnt from others.
-  Extinction look(const std::vector<ContrastReading>& readings) const;
+  Extinction estimate(const std::vector<ContrastReading>& readings) const;
   // Updates the contrasts from a picture whose own extinction is taken as unknown: it shows how they differ, not how
   // large all of them are. Pictures must be taken in different light: half an hour apart is enough.
   void learn(const std::vector<ContrastReading>& readings);

@@ -83,8 +83,9 @@ std::vector<ContrastReading> LandmarkWatch::read(const Camera& camera, const Ima
   return read_contrasts(camera, encoded, landmarks_, horizon);
 }
 
-LandmarkAir LandmarkWatch::look(const std::vector<ContrastReading>& readings) const {
-  return with_turbidity({channels_[0].look(readings), channels_[1].look(readings), channels_[2].look(readings)});
+LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& readings) const {
+  return with_turbidity(
+      {channels_[0].estimate(readings), channels_[1].estimate(readings), channels_[2].estimate(readings)});
 }
 
 void LandmarkWatch::learn(const std::vector<ContrastReading>& readings) {
@@ -110,7 +111,7 @@ bool LandmarkWatch::resume(const std::vector<LearntContrasts>& learnt) {
   return true;
 }
 
-std::vector<LandmarkAir> LandmarkWatch::look_at_all(const std::vector<std::vector<ContrastReading>>& pictures) const {
+std::vector<LandmarkAir> LandmarkWatch::estimate_all(const std::vector<std::vector<ContrastReading>>& pictures) const {
   std::array<std::vector<Extinction>, 3> of;
   for (std::size_t c = 0; c < 3; ++c) of[c] = extinction_of(channels_[c], pictures);
   std::vector<LandmarkAir> airs;

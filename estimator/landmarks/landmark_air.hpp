@@ -57,14 +57,14 @@ class LandmarkWatch {
   // The horizon is measured if a landmark has no sky box.
   std::vector<ContrastReading> read(const Camera& camera, const Image<glm::vec3>& encoded) const;
 
-  LandmarkAir look(const std::vector<ContrastReading>& readings) const;
+  LandmarkAir estimate(const std::vector<ContrastReading>& readings) const;
   void learn(const std::vector<ContrastReading>& readings);
   void forget(double share);
   // For R, G, B. resume() takes all of them or none: false.
   std::vector<LearntContrasts> learnt() const;
   bool resume(const std::vector<LearntContrasts>& learnt);
   // All pictures of one camera at once, each judged with the contrasts learnt from the others.
-  std::vector<LandmarkAir> look_at_all(const std::vector<std::vector<ContrastReading>>& pictures) const;
+  std::vector<LandmarkAir> estimate_all(const std::vector<std::vector<ContrastReading>>& pictures) const;
 
   SkyComparison compare(const LandmarkAir& air, Turbidity sky, double sky_sigma) const;
   const LandmarkExtinction& channel(int c) const { return channels_[static_cast<std::size_t>(c)]; }

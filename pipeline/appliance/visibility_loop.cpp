@@ -90,7 +90,7 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
     return tell(std::move(news));
   }
   const auto readings = watch_->read(installation.scene, encoded_of(picture.picture));
-  news.air = watch_->look(readings);
+  news.air = watch_->estimate(readings);
   news.reason = news.air->extinction().reason;
   if (sky_.turbidity) news.sky = watch_->compare(*news.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
   learn(readings);

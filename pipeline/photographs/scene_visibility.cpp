@@ -81,7 +81,7 @@ Result<SceneVisibilities> look_at_scenes(const std::vector<std::filesystem::path
                   width, height, camera.width, camera.height);
     readings.push_back(watch->read(camera, photograph->encoded));
   }
-  auto airs = watch->look_at_all(readings);
+  auto airs = watch->estimate_all(readings);
   SceneVisibilities found{std::move(*watch), {}};
   for (std::size_t i = 0; i < files.size(); ++i)
     found.pictures.push_back({files[i], std::move(readings[i]), std::move(airs[i])});

@@ -35,7 +35,7 @@ TEST(LandmarkExtinction, IsKoschmiedersWhereContrastsAreKnown) {
     std::vector<ContrastReading> readings;
     for (const auto& landmark : landmarks)
       readings.push_back(reading(0.85 * std::exp(-truth * landmark.distance_m), 1e-3));
-    const auto found = law.look(readings);
+    const auto found = law.estimate(readings);
     ASSERT_EQ(found.kind, ExtinctionKind::value) << found.reason;
     EXPECT_NEAR(found.per_m / truth, 1.0, 2e-3);
     EXPECT_LT(found.lowest_per_m, truth);
@@ -49,7 +49,7 @@ TEST(LandmarkExtinction, OfTwoSurfacesSideBySideIsTheSame) {
   landmarks[0].contrast = 0.3;
   landmarks[0].against = PictureBox{0, 0, 1, 1};
   const LandmarkExtinction law(landmarks, 0.0, kClearest_per_m, 1, kNoSpread);
-  const auto found = law.look({reading(0.3 * std::exp(-2e-3 * 400.0), 1e-3)});
+  const auto found = law.estimate({reading(0.3 * std::exp(-2e-3 * 400.0), 1e-3)});
   ASSERT_EQ(found.kind, ExtinctionKind::value) << found.reason;
   EXPECT_NEAR(found.per_m, 2e-3, 1e-5);
 }
@@ -73,7 +73,7 @@ TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
       const double depth = truth * landmark.distance_m * (1.0 + spread.patchy * random.normal());
       readings.push_back(reading((contrast + lit) * std::exp(-depth) + 0.01 * random.normal(), 0.01));
     }
-    const auto found = law.look(readings);
+    const auto found = law.estimate(readings);
     if (found.kind != ExtinctionKind::value) continue;
     ++draws;
     const double off = (found.per_m - truth) / found.sigma_per_m;
@@ -87,15 +87,15 @@ TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
 
 TEST(LandmarkExtinction, GivesABoundWhereLandmarksEnd) {
   const LandmarkExtinction law(at({100.0, 200.0, 300.0}), 0.0, kClearest_per_m, 1);
-  const auto clear = law.look({reading(0.85, 0.01), reading(0.85, 0.01), reading(0.84, 0.01)});
+  const auto clear = law.estimate({reading(0.85, 0.01), reading(0.85, 0.01), reading(0.84, 0.01)});
   EXPECT_EQ(clear.kind, ExtinctionKind::at_most);
   EXPECT_FALSE(clear.reason.empty());
   EXPECT_LT(clear.highest_per_m, 3e-3) << "three hundred metres tell 1.3 km from more";
   EXPECT_GT(clear.highest_per_m, 1e-4) << "but not 40 km from more";
-  const auto fog = law.look({reading(0.0, 0.02), reading(0.01, 0.02), reading(-0.01, 0.02)});
+  const auto fog = law.estimate({reading(0.0, 0.02), reading(0.01, 0.02), reading(-0.01, 0.02)});
   EXPECT_EQ(fog.kind, ExtinctionKind::at_least);
   EXPECT_GT(fog.lowest_per_m, std::log(0.85 / 0.1) / 100.0) << "the nearest is gone but for a tenth";
-  EXPECT_EQ(law.look({}).kind, ExtinctionKind::nothing);
+  EXPECT_EQ(law.estimate({}).kind, ExtinctionKind::nothing);
 }
 
 TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotForesee) {
@@ -103,9 +103,9 @@ TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotForesee) {
   const LandmarkExtinction law(at(distances_m), 0.0, kClearest_per_m, 1);
   std::vector<ContrastReading> readings;
   for (const double distance_m : distances_m) readings.push_back(reading(0.85 * std::exp(-8e-4 * distance_m), 0.01));
-  const auto all = law.look(readings);
+  const auto all = law.estimate(readings);
   readings[3] = reading(-0.4, 0.01);  // snow in the sun
-  const auto found = law.look(readings);
+  const auto found = law.estimate(readings);
   ASSERT_EQ(found.left_out, std::vector<std::size_t>{3});
   EXPECT_NEAR(found.per_m / all.per_m, 1.0, 0.1);
   EXPECT_EQ(found.landmarks, 4);
@@ -136,8 +136,8 @@ TEST(LandmarkExtinction, LearnsHowTheContrastsDiffer) {
   constexpr double kTruth = 4e-4;
   for (int i = 0; i < 50; ++i) {
     const auto readings = picture(kTruth);
-    after += std::pow((law.look(readings).per_m - kTruth) / law.look(readings).sigma_per_m, 2) / 50.0;
-    gained += untaught.look(readings).sigma_per_m - law.look(readings).sigma_per_m;
+    after += std::pow((law.estimate(readings).per_m - kTruth) / law.estimate(readings).sigma_per_m, 2) / 50.0;
+    gained += untaught.estimate(readings).sigma_per_m - law.estimate(readings).sigma_per_m;
   }
   EXPECT_GT(gained, 0.0) << "on the whole";
   EXPECT_LT(std::sqrt(after), 1.4) << "errors over sigma";
@@ -199,7 +199,7 @@ class LandmarkAirTest : public testing::Test {
                                               Turbidity{turbidity}, optical_path(0.0, 0.0, landmark.distance_m));
       readings.push_back({true, "", 0.85 * left, glm::dvec3{0.003}});
     }
-    return watch.look(readings);
+    return watch.estimate(readings);
   }
   Camera camera;
   LandmarkWatch watch;
@@ -231,7 +231,7 @@ TEST_F(LandmarkAirTest, TellsADisagreementAndNeverAverages) {
 
 TEST_F(LandmarkAirTest, TakesABoundForABound) {
   const LandmarkWatch near(camera, 0.0, at({100.0, 300.0, 500.0}, 0.05));
-  const auto air = near.look({reading(0.85, 0.02), reading(0.84, 0.02), reading(0.85, 0.02)});
+  const auto air = near.estimate({reading(0.85, 0.02), reading(0.84, 0.02), reading(0.85, 0.02)});
   ASSERT_EQ(air.extinction().kind, ExtinctionKind::at_most);
   EXPECT_FALSE(air.turbidity.turbidity);
   EXPECT_EQ(near.compare(air, Turbidity{1.7}, 0.01).agreement, Agreement::agrees);
