@@ -12,7 +12,7 @@
 
 namespace kasumi {
 
-struct OtherAirSetup {
+struct OtherAirOptions {
   Camera camera;  // of the pictures
   double altitude_m = 0.0;
   std::optional<SunDirection> sun;  // empty: nothing that depends on the sun is changed
@@ -53,22 +53,22 @@ Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photogra
 // One picture at a time; what depends only on the camera is kept.
 class OtherAir {
  public:
-  explicit OtherAir(OtherAirSetup setup);
+  explicit OtherAir(OtherAirOptions options);
   // Sets the picture that the following calls of `under` change. Errors: bad_input (size, no horizon, no sky).
-  Result<> take(Photograph photograph, const std::string& name);
+  Result<> set_picture(Photograph photograph, const std::string& name);
   // No turbidity: without any air.
   UnderOtherAir under(const std::optional<Turbidity>& target) const;
 
  private:
   void guess_from_haze(const Photograph& photograph);
   // Estimates its noise, and its sunlit and shaded parts.
-  void part(const Photograph& photograph);
+  void separate(const Photograph& photograph);
   // Light from infinity of the current picture, or as the target's options say.
   Image<glm::vec3> from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,
                                  Turbidity turbidity) const;
   Image<glm::vec3> targets(const std::optional<Turbidity>& target) const;
 
-  OtherAirSetup setup_;
+  OtherAirOptions options_;
   AttenuationNodes nodes_;
   Image<float> rise_;
   double quantum_ = 0.0;

@@ -23,21 +23,21 @@ Photograph colourful() {
   return photograph;
 }
 
-OtherAirSetup setup_of(Turbidity source) {
-  OtherAirSetup setup;
-  setup.camera = plain_camera(kWidth, kHeight, from_degrees(40.0), Radians{0.0});
-  setup.source = source;
-  setup.airlight = kAirlight;
-  setup.distance_m = Image<float>(kWidth, kHeight, 4000.0F);
-  for (int x = 0; x < kWidth; ++x) setup.distance_m.at(x, 0) = 0.0F;
-  setup.amplify_noise = true;  // nothing is taken out of the picture
-  return setup;
+OtherAirOptions options_for(Turbidity source) {
+  OtherAirOptions options;
+  options.camera = plain_camera(kWidth, kHeight, from_degrees(40.0), Radians{0.0});
+  options.source = source;
+  options.airlight = kAirlight;
+  options.distance_m = Image<float>(kWidth, kHeight, 4000.0F);
+  for (int x = 0; x < kWidth; ++x) options.distance_m.at(x, 0) = 0.0F;
+  options.amplify_noise = true;  // nothing is taken out of the picture
+  return options;
 }
 
 Photograph under(const Photograph& photograph, Turbidity source, const std::optional<Turbidity>& target) {
-  OtherAir air(setup_of(source));
-  const auto taken = air.take(photograph, "picture");
-  EXPECT_TRUE(taken) << taken.error().message;
+  OtherAir air(options_for(source));
+  const auto picture_set = air.set_picture(photograph, "picture");
+  EXPECT_TRUE(picture_set) << picture_set.error().message;
   return air.under(target).picture;
 }
 
@@ -56,7 +56,7 @@ TEST(OtherAir, UnderItsOwnAirAPictureStaysAsItIs) {
 }
 
 TEST(OtherAir, ThickerAirBringsEachChannelTowardsTheAirlightByOneShare) {
-  const auto camera = setup_of(Turbidity{2.0}).camera;
+  const auto camera = options_for(Turbidity{2.0}).camera;
   const auto before = colourful(), after = under(before, Turbidity{2.0}, Turbidity{4.0});
   const auto share_at = [&](int x, int y) {
     const glm::dvec3 from = camera.light_at({x, y}, glm::dvec3(before.encoded.at(x, y)));
@@ -77,16 +77,16 @@ TEST(OtherAir, ThereAndBackIsWhereItBegan) {
 }
 
 TEST(OtherAir, WhatCannotBeDoneIsTold) {
-  auto setup = setup_of(Turbidity{2.0});
+  auto options = options_for(Turbidity{2.0});
   Photograph small;
   small.encoded = Image<glm::vec3>(3, 2);
-  const auto other_size = OtherAir(setup).take(small, "small.png");
+  const auto other_size = OtherAir(options).set_picture(small, "small.png");
   ASSERT_FALSE(other_size);
   EXPECT_THAT(other_size.error().message, HasSubstr("small.png: is 3 x 2: expected 12 x 8"));
-  setup.airlight.reset();
+  options.airlight.reset();
   Photograph dark;
   dark.encoded = Image<glm::vec3>(kWidth, kHeight, glm::vec3(0.0F));
-  const auto no_horizon = OtherAir(setup).take(dark, "dark.png");
+  const auto no_horizon = OtherAir(options).set_picture(dark, "dark.png");
   ASSERT_FALSE(no_horizon);
   EXPECT_EQ(no_horizon.error().kind, FaultKind::bad_input);
   EXPECT_THAT(no_horizon.error().message, HasSubstr("dark.png: no horizon"));
