@@ -10,6 +10,8 @@ install(FILES systemd/kasumi.toml DESTINATION ${doc}/examples)
 install(FILES README.md CHANGELOG.md DESTINATION ${doc})
 install(DIRECTORY docs DESTINATION ${doc} FILES_MATCHING PATTERN "*.md" PATTERN "*.jpg")
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
+# A first look without cameras: kasumi replay /usr/share/kasumi/demo --out demo
+install(DIRECTORY fixtures/demo DESTINATION share/kasumi)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)

@@ -1,26 +1,39 @@
-# -DKASUMI_UNITY=ON: the files of one folder are compiled a few at a time, as one text, which takes less than half the time, since the
+# -DKASUMI_UNITY=ON: the files of one folder are compiled a few at a time, as one text, which takes less than half the time, because the
 # headers they share are parsed once. What lies in an unnamed namespace must then be unique within a folder, as it should be for
 # readers. Builds without it show that each file includes what it uses (./bootstrap nightly); they also suit daily work, in which one
 # file changes at a time.
+# CMake's own unity builds name the files by absolute paths, which no compiler cache recognises in another checkout.
 option(KASUMI_UNITY "Compile the files of a folder together" OFF)
 set(KASUMI_UNITY_FILES 8 CACHE STRING "How many of them at most")
 
 function(kasumi_compile_together target)
   get_target_property(sources ${target} SOURCES)
   get_target_property(home ${target} SOURCE_DIR)
+  set(texts)
   foreach(source ${sources})
-    if(NOT source MATCHES "\\.cpp$")
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${home} NORMALIZE OUTPUT_VARIABLE path)
+    cmake_path(IS_PREFIX PROJECT_BINARY_DIR ${path} generated)
+    get_source_file_property(options ${path} TARGET_DIRECTORY ${target} COMPILE_OPTIONS)
+    if(NOT path MATCHES "\\.cpp$" OR generated OR options)
       continue()
     endif()
-    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${home} NORMALIZE OUTPUT_VARIABLE path)
-    cmake_path(GET path PARENT_PATH folder)
-    cmake_path(GET folder FILENAME name)
-    string(MD5 key "${folder}")
-    math(EXPR files_${key} "0${files_${key}} + 1")
-    math(EXPR part "(${files_${key}} - 1) / ${KASUMI_UNITY_FILES}")
-    set_property(SOURCE ${path} TARGET_DIRECTORY ${target} PROPERTY UNITY_GROUP "${name}_${part}")
+    cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE name)
+    cmake_path(GET name PARENT_PATH folder)
+    string(MAKE_C_IDENTIFIER ${folder} folder)
+    math(EXPR files_${folder} "0${files_${folder}} + 1")
+    math(EXPR part "(${files_${folder}} - 1) / ${KASUMI_UNITY_FILES}")
+    set(text ${folder}_${part})
+    list(APPEND texts ${text})
+    string(APPEND text_${text} "#include \"${name}\"\n")
+    set_source_files_properties(${path} TARGET_DIRECTORY ${target} PROPERTIES HEADER_FILE_ONLY ON)
   endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  list(REMOVE_DUPLICATES texts)
+  foreach(text ${texts})
+    set(file ${PROJECT_BINARY_DIR}/unity/${target}/${text}.cpp)
+    file(CONFIGURE OUTPUT ${file} CONTENT "${text_${text}}" @ONLY)
+    target_sources(${target} PRIVATE ${file})
+  endforeach()
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
 endfunction()
 
 # kasumi_unity(FOLDER): for the targets of a folder and those below it, once they know all their sources.

@@ -20,10 +20,10 @@ constexpr Radians kOnePlace = from_degrees(3.0);
 constexpr int kTrials = 500;
 constexpr double kAgree_px = 4.0, kAgree_sigma = 4.0;  // the first with a lens not yet fitted
 constexpr double kFewSights_px = 0.5;
-constexpr double kSaysNothing = 0.7;  // of the prior's sigma still left
+constexpr double kSunsSayNothing = 0.7;  // of the prior's sigma still left
 
 // A turn of the world (axis times angle, radians), the centre's shift in pixels, ln scale.
-using Change = std::array<double, 6>;
+using OrientationChange = std::array<double, 6>;
 
 glm::dmat3 turn(const double* axis_angle) {
   glm::dmat3 matrix;
@@ -65,7 +65,7 @@ struct SightCost {
 };
 
 // How far the optical axis is from where it was mounted, the centre and the scale from what was known of them.
-struct PriorCost {
+struct OrientationPriorCost {
   SkyPrior prior;
   Model model;
 
@@ -102,8 +102,8 @@ std::vector<glm::dvec2> residuals_of(const Model& model, std::span<const SunSigh
 }
 
 // The rotation that takes one pair of directions to another as well as a rotation can.
-std::optional<glm::dmat3> rotation_between(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& to_a,
-                                           const glm::dvec3& to_b) {
+std::optional<glm::dmat3> rotation_by_two_suns(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& to_a,
+                                               const glm::dvec3& to_b) {
   const auto frame = [](const glm::dvec3& p, const glm::dvec3& q) -> std::optional<glm::dmat3> {
     const glm::dvec3 middle = glm::normalize(p + q), across = glm::cross(p, q);
     if (!(glm::length(across) > 0.02)) return std::nullopt;
@@ -135,7 +135,7 @@ std::optional<Model> consensus(std::span<const SunSight> sights, const SkyPrior&
     const auto& b = sights[random() % sights.size()];
     const auto ray_a = lens->unproject(a.pixel), ray_b = lens->unproject(b.pixel);
     if (!ray_a || !ray_b) continue;
-    const auto rotation = rotation_between(*ray_a, *ray_b, a.sun, b.sun);
+    const auto rotation = rotation_by_two_suns(*ray_a, *ray_b, a.sun, b.sun);
     if (!rotation) continue;
     const Model model{*rotation, prior.lens};
     double score = 0.0;  // close ones count more
@@ -159,16 +159,16 @@ struct Solved {
 Solved solve(const Model& from, std::span<const SunSight> sights, const std::vector<bool>& used, const SkyPrior& prior,
              double sigma_px) {
   const auto lens = make_lens(wide(from.lens));
-  Change change{};
+  OrientationChange change{};
   ceres::Problem problem;
   for (std::size_t i = 0; i < sights.size(); ++i)
     if (used[i])
       problem.AddResidualBlock(new ceres::NumericDiffCostFunction<SightCost, ceres::CENTRAL, 2, 6>(
                                    new SightCost{lens.get(), centre_of(from.lens), from.to_world, sights[i], sigma_px}),
                                new ceres::CauchyLoss(2.0), change.data());
-  problem.AddResidualBlock(
-      new ceres::NumericDiffCostFunction<PriorCost, ceres::CENTRAL, 5, 6>(new PriorCost{prior, from}), nullptr,
-      change.data());
+  problem.AddResidualBlock(new ceres::NumericDiffCostFunction<OrientationPriorCost, ceres::CENTRAL, 5, 6>(
+                               new OrientationPriorCost{prior, from}),
+                           nullptr, change.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.num_threads = 1;
@@ -260,12 +260,12 @@ void tell_undetermined(SkyOrientation& result, const SkyPrior& prior) {
           fmt::format("{}: the sun's track says little of it, it is known to {:.2g} {} only", what, value, unit));
   };
   const double level = prior.level_sigma.value;
-  tell(sigma.tilt_east.value > kSaysNothing * level, "tilt to the east", to_degrees(sigma.tilt_east), "deg");
-  tell(sigma.tilt_north.value > kSaysNothing * level, "tilt to the north", to_degrees(sigma.tilt_north), "deg");
-  tell(
-      std::max(sigma.centre_px.x / prior.centre_sigma_px.x, sigma.centre_px.y / prior.centre_sigma_px.y) > kSaysNothing,
-      "centre of the lens", std::max(sigma.centre_px.x, sigma.centre_px.y), "px");
-  tell(sigma.scale > kSaysNothing * prior.scale_sigma, "focal length", 100.0 * sigma.scale, "percent");
+  tell(sigma.tilt_east.value > kSunsSayNothing * level, "tilt to the east", to_degrees(sigma.tilt_east), "deg");
+  tell(sigma.tilt_north.value > kSunsSayNothing * level, "tilt to the north", to_degrees(sigma.tilt_north), "deg");
+  tell(std::max(sigma.centre_px.x / prior.centre_sigma_px.x, sigma.centre_px.y / prior.centre_sigma_px.y) >
+           kSunsSayNothing,
+       "centre of the lens", std::max(sigma.centre_px.x, sigma.centre_px.y), "px");
+  tell(sigma.scale > kSunsSayNothing * prior.scale_sigma, "focal length", 100.0 * sigma.scale, "percent");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace kasumi {
 namespace {
 
 constexpr int kWindow_px = 25;           // over which the pattern is relative to its mean and contrast
-constexpr double kLeastContrast = 0.02;  // of the mean: less is noise
+constexpr double kNoiseContrast = 0.02;  // of the mean: less is noise
 constexpr std::array kBlur_px{6.0, 3.0, 1.2};
 constexpr int kIterations = 12;
 constexpr int kRim_px = 3, kBesideRim_px = 5;  // the pattern ends there, and its end does not move
@@ -56,7 +56,7 @@ cv::Mat pattern_of(const Image<float>& light, const cv::Mat& seen) {
   mean /= share;
   const cv::Mat deviation = (linear - mean).mul(seen);
   cv::blur(deviation.mul(deviation), square, window);
-  cv::sqrt(square / share + kLeastContrast * kLeastContrast * mean.mul(mean) + 1e-12, square);
+  cv::sqrt(square / share + kNoiseContrast * kNoiseContrast * mean.mul(mean) + 1e-12, square);
   return deviation / square;
 }
 

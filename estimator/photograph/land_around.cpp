@@ -13,12 +13,11 @@
 namespace kasumi {
 namespace {
 
-constexpr double kFlat = 0.01;      // variance of the guide
-constexpr float kDistances = 3.0F;  // of ln distance
-constexpr float kBrightness =
-    0.5F;  // of encoded brightness: sun next to shade is not an edge yet, white next to black is
-constexpr int kLargeEnough = 500;  // pixels of the longer side at which surroundings are resolved well enough
-constexpr float kHidden = 1e-4F;   // a weight too small to influence anything
+constexpr double kFlat = 0.01;       // variance of the guide
+constexpr float kDistances = 3.0F;   // of ln distance
+constexpr float kBrightness = 0.5F;  // of encoded brightness: sun next to shade is no edge yet, white next to black is
+constexpr int kLargeEnough = 500;    // pixels of the longer side at which surroundings are resolved well enough
+constexpr float kHidden = 1e-4F;     // a weight too small to influence anything
 const glm::vec3 kGuideWeights{0.3F, 0.6F, 0.1F};
 
 }  // namespace

@@ -15,6 +15,10 @@
 #include "gles/gl/texture_units.hpp"
 
 namespace kasumi {
+
+// What one program draws.
+enum class DomePart { sky, sun, land };
+
 namespace {
 
 // Half a step of 8 bits.
@@ -31,13 +35,11 @@ Defines defines_of(SkyProjection projection, SkyKind kind, DomeDetail detail) {
   return defines;
 }
 
-enum class Stage { sky, sun, land };
-
-Result<Program> build(Stage stage, const Defines& defines) {
-  switch (stage) {
-    case Stage::sky: return Program::build(defines, "dome.vert", "dome.frag");
-    case Stage::sun: return Program::build(defines, "dome_sun.vert", "dome.frag");
-    case Stage::land: return Program::build(defines, "dome_land.vert", "dome.frag");
+Result<Program> build(DomePart part, const Defines& defines) {
+  switch (part) {
+    case DomePart::sky: return Program::build(defines, "dome.vert", "dome.frag");
+    case DomePart::sun: return Program::build(defines, "dome_sun.vert", "dome.frag");
+    case DomePart::land: return Program::build(defines, "dome_land.vert", "dome.frag");
   }
   return fail(FaultKind::device, "no such program");
 }
@@ -105,22 +107,22 @@ Result<GridMesh> rings_of_sun() {
 
 struct DomeRenderer::State {
   GlTexture dither;
-  std::map<std::pair<Stage, Defines>, Program> programs;
+  std::map<std::pair<DomePart, Defines>, Program> programs;
   SkyView view;
   SkyScene scene;
   DomeMesh lines;
   std::optional<GridMesh> mesh, whole, sun, land;
 
-  Result<const Program*> find(Stage stage, DomeDetail detail) {
+  Result<const Program*> find(DomePart part, DomeDetail detail) {
     const Defines defines = defines_of(view.projection, scene.kind, detail);
-    const auto known = programs.find({stage, defines});
+    const auto known = programs.find({part, defines});
     if (known != programs.end()) return &known->second;
-    auto made = build(stage, defines);
+    auto made = build(part, defines);
     if (!made) return fail(made.error());
-    return &programs.emplace(std::pair(stage, defines), std::move(*made)).first->second;
+    return &programs.emplace(std::pair(part, defines), std::move(*made)).first->second;
   }
 
-  // What every stage needs of the view.
+  // What every part needs of the view.
   void begin(const Program& program, const DrawTarget& target) const {
     program.use();
     program.set("dither_pattern", kDitherUnit);
@@ -137,7 +139,7 @@ struct DomeRenderer::State {
 
   Result<> draw_sky(const DrawTarget& target, DomeDetail detail) {
     const bool exact = detail == DomeDetail::per_fragment;
-    const auto program = find(Stage::sky, detail);
+    const auto program = find(DomePart::sky, detail);
     if (!program) return fail(program.error());
     begin(**program, target);
     (exact ? whole : mesh)->draw();
@@ -145,7 +147,7 @@ struct DomeRenderer::State {
   }
 
   Result<> draw_sun(const DrawTarget& target, double pixel_rad) {
-    const auto program = find(Stage::sun, DomeDetail::per_vertex);
+    const auto program = find(DomePart::sun, DomeDetail::per_vertex);
     if (!program) return fail(program.error());
     begin(**program, target);
     (*program)->set("sun_radius", double{kDomeSunRadius_rad});
@@ -156,7 +158,7 @@ struct DomeRenderer::State {
   }
 
   Result<> draw_land(const DrawTarget& target) {
-    const auto program = find(Stage::land, DomeDetail::per_vertex);
+    const auto program = find(DomePart::land, DomeDetail::per_vertex);
     if (!program) return fail(program.error());
     const Program& p = **program;
     begin(p, target);

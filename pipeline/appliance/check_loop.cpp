@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kLook = 10s;         // for the hour to come
+constexpr Duration kLookForHour = 10s;  // for the hour to come
 constexpr Duration kGathering = 200ms;  // for pictures that were asked for
 
 // What is written goes into the state's folder: beside the calibration file the service may not write.
@@ -39,7 +39,7 @@ Instant CheckLoop::step() {
   }
   const auto& choice = content_->config.check;
   const auto now = clock_.now();
-  if (!choice.hours || !content_->config.state_folder) return now + kLook;
+  if (!choice.hours || !content_->config.state_folder) return now + kLookForHour;
   const bool time = exchange_.check.clock_trusted && choice.hours->is_open(clock_.utc());
   if (frames_) {
     take_pictures();
@@ -52,7 +52,7 @@ Instant CheckLoop::step() {
     }
   }
   if (!time) done_ = false;
-  if (!time || done_) return now + kLook;
+  if (!time || done_) return now + kLookForHour;
   if (!frames_) {
     frames_.emplace(content_->config.installation);
     exchange_.check.scene.take();

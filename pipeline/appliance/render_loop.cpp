@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 constexpr Duration kGlance = 100ms;  // how often what costs nothing is looked at
 constexpr Duration kShowAgain = 1s;  // a picture without news: the loop's sign of life
 constexpr Duration kFadeStep = 33ms;
-constexpr Duration kTellInterval = 500ms;
+constexpr Duration kTellScreenInterval = 500ms;
 
 std::optional<Trouble> trouble_of(PictureCondition condition) {
   switch (condition) {
@@ -237,7 +237,7 @@ void RenderLoop::finish() {
 
 void RenderLoop::tell() {
   const auto now = clock_.now();
-  if (told_ && now - *told_ < kTellInterval) return;
+  if (told_ && now - *told_ < kTellScreenInterval) return;
   told_ = now;
   news_.frames_dropped = exchange_.render.frames.dropped();
   news_.latency = latency_.whole();

@@ -6,7 +6,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Duration kTellInterval = std::chrono::milliseconds(500);
+constexpr Duration kTellSceneInterval = std::chrono::milliseconds(500);
 
 }  // namespace
 
@@ -58,7 +58,7 @@ void SceneLoop::take_content() {
 void SceneLoop::tell() {
   auto news = camera_.news();
   const bool changed = news.outages != told_outages_ || news.health.condition != told_condition_;
-  if (!changed && told_ && clock_.now() - *told_ < kTellInterval) return;
+  if (!changed && told_ && clock_.now() - *told_ < kTellSceneInterval) return;
   told_ = clock_.now();
   told_outages_ = news.outages;
   told_condition_ = news.health.condition;

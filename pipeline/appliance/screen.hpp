@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/appliance/exchange.hpp"
+#include "pipeline/appliance/status_mail.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
 #include "pipeline/stage/stage.hpp"

@@ -11,8 +11,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kLookInterval = 1s;  // air changes in minutes
-constexpr Duration kTellInterval = 1s;  // while no frame comes
+constexpr Duration kLookInterval = 1s;     // air changes in minutes
+constexpr Duration kTellSkyInterval = 1s;  // while no frame comes
 constexpr Duration kHealthInterval = 500ms;
 constexpr Duration kFirstFramePatience = 2s;  // at the start, before the air is said to be known without a frame
 constexpr Duration kSeenSunHolds = 10min;     // it moves 2.5 degrees in that
@@ -118,7 +118,7 @@ void SkyLoop::go_without(SunSource sun_from) {
   const auto now = clock_.now();
   const auto health = camera_.health();
   if (!looked_at_ && now - started_ < kFirstFramePatience && health.cause.empty()) return;
-  if (told_ && now - *told_ < kTellInterval) return;
+  if (told_ && now - *told_ < kTellSkyInterval) return;
   auto report = watch_.at(now, clock_.utc() + recorded_utc_offset_, sun_from);
   if (sun_from == SunSource::image) hold_sun(report.sun);
   const bool up = health.up && health.condition != PictureCondition::frozen;

@@ -12,20 +12,21 @@ namespace kasumi {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
+OrderedJson or_null(const std::optional<T>& value) {
+  return value ? OrderedJson(*value) : OrderedJson(nullptr);
 }
 
-Json camera_json(const CameraNews& news, Instant now) {
+OrderedJson camera_json(const CameraNews& news, Instant now) {
   const auto& health = news.health;
-  Json json;
+  OrderedJson json;
   json["up"] = health.up;
   json["cause"] = health.cause;
-  json["down_s"] = !health.up && health.down_since ? Json(to_seconds(now - *health.down_since)) : Json(nullptr);
-  json["last_good_age_s"] = health.last_good ? Json(to_seconds(now - *health.last_good)) : Json(nullptr);
+  json["down_s"] =
+      !health.up && health.down_since ? OrderedJson(to_seconds(now - *health.down_since)) : OrderedJson(nullptr);
+  json["last_good_age_s"] = health.last_good ? OrderedJson(to_seconds(now - *health.last_good)) : OrderedJson(nullptr);
   json["condition"] = name_of(health.condition);
   json["good_frames"] = health.good_frames;
   json["bad_frames"] = health.bad_frames;
@@ -37,7 +38,7 @@ Json camera_json(const CameraNews& news, Instant now) {
   json["mode_changes"] = health.mode_changes;
   json["last_outage_s"] = to_seconds(health.last_outage);
   json["copied"] = health.frames_copied;
-  json["format"] = health.format ? Json(health.format->text()) : Json(nullptr);
+  json["format"] = health.format ? OrderedJson(health.format->text()) : OrderedJson(nullptr);
   json["width"] = health.width;
   json["height"] = health.height;
   if (health.mode)
@@ -52,12 +53,12 @@ Json camera_json(const CameraNews& news, Instant now) {
   return json;
 }
 
-Json display_json(const DisplayNews& display) {
+OrderedJson display_json(const DisplayNews& display) {
   return {{"up", display.up},       {"description", display.description},     {"cause", display.cause},
           {"flips", display.flips}, {"flip_timeouts", display.flip_timeouts}, {"resets", display.resets}};
 }
 
-Json latency_json(const std::optional<LatencySummary>& latency) {
+OrderedJson latency_json(const std::optional<LatencySummary>& latency) {
   if (!latency) return nullptr;
   return {{"median", latency->median_ms},
           {"p95", latency->p95_ms},
@@ -65,31 +66,33 @@ Json latency_json(const std::optional<LatencySummary>& latency) {
           {"pictures", latency->pictures}};
 }
 
-Json check_json(const CheckNews& check) {
-  Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(check.at))}, {"summary", check.summary}};
-  json["well"] = check.report ? Json(check.report->well()) : Json(nullptr);
-  json["reference_utc"] = check.report ? Json(utc_text(check.report->reference)) : Json(nullptr);
-  json["findings"] = check.report ? findings_json(*check.report) : Json::array();
+OrderedJson check_json(const CheckNews& check) {
+  OrderedJson json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(check.at))}, {"summary", check.summary}};
+  json["well"] = check.report ? OrderedJson(check.report->well()) : OrderedJson(nullptr);
+  json["reference_utc"] = check.report ? OrderedJson(utc_text(check.report->reference)) : OrderedJson(nullptr);
+  json["findings"] = check.report ? findings_json(*check.report) : OrderedJson::array();
   return json;
 }
 
-Json visibility_json(const VisibilityNews& news) {
+OrderedJson visibility_json(const VisibilityNews& news) {
   if (news.at == Utc{}) return nullptr;
-  Json json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(news.at))}};
+  OrderedJson json{{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(news.at))}};
   const auto kind = news.air ? news.air->extinction().kind : ExtinctionKind::nothing;
   const bool value = kind == ExtinctionKind::value;
-  json["bound"] = kind == ExtinctionKind::at_most    ? Json("at least")
-                  : kind == ExtinctionKind::at_least ? Json("at most")
-                                                     : Json(nullptr);
-  json["visibility_m"] = kind == ExtinctionKind::nothing ? Json(nullptr) : Json(std::round(news.air->visibility_m()));
-  json["sigma_m"] = value ? Json(std::round(news.air->visibility_sigma_m())) : Json(nullptr);
+  json["bound"] = kind == ExtinctionKind::at_most    ? OrderedJson("at least")
+                  : kind == ExtinctionKind::at_least ? OrderedJson("at most")
+                                                     : OrderedJson(nullptr);
+  json["visibility_m"] =
+      kind == ExtinctionKind::nothing ? OrderedJson(nullptr) : OrderedJson(std::round(news.air->visibility_m()));
+  json["sigma_m"] = value ? OrderedJson(std::round(news.air->visibility_sigma_m())) : OrderedJson(nullptr);
   json["turbidity"] =
-      value && news.air->turbidity.turbidity ? Json(news.air->turbidity.turbidity->value) : Json(nullptr);
-  json["turbidity_sigma"] = value && news.air->turbidity.turbidity ? Json(news.air->turbidity.sigma) : Json(nullptr);
+      value && news.air->turbidity.turbidity ? OrderedJson(news.air->turbidity.turbidity->value) : OrderedJson(nullptr);
+  json["turbidity_sigma"] =
+      value && news.air->turbidity.turbidity ? OrderedJson(news.air->turbidity.sigma) : OrderedJson(nullptr);
   json["landmarks"] = news.air ? news.air->extinction().landmarks : 0;
   json["reason"] = news.reason;
   json["agreement"] = name_of(news.sky ? news.sky->agreement : Agreement::unknown);
-  json["sigmas_apart"] = news.sky ? Json(news.sky->sigmas) : Json(nullptr);
+  json["sigmas_apart"] = news.sky ? OrderedJson(news.sky->sigmas) : OrderedJson(nullptr);
   json["finding"] = news.finding;
   json["words"] = news.sky ? news.sky->message : std::string();
   return json;
@@ -110,8 +113,8 @@ double copies_per_frame(const Status& status) {
 std::string status_json(const Status& status) {
   const auto& rung = status.render.rung;
   const auto& tracked = status.sky.report.tracked;
-  const auto tracked_value = [&](auto value) { return tracked ? Json(value(*tracked)) : Json(nullptr); };
-  Json json;
+  const auto tracked_value = [&](auto value) { return tracked ? OrderedJson(value(*tracked)) : OrderedJson(nullptr); };
+  OrderedJson json;
   json["shown"] = name_of(rung.shown);
   json["reason"] = name_of(rung.trouble);
   json["display"] = display_json(status.render.display);
@@ -132,14 +135,14 @@ std::string status_json(const Status& status) {
   json["copies_per_frame"] = copies_per_frame(status);
   json["frames_dropped"] = status.render.frames_dropped;
   json["pictures"] = status.render.pictures;
-  json["content"] = {{"reloaded_utc", status.reload ? Json(utc_text(status.reload->at)) : Json(nullptr)},
-                     {"problems", status.reload ? Json(status.reload->problems) : Json::array()}};
-  json["check"] = status.check ? check_json(*status.check) : Json(nullptr);
+  json["content"] = {{"reloaded_utc", status.reload ? OrderedJson(utc_text(status.reload->at)) : OrderedJson(nullptr)},
+                     {"problems", status.reload ? OrderedJson(status.reload->problems) : OrderedJson::array()}};
+  json["check"] = status.check ? check_json(*status.check) : OrderedJson(nullptr);
   json["visibility"] = visibility_json(status.visibility);
   json["pid"] = ::getpid();
   json["since_utc"] = utc_text(status.since);
   json["utc"] = utc_text(status.utc);
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 std::string status_line(const Status& status) {

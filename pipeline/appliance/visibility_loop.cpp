@@ -10,13 +10,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kLook = 10s;        // for other content
-constexpr Duration kInterval = 1min;   // air changes in minutes
-constexpr Duration kWaiting = 200ms;   // for a picture that was asked for
-constexpr Duration kLearning = 30min;  // until surfaces are lit otherwise
-constexpr double kForgetting = 0.005;  // with each that is learnt, some twenty a day: ten days, seasons are longer
-constexpr int kApart = 5;              // looks: a lorry before a landmark is gone by then
-constexpr double kLowestSun = 0.087;   // sine of 5 degrees: below, the land lies in other light than the horizon
+constexpr Duration kLookForContent = 10s;  // for other content
+constexpr Duration kInterval = 1min;       // air changes in minutes
+constexpr Duration kWaiting = 200ms;       // for a picture that was asked for
+constexpr Duration kLearning = 30min;      // until surfaces are lit otherwise
+constexpr double kForgetting = 0.005;      // with each that is learnt, some twenty a day: ten days, seasons are longer
+constexpr int kApart = 5;                  // looks: a lorry before a landmark is gone by then
+constexpr double kLowestSun = 0.087;       // sine of 5 degrees: below, the land lies in other light than the horizon
 
 Image<glm::vec3> encoded_of(const Image<Rgb8>& picture) {
   Image<glm::vec3> encoded(picture.width(), picture.height());
@@ -70,7 +70,7 @@ Instant VisibilityLoop::step() {
     exchange_.status->visibility.put({});
   }
   const auto now = clock_.now();
-  if (!watch_) return now + kLook;
+  if (!watch_) return now + kLookForContent;
   if (auto sky = exchange_.visibility.sky.take()) sky_ = *sky;
   if (const auto picture = exchange_.visibility.scene.take()) judge(*picture);
   if (now >= due_) {

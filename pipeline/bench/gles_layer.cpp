@@ -14,7 +14,7 @@ namespace kasumi {
 namespace {
 
 constexpr int kManyPairs = 31;  // of frames
-constexpr int kFewPairs = 3;    // of redrawn layers
+constexpr int kLayerPairs = 3;  // of redrawn layers
 constexpr int kOnePair = 1;     // of redrawn layers of the large model
 
 Result<Renderer> showing(GlContext& context, const BenchScene& scene, const Model& model,
@@ -102,10 +102,10 @@ Result<std::vector<BenchRow>> bench_layer() {
                   1e-6 * static_cast<double>(scene.facade.triangle_count())),
       watch.ratio(frame_of(*million), frame_of(*plain), kManyPairs), 1.05);
   add("layer redrawn with the sun's 16 maps / without shadow",
-      watch.ratio(redraw(*plain, true), redraw(*plain, false), kFewPairs), 2.0);
-  add("layer redrawn, glossy / matt", watch.ratio(redraw(*glossy, false), redraw(*plain, false), kFewPairs), 1.5);
+      watch.ratio(redraw(*plain, true), redraw(*plain, false), kLayerPairs), 2.0);
+  add("layer redrawn, glossy / matt", watch.ratio(redraw(*glossy, false), redraw(*plain, false), kLayerPairs), 1.5);
   add("layer redrawn with point spread and shared colour / without",
-      watch.ratio(redraw(*spread, false), redraw(*plain, false), kFewPairs), 2.0);
+      watch.ratio(redraw(*spread, false), redraw(*plain, false), kLayerPairs), 2.0);
   add("layer of the large model redrawn / of the small",
       watch.ratio(redraw(*million, false), redraw(*plain, false), kOnePair));
   add("  with the sun's 16 maps / without", watch.ratio(redraw(*million, true), redraw(*million, false), kOnePair));

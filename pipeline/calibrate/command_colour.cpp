@@ -16,8 +16,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kMostPictures = 24;
-constexpr Radians kLowestSun = from_degrees(8.0);  // below it Preetham's colours are not to be trusted
+constexpr int kMostSkies = 24;
+constexpr Radians kLowestSunForColours = from_degrees(8.0);  // below it Preetham's colours are not to be trusted
 
 struct ColourArguments {
   std::string fixture;
@@ -58,24 +58,24 @@ std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& na
   return cameras;
 }
 
-struct Seen {
+struct SeenSkies {
   std::vector<SkyMoment> moments;
   PicturesRead read;
   int low_sun = 0;
 };
 
-Result<Seen> read_skies(const Fixture& fixture, const Camera& camera) {
-  Seen seen;
+Result<SeenSkies> read_skies(const Fixture& fixture, const Camera& camera) {
+  SeenSkies seen;
   const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
     const auto sun = sun_position(metadata.utc, fixture.installation.site);
-    if (sun.zenith > from_degrees(90.0) - kLowestSun) {
+    if (sun.zenith > from_degrees(90.0) - kLowestSunForColours) {
       ++seen.low_sun;
       return;
     }
     if (auto picture = sky_picture(view, camera))
       seen.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
   };
-  const auto read = for_each_picture(fixture, camera, {.most = kMostPictures}, look);
+  const auto read = for_each_picture(fixture, camera, {.most = kMostSkies}, look);
   if (!read) return fail(read.error());
   seen.read = *read;
   return seen;
@@ -95,7 +95,7 @@ double worst(const std::vector<GammaError>& errors) {
 
 constexpr std::array kChannels{"red", "green", "blue"};
 
-void report(const Seen& seen, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
+void report(const SeenSkies& seen, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
   fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", seen.read.good,
              found.turbidities.size(), found.refused.size(), seen.low_sun, seen.read.damaged);
   fmt::print("{} parts of sky, T {:.2f} to {:.2f}\n", found.colours,
@@ -143,7 +143,7 @@ std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& came
   return remarks;
 }
 
-CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const Seen& seen,
+CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const SeenSkies& seen,
                         const SkySensitivity& found, const std::vector<std::string>& remarks, const std::string& csv) {
   CalibrationStep step;
   const auto& camera = arguments.camera == "sky" ? fixture.installation.sky : fixture.installation.scene;
@@ -206,7 +206,7 @@ Result<int> calibrate(const ColourArguments& arguments) {
   if (!seen) return fail(seen.error());
   if (seen->moments.empty())
     return fail(FaultKind::bad_input, "{}: the sun is lower than {:.0f} deg in all pictures: expected some of day",
-                arguments.fixture, to_degrees(kLowestSun));
+                arguments.fixture, to_degrees(kLowestSunForColours));
   const auto found = sensitivity_from_sky(*camera, seen->moments, cameras, {arguments.turbidity, arguments.choose});
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
   report(*seen, cameras, *found);

@@ -55,14 +55,14 @@ std::string now_text() {
   return utc_text(now);
 }
 
-struct Found {
+struct FoundViews {
   std::vector<BoardView> views;
   std::vector<std::string> without;  // pictures in which no board was found
   int width = 0, height = 0;
 };
 
-Result<Found> look_at_pictures(const LensArguments& arguments, const AnyBoard& board) {
-  Found found;
+Result<FoundViews> look_at_pictures(const LensArguments& arguments, const AnyBoard& board) {
+  FoundViews found;
   Problems problems;
   for (const auto& file : arguments.pictures) {
     const auto photograph = read_photograph(file);
@@ -94,7 +94,7 @@ Result<Found> look_at_pictures(const LensArguments& arguments, const AnyBoard& b
   return found;
 }
 
-Result<Found> look_at_camera(const LensArguments& arguments, const AnyBoard& board) {
+Result<FoundViews> look_at_camera(const LensArguments& arguments, const AnyBoard& board) {
   SystemClock clock;
   auto source = arguments.config.empty() ? open_live(arguments.live, arguments.camera, arguments.size, clock)
                                          : open_configured(arguments.config, arguments.camera, clock);
@@ -112,7 +112,7 @@ Result<Found> look_at_camera(const LensArguments& arguments, const AnyBoard& boa
   auto gathered = gather_views(**source, board, clock, options);
   if (!gathered) return fail(gathered.error());
   fmt::print("{} views from {} frames; {}\n", gathered->views.size(), gathered->frames, gathered->ended);
-  return Found{std::move(gathered->views), {}, gathered->width, gathered->height};
+  return FoundViews{std::move(gathered->views), {}, gathered->width, gathered->height};
 }
 
 void report(const LensCalibration& c) {
@@ -137,7 +137,7 @@ void report(const LensCalibration& c) {
   for (const auto& advice : c.coverage.advice) fmt::print("better: {}\n", advice);
 }
 
-Measured measured_of(const AnyBoard& board, const LensCalibration& c, const Found& found, const std::string& now) {
+Measured measured_of(const AnyBoard& board, const LensCalibration& c, const FoundViews& found, const std::string& now) {
   Measured measured{"lens", now, "", {}, {}};
   std::vector<std::string> names;
   for (const auto& view : c.views) names.push_back(view.name);

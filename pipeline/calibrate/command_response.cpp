@@ -29,7 +29,7 @@ struct ResponseArguments {
   std::string out;
 };
 
-struct Found {
+struct FoundResponse {
   ResponseCalibration calibration;
   MeasuredCurve curve;
   std::optional<NoiseModel> noise;
@@ -49,7 +49,7 @@ MeasuredCurve curve_of(const ResponseCalibration& calibration, const glm::dvec3&
   return curve;
 }
 
-void report(const KnownStack& known, const Found& found) {
+void report(const KnownStack& known, const FoundResponse& found) {
   for (const auto& candidate : found.calibration.candidates)
     if (candidate.held_out_steps)
       fmt::print("{:<36} predicts unseen pixels to {:.3f} steps\n", candidate.method, *candidate.held_out_steps);
@@ -78,8 +78,8 @@ void report(const KnownStack& known, const Found& found) {
   for (const auto& words : found.remarks) fmt::print("{}\n", words);
 }
 
-std::vector<Measured> measured_of(const ResponseArguments& arguments, const KnownStack& known, const Found& found,
-                                  const std::string& now) {
+std::vector<Measured> measured_of(const ResponseArguments& arguments, const KnownStack& known,
+                                  const FoundResponse& found, const std::string& now) {
   Measured measured{"response",
                     now,
                     fmt::format("{} exposures of one view, by {}: {}", known.stack.names.size(),
@@ -110,7 +110,7 @@ std::vector<Measured> measured_of(const ResponseArguments& arguments, const Know
   return all;
 }
 
-void remark(Found& found, const ResponseArguments& arguments, const KnownStack& known) {
+void remark(FoundResponse& found, const ResponseArguments& arguments, const KnownStack& known) {
   auto& remarks = found.remarks;
   for (const auto& name : known.left_out)
     remarks.push_back(name + ": left out, too dark or too bright to overlap with the others");
@@ -181,7 +181,7 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   if (!problems.empty()) return fail(problems.fault());
   for (const auto& file : arguments.pictures) stack.names.push_back(std::filesystem::path(file).filename().string());
 
-  Found found;
+  FoundResponse found;
   found.dark = look_at_dark(darks, stack.quantum);
   auto mask = circle_mask(arguments.circle, size);
   if (mask.empty() && !found.dark.hot.empty()) mask = Image<std::uint8_t>(size.x, size.y, 255);

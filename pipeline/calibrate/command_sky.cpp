@@ -16,7 +16,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Radians kLowestSun = from_degrees(5.0);  // below it refraction is not sure, and the sun no disc
+constexpr Radians kLowestSunForDisc = from_degrees(5.0);  // below it refraction is not sure, and the sun no disc
 constexpr double kCircleSigma_px = 0.5;
 
 struct SkyArguments {
@@ -58,7 +58,7 @@ Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixtu
   return known;
 }
 
-struct Seen {
+struct SeenSuns {
   std::vector<SunSight> sights;
   Image<Rgb8> brightest;  // of all pictures: the circle's rim shows wherever it was ever lit
   PicturesRead read;
@@ -74,12 +74,12 @@ void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
     brightest.elements()[i] = glm::max(brightest.elements()[i], picture.elements()[i]);
 }
 
-Result<Seen> look_at_recording(const Fixture& fixture, const Camera& camera) {
-  Seen seen;
+Result<SeenSuns> look_for_suns(const Fixture& fixture, const Camera& camera) {
+  SeenSuns seen;
   const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
     keep_brightest(seen.brightest, to_rgb(view));
     const auto sun = sun_position(metadata.utc, fixture.installation.site);
-    if (sun.zenith > from_degrees(90.0) - kLowestSun) {
+    if (sun.zenith > from_degrees(90.0) - kLowestSunForDisc) {
       ++seen.too_low;
       return;
     }
@@ -126,7 +126,7 @@ std::optional<Radians> edge_of(const LensDescription& lens, const ImageCircle& c
   return angle_between(*ray, {0.0, 0.0, 1.0});
 }
 
-std::vector<Measured> measured_of(const Fixture& fixture, const Seen& seen, const KnownLens& known,
+std::vector<Measured> measured_of(const Fixture& fixture, const SeenSuns& seen, const KnownLens& known,
                                   const SkyOrientation& found, const std::optional<ImageCircle>& circle,
                                   const std::string& now) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
@@ -159,7 +159,7 @@ std::vector<Measured> measured_of(const Fixture& fixture, const Seen& seen, cons
   return all;
 }
 
-void report(const Seen& seen, const SkyOrientation& found, const std::optional<ImageCircle>& circle) {
+void report(const SeenSuns& seen, const SkyOrientation& found, const std::optional<ImageCircle>& circle) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
   fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", seen.read.good,
              seen.sights.size(), seen.without_sun, seen.too_low, seen.read.damaged);
@@ -190,7 +190,7 @@ Result<int> calibrate(const SkyArguments& arguments) {
   if (!known) return fail(known.error());
   Camera camera = fixture->installation.sky;
   camera.lens = make_lens(known->lens);
-  const auto seen = look_at_recording(*fixture, camera);
+  const auto seen = look_for_suns(*fixture, camera);
   if (!seen) return fail(seen.error());
   const auto circle = find_image_circle(seen->brightest);
   const auto found = orient_sky(seen->sights, prior_of(arguments, camera, *known, circle));

@@ -13,9 +13,9 @@ namespace kasumi {
 
 namespace {
 
-constexpr Radians kLowestSun = from_degrees(8.0);
+constexpr Radians kLowestSunForBrightness = from_degrees(8.0);
 constexpr Radians kNextSun = from_degrees(4.0);  // how far the sun has gone from one picture to the next
-constexpr std::size_t kMostPictures = 40;
+constexpr std::size_t kMostMoments = 40;
 
 struct VignettingArguments {
   std::string fixture;
@@ -50,22 +50,22 @@ Result<Camera> calibrated_camera(const std::string& file, const Camera* recorded
   return camera;
 }
 
-struct Seen {
+struct SeenMoments {
   std::vector<SkyMoment> moments;
   int pictures = 0;  // that were considered
   PicturesRead read;
 };
 
 // Pictures with the sun in different places.
-Result<Seen> look_at_recording(const Fixture& fixture, const Camera& camera) {
-  Seen seen;
+Result<SeenMoments> look_for_moments(const Fixture& fixture, const Camera& camera) {
+  SeenMoments seen;
   const auto sun_at = [&](Utc utc) { return sun_position(utc, fixture.installation.site); };
   ReadingOptions options;
   options.wanted = [&](const FrameMetadata& metadata) {
-    if (seen.moments.size() >= kMostPictures) return false;
+    if (seen.moments.size() >= kMostMoments) return false;
     ++seen.pictures;
     const auto sun = sun_at(metadata.utc);
-    if (sun.zenith > from_degrees(90.0) - kLowestSun) return false;
+    if (sun.zenith > from_degrees(90.0) - kLowestSunForBrightness) return false;
     return seen.moments.empty() || angle_between(sun.direction, seen.moments.back().sun) >= kNextSun;
   };
   const auto read =
@@ -100,12 +100,12 @@ Result<int> calibrate(const VignettingArguments& arguments) {
                  fixture->installation.sky.width, fixture->installation.sky.height, camera->width, camera->height);
   if (!problems.empty()) return fail(problems.fault());
 
-  const auto seen = look_at_recording(*fixture, *camera);
+  const auto seen = look_for_moments(*fixture, *camera);
   if (!seen) return fail(seen.error());
   if (seen->moments.empty())
     return fail(FaultKind::bad_input,
                 "{}: of {} pictures {} are damaged and none has the sun {:.0f} deg above the horizon",
-                arguments.fixture, seen->pictures, seen->read.damaged, to_degrees(kLowestSun));
+                arguments.fixture, seen->pictures, seen->read.damaged, to_degrees(kLowestSunForBrightness));
   SkyVignettingOptions options;
   if (arguments.turbidity) options.turbidity = KnownTurbidity{*arguments.turbidity, arguments.turbidity_sigma};
   const auto found = vignetting_from_sky(*camera, seen->moments, options);

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pipeline/calibration_report/histogram.hpp"
+#include "pipeline/calibration_report/plot_style.hpp"
 #include "pipeline/calibration_report/plots.hpp"
 #include "pipeline/calibration_report/scene_sights.hpp"
 
@@ -12,8 +13,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kWide = 1280, kTop = 50, kLine = 20, kHistogram = 200;
-const cv::Scalar kInk(40, 40, 40), kMarked(255, 210, 0), kGood(60, 220, 90), kBad(255, 70, 50), kLevel(80, 160, 255);
+constexpr int kWide = 1280, kSceneTop = 50, kLine = 20, kHistogram = 200;
+const cv::Scalar kMarked(255, 210, 0), kUsed(60, 220, 90), kLeftOut(255, 70, 50), kLevel(80, 160, 255);
 
 // Hershey's letters are ASCII.
 std::string plain(const std::string& text) {
@@ -44,9 +45,9 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
   const double scale = static_cast<double>(kWide) / picture.width();
   const int tall = static_cast<int>(std::lround(scale * picture.height()));
   const int lines = static_cast<int>(landmarks.size());
-  Image<Rgb8> image(kWide, kTop + tall + kLine * (lines + 2) + kHistogram, Rgb8(255));
+  Image<Rgb8> image(kWide, kSceneTop + tall + kLine * (lines + 2) + kHistogram, Rgb8(255));
   cv::Mat all(image.height(), image.width(), CV_8UC3, image.elements().data());
-  cv::Mat view = all(cv::Rect(0, kTop, kWide, tall));
+  cv::Mat view = all(cv::Rect(0, kSceneTop, kWide, tall));
   auto copy = picture.elements();
   const cv::Mat from(picture.height(), picture.width(), CV_8UC3, copy.data());
   cv::resize(from, view, view.size(), 0, 0, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
@@ -70,7 +71,7 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
       cv::drawMarker(view, at(sight.pixel), kLevel, cv::MARKER_CROSS, 9, 1, cv::LINE_AA);
   }
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const auto& colour = pose.used[i] ? kGood : kBad;
+    const auto& colour = pose.used[i] ? kUsed : kLeftOut;
     const auto marked = at(landmarks[i].pixel), modelled = at(landmarks[i].pixel - pose.residuals_px[i]);
     draw_line(view, marked, modelled, colour);
     cv::circle(view, modelled, 7, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
@@ -82,7 +83,7 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
           fmt::format("{:2}  {:<30} {:>11}   {:+7.2f} {:+7.2f} px{}", i + 1, plain(landmarks[i].name),
                       distance_words(landmarks[i]), pose.residuals_px[i].x, pose.residuals_px[i].y,
                       pose.used[i] ? "" : "   left out"),
-          {20, kTop + tall + kLine * (static_cast<int>(i) + 2)}, pose.used[i] ? kInk : kBad, false);
+          {20, kSceneTop + tall + kLine * (static_cast<int>(i) + 2)}, pose.used[i] ? kInk : kLeftOut, false);
   }
   std::vector<double> lengths;
   for (std::size_t i = 0; i < landmarks.size(); ++i)

@@ -47,9 +47,10 @@ class Files final : public PictureSource {
   std::size_t at_ = 0;
 };
 
-class Film final : public PictureSource {
+class FilmReader final : public PictureSource {
  public:
-  Film(std::filesystem::path file, cv::VideoCapture capture) : file_(std::move(file)), capture_(std::move(capture)) {}
+  FilmReader(std::filesystem::path file, cv::VideoCapture capture)
+      : file_(std::move(file)), capture_(std::move(capture)) {}
   Result<std::optional<NamedPicture>> next() override {
     cv::Mat frame;
     try {
@@ -93,7 +94,7 @@ Result<std::unique_ptr<PictureSource>> open_film_to_read(const std::filesystem::
   if (!capture.isOpened())
     return fail(FaultKind::bad_input, "{}: cannot be read as a film by this machine's OpenCV and FFmpeg",
                 path.string());
-  return std::make_unique<Film>(path, std::move(capture));
+  return std::make_unique<FilmReader>(path, std::move(capture));
 }
 
 Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& path) {
