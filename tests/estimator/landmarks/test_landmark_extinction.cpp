@@ -43,7 +43,7 @@ TEST(LandmarkExtinction, IsKoschmiedersWhereContrastsAreKnown) {
   }
 }
 
-// One surface against its neighbour: the difference fades as the contrast to the sky does.
+// One surface against its neighbour: the difference fades like the contrast to the sky.
 TEST(LandmarkExtinction, OfTwoSurfacesSideBySideIsTheSame) {
   auto landmarks = at({400.0}, 0.005);
   landmarks[0].contrast = 0.3;
@@ -54,7 +54,7 @@ TEST(LandmarkExtinction, OfTwoSurfacesSideBySideIsTheSame) {
   EXPECT_NEAR(found.per_m, 2e-3, 1e-5);
 }
 
-// Drawn from the very model that is stated: the sigma must be that of the errors.
+// Readings drawn from the stated model: sigma must match the errors.
 TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
   const auto landmarks = at({800.0, 1500.0, 3000.0, 6000.0});
   const ContrastSpread spread;
@@ -98,7 +98,7 @@ TEST(LandmarkExtinction, GivesABoundWhereLandmarksEnd) {
   EXPECT_EQ(law.estimate({}).kind, ExtinctionKind::nothing);
 }
 
-TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotForesee) {
+TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotPredict) {
   const std::vector<double> distances_m{500.0, 1000.0, 1500.0, 2000.0, 2500.0};
   const LandmarkExtinction law(at(distances_m), 0.0, kClearest_per_m, 1);
   std::vector<ContrastReading> readings;
@@ -111,7 +111,7 @@ TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotForesee) {
   EXPECT_EQ(found.landmarks, 4);
 }
 
-// Two landmarks side by side, one a bright wall: pictures of every visibility teach how they differ, and that alone.
+// Two landmarks side by side, one a bright wall: pictures at every visibility teach how they differ, and only that.
 TEST(LandmarkExtinction, LearnsHowTheContrastsDiffer) {
   const auto landmarks = at({1000.0, 1000.0, 4000.0}, 0.15);
   const std::vector<double> truth{0.95, 0.7, 0.8};
@@ -194,7 +194,7 @@ class LandmarkAirTest : public testing::Test {
   LandmarkAir air_of(double turbidity) const {
     std::vector<ContrastReading> readings;
     for (const auto& landmark : watch.landmarks()) {
-      // At 1 nm, the slow truth.
+      // Reference at 1 nm.
       const auto left = attenuation_reference(spectral_measure(camera), ScatteringModel::morales2017,
                                               Turbidity{turbidity}, optical_path(0.0, 0.0, landmark.distance_m));
       readings.push_back({true, "", 0.85 * left, glm::dvec3{0.003}});
@@ -217,7 +217,7 @@ TEST_F(LandmarkAirTest, IsTheTurbidityThatTakesAsMuch) {
   }
 }
 
-TEST_F(LandmarkAirTest, TellsADisagreementAndNeverAverages) {
+TEST_F(LandmarkAirTest, ReportsADisagreementAndNeverAverages) {
   const auto air = air_of(4.0);
   const auto same = watch.compare(air, Turbidity{4.0}, 0.05);
   EXPECT_EQ(same.agreement, Agreement::agrees) << same.message;
@@ -229,7 +229,7 @@ TEST_F(LandmarkAirTest, TellsADisagreementAndNeverAverages) {
   EXPECT_EQ(watch.compare(air, Turbidity{2.0}, 30.0).agreement, Agreement::agrees) << "who knows little agrees";
 }
 
-TEST_F(LandmarkAirTest, TakesABoundForABound) {
+TEST_F(LandmarkAirTest, TreatsABoundAsABound) {
   const LandmarkWatch near(camera, 0.0, at({100.0, 300.0, 500.0}, 0.05));
   const auto air = near.estimate({reading(0.85, 0.02), reading(0.84, 0.02), reading(0.85, 0.02)});
   ASSERT_EQ(air.extinction().kind, ExtinctionKind::at_most);

@@ -1,4 +1,4 @@
-// Extinction from ridges of generated scenes, whose air is known: several T, suns, landscapes and the camera's noise.
+// Extinction from ridges of generated scenes with known air: several T, suns and landscapes, with camera noise.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ struct Moment {
   double turbidity;
   SunPlace sun;
 };
-// Into the sun, across and away from it, high and low.
+// Towards the sun, across and away from it, high and low.
 const std::vector<Moment> kMoments{{1.9, {50, 230}},  {2.4, {68, 30}}, {3.1, {33, 170}},
                                    {4.36, {58, 300}}, {7.0, {45, 80}}, {13.0, {62, 200}}};
 

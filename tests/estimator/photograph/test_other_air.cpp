@@ -1,4 +1,4 @@
-// A photograph under other air, against what M Eq 25 and 26 say of every pixel.
+// A photograph under other air, against M Eq 25 and 26 for every pixel.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ using testing::HasSubstr;
 constexpr int kWidth = 12, kHeight = 8;
 const glm::dvec3 kAirlight{0.55, 0.6, 0.7};  // linear
 
-// Rows from the sky (0) down to the land, which is as far away in each as in the next.
+// Rows from the sky (0) down to the land, all at the same distance.
 Photograph colourful() {
   Photograph photograph;
   photograph.encoded = Image<glm::vec3>(kWidth, kHeight);
@@ -30,7 +30,7 @@ OtherAirOptions options_for(Turbidity source) {
   options.airlight = kAirlight;
   options.distance_m = Image<float>(kWidth, kHeight, 4000.0F);
   for (int x = 0; x < kWidth; ++x) options.distance_m.at(x, 0) = 0.0F;
-  options.amplify_noise = true;  // nothing is taken out of the picture
+  options.amplify_noise = true;  // the picture is not denoised
   return options;
 }
 
@@ -51,7 +51,7 @@ double largest_difference(const Photograph& one, const Photograph& other) {
   return largest;
 }
 
-TEST(OtherAir, UnderItsOwnAirAPictureStaysAsItIs) {
+TEST(OtherAir, UnderItsOwnAirAPictureStaysUnchanged) {
   EXPECT_LE(largest_difference(under(colourful(), Turbidity{3.0}, Turbidity{3.0}), colourful()), 1e-5);
 }
 
@@ -70,13 +70,13 @@ TEST(OtherAir, ThickerAirBringsEachChannelTowardsTheAirlightByOneShare) {
   EXPECT_NEAR(share_at(6, 0).r, 1.0, 1e-3) << "the sky keeps its ratio to the light from infinity";
 }
 
-TEST(OtherAir, ThereAndBackIsWhereItBegan) {
+TEST(OtherAir, ThereAndBackGivesTheOriginal) {
   const auto thicker = under(colourful(), Turbidity{2.0}, Turbidity{3.5});
   EXPECT_GT(largest_difference(thicker, colourful()), 0.02);
   EXPECT_LE(largest_difference(under(thicker, Turbidity{3.5}, Turbidity{2.0}), colourful()), 1e-4);
 }
 
-TEST(OtherAir, WhatCannotBeDoneIsTold) {
+TEST(OtherAir, ReportsWhatCannotBeDone) {
   auto options = options_for(Turbidity{2.0});
   Photograph small;
   small.encoded = Image<glm::vec3>(3, 2);

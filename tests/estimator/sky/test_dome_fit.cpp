@@ -1,5 +1,5 @@
-// The estimator that fits the dome: in pictures of domes of a known aerosol, and in the skies of the spectral
-// atmosphere that the dome was fitted to, off the grid it was fitted on.
+// The estimator with the dome as its sky: in pictures of domes with a known aerosol, and in the spectral atmosphere's
+// skies between the grid points to which the dome was fitted.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -42,7 +42,7 @@ class DomeFit : public testing::TestWithParam<double> {};
 
 TEST_P(DomeFit, ThePicturesOfADomeTellItsAerosol) {
   const double clouds = GetParam();
-  // The ends of what the table holds.
+  // The limits of the table.
   const auto suns_deg = figure_cases<double>("suns", {30.0, 75.0}, {30.0, 52.0, 75.0});
   const auto turbidities = figure_cases<double>("turbidities", {1.7, 9.5}, {1.7, 2.0, 3.0, 5.0, 9.5});
   for (const double altitude_m : {0.0, 3000.0})

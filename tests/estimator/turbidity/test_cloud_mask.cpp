@@ -7,7 +7,7 @@ namespace kasumi {
 namespace {
 
 struct Score {
-  double cloud_found = 1.0;  // share of the cloudy solid angle taken out
+  double cloud_found = 1.0;  // share of the cloudy solid angle that was masked
   double clear_kept = 1.0;   // share of the clear solid angle kept
   double clear_fraction = 0.0;
 };
@@ -61,7 +61,7 @@ TEST(CloudMask, FindsConnectedCloudsAndLeavesEnoughSkyBesideThem) {
       }
 }
 
-// A camera whose white balance is off by a third in red and blue sees every colour wrong by the same factor.
+// A camera whose white balance is off by a third in red and blue shifts every colour by the same factor.
 TEST(CloudMask, DoesNotDependOnTheWhiteBalance) {
   Camera camera = test::upward_camera(300);
   const test::RenderedSky rendered = test::render({.turbidity = 3.0, .exposure = 0.7}, camera);
@@ -73,7 +73,7 @@ TEST(CloudMask, DoesNotDependOnTheWhiteBalance) {
   EXPECT_GT(mask_clouds(sky, geometry, rendered.sun).clear_fraction, 0.95);
 }
 
-TEST(CloudMask, TakesOutWhatStandsOutOfAFit) {
+TEST(CloudMask, MasksOutliersOfAFit) {
   const Camera camera = test::upward_camera(300);
   const test::RenderedSky rendered = test::render({.turbidity = 3.0}, camera);
   const Image<Rgb8> image = rendered.to_8_bit();
