@@ -44,8 +44,9 @@ function(kasumi_test name)
     math(EXPR index "${shard} - 1")
     add_test(NAME ${test} COMMAND ${name})
     set_tests_properties(${test} PROPERTIES
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=json:${CMAKE_BINARY_DIR}/test-results/${test}.json"
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/test-results/${test}.xml"
       LABELS "${labels}"
+      COST ${TEST_SHARDS}  # the longest begin first
       TIMEOUT 1200)
   endforeach()
 endfunction()
