@@ -1,4 +1,4 @@
-# Before project(): what is built when nothing is said. Line numbers are what a report from the field or a sanitizer needs; a debugger
+# Before project(): the default build type. Line numbers are what a report from the field or a sanitizer needs; a debugger
 # wants -DCMAKE_BUILD_TYPE=Debug. Sanitized builds are optimised just enough that every test runs in them, and keep the assertions.
 set(KASUMI_SANITIZE "" CACHE STRING "Sanitizers to build with: address,undefined or thread")
 if(NOT CMAKE_BUILD_TYPE)

@@ -1,5 +1,5 @@
-# What was compiled before, in whichever checkout, is not compiled again: continuous integration starts from a clean one each time.
-# Paths are relative to the checkout in the cache's eyes, and nothing compiled but places.cpp knows where it lies.
+# Code compiled before, in any checkout, is not compiled again: continuous integration always starts from a clean checkout.
+# The cache sees paths relative to the checkout, and only places.cpp compiles in the checkout's location.
 find_program(KASUMI_CCACHE ccache)
 if(KASUMI_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER

@@ -1,5 +1,5 @@
 # `cmake --install BUILD` puts the appliance where its unit looks for it; `cpack` (in the build folder) makes a Debian package of
-# the same files. Tests and generators stay at home.
+# the same files. Tests and generators are not installed.
 set(doc share/doc/kasumi)
 install(TARGETS kasumi RUNTIME DESTINATION bin)
 install(FILES systemd/kasumi.service DESTINATION lib/systemd/system)
@@ -21,7 +21,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# What is loaded at run time and no library names: the GL driver, words on the picture, the account.
+# Run-time dependencies that no linked library shows: the GL driver, fonts for the captions, the user account.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd, udev, libgl1-mesa-dri, fonts-dejavu-core")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libcamera-ipa, v4l-utils, fonts-vlgothic")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA

@@ -1,6 +1,6 @@
 # kasumi_room(NAME SOURCES ... USES rooms ... LIBRARIES libraries ...)
-#   A room is a static library of the sources in its folder. USES are the rooms whose headers it may include; tests/house holds
-#   the code to it.
+#   A room is a static library of the sources in its folder. USES are the rooms whose headers it may include; tests/house
+#   enforces this.
 function(kasumi_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;USES;LIBRARIES;PUBLIC_LIBRARIES" ${ARGN})
   add_library(kasumi_${name} STATIC ${ROOM_SOURCES})

@@ -1,4 +1,4 @@
-# -DKASUMI_SANITIZE=address,undefined  or  -DKASUMI_SANITIZE=thread; the standard library checks its indices beside them.
+# -DKASUMI_SANITIZE=address,undefined  or  -DKASUMI_SANITIZE=thread; the standard library's index checks are enabled as well.
 if(KASUMI_SANITIZE)
   add_compile_options(-fsanitize=${KASUMI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${KASUMI_SANITIZE})
@@ -8,7 +8,7 @@ if(KASUMI_SANITIZE MATCHES "address")
   add_library(kasumi_keep_libraries OBJECT tests/sanitizers/keep_libraries.cpp)
 endif()
 
-# -DKASUMI_FUZZ=ON with clang++: tests/fuzz becomes libFuzzer's programs.
+# -DKASUMI_FUZZ=ON with clang++: tests/fuzz is built as libFuzzer programs.
 option(KASUMI_FUZZ "Build the fuzzers of tests/fuzz (needs clang++)" OFF)
 if(KASUMI_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=all)

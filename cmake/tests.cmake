@@ -1,11 +1,11 @@
 # kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [SHARDS N] [THREADED] [HOSTILE] [FIGURES])
 #   One GoogleTest program, and a test of ctest for each of its N shards: a process that runs its share of the program's tests one
-#   after the other. Each writes what it did to test-results/, from which tests/summary tells every test, skipped ones by name. Tests
-#   find files, and where they may write, through tests/places.hpp.
-#   THREADED programs are those in which threads of ours share anything: the thread sanitizer runs them. HOSTILE ones meet what comes from
-#   outside, input or faults: the address sanitizer runs them. FIGURES programs measure how exact something is over many cases: a
-#   quarter of them here, all of them by ./bootstrap figures, and never under a sanitizer.
-#   Each of the three is a label of ctest, and a target that builds what bears it: threaded_tests, hostile_tests, figures_tests.
+#   after the other. Each writes its results to test-results/, from which tests/summary counts all tests and names skipped ones. Tests
+#   find files, and folders to write to, through tests/places.hpp.
+#   THREADED programs share data between our own threads: the thread sanitizer runs them. HOSTILE ones handle external input or
+#   faults: the address sanitizer runs them. FIGURES programs measure accuracy over many cases: a quarter of them here, all of
+#   them by ./bootstrap figures, and never under a sanitizer.
+#   Each of the three is a label of ctest, and a target that builds the programs with it: threaded_tests, hostile_tests, figures_tests.
 foreach(kind threaded hostile figures)
   add_custom_target(${kind}_tests)
 endforeach()

@@ -1,8 +1,8 @@
-# -DKASUMI_UNITY=ON: the files of one folder are compiled a few at a time, as one text, which takes less than half the time, because the
-# headers they share are parsed once. What lies in an unnamed namespace must then be unique within a folder, as it should be for
-# readers. Builds without it show that each file includes what it uses (./bootstrap nightly); they also suit daily work, in which one
-# file changes at a time.
-# CMake's own unity builds name the files by absolute paths, which no compiler cache recognises in another checkout.
+# -DKASUMI_UNITY=ON: the files of one folder are compiled a few at a time, as one translation unit, which takes less
+# than half the time, because the headers they share are parsed once. Names in unnamed namespaces must then be unique
+# within a folder, as it should be for readers. Builds without it show that each file includes what it uses
+# (./bootstrap nightly); they also suit daily work, in which one file changes at a time. CMake's own unity builds name
+# the files by absolute paths, which no compiler cache recognises in another checkout.
 option(KASUMI_UNITY "Compile the files of a folder together" OFF)
 set(KASUMI_UNITY_FILES 8 CACHE STRING "How many of them at most")
 

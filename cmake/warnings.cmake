@@ -1,5 +1,5 @@
-# Warnings are shown in every build of ours and are errors in the gate's (CMakePresets.json): another compiler's new warning must not
-# keep anyone from a program. Instrumentation hides value ranges from the compiler, which then warns of what cannot happen.
+# Warnings are shown in every build of ours and are errors in the gate's (CMakePresets.json): a new warning of another compiler must
+# not break anyone's build. Instrumentation hides value ranges from the compiler, which then warns of impossible cases.
 add_library(kasumi_warnings INTERFACE)
 if(NOT KASUMI_SANITIZE AND NOT KASUMI_FUZZ)
   target_compile_options(kasumi_warnings INTERFACE

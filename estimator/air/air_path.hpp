@@ -1,5 +1,5 @@
-// What the air of a turbidity does to light, in the form that a path's transparency is reckoned from: the path itself
-// is base/sky/air_path.glsl's (C++: sky_text::path_transparency(text_of(air), ...) of base/sky/dome_scene.hpp).
+// What the air at a given turbidity does to light, as coefficients for a path's transparency. The path itself is in
+// base/sky/air_path.glsl (C++: sky_text::path_transparency(text_of(air), ...) of base/sky/dome_scene.hpp).
 #pragma once
 
 #include "base/sky/dome_function.hpp"
@@ -7,8 +7,9 @@
 
 namespace kasumi {
 
-// For light in linear sRGB. Molecules after Bodhaine 1999, aerosol by the dome's own mapping of T (docs/sky.md):
-// Angstrom's optical depth (.04608 T - .04586) um^-1.3 over a scale height of 1200 m, ozone of the dome's atmosphere.
+// For light in linear sRGB. Molecules after Bodhaine 1999; aerosol by the same mapping of T as the dome's
+// (docs/sky.md): Angstrom's optical depth (.04608 T - .04586) um^-1.3 over a scale height of 1200 m; ozone of the
+// dome's atmosphere.
 AirCoefficients air_coefficients(Turbidity turbidity);
 
 }  // namespace kasumi

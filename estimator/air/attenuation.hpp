@@ -24,24 +24,24 @@ struct OpticalPath {
 // Altitudes above sea level of the path's ends and its length, in metres.
 OpticalPath optical_path(double observer_altitude_m, double target_altitude_m, double distance_m);
 
-// The measure by which light of each wavelength counts in a channel, every nanometre from first_nm, each channel's sum
-// 1. Weights may be negative: a channel of linear sRGB is made from a sensor's by subtraction as well.
+// The weight of each wavelength in a channel, every nanometre from first_nm; each channel sums to 1. Weights may be
+// negative: linear sRGB is a mix of the sensor's channels with negative terms.
 struct SpectralMeasure {
   double first_nm = kFirstVisible_nm;
   std::vector<glm::dvec3> weight;
 };
-// M Eq 11's own: the spectral sensitivity q_c.
+// As in M Eq 11: the spectral sensitivity q_c.
 SpectralMeasure spectral_measure(const SpectralSensitivity& sensitivity);
-// That of the channels the camera delivers: q_c, or its mix into linear sRGB when the camera converts. The difference
-// is not small: M's q_c on sRGB channels is off by up to 12 of 255 (mean 2-3 on dark surfaces), the mix by 1-2 (.3).
+// For the channels the camera delivers: q_c, or its mix into linear sRGB when the camera converts. The difference
+// matters: M's q_c on sRGB channels is off by up to 12 of 255 (mean 2-3 on dark surfaces), the mix by 1-2 (.3).
 SpectralMeasure spectral_measure(const Camera& camera);
-// Gamma at 1 nm in double precision: the slow truth.
+// Gamma at 1 nm in double precision: slow, used as the reference.
 glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, Turbidity turbidity,
                                  const OpticalPath& path);
 
-// Nodes of a measure in the manner of Gauss, of least worst error over T 1.7-20 and paths to 50 km: they depend on the
-// sensor alone, so that a new turbidity changes 2 coefficients per node. Worst error over all cameras we have data of:
-// 2.6e-4 for M's q_c (Gauss nodes in 1 / wavelength 7e-4), 6e-4 for its mix into sRGB.
+// Quadrature nodes of a measure, similar to Gauss nodes but with the smallest worst error over T 1.7-20 and paths to 50
+// km. They depend on the sensor alone, so a new turbidity changes only 2 coefficients per node. Worst error over all
+// cameras with published data: 2.6e-4 for M's q_c (Gauss nodes in 1 / wavelength 7e-4), 6e-4 for its mix into sRGB.
 constexpr int kAttenuationNodes = 2;
 struct AttenuationNodes {
   std::array<glm::dvec3, kAttenuationNodes> weight{};  // each channel's sum is 1
@@ -50,7 +50,7 @@ struct AttenuationNodes {
 // Deterministic; takes some milliseconds.
 AttenuationNodes attenuation_nodes(const SpectralMeasure& measure);
 
-// The nodes under one turbidity; sea level. The renderer's Haze.
+// The nodes' coefficients at sea level for one turbidity, as the renderer's Haze needs them.
 struct HazeCoefficients {
   std::array<glm::dvec3, kAttenuationNodes> weight{};
   std::array<glm::dvec3, kAttenuationNodes> rayleigh_per_m{};

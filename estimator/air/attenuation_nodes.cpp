@@ -45,7 +45,7 @@ double transmittance(const Depths& depths, double wavelength) {
   return std::exp(-(depths.rayleigh * inverse_square + depths.mie) * inverse_square);
 }
 
-// The measure's own attenuation at the grid's points, all channels.
+// The measure's own attenuation at the grid's points, in all channels.
 std::vector<glm::dvec3> exact(const SpectralMeasure& measure, const std::vector<Depths>& points) {
   std::vector<glm::dvec3> gamma(points.size(), glm::dvec3{0.0});
   for (std::size_t i = 0; i < measure.weight.size(); ++i) {
@@ -57,7 +57,7 @@ std::vector<glm::dvec3> exact(const SpectralMeasure& measure, const std::vector<
   return gamma;
 }
 
-// First node's weight (the second has the rest), both wavelengths in units of 550 nm.
+// The first node's weight (the second has the rest), then both wavelengths in units of 550 nm.
 using Pair = std::array<double, 3>;
 
 double worst_error(const Pair& pair, const std::vector<Depths>& points, const std::vector<double>& gamma) {
@@ -70,8 +70,8 @@ double worst_error(const Pair& pair, const std::vector<Depths>& points, const st
   return worst;
 }
 
-// Residual (error / 1e-3)^power: power 1 is least squares, power 4 (a sum of eighth powers) comes close to the least
-// worst error.
+// Residual (error / 1e-3)^power: power 1 is least squares; power 4 (a sum of eighth powers) approximates the minimax
+// fit.
 class PairError final : public ceres::CostFunction {
  public:
   PairError(const std::vector<Depths>& points, const std::vector<double>& gamma, int power)
@@ -125,8 +125,8 @@ void refine(Pair& pair, const std::vector<Depths>& points, const std::vector<dou
   ceres::Solve(options, &problem, &summary);
 }
 
-// Least squares over a coarse grid of both wavelengths; the weight that belongs to them is linear and comes in closed
-// form. A search, because a signed measure has several minima and need not have Gauss nodes at all.
+// Least squares over a coarse grid of both wavelengths; the weight for each pair is linear and has a closed form. A
+// grid search is needed because a signed measure has several minima and may have no Gauss nodes at all.
 Pair coarse_pair(const std::vector<Depths>& points, const std::vector<double>& gamma) {
   constexpr double kShortest = 0.5, kStep = 0.025;
   constexpr int kWavelengths = 41;

@@ -13,8 +13,8 @@ namespace {
 constexpr double kRefractiveIndex = 1.0003;
 constexpr double kMoleculesPerM3 = 2.545e25;
 constexpr double kDepolarisation = 0.035;
-// Makes the coefficient at 550 nm the .0141 /km of M Table 2. M prints .0141/.0135 = 1.0396; the quotient of those two
-// is 1.0444, and 1.0396 is what Eq 3 itself (.0135629 /km) calls for.
+// Makes the coefficient at 550 nm the .0141 /km of M Table 2. M prints .0141/.0135 = 1.0396; that quotient is in fact
+// 1.0444, and 1.0396 is what Eq 3 itself (.0135629 /km) requires.
 constexpr double kRayleighCorrection = 1.0396;
 constexpr double kMieCorrection = 0.0092;  // M Eq 17
 

@@ -8,8 +8,8 @@
 
 namespace kasumi {
 
-// morales2017: ours (M Eq 14-18). preetham: c = (.6544T - .6510)e-16 with K(lambda) in .65-.69, as M used it; its
-// published code carries a factor .01 for units that M took no notice of. zhao: the same with e-18.
+// morales2017: ours (M Eq 14-18). preetham: c = (.6544T - .6510)e-16 with K(lambda) in .65-.69, as M used it;
+// Preetham's published code has a unit factor of .01 that M did not apply. zhao: the same with e-18.
 enum class ScatteringModel { morales2017, preetham, zhao };
 std::string_view name_of(ScatteringModel model);
 std::optional<ScatteringModel> scattering_model_named(std::string_view name);
@@ -17,8 +17,8 @@ std::optional<ScatteringModel> scattering_model_named(std::string_view name);
 constexpr double kRayleighScaleHeight_m = 7994.0;
 constexpr double kMieScaleHeight_m = 1200.0;
 
-// Coefficients in 1/m. Wavelength in nm, altitude in metres above sea level. Turbidities at which a model's
-// concentration is negative (below 1, or .995) give zero.
+// Coefficients in 1/m. Wavelength in nm, altitude in metres above sea level. Turbidities for which a model's
+// concentration would be negative (below 1, or .995) give zero.
 double rayleigh_per_m(ScatteringModel model, double wavelength_nm, double altitude_m = 0.0);  // M Eq 3, 15
 double mie_per_m(ScatteringModel model, double wavelength_nm, Turbidity turbidity,
                  double altitude_m = 0.0);  // M Eq 4, 18

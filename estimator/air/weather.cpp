@@ -1,4 +1,4 @@
-// T in the words of meteorologists and visitors.
+// T in the terms of meteorologists and visitors.
 #include <cmath>
 
 #include "estimator/air/scattering.hpp"
@@ -42,7 +42,7 @@ WeatherClass weather_class(double mie_per_m) {
 }
 
 AirQuality air_quality(Turbidity turbidity, double altitude_m) {
-  // The class is of the air around the visitor, so that it never contradicts the visibility beside it.
+  // The class describes the air around the visitor, so that it never contradicts the visibility shown next to it.
   return {turbidity, aerosol_optical_depth(turbidity, 550.0), meteorological_range_m(turbidity, altitude_m),
           weather_class(mie_per_m(ScatteringModel::morales2017, 550.0, turbidity, altitude_m))};
 }

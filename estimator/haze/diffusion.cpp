@@ -20,21 +20,21 @@ Result<> check(const Image<glm::vec4>& light, const BlurMap& map) {
   };
   if (light.empty()) problems.add("no picture to blur");
   if (!same(map.sigma_px))
-    problems.add("widths of the blur of {} x {} pixels: expected {} x {}, as the picture is", map.sigma_px.width(),
+    problems.add("blur widths of {} x {} pixels: expected {} x {}, the size of the picture", map.sigma_px.width(),
                  map.sigma_px.height(), light.width(), light.height());
   for (const auto* steps : {&map.steps_along_row, &map.steps_down_column})
     if (!steps->empty() && !same(*steps))
-      problems.add("steps of the range of {} x {} pixels: expected {} x {}, as the picture is", steps->width(),
+      problems.add("range steps of {} x {} pixels: expected {} x {}, the size of the picture", steps->width(),
                    steps->height(), light.width(), light.height());
   if (!(map.inner_px > 0.0)) problems.add("inner scale of {} px: expected more than 0", map.inner_px);
   const auto good = [&](float sigma) { return sigma >= static_cast<float>(map.inner_px) && std::isfinite(sigma); };
   if (const auto bad = std::ranges::find_if_not(map.sigma_px.elements(), good); bad != map.sigma_px.elements().end())
-    problems.add("a blur of {} px: expected the inner scale, {} px, at least", *bad, map.inner_px);
+    problems.add("a blur of {} px: expected at least the inner scale, {} px", *bad, map.inner_px);
   if (!problems.empty()) return fail(problems.fault());
   return {};
 }
 
-// What a pixel wants beyond its own sharpness.
+// The variance a pixel wants beyond the picture's own blur.
 Image<float> wanted_variance(const BlurMap& map) {
   Image<float> variance(map.sigma_px.width(), map.sigma_px.height());
   const auto own = static_cast<float>(map.inner_px * map.inner_px);
@@ -68,7 +68,7 @@ int passes_of(DiffusionScheme scheme, double inner_px, double widest_px) {
 }
 
 DiffusionCost cost_of(DiffusionScheme scheme, double inner_px, double widest_px) {
-  // Light and rate of the pixel itself, then of four neighbours.
+  // The pixel's own light and rate, then those of four neighbours.
   const int taps = scheme == DiffusionScheme::invariant ? 2 + 4 * 2 * 4 : 2 + 4 * 2;
   return {passes_of(scheme, inner_px, widest_px), taps};
 }

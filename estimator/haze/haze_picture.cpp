@@ -74,16 +74,16 @@ Image<glm::vec3> composited(const Image<glm::vec4>& blurred, const glm::dvec3& a
   return light;
 }
 
-Result<Hazed> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
-                         const glm::dvec3& airlight, DiffusionScheme scheme) {
+Result<HazedPicture> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
+                                const glm::dvec3& airlight, DiffusionScheme scheme) {
   if (range.range.width() != light.width() || range.range.height() != light.height())
-    return fail(FaultKind::bad_input, "a range map of {} x {}: expected {} x {}, as the picture is",
+    return fail(FaultKind::bad_input, "a range map of {} x {}: expected {} x {}, the size of the picture",
                 range.range.width(), range.range.height(), light.width(), light.height());
   const auto map = blur_map(range, optics);
   auto blurred = diffuse(scheme, attenuated(light, range.range, optics, airlight), map);
   if (!blurred) return fail(blurred.error());
   const auto widest = static_cast<double>(*std::ranges::max_element(map.sigma_px.elements()));
-  return Hazed{composited(*blurred, airlight), cost_of(scheme, optics.inner_px, widest)};
+  return HazedPicture{composited(*blurred, airlight), cost_of(scheme, optics.inner_px, widest)};
 }
 
 }  // namespace kasumi

@@ -27,28 +27,27 @@ struct HazeOptics {
 };
 // H's own three, the same for all channels (H Eq 1).
 HazeOptics haze_optics(double kappa_a, double kappa_s, double lambda);
-// Of the air of that turbidity, as a camera's channels see it along level paths; nothing is absorbed. kappa_s is
-// green's.
+// For air of that turbidity along level paths, in a camera's channels; nothing is absorbed. kappa_s is green's.
 HazeOptics haze_optics(const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity, double altitude_m,
                        double farthest_m, double lambda);
 
 // Widths and steps for `diffuse`.
 BlurMap blur_map(const HazeRange& range, const HazeOptics& optics);
 
-// H Eq 2 for channels that fade unequally: rgb = Gamma E + (a - Gamma) Linf, a = the largest channel's Gamma. What a
-// channel loses beyond `a` is airlight already, so that one blurred `a` serves them all; H's tau (E, 1) where they fade
-// alike. `light`: linear. Sizes must be alike.
+// H Eq 2 for channels with unequal attenuation: rgb = Gamma E + (a - Gamma) Linf, a = the largest channel's Gamma. What
+// a channel loses beyond `a` is already airlight, so one blurred `a` serves all channels; with equal attenuation this
+// is H's tau (E, 1). `light`: linear. All sizes must be the same.
 Image<glm::vec4> attenuated(const Image<glm::vec3>& light, const Image<float>& range, const HazeOptics& optics,
                             const glm::dvec3& airlight);
-// H Eq 4: F + (1 - a) Linf, by the blurred a.
+// H Eq 4: F + (1 - a) Linf, with the blurred a.
 Image<glm::vec3> composited(const Image<glm::vec4>& blurred, const glm::dvec3& airlight);
 
-struct Hazed {
+struct HazedPicture {
   Image<glm::vec3> light;
   DiffusionCost cost;
 };
-// All of it. Errors: as `diffuse`.
-Result<Hazed> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
-                         const glm::dvec3& airlight, DiffusionScheme scheme);
+// The whole sequence. Errors: as `diffuse`.
+Result<HazedPicture> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
+                                const glm::dvec3& airlight, DiffusionScheme scheme);
 
 }  // namespace kasumi

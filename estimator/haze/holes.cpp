@@ -1,6 +1,6 @@
-// Holes in a measured range map (H Sect 4.1). H gives each hole one value of its border, the one that most of the
-// border is near; surfaces lean, so here it is the plane that most of the border lies in. A plane in space is linear in
-// 1 / range across the picture (of planar depth exactly; of ranges nearly so, across a hole).
+// Holes in a measured range map (H Sect 4.1). H fills each hole with the most common value of its border; because
+// surfaces are slanted, this fits the plane that most of the border lies in. A plane in space is linear in 1 / range
+// across the picture (exactly for planar depth, nearly so for ranges across a hole).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,7 +30,7 @@ double inverse_at(const InversePlane& plane, double x, double y) {
 
 constexpr int kTries = 200;          // a plane of half the border is missed once in 10^11 holes
 constexpr double kAgrees = 0.01;     // of the range
-constexpr double kFlatter = 1.0001;  // a flat plane is taken unless a leaning one explains more
+constexpr double kFlatter = 1.0001;  // a slanted plane is taken only if it explains this much more than a flat one
 
 std::vector<Hole> holes_of(const Image<float>& range, const Image<int>& labels, int count) {
   std::vector<Hole> holes(static_cast<std::size_t>(count));
@@ -41,15 +41,15 @@ std::vector<Hole> holes_of(const Image<float>& range, const Image<int>& labels, 
         holes[static_cast<std::size_t>(label - 1)].inside.push_back({x, y});
         continue;
       }
-      // A measured pixel borders on each hole beside it once.
-      std::array<int, 4> told{};
-      int count_told = 0;
+      // A measured pixel counts once for each hole it borders on.
+      std::array<int, 4> added{};
+      int added_count = 0;
       for (const glm::ivec2 u : {glm::ivec2{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
         if (!labels.contains(x + u.x, y + u.y)) continue;
         const int beside = labels.at(x + u.x, y + u.y);
-        if (beside == 0 || std::find(told.begin(), told.begin() + count_told, beside) != told.begin() + count_told)
+        if (beside == 0 || std::find(added.begin(), added.begin() + added_count, beside) != added.begin() + added_count)
           continue;
-        told[static_cast<std::size_t>(count_told++)] = beside;
+        added[static_cast<std::size_t>(added_count++)] = beside;
         holes[static_cast<std::size_t>(beside - 1)].border.push_back(
             {static_cast<double>(x), static_cast<double>(y), 1.0 / static_cast<double>(range.at(x, y))});
       }
@@ -57,7 +57,7 @@ std::vector<Hole> holes_of(const Image<float>& range, const Image<int>& labels, 
   return holes;
 }
 
-// The plane through three points; none where they lie on a line.
+// The plane through three points; none when they are collinear.
 bool through(const BorderPoint& a, const BorderPoint& b, const BorderPoint& c, InversePlane& plane) {
   const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y, area = bx * cy - by * cx;
   if (std::abs(area) < 0.5) return false;
@@ -68,8 +68,7 @@ bool through(const BorderPoint& a, const BorderPoint& b, const BorderPoint& c, I
   return true;
 }
 
-// How badly the border fits, each point's misfit cut at what is no agreement at all (M-estimator of Torr and
-// Zisserman).
+// How badly the border fits; each point's misfit is capped at the threshold of agreement (MSAC, Torr and Zisserman).
 double misfit(const std::vector<BorderPoint>& border, const InversePlane& plane) {
   double sum = 0.0;
   for (const auto& point : border) {
@@ -79,7 +78,7 @@ double misfit(const std::vector<BorderPoint>& border, const InversePlane& plane)
   return sum;
 }
 
-// Least squares of those that agree: what a sample of three leaves of the noise.
+// Least squares over the points that agree, which reduces the noise of a plane through only three.
 InversePlane refined(const std::vector<BorderPoint>& border, const InversePlane& plane) {
   double n = 0.0, mx = 0.0, my = 0.0, mz = 0.0;
   const auto agrees = [&](const BorderPoint& p) {
@@ -129,7 +128,7 @@ void fill_holes(Image<float>& range, const Image<int>& labels, int count) {
   const auto holes = holes_of(range, labels, count);
   for (std::size_t i = 0; i < holes.size(); ++i) {
     const auto& [inside, border] = holes[i];
-    if (border.empty()) continue;  // the whole map
+    if (border.empty()) continue;  // the hole is the whole map
     std::mt19937_64 random(i + 1);
     const auto plane = plane_of(border, random);
     const auto [far, near] = std::ranges::minmax(border, {}, &BorderPoint::inverse);

@@ -8,7 +8,7 @@ namespace kasumi {
 void invariant_pass(const Image<glm::vec4>& from, const Image<float>& rate, double inner_px, int k,
                     Image<glm::vec4>& to) {
   const int width = from.width(), height = from.height();
-  // Between four pixels, as a GPU's filter reads them; its edge holds beyond.
+  // Bilinear, as a GPU's filter reads; clamped to the edge.
   const auto between = [&](const auto& image, float x, float y) {
     x = std::clamp(x, 0.0F, static_cast<float>(width - 1));
     y = std::clamp(y, 0.0F, static_cast<float>(height - 1));

@@ -1,5 +1,5 @@
-// What flows between two pixels is computed once: it is added to the one, and kept until the other, `offset_px` on, is
-// reached and loses it. By then both have been read, so that one picture is enough.
+// The flow between two pixels is computed once: it is added to the first and kept until the second, `offset_px` further
+// on, is reached and has it subtracted. By then both have been read, so one picture is enough.
 #include "estimator/haze/passes.hpp"
 
 #include <algorithm>
@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::size_t kInCache = std::size_t{4} << 20;  // bytes
 
-// Pixels from `light` on, and what lies `offset_px` to their right and below. `from_left` and `from_above`: what flowed
-// to those that gave it; receive the same of these pixels, from_left `offset_px` on.
+// Handles pixels from `light` on and those `offset_px` to their right and below. `from_left` and `from_above` hold the
+// flow to the neighbours before and receive the same for these pixels, from_left at `offset_px` on.
 void flow_right_and_down(int count, int offset_px, const float* across, const glm::vec4* right, const float* down,
                          const glm::vec4* below, glm::vec4* from_left, glm::vec4* from_above, glm::vec4* light) {
   for (int x = 0; x < count; ++x) {
@@ -23,7 +23,7 @@ void flow_right_and_down(int count, int offset_px, const float* across, const gl
   }
 }
 
-// One pass, by rows from the top.
+// One pass, row by row from the top.
 class Pass {
  public:
   Pass(const FlowRule& rule, const FlowMap& map)
@@ -38,12 +38,12 @@ class Pass {
         from_above_(width_, rule.offset_px),
         beyond_bottom_(width_, rule.offset_px) {}
   int offset_px() const { return rule_.offset_px; }
-  // What it works with from row to row, the rows between it and the pass before included.
+  // Its working set from row to row, including the rows between it and the previous pass.
   static std::size_t bytes(const FlowRule& rule, int width) {
     return 2 * static_cast<std::size_t>(rule.offset_px) * static_cast<std::size_t>(width) * sizeof(glm::vec4);
   }
 
-  // The rows down to y + offset_px are as the pass before left them.
+  // The rows down to y + offset_px must be as the previous pass left them.
   void replace_row(int y, Image<glm::vec4>& light) {
     const int d = rule_.offset_px, in_picture = width_ - d;
     if (y == 0) flow_from_beyond_top(light);
@@ -98,7 +98,7 @@ class Pass {
   std::vector<float> across_, down_;
   std::vector<glm::vec4> from_left_, beyond_right_;
   Image<glm::vec4> from_above_;     // of row y: row y % offset_px
-  Image<glm::vec4> beyond_bottom_;  // mirrored, as they were before they were replaced
+  Image<glm::vec4> beyond_bottom_;  // mirrored, with their values before they were replaced
 };
 
 }  // namespace

@@ -16,9 +16,9 @@ struct FlowMap {
   const Image<float>*steps_along_row = nullptr, *steps_down_column = nullptr;
 };
 
-// The passes, in their order, in place; the picture is mirrored at its edges and no smaller than any offset. Memory is
-// slower than arithmetic: a pass follows as soon as the rows that it reads are done, as many passes at a time as stay
-// in the processor's cache.
+// Runs the passes in order, in place; the picture is mirrored at its edges and must be no smaller than any offset.
+// Memory is slower than arithmetic, so a pass follows as soon as the rows it reads are done, with as many passes at a
+// time as fit in the processor's cache.
 void run_passes(const std::vector<FlowRule>& rules, const FlowMap& map, Image<glm::vec4>& light);
 
 // Pass k of H Eq 11 with Eq 18.

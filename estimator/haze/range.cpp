@@ -12,16 +12,17 @@ namespace {
 Result<> check(const HazeRangeOptions& options) {
   Problems problems;
   if (!(options.smallest_sky_share > 0.0 && options.smallest_sky_share <= 1.0))
-    problems.add("smallest share of the sky {}: expected more than 0, 1 at most", options.smallest_sky_share);
+    problems.add("smallest share of the sky {}: expected more than 0, at most 1", options.smallest_sky_share);
   if (!(options.sky_range > 1.0 && options.sky_range <= 10.0))
-    problems.add("range of the sky {}: expected more than 1, 10 at most", options.sky_range);
+    problems.add("range of the sky {}: expected more than 1, at most 10", options.sky_range);
   if (options.margin_px < 0 || options.margin_px > 200)
     problems.add("margin of {} px: expected 0 to 200", options.margin_px);
   if (!problems.empty()) return fail(problems.fault());
   return {};
 }
 
-// H makes about 2 mu Jacobi steps. Over-relaxed (Young 1954), as many reach a hundredth of their error.
+// H needs about 2 mu Jacobi steps. With over-relaxation (Young 1954) the same number reaches a hundredth of their
+// error.
 int sweeps_for(int margin_px) {
   return 4 * margin_px + 8;
 }
@@ -37,7 +38,7 @@ Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOpti
   HazeRange made;
   if (!range_m.empty()) made.farthest_m = *std::ranges::max_element(range_m.elements());
   if (!(made.farthest_m > 0.0))
-    return fail(FaultKind::bad_input, "nothing in the range map is measured: expected metres > 0");
+    return fail(FaultKind::bad_input, "the range map holds no measured range: expected metres > 0");
   made.range = range_m;
   for (float& range : made.range.elements()) range /= static_cast<float>(made.farthest_m);
 
@@ -70,15 +71,15 @@ Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOpti
     label = hole;
   }
   fill_holes(made.range, labels, made.holes);
-  // Before the margin hides where the scene ends.
+  // Computed before the margin hides where the scene ends.
   made.steps_along_row = range_steps_along_row(made.range);
   made.steps_down_column = range_steps_down_column(made.range);
   taper_into_sky(made.range, made.sky, static_cast<float>(options.sky_range), options.margin_px);
   return made;
 }
 
-// Where foliage ends, neither picture nor range can be relied on, and a hard edge of the haze would show: the range goes
-// over into the sky's smoothly there. What was measured stays as it is.
+// At the edge of foliage neither picture nor range is reliable, and a hard edge of the haze would show, so the range
+// blends smoothly into the sky's there. Measured values stay unchanged.
 void taper_into_sky(Image<float>& range, const Image<std::uint8_t>& sky, float sky_range, int margin_px) {
   if (margin_px < 1 || range.empty()) return;
   auto copy = sky.elements();

@@ -1,6 +1,6 @@
 // Where one surface ends and another begins. A difference of range between neighbours is a step where it is much larger
-// than what the map does two to five pixels to either side: the ground's perspective, however steep before the horizon,
-// is none; an edge, smeared over three pixels by a scanner's beam or by scaling, is.
+// than the differences two to five pixels to either side. The ground's perspective, however steep before the horizon,
+// is not a step; an edge smeared over three pixels by a scanner's beam or by scaling is.
 #include <algorithm>
 #include <cmath>
 
@@ -10,14 +10,14 @@ namespace kasumi {
 namespace {
 
 constexpr float kSmallestStep = 0.05F;  // of the range
-constexpr float kSteeper = 2.5F;        // than its surroundings
+constexpr float kSteeper = 2.5F;        // than its surroundings, by this factor
 constexpr int kFrom = 2, kTo = 5;       // pixels to either side
 
 float wrapped(float sum) {
   return sum - kRangeStepTurn * std::floor(sum / kRangeStepTurn);
 }
 
-// `ln_range`: of a row or column; `sums` receives the steps' sum before each pixel.
+// `ln_range`: of a row or column; `sums` receives the sum of the steps before each pixel.
 void sum_steps(const std::vector<float>& ln_range, std::vector<float>& sums) {
   const int count = static_cast<int>(ln_range.size());
   const auto difference = [&](int i) {  // between pixel i and the next; none beyond the ends
@@ -34,7 +34,7 @@ void sum_steps(const std::vector<float>& ln_range, std::vector<float>& sums) {
     sums[static_cast<std::size_t>(i)] = wrapped(static_cast<float>(sum));
     if (i + 1 == count) break;
     const float step = difference(i);
-    // The smeared parts of a larger step count as well, if they are not what the surface does anyway.
+    // The smeared parts of a larger step count too, unless the surface varies that much anyway.
     if (std::abs(step) < kSmallestStep / 3.0F) continue;
     if (std::abs(step) > kSteeper * std::max(least_beside(i, -1), least_beside(i, 1))) sum += static_cast<double>(step);
   }

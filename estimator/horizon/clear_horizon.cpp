@@ -15,13 +15,14 @@ namespace {
 constexpr int kTerms = 5;
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 
-// How steep and how bent the clear sky is expected at most (1 sigma, per radian and per square radian): where clear
-// cells lie in a narrow band only, the surface is not to run away outside it.
+// The largest expected slope and curvature of the clear sky (1 sigma, per radian and per square radian): where clear
+// cells lie in a narrow band only, this keeps the surface from diverging outside it.
 constexpr std::array<double, kTerms> kExpected{1e3, 2.0, 5.0, 5.0, 20.0};
-// Neighbouring cells share their errors: together they are worth so many independent looks, each this good.
-constexpr double kIndependentLooks = 100.0, kLookError = 0.01;
+// Errors of neighbouring cells are correlated: together they count as this many independent measurements of this
+// precision.
+constexpr double kIndependentMeasurements = 100.0, kMeasurementError = 0.01;
 
-// Of log light. A picture that is too noisy for the largest does not show which of its sky is clear.
+// In log light. In a picture too noisy for the largest tolerance, clear sky cannot be told from clouds.
 constexpr double kLeastTolerance = 0.006, kLargestTolerance = 0.015;
 
 Terms terms(double azimuth, double elevation) {
@@ -36,7 +37,7 @@ double largest(const glm::dvec3& residual) {
 
 using Cells = std::vector<const HorizonCell*>;
 
-// The cell with most others within `reach` of its light, and those. Every n-th cell stands for the rest.
+// The cell with the most others within `reach` of its light, and those others. Every n-th cell stands for the rest.
 Cells fullest_window(const Cells& cells, double reach) {
   const std::size_t step = std::max<std::size_t>(1, cells.size() / 300);
   const HorizonCell* best = nullptr;
@@ -72,15 +73,16 @@ void solve(ClearHorizon& surface, const Cells& cells, const std::vector<double>&
     total += weights[i];
   }
   for (int k = 0; k < kTerms; ++k) {
-    const double ratio = kLookError / kExpected[static_cast<std::size_t>(k)];
-    normal(k, k) += std::max(total, 1e-9) / kIndependentLooks * ratio * ratio;
+    const double ratio = kMeasurementError / kExpected[static_cast<std::size_t>(k)];
+    normal(k, k) += std::max(total, 1e-9) / kIndependentMeasurements * ratio * ratio;
   }
   const Eigen::Matrix<double, kTerms, 3> solved = normal.ldlt().solve(right);
   for (int c = 0; c < 3; ++c)
     for (int k = 0; k < kTerms; ++k) surface.coefficients[c][k] = solved(k, c);
 }
 
-// From the cells of `start` to all that agree with the surface through them: Tukey's weights, first wide, then narrow.
+// Grows from the cells of `start` to all that agree with the surface through them: Tukey's weights, first wide, then
+// narrow.
 ClearHorizon grow(const Cells& cells, const Cells& start, double tolerance) {
   ClearHorizon surface;
   solve(surface, start, std::vector<double>(start.size(), 1.0));
@@ -133,7 +135,7 @@ std::optional<ClearHorizon> fit_clear_horizon(const std::vector<HorizonCell>& ce
   const double tolerance = std::max(3.0 * median(std::move(noise)), kLeastTolerance);
   if (tolerance > kLargestTolerance) return std::nullopt;
 
-  // Narrow views have one light all over; in wide ones each strip has its own, and the surface goes through them.
+  // A narrow view has one light throughout; in a wide one each strip has its own, and the surface follows them.
   const ClearHorizon even = grow(used, fullest_window(used, tolerance), tolerance);
   Cells of_strips;
   for (int s = 0; s < strips; ++s) {

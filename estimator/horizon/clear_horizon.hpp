@@ -1,4 +1,4 @@
-// What the clear sky near the horizon looks like from side to side, when clouds stand in it.
+// The clear sky's light near the horizon across the view, also when clouds stand in front of it.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace kasumi {
 
-// A small piece of sky of the scene's picture. Angles from the middle of the view, radians.
+// A small patch of sky in the scene's picture. Angles from the middle of the view, radians.
 struct HorizonCell {
   double azimuth = 0.0;
   double elevation = 0.0;
@@ -21,18 +21,18 @@ struct HorizonCell {
 // Logarithm of light as a quadratic in azimuth and elevation, channel by channel.
 struct ClearHorizon {
   double coefficients[3][5]{};  // of 1, azimuth, azimuth^2, elevation, elevation^2
-  double tolerance = 0.0;       // of log light: what is farther from it is not clear sky
-  double share = 0.0;           // of the cells fitted that are clear sky by it
+  double tolerance = 0.0;       // of log light: cells farther than this from the surface are not clear sky
+  double share = 0.0;           // of the fitted cells that are clear sky by that tolerance
 
   glm::dvec3 log_light(double azimuth, double elevation) const;
-  glm::dvec3 residual(const HorizonCell& cell) const;  // log_light of the cell above the surface's
+  glm::dvec3 residual(const HorizonCell& cell) const;  // log_light of the cell minus the surface's
   bool is_clear(const HorizonCell& cell) const;
 };
 
-// The smooth surface that most cells lie on. Clear air is the same all over but for noise and slow gradients, while
-// clouds differ from each other as much as from it: the surface starts at the fullest narrow window of light and grows
-// from there by reweighted least squares. `cells` are looked at where `use` is not 0. Empty with fewer than 16 of them,
-// and where they are too noisy to tell.
+// The smooth surface that most cells lie on. Clear air is uniform but for noise and slow gradients, while clouds differ
+// from each other as much as from it: the fit starts at the fullest narrow window of light and grows from there by
+// reweighted least squares. Only `cells` whose `use` is not 0 are used. Empty with fewer than 16 of them, or when they
+// are too noisy.
 std::optional<ClearHorizon> fit_clear_horizon(const std::vector<HorizonCell>& cells,
                                               const std::vector<std::uint8_t>& use);
 

@@ -1,4 +1,4 @@
-// Clear sky above the land, told from the clouds that stand there.
+// Separates the clear sky above the land from clouds.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -16,13 +16,13 @@ namespace {
 constexpr double kCellShare = 1.0 / 180.0;
 constexpr int kStacks = 4;  // of cells in a strip
 constexpr int kPixelsPerCell = 32;
-// Less clear sky than this may be a chance: real clouds have even parts, too.
+// Less clear sky than this may be chance: real clouds have uniform parts, too.
 constexpr double kLeastShare = 0.25;              // of the cells
 constexpr double kLeastColumns = 0.75;            // of the strips
 constexpr Radians kFarthest = from_degrees(2.0);  // between a strip that shows none and one that does
 constexpr double kDarkest = 1e-6;
 
-// A cell of the picture, and what is thought of it.
+// A cell of the picture and its classification.
 struct Cell {
   HorizonCell light;
   int y = 0;  // its lowest row
@@ -69,7 +69,8 @@ struct Measurement {
       }
       const double mean = sum / agreeing, deviation = std::sqrt(std::max(0.0, squares / agreeing - mean * mean));
       cell.light.log_light[c] = middle + mean;
-      // What rounding leaves in a mean, 1 sigma: .3 of a step where all pixels are alike, nothing where noise dithers.
+      // The error that rounding leaves in a mean, 1 sigma: .3 of a step where all pixels are equal, nothing where noise
+      // dithers.
       const double waves = kPi * deviation / step[c];
       const double rounding = 0.3 * step[c] * std::exp(-2.0 * waves * waves);
       const double noise = std::hypot(deviation / std::sqrt(agreeing), rounding);
@@ -80,7 +81,7 @@ struct Measurement {
     return cell;
   }
 
-  // Stack by stack from the left, each from the top down.
+  // Stack by stack from the left, each from top to bottom.
   std::vector<Cell> cells(const std::vector<SkyStrip>& strips) const {
     std::vector<Cell> found;
     for (std::size_t s = 0; s < strips.size(); ++s) {
@@ -105,7 +106,7 @@ struct Measurement {
 
 using Use = std::vector<std::uint8_t>;  // one per cell
 
-// Where no hill is, but not all clear sky either.
+// Sky for certain, with no hills in it, though not all of it clear.
 Use certain_sky(const Measurement& m, const std::vector<Cell>& cells, const std::vector<SkyStrip>& strips) {
   Use use(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -115,9 +116,9 @@ Use certain_sky(const Measurement& m, const std::vector<Cell>& cells, const std:
   return use;
 }
 
-// Down to the land: air in front of a hill has no more light than air at infinity, so that hills are darker than the
-// clear sky would be there, most of all in red, which the air adds least of. What drops to the clear sky's light was a
-// cloud. Each stack is cut where most cells above the cut are not dark and most below it are.
+// Extends the sky down to the land. Air in front of a hill is never brighter than air at infinity, so hills are darker
+// than the clear sky would be there, most of all in red, where airlight is weakest. What returns to the clear sky's
+// light further down was a cloud. Each stack is cut where most cells above the cut are not dark and most below it are.
 Use above_land(const Measurement& m, const std::vector<Cell>& cells, const ClearHorizon& clear, const Use& certain) {
   const auto dark = [&](const Cell& cell) {
     const glm::dvec3 residual = clear.residual(cell.light);
@@ -152,8 +153,8 @@ std::vector<HorizonCell> lights_of(const std::vector<Cell>& cells) {
 struct Column {
   double azimuth = 0.0, elevation = 0.0;
   glm::dvec3 residual{0};  // above the surface
-  double agreed = 0.0;     // share of the cells looked at that are clear
-  bool seen = false;       // enough of them; else the surface tells, where the lowest sky is
+  double agreed = 0.0;     // share of the cells used that are clear
+  bool seen = false;       // enough of them; else the surface gives the light at the lowest sky
 };
 
 std::optional<Column> column_of(const Measurement& m, const std::vector<Cell>& cells, const Use& use,
@@ -185,7 +186,7 @@ std::optional<Column> column_of(const Measurement& m, const std::vector<Cell>& c
   return column;
 }
 
-// The surface may bridge columns without clear sky when they are few and not far from the others.
+// The surface may bridge columns without clear sky if they are few and close to the others.
 bool is_sure(const std::vector<Column>& columns) {
   const auto with_clear_sky =
       static_cast<double>(std::count_if(columns.begin(), columns.end(), [](const Column& c) { return c.seen; }));
@@ -201,7 +202,7 @@ std::vector<HorizonColumn> columns_of(const Measurement& m, const std::vector<Co
                                       const ClearHorizon& clear) {
   std::vector<HorizonColumn> columns;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    // What neighbours saw beside the surface, too, so that no step shows between them.
+    // Residuals of the neighbours against the surface count too, so that no step shows between them.
     glm::dvec3 residual{0};
     double total = 0.0;
     for (std::size_t j = i > 0 ? i - 1 : 0; seen[i].seen && j <= i + 1 && j < seen.size(); ++j) {
@@ -227,7 +228,7 @@ std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<Sk
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
   if (!middle) return {};
   const auto rows = [&](double share, int least) { return std::max(least, static_cast<int>(share * camera.height)); };
-  // In small pictures a cell is higher, so that its mean is no noisier.
+  // In small pictures cells are taller, so that their means are no noisier.
   const int cell_width = std::max(1, camera.width / (static_cast<int>(strips.size()) * kStacks));
   const int least_rows = std::max(2, (kPixelsPerCell + cell_width - 1) / cell_width);
   const Measurement m{scene, azimuth_angle(*middle), rows(kCellShare, least_rows), rows(kHorizonMargin, 1),

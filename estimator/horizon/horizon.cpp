@@ -33,7 +33,7 @@ std::string_view name_of(HorizonLight::Source source) {
 
 HorizonColumn column_at(const HorizonLight& horizon, Radians azimuth) {
   const auto& columns = horizon.columns;
-  // Seen from the middle of the view, so that a view across north stays in one piece.
+  // Relative to the middle of the view, so that a view across north stays in one piece.
   const Radians middle = columns[columns.size() / 2].azimuth;
   const double wanted = azimuth_difference(azimuth, middle);
   for (std::size_t i = 0; i < columns.size(); ++i) {

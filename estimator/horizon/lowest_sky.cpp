@@ -1,4 +1,4 @@
-// The lowest visible sky, whatever it shows: where no clear sky can be told from clouds.
+// The lowest visible sky, clear or not: used where clear sky cannot be told from clouds.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -79,8 +79,9 @@ std::optional<Measured> measure_strip(const SceneSky& scene, const SkyStrip& str
   return measured;
 }
 
-// Logarithm of light as a quadratic in azimuth, plus a slope in zenith angle where the columns see different ones
-// (silhouettes). Columns that disagree get the fit, the others keep a smoothed part of what they saw.
+// Logarithm of light as a quadratic in azimuth, plus a slope in zenith angle where the columns were measured at
+// different zenith angles (silhouettes). Outlying columns are replaced by the fit; the others keep part of their own
+// residual, smoothed.
 void smooth_over_azimuth(std::vector<HorizonColumn>& columns) {
   const auto size = static_cast<Eigen::Index>(columns.size());
   if (size < 5) return;

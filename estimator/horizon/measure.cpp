@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-// Pixels below the horizon by more than half a degree are never sky; every 8th pixel decides for its block.
+// Pixels more than half a degree below the horizon are never sky; every 8th pixel decides for its block.
 Image<std::uint8_t> below_horizon(const Camera& camera) {
   constexpr int kBlock = 8;
   constexpr double kBelow = 0.5 * kPi / 180.0;
@@ -57,8 +57,8 @@ HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, in
   }
   horizon.source = HorizonLight::Source::scene_camera;
   horizon.columns = std::move(lowest.columns);
-  horizon.reason = lowest.clipped ? "the horizon sky is clipped: its light is at least this"
-                                  : "little clear sky at the horizon: the lowest sky is taken, clouds and all";
+  horizon.reason = lowest.clipped ? "the horizon sky is clipped: its light is a lower bound"
+                                  : "little clear sky at the horizon: the lowest sky is used, including clouds";
   return horizon;
 }
 

@@ -12,7 +12,7 @@
 namespace kasumi {
 namespace {
 
-constexpr int kWorkingWidth = 360;           // enough for a silhouette, few enough pixels to average noise away
+constexpr int kWorkingWidth = 360;           // enough for a silhouette, and downscaling averages noise away
 constexpr double kSmallestSkyShare = 0.015;  // of the picture
 constexpr double kDarkestSky = 25.0;         // lightness 0..100
 constexpr int kSkyLabel = 1;
@@ -27,7 +27,7 @@ struct Working {
 };
 
 Working prepare(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky) {
-  // OpenCV does not write through this header: const_cast only because cv::Mat has no const form.
+  // OpenCV does not write through this header; the const_cast is needed because cv::Mat has no const form.
   const cv::Mat full(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.row(0)));
   const double scale = std::min(1.0, static_cast<double>(kWorkingWidth) / picture.width());
   const cv::Size size(std::max(8, static_cast<int>(std::lround(picture.width() * scale))),
@@ -43,7 +43,7 @@ Working prepare(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky
   w.lightness = planes[0];
   w.red_green = planes[1];
   w.yellow_blue = planes[2];
-  // Deviation from the surroundings, so that a sky's even gradient is no texture.
+  // Deviation from the surroundings, so that a sky's smooth gradient does not count as texture.
   cv::Mat surroundings, deviation;
   cv::GaussianBlur(w.lightness, surroundings, {}, 3.0);
   cv::absdiff(w.lightness, surroundings, deviation);
@@ -69,7 +69,7 @@ cv::Mat kernel(int side) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
 }
 
-// Areas that are surely sky: textureless, bright or blue, in the upper part; those that reach the top, else the
+// Areas that are certainly sky: textureless, bright or blue, in the upper part; those that touch the top, or else the
 // largest.
 cv::Mat sky_seeds(const Working& w, double smooth) {
   const double bright = quantile_of(w.lightness, 0.98);
@@ -114,8 +114,8 @@ cv::Mat sky_seeds(const Working& w, double smooth) {
   return seeds;
 }
 
-// Areas that are surely not: the bottom, where told so, and what is textured or much darker than the sky, once thin
-// edges are taken away.
+// Areas that are certainly not sky: the bottom, what the mask excludes, and what is textured or much darker than the
+// sky, after thin edges are removed.
 cv::Mat ground_seeds(const Working& w, const cv::Mat& sky, double smooth) {
   const auto sky_lightness = cv::mean(w.lightness, sky)[0];
   cv::Mat textured = w.texture > 4.0 * smooth;
@@ -129,7 +129,7 @@ cv::Mat ground_seeds(const Working& w, const cv::Mat& sky, double smooth) {
   return ground;
 }
 
-// Differences from the sky's colour spread out, so that hills that fade into it still have an edge for the watershed.
+// Stretches differences from the sky's colour, so that hills that fade into it still have an edge for the watershed.
 cv::Mat stretched(const Working& w, const cv::Mat& sky) {
   constexpr double kStretch = 4.0;
   const cv::Scalar mean = cv::mean(w.rgb, sky);
@@ -141,7 +141,7 @@ cv::Mat stretched(const Working& w, const cv::Mat& sky) {
   return result;
 }
 
-// What is not sky but wholly surrounded by it hangs in the sky (a bird, a cloud's dark belly) and counts as sky.
+// Ground completely surrounded by sky (a bird, a cloud's dark underside) counts as sky.
 void fill_holes(cv::Mat& sky, const cv::Mat& never_sky) {
   const cv::Mat ground = sky == 0;
   cv::Mat labels;
@@ -169,12 +169,12 @@ SkySegmentation none(const Image<Rgb8>& picture, std::string reason) {
 SkySegmentation segment(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky) {
   if (picture.width() < 16 || picture.height() < 16) return none(picture, "no sky: the picture is too small");
   if (!never_sky.empty() && (never_sky.width() != picture.width() || never_sky.height() != picture.height())) {
-    return none(picture, "no sky: the mask of what cannot be sky differs from the picture in size");
+    return none(picture, "no sky: the mask of pixels that cannot be sky differs from the picture in size");
   }
   const Working w = prepare(picture, never_sky);
   if (quantile_of(w.lightness, 0.95) < kDarkestSky) return none(picture, "no sky: the picture is dark");
 
-  // A noisy picture's sky is as textured as its noise: the smoothest fifth of the upper half tells.
+  // A noisy picture's sky is as textured as its noise: the smoothest fifth of the upper half is the measure.
   const double noise = quantile_of(w.texture.rowRange(0, w.rgb.rows / 2), 0.2);
   const double smooth = std::clamp(3.0 * noise, 0.6, 2.0);
   const cv::Mat seeds = sky_seeds(w, smooth);
@@ -185,7 +185,7 @@ SkySegmentation segment(const Image<Rgb8>& picture, const Image<std::uint8_t>& n
   markers.setTo(kSkyLabel, seeds);
   cv::watershed(stretched(w, seeds), markers);
   cv::Mat sky = markers == kSkyLabel;
-  // Watershed leaves its one pixel wide lines, and the picture's rim, undecided: the rim goes with its neighbour.
+  // The watershed leaves its one-pixel lines and the picture's border undecided: the border copies its neighbour.
   sky.row(1).copyTo(sky.row(0));
   sky.col(1).copyTo(sky.col(0));
   sky.col(sky.cols - 2).copyTo(sky.col(sky.cols - 1));

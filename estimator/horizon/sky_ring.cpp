@@ -1,4 +1,4 @@
-// The horizon as the sky camera sees it, or as the model has it, for scenes without sky.
+// The horizon from the sky camera, or from the sky model, for scenes without sky.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -18,15 +18,15 @@ namespace {
 constexpr double kRingTop_deg = 75.0;
 constexpr double kRingBottom_deg = 85.0;
 
-struct Seen {
+struct RingSample {
   glm::dvec3 light{0};
   double luminance = 0.0;
 };
 
-// XYZ of the ring around one azimuth: the sample of median luminance, so that clouds and masts have no say.
-std::optional<Seen> ring_at(const Camera& sky, const PictureView& picture, const glm::dmat3& to_xyz, double azimuth,
-                            double half_width) {
-  std::vector<Seen> seen;
+// XYZ of the ring around one azimuth: the sample of median luminance, so that clouds and masts have no influence.
+std::optional<RingSample> ring_at(const Camera& sky, const PictureView& picture, const glm::dmat3& to_xyz,
+                                  double azimuth, double half_width) {
+  std::vector<RingSample> seen;
   constexpr int kZeniths = 11, kAzimuths = 9;
   for (int i = 0; i < kZeniths; ++i) {
     for (int j = 0; j < kAzimuths; ++j) {
@@ -44,13 +44,13 @@ std::optional<Seen> ring_at(const Camera& sky, const PictureView& picture, const
     }
   }
   if (seen.size() < 8) return std::nullopt;
-  return quantile(std::move(seen), 0.5, &Seen::luminance);
+  return quantile(std::move(seen), 0.5, &RingSample::luminance);
 }
 
-// Luminance of the brightest things near the scene's horizon line, or near its top where that lies outside: the 98th
-// percentile of what is not clipped, on a coarse grid.
+// Luminance of the brightest objects near the scene's horizon line, or near the picture's top if that lies outside: the
+// 98th percentile of what is not clipped, on a coarse grid.
 double brightest_distant(const Camera& scene, const PictureView& picture, const glm::dmat3& to_xyz) {
-  std::vector<Seen> near_horizon, anywhere;
+  std::vector<RingSample> near_horizon, anywhere;
   const int step = std::max(1, picture.width / 240);
   for (int y = 0; y < picture.height; y += step) {
     for (int x = 0; x < picture.width; x += step) {
@@ -64,11 +64,11 @@ double brightest_distant(const Camera& scene, const PictureView& picture, const 
     }
   }
   const auto& chosen = near_horizon.size() >= 50 ? near_horizon : anywhere;
-  return quantile(chosen, 0.98, &Seen::luminance).luminance;
+  return quantile(chosen, 0.98, &RingSample::luminance).luminance;
 }
 
-// Columns across the scene's view, their light as the ring's XYZ in the scene camera's channels; none where `ring`
-// knows none. `luminance`: their mean.
+// Columns across the scene's view, with the ring's XYZ in the scene camera's channels as light; a column is left out
+// where `ring` has no value. `luminance`: their mean.
 struct Ring {
   std::vector<HorizonColumn> columns;
   double luminance = 0.0;
@@ -81,7 +81,7 @@ Ring ring_across(const Camera& scene, const glm::dmat3& xyz_to_scene, int column
     const auto view = scene.direction_at({(i + 0.5) * scene.width / columns - 0.5, 0.5 * (scene.height - 1)});
     if (!view) continue;
     const Radians azimuth = azimuth_angle(*view);
-    const std::optional<Seen> seen = ring(azimuth);
+    const std::optional<RingSample> seen = ring(azimuth);
     if (!seen) continue;
     found.columns.push_back({azimuth, zenith, glm::max(xyz_to_scene * seen->light, glm::dvec3{0.0}), 0.6});
     found.luminance += seen->luminance;
@@ -103,12 +103,13 @@ HorizonLight horizon_from_model(const std::function<glm::dvec3(const Direction&)
   const double distant = brightest_distant(scene, scene_picture, scene_to_xyz);
   const Radians zenith{from_degrees(0.5 * (kRingTop_deg + kRingBottom_deg))};
   auto ring = ring_across(scene, glm::inverse(scene_to_xyz), std::clamp(columns, 1, std::max(1, scene.width / 8)),
-                          [&](Radians azimuth) -> std::optional<Seen> {
+                          [&](Radians azimuth) -> std::optional<RingSample> {
                             const glm::dvec3 xyz = sky_xyz(direction_from(zenith, azimuth));
-                            return xyz.y > 0.0 ? std::optional(Seen{xyz, xyz.y}) : std::nullopt;
+                            return xyz.y > 0.0 ? std::optional(RingSample{xyz, xyz.y}) : std::nullopt;
                           });
   if (!(distant > 0.0) || ring.columns.empty()) {
-    horizon.reason = "no horizon: no camera shows sky, and the scene nothing bright enough to set the model's level by";
+    horizon.reason =
+        "no horizon: no camera shows sky, and nothing in the scene is bright enough to set the model's level";
     return horizon;
   }
   horizon.columns = std::move(ring.columns);
@@ -117,7 +118,7 @@ HorizonLight horizon_from_model(const std::function<glm::dvec3(const Direction&)
     column.light *= distant / ring.luminance;
   }
   horizon.reason =
-      "no camera shows sky: colour from the sky's model, level assumed from the scene's brightest distant pixels";
+      "no camera shows sky: colour from the sky model, level assumed from the scene's brightest distant pixels";
   horizon.source = HorizonLight::Source::model;
   return horizon;
 }
@@ -146,7 +147,8 @@ HorizonLight horizon_from_sky_camera(const Camera& sky, const PictureView& sky_p
   const double distant = brightest_distant(scene, scene_picture, scene_to_xyz);
   if (!(distant > 0.0)) {
     horizon.columns.clear();
-    horizon.reason = "no horizon: the scene shows no sky and nothing bright enough to set the sky camera's level by";
+    horizon.reason =
+        "no horizon: the scene shows no sky, and nothing in it is bright enough to set the sky camera's level";
     return horizon;
   }
   for (HorizonColumn& column : horizon.columns) {

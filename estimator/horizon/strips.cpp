@@ -14,10 +14,10 @@ namespace kasumi {
 namespace {
 
 constexpr double kSearchShare = 0.15;   // of the picture's height above the segmentation's edge, where a faded hill may
-constexpr double kSearchDegrees = 3.0;  // hide; and at least so far up: a telephoto view is filled by such hills
+constexpr double kSearchDegrees = 3.0;  // hide; and at least this far up: a telephoto view is filled by such hills
 constexpr double kSoftestHill = 0.02;   // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
 
-// Lowest row at which the strip x0..x1 is mostly sky; -1 when nowhere.
+// Lowest row in which the strip x0..x1 is mostly sky; -1 when there is none.
 int sky_bottom(const SceneSky& scene, int x0, int x1) {
   for (int y = scene.picture.height() - 1; y >= 0; --y) {
     int count = 0;
@@ -27,23 +27,23 @@ int sky_bottom(const SceneSky& scene, int x0, int x1) {
   return -1;
 }
 
-// Median over the strip's sky pixels of a row. Red on its own, too, because the air lets most of it through: a hill
-// that has all but faded shows there last.
-enum class Band { brightness, red };
-double row_light(const SceneSky& scene, int x0, int x1, int y, Band seen) {
+// Median over the strip's sky pixels in a row. Also for red alone, because the air scatters it least: there a hill that
+// has almost faded stays visible longest.
+enum class RowChannel { brightness, red };
+double row_light(const SceneSky& scene, int x0, int x1, int y, RowChannel channel) {
   std::vector<double> values;
   const int step = std::max(1, (x1 - x0) / 48);
   for (int x = x0; x < x1; x += step) {
     if (scene.sky.at(x, y) == 0) continue;
     const glm::dvec3 light = scene.light_at(x, y);
-    values.push_back(seen == Band::red ? light.x : (light.x + light.y + light.z) / 3.0);
+    values.push_back(channel == RowChannel::red ? light.x : (light.x + light.y + light.z) / 3.0);
   }
   return median(std::move(values));
 }
 
-// Last index above the first step down in a profile from an index on, seen through means of `reach` values; -1 when
-// there is none. A silhouette's light changes little right above and right below its edge and does not come back soon;
-// a cloud's does one or the other.
+// Last index above the first step down in a profile, searched from an index on, with means of `reach` values; -1 when
+// there is none. At a silhouette the light changes little right above and right below the edge and does not soon
+// return; at a cloud it does one or the other.
 int first_step_down(const std::vector<double>& profile, int reach, double noise, int from = 0) {
   const auto mean = [&](int first) {
     double sum = 0.0;
@@ -62,7 +62,7 @@ int first_step_down(const std::vector<double>& profile, int reach, double noise,
   return -1;
 }
 
-// Rows that kSearchDegrees make above a row.
+// The number of rows that span kSearchDegrees above a row.
 int rows_of(const Camera& camera, int row) {
   const double x = 0.5 * (camera.width - 1);
   const auto here = camera.direction_at({x, row}), above = camera.direction_at({x, row - 8.0});
@@ -71,9 +71,9 @@ int rows_of(const Camera& camera, int row) {
   return static_cast<int>(kSearchDegrees / std::max(degrees_per_row, 1e-6));
 }
 
-// Last index above the lowest rise of a profile, going down, to light that is not darker than what the drop at `drop`
-// leads to; -1 when there is none. What a hill shows under its silhouette is darker than the silhouette, as the air in
-// front of it gets less; what is as bright again is a cloud, seen from its upper edge on.
+// Last index above the lowest rise of a profile, going down, to light at least as bright as what lies below the drop at
+// `drop`; -1 when there is none. What shows below a hill's silhouette is darker than the silhouette, because there is
+// less air in front of it; something that bright again is a cloud, seen from its upper edge on.
 int lowest_rise(const std::vector<double>& profile, int reach, double noise, int drop) {
   const int size = static_cast<int>(profile.size());
   const auto mean = [&](int first) {
@@ -91,15 +91,15 @@ int lowest_rise(const std::vector<double>& profile, int reach, double noise, int
   }
 }
 
-// first_drop and certain. Above the silhouette of a hill that has faded into the sky, whatever is seen is sky, and so
-// it is above a cloud.
+// Sets first_drop and certain. Everything above the silhouette of a hill that has faded into the sky is sky, and so is
+// everything above a cloud.
 void find_edges(const SceneSky& scene, SkyStrip& strip) {
   const int height = scene.picture.height();
   strip.first_drop = strip.edge;
   int last_rise = strip.top;
-  for (const Band seen : {Band::brightness, Band::red}) {
+  for (const RowChannel channel : {RowChannel::brightness, RowChannel::red}) {
     std::vector<double> profile;  // from the top down
-    for (int y = strip.top; y <= strip.edge; ++y) profile.push_back(row_light(scene, strip.x0, strip.x1, y, seen));
+    for (int y = strip.top; y <= strip.edge; ++y) profile.push_back(row_light(scene, strip.x0, strip.x1, y, channel));
     std::vector<double> changes;
     for (std::size_t i = 1; i < profile.size(); ++i) changes.push_back(profile[i] - profile[i - 1]);
     const double noise = robust_sigma(std::move(changes));

@@ -23,10 +23,10 @@ struct SceneSky {
 // Pixels of one strip near its lowest sky: columns x0..x1-1, rows top..edge.
 struct SkyStrip {
   int x0 = 0, x1 = 0;
-  int top = 0;         // as far up as a faded hill may hide
-  int edge = 0;        // lowest row that is mostly sky, faded hills taken for sky
+  int top = 0;         // upper end of the rows in which a faded hill may hide
+  int edge = 0;        // lowest row that is mostly sky, with faded hills counted as sky
   int first_drop = 0;  // going down, the last row above the first sharp drop of light; edge when there is none
-  int certain = 0;     // down to this row no hill is seen, but clouds may be
+  int certain = 0;     // no hill down to this row, but clouds are possible
 };
 
 // Shares of the picture's height.
@@ -36,12 +36,12 @@ constexpr double kHorizonMargin = 0.006;  // above a silhouette, whose pixels ar
 // Strips with sky, from the left.
 std::vector<SkyStrip> sky_strips(const SceneSky& scene, int strips);
 
-// Light of the clear sky above the land, one column per strip: the lowest cells of one smooth surface of light that
-// clouds and hills do not lie on. Empty where too little of the sky is clear to be sure.
+// Light of the clear sky above the land, one column per strip: the lowest cells that lie on one smooth surface of
+// light, unlike clouds and hills. Empty where too little of the sky is clear to be sure.
 std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips);
 
-// Light of the lowest sky above the first drop of light, outliers left out, smooth over azimuth. For clipped,
-// overcast and cloudy skies; a column for each strip that has enough of it.
+// Light of the lowest sky above the first drop of light, without outliers, smoothed over azimuth. For clipped, overcast
+// and cloudy skies; one column for each strip with enough sky.
 struct LowestSky {
   std::vector<HorizonColumn> columns;
   bool clipped = false;  // most of them

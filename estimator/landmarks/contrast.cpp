@@ -14,15 +14,15 @@
 namespace kasumi {
 namespace {
 
-constexpr double kTrimmed = 0.1;       // of the pixels at either end: birds, threads, hot pixels
-constexpr double kIndependent = 0.25;  // of a box's pixels: colour sampling and JPEG smear the noise
-constexpr double kHiddenShare = 0.02;  // of a box, from which on it is not looked at
+constexpr double kTrimmed = 0.1;       // of the pixels at either end: birds, wires, hot pixels
+constexpr double kIndependent = 0.25;  // of a box's pixels: demosaicing and JPEG correlate the noise
+constexpr double kHiddenShare = 0.02;  // of a box; beyond it the landmark is not used
 
-// A box's light, robustly.
+// Robust estimate of a box's light.
 struct BoxLight {
   glm::dvec3 mean{0};      // linear
-  glm::dvec3 variance{0};  // of the mean, by the pixels' noise
-  glm::dvec3 fall{0};      // d light / d row: of a sky's gradient
+  glm::dvec3 variance{0};  // of the mean, from the pixels' noise
+  glm::dvec3 fall{0};      // d light / d row: the sky's gradient
   glm::dvec2 middle{0};
   double clipped = 0.0, hidden = 0.0;  // shares
 };
@@ -67,10 +67,10 @@ BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const P
   return found;
 }
 
-// The light from infinity beside one landmark.
+// The light from infinity next to one landmark.
 struct SkyBeside {
   glm::dvec3 light{0}, sigma{0};
-  std::string doubt;  // or, without light, why there is none
+  std::string doubt;  // or, without light, the reason
 };
 
 SkyBeside sky_beside(const Camera& camera, const Image<glm::vec3>& encoded, const ContrastLandmark& landmark,
@@ -80,12 +80,12 @@ SkyBeside sky_beside(const Camera& camera, const Image<glm::vec3>& encoded, cons
     if (!inside(*landmark.sky, camera)) return {{}, {}, "its sky is outside the picture"};
     const auto box = light_of(camera, encoded, *landmark.sky, noise.pixel);
     sky.light = box.mean;
-    // Lower down it goes on as it does within the box, or it does not: both are as likely.
+    // Below the box the sky's gradient may or may not continue: both are equally likely.
     const auto lower = glm::abs(box.fall) * std::abs(place.y - box.middle.y);
     sky.sigma = glm::sqrt(box.variance + lower * lower);
     if (box.clipped > noise.clipped_share) {
       sky.sigma = glm::sqrt(sky.sigma * sky.sigma + noise.clipped_sky * noise.clipped_sky * sky.light * sky.light);
-      sky.doubt = "the sky beside it is clipped";
+      sky.doubt = "the sky next to it is clipped";
     }
     return sky;
   }
@@ -95,7 +95,7 @@ SkyBeside sky_beside(const Camera& camera, const Image<glm::vec3>& encoded, cons
   const auto azimuth = azimuth_angle(*direction);
   const auto column = column_at(horizon, azimuth);
   sky.light = column.light;
-  // From one azimuth to its neighbours, and as much as the column's own pixels disagree.
+  // Uncertainty from one azimuth to its neighbours, and from the disagreement among the column's own pixels.
   constexpr double kHalfColumn = 0.02;  // rad
   const auto left = column_at(horizon, Radians{azimuth.value - kHalfColumn}).light;
   const auto right = column_at(horizon, Radians{azimuth.value + kHalfColumn}).light;
@@ -121,10 +121,10 @@ ContrastReading read_contrast(const Camera& camera, const Image<glm::vec3>& enco
   auto variance = surface.variance / (sky.light * sky.light) + noise.flare * noise.flare;
   const auto of_sky = sky.sigma / sky.light;
   if (landmark.against) {
-    if (!inside(*landmark.against, camera)) return refuse("what it stands against is outside the picture");
+    if (!inside(*landmark.against, camera)) return refuse("its background is outside the picture");
     const auto against = light_of(camera, encoded, *landmark.against, noise.pixel);
-    if (against.hidden > kHiddenShare) return refuse("the camera's mask hides what it stands against");
-    if (against.clipped > noise.clipped_share) return refuse("what it stands against is brighter than full scale");
+    if (against.hidden > kHiddenShare) return refuse("the camera's mask hides its background");
+    if (against.clipped > noise.clipped_share) return refuse("its background is brighter than full scale");
     reading.contrast = against.mean / sky.light - relative;
     variance += against.variance / (sky.light * sky.light) + of_sky * of_sky * reading.contrast * reading.contrast;
   } else {

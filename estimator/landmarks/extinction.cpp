@@ -20,7 +20,7 @@ constexpr int kSteps = 400;                         // of the logarithm of extin
 constexpr double kBrightest = 10.0;                 // surface, in units of the horizon's light
 constexpr double kOneSigma = 1.0, kTwoSigma = 4.0;  // of -2 ln likelihood
 
-Eigen::Map<const Matrix> square(const std::vector<double>& values, std::size_t side) {
+Eigen::Map<const Matrix> square_matrix(const std::vector<double>& values, std::size_t side) {
   return {values.data(), static_cast<Eigen::Index>(side), static_cast<Eigen::Index>(side)};
 }
 
@@ -55,33 +55,33 @@ struct LandmarkExtinction::Fit {
 
 namespace {
 
-// What one picture's light does to contrasts, and the air's patchiness to theirs.
+// What one picture's light does to the contrasts, and what the air's patchiness does to them.
 struct Readings {
-  Vector contrast, path_m, mean, lit;  // lit: what of the contrast changes with the light on the surface
+  Vector contrast, path_m, mean, lit;  // lit: the part of the contrast that changes with the light on the surface
   Matrix known;                        // covariance of the mean
   Vector variance;                     // of reading
 };
 
-// The law under one extinction: readings = haze * (contrast + how it is lit) + noise; all normal.
-struct Law {
+// The model for one extinction: readings = haze * (contrast + change of its lighting) + noise; all normal.
+struct LinearModel {
   Vector haze, residual;
   Matrix noise;
 };
 
-Law law_under(double extinction_per_m, const Readings& of, const ContrastSpread& spread) {
-  Law law;
+LinearModel model_under(double extinction_per_m, const Readings& of, const ContrastSpread& spread) {
+  LinearModel model;
   const Vector depth = extinction_per_m * of.path_m;
-  law.haze = (-depth.array()).exp();
-  law.residual = of.contrast - law.haze.cwiseProduct(of.mean);
-  const Vector lit = law.haze.cwiseProduct(of.lit);
-  const Vector patchy = spread.patchy * depth.cwiseProduct(law.haze).cwiseProduct(of.mean);
-  law.noise = spread.lit_together * spread.lit_together * lit * lit.transpose();
-  law.noise.diagonal() += of.variance + spread.lit_each * spread.lit_each * lit.cwiseAbs2() + patchy.cwiseAbs2();
-  return law;
+  model.haze = (-depth.array()).exp();
+  model.residual = of.contrast - model.haze.cwiseProduct(of.mean);
+  const Vector lit = model.haze.cwiseProduct(of.lit);
+  const Vector patchy = spread.patchy * depth.cwiseProduct(model.haze).cwiseProduct(of.mean);
+  model.noise = spread.lit_together * spread.lit_together * lit * lit.transpose();
+  model.noise.diagonal() += of.variance + spread.lit_each * spread.lit_each * lit.cwiseAbs2() + patchy.cwiseAbs2();
+  return model;
 }
 
-Matrix covariance_of(const Law& law, const Matrix& known) {
-  return law.haze.asDiagonal() * known * law.haze.asDiagonal() + law.noise;
+Matrix covariance_of(const LinearModel& model, const Matrix& known) {
+  return model.haze.asDiagonal() * known * model.haze.asDiagonal() + model.noise;
 }
 
 Readings readings_of(const std::vector<ContrastReading>& readings, const std::vector<std::size_t>& used, int channel,
@@ -89,14 +89,14 @@ Readings readings_of(const std::vector<ContrastReading>& readings, const std::ve
                      const std::vector<double>& mean, const std::vector<double>& covariance) {
   const auto count = static_cast<Eigen::Index>(used.size());
   Readings of{Vector(count), Vector(count), Vector(count), Vector(count), Matrix(count, count), Vector(count)};
-  const auto all = square(covariance, mean.size());
+  const auto all = square_matrix(covariance, mean.size());
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto at = used[static_cast<std::size_t>(i)];
     of.contrast[i] = readings[at].contrast[channel];
     of.variance[i] = readings[at].sigma[channel] * readings[at].sigma[channel];
     of.path_m[i] = path_m[at];
     of.mean[i] = mean[at];
-    // Of a surface before the sky its own light varies in units of the sky's; of two surfaces their difference.
+    // Against the sky a surface's light varies in units of the sky's; between two surfaces their difference varies.
     of.lit[i] = before_sky[at] ? std::max(0.02, 1.0 - mean[at]) : std::abs(mean[at]);
     for (Eigen::Index j = 0; j < count; ++j)
       of.known(i, j) = all(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(used[static_cast<std::size_t>(j)]));
@@ -119,17 +119,17 @@ LandmarkExtinction::Fit LandmarkExtinction::fit(const std::vector<ContrastReadin
   Fit fit;
   fit.minus_two_log.reserve(grid_per_m_.size());
   for (const double extinction : grid_per_m_) {
-    const auto law = law_under(extinction, of, spread_);
-    const Eigen::LLT<Matrix> factor(covariance_of(law, of.known));
+    const auto model = model_under(extinction, of, spread_);
+    const Eigen::LLT<Matrix> factor(covariance_of(model, of.known));
     const double determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
-    fit.minus_two_log.push_back(determinant + law.residual.dot(factor.solve(law.residual)));
+    fit.minus_two_log.push_back(determinant + model.residual.dot(factor.solve(model.residual)));
   }
   fit.best = static_cast<std::size_t>(std::min_element(fit.minus_two_log.begin(), fit.minus_two_log.end()) -
                                       fit.minus_two_log.begin());
   return fit;
 }
 
-// A car before it, a scaffold, a cloud's shadow: what the others do not foresee is left out, at most a third.
+// Leaves out readings that the others do not predict (a car in front, scaffolding, a cloud's shadow), at most a third.
 std::vector<std::size_t> LandmarkExtinction::agreeing(const std::vector<ContrastReading>& readings,
                                                       std::vector<std::size_t> used,
                                                       std::vector<std::size_t>* left_out) const {
@@ -137,9 +137,9 @@ std::vector<std::size_t> LandmarkExtinction::agreeing(const std::vector<Contrast
   while (used.size() >= fewest + 1) {
     const auto best = fit(readings, used).best;
     const auto of = readings_of(readings, used, channel_, path_m_, before_sky_, mean_, covariance_);
-    const auto law = law_under(grid_per_m_[best], of, spread_);
-    const Matrix inverse = covariance_of(law, of.known).inverse();
-    const Vector off = (inverse * law.residual).array() / inverse.diagonal().array().sqrt();
+    const auto model = model_under(grid_per_m_[best], of, spread_);
+    const Matrix inverse = covariance_of(model, of.known).inverse();
+    const Vector off = (inverse * model.residual).array() / inverse.diagonal().array().sqrt();
     Eigen::Index worst = 0;
     if (off.cwiseAbs().maxCoeff(&worst) <= spread_.far_off) break;
     if (left_out) left_out->push_back(used[static_cast<std::size_t>(worst)]);
@@ -148,7 +148,7 @@ std::vector<std::size_t> LandmarkExtinction::agreeing(const std::vector<Contrast
   return used;
 }
 
-Extinction LandmarkExtinction::look(const std::vector<ContrastReading>& readings) const {
+Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& readings) const {
   Extinction found;
   const auto used = agreeing(readings, usable(readings), &found.left_out);
   found.landmarks = static_cast<int>(used.size());
@@ -159,7 +159,7 @@ Extinction LandmarkExtinction::look(const std::vector<ContrastReading>& readings
   const auto fitted = fit(readings, used);
   const auto& curve = fitted.minus_two_log;
   const auto last = curve.size() - 1;
-  // Where the curve first rises by so much on the way from the best, between two steps of the grid.
+  // Where the curve first rises by this much on either side of the best value, between two steps of the grid.
   const auto crossing = [&](double rise, bool up) {
     const double level = curve[fitted.best] + rise;
     for (auto k = fitted.best; k != (up ? last : std::size_t{0});) {
@@ -174,7 +174,7 @@ Extinction LandmarkExtinction::look(const std::vector<ContrastReading>& readings
   };
   found.per_m = grid_per_m_[fitted.best];
   if (fitted.best > 0 && fitted.best < last) {
-    // The parabola's lowest point, in the logarithm.
+    // The parabola's minimum, in the logarithm.
     const double a = curve[fitted.best - 1], b = curve[fitted.best], c = curve[fitted.best + 1];
     if (a - 2.0 * b + c > 0.0)
       found.per_m *= std::pow(grid_per_m_[fitted.best + 1] / found.per_m, 0.5 * (a - c) / (a - 2.0 * b + c));
@@ -192,11 +192,11 @@ Extinction LandmarkExtinction::look(const std::vector<ContrastReading>& readings
     nearest = std::min(nearest, path_m_[i]);
   }
   if (found.kind == ExtinctionKind::at_most)
-    found.reason = fmt::format("clearer than landmarks as near as {:.1f} km can tell", farthest / 1e3);
+    found.reason = fmt::format("clearer than landmarks up to {:.1f} km away can measure", farthest / 1e3);
   else if (found.kind == ExtinctionKind::at_least)
-    found.reason = fmt::format("thicker than landmarks as far as {:.2f} km can tell", nearest / 1e3);
+    found.reason = fmt::format("hazier than landmarks {:.2f} km away or more can measure", nearest / 1e3);
   else if (found.kind == ExtinctionKind::nothing)
-    found.reason = "the landmarks' contrasts can be had by any air";
+    found.reason = "the landmarks' contrasts are consistent with any air";
   return found;
 }
 
@@ -207,21 +207,20 @@ void LandmarkExtinction::learn(const std::vector<ContrastReading>& readings) {
   const auto of = readings_of(readings, used, channel_, path_m_, before_sky_, mean_, covariance_);
   const auto count = static_cast<Eigen::Index>(mean_.size());
   const Vector mean = Eigen::Map<const Vector>(mean_.data(), count);
-  const Matrix known = square(covariance_, mean_.size());
-  Matrix towards(count, static_cast<Eigen::Index>(used.size()));  // covariance of all with those that are read
+  const Matrix known = square_matrix(covariance_, mean_.size());
+  Matrix towards(count, static_cast<Eigen::Index>(used.size()));  // covariance of all with those that were read
   for (Eigen::Index j = 0; j < towards.cols(); ++j)
     towards.col(j) = known.col(static_cast<Eigen::Index>(used[static_cast<std::size_t>(j)]));
-  // The picture's extinction is not known: nothing is learnt along the change that another extinction would make, so
-  // that no belief in clear or thick days creeps into the contrasts. What stays is how landmarks differ at one
-  // distance.
+  // The picture's extinction is unknown: nothing is learnt along the change that another extinction would cause, so
+  // that no prior about clear or hazy days enters the contrasts. What remains is how landmarks differ at one distance.
   const double likeliest = grid_per_m_[fitted.best];
-  auto law = law_under(likeliest, of, spread_);
-  const Vector by_extinction = law.haze.cwiseProduct(of.path_m).cwiseProduct(of.mean);
+  auto model = model_under(likeliest, of, spread_);
+  const Vector by_extinction = model.haze.cwiseProduct(of.path_m).cwiseProduct(of.mean);
   const double unknown = 10.0 * std::max(likeliest, 1.0 / of.path_m.maxCoeff());
-  law.noise += unknown * unknown * by_extinction * by_extinction.transpose();
-  const Eigen::LLT<Matrix> factor(covariance_of(law, of.known));
-  const Matrix across = towards * law.haze.asDiagonal();
-  const Vector learnt = mean + across * factor.solve(law.residual);
+  model.noise += unknown * unknown * by_extinction * by_extinction.transpose();
+  const Eigen::LLT<Matrix> factor(covariance_of(model, of.known));
+  const Matrix across = towards * model.haze.asDiagonal();
+  const Vector learnt = mean + across * factor.solve(model.residual);
   const Matrix left = known - across * factor.solve(across.transpose());
   Eigen::Map<Vector>(mean_.data(), count) = learnt.cwiseMin(1.0);  // nothing is darker than black
   Eigen::Map<Matrix>(covariance_.data(), count, count) = 0.5 * (left + left.transpose());
@@ -239,7 +238,7 @@ bool LandmarkExtinction::resume(const LearntContrasts& learnt) {
   const auto is_finite = [](double value) { return std::isfinite(value); };
   if (!std::ranges::all_of(learnt.mean, is_contrast) || !std::ranges::all_of(learnt.covariance, is_finite))
     return false;
-  const Matrix covariance = square(learnt.covariance, count);
+  const Matrix covariance = square_matrix(learnt.covariance, count);
   if (!covariance.isApprox(covariance.transpose()) || Eigen::LLT<Matrix>(covariance).info() != Eigen::Success)
     return false;
   mean_ = learnt.mean;
@@ -256,7 +255,7 @@ std::vector<Extinction> extinction_of(const LandmarkExtinction& before,
     auto learnt = before;
     for (std::size_t i = 0; i < pictures.size(); ++i)
       if (i % parts != part) learnt.learn(pictures[i]);
-    for (auto i = part; i < pictures.size(); i += parts) found[i] = learnt.look(pictures[i]);
+    for (auto i = part; i < pictures.size(); i += parts) found[i] = learnt.estimate(pictures[i]);
   }
   return found;
 }

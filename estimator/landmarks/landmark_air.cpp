@@ -83,8 +83,9 @@ std::vector<ContrastReading> LandmarkWatch::read(const Camera& camera, const Ima
   return read_contrasts(camera, encoded, landmarks_, horizon);
 }
 
-LandmarkAir LandmarkWatch::look(const std::vector<ContrastReading>& readings) const {
-  return with_turbidity({channels_[0].look(readings), channels_[1].look(readings), channels_[2].look(readings)});
+LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& readings) const {
+  return with_turbidity(
+      {channels_[0].estimate(readings), channels_[1].estimate(readings), channels_[2].estimate(readings)});
 }
 
 void LandmarkWatch::learn(const std::vector<ContrastReading>& readings) {
@@ -110,7 +111,7 @@ bool LandmarkWatch::resume(const std::vector<LearntContrasts>& learnt) {
   return true;
 }
 
-std::vector<LandmarkAir> LandmarkWatch::look_at_all(const std::vector<std::vector<ContrastReading>>& pictures) const {
+std::vector<LandmarkAir> LandmarkWatch::estimate_all(const std::vector<std::vector<ContrastReading>>& pictures) const {
   std::array<std::vector<Extinction>, 3> of;
   for (std::size_t c = 0; c < 3; ++c) of[c] = extinction_of(channels_[c], pictures);
   std::vector<LandmarkAir> airs;
@@ -153,11 +154,11 @@ SkyComparison LandmarkWatch::compare(const LandmarkAir& air, Turbidity sky, doub
   const auto& ours = air.extinction();
   const double sigma = std::hypot(ours.sigma_per_m, found.sky_sigma_per_m);
   if (ours.kind == ExtinctionKind::nothing || !(sigma > 0.0)) {
-    found.words = ours.reason;
+    found.message = ours.reason;
     return found;
   }
   double off = ours.per_m - found.sky_per_m;
-  // A bound is kept by all that lies beyond it.
+  // Everything beyond a bound agrees with it.
   if (ours.kind == ExtinctionKind::at_most) off = std::min(0.0, off);
   if (ours.kind == ExtinctionKind::at_least) off = std::max(0.0, off);
   found.sigmas = off / sigma;
@@ -168,11 +169,11 @@ SkyComparison LandmarkWatch::compare(const LandmarkAir& air, Turbidity sky, doub
                                      : ours.kind == ExtinctionKind::at_least ? "at most "
                                                                              : "",
                                      air.visibility_m() / 1e3);
-  found.words = fmt::format("visibility by the landmarks {}, by the sky's T {:.2f} {:.1f} km: {}", landmarks, sky.value,
-                            kilometres(found.sky_per_m),
-                            found.agreement == Agreement::agrees
-                                ? "they agree"
-                                : fmt::format("{:.1f} standard deviations apart", std::abs(found.sigmas)));
+  found.message = fmt::format("visibility from the landmarks {}, from the sky's T {:.2f} {:.1f} km: {}", landmarks,
+                              sky.value, kilometres(found.sky_per_m),
+                              found.agreement == Agreement::agrees
+                                  ? "they agree"
+                                  : fmt::format("{:.1f} standard deviations apart", std::abs(found.sigmas)));
   return found;
 }
 

@@ -1,4 +1,4 @@
-// What the landmarks say of the air, and whether the sky says the same.
+// What the landmarks show about the air, and whether it agrees with the sky.
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@ constexpr double kMeteorologicalRange = 3.912;         // ln 50: Koschmieder's 2
 constexpr double kMeteorologicalOpticalRange = 2.996;  // ln 20: WMO's 5 %, as transmissometers and KNMI report it
 constexpr double kDisagreement_sigmas = 3.0;
 
-// T whose air takes as much from the camera's green channel over the landmarks' distances.
+// The T whose air attenuates the camera's green channel as much over the landmarks' distances.
 struct LandmarkTurbidity {
   std::optional<Turbidity> turbidity;  // nothing outside 1.7-20, where the scattering model ends
   double sigma = 0.0;
-  std::string reason;  // why nothing
+  std::string reason;  // why there is none
 };
 
 enum class Agreement { unknown, agrees, disagrees };
@@ -27,23 +27,23 @@ std::string_view name_of(Agreement agreement);
 
 struct LandmarkAir {
   std::array<Extinction, 3> channels;  // R, G, B
-  // Of the green channel, nearest to 550 nm.
+  // Of the green channel, which is nearest to 550 nm.
   const Extinction& extinction() const { return channels[1]; }
-  double visibility_m() const;  // 3.912 / extinction; of a bound the bound
+  double visibility_m() const;  // 3.912 / extinction; for a bound, the bound
   double visibility_sigma_m() const;
-  double optical_range_m() const;  // MOR, 2.996 / extinction; of a bound the bound
+  double optical_range_m() const;  // MOR, 2.996 / extinction; for a bound, the bound
   LandmarkTurbidity turbidity;
 };
 
-// How the sky's T compares. Never an average: two numbers, and how far apart they are.
+// Comparison with the sky's T. The two are never averaged: two numbers, and how far apart they are.
 struct SkyComparison {
   Agreement agreement = Agreement::unknown;
-  double sky_per_m = 0.0, sky_sigma_per_m = 0.0;  // extinction that the sky's T means here
+  double sky_per_m = 0.0, sky_sigma_per_m = 0.0;  // extinction that corresponds to the sky's T here
   double sigmas = 0.0;  // (landmarks' - sky's) over both sigmas; 0 within a bound, beyond it the distance from it
-  std::string words;    // for a person
+  std::string message;  // for people
 };
 
-// Extinction of a level path in the camera's channels: -ln of what is left, per metre.
+// Extinction of a level path in the camera's channels: -ln of the transmittance, per metre.
 glm::dvec3 model_extinction_per_m(const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity,
                                   double altitude_m, double path_m);
 
@@ -54,17 +54,17 @@ class LandmarkWatch {
                 const ContrastSpread& spread = {}, ScatteringModel model = ScatteringModel::morales2017);
 
   const std::vector<ContrastLandmark>& landmarks() const { return landmarks_; }
-  // The horizon is measured where a landmark has no sky box.
+  // The horizon is measured if a landmark has no sky box.
   std::vector<ContrastReading> read(const Camera& camera, const Image<glm::vec3>& encoded) const;
 
-  LandmarkAir look(const std::vector<ContrastReading>& readings) const;
+  LandmarkAir estimate(const std::vector<ContrastReading>& readings) const;
   void learn(const std::vector<ContrastReading>& readings);
   void forget(double share);
-  // Of R, G, B. resume() takes all or nothing: false.
+  // For R, G, B. resume() takes all of them or none: false.
   std::vector<LearntContrasts> learnt() const;
   bool resume(const std::vector<LearntContrasts>& learnt);
-  // Pictures of one camera at once, each judged with what the others tell of the contrasts.
-  std::vector<LandmarkAir> look_at_all(const std::vector<std::vector<ContrastReading>>& pictures) const;
+  // All pictures of one camera at once, each judged with the contrasts learnt from the others.
+  std::vector<LandmarkAir> estimate_all(const std::vector<std::vector<ContrastReading>>& pictures) const;
 
   SkyComparison compare(const LandmarkAir& air, Turbidity sky, double sky_sigma) const;
   const LandmarkExtinction& channel(int c) const { return channels_[static_cast<std::size_t>(c)]; }

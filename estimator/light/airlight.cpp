@@ -13,7 +13,7 @@ namespace kasumi {
 namespace {
 
 // A channel of the model's sky never falls below this share of the sky's luminance: chromaticities at the edge of the
-// model (T near 20, sun near the horizon) leave the gamut of linear sRGB.
+// model (T near 20, sun near the horizon) lie outside the gamut of linear sRGB.
 constexpr double kLeastShare = 1e-3;
 
 // The model's sky at a direction in the camera's channels, in units of its zenith luminance.

@@ -1,4 +1,4 @@
-// Light from infinity in any direction: the measured horizon carried over by the sky model (M Eq 12, 13; physics 5).
+// Light from infinity in any direction: the measured horizon extended by the sky model (M Eq 12, 13; physics 5).
 #pragma once
 
 #include <optional>
@@ -14,14 +14,14 @@
 
 namespace kasumi {
 
-// full: F(theta, gamma) / F(theta', gamma') of luminance and chromaticity, taken to the camera's channels. paper: M
-// Eq 13, the first Perez factor of the luminance alone, the same for all channels; of a sky that is not Perez', full.
+// full: F(theta, gamma) / F(theta', gamma') of luminance and chromaticity, converted to the camera's channels. paper: M
+// Eq 13, the first Perez factor of the luminance alone, the same for all channels; for a sky other than Perez', full.
 enum class ZetaForm { full, paper };
 std::string_view name_of(ZetaForm form);
 std::optional<ZetaForm> zeta_form_named(std::string_view name);
 
 // Light of the model's sky at `direction` per light at `reference`, channel by channel, so that a camera's gains and
-// white balance drop out. xyz_to_light: inverse of Camera::light_to_xyz. Always finite and > 0, for every T (clamped to
+// white balance cancel. xyz_to_light: inverse of Camera::light_to_xyz. Always finite and > 0, for every T (clamped to
 // 1.7-20), sun and direction.
 glm::dvec3 zeta(ZetaForm form, const SiteSky& model, const Direction& direction, const Direction& reference,
                 const glm::dmat3& xyz_to_light);
@@ -33,7 +33,7 @@ class Airlight {
   // Under Preetham's sky.
   Airlight(HorizonLight horizon, Turbidity turbidity, const SunDirection& sun, const glm::dmat3& light_to_xyz,
            ZetaForm form = ZetaForm::full);
-  // Light from infinity towards the observer from `direction` (world), scene camera's channels and scale.
+  // Light from infinity towards the observer from `direction` (world), in the scene camera's channels and scale.
   glm::dvec3 from(const Direction& direction) const;
 
  private:

@@ -24,8 +24,8 @@ struct EvenTable {
 };
 
 // Radiance of the sun's disc above the atmosphere, W cm-2 um-1 sr-1, 380-750 nm in 10 nm steps, held beyond (Preetham
-// 1999, Table 2). Newer spectra (ASTM G173) are 5-7 % brighter; sun and sky are both made of this one, so that only its
-// shape matters.
+// 1999, Table 2). Newer spectra (ASTM G173) are 5-7 % brighter; sun and sky both use this one, so only its shape
+// matters.
 constexpr std::array kSolar = {1655.90, 1623.37, 2112.75, 2588.82, 2582.91, 2423.23, 2676.05, 2965.83, 3054.54, 3005.75,
                                3066.37, 2883.04, 2871.21, 2782.50, 2710.06, 2723.36, 2636.13, 2550.38, 2506.02, 2531.16,
                                2535.59, 2513.42, 2463.15, 2417.32, 2368.53, 2321.21, 2282.77, 2233.98, 2197.02, 2152.67,
@@ -47,7 +47,7 @@ double scattering_albedo(double micrometres) {
   return 0.945 * std::exp(-0.095 * from_blue * from_blue);
 }
 
-// Share of what aerosol scatters that goes on downwards, for light from a cosine (their Eqs 3-11 to 3-15).
+// Share of the light scattered by aerosol that continues downwards, for a cosine of incidence (their Eqs 3-11 to 3-15).
 double forward_share(double cosine) {
   const double g = std::log(1.0 - kAsymmetry);
   const double a = g * (1.459 + g * (0.1595 + g * 0.4129));
@@ -96,7 +96,7 @@ double sky_transmittance(const ColumnDepth& depth, Radians sun_zenith, double gr
   const double by_aerosol = cosine * absorption * std::pow(rayleigh, 1.5) *
                             (1.0 - through(scattered * depth.aerosol, mass)) * forward_share(cosine);
 
-  // What ground and sky throw to each other.
+  // Interreflection between ground and sky.
   const double rayleigh_back = through(depth.rayleigh, kMassOfDiffuseLight);
   const double sky_albedo =
       through((1.0 - scattered) * depth.aerosol, kMassOfDiffuseLight) *

@@ -1,4 +1,4 @@
-// How much light the clear sky and the sun give: what the sky model's distribution is scaled to.
+// The illuminance of the clear sky and the sun, to which the sky model's distribution is scaled.
 #pragma once
 
 #include "base/units.hpp"
@@ -18,20 +18,20 @@ struct ColumnDepth {
   double ozone = 0.0;
 };
 // Rayleigh (Preetham 1999 A.1, by the site's pressure), aerosol (Angstrom), ozone (.35 cm). Water vapour and oxygen,
-// which take some percent beyond 680 nm, are left out. T was measured at the site, so it describes the haze above it
-// whatever its altitude.
+// which absorb some percent beyond 680 nm, are left out. T was measured at the site, so it describes the haze above it
+// at any altitude.
 ColumnDepth column_depth(Turbidity turbidity, double altitude_m, double wavelength_nm);
 
 // Share of direct sunlight that reaches the site.
 double sun_transmittance(const ColumnDepth& depth, Radians sun_zenith);
 double sun_transmittance(Turbidity turbidity, Radians sun_zenith, double altitude_m, double wavelength_nm);
 
-// Diffuse irradiance of the whole clear sky on the level ground, per extraterrestrial irradiance on a surface facing
-// the sun: Bird and Riordan's simple spectral model (SPCTRAL2, J. Climate Appl. Meteorol. 25, 1986), rural aerosol,
-// with the light that ground and sky throw to each other. Zero at and below the horizon.
+// Diffuse irradiance of the whole clear sky on level ground, per extraterrestrial irradiance on a surface facing the
+// sun: Bird and Riordan's simple spectral model (SPCTRAL2, J. Climate Appl. Meteorol. 25, 1986), rural aerosol, with
+// interreflection between ground and sky. Zero at and below the horizon.
 double sky_transmittance(const ColumnDepth& depth, Radians sun_zenith, double ground_albedo, double wavelength_nm);
 
-// The same in lux, with what is left when the sun stands on the horizon: never less than 800 lx (IES RP-21, 1984).
+// The same in lux, with a minimum of 800 lx, what remains when the sun is on the horizon (IES RP-21, 1984).
 double clear_sky_lux(Turbidity turbidity, Radians sun_zenith, double altitude_m, double ground_albedo);
 
 }  // namespace kasumi

@@ -23,12 +23,12 @@ double visible_share_of_sun(Radians zenith) {
   return std::clamp(0.5 + 0.5 * elevation_deg / kSettingSunRadius_deg, 0.0, 1.0);
 }
 
-// Zenith luminance of a sky of the model's distribution that lights the level ground by `lux`.
+// Zenith luminance of a sky with the model's distribution and horizontal illuminance `lux`.
 double zenith_for(const SiteSky& model, double lux) {
   constexpr int kZeniths = 60, kAzimuths = 72;
   double per_zenith = 0.0;
   for (int i = 0; i < kZeniths; ++i) {
-    // Even steps of cos^2, each of which weighs the same on the ground, so that an even sky is exact.
+    // Uniform steps of cos^2, which have equal weight on the ground, so that a uniform sky is exact.
     const Radians zenith{std::acos(std::sqrt((i + 0.5) / kZeniths))};
     for (int j = 0; j < kAzimuths; ++j)
       per_zenith += model.relative_xyz(direction_from(zenith, {(j + 0.5) * 2.0 * kPi / kAzimuths})).y;
@@ -49,7 +49,7 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
       turbidity_(clamp_turbidity(turbidity)),
       model_(options.model, turbidity, sun, options.altitude_m),
       zenith_cd_m2_(zenith_luminance()) {
-  // Daylight spectra span three dimensions, so XYZ gives their spectrum and that the sensor's channels.
+  // Daylight spectra span three dimensions, so XYZ determines their spectrum, and the spectrum the sensor's channels.
   const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLuminousEfficacy;
   const bool srgb = scene.colour_space == Camera::ColourSpace::srgb;
   xyz_to_light_ = srgb ? glm::inverse(srgb_to_xyz()) / kLuminousEfficacy : xyz_to_sensor;
@@ -93,7 +93,7 @@ glm::dvec3 Daylight::seen_xyz(const Direction& direction, const std::optional<gl
   if (!unit) return model;
   const SkyCell& cell = options_.measured->at(direction);
   const glm::dvec3 seen = *unit * cell.xyz;
-  // Clear air is the model's, which knows it more finely; what is clipped is at least as bright as it seems.
+  // The model resolves clear air more finely; a clipped value is a lower bound of the brightness.
   return glm::mix(model, cell.clipped ? glm::max(model, seen) : seen,
                   is_overcast() ? cell.seen : cell.seen * (1.0 - cell.clear));
 }
@@ -104,7 +104,7 @@ void Daylight::light_by_sky(const std::optional<glm::dvec3>& unit) {
   sky_horizontal_lux_ = (glm::inverse(xyz_to_light_) * irradiance(light_.around, kUp)).y;
 }
 
-// The ground around gives back evenly what falls on it; texels at the horizon hold some of both.
+// The surrounding ground reflects the light it receives diffusely; texels at the horizon contain both ground and sky.
 void Daylight::light_by_ground() {
   const glm::dvec3 falls = irradiance(light_.around, kUp) + std::max(0.0, sun_.z) * light_.sun_irradiance;
   const glm::dvec3 ground = options_.ground_albedo / kPi * falls;
@@ -144,7 +144,7 @@ glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
 }
 
 glm::dvec3 Daylight::light_of(const glm::dvec3& xyz) const {
-  // Chromaticities at the model's edge may leave the gamut of linear sRGB.
+  // Chromaticities at the model's edge may lie outside the gamut of linear sRGB.
   return glm::max(xyz_to_light_ * xyz, 1e-3 * glm::abs(xyz_to_light_ * glm::dvec3{xyz.y}));
 }
 

@@ -1,5 +1,5 @@
-// The light on the virtual object from the same sky as its airlight, in absolute units, so that rho = L0 / Linf is free
-// of the camera's exposure and white balance (physics 6).
+// The light on the virtual object from the same sky as its airlight, in absolute units, so that rho = L0 / Linf does
+// not depend on the camera's exposure and white balance (physics 6).
 #pragma once
 
 #include <optional>
@@ -23,7 +23,7 @@ struct LightOnObject {
   SunDirection sun_direction{0, 0, 1};
   glm::dvec3 sun_irradiance{0};        // on a surface facing the sun; zero when the sun is hidden
   LightAround around;                  // sky and ground, without the sun's disc
-  glm::dmat3 albedo_to_channels{1.0};  // of a surface known by its linear sRGB colour
+  glm::dmat3 albedo_to_channels{1.0};  // of a surface with a given linear sRGB colour
 };
 
 struct DaylightOptions {
@@ -31,18 +31,18 @@ struct DaylightOptions {
   double ground_albedo = 0.2;
   double altitude_m = 0.0;
   SiteSkyModel model = SiteSkyModel::automatic;
-  // The sky camera's own look at a clouded sky, or null: its clouds light the object instead of the model where it sees
-  // them, and dim the sun. Only read while the Daylight is made.
+  // The sky camera's measurement of a cloudy sky, or null: where it sees clouds, they light the object instead of the
+  // model, and they dim the sun. Only read in the constructor.
   const MeasuredSky* measured = nullptr;
 };
 
-// Sun, sky and ground for one turbidity and sun. Costs some milliseconds.
+// Sun, sky and ground for one turbidity and sun position. Construction costs some milliseconds.
 class Daylight {
  public:
   Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options = {});
 
   const LightOnObject& on_object() const { return light_; }
-  // The model's sky radiance in a direction; at or below the horizon the horizon's. Always > 0.
+  // The model's sky radiance in a direction; at or below the horizon that of the horizon. Always > 0.
   glm::dvec3 airlight(const Direction& direction) const;
 
   // For people and for tests.
@@ -52,20 +52,20 @@ class Daylight {
  private:
   bool is_overcast() const { return options_.sky == SkyCondition::overcast; }
   double zenith_luminance() const;                       // cd m-2, of the model
-  glm::dvec3 sky_xyz(const Direction& direction) const;  // the same of any direction
-  // Where clouds are seen, theirs. `unit`: unit_of() the measured sky; empty: nothing is measured.
+  glm::dvec3 sky_xyz(const Direction& direction) const;  // the same in any direction
+  // The clouds' light where clouds are seen. `unit`: unit_of() the measured sky; empty: nothing is measured.
   glm::dvec3 seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const;
   glm::dvec3 light_of(const glm::dvec3& xyz) const;
-  // The camera's XYZ to the model's cd m-2, where both see the same; empty when they meet nowhere. It takes the sky
-  // camera's exposure and white balance along.
+  // Factor from the camera's XYZ to the model's cd m-2, from where both see the same; empty when they have no clear sky
+  // in common. It includes the sky camera's exposure and white balance.
   std::optional<glm::dvec3> unit_of(const MeasuredSky& measured) const;
   void light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double through_clouds);
   void light_by_sky(const std::optional<glm::dvec3>& unit);
-  void light_by_ground();  // after sun and sky, whose light it gives back
+  void light_by_ground();  // after sun and sky, whose light it reflects
 
   DaylightOptions options_;
   SunDirection sun_;
-  Turbidity turbidity_;  // as the models take it
+  Turbidity turbidity_;  // clamped to the models' range
   SiteSky model_;
   double zenith_cd_m2_ = 0.0;
   glm::dmat3 xyz_to_light_{1.0};

@@ -46,11 +46,12 @@ Image<float> texture_of(const Image<glm::vec3>& encoded, int side) {
     }
   return texture;
 }
-constexpr float kSkyTexture = 0.012F;  // three levels of 255: what is taken for sky and has more is land in haze
+constexpr float kSkyTexture = 0.012F;  // three levels of 255: assumed sky with more texture is land in haze
 constexpr float kDarkestSky = 0.75F;   // of the light of the thickest haze
-constexpr float kElsewhere = 0.01F;    // weight of that light where no sky is
+constexpr float kElsewhere = 0.01F;    // weight of that light outside the sky
 
-// Level path of this optical depth in the green channel, by Newton's method: its attenuation is a sum of exponentials.
+// Level path with this optical depth in the green channel, by Newton's method: its attenuation is a sum of
+// exponentials.
 double distance_of(const HazeCoefficients& haze, double optical_depth) {
   double distance_m = optical_depth / (haze.rayleigh_per_m[0].g + haze.mie_per_m[0].g);
   for (int i = 0; i < 8; ++i) {
@@ -70,7 +71,7 @@ Image<float> depth_from_haze(const Image<glm::vec3>& relative, const Image<glm::
   const int width = relative.width(), height = relative.height(), longer = std::max(width, height);
   const int radius = std::max(2, static_cast<int>(std::lround(options.window * longer)));
   const auto haze = guided_filter(encoded, darkest_around(relative, options), radius, 1e-3);
-  // The same path for all pixels of one optical depth: a table spares Newton's method.
+  // Pixels with the same optical depth have the same path: a table avoids Newton's method for each.
   const auto air = haze_coefficients(nodes, model, turbidity);
   constexpr int kSteps = 256;
   std::vector<double> metres(kSteps + 1);
@@ -78,7 +79,7 @@ Image<float> depth_from_haze(const Image<glm::vec3>& relative, const Image<glm::
     metres[static_cast<std::size_t>(i)] = i == 0 ? 0.0 : distance_of(air, options.deepest * i / kSteps);
   Image<float> distance_m(width, height);
   for (std::size_t i = 0; i < distance_m.elements().size(); ++i) {
-    // No more haze than the pixel has light in its darkest channel: what stands there is not darker than black.
+    // There is no more haze than light in the pixel's darkest channel: no object is darker than black.
     const auto& pixel = relative.elements()[i];
     const auto most = static_cast<double>(std::min({haze.elements()[i], pixel.r, pixel.g, pixel.b}));
     const double clear = std::clamp(1.0 - options.kept_haze * std::max(0.0, most), 1e-6, 1.0);

@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kFlat = 0.01;       // variance of the guide
 constexpr float kDistances = 3.0F;   // of ln distance
-constexpr float kBrightness = 0.5F;  // of encoded brightness: sun beside shade is no edge yet, white beside black is
-constexpr int kLargeEnough = 500;    // pixels, of the longer side, in which surroundings are told well
-constexpr float kHidden = 1e-4F;     // a weight so small that nothing depends on it
-const glm::vec3 kGreyOfGuide{0.3F, 0.6F, 0.1F};
+constexpr float kBrightness = 0.5F;  // of encoded brightness: sun next to shade is no edge yet, white next to black is
+constexpr int kLargeEnough = 500;    // pixels of the longer side at which surroundings are resolved well enough
+constexpr float kHidden = 1e-4F;     // a weight too small to influence anything
+const glm::vec3 kGuideWeights{0.3F, 0.6F, 0.1F};
 
 }  // namespace
 
@@ -36,7 +36,7 @@ Image<glm::vec3> land_around(const Image<glm::vec3>& light, const PictureDepth& 
       const auto relative = light.at(x, y) / glm::max(air.of(x, y), glm::vec3{1e-9F});
       const float distance_m = depth.distance_m.at(x, y);
       const bool land = distance_m > 0.0F;
-      guide.at(x, y) = {kBrightness * std::sqrt(glm::dot(kGreyOfGuide, glm::min(relative, 4.0F))),
+      guide.at(x, y) = {kBrightness * std::sqrt(glm::dot(kGuideWeights, glm::min(relative, 4.0F))),
                         kDistances * std::log(land ? distance_m : 1.5F * farthest_m), 0.0F};
       if (!land) continue;
       const auto left = glm::max(glm::vec3(paths.transmittance(depth.path(x, y)).value()), glm::vec3{1e-9F});
@@ -54,7 +54,8 @@ Image<glm::vec3> land_around(const Image<glm::vec3>& light, const PictureDepth& 
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
         if (!(depth.distance_m.at(x, y) > 0.0F)) continue;
-        // Next to something much clearer the filter may not find what there is here: then there are no surroundings.
+        // Next to something much clearer the filter may not reach any pixels like this one: then it has no
+        // surroundings.
         if (weights.at(x, y) > 0.2F * weight.at(x, y))
           own.at(x, y)[c] = 1.0F + sums.at(x, y) / std::max(weights.at(x, y), kHidden);
         own.at(x, y)[c] = std::max(own.at(x, y)[c], 0.0F);

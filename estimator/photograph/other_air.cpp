@@ -50,84 +50,86 @@ Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photogra
   auto horizon = measure_horizon(camera, view_of(pixels));
   if (!horizon.usable())
     return fail(FaultKind::bad_input,
-                "{}: no horizon to measure the light from infinity at ({}): expected a picture with some sky above the "
+                "{}: no horizon to measure the light from infinity ({}): expected a picture with some sky above the "
                 "land, or --airlight R,G,B",
                 name, horizon.reason);
   return horizon;
 }
 
-OtherAir::OtherAir(OtherAirSetup setup)
-    : setup_(std::move(setup)),
-      nodes_(setup_.from_haze ? grey_attenuation_nodes() : attenuation_nodes(spectral_measure(setup_.camera))),
-      rise_(rise_of(setup_.camera)) {}
+OtherAir::OtherAir(OtherAirOptions options)
+    : options_(std::move(options)),
+      nodes_(options_.from_haze ? grey_attenuation_nodes() : attenuation_nodes(spectral_measure(options_.camera))),
+      rise_(rise_of(options_.camera)) {}
 
-Result<> OtherAir::take(Photograph photograph, const std::string& name) {
-  const auto& camera = setup_.camera;
+Result<> OtherAir::set_picture(Photograph photograph, const std::string& name) {
+  const auto& camera = options_.camera;
   const auto& encoded = photograph.encoded;
   if (encoded.width() != camera.width || encoded.height() != camera.height)
-    return fail(FaultKind::bad_input, "{}: is {} x {}: expected {} x {}, as its camera or the first picture is", name,
+    return fail(FaultKind::bad_input,
+                "{}: is {} x {}: expected {} x {}, the size of its camera or of the first picture", name,
                 encoded.width(), encoded.height(), camera.width, camera.height);
   quantum_ = photograph.quantum;
-  if (setup_.from_haze) {
+  if (options_.from_haze) {
     guess_from_haze(photograph);
-    part(photograph);
+    separate(photograph);
     return {};
   }
-  if (!setup_.airlight) {
+  if (!options_.airlight) {
     auto found = horizon_of(camera, photograph, name);
-    // A picture of a film in which nothing is found goes by those before.
-    if (!found && (!horizon_ || setup_.horizon_weight >= 1.0)) return fail(found.error());
-    if (found && horizon_ && setup_.horizon_weight < 1.0)
-      horizon_ = blend(*horizon_, *found, setup_.horizon_weight);
+    // In a film, a picture in which no horizon is found uses that of the pictures before it.
+    if (!found && (!horizon_ || options_.horizon_weight >= 1.0)) return fail(found.error());
+    if (found && horizon_ && options_.horizon_weight < 1.0)
+      horizon_ = blend(*horizon_, *found, options_.horizon_weight);
     else if (found)
       horizon_ = std::move(*found);
   }
-  depth_ = {setup_.distance_m, rise_, setup_.altitude_m};
-  if (setup_.distance_m.empty())
+  depth_ = {options_.distance_m, rise_, options_.altitude_m};
+  if (options_.distance_m.empty())
     depth_.distance_m =
-        Image<float>(camera.width, camera.height, static_cast<float>(setup_.everything_at_m.value_or(1000.0)));
-  if (setup_.distance_m.empty() || setup_.find_sky) {
+        Image<float>(camera.width, camera.height, static_cast<float>(options_.everything_at_m.value_or(1000.0)));
+  if (options_.distance_m.empty() || options_.find_sky) {
     const auto parts = segment_sky(to_rgb8(photograph));
     for (int y = 0; parts.visible && y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x)
         if (parts.sky.at(x, y) != 0) depth_.distance_m.at(x, y) = 0.0F;
   }
   light_ = light_of(camera, encoded);
-  source_ = {setup_.source, from_infinity(setup_.airlight, horizon_ ? &*horizon_ : nullptr, setup_.source)};
-  part(photograph);
+  source_ = {options_.source, from_infinity(options_.airlight, horizon_ ? &*horizon_ : nullptr, options_.source)};
+  separate(photograph);
   return {};
 }
 
-void OtherAir::part(const Photograph& photograph) {
+void OtherAir::separate(const Photograph& photograph) {
   parts_ = {};
-  if (!setup_.amplify_noise)
+  if (!options_.amplify_noise)
     if (const auto noise = noise_of(photograph.encoded); noise != glm::dvec3{0.0})
-      parts_.clean = light_of(setup_.camera, without_noise(photograph.encoded, noise));
-  if (setup_.relight && setup_.sun)
-    parts_.land_around = land_around(light_, depth_, source_, nodes_, {.scattering = setup_.scattering});
+      parts_.clean = light_of(options_.camera, without_noise(photograph.encoded, noise));
+  if (options_.relight && options_.sun)
+    parts_.land_around = land_around(light_, depth_, source_, nodes_, {.scattering = options_.scattering});
 }
 
 void OtherAir::guess_from_haze(const Photograph& photograph) {
   const auto sky = segment_sky(to_rgb8(photograph));
-  light_ = light_of(setup_.camera, photograph.encoded);
-  source_.turbidity = setup_.source;
-  if (setup_.airlight)
-    source_.from_infinity = Image<glm::vec3>(light_.width(), light_.height(), glm::vec3(*setup_.airlight));
+  light_ = light_of(options_.camera, photograph.encoded);
+  source_.turbidity = options_.source;
+  if (options_.airlight)
+    source_.from_infinity = Image<glm::vec3>(light_.width(), light_.height(), glm::vec3(*options_.airlight));
   else
     source_.from_infinity = light_of_haze(light_, photograph.encoded, sky.visible ? sky.sky : Image<std::uint8_t>{});
   auto relative = light_;
   for (std::size_t i = 0; i < relative.elements().size(); ++i)
     relative.elements()[i] /= source_.from_infinity.elements()[i];
-  // Paths at sea level: only their optical depth counts.
-  depth_ = {depth_from_haze(relative, photograph.encoded, nodes_, setup_.scattering, setup_.source), {}, 0.0};
+  // Paths at sea level, since only their optical depth matters.
+  depth_ = {depth_from_haze(relative, photograph.encoded, nodes_, options_.scattering, options_.source), {}, 0.0};
 }
 
 Image<glm::vec3> OtherAir::from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,
                                          Turbidity turbidity) const {
-  const auto& camera = setup_.camera;
+  const auto& camera = options_.camera;
   if (given) return {1, 1, glm::vec3(*given)};
-  if (setup_.sun) return light_from_infinity(camera, Airlight(*horizon, turbidity, *setup_.sun, camera.light_to_xyz()));
-  // Where the sun stood is not known: the horizon's light, the same at all elevations.
+  if (options_.sun)
+    return light_from_infinity(camera, Airlight(*horizon, turbidity, *options_.sun, camera.light_to_xyz()));
+  // The sun's position is unknown: the horizon's light is used for all elevations.
   Image<glm::vec3> light(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x)
@@ -138,18 +140,20 @@ Image<glm::vec3> OtherAir::from_infinity(const std::optional<glm::dvec3>& given,
 
 Image<glm::vec3> OtherAir::targets(const std::optional<Turbidity>& target) const {
   const Turbidity turbidity = target.value_or(kLowestTurbidity);
-  if (setup_.target_airlight || setup_.target_horizon)
-    return from_infinity(setup_.target_airlight, setup_.target_horizon ? &*setup_.target_horizon : nullptr, turbidity);
+  if (options_.target_airlight || options_.target_horizon)
+    return from_infinity(options_.target_airlight, options_.target_horizon ? &*options_.target_horizon : nullptr,
+                         turbidity);
   auto light = source_.from_infinity;
-  if (!setup_.sun || turbidity == setup_.source) return light;
-  const auto& camera = setup_.camera;
-  DaylightOptions options;
-  options.altitude_m = setup_.altitude_m;
-  options.model = SiteSkyModel::preetham;  // as the airlight and the light on the land
-  const Daylight before(camera, setup_.source, *setup_.sun, options), after(camera, turbidity, *setup_.sun, options);
+  if (!options_.sun || turbidity == options_.source) return light;
+  const auto& camera = options_.camera;
+  DaylightOptions daylight;
+  daylight.altitude_m = options_.altitude_m;
+  daylight.model = SiteSkyModel::preetham;  // as for the airlight and the light on the land
+  const Daylight before(camera, options_.source, *options_.sun, daylight),
+      after(camera, turbidity, *options_.sun, daylight);
   double exposure = 1.0;
   if (const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
-      middle && !setup_.same_exposure) {
+      middle && !options_.same_exposure) {
     const auto towards = raised_to_horizon(*middle);
     exposure = before.airlight(towards).g / after.airlight(towards).g;
   }
@@ -162,14 +166,14 @@ Image<glm::vec3> OtherAir::targets(const std::optional<Turbidity>& target) const
 }
 
 UnderOtherAir OtherAir::under(const std::optional<Turbidity>& target) const {
-  const auto& camera = setup_.camera;
-  RetargetOptions options;
-  options.scattering = setup_.scattering;
-  options.largest_gain = setup_.largest_gain;
+  const auto& camera = options_.camera;
+  RetargetOptions retargeting;
+  retargeting.scattering = options_.scattering;
+  retargeting.largest_gain = options_.largest_gain;
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
-  if (setup_.relight && setup_.sun && middle)
-    options.relit = relighting(camera, setup_.source, target, *setup_.sun, *middle, setup_.altitude_m);
-  auto made = retarget(light_, depth_, source_, {target, targets(target)}, nodes_, options, parts_);
+  if (options_.relight && options_.sun && middle)
+    retargeting.relit = relighting(camera, options_.source, target, *options_.sun, *middle, options_.altitude_m);
+  auto made = retarget(light_, depth_, source_, {target, targets(target)}, nodes_, retargeting, parts_);
   UnderOtherAir found;
   found.picture.encoded = encoded_of(camera, made.light);
   found.picture.quantum = quantum_;

@@ -1,4 +1,4 @@
-// Photographs under other air, from what is known of the camera, the paths of light and the two airs.
+// Renders photographs under other air, from the camera, the light paths and the two airs.
 #pragma once
 
 #include <optional>
@@ -12,62 +12,63 @@
 
 namespace kasumi {
 
-struct OtherAirSetup {
+struct OtherAirOptions {
   Camera camera;  // of the pictures
   double altitude_m = 0.0;
-  std::optional<SunDirection> sun;  // empty: nothing that depends on it is changed
+  std::optional<SunDirection> sun;  // empty: nothing that depends on the sun is changed
   Turbidity source;                 // of the pictures' own air
-  Image<float> distance_m;          // as large as the pictures; empty: `everything_at_m`, sky where sky is found
+  Image<float> distance_m;          // at the pictures' size; empty: `everything_at_m`, and sky where sky is found
   std::optional<double> everything_at_m;
-  // Nothing was measured: distances and the light from infinity are guessed from each picture's own haze, which is
-  // taken for grey (estimator/photograph/depth_from_haze).
+  // Nothing was measured: distances and the light from infinity are estimated from each picture's own haze, which is
+  // assumed to be grey (estimator/photograph/depth_from_haze).
   bool from_haze = false;
-  bool find_sky = false;               // sky is found in each picture, whatever `distance_m` says of it
-  double horizon_weight = 1.0;         // of a picture's own horizon; the rest is that of the pictures before
+  bool find_sky = false;               // find sky in each picture, whatever `distance_m` says about it
+  double horizon_weight = 1.0;         // of a picture's own horizon; the rest is that of the previous pictures
   std::optional<glm::dvec3> airlight;  // linear, 0..1 of full scale; empty: each picture's own horizon
-  // Light from infinity under the target's air: given, or of a picture taken under it; neither: what the sky model
-  // makes of the source's.
+  // Light from infinity under the target's air: given, or from a picture taken under it; otherwise what the sky model
+  // predicts from the source's.
   std::optional<glm::dvec3> target_airlight;
   std::optional<HorizonLight> target_horizon;
-  // By the sky model: the source's exposure; else one that keeps the horizon as bright, as an automatic one would.
+  // With the sky model: keep the source's exposure; otherwise keep the horizon's brightness, as automatic exposure
+  // would.
   bool same_exposure = false;
   ScatteringModel scattering = ScatteringModel::morales2017;
   bool relight = true;         // false: surfaces keep their light in units of the light from infinity, as in M Eq 25
-  bool amplify_noise = false;  // as if it were light of the scene
+  bool amplify_noise = false;  // treat noise as light of the scene
   double largest_gain = RetargetOptions{}.largest_gain;
 };
 
 struct UnderOtherAir {
   Photograph picture;
-  Image<std::uint8_t> restored;  // 255, 0 where the source was too faint
+  Image<std::uint8_t> restored;  // 255; 0 where the source was too faint
   double too_faint_fraction = 0.0;
 };
 
-// A camera of an ordinary photograph: no distortion, sRGB, looks north.
+// A camera for an ordinary photograph: no distortion, sRGB, facing north.
 Camera plain_camera(int width, int height, Radians field_of_view, Radians pitch);
 
-// The horizon in a photograph. Errors: bad_input (why there is none).
+// The horizon in a photograph. Errors: bad_input (with the reason).
 Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photograph, const std::string& name);
 
-// One picture at a time; what depends on the camera alone is kept.
+// One picture at a time; what depends only on the camera is kept.
 class OtherAir {
  public:
-  explicit OtherAir(OtherAirSetup setup);
-  // Takes in the picture that the next calls of `under` change. Errors: bad_input (size, no horizon, no sky).
-  Result<> take(Photograph photograph, const std::string& name);
+  explicit OtherAir(OtherAirOptions options);
+  // Sets the picture that the following calls of `under` change. Errors: bad_input (size, no horizon, no sky).
+  Result<> set_picture(Photograph photograph, const std::string& name);
   // No turbidity: without any air.
   UnderOtherAir under(const std::optional<Turbidity>& target) const;
 
  private:
   void guess_from_haze(const Photograph& photograph);
-  // Its noise, its sun and shade.
-  void part(const Photograph& photograph);
-  // Light from infinity of the picture that was taken in, or what the target's options say.
+  // Estimates its noise, and its sunlit and shaded parts.
+  void separate(const Photograph& photograph);
+  // Light from infinity of the current picture, or as the target's options say.
   Image<glm::vec3> from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,
                                  Turbidity turbidity) const;
   Image<glm::vec3> targets(const std::optional<Turbidity>& target) const;
 
-  OtherAirSetup setup_;
+  OtherAirOptions options_;
   AttenuationNodes nodes_;
   Image<float> rise_;
   double quantum_ = 0.0;

@@ -13,7 +13,8 @@
 namespace kasumi {
 namespace {
 
-// Orthonormal, so that equal noise in R, G and B is equal in all three. Columns: what R, G and B give to each.
+// Orthonormal, so that equal noise in R, G and B is equal in all three. Columns: the contributions of R, G and B to
+// each.
 const glm::mat3& to_directions() {
   static const glm::mat3 matrix = [] {
     const float a = 1.0F / std::sqrt(3.0F), b = 1.0F / std::sqrt(2.0F), c = 1.0F / std::sqrt(6.0F);
@@ -23,7 +24,8 @@ const glm::mat3& to_directions() {
 }
 
 constexpr int kRadius_px = 2;
-// A window of 25 pixels of noise alone varies by up to twice the noise's variance; what goes not well beyond is noise.
+// A window of 25 pixels of pure noise varies by up to twice the noise's variance; anything not well beyond that is
+// noise.
 constexpr double kNoiseAlone = 3.0;
 
 constexpr double kLeastNoise = 1e-5;  // rounding in floats
@@ -39,7 +41,8 @@ cv::Mat window_mean(const cv::Mat& values) {
 glm::dvec3 noise_of(const Image<glm::vec3>& encoded) {
   constexpr int kTile_px = 16, kMostTiles = 5000;
   constexpr double kSmoothest = 0.1;  // of the tiles
-  // A mean of |z| to sigma, through the mask; the least tenth of tiles of noise alone reads a tenth low.
+  // From the mean of |z| to sigma, through the mask; for pure noise the smoothest tenth of the tiles reads a tenth too
+  // low.
   const double unit = std::sqrt(0.5 * 3.14159265) / 6.0 / 0.9;
   const int across = encoded.width() / kTile_px, down = encoded.height() / kTile_px;
   const int every = 1 + across * down / kMostTiles;

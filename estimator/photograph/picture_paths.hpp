@@ -1,4 +1,4 @@
-// What the paths of light through a photograph leave of it, in a form that holds where nothing is left.
+// Transmittance of the light paths through a photograph, in a form that stays exact where nothing is left.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-// e^largest * rest in each channel, so that the quotient of two of them holds where both vanish.
+// e^largest * rest in each channel, so that the quotient of two of them stays finite where both vanish.
 struct LogSum {
   glm::dvec3 largest, rest;
   glm::dvec3 value() const { return glm::exp(largest) * rest; }

@@ -33,14 +33,14 @@ FourPoints four_points(std::span<const double> axis, double value, Along along) 
   return four;
 }
 
-// A row of the table, between its nodes.
+// A row of the table, interpolated between its nodes.
 struct Row {
   glm::dvec3 log_mean{0}, log_sun{0};
   std::array<glm::dvec3, kDomeTerms> chebyshev{};
 };
 Row row_at(double altitude_m, double turbidity, double sun_zenith_deg) {
   const DomeTable& table = dome_table();
-  // Light falls off nearly as the air thins: the log of it runs straighter over this than over height.
+  // Light decreases nearly as the air thins: its logarithm is closer to linear over this than over height.
   const FourPoints a = four_points(table.altitudes_m, altitude_m, [](double h) { return std::log1p(h / 4000.0); });
   const FourPoints t = four_points(table.turbidities, turbidity, [](double value) { return std::log(value); });
   const FourPoints s = four_points(table.sun_zeniths_deg, sun_zenith_deg, [](double deg) { return deg; });
@@ -85,7 +85,7 @@ Powers chebyshev_in_powers(double stretch, double shift) {
   return powers;
 }
 
-// Of the disc's area that stands above the horizon; height: of its middle, in its radii.
+// Share of the disc's area above the horizon; height: of its centre, in its radii.
 double disc_above(double height) {
   const double h = std::clamp(height, -1.0, 1.0);
   return 0.5 + (h * std::sqrt(1.0 - h * h) + std::asin(h)) / kPi;

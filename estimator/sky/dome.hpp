@@ -1,6 +1,6 @@
 // The clear sky seen from any altitude to 30 km, under any turbidity and sun: fitted to a spectral atmosphere with all
-// orders of scattering (fixtures/atmosphere makes the table; docs/sky.md tells how well). U Chapter 3, issue of its
-// table put right.
+// orders of scattering (fixtures/atmosphere makes the table; docs/sky.md gives the accuracy). After U Chapter 3, with
+// an error of its table corrected.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -19,15 +19,15 @@ constexpr Radians kLowestDomeSun = from_degrees(92.0);  // zenith angle, without
 // mean distance from the sun. Interpolates in a table in memory: some microseconds.
 DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun);
 
-// What arrives from the sun's disc at the observer under the same air; XYZ, lux and cd/m2.
+// Light of the sun's disc that reaches the observer through the same air; XYZ, lux and cd/m2.
 SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun);
 
-// The same sky in another linear space: the coefficients multiplied from the left. xyz_to_linear_srgb() of
+// The same sky in another linear space: the coefficients multiplied from the left. For example xyz_to_linear_srgb() of
 // calib/colour/colorimetry.hpp: D65 white, 1.0 stays 1 cd/m2.
 DomeFunction in_space(DomeFunction sky, const glm::dmat3& xyz_to_space);
 
-// The light of one direction, in double precision: the reference for base/sky/dome.glsl. Below the horizon its own value
-// at that azimuth.
+// Light from one direction, in double precision: the reference for base/sky/dome.glsl. Below the horizon the horizon's
+// value at that azimuth.
 glm::dvec3 dome_light(const DomeFunction& sky, const Direction& view);
 
 // Sine of the geometric horizon's elevation at an altitude: -sqrt(1 - (R / (R + h))^2), R = 6371 km.

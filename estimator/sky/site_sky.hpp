@@ -1,5 +1,5 @@
-// The clear sky above a site, by either of two models: Preetham's, which knows no altitude, or the fitted dome
-// (estimator/sky/dome.hpp), which knows the observer's. T is the model's own.
+// The clear sky above a site, by either of two models: Preetham's, which ignores altitude, or the fitted dome
+// (estimator/sky/dome.hpp), which takes the observer's into account. T belongs to the model.
 #pragma once
 
 #include <optional>
@@ -20,26 +20,26 @@ std::optional<SiteSkyModel> site_sky_model_named(std::string_view name);
 constexpr double kHighestPreethamSite_m = 1500.0;
 SiteSkyModel resolved(SiteSkyModel model, double altitude_m);  // never automatic
 
-// The sky that an estimate fits: whose T it finds.
+// The sky model that an estimate fits, and whose T it gives.
 struct SkyToFit {
   SiteSkyModel model = SiteSkyModel::preetham;
-  double altitude_m = 0.0;  // of the observer; the dome knows it
+  double altitude_m = 0.0;  // of the observer; used by the dome
 };
 
 class SiteSky {
  public:
   SiteSky(SkyModel sky) : sky_(sky) {}  // NOLINT: a sky model is a clear sky
-  // `turbidity` is that of the model that `model` means at this altitude.
+  // `turbidity` is that of the model to which `model` resolves at this altitude.
   SiteSky(SiteSkyModel model, Turbidity turbidity, const SunDirection& sun, double altitude_m);
 
-  // Light of the sky, CIE XYZ with the zenith's luminance as unit. Finite, >= 0; at and below the horizon the
-  // horizon's.
+  // Light of the sky, CIE XYZ in units of the zenith's luminance. Finite, >= 0; at and below the horizon that of the
+  // horizon.
   glm::dvec3 relative_xyz(const Direction& view) const;
-  // The model's own level, where it has one that holds: the dome's zenith in cd/m2.
+  // The model's own absolute level, where it has a valid one: the dome's zenith in cd/m2.
   std::optional<double> zenith_cd_m2() const;
-  // The sun's light that comes with it, on a plane facing the sun: CIE XYZ, lux. Only where there is a level.
+  // The sunlight at the same level, on a plane facing the sun: CIE XYZ, lux. Only where there is a level.
   std::optional<glm::dvec3> sun_xyz() const;
-  // Preetham's, where it is his.
+  // Preetham's model, if that is the one in use.
   const SkyModel* preetham() const { return std::get_if<SkyModel>(&sky_); }
 
  private:

@@ -29,7 +29,7 @@ double zenith_luminance_kcd(double t, double sun_zenith) {
   return std::max(0.0, (4.0453 * t - 4.9710) * std::tan(chi) - 0.2155 * t + 2.4192);
 }
 
-// Cubic in the sun's zenith angle, times the powers of T.
+// Cubic in the sun's zenith angle, multiplied by the powers of T.
 double zenith_chromaticity(const double (&m)[3][4], double t, double s) {
   const auto cubic = [s](const double(&k)[4]) { return ((k[0] * s + k[1]) * s + k[2]) * s + k[3]; };
   return (cubic(m[0]) * t + cubic(m[1])) * t + cubic(m[2]);

@@ -17,7 +17,7 @@ enum class PerezQuantity { luminance, x, y };
 PerezCoefficients perez_coefficients(PerezQuantity quantity, Turbidity turbidity);
 PerezCoefficients perez_slopes(PerezQuantity quantity);  // d/dT: the coefficients are linear in T
 
-// The horizon's 1 / cos theta is bounded here; directions at and below the horizon take the horizon's value.
+// The horizon's 1 / cos theta is bounded by this; directions at and below the horizon take the horizon's value.
 constexpr double kSmallestCosine = 0.001;
 double clamp_cosine(double cosine);
 
@@ -41,7 +41,7 @@ class SkyModel {
   glm::dvec3 luminance_and_chromaticity(const Direction& view) const;
   // CIE XYZ, Y in kcd/m2
   glm::dvec3 xyz(const Direction& view) const;
-  // The same with the zenith's luminance as unit: for ratios that must hold while the absolute scale does not.
+  // The same in units of the zenith's luminance: for ratios, which stay valid where the absolute scale does not.
   glm::dvec3 relative_xyz(const Direction& view) const;
 
   Turbidity turbidity() const { return turbidity_; }

@@ -64,7 +64,7 @@ LandLight land_light_at(double altitude_m, const DomeFunction& sky, const SkyReq
           glm::max(sky_sums(SkyPainter(there)).on_level_ground, 0.0)};
 }
 
-// Eyes and cameras give in to the dusk a little: a tenth of the loss stays, in stops.
+// Eyes and cameras adapt incompletely to dusk: a tenth of the loss, in stops, stays visible.
 double exposure_for(double mean_luminance) {
   constexpr double kDay_cd_m2 = 5000.0, kShown = 0.42, kAdaptation = 0.9;
   const double relative = std::max(mean_luminance, 1e-4) / kDay_cd_m2;

@@ -1,4 +1,4 @@
-// What a picture of the sky needs, from altitude, turbidity and sun.
+// The parameters of a picture of the sky, from altitude, turbidity and sun.
 #pragma once
 
 #include <optional>
@@ -13,16 +13,17 @@ struct SkyRequest {
   double altitude_m = 0.0;
   Turbidity turbidity{2.5};
   SunDirection sun{0.0, 0.0, 1.0};
-  double exposure_ev = 0.0;        // twice as bright for each
-  std::optional<double> exposure;  // per cd/m2, instead of the sky's own: for skies side by side
+  double exposure_ev = 0.0;        // each stop is twice as bright
+  std::optional<double> exposure;  // per cd/m2, instead of the sky's own: for comparing skies
   bool sun_disc = true;
   bool aerial_perspective = true;
 };
 
-// Exposed as eyes would: nearly, not wholly, adapted to the mean of the sky. Costs some milliseconds.
+// Exposed as the eye would: nearly, but not completely, adapted to the mean of the sky. Costs some milliseconds.
 SkyScene sky_scene(const SkyRequest& request);
 
-// Light of the upper half of the sky: mean of its logarithm, and on level ground. Linear sRGB, cd/m2 and lux.
+// Light of the upper half of the sky: mean of its logarithm, and illuminance on level ground. Linear sRGB, cd/m2 and
+// lux.
 struct SkySums {
   double mean_luminance = 0.0;
   glm::dvec3 on_level_ground{0.0};

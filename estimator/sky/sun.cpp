@@ -11,7 +11,7 @@ namespace {
 constexpr double kWavelengthUm = 0.55;
 constexpr double kUt1MinusUtc = 0.0;
 
-// ERFA's two-part date of an instant; days with a leap second are 86401 s long there.
+// ERFA's two-part date of an instant; a day with a leap second is 86401 s long there.
 struct JulianDate {
   double day = 0.0;
   double rest = 0.0;
@@ -44,8 +44,8 @@ SunPosition sun_position(Utc utc, const Site& site, const std::optional<AirAtSit
             from_degrees(site.latitude_deg).value, site.altitude_m, 0.0, 0.0, a.pressure_hpa, a.temperature_c,
             a.relative_humidity, kWavelengthUm, &observer, &equation_of_origins);
 
-  // The sun as seen from the place itself (parallax included), then aberration, precession and nutation, the earth's
-  // rotation and refraction. Its light time needs no step of its own: the sun hardly moves around the barycentre.
+  // The sun as seen from the site (parallax included), then aberration, precession and nutation, the earth's rotation
+  // and refraction. Light time needs no separate step: the sun hardly moves around the barycentre.
   double geometric[3] = {-observer.eh[0], -observer.eh[1], -observer.eh[2]};
   double aberrated[3], intermediate[3];
   eraAb(geometric, observer.v, observer.em, observer.bm1, aberrated);

@@ -1,4 +1,4 @@
-// Where the sun appears, from time and place (ERFA).
+// The sun's apparent position, from time and place (ERFA).
 #pragma once
 
 #include <optional>
@@ -25,9 +25,10 @@ struct SunPosition {
   SunDirection direction{0.0, 0.0, 1.0};
 };
 
-// Topocentric, apparent. Leap seconds are ERFA's own table. UT1 - UTC is taken as 0: it stays below 0.9 s, which is
-// 0.004 deg of hour angle. Refraction is ERFA's two-term model, good to arc seconds above 5 deg and to about 0.1 deg at
-// the horizon, where no estimate is made anyway. Without `air` the standard atmosphere at the site's altitude is taken.
+// Topocentric, apparent. Leap seconds come from ERFA's own table. UT1 - UTC is taken as 0: it stays below 0.9 s, which
+// is 0.004 deg of hour angle. Refraction is ERFA's two-term model, good to arc seconds above 5 deg and to about 0.1 deg
+// at the horizon, where no estimate is made anyway. Without `air` the standard atmosphere at the site's altitude is
+// used.
 SunPosition sun_position(Utc utc, const Site& site, const std::optional<AirAtSite>& air = std::nullopt);
 
 }  // namespace kasumi

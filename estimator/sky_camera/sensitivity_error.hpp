@@ -1,4 +1,4 @@
-// What a wrong spectral sensitivity does to Gamma, the share of light that passes through the air (M Eq 11).
+// The effect of a wrong spectral sensitivity on Gamma, the transmittance of the air (M Eq 11).
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@ struct GammaError {
 // Over T 2 to 8 and level paths to 10 km at sea level, every half kilometre.
 GammaError gamma_error(const SpectralSensitivity& assumed, const SpectralSensitivity& truth);
 
-// The error to be expected of fit_sensitivity under these skies: each measured camera in turn is taken out, seen under
-// the same skies (with `left` on top, what the sky model was off by) and found from the others. Empty with fewer than
-// 3 cameras. One element per camera.
+// The expected error of fit_sensitivity under these skies: each measured camera in turn is left out, simulated under
+// the same skies (plus `left`, the sky model's residuals) and estimated from the others. Empty with fewer than 3
+// cameras. One element per camera.
 std::vector<GammaError> leave_one_out(std::span<const SkyColour> colours, std::span<const glm::dvec2> left,
                                       std::span<const SpectralSensitivity> cameras);
 

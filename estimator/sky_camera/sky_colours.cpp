@@ -19,7 +19,7 @@ struct Sum {
 
 }  // namespace
 
-std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyLook& look, const Camera& camera,
+std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& look, const Camera& camera,
                                    Turbidity turbidity, int number) {
   const SkyModel model(turbidity, look.estimate.sun);
   std::map<std::pair<int, int>, Sum> cells;

@@ -1,4 +1,4 @@
-// The colours of a clear sky beside the spectra its light must have: what a camera's sensitivity is found from.
+// The colours of a clear sky paired with the spectra its light must have, from which a camera's sensitivity is found.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace kasumi {
 
-// Cells of about 6 by 6 deg of what `look` took for clear sky: mean log ratios of the camera's linear light (vignetting
-// removed, white balance not), and the mean daylight weights of Preetham's chromaticities under this T and sun.
-// `number` is the picture's.
-std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyLook& look, const Camera& camera,
+// Cells of about 6 by 6 deg of the sky that `look` classified as clear: mean log ratios of the camera's linear light
+// (vignetting removed, white balance not), and the mean daylight weights of Preetham's chromaticities for this T and
+// sun. `number` is the picture's.
+std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& look, const Camera& camera,
                                    Turbidity turbidity, int number);
 
 }  // namespace kasumi

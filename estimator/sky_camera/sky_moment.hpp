@@ -1,4 +1,4 @@
-// The sky once: a picture of it, and where the sun stood.
+// One picture of the sky, with the sun's position when it was taken.
 #pragma once
 
 #include <string>

@@ -15,12 +15,12 @@ struct Skies {
   std::vector<std::string> refused;
 };
 
-// The colours of all skies that are clear enough, by a camera as it is thought to be.
+// The colours of all skies that are clear enough, measured with the current estimate of the camera.
 Skies look_at(std::span<const SkyMoment> moments, const Camera& camera, const std::optional<double>& turbidity) {
   Skies skies;
   SkyObserver observer(camera);
   for (const auto& moment : moments) {
-    const auto look = observer.look(moment.picture, moment.sun);
+    const auto look = observer.observe(moment.picture, moment.sun);
     if (!look.estimate.usable) {
       skies.refused.push_back(fmt::format("{}: {}", moment.name, look.estimate.reason));
       continue;
@@ -60,13 +60,13 @@ Result<SkySensitivity> sensitivity_from_sky(Camera camera, std::span<const SkyMo
   SkySensitivity found;
   Skies skies;
   constexpr int kRounds = 3;
-  camera.colour_space = Camera::ColourSpace::srgb;  // mostly green is luminance enough to begin with
+  camera.colour_space = Camera::ColourSpace::srgb;  // mostly green, a good enough luminance to begin with
   for (int round = 0; round < kRounds; ++round) {
     skies = look_at(moments, camera, options.turbidity);
     if (skies.turbidities.empty())
       return fail(FaultKind::bad_input, "{}{}{}",
-                  round == 0 ? "no picture shows a clear sky to be sure of: expected some of a cloudless day"
-                             : "seen with the sensitivity that explains it best, the sky is none: expected the "
+                  round == 0 ? "no picture shows a clear enough sky: expected some pictures of a cloudless day"
+                             : "with the best-fitting sensitivity no picture shows a clear sky: expected the "
                                "sensor's own colours (not converted by the camera), and the recording's right T",
                   skies.refused.empty() ? "" : "\n", fmt::join(skies.refused, "\n"));
     found.ranked = rank(skies.colours, cameras);

@@ -16,27 +16,27 @@ namespace kasumi {
 namespace {
 
 constexpr int kShape = 3;         // v2, v4, v6
-constexpr int kLooks = 4;         // cloud masks under a better and better lens
+constexpr int kLooks = 4;         // cloud masks with successively better vignetting
 constexpr double kOutlier = 4.0;  // robust standard deviations
-constexpr Radians kSmooth = from_degrees(20.0);
+constexpr Radians kCorrelationAngle = from_degrees(20.0);
 constexpr std::size_t kFewestSamples = 200;  // of a picture
-constexpr double kThreePercent = 0.03;
-constexpr double kHidden = 1.3;  // the fit takes part of a smooth error out of the residuals
+constexpr double kModelError = 0.03;
+constexpr double kAbsorbed = 1.3;  // the fit absorbs part of a smooth error, which then is missing from the residuals
 
 struct Sample {
   PerezPoint at;
   double zenith = 0.0, r2 = 0.0, log_light = 0.0, weight = 0.0;
-  int patch = 0;  // of sky, in which errors of the model are alike
+  int patch = 0;  // patch of sky, within which the model's errors are alike
   bool used = true;
 };
 
 struct Moment {
   std::vector<Sample> samples;
   double turbidity = 3.0, log_gain = 0.0;
-  std::string reason;  // it is not used
+  std::string reason;  // why it is not used
 };
 
-// Elements that are clear sky, evenly over the picture.
+// Elements of clear sky, evenly distributed over the picture.
 std::vector<glm::ivec2> spread(const Image<PixelUse>& use, int count) {
   const auto clear = std::ranges::count(use.elements(), PixelUse::clear);
   const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(clear) / count)));
@@ -59,7 +59,7 @@ class Fit {
       }
   }
 
-  // Gauss-Newton with least squares on what is used, outliers dropped as the residuals show them.
+  // Gauss-Newton with least squares on the samples in use; outliers are dropped by their residuals.
   void solve() {
     constexpr int kRounds = 25;
     for (int round = 0; round < kRounds; ++round) {
@@ -93,16 +93,16 @@ class Fit {
 
   // Of ln illumination at the rim.
   struct Certainty {
-    double scatter = 0.0;       // standard deviation, patches of sky being independent
-    double misfit = 0.0;        // of whole patches, root mean square: what the model's error must be, at least
-    double about_sun = 0.0;     // by an error of 1 that goes with the distance from the sun
-    double at_rim = 0.0;        // by one that grows to 1 at 80 deg from the zenith
-    double by_turbidity = 0.0;  // by T that is 1 too high in all pictures
+    double scatter = 0.0;       // standard deviation, assuming that patches of sky are independent
+    double misfit = 0.0;        // of whole patches, root mean square: a lower bound of the model's error
+    double about_sun = 0.0;     // for an error of 1 that varies with the distance from the sun
+    double at_rim = 0.0;        // for one that grows to 1 at 80 deg from the zenith
+    double by_turbidity = 0.0;  // for T too high by 1 in all pictures
   };
   Certainty certainty() const {
     Eigen::VectorXd rim = Eigen::VectorXd::Zero(normal_.rows());
     rim.head<kShape>().setConstant(1.0 / illumination(1.0));
-    const Eigen::VectorXd weigh = normal_.ldlt().solve(rim);  // what a pull on an unknown does to the rim
+    const Eigen::VectorXd weigh = normal_.ldlt().solve(rim);  // sensitivity of the rim to each unknown
     Certainty found;
     double patches = 0.0, counted = 0.0, squares = 0.0;
     Eigen::VectorXd rings = Eigen::VectorXd::Zero(kRings);
@@ -123,7 +123,7 @@ class Fit {
         patch.count += 1.0;
         found.at_rim += lever * std::pow(sample.zenith / from_degrees(80.0).value, 2);
         found.by_turbidity += lever * rows[s](kShape);
-        const double ring = sample.at.gamma / kSmooth.value;  // hats over the distance from the sun
+        const double ring = sample.at.gamma / kCorrelationAngle.value;  // hat functions over the distance from the sun
         const auto below = static_cast<Eigen::Index>(ring);
         const double part = ring - static_cast<double>(below);
         if (below + 1 >= kRings) continue;
@@ -150,7 +150,8 @@ class Fit {
   static constexpr std::size_t kPatches = 32;
   static Eigen::Index of_t(std::size_t i) { return kShape + 2 * static_cast<Eigen::Index>(i); }
 
-  // For each picture: d(model) by v2, v4, v6 and T of each sample (by the gain it is 1), and residuals.
+  // For each picture: the derivatives of the model by v2, v4, v6 and T for each sample (by the gain it is 1), and
+  // residuals.
   template <class F>
   void for_all(const F& f) const {
     for (std::size_t i = 0; i < used_.size(); ++i) {
@@ -192,7 +193,7 @@ class Fit {
       normal_.block<2, kShape>(t, 0) += block.bottomLeftCorner<2, kShape>();
       right_.head<kShape>() += pull.head<kShape>();
       right_.segment<2>(t) += pull.tail<2>();
-      if (known_turbidity_) normal_(t, t) += 1e12;  // held
+      if (known_turbidity_) normal_(t, t) += 1e12;  // held fixed
     });
   }
 
@@ -213,7 +214,7 @@ class Fit {
   Eigen::VectorXd right_;
 };
 
-// What stays the same over the looks: the bare camera's light, and where the lens's centre is.
+// What stays the same over the rounds: the bare camera's light and the lens's centre.
 struct Bare {
   Camera camera;
   std::optional<SkyGeometry> geometry;
@@ -222,13 +223,13 @@ struct Bare {
 
 Moment look_at(SkyObserver& observer, Bare& bare, const SkyMoment& seen, double radius_px,
                const SkyVignettingOptions& options) {
-  // A lens whose darkening is not known yet leaves more than a clear sky may.
+  // A lens whose vignetting is not known yet leaves larger residuals than a clear sky may.
   EstimateOptions look_options;
   look_options.largest_log_residual = 0.4;
   look_options.least_agreement = 0.2;
   look_options.largest_relative_sigma = 1.0;
   Moment moment;
-  const auto look = observer.look(seen.picture, seen.sun, look_options);
+  const auto look = observer.observe(seen.picture, seen.sun, look_options);
   if (!look.estimate.usable) {
     moment.reason = look.estimate.reason;
     return moment;
@@ -249,7 +250,7 @@ Moment look_at(SkyObserver& observer, Bare& bare, const SkyMoment& seen, double 
     sample.zenith = static_cast<double>(samples[i].zenith);
     sample.r2 = glm::dot(off, off);
     sample.log_light = static_cast<double>(samples[i].log_luminance);
-    // Half a percent of the model's own, so that bright pixels are not all that counts.
+    // Half a percent of model error, so that bright pixels do not dominate.
     sample.weight = 1.0 / (2.5e-5 + std::pow(static_cast<double>(samples[i].sigma), 2));
     const int ring = std::min(3, static_cast<int>(sample.zenith / 0.35));
     sample.patch = 8 * ring + std::min(7, static_cast<int>(sample.at.gamma / 0.35));
@@ -263,7 +264,7 @@ Moment look_at(SkyObserver& observer, Bare& bare, const SkyMoment& seen, double 
   return moment;
 }
 
-// As far from the centre as the sky is looked at.
+// The largest distance from the centre at which the sky is used.
 double reach_px(const Camera& camera, const glm::dvec2& centre, const SkyPicture& picture) {
   const double lowest = std::cos(SampleLimits{}.largest_zenith.value);
   double reach = 0.0;
@@ -276,7 +277,7 @@ double reach_px(const Camera& camera, const glm::dvec2& centre, const SkyPicture
   return reach;
 }
 
-// As far from the centre as the lens sees anything: the curve must hold there too.
+// The largest distance from the centre that the lens images: the curve must be valid there too.
 double lens_reach_px(const Camera& camera, const glm::dvec2& centre) {
   double reach = 0.0;
   for (int y = 0; y < camera.height; y += 4)
@@ -285,7 +286,7 @@ double lens_reach_px(const Camera& camera, const glm::dvec2& centre) {
   return reach + 4.0;
 }
 
-// Medians in rings of what a picture shows over what the sky model has there.
+// Medians over rings of the picture's light relative to the sky model's.
 std::vector<glm::dvec2> profile_of(const Fit& fit, const Moment& moment, double radius_px) {
   constexpr std::size_t kBins = 16;
   std::array<std::vector<double>, kBins> rings;
@@ -306,14 +307,15 @@ std::vector<glm::dvec2> profile_of(const Fit& fit, const Moment& moment, double 
 
 Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const SkyMoment> seen,
                                           const SkyVignettingOptions& options) {
-  if (seen.empty()) return fail(FaultKind::bad_input, "no picture of the sky to see vignetting in");
+  if (seen.empty()) return fail(FaultKind::bad_input, "no sky picture to measure vignetting from");
   Bare bare{camera, std::nullopt, {}};
   bare.camera.vignetting = {};
   const auto centre = camera.lens->project({0.0, 0.0, 1.0});
   if (!centre) return fail(FaultKind::bad_input, "the sky camera's lens does not see its own axis");
   bare.centre = *centre;
   const double radius_px = reach_px(bare.camera, bare.centre, seen.front().picture);
-  if (!(radius_px > 1.0)) return fail(FaultKind::bad_input, "the sky camera sees no sky: expected one that looks up");
+  if (!(radius_px > 1.0))
+    return fail(FaultKind::bad_input, "the sky camera sees no sky: expected one that points upwards");
 
   SkyVignetting result;
   result.vignetting = {bare.centre, radius_px, {}};
@@ -346,34 +348,34 @@ Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const 
   double squares = 0.0;
   for (const double residual : result.residuals) squares += residual * residual;
   result.residual = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, result.residuals.size())));
-  const double by_sky = kHidden * certainty.misfit * certainty.about_sun;
+  const double by_sky = kAbsorbed * certainty.misfit * certainty.about_sun;
   const double by_turbidity = options.turbidity ? options.turbidity->sigma * certainty.by_turbidity : 0.0;
   result.rim_sigma = std::hypot(certainty.scatter, by_sky, by_turbidity);
-  result.by_3_percent_about_sun = kThreePercent * certainty.about_sun;
-  result.by_3_percent_at_rim = kThreePercent * certainty.at_rim;
+  result.by_3_percent_about_sun = kModelError * certainty.about_sun;
+  result.by_3_percent_at_rim = kModelError * certainty.at_rim;
   for (std::size_t a = 0; a < seen.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
       if (result.moments[a].used && result.moments[b].used)
         result.sun_way = std::max(result.sun_way, angle_between(seen[a].sun, seen[b].sun));
   if (!options.turbidity && result.sun_way < options.least_sun_way)
     return fail(FaultKind::bad_input,
-                "{} picture{} with the sun in one place (within {:.0f} deg, expected {:.0f} and more): what the lens "
-                "does and what T does cannot be told apart; a sky that differs from the model by 3 % would change the "
-                "illumination at the rim by {:.0f} %; take pictures over hours, or say what T was",
+                "{} picture{} with the sun in one place (within {:.0f} deg, expected {:.0f} or more): the effects "
+                "of lens and T cannot be separated; a sky that differs from the model by 3 % would change the "
+                "illumination at the rim by {:.0f} %; take pictures over several hours, or give T",
                 result.pictures, result.pictures == 1 ? "" : "s", to_degrees(result.sun_way),
                 to_degrees(options.least_sun_way), 100.0 * result.by_3_percent_about_sun);
   if (!(result.rim_sigma <= options.largest_rim_sigma))
     return fail(
         FaultKind::bad_input,
-        "{} pictures leave the illumination at the rim open by {:.1f} % (one standard deviation, expected {:.1f} "
-        "or less): the sky differs from the model by {:.1f} %; say what T was, or take a flat field",
+        "{} pictures leave the illumination at the rim uncertain by {:.1f} % (one standard deviation, expected {:.1f} "
+        "or less): the sky differs from the model by {:.1f} %; give T, or take a flat field",
         result.pictures, 100.0 * result.rim_sigma, 100.0 * options.largest_rim_sigma, 100.0 * certainty.misfit);
   const auto& v = result.vignetting.coefficients;
   const double farthest_px = lens_reach_px(camera, bare.centre);
   const auto dark = first_positive_root({1.0, v[0], v[1], v[2]});
   if (dark && std::sqrt(*dark) * radius_px <= farthest_px)
     return fail(FaultKind::bad_input,
-                "the picture seems to darken to nothing {:.0f} px from the centre, and the lens sees to {:.0f} px: "
+                "the fit darkens to zero {:.0f} px from the centre, but the lens images up to {:.0f} px: "
                 "expected a clear sky and the right lens; is the lens's largest_angle_deg right?",
                 std::sqrt(*dark) * radius_px, farthest_px);
   return result;

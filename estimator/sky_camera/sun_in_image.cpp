@@ -16,20 +16,20 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kFewElements = 6;    // a blob of so few has no shape to speak of
-constexpr double kRimReach = 0.6;  // of the saturated level: where the blob's soft rim ends
+constexpr int kFewElements = 6;    // a smaller blob has no meaningful shape
+constexpr double kRimReach = 0.6;  // of the saturated level: lower edge of the blob's soft rim
 
 float dimmest(const glm::vec3& encoded) {
   return std::min({encoded.r, encoded.g, encoded.b});
 }
 
-// The part of an element that the blob covers, from its level: full where saturated, less on the rim.
+// The share of an element that the blob covers, from its level: 1 where saturated, less on the rim.
 double cover_of(const glm::vec3& encoded, double saturated) {
   return std::clamp((static_cast<double>(dimmest(encoded)) / saturated - kRimReach) / (1.0 - kRimReach), 0.0, 1.0);
 }
 
 struct Box {
-  int left, top, right, bottom;  // bounds included
+  int left, top, right, bottom;  // inclusive
 };
 
 struct Shape {
@@ -80,7 +80,7 @@ Shape shape_of(const SkyPicture& picture, const SkyGeometry& geometry, const cv:
 }
 
 // How much brighter the sky is close around the blob than further away, in encoded levels: the sun has an aureole, a
-// reflection on the dome or a window has none. 0..1.
+// reflection on the dome or in a window has none. 0..1.
 double aureole_of(const SkyPicture& picture, const SkyGeometry& geometry, const glm::dvec3& centre, double radius,
                   double resolution) {
   const glm::vec3 towards(centre);
@@ -131,7 +131,7 @@ std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera,
     const double radius = std::sqrt(shape.solid_angle / kPi);
     if (radius < options.smallest_radius.value || radius > options.largest_radius.value) continue;
     const double resolution = std::sqrt(shape.solid_angle / stats(label, cv::CC_STAT_AREA));
-    // A wide blob is rather a white cloud.
+    // A wide blob is more likely a white cloud.
     const double size = std::clamp(1.5 * (1.0 - radius / options.largest_radius.value), 0.0, 1.0);
     const double score = shape.roundness * shape.roundness * size *
                          (0.25 + 0.75 * aureole_of(picture, geometry, shape.direction, radius, resolution));
@@ -169,14 +169,16 @@ SunCheck cross_check(const std::optional<SunDirection>& ephemeris, const std::op
                                                : std::string("no sun is seen in the image");
   switch (check.source) {
     case SunSource::ephemeris:
-      check.words = check.disagreement && !check.agrees
-                        ? apart + "; the clock is trusted, so look at the camera's orientation"
-                        : apart;
+      check.message = check.disagreement && !check.agrees
+                          ? apart + "; the clock is trusted, so check the camera's orientation"
+                          : apart;
       break;
     case SunSource::image:
-      check.words = apart + (clock_trusted ? "" : "; the clock is not trusted, so the image is believed");
+      check.message = apart + (clock_trusted ? "" : "; the clock is not trusted, so the sun in the image is used");
       break;
-    case SunSource::none: check.words = apart + ", and the clock is not trusted: the sun is not known"; break;
+    case SunSource::none:
+      check.message = apart + ", and the clock is not trusted: the sun's direction is unknown";
+      break;
   }
   return check;
 }

@@ -30,8 +30,8 @@ float colour_of(const glm::vec3& light) {
   return std::log(light.r / light.b);
 }
 
-// The air and the white balance under which most of the sky agrees in colour and luminance at once: the clear part,
-// since clouds agree in neither.
+// The turbidity and white balance for which most of the sky agrees in colour and luminance at once. That part is clear
+// sky, since clouds agree in neither.
 struct ColourConsensus {
   Turbidity turbidity;
   float white_balance = 0.0f;  // measured minus expected ln R/B
@@ -43,7 +43,7 @@ struct Look {
   float colour, luminance;
 };
 
-// Fullest cell of a coarse plane of (colour, luminance) residuals; cells overlap by half.
+// The fullest cell of a coarse plane of (colour, luminance) residuals; cells overlap by half.
 ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity, const SiteSky& model,
                              const glm::dmat3& xyz_to_light) {
   constexpr int kSide = 64;
@@ -64,7 +64,7 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
     return median_in_place(values);
   };
   const glm::vec2 origin = glm::vec2{middle(0), middle(1)} - 0.5f * kSide * kStep;
-  // Counts summed from the corner, so that a cell of any width costs four look-ups.
+  // Summed-area table, so that a cell of any width costs four look-ups.
   constexpr int kSums = kSide + 1;
   std::array<int, kSums * kSums> sums{};
   const auto sum_to = [&sums](int x, int y) -> int& {
@@ -85,7 +85,7 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
         const int sum = sum_to(x + width, y + width) - sum_to(x, y + width) - sum_to(x + width, y) + sum_to(x, y);
         if (sum > most) most = sum, at = x;
       }
-    // Log likelihood of so many in so small a cell, the rest anywhere.
+    // Log likelihood of this many in so small a cell, with the rest anywhere.
     constexpr double kBackground = 6.0;
     const double inside = most, outside = all - inside, area = std::pow(width * static_cast<double>(kStep), 2);
     const double score = inside * std::log(std::max(1.0, inside) / (all * area)) +
@@ -114,7 +114,7 @@ ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry
   return best;
 }
 
-// A smooth quantity of the sky, dear to compute, known on a coarse lattice and interpolated between.
+// A smooth quantity of the sky that is expensive to compute, evaluated on a coarse lattice and interpolated.
 template <class Quantity>
 class Interpolated {
  public:
@@ -144,7 +144,7 @@ class Interpolated {
   Image<float> nodes_;
 };
 
-// Mean over a square window of the elements that count; zero where none does.
+// Mean over a square window of the elements that count; zero where there are none.
 cv::Mat1f mean_over(const cv::Mat1f& values, const cv::Mat1f& counts, int side) {
   cv::Mat1f sum, number;
   cv::boxFilter(values.mul(counts), sum, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
@@ -154,7 +154,7 @@ cv::Mat1f mean_over(const cv::Mat1f& values, const cv::Mat1f& counts, int side) 
   return mean;
 }
 
-// Unevenness: how far ln Y is from the mean of its neighbours, averaged over a patch. Smooth gradients cancel.
+// Texture: how far ln Y is from the mean of its neighbours, averaged over a patch. Smooth gradients cancel.
 cv::Mat1f texture_of(const cv::Mat1f& log_luminance, const cv::Mat1f& counts) {
   constexpr int kReach = 2;
   cv::Mat1f uneven(log_luminance.size(), 0.0f), known(log_luminance.size(), 0.0f);
@@ -172,9 +172,9 @@ cv::Mat1f texture_of(const cv::Mat1f& log_luminance, const cv::Mat1f& counts) {
   return mean_over(uneven, known, 5);
 }
 
-// Turns what is marked into cloud, cleaned and grown: single elements are noise, and what is left has soft edges a
-// degree or two wide. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
-double take_out(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b marked) {
+// Classifies marked elements as cloud after removing single ones (noise) and growing the rest, whose edges are soft
+// over a degree or two. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
+double mark_clouds(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b marked) {
   cv::medianBlur(marked, marked, 3);
   cv::Mat1b grown;
   const int side = 2 * std::max(1, static_cast<int>(std::lround(0.006 * std::min(marked.cols, marked.rows)))) + 1;
@@ -201,7 +201,7 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
   const ColourConsensus consensus = agree_on_colour(sky, geometry, model_at, xyz_to_light);
   const SiteSky model = model_at(consensus.turbidity);
 
-  // Every element against the clear sky expected there.
+  // Compares every element with the clear sky expected there.
   const Interpolated expected(geometry,
                               [&](const Direction& view) { return expected_at(model, xyz_to_light, view).colour; });
   cv::Mat1f counts(height, width, 0.0f), colour(height, width, 0.0f), luminance(height, width, 0.0f);
@@ -217,7 +217,8 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
   const cv::Mat1f smooth_colour = mean_over(colour, counts, 3);
   const cv::Mat1f texture = texture_of(luminance, counts);
 
-  // What the clear sky itself scatters: the width of its colour's own side, and its quieter part's unevenness.
+  // The clear sky's own scatter: the width of the bluer half of its colour distribution, and the texture of its
+  // smoother half.
   std::vector<float> bluer, unevenness;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -235,11 +236,11 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
     for (int x = 0; x < width; ++x)
       if (counts(y, x) != 0.0f && (smooth_colour(y, x) > colour_limit || texture(y, x) > texture_limit))
         cloud(y, x) = 1;
-  return {take_out(sky, geometry, std::move(cloud)), consensus.turbidity};
+  return {mark_clouds(sky, geometry, std::move(cloud)), consensus.turbidity};
 }
 
-double mask_strangers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
-                      double log_gain, double limit, const FittedSky& fitted) {
+double mask_outliers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
+                     double log_gain, double limit, const FittedSky& fitted) {
   const int width = sky.use.width(), height = sky.use.height();
   const Interpolated expected(geometry, [&](const Direction& view) {
     return static_cast<float>(fitted.log_luminance(turbidity, view.z, angle_between(view, sun).value));
@@ -252,11 +253,11 @@ double mask_strangers(SkyLight& sky, const SkyGeometry& geometry, const SunDirec
       residual(y, x) = sky.log_luminance.at(x, y) - expected.at(x, y) - static_cast<float>(log_gain);
     }
   const cv::Mat1f smooth = mean_over(residual, counts, 3);
-  cv::Mat1b strange(height, width, std::uint8_t{0});
+  cv::Mat1b outlier(height, width, std::uint8_t{0});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      if (counts(y, x) != 0.0f && std::abs(smooth(y, x)) > static_cast<float>(limit)) strange(y, x) = 1;
-  return take_out(sky, geometry, std::move(strange));
+      if (counts(y, x) != 0.0f && std::abs(smooth(y, x)) > static_cast<float>(limit)) outlier(y, x) = 1;
+  return mark_clouds(sky, geometry, std::move(outlier));
 }
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// Which parts of the sky are cloud (or tree, drop, bird): anything that is not clear air.
+// Which parts of the sky are cloud (or tree, drop, bird): everything that is not clear air.
 #pragma once
 
 #include "estimator/turbidity/fitted_sky.hpp"
@@ -7,8 +7,8 @@
 namespace kasumi {
 
 struct CloudMaskOptions {
-  // How much whiter (ln R/B) than the clear sky expected in that direction, and how much more uneven, a cloud is, in
-  // units of the clear sky's own scatter; and the least differences that count at all.
+  // How much whiter (ln R/B) and how much more textured than the clear sky expected in that direction a cloud is, in
+  // units of the clear sky's own scatter; and the smallest differences that count at all.
   double colour_scatter = 4.0;
   double least_colour = 0.10;
   double texture_scatter = 5.0;
@@ -17,18 +17,18 @@ struct CloudMaskOptions {
 
 struct CloudMaskResult {
   double clear_fraction = 0.0;  // of the solid angle that could be judged
-  Turbidity turbidity;          // at which the sky's colour was expected
+  Turbidity turbidity;          // for which the sky's colour was expected
 };
 
-// Turns PixelUse::clear into PixelUse::cloud where a cloud stands. The expected R/B follows the sky model in direction
-// and T with a free white balance, so that a clear whitish sky (T = 9) is not taken for cloud.
+// Turns PixelUse::clear into PixelUse::cloud where there is a cloud. The expected R/B follows the sky model in
+// direction and T with a free white balance, so that a whitish clear sky (T = 9) is not mistaken for cloud.
 CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
                             const CloudMaskOptions& options = {}, const SkyToFit& fitted = {});
 
-// After a first fit: turns into PixelUse::cloud what stands out of the fitted sky's luminance by more than `limit` of
-// ln Y, and its surroundings. Catches the thin edges that colour does not show. Returns the clear share that is left of
-// what was clear before.
-double mask_strangers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
-                      double log_gain, double limit, const FittedSky& fitted = {});
+// After a first fit: turns into PixelUse::cloud what differs from the fitted sky's luminance by more than `limit` of ln
+// Y, and its surroundings. Catches thin cloud edges that colour does not show. Returns the share of the previously
+// clear sky that is still clear.
+double mask_outliers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
+                     double log_gain, double limit, const FittedSky& fitted = {});
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// The hot path, in single precision and without branches in its loops, so that compilers make vector code of them.
+// The hot path: single precision and branch-free loops, so that compilers vectorise them.
 #include "estimator/turbidity/consensus.hpp"
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace kasumi {
 
 namespace {
 
-// Coarse where T hardly changes the sky: steps of about 0.03 in ln F. Each run of equal steps needs two exponentials
-// per sample in all, since B and D are linear in T.
+// Coarse where T hardly changes the sky: steps of about 0.03 in ln F. Each run of equal steps needs only two
+// exponentials per sample, since B and D are linear in T.
 struct Run {
   double first, step;
   int count;
@@ -30,7 +30,7 @@ constexpr std::array<Run, 6> kGrid{
 // Background density of samples that fit nothing: they lie anywhere in this range of ln Y.
 constexpr float kBackgroundRange = 3.0f;
 
-// The samples against the skies of one model.
+// The samples compared with the skies of one model.
 class Skies {
  public:
   Skies(std::span<const SkySample> samples, Turbidity highest)
@@ -43,7 +43,7 @@ class Skies {
   float* residual() { return residual_.data(); }        // ln Y - ln F
   const float* slope() const { return slope_.data(); }  // d ln F / dT
 
-  // Fills residual() for one T of the grid after the other, and calls use(T).
+  // Fills residual() for each T of the grid in turn, and calls use(T).
   virtual void over_the_grid(const std::function<void(float)>& use) = 0;
   // Fills residual() and slope().
   virtual void evaluate(float t) = 0;
@@ -54,8 +54,8 @@ class Skies {
   std::vector<float> log_y_, residual_, slope_;
 };
 
-// Log likelihood of n of all samples lying in a window of this half width and the rest anywhere: rewards many, and
-// narrow. It is what lets the data choose the window.
+// Log likelihood that n of all samples lie in a window of this half width and the rest anywhere: rewards many inliers
+// and narrow windows, which lets the data choose the window.
 inline float agreement(float n, float all, float half_width) {
   const float rest = all - n;
   const float inside = n > 0.0f ? n * fast_log(n / (all * 2.0f * half_width)) : 0.0f;
@@ -63,8 +63,8 @@ inline float agreement(float n, float all, float half_width) {
   return inside + outside;
 }
 
-// Fullest window among the residuals, for a few widths at once. Sixteen bits hold the counts, for eight of them fit a
-// vector register.
+// The fullest window among the residuals, for several widths at once. Counts have sixteen bits, because eight of them
+// fit a vector register.
 class Histogram {
  public:
   Consensus fullest(const float* residual, std::size_t n, float t) {
@@ -192,7 +192,7 @@ class DomeSkies final : public Skies {
     }
   }
 
-  // Steps of less than .05 in ln F, but next to the sun.
+  // Steps of less than .05 in ln F, except next to the sun.
   void over_the_grid(const std::function<void(float)>& use) override {
     constexpr int kSteps = 32;
     for (int i = 0; i <= kSteps; ++i) {
@@ -221,7 +221,7 @@ class DomeSkies final : public Skies {
   std::vector<float> columns_;  // node by node
 };
 
-// One candidate per T of the grid.
+// One candidate for each T of the grid.
 std::vector<Consensus> candidates_of(Skies& skies) {
   std::vector<Consensus> candidates;
   candidates.reserve(64);
@@ -230,7 +230,7 @@ std::vector<Consensus> candidates_of(Skies& skies) {
   return candidates;
 }
 
-// The best candidate, and the best of those that are not on the same hill.
+// The best candidate, and the best of those not around the same maximum.
 std::array<Consensus, 2> two_best(const std::vector<Consensus>& all) {
   const auto best = std::ranges::max_element(all, {}, &Consensus::score);
   Consensus second;
@@ -243,8 +243,8 @@ std::array<Consensus, 2> two_best(const std::vector<Consensus>& all) {
   return {*best, second};
 }
 
-// The half width that the residuals around `centre` ask for, and how well they then agree. Widths are half octaves,
-// read off the floating point number itself.
+// The half width that fits the residuals around `centre`, and how well they then agree. Widths are half octaves, taken
+// from the bits of the floating point number.
 struct Window {
   float half_width = 0.0f, score = 0.0f;
 };
@@ -269,8 +269,8 @@ Window densest_window(const float* residual, std::size_t n, float centre, float 
   return best;
 }
 
-// Graduated non-convexity: Tukey's weights, whose reach shrinks from the candidate's window to the one the data ask
-// for.
+// Graduated non-convexity: Tukey's weights, whose width shrinks from the candidate's window to the one that fits the
+// data.
 Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
   constexpr int kRounds = 10;
   const auto lowest = static_cast<float>(kLowestTurbidity.value), highest = skies.highest();
@@ -295,7 +295,7 @@ Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
     const float information = wss - ws * ws / w_sum;
     if (!(information > 0.0f)) break;
     const float wanted = (wsr - ws * wr / w_sum) / information;
-    const float largest_step = 0.4f * (c.t - 1.2f);  // ln F bends more the lower T
+    const float largest_step = 0.4f * (c.t - 1.2f);  // ln F is more curved at low T
     const float step = std::clamp(std::clamp(wanted, -largest_step, largest_step), lowest - c.t, highest - c.t);
     c.log_gain += (wr - step * ws) / w_sum;
     c.t += step;
@@ -312,7 +312,7 @@ Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
 }  // namespace
 
 Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest, const FittedSky& sky) {
-  constexpr std::size_t kMost = 32000;  // more say nothing new, and the histogram counts in sixteen bits
+  constexpr std::size_t kMost = 32000;  // more add no information, and the histogram counts in sixteen bits
   samples = samples.first(std::min(samples.size(), kMost));
   std::unique_ptr<Skies> skies;
   if (const DomeLog* dome = sky.dome())

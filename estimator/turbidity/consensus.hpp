@@ -16,10 +16,9 @@ struct Consensus {
   float score = -std::numeric_limits<float>::infinity();  // log likelihood; not finite: nothing agrees
 };
 
-// 1. On a grid of T: how many samples share one gain, within windows of several widths. Exhaustive, so that nothing is
-//    left to luck.
-// 2. Graduated non-convexity from the two best, the window following the residuals between the two limits.
-// Needs at least two samples with finite values.
+// 1. On a grid of T: how many samples share one gain, within windows of several widths. The search is exhaustive, so
+// the result does not depend on chance. 2. Graduated non-convexity from the two best candidates, the window following
+// the residuals between the two limits. Needs at least two samples with finite values.
 Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest, const FittedSky& sky = {});
 
 }  // namespace kasumi

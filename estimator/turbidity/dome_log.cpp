@@ -12,7 +12,7 @@ namespace {
 
 const double kFirst = std::log(kLowestTurbidity.value);
 const double kStep = (std::log(kHighestDomeTurbidity.value) - kFirst) / (DomeLog::kNodes - 1);
-constexpr double kDarkest = 1e-6;  // cd/m2: no sky by day
+constexpr double kDarkest = 1e-6;  // cd/m2: darker than any daytime sky
 
 }  // namespace
 
@@ -22,7 +22,7 @@ DomeLog::DomeLog(double altitude_m, const SunDirection& sun) {
 }
 
 DomeLog::Nodes DomeLog::at(double cos_zenith, double cos_sun_distance) const {
-  const auto terms = dome_terms(domes_.front(), cos_zenith, cos_sun_distance);  // of the angles alone
+  const auto terms = dome_terms(domes_.front(), cos_zenith, cos_sun_distance);  // depends on the angles alone
   Nodes nodes{};
   for (std::size_t k = 0; k < kNodes; ++k) {
     double y = 0.0;

@@ -1,5 +1,5 @@
-// ln of the dome's luminance as a function of T, for one altitude and sun: what an estimate fits where the site's sky
-// is the dome.
+// ln of the dome's luminance as a function of T, for one altitude and sun: the model to fit where the site's sky is the
+// dome.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@ class DomeLog {
  public:
   DomeLog(double altitude_m, const SunDirection& sun);
 
-  // ln Y at one place of the sky, for T at nodes even in ln T over the dome's table.
+  // ln Y at one place of the sky, for T at nodes uniform in ln T over the dome's table.
   static constexpr std::size_t kNodes = 17;
   using Nodes = std::array<float, kNodes>;
   Nodes at(double cos_zenith, double cos_sun_distance) const;
 
-  // Cubics between the nodes (Catmull and Rom's; quadratics at the ends), the same for all places: ln Y and its slope
-  // in T are sums over four of them. Off by less than .001 of ln Y.
+  // Cubics between the nodes (Catmull-Rom; quadratics at the ends), the same for all places: ln Y and its slope in T
+  // are sums over four nodes. The error is below .001 of ln Y.
   struct Between {
     std::size_t first = 0;
     std::array<double, 4> value{}, slope{};

@@ -1,11 +1,11 @@
-// ln and exp for loops that are to become vector code.
+// ln and exp for vectorised loops.
 #pragma once
 
 #include <bit>
 
 namespace kasumi {
 
-// Cephes' logf and expf without branches, so that loops over samples become vector code. Relative error 1e-7 for
+// Cephes' logf and expf without branches, so that loops over samples can be vectorised. Relative error 1e-7 for
 // positive normal numbers, exponents within +-80.
 inline float fast_log(float x) {
   const int bits = std::bit_cast<int>(x);

@@ -1,5 +1,5 @@
-// The clear sky that an estimate fits: Preetham's, or the dome as it is seen from the site. T is the model's own
-// (docs/sky.md: the two are not the same), and everything else of an estimate is the same for both.
+// The clear sky that an estimate fits: Preetham's, or the dome as seen from the site. T belongs to the model
+// (docs/sky.md: the two differ); the rest of an estimate is the same for both.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ class FittedSky {
   const DomeLog* dome() const { return dome_ ? &*dome_ : nullptr; }  // null: Preetham's
   Turbidity highest() const { return dome_ ? kHighestDomeTurbidity : kHighestTurbidity; }
 
-  // ln of luminance, in a unit of the model's own that T does not change.
+  // ln of luminance, in a unit of the model's own that does not depend on T.
   double log_luminance(Turbidity turbidity, double cos_zenith, double sun_distance) const {
     const double cosine = std::cos(sun_distance);
     if (dome_) return DomeLog::between(turbidity).value_of(dome_->at(cos_zenith, cosine));
@@ -33,7 +33,7 @@ class FittedSky {
   std::optional<DomeLog> dome_;
 };
 
-// The same at fixed places for many T, with the slope.
+// The same at fixed places for many T, with the derivative.
 class FittedPlaces {
  public:
   FittedPlaces(std::span<const SkySample> samples, const FittedSky& sky) {

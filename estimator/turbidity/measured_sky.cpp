@@ -14,7 +14,7 @@ constexpr double kRingWidth = 0.5 * kPi / MeasuredSky::kRings;
 constexpr double kSectorWidth = 2.0 * kPi / MeasuredSky::kSectors;
 constexpr std::size_t kCells = static_cast<std::size_t>(MeasuredSky::kRings) * MeasuredSky::kSectors;
 constexpr auto kClipped = static_cast<float>(kSaturatedSky);
-constexpr int kStride = 2;  // every other element in both directions tells enough of a cell
+constexpr int kStride = 2;  // every other element in both directions is enough for a cell
 
 std::size_t index_of(int ring, int sector) {
   return static_cast<std::size_t>(ring) * MeasuredSky::kSectors + static_cast<std::size_t>(sector);
@@ -30,8 +30,8 @@ double solid_angle_of_ring(int ring) {
   return kSectorWidth * (std::cos(ring * kRingWidth) - std::cos((ring + 1) * kRingWidth));
 }
 
-// Counts of a small round part of the picture, by solid angle. What is too bright near the sun is neither judged to be
-// cloud nor clear.
+// Shares of a small round part of the picture, by solid angle. What is too bright near the sun is classified neither as
+// cloud nor as clear.
 struct Patch {
   double open = 0.0, judged = 0.0, cloud = 0.0;
   double saturated = 0.0, coloured = 0.0;  // in all channels; in any
@@ -57,21 +57,20 @@ Patch patch_at(const SkyPicture& picture, const SkyGeometry& geometry, const Ima
   return patch;
 }
 
-double smooth(double from, double to, double value) {
+double smooth_step(double from, double to, double value) {
   const double t = std::clamp((value - from) / (to - from), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
 
-// The sun's disc outshines what a camera can tell even through thin cloud, so its core is either saturated or hidden.
-// Beside clouds, whose bright edges saturate too, it takes what the lens spreads around a high sun to be sure. In a
-// clear sky the disc's own few pixels tell, the red of them when the sun is low: what the lens spreads of it saturates
-// nothing.
+// The sun's disc exceeds a camera's range even through thin cloud, so its core is either saturated or hidden. Near
+// clouds, whose bright edges saturate too, the glare that the lens spreads around a high sun is needed to be sure. In a
+// clear sky the disc's own few pixels are enough, and for a low sun its red ones: its glare saturates nothing.
 double share_by_disc(const Patch& core, const Patch& around) {
   if (core.open <= 0.0) return 1.0;
-  const double by_glare = smooth(0.15, 0.6, core.saturated / core.open);
+  const double by_glare = smooth_step(0.15, 0.6, core.saturated / core.open);
   if (around.judged <= 0.0 || around.cloud > 0.05 * around.judged) return by_glare;
   constexpr double kDisc_sr = 6.8e-5;
-  return std::max(by_glare, smooth(0.25, 0.75, core.coloured / kDisc_sr));
+  return std::max(by_glare, smooth_step(0.25, 0.75, core.coloured / kDisc_sr));
 }
 
 }  // namespace
@@ -132,7 +131,7 @@ MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, 
       SkyCell& cell = sky.cells[i];
       if (open[i] > 0.0) cell.xyz /= open[i];
       if (looked[i] > 0) cell.seen = static_cast<double>(free[i]) / looked[i];
-      // So low that nothing is judged, clouds are where they are just above.
+      // In cells too low to be classified, clouds are assumed as just above.
       if (judged[i] > 0.2 * open[i] && judged[i] > 0.0)
         cell.clear = clear[i] / judged[i];
       else if (ring > 0)

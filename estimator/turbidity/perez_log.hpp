@@ -1,4 +1,4 @@
-// ln F and its slope in T at a point of the sky: the residual of every fit here.
+// ln F and its slope in T at a point of the sky: the model term of every residual here.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-// A sample's place as the distribution wants it.
+// A sample's position in the variables of the distribution.
 struct PerezPoint {
   double per_cosine = 1.0;  // 1 / cos of the zenith angle
   double gamma = 0.0;       // distance from the sun [rad]

@@ -1,6 +1,6 @@
 // The papers' estimate, for their tables: one reference pixel, sum of absolute errors, RANSAC (M Eq 8, M14 Sect 3).
-// Differences: T stays where the sky model is physical, from 1.7 on (M: from 1), and the one-dimensional search is a
-// grid with golden section (M: Levenberg-Marquardt from T = 3, which falls into the poles below 1.7 when T is 2).
+// Differences: T stays where the sky model is physical, from 1.7 up (M: from 1), and the one-dimensional search is a
+// grid with golden section (M: Levenberg-Marquardt from T = 3, which diverges into the poles below 1.7 when T is 2).
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -96,7 +96,7 @@ TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, s
     return errors;
   };
 
-  // M14 keeps the inlier set with the smallest error, which the smallest sets win; an outlier is therefore charged the
+  // M14 keeps the inlier set with the smallest error, which favours the smallest sets; an outlier therefore costs the
   // threshold itself.
   std::mt19937_64 random(options.seed);
   const auto count = std::clamp(static_cast<std::size_t>(options.fraction * static_cast<double>(n)), std::size_t{3}, n);
@@ -135,7 +135,7 @@ TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, s
   solution.at_edge = solution.turbidity.value < kLowestTurbidity.value + kEdge ||
                      solution.turbidity.value > kHighestTurbidity.value - kEdge;
   if (!(information > 0.0)) return solution;
-  // Of the samples alone: the papers' method does not see the reference pixel's own error, and neither does this.
+  // From the samples alone: like the papers' method, this ignores the reference pixel's own error.
   solution.sigma = std::sqrt(squares / (m - 2.0) / information);
   solution.solved = true;
   return solution;

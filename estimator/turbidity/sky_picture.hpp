@@ -1,4 +1,4 @@
-// The sky camera's picture as the estimator wants it: few pixels, floating point, still encoded.
+// The sky camera's picture in the estimator's form: few pixels, floating point, still encoded.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -22,9 +22,9 @@ struct SkyPicture {
 
 constexpr int kSkyPictureSide = 400;
 
-// Every n-th pixel, n such that the longer side has at most `largest_side` elements; pixels are picked, not averaged:
-// averaging encoded values of a bright and a dark pixel is not light, and unused pixels need not be read at all.
-// Error (bad_input): a size that is not the camera's.
+// Every n-th pixel, n such that the longer side has at most `largest_side` elements. Pixels are picked, not averaged:
+// an average of encoded values is not proportional to light, and unused pixels need not be read. Error (bad_input): a
+// size that is not the camera's.
 Result<SkyPicture> sky_picture(const PictureView& view, const Camera& camera, int largest_side = kSkyPictureSide);
 Result<SkyPicture> sky_picture(const Image<glm::vec3>& encoded, double quantum, const Camera& camera,
                                int largest_side = kSkyPictureSide);

@@ -10,7 +10,7 @@ namespace kasumi {
 
 namespace {
 
-// Encoded level -> linear light without a power per pixel.
+// Encoded level -> linear light without evaluating a power per pixel.
 class LightTable {
  public:
   explicit LightTable(const Response& response) {
@@ -112,7 +112,7 @@ SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const
         use = PixelUse::near_sun;
       } else if (std::max({encoded.r, encoded.g, encoded.b}) >= saturated) {
         use = PixelUse::saturated;
-      } else if (!(encoded.r > dark && encoded.g > dark && encoded.b > dark)) {  // so is what is not a number
+      } else if (!(encoded.r > dark && encoded.g > dark && encoded.b > dark)) {  // also excludes NaN
         use = PixelUse::dark;
       } else {
         const glm::vec3 light = table.at(encoded) * geometry.gain.at(x, y);
@@ -129,7 +129,7 @@ SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const
 std::vector<glm::ivec2> draw_elements(const SkyLight& sky, const SkyGeometry& geometry, int count,
                                       std::mt19937_64& random) {
   std::vector<glm::ivec2> clear;
-  std::vector<double> up_to;  // solid angle of the elements so far
+  std::vector<double> up_to;  // cumulative solid angle of the elements
   double sum = 0.0;
   for (int y = 0; y < sky.use.height(); ++y)
     for (int x = 0; x < sky.use.width(); ++x) {
@@ -166,7 +166,7 @@ std::vector<SkySample> samples_at(std::span<const glm::ivec2> elements, const Sk
     const glm::dvec3 encoded(picture.encoded.at(e.x, e.y));
     const glm::dvec3 gain(geometry.gain.at(e.x, e.y));
     const glm::dvec3 share = luminance * gain / std::exp(static_cast<double>(sky.log_luminance.at(e.x, e.y)));
-    // d ln Y of one step of the encoded value, spread evenly over it; and of the photons' number.
+    // d ln Y of one step of the encoded value, uniformly distributed over it; and of the photon count.
     const glm::dvec3 step = share * camera.response.slope(encoded) * picture.quantum;
     const glm::dvec3 photons = share * limits.shot_noise * glm::sqrt(camera.response.to_light(encoded));
     SkySample sample;

@@ -1,4 +1,4 @@
-// Where the sky camera looks and what it sees there, as numbers a fit can use.
+// Where the sky camera looks and what it sees there, in a form that can be fitted.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace kasumi {
 struct SampleLimits {
   Radians least_sun_distance = from_degrees(10.0);
   Radians largest_zenith = from_degrees(80.0);
-  double saturated = kSaturatedSky;  // encoded level from which a channel is taken for saturated
-  double dark_quanta = 2.5;          // a channel below this many quanta has no digits left
+  double saturated = kSaturatedSky;  // encoded level from which a channel counts as saturated
+  double dark_quanta = 2.5;          // a channel below this many quanta is too coarsely quantised
   double shot_noise = 0.005;         // relative standard deviation of light at full scale; grows with 1 / sqrt(light)
 };
 
@@ -32,7 +32,7 @@ struct SkySample {
   float quantisation = 0.0f;   // the quantisation's part of it
 };
 
-// What does not change from picture to picture: one element per element of a SkyPicture.
+// What stays the same from picture to picture: one element per element of a SkyPicture.
 struct SkyGeometry {
   Image<glm::vec3> direction;  // world frame; zero where the lens does not reach
   Image<glm::vec3> gain;       // light of a full-scale pixel: vignetting and white balance undone
@@ -48,7 +48,7 @@ SkyGeometry sky_geometry(const Camera& camera, const SkyPicture& picture);
 // Why an element is not sampled.
 enum class PixelUse : std::uint8_t { outside, near_sun, saturated, dark, cloud, clear };
 
-// Light of every element and whether it may be sampled; cloud is not decided here.
+// Light of every element and whether it may be sampled; clouds are not yet marked.
 struct SkyLight {
   Image<PixelUse> use;
   Image<glm::vec3> light;      // linear camera channels, vignetting and white balance removed; where use is clear
@@ -57,7 +57,7 @@ struct SkyLight {
 SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
                    const SunDirection& sun, const SampleLimits& limits);
 
-// `count` elements whose use is clear, drawn uniformly in solid angle, without repetition; all of them when there are
+// `count` elements whose use is clear, drawn uniformly in solid angle, without repetition; all of them if there are
 // fewer.
 std::vector<glm::ivec2> draw_elements(const SkyLight& sky, const SkyGeometry& geometry, int count,
                                       std::mt19937_64& random);

@@ -19,15 +19,15 @@ constexpr double kNightElevationDeg = -6.0;  // the end of civil twilight
 constexpr double kMostlyDark = 0.6;
 constexpr double kMostlySaturated = 0.5;
 constexpr double kUniform = 0.10;  // of ln Y: even fog varies more from the horizon to the zenith
-constexpr double kBetter = 0.75;   // of the clear sky's error: then a grey sky is believed ...
-constexpr double kGreySky = 0.18;  // ... if it is one at all ...
+constexpr double kBetter = 0.75;   // of the clear sky's error: then it is a grey sky ...
+constexpr double kGreySky = 0.18;  // ... if it fits well enough ...
 constexpr double kGoodFit = 0.02;  // ... and the clear sky is no good
-// Residual over what there was to explain. A whitish sky must fit better: nothing blue speaks for it against a cloud.
+// Residual over the variation to be explained. A whitish sky must fit better: no blue distinguishes it from a cloud.
 constexpr double kWhitish = 8.0;
 constexpr double kUnexplained = 0.40, kUnexplainedWhitish = 0.20;
-constexpr double kSunVisible = 0.5;  // encoded: something in the picture is bright
+constexpr double kSunVisible = 0.5;  // encoded: the least for the brightest part of the picture
 
-// Median |ln Y - ln F - ln k|, ln k being the median itself; of ln Y - ln F.
+// Median |ln Y - ln F - ln k|, ln k being the median of ln Y - ln F.
 double median_error(std::vector<double> residuals) {
   const double gain = median_in_place(residuals);
   for (double& r : residuals) r = std::abs(r - gain);
@@ -43,7 +43,7 @@ Refusal refusal(SkyCondition sky, std::string reason) {
 std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateOptions& options) {
   if (!std::isfinite(sun.x) || !std::isfinite(sun.y) || !std::isfinite(sun.z) ||
       std::abs(glm::length(sun) - 1.0) > 1e-3)
-    return refusal(SkyCondition::unknown, "the sun's direction is not known");
+    return refusal(SkyCondition::unknown, "the sun's direction is unknown");
   const double elevation = 90.0 - to_degrees(zenith_angle(sun));
   if (elevation < kNightElevationDeg)
     return refusal(SkyCondition::night, fmt::format("night: the sun is {:.1f} deg below the horizon", -elevation));
@@ -148,13 +148,14 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
                                      const RivalSkies& rivals, const EstimateOptions& options) {
   const double agreement = drawn > 0 ? static_cast<double>(fit.inliers) / drawn : 0.0;
   const double clouds = 100.0 * (1.0 - mask_clear);
-  // A sky that knows height but no sun explains the picture better than any clear sky.
+  // A sky that depends on elevation but not on the sun explains the picture better than any clear sky.
   if (drawn > 0 && rivals.clear > kGoodFit && rivals.grey < kGreySky && rivals.grey < kBetter * rivals.clear)
-    return refusal(SkyCondition::overcast,
-                   fmt::format("overcast or fog: brightness follows height alone within {:.1f} %, the best clear sky "
-                               "within {:.1f} %",
-                               100.0 * rivals.grey, 100.0 * rivals.clear));
-  // Clear or broken, a sky is brightest around the sun, and no exposure that shows the rest leaves that dull.
+    return refusal(
+        SkyCondition::overcast,
+        fmt::format("overcast or fog: brightness depends on elevation alone within {:.1f} %, the best clear sky "
+                    "within {:.1f} %",
+                    100.0 * rivals.grey, 100.0 * rivals.clear));
+  // Clear or partly cloudy, a sky is brightest around the sun, where no exposure that shows the rest leaves it dull.
   if (brightest < kSunVisible)
     return refusal(SkyCondition::covered_lens,
                    fmt::format("dull: nothing is brighter than {:.0f} % of full scale, not even around the sun: lens "
@@ -168,7 +169,7 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
     return refusal(mask_clear < 0.5 ? SkyCondition::overcast : SkyCondition::unknown,
                    fmt::format("{} clear samples < {} (clouds {:.0f} %)", fit.inliers,
                                std::min(options.least_samples, options.samples / 2), clouds));
-  if (!fit.solved) return refusal(SkyCondition::unknown, "the clear samples say nothing about turbidity");
+  if (!fit.solved) return refusal(SkyCondition::unknown, "the clear samples do not determine the turbidity");
   if (agreement < options.least_agreement)
     return refusal(
         mask_clear < 0.5 ? SkyCondition::overcast : SkyCondition::unknown,

@@ -1,4 +1,4 @@
-// Is this look at the sky to be believed, and if not: why, in words with numbers.
+// Whether an estimate is to be believed and, if not, the reason for people, with numbers.
 #pragma once
 
 #include <optional>
@@ -14,31 +14,31 @@ struct Refusal {
   std::string reason;
 };
 
-// By the sun alone: night, sun too low, direction not known.
+// From the sun alone: night, sun too low, direction not known.
 std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateOptions& options);
 
-// What can be said of the picture before any sky model is asked.
+// Statistics of the picture that need no sky model.
 struct SkyStatistics {
-  double solid_angle = 0.0;  // [sr] looked at: open, high enough, away from the sun
+  double solid_angle = 0.0;  // [sr] examined: open, high enough, away from the sun
   double saturated = 0.0;    // shares of it
   double dark = 0.0;
-  double brightest = 0.0;  // encoded, 0..1: the fullest channel near the sun or, a high quantile, anywhere
+  double brightest = 0.0;  // encoded, 0..1: the largest channel near the sun or, as a high quantile, anywhere
   double spread = 0.0;     // of ln Y over large patches of the sky: highest minus lowest
 };
 SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geometry, const SkyLight& sky);
 
-// Dark, covered, under-exposed, over-exposed, nothing to look at.
+// Dark, covered, under-exposed, over-exposed, no sky to examine.
 std::optional<Refusal> refuse_by_light(const SkyStatistics& statistics, const SunDirection& sun);
 
-// How well two skies explain the same samples: median |residual| of ln Y, the gain free.
+// How well two skies explain the same samples: median |residual| of ln Y with free gain.
 struct RivalSkies {
   double clear = 0.0;   // the fitted clear sky
-  double grey = 0.0;    // a sky that knows height but no sun, 1 + b cos theta: overcast (b = 2), fog (b small)
-  double spread = 0.0;  // standard deviation of ln Y of the fit's inliers: what there was to explain
+  double grey = 0.0;    // depends on elevation but not on the sun, 1 + b cos theta: overcast (b = 2), fog (b small)
+  double spread = 0.0;  // standard deviation of ln Y of the fit's inliers: the variation to be explained
 };
 RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit, const FittedSky& sky = {});
 
-// After the fit. `mask_clear`: the share of the sky that the cloud mask left; `brightest`: SkyStatistics'.
+// After the fit. `mask_clear`: the share of the sky left by the cloud mask; `brightest`: from SkyStatistics.
 std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
                                      const RivalSkies& rivals, const EstimateOptions& options);
 

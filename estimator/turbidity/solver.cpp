@@ -8,17 +8,14 @@
 #include <numeric>
 
 #include "estimator/turbidity/consensus.hpp"
+#include "estimator/turbidity/square.hpp"
 
 namespace kasumi {
 
 namespace {
 
 constexpr std::size_t kFewestSamples = 8;
-constexpr double kLeastVariance = 1e-10;  // of ln Y: samples of a perfect picture still weigh finitely
-
-double square(double x) {
-  return x * x;
-}
+constexpr double kLeastVariance = 1e-10;  // of ln Y: keeps the weights of a noise-free picture's samples finite
 
 // Variable projection: for every T the best ln k is the weighted mean residual, which leaves one unknown.
 class LeastSquares {
@@ -53,7 +50,7 @@ class LeastSquares {
     return {wrr - wr * wr / w, wr / w, wsr - ws * wr / w, wss - ws * ws / w, ws / w};
   }
 
-  // Gauss-Newton in T; residual() and slope() are those of the result afterwards.
+  // Gauss-Newton in T; afterwards residual() and slope() are those at the result.
   LocalSolution solve(std::span<const double> weights, double start) {
     double t = start;
     Sums now = evaluate(weights, t);
@@ -68,7 +65,7 @@ class LeastSquares {
       }
       converged = std::abs(next - t) <= 1e-6 * t;
       current = then.cost <= now.cost;
-      if (!current) break;  // no step that helps is left: rounding
+      if (!current) break;  // no step improves the fit any further: rounding
       t = next;
       now = then;
     }
@@ -85,7 +82,8 @@ class LeastSquares {
   std::vector<double> log_y_, residual_, slope_;
 };
 
-// The sky's (zenith angle, sun distance) plane in patches: lens, response and model errors are alike inside one.
+// The sky's (zenith angle, sun distance) plane in patches; within one, errors of lens, response and model are
+// correlated.
 class Patches {
  public:
   Patches(std::span<const SkySample> samples, std::span<const double> weights, const LeastSquares& fit, double log_gain,
@@ -115,8 +113,8 @@ class Patches {
     return std::sqrt(sum * used / (used - 1.0));
   }
 
-  // What neighbours' residuals have in common: their mean product, less what chance makes of it. Noise of single
-  // samples has no part in it.
+  // Covariance of neighbours' residuals: their mean product, less its expected value by chance. The noise of single
+  // samples does not contribute.
   double shared_variance() const {
     double products = 0.0, pairs = 0.0, squares = 0.0, count = 0.0;
     for (const Patch& patch : patches_) {
@@ -129,12 +127,12 @@ class Patches {
     return std::max(0.0, products / pairs - squares / count * std::sqrt(2.0 / pairs));
   }
 
-  // The same for an error of the model with this standard deviation that varies over the sky as smoothly as such errors
-  // do: the fit hides part of it from the residuals, so it is not left to them alone.
+  // The same for an error of the model with this standard deviation that varies smoothly over the sky: the fit absorbs
+  // part of it, so the residuals alone would underestimate it.
   double smooth_error(double sigma) const {
     if (!(sigma > 0.0)) return 0.0;
     constexpr double kLength = 0.6 / kSide;  // correlation length in patches
-    constexpr double kHidden = 1.3;          // the fit takes two of some six freedoms such an error has
+    constexpr double kAbsorbed = 1.3;        // the fit absorbs two of some six degrees of freedom of such an error
     std::array<double, std::max(kZenith, kSun)> near{};
     for (int d = 0; d < static_cast<int>(near.size()); ++d)
       near[static_cast<std::size_t>(d)] = std::exp(-d * d / (2.0 * kLength * kLength));
@@ -148,7 +146,7 @@ class Patches {
                near[static_cast<std::size_t>(std::abs(p % kSun - q % kSun))];
       }
     }
-    return kHidden * sigma * std::sqrt(std::max(0.0, sum));
+    return kAbsorbed * sigma * std::sqrt(std::max(0.0, sum));
   }
 
  private:
@@ -172,7 +170,7 @@ double root_mean(const std::vector<double>& variances) {
   return std::sqrt(std::accumulate(variances.begin(), variances.end(), 0.0) / static_cast<double>(variances.size()));
 }
 
-// The samples that agree about T, and what they say together.
+// The samples that agree about T, and their joint result.
 struct Agreement {
   std::vector<std::uint8_t> inlier;  // one per sample
   int inliers = 0;
@@ -182,8 +180,9 @@ struct Agreement {
   bool large_enough() const { return inliers >= static_cast<int>(kFewestSamples); }
 };
 
-// Rounds of weighted least squares from the consensus on. What the samples' own variance (`own`: by quantisation and
-// shot noise) does not explain of the residuals is the model's error, which weighs on all alike.
+// Rounds of weighted least squares starting from the consensus. The part of the residuals that the samples' own
+// variance (`own`: quantisation and shot noise) does not explain is the model's error, which is the same for all
+// samples.
 Agreement agree(LeastSquares& fit, const std::vector<double>& own, const Consensus& consensus) {
   const std::size_t n = own.size();
   Agreement agreed;
@@ -198,7 +197,7 @@ Agreement agree(LeastSquares& fit, const std::vector<double>& own, const Consens
     agreed.inliers = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const double r = fit.residual()[i] - agreed.local.log_gain;
-      // The window holds about 2.5 standard deviations.
+      // The window is about 2.5 standard deviations.
       const double limit = round == 0 ? 1.2 * static_cast<double>(consensus.window)
                                       : 3.5 * std::sqrt(std::max(kLeastVariance, own[i] + agreed.model_variance));
       const bool inlier = std::abs(r) <= limit;
@@ -225,7 +224,7 @@ double rms_of_inliers(const LeastSquares& fit, const Agreement& agreed) {
   return std::sqrt(squares / agreed.inliers);
 }
 
-// No T is surer than the picture's quantisation lets it be, however well its steps seem to fit: standard deviation.
+// A lower bound of T's standard deviation, set by the picture's quantisation however well its steps seem to fit.
 double quantisation_bound(std::span<const SkySample> samples, const LeastSquares& fit, const Agreement& agreed) {
   double q = 0.0, qs = 0.0, qss = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -241,10 +240,10 @@ double quantisation_bound(std::span<const SkySample> samples, const LeastSquares
   return information > 0.0 ? 1.0 / std::sqrt(information) : 0.0;
 }
 
-// How far off T may be, by what can put it off; standard deviations.
+// Contributions to the error of T; standard deviations.
 struct ErrorBudget {
   double residuals = 0.0;     // the scatter of single samples
-  double patches = 0.0;       // that of whole patches of the sky
+  double patches = 0.0;       // the scatter of whole patches of the sky
   double model = 0.0;         // an error of the model that varies smoothly over the sky
   double quantisation = 0.0;  // of the picture
   double largest() const { return std::max({residuals, patches, model, quantisation}); }

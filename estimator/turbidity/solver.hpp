@@ -1,4 +1,4 @@
-// T from samples of the sky's luminance: the numerical heart of the estimate.
+// T from samples of the sky's luminance: the numerical core of the estimate.
 #pragma once
 
 #include <cstdint>
@@ -11,47 +11,47 @@
 namespace kasumi {
 
 struct SolverOptions {
-  double narrowest_window = 0.01;  // half width in ln Y: consensus is never asked to be finer
-  double widest_window = 0.32;     // nor accepted coarser
+  double narrowest_window = 0.01;  // half width in ln Y: the finest consensus considered
+  double widest_window = 0.32;     // and the coarsest
 };
 
 struct TurbiditySolution {
   bool solved = false;  // false: fewer than 8 samples, or none agree
   Turbidity turbidity;
   double log_gain = 0.0;      // ln k
-  double sigma = 0.0;         // standard deviation of T from the residuals seen, never below the quantisation's bound
+  double sigma = 0.0;         // standard deviation of T from the residuals, never below the quantisation's bound
   double log_residual = 0.0;  // root mean square over the inliers
-  double model_error = 0.0;   // what quantisation and shot noise do not explain of it (standard deviation)
+  double model_error = 0.0;   // the part of it not due to quantisation and shot noise (standard deviation)
   int inliers = 0;
-  bool at_edge = false;              // the best T is the end of the searched range (of the dome's: the hazy one; at
-                                     // the other the sky is as clear as the clearest dome, or clearer)
+  bool at_edge = false;  // the best T is the end of the searched range (for the dome only the hazy end: at the
+  // other the sky is as clear as the clearest dome, or clearer)
   std::vector<std::uint8_t> inlier;  // one per sample
 };
 
-// Free gain, global, robust. Residual r_i = ln Y_i - ln k - ln F(theta_i, gamma_i; T) (physics 2).
-// Consensus over a grid of T (exhaustive, so nothing is left to luck) with the window's width chosen by the data, then
+// Free gain, global, robust. Residual r_i = ln Y_i - ln k - ln F(theta_i, gamma_i; T) (physics 2). Consensus over a
+// grid of T (exhaustive, so the result does not depend on chance) with the window's width chosen by the data, then
 // graduated non-convexity from there, then weighted least squares over the inliers to the optimum.
 TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options = {},
                                   const FittedSky& sky = {});
 
-// Weighted least squares in (T, ln k) from a start, without any robustness: variable projection of ln k, Gauss-Newton
-// in T. `weights` are 1 / variance.
+// Weighted least squares in (T, ln k) from a start value, not robust: variable projection of ln k, Gauss-Newton in T.
+// `weights` are 1 / variance.
 struct LocalSolution {
   Turbidity turbidity;
   double log_gain = 0.0;
-  double information = 0.0;  // of T with ln k free: 1 / variance when the weights are right
+  double information = 0.0;  // about T with ln k free: 1 / variance when the weights are right
   double cost = 0.0;         // sum of w r^2
   bool converged = false;
 };
 LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start,
                                const FittedSky& sky = {});
 
-// The papers' way, for reproducing their tables (M Eq 8, M14 Sect 3): sum over i of |Y_i(T)/Y_ref(T) - Y_i/Y_ref| with
+// The papers' method, to reproduce their tables (M Eq 8, M14 Sect 3): sum over i of |Y_i(T)/Y_ref(T) - Y_i/Y_ref| with
 // the one reference sample, RANSAC against clouds.
 struct ReferencePixelOptions {
   int rounds = 50;
-  double fraction = 0.3;    // of the samples that make a hypothesis
-  double threshold = 0.08;  // largest error of an inlier, of the ratio
+  double fraction = 0.3;    // of the samples used for a hypothesis
+  double threshold = 0.08;  // largest error of an inlier's ratio
   std::uint64_t seed = 1;
 };
 TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, std::size_t reference,

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/turbidity/square.hpp"
+
 namespace kasumi {
 
 namespace {
 
-// Successive looks err alike (same lens, same model), so averaging them never leaves less than this part of one's
-// sigma.
+// Errors of successive estimates are correlated (same lens, same model), so averaging never reduces sigma below this
+// share of a single one's.
 constexpr double kSharedError = 0.3;
 constexpr double kLeastSigma = 0.003;
 constexpr double kLeastHaze = 1e-3;  // T - 1
@@ -22,14 +24,10 @@ Turbidity turbidity_of(double log_haze) {
 Duration passed(Instant from, Instant to) {
   return std::max(Duration{0}, to - from);
 }
-double squared(double x) {
-  return x * x;
-}
-
 }  // namespace
 
 double TurbidityTracker::variance_at(Instant when) const {
-  return state_->variance + squared(options_.drift_per_root_hour) * to_seconds(passed(state_->updated, when)) / 3600.0;
+  return state_->variance + square(options_.drift_per_root_hour) * to_seconds(passed(state_->updated, when)) / 3600.0;
 }
 
 double TurbidityTracker::shown_at(Instant when) const {
@@ -44,13 +42,13 @@ TurbidityTracker::Verdict TurbidityTracker::observe(const TurbidityEstimate& est
   const double seen = log_haze(estimate.turbidity);
   const double sigma = std::max(kLeastSigma, estimate.sigma / (t - 1.0));
   if (!state_) {
-    state_ = State{seen, squared(sigma), seen, when};
+    state_ = State{seen, square(sigma), seen, when};
     return Verdict::taken;
   }
 
   const double predicted = variance_at(when), shown = shown_at(when);
   const double surprise = std::abs(seen - state_->believed);
-  if (surprise > std::max(options_.least_gate, options_.gate * std::sqrt(predicted + squared(sigma)))) {
+  if (surprise > std::max(options_.least_gate, options_.gate * std::sqrt(predicted + square(sigma)))) {
     const bool same = doubt_.count > 0 && std::abs(seen - doubt_.value) <=
                                               std::max(options_.least_gate, options_.gate * sigma * std::sqrt(2.0));
     if (!same) doubt_ = {seen, 0, when};
@@ -58,14 +56,14 @@ TurbidityTracker::Verdict TurbidityTracker::observe(const TurbidityEstimate& est
     doubt_.value = seen;  // the air may still be changing
     if (doubt_.count < options_.agreeing_doubts || passed(doubt_.first, when) < options_.doubts_span)
       return Verdict::outlier;
-    state_ = State{seen, squared(sigma), shown, std::max(state_->updated, when)};
+    state_ = State{seen, square(sigma), shown, std::max(state_->updated, when)};
     doubt_ = {};
     return Verdict::restarted;
   }
 
   doubt_ = {};
-  const double gain = predicted / (predicted + squared(sigma));
-  const double variance = std::max((1.0 - gain) * predicted, squared(kSharedError * sigma));
+  const double gain = predicted / (predicted + square(sigma));
+  const double variance = std::max((1.0 - gain) * predicted, square(kSharedError * sigma));
   state_ = State{state_->believed + gain * (seen - state_->believed), variance, shown, std::max(state_->updated, when)};
   return Verdict::taken;
 }
@@ -76,7 +74,7 @@ std::optional<TrackedTurbidity> TurbidityTracker::at(Instant when) const {
   TrackedTurbidity tracked;
   tracked.turbidity = turbidity_of(shown);
   tracked.target = turbidity_of(state_->believed);
-  tracked.sigma = (tracked.turbidity.value - 1.0) * std::sqrt(variance + squared(state_->believed - shown));
+  tracked.sigma = (tracked.turbidity.value - 1.0) * std::sqrt(variance + square(state_->believed - shown));
   tracked.age = passed(state_->updated, when);
   tracked.trustworthy = tracked.age <= options_.trusted_for && std::sqrt(variance) <= options_.largest_trusted_sigma;
   return tracked;

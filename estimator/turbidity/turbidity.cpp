@@ -11,22 +11,23 @@ namespace {
 
 constexpr double kClearSky = 0.80;  // from this share on the sky is called clear
 constexpr double kNearlyAll = 0.97;
-constexpr double kStrange = 3.0;         // standard deviations of the first fit's residuals ...
-constexpr double kLeastStrange = 0.004;  // ... and at least so much of ln Y, for elements that are no clear sky
+constexpr double kOutlierSigmas = 3.0;      // standard deviations of the first fit's residuals ...
+constexpr double kSmallestOutlier = 0.004;  // ... and at least this much of ln Y, for elements that are not clear sky
 
-// The sample nearest to the zenith: a point of the sky that is hardly ever out of sight (M Sect 3.4).
+// The sample nearest to the zenith: the part of the sky that is least likely to be obstructed (M Sect 3.4).
 std::size_t nearest_to_zenith(std::span<const SkySample> samples) {
   return static_cast<std::size_t>(std::ranges::min_element(samples, {}, &SkySample::zenith) - samples.begin());
 }
 
 }  // namespace
 
-SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options) {
-  SkyLook look;
+SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirection& sun,
+                                    const EstimateOptions& options) {
+  SkyObservation look;
   TurbidityEstimate& estimate = look.estimate;
   estimate.sun = sun;
   look.sky = options.method == EstimateMethod::free_gain ? options.sky : SkyToFit{};
-  const auto refuse = [&look](const Refusal& refusal) -> SkyLook {
+  const auto refuse = [&look](const Refusal& refusal) -> SkyObservation {
     look.estimate.usable = false;
     look.estimate.sky = refusal.sky;
     look.estimate.reason = refusal.reason;
@@ -54,12 +55,12 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
   double mask_clear = 1.0;
   if (options.mask_clouds) mask_clear = mask_clouds(sky, *geometry_, sun, options.clouds, look.sky).clear_fraction;
   TurbiditySolution fit = draw_and_solve();
-  // The fit itself shows what else is no clear sky, its thin edges above all; until hardly anything is.
+  // The fit itself shows what else is not clear sky, thin edges above all; repeated until hardly anything is found.
   constexpr int kRounds = 3;
   for (int round = 0;
        round < kRounds && options.mask_clouds && fit.solved && options.method == EstimateMethod::free_gain; ++round) {
-    const double limit = std::max(kLeastStrange, kStrange * fit.log_residual);
-    mask_clear *= mask_strangers(sky, *geometry_, sun, fit.turbidity, fit.log_gain, limit, fitted);
+    const double limit = std::max(kSmallestOutlier, kOutlierSigmas * fit.log_residual);
+    mask_clear *= mask_outliers(sky, *geometry_, sun, fit.turbidity, fit.log_gain, limit, fitted);
     fit = draw_and_solve();
     if (fit.inliers > kNearlyAll * static_cast<double>(look.samples.size())) break;
   }
@@ -81,7 +82,7 @@ SkyLook SkyObserver::look(const SkyPicture& picture, const SunDirection& sun, co
   return look;
 }
 
-std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyLook& look,
+std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyObservation& look,
                                                 const Direction& through) {
   const TurbidityEstimate& seen = look.estimate;
   const bool clouds_known = seen.usable || seen.sky == SkyCondition::overcast;
@@ -93,7 +94,7 @@ std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const
 
 TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,
                                      const EstimateOptions& options) {
-  return SkyObserver(camera).look(picture, sun, options).estimate;
+  return SkyObserver(camera).observe(picture, sun, options).estimate;
 }
 
 }  // namespace kasumi

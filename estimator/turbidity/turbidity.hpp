@@ -1,4 +1,4 @@
-// One look at the sky: from a picture to T, or to the reason why not.
+// From one sky picture to T, or to the reason why there is none.
 #pragma once
 
 #include <cstdint>
@@ -28,21 +28,21 @@ struct EstimateOptions {
   SampleLimits limits;
   CloudMaskOptions clouds;
   SolverOptions solver;
-  SkyToFit sky;  // the papers' method knows Preetham's alone
+  SkyToFit sky;  // the papers' method supports Preetham's alone
   ReferencePixelOptions reference;
-  // When an estimate is believed.
+  // Conditions for accepting an estimate.
   Radians lowest_sun = from_degrees(3.0);  // elevation
-  double least_clear_fraction = 0.10;      // of the sky looked at
+  double least_clear_fraction = 0.10;      // of the sky examined
   int least_samples = 60;                  // that agree
   double least_agreement = 0.40;           // of the drawn samples that agree
   double largest_log_residual = 0.16;      // real clear skies leave 0.07 .. 0.09
   double largest_relative_sigma = 0.20;    // sigma / T
 };
 
-// An estimate with everything that led to it, for a plot or a report.
-struct SkyLook {
+// An estimate with all its intermediate results, for a plot or a report.
+struct SkyObservation {
   TurbidityEstimate estimate;
-  SkyToFit sky;  // whose T it is
+  SkyToFit sky;  // the model to which T belongs
   std::vector<SkySample> samples;
   std::vector<glm::ivec2> elements;  // of the SkyPicture, one per sample
   std::vector<std::uint8_t> inlier;  // one per sample
@@ -50,14 +50,14 @@ struct SkyLook {
   Image<PixelUse> use;               // of every element of the SkyPicture
 };
 
-// Keeps what depends on the camera alone, so that a stream of pictures pays for it once. Not for two threads at once.
+// Keeps what depends on the camera alone, so that it is computed once for a stream of pictures. Not thread-safe.
 class SkyObserver {
  public:
   explicit SkyObserver(Camera camera) : camera_(std::move(camera)) {}
-  SkyLook look(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
-  // The sky of a picture that has been looked at, for the light on an object; empty when it shows too little of it to
-  // say more than the model does. `through`: where a cloud would shade the object.
-  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyLook& look, const Direction& through);
+  SkyObservation observe(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
+  // The sky of a picture after observe(), for the light on an object; empty when too little of it is visible to improve on
+  // the model. `through`: where a cloud would shade the object.
+  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyObservation& look, const Direction& through);
   const Camera& camera() const { return camera_; }
 
  private:

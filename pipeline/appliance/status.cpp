@@ -94,7 +94,7 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   json["agreement"] = name_of(status.sky ? status.sky->agreement : Agreement::unknown);
   json["sigmas_apart"] = status.sky ? OrderedJson(status.sky->sigmas) : OrderedJson(nullptr);
   json["finding"] = status.finding;
-  json["words"] = status.sky ? status.sky->words : std::string();
+  json["words"] = status.sky ? status.sky->message : std::string();
   return json;
 }
 
@@ -126,7 +126,7 @@ std::string status_json(const Status& status) {
   json["turbidity_trustworthy"] = tracked_value([](const auto& t) { return t.trustworthy; });
   json["sky"] = name_of(status.sky.report.estimate.sky);
   json["sky_reason"] = status.sky.report.estimate.reason;
-  json["sun"] = status.sky.report.sun.words;
+  json["sun"] = status.sky.report.sun.message;
   json["building_drawn"] = status.render.building_drawn;
   json["clock_trusted"] = status.sky.clock_trusted;
   json["recording"] = false;  // recording needs the cameras for itself: only `kasumi record` does it

@@ -90,7 +90,7 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
     return publish(std::move(status));
   }
   const auto readings = watch_->read(installation.scene, encoded_of(picture.picture));
-  status.air = watch_->look(readings);
+  status.air = watch_->estimate(readings);
   status.reason = status.air->extinction().reason;
   if (sky_.turbidity) status.sky = watch_->compare(*status.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
   learn(readings);
@@ -101,7 +101,7 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
 void VisibilityLoop::publish(VisibilityStatus status) {
   const bool disagrees = status.sky && status.sky->agreement == Agreement::disagrees;
   disagreements_ = disagrees ? disagreements_ + 1 : 0;
-  if (disagreements_ >= kDisagreementsToReport && !reported_) spdlog::warn("visibility: {}", status.sky->words);
+  if (disagreements_ >= kDisagreementsToReport && !reported_) spdlog::warn("visibility: {}", status.sky->message);
   if (!disagrees && reported_) spdlog::info("visibility: landmarks and sky agree again");
   reported_ = disagreements_ >= kDisagreementsToReport;
   status.finding = reported_;

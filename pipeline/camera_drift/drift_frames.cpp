@@ -144,7 +144,7 @@ void DriftFrames::add_sky(const PictureView& view, const FrameMetadata& metadata
   const auto blob = fine ? find_sun(*fine, camera) : std::nullopt;
   if (blob && blob->radius < kLargestSun && angle_between(blob->direction, sun.direction) < kFarthestSun)
     suns_.push_back({sun.direction, blob->direction});
-  const auto look = observer_.look(*picture, sun.direction);
+  const auto look = observer_.observe(*picture, sun.direction);
   if (!look.estimate.usable) return;
   turbidities_.push_back(look.estimate.turbidity.value);
   if (!metadata.exposure_s || !(*metadata.exposure_s > 0.0)) return;

@@ -28,7 +28,7 @@ Result<int> retarget_pictures(const RetargetArguments& a) {
   while (picture && *picture) {
     auto& [name, stem, photograph] = **picture;
     outputs->as_taken(photograph);
-    if (auto taken = air.take(std::move(photograph), name); !taken) return fail(taken.error());
+    if (auto taken = air.set_picture(std::move(photograph), name); !taken) return fail(taken.error());
     for (std::size_t i = 0; i < task->targets.size(); ++i)
       if (auto done = outputs->put(stem, i, air.under(task->targets[i])); !done) return fail(done.error());
     picture = (*source)->next();

@@ -18,7 +18,7 @@ void write(cv::Mat& canvas, const std::string& text, cv::Point at, double size =
   cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
 }
 
-void draw_sky(cv::Mat canvas, const SkyPicture& picture, const SkyLook& look) {
+void draw_sky(cv::Mat canvas, const SkyPicture& picture, const SkyObservation& look) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
   const double scale = static_cast<double>(kSide) / std::max(width, height);
   for (int y = 0; y < canvas.rows; ++y)
@@ -44,7 +44,7 @@ struct Axis {
 };
 
 // ln of luminance over the zenith's: modelled and measured.
-std::vector<cv::Point2d> points_of(const SkyLook& look) {
+std::vector<cv::Point2d> points_of(const SkyObservation& look) {
   std::vector<cv::Point2d> points;
   const Turbidity turbidity = look.estimate.turbidity;
   const SunDirection& sun = look.estimate.sun;
@@ -57,7 +57,7 @@ std::vector<cv::Point2d> points_of(const SkyLook& look) {
   return points;
 }
 
-void draw_fit(cv::Mat canvas, const SkyLook& look) {
+void draw_fit(cv::Mat canvas, const SkyObservation& look) {
   const auto points = points_of(look);
   if (points.empty()) {
     write(canvas, "no samples", {kSide / 2 - 40, kSide / 2});
@@ -89,7 +89,7 @@ void draw_fit(cv::Mat canvas, const SkyLook& look) {
 
 }  // namespace
 
-Image<Rgb8> plot_fit(const SkyPicture& picture, const SkyLook& look, const std::string& title) {
+Image<Rgb8> plot_fit(const SkyPicture& picture, const SkyObservation& look, const std::string& title) {
   Image<Rgb8> image(2 * kSide + 3 * kMargin, kSide + kTop + kMargin, Rgb8(255));
   cv::Mat canvas(image.height(), image.width(), CV_8UC3, image.elements().data());
   write(canvas, title, {kMargin, 35}, 0.55);

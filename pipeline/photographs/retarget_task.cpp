@@ -74,7 +74,7 @@ std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
 }
 
 // One of the ways to tell how far things are.
-void read_depth(const RetargetArguments& a, OtherAirSetup& setup, Problems& problems) {
+void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& problems) {
   const int ways =
       (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
   if (ways != 1)

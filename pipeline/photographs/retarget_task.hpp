@@ -21,7 +21,7 @@ struct RetargetArguments {
 };
 
 struct RetargetTask {
-  OtherAirSetup setup;
+  OtherAirOptions setup;
   std::vector<std::optional<Turbidity>> targets;  // no turbidity: clear
 };
 

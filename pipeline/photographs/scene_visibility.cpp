@@ -81,7 +81,7 @@ Result<SceneVisibilities> look_at_scenes(const std::vector<std::filesystem::path
                   width, height, camera.width, camera.height);
     readings.push_back(watch->read(camera, photograph->encoded));
   }
-  auto airs = watch->look_at_all(readings);
+  auto airs = watch->estimate_all(readings);
   SceneVisibilities found{std::move(*watch), {}};
   for (std::size_t i = 0; i < files.size(); ++i)
     found.pictures.push_back({files[i], std::move(readings[i]), std::move(airs[i])});
@@ -131,7 +131,7 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
                    {"extinction_per_m", rounded(sky->sky_per_m, 4)},
                    {"extinction_sigma_per_m", rounded(sky->sky_sigma_per_m, 3)},
                    {"sigmas", rounded(sky->sigmas, 3)},
-                   {"words", sky->words}};
+                   {"words", sky->message}};
   return json.dump();
 }
 
@@ -164,7 +164,7 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
   }
   for (const auto i : green.left_out)
     text += fmt::format("  not used         {}: far off the others\n", watch.landmarks()[i].name);
-  if (sky) text += fmt::format("  beside the sky   {}\n", sky->words);
+  if (sky) text += fmt::format("  beside the sky   {}\n", sky->message);
   return text;
 }
 

@@ -61,13 +61,13 @@ Result<SkyPhotographReport> SkyPhotographs::look_at(const std::filesystem::path&
   const auto sun =
       cross_check(given, setup_.sun_from_image || !given ? find_sun(*picture, observer_->camera()) : std::nullopt,
                   /*clock_trusted=*/given.has_value() && !setup_.sun_from_image);
-  report.sun_words = sun.words;
+  report.sun_words = sun.message;
   if (sun.source == SunSource::none) {
     report.look.estimate.reason = "the sun was not found in the image: give its place, or time and place";
     return report;
   }
   report.sun = sun.direction;
-  report.look = observer_->look(*picture, sun.direction, setup_.estimate);
+  report.look = observer_->observe(*picture, sun.direction, setup_.estimate);
   report.picture = std::move(*picture);
   if (report.look.estimate.usable)
     report.air =

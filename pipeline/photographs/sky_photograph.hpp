@@ -33,7 +33,7 @@ struct SkyPhotographSetup {
 };
 
 struct SkyPhotographReport {
-  SkyLook look;
+  SkyObservation look;
   std::optional<SkyPicture> picture;  // what was looked at; empty when no camera could be made of it
   std::optional<AirQuality> air;      // of a usable estimate
   std::optional<SunDirection> sun;    // empty when it was not to be found

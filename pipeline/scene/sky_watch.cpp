@@ -26,7 +26,7 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {
     SunCheck unknown;
-    unknown.words = "the time is not trusted yet";
+    unknown.message = "the time is not trusted yet";
     return unknown;
   }
   const bool clock_trusted = sun_from == SunSource::ephemeris;
@@ -40,14 +40,14 @@ SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_f
 void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
   const SunCheck& sun = report.sun;
   if (sun.source == SunSource::none) {
-    report.estimate.reason = "the sun's position is unknown: " + sun.words;
+    report.estimate.reason = "the sun's position is unknown: " + sun.message;
     return;
   }
   if (options_.estimator) {
     report.estimate = checked(options_.estimator(picture, sun.direction));
     return;
   }
-  const auto look = observer_.look(picture, sun.direction, options_.estimate);
+  const auto look = observer_.observe(picture, sun.direction, options_.estimate);
   report.estimate = checked(look.estimate);
   if (auto sky = observer_.measure(picture, look, towards_shading_cloud(object_m_, sun.direction, cloud_base_m_)))
     report.measured = std::make_shared<const MeasuredSky>(std::move(*sky));

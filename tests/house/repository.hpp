@@ -15,7 +15,7 @@ namespace kasumi::house {
 
 using Texts = std::map<std::string, std::string>;  // by name from the root, like "docs/sky.md"
 
-// Every file of the checkout, by name from the root, without what builds leave and what is hidden.
+// Every file of the checkout, by name from the root, without build outputs and hidden files.
 inline std::set<std::string> repository_files() {
   const auto root = source_folder();
   std::set<std::string> names;
@@ -29,7 +29,7 @@ inline std::set<std::string> repository_files() {
   return names;
 }
 
-// Those whose names end so.
+// The texts of files with these endings.
 inline Texts texts_ending_in(const std::set<std::string>& files, const std::vector<std::string>& endings) {
   Texts texts;
   for (const auto& name : files) {

@@ -1,4 +1,4 @@
-// The repository's own code, as the tests of the house read it.
+// The repository's own code, as the tests in this folder read it.
 #pragma once
 
 #include <filesystem>

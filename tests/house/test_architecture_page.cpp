@@ -1,4 +1,4 @@
-// docs/architecture.md tells of the house what the tests hold it to, and stays one page.
+// docs/architecture.md shows the structure that the tests enforce, and stays one page.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ std::vector<std::string> page() {
   return lines;
 }
 
-// What stands between backticks.
+// The texts between backticks.
 std::vector<std::string> in_backticks(const std::string& text) {
   static const std::regex quotes("`([^`]+)`");
   std::vector<std::string> found;

@@ -1,4 +1,4 @@
-// The documents: what they link to is there, every one is in the index, and none is wider than a screen.
+// The documents: their links resolve, every one is in the index, and none is wider than a screen.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ void for_each_link(const std::string& document, const std::function<void(const s
   for (std::sregex_iterator link(prose.begin(), prose.end(), kLink), last; link != last; ++link) use((*link)[1]);
 }
 
-// The file that a link from `document` leads to, from the root, and its anchor; of a link elsewhere nothing.
+// The file that a link from `document` leads to, from the root, and its anchor; empty for a link to elsewhere.
 std::pair<std::string, std::string> target_of(const std::string& document, const std::string& link) {
   if (link.find("://") != std::string::npos) return {};
   const auto hash = link.find('#');
@@ -66,7 +66,7 @@ std::vector<std::string> broken_links(const Texts& documents, const std::set<std
   return found;
 }
 
-// What the documents do not link to, of the files in `folder` that end so.
+// The files in `folder` with this ending to which no document links.
 std::vector<std::string> never_linked(const Texts& documents, const std::set<std::string>& files,
                                       const std::string& folder, const std::string& ending) {
   std::set<std::string> linked;

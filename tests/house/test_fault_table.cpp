@@ -1,4 +1,4 @@
-// docs/faults.md says which tests hold each row; tests that are named by a row are in it.
+// docs/faults.md names the tests of each row, and lists every test that is named after a row.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace {
 
 using namespace kasumi::house;
-using Holders = std::map<int, std::set<std::string>>;  // of each row the suites that hold it; "vm": the virtual machine
+using Holders = std::map<int, std::set<std::string>>;  // the suites that test each row; "vm": the virtual machine
 
 // The suites in code spans of each row's last cell.
 Holders told_in(const std::string& table) {
@@ -52,7 +52,7 @@ std::vector<std::string> differences(const std::string& table, const Texts& test
       if (!told[row].contains(suite)) found.push_back(fmt::format("row {} does not name {}", row, suite));
   for (const auto& [row, holders] : told)
     for (const auto& suite : holders)
-      if (!suites.contains(suite)) found.push_back(fmt::format("row {} names {}, which is no suite", row, suite));
+      if (!suites.contains(suite)) found.push_back(fmt::format("row {} names {}, which is not a suite", row, suite));
   return found;
 }
 
@@ -76,7 +76,7 @@ TEST(FaultTable, AnOffenderWouldBeFound) {
   EXPECT_THAT(differences(table, {{"a.cpp", "TEST(Faults, Row2Stalls) {}"}, {"b.py", "def test_01_"}}),
               testing::ElementsAre("row 2 does not name Faults"));
   EXPECT_THAT(differences(table, {{"a.cpp", "TEST(Sky, Row1)"}, {"b.py", "def test_01_"}}),
-              testing::UnorderedElementsAre("row 1 does not name Sky", "row 1 names Faults, which is no suite"));
+              testing::UnorderedElementsAre("row 1 does not name Sky", "row 1 names Faults, which is not a suite"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a person sees who opens a folder: not too much of it, and one thing under each name.
+// No folder holds too many files, and each header's name is unique.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

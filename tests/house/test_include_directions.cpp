@@ -78,7 +78,7 @@ TEST(IncludeDirections, AnOffenderWouldBeFound) {
   EXPECT_THAT(violations("gles/anteroom/a.cpp", ""), SizeIs(1));
 }
 
-// One folder before the other, or a circle would be allowed.
+// A topological order exists, or a cycle would be allowed.
 TEST(IncludeDirections, TheWallsAllowNoCircle) {
   std::set<std::string> settled;
   for (bool more = true; more;) {

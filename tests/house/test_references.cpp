@@ -1,4 +1,4 @@
-// References to papers, to sections of docs/physics.md and to documents, in comments and documents, lead somewhere.
+// References in comments and documents resolve: to papers, to sections of docs/physics.md and to documents.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ std::string paragraphs_of(const std::string& text) {
   return paragraphs;
 }
 
-// What a file says to people: a document all of it, code its comments, as lines that end where a comment ends.
+// The text of a file for people: all of a document, the comments of code, as lines that end where a comment ends.
 std::string words_in(const std::string& name, const std::string& text) {
   if (name.ends_with(".md")) return paragraphs_of(text);
   const bool hash = name.ends_with(".py") || name.ends_with(".toml") || name.ends_with(".txt");
@@ -142,7 +142,7 @@ TEST(References, AnOffenderWouldBeFound) {
   EXPECT_THAT(in_code("// physics 1 and 2\n"), testing::SizeIs(1));
   EXPECT_THAT(in_code("// docs/air.md\n"), testing::SizeIs(1));
   EXPECT_THAT(in_code("// docs/sky.md, \"Three turbidities\"\n"), testing::SizeIs(1));
-  EXPECT_THAT(in_code("call(\"X Eq 3\");\n"), testing::IsEmpty()) << "no comment";
+  EXPECT_THAT(in_code("call(\"X Eq 3\");\n"), testing::IsEmpty()) << "not a comment";
   EXPECT_THAT(unresolved("docs/a.md", "As in X\nEq 3.\n", sources), testing::SizeIs(1));
 }
 

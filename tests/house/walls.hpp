@@ -1,5 +1,5 @@
-// The house as data: which folder may include which, and behind which files each library stays. docs/architecture.md
-// shows the same to people, and test_architecture_page.cpp compares the two.
+// The structure as data: which folder may include which, and which files may include each library.
+// docs/architecture.md shows the same to people, and test_architecture_page.cpp compares the two.
 #pragma once
 
 #include <map>
@@ -98,7 +98,7 @@ inline const Walls kVerticalsMayInclude = {
     {"pipeline/bench", {"pipeline/sky"}},
 };
 
-// Beginnings of a library's headers, and of the names of the files that may include them; * stands for anything.
+// Prefixes of a library's headers, and of the names of the files that may include them; * matches anything.
 inline const Walls kLibraryDoors = {
     {"CLI/",
      {"pipeline/main.cpp", "pipeline/*/command_", "pipeline/calibrate/board_choice.cpp",

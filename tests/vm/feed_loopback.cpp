@@ -1,5 +1,5 @@
-// feed_loopback CAMERA_FOLDER DEVICE: plays one camera of a fixture into a v4l2loopback device, over and over, in real
-// time. What the recording says is gone for a while is not written: the device's reader waits.
+// feed_loopback CAMERA_FOLDER DEVICE: plays one camera of a fixture into a v4l2loopback device in a loop, in real time.
+// During a recorded outage nothing is written, so that the device's reader waits.
 #include <cerrno>
 #include <cstring>
 
@@ -34,10 +34,10 @@ Result<> begin(int device, const FrameMetadata& frame) {
     return fail(FaultKind::device, "the format {} {}x{}: {}", frame.format.text(), frame.width, frame.height,
                 std::strerror(errno));
   if (picture.pixelformat != wanted.pixelformat || picture.width != wanted.width || picture.height != wanted.height)
-    return fail(FaultKind::device, "the device would not take {} {}x{}", frame.format.text(), frame.width,
+    return fail(FaultKind::device, "the device does not accept {} {}x{}", frame.format.text(), frame.width,
                 frame.height);
-  // write() alone would do, but a writer that never said STREAMON is not missed when it is gone: the device then is
-  // neither camera nor sink, and takes no other writer.
+  // write() alone would work, but without STREAMON the device does not notice when its writer closes: it then is neither
+  // camera nor sink and accepts no other writer.
   int type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
   if (ioctl(device, VIDIOC_STREAMON, &type) < 0)
     return fail(FaultKind::device, "VIDIOC_STREAMON: {}", std::strerror(errno));

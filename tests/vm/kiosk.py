@@ -1,4 +1,4 @@
-"""The appliance in its machine: installed from its own package, fed by fixture frames or by the kernel's test drivers."""
+"""The appliance in its virtual machine: installed from its package, fed by fixture frames or by the kernel's test drivers."""
 
 import json
 import os
@@ -15,7 +15,7 @@ SKY_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-sky"\n'
 VIMC = 'source = "libcamera"\ncamera = "platform/vimc.0 Sensor B"\n'
 VIVID = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/vivid-000"\nformat = "YUYV"\nframes_per_second = 5\n'
 
-# Drivers of the kernel have no serial number and share or lack a place: the names that stay are given by their cards.
+# Kernel test drivers have no serial number and no unique bus path, so their stable names come from their card names.
 UDEV_RULES = """\
 SUBSYSTEM=="video4linux", ATTR{name}=="kasumi-scene", SYMLINK+="v4l/by-id/kasumi-scene"
 SUBSYSTEM=="video4linux", ATTR{name}=="kasumi-sky", SYMLINK+="v4l/by-id/kasumi-sky"
@@ -31,7 +31,7 @@ STATISTICS = """\
 ExecStart=
 ExecStart=/usr/bin/kasumi run --config /etc/kasumi/kasumi.toml --stats
 """
-# Software GL compiles its shaders for each kind of picture, and under emulation, on a busy host, that takes minutes.
+# Software GL compiles its shaders for each picture format, which takes minutes under emulation on a busy host.
 EMULATED = """\
 [Service]
 TimeoutStartSec=600
@@ -63,8 +63,8 @@ def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="truste
 
 
 def make_disk(build, folder):
-    """The disk that brings Kasumi's package, fixtures, their feeder and tests of devices into the machine; and the pictures
-    that the renderer without a screen makes of the fixtures, in folder/NAME-reference."""
+    """Makes the disk with Kasumi's package, the fixtures, their feeder and the device tests, and renders the fixtures without
+    a screen into folder/NAME-reference."""
     shutil.rmtree(folder, ignore_errors=True)
     content = folder / "content"
     ours = content / "opt/kasumi-vm"
@@ -112,7 +112,7 @@ class Kiosk(Machine):
         self.run("systemctl daemon-reload && systemctl enable kasumi")
 
     def start_kasumi(self, timeout_s=60):
-        """BLOCKS until systemd has heard READY. Returns after how many seconds."""
+        """BLOCKS until systemd has received READY. Returns the seconds it took."""
         started = time.monotonic()
         self.run("systemctl restart kasumi || { journalctl -u kasumi -b --no-pager | tail -n 40; false; }", timeout_s=timeout_s)
         return time.monotonic() - started
@@ -124,26 +124,26 @@ class Kiosk(Machine):
         self.run(f"mkdir -p $(dirname {path}) && cat > {path} <<'END'\n{text}\nEND")
 
     def status(self):
-        """What Kasumi says of itself; empty while there is none."""
+        """Kasumi's own status; empty while there is none."""
         try:
             return json.loads(self.read("/run/kasumi/status.json"))
         except ValueError:
             return {}
 
     def wait_shown(self, *shown, timeout_s=30):
-        """BLOCKS until the visitor sees one of `shown`; returns after how many seconds."""
+        """BLOCKS until the visitor sees one of `shown`; returns the seconds it took."""
         return self.wait_until(f"shown: {' or '.join(shown)}", lambda: self.status().get("shown") in shown, timeout_s)
 
     def wait_status(self, what, condition, timeout_s=30):
         return self.wait_until(what, lambda: bool((status := self.status()) and condition(status)), timeout_s)
 
     def wait_new_picture(self, timeout_s=30):
-        """BLOCKS until a frame of the scene camera has come that had not come before."""
+        """BLOCKS until a new frame of the scene camera has arrived."""
         before = self.status().get("scene_camera", {}).get("good_frames", 0)
         self.wait_status("a new picture", lambda status: status["scene_camera"]["good_frames"] > before, timeout_s)
 
     def unit(self, *properties):
-        """Properties of kasumi.service as systemd has them."""
+        """Properties of kasumi.service as systemd reports them."""
         lines = self.run("systemctl show kasumi " + " ".join(f"-p {name}" for name in properties)).splitlines()
         return dict(line.split("=", 1) for line in lines)
 
@@ -151,6 +151,6 @@ class Kiosk(Machine):
         return self.run("journalctl -u kasumi -b --no-pager -o short-monotonic", check=False)
 
     def exposure_of_security(self):
-        """What `systemd-analyze security` thinks of the unit, 0 (closed) to 10."""
+        """The unit's exposure according to `systemd-analyze security`, 0 (closed) to 10."""
         return float(re.search(r"exposure level for kasumi.service: ([0-9.]+)", self.run(
             "systemd-analyze security --no-pager kasumi.service", check=False)).group(1))

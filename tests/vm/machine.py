@@ -1,4 +1,4 @@
-"""One virtual machine: boots the image, runs commands in it, looks at its screen, plugs and unplugs, cuts its power."""
+"""One virtual machine: boots the image, runs commands, takes screenshots, connects and disconnects devices, cuts the power."""
 
 import base64
 import functools
@@ -13,12 +13,12 @@ import subprocess
 import time
 
 
-# What the guest's speed is measured by: a loop of its shell, and what that takes on a real processor.
+# Measures the guest's speed: a shell loop, and how long it takes on a real processor.
 LOOP = "i=0; while [ $i -lt 30000 ]; do i=$((i+1)); done"
 LOOP_ON_REAL_PROCESSOR_S = 0.05
 BOOT_S = {False: 60, True: 300}  # emulated?
-ANSWER_S = 120  # what QEMU and the guest's agent take at most to answer
-MOST_PATIENCE = 40  # times; a machine that is slower still can test nothing
+ANSWER_S = 120  # longest time for an answer from QEMU or the guest's agent
+MOST_PATIENCE = 40  # times; a slower machine is useless for tests
 
 
 class JsonSocket:
@@ -45,7 +45,7 @@ class JsonSocket:
             try:
                 return json.loads(line)
             except ValueError:
-                continue  # the rest of an answer from before a reset
+                continue  # remainder of an answer from before a reset
 
     def send(self, command, **arguments):
         self.socket.sendall(json.dumps({"execute": command, "arguments": arguments}).encode() + b"\n")
@@ -61,14 +61,14 @@ class JsonSocket:
 
 
 class Monitor:
-    """The plug of the machine's screen, through QEMU's VNC server (RFC 6143): a viewer that asks for a size of the desktop."""
+    """Controls the machine's display through QEMU's VNC server (RFC 6143): a viewer that requests a desktop size."""
 
     def __init__(self, path):
         self.socket = socket.socket(socket.AF_UNIX)
         self.socket.connect(str(path))
         self.socket.recv(12)
         self.socket.sendall(b"RFB 003.008\n")
-        self.socket.recv(256)  # kinds of security
+        self.socket.recv(256)  # security types
         self.socket.sendall(b"\x01")  # none
         self.socket.recv(4)
         self.socket.sendall(b"\x01")  # shared
@@ -122,13 +122,13 @@ class Machine:
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
         self.emulated = is_emulated(str(image))
-        self.slowness = MOST_PATIENCE if self.emulated else 2.0  # until it is measured
+        self.slowness = MOST_PATIENCE if self.emulated else 2.0  # until measured
         arguments = [
             "qemu-system-x86_64", *accelerator(str(image)), "-machine", "q35", "-smp", "2", "-m", "2048", "-nodefaults", "-no-user-config",
             "-kernel", f"{image}/vmlinuz", "-initrd", f"{image}/initrd.img",
             "-append", "root=/dev/vda rw console=ttyS0 quiet loglevel=4 systemd.show_status=false"
-            " no_timer_check",  # a busy host may be too late for the kernel's trial of its timer, and it panics
-            # Every machine starts from the same disk; what it writes lives, through power cuts, as long as the machine.
+            " no_timer_check",  # on a busy host the kernel's timer check may fail and panic
+            # Every machine starts from the same disk; its writes survive power cuts and are discarded with the machine.
             "-drive", f"file={image}/disk.img,if=virtio,format=raw,snapshot=on",
             "-device", f"virtio-gpu-pci,id=gpu,xres={width},yres={height}", "-vnc", f"unix:{self.socket_of('vnc')}",
             "-device", "i6300esb", "-action", "watchdog=reset",
@@ -140,7 +140,7 @@ class Machine:
         if extra_disk:
             arguments += ["-drive", f"file={extra_disk},if=virtio,format=raw,readonly=on"]
         if utc:
-            arguments += ["-rtc", f"base={utc},clock=vm"]  # the guest's own time: who returns to a moment returns to its clock
+            arguments += ["-rtc", f"base={utc},clock=vm"]  # guest time: restoring a snapshot restores its clock
         with open(self.folder / "qemu.log", "wb") as log:
             self.process = subprocess.Popen(arguments, stdout=log, stderr=subprocess.STDOUT)
         self.qmp = self.agent = None
@@ -169,7 +169,7 @@ class Machine:
         raise TimeoutError(f"qemu opened no socket {name}")
 
     def wait_for_boot(self):
-        """BLOCKS until the guest has started all its units; returns after how many seconds."""
+        """BLOCKS until the guest has started all its units; returns the seconds it took."""
         started = time.monotonic()
         self.wait_for_agent(BOOT_S[self.emulated])
         self.run("systemctl is-system-running --wait", check=False, timeout_s=60)
@@ -192,14 +192,14 @@ class Machine:
         self.agent.socket.settimeout(ANSWER_S)
 
     def measure(self):
-        """How many times as long as on a real processor things take in the guest now; limits are multiplied by it."""
+        """How many times slower the guest is now than a real processor; time limits are multiplied by it."""
         started = time.monotonic()
         self.run(LOOP)
         took_s = time.monotonic() - started
         self.slowness = min(MOST_PATIENCE, max(1.0, took_s / LOOP_ON_REAL_PROCESSOR_S))
 
     def run(self, command, timeout_s=30, check=True):
-        """Runs a shell command in the guest as root and returns what it printed, standard error too."""
+        """Runs a shell command in the guest as root and returns its output, standard error included."""
         pid = self.agent.ask("guest-exec", path="/bin/sh", arg=["-c", f"exec 2>&1\n{command}"], **{"capture-output": True})["pid"]
         deadline = time.monotonic() + timeout_s * self.slowness
         while not (status := self.agent.ask("guest-exec-status", pid=pid))["exited"]:
@@ -212,7 +212,7 @@ class Machine:
         return output
 
     def read(self, path):
-        """A file of the guest, empty where there is none; without a process, which an emulated machine starts slowly."""
+        """A file of the guest, empty if absent. Starts no process, which is slow on an emulated machine."""
         try:
             handle = self.agent.ask("guest-file-open", path=path)
         except RuntimeError:
@@ -228,7 +228,7 @@ class Machine:
         return self.run(f"({command}) >/dev/null && echo yes", check=False).endswith("yes")
 
     def wait_until(self, what, condition, timeout_s):
-        """BLOCKS until `condition` (a shell command, or a function) holds; returns after how many seconds."""
+        """BLOCKS until `condition` (a shell command, or a function) holds; returns the seconds it took."""
         start = time.monotonic()
         while not (condition() if callable(condition) else self.holds(condition)):
             if time.monotonic() - start > timeout_s * self.slowness:
@@ -237,7 +237,7 @@ class Machine:
         return time.monotonic() - start
 
     def photograph(self, name):
-        """What is on the screen now, as a PPM file."""
+        """A screenshot, as a PPM file."""
         picture = self.folder / f"{name}.ppm"
         self.qmp.ask("screendump", filename=str(picture))
         return picture
@@ -246,7 +246,7 @@ class Machine:
         return Monitor(self.socket_of("vnc"))
 
     def keep(self, name):
-        """Remembers the whole machine as it is, running programs too, for return_to()."""
+        """Takes a snapshot of the whole machine, running programs included, for return_to()."""
         self.hmp(f"savevm {name}")
 
     def return_to(self, name):
@@ -259,11 +259,11 @@ class Machine:
             raise RuntimeError(f"{command}: {answer}")
 
     def cut_power(self):
-        """Off and on again: what the guest had not written to its disk is lost."""
+        """Power cycle: data that the guest has not written to its disk is lost."""
         self.qmp.ask("system_reset")
 
     def wait_for_reboot(self, timeout_s):
-        """BLOCKS until the guest has started itself anew."""
+        """BLOCKS until the guest has rebooted itself."""
         deadline = time.monotonic() + timeout_s * self.slowness
         self.qmp.socket.settimeout(1)
         try:
@@ -276,7 +276,7 @@ class Machine:
                     return
         finally:
             self.qmp.socket.settimeout(ANSWER_S)
-        raise AssertionError(f"not within {timeout_s * self.slowness:.0f} s: the machine starts itself anew")
+        raise AssertionError(f"not within {timeout_s * self.slowness:.0f} s: the machine reboots itself")
 
     def stop(self):
         for talk in (self.qmp, self.agent):

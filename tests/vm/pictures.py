@@ -1,4 +1,4 @@
-"""Pictures of the screen against pictures that were computed without one."""
+"""Compares screenshots with pictures rendered without a screen."""
 
 import cv2
 
@@ -11,7 +11,7 @@ def read(path):
 
 
 def psnr_db(picture, references):
-    """To the nearest of the references: which of the recorded frames is on the screen is chance."""
+    """Against the nearest of the references, because it is random which of the recorded frames is on the screen."""
     screen = read(picture)
     likeness = []
     for path in references:

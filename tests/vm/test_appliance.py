@@ -2,7 +2,7 @@
 
 The tests are named by the rows of the project's table of faults; each prints the time to recover beside what is allowed. A machine
 boots once; every test returns to the moment when it was live. With every landing run what no test without a machine can show: the
-boot, a camera unplugged, a stall, the watchdog, a full disk, the clock. Those marked `long` run when all are asked for."""
+boot, a camera unplugged, a stall, the watchdog, a full disk, the clock. Those marked `long` run only with --all."""
 
 import functools
 import json
@@ -25,21 +25,21 @@ class Setup:
     folder: pathlib.Path
 
 
-setup = None  # by `run`
+setup = None  # set by `run`
 LEAST_PSNR_DB = 40.0
 
 
-# Left out unless all are asked for.
+# Skipped unless all tests are requested.
 long = unittest.skipUnless(os.environ.get("KASUMI_VM_ALL") == "1", "only by `./bootstrap vm all`")
 
 
 @functools.cache
 def live_kiosk():
-    """One machine for all: booted, Kasumi installed, live with both cameras fed with the fixture's frames, and kept so."""
+    """One machine for all tests: booted, with Kasumi installed and live on the fixture's frames for both cameras."""
     disk = kiosk.make_disk(setup.build, setup.folder / "disk")
     machine = Kiosk(setup.image, disk, setup.folder / "machine")
     unittest.addModuleCleanup(machine.stop)
-    print(f"up after {machine.boot_s:.0f} s, {machine.slowness:.0f} times as slow as a real machine ... ", end="", flush=True)
+    print(f"booted after {machine.boot_s:.0f} s, {machine.slowness:.0f} times slower than a real machine ... ", end="", flush=True)
     machine.install()
     machine.ready_s = machine.start_kasumi(timeout_s=60)
     print(f"READY after {machine.ready_s:.0f} s ... ", end="", flush=True)
@@ -50,7 +50,7 @@ def live_kiosk():
 
 
 class LiveKiosk(unittest.TestCase):
-    """Every test begins at the same moment, when the kiosk was live with the class's cameras."""
+    """Every test starts from the same snapshot, with the kiosk live on the class's cameras."""
 
     @classmethod
     def setUpClass(cls):
@@ -66,7 +66,7 @@ class LiveKiosk(unittest.TestCase):
 
     @classmethod
     def prepare(cls):
-        """Other cameras; whether there are."""
+        """Configures other cameras; returns whether it did."""
         return False
 
     def run(self, result=None):
@@ -89,7 +89,7 @@ class LiveKiosk(unittest.TestCase):
         print(f"the test took {time.monotonic() - self.began:.0f} s ... ", end="", flush=True)
 
     def recovered(self, seconds, limit_s):
-        """Prints the time to recover, and holds it to the row's limit."""
+        """Prints the recovery time and checks it against the row's limit."""
         allowed = limit_s * self.kiosk.slowness
         print(f"recovered in {seconds:.1f} s (allowed {allowed:.0f} s) ... ", end="", flush=True)
         self.assertLessEqual(seconds, allowed)
@@ -98,10 +98,10 @@ class LiveKiosk(unittest.TestCase):
         self.assertEqual(self.kiosk.unit("MainPID")["MainPID"], self.process_before, "the program was restarted")
 
     def assert_screen_as_computed(self, name, fixture="fixture"):
-        """The screen shows, pixel for pixel but for rounding, what the renderer without a screen computes."""
+        """The screen matches the picture rendered without a screen, pixel for pixel except for rounding."""
         references = sorted((setup.folder / f"disk/{fixture}-reference").glob("*.png"))
         best = 0.0
-        for attempt in range(5):  # a photograph may be taken between two pictures
+        for attempt in range(5):  # a screenshot may be taken between two pictures
             best = max(best, pictures.psnr_db(self.kiosk.photograph(f"{self._testMethodName}-{name}"), references))
             if best >= LEAST_PSNR_DB:
                 break
@@ -110,7 +110,7 @@ class LiveKiosk(unittest.TestCase):
         self.assertGreaterEqual(best, LEAST_PSNR_DB)
 
     def assert_lost(self):
-        """What a visitor sees of a lost scene camera: held at most 2 s, then the still picture; never black."""
+        """A lost scene camera as a visitor sees it: held at most 2 s, then the still picture; never black."""
         self.kiosk.wait_shown("still")
         self.assertGreater(pictures.brightness(self.kiosk.photograph(f"{self._testMethodName}-still")), 3.0)
 
@@ -119,7 +119,7 @@ class FixtureFrames(LiveKiosk):
     """Both cameras are v4l2loopback devices fed with a fixture's frames."""
 
     def test_00_is_live(self):
-        """Both cameras live, the screen as computed, the service running under its watchdog in a closed sandbox."""
+        """Both cameras live, the screen correct, the service running under its watchdog in a closed sandbox."""
         unit = self.kiosk.unit("ActiveState", "SubState", "WatchdogUSec", "WatchdogTimestampMonotonic", "StatusText", "NRestarts")
         self.assertEqual((unit["ActiveState"], unit["SubState"]), ("active", "running"))
         self.assertNotEqual(unit["WatchdogUSec"], "0")
@@ -144,10 +144,10 @@ class FixtureFrames(LiveKiosk):
 
     @long
     def test_02_sky_camera_gone(self):
-        """The sky camera is gone: no change on the screen, the turbidity ages."""
+        """The sky camera is lost: no change on the screen, and the turbidity ages."""
         self.kiosk.wait_status("turbidity known", lambda status: status["turbidity"] and status["building_drawn"])
         self.kiosk.run("systemctl stop feed@sky")
-        self.kiosk.wait_status("the sky camera is missed", lambda status: not status["sky_camera"]["up"])
+        self.kiosk.wait_status("the sky camera is reported as down", lambda status: not status["sky_camera"]["up"])
         self.kiosk.wait_status("the turbidity ages", lambda status: status["turbidity_age_s"] > 3.0)
         self.kiosk.wait_shown("degraded")
         self.assert_screen_as_computed("without-sky")
@@ -179,12 +179,12 @@ class FixtureFrames(LiveKiosk):
         self.addCleanup(monitor.socket.close)
         monitor.plug(640, 360)
         monitor.unplug()
-        self.kiosk.wait_status("the display is missed", lambda status: not status["display"]["up"])
+        self.kiosk.wait_status("the display is reported as down", lambda status: not status["display"]["up"])
         monitor.plug(800, 600)
         started = time.monotonic()
         self.kiosk.wait_status("the display is back", lambda status: status["display"]["up"])
         self.kiosk.wait_shown("live", timeout_s=60)
-        # All shaders are compiled anew: long under emulation, but never longer than from the start to the first picture.
+        # All shaders are recompiled: slow under emulation, but never slower than from the start to the first picture.
         self.recovered(time.monotonic() - started, max(3.0, self.kiosk.ready_s / self.kiosk.slowness))
         screen = pictures.read(self.kiosk.photograph(f"{self._testMethodName}-back"))
         self.assertEqual(screen.shape[:2], (600, 800))
@@ -192,12 +192,12 @@ class FixtureFrames(LiveKiosk):
         self.assert_same_process()
 
     def test_18_program_hangs(self):
-        """The program hangs: systemd's watchdog starts it anew, by the unit's own 20 s."""
+        """The program hangs: systemd's watchdog restarts it, after the unit's own 20 s."""
         pid = self.process_before
         self.kiosk.run(f"kill -STOP {pid}; rm -f /etc/systemd/system/kasumi.service.d/emulated.conf; systemctl daemon-reload")
         started = time.monotonic()
         self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (pid, "0"), 60)
-        print(f"started anew after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
+        print(f"restarted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
         self.kiosk.write("/run/systemd/system/kasumi.service.d/emulated.conf", kiosk.EMULATED)
         self.kiosk.run("systemctl daemon-reload")
         self.kiosk.wait_status("live again", lambda status: status["shown"] == "live" and str(status["pid"]) != pid, 60)
@@ -206,12 +206,12 @@ class FixtureFrames(LiveKiosk):
 
     @long
     def test_19_crash_loop(self):
-        """A program that dies again and again is started again, and at last the machine itself."""
+        """A program that keeps crashing is restarted, and finally the machine is rebooted."""
         self.kiosk.write("/run/systemd/system/kasumi.service.d/impatient.conf", "[Unit]\nStartLimitBurst=4")
         self.kiosk.run("systemctl daemon-reload; systemd-run -q /bin/sh -c 'while :; do systemctl kill -s KILL kasumi; sleep 1; done'")
         started = time.monotonic()
         self.kiosk.wait_for_reboot(timeout_s=60)
-        print(f"the machine started itself anew after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
+        print(f"the machine rebooted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
         self.kiosk.wait_for_boot()
         self.kiosk.wait_shown("live", timeout_s=60)
         self.recovered(time.monotonic() - started, 120)
@@ -233,7 +233,7 @@ class FixtureFrames(LiveKiosk):
 
     @long
     def test_22_power_cut(self):
-        """The power goes in the middle of it all: after the boot the picture is there again, by itself."""
+        """A power cut during operation: after the boot the picture comes back by itself."""
         self.kiosk.cut_power()
         started = time.monotonic()
         self.kiosk.wait_for_boot()
@@ -243,7 +243,7 @@ class FixtureFrames(LiveKiosk):
         self.assertNotRegex(self.kiosk.journal(), "refused|state:")
 
     def test_24_clock_at_1970(self):
-        """The clock is at 1970: live, and no building before the time is trusted."""
+        """The clock is at 1970: live, but without the building until the time is trusted."""
         self.kiosk.configure(clock="synchronized")
         self.kiosk.run("systemctl stop kasumi; rm -rf /var/lib/kasumi/*; date -s 1970-01-02", timeout_s=60)
         self.kiosk.start_kasumi(timeout_s=60)
@@ -251,12 +251,12 @@ class FixtureFrames(LiveKiosk):
         status = self.kiosk.status()
         self.assertFalse(status["clock_trusted"])
         self.assertFalse(status["building_drawn"])
-        # What a time server's daemon does: the time, and the kernel's word (adjtimex: ADJ_MAXERROR, ADJ_STATUS) that it is kept.
+        # As an NTP daemon does: sets the time and the kernel's synchronised status (adjtimex: ADJ_MAXERROR, ADJ_STATUS).
         self.kiosk.run(f"date -u -s {kiosk.FIXTURE_STARTS_UTC} && "
                        "perl -e '$time = pack(\"I\", 0x14) . \"\\0\" x 204; syscall(159, $time) >= 0 or die $!'")
         started = time.monotonic()
         self.kiosk.wait_status("the time is trusted", lambda status: status["clock_trusted"])
-        print(f"believed after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
+        print(f"trusted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
         self.kiosk.wait_status("the building", lambda status: status["building_drawn"], timeout_s=60)
         self.kiosk.wait_shown("live", timeout_s=60)
         self.recovered(time.monotonic() - started, 10)
@@ -276,7 +276,7 @@ class TestDriver(LiveKiosk):
         self.kiosk.run(f"v4l2-ctl -d /dev/v4l/by-id/vivid-000 -c {text}")
 
     def wait_recovered(self, started, limit_s, cause=None):
-        """Live again after an outage; whose cause the journal names."""
+        """Live again after an outage whose cause the journal names."""
         self.kiosk.wait_new_picture(timeout_s=60)
         self.kiosk.wait_shown("live", timeout_s=60)
         self.recovered(time.monotonic() - started, limit_s)
@@ -293,7 +293,7 @@ class TestDriver(LiveKiosk):
 
     @long
     def test_01_scene_camera_disconnects(self):
-        """The scene camera says that it is gone, and comes back once nobody holds it."""
+        """The scene camera reports its removal, and comes back once nobody holds it open."""
         self.control("disconnect=1")
         self.wait_recovered(time.monotonic(), 5)
 
@@ -340,7 +340,7 @@ class TestDriver(LiveKiosk):
 
     @long
     def test_07_fatal_queue_error(self):
-        """The queue of buffers fails for good: it is built anew."""
+        """The buffer queue fails permanently and is rebuilt."""
         self.control("inject_fatal_streaming_error=1")
         self.wait_recovered(time.monotonic(), 2)
 
@@ -355,7 +355,7 @@ class TestDriver(LiveKiosk):
 
     @long
     def test_11_counters_wrap(self):
-        """Sequence numbers and timestamps wrap: nothing is seen of it."""
+        """Sequence numbers and timestamps wrap around without a visible effect."""
         self.control("wrap_sequence_number=1,wrap_timestamp=2")
         started = time.monotonic()
         self.wait_recovered(started, 2)
@@ -384,7 +384,7 @@ class Libcamera(LiveKiosk):
 
 @long
 class DeviceTests(LiveKiosk):
-    """The tests of devices that skip themselves elsewhere, on the machine's cameras and display."""
+    """The device tests that are skipped elsewhere, on the machine's cameras and display."""
 
     def run_program(self, command, least):
         self.kiosk.run("systemctl stop kasumi", timeout_s=60)
@@ -410,5 +410,5 @@ class DeviceTests(LiveKiosk):
         self.run_program("KASUMI_KMS_DEVICE=/dev/dri/card0 ./test_kms", least=10)
 
     def test_import(self):
-        """Memory of the kernel's as a picture of the renderer."""
+        """Kernel memory imported as a picture of the renderer."""
         self.run_program("KASUMI_TEST_IMPORT=1 ./test_gles --gtest_filter='CameraImports.ReadAReal*'", least=1)

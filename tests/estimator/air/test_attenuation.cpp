@@ -31,7 +31,7 @@ std::vector<SpectralSensitivity> every_camera() {
   return cameras;
 }
 
-// Over a grid that shares no point but its corners with the one the nodes were fitted on.
+// On a grid that shares only its corners with the one to which the nodes were fitted.
 double worst_error(const SpectralMeasure& measure, ScatteringModel model) {
   const AttenuationNodes nodes = attenuation_nodes(measure);
   double worst = 0.0;
@@ -98,8 +98,8 @@ TEST(Attenuation, SameMeasureGivesTheSameNodesBitForBit) {
   }
 }
 
-// Light of a D65-like air on a grey object, carried through 1 nm by 1 nm and then seen by the camera, against the
-// channel by channel equation: what M Eq 10 costs.
+// A grey object under D65-like air: attenuated nanometre by nanometre and then seen by the camera, against the channel
+// by channel equation. The difference is the error of M Eq 10.
 double composite_error(const Camera& camera, const SpectralMeasure& measure, double grey) {
   const glm::dmat3 to_srgb = glm::inverse(srgb_to_xyz()) * camera_to_xyz(camera.sensitivity);
   const auto channels = [&](auto&& spectrum) {
@@ -128,8 +128,8 @@ double composite_error(const Camera& camera, const SpectralMeasure& measure, dou
   return worst;
 }
 
-// Weighted by the daylight of a chromaticity, because what is attenuated is light times sensitivity. Not what Kasumi
-// does: it gains .1 of 255 on dark surfaces and loses as much on white ones.
+// Weighted by the daylight of a chromaticity, because what is attenuated is light times sensitivity. Kasumi does not do
+// this: it gains .1 of 255 on dark surfaces and loses as much on white ones.
 SpectralMeasure weighted_by_daylight(SpectralMeasure measure, double x, double y) {
   glm::dvec3 sum{0.0};
   for (std::size_t i = 0; i < measure.weight.size(); ++i)

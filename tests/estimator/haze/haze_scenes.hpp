@@ -11,7 +11,8 @@
 
 namespace kasumi {
 
-// Fine and coarse, dark and bright, the same on every machine: bars that grow finer to the right, turned by height.
+// Fine and coarse, dark and bright, and the same on every machine: bars that get finer to the right, rotated with
+// height.
 inline Image<glm::vec4> bars(int width, int height) {
   Image<glm::vec4> picture(width, height);
   for (int y = 0; y < height; ++y)
@@ -29,7 +30,7 @@ inline BlurMap everywhere(int width, int height, double sigma_px) {
   return map;
 }
 
-// A square object before a far wall: ranges (of the farthest), and light of the two.
+// A square object in front of a distant wall: ranges (of the farthest), and light of the two.
 struct ObjectBeforeWall {
   Image<float> range;
   Image<glm::vec4> light;

@@ -1,4 +1,4 @@
-// The schemes of diffusion against closed forms and true Gaussians.
+// The diffusion schemes against closed forms and true Gaussians.
 #include <cmath>
 #include <cstdio>
 
@@ -14,9 +14,9 @@
 namespace kasumi {
 namespace {
 
-constexpr auto kExplicit = DiffusionScheme::explicit_steps;
-constexpr auto kInvariant = DiffusionScheme::invariant;
-constexpr auto kMatched = DiffusionScheme::matched;
+constexpr auto kExplicitScheme = DiffusionScheme::explicit_steps;
+constexpr auto kInvariantScheme = DiffusionScheme::invariant;
+constexpr auto kMatchedScheme = DiffusionScheme::matched;
 
 Image<glm::vec4> gaussian(const Image<glm::vec4>& picture, double variance_px2) {
   auto copy = picture;
@@ -36,7 +36,7 @@ double rms(const Image<glm::vec4>& one, const Image<glm::vec4>& other) {
   return std::sqrt(sum / (3.0 * static_cast<double>(one.elements().size())));
 }
 
-// Variance that a scheme gives a single bright pixel, along x.
+// The variance that a scheme gives a single bright pixel, along x.
 double variance_reached(DiffusionScheme scheme, double sigma_px) {
   const int size = 2 * static_cast<int>(6.0 * sigma_px) + 1, middle = size / 2;
   Image<glm::vec4> light(size, size);
@@ -55,17 +55,17 @@ double variance_reached(DiffusionScheme scheme, double sigma_px) {
 
 TEST(HazeDiffusion, MatchedAndExplicitStepsGiveEachWidthItsVariance) {
   for (const double sigma : {1.5, 4.0, 9.0})
-    for (const auto scheme : {kExplicit, kMatched})
+    for (const auto scheme : {kExplicitScheme, kMatchedScheme})
       EXPECT_NEAR(variance_reached(scheme, sigma), sigma * sigma - 1.0, 2e-3 * sigma * sigma) << name_of(scheme);
 }
 
-TEST(HazeDiffusion, ThePrintedInvariantSchemeFallsShortAsItsStepsSay) {
+TEST(HazeDiffusion, ThePrintedInvariantSchemeFallsShortAsItsFormulaPredicts) {
   // sigma^2 grows by 2 rho sigma_k^2, sigma_k = e^{k rho}: 21.98 px where 25 are wanted.
   const double rate = std::log(25.0) / 13.0;
   const double sum = 2.0 * rate * (625.0 - 1.0) / (std::exp(2.0 * rate) - 1.0);
   EXPECT_NEAR(std::sqrt(1.0 + sum), 21.98, 0.01);
-  // Bilinear reading adds a little: f (1 - f) px^2 for each fraction of a pixel.
-  EXPECT_NEAR(std::sqrt(1.0 + variance_reached(kInvariant, 25.0)), 21.98, 0.05);
+  // Bilinear sampling adds a little: f (1 - f) px^2 for each fraction of a pixel.
+  EXPECT_NEAR(std::sqrt(1.0 + variance_reached(kInvariantScheme, 25.0)), 21.98, 0.05);
 }
 
 TEST(HazeDiffusion, APassNeverExceedsTheStableRate) {
@@ -82,16 +82,16 @@ TEST(HazeDiffusion, APassNeverExceedsTheStableRate) {
     }
 }
 
-TEST(HazeDiffusion, TheExplicitSchemeMakesAsManyPassesAsTheEquationSays) {
-  EXPECT_EQ(passes_of(kExplicit, 1.0, 25.0), 1248);  // (625 - 1) / (2 / 4)
-  EXPECT_EQ(passes_of(kInvariant, 1.0, 25.0), 13);   // as H says: 4 ln 25 = 12.9
+TEST(HazeDiffusion, TheExplicitSchemeTakesTheEquationsNumberOfPasses) {
+  EXPECT_EQ(passes_of(kExplicitScheme, 1.0, 25.0), 1248);  // (625 - 1) / (2 / 4)
+  EXPECT_EQ(passes_of(kInvariantScheme, 1.0, 25.0), 13);   // as H says: 4 ln 25 = 12.9
   EXPECT_EQ(matched_passes(1.0, 25.0).size(), 13U);
-  EXPECT_EQ(passes_of(kMatched, 1.0, 1.0), 0);
+  EXPECT_EQ(passes_of(kMatchedScheme, 1.0, 1.0), 0);
 }
 
 TEST(HazeDiffusion, TheCorrectedConvectiveTermIsWhatTheExplicitSchemeSolves) {
-  // One pass over F = x with rates that grow with x: dF/dt = rho laplace F + grad rho . grad F = grad rho; as printed,
-  // grad rho . F, it would grow with x.
+  // One pass over F = x with rates that increase with x: dF/dt = rho laplace F + grad rho . grad F = grad rho. As
+  // printed, grad rho . F, it would increase with x.
   constexpr int kSize = 40;
   BlurMap map;
   map.sigma_px = Image<float>(kSize, 9);
@@ -102,13 +102,14 @@ TEST(HazeDiffusion, TheCorrectedConvectiveTermIsWhatTheExplicitSchemeSolves) {
       map.sigma_px.at(x, y) = static_cast<float>(std::sqrt(sigma2(x)));
       light.at(x, y) = glm::vec4(static_cast<float>(x));
     }
-  const auto blurred = diffuse(kExplicit, light, map).value();
+  const auto blurred = diffuse(kExplicitScheme, light, map).value();
   for (int x = 2; x < kSize - 2; ++x)
     EXPECT_NEAR(blurred.at(x, 4).r - light.at(x, 4).r, 0.005, 2e-5) << "grad rho is .01 / 2 at x = " << x;
 }
 
 TEST(HazeDiffusion, AnyWidthBelowTheWidestIsAsGoodAGaussian) {
-  // A narrow and a wide half: the passes are those of the wide one, and stop in the narrow one when it has enough.
+  // A narrow and a wide half: the passes are those of the wide one, and stop in the narrow one when its width is
+  // reached.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "for the plain build to judge";
 #endif
@@ -123,7 +124,7 @@ TEST(HazeDiffusion, AnyWidthBelowTheWidestIsAsGoodAGaussian) {
         map.sigma_px.at(x, y) = 25.0F;
         map.steps_along_row.at(x, y) = 1.0F;
       }
-    auto left = diffuse(kMatched, picture, map).value();
+    auto left = diffuse(kMatchedScheme, picture, map).value();
     // The left part is a mirrored picture of its own.
     Image<glm::vec4> part(kWidth - 20, kHeight), blurred(kWidth - 20, kHeight);
     for (int y = 0; y < kHeight; ++y)
@@ -138,7 +139,7 @@ TEST(HazeDiffusion, AnyWidthBelowTheWidestIsAsGoodAGaussian) {
   }
 }
 
-TEST(HazeDiffusion, LightIsKeptByTheSchemesThatFlow) {
+TEST(HazeDiffusion, SchemesThatFlowConserveLight) {
   constexpr int kSize = 90;
   const auto picture = bars(kSize, kSize);
   HazeRange range;
@@ -149,15 +150,15 @@ TEST(HazeDiffusion, LightIsKeptByTheSchemesThatFlow) {
   range.steps_down_column = range_steps_down_column(range.range);
   const auto map = blur_map(range, haze_optics(0.0, 0.25, 20.0));
   const auto before = sum_of(picture);
-  for (const auto scheme : {kExplicit, kMatched}) {
+  for (const auto scheme : {kExplicitScheme, kMatchedScheme}) {
     const auto after = sum_of(diffuse(scheme, picture, map).value());
     for (int c = 0; c < 4; ++c) EXPECT_NEAR(after[c] / before[c], 1.0, 2e-6) << name_of(scheme);
   }
-  const auto after = sum_of(diffuse(kInvariant, picture, map).value());
+  const auto after = sum_of(diffuse(kInvariantScheme, picture, map).value());
   EXPECT_GT(std::abs(after.r / before.r - 1.0), 1e-4) << "what the invariant scheme does not promise";
 }
 
-// The largest difference of what does not lie on the object, or of what does, from its own light.
+// The largest deviation from its own light, either on the object or off it.
 double leak(const ObjectBeforeWall& scene, const Image<glm::vec4>& blurred, bool on_object) {
   double worst = 0.0;
   for (std::size_t i = 0; i < blurred.elements().size(); ++i)
@@ -177,18 +178,18 @@ TEST(HazeDiffusion, NothingLeaksOverTheEdgesOfThingsInFront) {
       range.steps_along_row = range_steps_along_row(range.range);
       range.steps_down_column = range_steps_down_column(range.range);
       const auto map = blur_map(range, haze_optics(0.0, 0.25, 30.0));  // 16 px at the wall
-      const auto matched = diffuse(kMatched, scene.light, map).value();
+      const auto matched = diffuse(kMatchedScheme, scene.light, map).value();
       EXPECT_EQ(leak(scene, matched, false), 0.0) << "on the wall";
       EXPECT_EQ(leak(scene, matched, true), 0.0) << "on the object";
       if (object_range != 0.6F) continue;
-      // H's schemes do leak, whatever the paper says of them: the test can tell.
-      EXPECT_GT(leak(scene, diffuse(kExplicit, scene.light, map).value(), false), 0.1);
-      EXPECT_GT(leak(scene, diffuse(kInvariant, scene.light, map).value(), false), 0.1);
+      // H's schemes do leak, contrary to the paper: the test can detect it.
+      EXPECT_GT(leak(scene, diffuse(kExplicitScheme, scene.light, map).value(), false), 0.1);
+      EXPECT_GT(leak(scene, diffuse(kInvariantScheme, scene.light, map).value(), false), 0.1);
     }
 }
 
 TEST(HazeDiffusion, TheWallIsBlurredBehindAPostAsIfThePostWereNotThere) {
-  // The wall's own pattern passes behind a post of three pixels: steps of more than three reach over it.
+  // The wall's own pattern continues behind a post of three pixels: steps of more than three reach across it.
   constexpr int kWidth = 180, kHeight = 40;
   Image<float> range(kWidth, kHeight, 1.0F);
   Image<glm::vec4> wall(kWidth, kHeight);
@@ -202,8 +203,8 @@ TEST(HazeDiffusion, TheWallIsBlurredBehindAPostAsIfThePostWereNotThere) {
   whole.steps_along_row = range_steps_along_row(range);
   whole.steps_down_column = range_steps_down_column(range);
   const auto map = blur_map(whole, haze_optics(0.0, 0.25, 22.0));  // 12 px
-  const auto behind = diffuse(kMatched, scene, map).value();
-  const auto without = diffuse(kMatched, wall, everywhere(kWidth, kHeight, 12.0)).value();
+  const auto behind = diffuse(kMatchedScheme, scene, map).value();
+  const auto without = diffuse(kMatchedScheme, wall, everywhere(kWidth, kHeight, 12.0)).value();
   double crossed = 0.0, would_cross = 0.0;
   for (int x = 0; x < 86; ++x) {
     crossed += static_cast<double>(behind.at(x, 20).r);
@@ -214,14 +215,15 @@ TEST(HazeDiffusion, TheWallIsBlurredBehindAPostAsIfThePostWereNotThere) {
   EXPECT_LE(crossed, would_cross);
 }
 
-TEST(HazeDiffusion, TellsAllThatIsWrong) {
+TEST(HazeDiffusion, ReportsEveryProblem) {
   BlurMap map = everywhere(20, 20, 1.0);
   map.sigma_px.at(3, 3) = 0.2F;
   map.steps_along_row = Image<float>(5, 5);
-  const auto wrong = diffuse(kMatched, Image<glm::vec4>(20, 20), map);
+  const auto wrong = diffuse(kMatchedScheme, Image<glm::vec4>(20, 20), map);
   ASSERT_FALSE(wrong);
   EXPECT_THAT(wrong.error().message, testing::AllOf(testing::HasSubstr("5 x 5"), testing::HasSubstr("0.2")));
-  EXPECT_FALSE(diffuse(kMatched, Image<glm::vec4>(20, 20), everywhere(20, 20, 40.0))) << "steps beyond the picture";
+  EXPECT_FALSE(diffuse(kMatchedScheme, Image<glm::vec4>(20, 20), everywhere(20, 20, 40.0)))
+      << "steps beyond the picture";
 }
 
 // The paper's experiment (H Sect 5.2, Fig 6 and 7) on another picture of the same collection.
@@ -256,9 +258,9 @@ Image<glm::vec4> Motorcycle::encoded;
 TEST_F(Motorcycle, AtAWidthOf25PixelsOursIsWithin0025OfAGaussianInSixtyTimesFewerOperations) {
   const auto truth = gaussian(encoded, 625.0 - 1.0);
   const auto map = everywhere(1600, 1120, 25.0);
-  const double ours = rms(diffuse(kMatched, encoded, map).value(), truth);
-  const double printed = rms(diffuse(kInvariant, encoded, map).value(), truth);
-  const auto few = cost_of(kMatched, 1.0, 25.0), many = cost_of(kExplicit, 1.0, 25.0);
+  const double ours = rms(diffuse(kMatchedScheme, encoded, map).value(), truth);
+  const double printed = rms(diffuse(kInvariantScheme, encoded, map).value(), truth);
+  const auto few = cost_of(kMatchedScheme, 1.0, 25.0), many = cost_of(kExplicitScheme, 1.0, 25.0);
   std::printf("RMS against a Gaussian of 25 px: ours %.5f, H's invariant scheme as printed %.5f\n", ours, printed);
   std::printf("passes: ours %d, explicit %d; operations for a pixel: %.0f, %.0f: %.1f times fewer\n", few.passes,
               many.passes, few.operations(), many.operations(), many.operations() / few.operations());

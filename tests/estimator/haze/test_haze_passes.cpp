@@ -1,4 +1,4 @@
-// The passes, which work in place and several at a time, against their definition pixel by pixel.
+// The passes, which work in place and several at a time, against a pixel by pixel implementation of their definition.
 #include <algorithm>
 #include <cmath>
 
@@ -38,7 +38,7 @@ double wanted(const BlurMap& map, int x, int y) {
   return sigma * sigma - map.inner_px * map.inner_px;
 }
 
-// Widths that change from pixel to pixel, and two surfaces.
+// Widths that vary from pixel to pixel, and two surfaces.
 BlurMap hills(int width, int height, double widest_px) {
   BlurMap map;
   map.sigma_px = map.steps_along_row = map.steps_down_column = Image<float>(width, height);
@@ -68,7 +68,7 @@ double worst_of(const Image<glm::vec4>& one, const Image<glm::dvec4>& other) {
   return worst;
 }
 
-// Wide enough that not all passes are taken at a time; no higher than the farthest offset.
+// Wide enough that not all passes fit in the cache at once; no higher than the farthest offset.
 constexpr int kWidth = 1400, kHeight = 19;
 
 TEST(HazePasses, MatchedPassesAreTheirDefinition) {

@@ -1,4 +1,4 @@
-// Haze over a picture: attenuation, blur and airlight together.
+// Haze over a picture: attenuation, blur and airlight combined.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -33,8 +33,8 @@ TEST(HazePicture, AUniformWallFadesByBeerAndLambertIntoTheAirlight) {
 }
 
 TEST(HazePicture, ChannelsThatFadeUnequallyShareOneBlurredTransmission) {
-  // Two halves of one wall, far and near by their ranges but one surface: by hand, each channel by itself, the blurred
-  // Gamma E and the blurred Gamma are composited.
+  // Two halves of one wall, far and near by range but one surface. Reference: each channel separately, compositing the
+  // blurred Gamma E and the blurred Gamma.
   constexpr int kWidth = 90, kHeight = 40;
   HazeOptics optics;
   optics.extinction = {glm::dvec3(0.4, 0.9, 1.8), glm::dvec3(0.0)};
@@ -67,7 +67,7 @@ TEST(HazePicture, ChannelsThatFadeUnequallyShareOneBlurredTransmission) {
   }
 }
 
-TEST(HazePicture, OfATurbidityTheFadingIsThatOfTheAir) {
+TEST(HazePicture, ForATurbidityItFadesAsTheAirDoes) {
   const auto measure = spectral_measure(generic_sensitivity());
   const auto nodes = attenuation_nodes(measure);
   constexpr double kFarthest_m = 12e3, kAltitude_m = 400.0;
@@ -83,7 +83,7 @@ TEST(HazePicture, OfATurbidityTheFadingIsThatOfTheAir) {
   EXPECT_NEAR(optics.sigma_px(0.0), 1.0, 1e-12);
 }
 
-TEST(HazePicture, WhatIsNearStaysSharpWhatIsFarDoesNot) {
+TEST(HazePicture, NearThingsStaySharpAndFarOnesDoNot) {
   constexpr int kSize = 120;
   Image<glm::vec3> light(kSize, kSize);
   for (int y = 0; y < kSize; ++y)
@@ -99,7 +99,7 @@ TEST(HazePicture, WhatIsNearStaysSharpWhatIsFarDoesNot) {
     }
     return static_cast<double>(most - least) / (0.6 * std::exp(-0.25 * static_cast<double>(range_here)));
   };
-  // Bars of four pixels are one frequency: a Gaussian of variance v leaves exp(-v (pi / 2)^2 / 2) of it.
+  // Bars of four pixels are one frequency: a Gaussian of variance v leaves exp(-v (pi / 2)^2 / 2) of their contrast.
   const double near = 1.0 + 15.0 * 0.5 * std::pow(0.05, 1.5);
   EXPECT_NEAR(contrast(0.05F), std::exp(-0.5 * (near * near - 1.0) * 0.25 * 9.8696), 0.03);
   EXPECT_LT(contrast(1.0F), 0.01) << "sigma 8.5 px over bars of two pixels";

@@ -1,4 +1,4 @@
-// Measured range maps made whole: synthetic maps whose truth is known.
+// Completing measured range maps: synthetic maps with known truth.
 #include <cmath>
 #include <random>
 
@@ -10,14 +10,14 @@
 namespace kasumi {
 namespace {
 
-// A wall that leans away: planar depth of a plane in space, 1 / z linear across the picture.
-double leaning_wall_m(double x, double y) {
+// A slanted wall: planar depth of a plane in space, 1 / z linear across the picture.
+double slanted_wall_m(double x, double y) {
   return 1.0 / (0.2 - 0.0008 * x + 0.0004 * y);
 }
-Image<float> leaning_wall(int width, int height) {
+Image<float> slanted_wall(int width, int height) {
   Image<float> range(width, height);
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) range.at(x, y) = static_cast<float>(leaning_wall_m(x, y));
+    for (int x = 0; x < width; ++x) range.at(x, y) = static_cast<float>(slanted_wall_m(x, y));
   return range;
 }
 HazeRangeOptions indoors() {
@@ -26,8 +26,8 @@ HazeRangeOptions indoors() {
   return options;
 }
 
-TEST(HazeRange, AHoleInALeaningWallIsFilledByTheWall) {
-  auto range = leaning_wall(120, 90);
+TEST(HazeRange, AHoleInASlantedWallIsFilledByTheWall) {
+  auto range = slanted_wall(120, 90);
   for (int y = 30; y < 55; ++y)
     for (int x = 40; x < 80; ++x) range.at(x, y) = 0.0F;
   range.at(3, 3) = 0.0F;
@@ -39,14 +39,14 @@ TEST(HazeRange, AHoleInALeaningWallIsFilledByTheWall) {
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) {
       const double metres = static_cast<double>(made->range.at(x, y)) * made->farthest_m;
-      worst = std::max(worst, std::abs(metres / leaning_wall_m(x, y) - 1.0));
+      worst = std::max(worst, std::abs(metres / slanted_wall_m(x, y) - 1.0));
     }
   EXPECT_LT(worst, 1e-4) << "of the range";
 }
 
 TEST(HazeRange, AHoleWhoseBorderIsPartlyAnObjectInFrontIsFilledByTheWallBehind) {
-  // A third of the border is a post at 2 m, and a few returns are nonsense.
-  auto range = leaning_wall(120, 90);
+  // A third of the border is a post at 2 m, and a few returns are outliers.
+  auto range = slanted_wall(120, 90);
   for (int y = 20; y < 70; ++y)
     for (int x = 30; x < 40; ++x) range.at(x, y) = 2.0F;
   for (int y = 25; y < 65; ++y)
@@ -59,12 +59,12 @@ TEST(HazeRange, AHoleWhoseBorderIsPartlyAnObjectInFrontIsFilledByTheWallBehind) 
   for (int y = 25; y < 65; ++y)
     for (int x = 40; x < 75; ++x)
       worst = std::max(
-          worst, std::abs(static_cast<double>(made->range.at(x, y)) * made->farthest_m / leaning_wall_m(x, y) - 1.0));
+          worst, std::abs(static_cast<double>(made->range.at(x, y)) * made->farthest_m / slanted_wall_m(x, y) - 1.0));
   EXPECT_LT(worst, 2e-3) << "of the range";
 }
 
-TEST(HazeRange, WhatWasMeasuredStaysAsItIs) {
-  auto range = leaning_wall(100, 80);
+TEST(HazeRange, MeasuredRangesStayUnchanged) {
+  auto range = slanted_wall(100, 80);
   for (int x = 0; x < 100; ++x)
     for (int y = 0; y < 20 + x / 10; ++y) range.at(x, y) = 0.0F;  // sky
   for (int x = 30; x < 36; ++x) range.at(x, 60) = 0.0F;           // hole
@@ -101,7 +101,7 @@ TEST(HazeRange, TheLargeUndefinedRegionsAreSkyAndTheSmallOnesAreNot) {
   EXPECT_EQ(inside->sky_share, 0.0);
 }
 
-TEST(HazeRange, AboveALevelHorizonTheMarginGoesOverEvenly) {
+TEST(HazeRange, AboveALevelHorizonTheMarginIsLinear) {
   // Laplace between two parallel lines: linear.
   constexpr int kMargin = 10;
   Image<float> range(60, 60, 0.6F);
@@ -160,7 +160,7 @@ TEST(HazeRange, AnEdgeSmearedOverThreePixelsIsStillAnEdge) {
   EXPECT_NEAR(steps.at(59, 0) - steps.at(0, 0), std::log(2.0), 1e-4);
 }
 
-TEST(HazeRange, TellsAllThatIsWrongWithItsOptions) {
+TEST(HazeRange, ReportsEveryProblemOfItsOptions) {
   HazeRangeOptions options;
   options.smallest_sky_share = 0.0;
   options.sky_range = 1.0;

@@ -1,4 +1,4 @@
-// Scenes drawn for the horizon's tests: a sky of known light over ground, hills and towers.
+// Synthetic scenes for the horizon's tests: a sky of known light over ground, hills and towers.
 #pragma once
 
 #include <algorithm>
@@ -42,12 +42,12 @@ struct DrawnScene {
 
 struct DrawnOptions {
   double noise = 0.0;  // of encoded values, 0..255
-  // Light of what stands before the sky at a pixel; a negative red means sky.
+  // Light of an object in front of the sky at a pixel; a negative red means sky.
   std::function<glm::dvec3(int, int)> front = [](int, int) { return glm::dvec3{-1.0}; };
   std::function<glm::dvec3(const Direction&)> sky = drawn_sky;
 };
 
-// Green, textured: blotches of several sizes.
+// Green and textured: blotches of several sizes.
 inline glm::dvec3 drawn_ground(int x, int y) {
   const double blotches =
       std::sin(0.9 * x + 0.3 * y) * std::sin(0.7 * y - 0.2 * x) + std::sin(0.21 * x) * std::sin(0.33 * y);
@@ -57,7 +57,7 @@ inline glm::dvec3 drawn_ground(int x, int y) {
 inline DrawnScene draw(const Camera& camera, const DrawnOptions& options) {
   DrawnScene scene{Image<Rgb8>(camera.width, camera.height), Image<std::uint8_t>(camera.width, camera.height)};
   std::mt19937_64 random(7);
-  const auto gaussian = [&] {  // sum of uniforms, so that it is the same everywhere
+  const auto gaussian = [&] {  // sum of uniforms, to be the same on every machine
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() >> 11) * 0x1p-53;
     return sum;
@@ -84,7 +84,7 @@ inline DrawnScene draw(const Camera& camera, const DrawnOptions& options) {
   return scene;
 }
 
-// Largest relative error of the measured light against the drawn sky's at the direction it was measured at.
+// Largest relative error of the measured light against the synthetic sky in the same direction.
 inline double worst_light_error(const HorizonLight& horizon) {
   double worst = 0.0;
   for (const HorizonColumn& column : horizon.columns) {

@@ -70,7 +70,7 @@ TEST(SkySegmentation, TakesCloudsForSky) {
   EXPECT_GT(agreement(found.sky, scene.sky), 0.95);
 }
 
-TEST(SkySegmentation, SaysThatThereIsNoneInAPictureOfGround) {
+TEST(SkySegmentation, FindsNoneInAPictureOfGround) {
   DrawnOptions options;
   options.front = drawn_ground;
   const SkySegmentation found = segment_sky(draw(drawn_camera(), options).picture);
@@ -78,7 +78,7 @@ TEST(SkySegmentation, SaysThatThereIsNoneInAPictureOfGround) {
   EXPECT_EQ(found.reason, "no sky: nothing bright and textureless in the upper part");
 }
 
-TEST(SkySegmentation, SaysThatANightIsDark) {
+TEST(SkySegmentation, ReportsThatANightIsDark) {
   DrawnOptions options;
   options.noise = 2.0;
   options.front = [](int, int) { return glm::dvec3{0.002}; };
@@ -152,14 +152,14 @@ TEST(Horizon, IsMeasuredHigherUpBehindATowerAndOutvotesAChimney) {
   EXPECT_LT(worst_light_error(horizon), 0.04);
 }
 
-TEST(Horizon, TakesAClippedSkyAtItsFaceValueAndSaysSo) {
+TEST(Horizon, UsesAClippedSkysValueAndReportsIt) {
   const Camera camera = drawn_camera();
   DrawnOptions options;
   options.sky = [](const Direction&) { return glm::dvec3{2.0}; };
   const DrawnScene scene = draw(camera, options);
   const HorizonLight horizon = measure_horizon(camera, view_of(scene.picture));
   ASSERT_TRUE(horizon.usable()) << horizon.reason;
-  EXPECT_EQ(horizon.reason, "the horizon sky is clipped: its light is at least this");
+  EXPECT_EQ(horizon.reason, "the horizon sky is clipped: its light is a lower bound");
   for (const HorizonColumn& column : horizon.columns) {
     EXPECT_NEAR(column.light.y, 1.0, 1e-3);
     EXPECT_LT(column.quality, 0.2);
@@ -167,7 +167,7 @@ TEST(Horizon, TakesAClippedSkyAtItsFaceValueAndSaysSo) {
 }
 
 TEST(Horizon, ACameraThatLooksDownSeesNone) {
-  // A pale textureless square fills the picture: only the camera's pose tells that it cannot be sky.
+  // A pale textureless square fills the picture: only the camera's pose shows that it cannot be sky.
   const Camera camera = drawn_camera(-30.0);
   DrawnOptions options;
   options.front = [](int, int) { return glm::dvec3{0.6}; };
@@ -193,7 +193,7 @@ TEST(Horizon, SamePictureGivesTheSameBits) {
   for (std::size_t i = 0; i < first.columns.size(); ++i) EXPECT_EQ(first.columns[i].light, second.columns[i].light);
 }
 
-// A fisheye that looks at the drawn sky with its own exposure.
+// A fisheye with its own exposure under the synthetic sky.
 struct SkyView {
   Camera camera;
   Image<Rgb8> picture;
@@ -243,7 +243,7 @@ TEST(SkyRing, SetsItsLevelByTheBrightestDistantThings) {
   EXPECT_NEAR(luminance, 0.25, 0.005);
 }
 
-TEST(SkyRing, SaysWhenTheRingIsMasked) {
+TEST(SkyRing, ReportsThatTheRingIsMasked) {
   SkyView sky = look_up(0.5);
   sky.camera.mask = Image<std::uint8_t>(400, 400, 0);
   const Camera camera = drawn_camera();

@@ -1,4 +1,4 @@
-// The horizon's light under broken clouds, in drawn tele views whose clear sky is known.
+// The horizon's light under broken clouds, in synthetic telephoto views with a known clear sky.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -22,7 +22,7 @@ Camera tele_camera() {
   return camera;
 }
 
-// Streaks as thick as 1/6 deg, seen through air that takes most of their blue. `cover`: 0..1.
+// Streaks 1/6 deg thick, seen through air that removes most of their blue. `cover`: 0..1.
 glm::dvec3 with_streaks(const Direction& direction, double cover) {
   const double elevation = 90.0 - to_degrees(zenith_angle(direction));
   const double azimuth = std::remainder(to_degrees(azimuth_angle(direction)) - 20.0, 360.0);
@@ -32,7 +32,7 @@ glm::dvec3 with_streaks(const Direction& direction, double cover) {
   return drawn_sky(direction) * (1.0 + opacity * (0.8 + 0.5 * wave) * glm::dvec3{0.16, 0.09, 0.02});
 }
 
-// A ridge 30 to 50 km away, whose sunlit slopes have almost faded, and a nearer one.
+// A ridge 30 to 50 km away whose sunlit slopes have almost faded, and a nearer one.
 std::function<glm::dvec3(int, int)> ridges(const Camera& camera) {
   return [&camera](int x, int y) {
     const Direction direction = *camera.direction_at({x, y});
@@ -76,7 +76,7 @@ TEST(HorizonUnderClouds, IsFoundBelowABankThatReachesThePicturesTop) {
   EXPECT_LT(worst_light_error(horizon), 0.008);
 }
 
-TEST(HorizonUnderClouds, IsTheLowestSkysWhereNothingIsClearAndSaysSo) {
+TEST(HorizonUnderClouds, UsesTheLowestSkyWhereNothingIsClearAndReportsIt) {
   const Camera camera = tele_camera();
   DrawnOptions options;
   options.sky = [](const Direction& direction) {  // billows everywhere, +-25 %
@@ -85,7 +85,7 @@ TEST(HorizonUnderClouds, IsTheLowestSkysWhereNothingIsClearAndSaysSo) {
   };
   const HorizonLight horizon = measure_horizon(camera, view_of(draw(camera, options).picture));
   ASSERT_TRUE(horizon.usable());
-  EXPECT_EQ(horizon.reason, "little clear sky at the horizon: the lowest sky is taken, clouds and all");
+  EXPECT_EQ(horizon.reason, "little clear sky at the horizon: the lowest sky is used, including clouds");
   EXPECT_LT(worst_light_error(horizon), 0.3);  // within what the billows show
 }
 
@@ -93,7 +93,7 @@ double uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1p-53;
 }
 
-// Cells of a known surface, a share of them up to 20 % brighter in red and less in blue.
+// Cells of a known surface, a share of them up to 20 % brighter in red and less so in blue.
 std::vector<HorizonCell> drawn_cells(double cloudy, std::mt19937_64& random) {
   std::vector<HorizonCell> cells;
   for (int i = 0; i < 2000; ++i) {
@@ -117,7 +117,7 @@ TEST(ClearHorizon, GoesThroughTheClearCellsWhenMostAreCloud) {
     const auto cells = drawn_cells(cloudy, random);
     const auto clear = fit_clear_horizon(cells, std::vector<std::uint8_t>(cells.size(), 1));
     ASSERT_TRUE(clear);
-    EXPECT_NEAR(clear->share, 1.0 - cloudy, 0.06);  // and those clouds that are too thin to be seen
+    EXPECT_NEAR(clear->share, 1.0 - cloudy, 0.06);  // including clouds too thin to be detected
     for (const double azimuth : {-0.04, 0.0, 0.04}) {
       for (const double elevation : {0.005, 0.025, 0.045}) {
         const double truth = -1.0 + 0.4 * azimuth + 3.0 * azimuth * azimuth - 0.8 * elevation;

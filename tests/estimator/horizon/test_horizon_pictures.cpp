@@ -1,4 +1,4 @@
-// Real pictures, whose skies a person can point at. Overlays are left in the test output folder to be looked at.
+// Real pictures whose sky is obvious to a person. Overlays are left in the test output folder for inspection.
 #include <filesystem>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A generated scene seen through haze, with boxes on its ridges whose distance the geometry tells.
+// A generated scene seen through haze, with boxes on its ridges whose distance is known from the geometry.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +23,8 @@ struct GeneratedView {
   std::vector<ContrastLandmark> landmarks;
 };
 
-// Boxes of one distance (within 8 %), the most level of each octave of distance, to the left and to the right: chosen
-// by geometry alone.
+// Boxes at one distance each (within 8 %): the most level ones per octave of distance, on the left and on the right,
+// chosen by geometry alone.
 inline std::vector<ContrastLandmark> landmarks_on(const fixtures::SceneGeometry& geometry, int width, int height) {
   constexpr int kWide = 10, kHigh = 3, kRays = fixtures::kRaysPerSide;
   struct Found {
@@ -82,7 +82,7 @@ struct SunPlace {
   double zenith_deg, azimuth_deg;
 };
 
-// As 8 bits of a camera with noise.
+// As 8-bit values of a camera with noise.
 inline Image<glm::vec3> encoded_under(const GeneratedView& view, double turbidity, const SunPlace& sun,
                                       std::uint64_t seed) {
   fixtures::Weather weather;
@@ -100,7 +100,7 @@ inline Image<glm::vec3> encoded_under(const GeneratedView& view, double turbidit
   return encoded;
 }
 
-// By the generator's own physics, 1 nm: what of the channel's light is lost a metre over a level path.
+// From the generator's own physics at 1 nm: the channel's loss of light per metre on a level path.
 inline double true_extinction_per_m(const Camera& camera, int channel, double turbidity, double path_m) {
   double left = 0.0, all = 0.0;
   const double rayleigh = std::exp(-kValley_m / fixtures::kRayleighScaleHeight_m);

@@ -35,7 +35,7 @@ TEST(LandmarkExtinction, IsKoschmiedersWhereContrastsAreKnown) {
     std::vector<ContrastReading> readings;
     for (const auto& landmark : landmarks)
       readings.push_back(reading(0.85 * std::exp(-truth * landmark.distance_m), 1e-3));
-    const auto found = law.look(readings);
+    const auto found = law.estimate(readings);
     ASSERT_EQ(found.kind, ExtinctionKind::value) << found.reason;
     EXPECT_NEAR(found.per_m / truth, 1.0, 2e-3);
     EXPECT_LT(found.lowest_per_m, truth);
@@ -43,18 +43,18 @@ TEST(LandmarkExtinction, IsKoschmiedersWhereContrastsAreKnown) {
   }
 }
 
-// One surface against its neighbour: the difference fades as the contrast to the sky does.
+// One surface against its neighbour: the difference fades like the contrast to the sky.
 TEST(LandmarkExtinction, OfTwoSurfacesSideBySideIsTheSame) {
   auto landmarks = at({400.0}, 0.005);
   landmarks[0].contrast = 0.3;
   landmarks[0].against = PictureBox{0, 0, 1, 1};
   const LandmarkExtinction law(landmarks, 0.0, kClearest_per_m, 1, kNoSpread);
-  const auto found = law.look({reading(0.3 * std::exp(-2e-3 * 400.0), 1e-3)});
+  const auto found = law.estimate({reading(0.3 * std::exp(-2e-3 * 400.0), 1e-3)});
   ASSERT_EQ(found.kind, ExtinctionKind::value) << found.reason;
   EXPECT_NEAR(found.per_m, 2e-3, 1e-5);
 }
 
-// Drawn from the very model that is stated: the sigma must be that of the errors.
+// Readings drawn from the stated model: sigma must match the errors.
 TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
   const auto landmarks = at({800.0, 1500.0, 3000.0, 6000.0});
   const ContrastSpread spread;
@@ -73,7 +73,7 @@ TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
       const double depth = truth * landmark.distance_m * (1.0 + spread.patchy * random.normal());
       readings.push_back(reading((contrast + lit) * std::exp(-depth) + 0.01 * random.normal(), 0.01));
     }
-    const auto found = law.look(readings);
+    const auto found = law.estimate(readings);
     if (found.kind != ExtinctionKind::value) continue;
     ++draws;
     const double off = (found.per_m - truth) / found.sigma_per_m;
@@ -87,31 +87,31 @@ TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
 
 TEST(LandmarkExtinction, GivesABoundWhereLandmarksEnd) {
   const LandmarkExtinction law(at({100.0, 200.0, 300.0}), 0.0, kClearest_per_m, 1);
-  const auto clear = law.look({reading(0.85, 0.01), reading(0.85, 0.01), reading(0.84, 0.01)});
+  const auto clear = law.estimate({reading(0.85, 0.01), reading(0.85, 0.01), reading(0.84, 0.01)});
   EXPECT_EQ(clear.kind, ExtinctionKind::at_most);
   EXPECT_FALSE(clear.reason.empty());
   EXPECT_LT(clear.highest_per_m, 3e-3) << "three hundred metres tell 1.3 km from more";
   EXPECT_GT(clear.highest_per_m, 1e-4) << "but not 40 km from more";
-  const auto fog = law.look({reading(0.0, 0.02), reading(0.01, 0.02), reading(-0.01, 0.02)});
+  const auto fog = law.estimate({reading(0.0, 0.02), reading(0.01, 0.02), reading(-0.01, 0.02)});
   EXPECT_EQ(fog.kind, ExtinctionKind::at_least);
   EXPECT_GT(fog.lowest_per_m, std::log(0.85 / 0.1) / 100.0) << "the nearest is gone but for a tenth";
-  EXPECT_EQ(law.look({}).kind, ExtinctionKind::nothing);
+  EXPECT_EQ(law.estimate({}).kind, ExtinctionKind::nothing);
 }
 
-TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotForesee) {
+TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotPredict) {
   const std::vector<double> distances_m{500.0, 1000.0, 1500.0, 2000.0, 2500.0};
   const LandmarkExtinction law(at(distances_m), 0.0, kClearest_per_m, 1);
   std::vector<ContrastReading> readings;
   for (const double distance_m : distances_m) readings.push_back(reading(0.85 * std::exp(-8e-4 * distance_m), 0.01));
-  const auto all = law.look(readings);
+  const auto all = law.estimate(readings);
   readings[3] = reading(-0.4, 0.01);  // snow in the sun
-  const auto found = law.look(readings);
+  const auto found = law.estimate(readings);
   ASSERT_EQ(found.left_out, std::vector<std::size_t>{3});
   EXPECT_NEAR(found.per_m / all.per_m, 1.0, 0.1);
   EXPECT_EQ(found.landmarks, 4);
 }
 
-// Two landmarks side by side, one a bright wall: pictures of every visibility teach how they differ, and that alone.
+// Two landmarks side by side, one a bright wall: pictures at every visibility teach how they differ, and only that.
 TEST(LandmarkExtinction, LearnsHowTheContrastsDiffer) {
   const auto landmarks = at({1000.0, 1000.0, 4000.0}, 0.15);
   const std::vector<double> truth{0.95, 0.7, 0.8};
@@ -136,8 +136,8 @@ TEST(LandmarkExtinction, LearnsHowTheContrastsDiffer) {
   constexpr double kTruth = 4e-4;
   for (int i = 0; i < 50; ++i) {
     const auto readings = picture(kTruth);
-    after += std::pow((law.look(readings).per_m - kTruth) / law.look(readings).sigma_per_m, 2) / 50.0;
-    gained += untaught.look(readings).sigma_per_m - law.look(readings).sigma_per_m;
+    after += std::pow((law.estimate(readings).per_m - kTruth) / law.estimate(readings).sigma_per_m, 2) / 50.0;
+    gained += untaught.estimate(readings).sigma_per_m - law.estimate(readings).sigma_per_m;
   }
   EXPECT_GT(gained, 0.0) << "on the whole";
   EXPECT_LT(std::sqrt(after), 1.4) << "errors over sigma";
@@ -170,7 +170,7 @@ TEST(LandmarkContrast, IsReadInLinearLight) {
     for (int x = 40; x < 56; ++x) encoded.at(x, y) = glm::vec3(1.0F);
   readings = read_contrasts(camera, encoded, {landmark});
   EXPECT_TRUE(readings[0].usable);
-  EXPECT_EQ(readings[0].reason, "the sky beside it is clipped");
+  EXPECT_EQ(readings[0].reason, "the sky next to it is clipped");
   EXPECT_GT(readings[0].sigma.g, 0.02);
   landmark.surface.x = 60;
   EXPECT_FALSE(read_contrasts(camera, encoded, {landmark})[0].usable);
@@ -194,12 +194,12 @@ class LandmarkAirTest : public testing::Test {
   LandmarkAir air_of(double turbidity) const {
     std::vector<ContrastReading> readings;
     for (const auto& landmark : watch.landmarks()) {
-      // At 1 nm, the slow truth.
+      // Reference at 1 nm.
       const auto left = attenuation_reference(spectral_measure(camera), ScatteringModel::morales2017,
                                               Turbidity{turbidity}, optical_path(0.0, 0.0, landmark.distance_m));
       readings.push_back({true, "", 0.85 * left, glm::dvec3{0.003}});
     }
-    return watch.look(readings);
+    return watch.estimate(readings);
   }
   Camera camera;
   LandmarkWatch watch;
@@ -217,21 +217,21 @@ TEST_F(LandmarkAirTest, IsTheTurbidityThatTakesAsMuch) {
   }
 }
 
-TEST_F(LandmarkAirTest, TellsADisagreementAndNeverAverages) {
+TEST_F(LandmarkAirTest, ReportsADisagreementAndNeverAverages) {
   const auto air = air_of(4.0);
   const auto same = watch.compare(air, Turbidity{4.0}, 0.05);
-  EXPECT_EQ(same.agreement, Agreement::agrees) << same.words;
+  EXPECT_EQ(same.agreement, Agreement::agrees) << same.message;
   EXPECT_LT(std::abs(same.sigmas), 1.0);
   const auto other = watch.compare(air, Turbidity{2.0}, 0.05);
-  EXPECT_EQ(other.agreement, Agreement::disagrees) << other.words;
+  EXPECT_EQ(other.agreement, Agreement::disagrees) << other.message;
   EXPECT_GT(other.sigmas, 3.0) << "the landmarks see the thicker air";
   EXPECT_NEAR(air.turbidity.turbidity->value, 4.0, 0.15) << "whatever the sky says";
   EXPECT_EQ(watch.compare(air, Turbidity{2.0}, 30.0).agreement, Agreement::agrees) << "who knows little agrees";
 }
 
-TEST_F(LandmarkAirTest, TakesABoundForABound) {
+TEST_F(LandmarkAirTest, TreatsABoundAsABound) {
   const LandmarkWatch near(camera, 0.0, at({100.0, 300.0, 500.0}, 0.05));
-  const auto air = near.look({reading(0.85, 0.02), reading(0.84, 0.02), reading(0.85, 0.02)});
+  const auto air = near.estimate({reading(0.85, 0.02), reading(0.84, 0.02), reading(0.85, 0.02)});
   ASSERT_EQ(air.extinction().kind, ExtinctionKind::at_most);
   EXPECT_FALSE(air.turbidity.turbidity);
   EXPECT_EQ(near.compare(air, Turbidity{1.7}, 0.01).agreement, Agreement::agrees);

@@ -1,4 +1,4 @@
-// Extinction from ridges of generated scenes, whose air is known: several T, suns, landscapes and the camera's noise.
+// Extinction from ridges of generated scenes with known air: several T, suns and landscapes, with camera noise.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ struct Moment {
   double turbidity;
   SunPlace sun;
 };
-// Into the sun, across and away from it, high and low.
+// Towards the sun, across and away from it, high and low.
 const std::vector<Moment> kMoments{{1.9, {50, 230}},  {2.4, {68, 30}}, {3.1, {33, 170}},
                                    {4.36, {58, 300}}, {7.0, {45, 80}}, {13.0, {62, 200}}};
 
@@ -37,10 +37,10 @@ TEST(LandmarksGenerated, ExtinctionIsTheAirsWithinItsSigma) {
     std::uint64_t seed = 100 * terrain;
     for (const auto& moment : kMoments)
       pictures.push_back(watch.read(view.camera.camera, encoded_under(view, moment.turbidity, moment.sun, ++seed)));
-    const auto airs = watch.look_at_all(pictures);
+    const auto airs = watch.estimate_all(pictures);
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const double truth = true_extinction_per_m(view.camera.camera, 1, kMoments[i].turbidity, 5000.0);
-      const auto alone = watch.look(pictures[i]);
+      const auto alone = watch.estimate(pictures[i]);
       ASSERT_EQ(alone.extinction().kind, ExtinctionKind::value) << alone.extinction().reason;
       fmt::print("T {:5.2f}: true {:.4f}, alone {:.4f} +- {:.4f}, beside the others {:.4f} +- {:.4f} per km\n",
                  kMoments[i].turbidity, 1e3 * truth, 1e3 * alone.extinction().per_m,

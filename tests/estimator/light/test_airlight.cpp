@@ -10,13 +10,10 @@
 #include "calib/colour/spectral_sensitivity.hpp"
 #include "calib/light/radiometry.hpp"
 #include "estimator/light/airlight.hpp"
+#include "tests/estimator/light/at_deg.hpp"
 
 namespace kasumi {
 namespace {
-
-Direction at_deg(double zenith, double azimuth) {
-  return direction_from(from_degrees(zenith), from_degrees(azimuth));
-}
 
 const glm::dmat3 kLuminanceOnly{glm::dvec3{0.0}, glm::dvec3{1.0}, glm::dvec3{0.0}};  // every channel is Y
 const glm::dmat3 kXyzToSrgb = glm::inverse(srgb_to_xyz());
@@ -84,7 +81,7 @@ TEST(Zeta, IsPositiveAndFiniteForAnyTurbiditySunAndDirection) {
   }
 }
 
-// What a perfect camera with linear sRGB channels and an unknown gain measures of the model's sky.
+// The model's sky as measured by a perfect camera with linear sRGB channels and an unknown gain.
 HorizonLight measured(const SkyModel& model, double gain, double first_azimuth, double last_azimuth, double zenith) {
   HorizonLight horizon;
   horizon.source = HorizonLight::Source::scene_camera;

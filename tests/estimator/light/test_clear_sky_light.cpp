@@ -1,4 +1,4 @@
-// The clear sky's light and the sun's beside it, against published values.
+// The light of the clear sky and the sun, against published values.
 #include <algorithm>
 #include <cmath>
 

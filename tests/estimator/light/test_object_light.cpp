@@ -10,13 +10,11 @@
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/air/scattering.hpp"
 #include "estimator/light/object_light.hpp"
+#include "tests/estimator/light/at_deg.hpp"
 
 namespace kasumi {
 namespace {
 
-Direction at_deg(double zenith, double azimuth) {
-  return direction_from(from_degrees(zenith), from_degrees(azimuth));
-}
 const Direction kUp{0.0, 0.0, 1.0};
 
 Camera srgb_camera() {
@@ -30,7 +28,7 @@ Camera sensor_camera() {
   return camera;
 }
 
-// The upper half of the sphere in fine cones: direction, radiance times solid angle.
+// The upper hemisphere in fine cones: direction, radiance times solid angle.
 struct Cone {
   Direction direction;
   glm::dvec3 power;
@@ -55,8 +53,7 @@ glm::dvec3 gathered(const std::vector<Cone>& sky, const Direction& normal) {
 }
 
 TEST(Daylight, AGreySphereIsLitAsByBruteForceOverSunSkyAndGround) {
-  // All sides of it, each channel, as it would be seen: the sun's side, the shaded side, the one that faces the
-  // horizon, the underside.
+  // All sides of it in each channel: the sunlit side, the shaded side, the one facing the horizon, the underside.
   for (const double t : {2.0, 2.6, 4.0, 8.0})
     for (const double sun_zenith : {20.0, 45.0, 52.0, 60.0, 75.0, 81.0, 85.0}) {
       DaylightOptions options;
@@ -71,7 +68,7 @@ TEST(Daylight, AGreySphereIsLitAsByBruteForceOverSunSkyAndGround) {
         for (const double azimuth : {200.0, 245.0, 20.0}) {
           const Direction normal = at_deg(zenith, azimuth);
           const glm::dvec3 direct = std::max(0.0, glm::dot(normal, sun)) * light.sun_irradiance;
-          // An even ground of radiance L lights a side by pi L times the part of it that looks down.
+          // Uniform ground of radiance L gives a side an irradiance of pi L times its view factor of the ground.
           const glm::dvec3 truth =
               direct + gathered(sky, normal) + 0.5 * (1.0 - normal.z) * options.ground_albedo * on_ground;
           const glm::dvec3 found = direct + irradiance(light.around, normal);
@@ -99,9 +96,10 @@ TEST(Daylight, TheSkyLightsTheLevelGroundAsTheClearSkyModelSays) {
 }
 
 TEST(Daylight, TheHorizonIsWhatScatteringAirUnderThatSunAndSkyShines) {
-  // The measured horizon scales everything, so its place between sun and sky matters most. Light from infinity is the
-  // air's source function: sunlight by its phase function (Rayleigh and Henyey-Greenstein, asymmetry .65) and the mean
-  // of what comes from sky and ground, times the scattering albedo. The distribution (Perez) is of measured skies.
+  // The measured horizon scales everything, so its level relative to sun and sky matters most. Light from infinity is
+  // the air's source function: sunlight times its phase function (Rayleigh and Henyey-Greenstein, asymmetry .65) plus
+  // the mean light from sky and ground, times the scattering albedo. The Perez distribution was fitted to measured
+  // skies.
   for (const double t : {2.0, 3.0, 4.0, 6.0})
     for (const double zenith : {30.0, 45.0, 60.0}) {
       const Daylight daylight(srgb_camera(), Turbidity{t}, at_deg(zenith, 180.0));
@@ -206,8 +204,8 @@ TEST(Daylight, IsPositiveAndFiniteForEveryTurbidityAndSun) {
 }
 
 TEST(Daylight, AWhiteWallNearHazeAtInfinityIsOfTheHorizonsOrder) {
-  // What rho = L0 / Linf means for a visitor: a sunlit white wall outshines the clear horizon away from the sun, a dark
-  // one does not.
+  // What rho = L0 / Linf means for a visitor: a sunlit white wall is brighter than the clear horizon away from the sun,
+  // a dark one is not.
   const Daylight daylight(srgb_camera(), Turbidity{3.0}, at_deg(50.0, 180.0));
   const Direction wall = at_deg(90.0, 180.0);  // faces the sun
   const glm::dvec3 received = irradiance(daylight.on_object().around, wall) +

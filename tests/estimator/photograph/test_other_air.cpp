@@ -1,4 +1,4 @@
-// A photograph under other air, against what M Eq 25 and 26 say of every pixel.
+// A photograph under other air, against M Eq 25 and 26 for every pixel.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ using testing::HasSubstr;
 constexpr int kWidth = 12, kHeight = 8;
 const glm::dvec3 kAirlight{0.55, 0.6, 0.7};  // linear
 
-// Rows from the sky (0) down to the land, which is as far away in each as in the next.
+// Rows from the sky (0) down to the land, all at the same distance.
 Photograph colourful() {
   Photograph photograph;
   photograph.encoded = Image<glm::vec3>(kWidth, kHeight);
@@ -23,21 +23,21 @@ Photograph colourful() {
   return photograph;
 }
 
-OtherAirSetup setup_of(Turbidity source) {
-  OtherAirSetup setup;
-  setup.camera = plain_camera(kWidth, kHeight, from_degrees(40.0), Radians{0.0});
-  setup.source = source;
-  setup.airlight = kAirlight;
-  setup.distance_m = Image<float>(kWidth, kHeight, 4000.0F);
-  for (int x = 0; x < kWidth; ++x) setup.distance_m.at(x, 0) = 0.0F;
-  setup.amplify_noise = true;  // nothing is taken out of the picture
-  return setup;
+OtherAirOptions options_for(Turbidity source) {
+  OtherAirOptions options;
+  options.camera = plain_camera(kWidth, kHeight, from_degrees(40.0), Radians{0.0});
+  options.source = source;
+  options.airlight = kAirlight;
+  options.distance_m = Image<float>(kWidth, kHeight, 4000.0F);
+  for (int x = 0; x < kWidth; ++x) options.distance_m.at(x, 0) = 0.0F;
+  options.amplify_noise = true;  // the picture is not denoised
+  return options;
 }
 
 Photograph under(const Photograph& photograph, Turbidity source, const std::optional<Turbidity>& target) {
-  OtherAir air(setup_of(source));
-  const auto taken = air.take(photograph, "picture");
-  EXPECT_TRUE(taken) << taken.error().message;
+  OtherAir air(options_for(source));
+  const auto picture_set = air.set_picture(photograph, "picture");
+  EXPECT_TRUE(picture_set) << picture_set.error().message;
   return air.under(target).picture;
 }
 
@@ -51,12 +51,12 @@ double largest_difference(const Photograph& one, const Photograph& other) {
   return largest;
 }
 
-TEST(OtherAir, UnderItsOwnAirAPictureStaysAsItIs) {
+TEST(OtherAir, UnderItsOwnAirAPictureStaysUnchanged) {
   EXPECT_LE(largest_difference(under(colourful(), Turbidity{3.0}, Turbidity{3.0}), colourful()), 1e-5);
 }
 
 TEST(OtherAir, ThickerAirBringsEachChannelTowardsTheAirlightByOneShare) {
-  const auto camera = setup_of(Turbidity{2.0}).camera;
+  const auto camera = options_for(Turbidity{2.0}).camera;
   const auto before = colourful(), after = under(before, Turbidity{2.0}, Turbidity{4.0});
   const auto share_at = [&](int x, int y) {
     const glm::dvec3 from = camera.light_at({x, y}, glm::dvec3(before.encoded.at(x, y)));
@@ -70,23 +70,23 @@ TEST(OtherAir, ThickerAirBringsEachChannelTowardsTheAirlightByOneShare) {
   EXPECT_NEAR(share_at(6, 0).r, 1.0, 1e-3) << "the sky keeps its ratio to the light from infinity";
 }
 
-TEST(OtherAir, ThereAndBackIsWhereItBegan) {
+TEST(OtherAir, ThereAndBackGivesTheOriginal) {
   const auto thicker = under(colourful(), Turbidity{2.0}, Turbidity{3.5});
   EXPECT_GT(largest_difference(thicker, colourful()), 0.02);
   EXPECT_LE(largest_difference(under(thicker, Turbidity{3.5}, Turbidity{2.0}), colourful()), 1e-4);
 }
 
-TEST(OtherAir, WhatCannotBeDoneIsTold) {
-  auto setup = setup_of(Turbidity{2.0});
+TEST(OtherAir, ReportsWhatCannotBeDone) {
+  auto options = options_for(Turbidity{2.0});
   Photograph small;
   small.encoded = Image<glm::vec3>(3, 2);
-  const auto other_size = OtherAir(setup).take(small, "small.png");
+  const auto other_size = OtherAir(options).set_picture(small, "small.png");
   ASSERT_FALSE(other_size);
   EXPECT_THAT(other_size.error().message, HasSubstr("small.png: is 3 x 2: expected 12 x 8"));
-  setup.airlight.reset();
+  options.airlight.reset();
   Photograph dark;
   dark.encoded = Image<glm::vec3>(kWidth, kHeight, glm::vec3(0.0F));
-  const auto no_horizon = OtherAir(setup).take(dark, "dark.png");
+  const auto no_horizon = OtherAir(options).set_picture(dark, "dark.png");
   ASSERT_FALSE(no_horizon);
   EXPECT_EQ(no_horizon.error().kind, FaultKind::bad_input);
   EXPECT_THAT(no_horizon.error().message, HasSubstr("dark.png: no horizon"));

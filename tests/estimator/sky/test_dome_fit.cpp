@@ -1,5 +1,5 @@
-// The estimator that fits the dome: in pictures of domes of a known aerosol, and in the skies of the spectral
-// atmosphere that the dome was fitted to, off the grid it was fitted on.
+// The estimator with the dome as its sky: in pictures of domes with a known aerosol, and in the spectral atmosphere's
+// skies between the grid points to which the dome was fitted.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ Found look_at(double altitude_m, double turbidity, double sun_zenith_deg, double
   const auto picture = render(description, camera).to_8_bit();
   EstimateOptions options;
   options.sky = {fitted, altitude_m};
-  const auto look = SkyObserver(camera).look(*sky_picture(view_of(picture), camera), sun, options);
+  const auto look = SkyObserver(camera).observe(*sky_picture(view_of(picture), camera), sun, options);
   return {look.estimate, cramer_rao_sigma(look.samples, Turbidity{turbidity}, false, FittedSky(options.sky, sun))};
 }
 
@@ -42,7 +42,7 @@ class DomeFit : public testing::TestWithParam<double> {};
 
 TEST_P(DomeFit, ThePicturesOfADomeTellItsAerosol) {
   const double clouds = GetParam();
-  // The ends of what the table holds.
+  // The limits of the table.
   const auto suns_deg = figure_cases<double>("suns", {30.0, 75.0}, {30.0, 52.0, 75.0});
   const auto turbidities = figure_cases<double>("turbidities", {1.7, 9.5}, {1.7, 2.0, 3.0, 5.0, 9.5});
   for (const double altitude_m : {0.0, 3000.0})

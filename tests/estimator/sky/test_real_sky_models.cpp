@@ -1,5 +1,5 @@
-// Which model's sky is nearer to a real one: prints docs/sky.md's table ("Two turbidities"). No test of the code, so it
-// runs only when asked: --gtest_also_run_disabled_tests.
+// Which model's sky is closer to a real one: prints the table of docs/sky.md ("Two turbidities"). Not a test of the
+// code, so it only runs on request: --gtest_also_run_disabled_tests.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -22,7 +22,7 @@ namespace {
 constexpr int kSide = 300;
 constexpr double kAltitude_m = 470.0;
 const glm::dvec2 kCentre{149.6, 140.7}, kSun{83.3, 80.9};
-// Of the exposures 6 to 11: medians of the ratios between neighbours where both are well exposed.
+// Of the exposures 6 to 11: median ratios between neighbours where both are well exposed.
 constexpr int kFirst = 6;
 constexpr std::array kExposures{.0754, .1539, .3933, 1.0, 4.0965, 8.9625};
 
@@ -86,7 +86,7 @@ struct Fit {
   double turbidity = 0.0, residual = 1e9, a = 0.0;
 };
 
-// Least squares of measured = k (1 + a radius^2) model in relative terms, round by round without what is far off.
+// Least squares of measured = k (1 + a radius^2) model in relative terms, repeated without outliers.
 Fit fit(const std::vector<Pixel>& pixels, const std::vector<double>& model, const Part& part) {
   std::vector<bool> used(pixels.size(), true);
   Fit found;

@@ -56,8 +56,8 @@ TEST(SiteSky, HigherUpTheZenithDarkensAndTurnsABlueOfAirAlone) {
   }
 }
 
-// Two computations of which neither knows the other: SPCTRAL2's sums (what Preetham's distribution is scaled by), and
-// the fitted shells, of as much aerosol.
+// Two independent computations: SPCTRAL2's sums (which scale Preetham's distribution), and the fitted shells, for the
+// same aerosol.
 TEST(SiteSky, TheDomeLightsTheGroundAsSpctral2Has) {
   for (const double turbidity : {2.5, 4.0})
     for (const double sun_zenith_deg : {25.0, 50.0, 70.0}) {
@@ -65,7 +65,7 @@ TEST(SiteSky, TheDomeLightsTheGroundAsSpctral2Has) {
       const DomeFunction sky = dome(0.0, Turbidity{turbidity}, sun);
       double lux = 0.0;
       constexpr int kRings = 60, kSectors = 72;
-      for (int ring = 0; ring < kRings; ++ring)  // even steps of cos^2 weigh the same on the ground
+      for (int ring = 0; ring < kRings; ++ring)  // uniform steps of cos^2 have equal weight on the ground
         for (int sector = 0; sector < kSectors; ++sector)
           lux += dome_light(sky, direction_from(Radians{std::acos(std::sqrt((ring + 0.5) / kRings))},
                                                 Radians{2.0 * kPi * (sector + 0.5) / kSectors}))
@@ -86,7 +86,7 @@ TEST(SiteSky, AHighSitesObjectIsLitByTheDome) {
   const Daylight high(camera, Turbidity{2.1}, sun, options);
   options.model = SiteSkyModel::preetham;
   const Daylight as_on_low_land(camera, Turbidity{2.1}, sun, options);
-  // Less air above: more of the sun, less of the sky, and the blue of the zenith purer.
+  // With less air above there is more sunlight and less skylight, and the zenith is a purer blue.
   EXPECT_GT(high.sun_normal_lux(), 100e3);
   EXPECT_LT(high.sky_horizontal_lux(), as_on_low_land.sky_horizontal_lux());
   const auto saturation = [](const Daylight& light) {

@@ -15,7 +15,7 @@ Direction view(double zenith_deg, double from_sun_deg) {
   return direction_from(from_degrees(zenith_deg), from_degrees(from_sun_deg));
 }
 
-// Recomputed by hand from the tables, sun at 58.4 deg: Y/Yz at four points, and the zenith's Yz, x, y.
+// Computed by hand from the tables, sun at 58.4 deg: Y/Yz at four points, and the zenith's Yz, x, y.
 TEST(SkyModel, GivesTheRecomputedVectors) {
   struct Row {
     double t, yz, x, y, ratio[4];
@@ -46,7 +46,7 @@ TEST(SkyModel, AgreesWithAnImplementationWrittenSeparatelyFromThePaper) {
     const glm::dvec3 theirs =
         test::preetham_yxy(t, zenith_angle(d).value, zenith_angle(sun).value, angle_between(d, sun).value);
     for (int c = 0; c < 3; ++c) {
-      const double expected = c == 0 ? std::max(0.0, theirs.x) : theirs[c];  // a negative luminance is none
+      const double expected = c == 0 ? std::max(0.0, theirs.x) : theirs[c];  // negative luminance is clamped to 0
       EXPECT_NEAR(ours[c], expected, 1e-9 * std::abs(theirs[c]));
     }
   }

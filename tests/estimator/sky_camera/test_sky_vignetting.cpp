@@ -1,4 +1,4 @@
-// Vignetting from the clear sky, on generated skies through a lens of known vignetting.
+// Vignetting from the clear sky, on generated skies through a lens with known vignetting.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,8 +17,8 @@ struct Day {
   Camera camera;
 };
 
-// The sun's way over a day; T differs from picture to picture. `sky_error`: the real sky brighter than the model by so
-// much 80 deg from the zenith, growing with the square of the angle.
+// The sun's path over a day; T differs from picture to picture. `sky_error`: how much brighter than the model the real
+// sky is 80 deg from the zenith, growing with the square of the angle.
 Day day(std::uint64_t seed, double turbidity, int pictures, double cloud_cover = 0.0, double sky_error = 0.0) {
   Day made;
   for (int i = 0; i < pictures; ++i) {
@@ -51,7 +51,7 @@ Day day(std::uint64_t seed, double turbidity, int pictures, double cloud_cover =
   return made;
 }
 
-// The largest error of the illumination, out to `reach` of the 90 deg that the lens sees; relative.
+// The largest error of the illumination within `reach` of the 90 deg that the lens images; relative.
 double worst(const SkyVignetting& found, const Camera& truth, double reach = 80.0 / 90.0) {
   double largest = 0.0;
   for (double r = 0.0; r <= reach; r += 0.02) {
@@ -78,7 +78,7 @@ TEST(SkyVignetting, SkiesThatFollowTheModelGiveTheLensToAPercent) {
   }
 }
 
-TEST(SkyVignetting, ASkyBrighterAtTheRimThanTheModelIsTakenForTheLensAndThatIsTold) {
+TEST(SkyVignetting, ASkyBrighterAtTheRimThanTheModelIsMistakenForTheLensWithinTheStatedError) {
   const auto made = day(5, 3.4, 6, 0.0, 0.03);
   const auto found = vignetting_from_sky(made.camera, made.moments);
   ASSERT_TRUE(found) << found.error().message;
@@ -86,7 +86,7 @@ TEST(SkyVignetting, ASkyBrighterAtTheRimThanTheModelIsTakenForTheLensAndThatIsTo
   EXPECT_NEAR(worst(*found, made.camera), 0.03, 0.02);
 }
 
-TEST(SkyVignetting, OnePictureIsRefusedUnlessTIsKnownFromElsewhere) {
+TEST(SkyVignetting, OnePictureIsRefusedUnlessTIsKnown) {
   const auto made = day(6, 3.0, 1);
   const auto refused = vignetting_from_sky(made.camera, made.moments);
   ASSERT_FALSE(refused);
@@ -99,10 +99,10 @@ TEST(SkyVignetting, OnePictureIsRefusedUnlessTIsKnownFromElsewhere) {
   const auto found = vignetting_from_sky(made.camera, made.moments, known);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_LE(std::abs(worst(*found, made.camera)), 0.015);
-  EXPECT_LE(found->by_3_percent_about_sun, 0.1);  // with T found it is several times that
+  EXPECT_LE(found->by_3_percent_about_sun, 0.1);  // with T fitted it is several times that
 }
 
-TEST(SkyVignetting, WhereThereIsNoClearSkyThatIsSaid) {
+TEST(SkyVignetting, ReportsThatThereIsNoClearSky) {
   auto made = day(7, 3.0, 2);
   for (auto& moment : made.moments)
     for (auto& value : moment.picture.encoded.elements()) value = glm::vec3(0.5f);

@@ -31,7 +31,7 @@ TEST(SunInImage, IsFoundToAFractionOfAPixel) {
   for (const double zenith : {20.0, 45.0, 70.0})
     for (const double azimuth : {10.0, 137.0, 251.0}) {
       Seen seen = see({.turbidity = 4.0, .sun_zenith_deg = zenith, .sun_azimuth_deg = azimuth, .exposure = 0.6});
-      paint(seen.image, *seen.camera.pixel_of(seen.sun), 4.3, {255, 255, 255});  // as a lens blooms it
+      paint(seen.image, *seen.camera.pixel_of(seen.sun), 4.3, {255, 255, 255});  // bloomed by the lens
       const auto blob = seen.find();
       ASSERT_TRUE(blob) << zenith << " " << azimuth;
       EXPECT_LT(to_degrees(angle_between(blob->direction, seen.sun)), 0.15)
@@ -52,7 +52,7 @@ TEST(SunInImage, IsNotMistakenForAReflection) {
   paint(seen.image, *seen.camera.pixel_of(seen.sun), 4.3, {255, 255, 255});
   const Direction opposite = direction_from(from_degrees(50), from_degrees(20));  // a window, away from the sun
   paint(seen.image, *seen.camera.pixel_of(opposite), 5.0, {255, 255, 255});
-  for (int x = 200; x < 330; ++x)  // and a glare across the dome
+  for (int x = 200; x < 330; ++x)  // and glare across the dome
     for (int y = 420; y < 426; ++y) seen.image.at(x, y) = {255, 255, 255};
   const auto blob = seen.find();
   ASSERT_TRUE(blob);
@@ -69,7 +69,7 @@ TEST(SunInImage, IsNotSeenInACloudyOrCoveredOrOverExposedSky) {
   EXPECT_FALSE(hot.find());
 }
 
-TEST(CrossCheck, BelievesTheEphemerisWithATrustedClockAndTheImageWithout) {
+TEST(CrossCheck, UsesTheEphemerisWithATrustedClockAndTheImageWithout) {
   const SunDirection ephemeris = direction_from(from_degrees(40), from_degrees(100));
   const SunBlob blob{direction_from(from_degrees(41), from_degrees(100)), {}, {}, 0.9};
   const SunCheck trusted = cross_check(ephemeris, blob, true);
@@ -87,8 +87,8 @@ TEST(CrossCheck, NamesADisagreementInDegrees) {
   const SunBlob blob{direction_from(from_degrees(60), from_degrees(100)), {}, {}, 0.9};
   const SunCheck check = cross_check(ephemeris, blob, true);
   EXPECT_FALSE(check.agrees);
-  EXPECT_NE(check.words.find("20.0 deg"), std::string::npos) << check.words;
-  EXPECT_NE(check.words.find("orientation"), std::string::npos) << check.words;
+  EXPECT_NE(check.message.find("20.0 deg"), std::string::npos) << check.message;
+  EXPECT_NE(check.message.find("orientation"), std::string::npos) << check.message;
 }
 
 TEST(CrossCheck, KnowsNoSunWithoutClockAndBlob) {

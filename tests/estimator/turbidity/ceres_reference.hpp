@@ -1,4 +1,4 @@
-// The same weighted least squares by Ceres with automatic derivatives: what the hand-written solver is held to.
+// The same weighted least squares by Ceres with automatic derivatives: the reference for the hand-written solver.
 #pragma once
 
 #include <span>

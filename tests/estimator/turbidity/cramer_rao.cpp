@@ -7,7 +7,7 @@ namespace kasumi {
 
 double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only,
                         const FittedSky& sky) {
-  // Information of T after the gain has taken its share: the weighted variance of d ln F / dT.
+  // Information about T after fitting the gain: the weighted variance of d ln F / dT.
   double weight = 0.0, slope = 0.0, slope_squared = 0.0;
   FittedPlaces(samples, sky).at(turbidity, [&](std::size_t i, double, double s) {
     const auto sigma = static_cast<double>(quantisation_only ? samples[i].quantisation : samples[i].sigma);

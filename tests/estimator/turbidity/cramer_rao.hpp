@@ -1,4 +1,4 @@
-// How well T can be known at best.
+// The best possible accuracy of T.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 namespace kasumi {
 
 // Lower bound of the standard deviation of T for a free gain and Gaussian errors of the samples' `sigma` (or, with
-// quantisation_only, of their `quantisation`); infinite when the samples say nothing about T.
+// quantisation_only, of their `quantisation`); infinite when the samples do not depend on T.
 double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only = false,
                         const FittedSky& sky = {});
 

@@ -1,4 +1,4 @@
-// Samples of a sky of known light, with Gaussian noise, and no picture in between.
+// Samples of a sky of known light with Gaussian noise, without a picture in between.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace kasumi::test {
 
-// Even in solid angle down to 80 deg from the zenith, 10 deg and more from the sun. `luminance`: of a direction.
+// Uniform in solid angle down to 80 deg from the zenith, 10 deg and more from the sun. `luminance`: by direction.
 template <class Luminance>
 std::vector<SkySample> samples_of(const Luminance& luminance, const SunDirection& sun, std::size_t count, double noise,
                                   std::uint64_t seed = 1) {

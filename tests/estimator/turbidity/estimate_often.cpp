@@ -30,7 +30,7 @@ Repeated estimate_often(const SyntheticSky& description, EstimateOptions options
     options.samples = 100;
     options.seed = 1000 + static_cast<std::uint64_t>(i);
     const double around = 2.0 * kPi * hashed_uniform(99, static_cast<std::uint64_t>(i));
-    const SkyLook look = observer.look(
+    const SkyObservation look = observer.observe(
         picture, sun_error_deg > 0.0 ? turned(rendered.sun, sun_error_deg, around) : rendered.sun, options);
     if (!look.estimate.usable) continue;
     ++row.usable;

@@ -1,4 +1,4 @@
-// M Sect 7.1.1's experiment: turbidity estimated again and again from one generated sky, other samples each time.
+// M Sect 7.1.1's experiment: turbidity estimated repeatedly from one generated sky, with different samples each time.
 #pragma once
 
 #include "estimator/turbidity/turbidity.hpp"
@@ -13,8 +13,8 @@ struct Repeated {
   double worst = 0.0;   // largest error
   int usable = 0;
 };
-// An 8-bit sRGB picture of 500 x 500, N = 100 samples. sun_error_deg: the sun's direction is given wrong by so much,
-// each time towards another side.
+// An 8-bit sRGB picture of 500 x 500, N = 100 samples. sun_error_deg: the error of the given sun direction, towards a
+// different side each time.
 Repeated estimate_often(const SyntheticSky& description, EstimateOptions options, int repeats,
                         double sun_error_deg = 0.0);
 

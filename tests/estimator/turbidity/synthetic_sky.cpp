@@ -120,7 +120,7 @@ RenderedSky render(const SyntheticSky& sky, const Camera& camera) {
                        direction_from({s}, from_degrees(sky.sun_azimuth_deg))};
   const Direction sun = rendered.sun;
 
-  // The level of the noise above which there is cloud, for the cover asked for.
+  // The noise level above which there is cloud, for the requested cover.
   double level = 2;
   if (sky.cloud_cover > 0) {
     std::vector<double> noise;
@@ -170,7 +170,7 @@ RenderedSky render(const SyntheticSky& sky, const Camera& camera) {
       if (sky.cloud_cover > 0) {
         const double noise = cloud_noise(*d, sky);
         const double cover = smooth(std::clamp((noise - level) / kEdge + 0.5, 0.0, 1.0));
-        // Thick middles are grey, thin edges white, and brighter towards the sun.
+        // Thick centres are grey, thin edges white, and both brighter towards the sun.
         const double thick = std::clamp((noise - level) / 0.25, 0.0, 1.0);
         const double bright =
             zenith_luminance * (2.4 - 1.5 * thick) * (1 + 1.5 * std::exp(-3 * gamma)) * (0.8 + 0.4 * texture);

@@ -1,6 +1,5 @@
-// Skies of known turbidity for the tests, written straight from the tables of Perez 1993 and Preetham 1999 and sharing
-// nothing with the estimator: Preetham's colour sky, the sun's disc, connected clouds, exposure, noise, response,
-// quantisation.
+// Skies of known turbidity for the tests, implemented from the tables of Perez 1993 and Preetham 1999 without the
+// estimator's code: Preetham's sky colours, the sun's disc, connected clouds, exposure, noise, response, quantisation.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +30,7 @@ struct SyntheticSky {
   double exposure = 1.0;  // 1: the brightest sky 10 deg from the sun just saturates
   double noise = 0.0;     // shot noise, relative standard deviation at full scale
   std::uint64_t noise_seed = 1;
-  double flare = 0.0;                                      // of all light, spread evenly over the picture
+  double flare = 0.0;                                      // of all light, spread uniformly over the picture
   std::function<glm::dvec3(const Direction&)> clear = {};  // XYZ, kcd/m2, instead of Preetham's sky
 };
 

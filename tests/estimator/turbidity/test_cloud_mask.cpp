@@ -7,7 +7,7 @@ namespace kasumi {
 namespace {
 
 struct Score {
-  double cloud_found = 1.0;  // share of the cloudy solid angle taken out
+  double cloud_found = 1.0;  // share of the cloudy solid angle that was masked
   double clear_kept = 1.0;   // share of the clear solid angle kept
   double clear_fraction = 0.0;
 };
@@ -61,7 +61,7 @@ TEST(CloudMask, FindsConnectedCloudsAndLeavesEnoughSkyBesideThem) {
       }
 }
 
-// A camera whose white balance is off by a third in red and blue sees every colour wrong by the same factor.
+// A camera whose white balance is off by a third in red and blue shifts every colour by the same factor.
 TEST(CloudMask, DoesNotDependOnTheWhiteBalance) {
   Camera camera = test::upward_camera(300);
   const test::RenderedSky rendered = test::render({.turbidity = 3.0, .exposure = 0.7}, camera);
@@ -73,7 +73,7 @@ TEST(CloudMask, DoesNotDependOnTheWhiteBalance) {
   EXPECT_GT(mask_clouds(sky, geometry, rendered.sun).clear_fraction, 0.95);
 }
 
-TEST(CloudMask, TakesOutWhatStandsOutOfAFit) {
+TEST(CloudMask, MasksOutliersOfAFit) {
   const Camera camera = test::upward_camera(300);
   const test::RenderedSky rendered = test::render({.turbidity = 3.0}, camera);
   const Image<Rgb8> image = rendered.to_8_bit();
@@ -90,7 +90,7 @@ TEST(CloudMask, TakesOutWhatStandsOutOfAFit) {
   const double gain = static_cast<double>(sky.log_luminance.at(150, 100)) - std::log(f);
   for (int y = 180; y < 200; ++y)
     for (int x = 140; x < 160; ++x) sky.log_luminance.at(x, y) += 0.1f;
-  const double left = mask_strangers(sky, geometry, rendered.sun, Turbidity{3.0}, gain, 0.03);
+  const double left = mask_outliers(sky, geometry, rendered.sun, Turbidity{3.0}, gain, 0.03);
   EXPECT_GT(left, 0.98);
   for (int y = 180; y < 200; ++y)
     for (int x = 140; x < 160; ++x) EXPECT_NE(sky.use.at(x, y), PixelUse::clear);

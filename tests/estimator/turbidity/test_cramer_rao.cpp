@@ -20,7 +20,8 @@ std::vector<SkySample> even_samples(double sigma) {
   return samples;
 }
 
-// d ln F / dT by central differences of the separately written sky, projected on what a free gain cannot absorb.
+// d ln F / dT by central differences of the independent sky implementation, projected on what a free gain cannot
+// absorb.
 TEST(CramerRao, IsTheInverseRootOfTheProjectedInformation) {
   const auto samples = even_samples(0.01);
   for (const double t : {2.0, 5.0, 9.0}) {

@@ -1,4 +1,4 @@
-// What an estimate of the dome's T fits with, against the dome itself.
+// The model to which the dome's T is fitted, against the dome itself.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(DomeLog, APerfectDomeIsFoundToItsHundredths) {
 TEST(DomeLog, ASkyHazierThanAllDomesIsAtTheEdgeAndAClearerOneIsNot) {
   const SunDirection sun = sun_at_deg(50.0);
   const FittedSky sky({SiteSkyModel::dome, 0.0}, sun);
-  // Beyond the table along the way it goes there.
+  // Extrapolated beyond the table at the table's own slope.
   const auto beyond = [&](double inside, double end, double by) {
     const DomeFunction a = dome(0.0, Turbidity{inside}, sun), b = dome(0.0, Turbidity{end}, sun);
     const auto y = [&](const Direction& view) {

@@ -1,4 +1,4 @@
-// The estimator looks at skies that are not Preetham's: what T it finds in the dome of a known aerosol.
+// Preetham's estimator on skies that are not Preetham's: the T it finds in a dome of known aerosol.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -55,9 +55,9 @@ TEST(DomeTurbidity, TheEstimateRisesWithTheTrueAerosol) {
         const auto found = estimate_in(altitude_m, turbidity, sun_zenith_deg, camera);
         fmt::print("  {}{:.2f}", found.usable ? "" : "(no) ", found.turbidity.value);
         if (!found.usable) continue;
-        // Higher up there is too little aerosol left for Preetham's skies to tell it apart.
+        // Higher up there is too little aerosol left for Preetham's skies to resolve it.
         if (altitude_m == 0.0) {
-          // Under 4 the steps are smaller than what an estimate scatters by.
+          // Below 4 the steps are smaller than the scatter of an estimate.
           EXPECT_GT(found.turbidity.value, before + (turbidity >= 4.0 ? 0.02 : -0.08))
               << turbidity << ", " << sun_zenith_deg;
         }

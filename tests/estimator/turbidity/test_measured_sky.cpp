@@ -1,4 +1,4 @@
-// The sky camera's clouds in the object's light.
+// The light of clouds, as seen by the sky camera, on the object.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ Camera srgb_camera() {
   return camera;
 }
 
-// Every cell open and as `radiance` (XYZ) has it at its centre.
+// Every cell open, with `radiance` (XYZ) at its centre.
 template <class Radiance>
 MeasuredSky whole_sky(const Radiance& radiance, double clear) {
   MeasuredSky sky;
@@ -57,8 +57,8 @@ TEST(MeasuredSky, AClearOneChangesNothingWhateverItsUnitAndColour) {
 }
 
 TEST(MeasuredSky, AnOvercastOneLightsByItsOwnDistributionWhateverTheExposure) {
-  // Brighter in the east than the CIE's sky, by its own unit and an off white balance: the level stays the CIE's, the
-  // distribution is the picture's.
+  // Brighter in the east than the CIE's sky, in its own unit and with a wrong white balance: the level stays the CIE's,
+  // the distribution is the picture's.
   const SunDirection sun = at_deg(40.0, 90.0);
   const auto uneven = [](const Direction& d) { return (1.0 + 2.0 * d.z) / 3.0 * (d.x > 0.0 ? 1.3 : 1.0); };
   DaylightOptions options;
@@ -115,7 +115,7 @@ TEST(MeasuredSky, CloudsLightTheObjectAsTheirNumericalIntegralSays) {
 
 TEST(MeasuredSky, ACloudShadesTheObjectFromWhereItsSunRayMeetsTheClouds) {
   const SunDirection sun = at_deg(45.0, 180.0);
-  // 3 km north, clouds 2 km up: the ray comes down from 1 km north of the camera.
+  // 3 km north, clouds 2 km up: the ray meets the clouds 1 km north of the camera.
   const Direction through = towards_shading_cloud({0.0, 3000.0, 0.0}, sun, 2000.0);
   EXPECT_NEAR(through.x, 0.0, 1e-12);
   EXPECT_NEAR(through.y / through.z, 0.5, 1e-12);
@@ -123,7 +123,7 @@ TEST(MeasuredSky, ACloudShadesTheObjectFromWhereItsSunRayMeetsTheClouds) {
   EXPECT_EQ(towards_shading_cloud({0.0, 3000.0, 2500.0}, sun, 2000.0), sun);  // above the clouds
 }
 
-// A fisheye of 200 x 200 px that looks straight up, and what it shows.
+// A fisheye of 200 x 200 px that looks straight up, and its picture.
 class SkyPhotograph : public testing::Test {
  protected:
   SkyPhotograph() {
@@ -163,7 +163,7 @@ TEST_F(SkyPhotograph, OfAnEvenSkyIsEvenInEveryCell) {
   for (int ring = 0; ring < MeasuredSky::kRings - 1; ++ring)
     for (int sector = 0; sector < MeasuredSky::kSectors; ++sector) {
       const SkyCell& cell = sky.at(MeasuredSky::centre_of(ring, sector));
-      if (cell.seen == 0.0) continue;  // near the zenith a cell is smaller than what is looked at
+      if (cell.seen == 0.0) continue;  // near the zenith a cell is smaller than the sampling grid
       EXPECT_NEAR(cell.xyz.y / expected.y, 1.0, 1e-5);
     }
 }
@@ -179,11 +179,11 @@ TEST_F(SkyPhotograph, TheSunShinesWhereItsDiscIsSaturated) {
 TEST_F(SkyPhotograph, InAClearSkyTheDiscsOwnFewPixelsTellThatALowSunShines) {
   EXPECT_EQ(measured(SkyCondition::clear, sun).sun_share, 0.0);
   paint(sun, 0.8, 1.0f, PixelUse::near_sun);
-  for (int y = 0; y < kSide; ++y)  // reddened by the long way through the air
+  for (int y = 0; y < kSide; ++y)  // reddened by the long path through the air
     for (int x = 0; x < kSide; ++x)
       if (picture.encoded.at(x, y).r == 1.0f) picture.encoded.at(x, y) = {1.0f, 0.9f, 0.5f};
   EXPECT_EQ(measured(SkyCondition::clear, sun).sun_share, 1.0);
-  // Beside clouds it may be the bright edge of one.
+  // Near clouds it may be a cloud's bright edge.
   paint(at_deg(55.0, 120.0), 8.0, 0.7f, PixelUse::cloud);
   EXPECT_EQ(measured(SkyCondition::clear, sun).sun_share, 0.0);
 }
@@ -194,12 +194,12 @@ TEST_F(SkyPhotograph, ACloudBeforeTheObjectsSunTakesItThoughOursShines) {
   EXPECT_EQ(measured(SkyCondition::partly_cloudy, through).sun_share, 1.0);
   paint(through, 4.0, 0.7f, PixelUse::cloud);
   EXPECT_EQ(measured(SkyCondition::partly_cloudy, through).sun_share, 0.0);
-  // The glow of a low sun is no cloud: there our own sun tells.
+  // The glow of a low sun is not a cloud: there our own sun decides.
   paint(through, 4.0, 1.0f, PixelUse::saturated);
   EXPECT_EQ(measured(SkyCondition::partly_cloudy, through).sun_share, 1.0);
 }
 
-TEST_F(SkyPhotograph, WhatIsHiddenOrTooBrightIsSaidToBe) {
+TEST_F(SkyPhotograph, HiddenAndClippedCellsAreMarked) {
   paint(at_deg(60.0, 300.0), 15.0, 1.0f, PixelUse::saturated);
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)

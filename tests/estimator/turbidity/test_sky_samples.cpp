@@ -35,7 +35,7 @@ TEST(SkyGeometry, SolidAnglesOfAHemisphereSumToTwoPi) {
   const Scene scene = scene_of({});
   double sum = 0.0;
   for (const float angle : scene.geometry.solid_angle.elements()) sum += static_cast<double>(angle);
-  EXPECT_NEAR(sum, 2.0 * kPi, 0.03 * 2.0 * kPi);  // the rim is a staircase
+  EXPECT_NEAR(sum, 2.0 * kPi, 0.03 * 2.0 * kPi);  // the rim is a staircase of pixels
 }
 
 TEST(SkySamples, AreUniformInSolidAngle) {
@@ -85,7 +85,7 @@ TEST(SkySamples, AreDrawnOnceEachAndAllWhenFew) {
   EXPECT_EQ(draw_elements(scene.sky, scene.geometry, 1 << 20, random).size(), clear);
 }
 
-// The stated sigma against the scatter really seen: thousands of pixels against the unquantised, noiseless truth.
+// The stated sigma against the actual scatter: thousands of pixels against the unquantised, noiseless truth.
 TEST(SkySamples, KnowTheirOwnUncertainty) {
   for (const double noise : {0.0, 0.02}) {
     const Camera camera = test::upward_camera(300);

@@ -15,7 +15,7 @@ struct Sky {
   double sun_zenith_deg = 58.4;
   double sigma = 0.005;     // of ln Y
   double systematic = 0.0;  // a smooth error of the model over the sky
-  double outliers = 0.0;    // share; brighter or darker by anything
+  double outliers = 0.0;    // share of samples that are brighter or darker by any amount
   int count = 100;
   std::uint64_t seed = 1;
 };
@@ -51,7 +51,7 @@ TEST(Solver, FindsTheExactTurbidityOfAPerfectSky) {
     }
 }
 
-TEST(Solver, DoesNotCareForTheGain) {
+TEST(Solver, IsIndependentOfTheGain) {
   auto samples = samples_of({.turbidity = 4.0});
   const auto before = solve_turbidity(samples);
   for (SkySample& s : samples) s.log_luminance += 7.25f;
@@ -60,7 +60,7 @@ TEST(Solver, DoesNotCareForTheGain) {
   EXPECT_NEAR(after.log_gain - before.log_gain, 7.25, 1e-4);
 }
 
-// Ceres starts at the truth, so that both stand in the same valley.
+// Ceres starts at the truth, so that both converge to the same minimum.
 TEST(Solver, RefinesToTheSameOptimumAsCeresWithAutomaticDerivatives) {
   for (const double t : {1.9, 3.0, 6.0, 11.0}) {
     const auto samples = samples_of({.turbidity = t, .sigma = 0.02});
@@ -93,8 +93,8 @@ TEST(Solver, MarksOutliersAndKeepsTheRest) {
   EXPECT_NEAR(solution.turbidity.value, 3.0, 5.0 * solution.sigma);
 }
 
-// Over 200 skies: no bias, a scatter at the bound, and a sigma that tells the scatter. 0.15: three standard errors of a
-// standard deviation.
+// Over 200 skies: no bias, a scatter at the bound, and a sigma that matches the scatter. 0.15: three standard errors of
+// a standard deviation.
 TEST(Solver, ReachesTheCramerRaoBoundAndKnowsIt) {
   for (const double outliers : {0.0, 0.3})
     for (const double t : {2.0, 4.0, 9.0}) {
@@ -117,7 +117,8 @@ TEST(Solver, ReachesTheCramerRaoBoundAndKnowsIt) {
     }
 }
 
-// A model that is wrong by 8 % all over the sky: the window follows, nearly everything stays, and sigma owns up.
+// A model that is wrong by 8 % all over the sky: the window follows, nearly all samples stay, and sigma includes the
+// error.
 TEST(Solver, FollowsTheResidualsOfARealSky) {
   int within = 0;
   double squares = 0.0, stated = 0.0;
@@ -137,7 +138,7 @@ TEST(Solver, FollowsTheResidualsOfARealSky) {
   EXPECT_GE(within, 9 * kSkies / 10);
 }
 
-TEST(Solver, SaysNoToTooFewSamplesAndToNonsense) {
+TEST(Solver, RefusesTooFewOrInvalidSamples) {
   EXPECT_FALSE(solve_turbidity({}).solved);
   EXPECT_FALSE(solve_turbidity(samples_of({.count = 7})).solved);
   const std::vector<SkySample> one_point(50, SkySample{0.5f, 0.8f, 0.0f, 0.01f, 0.01f});
@@ -157,7 +158,8 @@ TEST(ReferencePixel, FindsTheTurbidityOfAPerfectSky) {
   }
 }
 
-// What the papers' form suffers from and the free gain does not: an error of the one pixel moves every estimate.
+// The weakness of the papers' form, which the free gain does not share: an error of the one pixel shifts every
+// estimate.
 TEST(ReferencePixel, InheritsTheReferencePixelsOwnError) {
   auto samples = samples_of({.turbidity = 8.0, .sigma = 0.0});
   samples[0].log_luminance += 0.004f;  // one step of 8 bits

@@ -20,7 +20,7 @@ TurbidityEstimate seen(double t, double sigma = 0.02) {
   return estimate;
 }
 
-// A tracker and a clock that is turned by hand.
+// A tracker and a clock that the test advances.
 struct Rig {
   ManualClock clock{Utc{}};
   TurbidityTracker tracker;
@@ -55,7 +55,7 @@ TEST(Tracker, AveragesNoiseButNeverClaimsToBeMuchSurerThanOneLook) {
   EXPECT_GT(rig.now().sigma, 0.3 * 0.05 * 0.99);
 }
 
-// 1 % of haze is about what an eye tells apart side by side; a frame lasts a thirtieth of a second.
+// 1 % of haze is about what the eye distinguishes side by side; a frame lasts a thirtieth of a second.
 TEST(Tracker, NeverMovesByMoreThanAnEyeCanSeeBetweenFrames) {
   Rig rig;
   double before = 0.0, largest = 0.0;
@@ -67,7 +67,7 @@ TEST(Tracker, NeverMovesByMoreThanAnEyeCanSeeBetweenFrames) {
     before = haze;
   }
   EXPECT_LT(largest, 0.001);
-  EXPECT_GT(before, 2.0);  // and it is on its way
+  EXPECT_GT(before, 2.0);  // and it is moving
 }
 
 TEST(Tracker, ArrivesAtAGenuineChange) {
@@ -85,7 +85,7 @@ TEST(Tracker, ArrivesAtAGenuineChange) {
   EXPECT_NEAR(rig.now().turbidity.value, 5.0, 0.05);  // ln 4 at 0.3 a minute is 4.6 minutes
 }
 
-TEST(Tracker, OwnsUpToTheDistanceWhileOnItsWay) {
+TEST(Tracker, SigmaIncludesTheDistanceToTheTarget) {
   Rig rig;
   rig.observe(seen(2.0));
   for (int i = 0; i < 3; ++i) {
@@ -147,7 +147,7 @@ TEST(Tracker, AgesHonestlyWhileNothingIsUsable) {
   EXPECT_TRUE(rig.now().trustworthy);
   rig.clock.advance(90min);
   EXPECT_FALSE(rig.now().trustworthy);
-  EXPECT_EQ(rig.observe(seen(4.5)), Verdict::taken);  // after so long, that is no surprise
+  EXPECT_EQ(rig.observe(seen(4.5)), Verdict::taken);  // after so long it is not an outlier
   EXPECT_TRUE(rig.now().trustworthy);
   EXPECT_EQ(rig.now().age, 0s);
 }
@@ -167,7 +167,7 @@ TEST(Tracker, ShowsTheSameHoweverOftenItIsAsked) {
   }
 }
 
-TEST(Tracker, SurvivesNonsenseAndTimesThatRunBackwards) {
+TEST(Tracker, SurvivesInvalidEstimatesAndTimesThatRunBackwards) {
   Rig rig;
   rig.clock.advance(1h);
   rig.observe(seen(3.0));

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kRepeats = 100;
 
-// A quarter of the figure has as many repeats, so that means and deviations are as sure, for fewer turbidities.
+// A quarter of the figure runs as many repeats, so that means and deviations are as accurate, for fewer turbidities.
 std::vector<int> turbidities(const std::vector<int>& worst) {
   return figure_cases("turbidities", worst, {2, 3, 4, 5, 6, 7, 8, 9});
 }
@@ -81,7 +81,7 @@ TEST(TurbidityTables, AWrongSunCostsLessThanInMorales2014) {
   }
 }
 
-// The papers' own form stays within what M Table 1 shows for it: errors up to 6 %.
+// The papers' own form stays within the errors that M Table 1 shows for it: up to 6 %.
 TEST(TurbidityTables, TheReferencePixelFormReproducesThePapersErrors) {
   print_head("reference pixel (M Eq 8), no cloud mask");
   EstimateOptions options;

@@ -82,7 +82,7 @@ TEST(Verdict, RefusesNightAndALowSunBeforeLookingAtThePicture) {
   expect_refused(at(2.9), SkyCondition::sun_too_low, "2.9 deg < 3.0 deg");
 }
 
-TEST(Verdict, TellsBadExposureFromBadWeather) {
+TEST(Verdict, DistinguishesBadExposureFromBadWeather) {
   expect_refused(judge({.turbidity = 3.0, .exposure = 40.0}), SkyCondition::unknown, "over-exposed");
   expect_refused(judge({.turbidity = 3.0, .exposure = 0.003}), SkyCondition::unknown, "under-exposed");
 }
@@ -100,7 +100,7 @@ TEST(Verdict, RefusesAViewWithoutSky) {
   expect_refused(estimate_turbidity(picture, camera, direction_from({0.8}, {0.1})), SkyCondition::unknown, "open sky");
 }
 
-// Half the dome behind a wood nobody masked: leaves are dark, green and uneven.
+// Half the dome behind a wood that is not masked: leaves are dark, green and textured.
 TEST(Verdict, SeesTheSkyBesideAWood) {
   const TurbidityEstimate estimate = judge({.turbidity = 3.0}, {}, [](Image<Rgb8>& image) {
     for (int y = 0; y < 400; ++y)
@@ -134,7 +134,7 @@ TEST(Verdict, SeesTheSkyBetweenRainDrops) {
   EXPECT_NEAR(estimate.turbidity.value, 4.0, 0.1);
 }
 
-// Moonlight is sunlight seen by a camera with a long exposure: only the ephemeris can tell, and does.
+// Moonlight is sunlight seen with a long exposure: only the ephemeris can tell the difference.
 TEST(Verdict, IsNotFooledByMoonlight) {
   const Camera camera = test::upward_camera(400);
   const Image<Rgb8> image = test::render({.turbidity = 3.0}, camera).to_8_bit();
@@ -143,7 +143,7 @@ TEST(Verdict, IsNotFooledByMoonlight) {
                  SkyCondition::night, "night");
 }
 
-// Clock or orientation wrong by a quarter turn: no clear sky fits, or none well.
+// Clock or orientation wrong by a quarter turn: no clear sky fits well.
 TEST(Verdict, DoesNotTrustAClearSkyWhoseSunIsElsewhere) {
   const Camera camera = test::upward_camera(400);
   const test::RenderedSky rendered = test::render({.turbidity = 2.5}, camera);

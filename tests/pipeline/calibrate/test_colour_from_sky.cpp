@@ -76,7 +76,7 @@ std::vector<SkyColour> colours_of(const SpectralSensitivity& sensitivity, double
   std::vector<SkyColour> colours;
   int number = 0;
   for (const auto& moment : day.moments) {
-    const auto look = SkyObserver(day.camera).look(moment.picture, moment.sun);
+    const auto look = SkyObserver(day.camera).observe(moment.picture, moment.sun);
     const auto more = sky_colours(moment.picture, look, day.camera, Turbidity{believed_turbidity}, number++);
     colours.insert(colours.end(), more.begin(), more.end());
   }
