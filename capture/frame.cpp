@@ -91,7 +91,7 @@ Result<> check_geometry(const FrameMetadata& metadata) {
 std::uint64_t bytes_needed(const FrameMetadata& metadata) {
   const auto layout = layout_of(metadata.format);
   if (!layout) {
-    // A Huffman code is one bit at least, a block of 64 samples two codes.
+    // A Huffman code takes at least one bit, and a block of 64 samples at least two codes.
     const auto pixels = static_cast<std::uint64_t>(metadata.width) * static_cast<std::uint64_t>(metadata.height);
     return std::max<std::uint64_t>(1, pixels / 256);
   }

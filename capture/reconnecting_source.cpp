@@ -10,9 +10,9 @@ namespace kasumi {
 namespace {
 
 constexpr Duration kPresenceInterval = std::chrono::milliseconds(200);
-constexpr Duration kShortestBackoff = std::chrono::milliseconds(10);  // whatever is asked for, it is a wait
+constexpr Duration kShortestBackoff = std::chrono::milliseconds(10);  // even if the options ask for less
 
-// How long to wait before each try.
+// How long to wait before each attempt.
 class Backoff {
  public:
   explicit Backoff(const ReconnectOptions& options)
@@ -26,7 +26,7 @@ class Backoff {
     const double unit = static_cast<double>(random_() >> 11) * 0x1p-53;  // 0 .. 1
     return from_seconds(to_seconds(nominal_) * (1.0 + jitter_ * (2.0 * unit - 1.0)));
   }
-  // A camera that stayed up for less is waited for longer each time.
+  // The backoff keeps growing while the camera stays up for less than it waited.
   void was_up(Duration time) {
     if (time > nominal_) begin_anew();
   }
@@ -97,7 +97,7 @@ class Reconnecting final : public ReconnectingSource {
   }
 
  private:
-  // Comes back without a source only with something to tell: timeout, or disconnected when the first try fails.
+  // Returns without a source only with a fault: timeout, or disconnected when the first attempt fails.
   Result<> wait_and_open(Instant deadline) {
     while (true) {
       const auto now = clock_.now();
@@ -120,7 +120,7 @@ class Reconnecting final : public ReconnectingSource {
 
   Result<> open() {
     auto opened = opener_.open();
-    const auto now = clock_.now();  // opening a camera takes its time
+    const auto now = clock_.now();  // opening a camera takes a while
     if (!opened) {
       const bool first = !down_since_;
       down(opened.error().kind == FaultKind::disconnected ? "unplugged" : opened.error().message);
@@ -172,7 +172,7 @@ class Reconnecting final : public ReconnectingSource {
     health_.down_since = down_since_;
   }
 
-  // The reader asks for another frame and has not rejected the last one.
+  // By asking for another frame the reader accepts the last one.
   void accept() {
     if (!undecided_) return;
     accepted_at_ = *undecided_;
@@ -210,7 +210,7 @@ class Reconnecting final : public ReconnectingSource {
     health_.down_since.reset();
   }
 
-  // Empty: not to be decoded, which the reader will find as well.
+  // Empty: the frame cannot be decoded, which the reader will find too.
   std::optional<PictureCondition> condition_of(const Frame& frame, Instant now) {
     looked_at_ = now;
     const auto picture = decode(frame, YuvEncoding::bt601_full);
@@ -222,7 +222,7 @@ class Reconnecting final : public ReconnectingSource {
     if (last_captured_at_ && metadata.captured_at < *last_captured_at_) ++health_.backwards;
     last_captured_at_ = metadata.captured_at;
     health_.skipped += metadata.skipped;
-    // Counts modulo 2^32, so that a counter that wraps is none that jumps; one that starts anew tells nothing.
+    // Counts modulo 2^32, so that a wrapping counter shows no gap. A counter that restarts is not counted as a gap.
     const std::uint32_t step = last_sequence_ ? metadata.sequence - *last_sequence_ : 1;
     if (step >= 2 && step < 1u << 31) health_.sequence_gaps += step - 1 - std::min(step - 1, metadata.skipped);
     last_sequence_ = metadata.sequence;
@@ -250,12 +250,12 @@ class Reconnecting final : public ReconnectingSource {
   ConditionWatch watch_;
 
   std::unique_ptr<FrameSource> source_;
-  const CameraSource* camera_ = nullptr;  // the same, when it is one
-  std::uint64_t copied_before_ = 0;       // by sources that are torn down
-  Instant last_frame_at_{};               // good or bad; before the first one: when it was opened
+  const CameraSource* camera_ = nullptr;  // source_, if it is a CameraSource
+  std::uint64_t copied_before_ = 0;       // by earlier sources
+  Instant last_frame_at_{};               // good or bad; before the first frame: when the source was opened
   bool frames_came_ = false;
-  std::optional<Instant> undecided_;    // the last frame, a good one, came then; the reader may still reject it
-  std::optional<Instant> accepted_at_;  // the last good frame before came
+  std::optional<Instant> undecided_;    // arrival of the last frame if it was good; the reader may still reject it
+  std::optional<Instant> accepted_at_;  // arrival of the good frame before it
   std::optional<Instant> bad_since_;
   std::optional<Instant> up_since_;
   std::optional<Instant> looked_at_;
@@ -269,7 +269,7 @@ class Reconnecting final : public ReconnectingSource {
   bool present_ = false;
 
   mutable std::mutex mutex_;
-  CameraHealth health_;  // read by others
+  CameraHealth health_;  // also read by other threads
 };
 
 }  // namespace

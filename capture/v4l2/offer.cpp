@@ -10,8 +10,8 @@ namespace kasumi {
 
 namespace {
 
-// A driver that counts on for ever is cut here.
-constexpr std::uint32_t kMostFormats = 256;  // vivid has ninety
+// Limits for a driver whose enumeration never ends.
+constexpr std::uint32_t kMostFormats = 256;  // vivid has about ninety
 constexpr std::uint32_t kMostSizes = 256;
 constexpr std::uint32_t kMostIntervals = 256;
 
@@ -82,9 +82,10 @@ Result<V4l2Identity> identify_v4l2(VideoDevice& device) {
   identity.multiplanar = (abilities & V4L2_CAP_VIDEO_CAPTURE) == 0;
   identity.buffer_type = identity.multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if ((abilities & (V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_VIDEO_CAPTURE_MPLANE)) == 0)
-    return fail(FaultKind::unsupported, "{} ({}) is no capture device", identity.card, identity.driver);
+    return fail(FaultKind::unsupported, "{} ({}) is not a capture device", identity.card, identity.driver);
   if ((abilities & V4L2_CAP_STREAMING) == 0)
-    return fail(FaultKind::unsupported, "{} ({}) does not stream into mapped buffers", identity.card, identity.driver);
+    return fail(FaultKind::unsupported, "{} ({}) does not support streaming to mapped buffers", identity.card,
+                identity.driver);
   return identity;
 }
 
