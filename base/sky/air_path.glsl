@@ -20,7 +20,7 @@ const real kAerosolHeight_m = 1200.0;
 // US standard atmosphere 1976: a troposphere of constant lapse rate, above it a constant temperature. The real pressure
 // is 6 % lower at 30 km, where 1 % of the air is left.
 const real kTropopause_m = 11000.0;
-const real kTemperatureOverLapse_m = 44330.77;  // height above sea level at which the troposphere's temperature would reach 0 K
+const real kTemperatureOverLapse_m = 44330.77;  // height at which the lapse rate would reach 0 K
 const real kPressureExponent = 5.25588;
 const real kStratosphereHeight_m = 6341.62;  // scale height
 const real kAirColumn_m = 8434.5;  // sea-level pressure / (density * g): height of the air column at constant density

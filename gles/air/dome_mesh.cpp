@@ -15,7 +15,7 @@ constexpr double kLookEvery_px = 60.0;
 
 using Look = std::function<glm::dvec3(double along, double across)>;
 
-// How far a straight line from one end to the other is off in its middle and its quarters.
+// The largest error of linear interpolation between the ends, sampled at the middle and the quarters.
 double straight_error(const Look& look, const std::vector<double>& across, double from, double to) {
   double worst = 0.0;
   for (const double line : across) {
@@ -47,7 +47,7 @@ std::vector<double> lines_of(const Look& look, double size, const std::vector<do
   return lines;
 }
 
-// Evenly spread, and through the sun.
+// Evenly spaced, plus one through the sun.
 std::vector<double> places_to_look(double size, std::optional<double> sun) {
   const int count = std::max(8, static_cast<int>(size / kLookEvery_px));
   std::vector<double> places;

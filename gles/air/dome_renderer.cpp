@@ -120,7 +120,7 @@ struct DomeRenderer::State {
     return &programs.emplace(std::pair(stage, defines), std::move(*made)).first->second;
   }
 
-  // What every stage needs of the view.
+  // Sets the uniforms that all stages share.
   void begin(const Program& program, const DrawTarget& target) const {
     program.use();
     program.set("dither_pattern", kDitherUnit);

@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kLeastRoughness = 1e-3;  // a mirror: the integrals hold, their samples coincide
+constexpr double kLeastRoughness = 1e-3;  // avoids division by zero; a mirror's integrals stay valid
 
 }  // namespace
 
@@ -18,7 +18,7 @@ double facet_cosine(double share, double alpha) {
   return std::sqrt((1.0 - share) / (1.0 + (alpha * alpha - 1.0) * share));
 }
 
-// Facets drawn evenly from GGX's distribution; what each gives back is 4 V n.l v.h / n.h of what falls in.
+// Samples facets evenly from the GGX distribution; each reflects 4 V n.l v.h / n.h of the incident light.
 GivenBack given_back(double across, double roughness) {
   constexpr int kTilts = 64, kTurns = 16;
   const double alpha = std::pow(std::max(roughness, kLeastRoughness), 2), a2 = alpha * alpha;

@@ -18,12 +18,12 @@ glm::vec3 face_normal(const ModelPart& part, std::size_t first_index) {
   return length > 0.0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
 }
 
-// Some direction upright on a unit vector.
+// Any direction perpendicular to a unit vector.
 glm::dvec3 any_across(const glm::dvec3& n) {
   return glm::normalize(glm::cross(n, std::abs(n.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
 }
 
-// Where texture x grows on a triangle (not scaled), and whether the picture lies mirrored on it.
+// The direction of growing texture x on a triangle (not normalised), and whether the picture is mirrored.
 struct Lie {
   glm::dvec3 along{0.0};
   bool mirrored = false;
@@ -36,7 +36,7 @@ Lie lie_of(const std::array<const ModelVertex*, 3>& corners, bool second) {
   const glm::dvec2 t1 = place(1) - place(0), t2 = place(2) - place(0);
   const double area = t1.x * t2.y - t2.x * t1.y;
   if (!std::isfinite(area) || area == 0.0) return {};
-  // Texture y grows downwards in the picture, glTF's bitangent along it upwards.
+  // Texture y grows downwards in the picture, but glTF's bitangent points upwards.
   const glm::dvec3 along = (p1 * t2.y - p2 * t1.y) / area;
   return {glm::length(along) > 0.0 ? glm::normalize(along) : along, area > 0.0};
 }

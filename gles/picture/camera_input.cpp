@@ -29,7 +29,7 @@ Result<> CameraInput::upload(const PictureView& frame) {
 Result<> CameraInput::import_frame(const ExternalPicture& frame, std::vector<std::string>& notes) {
   if (no_import_) return fail(*no_import_);
   if (import_refused_ && same_kind(*import_refused_, frame))
-    return fail(FaultKind::unsupported, "refused before: pictures of this kind are copied");
+    return fail(FaultKind::unsupported, "import was refused before: pictures of this kind are copied");
   if (!import_) {
     auto device = open_image_device();
     if (!device) return fail(*(no_import_ = told(device.error(), notes)));

@@ -176,7 +176,7 @@ TEST(ConfigTable, ProblemsNameTheFileTheWrongValueStandsIn) {
   ASSERT_FALSE(whole);
   for (const char* part : {"here/a.toml: sky.width = -1", "here/a.toml: sky.height is missing",
                            "there/b.toml: sky.mask = ", "looked for there/m.png", "there/b.toml: sky.noise.read = -1",
-                           "there/b.toml: sky.noise.full is missing", "there/b.toml: sky.typo: not a key"})
+                           "there/b.toml: sky.noise.full is missing", "there/b.toml: sky.typo: unknown key"})
     EXPECT_THAT(whole.error().message, HasSubstr(part));
 }
 

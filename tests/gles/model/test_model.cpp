@@ -152,7 +152,7 @@ TEST(GltfModel, BrokenNormalsTakeTheirFaces) {
   EXPECT_EQ(model.parts[0].vertices[1].normal, glm::vec3(0, 0, 1));
   EXPECT_EQ(model.parts[0].vertices[3].normal, glm::vec3(0, 1, 0));
   ASSERT_EQ(model.notes.size(), 1u);
-  EXPECT_THAT(model.notes[0], HasSubstr("2 normals"));
+  EXPECT_THAT(model.notes[0], HasSubstr("2 invalid normals"));
 }
 
 TEST(GltfModel, SparseAccessorsReplaceElements) {

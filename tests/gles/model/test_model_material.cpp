@@ -114,7 +114,7 @@ TEST(GltfMaterial, AThirdWayToLayPicturesIsLeftOutAndTold) {
   const Model model = loaded(file.read("three-ways"));
   EXPECT_TRUE(model.materials.at(0).normal_map.used());
   EXPECT_FALSE(model.materials.at(0).occlusion_map.used());
-  EXPECT_THAT(model.notes, testing::Contains(HasSubstr("its occlusion is left out")));
+  EXPECT_THAT(model.notes, testing::Contains(HasSubstr("its occlusion picture is left out")));
 }
 
 TEST(GltfMaterial, TangentsAreTakenOrMade) {
