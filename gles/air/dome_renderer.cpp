@@ -15,6 +15,10 @@
 #include "gles/gl/texture_units.hpp"
 
 namespace kasumi {
+
+// Named, because DomeRenderer::State has members of it.
+enum class DomeStage { sky, sun, land };
+
 namespace {
 
 // Half a step of 8 bits.
@@ -31,13 +35,11 @@ Defines defines_of(SkyProjection projection, SkyKind kind, DomeDetail detail) {
   return defines;
 }
 
-enum class Stage { sky, sun, land };
-
-Result<Program> build(Stage stage, const Defines& defines) {
+Result<Program> build(DomeStage stage, const Defines& defines) {
   switch (stage) {
-    case Stage::sky: return Program::build(defines, "dome.vert", "dome.frag");
-    case Stage::sun: return Program::build(defines, "dome_sun.vert", "dome.frag");
-    case Stage::land: return Program::build(defines, "dome_land.vert", "dome.frag");
+    case DomeStage::sky: return Program::build(defines, "dome.vert", "dome.frag");
+    case DomeStage::sun: return Program::build(defines, "dome_sun.vert", "dome.frag");
+    case DomeStage::land: return Program::build(defines, "dome_land.vert", "dome.frag");
   }
   return fail(FaultKind::device, "no such program");
 }
@@ -105,13 +107,13 @@ Result<GridMesh> rings_of_sun() {
 
 struct DomeRenderer::State {
   GlTexture dither;
-  std::map<std::pair<Stage, Defines>, Program> programs;
+  std::map<std::pair<DomeStage, Defines>, Program> programs;
   SkyView view;
   SkyScene scene;
   DomeMesh lines;
   std::optional<GridMesh> mesh, whole, sun, land;
 
-  Result<const Program*> find(Stage stage, DomeDetail detail) {
+  Result<const Program*> find(DomeStage stage, DomeDetail detail) {
     const Defines defines = defines_of(view.projection, scene.kind, detail);
     const auto known = programs.find({stage, defines});
     if (known != programs.end()) return &known->second;
@@ -137,7 +139,7 @@ struct DomeRenderer::State {
 
   Result<> draw_sky(const DrawTarget& target, DomeDetail detail) {
     const bool exact = detail == DomeDetail::per_fragment;
-    const auto program = find(Stage::sky, detail);
+    const auto program = find(DomeStage::sky, detail);
     if (!program) return fail(program.error());
     begin(**program, target);
     (exact ? whole : mesh)->draw();
@@ -145,7 +147,7 @@ struct DomeRenderer::State {
   }
 
   Result<> draw_sun(const DrawTarget& target, double pixel_rad) {
-    const auto program = find(Stage::sun, DomeDetail::per_vertex);
+    const auto program = find(DomeStage::sun, DomeDetail::per_vertex);
     if (!program) return fail(program.error());
     begin(**program, target);
     (*program)->set("sun_radius", double{kDomeSunRadius_rad});
@@ -156,7 +158,7 @@ struct DomeRenderer::State {
   }
 
   Result<> draw_land(const DrawTarget& target) {
-    const auto program = find(Stage::land, DomeDetail::per_vertex);
+    const auto program = find(DomeStage::land, DomeDetail::per_vertex);
     if (!program) return fail(program.error());
     const Program& p = **program;
     begin(p, target);

@@ -15,11 +15,6 @@ namespace {
 
 using testing::HasSubstr;
 
-Model loaded(const Result<Model>& model) {
-  EXPECT_TRUE(model.has_value()) << model.error().message;
-  return model ? *model : Model{};
-}
-
 // Corners of all triangles one after the other, so that sharing of vertices does not matter.
 std::vector<glm::vec3> corners(const Model& model) {
   std::vector<glm::vec3> all;

@@ -14,11 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-Model loaded(const Result<Model>& model) {
-  EXPECT_TRUE(model.has_value()) << model.error().message;
-  return model ? *model : Model{};
-}
-
 // A square with texture coordinates of two sets and a material that the test fills in.
 GltfFile surface_file() {
   GltfFile file = square_file();
