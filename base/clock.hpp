@@ -69,9 +69,9 @@ class ManualClock final : public Clock {
 };
 
 // For running as fast as possible: a sleep takes no time, the clock jumps to the requested instant.
-class UnhurriedClock final : public Clock {
+class FastForwardClock final : public Clock {
  public:
-  explicit UnhurriedClock(Utc start) : start_(start) {}
+  explicit FastForwardClock(Utc start) : start_(start) {}
   Instant now() const override;
   Utc utc() const override;
   void sleep_until(Instant instant) override;

@@ -54,7 +54,7 @@ class V4l2 : public testing::Test {
   }
   Result<Frame> next(FrameSource& source, Duration longest = 1s) { return source.next(clock.now() + longest); }
 
-  UnhurriedClock clock{Utc{std::chrono::sys_days{std::chrono::June / 21 / 2026}}};
+  FastForwardClock clock{Utc{std::chrono::sys_days{std::chrono::June / 21 / 2026}}};
   std::unique_ptr<FakeCamera> camera_;
 };
 

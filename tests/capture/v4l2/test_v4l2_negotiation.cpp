@@ -38,7 +38,7 @@ class V4l2Negotiation : public testing::Test {
     return fmt::format("{} {:.4g}", agreed.format.text(), agreed.frames_per_second);
   }
 
-  UnhurriedClock clock{Utc{}};
+  FastForwardClock clock{Utc{}};
   std::filesystem::path device = "/dev/v4l/by-id/fake";
   CameraRequest request{.width = 64, .height = 48};
 };
