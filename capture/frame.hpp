@@ -55,7 +55,7 @@ struct FrameMetadata {
 
 // Limits on what a driver or a file may claim about a frame.
 constexpr int kLargestSide = 16384;                  // pixels
-constexpr std::int64_t kMostPixels = 1 << 26;        // 64 Mpx
+constexpr std::int64_t kMaxPixels = 1 << 26;         // 64 Mpx
 constexpr std::uint32_t kLargestStride = 1u << 18;   // bytes
 constexpr std::uint32_t kLargestPayload = 1u << 28;  // bytes
 

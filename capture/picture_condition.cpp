@@ -79,7 +79,7 @@ PictureSample sample_picture(const PictureView& picture) {
   return {fingerprint_of(picture), *std::max_element(places.begin(), places.end()) / kPerPlace, *twentieth / kPerPlace};
 }
 
-PictureCondition ConditionWatch::look(const PictureSample& sample, Instant now) {
+PictureCondition ConditionWatch::observe(const PictureSample& sample, Instant now) {
   auto seen = PictureCondition::normal;
   if (sample.brightest < kDark)
     seen = PictureCondition::covered;
@@ -88,10 +88,10 @@ PictureCondition ConditionWatch::look(const PictureSample& sample, Instant now) 
   else if (last_ && last_->fingerprint == sample.fingerprint)
     seen = PictureCondition::frozen;
   // Frozen since the previous sample, when the picture last differed.
-  if (seen != seen_ || seen == PictureCondition::normal) since_ = seen == PictureCondition::frozen ? looked_at_ : now;
+  if (seen != seen_ || seen == PictureCondition::normal) since_ = seen == PictureCondition::frozen ? sampled_at_ : now;
   seen_ = seen;
   last_ = sample;
-  looked_at_ = now;
+  sampled_at_ = now;
   return now - since_ >= deadline_ ? seen : PictureCondition::normal;
 }
 

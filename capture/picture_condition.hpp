@@ -28,7 +28,7 @@ PictureSample sample_picture(const PictureView& picture);
 class ConditionWatch {
  public:
   explicit ConditionWatch(Duration deadline) : deadline_(deadline) {}
-  PictureCondition look(const PictureSample& sample, Instant now);
+  PictureCondition observe(const PictureSample& sample, Instant now);
   void reopened();  // a frozen picture no longer counts as frozen; a covered one still counts as covered
 
  private:
@@ -37,7 +37,7 @@ class ConditionWatch {
   PictureCondition seen_ =
       PictureCondition::normal;  // of the last sample; reported once it has lasted until the deadline
   Instant since_{};
-  Instant looked_at_{};
+  Instant sampled_at_{};
 };
 
 }  // namespace kasumi

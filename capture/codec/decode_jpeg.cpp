@@ -18,7 +18,7 @@ class JpegReader {
   Result<JpegPlanes> read(std::span<const std::uint8_t> bytes, int width, int height);
 
  private:
-  static constexpr int kMostRows = 4 * DCTSIZE;  // of a plane in one call; sampling factors go up to 4
+  static constexpr int kMaxRows = 4 * DCTSIZE;  // of a plane in one call; sampling factors go up to 4
 
   Result<PixelLayout> layout() const;
   std::optional<std::string_view> foreign();
@@ -101,7 +101,7 @@ Result<JpegPlanes> JpegReader::read(std::span<const std::uint8_t> bytes, int wid
 }
 
 void JpegReader::read_planes(const PictureView& view, std::uint8_t* samples) {
-  std::array<std::array<JSAMPROW, kMostRows>, 3> rows{};
+  std::array<std::array<JSAMPROW, kMaxRows>, 3> rows{};
   std::array<JSAMPARRAY, 3> planes{rows[0].data(), rows[1].data(), rows[2].data()};
   for (JDIMENSION band = 0; info_.output_scanline < info_.output_height; ++band) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(info_.num_components); ++i) {

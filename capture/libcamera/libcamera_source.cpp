@@ -21,7 +21,7 @@ namespace {
 // Frames after which the camera's automatic white balance has settled.
 constexpr std::uint64_t kSettled = 30;
 // With fewer buffers the camera drops frames, so frames are copied instead of lent.
-constexpr std::size_t kFewestQueued = 2;
+constexpr std::size_t kMinQueued = 2;
 
 // libcamera allows one manager per process and does not restart reliably, so it lives as long as the process. It
 // follows hotplugging by itself.
@@ -330,7 +330,7 @@ class LibcameraSource final : public CameraSource {
     frame.metadata.status = judge(frame.metadata, bytes, flagged);
     if (frame.metadata.status != FrameStatus::good) return false;
 
-    const bool spare = options_.request.lend_buffers && session_->queued() >= kFewestQueued;
+    const bool spare = options_.request.lend_buffers && session_->queued() >= kMinQueued;
     if (contiguous && spare) {
       frame.payload.bytes = {planes.front().data(), bytes};
       frame.payload.dma_buf = DmaBuf{memory->mapped.fd(), memory->mapped.first_offset(), memory->number};

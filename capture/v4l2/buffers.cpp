@@ -11,9 +11,9 @@ namespace kasumi {
 
 namespace {
 
-constexpr std::size_t kFewestBuffers = 2;  // the minimum for streaming
-constexpr std::size_t kMostBuffers = 32;   // VIDEO_MAX_FRAME
-constexpr std::size_t kDriverKeeps = 2;    // one being filled, one queued next
+constexpr std::size_t kMinBuffers = 2;   // the minimum for streaming
+constexpr std::size_t kMaxBuffers = 32;  // VIDEO_MAX_FRAME
+constexpr std::size_t kDriverKeeps = 2;  // one being filled, one queued next
 
 // v4l2_buffer with room for planes, for both single- and multi-planar devices.
 struct Exchange {
@@ -73,9 +73,9 @@ Result<> V4l2Buffers::allocate(int count) {
   if (const int error = device_->control(VIDIOC_REQBUFS, &request); error != 0)
     return fail(device_fault(error, "VIDIOC_REQBUFS"));
   allocated_ = true;
-  if (request.count < kFewestBuffers || request.count > kMostBuffers)
-    return fail(FaultKind::device, "VIDIOC_REQBUFS: {} buffers: expected {} to {}", request.count, kFewestBuffers,
-                kMostBuffers);
+  if (request.count < kMinBuffers || request.count > kMaxBuffers)
+    return fail(FaultKind::device, "VIDIOC_REQBUFS: {} buffers: expected {} to {}", request.count, kMinBuffers,
+                kMaxBuffers);
   buffers_.resize(request.count);
   return {};
 }

@@ -20,7 +20,7 @@ namespace {
 constexpr int kSettledFrames = 30;
 constexpr Duration kSettled = std::chrono::seconds(2);
 // Between polls of a device that reports being readable but delivers nothing.
-constexpr Duration kNap = std::chrono::milliseconds(1);
+constexpr Duration kRetryPause = std::chrono::milliseconds(1);
 
 class V4l2Source final : public CameraSource {
  public:
@@ -66,7 +66,7 @@ class V4l2Source final : public CameraSource {
       if (auto fine = read_event(); !fine) return fine;
     if (events.error && !events.readable) return queue_failed();
     if (events.readable || events.event) {
-      if (std::exchange(readable_in_vain_, true)) clock_.sleep_until(clock_.now() + kNap);
+      if (std::exchange(empty_wakeups_, true)) clock_.sleep_until(clock_.now() + kRetryPause);
     }
     return {};
   }
@@ -110,7 +110,7 @@ class V4l2Source final : public CameraSource {
       newest = std::move(*filled);
     }
     if (!newest) return std::optional<Frame>{};
-    readable_in_vain_ = false;
+    empty_wakeups_ = false;
     return delivered(*newest, skipped);
   }
 
@@ -144,7 +144,7 @@ class V4l2Source final : public CameraSource {
   const Instant opened_at_;
   std::atomic<std::uint64_t> copied_{0};
   int good_frames_ = 0;
-  bool readable_in_vain_ = false;
+  bool empty_wakeups_ = false;
   std::optional<Fault> fault_;
 };
 

@@ -10,8 +10,8 @@
 namespace kasumi {
 namespace {
 
-constexpr Duration kPeriodOfChecks = std::chrono::seconds(1);  // of the kernel's cached state
-constexpr Duration kPauseOfProbes =
+constexpr Duration kCheckInterval = std::chrono::seconds(1);  // of the kernel's cached state
+constexpr Duration kMinProbeInterval =
     std::chrono::milliseconds(250);  // minimum interval, since probing a display is slow
 
 // The card with its connector and mode: everything of a display except GL.
@@ -33,14 +33,14 @@ class KmsDisplay final : public Display {
         clock_(clock),
         mode_is_instead_(options.width > 0 && (mode_.width != options.width || mode_.height != options.height)),
         flips_(*device_, pipe, options.atomic && device_->has_atomic(), options.flip_deadline, clock),
-        next_check_(clock.now() + kPeriodOfChecks) {
+        next_check_(clock.now() + kCheckInterval) {
     device_->remember(pipe);
   }
   KmsDisplay(const KmsDisplay&) = delete;
   KmsDisplay& operator=(const KmsDisplay&) = delete;
   ~KmsDisplay() override {
     // Restores the console before freeing the pictures, because removing the shown framebuffer turns the screen off.
-    if (flips_.is_well() && device_->is_master() && device_->connection(connector_) != KmsConnection::disconnected)
+    if (flips_.is_healthy() && device_->is_master() && device_->connection(connector_) != KmsConnection::disconnected)
       device_->restore();
     (void)scanout_->context().make_current();
   }
@@ -100,14 +100,14 @@ class KmsDisplay final : public Display {
     const Instant now = clock_.now();
     if (watch_ && watch_->take_change()) changed_ = true;
     if (now >= next_check_) {
-      next_check_ = now + kPeriodOfChecks;
+      next_check_ = now + kCheckInterval;
       if (device_->connection(connector_) == KmsConnection::disconnected) changed_ = true;
       if (!device_->is_master())
         return fail(named({FaultKind::device, fmt::format("{}: another process became DRM master", device_->path())}));
     }
     if (!changed_ || now < next_probe_) return {};
     changed_ = false;
-    next_probe_ = now + kPauseOfProbes;
+    next_probe_ = now + kMinProbeInterval;
     return probe();
   }
 

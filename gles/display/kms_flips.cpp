@@ -9,7 +9,7 @@ namespace {
 constexpr Duration kBusyPause = std::chrono::milliseconds(2);  // before retrying when the driver was busy
 // A driver reports when scanout of the first line begins, slightly after the event, by the same clock except for
 // rounding. Timestamps outside the time between sending the picture and now are replaced by now.
-constexpr Duration kSlack = std::chrono::milliseconds(50);
+constexpr Duration kTimestampTolerance = std::chrono::milliseconds(50);
 
 bool is_denied(std::errc code) {
   return code == std::errc::permission_denied || code == std::errc::operation_not_permitted;
@@ -17,7 +17,7 @@ bool is_denied(std::errc code) {
 bool is_gone(std::errc code) {
   return code == std::errc::no_such_device || code == std::errc::no_such_device_or_address;
 }
-bool passes(std::errc code) {
+bool is_temporary(std::errc code) {
   return code == std::errc::device_or_resource_busy || code == std::errc::interrupted ||
          code == std::errc::resource_unavailable_try_again;
 }
@@ -46,7 +46,7 @@ Result<> KmsFlips::submit(KmsPicture picture) {
 
 Result<> KmsFlips::advance() {
   if (auto taken = take_events(Duration::zero()); !taken) return taken;
-  if (auto mended = mend_what_is_overdue(); !mended) return mended;
+  if (auto recovered = recover_overdue_flip(); !recovered) return recovered;
   if (pending_) return commit();
   return {};
 }
@@ -67,20 +67,20 @@ Result<> KmsFlips::take_events(Duration at_most) {
 
 void KmsFlips::complete(std::optional<KmsPicture>& picture, Instant at) {
   const Instant now = clock_.now();
-  const bool believed = at >= sent_at_ - kSlack && at <= now + kSlack;
+  const bool believed = at >= sent_at_ - kTimestampTolerance && at <= now + kTimestampTolerance;
   record_.add(picture->number, believed ? at : now);
   std::optional<KmsPicture> replaced = std::exchange(active_, std::exchange(picture, std::nullopt));
-  mending_ = false;
+  recovering_ = false;
 }
 
-Result<> KmsFlips::mend_what_is_overdue() {
+Result<> KmsFlips::recover_overdue_flip() {
   if (!pending_ && !queued_) return {};
   if (clock_.now() - given_at_ < flip_deadline_) return {};
   ++flip_timeouts_;
-  if (mending_)
+  if (recovering_)
     return fail(FaultKind::device, "{}: pictures no longer reach the display, even after setting its mode again",
                 device_.path());
-  mending_ = true;
+  recovering_ = true;
   sets_mode_ = true;
   given_at_ = clock_.now();
   if (queued_) pending_ = std::exchange(queued_, std::nullopt);
@@ -112,14 +112,14 @@ Result<> KmsFlips::commit() {
       return {};
     }
     const std::errc code = handed.error().code;
-    if (passes(code)) return {};  // stays pending until it is overdue
+    if (is_temporary(code)) return {};  // stays pending until it is overdue
     if (is_denied(code) || is_gone(code)) return refused(handed.error());
     if (setting_mode && atomic_ && !shown_once_) {
       atomic_ = false;  // the driver offers atomic commits but refuses them
       continue;
     }
-    if (!setting_mode && !mending_) {
-      mending_ = true;
+    if (!setting_mode && !recovering_) {
+      recovering_ = true;
       sets_mode_ = true;  // another process may have turned the CRTC off or changed it
       continue;
     }
@@ -131,7 +131,7 @@ Result<> KmsFlips::turn_off() {
   if (!shown_once_) return fail(FaultKind::unsupported, "{}: the display has not been set up yet", device_.path());
   if (const auto off = device_.turn_off(pipe_, atomic_); !off) {
     const auto code = off.error().code;
-    if (passes(code)) return fail(FaultKind::timeout, "{}", off.error().what);
+    if (is_temporary(code)) return fail(FaultKind::timeout, "{}", off.error().what);
     if (is_denied(code) || is_gone(code)) return refused(off.error());
     return fail(FaultKind::unsupported, "{}", off.error().what);
   }

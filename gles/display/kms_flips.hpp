@@ -42,7 +42,7 @@ class KmsFlips {
 
   bool atomic() const { return atomic_; }
   bool is_settled() const { return !pending_ && !queued_; }
-  bool is_well() const { return shown_once_ && !mending_; }  // the CRTC is set up and completes flips
+  bool is_healthy() const { return shown_once_ && !recovering_; }  // the CRTC is set up and completes flips
   std::vector<Flip> take_flips() { return record_.take(); }
   DisplayCounts counts() const { return {record_.count(), flip_timeouts_, modesets_}; }
 
@@ -51,7 +51,7 @@ class KmsFlips {
   Result<> commit();
   KmsResult<> hand_over(const KmsFrame& frame);
   Result<> refused(const KmsError& error);
-  Result<> mend_what_is_overdue();
+  Result<> recover_overdue_flip();
   void complete(std::optional<KmsPicture>& picture, Instant at);
 
   KmsDevice& device_;
@@ -67,7 +67,7 @@ class KmsFlips {
   Instant sent_at_{};        // when submitted
   bool sets_mode_ = true;    // the next commit sets the mode
   bool shown_once_ = false;  // the CRTC has been set up
-  bool mending_ = false;     // the mode was set again since the last completed flip
+  bool recovering_ = false;  // the mode was set again since the last completed flip
 
   FlipRecord record_;
   std::uint64_t flip_timeouts_ = 0;

@@ -173,11 +173,11 @@ Result<SurfaceTexture> upload(const ModelTexture& texture, std::optional<double>
     if (cutoff) keep_share(level, *cutoff, share);
   }
   if (!info.software && info.has("GL_EXT_texture_filter_anisotropic")) {  // software drivers blur and are slow at it
-    constexpr GLfloat kEnough =
+    constexpr GLfloat kMaxUsefulAnisotropy =
         8.0f;  // enough for roofs and courtyards seen at a few degrees; the layer adds 17 samples per pixel
     GLfloat most = 1.0f;
     glGetFloatv(kMaxAnisotropy, &most);
-    glTexParameterf(GL_TEXTURE_2D, kTextureMaxAnisotropy, std::min(most, kEnough));
+    glTexParameterf(GL_TEXTURE_2D, kTextureMaxAnisotropy, std::min(most, kMaxUsefulAnisotropy));
   }
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, texture.nearest ? GL_NEAREST : GL_LINEAR);

@@ -13,7 +13,7 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kMostTriangles = 2048;  // per chunk: few enough for 16-bit indices
+constexpr std::size_t kMaxTriangles = 2048;  // per chunk: few enough for 16-bit indices
 
 }  // namespace
 
@@ -40,7 +40,7 @@ class GpuModel::Cutter {
 
  private:
   static constexpr std::uint16_t kNone = std::numeric_limits<std::uint16_t>::max();
-  static_assert(3 * kMostTriangles < kNone);
+  static_assert(3 * kMaxTriangles < kNone);
   std::vector<std::uint16_t> places_;
   std::vector<std::uint32_t> met_;
   std::vector<std::uint16_t> indices_;
@@ -122,7 +122,7 @@ void GpuModel::add(const Model& model, const std::vector<ModelPart>& parts, std:
   Cutter cutter(vertices);
   const std::function<void(int, std::span<Triangle>)> add_split = [&](int material, std::span<Triangle> triangles) {
     if (triangles.empty()) return;
-    if (triangles.size() <= kMostTriangles) {
+    if (triangles.size() <= kMaxTriangles) {
       std::vector<GpuVertex> corners;
       for (const Triangle& triangle : triangles) {
         const ModelPart& part = parts[triangle.part];
@@ -164,7 +164,7 @@ void GpuModel::add_see_through(const Model& model) {
 // Sorts all triangles of all parts together. If materials would then alternate too often, sorts the parts and the
 // triangles within each.
 void GpuModel::sort_see_through(const Projection& projection) {
-  constexpr std::size_t kMostChanges = 1000;
+  constexpr std::size_t kMaxMaterialChanges = 1000;
   auto& triangles = see_through_.triangles;
   std::map<std::uint32_t, std::pair<double, double>> parts;  // sum of depths, count
   for (SeeThroughTriangle& triangle : triangles) {
@@ -180,7 +180,7 @@ void GpuModel::sort_see_through(const Projection& projection) {
   std::size_t changes = 0;
   for (std::size_t i = 1; i < triangles.size(); ++i)
     changes += triangles[i].material != triangles[i - 1].material ? 1 : 0;
-  if (changes > kMostChanges)
+  if (changes > kMaxMaterialChanges)
     std::ranges::stable_sort(triangles, std::greater<>(), [&](const SeeThroughTriangle& triangle) {
       const auto& [sum, count] = parts[triangle.part];
       return std::tuple(sum / count, triangle.part);
@@ -191,8 +191,7 @@ void GpuModel::sort_see_through(const Projection& projection) {
   std::vector<GpuVertex> corners;
   for (std::size_t i = 0; i < triangles.size();) {
     const std::size_t first = i;
-    for (; i < triangles.size() && i - first < kMostTriangles && triangles[i].material == triangles[first].material;
-         ++i)
+    for (; i < triangles.size() && i - first < kMaxTriangles && triangles[i].material == triangles[first].material; ++i)
       for (const std::uint32_t corner : triangles[i].corners)
         if (cutter.add(corner)) corners.push_back(see_through_.vertices[corner]);
     see_through_.chunks.push_back(make_chunk(triangles[first].material, corners, cutter.take()));

@@ -10,7 +10,7 @@ namespace kasumi {
 
 // A surface of Fresnel reflectance F = f0 + (f90 - f0) (1 - v.h)^5 reflects f0 (all - edge) + f90 edge of the light in
 // a single bounce, seen at an angle of cosine `across` > 0 to its normal.
-struct GivenBack {
+struct DirectionalAlbedo {
   double all = 1.0;
   double edge = 0.0;
   // Mean direction of the reflected light, of length 1 if it all has one direction: component along the normal, and
@@ -18,7 +18,7 @@ struct GivenBack {
   double along = 1.0;
   double aside = 0.0;
 };
-GivenBack given_back(double across, double roughness);
+DirectionalAlbedo directional_albedo(double across, double roughness);
 
 // The cosine to the normal within which this share of GGX facets lies; alpha: roughness squared.
 double facet_cosine(double share, double alpha);
@@ -29,11 +29,11 @@ double mean_cosine(double roughness);
 
 // Where to sample the filtered surroundings for a mirror: in direction mix(normal, mirror direction, lean), at the
 // roughness that gives the lobe's mean direction its exact length. (Lobes lean and stretch with the viewing angle.)
-struct SeenAs {
+struct ReflectionLookup {
   double lean = 1.0;
   double roughness = 0.0;
 };
-SeenAs seen_as(double across, const GivenBack& back);
+ReflectionLookup reflection_lookup(double across, const DirectionalAlbedo& back);
 
 // `all`, `edge`, `lean` and `roughness` over the square root of `across` (columns) and roughness (rows), each 0 .. 1.
 constexpr int kReflectionTableSize = 32;

@@ -32,7 +32,7 @@ int whole_number(const tinygltf::Value& object, const std::string& key, int fall
 }
 
 // A material's reference to a picture.
-struct Laid {
+struct TextureReference {
   int texture = -1;
   TexturePlacement placement;
 };
@@ -54,11 +54,11 @@ TexturePlacement placement_of(int set, const tinygltf::ExtensionMap& extensions)
 }
 
 template <class Info>
-Laid laid(const Info& info) {
+TextureReference laid(const Info& info) {
   return {info.index, placement_of(info.texCoord, info.extensions)};
 }
 
-Laid laid(const tinygltf::Value& extension, const std::string& key) {
+TextureReference laid(const tinygltf::Value& extension, const std::string& key) {
   if (!extension.IsObject() || !extension.Has(key)) return {};
   const tinygltf::Value& info = extension.Get(key);
   tinygltf::ExtensionMap extensions;
@@ -173,7 +173,7 @@ class MaterialReader {
     material.double_sided = from.doubleSided;
     material.unlit = extension(from, "KHR_materials_unlit") != nullptr;
 
-    Laid base, roughness;
+    TextureReference base, roughness;
     if (const auto* older = extension(from, "KHR_materials_pbrSpecularGlossiness"); older != nullptr) {
       base = read_older(*older, material);
     } else {
@@ -207,7 +207,7 @@ class MaterialReader {
   const Surfaces::Placements& placements() const { return placements_; }
 
  private:
-  Laid read_older(const tinygltf::Value& older, ModelMaterial& material) {
+  TextureReference read_older(const tinygltf::Value& older, ModelMaterial& material) {
     material.base_colour = colour_of(numbers(older, "diffuseFactor", {1.0, 1.0, 1.0, 1.0}));
     material.roughness = 1.0f - fraction(numbers(older, "glossinessFactor", {1.0}).front(), 1.0f);
     material.reflectance =
@@ -248,7 +248,7 @@ class MaterialReader {
           static_cast<float>(strength * double(fraction(from.emissiveFactor[i], 0.0f)));
   }
 
-  Result<> add(const Laid& picture, bool data, const char* what, ModelMap& map) {
+  Result<> add(const TextureReference& picture, bool data, const char* what, ModelMap& map) {
     const auto texture = textures_.read(picture.texture, data);
     if (!texture) return fail(texture.error());
     if (*texture < 0) return {};

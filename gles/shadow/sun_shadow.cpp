@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kMapsPerSide = 4;
 static_assert(kMapsPerSide * kMapsPerSide == kSunPoints);
-constexpr int kFewestTexels = 256, kMostTexels = 1024;
+constexpr int kMinTexels = 256, kMaxTexels = 1024;
 constexpr double kBorder_texels = 3.0;   // margin around the object
 constexpr double kDepthBorder = 0.01;    // depth margin in front and behind
 constexpr double kStepOff_texels = 0.6;  // see sun_shadow.glsl
@@ -112,10 +112,10 @@ int SunShadow::texels_for(const GpuModel& model, const Projection& projection, c
   const double across_m = glm::length(glm::dmat3(projection.model_to_world) * size);
   const double pixel_m =
       depth_range(projection, model.bounds()).near_m / std::max(projection.view.focal_px.x, projection.view.focal_px.y);
-  int most = options.packed ? kMostTexels / 2 : kMostTexels;
+  int most = options.packed ? kMaxTexels / 2 : kMaxTexels;
   while (kMapsPerSide * most > info.max_texture_size) most /= 2;
-  const double wanted = std::clamp(across_m / pixel_m, 1.0, 1.0 * kMostTexels);
-  return std::min(most, std::max(kFewestTexels, static_cast<int>(std::bit_ceil(static_cast<unsigned>(wanted)))));
+  const double wanted = std::clamp(across_m / pixel_m, 1.0, 1.0 * kMaxTexels);
+  return std::min(most, std::max(kMinTexels, static_cast<int>(std::bit_ceil(static_cast<unsigned>(wanted)))));
 }
 
 Result<SunShadow> SunShadow::draw(const GpuModel& model, const SunFrame& frame, const Options& options,
