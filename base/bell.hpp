@@ -1,4 +1,4 @@
-// Wakes one waiting thread: rung by whoever has news for it.
+// Wakes one waiting thread.
 #pragma once
 
 #include <chrono>
@@ -17,8 +17,8 @@ class Bell {
     rung_ = true;
     woken_.notify_all();
   }
-  // BLOCKS until it rings (at once when it has rung since the last wait) or the time is over, by the machine's clock.
-  // true: it rang.
+  // BLOCKS until it rings or the time has passed, by the machine's clock. Returns at once if it has rung since the last
+  // wait. true: it rang.
   bool wait_for(Duration longest) {
     const auto until = std::chrono::steady_clock::now() + longest;
     const MutexLock lock(mutex_);

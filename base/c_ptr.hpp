@@ -1,4 +1,4 @@
-// Owners of what C libraries hand out by pointer.
+// Owners of objects that C libraries return by pointer.
 #pragma once
 
 #include <memory>

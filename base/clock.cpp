@@ -51,17 +51,17 @@ void ManualClock::advance(Duration step) {
   turned_.notify_all();
 }
 
-Instant UnhurriedClock::now() const {
+Instant FastForwardClock::now() const {
   const std::lock_guard lock(mutex_);
   return now_;
 }
 
-Utc UnhurriedClock::utc() const {
+Utc FastForwardClock::utc() const {
   const std::lock_guard lock(mutex_);
   return start_ + now_.time_since_epoch();
 }
 
-void UnhurriedClock::sleep_until(Instant instant) {
+void FastForwardClock::sleep_until(Instant instant) {
   const std::lock_guard lock(mutex_);
   now_ = std::max(now_, instant);
 }

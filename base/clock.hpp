@@ -1,4 +1,4 @@
-// Time that tests can turn. Monotonic time orders events and sets deadlines; UTC places the sun.
+// Clocks that tests can control. Monotonic time orders events and sets deadlines; UTC places the sun.
 #pragma once
 
 #include <chrono>
@@ -33,7 +33,7 @@ class Clock {
   virtual Utc utc() const = 0;
   // BLOCKS until now() >= instant, or until interrupt() is called from another thread.
   virtual void sleep_until(Instant instant) = 0;
-  virtual void interrupt() = 0;  // wakes every sleeper, now and from now on
+  virtual void interrupt() = 0;  // wakes every sleeper; later sleeps return at once
 };
 
 // The machine's clocks.
@@ -50,7 +50,7 @@ class SystemClock final : public Clock {
   bool interrupted_ = false;
 };
 
-// Stands still until somebody turns it: sleepers wait for advance().
+// Stands still until it is advanced: sleepers wait for advance().
 class ManualClock final : public Clock {
  public:
   explicit ManualClock(Utc start) : start_(start) {}
@@ -68,10 +68,10 @@ class ManualClock final : public Clock {
   bool interrupted_ = false;
 };
 
-// As fast as possible: a sleep takes no time, the clock jumps to the instant asked for.
-class UnhurriedClock final : public Clock {
+// For running as fast as possible: a sleep takes no time, the clock jumps to the requested instant.
+class FastForwardClock final : public Clock {
  public:
-  explicit UnhurriedClock(Utc start) : start_(start) {}
+  explicit FastForwardClock(Utc start) : start_(start) {}
   Instant now() const override;
   Utc utc() const override;
   void sleep_until(Instant instant) override;

@@ -79,7 +79,7 @@ std::string ConfigTable::full_key(std::string_view key) const {
   return node_->prefix + std::string(key);
 }
 
-// Its own, or that of the key it is below.
+// The file of the key itself, or of the key it lies below.
 const std::filesystem::path& ConfigTable::origin_of(const std::string& full) const {
   for (auto end = full.size(); end != std::string::npos; end = end == 0 ? std::string::npos : full.rfind('.', end - 1))
     if (const auto found = file_->adopted.find(full.substr(0, end)); found != file_->adopted.end())
@@ -313,11 +313,11 @@ std::map<std::string, std::filesystem::path> ConfigTable::files_asked() const {
 Result<> ConfigTable::finish() const {
   std::vector<std::string> keys;
   list_keys(file_->root, "", keys);
-  std::string skipped;  // keys inside a table nobody asked for need no line of their own
+  std::string skipped;  // keys inside an unknown table need no line of their own
   for (const auto& key : keys) {
     if (file_->read.contains(key)) continue;
     if (!skipped.empty() && key.starts_with(skipped)) continue;
-    file_->problems.add("{}: {}: not a key that is known here", origin_of(key).string(), key);
+    file_->problems.add("{}: {}: unknown key", origin_of(key).string(), key);
     skipped = key + ".";
   }
   if (file_->problems.empty()) return {};

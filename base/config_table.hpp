@@ -1,5 +1,5 @@
-// A TOML file read strictly: every getter names file, key, value and what is expected, and all problems are collected
-// before anybody gives up.
+// Strict reading of a TOML file: every problem names file, key, value and what was expected, and all problems are
+// collected before reading fails.
 #pragma once
 
 #include <filesystem>
@@ -24,9 +24,8 @@ struct Range {
   double highest = std::numeric_limits<double>::infinity();
 };
 
-// One table of the file. Copies are cheap and share the list of problems and of keys that were read.
-// A getter that finds something wrong adds a problem and returns the fallback (or zero, empty), so that reading can go
-// on.
+// One table of the file. Copies are cheap and share the list of problems and the set of keys that were read.
+// A getter that finds an error adds a problem and returns the fallback (or zero, empty), so that reading can continue.
 class ConfigTable {
  public:
   // Fails when the file cannot be read or is not TOML (message with line and column).
@@ -39,7 +38,7 @@ class ConfigTable {
   int integer(std::string_view key, Range range = {}, std::optional<int> fallback = std::nullopt) const;
   bool flag(std::string_view key, std::optional<bool> fallback = std::nullopt) const;
   std::string text(std::string_view key, std::optional<std::string> fallback = std::nullopt) const;
-  // One of a list of words.
+  // One of the given words.
   std::string choice(std::string_view key, std::initializer_list<std::string_view> words,
                      std::optional<std::string> fallback = std::nullopt) const;
   // Exactly `count` numbers; count 0: any number of them, at least one.
@@ -58,25 +57,26 @@ class ConfigTable {
   std::optional<ConfigTable> optional_table(std::string_view key) const;
   std::vector<ConfigTable> tables(std::string_view key) const;  // [[key]]; empty when there is none
 
-  // For whoever shows a table without knowing what is in it: its keys in the order of the alphabet, and a number or a
-  // text where there is one. Nothing is a problem.
+  // For showing a table whose contents are unknown: its keys in alphabetical order, and the number or text of a key if
+  // it is one. None of these adds a problem.
   std::vector<std::string> keys() const;
   std::optional<double> if_number(std::string_view key) const;
   std::optional<std::string> if_text(std::string_view key) const;
 
-  // Says that a key, and all below it, is somebody else's to read.
+  // Marks a key, and everything below it, as read elsewhere.
   void ignore(std::string_view key) const;
 
-  // For the root, before its tables are read: [TABLE] gains the keys that another file's [TABLE] has and it has not,
-  // each as a whole. Of keys that are several ways to say one thing (`rivals`), none is gained when one is here. From
-  // then on problems with a gained key name its own file, and the files it names are looked for beside that one.
+  // For the root, before its tables are read: adds to [TABLE] each key that only the other file's [TABLE] has. Of keys
+  // that are alternatives to each other (`rivals`), none is added when one is already here. Problems with an added key
+  // then name the file it came from, and file names in it are relative to that file's folder.
   struct Adopted {
     std::vector<std::string> gained;     // full keys
-    std::vector<std::string> overruled;  // the other file has them, and this one says otherwise (or the same)
+    std::vector<std::string> overruled;  // the other file has them too; this file's values (equal or not) win
   };
   using Rivals = std::vector<std::set<std::string, std::less<>>>;
   Adopted adopt(const ConfigTable& other, std::string_view table, const Rivals& rivals = {}) const;
-  // For the root: what is missing from now on would have come from a file that cannot be used, which has been told.
+  // For the root: from now on missing keys are no problem, because they would have come from a file already reported as
+  // unusable.
   void excuse_missing() const;
 
   // "fixture.toml: sky.lens.focal_px = -3: expected a number > 0"
@@ -84,16 +84,16 @@ class ConfigTable {
   const std::filesystem::path& path() const;
   std::filesystem::path folder() const;
 
-  // What was asked for so far, by full key ("sky.lens.focal_px"); of files, where they were looked for.
+  // The keys read so far, in full ("sky.lens.focal_px"); for file names, also the path that was tried.
   std::set<std::string> keys_asked() const;
   std::map<std::string, std::filesystem::path> files_asked() const;
-  // These tables, and lists of tables, of the root as TOML text. A change of a table, by full key, is another text for
-  // it; nothing: the key and all below it are left out.
+  // The given tables and lists of tables of the root as TOML text. `changes` replaces a table, by full key, with
+  // another text; nullopt drops the key and everything below it.
   std::string copy_of(std::initializer_list<std::string_view> tables,
                       const std::map<std::string, std::optional<std::string>>& changes) const;
 
-  // For the root, after everything was read: adds a problem for each key nobody asked for (a typing error), then says
-  // whether all is well.
+  // For the root, after everything was read: adds a problem for each key that was never read (a typing error), then
+  // fails if there are problems.
   Result<> finish() const;
 
  private:

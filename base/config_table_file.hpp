@@ -1,4 +1,4 @@
-// What ConfigTable keeps of its file: for its own sources alone.
+// What ConfigTable stores about its file. Only for ConfigTable's own sources.
 #pragma once
 
 #include <toml++/toml.h>
@@ -11,7 +11,7 @@ struct ConfigTable::File {
   std::filesystem::path path;
   toml::table root;
   Problems problems;
-  std::set<std::string> read;  // full keys somebody asked for
+  std::set<std::string> read;  // full keys that were read
   std::map<std::string, std::filesystem::path> files;
   std::map<std::string, std::filesystem::path> adopted;  // full keys, and the file each came from
   bool missing_excused = false;
@@ -20,7 +20,7 @@ struct ConfigTable::File {
 struct ConfigTable::Node {
   const toml::table* table;  // inside File::root, or the empty table for a missing one
   std::string prefix;        // "sky.lens." or ""
-  bool missing = false;      // already reported: say nothing about its keys
+  bool missing = false;      // already reported: its keys add no problems
 };
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// Tables of two files in one, and tables written out again.
+// Merging the tables of two files, and writing tables as text.
 #include <algorithm>
 #include <sstream>
 
@@ -33,7 +33,7 @@ ConfigTable::Adopted ConfigTable::adopt(const ConfigTable& other, std::string_vi
   auto& root = file_->root;
   if (!root.contains(table)) root.insert(table, toml::table{});
   auto* ours = root[table].as_table();
-  if (!ours) return adopted;  // something else by that name: its reader tells
+  if (!ours) return adopted;  // not a table: whoever reads it reports that
   const toml::table before = *ours;
   const auto said_here = [&](std::string_view key) {
     if (before.contains(key)) return true;

@@ -52,7 +52,8 @@ Result<> replace_file(const std::filesystem::path& path,
     std::filesystem::remove(temporary, error);
     return fail(FaultKind::io, "{}: cannot be written: {}", path.string(), reason);
   }
-  // So that whoever names the file afterwards, in another file, names one that a power cut leaves there.
+  // The rename must be on the disk too, because another file may refer to this name and must still find it after a
+  // power cut.
   const auto folder = path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
   if (const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); fd) ::fsync(fd.value());
   return {};

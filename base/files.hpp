@@ -1,5 +1,5 @@
-// Whole files in and out. Outputs are written beside their name and renamed, so that a cut leaves the old file or the
-// new, never half of one.
+// Reads and writes whole files. Output goes to a temporary file that is then renamed, so that a power cut leaves either
+// the old or the new file, never part of one.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ Result<std::string> read_text_file(const std::filesystem::path& path);
 Result<> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 Result<> write_text_file(const std::filesystem::path& path, std::string_view text);
 
-// For writers that need a name: hands `write` a temporary path beside `path` with the same extension, and renames it
-// when `write` succeeds.
+// For libraries that write to a path: passes `write` a temporary path in the same folder with the same extension, and
+// renames it when `write` succeeds.
 Result<> replace_file(const std::filesystem::path& path,
                       const std::function<Result<>(const std::filesystem::path&)>& write);
 

@@ -16,8 +16,8 @@ Radians zenith_angle(const Direction& direction);                 // 0 .. pi
 Radians azimuth_angle(const Direction& direction);                // 0 .. 2 pi, 0 for the zenith itself
 Radians angle_between(const glm::dvec3& a, const glm::dvec3& b);  // exact for tiny angles; need not be unit vectors
 
-// The direction itself; one below the horizon becomes the horizon at its azimuth (north, straight down). For models
-// that end at the horizon.
+// Raises a direction below the horizon to the horizon at its azimuth (straight down: to the north); leaves others as
+// they are. For models that are undefined below the horizon.
 Direction raised_to_horizon(const Direction& direction);
 
 // Camera frame: x right, y down, z along the optical axis. Columns of the result are the camera's axes in the world

@@ -1,4 +1,4 @@
-// A two-dimensional array that owns its elements, rows packed, origin at the top left.
+// A two-dimensional array that owns its elements, with packed rows and the origin at the top left.
 #pragma once
 
 #include <cstddef>

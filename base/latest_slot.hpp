@@ -1,4 +1,4 @@
-// The one hand-off between threads: holds the newest value, counts what it dropped.
+// Hands values from one thread to another: holds the newest value and counts those it dropped.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ class LatestSlot {
     value_ = std::move(value);
   }
 
-  // The newest value, once; empty when nothing new has come.
+  // The newest value, once; empty when there is no new one.
   std::optional<T> take() {
     const MutexLock lock(mutex_);
     return std::exchange(value_, std::nullopt);

@@ -1,4 +1,4 @@
-// A picture as a photographer leaves it, in memory: 8 or 16 bits or floating point, any size.
+// A photograph in memory, from a file of any size with 8 or 16 bits per channel or floating point.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -14,7 +14,7 @@ struct Photograph {
   double quantum = 0.0;      // 1/255, 1/65535, or 0 for floating point
 };
 
-// For what wants 8 bits.
+// Rounded to 8 bits per channel.
 Image<Rgb8> to_rgb8(const Photograph& photograph);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// 8-bit camera pictures as drivers deliver them: planes in memory, seen but not owned.
+// Views of 8-bit camera pictures as drivers deliver them: planes in memory, not owned.
 #pragma once
 
 #include <array>
@@ -54,7 +54,7 @@ PlaneSize plane_size(PixelLayout layout, int width, int height, int plane);
 
 using Rgb8 = glm::u8vec3;
 
-// The matrix of the GPU path and of the CPU path alike: rgb = matrix * (yuv - offset), yuv and rgb in 0..1.
+// The conversion used on both GPU and CPU: rgb = matrix * (yuv - offset), yuv and rgb in 0..1.
 struct YuvToRgb {
   glm::vec3 offset;
   std::array<glm::vec3, 3> rows;  // R, G, B
@@ -66,7 +66,7 @@ Rgb8 rgb_at(const PictureView& picture, int x, int y);
 // The whole picture, chroma from the nearest sample.
 Image<Rgb8> to_rgb(const PictureView& picture);
 
-// An RGB image seen as a picture; it must outlive the view.
+// A view of an RGB image, which must outlive it.
 PictureView view_of(const Image<Rgb8>& image);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// Results and faults: what every fallible function of Kasumi returns. Exceptions do not cross a room's wall.
+// Results and faults: what every fallible function of Kasumi returns. Exceptions do not leave a room.
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@
 namespace kasumi {
 
 enum class FaultKind {
-  bad_input,      // a file, image, model, option or configuration that a person has to mend; exit code 2
+  bad_input,      // a file, image, model, option or configuration that a person must correct; exit code 2
   io,             // reading or writing failed (permissions, full disk)
   timeout,        // a deadline passed
-  disconnected,   // a device is gone
+  disconnected,   // a device is no longer there
   end_of_stream,  // a recording has ended
   unsupported,    // this machine or driver lacks what is needed
   device,         // a device or GL answered with an error
@@ -40,7 +40,7 @@ tl::unexpected<Fault> fail(FaultKind kind, fmt::format_string<Args...> format, A
   return tl::unexpected<Fault>(Fault{kind, fmt::format(format, std::forward<Args>(args)...)});
 }
 
-// Collects everything that is wrong with an input, so that a person sees all of it at once.
+// Collects all problems of an input, so that a person sees them at once.
 class Problems {
  public:
   template <class... Args>

@@ -1,18 +1,19 @@
-// Encoded levels from which a channel says only "so much light or more". What lies below the last code but near it is
-// mixed with saturated neighbours by scaling, demosaicing and noise: how wide a margin that takes differs with what is
-// asked of the pixels.
+// Encoded levels from which a channel counts as saturated. Scaling, demosaicing and noise mix saturated pixels into
+// neighbours just below the last code, so each use needs its own margin.
 #pragma once
 
 namespace kasumi {
 
 // Of 0..1.
-constexpr double kSaturated = 0.98;  // in a stack of exposures: the others tell, so that a wide margin costs nothing
-constexpr double kSaturatedSky = 0.985;  // in the sky's picture, whose elements are means of pixels: any channel
+constexpr double kSaturated =
+    0.98;  // in an exposure stack: other exposures cover for it, so a wide margin costs nothing
+constexpr double kSaturatedSky = 0.985;  // sky picture, whose elements are means of pixels: any channel
 constexpr double kSaturatedSun = 0.97;   // the dimmest channel of the sun's core
-constexpr double kSaturatedBox = 254.5 / 255.0;  // in landmarks' boxes: the last code alone, for a few may be left in
+constexpr double kSaturatedBox =
+    254.5 / 255.0;  // landmarks' boxes: only the last code, since a few saturated pixels are tolerable
 
 // Of 255.
-constexpr int kSaturatedHorizon = 252;  // any channel of the scene's picture
-constexpr int kWhiteOut = 235;          // brightness; white of limited range, and a full-range picture nowhere darker
+constexpr int kSaturatedHorizon = 252;  // any channel of the scene camera's picture
+constexpr int kWhiteOut = 235;          // brightness: white in limited range, and near white in full range
 
 }  // namespace kasumi

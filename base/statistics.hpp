@@ -1,4 +1,4 @@
-// Order statistics of a sample and what is robustly told from them: a minority of wrong values does not move these.
+// Order statistics and robust estimates: a minority of wrong values hardly changes them.
 #pragma once
 
 #include <algorithm>
@@ -11,18 +11,18 @@
 
 namespace kasumi {
 
-// Of normal deviations: one standard deviation over the median of their sizes, 1 / Phi^-1(3/4).
+// For normal deviations: standard deviation over median absolute deviation, 1 / Phi^-1(3/4).
 constexpr double kSigmaOverMedianSize = 1.4826;
-// Of deviations in a plane, normal and alike in both coordinates: the median of their lengths over one coordinate's
-// standard deviation, sqrt(2 ln 2).
+// For two-dimensional isotropic normal deviations: median length over the standard deviation of one coordinate, sqrt(2
+// ln 2).
 constexpr double kMedianLengthOverSigma = 1.1774;
 // The standard error of a large normal sample's median over that of its mean, sqrt(pi / 2).
 constexpr double kMedianErrorOverMeanError = 1.2533;
-// Where Tukey's weight ends, in standard deviations, for 95 % of the efficiency of least squares on normal deviations.
+// Where Tukey's weight reaches 0, in standard deviations, for 95 % efficiency on normal deviations.
 constexpr double kTukeyReach = 4.685;
 
-// One of the values, never a mean of two, so that whole steps stay whole steps. Of an even number the median is the
-// upper of the middle two. Of none it is T{}. The first form moves the values about; no NaN may be among them.
+// Always one of the values, never a mean of two, so that integers stay integers. For an even count it is the upper of
+// the middle two; for none, T{}. The first form reorders the values. No value may be NaN.
 template <class T>
 T median_in_place(std::vector<T>& values) {
   if (values.empty()) return T{};
@@ -49,15 +49,15 @@ T quantile(std::vector<T> values, double share, Projection projection = {}) {
   return quantile_in_place(values, share, std::move(projection));
 }
 
-// The standard deviation about 0 of normal values among which there are outliers: that of residuals, not of a sample
-// whose middle is elsewhere. Of none, 0.
+// The standard deviation about 0 of normal values with outliers; for residuals, not for samples with another mean. 0
+// for none.
 template <std::floating_point T>
 T robust_sigma(std::vector<T> residuals) {
   for (T& value : residuals) value = std::abs(value);
   return static_cast<T>(kSigmaOverMedianSize) * median_in_place(residuals);
 }
 
-// Tukey's biweight of a residual over the reach at which it ends: 1 at 0, 0 from 1 on.
+// Tukey's biweight of a residual divided by its cutoff: 1 at 0, 0 from 1 on.
 inline double tukey_weight(double residual_over_reach) {
   const double u = residual_over_reach;
   return std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;

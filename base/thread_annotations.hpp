@@ -1,4 +1,4 @@
-// What a mutex guards, written so that clang checks it (-Wthread-safety). Other compilers read past it.
+// Annotations of what a mutex guards, checked by clang (-Wthread-safety) and ignored by other compilers.
 #pragma once
 
 #include <mutex>
@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// std::mutex and std::lock_guard, which the GNU library leaves without annotations.
+// Annotated equivalents of std::mutex and std::lock_guard, which libstdc++ leaves without annotations.
 class KASUMI_THREAD_ANNOTATION(capability("mutex")) Mutex {
  public:
   void lock() KASUMI_THREAD_ANNOTATION(acquire_capability()) { mutex_.lock(); }

@@ -1,4 +1,4 @@
-// Values as TOML writes them.
+// Values formatted as TOML.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ inline std::string toml_string(std::string_view text) {
   return result + "\"";
 }
 
-// As many digits as the value has; a float is told by its point or exponent.
+// The shortest digits that read back as the same value; TOML needs a point or an exponent to see a float.
 inline std::string toml_number(double value) {
   auto text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";

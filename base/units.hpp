@@ -1,5 +1,5 @@
-// Angles that cannot be confused. Lengths are plain doubles in metres whose names end in _m; wavelengths end in _nm or
-// _m.
+// Angles whose unit cannot be mistaken. Lengths are plain doubles in metres whose names end in _m; wavelengths end in
+// _nm or _m.
 #pragma once
 
 #include <compare>

@@ -72,8 +72,8 @@ Result<> check_geometry(const FrameMetadata& metadata) {
   const bool sides_fit = width >= 1 && height >= 1 && width <= kLargestSide && height <= kLargestSide;
   if (!sides_fit)
     problems.add("size {}x{}: expected 1 to {} pixels each way", width, height, kLargestSide);
-  else if (std::int64_t{width} * height > kMostPixels)
-    problems.add("size {}x{}: expected at most {} pixels", width, height, kMostPixels);
+  else if (std::int64_t{width} * height > kMaxPixels)
+    problems.add("size {}x{}: expected at most {} pixels", width, height, kMaxPixels);
   if (metadata.stride > kLargestStride)
     problems.add("stride {}: expected at most {} bytes", metadata.stride, kLargestStride);
   else if (format && format->layout && sides_fit) {
@@ -91,7 +91,7 @@ Result<> check_geometry(const FrameMetadata& metadata) {
 std::uint64_t bytes_needed(const FrameMetadata& metadata) {
   const auto layout = layout_of(metadata.format);
   if (!layout) {
-    // A Huffman code is one bit at least, a block of 64 samples two codes.
+    // A Huffman code takes at least one bit, and a block of 64 samples at least two codes.
     const auto pixels = static_cast<std::uint64_t>(metadata.width) * static_cast<std::uint64_t>(metadata.height);
     return std::max<std::uint64_t>(1, pixels / 256);
   }

@@ -1,4 +1,4 @@
-// One frame as a driver delivers it: bytes with a format, and what is known about them.
+// A frame as a driver delivers it: its bytes, their format and metadata.
 #pragma once
 
 #include <array>
@@ -33,14 +33,14 @@ std::optional<PixelLayout> layout_of(FourCc format);
 
 enum class FrameStatus {
   good,       // everything is valid
-  flagged,    // the driver set its error flag: metadata is valid, pixels are not to be shown
-  truncated,  // fewer bytes than the format needs, or none: metadata is valid, pixels are not
+  flagged,    // the driver set its error flag: metadata is valid, pixels must not be shown
+  truncated,  // fewer bytes than the format needs: metadata is valid, pixels are not
 };
 std::string_view name_of(FrameStatus status);
 
 struct FrameMetadata {
-  Instant captured_at{};  // the driver's monotonic timestamp; may repeat or run backwards when the driver misbehaves
-  Utc utc{};              // as the host's clock had it then
+  Instant captured_at{};       // the driver's monotonic timestamp; may repeat or go backwards with a faulty driver
+  Utc utc{};                   // by the host's clock
   std::uint32_t sequence = 0;  // the driver's counter; a gap is a dropped frame
   FourCc format{};
   int width = 0;
@@ -50,21 +50,21 @@ struct FrameMetadata {
   std::optional<double> exposure_s;
   std::optional<double> gain;
   FrameStatus status = FrameStatus::good;
-  std::uint32_t skipped = 0;  // frames since the last one delivered that the source passed over for this newer one
+  std::uint32_t skipped = 0;  // frames since the last one delivered that the source dropped in favour of this newer one
 };
 
-// Nothing a driver or a file says about a frame is believed beyond these.
+// Limits on what a driver or a file may claim about a frame.
 constexpr int kLargestSide = 16384;                  // pixels
-constexpr std::int64_t kMostPixels = 1 << 26;        // 64 Mpx
+constexpr std::int64_t kMaxPixels = 1 << 26;         // 64 Mpx
 constexpr std::uint32_t kLargestStride = 1u << 18;   // bytes
 constexpr std::uint32_t kLargestPayload = 1u << 28;  // bytes
 
-// Whether format, size, stride and bytes_used are possible. Error (bad_input): every one that is not, one per line.
+// Whether format, size, stride and bytes_used are possible. Error (bad_input): all that are not, one per line.
 Result<> check_geometry(const FrameMetadata& metadata);
-// Strides of further planes follow from the first as V4L2 has it: NV12 the same, YU12 half; odd ones rounded up.
+// Strides of the other planes follow from the first as V4L2 defines it: NV12 the same, YU12 half, rounded up.
 std::uint32_t stride_of_plane(PixelLayout layout, std::uint32_t first_stride, int plane);
-// The fewest bytes a whole picture takes, the last row without its padding; for MJPG a bound no JPEG of that size
-// undercuts. Geometry must have been checked.
+// The minimum size of a complete picture, with the last row's padding excluded; for MJPG a lower bound for any JPEG of
+// that size. Geometry must have been checked.
 std::uint64_t bytes_needed(const FrameMetadata& metadata);
 // What a source delivers the frame as. Geometry must have been checked.
 FrameStatus judge(const FrameMetadata& metadata, std::size_t payload_bytes, bool driver_error);

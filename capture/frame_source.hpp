@@ -14,9 +14,9 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
   virtual std::string description() const = 0;  // "fixture clear-noon, sky camera"
-  // BLOCKS until a frame arrives or the deadline passes. Damaged frames are delivered with their status: the reader
-  // skips and counts them. Errors: timeout (nothing came; try again), disconnected (gone for now; reopen),
-  // end_of_stream (a recording is over).
+  // BLOCKS until a frame arrives or the deadline passes. Damaged frames are delivered with their status, for the reader
+  // to skip and count. Errors: timeout (no frame yet; try again), disconnected (reopen the source), end_of_stream (a
+  // recording has ended).
   virtual Result<Frame> next(Instant deadline) = 0;
 };
 

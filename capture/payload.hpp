@@ -1,4 +1,4 @@
-// The bytes of a frame: memory of ours, or a driver's buffer that goes back to the driver when its last holder lets go.
+// The bytes of a frame: own memory, or a driver's buffer that returns to the driver when its last holder releases it.
 #pragma once
 
 #include <atomic>
@@ -11,22 +11,22 @@
 
 namespace kasumi {
 
-// A driver's buffer as a GPU can import it.
+// A driver's buffer in a form that a GPU can import.
 struct DmaBuf {
   int fd = -1;               // the payload's own; valid while the payload is held
-  std::uint32_t offset = 0;  // of the first plane; further planes follow as in memory
-  std::uint64_t buffer = 0;  // the same number only for the same memory as long as the process runs: what caches go by
+  std::uint32_t offset = 0;  // of the first plane; the others follow as in memory
+  std::uint64_t buffer = 0;  // unique to this memory for the life of the process, as a key for caches
 };
 
 struct Payload {
   std::span<const std::uint8_t> bytes;  // may be empty
-  std::optional<DmaBuf> dma_buf;        // of the same bytes, where the driver exports its buffers
-  std::shared_ptr<const void> holder;   // keeps the bytes; hold it as long as they are read, and no longer
+  std::optional<DmaBuf> dma_buf;        // the same bytes, if the driver exports its buffers
+  std::shared_ptr<const void> holder;   // keeps the bytes valid; release it as soon as they have been read
 };
 
-// A number for DmaBuf::buffer that no other memory of this process has had. From any thread.
+// A number for DmaBuf::buffer never used before in this process. From any thread.
 inline std::uint64_t new_buffer_number() {
-  static std::atomic<std::uint64_t> last{0};  // of the process, as file descriptors are
+  static std::atomic<std::uint64_t> last{0};  // process-wide, like file descriptors
   return ++last;
 }
 

@@ -9,12 +9,12 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kColumns = 32, kRows = 24;  // places
-constexpr int kSamples = 4;               // each way in a place
+constexpr int kColumns = 32, kRows = 24;  // cells
+constexpr int kSamples = 4;               // each way in a cell
 constexpr int kFingerprintRows = 64;
 constexpr int kDark = 40;  // of 255; limited range has black at 16
 
-// Where the first channel that carries brightness lies: Y, or G of RGB.
+// Where the channel that represents brightness lies: Y, or G of RGB.
 struct Channel {
   std::size_t offset, step;
 };
@@ -79,7 +79,7 @@ PictureSample sample_picture(const PictureView& picture) {
   return {fingerprint_of(picture), *std::max_element(places.begin(), places.end()) / kPerPlace, *twentieth / kPerPlace};
 }
 
-PictureCondition ConditionWatch::look(const PictureSample& sample, Instant now) {
+PictureCondition ConditionWatch::observe(const PictureSample& sample, Instant now) {
   auto seen = PictureCondition::normal;
   if (sample.brightest < kDark)
     seen = PictureCondition::covered;
@@ -87,11 +87,11 @@ PictureCondition ConditionWatch::look(const PictureSample& sample, Instant now) 
     seen = PictureCondition::white_out;
   else if (last_ && last_->fingerprint == sample.fingerprint)
     seen = PictureCondition::frozen;
-  // Frozen since the picture was last seen to differ, which is one look ago.
-  if (seen != seen_ || seen == PictureCondition::normal) since_ = seen == PictureCondition::frozen ? looked_at_ : now;
+  // Frozen since the previous sample, when the picture last differed.
+  if (seen != seen_ || seen == PictureCondition::normal) since_ = seen == PictureCondition::frozen ? sampled_at_ : now;
   seen_ = seen;
   last_ = sample;
-  looked_at_ = now;
+  sampled_at_ = now;
   return now - since_ >= deadline_ ? seen : PictureCondition::normal;
 }
 

@@ -1,5 +1,4 @@
-// Whether what a camera delivers is a picture at all: not frozen, not covered, not saturated. A few thousand samples of
-// it tell.
+// Detects frozen, covered and saturated camera pictures from a few thousand samples.
 #pragma once
 
 #include <cstdint>
@@ -15,29 +14,30 @@ namespace kasumi {
 enum class PictureCondition { normal, frozen, covered, white_out };
 std::string_view name_of(PictureCondition condition);
 
-// What one look at a picture finds.
+// What is measured in one picture.
 struct PictureSample {
-  std::uint64_t fingerprint = 0;  // of every bit of 64 of its rows
-  int brightest = 0;              // 0..255, the brightest and ..
-  int dim = 0;                    // .. the twentieth part from below of 32 x 24 places, each the mean of 16 samples
+  std::uint64_t fingerprint = 0;  // hash of 64 of its rows
+  int brightest = 0;              // 0..255, maximum and ..
+  int dim = 0;                    // .. 5 % quantile of 32 x 24 cells, each the mean of 16 samples
 };
 PictureSample sample_picture(const PictureView& picture);
 
-// Follows the looks. A camera's picture always has noise, so bit for bit the same means that no picture comes; darkness
-// and saturation are judged by means, in which noise does not count. Black with lamps in it is a night, not a cover;
-// without any nobody can tell.
+// Follows the samples over time. A camera's picture always has noise, so identical bits mean that it is frozen.
+// Darkness and saturation are judged by means, to be independent of noise. Black with lamps in it is night, not a
+// cover; without lamps the two cannot be told apart.
 class ConditionWatch {
  public:
   explicit ConditionWatch(Duration deadline) : deadline_(deadline) {}
-  PictureCondition look(const PictureSample& sample, Instant now);
-  void reopened();  // what was frozen is not any more; what was covered still is
+  PictureCondition observe(const PictureSample& sample, Instant now);
+  void reopened();  // a frozen picture no longer counts as frozen; a covered one still counts as covered
 
  private:
   Duration deadline_;
   std::optional<PictureSample> last_;
-  PictureCondition seen_ = PictureCondition::normal;  // not yet for long enough to be said
+  PictureCondition seen_ =
+      PictureCondition::normal;  // of the last sample; reported once it has lasted until the deadline
   Instant since_{};
-  Instant looked_at_{};
+  Instant sampled_at_{};
 };
 
 }  // namespace kasumi

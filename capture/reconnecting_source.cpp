@@ -10,9 +10,9 @@ namespace kasumi {
 namespace {
 
 constexpr Duration kPresenceInterval = std::chrono::milliseconds(200);
-constexpr Duration kShortestBackoff = std::chrono::milliseconds(10);  // whatever is asked for, it is a wait
+constexpr Duration kShortestBackoff = std::chrono::milliseconds(10);  // even if the options ask for less
 
-// How long to wait before each try.
+// How long to wait before each attempt.
 class Backoff {
  public:
   explicit Backoff(const ReconnectOptions& options)
@@ -26,11 +26,11 @@ class Backoff {
     const double unit = static_cast<double>(random_() >> 11) * 0x1p-53;  // 0 .. 1
     return from_seconds(to_seconds(nominal_) * (1.0 + jitter_ * (2.0 * unit - 1.0)));
   }
-  // A camera that stayed up for less is waited for longer each time.
+  // The backoff keeps growing while the camera stays up for less than it waited.
   void was_up(Duration time) {
-    if (time > nominal_) begin_anew();
+    if (time > nominal_) restart();
   }
-  void begin_anew() { nominal_ = Duration::zero(); }
+  void restart() { nominal_ = Duration::zero(); }
 
  private:
   Duration first_, longest_;
@@ -73,8 +73,7 @@ class Reconnecting final : public ReconnectingSource {
         continue;
       }
       if (bad_since_ && last_frame_at_ - *bad_since_ >= options_.bad_frames_deadline)
-        return torn_down("bad frames",
-                         fmt::format("no good frame for {:.1f} s", to_seconds(last_frame_at_ - *bad_since_)));
+        return close("bad frames", fmt::format("no good frame for {:.1f} s", to_seconds(last_frame_at_ - *bad_since_)));
       const auto watched_until =
           last_frame_at_ + (frames_came_ ? options_.stall_deadline : options_.first_frame_deadline);
       auto frame = source_->next(std::min(deadline, watched_until));
@@ -84,24 +83,24 @@ class Reconnecting final : public ReconnectingSource {
       }
       switch (frame.error().kind) {
         case FaultKind::end_of_stream: return frame;
-        case FaultKind::disconnected: return torn_down("unplugged", "unplugged");
+        case FaultKind::disconnected: return close("unplugged", "unplugged");
         case FaultKind::timeout: break;
-        default: return torn_down("fatal", frame.error().message);
+        default: return close("fatal", frame.error().message);
       }
       if (clock_.now() < watched_until) return fail(FaultKind::timeout, "{}: no frame", opener_.name);
       if (frames_came_)
-        return torn_down("stall", fmt::format("stalled: no frame for {:.1f} s", to_seconds(options_.stall_deadline)));
-      return torn_down("first frame",
-                       fmt::format("first frame: none for {:.1f} s", to_seconds(options_.first_frame_deadline)));
+        return close("stall", fmt::format("stalled: no frame for {:.1f} s", to_seconds(options_.stall_deadline)));
+      return close("first frame",
+                   fmt::format("first frame: none for {:.1f} s", to_seconds(options_.first_frame_deadline)));
     }
   }
 
  private:
-  // Comes back without a source only with something to tell: timeout, or disconnected when the first try fails.
+  // Returns without a source only with a fault: timeout, or disconnected when the first attempt fails.
   Result<> wait_and_open(Instant deadline) {
     while (true) {
       const auto now = clock_.now();
-      if (came_back() || now >= retry_at_) return open();
+      if (reappeared() || now >= retry_at_) return open();
       if (now >= deadline) return fail(FaultKind::timeout, "{}: {}", opener_.name, cause_);
       auto until = std::min(deadline, retry_at_);
       if (opener_.present) until = std::min(until, now + kPresenceInterval);
@@ -110,17 +109,17 @@ class Reconnecting final : public ReconnectingSource {
     }
   }
 
-  bool came_back() {
+  bool reappeared() {
     if (!opener_.present || !down_since_) return false;
     const bool was_present = std::exchange(present_, opener_.present());
     if (was_present || !present_) return false;
-    backoff_.begin_anew();
+    backoff_.restart();
     return true;
   }
 
   Result<> open() {
     auto opened = opener_.open();
-    const auto now = clock_.now();  // opening a camera takes its time
+    const auto now = clock_.now();  // opening a camera takes a while
     if (!opened) {
       const bool first = !down_since_;
       down(opened.error().kind == FaultKind::disconnected ? "unplugged" : opened.error().message);
@@ -134,17 +133,17 @@ class Reconnecting final : public ReconnectingSource {
     bad_since_.reset();
     last_sequence_.reset();
     last_captured_at_.reset();
-    looked_at_.reset();
+    sampled_at_.reset();
     up_since_.reset();
     watch_.reopened();
     const std::lock_guard lock(mutex_);
     ++health_.opened;
-    if (!torn_by_.empty()) ++health_.reopened[std::exchange(torn_by_, {})];
+    if (!closed_by_.empty()) ++health_.reopened[std::exchange(closed_by_, {})];
     update_camera();
     return {};
   }
 
-  tl::unexpected<Fault> torn_down(std::string torn_by, std::string cause) {
+  tl::unexpected<Fault> close(std::string closed_by, std::string cause) {
     if (up_since_) backoff_.was_up(accepted_at_.value_or(Instant{}) - *up_since_);
     {
       const std::lock_guard lock(mutex_);
@@ -153,7 +152,7 @@ class Reconnecting final : public ReconnectingSource {
     }
     camera_ = nullptr;
     source_.reset();
-    torn_by_ = std::move(torn_by);
+    closed_by_ = std::move(closed_by);
     down(std::move(cause));
     return fail(FaultKind::disconnected, "{}: {}", opener_.name, cause_);
   }
@@ -172,7 +171,7 @@ class Reconnecting final : public ReconnectingSource {
     health_.down_since = down_since_;
   }
 
-  // The reader asks for another frame and has not rejected the last one.
+  // By asking for another frame the reader accepts the last one.
   void accept() {
     if (!undecided_) return;
     accepted_at_ = *undecided_;
@@ -186,13 +185,13 @@ class Reconnecting final : public ReconnectingSource {
     const bool good = metadata.status == FrameStatus::good;
     last_frame_at_ = now;
     frames_came_ = true;
-    const bool look = good && (!looked_at_ || now - *looked_at_ >= options_.condition_interval);
-    const auto condition = look ? condition_of(frame, now) : std::nullopt;
+    const bool sample = good && (!sampled_at_ || now - *sampled_at_ >= options_.condition_interval);
+    const auto condition = sample ? condition_of(frame, now) : std::nullopt;
 
     const std::lock_guard lock(mutex_);
     count_order(metadata);
     if (condition) health_.condition = *condition;
-    if (look) update_camera();
+    if (sample) update_camera();
     if (!good) {
       ++health_.bad_frames[std::string(name_of(metadata.status))];
       if (!bad_since_) bad_since_ = now;
@@ -210,19 +209,19 @@ class Reconnecting final : public ReconnectingSource {
     health_.down_since.reset();
   }
 
-  // Empty: not to be decoded, which the reader will find as well.
+  // Empty: the frame cannot be decoded, which the reader will find too.
   std::optional<PictureCondition> condition_of(const Frame& frame, Instant now) {
-    looked_at_ = now;
+    sampled_at_ = now;
     const auto picture = decode(frame, YuvEncoding::bt601_full);
     if (!picture) return std::nullopt;
-    return watch_.look(sample_picture(picture->view()), now);
+    return watch_.observe(sample_picture(picture->view()), now);
   }
 
   void count_order(const FrameMetadata& metadata) {
     if (last_captured_at_ && metadata.captured_at < *last_captured_at_) ++health_.backwards;
     last_captured_at_ = metadata.captured_at;
     health_.skipped += metadata.skipped;
-    // Counts modulo 2^32, so that a counter that wraps is none that jumps; one that starts anew tells nothing.
+    // Counts modulo 2^32, so that a wrapping counter shows no gap. A counter that restarts is not counted as a gap.
     const std::uint32_t step = last_sequence_ ? metadata.sequence - *last_sequence_ : 1;
     if (step >= 2 && step < 1u << 31) health_.sequence_gaps += step - 1 - std::min(step - 1, metadata.skipped);
     last_sequence_ = metadata.sequence;
@@ -250,26 +249,26 @@ class Reconnecting final : public ReconnectingSource {
   ConditionWatch watch_;
 
   std::unique_ptr<FrameSource> source_;
-  const CameraSource* camera_ = nullptr;  // the same, when it is one
-  std::uint64_t copied_before_ = 0;       // by sources that are torn down
-  Instant last_frame_at_{};               // good or bad; before the first one: when it was opened
+  const CameraSource* camera_ = nullptr;  // source_, if it is a CameraSource
+  std::uint64_t copied_before_ = 0;       // by earlier sources
+  Instant last_frame_at_{};               // good or bad; before the first frame: when the source was opened
   bool frames_came_ = false;
-  std::optional<Instant> undecided_;    // the last frame, a good one, came then; the reader may still reject it
-  std::optional<Instant> accepted_at_;  // the last good frame before came
+  std::optional<Instant> undecided_;    // arrival of the last frame if it was good; the reader may still reject it
+  std::optional<Instant> accepted_at_;  // arrival of the good frame before it
   std::optional<Instant> bad_since_;
   std::optional<Instant> up_since_;
-  std::optional<Instant> looked_at_;
+  std::optional<Instant> sampled_at_;
   std::optional<std::uint32_t> last_sequence_;
   std::optional<Instant> last_captured_at_;
 
   Instant retry_at_ = Instant::min();
   std::optional<Instant> down_since_;
   std::string cause_;
-  std::string torn_by_;
+  std::string closed_by_;
   bool present_ = false;
 
   mutable std::mutex mutex_;
-  CameraHealth health_;  // read by others
+  CameraHealth health_;  // also read by other threads
 };
 
 }  // namespace

@@ -4,7 +4,7 @@ namespace kasumi {
 
 namespace {
 
-// A source that outlives its openings, and the frame that was met when it was asked whether it is there.
+// A source that outlives its openings, and the frame that was read when checking whether it is present.
 struct Lasting {
   std::unique_ptr<FrameSource> source;
   std::optional<Frame> waiting;

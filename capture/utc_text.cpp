@@ -6,7 +6,7 @@ namespace kasumi {
 
 namespace {
 
-// A fixed number of digits at a fixed place.
+// Reads a fixed number of digits at a fixed position.
 std::optional<unsigned> digits(std::string_view text, std::size_t at, std::size_t count) {
   if (text.size() < at + count) return std::nullopt;
   unsigned value = 0;

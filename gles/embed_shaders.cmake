@@ -1,6 +1,6 @@
-# cmake -DOUT=shader_texts.cpp -DSHADERS="a.vert;b.frag;c.glsl" -P embed_shaders.cmake: each stage (*.vert, *.frag) as a C++
-# string, so that the program finds it wherever it runs. A line `#include "c.glsl"` is replaced by that file of the list, whatever
-# its folder; guards see to it that a text reaches the compiler once, however often it is named.
+# cmake -DOUT=shader_texts.cpp -DSHADERS="a.vert;b.frag;c.glsl" -P embed_shaders.cmake: embeds each stage (*.vert,
+# *.frag) as a C++ string. A line `#include "c.glsl"` is replaced by that file of the list, whatever its folder; guards
+# let each file reach the compiler only once.
 cmake_minimum_required(VERSION 3.25)
 
 foreach(shader ${SHADERS})
@@ -11,7 +11,7 @@ foreach(shader ${SHADERS})
   set("path_of_${name}" ${shader})
 endforeach()
 
-# The text of the shader `name` with its includes in place; `within`: the files that are being included.
+# The source of the shader `name` with its includes resolved; `within`: the files being included.
 function(resolve out name within)
   if(NOT DEFINED "path_of_${name}")
     message(FATAL_ERROR "${within} includes ${name}, which is no shader")

@@ -1,5 +1,5 @@
-// What the renderer is given and what it answers: plain numbers, no camera and no solver behind them. Light is linear,
-// in any unit common to all fields of one struct.
+// The renderer's inputs and results as plain numbers, independent of cameras and solvers. Light is linear, in any unit
+// common to all fields of one struct.
 #pragma once
 
 #include <array>
@@ -22,15 +22,15 @@ class ImageDevice;
 struct GlInfo;
 
 struct RendererOptions {
-  bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) although the driver has half floats
-  bool force_encoded_textures = false;  // decode sRGB after filtering although the driver has sRGB textures
-  bool force_packed_shadows = false;    // depth of the sun's maps in bytes although the driver has depth textures
-  bool force_smooth_shadows = false;    // their slopes by normals although the driver tells those of faces
-  bool import_on_software = false;      // software GL maps what it imports and may crash on it: it is not asked to
+  bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) even if the driver has half floats
+  bool force_encoded_textures = false;  // decode sRGB after filtering even if the driver has sRGB textures
+  bool force_packed_shadows = false;    // shadow map depth in bytes even if the driver has depth textures
+  bool force_smooth_shadows = false;    // shadow slopes from normals even if the driver has face derivatives
+  bool import_on_software = false;      // also import with software GL, which may crash on mapping the memory
   std::function<Result<std::unique_ptr<ImageDevice>>(const GlInfo&)> image_device{};  // instead of EGL's, for tests
 };
 
-// Where the scene camera stands and what its lens does. Pixel coordinates: the centre of the top left pixel is (0, 0).
+// The scene camera's position and lens. Pixel coordinates: the centre of the top left pixel is (0, 0).
 struct SceneView {
   int width = 0;
   int height = 0;
@@ -45,9 +45,10 @@ struct SceneView {
 
 // Attenuation by two Gauss nodes per channel (physics 4):
 //   Gamma_c = sum over k of weight[k][c] exp(-rayleigh_per_m[k][c] s_R - mie_per_m[k][c] s_M)
-// where s_R and s_M are the path's lengths weighted by density (scale heights below, altitudes above sea level, exact
-// for slanted paths).
-// Fog adds its own depth, fog_per_m times its length weighted by exp(-(altitude - base) / scale height), to every node.
+// where s_R and s_M are the path's lengths weighted by density (scale heights below, altitudes above sea level), exact
+// for slanted paths.
+// Fog adds its own optical depth to every node: fog_per_m times the length weighted by exp(-(altitude - base) / scale
+// height).
 constexpr int kHazeNodes = 2;
 struct Haze {
   std::array<glm::dvec3, kHazeNodes> weight{};
@@ -61,7 +62,7 @@ struct Haze {
   double fog_scale_height_m = 30.0;
 };
 
-// Light that falls on the object, in the scene camera's channels.
+// The light on the object, in the scene camera's channels.
 struct ObjectLight {
   glm::dvec3 sun_direction{0, 0, 1};   // towards the sun, world frame
   glm::dvec3 sun_irradiance{0};        // on a surface facing the sun
@@ -70,8 +71,8 @@ struct ObjectLight {
   LightAround around;                  // radiance of sky and ground, without the sun's disc
 };
 
-// Light from infinity over the object's part of the picture, on a grid, bilinear between its points and held beyond its
-// edges.
+// Light from infinity over the object's part of the picture, on a grid; bilinear between its points and clamped beyond
+// its edges.
 struct AirlightGrid {
   static constexpr int kColumns = 8;
   static constexpr int kRows = 3;
@@ -80,20 +81,20 @@ struct AirlightGrid {
   std::array<glm::dvec3, kColumns * kRows> light{};
 };
 
-// How the object looks before the camera's exposure enters.
+// The object's appearance before the camera's exposure.
 struct ObjectAppearance {
   Haze haze;
   ObjectLight light;
   AirlightGrid horizon;            // the sky model's light from infinity, in the unit of `light`; > 0
-  bool aerial_perspective = true;  // false: as if there were no air between, the "before" picture
-  bool shadows = false;            // the sun's, of the object on itself and on the model's ground
+  bool aerial_perspective = true;  // false: without air in between, for the "before" picture
+  bool shadows = false;            // the object's sun shadow on itself and on the model's ground
 };
 
-// What the camera's optics and its delivery do to fine detail: the object is drawn no finer.
+// How the camera's optics and pixel format limit detail; applied to the object too.
 struct ObjectDetail {
   double point_spread_px = 0.0;  // standard deviation of a Gaussian, pixels of the camera's picture; 0: none
-  int chroma_columns = 1;  // pixels that share one colour difference, counted from the picture's corner: 2 x 2 for
-  int chroma_rows = 1;     // 4:2:0, 2 x 1 for 4:2:2
+  int chroma_columns = 1;        // pixels per chroma sample, from the picture's corner: 2 x 2 for
+  int chroma_rows = 1;           // 4:2:0, 2 x 1 for 4:2:2
   friend bool operator==(const ObjectDetail&, const ObjectDetail&) = default;
 };
 constexpr double kWidestPointSpread_px = 3.0;
@@ -102,12 +103,12 @@ constexpr double kWidestPointSpread_px = 3.0;
 struct SensorNoise {
   glm::dvec3 shot{0.0};
   glm::dvec3 read{0.0};
-  std::uint32_t pattern = 0;  // of one frame: another number, other noise; the same number, the same
+  std::uint32_t pattern = 0;  // selects a frame's noise: the same number gives the same noise
   bool none() const { return shot == glm::dvec3{0.0} && read == glm::dvec3{0.0}; }
 };
 
 // Encoded value (0..1) to linear light (0..1), strictly increasing, evenly spaced, per channel; at least 2 entries. The
-// display shows the camera's own encoding, so that pixels without object pass unchanged.
+// display shows the camera's own encoding, so pixels without the object pass unchanged.
 struct ResponseCurve {
   enum class Kind { linear, srgb, table } kind = Kind::srgb;
   std::array<std::vector<double>, 3> light;
@@ -125,10 +126,10 @@ struct PixelBox {
 
 enum class HazeDetail { per_vertex, per_fragment };  // where attenuation is computed
 
-// How the camera's pictures came to the GPU.
+// How many camera pictures reached the GPU in which way.
 struct FrameCounts {
   std::uint64_t uploaded = 0;  // copied, once each
-  std::uint64_t imported = 0;  // not copied at all
+  std::uint64_t imported = 0;  // not copied
 };
 
 }  // namespace kasumi

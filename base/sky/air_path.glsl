@@ -1,7 +1,7 @@
-// How much light passes a straight path between any two altitudes up to 100 km: the corrected form of U's
-// transparency integral (U Eq 3.2-3.4 give negative depths; docs/sky.md). For paths that do not dip below their lower end
-// by more than a scale height: sights of 200 km, not tangents through the shell. GLSL ES 1.00 and C++ (base/sky/sky_text.hpp)
-// alike.
+// How much light passes a straight path between any two altitudes up to 100 km: the corrected form of U's transparency
+// integral (U Eq 3.2-3.4 give negative depths; docs/sky.md). Valid for paths that dip below their lower end by less
+// than a scale height: lines of sight of 200 km, but not tangents through the atmosphere. Compiles as GLSL ES 1.00 and
+// as C++ (base/sky/sky_text.hpp).
 
 // AirCoefficients of base/sky/dome_function.hpp: a sum over two wavelengths for each of linear red, green and blue.
 struct PathAir {
@@ -17,19 +17,19 @@ const real kEarthRadius_m = 6371000.0;  // base/earth.hpp's
 const real kAirHeight_m = 8000.0;
 const real kAerosolHeight_m = 1200.0;
 
-// US standard atmosphere 1976: a troposphere of constant lapse rate, above it one temperature. The real pressure is 6 %
-// lower at 30 km, where 1 % of the air is left.
+// US standard atmosphere 1976: a troposphere of constant lapse rate, above it a constant temperature. The real pressure
+// is 6 % lower at 30 km, where 1 % of the air is left.
 const real kTropopause_m = 11000.0;
-const real kTemperatureOverLapse_m = 44330.77;  // of sea level: where the troposphere's temperature would reach 0 K
+const real kTemperatureOverLapse_m = 44330.77;  // height at which the lapse rate would reach 0 K
 const real kPressureExponent = 5.25588;
 const real kStratosphereHeight_m = 6341.62;  // scale height
-const real kAirColumn_m = 8434.5;  // pressure of sea level over its density times g: its air piled up without thinning
+const real kAirColumn_m = 8434.5;  // sea-level pressure / (density * g): height of the air column at constant density
 
-// Green's profile of ozone: the layer's middle, and how steeply it ends.
+// Green's ozone profile: height of the layer's middle, and its scale.
 const real kOzoneMiddle_m = 22500.0;
 const real kOzoneWidth_m = 4700.0;
 
-// What stands above an altitude, straight up: metres of sea-level air, metres of sea-level haze, share of the ozone layer.
+// Vertical columns above an altitude: metres of sea-level air, metres of sea-level haze, share of the ozone layer.
 FUNCTION vec3 air_above(real altitude_m) {
   real pressure = pow(1.0 - min(altitude_m, kTropopause_m) / kTemperatureOverLapse_m, kPressureExponent) *
                   exp(-max(altitude_m - kTropopause_m, 0.0) / kStratosphereHeight_m);
@@ -37,10 +37,10 @@ FUNCTION vec3 air_above(real altitude_m) {
   return vec3(kAirColumn_m * pressure, kAerosolHeight_m * exp(-altitude_m / kAerosolHeight_m), ozone);
 }
 
-// The same along a path of a length >= |difference of the altitudes|: s (N(h0) - N(h1)) / (h1 - h0), N = air_above, exact
-// over a flat Earth. The ends are kept 50 m apart, which leaves no 0 / 0 and costs 1e-4 at most. A round Earth lets the
-// path sag below the line between its ends' altitudes, by up to s^2 / 8R in its middle: each column grows by
-// exp(s^2 / (2 R H) / sqrt(36 + ((h1 - h0) / H)^2)), H its scale height.
+// The same along a path of a length >= |difference of the altitudes|: s (N(h0) - N(h1)) / (h1 - h0), N = air_above,
+// exact over a flat Earth. The ends are kept 50 m apart, which leaves no 0 / 0 and costs 1e-4 at most. On a round Earth
+// the path's altitude sags below the straight line between its ends', by up to s^2 / 8R in the middle: each column
+// grows by exp(s^2 / (2 R H) / sqrt(36 + ((h1 - h0) / H)^2)), H its scale height.
 const real kClosestEnds_m = 50.0;
 const real kSagOfLevelPath = 36.0;
 const real kLargestSag = 4.0;  // of the exponent
@@ -67,7 +67,7 @@ FUNCTION vec3 path_transparency(PathAir air, real altitude_0_m, real altitude_1_
   return transparency_of(air, air_along(altitude_0_m, altitude_1_m, length_m));
 }
 
-// All the air above an altitude, at a slant: to 3 % of Chapman's function.
+// All the air above an altitude along a slanted ray: within 3 % of Chapman's function.
 const vec2 kSlantOfLevelRay = vec2(0.0032, 0.00048);  // 8 H / (pi R) of air and of haze
 FUNCTION vec3 transparency_to_space(PathAir air, vec3 above, real cos_zenith) {
   real c = max(cos_zenith, 0.0);
@@ -75,7 +75,7 @@ FUNCTION vec3 transparency_to_space(PathAir air, vec3 above, real cos_zenith) {
   return transparency_of(air, above * vec3(slant, slant.x));
 }
 
-// Of the light that is lost on a path, what haze takes.
+// The share of the light lost on a path that is lost to haze.
 FUNCTION vec3 share_of_haze(PathAir air, vec3 path) {
   vec3 haze = vec3(0.0);
   vec3 all = vec3(1e-9);

@@ -1,5 +1,5 @@
-// The sky as a function of direction (base/sky/dome_function.hpp), what stands before it, and the sun. GLSL ES 1.00 and C++
-// (base/sky/sky_text.hpp) alike. Light is linear sRGB, cd/m2.
+// The sky as a function of direction (base/sky/dome_function.hpp), what lies in front of it, and the sun. Compiles as
+// GLSL ES 1.00 and as C++ (base/sky/sky_text.hpp). Light is linear sRGB, cd/m2.
 
 const int kAngles = 6;  // kDomeAngles and kDomePowers of base/sky/dome_function.hpp
 const int kPowers = 7;
@@ -10,13 +10,14 @@ struct DomeSky {
   vec3 coefficients[kAngles * kPowers];
 };
 
-// Henyey and Greenstein's lobe, 1 towards the sun.
+// Henyey-Greenstein lobe, normalised to 1 towards the sun.
 FUNCTION real dome_lobe(real asymmetry, real cos_sun) {
   real part = (1.0 - asymmetry) * (1.0 - asymmetry) / (1.0 + asymmetry * asymmetry - 2.0 * asymmetry * cos_sun);
   return part * sqrt(max(part, 0.0));
 }
 
-// cos_zenith may belong to another direction than cos_sun: see through_air. A colour outside sRGB has a negative part.
+// cos_zenith and cos_sun may belong to different directions: see through_air. Colours outside sRGB have a negative
+// channel.
 FUNCTION vec3 dome_sky_light(DomeSky sky, real cos_zenith, real cos_sun) {
   real above = max(0.0, (cos_zenith - sky.horizon_sine) / (1.0 - sky.horizon_sine));
   real u = 1.0 / (1.0 + sky.steepness * above);
@@ -31,27 +32,27 @@ FUNCTION vec3 dome_sky_light(DomeSky sky, real cos_zenith, real cos_sun) {
   return sum;
 }
 
-// The sun's disc: off is the angle from its middle in its radii. The limb darkens as 1 - d (1 - cos), d from Neckel and
+// The sun's disc: off is the angle from its middle in solar radii. Limb darkening is 1 - d (1 - cos), d from Neckel and
 // Labs 1994 at the channels' wavelengths; the mean is kept.
 FUNCTION vec3 sun_disc_light(vec3 mean_luminance, real off) {
   vec3 darkening = vec3(0.52, 0.60, 0.74);
   real cosine = sqrt(max(1.0 - off * off, 0.0));
   return mean_luminance * (vec3(1.0) - darkening * (1.0 - cosine)) / (vec3(1.0) - darkening / 3.0);
 }
-// How much of a pixel it covers; blur: half the pixel's width in the disc's radii. Colours are mixed as they are shown: of
-// light, a thousandth of the disc would outshine the sky, and its edge be a staircase.
+// The share of a pixel that the disc covers; blur: half the pixel's width in solar radii. Encoded colours are mixed,
+// not light: in linear light a thousandth of the disc would outshine the sky and its edge would be aliased.
 FUNCTION real sun_coverage(real off, real blur) { return 1.0 - clamp((off - 1.0) / (2.0 * blur) + 0.5, 0.0, 1.0); }
 
 const real kInversePi = 0.31830989;
-const real kAlbedoAround = 0.2;  // of the ground that upright land looks at
+const real kAlbedoAround = 0.2;  // of the ground that lights upright land
 
-// Matt land under sun and sky: sun, on a plane facing it, and the sky's light on level ground, both in lux.
+// Diffuse land under sun and sky. sun: illuminance on a plane facing it; sky: illuminance on level ground; both in lux.
 FUNCTION vec3 land_light(vec3 albedo, real cos_sun_to_normal, real normal_up, vec3 sun, vec3 sky) {
   vec3 ground_around = kAlbedoAround * 0.5 * (1.0 - normal_up) * (sky + 0.5 * sun);
   return albedo * (max(cos_sun_to_normal, 0.0) * sun + 0.5 * (1.0 + normal_up) * sky + ground_around) * kInversePi;
 }
 
-// How far an altitude has gone from the lower to the higher of two whose skies are known: as the air thins.
+// Interpolation weight of an altitude between the two whose skies are known, following the air's density.
 FUNCTION real way_between_altitudes(real altitude_m, real lower_m, real higher_m) {
   const real thin_m = 3000.0;  // between that of haze and that of air
   real from = exp(-lower_m / thin_m);
@@ -59,7 +60,7 @@ FUNCTION real way_between_altitudes(real altitude_m, real lower_m, real higher_m
   return clamp((from - exp(-altitude_m / thin_m)) / max(from - to, 1e-6), 0.0, 1.0);
 }
 
-// What a path through the air adds, from the skies of a lower and a higher altitude between which it lies.
+// The light that a path through the air adds, from the skies of a lower and a higher altitude that bracket it.
 struct AirBetween {
   DomeSky lower;
   DomeSky higher;
@@ -71,8 +72,8 @@ struct AirBetween {
   vec3 below_higher;
 };
 
-// By how much the ground below is brighter than the sky above; both away from the sun, whose surroundings are seen under
-// the same angle from either side.
+// Brightness of the ground below minus that of the sky above, both away from the sun, where the angle to the sun is the
+// same for either.
 FUNCTION vec3 light_from_below(DomeSky sky, vec3 ground, real cos_sun_zenith) {
   const real up = 0.70710678;  // at 45 deg
   real across = up * sqrt(max(1.0 - cos_sun_zenith * cos_sun_zenith, 0.0));
@@ -81,16 +82,16 @@ FUNCTION vec3 light_from_below(DomeSky sky, vec3 ground, real cos_sun_zenith) {
   return ground - 0.5 * (beside + opposite);
 }
 
-// A view downwards may make an angle to the sun that none above the horizon makes at the same zenith angle: the nearest
-// that one makes.
+// A view downwards may have an angle to the sun that no view above the horizon has at the mirrored zenith angle; takes
+// the nearest possible one.
 FUNCTION real held_cos_sun(real cos_zenith, real cos_sun, real cos_sun_zenith) {
   real across = sqrt(max((1.0 - cos_zenith * cos_zenith) * (1.0 - cos_sun_zenith * cos_sun_zenith), 0.0));
   real middle = cos_zenith * cos_sun_zenith;
   return clamp(cos_sun, middle - across, middle + across);
 }
 
-// The reference atmosphere's haze scatters .88 in a lobe forwards and .12 in one backwards. The lobes are 1 towards the
-// sun: their heights there are those shares times (1 + g) / (1 - g)^2, g the asymmetry.
+// The reference atmosphere's haze scatters .88 in a forward lobe and .12 in a backward one. Because lobes are
+// normalised to 1 towards the sun, each is multiplied by its share times (1 + g) / (1 - g)^2, with g the asymmetry.
 const real kHazeAlbedo = 0.93;
 const real kForwards = 0.8;
 const real kForwardsHeight = 39.6;
@@ -98,15 +99,16 @@ const real kBackwards = -0.45;
 const real kBackwardsHeight = 0.0314;
 const real kInverseFourPi = 0.0795775;
 
-// Scattered once towards the eye per steradian, of the sun's light that is lost: by molecules (Rayleigh) and by haze.
+// The share per steradian of the sunlight lost on the path that is singly scattered towards the eye: by molecules
+// (Rayleigh) and by haze.
 FUNCTION vec2 scattered_once(real cos_sun) {
   real haze = kForwardsHeight * dome_lobe(kForwards, cos_sun) + kBackwardsHeight * dome_lobe(kBackwards, cos_sun);
   return kInverseFourPi * vec2(0.75 * (1.0 + cos_sun * cos_sun), kHazeAlbedo * haze);
 }
 
-// What a sky owes to how much air shines and how much sunlight gets there: between altitudes, skies are interpolated over
-// this, for they themselves rise and fall.
-const real kLitByAir = 0.3;  // over what the sun itself can light: air where no sunlight gets is lit by air where it does
+// How much a sky's light depends on the amount of air and on the sunlight reaching it. Skies are interpolated between
+// altitudes after division by this, since they do not change monotonically themselves.
+const real kLitByAir = 0.3;  // added to direct sunlight: air in shadow is lit by sunlit air
 const real kLeastAir = 1e-4;
 FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_sun_zenith) {
   vec3 above = air_above(altitude_m);
@@ -114,24 +116,24 @@ FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_su
          (vec3(kLitByAir) + transparency_to_space(air, above, cos_sun_zenith));
 }
 
-// Of light even over half a sphere, what haze scatters on less what it scatters back, by the path's slope: fitted as
-// slope / sqrt(level + steep slope^2).
+// For light uniform over a hemisphere: what haze scatters forward minus what it scatters back, by the path's slope;
+// fitted as slope / sqrt(level + steep slope^2).
 const real kOnwardsLevel = 0.15;
 const real kOnwardsSteep = 1.79;
 
-// Report Eq 3.1 put right, its three cases in one line. Of a slice of the air between two altitudes, seen from its lower
-// side, the light is the sky there less what of the sky above comes through it: exact, whatever the air. The path's slices
-// are added up from the observer on.
-//   sky:                       no object, one slice without an end
-//   object with sky behind:    the slices' skies cancel but for the first and the last
-//   object with ground behind: the zenith angle mirrored, and two differences made good: the sun's light scattered once
-//                              under the true angle, and haze, which mostly scatters onwards, lit from below
+// Report Eq 3.1, corrected, with its three cases in one formula. Seen from below, a layer of air between two altitudes
+// contributes the sky at its lower side minus the part of the sky above that passes through it; this is exact for any
+// air. The path's layers are summed from the observer outwards.
+//   sky:                       no object, one layer without an end
+//   object with sky behind:    the layers' skies cancel except for the first and the last
+//   object with ground behind: the zenith angle mirrored, with two corrections: sunlight scattered once
+//                              at the true angle, and haze, which scatters mostly forward, lit from below
 FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, real object_m, real length_m, real cos_sun,
                                  real cos_sun_zenith) {
   real low = min(observer_m, object_m);
   real high = max(observer_m, object_m);
   real s = max(length_m, 1.0);
-  // Zenith angles at both ends on a round Earth.
+  // Zenith angles at both ends of the path on a round Earth.
   real rise = min((high - low) / s, 1.0);
   real bend = s / (2.0 * kEarthRadius_m);
   real cos_low = clamp(rise - bend, -1.0, 1.0);

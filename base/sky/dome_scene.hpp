@@ -1,5 +1,5 @@
-// A picture of the sky and of land under it: what is looked at, and how each of its colours comes about. The GPU draws
-// the same from the same texts (gles/air/dome_renderer.hpp).
+// A picture of the sky and of land under it: its view, and how each of its colours is computed. The GPU draws the same
+// picture from the same shader sources (gles/air/dome_renderer.hpp).
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ enum class SkyProjection { perspective, fisheye, equirectangular };
 std::string_view name_of(SkyProjection projection);
 std::optional<SkyProjection> sky_projection_named(std::string_view name);
 
-// Its axis meets the picture's middle. fisheye: equidistant; shows what lies within a quarter turn of the axis.
+// The axis points at the picture's middle. fisheye: equidistant, out to 90 deg from the axis.
 struct SkyView {
   SkyProjection projection = SkyProjection::perspective;
   int width = 0;
@@ -28,12 +28,12 @@ struct SkyView {
   glm::dmat3 camera_to_world{1.0};
 };
 Direction direction_of(const SkyView& view, const glm::dvec2& pixel);
-// How much of a pixel lies inside a fisheye's circle; 1 for the others.
+// The share of a pixel inside a fisheye's image circle; 1 for other projections.
 double seen_share(const SkyView& view, const glm::dvec2& pixel);
-// Where a direction is seen; none behind a perspective camera.
+// Where a direction appears in the picture; empty behind a perspective camera.
 std::optional<glm::dvec2> pixel_of(const SkyView& view, const Direction& direction);
 
-// dome: ours. The others to compare it with.
+// dome: Kasumi's own model. The others are for comparison.
 enum class SkyKind { dome, preetham1999, hoffman_preetham2002, nielsen2003 };
 std::string_view name_of(SkyKind kind);  // "preetham1999"
 std::optional<SkyKind> sky_kind_named(std::string_view name);
@@ -51,8 +51,8 @@ struct SkyScene {
   Direction sun{0.0, 0.0, 1.0};
   double exposure = 1e-4;         // per cd/m2
   glm::dvec3 sun_luminance{0.0};  // the disc's mean; none is drawn when it is 0
-  DomeFunction sky;               // from the observer; for SkyKind::dome
-  DomeFunction lower, higher;     // of the altitudes between which land and observer lie
+  DomeFunction sky;               // at the observer's altitude; for SkyKind::dome
+  DomeFunction lower, higher;     // at the two altitudes that bracket land and observer
   double lower_m = 0.0, higher_m = 1.0;
   AirCoefficients air;
   LandLight land_lower, land_higher;  // at these altitudes
@@ -61,12 +61,12 @@ struct SkyScene {
   sky_text::OlderAir older{};  // for the others
 };
 
-// The texts' own structures.
+// The shader sources' own structures.
 sky_text::DomeSky text_of(const DomeFunction& sky);
 sky_text::PathAir text_of(const AirCoefficients& air);
 sky_text::AirBetween air_between(const SkyScene& scene);
 
-// The same scene, ready for many directions.
+// The same scene, prepared for evaluating many directions.
 class SkyPainter {
  public:
   explicit SkyPainter(const SkyScene& scene);
@@ -74,10 +74,10 @@ class SkyPainter {
   // pixel_rad: a pixel's width there, for the edge of the disc.
   glm::dvec3 sky_and_sun(const Direction& view, double pixel_rad) const;
   glm::dvec3 shown_sky_and_sun(const Direction& view, double pixel_rad) const;  // encoded sRGB, 0 .. 1
-  // Matt land at a place (metres; x east, y north, z up from the sea below the observer) as the observer sees it.
+  // Diffuse land at a place (metres; x east, y north, z up from sea level below the observer) as the observer sees it.
   glm::dvec3 land(const glm::dvec3& place, double land_altitude_m, const glm::dvec3& normal,
                   const glm::dvec3& albedo) const;
-  // An object of known light through the air.
+  // An object of known radiance seen through the air.
   glm::dvec3 through_air(const glm::dvec3& light, const glm::dvec3& place, double object_altitude_m) const;
   // Encoded sRGB, 0 .. 1.
   glm::dvec3 shown(const glm::dvec3& light) const;

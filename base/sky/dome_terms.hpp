@@ -1,5 +1,5 @@
-// The terms of a dome's sum (base/sky/dome_function.hpp) in double precision: what its table was fitted with and what the
-// reference of the shader evaluates.
+// The terms of the dome's sum (base/sky/dome_function.hpp) in double precision: used to fit its table and as the
+// shader's reference.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace kasumi {
 
 constexpr int kDomeTerms = kDomeAngles * kDomePowers;
 
-// In the order of the coefficients. Of the function only horizon_sine, steepness and lobes are read; `height`: sine of
-// the view's elevation, `g`: cosine of its distance from the sun.
+// In the order of the coefficients. Reads only horizon_sine, steepness and lobes of the function. `height`: sine of the
+// view's elevation; `g`: cosine of its angle to the sun.
 inline std::array<double, kDomeTerms> dome_terms(const DomeFunction& sky, double height, double g) {
   const double h = sky.horizon_sine, m = std::max(0.0, (height - h) / (1.0 - h));
   const double u = 1.0 / (1.0 + double{sky.steepness} * m);

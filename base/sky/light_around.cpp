@@ -34,11 +34,12 @@ const std::vector<MapTexel>& map_texels() {
   static const std::vector<MapTexel> made = [] {
     constexpr int kLast = LightAround::kSize - 1;
     std::vector<MapTexel> list;
-    const auto share = [](int at) { return at == 0 || at == kLast ? 0.5 : 1.0; };  // of it within the picture
+    const auto share = [](int at) { return at == 0 || at == kLast ? 0.5 : 1.0; };  // the share of it within the picture
     for (int y = 0; y <= kLast; ++y)
       for (int x = 0; x <= kLast; ++x) {
         const Direction d = direction_on_map(LightAround::place_of(x, y));
-        // A plane element of the octahedron seen from its middle, at a distance of 1 / (|x| + |y| + |z|).
+        // Solid angle of a surface element of the octahedron seen from its centre, at a distance of 1 / (|x| + |y| +
+        // |z|).
         const double from_middle = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
         list.push_back({d, share(x) * share(y) * 4.0 / (kLast * kLast) * std::pow(from_middle, 3)});
       }
@@ -48,7 +49,7 @@ const std::vector<MapTexel>& map_texels() {
 }
 
 LightAround light_around_of(const std::function<glm::dvec3(const Direction&)>& radiance) {
-  // The clear sky changes fastest where it meets the ground.
+  // The clear sky changes fastest at the horizon.
   constexpr double kNearHorizon = 0.1, kTexel = 2.0 / (LightAround::kSize - 1);
   LightAround made;
   for (int y = 0; y < LightAround::kSize; ++y)
@@ -73,7 +74,7 @@ glm::dvec3 irradiance(const LightAround& light, const Direction& normal) {
     sum += weight * glm::dvec3(*radiance++);
     weights += weight;
   }
-  return kPi / weights * sum;  // the weights' own integral is pi but for the texels' steps
+  return kPi / weights * sum;  // the weights integrate to pi except for discretisation
 }
 
 }  // namespace kasumi

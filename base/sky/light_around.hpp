@@ -1,7 +1,6 @@
-// Light from all around a place on a small square picture: the sphere unfolded by way of an octahedron (Engelhardt and
-// Dachsbacher 2008). The zenith lies in the middle, the horizon is the square that stands on its corner, the nadir lies
-// in all four corners. The first and last texels of rows and columns lie on the picture's very edge, which is folded
-// onto itself.
+// Radiance from all directions around a place as an octahedral map (Engelhardt and Dachsbacher 2008). The zenith lies
+// in the middle, the horizon is the inscribed diamond, and the nadir lies in all four corners. The first and last
+// texels of rows and columns lie exactly on the map's edge, whose halves are folded onto each other.
 #pragma once
 
 #include <functional>
@@ -15,12 +14,13 @@
 
 namespace kasumi {
 
-// On the picture from -1 to 1 each way: x east, y north.
+// Map coordinates run from -1 to 1 each way: x east, y north.
 glm::dvec2 place_on_map(const Direction& direction);
-Direction direction_on_map(const glm::dvec2& place);  // up to one beyond the edges, too
+Direction direction_on_map(const glm::dvec2& place);  // also up to 1 beyond the edges
 
 struct LightAround {
-  // At the horizon 3 deg of azimuth by 3 to 4 deg of height. Even, so that the horizon passes between texels' middles.
+  // A texel at the horizon spans 3 deg of azimuth by 3 to 4 deg of elevation. Even, so that the horizon passes between
+  // texel centres.
   static constexpr int kSize = 64;
   Image<glm::vec3> radiance{kSize, kSize};  // rows from south to north; mean over each texel
 
@@ -31,12 +31,12 @@ struct MapTexel {
   Direction direction;
   double solid_angle;
 };
-// As many as the map's elements, in their order; their solid angles add up to 4 pi but for the texels' steps.
+// One per map element, in the same order; their solid angles sum to 4 pi except for discretisation.
 const std::vector<MapTexel>& map_texels();
 
-// Of a radiance given in all directions; it may jump at the horizon.
+// The map of a radiance given for all directions, which may be discontinuous at the horizon.
 LightAround light_around_of(const std::function<glm::dvec3(const Direction&)>& radiance);
-// On a surface that faces `normal`: the integral of radiance times cosine; pi L under an even radiance L.
+// Irradiance on a surface with this normal: the integral of radiance times cosine; pi L for a uniform radiance L.
 glm::dvec3 irradiance(const LightAround& light, const Direction& normal);
 
 }  // namespace kasumi

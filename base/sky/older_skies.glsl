@@ -1,19 +1,20 @@
-// Skies of before, to compare ours with: Hoffman and Preetham 2002, Nielsen 2003 (U Eq 2.24-2.30). Single scattering
-// in closed form, for sky and land alike. GLSL ES 1.00 and C++ (base/sky/sky_text.hpp) alike.
+// Older sky models for comparison: Hoffman and Preetham 2002, Nielsen 2003 (U Eq 2.24-2.30). Single scattering in
+// closed form, for both sky and land. Compiles as GLSL ES 1.00 and as C++ (base/sky/sky_text.hpp).
 
-// Of linear red, green and blue, per metre at sea level.
+// For linear red, green and blue, per metre at sea level.
 struct OlderAir {
   vec3 rayleigh_per_m;
   vec3 mie_per_m;
-  vec3 sunlight;     // on a surface facing the sun at the ground, 1/pi of it in the unit of the picture's light
-  real asymmetry;    // g of Henyey and Greenstein
+  vec3 sunlight;     // irradiance / pi on a surface facing the sun at the ground, in the picture's unit of light
+  real asymmetry;    // g of the Henyey-Greenstein phase function
   real altitude_m;   // of the observer
 };
 
 const real kOlderRayleighHeight_m = 8400.0;
 const real kOlderMieHeight_m = 1250.0;
 
-// Lengths of air and haze up to space, by the zenith angle's cosine; held at the horizon. Kasten and Young 1989:
+// Path lengths of air and haze out to space, by the cosine of the zenith angle; constant below the horizon. Kasten and
+// Young 1989:
 // 1 / (cos z + a (b - z)^-c), angles in degrees.
 const real kKastenA = 0.50572;
 const real kKastenB_deg = 96.07995;
@@ -29,7 +30,7 @@ FUNCTION vec2 older_sky_path_m(real cos_zenith) {
   return older_air_mass(cos_zenith) * vec2(kOlderRayleighHeight_m, kOlderMieHeight_m);
 }
 
-// Light scattered into a path, and what is left of what stands behind it: L = L0 F + Lin (U Eq 2.24-2.26).
+// Light scattered into a path (Lin), and the transmittance F for what lies behind it: L = L0 F + Lin (U Eq 2.24-2.26).
 // band: the share of cos^2 in Rayleigh's phase function: 1; Nielsen 1/2 (U Eq 2.29), against the dark band.
 FUNCTION vec3 older_transmittance(OlderAir air, vec2 path_m) {
   return exp(-(air.rayleigh_per_m * path_m.x + air.mie_per_m * path_m.y));
@@ -48,8 +49,8 @@ FUNCTION vec3 hoffman_preetham_sky(OlderAir air, real cos_zenith, real cos_sun) 
   return older_scattered(air, left, vec2(1.0), cos_sun, 1.0);
 }
 
-// The air thins with the altitude. Nielsen drew the lengths from tables of his own; here they are the exponentials they
-// stand for.
+// The air thins with altitude. Nielsen took the lengths from tables of his own; here they are the exponentials that the
+// tables approximate.
 FUNCTION vec3 nielsen_sky(OlderAir air, real cos_zenith, real cos_sun) {
   vec2 density = exp(-air.altitude_m / vec2(kOlderRayleighHeight_m, kOlderMieHeight_m));
   vec3 left = older_transmittance(air, older_sky_path_m(cos_zenith) * density);
@@ -61,14 +62,15 @@ FUNCTION vec3 hoffman_preetham_object(OlderAir air, vec3 object, real length_m, 
   return object * left + older_scattered(air, left, vec2(1.0), cos_sun, 1.0);
 }
 
-// The density of the path's middle.
+// The density at the path's midpoint.
 FUNCTION vec3 nielsen_object(OlderAir air, vec3 object, real object_altitude_m, real length_m, real cos_sun) {
   vec2 density = exp(-0.5 * (air.altitude_m + object_altitude_m) / vec2(kOlderRayleighHeight_m, kOlderMieHeight_m));
   vec3 left = older_transmittance(air, length_m * density);
   return object * left + older_scattered(air, left, density, cos_sun, 0.5);
 }
 
-// Preetham 1999: Perez' distribution of Y, x and y. zenith: their values there over the distribution's (physics 1).
+// Preetham 1999: the Perez distribution of Y, x and y. zenith: their values at the zenith over the distribution's value
+// there (physics 1).
 struct PerezSky {
   vec3 zenith;
   vec3 a;
@@ -78,8 +80,8 @@ struct PerezSky {
   vec3 e;
 };
 
-// XYZ to linear sRGB with the digits of Lindbloom's tables; calib/colour/colorimetry.hpp has those that the standard prints, which
-// are four.
+// XYZ to linear sRGB with the digits of Lindbloom's tables; calib/colour/colorimetry.hpp has the standard's, which are
+// rounded to four places.
 const vec3 kRedOfXyz = vec3(3.2404542, -1.5371385, -0.4985314);
 const vec3 kGreenOfXyz = vec3(-0.9692660, 1.8760108, 0.0415560);
 const vec3 kBlueOfXyz = vec3(0.0556434, -0.2040259, 1.0572252);

@@ -1,4 +1,4 @@
-// The texts that the CPU computes with as well, for GLSL ES 1.00 (base/sky/sky_text.hpp for C++).
+// The shader sources shared with the CPU, for GLSL ES 1.00 (base/sky/sky_text.hpp for C++).
 #include "shared.glsl"
 #include "tone.glsl"
 #include "sky_projection.glsl"

@@ -1,5 +1,5 @@
-// The sky's shader texts as C++: the same lines that the GPU compiles, in double precision, and how the two languages
-// are brought together. Nothing else may be written twice.
+// The sky's shader sources compiled as C++ in double precision, and the few definitions that make GLSL valid C++. Only
+// those definitions exist in both languages.
 #pragma once
 
 #include <glm/common.hpp>

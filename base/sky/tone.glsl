@@ -1,11 +1,11 @@
-// From light to what a screen can show. GLSL ES 1.00 and C++ (base/sky/sky_text.hpp) alike.
+// Tone mapping. Compiles as GLSL ES 1.00 and as C++ (base/sky/sky_text.hpp).
 
-const vec3 kLuminanceOfSrgb = vec3(0.2126, 0.7152, 0.0722);  // the row of Y in srgb_to_xyz() of calib/colour/colorimetry.hpp
+const vec3 kLuminanceOfSrgb = vec3(0.2126, 0.7152, 0.0722);  // row Y of srgb_to_xyz(), calib/colour/colorimetry.hpp
 FUNCTION real luminance_of(vec3 linear_srgb) { return dot(linear_srgb, kLuminanceOfSrgb); }
 
-// What is left of a colour's distance from grey. `needed`: that distance as a part of the way to the gamut's wall. Colours
-// well inside keep theirs; the others are led smoothly below the wall, however far out they are: none is clipped, no two
-// become one.
+// The factor by which a colour's distance from grey is scaled. `needed`: that distance relative to the gamut boundary.
+// Colours well inside are kept; the others are compressed smoothly to within the boundary, so that none is clipped and
+// different colours stay different.
 FUNCTION real kept_saturation(real needed) {
   const real knee = 0.8;
   real beyond = max(needed - knee, 0.0);
@@ -13,8 +13,8 @@ FUNCTION real kept_saturation(real needed) {
   return needed > knee ? reached / needed : 1.0;
 }
 
-// Light of any strength to linear 0 .. 1. The luminance goes through 1 - exp(-x); the colour keeps its dominant
-// wavelength: what it loses, it loses towards the grey of its luminance, so that luminance and hue both hold.
+// Maps any light to linear 0 .. 1. The luminance is mapped by 1 - exp(-x); out-of-gamut colours are desaturated towards
+// the grey of their luminance, which keeps both luminance and dominant wavelength.
 FUNCTION vec3 tone_mapped(vec3 light, real exposure) {
   real luminance = max(luminance_of(light), 1e-12);
   real left = exp(-exposure * luminance);

@@ -18,7 +18,7 @@ class JpegReader {
   Result<JpegPlanes> read(std::span<const std::uint8_t> bytes, int width, int height);
 
  private:
-  static constexpr int kMostRows = 4 * DCTSIZE;  // of a plane in one call; sampling factors go up to 4
+  static constexpr int kMaxRows = 4 * DCTSIZE;  // of a plane in one call; sampling factors go up to 4
 
   Result<PixelLayout> layout() const;
   std::optional<std::string_view> foreign();
@@ -34,7 +34,7 @@ Result<PixelLayout> JpegReader::layout() const {
   const auto* planes = info_.comp_info;
   if (info_.num_components == 1 && info_.jpeg_color_space == JCS_GRAYSCALE) return PixelLayout::grey8;
   if (info_.num_components != 3 || info_.jpeg_color_space != JCS_YCbCr)
-    return fail(FaultKind::bad_input, "JPEG of {} components that are not YCbCr or grey", info_.num_components);
+    return fail(FaultKind::bad_input, "JPEG with {} components that are not YCbCr or grey", info_.num_components);
   const auto shares = [&](int horizontal, int vertical) {
     const auto half = [&](const jpeg_component_info& chroma) {
       return planes[0].h_samp_factor == horizontal * chroma.h_samp_factor &&
@@ -51,9 +51,9 @@ Result<PixelLayout> JpegReader::layout() const {
 }
 
 std::optional<std::string_view> JpegReader::foreign() {
-  // Many scans over few bytes would cost memory and time without limit; a camera sends one.
+  // Many scans in few bytes could take unlimited memory and time; cameras send a single scan.
   if (info_.progressive_mode || jpeg_has_multiple_scans(&info_))
-    return "JPEG in several scans (progressive): expected a baseline one";
+    return "JPEG in several scans (progressive): expected baseline JPEG";
   if (info_.arith_code) return "arithmetic coded JPEG: expected Huffman codes";
   return std::nullopt;
 }
@@ -66,7 +66,7 @@ Result<JpegPlanes> JpegReader::read(std::span<const std::uint8_t> bytes, int wid
       }))
     return damaged();
   if (info_.image_width != static_cast<JDIMENSION>(width) || info_.image_height != static_cast<JDIMENSION>(height))
-    return fail(FaultKind::bad_input, "JPEG of {}x{}: expected {}x{}", info_.image_width, info_.image_height, width,
+    return fail(FaultKind::bad_input, "JPEG size {}x{}: expected {}x{}", info_.image_width, info_.image_height, width,
                 height);
   if (const auto reason = foreign()) return fail(FaultKind::bad_input, "{}", *reason);
   const auto found = layout();
@@ -101,7 +101,7 @@ Result<JpegPlanes> JpegReader::read(std::span<const std::uint8_t> bytes, int wid
 }
 
 void JpegReader::read_planes(const PictureView& view, std::uint8_t* samples) {
-  std::array<std::array<JSAMPROW, kMostRows>, 3> rows{};
+  std::array<std::array<JSAMPROW, kMaxRows>, 3> rows{};
   std::array<JSAMPARRAY, 3> planes{rows[0].data(), rows[1].data(), rows[2].data()};
   for (JDIMENSION band = 0; info_.output_scanline < info_.output_height; ++band) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(info_.num_components); ++i) {

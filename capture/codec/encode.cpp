@@ -26,7 +26,7 @@ class YuvReader {
     from_rgb_ = glm::inverse(glm::transpose(glm::mat3{to_rgb.rows[0], to_rgb.rows[1], to_rgb.rows[2]}));
     offset_ = 255.0f * to_rgb.offset;
   }
-  // The mean over a block of pixels, as far as it lies in the picture.
+  // The mean over the part of a block of pixels inside the picture.
   Yuv8 mean(int x, int y, int width, int height) const {
     glm::vec3 sum{0.0f};
     float count = 0.0f;
@@ -52,7 +52,7 @@ struct Rows {
   std::uint8_t* row(int y) const { return first + static_cast<std::size_t>(y) * stride; }
 };
 
-// `order`: which of R, G, B goes where; 3 is a full alpha.
+// `order`: the channel (0 R, 1 G, 2 B) at each byte; 3 is an opaque alpha.
 void pack_rgb(const Image<Rgb8>& image, std::initializer_list<int> order, Rows rows) {
   for (int y = 0; y < image.height(); ++y) {
     auto* out = rows.row(y);

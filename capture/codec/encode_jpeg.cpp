@@ -19,8 +19,8 @@ class JpegWriter {
 
   Result<std::vector<std::uint8_t>> write(const Image<Rgb8>& image, int quality, ChromaSubsampling subsampling) {
     if (!errors_.guard([&] { write_all(image, quality, subsampling); })) {
-      if (info_.dest) info_.dest->term_destination(&info_);  // tells bytes_ where the buffer has grown to
-      return fail(FaultKind::bad_input, "a picture of {}x{} cannot become a JPEG: {}", image.width(), image.height(),
+      if (info_.dest) info_.dest->term_destination(&info_);  // updates bytes_ if the buffer was reallocated
+      return fail(FaultKind::bad_input, "cannot encode a picture of {}x{} as JPEG: {}", image.width(), image.height(),
                   errors_.message());
     }
     return std::vector<std::uint8_t>(bytes_, bytes_ + size_);

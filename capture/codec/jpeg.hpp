@@ -1,4 +1,4 @@
-// JPEG to the YUV planes it is made of.
+// Decodes JPEG to its YUV planes.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ struct JpegPlanes {
   std::shared_ptr<const std::vector<std::uint8_t>> samples;
 };
 
-// Huffman tables may be missing, as webcams leave them out. What a camera may do is forgiven: bytes beside the
-// segments, no end marker. Errors (bad_input): not a JPEG, another size than the one expected, damaged or cut pixels,
-// progressive, arithmetic, CMYK or RGB, subsampling other than 4:2:0, 4:2:2, 4:4:4 and grey.
+// Accepts what cameras send: missing Huffman tables, bytes between segments, no end marker. Errors (bad_input): not a
+// JPEG, not the expected size, damaged or truncated pixels, progressive, arithmetic, CMYK or RGB, subsampling other
+// than 4:2:0, 4:2:2, 4:4:4 and grey.
 Result<JpegPlanes> decode_jpeg(std::span<const std::uint8_t> bytes, int width, int height);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// libjpeg reports errors by never returning: this brings them back. Only for the .cpp files that use libjpeg.
+// Turns libjpeg's errors, whose handler must not return, into messages. Only for the .cpp files that use libjpeg.
 #pragma once
 
 #include <csetjmp>
@@ -25,7 +25,8 @@ class JpegErrors {
   jpeg_error_mgr* manager() { return &base_; }
   const char* message() const { return message_; }
 
-  // Runs `calls`; false when libjpeg gave up. longjmp leaves it from within, so nothing in it may need a destructor.
+  // Runs `calls`; false when libjpeg reported an error. Errors longjmp out of it, so it may hold nothing with a
+  // destructor.
   template <class Calls>
   bool guard(Calls&& calls) {
     if (setjmp(jump_) != 0) return false;
@@ -34,8 +35,8 @@ class JpegErrors {
   }
 
  private:
-  // Cameras pad between segments, write odd JFIF versions and forget the end marker. Should pixels be missing too,
-  // JWRN_HIT_MARKER says so.
+  // Cameras pad between segments, write odd JFIF versions and omit the end marker. Missing pixels are still reported,
+  // as JWRN_HIT_MARKER.
   static bool harmless(int code) {
     return code == JWRN_EXTRANEOUS_DATA || code == JWRN_JFIF_MAJOR || code == JWRN_JPEG_EOF;
   }

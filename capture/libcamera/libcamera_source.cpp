@@ -18,13 +18,13 @@ namespace kasumi {
 
 namespace {
 
-// After so many frames the camera's own white balance has settled.
+// Frames after which the camera's automatic white balance has settled.
 constexpr std::uint64_t kSettled = 30;
-// So many buffers must be left to the camera, or it drops frames: then frames are copied out.
-constexpr std::size_t kFewestQueued = 2;
+// With fewer buffers the camera drops frames, so frames are copied instead of lent.
+constexpr std::size_t kMinQueued = 2;
 
-// libcamera allows one manager in a process, and it does not like to be started again and again: it lives as long as
-// we do, and follows what is plugged in and out by itself.
+// libcamera allows one manager per process and does not restart reliably, so it lives as long as the process. It
+// follows hotplugging by itself.
 Result<std::shared_ptr<libcamera::CameraManager>> camera_manager() {
   static std::mutex mutex;
   static std::shared_ptr<libcamera::CameraManager> manager;
@@ -37,7 +37,7 @@ Result<std::shared_ptr<libcamera::CameraManager>> camera_manager() {
   return manager;
 }
 
-// One frame buffer in our memory: every dma-buf of it mapped once, from its first byte.
+// A frame buffer mapped into memory: each of its dma-bufs once, from its first byte.
 class MappedBuffer {
  public:
   static Result<MappedBuffer> map(const libcamera::FrameBuffer& buffer) {
@@ -89,8 +89,8 @@ struct Memory {
   std::uint64_t number = 0;
 };
 
-// The processor's caches know nothing of what the camera wrote until they are told. Buffers that need no telling
-// refuse, which is as good.
+// CPU caches must be synchronised with what the camera wrote. Buffers that do not need it refuse the ioctl, which is
+// harmless.
 class CpuRead {
  public:
   explicit CpuRead(std::shared_ptr<const Memory> memory) : memory_(std::move(memory)) { sync(DMA_BUF_SYNC_START); }
@@ -106,8 +106,7 @@ class CpuRead {
   std::shared_ptr<const Memory> memory_;
 };
 
-// The camera while it streams. Frames that are lent keep it, so that they can give their buffer back, or find that
-// nobody wants it any more.
+// A streaming camera. Lent frames share it, to return their buffer or to find that the camera has stopped.
 class Session {
  public:
   static Result<std::shared_ptr<Session>> start(std::shared_ptr<libcamera::Camera> camera,
@@ -120,14 +119,14 @@ class Session {
   Session& operator=(const Session&) = delete;
   ~Session() { stop(); }
 
-  // Tears down what the camera holds of us; frames still lent keep only their memory.
+  // Stops and releases the camera; frames still lent keep only their memory.
   void stop() {
     if (!acquired_) return;
     {
       const std::lock_guard lock(mutex_);
       streaming_ = false;
     }
-    camera_->stop();  // cancels what is queued: request_completed is called from in here
+    camera_->stop();  // cancels queued requests, which calls request_completed
     camera_->requestCompleted.disconnect(this);
     camera_->disconnected.disconnect(this);
     requests_.clear();
@@ -185,7 +184,7 @@ class Session {
       return fail(kind, "{}: {}: {}", camera_->id(), what, std::strerror(-answer));
     };
     if (const int answer = camera_->acquire(); answer != 0)
-      return refuse(answer == -EBUSY ? "another program has the camera" : "cannot be had", answer);
+      return refuse(answer == -EBUSY ? "in use by another program" : "cannot be acquired", answer);
     acquired_ = true;
     auto chosen = choose_configuration(*camera_, request_);
     if (!chosen) return fail(chosen.error());
@@ -194,13 +193,13 @@ class Session {
 
     allocator_ = std::make_unique<libcamera::FrameBufferAllocator>(camera_);
     if (const int answer = allocator_->allocate(stream_key()); answer < 0) return refuse("allocate buffers", answer);
-    static std::atomic<std::uint64_t> numbers{std::uint64_t{1} << 32U};  // apart from those of other kinds of camera
+    static std::atomic<std::uint64_t> numbers{std::uint64_t{1} << 32U};  // distinct from those of other camera types
     for (const auto& buffer : allocator_->buffers(stream_key())) {
       auto mapped = MappedBuffer::map(*buffer);
       if (!mapped) return fail(mapped.error());
       memories_[buffer.get()] = std::make_shared<const Memory>(Memory{std::move(*mapped), numbers++});
       auto request = camera_->createRequest();
-      if (!request) return fail(FaultKind::device, "{}: no request can be made", camera_->id());
+      if (!request) return fail(FaultKind::device, "{}: cannot create a request", camera_->id());
       if (const int answer = request->addBuffer(stream_key(), buffer.get()); answer != 0)
         return refuse("add a buffer", answer);
       requests_.push_back(std::move(request));
@@ -219,7 +218,7 @@ class Session {
     return {};
   }
 
-  // In libcamera's thread.
+  // Runs in libcamera's thread.
   void request_completed(libcamera::Request* request) {
     const std::lock_guard lock(mutex_);
     --queued_;
@@ -242,7 +241,7 @@ class Session {
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
   std::vector<std::string> notes_;
 
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // guards everything below
   std::condition_variable arrived_;
   std::vector<libcamera::Request*> finished_;  // oldest first
   std::optional<libcamera::ControlList> wanted_;
@@ -279,7 +278,7 @@ class LibcameraSource final : public CameraSource {
     const auto* buffer = (*request)->findBuffer(session_->stream_key());
     if (buffer == nullptr) {
       session_->requeue(*request);
-      return fail(FaultKind::device, "{}: a request came back without its buffer", options_.camera);
+      return fail(FaultKind::device, "{}: a completed request lacks its buffer", options_.camera);
     }
     Frame frame;
     frame.metadata = read_metadata(**request, *buffer);
@@ -314,7 +313,7 @@ class LibcameraSource final : public CameraSource {
     return metadata;
   }
 
-  // Lends the buffer where its planes lie as ours do and the camera can spare it; else copies. True when lent.
+  // Lends the buffer if its planes have Kasumi's layout and the camera can spare it, else copies. True when lent.
   bool lend_or_copy(Frame& frame, libcamera::Request* request, const libcamera::FrameBuffer& buffer) {
     const auto memory = session_->memory_of(&buffer);
     const auto& planes = memory->mapped.planes();
@@ -331,11 +330,11 @@ class LibcameraSource final : public CameraSource {
     frame.metadata.status = judge(frame.metadata, bytes, flagged);
     if (frame.metadata.status != FrameStatus::good) return false;
 
-    const bool spare = options_.request.lend_buffers && session_->queued() >= kFewestQueued;
+    const bool spare = options_.request.lend_buffers && session_->queued() >= kMinQueued;
     if (contiguous && spare) {
       frame.payload.bytes = {planes.front().data(), bytes};
       frame.payload.dma_buf = DmaBuf{memory->mapped.fd(), memory->mapped.first_offset(), memory->number};
-      // The memory outlives the session; the buffer goes back to the camera if there is still one.
+      // The memory outlives the session; the buffer goes back to the camera if it is still streaming.
       auto read = std::make_unique<CpuRead>(memory);
       frame.payload.holder = std::shared_ptr<const void>(
           read.release(), [request, session = std::weak_ptr(session_)](const void* reading) {
@@ -383,7 +382,7 @@ Result<std::unique_ptr<CameraSource>> open_libcamera_source(const LibcameraOptio
   if (!camera) {
     std::string there;
     for (const auto& other : (*manager)->cameras()) there += (there.empty() ? "" : ", ") + other->id();
-    return fail(FaultKind::disconnected, "{}: no such camera; there is: {}", options.camera,
+    return fail(FaultKind::disconnected, "{}: no such camera; available: {}", options.camera,
                 there.empty() ? "none" : there);
   }
   auto session = Session::start(std::move(camera), options);

@@ -1,4 +1,4 @@
-// In builds without libcamera.
+// Stubs for builds without libcamera.
 #include "capture/libcamera/libcamera_source.hpp"
 
 namespace kasumi {
@@ -7,7 +7,7 @@ namespace {
 
 tl::unexpected<Fault> missing() {
   return fail(FaultKind::unsupported,
-              "this build has no libcamera (on Debian: apt install libcamera-dev, and build anew)");
+              "this build has no libcamera (on Debian: apt install libcamera-dev, and build again)");
 }
 
 }  // namespace

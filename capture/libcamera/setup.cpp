@@ -10,11 +10,11 @@ namespace kasumi {
 namespace {
 
 struct Known {
-  libcamera::PixelFormat drm;  // DRM names the order of a word's bits, V4L2 the order of bytes in memory
+  libcamera::PixelFormat drm;  // DRM names channels from the highest bits of a word, V4L2 in memory order
   FourCc ours;
 };
 
-// Cheapest first: fewest bytes to move, chroma as the GPU takes it.
+// Cheapest first: fewest bytes to transfer, chroma as the GPU samples it.
 const std::array kKnown{
     Known{libcamera::formats::NV12, four_cc("NV12")},
     Known{libcamera::formats::YUV420, four_cc("YU12")},
@@ -51,11 +51,11 @@ Result<std::unique_ptr<libcamera::CameraConfiguration>> choose_configuration(lib
                                                                              const CameraRequest& request) {
   auto configuration = camera.generateConfiguration({libcamera::StreamRole::Viewfinder});
   if (!configuration || configuration->empty())
-    return fail(FaultKind::device, "{}: gives no stream to look at", camera.id());
+    return fail(FaultKind::device, "{}: offers no viewfinder stream", camera.id());
   auto& stream = configuration->at(0);
   const auto offered = stream.formats().pixelformats();
   const libcamera::Size size(static_cast<unsigned>(request.width), static_cast<unsigned>(request.height));
-  std::string nearest;  // a range has steps that libcamera tells by adjusting only
+  std::string nearest;  // a size range has steps that libcamera reveals only by adjusting a request
   for (const auto& known : kKnown) {
     if (request.format && known.ours != *request.format) continue;
     if (!offered.empty() && std::ranges::find(offered, known.drm) == offered.end()) continue;
@@ -81,7 +81,7 @@ libcamera::ControlList controls_for(const libcamera::Camera& camera, const Camer
     if (offers(control))
       list.set(control, value);
     else
-      notes.push_back(fmt::format("{}: the camera has no control for it ({})", asked, control.name()));
+      notes.push_back(fmt::format("{}: the camera has no such control ({})", asked, control.name()));
   };
   if (request.frames_per_second > 0) {
     const auto duration = static_cast<std::int64_t>(1e6 / request.frames_per_second);  // microseconds

@@ -1,4 +1,4 @@
-// What is asked of a libcamera camera: its stream's format and size, its controls.
+// Configures a libcamera camera: its stream's format and size, and its controls.
 #pragma once
 
 #include <memory>
@@ -9,19 +9,19 @@
 
 namespace kasumi {
 
-// The stream's configuration, validated, in the format that costs least to take. Errors: bad_input (the camera does not
-// give that format or size; what it gives), device.
+// The validated stream configuration, in the format that is cheapest to process. Errors: bad_input (the camera does not
+// offer that format or size; lists what it offers), device.
 Result<std::unique_ptr<libcamera::CameraConfiguration>> choose_configuration(libcamera::Camera& camera,
                                                                              const CameraRequest& request);
 
-// Ours for libcamera's (DRM's) pixel format; empty: we do not read it.
+// Kasumi's code for libcamera's (DRM's) pixel format; empty: Kasumi does not read it.
 std::optional<FourCc> four_cc_of(const libcamera::PixelFormat& format);
 
-// The controls to start with. What the camera lacks is told in `notes`.
+// The initial controls. Controls the camera lacks are reported in `notes`.
 libcamera::ControlList controls_for(const libcamera::Camera& camera, const CameraRequest& request,
                                     std::vector<std::string>& notes);
 
-// Once the picture has settled: white balance stays as the metadata of that frame say it is. Empty: nothing to lock.
+// Locks white balance at the values in this frame's metadata, once it has settled. Empty: nothing to lock.
 libcamera::ControlList white_balance_lock(const libcamera::Camera& camera, const libcamera::ControlList& metadata);
 
 }  // namespace kasumi

@@ -11,11 +11,11 @@ namespace kasumi {
 
 namespace {
 
-constexpr std::size_t kFewestBuffers = 2;  // with fewer nothing streams
-constexpr std::size_t kMostBuffers = 32;   // VIDEO_MAX_FRAME
-constexpr std::size_t kDriverKeeps = 2;    // one it fills, one to go on with
+constexpr std::size_t kMinBuffers = 2;   // the minimum for streaming
+constexpr std::size_t kMaxBuffers = 32;  // VIDEO_MAX_FRAME
+constexpr std::size_t kDriverKeeps = 2;  // one being filled, one queued next
 
-// v4l2_buffer with room for planes, single- and multi-planar alike.
+// v4l2_buffer with room for planes, for both single- and multi-planar devices.
 struct Exchange {
   v4l2_buffer buffer{};
   std::array<v4l2_plane, VIDEO_MAX_PLANES> planes{};
@@ -28,7 +28,7 @@ struct Exchange {
     buffer.m.planes = planes.data();
     buffer.length = static_cast<std::uint32_t>(layout.planes.size());
   }
-  Exchange(const Exchange&) = delete;  // the buffer points to the planes
+  Exchange(const Exchange&) = delete;  // the buffer points to its own planes
 
   std::size_t plane_count() const { return multiplanar ? buffer.length : 1; }
   std::uint32_t length(std::size_t i) const { return multiplanar ? planes[i].length : buffer.length; }
@@ -73,9 +73,9 @@ Result<> V4l2Buffers::allocate(int count) {
   if (const int error = device_->control(VIDIOC_REQBUFS, &request); error != 0)
     return fail(device_fault(error, "VIDIOC_REQBUFS"));
   allocated_ = true;
-  if (request.count < kFewestBuffers || request.count > kMostBuffers)
-    return fail(FaultKind::device, "VIDIOC_REQBUFS: {} buffers: expected {} to {}", request.count, kFewestBuffers,
-                kMostBuffers);
+  if (request.count < kMinBuffers || request.count > kMaxBuffers)
+    return fail(FaultKind::device, "VIDIOC_REQBUFS: {} buffers: expected {} to {}", request.count, kMinBuffers,
+                kMaxBuffers);
   buffers_.resize(request.count);
   return {};
 }
@@ -130,7 +130,7 @@ Result<std::optional<V4l2Filled>> V4l2Buffers::take() {
 
   const auto index = answer.buffer.index;
   if (index >= buffers_.size() || (buffers_[index].holder != Holder::driver && !layout_.shared))
-    return fail(FaultKind::device, "VIDIOC_DQBUF: buffer {}: expected one of those the driver has", index);
+    return fail(FaultKind::device, "VIDIOC_DQBUF: buffer {}: expected a queued buffer", index);
   auto& buffer = buffers_[index];
   buffer.holder = Holder::source;
   V4l2Filled filled;
@@ -191,7 +191,7 @@ void V4l2Buffers::stop() {
   const std::lock_guard lock(mutex_);
   if (streaming_) {
     int type = static_cast<int>(layout_.buffer_type);
-    device_->control(VIDIOC_STREAMOFF, &type);  // a device that is gone refuses; its memory is freed all the same
+    device_->control(VIDIOC_STREAMOFF, &type);  // fails on an unplugged device, but its memory is freed anyway
   }
   streaming_ = false;
   for (auto& buffer : buffers_) {
@@ -199,7 +199,7 @@ void V4l2Buffers::stop() {
     buffer.holder = Holder::source;
     unmap(buffer);
   }
-  // Kernels since 4.20 let go of buffers that are still mapped, so that the camera can be opened anew at once.
+  // Since 4.20 the kernel frees buffers that are still mapped, so the camera can be reopened at once.
   free_all();
 }
 

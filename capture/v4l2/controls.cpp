@@ -12,9 +12,9 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kExposureStep_s = 100e-6;  // V4L2_CID_EXPOSURE_ABSOLUTE counts these
+constexpr double kExposureStep_s = 100e-6;  // unit of V4L2_CID_EXPOSURE_ABSOLUTE
 
-// The controls of one device; absent ones and refusals are answers, a device that is gone is a fault.
+// The controls of one device. Missing or refused controls are ordinary results; only an unplugged device is a fault.
 class Controls {
  public:
   explicit Controls(VideoDevice& device) : device_(device) {}
@@ -38,7 +38,7 @@ class Controls {
     return control.value;
   }
 
-  // Sets the first of a menu's items that the driver has.
+  // Sets the first of these menu items that the driver offers.
   bool choose(std::uint32_t id, std::initializer_list<std::int32_t> items) {
     for (const auto item : items) {
       v4l2_querymenu query{};
@@ -66,14 +66,14 @@ class Controls {
   std::optional<Fault> gone_;
 };
 
-// The value nearest to `wanted` that the control takes.
+// The nearest value to `wanted` that the control accepts.
 std::int32_t within(const v4l2_queryctrl& range, double wanted) {
   const double step = std::max(1, range.step);
   const double steps = std::round((std::clamp<double>(wanted, range.minimum, range.maximum) - range.minimum) / step);
   return static_cast<std::int32_t>(range.minimum + steps * step);
 }
 
-// Sets and reads back; empty when there is no such control or it refuses. Notes what differs by more than one percent.
+// Sets and reads back; empty when the control is missing or refuses. Notes differences of more than one percent.
 std::optional<double> set_number(Controls& controls, std::uint32_t id, double wanted, double unit,
                                  std::string_view name, CameraMode& mode) {
   const auto range = controls.find(id);
@@ -89,13 +89,13 @@ std::optional<double> set_number(Controls& controls, std::uint32_t id, double wa
   }
   const double is = *now * unit;
   if (std::abs(is - wanted) > 0.01 * std::abs(wanted))
-    mode.notes.push_back(fmt::format("{} {:.4g} asked for: the camera takes {:.4g} ({:.4g} .. {:.4g})", name, wanted,
-                                     is, range->minimum * unit, range->maximum * unit));
+    mode.notes.push_back(fmt::format("{} {:.4g} requested: the camera uses {:.4g} ({:.4g} .. {:.4g})", name, wanted, is,
+                                     range->minimum * unit, range->maximum * unit));
   return is;
 }
 
 void set_exposure(Controls& controls, std::optional<double> wanted_s, CameraMode& mode) {
-  // A camera must not trade frame rate for light: what moves on the site would stutter at dusk.
+  // The camera must not reduce its frame rate for longer exposures: motion would stutter at dusk.
   if (controls.find(V4L2_CID_EXPOSURE_AUTO_PRIORITY)) controls.set(V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0);
   const bool has_auto = controls.find(V4L2_CID_EXPOSURE_AUTO).has_value();
   if (!wanted_s) {
@@ -103,7 +103,7 @@ void set_exposure(Controls& controls, std::optional<double> wanted_s, CameraMode
     return;
   }
   if (has_auto && !controls.choose(V4L2_CID_EXPOSURE_AUTO, {V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY}))
-    mode.notes.push_back("exposure: the driver does not switch its automatic off");
+    mode.notes.push_back("exposure: the driver does not switch off auto exposure");
   mode.exposure_s =
       set_number(controls, V4L2_CID_EXPOSURE_ABSOLUTE, *wanted_s, kExposureStep_s, "exposure in seconds", mode);
 }
@@ -115,7 +115,7 @@ void set_gain(Controls& controls, std::optional<double> wanted, CameraMode& mode
     return;
   }
   if (has_auto && !controls.set(V4L2_CID_AUTOGAIN, 0))
-    mode.notes.push_back("gain: the driver does not switch its automatic off");
+    mode.notes.push_back("gain: the driver does not switch off auto gain");
   const auto id = controls.find(V4L2_CID_GAIN) ? V4L2_CID_GAIN : V4L2_CID_ANALOGUE_GAIN;
   mode.gain = set_number(controls, id, *wanted, 1.0, "gain in the driver's units", mode);
 }
@@ -127,7 +127,7 @@ void set_white_balance(Controls& controls, const CameraRequest& request, CameraM
     return;
   }
   if (has_auto && !controls.set(V4L2_CID_AUTO_WHITE_BALANCE, 0))
-    mode.notes.push_back("white balance: the driver does not switch its automatic off");
+    mode.notes.push_back("white balance: the driver does not switch off auto white balance");
   mode.white_balance_k = set_number(controls, V4L2_CID_WHITE_BALANCE_TEMPERATURE, *request.white_balance_k, 1.0,
                                     "white balance in kelvin", mode);
 }

@@ -6,11 +6,11 @@
 
 namespace kasumi {
 
-// Locks what the request names, leaves the rest to the camera. What the driver made of it goes into `mode`, what it
-// would not do into mode.notes. Error (disconnected): the device is gone.
+// Locks what the request names and leaves the rest to the camera. The values the driver set go into `mode`, refusals
+// into mode.notes. Error (disconnected): the device is unplugged.
 Result<> set_v4l2_controls(VideoDevice& device, const CameraRequest& request, CameraMode& mode);
 
-// Locks white balance where it stands now.
+// Locks white balance at its current value.
 Result<> lock_v4l2_white_balance(VideoDevice& device, CameraMode& mode);
 
 }  // namespace kasumi

@@ -9,7 +9,7 @@ namespace kasumi {
 
 namespace {
 
-// Those with X or A first in memory (BX24, BA24, RX24, RA24, RGB4) are none of our layouts.
+// Formats with X or A first in memory (BX24, BA24, RX24, RA24, RGB4) are not supported.
 constexpr std::array<V4l2PixelFormat, 16> kFormats{{
     {V4L2_PIX_FMT_NV12, four_cc("NV12"), 1, 0, true},
     {V4L2_PIX_FMT_YUV420, four_cc("YU12"), 1, 1, true},
@@ -17,7 +17,7 @@ constexpr std::array<V4l2PixelFormat, 16> kFormats{{
     {V4L2_PIX_FMT_UYVY, four_cc("UYVY"), 1, 3, true},
     {V4L2_PIX_FMT_XBGR32, four_cc("XR24"), 1, 4, true},  // B G R x
     {V4L2_PIX_FMT_ABGR32, four_cc("XR24"), 1, 5, true},  // B G R A
-    {V4L2_PIX_FMT_BGR32, four_cc("XR24"), 1, 6, true},   // B G R and either, the old name
+    {V4L2_PIX_FMT_BGR32, four_cc("XR24"), 1, 6, true},   // B G R and X or A, the legacy name
     {V4L2_PIX_FMT_RGBX32, four_cc("AB24"), 1, 7, true},  // R G B x
     {V4L2_PIX_FMT_RGBA32, four_cc("AB24"), 1, 8, true},  // R G B A
     {V4L2_PIX_FMT_BGR24, four_cc("BGR3"), 1, 9, true},

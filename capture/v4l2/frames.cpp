@@ -8,7 +8,7 @@ namespace kasumi {
 
 namespace {
 
-// A frame older than that did not happen by this clock.
+// A timestamp older than this is not from this clock.
 constexpr Duration kOldest = std::chrono::seconds(60);
 
 Instant captured_at(const V4l2Filled& filled, Instant now) {
@@ -19,7 +19,7 @@ Instant captured_at(const V4l2Filled& filled, Instant now) {
   return Instant{std::chrono::seconds(seconds) + std::chrono::microseconds(microseconds)};
 }
 
-// Whether every memory plane holds its rows.
+// Whether every memory plane is complete.
 bool gathered_whole(const V4l2Filled& filled, PixelLayout layout, const FrameMetadata& metadata,
                     const V4l2Layout& agreed) {
   for (std::size_t i = 0; i < agreed.planes.size(); ++i) {

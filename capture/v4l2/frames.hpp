@@ -1,4 +1,4 @@
-// From a buffer the driver filled to a frame.
+// Turns a buffer filled by the driver into a frame.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace kasumi {
 
-// What is known of the frame. `captured_at` is the driver's time when it is monotonic, else now.
+// The frame's metadata. `captured_at` is the driver's timestamp if it is monotonic, else now.
 FrameMetadata v4l2_metadata(const V4l2Filled& filled, const CameraMode& mode, const V4l2Layout& layout,
                             const Clock& clock);
 
-// The frame's bytes copied out. Planes in memories of their own are gathered to follow each other, each row with the
-// stride stride_of_plane() has.
+// A copy of the frame's bytes. Planes in separate memory are placed one after the other, with rows as in
+// stride_of_plane().
 std::vector<std::uint8_t> v4l2_bytes(const V4l2Filled& filled, const FrameMetadata& metadata, const V4l2Layout& layout);
 
 }  // namespace kasumi

@@ -43,7 +43,7 @@ std::vector<fs::path> stable_paths_of(const fs::path& node, const fs::path& devi
   return paths;
 }
 
-// Empty: no capture device.
+// Empty: not a capture device.
 std::optional<V4l2Listing> listing_of(const fs::path& node, const fs::path& devices) {
   V4l2Listing listing;
   listing.node = node;

@@ -15,7 +15,7 @@ struct Candidate {
   V4l2Interval interval;
 };
 
-// Rates that differ by a percent are the same (30 and 29.97), unknown ones are believed to be right.
+// Rates that differ by less than a percent count as equal (30 and 29.97), and unknown rates as matching.
 long rate_gap(const Candidate& candidate, double wanted_rate) {
   const double rate = candidate.interval.rate();
   return rate == 0.0 ? 0 : std::lround(50.0 * std::abs(rate - wanted_rate) / wanted_rate);
@@ -54,12 +54,12 @@ Fault nothing_fits(VideoDevice& device, const std::vector<V4l2Offer>& offers, co
     if (!offer.format) unread += (unread.empty() ? "" : ", ") + v4l2_format_name(offer.code);
     any = any || offer.format;
   }
-  if (!any) message += " nothing that can be read";
-  if (!unread.empty()) message += "\n  and, which cannot be read: " + unread;
+  if (!any) message += " no supported format";
+  if (!unread.empty()) message += "\n  and, not supported: " + unread;
   return {FaultKind::bad_input, std::move(message)};
 }
 
-// v4l2_format without the difference between single- and multi-planar.
+// v4l2_format for both single- and multi-planar devices.
 struct Answer {
   std::uint32_t width, height, code, field, colour_space, ycbcr_encoding, quantization;
   std::vector<V4l2Layout::MemoryPlane> planes;
@@ -93,12 +93,12 @@ v4l2_format request_of(std::uint32_t buffer_type, const V4l2PixelFormat& wanted,
     format.fmt.pix.height = height;
     format.fmt.pix.pixelformat = wanted.code;
     format.fmt.pix.field = V4L2_FIELD_NONE;
-    format.fmt.pix.priv = V4L2_PIX_FMT_PRIV_MAGIC;  // without it the kernel hides what it knows of colours
+    format.fmt.pix.priv = V4L2_PIX_FMT_PRIV_MAGIC;  // without it the kernel does not report colour metadata
   }
   return format;
 }
 
-// The driver's strides and sizes, found to hold the picture they are said to hold.
+// The driver's strides and sizes, checked to be large enough for the picture.
 Result<std::vector<V4l2Layout::MemoryPlane>> checked_planes(const Answer& answer, const V4l2PixelFormat& format) {
   auto planes = answer.planes;
   if (planes.size() != format.planes)
@@ -156,10 +156,10 @@ void set_rate(VideoDevice& device, std::uint32_t buffer_type, V4l2Interval inter
   if (wanted <= 0.0) return;
   if (mode.frames_per_second == 0.0)
     mode.notes.push_back(
-        fmt::format("frame rate {:.4g} /s asked for: the driver does not say what it delivers", wanted));
+        fmt::format("frame rate {:.4g} /s requested: the driver does not report the actual rate", wanted));
   else if (std::abs(mode.frames_per_second - wanted) > 0.01 * wanted)
     mode.notes.push_back(
-        fmt::format("frame rate {:.4g} /s asked for: the camera delivers {:.4g} /s", wanted, mode.frames_per_second));
+        fmt::format("frame rate {:.4g} /s requested: the camera delivers {:.4g} /s", wanted, mode.frames_per_second));
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ Result<V4l2Agreement> negotiate_v4l2(VideoDevice& device, const V4l2Identity& id
   const auto possible = candidates(device, offers, request);
   if (possible.empty()) return fail(nothing_fits(device, offers, request));
 
-  // A driver that did not enumerate its sizes may still refuse: then the next best format gets its turn.
+  // A driver that does not enumerate its sizes may still refuse; then the next best format is tried.
   std::string refused;
   for (const auto& candidate : possible) {
     auto format = request_of(identity.buffer_type, *candidate.format, request);
@@ -204,12 +204,12 @@ Result<V4l2Agreement> negotiate_v4l2(VideoDevice& device, const V4l2Identity& id
     if (answer.field != V4L2_FIELD_NONE && answer.field != V4L2_FIELD_ANY) {
       if (answer.field != V4L2_FIELD_INTERLACED && answer.field != V4L2_FIELD_INTERLACED_TB &&
           answer.field != V4L2_FIELD_INTERLACED_BT)
-        return fail(FaultKind::bad_input, "{}: the camera delivers half pictures (fields): expected whole ones",
+        return fail(FaultKind::bad_input, "{}: the camera delivers single fields: expected whole frames",
                     asked_for(request));
-      mode.notes.push_back("the picture is interlaced: what moves has combed edges");
+      mode.notes.push_back("the picture is interlaced: moving edges show combing");
     }
     if (request.yuv_encoding && mode.yuv_encoding && *request.yuv_encoding != *mode.yuv_encoding)
-      mode.notes.push_back(fmt::format("yuv_encoding: the driver says {}, calibration says {}, which counts",
+      mode.notes.push_back(fmt::format("yuv_encoding: the driver reports {}, overridden by calibration: {}",
                                        name_of(*mode.yuv_encoding), name_of(*request.yuv_encoding)));
     set_rate(device, identity.buffer_type, candidate.interval, request.frames_per_second, mode);
     return agreement;

@@ -1,4 +1,4 @@
-// Agreeing with a V4L2 driver on format, size and rate.
+// Negotiates format, size and rate with a V4L2 driver.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace kasumi {
 
-// How a picture lies in a buffer, as agreed, and found possible.
+// The negotiated and validated layout of a picture in a buffer.
 struct V4l2Layout {
   struct MemoryPlane {
     std::uint32_t stride = 0;  // 0 for compressed formats
     std::uint32_t size = 0;    // bytes the driver needs
   };
   std::uint32_t buffer_type = 0;
-  std::vector<MemoryPlane> planes;  // one: the picture's planes follow each other in it; else one for each
-  // Buffers are never ours alone: who feeds v4l2loopback writes on into them, and it may hand one out twice.
+  std::vector<MemoryPlane> planes;  // one holding all of the picture's planes, or one for each
+  // Buffers are shared with the writer: a v4l2loopback feeder keeps writing into them, and one may be dequeued twice.
   bool shared = false;
   bool multiplanar() const;
 };
@@ -28,8 +28,8 @@ struct V4l2Agreement {
   V4l2Layout layout;
 };
 
-// Sets format, size and rate. Among several formats: colour before none, then the rate nearest to what is asked for,
-// then what costs least. Errors: bad_input (format or size cannot be had; lists what can), device, disconnected.
+// Sets format, size and rate. Among several formats: colour before grey, then the nearest rate, then the lowest
+// processing cost. Errors: bad_input (format or size not offered; lists the offer), device, disconnected.
 Result<V4l2Agreement> negotiate_v4l2(VideoDevice& device, const V4l2Identity& identity, const CameraRequest& request);
 
 }  // namespace kasumi

@@ -10,10 +10,10 @@ namespace kasumi {
 
 namespace {
 
-// A driver that counts on for ever is cut here.
-constexpr std::uint32_t kMostFormats = 256;  // vivid has ninety
-constexpr std::uint32_t kMostSizes = 256;
-constexpr std::uint32_t kMostIntervals = 256;
+// Limits for a driver whose enumeration never ends.
+constexpr std::uint32_t kMaxFormats = 256;  // vivid has about ninety
+constexpr std::uint32_t kMaxSizes = 256;
+constexpr std::uint32_t kMaxIntervals = 256;
 
 template <std::size_t N>
 std::string text_of(const std::uint8_t (&field)[N]) {
@@ -30,7 +30,7 @@ bool on_grid(std::uint32_t value, std::uint32_t least, std::uint32_t most, std::
 
 std::vector<V4l2Sizes> sizes_of(VideoDevice& device, std::uint32_t code) {
   std::vector<V4l2Sizes> sizes;
-  for (std::uint32_t index = 0; index < kMostSizes; ++index) {
+  for (std::uint32_t index = 0; index < kMaxSizes; ++index) {
     v4l2_frmsizeenum entry{};
     entry.index = index;
     entry.pixel_format = code;
@@ -82,15 +82,16 @@ Result<V4l2Identity> identify_v4l2(VideoDevice& device) {
   identity.multiplanar = (abilities & V4L2_CAP_VIDEO_CAPTURE) == 0;
   identity.buffer_type = identity.multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if ((abilities & (V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_VIDEO_CAPTURE_MPLANE)) == 0)
-    return fail(FaultKind::unsupported, "{} ({}) is no capture device", identity.card, identity.driver);
+    return fail(FaultKind::unsupported, "{} ({}) is not a capture device", identity.card, identity.driver);
   if ((abilities & V4L2_CAP_STREAMING) == 0)
-    return fail(FaultKind::unsupported, "{} ({}) does not stream into mapped buffers", identity.card, identity.driver);
+    return fail(FaultKind::unsupported, "{} ({}) does not support streaming to mapped buffers", identity.card,
+                identity.driver);
   return identity;
 }
 
 std::vector<V4l2Offer> v4l2_offers(VideoDevice& device, std::uint32_t buffer_type) {
   std::vector<V4l2Offer> offers;
-  for (std::uint32_t index = 0; index < kMostFormats; ++index) {
+  for (std::uint32_t index = 0; index < kMaxFormats; ++index) {
     v4l2_fmtdesc entry{};
     entry.index = index;
     entry.type = buffer_type;
@@ -108,7 +109,7 @@ V4l2Rates v4l2_rates(VideoDevice& device, std::uint32_t code, int width, int hei
     if (interval.numerator != 0 && interval.denominator != 0)
       rates.intervals.push_back({interval.numerator, interval.denominator});
   };
-  for (std::uint32_t index = 0; index < kMostIntervals; ++index) {
+  for (std::uint32_t index = 0; index < kMaxIntervals; ++index) {
     v4l2_frmivalenum entry{};
     entry.index = index;
     entry.pixel_format = code;

@@ -1,4 +1,4 @@
-// What a V4L2 device offers: formats, sizes, rates. All of it is the driver's word and only asked, nothing is set.
+// What a V4L2 device offers: formats, sizes, rates. As the driver reports it, unchecked; nothing is set.
 #pragma once
 
 #include <cstdint>
@@ -10,31 +10,31 @@
 
 namespace kasumi {
 
-// One size, or all from smallest to largest in steps.
+// One size, or a range of sizes in steps.
 struct V4l2Sizes {
   std::uint32_t least_width, most_width, step_width;
   std::uint32_t least_height, most_height, step_height;
   bool includes(int width, int height) const;
 };
 
-struct V4l2Interval {  // seconds as a fraction, exactly as the driver has it
+struct V4l2Interval {  // seconds as a fraction, exactly as the driver reports it
   std::uint32_t numerator = 0;
   std::uint32_t denominator = 0;
   double rate() const { return numerator == 0 ? 0.0 : static_cast<double>(denominator) / numerator; }
 };
 
-// The rates at one format and size. Empty: the driver does not say.
+// The rates at one format and size. Empty: not reported.
 struct V4l2Rates {
   std::vector<V4l2Interval> intervals;
-  bool continuous = false;  // then intervals are the shortest and the longest, and anything between
-  // The one nearest to `rate` per second; 0: the fastest. Denominator 0: none is known.
+  bool continuous = false;  // then intervals holds the shortest and the longest of a continuous range
+  // The interval nearest to `rate` per second; 0: the shortest. Denominator 0: none is known.
   V4l2Interval nearest(double rate) const;
 };
 
 struct V4l2Offer {
   std::uint32_t code = 0;                   // V4L2_PIX_FMT_*
-  const V4l2PixelFormat* format = nullptr;  // null: we do not read it
-  std::vector<V4l2Sizes> sizes;             // empty: the driver does not say
+  const V4l2PixelFormat* format = nullptr;  // null: not supported
+  std::vector<V4l2Sizes> sizes;             // empty: not reported
 };
 
 struct V4l2Identity {

@@ -16,11 +16,11 @@ namespace kasumi {
 
 namespace {
 
-// After so many frames and so long the camera's own white balance has settled.
+// Frames and time after which the camera's automatic white balance has settled.
 constexpr int kSettledFrames = 30;
 constexpr Duration kSettled = std::chrono::seconds(2);
-// Between looks at a device that says it is readable and gives nothing.
-constexpr Duration kNap = std::chrono::milliseconds(1);
+// Between polls of a device that reports being readable but delivers nothing.
+constexpr Duration kRetryPause = std::chrono::milliseconds(1);
 
 class V4l2Source final : public CameraSource {
  public:
@@ -54,7 +54,7 @@ class V4l2Source final : public CameraSource {
   }
 
  private:
-  // Once a stream has failed it has to be torn down: whatever the driver says afterwards is worth nothing.
+  // A failed stream must be closed: nothing the driver reports afterwards can be trusted.
   const Fault& remembered(Fault fault) {
     fault.message = fmt::format("{}: {}", description_, fault.message);
     return fault_.emplace(std::move(fault));
@@ -66,7 +66,7 @@ class V4l2Source final : public CameraSource {
       if (auto fine = read_event(); !fine) return fine;
     if (events.error && !events.readable) return queue_failed();
     if (events.readable || events.event) {
-      if (std::exchange(readable_in_vain_, true)) clock_.sleep_until(clock_.now() + kNap);
+      if (std::exchange(empty_wakeups_, true)) clock_.sleep_until(clock_.now() + kRetryPause);
     }
     return {};
   }
@@ -81,11 +81,11 @@ class V4l2Source final : public CameraSource {
       return {};
     }
     if (event.type == V4L2_EVENT_SOURCE_CHANGE && (event.u.src_change.changes & V4L2_EVENT_SRC_CH_RESOLUTION) != 0)
-      return fail(FaultKind::device, "the signal at the camera's input has changed its size");
+      return fail(FaultKind::device, "the signal at the camera's input has changed size");
     return {};
   }
 
-  // poll tells that, not why; the next exchange does.
+  // poll reports the failure; the next exchange gives its reason.
   Result<> queue_failed() {
     auto filled = buffers_->take();
     if (!filled) return fail(filled.error());
@@ -93,11 +93,11 @@ class V4l2Source final : public CameraSource {
     return fail(FaultKind::device, "the driver's queue has failed");
   }
 
-  // The newest of the frames that wait, those before it given back; empty: none waits.
+  // The newest waiting frame, with older ones given back; empty: none.
   Result<std::optional<Frame>> newest() {
     std::optional<V4l2Filled> newest;
     std::uint32_t skipped = 0;
-    // No more in one go than there are buffers, or a fast camera would keep us here.
+    // Takes at most as many as there are buffers, or a fast camera would keep this loop going.
     for (int i = 0; i < VIDEO_MAX_FRAME; ++i) {
       auto filled = buffers_->take();
       if (!filled) return fail(filled.error());
@@ -110,7 +110,7 @@ class V4l2Source final : public CameraSource {
       newest = std::move(*filled);
     }
     if (!newest) return std::optional<Frame>{};
-    readable_in_vain_ = false;
+    empty_wakeups_ = false;
     return delivered(*newest, skipped);
   }
 
@@ -144,7 +144,7 @@ class V4l2Source final : public CameraSource {
   const Instant opened_at_;
   std::atomic<std::uint64_t> copied_{0};
   int good_frames_ = 0;
-  bool readable_in_vain_ = false;
+  bool empty_wakeups_ = false;
   std::optional<Fault> fault_;
 };
 
@@ -154,7 +154,7 @@ Result<> check(const CameraRequest& request) {
     problems.add("width, height {}x{}: expected 1 to {} pixels each way", request.width, request.height, kLargestSide);
   if (request.buffers < 3 || request.buffers > 16) problems.add("buffers {}: expected 3 to 16", request.buffers);
   if (!(request.frames_per_second >= 0.0 && request.frames_per_second <= 1000.0))
-    problems.add("frames_per_second {}: expected 0 (as fast as the camera will) to 1000", request.frames_per_second);
+    problems.add("frames_per_second {}: expected 0 (the camera's highest rate) to 1000", request.frames_per_second);
   if (request.exposure_s && !(*request.exposure_s > 0.0 && *request.exposure_s <= 100.0))
     problems.add("exposure_s {}: expected more than 0, at most 100", *request.exposure_s);
   if (request.gain && !(*request.gain >= 0.0 && *request.gain <= 1e9))
@@ -165,7 +165,7 @@ Result<> check(const CameraRequest& request) {
   return fail(problems.fault());
 }
 
-// "/dev/video3", which may be another camera after the next boot.
+// "/dev/video3" may be another camera after the next boot.
 void note_number(const std::filesystem::path& path, CameraMode& mode) {
   const auto name = path.filename().string();
   if (path.parent_path() == "/dev" && name.starts_with("video"))

@@ -1,4 +1,4 @@
-// Land under the sky: rings of points around the observer.
+// Land under the sky: a mesh of rings around the observer.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace kasumi {
 
-// Metres: x east, y north, z up from the sea's level below the observer, level there: far land lies lower, as the Earth
-// bends.
+// Metres: x east, y north, z up from sea level below the observer, in the tangent plane there: far land lies lower
+// because of the Earth's curvature.
 struct LandVertex {
   glm::vec3 position{0.0f};
   float altitude_m = 0.0f;  // above the sea
@@ -16,7 +16,7 @@ struct LandVertex {
   glm::vec3 albedo{0.2f};  // linear sRGB
 };
 
-// Point (column, ring) is vertices[ring * columns + column]; rings go outwards, columns clockwise.
+// Point (column, ring) is vertices[ring * columns + column]; rings are ordered outwards, columns clockwise.
 struct DomeLand {
   int columns = 0;
   int rings = 0;

@@ -11,11 +11,11 @@ namespace {
 
 constexpr int kFirstParts = 8;       // before any is halved
 constexpr double kClosest_px = 0.7;  // lines are never closer than this
-constexpr double kLookEvery_px = 60.0;
+constexpr double kProbeSpacing_px = 60.0;
 
 using Look = std::function<glm::dvec3(double along, double across)>;
 
-// How far a straight line from one end to the other is off in its middle and its quarters.
+// The largest error of linear interpolation between the ends, sampled at the middle and the quarters.
 double straight_error(const Look& look, const std::vector<double>& across, double from, double to) {
   double worst = 0.0;
   for (const double line : across) {
@@ -47,9 +47,9 @@ std::vector<double> lines_of(const Look& look, double size, const std::vector<do
   return lines;
 }
 
-// Evenly spread, and through the sun.
-std::vector<double> places_to_look(double size, std::optional<double> sun) {
-  const int count = std::max(8, static_cast<int>(size / kLookEvery_px));
+// Evenly spaced, plus one through the sun.
+std::vector<double> probe_places(double size, std::optional<double> sun) {
+  const int count = std::max(8, static_cast<int>(size / kProbeSpacing_px));
   std::vector<double> places;
   for (int i = 0; i <= count; ++i) places.push_back(size * (static_cast<double>(i) / count - 0.5));
   if (sun && std::abs(*sun) < 0.5 * size) places.push_back(*sun);
@@ -71,9 +71,9 @@ DomeMesh make_dome_mesh(const SkyView& view, const SkyPainter& painter, const Di
   }
   DomeMesh mesh;
   mesh.columns = lines_of([&](double along, double across) { return seen(along, across); }, view.width,
-                          places_to_look(view.height, sun_y), tolerance);
+                          probe_places(view.height, sun_y), tolerance);
   mesh.rows = lines_of([&](double along, double across) { return seen(across, along); }, view.height,
-                       places_to_look(view.width, sun_x), tolerance);
+                       probe_places(view.width, sun_x), tolerance);
   return mesh;
 }
 

@@ -1,4 +1,4 @@
-// Where the sky's picture is computed, so that it may be drawn straight in between.
+// Where the sky's colours are computed, so that they can be interpolated linearly in between.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 namespace kasumi {
 
 // Lines across the picture, pixels right and down of its middle, from edge to edge: closer together where the encoded
-// picture bends, at the horizon and around the sun. What is drawn straight between two of them is off by at most
-// `tolerance` (of full scale) at the places that were looked at.
+// picture is strongly curved, at the horizon and around the sun. Linear interpolation between two of them errs by at
+// most `tolerance` (of full scale) at the sampled places.
 struct DomeMesh {
   std::vector<double> columns, rows;
 };

@@ -16,7 +16,7 @@
 
 namespace kasumi {
 
-// What one program draws.
+// Named, because DomeRenderer::State has members of it.
 enum class DomePart { sky, sun, land };
 
 namespace {
@@ -122,7 +122,7 @@ struct DomeRenderer::State {
     return &programs.emplace(std::pair(part, defines), std::move(*made)).first->second;
   }
 
-  // What every part needs of the view.
+  // Sets the uniforms that all parts share.
   void begin(const Program& program, const DrawTarget& target) const {
     program.use();
     program.set("dither_pattern", kDitherUnit);

@@ -11,9 +11,9 @@
 
 namespace kasumi {
 
-// per_vertex: the sky is computed at the corners of a mesh that is fine where the picture bends, and is straight in
-// between; off by less than half a step of 8 bits. per_fragment: in each pixel; no sun, no land. To measure the first
-// by; it takes 45 uniform vectors of the fragment shader, and GLES 2 promises 16.
+// per_vertex: the sky is computed at the vertices of an adaptive mesh and interpolated linearly, with an error below
+// half a step of 8 bits. per_fragment: in each pixel, without sun and land; a reference for per_vertex that needs 45
+// uniform vectors of the fragment shader, where GLES 2 guarantees 16.
 enum class DomeDetail { per_vertex, per_fragment };
 
 class DomeRenderer {
@@ -23,19 +23,19 @@ class DomeRenderer {
   DomeRenderer& operator=(DomeRenderer&&) noexcept;
   ~DomeRenderer();
 
-  // What is looked at from where, under what sky. Costs some milliseconds of the CPU, which cuts the mesh.
+  // Sets view and sky. Takes some milliseconds of CPU time to build the mesh.
   // Errors: bad_input (no size, no focal length), device.
   Result<> set(const SkyView& view, const SkyScene& scene);
-  // Stays until the next; an empty one takes it away. Preetham 1999 shows none. Errors: bad_input (sizes that
-  // disagree), device.
+  // Kept until replaced; an empty one removes it. Not drawn with Preetham 1999. Errors: bad_input (inconsistent sizes),
+  // device.
   Result<> set_land(const DomeLand& land);
-  // The picture as large as it fits. Errors: bad_input (nothing was set), device.
+  // Draws the picture as large as fits. Errors: bad_input (no sky set), device.
   Result<> draw(const DrawTarget& target, DomeDetail detail = DomeDetail::per_vertex);
 
   struct Size {
     int columns = 0, rows = 0;
   };
-  Size mesh_size() const;  // for people and benches
+  Size mesh_size() const;  // for display and benchmarks
 
  private:
   struct State;

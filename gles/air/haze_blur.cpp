@@ -15,7 +15,7 @@ void bind(int unit, const GlTexture& texture) {
   glBindTexture(GL_TEXTURE_2D, texture.name());
 }
 
-// As packed.glsl (GLSL keeps the word to itself).
+// As in packed.glsl ("packed" is a reserved word in GLSL).
 glm::u8vec4 packed(double first, double second) {
   const auto whole = [](double value) {
     return static_cast<unsigned>(std::lround(65535.0 * std::clamp(value, 0.0, 1.0)));
@@ -64,8 +64,8 @@ Result<HazeBlur> HazeBlur::create(const GlInfo& info, int width, int height, con
     return fail(FaultKind::bad_input, "a picture of {} x {} pixels: expected 1 .. {} each way on this driver", width,
                 height, info.max_texture_size);
   if (!info.highp_fragments)
-    return fail(FaultKind::unsupported, "{}: computes in medium precision only, too little for haze that blurs",
-                info.renderer);
+    return fail(FaultKind::unsupported,
+                "{}: fragment shaders have only medium precision, too little for haze that blurs", info.renderer);
   HazeBlur made;
   made.width_ = width;
   made.height_ = height;
@@ -89,7 +89,7 @@ Result<HazeBlur> HazeBlur::create(const GlInfo& info, int width, int height, con
     if (!buffers) return fail(buffers.error());
     *state = std::move(*buffers);
   }
-  if (auto done = check_gl("making the blur of haze"); !done) return fail(done.error());
+  if (auto done = check_gl("creating the haze blur"); !done) return fail(done.error());
   return made;
 }
 
@@ -122,7 +122,7 @@ Result<> HazeBlur::set_scene(const HazeScene& scene) {
   along_row_ = packed_texture(width_, height_, of(scene.range, range_scale_), of(scene.steps_along_row, 1.0));
   down_column_ = packed_texture(width_, height_, of(scene.range, range_scale_), of(scene.steps_down_column, 1.0));
   has_scene_ = true;
-  return check_gl("taking in a picture for haze");
+  return check_gl("uploading a picture for haze");
 }
 
 void HazeBlur::draw_into(const LayerBuffer& buffer) const {
@@ -132,10 +132,10 @@ void HazeBlur::draw_into(const LayerBuffer& buffer) const {
 }
 
 Result<> HazeBlur::run(const HazeLook& look) {
-  if (!has_scene_) return fail(FaultKind::bad_input, "no picture has been given to lay haze over");
+  if (!has_scene_) return fail(FaultKind::bad_input, "no picture has been set to add haze to");
   for (const auto& pass : look.passes)
     if (pass.offset_px > std::min(width_, height_))
-      return fail(FaultKind::bad_input, "haze takes steps of {:.0f} pixels: the picture has {} x {}", pass.offset_px,
+      return fail(FaultKind::bad_input, "haze needs steps of {:.0f} pixels: the picture has {} x {}", pass.offset_px,
                   width_, height_);
   look_ = look;
   unit_ = std::max({light_unit_, look.airlight.r, look.airlight.g, look.airlight.b});
@@ -157,7 +157,7 @@ Result<> HazeBlur::run(const HazeLook& look) {
     program.set("weight", std::span<const glm::dvec3>(look.weight));
     program.set("extinction", std::span<const glm::dvec3>(look.extinction));
     program.set("airlight", look.airlight);
-    // The picture is stored by its own unit; the light that is left fits the larger one.
+    // The picture is stored in its own unit; the remaining light fits the larger one.
     program.set("light_unit", light_unit_);
     program.set("unit", unit_);
     draw_into(now_.buffers[i]);

@@ -1,13 +1,13 @@
-// Haze that blurs, on the GPU (H; physics 9): the scheme of matched steps, and the explicit one to measure it against.
+// Haze that blurs, on the GPU (H; physics 9): the scheme of matched steps, and the explicit scheme for comparison.
 //
 //   auto blur = HazeBlur::create(info, 1600, 1120);
 //   blur->set_scene(scene);
-//   blur->run(haze);           // whenever the haze has changed: 13 passes for 25 pixels
+//   blur->run(haze);           // whenever the haze has changed: 13 passes for a blur of 25 pixels
 //   blur->show(target);
 //
-// The numbers come from estimator/haze/, which is the reference as well. Light is kept in half floats where the driver
-// draws into them; else as 16-bit numbers, two channels in the four bytes of a target: twice the passes, no less exact
-// (docs/photographs.md).
+// The parameters come from estimator/haze/, which is also the reference. Light is stored in half floats if the driver
+// renders to them; else as 16-bit numbers, two channels in the four bytes of a target: twice the passes, the same
+// accuracy (docs/photographs.md).
 #pragma once
 
 #include <array>
@@ -25,14 +25,14 @@
 
 namespace kasumi {
 
-// A picture and where its surfaces are. All of one size.
+// A picture and its surfaces' ranges. All images have the same size.
 struct HazeScene {
   Image<glm::vec3> light;                           // linear, >= 0
-  Image<float> range;                               // of the farthest, > 0
+  Image<float> range;                               // relative to the farthest, > 0
   Image<float> steps_along_row, steps_down_column;  // sums of the range's steps, in turns of 0..1
 };
 
-// One pass: whole pixels, the variance of those before, and its own.
+// One pass: its offset in whole pixels, the variance of the passes before, and its own.
 struct HazePass {
   double offset_px = 1.0;
   double from_px2 = 0.0;
@@ -44,15 +44,15 @@ struct HazeLook {
   std::array<glm::dvec3, 2> extinction{};                              // per farthest range
   glm::dvec3 airlight{1.0};                                            // linear
   double inner_px = 1.0;                                               // the picture's own width
-  double widening_px = 0.0;                                            // added at range 1; with range^(3/2)
+  double widening_px = 0.0;                                            // added at range 1; grows as range^(3/2)
   std::vector<HazePass> passes;
-  int explicit_passes = 0;  // > 0: so many of one pixel in their place, by H Eq 11-13
-  // Differences of the steps' sums, in turns: one surface up to the first, two from the second on.
+  int explicit_passes = 0;  // > 0: this many passes of one pixel instead, by H Eq 11-13
+  // Differences of the steps' sums, in turns: below the first it is one surface, above the second it is two.
   double same_surface = 0.0, other_surface = 0.0;
 };
 
 struct HazeBlurOptions {
-  bool force_bytes = false;  // although the driver draws into half floats
+  bool force_bytes = false;  // even if the driver renders to half floats
 };
 
 class HazeBlur {
@@ -67,7 +67,7 @@ class HazeBlur {
   Result<> run(const HazeLook& look);
   // What was run last, sRGB, before its airlight. Errors: bad_input (target), device.
   Result<> show(const DrawTarget& target) const;
-  // The same before the airlight: premultiplied light and transmission, linear. BLOCKS.
+  // The same without airlight: premultiplied light and transmission, linear. BLOCKS.
   Result<Image<glm::vec4>> read() const;
 
  private:

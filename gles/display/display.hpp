@@ -1,4 +1,4 @@
-// What the visitor looks at. A display belongs to the thread that opened it, and so does its GL context.
+// The screen that visitors see. A display and its GL context belong to the thread that opened it.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@
 
 namespace kasumi {
 
-// One picture that has reached the glass.
+// A picture that has reached the screen.
 struct Flip {
-  std::uint64_t number = 0;  // what show() answered
-  Instant at{};              // by the display's clock: the first line of the picture left then
+  std::uint64_t number = 0;  // as returned by show()
+  Instant at{};              // when scanout of the picture's first line began, by the display's clock
 };
 
-// What happened underneath since the display was opened.
+// Driver events since the display was opened.
 struct DisplayCounts {
   std::uint64_t flips = 0;
   std::uint64_t flip_timeouts = 0;  // flips that did not complete within flip_deadline
-  std::uint64_t modesets = 0;       // the first one included
+  std::uint64_t modesets = 0;       // including the first
 };
 
 class Display {
@@ -32,22 +32,22 @@ class Display {
   virtual GlContext& context() = 0;
 
   // BLOCKS until there is a buffer to draw into, or the deadline passes. The context is current then.
-  // Errors: timeout (a flip has not completed; later calls may succeed), disconnected (connector, mode or master gone:
-  // open the display anew), end_of_stream (the person closed the window), device (the context is lost, or the driver
-  // refuses: open the display and everything under its context anew).
+  // Errors: timeout (a flip has not completed; later calls may succeed), disconnected (connector, mode or master lost:
+  // reopen the display), end_of_stream (the window was closed), device (the context is lost, or the driver refuses:
+  // reopen the display and recreate everything under its context).
   virtual Result<DrawTarget> begin(Instant deadline) = 0;
-  // Queues what was drawn since begin() for the display's next refresh; answers its number. `until_replaced` is held
+  // Queues what was drawn since begin() for the display's next refresh and returns its number. `until_replaced` is kept
   // until the flip that replaces this picture has completed. Errors: disconnected, device.
   virtual Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced = nullptr) = 0;
   // The flips that completed since the last call, oldest first. Does not block.
   virtual std::vector<Flip> take_flips() = 0;
   virtual DisplayCounts counts() const { return {}; }
   // Turns the screen off; the next picture turns it on again. BLOCKS in the driver. Errors: unsupported (it stays on:
-  // show black), timeout (a picture is still on its way: try again), device.
+  // show black), timeout (a flip is still pending: try again), device.
   virtual Result<> turn_off() { return fail(FaultKind::unsupported, "{} cannot be turned off", description()); }
 };
 
-// Hears of displays that come and go, so that nobody has to wait out a pause before looking again.
+// Watches for displays being plugged and unplugged, so that callers can react without waiting for their next poll.
 class DisplayWatch {
  public:
   virtual ~DisplayWatch() = default;
@@ -56,7 +56,7 @@ class DisplayWatch {
 // Error: unsupported (no udev).
 Result<std::unique_ptr<DisplayWatch>> watch_displays();
 
-// A framebuffer nobody sees, for tests and machines without a display. Flips complete at once.
+// An offscreen framebuffer, for tests and machines without a display. Flips complete at once.
 struct HeadlessDisplayOptions {
   int width = 1280;
   int height = 720;
@@ -65,7 +65,7 @@ struct HeadlessDisplayOptions {
 class HeadlessDisplay;
 Result<std::unique_ptr<HeadlessDisplay>> open_headless_display(const HeadlessDisplayOptions& options, Clock& clock);
 
-// The desk window.
+// A window on a desktop.
 struct WindowDisplayOptions {
   std::string title = "Kasumi";
   int width = 1280;
@@ -74,26 +74,25 @@ struct WindowDisplayOptions {
 };
 Result<std::unique_ptr<Display>> open_window_display(const WindowDisplayOptions& options, Clock& clock);
 
-// The whole screen through the kernel's modesetting, without a display server. There is no virtual terminal to switch:
-// the service runs without one, and the console draws nothing while we are DRM master. Who must have a terminal's
-// switches obeyed runs a display server and takes the window.
+// The whole screen through kernel modesetting, without a display server. Virtual terminal switching is not supported:
+// the service runs without a terminal, and the console draws nothing while Kasumi is DRM master. If switching is
+// needed, use the window under a display server.
 struct KmsDisplayOptions {
   std::string device;     // "/dev/dri/by-path/pci-0000:00:02.0-card"; empty: the first card with a connected connector
   std::string connector;  // like "HDMI-A-1"; empty: the first connected one
-  int width = 0;          // of the mode; 0: the display's preferred one
+  int width = 0;          // of the mode; 0: the display's preferred mode
   int height = 0;
-  double refresh_hz = 0.0;         // 0: the highest of that size
-  bool preferred_instead = false;  // a mode the display does not offer: take its preferred one instead, and say so in
+  double refresh_hz = 0.0;         // 0: the highest at that size
+  bool preferred_instead = false;  // if the display does not offer the mode, use its preferred one, and say so in
                                    // description()
-  bool atomic = true;              // false: the legacy calls although the driver has atomic ones
+  bool atomic = true;              // false: use the legacy calls even if the driver supports atomic ones
   Duration flip_deadline = std::chrono::seconds(1);
   friend bool operator==(const KmsDisplayOptions&, const KmsDisplayOptions&) = default;
 };
-// The first picture sets the mode (BLOCKS in the driver, which gives up after about 10 s at worst); closing gives the
-// screen back to what it showed before.
-// Errors: disconnected (no card, no connected connector, no modes: try again), bad_input (no connector or mode of that
-// name; what there is), device (EBUSY or EACCES: somebody else is DRM master, and who where that is known),
-// unsupported.
+// The first picture sets the mode (BLOCKS in the driver, for about 10 s at worst); closing restores what the screen
+// showed before.
+// Errors: disconnected (no card, no connected connector, no modes: try again), bad_input (no such connector or mode;
+// lists those available), device (EBUSY or EACCES: another process is DRM master, named if known), unsupported.
 Result<std::unique_ptr<Display>> open_kms_display(const KmsDisplayOptions& options, Clock& clock);
 
 }  // namespace kasumi

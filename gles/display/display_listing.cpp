@@ -77,7 +77,8 @@ Result<FlipTiming> measure_flips(Display& display, Clock& clock, int count) {
     if (!target) return fail(target.error());
     take();
     glBindFramebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    const float grey = 0.25f + 0.001f * static_cast<float>(i % 2);  // no driver may take it for the same picture
+    const float grey =
+        0.25f + 0.001f * static_cast<float>(i % 2);  // differs from the last one, so that no driver skips it
     glClearColor(grey, grey, grey, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
     const Instant now = clock.now();
@@ -85,7 +86,7 @@ Result<FlipTiming> measure_flips(Display& display, Clock& clock, int count) {
     if (!number) return fail(number.error());
     shown_at[*number] = now;
   }
-  // begin() answers once the last picture is shown.
+  // begin() returns once the last picture is shown.
   if (const auto settled = display.begin(clock.now() + kLongestWait); !settled) return fail(settled.error());
   take();
 

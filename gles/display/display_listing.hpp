@@ -1,4 +1,4 @@
-// What displays there are, for people who look after the machine.
+// Lists the machine's displays, for its operators.
 #pragma once
 
 #include <string>
@@ -13,29 +13,29 @@ namespace kasumi {
 struct ListedConnector {
   std::string name;        // "HDMI-A-1"
   std::string connection;  // "connected", "disconnected", "unknown"
-  std::string display;     // "DEL U2412M"; empty: it does not say
-  std::string mode_now;    // "1920x1080@60.00"; empty: nothing is shown there
-  std::string preferred;   // of its modes; empty: it lists none
+  std::string display;     // "DEL U2412M"; empty: unknown
+  std::string mode_now;    // "1920x1080@60.00"; empty: none
+  std::string preferred;   // the preferred mode; empty: it lists no modes
   std::vector<std::string> modes;
 };
 
 struct ListedCard {
   std::string path;     // "/dev/dri/card0"
-  std::string by_path;  // "/dev/dri/by-path/pci-0000:00:02.0-card"; empty: udev names none
+  std::string by_path;  // "/dev/dri/by-path/pci-0000:00:02.0-card"; empty: udev gives none
   std::string driver;   // "vc4"
   bool atomic = false;
-  std::string users;    // "kasumi (pid 411) is master"; empty: nobody, or this user may not know
-  std::string problem;  // why the card could not be asked; the fields above it may be empty then
+  std::string users;    // "kasumi (pid 411) is master"; empty: nobody, or this user may not see it
+  std::string problem;  // why the card could not be queried; then the fields above may be empty
   std::vector<ListedConnector> connectors;
 };
 
-// Every card that drives displays, or might. Does not disturb who shows something; BLOCKS for some 10 ms a connector.
+// Every card that drives displays, or might. Does not disturb what is shown; BLOCKS for some 10 ms per connector.
 std::vector<ListedCard> list_displays();
 
-// How a display takes pictures.
+// How fast a display accepts pictures.
 struct FlipTiming {
   int flips = 0;
-  Duration median_interval{};  // between flips, pictures being offered as fast as the display takes them
+  Duration median_interval{};  // between flips, with pictures offered as fast as the display accepts them
   Duration longest_interval{};
   Duration median_latency{};  // from show() to the flip
 };

@@ -1,4 +1,4 @@
-// Flips until somebody takes them: the newest ones only, so that nobody who forgets to ask runs out of memory.
+// Keeps flips until they are taken, but only the newest, so that memory stays bounded if they never are.
 #pragma once
 
 #include <memory>
@@ -25,17 +25,17 @@ class FlipRecord {
   std::uint64_t count_ = 0;
 };
 
-// The pictures of a display that is done with each before the next is begun: numbered, on the glass as soon as shown.
+// Numbers the pictures of a display whose flips complete immediately.
 class ImmediateFlips {
  public:
   explicit ImmediateFlips(Clock& clock) : clock_(clock) {}
-  // The picture is on the glass, and nothing reads the one before any more. Answers its number.
+  // The picture is shown, and the one before is no longer read. Returns its number.
   std::uint64_t shown(std::shared_ptr<const void> until_replaced) {
     held_ = std::move(until_replaced);
     record_.add(++number_, clock_.now());
     return number_;
   }
-  std::uint64_t number() const { return number_; }  // of the picture shown last; 0: none was
+  std::uint64_t number() const { return number_; }  // of the picture shown last; 0: none yet
   std::vector<Flip> take() { return record_.take(); }
   DisplayCounts counts() const { return {.flips = record_.count()}; }
 

@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-// Two framebuffers: one holds the picture shown last while the next is drawn into the other.
+// Double-buffered: one framebuffer holds the picture shown last while the next is drawn into the other.
 class OffscreenDisplay final : public HeadlessDisplay {
  public:
   OffscreenDisplay(std::unique_ptr<GlContext> context, std::array<Offscreen, 2> pictures, Clock& clock)
@@ -36,7 +36,7 @@ class OffscreenDisplay final : public HeadlessDisplay {
 
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
     if (auto current = context_->make_current(); !current) return fail(current.error());
-    glFinish();  // a picture is on the glass when it is drawn, and the one before it is read no more
+    glFinish();  // a picture counts as shown once drawn, and the one before is no longer read
     if (auto finished = check_gl("drawing a picture"); !finished) return fail(finished.error());
     return flips_.shown(std::move(until_replaced));
   }
@@ -45,8 +45,7 @@ class OffscreenDisplay final : public HeadlessDisplay {
   DisplayCounts counts() const override { return flips_.counts(); }
 
   Result<Image<Rgb8>> read() override {
-    if (flips_.number() == 0)
-      return fail(FaultKind::bad_input, "the headless display has not been shown a picture yet");
+    if (flips_.number() == 0) return fail(FaultKind::bad_input, "the headless display has not shown a picture yet");
     if (auto current = context_->make_current(); !current) return fail(current.error());
     return pictures_[(flips_.number() - 1) % 2].read();
   }

@@ -1,4 +1,4 @@
-// A display nobody sees, whose last shown picture can be read.
+// An offscreen display whose last shown picture can be read.
 #pragma once
 
 #include "base/image.hpp"

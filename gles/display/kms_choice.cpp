@@ -27,7 +27,7 @@ std::string asked_in_words(int width, int height, double refresh_hz) {
   return words;
 }
 
-// Whether a is the better answer to who wants this rate (0: the highest).
+// Whether a suits the requested rate (0: the highest) better than b.
 bool better(const KmsMode& a, const KmsMode& b, double refresh_hz) {
   if (a.interlaced != b.interlaced) return b.interlaced;
   if (refresh_hz <= 0) return a.refresh_hz > b.refresh_hz;
@@ -55,7 +55,7 @@ std::string in_words(const KmsConnector& connector) {
   if (connector.connection == KmsConnection::disconnected) return fmt::format("{}: disconnected", connector.name);
   std::string words = fmt::format("{}:", connector.name);
   if (!connector.display.empty()) words += fmt::format(" {},", connector.display);
-  if (connector.connection == KmsConnection::unknown) words += " perhaps connected,";
+  if (connector.connection == KmsConnection::unknown) words += " connection unknown,";
   if (connector.modes.empty()) return words + " lists no modes";
   for (std::size_t i = 0; i < std::min(connector.modes.size(), kModesInWords); ++i)
     words += fmt::format("{}{}{}", i == 0 ? " " : ", ", connector.modes[i].text(),

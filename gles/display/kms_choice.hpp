@@ -1,4 +1,4 @@
-// Which connector, and which of its modes.
+// Chooses the connector and its mode.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace kasumi {
 
-// The connector of that name, or with an empty name the first that has a display with modes. Errors, with what there
-// is: bad_input (no connector of that name), disconnected (no display there, or it lists no modes).
+// The connector of that name, or with an empty name the first that has a display with modes. Errors, listing the
+// connectors: bad_input (no connector of that name), disconnected (no display there, or it lists no modes).
 Result<KmsConnector> choose_connector(const std::vector<KmsConnector>& connectors, const std::string& name);
 
-// The mode of that size and rate (within 0.6 Hz, so that 60 means 59.94 where that is all there is), progressive before
-// interlaced; without a size the display's preferred one. Errors: disconnected (no modes), bad_input (none is like
-// that; what there is).
+// The mode of that size and rate (within 0.6 Hz, so that 60 also matches 59.94), progressive before interlaced; without
+// a size the display's preferred mode. Errors: disconnected (no modes), bad_input (no such mode; lists those
+// available).
 Result<KmsMode> choose_mode(const KmsConnector& connector, const KmsDisplayOptions& options);
 
 // "HDMI-A-1: DEL U2412M, 1920x1200@59.95 (preferred), 1920x1080@60.00, ..." for people.

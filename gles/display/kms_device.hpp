@@ -1,5 +1,5 @@
-// The kernel's modesetting as the KMS display sees it: the one door to the driver, behind which tests can stand.
-// Nothing a driver answers is believed beyond this door: numbers are looked up, times are bounded.
+// The kernel modesetting interface used by the KMS display, which tests can replace. Nothing a driver reports is
+// trusted by its users: numbers are looked up, times are bounded.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ struct KmsMode {
   double refresh_hz = 0.0;
   bool preferred = false;  // by the display itself
   bool interlaced = false;
-  std::array<std::uint8_t, 68> timing{};  // the kernel's own words, handed back as they came
+  std::array<std::uint8_t, 68> timing{};  // the kernel's own structure, passed back unchanged
   // "1920x1080@59.94", "1920x1080i@50.00"
   std::string text() const;
   bool same_timing(const KmsMode& other) const { return timing == other.timing; }
@@ -46,15 +46,15 @@ struct KmsConnector {
   std::string name;  // "HDMI-A-1"
   KmsConnection connection = KmsConnection::unknown;
   std::vector<KmsMode> modes;        // may be empty although a display is connected
-  std::vector<std::uint32_t> crtcs;  // those that can feed it
-  std::uint32_t crtc = 0;            // the one that feeds it now; 0: none
+  std::vector<std::uint32_t> crtcs;  // those that can drive it
+  std::uint32_t crtc = 0;            // the one that drives it now; 0: none
   std::optional<KmsMode> mode_now;   // that CRTC's
-  std::string display;               // "DEL U2412M", by its EDID; empty: it does not say
-  std::uint64_t identity = 0;        // changes with the display's EDID; 0: it has none
-  bool link_bad = false;             // the driver wants the mode set again to train the link
+  std::string display;               // "DEL U2412M", by its EDID; empty: unknown
+  std::uint64_t identity = 0;        // changes with the display's EDID; 0: no EDID
+  bool link_bad = false;             // the driver needs another modeset to retrain the link
 };
 
-// What feeds the display.
+// What drives the display.
 struct KmsPipe {
   std::uint32_t connector = 0;
   std::uint32_t crtc = 0;
@@ -62,7 +62,7 @@ struct KmsPipe {
   KmsMode mode;
 };
 
-// A picture in the card's memory.
+// A buffer in the card's memory.
 struct KmsBuffer {
   int width = 0;
   int height = 0;
@@ -76,7 +76,7 @@ struct KmsBuffer {
 
 struct KmsFrame {
   std::uint32_t framebuffer = 0;
-  std::uint64_t number = 0;  // comes back with the event
+  std::uint64_t number = 0;  // returned with the event
 };
 
 struct KmsEvent {
@@ -91,44 +91,44 @@ class KmsDevice {
   virtual ~KmsDevice() = default;
   virtual const std::string& path() const = 0;    // "/dev/dri/card0"
   virtual const std::string& driver() const = 0;  // "virtio_gpu"
-  virtual int fd() const = 0;                     // for who allocates its buffers
+  virtual int fd() const = 0;                     // for allocating its buffers
   virtual bool has_atomic() const = 0;
 
   virtual KmsResult<> become_master() = 0;
   virtual bool is_master() const = 0;
-  virtual void drop_master() = 0;  // for who only looks: opening a card that has no master makes one master
+  virtual void drop_master() = 0;  // for read-only use: opening a card without a master makes the opener master
 
-  // Ask the displays themselves: BLOCKS for some 10 ms each.
+  // Probes the displays: BLOCKS for some 10 ms each.
   virtual KmsResult<std::vector<KmsConnector>> connectors() = 0;
   virtual KmsResult<KmsConnector> connector(std::uint32_t id) = 0;
-  // What the kernel knows already. Cheap.
+  // The kernel's cached state. Cheap.
   virtual KmsConnection connection(const KmsConnector& connector) const = 0;
-  // A CRTC and its primary plane for the connector: the ones that feed it now, or free ones.
+  // A CRTC and its primary plane for the connector: those that drive it now, or free ones.
   virtual KmsResult<KmsPipe> find_pipe(const KmsConnector& connector, const KmsMode& mode) = 0;
 
-  // XRGB8888. The owner is KmsFramebuffer.
+  // XRGB8888. Owned by KmsFramebuffer.
   virtual KmsResult<std::uint32_t> add_framebuffer(const KmsBuffer& buffer) = 0;
   virtual void remove_framebuffer(std::uint32_t framebuffer) = 0;
 
-  // Atomic commits; each answers with an event when the picture is on the glass. commit_mode may change everything.
+  // Atomic commits; each sends an event when the picture is on screen. commit_mode may do a full modeset.
   virtual KmsResult<> commit_mode(const KmsPipe& pipe, const KmsFrame& frame, KmsWait wait) = 0;
   virtual KmsResult<> commit_flip(const KmsPipe& pipe, const KmsFrame& frame) = 0;
-  // The legacy calls. set_crtc BLOCKS until the picture is on the glass, and sends no event; page_flip sends one.
+  // The legacy calls. set_crtc BLOCKS until the picture is on screen and sends no event; page_flip sends one.
   virtual KmsResult<> set_crtc(const KmsPipe& pipe, const KmsFrame& frame) = 0;
   virtual KmsResult<> page_flip(const KmsPipe& pipe, const KmsFrame& frame) = 0;
 
-  // The CRTC feeds the display no more: it goes to sleep. Setting a mode wakes it. BLOCKS until it is so.
+  // Disables the CRTC, so that the display goes to sleep; setting a mode wakes it. BLOCKS until done.
   virtual KmsResult<> turn_off(const KmsPipe& pipe, bool atomic) = 0;
 
-  // BLOCKS until an event comes, or for so long. No event is no error.
+  // BLOCKS until an event arrives or this time has passed. No event is not an error.
   virtual KmsResult<std::vector<KmsEvent>> wait_events(Duration at_most) = 0;
 
-  // What the CRTC shows now, to be given back by restore(). Does nothing where it shows nothing.
+  // Saves what the CRTC shows now, for restore(). Does nothing if it shows nothing.
   virtual void remember(const KmsPipe& pipe) = 0;
   virtual void restore() = 0;
 };
 
-// Removes its framebuffer from the card; the card outlives it.
+// Owns a framebuffer on the card; the card must outlive it.
 class KmsFramebuffer {
  public:
   static KmsResult<KmsFramebuffer> add(KmsDevice& device, const KmsBuffer& buffer);

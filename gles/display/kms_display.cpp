@@ -10,10 +10,11 @@
 namespace kasumi {
 namespace {
 
-constexpr Duration kPeriodOfChecks = std::chrono::seconds(1);        // of what costs nothing to ask
-constexpr Duration kPauseOfProbes = std::chrono::milliseconds(250);  // at least, between asking the display itself
+constexpr Duration kCheckInterval = std::chrono::seconds(1);  // of the kernel's cached state
+constexpr Duration kMinProbeInterval =
+    std::chrono::milliseconds(250);  // minimum interval, since probing a display is slow
 
-// The card with its connector and mode: everything a display is made of but GL.
+// The card with its connector and mode: everything of a display except GL.
 struct Opened {
   std::unique_ptr<KmsDevice> device;
   KmsConnector connector;
@@ -32,14 +33,14 @@ class KmsDisplay final : public Display {
         clock_(clock),
         mode_is_instead_(options.width > 0 && (mode_.width != options.width || mode_.height != options.height)),
         flips_(*device_, pipe, options.atomic && device_->has_atomic(), options.flip_deadline, clock),
-        next_check_(clock.now() + kPeriodOfChecks) {
+        next_check_(clock.now() + kCheckInterval) {
     device_->remember(pipe);
   }
   KmsDisplay(const KmsDisplay&) = delete;
   KmsDisplay& operator=(const KmsDisplay&) = delete;
   ~KmsDisplay() override {
-    // First the console, then our pictures: taking the framebuffer away that is shown turns the screen off.
-    if (flips_.is_well() && device_->is_master() && device_->connection(connector_) != KmsConnection::disconnected)
+    // Restores the console before freeing the pictures, because removing the shown framebuffer turns the screen off.
+    if (flips_.is_healthy() && device_->is_master() && device_->connection(connector_) != KmsConnection::disconnected)
       device_->restore();
     (void)scanout_->context().make_current();
   }
@@ -57,14 +58,14 @@ class KmsDisplay final : public Display {
     if (auto current = context().make_current(); !current) return fail(current.error());
     if (auto alive = context().check_alive(); !alive) return fail(alive.error());
     if (!scanout_->has_free_buffer())
-      return fail(FaultKind::device, "{}: GL has no buffer left to draw into", device_->path());
+      return fail(FaultKind::device, "{}: no free buffer to draw into", device_->path());
     return scanout_->target();
   }
 
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
     if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
     if (auto current = context().make_current(); !current) return fail(current.error());
-    // Software GL draws into memory that no fence guards.
+    // Software GL draws into memory without fences.
     if (context().info().software) glFinish();
     auto picture = scanout_->finish();
     if (!picture) return fail(picture.error());
@@ -75,7 +76,7 @@ class KmsDisplay final : public Display {
   }
 
   std::vector<Flip> take_flips() override {
-    (void)flips_.advance();  // what went wrong is told by the next begin()
+    (void)flips_.advance();  // faults are reported by the next begin()
     return flips_.take_flips();
   }
   DisplayCounts counts() const override { return flips_.counts(); }
@@ -87,7 +88,7 @@ class KmsDisplay final : public Display {
   }
 
  private:
-  // Names who took the card from us.
+  // Adds which process is DRM master now.
   Fault named(Fault fault) const {
     if (fault.kind != FaultKind::device || device_->is_master()) return fault;
     const std::string users = system_->users_of(device_->path());
@@ -99,29 +100,28 @@ class KmsDisplay final : public Display {
     const Instant now = clock_.now();
     if (watch_ && watch_->take_change()) changed_ = true;
     if (now >= next_check_) {
-      next_check_ = now + kPeriodOfChecks;
+      next_check_ = now + kCheckInterval;
       if (device_->connection(connector_) == KmsConnection::disconnected) changed_ = true;
       if (!device_->is_master())
-        return fail(named({FaultKind::device, fmt::format("{}: somebody else became DRM master", device_->path())}));
+        return fail(named({FaultKind::device, fmt::format("{}: another process became DRM master", device_->path())}));
     }
     if (!changed_ || now < next_probe_) return {};
     changed_ = false;
-    next_probe_ = now + kPauseOfProbes;
+    next_probe_ = now + kMinProbeInterval;
     return probe();
   }
 
   Result<> probe() {
     const auto found = device_->connector(connector_.id);
-    if (!found) return fail(FaultKind::disconnected, "{} is gone: {}", connector_.name, found.error().what);
+    if (!found) return fail(FaultKind::disconnected, "{} no longer exists: {}", connector_.name, found.error().what);
     if (found->connection == KmsConnection::disconnected)
       return fail(FaultKind::disconnected, "the display was unplugged from {}", connector_.name);
     if (found->modes.empty())
-      return fail(FaultKind::disconnected, "the display at {} lists no modes any more (is it off?)", connector_.name);
+      return fail(FaultKind::disconnected, "the display at {} now lists no modes (is it off?)", connector_.name);
     if (found->identity != connector_.identity)
       return fail(FaultKind::disconnected, "another display was plugged into {}", connector_.name);
     if (std::ranges::none_of(found->modes, [&](const KmsMode& mode) { return mode.same_timing(mode_); }))
-      return fail(FaultKind::disconnected, "the display at {} does not offer {} any more", connector_.name,
-                  mode_.text());
+      return fail(FaultKind::disconnected, "the display at {} no longer offers {}", connector_.name, mode_.text());
     if (found->link_bad) flips_.set_mode_again();
     return {};
   }
@@ -134,7 +134,7 @@ class KmsDisplay final : public Display {
   std::unique_ptr<DisplayWatch> watch_;
   Clock& clock_;
   bool mode_is_instead_;
-  KmsFlips flips_;  // after the scanout: its pictures go first
+  KmsFlips flips_;  // declared after the scanout, so that its pictures are freed first
   std::uint64_t number_ = 0;
   Instant next_check_;
   Instant next_probe_{};
@@ -165,8 +165,8 @@ Result<Opened> open_card(KmsSystem& system, const std::string& path, const KmsDi
   return Opened{std::move(*device), std::move(*connector)};
 }
 
-// The first card that has what is asked for. What fits least ill is what the fault is about: a card that only lacks its
-// display before one that refuses, one that has no such connector, or that drives no displays at all.
+// The first card that meets the options. Otherwise the fault is that of the most suitable card: one that only lacks its
+// display, before one that refuses, has no such connector, or drives no displays at all.
 Result<Opened> open_first_card(KmsSystem& system, const KmsDisplayOptions& options) {
   std::vector<KmsCardPlace> places;
   if (options.device.empty())
@@ -190,7 +190,7 @@ Result<Opened> open_first_card(KmsSystem& system, const KmsDisplayOptions& optio
 Result<> become_master(KmsSystem& system, KmsDevice& device) {
   if (const auto master = device.become_master(); !master) {
     const std::string users = system.users_of(device.path());
-    return fail(FaultKind::device, "{}: somebody else is DRM master{}{}", master.error().what,
+    return fail(FaultKind::device, "{}: another process is DRM master{}{}", master.error().what,
                 users.empty() ? "" : "; ", users);
   }
   return {};
@@ -210,7 +210,7 @@ Result<std::unique_ptr<Display>> open_kms_display(const KmsDisplayOptions& optio
   if (!pipe) return fail(FaultKind::device, "{}", pipe.error().what);
   auto scanout = system->open_scanout(device, mode->width, mode->height);
   if (!scanout) return fail(scanout.error());
-  auto watch = system->watch();  // without udev the periodic check finds what changed, a second later
+  auto watch = system->watch();  // without udev the periodic check finds changes up to a second later
   return std::make_unique<KmsDisplay>(std::move(system), std::move(*opened), *pipe, std::move(*scanout),
                                       watch ? std::move(*watch) : nullptr, options, clock);
 }

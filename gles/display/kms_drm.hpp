@@ -1,4 +1,4 @@
-// What the sources that speak to libdrm share. For gles/display/kms_drm*.cpp only.
+// Shared by the sources that use libdrm. For gles/display/kms_drm*.cpp only.
 #pragma once
 
 #include <cerrno>
@@ -25,7 +25,7 @@ using DrmPlane = CPtr<drmModePlane, drmModeFreePlane>;
 using DrmCrtc = CPtr<drmModeCrtc, drmModeFreeCrtc>;
 using DrmBlob = CPtr<drmModePropertyBlobRes, drmModeFreePropertyBlob>;
 
-// The error of the call that has just failed.
+// The error of the last failed call, from errno.
 template <class... Args>
 tl::unexpected<KmsError> drm_error(fmt::format_string<Args...> what, Args&&... args) {
   const auto code = static_cast<std::errc>(errno);
@@ -41,7 +41,7 @@ struct DrmProperty {
 using DrmProperties = std::map<std::string, DrmProperty, std::less<>>;
 DrmProperties drm_properties(int fd, std::uint32_t object, std::uint32_t type);
 
-// The commits of kms_device.hpp, spelled as properties of objects.
+// The commits of kms_device.hpp as atomic requests of object properties.
 class DrmAtomic {
  public:
   explicit DrmAtomic(int fd) : fd_(fd) {}

@@ -54,8 +54,8 @@ class DrmAtomic::Request {
   }
 
   KmsResult<> commit(const std::string& path, const char* what, std::uint32_t flags, std::uint64_t number) {
-    errno = EINVAL;  // what is incomplete is not sent
-    // The number travels as the event's user data, which libdrm takes as a pointer and hands to the kernel as it is.
+    errno = EINVAL;  // an incomplete request is not sent
+    // The number is passed as the event's user data, a pointer that libdrm hands to the kernel unchanged.
     auto* user_data = reinterpret_cast<void*>(static_cast<std::uintptr_t>(number));
     if (!complete_ || drmModeAtomicCommit(atomic_.fd_, request_.get(), flags, user_data) != 0)
       return drm_error("{} on {}", what, path);
@@ -71,7 +71,7 @@ class DrmAtomic::Request {
 
 KmsResult<> DrmAtomic::commit_mode(const std::string& path, const KmsPipe& pipe, const KmsFrame& frame, KmsWait wait) {
   Request request(*this);
-  // Whoever had the screen before may have left more on it: a cursor, an overlay, a second display of the same CRTC.
+  // The previous DRM master may have left a cursor, an overlay or a second connector on the same CRTC.
   if (const DrmPlanes planes(drmModeGetPlaneResources(fd_)); planes != nullptr)
     for (std::uint32_t i = 0; i < planes->count_planes; ++i) {
       const DrmPlane plane(drmModeGetPlane(fd_, planes->planes[i]));

@@ -34,7 +34,7 @@ KmsMode mode_of(const drmModeModeInfo& info) {
                              ((info.flags & DRM_MODE_FLAG_DBLSCAN) != 0 ? 2.0 : 1.0) * std::max<int>(info.vscan, 1);
   mode.refresh_hz = per_refresh > 0 ? 1e3 * info.clock / per_refresh : info.vrefresh;
   drmModeModeInfo timing = info;
-  timing.type = 0;  // what the display prefers is no part of how it is driven
+  timing.type = 0;  // the preferred flag is not part of the timing
   std::memcpy(mode.timing.data(), &timing, sizeof timing);
   return mode;
 }
@@ -69,7 +69,7 @@ class DrmDevice final : public KmsDevice {
   bool has_atomic() const override { return has_atomic_; }
 
   KmsResult<> become_master() override {
-    // Who opens a card that has no master is it already.
+    // Opening a card without a master already makes the opener master.
     if (is_master() || drmSetMaster(fd_.value()) == 0) return {};
     return drm_error("becoming DRM master of {}", path_);
   }
@@ -82,7 +82,7 @@ class DrmDevice final : public KmsDevice {
     std::vector<KmsConnector> found;
     for (const std::uint32_t id : std::span(resources->connectors, resources->count_connectors)) {
       auto one = connector(id);
-      if (one) found.push_back(std::move(*one));  // one that goes in between is no error
+      if (one) found.push_back(std::move(*one));  // a connector that disappears meanwhile is not an error
     }
     return found;
   }
@@ -90,7 +90,7 @@ class DrmDevice final : public KmsDevice {
   KmsResult<KmsConnector> connector(std::uint32_t id) override {
     const DrmResources resources(drmModeGetResources(fd_.value()));
     const DrmConnector raw(drmModeGetConnector(fd_.value(), id));
-    if (resources == nullptr || raw == nullptr) return drm_error("asking {} for connector {}", path_, id);
+    if (resources == nullptr || raw == nullptr) return drm_error("querying connector {1} of {0}", path_, id);
     KmsConnector made;
     made.id = id;
     const char* type = drmModeGetConnectorTypeName(raw->connector_type);
@@ -126,7 +126,7 @@ class DrmDevice final : public KmsDevice {
   }
 
   KmsConnection connection(const KmsConnector& connector) const override {
-    // Without an ioctl: those wait while the kernel asks a display.
+    // Reads sysfs, because ioctls block while the kernel probes a display.
     std::ifstream status(fmt::format("/sys/class/drm/{}-{}/status", sysfs_name_, connector.name));
     std::string word;
     if (status >> word)
@@ -163,7 +163,7 @@ class DrmDevice final : public KmsDevice {
     }
     if (drmModeAddFB2(fd_.value(), width, height, DRM_FORMAT_XRGB8888, buffer.handle.data(), buffer.stride.data(),
                       buffer.offset.data(), &id, 0) != 0)
-      return drm_error("giving a picture of {}x{} to {}", width, height, path_);
+      return drm_error("adding a framebuffer of {}x{} to {}", width, height, path_);
     return id;
   }
   void remove_framebuffer(std::uint32_t framebuffer) override { drmModeRmFB(fd_.value(), framebuffer); }
@@ -223,7 +223,7 @@ class DrmDevice final : public KmsDevice {
   }
 
  private:
-  // The CRTC that feeds the connector already, so that nothing flickers; then those that feed nobody else.
+  // First the CRTC that already drives the connector, to avoid flicker; then unused ones.
   std::vector<std::uint32_t> by_preference(const KmsConnector& connector, const drmModeRes& resources) const {
     std::vector<std::uint32_t> taken;
     for (const std::uint32_t id : std::span(resources.connectors, resources.count_connectors)) {
@@ -241,7 +241,7 @@ class DrmDevice final : public KmsDevice {
     return ordered;
   }
 
-  // 0: none shows XRGB8888 there.
+  // 0: no primary plane supports XRGB8888.
   std::uint32_t primary_plane(std::uint32_t crtc, int crtc_index) const {
     const DrmPlanes planes(drmModeGetPlaneResources(fd_.value()));
     if (planes == nullptr || crtc_index < 0 || crtc_index >= 32) return 0;

@@ -1,4 +1,4 @@
-// What a display says about itself.
+// Reads a display's EDID.
 #pragma once
 
 #include <cstdint>
@@ -7,10 +7,10 @@
 
 namespace kasumi {
 
-// Maker and model by a display's EDID ("DEL U2412M"); empty when it is none. VESA E-EDID 1.4, section 3.
+// Maker and model ("DEL U2412M"); empty if the EDID is invalid. VESA E-EDID 1.4, section 3.
 std::string edid_name(std::span<const std::uint8_t> edid);
 
-// A number that changes with the EDID; 0 for none.
+// A hash of the EDID; 0 for none.
 std::uint64_t edid_identity(std::span<const std::uint8_t> edid);
 
 }  // namespace kasumi

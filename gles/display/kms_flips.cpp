@@ -6,10 +6,10 @@
 namespace kasumi {
 namespace {
 
-constexpr Duration kBusyPause = std::chrono::milliseconds(2);  // until a driver that was busy is asked again
-// A driver says when the first line leaves, which is a little after the event, by a clock that is ours but for
-// rounding. Times that are neither after the picture was sent nor about now are not believed.
-constexpr Duration kSlack = std::chrono::milliseconds(50);
+constexpr Duration kBusyPause = std::chrono::milliseconds(2);  // before retrying when the driver was busy
+// A driver reports when scanout of the first line begins, slightly after the event, by the same clock except for
+// rounding. Timestamps outside the time between sending the picture and now are replaced by now.
+constexpr Duration kTimestampTolerance = std::chrono::milliseconds(50);
 
 bool is_denied(std::errc code) {
   return code == std::errc::permission_denied || code == std::errc::operation_not_permitted;
@@ -17,7 +17,7 @@ bool is_denied(std::errc code) {
 bool is_gone(std::errc code) {
   return code == std::errc::no_such_device || code == std::errc::no_such_device_or_address;
 }
-bool passes(std::errc code) {
+bool is_temporary(std::errc code) {
   return code == std::errc::device_or_resource_busy || code == std::errc::interrupted ||
          code == std::errc::resource_unavailable_try_again;
 }
@@ -30,7 +30,7 @@ Result<> KmsFlips::settle(Instant deadline) {
     if (!pending_ && !queued_) return {};
     const Instant now = clock_.now();
     if (now >= deadline)
-      return fail(FaultKind::timeout, "the picture before has been on its way to the display for {:.0f} ms",
+      return fail(FaultKind::timeout, "the previous picture has been on its way to the display for {:.0f} ms",
                   1e3 * to_seconds(now - given_at_));
     Instant until = std::min(deadline, given_at_ + flip_deadline_);
     if (pending_) until = std::min(until, now + kBusyPause);
@@ -46,7 +46,7 @@ Result<> KmsFlips::submit(KmsPicture picture) {
 
 Result<> KmsFlips::advance() {
   if (auto taken = take_events(Duration::zero()); !taken) return taken;
-  if (auto mended = mend_what_is_overdue(); !mended) return mended;
+  if (auto recovered = recover_overdue_flip(); !recovered) return recovered;
   if (pending_) return commit();
   return {};
 }
@@ -55,8 +55,8 @@ Result<> KmsFlips::take_events(Duration at_most) {
   const auto events = device_.wait_events(at_most);
   if (!events) return refused(events.error());
   for (const KmsEvent& event : *events) {
-    // A picture whose flip was given up on may be pending again while the driver completes it after all. Events of
-    // other numbers are late ones of pictures that were mended.
+    // The driver may still complete a flip that timed out, while its picture is pending again. Events with other
+    // numbers are late ones of earlier flips that timed out.
     if (queued_ && queued_->number == event.number)
       complete(queued_, event.at);
     else if (pending_ && pending_->number == event.number)
@@ -67,20 +67,20 @@ Result<> KmsFlips::take_events(Duration at_most) {
 
 void KmsFlips::complete(std::optional<KmsPicture>& picture, Instant at) {
   const Instant now = clock_.now();
-  const bool believed = at >= sent_at_ - kSlack && at <= now + kSlack;
+  const bool believed = at >= sent_at_ - kTimestampTolerance && at <= now + kTimestampTolerance;
   record_.add(picture->number, believed ? at : now);
   std::optional<KmsPicture> replaced = std::exchange(active_, std::exchange(picture, std::nullopt));
-  mending_ = false;
+  recovering_ = false;
 }
 
-Result<> KmsFlips::mend_what_is_overdue() {
+Result<> KmsFlips::recover_overdue_flip() {
   if (!pending_ && !queued_) return {};
   if (clock_.now() - given_at_ < flip_deadline_) return {};
   ++flip_timeouts_;
-  if (mending_)
-    return fail(FaultKind::device, "{}: no picture reaches the display any more, not even after setting its mode anew",
+  if (recovering_)
+    return fail(FaultKind::device, "{}: pictures no longer reach the display, even after setting its mode again",
                 device_.path());
-  mending_ = true;
+  recovering_ = true;
   sets_mode_ = true;
   given_at_ = clock_.now();
   if (queued_) pending_ = std::exchange(queued_, std::nullopt);
@@ -89,7 +89,7 @@ Result<> KmsFlips::mend_what_is_overdue() {
 
 KmsResult<> KmsFlips::hand_over(const KmsFrame& frame) {
   if (atomic_ && sets_mode_)
-    // Later mode settings do not wait: a driver that is stuck would keep us for as long as it likes.
+    // Later modesets do not wait, because a stuck driver could block indefinitely.
     return device_.commit_mode(pipe_, frame, shown_once_ ? KmsWait::no : KmsWait::for_the_hardware);
   if (atomic_) return device_.commit_flip(pipe_, frame);
   if (sets_mode_) return device_.set_crtc(pipe_, frame);
@@ -103,7 +103,7 @@ Result<> KmsFlips::commit() {
     if (handed) {
       sets_mode_ = false;
       shown_once_ = true;
-      given_at_ = clock_.now();  // a mode may take the driver long to set
+      given_at_ = clock_.now();  // setting a mode can take the driver long
       if (setting_mode) ++modesets_;
       if (setting_mode && !atomic_)
         complete(pending_, clock_.now());  // set_crtc sends no event
@@ -112,15 +112,15 @@ Result<> KmsFlips::commit() {
       return {};
     }
     const std::errc code = handed.error().code;
-    if (passes(code)) return {};  // stays pending; overdue if it goes on
+    if (is_temporary(code)) return {};  // stays pending until it is overdue
     if (is_denied(code) || is_gone(code)) return refused(handed.error());
     if (setting_mode && atomic_ && !shown_once_) {
-      atomic_ = false;  // a driver that offers atomic commits and cannot do them
+      atomic_ = false;  // the driver offers atomic commits but refuses them
       continue;
     }
-    if (!setting_mode && !mending_) {
-      mending_ = true;
-      sets_mode_ = true;  // somebody may have turned the CRTC off or changed it behind our back
+    if (!setting_mode && !recovering_) {
+      recovering_ = true;
+      sets_mode_ = true;  // another process may have turned the CRTC off or changed it
       continue;
     }
     return refused(handed.error());
@@ -128,10 +128,10 @@ Result<> KmsFlips::commit() {
 }
 
 Result<> KmsFlips::turn_off() {
-  if (!shown_once_) return fail(FaultKind::unsupported, "{}: the display is not ours yet", device_.path());
+  if (!shown_once_) return fail(FaultKind::unsupported, "{}: the display has not been set up yet", device_.path());
   if (const auto off = device_.turn_off(pipe_, atomic_); !off) {
     const auto code = off.error().code;
-    if (passes(code)) return fail(FaultKind::timeout, "{}", off.error().what);
+    if (is_temporary(code)) return fail(FaultKind::timeout, "{}", off.error().what);
     if (is_denied(code) || is_gone(code)) return refused(off.error());
     return fail(FaultKind::unsupported, "{}", off.error().what);
   }
@@ -141,7 +141,7 @@ Result<> KmsFlips::turn_off() {
 
 Result<> KmsFlips::refused(const KmsError& error) {
   if (is_gone(error.code)) return fail(FaultKind::disconnected, "{} (the card is gone)", error.what);
-  if (is_denied(error.code)) return fail(FaultKind::device, "{} (somebody else became DRM master)", error.what);
+  if (is_denied(error.code)) return fail(FaultKind::device, "{} (another process became DRM master)", error.what);
   return fail(FaultKind::device, "{}", error.what);
 }
 

@@ -1,6 +1,6 @@
-// The way of a picture to the glass, in three slots: pending (given to us), queued (the driver has it for its next
-// refresh), active (shown). Nothing here waits without a deadline: a flip that does not complete is mended by setting
-// the mode anew, once; if that does not help, the display is to be opened anew.
+// Tracks pictures on their way to the screen in three slots: pending (submitted), queued (with the driver for its next
+// refresh), active (shown). Every wait has a deadline. If a flip does not complete, the mode is set again, once; if
+// that does not help, the display must be reopened.
 #pragma once
 
 #include <memory>
@@ -24,25 +24,25 @@ struct KmsPicture {
 
 class KmsFlips {
  public:
-  // `atomic` false: the legacy calls. They are also taken to when the driver refuses the first atomic commit.
+  // `atomic` false: the legacy calls, which are also used if the driver refuses the first atomic commit.
   KmsFlips(KmsDevice& device, const KmsPipe& pipe, bool atomic, Duration flip_deadline, Clock& clock)
       : device_(device), pipe_(pipe), atomic_(atomic), flip_deadline_(flip_deadline), clock_(clock) {}
 
-  // BLOCKS until no picture is on its way, or the deadline passes. Errors: timeout, disconnected, device.
+  // BLOCKS until no picture is pending or queued, or the deadline passes. Errors: timeout, disconnected, device.
   Result<> settle(Instant deadline);
-  // Sends a picture on its way; none is (settle answered well). Errors: disconnected, device.
+  // Sends a picture to the display. Requires that settle() succeeded. Errors: disconnected, device.
   Result<> submit(KmsPicture picture);
-  // What has happened by now. Does not block. Errors: as submit().
+  // Processes events and timeouts. Does not block. Errors: as submit().
   Result<> advance();
-  // BLOCKS until the display sleeps; the next picture wakes it. None is on its way. Errors: unsupported, and as
-  // submit().
+  // BLOCKS until the display sleeps; the next picture wakes it. Requires that no picture is pending or queued. Errors:
+  // unsupported, and as submit().
   Result<> turn_off();
   // The next picture sets the mode again.
   void set_mode_again() { sets_mode_ = true; }
 
   bool atomic() const { return atomic_; }
   bool is_settled() const { return !pending_ && !queued_; }
-  bool is_well() const { return shown_once_ && !mending_; }  // the CRTC is ours and does as it is told
+  bool is_healthy() const { return shown_once_ && !recovering_; }  // the CRTC is set up and completes flips
   std::vector<Flip> take_flips() { return record_.take(); }
   DisplayCounts counts() const { return {record_.count(), flip_timeouts_, modesets_}; }
 
@@ -51,7 +51,7 @@ class KmsFlips {
   Result<> commit();
   KmsResult<> hand_over(const KmsFrame& frame);
   Result<> refused(const KmsError& error);
-  Result<> mend_what_is_overdue();
+  Result<> recover_overdue_flip();
   void complete(std::optional<KmsPicture>& picture, Instant at);
 
   KmsDevice& device_;
@@ -63,11 +63,11 @@ class KmsFlips {
   std::optional<KmsPicture> pending_;
   std::optional<KmsPicture> queued_;
   std::optional<KmsPicture> active_;
-  Instant given_at_{};       // to us, or to the driver, or when mending began; a flip is overdue by it
-  Instant sent_at_{};        // to us
+  Instant given_at_{};       // when submitted, given to the driver, or recovery began; the flip deadline counts from it
+  Instant sent_at_{};        // when submitted
   bool sets_mode_ = true;    // the next commit sets the mode
-  bool shown_once_ = false;  // the CRTC is ours
-  bool mending_ = false;     // since the last flip that completed the mode was set anew
+  bool shown_once_ = false;  // the CRTC has been set up
+  bool recovering_ = false;  // the mode was set again since the last completed flip
 
   FlipRecord record_;
   std::uint64_t flip_timeouts_ = 0;

@@ -1,4 +1,4 @@
-// Surfaces that GL draws to and the card can show: the second door of the KMS display, behind which tests can stand.
+// Surfaces that GL draws to and the card can scan out. Like KmsDevice, an interface that tests can replace.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// A finished picture. Its buffer is drawn to again only after this is gone.
+// A finished picture. Its buffer is reused only after this is destroyed.
 class ScanoutPicture {
  public:
   virtual ~ScanoutPicture() = default;
@@ -24,12 +24,12 @@ class Scanout {
   virtual GlContext& context() = 0;
   virtual bool has_free_buffer() const = 0;
   virtual DrawTarget target() const = 0;
-  // Ends the picture drawn since the last call; it is drawn when the card shows it, not necessarily now. All pictures
-  // are gone before the scanout goes. Error: device.
+  // Ends the picture drawn since the last call. GL may still be drawing it, but finishes before the card shows it. All
+  // pictures must be destroyed before the scanout. Error: device.
   virtual Result<std::unique_ptr<ScanoutPicture>> finish() = 0;
 };
 
-// Through GBM and EGL, XRGB8888. The device outlives the scanout. Errors: unsupported, device.
+// Through GBM and EGL, XRGB8888. The device must outlive the scanout. Errors: unsupported, device.
 Result<std::unique_ptr<Scanout>> open_gbm_scanout(KmsDevice& device, int width, int height);
 
 }  // namespace kasumi

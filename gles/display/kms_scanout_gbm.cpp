@@ -18,8 +18,8 @@ constexpr std::uint64_t kNoModifier = 0x00ffffffffffffffu;  // DRM_FORMAT_MOD_IN
 using GbmDevice = CPtr<gbm_device, gbm_device_destroy>;
 using GbmSurface = CPtr<gbm_surface, gbm_surface_destroy>;
 
-// EGL finds its displays again by the address of the GBM device: one that stayed initialised would meet the next
-// device at the same place. The display is ours alone, so that it may go.
+// EGL identifies displays by the GBM device's address, so the display must be terminated before a new device can reuse
+// the address. It is not shared, so terminating it is safe.
 class EglOfGbm {
  public:
   explicit EglOfGbm(EGLDisplay display) : display_(display) {}
@@ -40,10 +40,10 @@ struct Format {
   std::uint32_t fourcc;
   const char* name;
 };
-// The second is the first with a byte that the card is told not to look at.
+// ARGB is scanned out as XRGB: the card ignores the alpha byte.
 constexpr std::array kFormats{Format{GBM_FORMAT_XRGB8888, "XRGB8888"}, Format{GBM_FORMAT_ARGB8888, "ARGB8888"}};
 
-// EGL's configurations do not name their memory's format but by the native visual.
+// EGL configurations give their memory format only as the native visual.
 EGLConfig find_config(EGLDisplay display, std::uint32_t fourcc, EGLint depth_bits) {
   const std::array<EGLint, 13> wanted{EGL_RENDERABLE_TYPE,
                                       EGL_OPENGL_ES2_BIT,
@@ -121,10 +121,10 @@ class GbmScanout final : public Scanout {
 
   Result<std::unique_ptr<ScanoutPicture>> finish() override {
     if (!eglSwapBuffers(egl_.get(), egl_surface_))
-      return fail(FaultKind::device, "{}: a picture could not be finished: {}", device_.path(), egl_reason());
+      return fail(FaultKind::device, "{}: swapping buffers failed: {}", device_.path(), egl_reason());
     gbm_bo* buffer = gbm_surface_lock_front_buffer(surface_.get());
-    if (buffer == nullptr) return fail(FaultKind::device, "{}: GBM gives no finished picture", device_.path());
-    // GBM gives the same few buffers again and again; a framebuffer lives as long as its buffer.
+    if (buffer == nullptr) return fail(FaultKind::device, "{}: GBM returned no front buffer", device_.path());
+    // GBM cycles through a few buffers; a framebuffer is kept as long as its buffer.
     auto* framebuffer = static_cast<KmsFramebuffer*>(gbm_bo_get_user_data(buffer));
     if (framebuffer == nullptr) {
       auto added = KmsFramebuffer::add(device_, describe(buffer));

@@ -1,4 +1,4 @@
-// The machine's cards: what a KMS display is opened on.
+// The machine's graphics cards, on which a KMS display is opened.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@ namespace kasumi {
 
 struct KmsCardPlace {
   std::string path;     // "/dev/dri/card0"
-  std::string by_path;  // "/dev/dri/by-path/pci-0000:00:02.0-card"; empty: udev names none
+  std::string by_path;  // "/dev/dri/by-path/pci-0000:00:02.0-card"; empty: udev gives none
 };
 
 class KmsSystem {
@@ -26,7 +26,8 @@ class KmsSystem {
   virtual KmsResult<std::unique_ptr<KmsDevice>> open_card(const std::string& path) = 0;
   virtual Result<std::unique_ptr<Scanout>> open_scanout(KmsDevice& device, int width, int height) = 0;
   virtual Result<std::unique_ptr<DisplayWatch>> watch() = 0;
-  // Who else uses the card, the DRM master first: "Xorg (pid 812) is master"; empty: nobody, or it may not be known.
+  // Which other processes use the card, the DRM master first: "Xorg (pid 812) is master"; empty: none, or not permitted
+  // to know.
   virtual std::string users_of(const std::string& path) = 0;
 };
 std::shared_ptr<KmsSystem> open_kms_system();
@@ -36,7 +37,7 @@ Result<std::unique_ptr<Display>> open_kms_display(const KmsDisplayOptions& optio
 
 std::vector<ListedCard> list_displays(KmsSystem& system);
 
-// The parts of the machine's own system.
+// The parts of the real system.
 std::vector<KmsCardPlace> find_cards();                                          // udev
 KmsResult<std::unique_ptr<KmsDevice>> open_drm_device(const std::string& path);  // libdrm
 std::string card_users(const std::string& path, const std::filesystem::path& proc = "/proc",

@@ -1,4 +1,4 @@
-// libudev: which cards there are, and that displays come and go.
+// Finds cards and watches for hotplugged displays through libudev.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -33,7 +33,7 @@ class UdevWatch final : public DisplayWatch {
 
   bool take_change() override {
     bool changed = false;
-    // The monitor's socket does not block. A storm of events ends here; the rest is taken by the next call.
+    // The monitor's socket is non-blocking. Takes a bounded number of events; the next call takes the rest.
     for (int i = 0; i < 64; ++i) {
       const UdevDevice device(udev_monitor_receive_device(monitor_.get()));
       if (device == nullptr) break;
@@ -78,7 +78,7 @@ Result<std::unique_ptr<DisplayWatch>> watch_displays() {
   UdevMonitor monitor(udev_monitor_new_from_netlink(udev.get(), "udev"));
   if (monitor == nullptr || udev_monitor_filter_add_match_subsystem_devtype(monitor.get(), "drm", nullptr) < 0 ||
       udev_monitor_enable_receiving(monitor.get()) < 0)
-    return fail(FaultKind::unsupported, "udev tells nothing of displays here");
+    return fail(FaultKind::unsupported, "udev cannot monitor displays here");
   return std::make_unique<UdevWatch>(std::move(udev), std::move(monitor));
 }
 

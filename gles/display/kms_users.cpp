@@ -1,4 +1,4 @@
-// Who has a card open, as the kernel tells those who may know.
+// Which processes have a card open, as far as the kernel permits this user to see.
 #include <algorithm>
 #include <fstream>
 #include <sstream>
@@ -23,7 +23,7 @@ bool is_number(const std::string& text) {
   return !text.empty() && text.size() < 10 && std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-// Process ids of masters by <debug>/dri/<number>/clients: "command tgid dev master a uid magic", a line a client.
+// Process ids of masters from <debug>/dri/<number>/clients, one client per line: "command tgid dev master a uid magic".
 std::vector<int> masters(const fs::path& card, const fs::path& debug) {
   std::vector<int> found;
   const std::string name = card.filename().string();
@@ -32,7 +32,7 @@ std::vector<int> masters(const fs::path& card, const fs::path& debug) {
   std::string line;
   std::getline(clients, line);  // the heading
   while (std::getline(clients, line)) {
-    // The command may hold blanks: read from the end.
+    // The command may contain spaces, so fields are read from the end.
     std::istringstream words(line);
     std::vector<std::string> fields;
     for (std::string word; words >> word;) fields.push_back(word);

@@ -14,13 +14,13 @@ std::string sdl_reason() {
   return reason.empty() ? "no reason given" : reason;
 }
 
-// SDL counts the users of its video part itself.
+// SDL counts the users of its video subsystem itself.
 class SdlVideo {
  public:
   static Result<SdlVideo> start() {
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
       return fail(FaultKind::unsupported, "no window: SDL finds no display ({})", sdl_reason());
-    // SDL falls back to drivers that show nothing; only who names one means it.
+    // SDL falls back to drivers that show nothing; these are accepted only if chosen explicitly.
     const std::string driver = SDL_GetCurrentVideoDriver();
     if (SDL_getenv("SDL_VIDEODRIVER") == nullptr && (driver == "offscreen" || driver == "dummy" || driver == "evdev")) {
       SDL_QuitSubSystem(SDL_INIT_VIDEO);
@@ -97,7 +97,7 @@ class SdlWindow final : public Window {
   void show() override { SDL_GL_SwapWindow(window_.get()); }
 
  private:
-  // The pointer comes in the desk's units, of which a pixel may be a part.
+  // SDL gives pointer positions in desktop units, which may be several pixels.
   void point_at(int x, int y) {
     int width = 1, height = 1;
     SDL_GetWindowSize(window_.get(), &width, &height);

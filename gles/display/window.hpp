@@ -1,4 +1,4 @@
-// A desk window with a GLES 2 context (SDL2), for looking at what the kiosk will show.
+// A desktop window with a GLES 2 context (SDL2), for previewing what the kiosk shows.
 #pragma once
 
 #include <memory>
@@ -17,10 +17,10 @@ struct WindowOptions {
   bool wait_for_refresh = true;  // show() waits for the display's refresh
 };
 
-// What the person did since it was last asked for.
+// User input since the last call.
 struct WindowInput {
   bool dragging = false;  // the left button is down
-  double x_px = 0.0;      // where the pointer is, from the top left of the window's pixels
+  double x_px = 0.0;      // pointer position in pixels from the window's top left
   double y_px = 0.0;
   std::string keys;  // letters and digits pressed, in their order; '<' '>' '^' 'v' for the arrows
 };
@@ -28,10 +28,10 @@ struct WindowInput {
 class Window : public GlContext {
  public:
   virtual DrawTarget target() const = 0;  // the window's pixels as they are now: it may be resized at any time
-  // Takes in what the person did. false once the window is to be closed (its button, Escape or Q).
+  // Processes user input. false once the window should close (its button, Escape or Q).
   virtual bool handle_events() = 0;
   virtual WindowInput take_input() = 0;
-  // BLOCKS until the display takes the picture when wait_for_refresh is set.
+  // BLOCKS until the display accepts the picture if wait_for_refresh is set.
   virtual void show() = 0;
 };
 

@@ -1,4 +1,4 @@
-// The desk window as a display.
+// A desktop window as a display.
 #include <utility>
 
 #include "gles/display/display.hpp"
@@ -26,12 +26,12 @@ class WindowDisplay final : public Display {
     return window_->target();
   }
 
-  // BLOCKS until the desk's compositor takes the picture. How long that is nobody promises: the desk window is for
-  // looking at, the appliance shows itself through the kernel.
+  // BLOCKS until the desktop's compositor accepts the picture, for an unbounded time: the window is for previews, and
+  // the appliance uses KMS.
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
     if (auto current = window_->make_current(); !current) return fail(current.error());
     window_->show();
-    glFinish();  // the picture before is read no more
+    glFinish();  // the previous picture is no longer read
     if (auto finished = check_gl("showing a picture in the window"); !finished) return fail(finished.error());
     return flips_.shown(std::move(until_replaced));
   }

@@ -1,5 +1,5 @@
-// A GLES 2 context and what is known about its driver. A context belongs to the thread that opened it, and outlives
-// every GL object made under it.
+// A GLES 2 context and its driver's properties. A context belongs to the thread that opened it and must outlive every
+// GL object created under it.
 #pragma once
 
 #include <memory>
@@ -15,8 +15,8 @@ struct GlInfo {
   std::string renderer;   // "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string vendor;     // "Mesa/X.org"
   std::string version;    // "OpenGL ES 3.2 Mesa 22.3.6"
-  int es_major = 2;       // of the version the driver gave us; we never ask for more than 2
-  bool software = false;  // llvmpipe, softpipe, SwiftShader: no dma-buf import, plan for few frames a second
+  int es_major = 2;       // of the version the driver provides; only 2 is requested
+  bool software = false;  // llvmpipe, softpipe, SwiftShader: no dma-buf import, and only a few frames a second
   int max_texture_size = 0;
   bool highp_fragments = true;  // false: fragment shaders fall back to mediump (about 3 decimal digits)
   std::set<std::string, std::less<>> extensions;
@@ -29,18 +29,18 @@ class GlContext {
   virtual ~GlContext() = default;
   virtual const GlInfo& info() const = 0;
   virtual Result<> make_current() = 0;
-  // Whether the GPU was reset and took this context, which is current, along; always well where the driver does not
-  // tell. Error: device; everything under the context is to be made anew under a new one.
+  // Checks whether the current context was lost to a GPU reset; always succeeds if the driver does not report resets.
+  // Error: device; everything must be recreated under a new context.
   virtual Result<> check_alive() { return {}; }
 };
 
 enum class HeadlessSurface { automatic, surfaceless, pbuffer };
 
 // No window, no display server: Mesa's surfaceless platform, else a pbuffer of the default display. The context is made
-// current. Errors: unsupported (no EGL driver offers GLES 2 here), naming what each way answered.
+// current. Errors: unsupported (no EGL driver offers GLES 2 here), with the reason for each way tried.
 Result<std::unique_ptr<GlContext>> open_headless_context(HeadlessSurface surface = HeadlessSurface::automatic);
 
-// What the current context says about itself.
+// The current context's properties.
 GlInfo query_gl_info();
 
 }  // namespace kasumi

@@ -23,7 +23,7 @@ Result<std::unique_ptr<GlContext>> open_on(EGLDisplay display, bool surfaceless)
     return fail(FaultKind::unsupported, "no 8-bit GLES 2 configuration: {}", egl_reason());
   EGLSurface surface = EGL_NO_SURFACE;
   if (!surfaceless) {
-    // One pixel: every picture goes to a framebuffer of our own.
+    // One pixel, because all drawing goes to separate framebuffers.
     const std::array<EGLint, 5> size{EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
     surface = eglCreatePbufferSurface(display, config, size.data());
     if (surface == EGL_NO_SURFACE) return fail(FaultKind::unsupported, "no pbuffer: {}", egl_reason());

@@ -1,4 +1,4 @@
-// The finest depth buffer the driver draws into.
+// The most precise depth format the driver supports.
 #pragma once
 
 #include "gles/gl/context.hpp"

@@ -9,8 +9,8 @@ namespace {
 
 class EglContext final : public GlContext {
  public:
-  EglContext(EGLDisplay display, EGLSurface surface, EGLContext context, bool tells_of_resets)
-      : display_(display), surface_(surface), context_(context), tells_of_resets_(tells_of_resets) {}
+  EglContext(EGLDisplay display, EGLSurface surface, EGLContext context, bool reports_resets)
+      : display_(display), surface_(surface), context_(context), reports_resets_(reports_resets) {}
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
   ~EglContext() override {
@@ -27,7 +27,7 @@ class EglContext final : public GlContext {
       return fail(FaultKind::device, "EGL: the context cannot be made current: {}", egl_reason());
     if (info_.renderer.empty()) {
       info_ = query_gl_info();
-      if (tells_of_resets_ && info_.has("GL_EXT_robustness"))
+      if (reports_resets_ && info_.has("GL_EXT_robustness"))
         reset_status_ =
             reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSEXTPROC>(eglGetProcAddress("glGetGraphicsResetStatusEXT"));
     }
@@ -48,7 +48,7 @@ class EglContext final : public GlContext {
   EGLDisplay display_;
   EGLSurface surface_;
   EGLContext context_;
-  bool tells_of_resets_;
+  bool reports_resets_;
   PFNGLGETGRAPHICSRESETSTATUSEXTPROC reset_status_ = nullptr;
   GlInfo info_;
 };
@@ -94,21 +94,21 @@ Result<EGLDisplay> open_egl_display(EGLenum platform, std::string_view client_ex
 
 Result<std::unique_ptr<GlContext>> make_egl_context(EGLDisplay display, EGLConfig config, EGLSurface surface) {
   if (!eglBindAPI(EGL_OPENGL_ES_API)) return fail(FaultKind::unsupported, "no OpenGL ES: {}", egl_reason());
-  constexpr std::array<EGLint, 5> kTold{EGL_CONTEXT_CLIENT_VERSION, 2,
-                                        EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT,
-                                        EGL_LOSE_CONTEXT_ON_RESET_EXT, EGL_NONE};
+  constexpr std::array<EGLint, 5> kRobust{EGL_CONTEXT_CLIENT_VERSION, 2,
+                                          EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_EXT,
+                                          EGL_LOSE_CONTEXT_ON_RESET_EXT, EGL_NONE};
   constexpr std::array<EGLint, 3> kPlain{EGL_CONTEXT_CLIENT_VERSION, 2, EGL_NONE};
   EGLContext context = EGL_NO_CONTEXT;
   if (egl_offers(eglQueryString(display, EGL_EXTENSIONS), "EGL_EXT_create_context_robustness"))
-    context = eglCreateContext(display, config, EGL_NO_CONTEXT, kTold.data());
-  const bool tells_of_resets = context != EGL_NO_CONTEXT;
-  if (!tells_of_resets) context = eglCreateContext(display, config, EGL_NO_CONTEXT, kPlain.data());
+    context = eglCreateContext(display, config, EGL_NO_CONTEXT, kRobust.data());
+  const bool reports_resets = context != EGL_NO_CONTEXT;
+  if (!reports_resets) context = eglCreateContext(display, config, EGL_NO_CONTEXT, kPlain.data());
   if (context == EGL_NO_CONTEXT) {
     auto fault = fail(FaultKind::unsupported, "no GLES 2 context: {}", egl_reason());
     if (surface != EGL_NO_SURFACE) eglDestroySurface(display, surface);
     return fault;
   }
-  auto made = std::make_unique<EglContext>(display, surface, context, tells_of_resets);
+  auto made = std::make_unique<EglContext>(display, surface, context, reports_resets);
   if (auto current = made->make_current(); !current) return fail(current.error());
   return made;
 }

@@ -1,4 +1,4 @@
-// Points in rows, drawn as one strip of triangles between each row and the next.
+// A grid of points, drawn as one triangle strip between each row and the next.
 #pragma once
 
 #include <initializer_list>
@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-// One attribute of a point: where in it, how many floats.
+// One attribute of a point: its offset and number of floats.
 struct GridAttribute {
   unsigned place;
   int floats;
@@ -22,7 +22,7 @@ class GridMesh {
   // values: floats_per_point for each of columns x rows points, rows first; columns <= 32767. Errors: device.
   static Result<GridMesh> create(int columns, int rows, int floats_per_point, std::span<const float> values,
                                  std::initializer_list<GridAttribute> attributes);
-  // From the last row to the first: who puts far rows last has near ones painted over them.
+  // Draws from the last row to the first, so that near rows cover far ones if far rows come last.
   void draw() const;
 
  private:

@@ -1,4 +1,4 @@
-// A buffer of the object's layer: something to draw into, and to read from in the next pass.
+// A render target of the object's layer that the next pass samples.
 #pragma once
 
 #include "base/result.hpp"
@@ -11,7 +11,7 @@ struct LayerBuffer {
   GlTexture texture;
   GlFramebuffer framebuffer;
 
-  // RGBA in 8 bits or in half floats, unfiltered, held at its edges. `what` is for the message. Errors: device.
+  // RGBA in 8 bits or half floats, unfiltered, clamped to its edges. `what` names it in error messages. Errors: device.
   static Result<LayerBuffer> create(int width, int height, bool in_8_bits, const GlInfo& info, std::string_view what);
 };
 

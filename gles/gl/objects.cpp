@@ -46,7 +46,7 @@ template <class Query, class Log>
 std::string log_of(unsigned name, Query query, Log log) {
   GLint length = 0;
   query(name, GL_INFO_LOG_LENGTH, &length);
-  if (length <= 1) return "(the driver says no more)";
+  if (length <= 1) return "(no log from the driver)";
   std::string text(static_cast<std::size_t>(length), '\0');
   log(name, length, &length, text.data());
   text.resize(static_cast<std::size_t>(length));
@@ -102,7 +102,7 @@ void clamp_to_edge() {
 
 Result<> check_gl(std::string_view what) {
   std::string reasons;
-  // A lost context may answer for ever.
+  // A lost context may report errors without end.
   for (int i = 0; i < 8; ++i) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) break;
@@ -115,7 +115,7 @@ Result<> check_gl(std::string_view what) {
 Result<> check_framebuffer(std::string_view what) {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return check_gl(what);
-  return fail(FaultKind::device, "{}: the driver does not draw into this framebuffer (status {:#x})", what, status);
+  return fail(FaultKind::device, "{}: framebuffer not supported by the driver (status {:#x})", what, status);
 }
 
 Result<GlProgram> link_program(std::string_view name, const std::string& vertex_text, const std::string& fragment_text,

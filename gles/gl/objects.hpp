@@ -1,4 +1,4 @@
-// Owners of GL objects: move-only, deleted with their owner. Make and drop them under the context they belong to.
+// Owners of GL objects: move-only, deleted with their owner. Create and destroy them under the context they belong to.
 #pragma once
 
 #include <initializer_list>
@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-// One GL name and how it is deleted.
+// A GL name with its deleter.
 template <void (*Delete)(unsigned)>
 class GlName {
  public:
@@ -53,19 +53,19 @@ GlBuffer make_buffer();
 GlFramebuffer make_framebuffer();
 GlRenderbuffer make_renderbuffer();
 
-// Of the 2D texture bound now: single texels, or a mix of the four nearest; both where it shrinks and where it grows.
+// Sets nearest or linear filtering of the bound 2D texture, for both minification and magnification.
 enum class TextureFilter { nearest, linear };
 void set_filter(TextureFilter filter);
-// Of the 2D texture bound now, along both sides: beyond its edge it is as at the edge.
+// Sets clamping to the edge for the bound 2D texture, in both directions.
 void clamp_to_edge();
 
-// A fault that names `what` when GL has recorded errors since the last call; all of them are taken.
+// Fails, naming `what`, if GL has recorded errors since the last call; clears all of them.
 Result<> check_gl(std::string_view what);
-// The framebuffer bound now. Errors: device, with GL's reason.
+// Checks the bound framebuffer. Errors: device, with GL's reason.
 Result<> check_framebuffer(std::string_view what);
 
-// Compiles and links, with vertex attributes at given places. `name` is for the message, which carries the driver's
-// log.
+// Compiles and links, with vertex attributes at the given locations. `name` is for error messages, which contain the
+// driver's log.
 struct AttributePlace {
   unsigned place;
   const char* name;

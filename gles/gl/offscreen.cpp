@@ -12,8 +12,8 @@
 namespace kasumi {
 namespace {
 
-// Multisampled renderbuffers and their resolving came to GLES as a core part of version 3; many drivers give that to
-// who asks for 2.
+// Multisampled renderbuffers and resolving them are core in GLES 3; many drivers return a version 3 context when 2 is
+// requested.
 constexpr GLenum kReadFramebuffer = 0x8CA8, kDrawFramebuffer = 0x8CA9, kMaxSamples = 0x8D57;
 using StorageMultisample = void (*)(GLenum, GLsizei, GLenum, GLsizei, GLsizei);
 using BlitFramebuffer = void (*)(GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLint, GLbitfield, GLenum);

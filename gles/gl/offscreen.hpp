@@ -1,4 +1,4 @@
-// A framebuffer of our own, for pictures that go to a file.
+// An offscreen framebuffer, for pictures that are written to files.
 #pragma once
 
 #include "base/image.hpp"
@@ -12,7 +12,7 @@ namespace kasumi {
 
 class Offscreen {
  public:
-  // samples > 1 asks for multisampling, which the one-pass path profits from; given where the driver has it.
+  // samples > 1 requests multisampling, which improves edges in the one-pass path; ignored if the driver lacks it.
   // Errors: bad_input (size not in 1..GL_MAX_TEXTURE_SIZE), device.
   static Result<Offscreen> create(const GlInfo& info, int width, int height, int samples = 1);
 

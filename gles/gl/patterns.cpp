@@ -13,12 +13,12 @@
 namespace kasumi {
 namespace {
 
-// -4 .. 4 to 0 .. 255, the same steps on both sides of 0.
+// Maps -4 .. 4 to 0 .. 255, symmetric about 0.
 std::uint8_t texel_of(double normal) {
   return static_cast<std::uint8_t>(std::clamp(std::floor(normal * 255.0 / 8.0 + 128.0), 0.0, 255.0));
 }
 
-// As std::normal_distribution, whose numbers differ between libraries, does not: two at once (Box and Muller 1958).
+// Two normal numbers (Box and Muller 1958), since the results of std::normal_distribution differ between libraries.
 std::vector<std::uint8_t> normal_texels(std::size_t count) {
   std::mt19937_64 random(1);
   const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
@@ -44,7 +44,7 @@ GlTexture make_pattern(int unit, GLenum format, int size, const std::uint8_t* te
 
 }  // namespace
 
-// Bayer's order: every 2 x 2, 4 x 4 and 8 x 8 block holds evenly spread thresholds.
+// Bayer matrix: every 2 x 2, 4 x 4 and 8 x 8 block holds evenly spaced thresholds.
 GlTexture make_dither_pattern() {
   std::array<std::uint8_t, 64> texels{};
   for (unsigned y = 0; y < 8; ++y)
@@ -64,7 +64,7 @@ GlTexture make_noise_pattern() {
   return make_pattern(kNoiseUnit, GL_RGB, kNoiseSize, texels.data());
 }
 
-// Neighbouring numbers begin far from each other (the finaliser of SplitMix64).
+// Spreads consecutive numbers far apart (the finaliser of SplitMix64).
 glm::ivec2 noise_start(std::uint32_t number) {
   std::uint64_t hash = (number + 1) * 0x9E3779B97F4A7C15u;
   hash = (hash ^ (hash >> 30)) * 0xBF58476D1CE4E5B9u;

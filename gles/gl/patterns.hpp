@@ -1,4 +1,4 @@
-// Small textures that fine steps of light are spread over: an even one against banding, a random one for noise.
+// Small pattern textures: an ordered one for dithering, a random one for noise.
 #pragma once
 
 #include <cstdint>
@@ -12,10 +12,10 @@ namespace kasumi {
 // 8 x 8, for dither.glsl.
 GlTexture make_dither_pattern();
 
-// Normally distributed, mean 0 and variance 1 in each channel, from -4 to 4, for noise.glsl. Repeats itself.
+// Normally distributed, mean 0 and variance 1 in each channel, from -4 to 4, for noise.glsl. Tiles.
 constexpr int kNoiseSize = 512;
 GlTexture make_noise_pattern();
-// Where the pattern of that number begins, in texels.
+// Offset of the pattern with that number, in texels.
 glm::ivec2 noise_start(std::uint32_t number);
 
 }  // namespace kasumi

@@ -20,7 +20,7 @@ namespace kasumi {
 
 using Defines = std::set<std::string>;  // "RESPONSE_SRGB"
 
-// Places of the vertex attributes, the same in every program.
+// Vertex attribute locations, the same in every program.
 enum Attribute : unsigned {
   kPosition = 0,
   kNormal = 1,
@@ -32,11 +32,11 @@ enum Attribute : unsigned {
 
 class Program {
  public:
-  // Of two files of gles/shaders, under the defines. They include what they need.
+  // Builds a program from two files of gles/shaders with these defines.
   static Result<Program> build(const Defines& defines, std::string_view vertex_file, std::string_view fragment_file);
 
   void use() const;
-  // Uniforms of the program in use. One that the driver has optimised away is passed over.
+  // Set uniforms of the program in use; those the driver has optimised away are ignored.
   void set(std::string_view name, int value) const;
   void set(std::string_view name, double value) const;
   void set(std::string_view name, const glm::dvec2& value) const;

@@ -1,4 +1,4 @@
-// The shaders' stages with all that they include, put into the program when it is built (gles/embed_shaders.cmake).
+// The shader stages with their includes resolved, embedded at build time (gles/embed_shaders.cmake).
 #pragma once
 
 #include <string_view>

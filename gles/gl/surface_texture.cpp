@@ -31,7 +31,7 @@ std::uint8_t byte(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255.0));
 }
 
-// The nearest code: the first whose upper end is not below the light. Half the time of a power.
+// The nearest code: the first whose upper bound is not below the light. Twice as fast as pow.
 std::uint8_t encoded(double light) {
   static const std::array<double, 255> ends = [] {
     std::array<double, 255> made{};
@@ -41,7 +41,7 @@ std::uint8_t encoded(double light) {
   return static_cast<std::uint8_t>(std::ranges::upper_bound(ends, light) - ends.begin());
 }
 
-// The mean over the area each new texel covers; sizes need not divide.
+// The mean over the area each new texel covers; sizes need not be multiples.
 Image<glm::u8vec4> shrunk(const Image<glm::u8vec4>& picture, int width, int height, bool data) {
   const auto& light = decoding_table();
   Image<glm::u8vec4> small(width, height);
@@ -74,8 +74,8 @@ Image<glm::u8vec4> shrunk(const Image<glm::u8vec4>& picture, int width, int heig
   return small;
 }
 
-// Alpha of a smaller level scaled until as much of it stands as of the whole picture. Where all texels are too much
-// alike for that, the share stands that has the most, ties in no order.
+// Scales a smaller level's alpha until the cutoff leaves the same share as in the full picture. If the texels are too
+// alike for that, keeps that share of the most opaque ones, with ties broken pseudo-randomly.
 void keep_share(Image<glm::u8vec4>& level, double cutoff, double share) {
   double low = 0.0, high = 16.0;
   for (int i = 0; i < 20; ++i) {
@@ -117,7 +117,7 @@ Image<glm::u8vec4> halved(const Image<glm::u8vec4>& picture, bool data) {
 }
 
 double share_above(const Image<glm::u8vec4>& picture, double cutoff, double alpha_scale) {
-  constexpr int kSteps = 4;  // between two texels: a level of few texels holds parts of them
+  constexpr int kSteps = 4;  // samples per texel, since small levels need parts of texels
   const auto alpha = [&](int x, int y) {
     return std::min(1.0, alpha_scale * picture.at(x % picture.width(), y % picture.height()).a / 255.0);
   };
@@ -154,10 +154,10 @@ Result<SurfaceTexture> upload(const ModelTexture& texture, std::optional<double>
     if (width != level.width() || height != level.height()) level = shrunk(level, width, height, texture.data);
   }
   if (level.width() != texture.pixels.width() || level.height() != texture.pixels.height())
-    notes.push_back(fmt::format("texture of {} x {} reduced to {} x {}: the driver takes no larger or other sizes",
+    notes.push_back(fmt::format("texture of {} x {} reduced to {} x {}, a size that the driver supports",
                                 texture.pixels.width(), texture.pixels.height(), level.width(), level.height()));
 
-  // EXT_sRGB on GLES 2 cannot take mipmaps, so only version 3's sRGB textures serve.
+  // EXT_sRGB on GLES 2 does not allow mipmap generation, so only version 3's sRGB textures are used.
   const bool decodes = !force_encoded && info.es_major >= 3 && !texture.data;
   SurfaceTexture made{make_texture(), decodes, texture.data};
   const double share = cutoff ? share_above(level, *cutoff) : 1.0;
@@ -172,11 +172,12 @@ Result<SurfaceTexture> upload(const ModelTexture& texture, std::optional<double>
     level = halved(level, texture.data);
     if (cutoff) keep_share(level, *cutoff, share);
   }
-  if (!info.software && info.has("GL_EXT_texture_filter_anisotropic")) {  // in software it blurs and takes long
-    constexpr GLfloat kEnough = 8.0f;  // roofs and courtyards are seen at some degrees; the layer has 17 samples more
+  if (!info.software && info.has("GL_EXT_texture_filter_anisotropic")) {  // software drivers blur and are slow at it
+    constexpr GLfloat kMaxUsefulAnisotropy =
+        8.0f;  // enough for roofs and courtyards seen at a few degrees; the layer adds 17 samples per pixel
     GLfloat most = 1.0f;
     glGetFloatv(kMaxAnisotropy, &most);
-    glTexParameterf(GL_TEXTURE_2D, kTextureMaxAnisotropy, std::min(most, kEnough));
+    glTexParameterf(GL_TEXTURE_2D, kTextureMaxAnisotropy, std::min(most, kMaxUsefulAnisotropy));
   }
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, texture.nearest ? GL_NEAREST : GL_LINEAR);

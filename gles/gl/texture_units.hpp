@@ -1,4 +1,4 @@
-// Which texture unit holds what, throughout the room. A unit that two share has both names, with the reason.
+// The room's texture units. A unit with two uses has two names, with the reason why they do not collide.
 #pragma once
 
 namespace kasumi {
@@ -12,11 +12,11 @@ enum TextureUnit : int {
   kResponseUnit = 5,
   kDitherUnit = 6,
   kSurfaceUnit = 7,           // a material's colour
-  kNoiseUnit = kSurfaceUnit,  // shared: noise goes with the camera's picture, where no surface is drawn
+  kNoiseUnit = kSurfaceUnit,  // shared: noise is used with the camera's picture, where no surface is drawn
 
-  // Beyond the promise: a driver with fewer goes without what they hold.
-  kMoreSurfaceUnit = 8,                // .. 11: a material's other pictures, beside the camera's
-  kSceneDepthUnit = kMoreSurfaceUnit,  // shared: it goes with the layer, which is drawn without the camera's picture
+  // Beyond the guaranteed units: drivers with fewer do without these features.
+  kMoreSurfaceUnit = 8,                // .. 11: a material's other pictures, while the camera's are bound
+  kSceneDepthUnit = kMoreSurfaceUnit,  // shared: used for the layer, which is drawn without the camera's picture
   kShadowUnit = 12,
 };
 

@@ -13,7 +13,7 @@ struct Picture {
   int unit;
 };
 
-// Those that there are, and that have a unit.
+// The material's pictures that have a unit.
 std::vector<Picture> pictures_of(const ModelMaterial& m, const SurfaceUnits& units) {
   std::vector<Picture> pictures;
   const auto add = [&](const Picture& picture) {
@@ -57,7 +57,7 @@ bool holds(const SurfaceUnits& units, const ModelMaterial& material) {
 Defines defines_of(const ModelMaterial& material, std::span<const SurfaceTexture> textures, const SurfaceUnits& units) {
   Defines defines;
   for (const Picture& picture : pictures_of(material, units)) {
-    // The define says where on the picture the fragment lies.
+    // The define's value is the varying with the texture coordinates.
     defines.insert(fmt::format("{} {}", picture.define, picture.map.second ? "v_texture_2" : "v_texture"));
     if (picture.map.second) defines.insert("SECOND_PLACE");
     const SurfaceTexture& texture = textures[static_cast<std::size_t>(picture.map.texture)];

@@ -1,4 +1,4 @@
-// A model's material on its way to the object program.
+// Sets up the object program for a model's material.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-// Texture units that a pass leaves to the surface's pictures; -1 where there is none, and the picture is left out.
+// Texture units that a pass leaves for the surface's pictures; -1: none, and the picture is left out.
 struct SurfaceUnits {
   int base = -1;
   int normal = -1;
@@ -20,17 +20,18 @@ struct SurfaceUnits {
   int sky = -1;  // of SkyAtlas
 };
 
-// Into the layer: nothing of the camera's picture is in use meanwhile.
+// For drawing the layer, when the camera's picture is not bound.
 SurfaceUnits units_for_layer();
-// In one pass with the camera's picture, on a driver of `available` units: what GLES 2 promises is too few for all.
+// For one pass with the camera's picture, on a driver with `available` units; GLES 2's guaranteed 8 are too few for
+// all.
 SurfaceUnits units_beside_camera(int available);
 // Whether all pictures of a material have a unit.
 bool holds(const SurfaceUnits& units, const ModelMaterial& material);
 
-// Which parts of surface.glsl and light.glsl the material needs.
+// The parts of surface.glsl and light.glsl that the material needs.
 Defines defines_of(const ModelMaterial& material, std::span<const SurfaceTexture> textures, const SurfaceUnits& units);
 
-// Uniforms and pictures for the program in use.
+// Sets uniforms and binds pictures for the program in use.
 void bind_material(const Program& program, const ModelMaterial& material, std::span<const SurfaceTexture> textures,
                    const SurfaceUnits& units);
 

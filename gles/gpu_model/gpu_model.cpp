@@ -13,11 +13,11 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kMostTriangles = 2048;  // of a chunk: few enough that their corners have 16-bit numbers
+constexpr std::size_t kMaxTriangles = 2048;  // per chunk: few enough for 16-bit indices
 
 }  // namespace
 
-// Renumbers the corners of some triangles from 0 on.
+// Renumbers the vertices of a chunk's triangles from 0.
 class GpuModel::Cutter {
  public:
   explicit Cutter(std::size_t vertices) : places_(vertices, kNone) {}
@@ -40,13 +40,13 @@ class GpuModel::Cutter {
 
  private:
   static constexpr std::uint16_t kNone = std::numeric_limits<std::uint16_t>::max();
-  static_assert(3 * kMostTriangles < kNone);
+  static_assert(3 * kMaxTriangles < kNone);
   std::vector<std::uint16_t> places_;
   std::vector<std::uint32_t> met_;
   std::vector<std::uint16_t> indices_;
 };
 
-// In space, across the longer way.
+// Splits in space, across the longest axis.
 std::pair<std::span<GpuModel::Triangle>, std::span<GpuModel::Triangle>> GpuModel::halved(
     std::span<Triangle> triangles) {
   glm::vec3 lowest = triangles.front().centre, highest = lowest;
@@ -100,12 +100,12 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
   return made;
 }
 
-// Parts of one material are drawn together, for files cut models into hundreds of parts and each draw is a call to the
-// driver; then split in space, so that a tile of the picture draws only what is near it.
+// Parts with the same material are merged, because files have hundreds of parts and each draw call costs time. The
+// result is split in space, so that a tile of the picture draws only nearby chunks.
 void GpuModel::add(const Model& model, const std::vector<ModelPart>& parts, std::vector<Chunk>& chunks) {
-  const bool all = &parts == &model.ground;  // the ground is not seen through
+  const bool all = &parts == &model.ground;  // the ground is never see-through
   std::vector<std::vector<Triangle>> by_material(model.materials.size());
-  std::vector<std::uint32_t> first_vertex;  // of each part, if all followed one another
+  std::vector<std::uint32_t> first_vertex;  // of each part, if all parts were concatenated
   std::size_t vertices = 0;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const ModelPart& part = parts[p];
@@ -122,7 +122,7 @@ void GpuModel::add(const Model& model, const std::vector<ModelPart>& parts, std:
   Cutter cutter(vertices);
   const std::function<void(int, std::span<Triangle>)> add_split = [&](int material, std::span<Triangle> triangles) {
     if (triangles.empty()) return;
-    if (triangles.size() <= kMostTriangles) {
+    if (triangles.size() <= kMaxTriangles) {
       std::vector<GpuVertex> corners;
       for (const Triangle& triangle : triangles) {
         const ModelPart& part = parts[triangle.part];
@@ -161,10 +161,10 @@ void GpuModel::add_see_through(const Model& model) {
       see_through_.vertices.size() * sizeof(GpuVertex) + see_through_.triangles.size() * 3 * sizeof(std::uint16_t);
 }
 
-// All triangles of all parts in one order. Only where materials then alternate so often that drawing would be nothing
-// but changes between them, the parts are put in order and the triangles within each.
+// Sorts all triangles of all parts together. If materials would then alternate too often, sorts the parts and the
+// triangles within each.
 void GpuModel::sort_see_through(const Projection& projection) {
-  constexpr std::size_t kMostChanges = 1000;
+  constexpr std::size_t kMaxMaterialChanges = 1000;
   auto& triangles = see_through_.triangles;
   std::map<std::uint32_t, std::pair<double, double>> parts;  // sum of depths, count
   for (SeeThroughTriangle& triangle : triangles) {
@@ -180,7 +180,7 @@ void GpuModel::sort_see_through(const Projection& projection) {
   std::size_t changes = 0;
   for (std::size_t i = 1; i < triangles.size(); ++i)
     changes += triangles[i].material != triangles[i - 1].material ? 1 : 0;
-  if (changes > kMostChanges)
+  if (changes > kMaxMaterialChanges)
     std::ranges::stable_sort(triangles, std::greater<>(), [&](const SeeThroughTriangle& triangle) {
       const auto& [sum, count] = parts[triangle.part];
       return std::tuple(sum / count, triangle.part);
@@ -191,8 +191,7 @@ void GpuModel::sort_see_through(const Projection& projection) {
   std::vector<GpuVertex> corners;
   for (std::size_t i = 0; i < triangles.size();) {
     const std::size_t first = i;
-    for (; i < triangles.size() && i - first < kMostTriangles && triangles[i].material == triangles[first].material;
-         ++i)
+    for (; i < triangles.size() && i - first < kMaxTriangles && triangles[i].material == triangles[first].material; ++i)
       for (const std::uint32_t corner : triangles[i].corners)
         if (cutter.add(corner)) corners.push_back(see_through_.vertices[corner]);
     see_through_.chunks.push_back(make_chunk(triangles[first].material, corners, cutter.take()));
@@ -238,7 +237,7 @@ Result<> GpuModel::draw(Which which, Programs& programs, const Defines& variant,
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   }
   begin_chunks(!blended);
-  // The object stands before its ground wherever both are: what of it is below stays seen, as on an open model.
+  // The object is always drawn over its ground, so that its parts below ground stay visible, as without ground.
   if (has_ground()) glDepthRangef(ground ? 0.75f : 0.0f, ground ? 1.0f : 0.75f);
   const Program* in_use = nullptr;
   int material_in_use = -1;
@@ -291,7 +290,7 @@ Result<> GpuModel::draw_shadow(Programs& programs, const Defines& variant,
     draw_chunk(chunk);
   }
   end_chunks();
-  return check_gl("drawing what casts a shadow");
+  return check_gl("drawing shadow casters");
 }
 
 void GpuModel::begin_chunks(bool write_depth) {

@@ -1,5 +1,5 @@
-// The model on the GPU, cut into chunks that 16-bit indices can address: 32 bits would save nothing, for a tile of the
-// picture draws only the chunks that it shows.
+// The model on the GPU, split into chunks with 16-bit indices. 32-bit indices would not help, because a tile of the
+// picture draws only the chunks it shows.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ class GpuModel {
   const std::vector<ModelMaterial>& materials() const { return materials_; }
   std::size_t bytes() const { return bytes_; }  // of buffers and textures on the GPU
 
-  // Finds each chunk's pixels and puts see-through triangles in order, farthest first. Returns the box around all.
+  // Finds each chunk's pixels and sorts see-through triangles, farthest first. Returns the bounding box of all.
   PixelBox look_from(const Projection& projection);
 
   // Draws the solid or the see-through chunks that touch `window` (all when it is empty) with the object program under
@@ -41,8 +41,8 @@ class GpuModel {
   enum class Which { solid, blended, ground };
   Result<> draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
                 const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const;
-  // Draws what keeps the sun off, wherever it is seen from, with the sun map's program: solid chunks, both sides of
-  // them, masked ones cut out. What is see-through casts no shadow.
+  // Draws the shadow casters with the sun map's program: solid chunks, both sides, with masked materials cut out.
+  // See-through surfaces cast no shadow.
   Result<> draw_shadow(Programs& programs, const Defines& variant,
                        const std::function<void(const Program&)>& set_uniforms) const;
 
@@ -66,7 +66,7 @@ class GpuModel {
     std::array<std::uint32_t, 3> corners{};
     double depth_m = 0.0;
   };
-  // Kept, because what is drawn first depends on where one looks from.
+  // Kept on the CPU, because the drawing order depends on the view.
   struct SeeThrough {
     std::vector<GpuVertex> vertices;
     std::vector<SeeThroughTriangle> triangles;

@@ -1,4 +1,4 @@
-// A vertex as the GPU gets it: half of what the model's takes where precision is not needed.
+// The GPU's vertex format: half the model's size where precision is not needed.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// The renderer's shader programs, each variant compiled when it is first needed.
+// The renderer's shader programs; each variant is compiled on first use.
 #pragma once
 
 #include <map>

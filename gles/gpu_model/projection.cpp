@@ -17,7 +17,8 @@ glm::dvec2 distort(const std::array<double, 5>& k, const glm::dvec2& p) {
                                  k[2] * (r2 + 2.0 * p.y * p.y) + 2.0 * k[3] * p.x * p.y};
 }
 
-// Newton from the centre outwards, so that it stays on the branch that holds the centre. Empty when there is none.
+// Newton's method in steps from the centre outwards, to stay on the branch that contains the centre. Empty if there is
+// no solution.
 std::optional<glm::dvec2> undistort(const std::array<double, 5>& k, const glm::dvec2& wanted) {
   constexpr double kStep = 1e-6;
   glm::dvec2 p{0.0};
@@ -63,7 +64,7 @@ std::optional<double> picture_radius(const SceneView& view) {
   return radius;
 }
 
-// A little beyond the picture, so that triangles across its border bend as they should, but never past the radius
+// Slightly beyond the picture, so that triangles across its border are distorted correctly, but never past the radius
 // where the polynomial turns back.
 double reach_of(const std::array<double, 5>& k, double radius) {
   constexpr double kBeyond = 1.25;
@@ -79,7 +80,7 @@ double reach_of(const std::array<double, 5>& k, double radius) {
 PixelBox cut(const Projection& projection, glm::dvec2 lowest, glm::dvec2 highest) {
   if (!(lowest.x <= highest.x) || !(lowest.y <= highest.y)) return {};
   const int margin = projection.margin_px;
-  // Through double clamps: a vertex next to the near plane may be seen far outside what an int holds.
+  // Clamped as double, because a vertex next to the near plane may project beyond the range of int.
   const auto pixel = [&](double value, int size) {
     return static_cast<int>(std::clamp(value, double(-margin), double(size + margin)));
   };

@@ -16,7 +16,7 @@ namespace kasumi {
 
 struct Projection {
   SceneView view;
-  int margin_px = 0;  // how far beyond the picture's border what lies there still matters
+  int margin_px = 0;  // how far beyond the picture's border to keep geometry
   glm::dmat4 model_to_world{1.0};
   glm::dmat4 model_to_camera{1.0};
   glm::dmat3 normal_to_world{1.0};
@@ -26,25 +26,25 @@ struct Projection {
   glm::dvec3 camera_up{};    // the world's vertical in the camera's frame
   bool distorted = false;
   double lens_reach = 1e6;  // normalised radius up to which the distortion polynomial is used
-  bool mirrored = false;    // the transforms turn right hands into left ones
+  bool mirrored = false;    // the transforms change handedness
 };
 
 // Errors (bad_input, all at once): sizes, focal lengths, planes, matrices that are not finite or not invertible, a
 // distortion that folds the picture over itself.
 Result<Projection> make_projection(const SceneView& view, const glm::dmat4& model_to_world);
 
-// Where a point at depth z > 0 is seen.
+// The pixel of a point at depth z > 0.
 glm::dvec2 pixel_of(const Projection& projection, const glm::dvec3& camera);
 
-// The pixels that triangles can touch, with one to spare, cut to the picture and its margin.
+// The pixels that triangles can touch, plus one, clipped to the picture and its margin.
 PixelBox box_of(const Projection& projection, std::span<const glm::vec3> positions,
                 std::span<const std::uint16_t> indices);
-PixelBox grown(const PixelBox& box, int px);  // every way; an empty one stays empty
+PixelBox grown(const PixelBox& box, int px);  // on every side; an empty box stays empty
 PixelBox cut_to_picture(const PixelBox& box, const SceneView& view);
 PixelBox united(const PixelBox& a, const PixelBox& b);
 bool overlap(const PixelBox& a, const PixelBox& b);
 
-// Near and far for the depth buffer: as tight around the model as the view's own planes allow, so that 16 bits do.
+// Near and far planes as tight around the model as the view allows, so that a 16-bit depth buffer suffices.
 struct DepthRange {
   double near_m = 0.0;
   double far_m = 0.0;

@@ -6,7 +6,7 @@
 namespace kasumi {
 namespace {
 
-// Grid points per pixel; a grid without extent is one value everywhere.
+// Grid points per pixel; a grid without extent is constant.
 glm::dvec2 points_per_pixel(const AirlightGrid& grid) {
   const glm::dvec2 extent = grid.last_px - grid.first_px;
   return {extent.x > 0.0 ? (AirlightGrid::kColumns - 1) / extent.x : 0.0,

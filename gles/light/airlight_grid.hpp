@@ -1,4 +1,4 @@
-// Grids of airlight on their way to the shaders.
+// Passes grids of airlight to the shaders.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace kasumi {
 
-// Bilinear between the grid's points, held beyond its edges. `pixel`: (0, 0) is the centre of the top left pixel.
+// Bilinear between the grid's points, clamped beyond its edges. `pixel`: (0, 0) is the centre of the top left pixel.
 glm::dvec3 airlight_at(const AirlightGrid& grid, const glm::dvec2& pixel);
 
-// positive: zero is refused as well (something is divided by it).
+// positive: also refuses zero, because the value is a divisor.
 void check(const AirlightGrid& grid, std::string_view name, bool positive, Problems& problems);
 
 // Uniforms NAME_light and NAME_place of airlight.glsl.

@@ -11,7 +11,7 @@
 namespace kasumi {
 namespace {
 
-// Radiance of a white card lying in the open.
+// Radiance of a horizontal white card under open sky.
 glm::dvec3 white_card(const ObjectLight& light) {
   return (irradiance(light.around, {0, 0, 1}) + light.sun_irradiance * std::max(light.sun_direction.z, 0.0)) / kPi;
 }
@@ -72,7 +72,7 @@ double largest_n(const ObjectAppearance& appearance, const SkyAtlas& sky, std::s
     if (material.unlit) radiance = glm::max(radiance, white_card(light));
   }
   radiance += emission * white_card(light);
-  constexpr double kBytes = 1.01;  // what the surroundings may gain by rounding
+  constexpr double kBytes = 1.01;  // margin for rounding of the surroundings to bytes
   double largest = 1.0;
   for (const glm::dvec3& horizon : appearance.horizon.light)
     for (int c = 0; c < 3; ++c) largest = std::max(largest, kBytes * radiance[c] / horizon[c]);

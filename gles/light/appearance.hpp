@@ -1,4 +1,4 @@
-// Light and air on their way to the shaders.
+// Passes light and air to the shaders.
 #pragma once
 
 #include <span>
@@ -11,12 +11,12 @@
 
 namespace kasumi {
 
-// Everything finite, scale heights and the horizon's light > 0, nothing negative that cannot be.
+// Checks that values are finite, scale heights and the horizon's light > 0, and physical quantities not negative.
 void check(const ObjectAppearance& appearance, Problems& problems);
 void check(const SensorNoise& noise, Problems& problems);
 
-// An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1 and these materials, the sun's glint on
-// smooth ones left out: it is white whatever it is cut to. `sky` holds the light's surroundings.
+// An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1 and these materials, without the sun's glint
+// on smooth ones, which is white even when clipped. `sky` holds the light's surroundings.
 double largest_n(const ObjectAppearance& appearance, const SkyAtlas& sky, std::span<const ModelMaterial> materials);
 
 // Uniforms of haze.glsl, path.glsl, sun.glsl, light.glsl; the horizon's light as horizon_light, horizon_place.

@@ -14,7 +14,7 @@
 namespace kasumi {
 namespace {
 
-// On a map of `size` texels, whatever its size.
+// On an octahedral map of any `size`.
 glm::vec3 look_up(const Image<glm::vec3>& map, const glm::dvec2& place) {
   const double last = map.width() - 1.0;
   const glm::dvec2 at = 0.5 * (place + 1.0) * last;
@@ -28,7 +28,7 @@ glm::dvec2 place_of(int x, int y, int size) {
   return 2.0 * glm::dvec2{x, y} / (size - 1.0) - 1.0;
 }
 
-// Smooth light needs no more than half the size to be filtered on.
+// Smooth results are filtered at half the size.
 constexpr int kCoarse = (FilteredSky::kSize + 1) / 2;
 Image<glm::vec3> in_full_size(const Image<glm::vec3>& map) {
   Image<glm::vec3> made(FilteredSky::kSize, FilteredSky::kSize);
@@ -37,7 +37,7 @@ Image<glm::vec3> in_full_size(const Image<glm::vec3>& map) {
   return made;
 }
 
-// Directions around the mirror image, which is z, and their weights.
+// Directions around the mirror direction, which is z, and their weights.
 struct Lobe {
   std::vector<glm::dvec3> directions;
   std::vector<float> weights;
@@ -62,8 +62,8 @@ Lobe lobe_of(double roughness) {
   return lobe;
 }
 
-// What a mirror of that roughness sees of the map, each texel of its picture as a sum over the map's texels. The lobes
-// never change, so they are laid on the map once.
+// The filter of one roughness: each output texel as a weighted sum of the map's texels. The lobes never change, so the
+// weights are computed once.
 class Mirror {
  public:
   Mirror(double roughness, int size) : size_(size) {
@@ -100,7 +100,7 @@ class Mirror {
     float share;
   };
 
-  // The lobe around `image`, between the map's texels.
+  // The lobe around `image`, interpolated between the map's texels.
   static void lay(const Lobe& lobe, const Direction& image, std::vector<float>& share,
                   std::vector<std::size_t>& touched) {
     const glm::dvec3 aside = std::abs(image.z) < 0.9 ? glm::dvec3{0, 0, 1} : glm::dvec3{1, 0, 0};
@@ -139,7 +139,7 @@ const std::vector<Mirror>& mirrors() {
   return made;
 }
 
-// Irradiance over pi on eight normals at a time, which compilers make vector code of.
+// Irradiance / pi for eight normals at a time, which compilers vectorise.
 Image<glm::vec3> matt_of(const LightAround& around) {
   constexpr int kLanes = 8, kSize = FilteredSky::kSize;
   using Lanes = std::array<float, kLanes>;

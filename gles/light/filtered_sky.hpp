@@ -1,5 +1,5 @@
-// What surfaces make of their surroundings, each on a map of directions (base/sky/light_around.hpp): what mirrors of
-// growing roughness show, and what lights a matt surface. Filtered on the CPU, some ten milliseconds.
+// The surroundings prefiltered on octahedral maps (base/sky/light_around.hpp): reflections at increasing roughness, and
+// diffuse irradiance. Computed on the CPU in some ten milliseconds.
 #pragma once
 
 #include <array>
@@ -13,17 +13,17 @@ namespace kasumi {
 
 struct FilteredSky {
   static constexpr int kSize = 65;  // odd: texels lie where the octahedron has edges
-  // Of roughness 0, 1/6 .. 5/6, seen head-on: radiance under GGX's lobe, weighted by the cosine (split sum, Karis
-  // 2013). Roughness 1 is the matt surface: there the lobe is Lambert's.
+  // For roughness 0, 1/6 .. 5/6 at normal incidence: radiance weighted by the GGX lobe and the cosine (split sum, Karis
+  // 2013). Roughness 1 is the diffuse map, since its lobe is Lambert's.
   static constexpr int kMirrors = 6;
   std::array<Image<glm::vec3>, kMirrors> mirrors;
   Image<glm::vec3> matt;  // irradiance over pi
 };
-// Without mirrors, for models that have none, their pictures stay empty.
+// Without mirrors, for models that do not reflect, those maps stay empty.
 FilteredSky filter_sky(const LightAround& around, bool with_mirrors);
 
-// Light in bytes, for textures that are filtered between texels: light = unit (rgb a)^2. Within 1 % in channels that
-// hold a tenth of the brightest or more.
+// Light encoded in bytes so that textures can be filtered: light = unit (rgb a)^2. Accurate to 1 % in channels with at
+// least a tenth of the brightest.
 glm::u8vec4 in_bytes(const glm::vec3& light, float unit);
 
 }  // namespace kasumi

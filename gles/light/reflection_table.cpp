@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kLeastRoughness = 1e-3;  // a mirror: the integrals hold, their samples coincide
+constexpr double kMinRoughness = 1e-3;  // avoids division by zero; a mirror's integrals stay valid
 
 }  // namespace
 
@@ -18,13 +18,13 @@ double facet_cosine(double share, double alpha) {
   return std::sqrt((1.0 - share) / (1.0 + (alpha * alpha - 1.0) * share));
 }
 
-// Facets drawn evenly from GGX's distribution; what each gives back is 4 V n.l v.h / n.h of what falls in.
-GivenBack given_back(double across, double roughness) {
+// Samples facets evenly from the GGX distribution; each reflects 4 V n.l v.h / n.h of the incident light.
+DirectionalAlbedo directional_albedo(double across, double roughness) {
   constexpr int kTilts = 64, kTurns = 16;
-  const double alpha = std::pow(std::max(roughness, kLeastRoughness), 2), a2 = alpha * alpha;
+  const double alpha = std::pow(std::max(roughness, kMinRoughness), 2), a2 = alpha * alpha;
   const double sideways = std::sqrt(1.0 - across * across);
   const auto shadow = [&](double outer, double inner) { return outer * std::sqrt(inner * inner * (1.0 - a2) + a2); };
-  GivenBack sum{0.0, 0.0, 0.0, 0.0};
+  DirectionalAlbedo sum{0.0, 0.0, 0.0, 0.0};
   for (int i = 0; i < kTilts; ++i) {
     const double nh = facet_cosine((i + 0.5) / kTilts, alpha), tilt = std::sqrt(1.0 - nh * nh);
     for (int j = 0; j < kTurns; ++j) {
@@ -45,7 +45,7 @@ GivenBack given_back(double across, double roughness) {
 
 double mean_cosine(double roughness) {
   constexpr int kTilts = 1024;
-  const double alpha = std::pow(std::max(roughness, kLeastRoughness), 2);
+  const double alpha = std::pow(std::max(roughness, kMinRoughness), 2);
   double weights = 0.0, sum = 0.0;
   for (int i = 0; i < kTilts; ++i) {
     const double nh = facet_cosine((i + 0.5) / kTilts, alpha), nl = 2.0 * nh * nh - 1.0;
@@ -56,8 +56,8 @@ double mean_cosine(double roughness) {
   return sum / weights;
 }
 
-SeenAs seen_as(double across, const GivenBack& back) {
-  SeenAs seen;
+ReflectionLookup reflection_lookup(double across, const DirectionalAlbedo& back) {
+  ReflectionLookup seen;
   const double sideways = std::sqrt(1.0 - across * across), slope = std::max(back.aside, 0.0) / back.along;
   if (sideways > 0.0) seen.lean = std::clamp(slope / (sideways + slope * (1.0 - across)), 0.0, 1.0);
   static const auto cosines = [] {
@@ -81,8 +81,8 @@ Image<glm::u8vec4> reflection_table() {
   for (int y = 0; y < table.height(); ++y)
     for (int x = 0; x < table.width(); ++x) {
       const double root = std::max(static_cast<double>(x) / (table.width() - 1), 0.01);
-      const GivenBack back = given_back(root * root, static_cast<double>(y) / (table.height() - 1));
-      const SeenAs seen = seen_as(root * root, back);
+      const DirectionalAlbedo back = directional_albedo(root * root, static_cast<double>(y) / (table.height() - 1));
+      const ReflectionLookup seen = reflection_lookup(root * root, back);
       table.at(x, y) = {byte(back.all), byte(back.edge), byte(seen.lean), byte(seen.roughness)};
     }
   return table;

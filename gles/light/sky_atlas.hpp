@@ -1,6 +1,6 @@
-// The filtered surroundings in one texture, squares side by side, since GLES 2 promises neither levels to choose from
-// nor units for many: how much rough facets give back (reflection_table.hpp), what mirrors show from sharp to rough,
-// and last what lights a matt surface. sky_atlas.glsl reads it.
+// The filtered surroundings as squares side by side in one texture, since GLES 2 guarantees neither explicit mip levels
+// nor enough units: the reflection table (reflection_table.hpp), reflections from sharp to rough, and last the diffuse
+// irradiance. sky_atlas.glsl reads it.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace kasumi {
 
 class SkyAtlas {
  public:
-  // Filters and uploads; at once where these surroundings are in it already. Errors: device.
+  // Filters and uploads; returns at once if it already holds these surroundings. Errors: device.
   Result<> update(const LightAround& around, bool with_mirrors);
   void bind(const Program& program, int unit) const;
 
@@ -30,7 +30,7 @@ class SkyAtlas {
   bool has_table_ = false;
   bool has_mirrors_ = false;
   std::optional<Image<glm::vec3>> from_;
-  glm::dvec2 unit_{1.0};  // of the mirrors, of the matt surface: what full scale stands for
+  glm::dvec2 unit_{1.0};  // full scale of the reflections and of the diffuse irradiance
   glm::dvec3 brightest_radiance_{0.0};
   glm::dvec3 brightest_irradiance_{0.0};
 };

@@ -49,8 +49,7 @@ Result<Elements> elements_in(const tinygltf::Model& gltf, int view_index, std::s
     return fail(FaultKind::bad_input, "{}: buffer view {} covers bytes {} + {}: buffer {} has {}", what, view_index,
                 view.byteOffset, view.byteLength, view.buffer, bytes.size());
   const std::size_t size = component_bytes(component_type) * static_cast<std::size_t>(components);
-  if (size == 0)
-    return fail(FaultKind::bad_input, "{}: component type {} is none that glTF knows here", what, component_type);
+  if (size == 0) return fail(FaultKind::bad_input, "{}: component type {} is not allowed here", what, component_type);
   const std::size_t stride = strided && view.byteStride != 0 ? view.byteStride : size;
   if (stride < size)
     return fail(FaultKind::bad_input, "{}: a stride of {} for elements of {} bytes", what, stride, size);
@@ -180,7 +179,7 @@ Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int
   if (!found) return fail(found.error());
   const tinygltf::Accessor& accessor = **found;
   if (accessor.sparse.isSparse) return fail(FaultKind::bad_input, "{}: sparse indices are not read", named);
-  if (component_count(accessor.type) != 1) return fail(FaultKind::bad_input, "{}: indices are to be scalars", named);
+  if (component_count(accessor.type) != 1) return fail(FaultKind::bad_input, "{}: indices must be scalars", named);
   const auto elements = elements_in(gltf, accessor.bufferView, accessor.byteOffset, accessor.count, 1,
                                     accessor.componentType, true, named);
   if (!elements) return fail(elements.error());

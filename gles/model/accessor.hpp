@@ -1,4 +1,4 @@
-// Numbers out of a glTF's accessors, every byte checked against its buffer. For this room's glTF sources only.
+// Reads a glTF's accessors, with every access checked against its buffer. For this room's glTF sources only.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 namespace kasumi {
 
 // count * components floats, normalised integers as fractions, sparse entries applied. `what` and the accessor's number
-// begin every message. Errors (bad_input): no such accessor, another number of components than one of `components`,
-// more elements than `limit`, reaching beyond its buffer view or that beyond its buffer.
+// begin every message. Errors (bad_input): no such accessor, a number of components not in `components`, more elements
+// than `limit`, an accessor beyond its buffer view or a view beyond its buffer.
 struct AccessorFloats {
   int components = 0;
   std::size_t count = 0;
@@ -22,7 +22,7 @@ struct AccessorFloats {
 Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int accessor, std::initializer_list<int> components,
                                    std::size_t limit, const std::string& what);
 
-// Indices of 8, 16 or 32 unsigned bits.
+// Unsigned indices of 8, 16 or 32 bits.
 Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int accessor, std::size_t limit,
                                                 const std::string& what);
 

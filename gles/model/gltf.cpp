@@ -40,7 +40,7 @@ Result<glm::dmat4> transform_of(const tinygltf::Node& node, const std::string& w
   return matrix;
 }
 
-// What a curator marks as the real ground; Blender numbers the names of copies.
+// Nodes marked as the real ground. Matches the beginning of the name, because Blender appends numbers to copies.
 bool marks_ground(const tinygltf::Node& node) {
   if (node.name.starts_with("kasumi_ground")) return true;
   if (!node.extras.IsObject() || !node.extras.Has("kasumi")) return false;
@@ -64,7 +64,7 @@ class SceneReader {
     if (gltf_.nodes.size() > limits_.nodes)
       return fail(FaultKind::bad_input, "{}: {} nodes: expected {} at most", name_, gltf_.nodes.size(), limits_.nodes);
     if (auto walked = walk(); !walked) return walked;
-    if (!gltf_.animations.empty()) note("its animations stand still");
+    if (!gltf_.animations.empty()) note("its animations are not played");
     if (model_.triangle_count() == 0) return fail(FaultKind::bad_input, "{}: no triangles in its scene", name_);
     return {};
   }
@@ -76,7 +76,7 @@ class SceneReader {
     if (std::ranges::find(model_.notes, text) == model_.notes.end()) model_.notes.push_back(std::move(text));
   }
 
-  // The scene to show; -1: the file has none.
+  // The index of the scene to show; -1: the file has none.
   Result<int> scene() const {
     const auto count = static_cast<int>(gltf_.scenes.size());
     if (wanted_scene_.empty()) {
@@ -96,7 +96,7 @@ class SceneReader {
                 count == 0 ? "the file has no scenes" : "expected one of these by name or number: " + there);
   }
 
-  // The nodes to begin with: the scene's, else every node that is nobody's child.
+  // The root nodes: the scene's, else every node without a parent.
   std::vector<int> roots(int scene) const {
     if (scene >= 0) return gltf_.scenes[static_cast<std::size_t>(scene)].nodes;
     std::vector<bool> child(gltf_.nodes.size());
@@ -136,7 +136,7 @@ class SceneReader {
       const bool ground = visit.ground || marks_ground(node);
       if (node.mesh >= 0)
         if (auto read = read_mesh(node.mesh, whole, ground ? model_.ground : model_.parts); !read) return read;
-      if (node.skin >= 0) note("its skinned meshes keep the shape they are stored in");
+      if (node.skin >= 0) note("its skinned meshes are not deformed");
       for (const int child : node.children) open.push_back({child, whole, ground});
     }
     return {};
@@ -173,7 +173,7 @@ class SceneReader {
     const bool with_normals = primitive.attributes.contains("NORMAL");
     if (with_normals) {
       if (const std::size_t mended = mend_normals(part); mended > 0)
-        note("{} normals without a direction replaced by their faces'", mended);
+        note("{} invalid normals replaced by those of their faces", mended);
     }
     if (auto placed = place(part, transform, what); !placed) return placed;
     if (!with_normals) give_flat_normals(part);
@@ -181,7 +181,7 @@ class SceneReader {
         normals.used()) {
       if (with_normals && primitive.attributes.contains("TANGENT"))
         mend_tangents(part);
-      else  // without normals, tangents are to be ignored as well
+      else  // glTF requires ignoring tangents if there are no normals
         give_tangents(part, normals.second);
     }
     if (!primitive.targets.empty()) note("its morph targets are left out");
@@ -195,7 +195,7 @@ class SceneReader {
     return {};
   }
 
-  // Ground that the file gives no colour: glTF's default is white, which no ground is.
+  // The material of ground without one in the file: glTF's default is white, which is implausible for ground.
   int plain_ground() {
     if (plain_ground_ < 0) {
       plain_ground_ = static_cast<int>(model_.materials.size());
@@ -259,7 +259,7 @@ class SceneReader {
     return {};
   }
 
-  // Texture coordinates, moved as the material says.
+  // Texture coordinates with the material's transform applied.
   Result<> lay(const tinygltf::Primitive& primitive, ModelPart& part, const TexturePlacement& placement, bool second,
                const std::string& what) {
     const auto places =
@@ -270,7 +270,7 @@ class SceneReader {
       if (finite(moved))
         (second ? part.vertices[i].texture_2 : part.vertices[i].texture) = glm::vec2(moved);
       else
-        note("texture coordinates that are not finite read as 0");
+        note("texture coordinates that are not finite are replaced by 0");
     }
     return {};
   }
@@ -293,10 +293,10 @@ class SceneReader {
   }
 
   Result<> place(ModelPart& part, const glm::dmat4& transform, const std::string& what) {
-    constexpr double kFarthest_m = 1e7;  // a float still tells metres apart
+    constexpr double kFarthest_m = 1e7;  // a float still resolves metres
     const glm::dmat3 turn(transform);
     const bool mirrors = glm::determinant(turn) < 0.0;
-    // Cofactors are the inverse transpose times the determinant, and exist for flattening transforms too.
+    // The cofactor matrix is the inverse transpose times the determinant, and also exists for singular transforms.
     const glm::dmat3 normal_turn(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]),
                                  glm::cross(turn[0], turn[1]));
     for (std::size_t i = 0; i < part.vertices.size(); ++i) {

@@ -31,8 +31,8 @@ int whole_number(const tinygltf::Value& object, const std::string& key, int fall
   return static_cast<int>(std::clamp(numbers(object, key, {double(fallback)}).front(), -1.0, 1e6));
 }
 
-// A picture as a material names it, whatever it is for.
-struct Laid {
+// A material's reference to a picture.
+struct TextureReference {
   int texture = -1;
   TexturePlacement placement;
 };
@@ -54,11 +54,11 @@ TexturePlacement placement_of(int set, const tinygltf::ExtensionMap& extensions)
 }
 
 template <class Info>
-Laid laid(const Info& info) {
+TextureReference laid(const Info& info) {
   return {info.index, placement_of(info.texCoord, info.extensions)};
 }
 
-Laid laid(const tinygltf::Value& extension, const std::string& key) {
+TextureReference laid(const tinygltf::Value& extension, const std::string& key) {
   if (!extension.IsObject() || !extension.Has(key)) return {};
   const tinygltf::Value& info = extension.Get(key);
   tinygltf::ExtensionMap extensions;
@@ -95,7 +95,7 @@ class TextureReader {
                 std::vector<std::string>& notes)
       : gltf_(gltf), name_(name), limits_(limits), notes_(notes) {}
 
-  // The place in textures(), -1 where there is no picture to show.
+  // The index in textures(); -1: no usable picture.
   Result<int> read(int texture, bool data) {
     if (texture < 0) return -1;
     if (const auto known = places_.find({texture, data}); known != places_.end()) return known->second;
@@ -115,7 +115,7 @@ class TextureReader {
       for (const auto& [kind, value] : texture.extensions)
         kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind);
       notes_.push_back(fmt::format("{}: a texture {} is left out: Kasumi reads PNG and JPEG", name_,
-                                   kinds.empty() ? "without a picture" : "that only " + kinds + " brings"));
+                                   kinds.empty() ? "without a picture" : "only available through " + kinds));
       return -1;
     }
     if (static_cast<std::size_t>(texture.source) >= gltf_.images.size())
@@ -157,7 +157,7 @@ const tinygltf::Value* extension(const tinygltf::Material& from, const std::stri
   return found == from.extensions.end() ? nullptr : &found->second;
 }
 
-// One material's pictures, each with its place among the two ways to lay pictures on.
+// One material's pictures, each assigned to one of two sets of texture coordinates.
 class MaterialReader {
  public:
   MaterialReader(TextureReader& textures, const std::string& name, std::vector<std::string>& notes)
@@ -173,7 +173,7 @@ class MaterialReader {
     material.double_sided = from.doubleSided;
     material.unlit = extension(from, "KHR_materials_unlit") != nullptr;
 
-    Laid base, roughness;
+    TextureReference base, roughness;
     if (const auto* older = extension(from, "KHR_materials_pbrSpecularGlossiness"); older != nullptr) {
       base = read_older(*older, material);
     } else {
@@ -207,14 +207,14 @@ class MaterialReader {
   const Surfaces::Placements& placements() const { return placements_; }
 
  private:
-  Laid read_older(const tinygltf::Value& older, ModelMaterial& material) {
+  TextureReference read_older(const tinygltf::Value& older, ModelMaterial& material) {
     material.base_colour = colour_of(numbers(older, "diffuseFactor", {1.0, 1.0, 1.0, 1.0}));
     material.roughness = 1.0f - fraction(numbers(older, "glossinessFactor", {1.0}).front(), 1.0f);
     material.reflectance =
         glm::clamp(three(numbers(older, "specularFactor", {1.0, 1.0, 1.0})), glm::vec3(0.0f), glm::vec3(1.0f));
     material.edge_reflectance = 1.0f;
     if (older.IsObject() && older.Has("specularGlossinessTexture")) {
-      // What its picture varies is not read; its full values everywhere would make mirrors of walls.
+      // Its texture is not supported, and its full values everywhere would turn walls into mirrors.
       material.reflectance = glm::vec3(0.04f);
       material.roughness = 0.8f;
       notes_.push_back(
@@ -227,7 +227,7 @@ class MaterialReader {
     double head_on = 0.04;
     if (const auto* refraction = extension(from, "KHR_materials_ior"); refraction != nullptr) {
       const double n = std::max(numbers(*refraction, "ior", {1.5}).front(), 0.0);
-      head_on = n == 0.0 ? 1.0 : std::pow((n - 1.0) / (n + 1.0), 2);  // 0 stands for "reflects all"
+      head_on = n == 0.0 ? 1.0 : std::pow((n - 1.0) / (n + 1.0), 2);  // 0 means full reflection
     }
     material.reflectance = glm::vec3(static_cast<float>(head_on));
     material.edge_reflectance = 1.0f;
@@ -248,7 +248,7 @@ class MaterialReader {
           static_cast<float>(strength * double(fraction(from.emissiveFactor[i], 0.0f)));
   }
 
-  Result<> add(const Laid& picture, bool data, const char* what, ModelMap& map) {
+  Result<> add(const TextureReference& picture, bool data, const char* what, ModelMap& map) {
     const auto texture = textures_.read(picture.texture, data);
     if (!texture) return fail(texture.error());
     if (*texture < 0) return {};
@@ -258,8 +258,8 @@ class MaterialReader {
       map = {*texture, i == 1};
       return {};
     }
-    notes_.push_back(
-        fmt::format("{}: pictures of one material laid on in more than two ways: its {} is left out", name_, what));
+    notes_.push_back(fmt::format(
+        "{}: a material with more than two kinds of texture coordinates: its {} picture is left out", name_, what));
     return {};
   }
 

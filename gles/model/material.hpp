@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// Which texture coordinates a material's picture is laid on with, and how they are moved (KHR_texture_transform).
+// The texture coordinates of a material's picture and their transform (KHR_texture_transform).
 struct TexturePlacement {
   int set = 0;  // TEXCOORD_n
   glm::dmat3 transform{1.0};
@@ -21,14 +21,14 @@ struct TexturePlacement {
 };
 
 struct Surfaces {
-  // Of ModelVertex::texture and texture_2, as far as the material needs them.
+  // For ModelVertex::texture and texture_2, as far as the material uses them.
   using Placements = std::array<std::optional<TexturePlacement>, 2>;
   std::vector<ModelMaterial> materials;  // one more than in the file: the last is glTF's default
   std::vector<Placements> placements;    // one per material
   std::vector<ModelTexture> textures;
 };
 
-// Only pictures that materials use are decoded. Errors (bad_input): damaged or too large ones, bad references.
+// Decodes only pictures that materials use. Errors (bad_input): damaged or too large pictures, bad references.
 Result<Surfaces> read_surfaces(const tinygltf::Model& gltf, const std::string& name, const ModelLimits& limits,
                                std::vector<std::string>& notes);
 

@@ -79,7 +79,7 @@ Result<> check(const Model& model) {
 glm::dmat4 model_to_world(const Placement& placement) {
   const double c = placement.scale * std::cos(placement.heading.value);
   const double s = placement.scale * std::sin(placement.heading.value);
-  // Where the directions east, up and north at heading 0 go when turned clockwise seen from above.
+  // The directions that are east, up and north at heading 0, turned clockwise as seen from above.
   const glm::dvec4 east{c, -s, 0.0, 0.0}, north{s, c, 0.0, 0.0}, up{0.0, 0.0, placement.scale, 0.0};
   const glm::dvec4 place{placement.east_m, placement.north_m, placement.up_m, 1.0};
   if (placement.up_axis == UpAxis::z) return {east, north, up, place};

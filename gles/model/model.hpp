@@ -1,4 +1,4 @@
-// A model on the CPU: what a glTF file comes down to for us. Axes as in glTF: y up, metres.
+// A model on the CPU: the parts of a glTF file that Kasumi uses. Axes as in glTF: y up, metres.
 #pragma once
 
 #include <cstdint>
@@ -24,24 +24,25 @@ struct ModelVertex {
   glm::vec3 normal{0, 1, 0};  // unit length
   glm::vec2 texture{};        // (0, 0) is the first texel of the first row
   glm::vec4 colour{1};        // linear; multiplies the material's base colour
-  glm::vec2 texture_2{};      // for pictures that are laid on in another way
-  glm::vec4 tangent{0};       // xyz: where texture x grows, unit length; w: -1 where the picture is mirrored, else 1
+  glm::vec2 texture_2{};      // a second set of texture coordinates
+  glm::vec4 tangent{
+      0};  // xyz: direction of growing texture x, unit length; w: -1 where the picture is mirrored, else 1
 };
 
-// A picture laid on a surface.
+// A texture reference of a material.
 struct ModelMap {
   int texture = -1;     // index into Model::textures; -1: none
-  bool second = false;  // laid on by ModelVertex::texture_2
+  bool second = false;  // uses ModelVertex::texture_2
   bool used() const { return texture >= 0; }
 };
 
-// What a surface does with light (glTF 2.0, 3.9): metallic-roughness over a dielectric's reflection. Made in memory it
-// is matt, as plaster is; files say more.
+// A surface's material (glTF 2.0, 3.9): metallic-roughness with dielectric reflection. The defaults are diffuse like
+// plaster, not glTF's, which apply to files.
 struct ModelMaterial {
   enum class Alpha { opaque, mask, blend };
   std::string name;
   glm::vec4 base_colour{1};  // linear
-  int texture = -1;          // base colour's, index into Model::textures, laid on by ModelVertex::texture; -1: none
+  int texture = -1;          // base colour's: index into Model::textures, with ModelVertex::texture; -1: none
   Alpha alpha = Alpha::opaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
@@ -49,15 +50,15 @@ struct ModelMaterial {
   float metallic = 0.0f;
   float roughness = 1.0f;
   ModelMap roughness_map{};       // green: roughness, blue: metallic
-  glm::vec3 reflectance{0.0f};    // of what is not metal, seen head-on; glTF's default is 0.04
-  float edge_reflectance = 0.0f;  // the same at a grazing angle; glTF's default is 1
+  glm::vec3 reflectance{0.0f};    // of dielectrics at normal incidence; glTF's default is 0.04
+  float edge_reflectance = 0.0f;  // the same at grazing incidence; glTF's default is 1
   ModelMap normal_map{};
   float normal_scale = 1.0f;
-  ModelMap occlusion_map{};  // red: how much of the sky reaches the place
+  ModelMap occlusion_map{};  // red: visible share of the sky
   float occlusion_strength = 1.0f;
-  glm::vec3 emission{0.0f};  // 1: as bright as a white card lying in the open, like everything that is unlit
+  glm::vec3 emission{0.0f};  // 1: as bright as a horizontal white card under open sky, as for unlit materials
   ModelMap emission_map{};
-  bool unlit = false;  // base colour is shown as if it were emission
+  bool unlit = false;  // base colour is used as emission
 
   bool reflects() const {
     return !unlit && (metallic > 0.0f || edge_reflectance > 0.0f || reflectance != glm::vec3(0.0f));
@@ -66,7 +67,7 @@ struct ModelMaterial {
 
 enum class TextureWrap { repeat, mirrored_repeat, clamp };
 struct ModelTexture {
-  Image<glm::u8vec4> pixels;  // sRGB encoded, alpha linear, not premultiplied; data: as it is
+  Image<glm::u8vec4> pixels;  // sRGB encoded with linear alpha, not premultiplied; data: unchanged
   TextureWrap wrap_s = TextureWrap::repeat;
   TextureWrap wrap_t = TextureWrap::repeat;
   bool nearest = false;  // no filtering when magnified
@@ -76,7 +77,7 @@ struct ModelTexture {
 struct ModelPart {  // triangles of one material
   int material = 0;
   std::vector<ModelVertex> vertices;
-  std::vector<std::uint32_t> indices;  // three per triangle, counter-clockwise seen from the front
+  std::vector<std::uint32_t> indices;  // three per triangle, counter-clockwise as seen from the front
 };
 
 struct ModelBounds {
@@ -87,20 +88,20 @@ struct ModelBounds {
 struct Model {
   std::string name;
   std::vector<ModelPart> parts;
-  std::vector<ModelPart> ground;  // where the real ground lies: not drawn, but the object's shadow falls on it; its
+  std::vector<ModelPart> ground;  // the real ground: not drawn, but receives the object's shadow; its
                                   // material's base colour is the real ground's
   std::vector<ModelMaterial> materials;
   std::vector<ModelTexture> textures;
-  std::vector<std::string> notes;   // what was left out or mended, for the log
+  std::vector<std::string> notes;   // what was left out or repaired, for the log
   std::vector<std::string> scenes;  // names of all scenes in the file; "" where one has none
 
-  // Of the object, without its ground.
+  // Bounds of the object, without its ground.
   std::size_t triangle_count() const;
   ModelBounds bounds() const;
   ModelBounds bounds_with_ground() const;
 };
 
-// Limits against hostile files.
+// Limits that protect against malicious files.
 struct ModelLimits {
   std::size_t file_bytes = std::size_t{512} << 20;  // each file of the model
   std::size_t triangles = 10'000'000;
@@ -110,19 +111,19 @@ struct ModelLimits {
   std::size_t texture_pixels = std::size_t{256} << 20;  // of all textures together
 };
 
-// .glb, or .gltf with its buffers and pictures from the same folder tree; never from elsewhere, never from a network.
-// Compressed files (Draco, meshopt, KTX2 and the like) are refused by name, with what to do. `scene`: which of the
-// file's scenes, by name, or by number from 0; empty: the one it begins with. Nodes whose name begins with
-// "kasumi_ground" or whose extras say "kasumi": "ground" become, with their children, the model's ground.
+// Reads .glb, or .gltf with buffers and pictures from the same folder tree only; never from a network. Compressed files
+// (Draco, meshopt, KTX2 and the like) are refused with advice. `scene`: one of the file's scenes by name, or by number
+// from 0; empty: the default one. Nodes whose name begins with "kasumi_ground" or whose extras say "kasumi": "ground"
+// become, with their children, the model's ground.
 // Errors: bad_input, naming the file and what is wrong with it; io.
 Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits = {}, std::string_view scene = {});
 
-// A model made in memory, held to the same rules as one from a file: indices in range, finite positions, at least one
-// triangle. Errors: bad_input.
+// Checks a model made in memory by the same rules as a file: indices in range, finite positions, at least one triangle.
+// Errors: bad_input.
 Result<> check(const Model& model);
 
-// Where a model stands: metres from the scene camera's site, turned clockwise about the vertical.
-enum class UpAxis { y, z };  // glTF says y; some exporters leave z
+// A model's placement: metres from the scene camera's site, turned clockwise about the vertical.
+enum class UpAxis { y, z };  // y in glTF; some exporters write z
 struct Placement {
   double east_m = 0.0;
   double north_m = 0.0;

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What tinygltf may read: regular files within the model's folder tree, none beyond the limit.
+// The files tinygltf may read: regular files within the model's folder tree, up to the size limit.
 struct Folder {
   fs::path root;  // canonical
   std::size_t largest_file;
@@ -48,11 +48,11 @@ bool read_whole_file(std::vector<unsigned char>* bytes, std::string* error, cons
 }
 
 bool refuse_writing(std::string* error, const std::string&, const std::vector<unsigned char>&, void*) {
-  *error = "models are only read";
+  *error = "models are read-only";
   return false;
 }
 
-// Decoding waits until it is known which pictures are needed.
+// Pictures are decoded later, once it is known which are needed.
 bool keep_picture(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
                   int size, void*) {
   image->as_is = true;
@@ -60,7 +60,7 @@ bool keep_picture(tinygltf::Image* image, int, std::string*, std::string*, int, 
   return true;
 }
 
-// tinygltf's messages come as several lines.
+// tinygltf's messages have several lines.
 std::string one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
   std::string line;

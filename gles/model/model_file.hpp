@@ -1,4 +1,5 @@
-// A glTF file and its companions parsed by tinygltf, nothing of it interpreted yet. For this room's glTF sources only.
+// Parses a glTF file and the files it refers to with tinygltf, without interpreting them. For this room's glTF sources
+// only.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +11,7 @@
 
 namespace kasumi {
 
-// Pictures stay as they are in their files (Image::as_is); one that is missing or elsewhere is empty.
+// Pictures stay encoded (Image::as_is); those missing or outside the folder are empty.
 // Errors: io, bad_input.
 Result<tinygltf::Model> parse_gltf(const std::filesystem::path& path, const ModelLimits& limits,
                                    std::vector<std::string>& notes);

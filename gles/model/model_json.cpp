@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 9> kKnownExtensions{
     "KHR_materials_clearcoat", "KHR_materials_pbrSpecularGlossiness",
     "KHR_lights_punctual"};
 
-// What to do about an extension that is not read.
+// What the user can do about an unsupported extension.
 std::string_view advice(std::string_view extension) {
   struct Advice {
     std::string_view extension, text;
@@ -38,7 +38,7 @@ std::uint32_t word(std::span<const std::uint8_t> file, std::size_t at) {
          static_cast<std::uint32_t>(file[at + 2]) << 16 | static_cast<std::uint32_t>(file[at + 3]) << 24;
 }
 
-// Parsers recurse: a file of brackets alone could exhaust the stack.
+// Parsers recurse, so a file of nested brackets could exhaust the stack.
 int nesting_depth(std::string_view json) {
   int depth = 0, deepest = 0;
   bool in_string = false;

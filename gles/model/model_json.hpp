@@ -1,4 +1,4 @@
-// A glTF's JSON looked over before a parser that trusts it sees it.
+// Checks a glTF's JSON before it is passed to tinygltf, which trusts it.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace kasumi {
 
-// The JSON text of a .glb or .gltf. Errors (bad_input): a container whose lengths do not add up, glTF 1 containers.
+// The JSON text of a .glb or .gltf. Errors (bad_input): a container with inconsistent lengths, glTF 1 containers.
 Result<std::string_view> gltf_json(std::span<const std::uint8_t> file, std::string_view name);
 
-// Depth of nesting, syntax, asset.version 2.x, required extensions that we know. Errors (bad_input), all at once where
-// that is possible.
+// Checks nesting depth, syntax, asset.version 2.x, and that required extensions are supported. Errors (bad_input): as
+// many as possible at once.
 Result<> check_gltf_json(std::string_view json, std::string_view name);
 
 }  // namespace kasumi

@@ -18,25 +18,25 @@ glm::vec3 face_normal(const ModelPart& part, std::size_t first_index) {
   return length > 0.0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
 }
 
-// Some direction upright on a unit vector.
+// Any direction perpendicular to a unit vector.
 glm::dvec3 any_across(const glm::dvec3& n) {
   return glm::normalize(glm::cross(n, std::abs(n.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
 }
 
-// Where texture x grows on a triangle (not scaled), and whether the picture lies mirrored on it.
-struct Lie {
+// The direction of growing texture x on a triangle (not normalised), and whether the picture is mirrored.
+struct TextureOrientation {
   glm::dvec3 along{0.0};
   bool mirrored = false;
 };
 
-Lie lie_of(const std::array<const ModelVertex*, 3>& corners, bool second) {
+TextureOrientation texture_orientation(const std::array<const ModelVertex*, 3>& corners, bool second) {
   const auto place = [&](std::size_t i) { return glm::dvec2(second ? corners[i]->texture_2 : corners[i]->texture); };
   const glm::dvec3 p0(corners[0]->position);
   const glm::dvec3 p1 = glm::dvec3(corners[1]->position) - p0, p2 = glm::dvec3(corners[2]->position) - p0;
   const glm::dvec2 t1 = place(1) - place(0), t2 = place(2) - place(0);
   const double area = t1.x * t2.y - t2.x * t1.y;
   if (!std::isfinite(area) || area == 0.0) return {};
-  // Texture y grows downwards in the picture, glTF's bitangent along it upwards.
+  // Texture y grows downwards in the picture, but glTF's bitangent points upwards.
   const glm::dvec3 along = (p1 * t2.y - p2 * t1.y) / area;
   return {glm::length(along) > 0.0 ? glm::normalize(along) : along, area > 0.0};
 }
@@ -106,12 +106,12 @@ void give_tangents(ModelPart& part, bool second_coordinates) {
   for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
     const auto vertex = [&](std::size_t j) { return &part.vertices[part.indices[i + j]]; };
     const std::array<const ModelVertex*, 3> corners{vertex(0), vertex(1), vertex(2)};
-    const Lie lie = lie_of(corners, second_coordinates);
-    mirrored[i / 3] = lie.mirrored;
+    const TextureOrientation orientation = texture_orientation(corners, second_coordinates);
+    mirrored[i / 3] = orientation.mirrored;
     for (std::size_t j = 0; j < 3; ++j) {
       const std::uint32_t index = part.indices[i + j];
-      sums[index][lie.mirrored ? 1 : 0] += angle_at(corners, j) * lie.along;
-      used[index][lie.mirrored ? 1 : 0] = true;
+      sums[index][orientation.mirrored ? 1 : 0] += angle_at(corners, j) * orientation.along;
+      used[index][orientation.mirrored ? 1 : 0] = true;
     }
   }
   std::vector<std::uint32_t> twin(vertices);

@@ -1,4 +1,4 @@
-// Triangles, normals and tangents as glTF leaves them to whoever reads it. For this room's glTF sources only.
+// Triangles, normals and tangents that glTF requires readers to derive. For this room's glTF sources only.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +8,20 @@
 
 namespace kasumi {
 
-// Triangles of lists, strips and fans (modes 4, 5, 6) as a list. Triangles that name a vertex twice are joints of
-// strips: left out.
+// Converts lists, strips and fans (modes 4, 5, 6) to a list. Degenerate triangles, which join strips, are left out.
 std::vector<std::uint32_t> as_triangles(const std::vector<std::uint32_t>& indices, int mode);
 
-// A primitive without normals is shaded flat: each triangle gets its own corners.
+// A primitive without normals is flat-shaded: each triangle gets its own vertices.
 void give_flat_normals(ModelPart& part);
 
-// Normals of no length or not finite take that of a face they belong to; all get unit length. Returns how many were
-// replaced.
+// Replaces zero or non-finite normals by that of an adjacent face and normalises all. Returns how many were replaced.
 std::size_t mend_normals(ModelPart& part);
 
-// Tangents along the texture coordinates that the normal map is laid on by, averaged over the triangles of a vertex by
-// their angles at it. A vertex at which a picture meets its mirror image becomes two.
+// Computes tangents from the normal map's texture coordinates, averaged over a vertex's triangles weighted by their
+// angles. A vertex where a picture meets its mirror image is split in two.
 void give_tangents(ModelPart& part, bool second_coordinates);
 
-// Tangents upright on their normals and of unit length; ones without a direction get any.
+// Makes tangents perpendicular to their normals and of unit length; invalid ones get any such direction.
 void mend_tangents(ModelPart& part);
 
 }  // namespace kasumi

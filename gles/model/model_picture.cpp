@@ -52,7 +52,7 @@ Result<Image<glm::u8vec4>> decode_picture(std::span<const std::uint8_t> file, in
   cv::Mat decoded, rgba;
   try {
     const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
-    decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);  // keeps alpha, and does not turn the picture by its EXIF
+    decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);  // keeps alpha and ignores the EXIF orientation
     if (decoded.empty()) return fail(FaultKind::bad_input, "damaged");
     if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 1.0 / 257.0);
     if (decoded.depth() != CV_8U) return fail(FaultKind::bad_input, "neither 8 nor 16 bits a channel");

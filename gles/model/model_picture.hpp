@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// Width and height as a PNG's or JPEG's header says, before anything is decoded; empty for anything else.
+// Width and height from a PNG's or JPEG's header, without decoding; empty for anything else.
 std::optional<glm::ivec2> picture_size(std::span<const std::uint8_t> file);
 
 // Errors (bad_input, without the file's name): neither PNG nor JPEG, larger than `largest` pixels a side, damaged.

@@ -42,7 +42,7 @@ void Composite::take(const ObjectLayer& layer, const SceneView& view, const Imag
   mesh_.reset();
 }
 
-// Grids stay where they are from frame to frame, so this hardly ever cuts anew.
+// Grids rarely move between frames, so the mesh is seldom rebuilt.
 const PictureMesh& Composite::mesh_for(const AirlightGrid& grid) {
   if (!mesh_ || grid.first_px != mesh_grid_.first_px || grid.last_px != mesh_grid_.last_px)
     mesh_ = PictureMesh::upload(cut_at_lines(rectangles_, grid));

@@ -1,4 +1,4 @@
-// The camera's picture on a target, with the object's layer in it.
+// Draws the camera's picture with the object's layer over it.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// Where a target shows the picture, and how pixels get there.
+// Where a target shows the picture, and the transform to its pixels.
 struct PictureOnTarget {
   Letterbox box;
   bool same_size = true;
@@ -21,11 +21,11 @@ struct PictureOnTarget {
   glm::dmat3 fragment_to_picture{1.0};
 
   PictureOnTarget(const DrawTarget& target, int width, int height);
-  // Binds the target and blackens what the picture leaves of it.
+  // Binds the target and fills the area outside the picture with black.
   void begin(const DrawTarget& target, bool with_depth) const;
 };
 
-// What every program that shows the camera's picture needs.
+// The inputs of every program that shows the camera's picture.
 struct CameraFrame {
   const CameraTextures& camera;
   const ResponseOnGpu& response;
@@ -33,10 +33,10 @@ struct CameraFrame {
   void bind(const Program& program, const PictureOnTarget& shown) const;
 };
 
-// How the picture is cut, and the noise: what stays from frame to frame.
+// The picture's cutting and the noise, which stay the same between frames.
 class Composite {
  public:
-  // The layer's coverage, 0..1; cuts the picture anew.
+  // The layer's coverage, 0..1; cuts the picture again.
   void take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels);
   void drop_layer() { mesh_.reset(); }
 
@@ -49,11 +49,11 @@ class Composite {
   void bind_noise(const Program& program, const SensorNoise& noise, bool smooth);
 
   PictureRectangles rectangles_;      // of the camera's picture around and under the layer
-  std::optional<PictureMesh> mesh_;   // of these, cut at the lines of a grid of airlight
+  std::optional<PictureMesh> mesh_;   // of these rectangles, cut at the lines of a grid of airlight
   AirlightGrid mesh_grid_;            // that grid
   std::optional<PictureMesh> whole_;  // the same without a layer
   glm::ivec2 whole_size_{};
-  GlTexture noise_;  // made for the first frame that wants it
+  GlTexture noise_;  // created with the first frame that needs it
 };
 
 }  // namespace kasumi

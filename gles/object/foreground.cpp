@@ -7,8 +7,8 @@ namespace kasumi {
 
 Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, const GlInfo& info) {
   if (mask.width() > info.max_texture_size || mask.height() > info.max_texture_size)
-    return fail(FaultKind::bad_input, "foreground mask of {} x {} pixels: this driver takes {} at most", mask.width(),
-                mask.height(), info.max_texture_size);
+    return fail(FaultKind::bad_input, "foreground mask of {} x {} pixels: this driver supports at most {}",
+                mask.width(), mask.height(), info.max_texture_size);
   Foreground made;
   made.size_ = {mask.width(), mask.height()};
   made.texture_ = make_texture();

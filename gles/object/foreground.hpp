@@ -1,4 +1,4 @@
-// What stands in front of the object, as a mask on the GPU.
+// The mask of what stands in front of the object, on the GPU.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace kasumi {
 
 class Foreground {
  public:
-  // 0 where something stands, 255 where nothing does; not empty. Errors: bad_input (larger than the driver takes),
-  // device.
+  // 0 where something stands in front, 255 where nothing does; not empty. Errors: bad_input (larger than the driver
+  // supports), device.
   static Result<Foreground> upload(const Image<std::uint8_t>& mask, const GlInfo& info);
 
   glm::ivec2 size() const { return size_; }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kReach = 2;  // of the lattice's offsets
 
-// Pixels where tiles end between first and last: at the lines of the horizon's grid, and before they are too large.
+// The pixels between first and last where tiles end: at the lines of the horizon's grid, and at the size limit.
 std::vector<int> tile_ends(int first, int last, int most, double first_line, double last_line, int lines) {
   std::vector<int> ends;
   const auto go_to = [&](int end) {

@@ -1,4 +1,4 @@
-// The tiles that the object's layer is drawn in, and the lattice of samples that each is made of.
+// The tiles in which the object's layer is drawn, and their lattice of samples.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@
 
 namespace kasumi {
 
-// Samples lie on a square lattice turned by atan(1/4): sample (a, b) is at pixel ((4a - b) / 17, (a + 4b) / 17), so
-// each pixel holds 17 of them, no two at the same height or the same width. Upright and level edges, which buildings
-// are made of, get 17 steps instead of the 4 of an upright 4 x 4 grid. The lattice is drawn as an ordinary picture, by
-// turning what is projected, and resolved by a sum over these offsets.
+// Samples lie on a square lattice rotated by atan(1/4): sample (a, b) is at pixel ((4a - b) / 17, (a + 4b) / 17). Each
+// pixel holds 17 of them, no two in the same row or column, so vertical and horizontal edges, typical of buildings, get
+// 17 steps instead of the 4 of an axis-aligned 4 x 4 grid. The lattice is drawn as an ordinary picture, with the
+// projection rotated, and resolved by a sum over these offsets.
 constexpr std::array<std::array<int, 2>, 17> kLatticeOffsets{{{0, 0},
                                                               {1, 0},
                                                               {-1, 0},
@@ -41,18 +41,18 @@ constexpr int kLatticeSize = 1024;                       // of the buffer that h
 // Columns of a matrix that acts on (x, y, 1).
 glm::dmat3 affine(const glm::dvec3& x_row, const glm::dvec3& y_row);
 
-// One tile: its pixels, and the lattice's numbers at the buffer's corner.
+// A tile: its pixels, and the lattice coordinates of the buffer's corner.
 class LayerTile {
  public:
-  // `spare`: samples drawn around those that its pixels are made of.
+  // `spare`: extra samples drawn around those of its pixels.
   LayerTile(const PixelBox& pixels, int spare);
-  // The longest side of one that fits into the buffer.
+  // The longest side of a tile that fits into the buffer.
   static int most_pixels(int spare);
 
   const PixelBox& box() const { return box_; }
   int samples_around() const { return around_; }  // beyond its pixels' own centres
   glm::ivec2 first_sample() const { return {first_a_, first_b_}; }
-  // The part of the buffer that is used.
+  // The used part of the buffer.
   int width() const;
   int height() const;
 
@@ -62,7 +62,7 @@ class LayerTile {
   glm::dmat3 fragment_to_pixel() const;
   // The same to 0..1 across the tile, from its first to one past its last pixel.
   glm::dmat3 fragment_to_patch() const;
-  // The horizon's light across the tile, which lies within one cell of its grid.
+  // Coefficients of the horizon's light across the tile, which lies within one cell of its grid.
   std::array<glm::dvec3, 4> horizon_patch(const AirlightGrid& horizon) const;
   // gl_FragCoord in the layer, which begins at the corner of `layer`, to texture coordinates of the buffer.
   glm::dmat3 layer_fragment_to_sample(const PixelBox& layer) const;
@@ -74,7 +74,7 @@ class LayerTile {
   int first_b_;
 };
 
-// Tiles that cover `box`: cut at the lines of the horizon's grid, and before they are too large for the buffer.
+// Tiles that cover `box`, split at the lines of the horizon's grid and to fit into the buffer.
 std::vector<LayerTile> tiles_of(const PixelBox& box, int spare, const AirlightGrid& horizon);
 
 }  // namespace kasumi

@@ -23,18 +23,18 @@ double spread_in_samples(const ObjectDetail& detail) {
   return detail.point_spread_px * kSamplesPerPixel;
 }
 
-// How many around a pixel's own samples matter to it, each way along the lattice's axes.
+// How many samples beyond a pixel's own affect it, in each direction along the lattice's axes.
 int spare_samples(const ObjectDetail& detail) {
   const int spread = detail.point_spread_px > 0.0 ? spread_radius(spread_in_samples(detail)) : 0;
   return spread + (shares_chroma(detail) ? 5 : 0);  // a neighbouring pixel's samples lie up to five away
 }
 
-// The corner of a square of so many samples lies so many pixels off, at most.
+// The distance in pixels to the corner of a square of this many samples, rounded up.
 int pixels_of(int samples) {
   return (5 * samples + 16) / 17;
 }
 
-// The buffers that one tile after the other is drawn into.
+// The buffers into which the tiles are drawn one after the other.
 struct Lattice {
   LayerBuffer samples;
   GlRenderbuffer depth;
@@ -90,7 +90,7 @@ Defines resolve_defines(const ObjectLayer::Options& options) {
   return defines;
 }
 
-// The ground shows nothing but the shadow on it.
+// The ground shows only the shadow on it.
 std::vector<GpuModel::Which> drawn_parts(const ObjectLayer::Options& options) {
   if (options.shadow) return {GpuModel::Which::solid, GpuModel::Which::ground, GpuModel::Which::blended};
   return {GpuModel::Which::solid, GpuModel::Which::blended};
@@ -111,7 +111,7 @@ void set_tile(const Program& program, const LayerTile& tile, const AirlightGrid&
   }
 }
 
-// A tile's samples to its pixels of the layer.
+// Resolves a tile's samples to the layer's pixels.
 void resolve(const Program& program, const LayerBuffer& samples, const LayerTile& tile, const LayerBuffer& layer,
              const PixelBox& box, const SceneView& view) {
   std::array<glm::dvec2, kLatticeOffsets.size()> offsets;
@@ -161,7 +161,7 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
   const DepthRange depth = depth_range(projection, model.bounds_with_ground());
   for (const LayerTile& tile : tiles_of(box, spare_samples(options.detail), horizon)) {
     lattice->clear(tile);
-    // The picture's rows grow downwards, the buffer's upwards: a mirror, which turns fronts into backs.
+    // The picture's rows run downwards and the buffer's upwards: this mirroring reverses front and back faces.
     glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
     const auto set_uniforms = [&](const Program& program) {
       set_projection(program, projection, depth);
@@ -204,7 +204,7 @@ Result<Image<glm::vec4>> ObjectLayer::read() const {
   } else {
     glReadPixels(0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT, image.elements().data());
   }
-  for (glm::vec4& texel : image.elements()) {  // as layer.glsl
+  for (glm::vec4& texel : image.elements()) {  // as in layer.glsl
     const glm::vec3 root(texel);
     texel = glm::vec4(root * root * static_cast<float>(unit_), std::min(2.0f * texel.a, 1.0f));
   }

@@ -1,5 +1,5 @@
 // The object drawn once for a fixed view (physics 6): premultiplied N = rho Gamma + 1 - Gamma and coverage, averaged
-// over 17 samples per pixel, no finer than the camera sees, without what real things hide of it.
+// over 17 samples per pixel, blurred as by the camera, with the parts hidden by real surfaces removed.
 #pragma once
 
 #include <functional>
@@ -26,21 +26,21 @@ class ObjectLayer {
     bool aerial_perspective = true;
     bool foreground = false;  // something is bound to kForegroundUnit
     ObjectDetail detail = {};
-    const SceneDepth* scene_depth = nullptr;  // null: nothing real stands anywhere
+    const SceneDepth* scene_depth = nullptr;  // null: no real surfaces
     int scene_depth_unit = 0;
-    const SunShadow* shadow = nullptr;  // null: nothing keeps the sun off
+    const SunShadow* shadow = nullptr;  // null: no shadow
   };
-  // How many pixels beyond its outline the object shows.
+  // How many pixels beyond its outline the object affects.
   static int margin_px(const ObjectDetail& detail);
 
-  // `horizon` is the sky model's, per pixel. `set_appearance` sets the uniforms of light and air. The dither pattern is
-  // bound to kDitherUnit. Errors: device.
+  // `horizon` is the sky model's, per pixel. `set_appearance` sets the uniforms of light and air. Requires the dither
+  // pattern in kDitherUnit. Errors: device.
   static Result<ObjectLayer> draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
                                   const AirlightGrid& horizon, const Options& options, const GlInfo& info,
                                   Programs& programs, const std::function<void(const Program&)>& set_appearance);
 
   const PixelBox& box() const { return box_; }
-  // Uniforms of picture.frag, the texture to kLayerUnit.
+  // Sets uniforms of picture.frag and binds the texture to kLayerUnit.
   void bind(const Program& program, bool smooth) const;
   // One element per pixel of the box, linear.
   Result<Image<glm::vec4>> read() const;
@@ -50,7 +50,7 @@ class ObjectLayer {
   PixelBox box_;
   bool in_8_bits_ = false;  // else half floats
   double unit_ = 1.0;
-  bool filters_ = false;  // the driver filters this kind of texture
+  bool filters_ = false;  // the driver can filter this texture format
   LayerBuffer buffer_;
 };
 

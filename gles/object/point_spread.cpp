@@ -8,7 +8,7 @@
 namespace kasumi {
 
 int spread_radius(double sigma) {
-  return static_cast<int>(std::ceil(3.5 * sigma)) + 1;  // the discrete Gaussian's tail is heavier when it is narrow
+  return static_cast<int>(std::ceil(3.5 * sigma)) + 1;  // a narrow discrete Gaussian has a heavier tail
 }
 
 std::vector<double> gaussian_weights(double sigma) {

@@ -1,6 +1,7 @@
-// The camera's point spread over the samples of the object's layer: what it does to the hill behind. A Gaussian is the
-// same along any two axes at right angles, so it goes along the turned lattice's own rows and columns, whose samples
-// lie a quarter of a pixel apart: thin columns and slanted edges keep their places between the pixels.
+// Applies the camera's point spread to the samples of the object's layer, so that it looks as sharp as its
+// surroundings. A Gaussian is separable along any two perpendicular axes, so it runs along the rotated lattice's rows
+// and columns, whose samples lie a quarter of a pixel apart: thin columns and slanted edges keep their sub-pixel
+// positions.
 #pragma once
 
 #include <vector>
@@ -10,18 +11,18 @@
 
 namespace kasumi {
 
-// How far a Gaussian of that many samples reaches: 3.5 deviations are kept.
+// The radius of a Gaussian with this sigma in samples: 3.5 standard deviations.
 int spread_radius(double sigma);
-// Weights of a sample and of its neighbours to one side, 0 .. spread_radius(sigma); the whole sums to 1. Its variance
-// is that of the Gaussian however narrow it is (the discrete Gaussian, Lindeberg 1990).
+// Weights of a sample and of its neighbours to one side, 0 .. spread_radius(sigma); over both sides they sum to 1. The
+// discrete Gaussian (Lindeberg 1990) keeps the variance even when narrow.
 std::vector<double> gaussian_weights(double sigma);
 
 class PointSpread {
  public:
   // sigma: samples, > 0; size: of the lattice's buffer. Errors: device (shaders, buffers).
   static Result<PointSpread> create(double sigma, int size, bool in_8_bits, const GlInfo& info, Programs& programs);
-  // Spreads the buffer's first width x height samples; those at its border lack what lies beyond it. The dither pattern
-  // is bound to kDitherUnit.
+  // Blurs the buffer's first width x height samples; those at the border lack contributions from beyond it. Requires
+  // the dither pattern in kDitherUnit.
   void apply(const LayerBuffer& samples, int width, int height) const;
 
  private:

@@ -28,7 +28,7 @@ struct Renderer::State {
   CameraInput camera{info, options};
   std::optional<ResponseOnGpu> response;
   std::optional<GpuModel> model;
-  SkyAtlas sky;  // as lit last
+  SkyAtlas sky;  // for the last light
   SurfaceUnits units_in_one_pass;
   std::optional<Projection> projection;
   ObjectDetail detail;
@@ -37,7 +37,7 @@ struct Renderer::State {
   std::optional<SceneDepth> scene_depth;
   int scene_depth_unit = -1;
   bool shadows_work = true;
-  bool many_varyings = true;  // more than GLES 2 promises
+  bool many_varyings = true;  // more than GLES 2 guarantees
   SunShadow::Options shadow_options;
   std::optional<SunShadow> shadow;  // as drawn last
   std::optional<ObjectLayer> layer;
@@ -94,7 +94,7 @@ struct Renderer::State {
     return {};
   }
 
-  // Drawn anew when the sun, the pose or the size it is seen at have changed; null where the sun throws none.
+  // Redraws the shadow when the sun, the pose or its size in the picture has changed; null if the sun casts none.
   Result<const SunShadow*> shadow_under(const ObjectAppearance& appearance) {
     if (!appearance.shadows || !shadows_work || appearance.light.sun_irradiance == glm::dvec3{0.0}) return nullptr;
     const int texels = SunShadow::texels_for(*model, *projection, info, shadow_options);
@@ -108,7 +108,7 @@ struct Renderer::State {
     return &*shadow;
   }
 
-  // What the surroundings give surfaces follows the light.
+  // The filtered surroundings follow the light.
   Result<> follow(const ObjectLight& light) {
     return sky.update(light.around, std::ranges::any_of(model->materials(), &ModelMaterial::reflects));
   }
@@ -145,7 +145,7 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
     state->notes.emplace_back(
         "fragment shaders compute in medium precision: distances beyond 60 km and fine dithering suffer");
   if (state->layer_in_8_bits()) state->notes.emplace_back("the object's layer is kept in 8 bits (square roots)");
-  if (auto made = check_gl("making the renderer"); !made) return fail(made.error());
+  if (auto made = check_gl("creating the renderer"); !made) return fail(made.error());
   return Renderer(std::move(state));
 }
 
@@ -186,7 +186,7 @@ Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
   s.scene_depth.reset();
   if (depth_m.empty()) return {};
   if (s.scene_depth_unit < 0) {
-    s.notes.push_back(fmt::format("the depth map is left out: {} has too few texture units", s.info.renderer));
+    s.notes.push_back(fmt::format("the depth map is not used: {} has too few texture units", s.info.renderer));
     return {};
   }
   auto made = SceneDepth::upload(depth_m, s.info);
@@ -335,7 +335,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
     program.set("foreground", kForegroundUnit);
     program.set("fragment_to_picture", shown.fragment_to_picture);
   };
-  // Nearest first: the early depth test then spares the background under the object.
+  // Nearest first, so that the early depth test skips the background behind the object.
   const auto draw_model = [&](GpuModel::Which which) {
     return s.model->draw(which, s.programs, defines, s.units_in_one_pass, {}, set_uniforms);
   };

@@ -11,7 +11,7 @@
 namespace kasumi {
 namespace {
 
-// As scene_depth.glsl: whole centimetres in three bytes, the largest for nothing.
+// As in scene_depth.glsl: whole centimetres in three bytes; the largest value means unknown.
 constexpr double kPerMetre = 100.0;
 constexpr std::uint32_t kNothing = 0xFFFFFF;
 
@@ -26,7 +26,7 @@ glm::u8vec3 texel_of(float depth_m) {
 
 Result<SceneDepth> SceneDepth::upload(const Image<float>& depth_m, const GlInfo& info) {
   if (depth_m.width() > info.max_texture_size || depth_m.height() > info.max_texture_size)
-    return fail(FaultKind::bad_input, "depth map of {} x {} pixels: this driver takes {} at most", depth_m.width(),
+    return fail(FaultKind::bad_input, "depth map of {} x {} pixels: this driver supports at most {}", depth_m.width(),
                 depth_m.height(), info.max_texture_size);
   Image<glm::u8vec3> texels(depth_m.width(), depth_m.height());
   std::ranges::transform(depth_m.elements(), texels.elements().begin(), texel_of);

@@ -1,4 +1,4 @@
-// The real scene's surfaces on the GPU: what of the object lies behind them is not drawn.
+// The real scene's depth on the GPU, which hides parts of the object.
 #pragma once
 
 #include "base/image.hpp"
@@ -11,10 +11,10 @@ namespace kasumi {
 
 class SceneDepth {
  public:
-  // Planar depth in metres, one value per pixel of the camera's picture; 0 and what is not finite: nothing is known to
-  // stand there. Kept to a centimetre, up to 167 km. Errors: bad_input (too large for the driver), device.
+  // Planar depth in metres, one value per pixel of the camera's picture; 0 or not finite: unknown. Stored to a
+  // centimetre, up to 167 km. Errors: bad_input (too large for the driver), device.
   static Result<SceneDepth> upload(const Image<float>& depth_m, const GlInfo& info);
-  // Uniforms of scene_depth.glsl but fragment_to_pixel.
+  // Sets the uniforms of scene_depth.glsl except fragment_to_pixel.
   void bind(const Program& program, int unit) const;
   glm::ivec2 size() const { return size_; }
 

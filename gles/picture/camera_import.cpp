@@ -9,7 +9,7 @@
 namespace kasumi {
 namespace {
 
-// Buffers that have not been used for so many pictures belong to a camera that has been reopened.
+// Buffers unused for this many pictures belong to an earlier opening of the camera.
 constexpr std::uint64_t kForgottenAfter = 32;
 
 constexpr std::uint32_t drm(const char (&code)[5]) {
@@ -17,7 +17,7 @@ constexpr std::uint32_t drm(const char (&code)[5]) {
   for (unsigned i = 0; i < 4; ++i) format |= static_cast<std::uint32_t>(static_cast<unsigned char>(code[i])) << (8 * i);
   return format;
 }
-// Named by their bits from the highest down: AB24 lies in memory as R G B A.
+// Named from the highest bits down: AB24 lies in memory as R G B A.
 constexpr std::uint32_t kR8 = drm("R8  "), kRg8 = drm("GR88"), kRgba8 = drm("AB24"), kRgb8 = drm("BG24");
 
 ImageRequest plane_request(const ExternalPicture& p, int plane) {
@@ -48,7 +48,7 @@ std::uint32_t external_format(PixelLayout layout) {
     case PixelLayout::bgr8: return drm("RG24");
     case PixelLayout::rgba8: return drm("XB24");
     case PixelLayout::bgra8: return drm("XR24");
-    case PixelLayout::grey8: return kR8;  // would be shown red: never asked for
+    case PixelLayout::grey8: return kR8;  // never requested, because it would be shown red
     case PixelLayout::yuyv: return drm("YUYV");
     case PixelLayout::uyvy: return drm("UYVY");
     case PixelLayout::nv12: return drm("NV12");
@@ -87,13 +87,13 @@ std::vector<ImageRequest> requests(CameraTextures::Source source, const External
   return all;
 }
 
-// A driver may believe what it is told and read beyond the memory.
+// Drivers may not check the layout and read beyond the memory.
 Result<> check(const ExternalPicture& p, const GlInfo& info) {
   if (p.width < 1 || p.height < 1 || p.width > info.max_texture_size || p.height > info.max_texture_size)
     return fail(FaultKind::bad_input, "camera buffer of {} x {} pixels: expected 1 to {} a side", p.width, p.height,
                 info.max_texture_size);
   const off_t bytes = lseek(p.fd, 0, SEEK_END);
-  if (bytes < 0) return fail(FaultKind::unsupported, "the camera's buffer does not tell its size");
+  if (bytes < 0) return fail(FaultKind::unsupported, "the camera's buffer does not report its size");
   Problems problems;
   for (int i = 0; i < plane_count(p.layout); ++i) {
     const ExternalPlane& plane = p.planes[static_cast<std::size_t>(i)];
@@ -108,7 +108,7 @@ Result<> check(const ExternalPicture& p, const GlInfo& info) {
   return {};
 }
 
-// The fd's number says nothing: it may be another duplicate of the same buffer's.
+// The fd is not compared, because it may be another duplicate for the same buffer.
 bool same_place(const ExternalPicture& a, const ExternalPicture& b) {
   return a.buffer == b.buffer && a.layout == b.layout && a.encoding == b.encoding && a.width == b.width &&
          a.height == b.height && a.planes == b.planes;
@@ -119,7 +119,7 @@ bool same_place(const ExternalPicture& a, const ExternalPicture& b) {
 Result<CameraImport::Imported> CameraImport::import_as(CameraTextures::Source source, const ExternalPicture& picture) {
   const bool external = source == CameraTextures::Source::external;
   if (external && picture.layout == PixelLayout::grey8)
-    return fail(FaultKind::unsupported, "grey is not sampled as external picture");
+    return fail(FaultKind::unsupported, "grey cannot be sampled as an external picture");
   const auto sampling = external ? ImageSampling::external : ImageSampling::plain;
   const GLenum target = external ? GL_TEXTURE_EXTERNAL_OES : GL_TEXTURE_2D;
   Imported made{picture, source, {}, 0};
@@ -154,7 +154,7 @@ Result<CameraTextures> CameraImport::import(const ExternalPicture& picture, cons
     }
     known = imported_.emplace(picture.buffer, std::move(*made)).first;
   } else {
-    // Told anew, so that no cache between camera and texture keeps the buffer's last picture.
+    // Attached again for each picture, so that no cache keeps the buffer's previous contents.
     const auto sampling =
         known->second.source == CameraTextures::Source::external ? ImageSampling::external : ImageSampling::plain;
     for (const Plane& plane : known->second.planes)

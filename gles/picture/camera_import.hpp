@@ -1,4 +1,4 @@
-// The camera's picture read by the GPU where the camera's driver put it: no copy. Each buffer is imported once.
+// Lets the GPU read the camera's picture from the camera driver's memory without a copy. Each buffer is imported once.
 #pragma once
 
 #include <map>
@@ -14,14 +14,14 @@ class CameraImport {
  public:
   explicit CameraImport(std::unique_ptr<ImageDevice> device) : device_(std::move(device)) {}
 
-  // Plane by plane as plain textures, which are converted as uploaded ones are, to the bit; else as one external
-  // texture, within what the GPU's driver converts exactly. The memory must keep the picture until what is drawn of it
-  // has been seen. Errors: unsupported (this driver, or this memory: upload instead), bad_input (planes that reach
-  // beyond the buffer, impossible sizes).
+  // Imports plane by plane as plain textures, with results identical to uploaded ones; else as one external texture,
+  // with the accuracy of the GPU driver's conversion. The memory must keep the picture until the frame drawn from it
+  // has been shown. Errors: unsupported (this driver or memory: upload instead), bad_input (planes beyond the buffer,
+  // impossible sizes).
   Result<CameraTextures> import(const ExternalPicture& picture, const GlInfo& info);
 
  private:
-  class Image {  // an EGLImage and its owner
+  class Image {  // owns an EGLImage
    public:
     Image(ImageDevice& device, void* image) : device_(&device), image_(image) {}
     Image(Image&& other) noexcept : device_(other.device_), image_(std::exchange(other.image_, nullptr)) {}
@@ -50,7 +50,7 @@ class CameraImport {
 
   Result<Imported> import_as(CameraTextures::Source source, const ExternalPicture& picture);
 
-  std::unique_ptr<ImageDevice> device_;  // outlives the images
+  std::unique_ptr<ImageDevice> device_;  // must outlive the images
   std::map<std::uint64_t, Imported> imported_;
   std::uint64_t imports_ = 0;
 };

@@ -11,7 +11,7 @@ bool same_kind(const ExternalPicture& a, const ExternalPicture& b) {
          std::ranges::equal(a.planes, b.planes, same_rows);
 }
 
-Fault told(const Fault& why, std::vector<std::string>& notes) {
+Fault note_refusal(const Fault& why, std::vector<std::string>& notes) {
   notes.push_back(fmt::format("camera pictures are copied to the GPU: {}", why.message));
   return {FaultKind::unsupported, why.message};
 }
@@ -29,17 +29,17 @@ Result<> CameraInput::upload(const PictureView& frame) {
 Result<> CameraInput::import_frame(const ExternalPicture& frame, std::vector<std::string>& notes) {
   if (no_import_) return fail(*no_import_);
   if (import_refused_ && same_kind(*import_refused_, frame))
-    return fail(FaultKind::unsupported, "refused before: pictures of this kind are copied");
+    return fail(FaultKind::unsupported, "import was refused before: pictures of this kind are copied");
   if (!import_) {
     auto device = open_image_device();
-    if (!device) return fail(*(no_import_ = told(device.error(), notes)));
+    if (!device) return fail(*(no_import_ = note_refusal(device.error(), notes)));
     import_.emplace(std::move(*device));
   }
   auto textures = import_->import(frame, info_);
   if (!textures) {
     if (textures.error().kind != FaultKind::unsupported) return fail(textures.error());
     import_refused_ = frame;
-    return fail(told(textures.error(), notes));
+    return fail(note_refusal(textures.error(), notes));
   }
   newest_ = *textures;
   ++frames_.imported;

@@ -1,4 +1,4 @@
-// How the camera's pictures come to the GPU: copied plane by plane, or read from the driver's own buffers.
+// Brings the camera's pictures to the GPU: copied plane by plane, or imported from the driver's buffers.
 #pragma once
 
 #include <memory>
@@ -18,11 +18,11 @@ class CameraInput {
  public:
   CameraInput(const GlInfo& info, const RendererOptions& options) : info_(info), options_(options) {}
 
-  // See Renderer. A refusal to import is told in `notes`, once for each kind of picture.
+  // See Renderer. A refusal to import is reported in `notes`, once for each kind of picture.
   Result<> upload(const PictureView& frame);
   Result<> import_frame(const ExternalPicture& frame, std::vector<std::string>& notes);
 
-  const CameraTextures& newest() const { return newest_; }  // whichever way it came
+  const CameraTextures& newest() const { return newest_; }  // uploaded or imported
   FrameCounts frames() const { return frames_; }
 
  private:
@@ -32,8 +32,8 @@ class CameraInput {
   const RendererOptions& options_;
   CameraPlanes planes_;
   std::optional<CameraImport> import_;
-  std::optional<Fault> no_import_;                 // this driver's refusal of any
-  std::optional<ExternalPicture> import_refused_;  // the kind of picture refused last
+  std::optional<Fault> no_import_;                 // set if this driver cannot import at all
+  std::optional<ExternalPicture> import_refused_;  // the last kind of picture refused
   CameraTextures newest_;
   FrameCounts frames_;
 };

@@ -11,7 +11,7 @@ Result<CameraTextures> CameraPlanes::upload(const PictureView& picture, const Gl
   if (picture.width < 1 || picture.height < 1)
     problems.add("camera picture: {} x {} pixels: expected at least 1 x 1", picture.width, picture.height);
   if (picture.width > info.max_texture_size || picture.height > info.max_texture_size)
-    problems.add("camera picture: {} x {} pixels: this driver takes {} at most", picture.width, picture.height,
+    problems.add("camera picture: {} x {} pixels: this driver supports at most {}", picture.width, picture.height,
                  info.max_texture_size);
   if (!problems.empty()) return fail(problems.fault());
   for (int i = 0; i < plane_count(picture.layout); ++i) {

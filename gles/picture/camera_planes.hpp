@@ -1,4 +1,4 @@
-// The camera's picture copied to the GPU, in the planes its driver delivers.
+// Copies the camera's picture to the GPU, in the planes its driver delivers.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ class CameraPlanes {
   Result<CameraTextures> upload(const PictureView& picture, const GlInfo& info);
 
  private:
-  struct Texels {  // how a plane goes into a texture
+  struct Texels {  // a plane's texture format
     unsigned format = 0;
     std::size_t bytes = 1;  // per texel
     int width = 0;

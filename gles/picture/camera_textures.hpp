@@ -1,4 +1,4 @@
-// How shaders read the camera's picture: from which textures, and what their channels hold.
+// How shaders read the camera's picture: its textures and the contents of their channels.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@ namespace kasumi {
 
 struct CameraTextures {
   enum class Source {
-    uploaded,  // planes copied into textures of our own: luminance, luminance and alpha, RGB(A)
+    uploaded,  // planes copied into textures: luminance, luminance and alpha, RGB(A)
     imported,  // planes in a driver's memory: red, red and green, RGBA
     external,  // the whole picture in a driver's memory, converted to RGB by the GPU's driver
   };
@@ -23,9 +23,9 @@ struct CameraTextures {
 
   bool empty() const { return width == 0; }
   int count() const;
-  // Which variant of camera_picture.glsl reads them.
+  // The defines for camera_picture.glsl.
   Defines defines() const;
-  // To texture units 0 .. 2, and the uniforms of camera_picture.glsl. smooth: filtered, for showing at another size.
+  // Binds to texture units 0 .. 2 and sets the uniforms of camera_picture.glsl. smooth: filtered, for scaling.
   void bind(const Program& program, bool smooth) const;
 };
 

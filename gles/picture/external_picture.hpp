@@ -1,4 +1,4 @@
-// A camera's picture where its driver put it: memory that a GPU can read in place.
+// A camera's picture in its driver's memory, which a GPU can read in place.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ struct ExternalPlane {
 };
 
 struct ExternalPicture {
-  int fd = -1;               // a dma-buf; only read while it is imported, may be closed afterwards
-  std::uint64_t buffer = 0;  // the same number only for the same memory: what is imported once is not imported again
+  int fd = -1;               // a dma-buf; used only during the import, may be closed afterwards
+  std::uint64_t buffer = 0;  // unique to the memory, so that it is imported only once
   PixelLayout layout = PixelLayout::rgb8;
   YuvEncoding encoding = YuvEncoding::bt601_full;
   int width = 0;

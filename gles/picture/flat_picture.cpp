@@ -13,7 +13,7 @@
 namespace kasumi {
 namespace {
 
-// So that filtering mixes what is seen: a transparent pixel's colour must not shine into its neighbours.
+// Premultiplied, so that filtering does not bleed a transparent pixel's colour into its neighbours.
 Image<Rgba8> premultiplied(Image<Rgba8> picture) {
   const auto part = [](int colour, int alpha) { return static_cast<std::uint8_t>((colour * alpha + 127) / 255); };
   for (Rgba8& p : picture.elements()) p = {part(p.r, p.a), part(p.g, p.a), part(p.b, p.a), p.a};
@@ -34,7 +34,7 @@ struct FlatPicture::State {
   GlBuffer corners;
   bool has_mipmaps = false;
 
-  // Exact where a texel is a pixel; otherwise smooth.
+  // Exact at 1:1 scale; otherwise filtered.
   GLint minifying_filter(const FlatPlace& place) const {
     const double shrink = std::max(width / place.width, height / place.height);
     if (place.width == width && place.height == height && is_whole(place.left) && is_whole(place.top))
@@ -56,7 +56,7 @@ int FlatPicture::height() const {
 }
 
 Result<FlatPicture> FlatPicture::create(GlContext& context, const Image<Rgba8>& picture) {
-  if (picture.empty()) return fail(FaultKind::bad_input, "a flat picture without pixels");
+  if (picture.empty()) return fail(FaultKind::bad_input, "a flat picture has no pixels");
   auto program = Program::build({}, "flat.vert", "flat.frag");
   if (!program) return fail(program.error());
   const GlInfo& info = context.info();

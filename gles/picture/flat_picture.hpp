@@ -25,15 +25,15 @@ struct FlatPlace {
 
 class FlatPicture {
  public:
-  // Uploads the picture (halved until the driver takes it). Errors: bad_input (empty), device.
+  // Uploads the picture (halved until it fits the driver's limit). Errors: bad_input (empty), device.
   static Result<FlatPicture> create(GlContext& context, const Image<Rgba8>& picture);
   FlatPicture(FlatPicture&&) noexcept;
   FlatPicture& operator=(FlatPicture&&) noexcept;
   ~FlatPicture();
-  int width() const;  // as given
+  int width() const;  // of the picture as passed in
   int height() const;
-  // Blends it over what the target shows, in encoded values; opacity 0..1. Each of its pixels stays a pixel where the
-  // place is of its own size and at whole numbers. Errors: bad_input (no target, no place), device.
+  // Blends it over the target in encoded values; opacity 0..1. Pixels map 1:1 if the place has the picture's size and
+  // integer coordinates. Errors: bad_input (no target, no place), device.
   Result<> draw(const DrawTarget& target, const FlatPlace& place, double opacity = 1.0) const;
 
  private:
@@ -42,7 +42,7 @@ class FlatPicture {
   std::unique_ptr<State> state_;
 };
 
-// The whole picture inside the target, its shape kept.
+// The place of the whole picture inside the target, with its aspect ratio kept.
 FlatPlace fitted(const DrawTarget& target, int width, int height);
 FlatPlace everywhere(const DrawTarget& target);
 

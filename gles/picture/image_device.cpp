@@ -37,7 +37,7 @@ class EglImageDevice final : public ImageDevice {
     PFNEGLCREATEIMAGEKHRPROC create = nullptr;
     PFNEGLDESTROYIMAGEKHRPROC destroy = nullptr;
     PFNGLEGLIMAGETARGETTEXTURE2DOESPROC show = nullptr;
-    PFNEGLQUERYDMABUFFORMATSEXTPROC formats = nullptr;  // null: the driver does not tell
+    PFNEGLQUERYDMABUFFORMATSEXTPROC formats = nullptr;  // null: the driver cannot be queried
     PFNEGLQUERYDMABUFMODIFIERSEXTPROC modifiers = nullptr;
   };
   EglImageDevice(EGLDisplay display, const Calls& calls, bool has_external)
@@ -100,7 +100,7 @@ class EglImageDevice final : public ImageDevice {
     glBindTexture(target, texture);
     calls_.show(target, image);
     if (const GLenum error = glGetError(); error != GL_NO_ERROR)
-      return fail(FaultKind::unsupported, "the driver gives no texture of the image (GL error {:#x})", error);
+      return fail(FaultKind::unsupported, "the driver cannot use the image as a texture (GL error {:#x})", error);
     return {};
   }
 
@@ -147,7 +147,7 @@ void find(Call& call, const char* name) {
 
 Result<std::unique_ptr<ImageDevice>> egl_image_device(const GlInfo& info) {
   const EGLDisplay display = eglGetCurrentDisplay();
-  if (display == EGL_NO_DISPLAY) return fail(FaultKind::unsupported, "the context is none of EGL's");
+  if (display == EGL_NO_DISPLAY) return fail(FaultKind::unsupported, "the context is not an EGL context");
   const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
   for (const char* needed : {"EGL_KHR_image_base", "EGL_EXT_image_dma_buf_import"})
     if (!egl_offers(extensions, needed)) return fail(FaultKind::unsupported, "{} is missing", needed);
@@ -161,7 +161,7 @@ Result<std::unique_ptr<ImageDevice>> egl_image_device(const GlInfo& info) {
     find(calls.modifiers, "eglQueryDmaBufModifiersEXT");
   }
   if (calls.create == nullptr || calls.destroy == nullptr || calls.show == nullptr)
-    return fail(FaultKind::unsupported, "EGL offers dma-buf import, but not its calls");
+    return fail(FaultKind::unsupported, "EGL offers dma-buf import, but lacks its functions");
   return std::make_unique<EglImageDevice>(display, calls, info.has("GL_OES_EGL_image_external"));
 }
 

@@ -7,16 +7,17 @@
 namespace kasumi {
 namespace {
 
-// Cuts lie at multiples of 4 pixels, counted from the picture's corner: GPUs shade groups of 2 x 2 or 4 x 4 together,
-// and a group that a border divides is shaded twice.
+// Cuts lie at multiples of 4 pixels from the picture's corner: GPUs shade groups of 2 x 2 or 4 x 4 pixels, and a group
+// across a border is shaded twice.
 constexpr int kGroup = 4;
 
-// What drawing costs, in pixels of the camera's picture alone: measured on llvmpipe; only the proportions matter.
+// Drawing costs relative to a pixel of the camera's picture alone, measured on llvmpipe; only the ratios matter.
 constexpr std::array<double, kPictureAreas> kPixelCost{1.0, 1.3, 4.0};
-constexpr double kDiagonalCost = 8.0;  // per pixel of a rectangle's width and height: it is drawn as two triangles
-constexpr double kBorderCost = 5.0;    // per pixel of a side off the lines that are 16 pixels apart
+constexpr double kDiagonalCost =
+    8.0;  // per pixel of a rectangle's width and height, for the diagonal between its two triangles
+constexpr double kBorderCost = 5.0;  // per pixel of a side that is not on a multiple of 16 pixels
 
-// From here to cut_picture, rectangles count in groups.
+// From here to cut_picture, rectangles are measured in groups.
 int width_of(const PixelBox& r) {
   return r.right - r.left;
 }
@@ -31,7 +32,7 @@ double cost(PictureArea area, const PixelBox& r) {
          kBorderCost * (off_line(r.left, r.right) * h + off_line(r.top, r.bottom) * w);
 }
 
-// How many groups above and left of a corner fulfil a condition (a summed-area table).
+// How many groups above and left of a corner meet a condition (a summed-area table).
 class Count {
  public:
   template <class Condition>
@@ -62,14 +63,14 @@ using Cut = std::array<PixelBox, 2>;
 
 class Cutter {
  public:
-  // The first group is number (first_x, first_y) of the picture.
+  // The first group is (first_x, first_y) of the picture.
   Cutter(const Image<PictureArea>& groups, int first_x, int first_y)
       : first_x_(first_x),
         first_y_(first_y),
         plain_(groups, [](PictureArea a) { return a == PictureArea::plain; }),
         covered_(groups, [](PictureArea a) { return a == PictureArea::covered; }) {}
 
-  // The cheapest found: whole, or the best of two halves, each cut in turn.
+  // The cheapest cutting found: the whole rectangle, or the best two parts, cut recursively.
   Cutting cut(const PixelBox& r) const {
     const PictureArea area = kind(r);
     Cutting whole{{{area, r}}, cost(area, r)};
@@ -92,7 +93,7 @@ class Cutter {
     return covered_.in(own) == all ? PictureArea::covered : PictureArea::edge;
   }
 
-  // The longest strip of one kind along a side; strip(length) and what remains of r.
+  // The longest uniform strip along a side; strip(length) gives the strip and the rest of r.
   template <class Strip>
   std::optional<Cut> longest(const PixelBox& r, int most, Strip strip) const {
     const PictureArea area = kind(strip(1)[0]);
@@ -107,7 +108,7 @@ class Cutter {
     return cut;
   }
 
-  // The strip whose cutting off saves most, and how much.
+  // The strip that saves most when cut off, and how much it saves.
   std::optional<Cut> best_strip(const PixelBox& r, double& saved) const {
     const int w = width_of(r), h = height_of(r);
     const std::array<std::optional<Cut>, 4> strips{
@@ -147,7 +148,8 @@ class Cutter {
     return saved;
   }
 
-  // A strip off a side where that pays; else the cut that lets most be saved next; else the middle.
+  // Cuts off a strip where that saves cost; else makes the cut that allows the largest saving next; else cuts in the
+  // middle.
   std::optional<Cut> best_cut(const PixelBox& r) const {
     double saved = 0.0;
     if (auto strip = best_strip(r, saved)) return strip;
@@ -171,7 +173,7 @@ class Cutter {
   Count covered_;
 };
 
-// What each group of the box is; the first begins at or before the box's corner.
+// The kind of each group of the box; the first begins at or before the box's corner.
 Image<PictureArea> grouped(const PixelBox& box, const Image<float>& coverage) {
   const int skip_x = box.left % kGroup, skip_y = box.top % kGroup;
   Image<PictureArea> groups((skip_x + coverage.width() + kGroup - 1) / kGroup,
@@ -189,7 +191,7 @@ Image<PictureArea> grouped(const PixelBox& box, const Image<float>& coverage) {
   return groups;
 }
 
-// Where lines at first_line + i * spacing end parts of first .. last: at the nearest group, no sliver left over.
+// Where lines at first_line + i * spacing divide first .. last, rounded to the nearest group and without slivers.
 std::vector<int> ends_at_lines(int first, int last, double first_line, double last_line, int lines) {
   constexpr int kSliver = 2 * kGroup;
   std::vector<int> ends;
@@ -219,7 +221,7 @@ PictureRectangles cut_picture(int width, int height, const PixelBox& box, const 
   add(PictureArea::plain, {box.right, box.top, width, box.bottom});
   add(PictureArea::plain, {0, box.bottom, width, height});
 
-  // Groups are counted from a line of the 16 that the cost knows.
+  // Groups are counted from a multiple of 16 pixels, as the cost assumes.
   const int first_x = box.left / kGroup, first_y = box.top / kGroup;
   const Image<PictureArea> groups = grouped(box, coverage);
   const PixelBox all{first_x, first_y, first_x + groups.width(), first_y + groups.height()};

@@ -16,9 +16,9 @@ namespace {
 
 constexpr int kMapsPerSide = 4;
 static_assert(kMapsPerSide * kMapsPerSide == kSunPoints);
-constexpr int kFewestTexels = 256, kMostTexels = 1024;
-constexpr double kBorder_texels = 3.0;   // left free around what is seen
-constexpr double kDepthBorder = 0.01;    // of depth, before and behind
+constexpr int kMinTexels = 256, kMaxTexels = 1024;
+constexpr double kBorder_texels = 3.0;   // margin around the object
+constexpr double kDepthBorder = 0.01;    // depth margin in front and behind
 constexpr double kStepOff_texels = 0.6;  // see sun_shadow.glsl
 constexpr double kSteepest = 60.0;       // tangent: a sun 1 degree above a surface lights it by a sixtieth
 
@@ -35,7 +35,7 @@ GlTexture make_maps(int side, bool packed, const GlInfo& info) {
   return texture;
 }
 
-// The maps' target; what it needs beside the maps lives as long as it.
+// The maps' framebuffer with its attachments.
 struct Target {
   GlFramebuffer framebuffer;
   GlRenderbuffer depth;
@@ -67,7 +67,7 @@ void set_frame(const Program& program, const SunFrame& frame) {
 
 SunFrame make_sun_frame(const ModelBounds& bounds, const glm::dmat4& model_to_world, const glm::dvec3& sun,
                         int texels) {
-  // Level across, so that upright walls stay upright in the maps.
+  // The x axis is horizontal, so that vertical walls stay vertical in the maps.
   const glm::dvec3 level = glm::cross(glm::dvec3{0, 0, 1}, sun);
   const glm::dvec3 across = glm::length(level) > 1e-3 ? glm::normalize(level) : glm::dvec3{1, 0, 0};
   const glm::dmat3 turn = glm::transpose(glm::dmat3{across, glm::normalize(glm::cross(sun, across)), -sun});
@@ -112,10 +112,10 @@ int SunShadow::texels_for(const GpuModel& model, const Projection& projection, c
   const double across_m = glm::length(glm::dmat3(projection.model_to_world) * size);
   const double pixel_m =
       depth_range(projection, model.bounds()).near_m / std::max(projection.view.focal_px.x, projection.view.focal_px.y);
-  int most = options.packed ? kMostTexels / 2 : kMostTexels;
+  int most = options.packed ? kMaxTexels / 2 : kMaxTexels;
   while (kMapsPerSide * most > info.max_texture_size) most /= 2;
-  const double wanted = std::clamp(across_m / pixel_m, 1.0, 1.0 * kMostTexels);
-  return std::min(most, std::max(kFewestTexels, static_cast<int>(std::bit_ceil(static_cast<unsigned>(wanted)))));
+  const double wanted = std::clamp(across_m / pixel_m, 1.0, 1.0 * kMaxTexels);
+  return std::min(most, std::max(kMinTexels, static_cast<int>(std::bit_ceil(static_cast<unsigned>(wanted)))));
 }
 
 Result<SunShadow> SunShadow::draw(const GpuModel& model, const SunFrame& frame, const Options& options,
@@ -123,7 +123,7 @@ Result<SunShadow> SunShadow::draw(const GpuModel& model, const SunFrame& frame, 
   SunShadow made;
   made.frame_ = frame;
   made.options_ = options;
-  glActiveTexture(GL_TEXTURE0 + kPlaneUnit);  // nothing else is in use now
+  glActiveTexture(GL_TEXTURE0 + kPlaneUnit);  // no other texture is in use here
   made.maps_ = make_maps(kMapsPerSide * frame.texels, options.packed, info);
   const auto target = Target::create(made.maps_, kMapsPerSide * frame.texels, options.packed, info);
   if (!target) return fail(target.error());

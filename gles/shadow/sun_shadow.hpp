@@ -1,7 +1,6 @@
-// The sun's shadow of the object, soft by the sun's size: what 16 points spread over the sun's disc see of it, as depth
-// maps side by side in one texture. A sample of the layer looks at one of them, each of a pixel's samples at another,
-// so that a pixel sees the whole disc: penumbras are those of the disc for whatever stands between, without a search
-// for it. Drawn when the layer is, never per frame.
+// The object's soft sun shadow: depth maps from 16 points spread over the sun's disc, side by side in one texture. Each
+// of a pixel's samples of the layer uses another map, so that a pixel averages over the whole disc: penumbras are
+// correct for any occluder without searching for it. Drawn with the layer, never per frame.
 #pragma once
 
 #include "base/result.hpp"
@@ -16,16 +15,16 @@ namespace kasumi {
 
 constexpr int kSunPoints = 16;  // as sun_maps.glsl
 
-// The object as the middle of the sun sees it: x and y in texels of a map from the middle of the bounds, z 0..1 away
-// from the sun, with an empty margin all around.
+// The projection from the centre of the sun: x and y in texels of a map from the middle of the bounds, z 0..1 away from
+// the sun, with an empty margin all around.
 struct SunFrame {
   int texels = 0;               // along a side of one map
   glm::dmat4 from_model{1.0};   // points
   glm::dmat3 from_world{1.0};   // directions of a metre
   glm::dmat3 from_normal{1.0};  // normals of planes
-  glm::dvec2 spread{};          // texels that depth 1 is moved by, seen from the disc's edge
+  glm::dvec2 spread{};          // shift in texels at depth 1, seen from the disc's edge
   double texel_m = 0.0;         // the longer side of a texel
-  double depth_m = 0.0;         // that depth 1 stands for
+  double depth_m = 0.0;         // metres per unit of depth
   friend bool operator==(const SunFrame&, const SunFrame&) = default;
 };
 // sun: unit vector towards it, world frame.
@@ -34,13 +33,13 @@ SunFrame make_sun_frame(const ModelBounds& bounds, const glm::dmat4& model_to_wo
 class SunShadow {
  public:
   struct Options {
-    bool packed = false;      // depth in the bytes of a colour although the driver has depth textures
-    bool face_slopes = true;  // by derivatives, where the driver has them
+    bool packed = false;      // depth in the bytes of a colour even if the driver has depth textures
+    bool face_slopes = true;  // from derivatives, if the driver has them
   };
-  // What this driver offers of the options.
+  // The options that this driver supports.
   static Options options_for(const GlInfo& info, const Options& asked);
-  // Texels that a map needs, so that none is seen larger than a pixel: a power of two, 256 .. 1024, halved by the
-  // driver's limits and once more where depth is packed, which takes twice the memory (4 or 8 bytes a texel).
+  // The size of a map at which no texel appears larger than a pixel: a power of two, 256 .. 1024, halved to fit the
+  // driver's limits and once more if depth is packed, which takes twice the memory (8 instead of 4 bytes per texel).
   static int texels_for(const GpuModel& model, const Projection& projection, const GlInfo& info,
                         const Options& options);
 
@@ -49,9 +48,9 @@ class SunShadow {
                                 const GlInfo& info, Programs& programs);
 
   const SunFrame& frame() const { return frame_; }
-  // Of programs that look at it.
+  // Defines for programs that sample the shadow.
   Defines defines() const;
-  // Uniforms of sun_maps.glsl and sun_shadow.glsl, and sun_from_model; the maps to a unit.
+  // Sets the uniforms of sun_maps.glsl and sun_shadow.glsl, and sun_from_model, and binds the maps.
   void bind(const Program& program, int unit) const;
 
  private:

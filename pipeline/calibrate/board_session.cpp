@@ -29,13 +29,13 @@ Image<std::uint8_t> grey_of(const PictureView& picture) {
 // A recording behaves like a camera that does not come back.
 class OwningReplay final : public FrameSource {
  public:
-  OwningReplay(std::unique_ptr<UnhurriedClock> clock, std::unique_ptr<ReplaySource> source)
+  OwningReplay(std::unique_ptr<FastForwardClock> clock, std::unique_ptr<ReplaySource> source)
       : clock_(std::move(clock)), source_(std::move(source)) {}
   std::string description() const override { return source_->description(); }
   Result<Frame> next(Instant) override { return source_->next(Instant::max()); }
 
  private:
-  std::unique_ptr<UnhurriedClock> clock_;
+  std::unique_ptr<FastForwardClock> clock_;
   std::unique_ptr<ReplaySource> source_;
 };
 
@@ -55,7 +55,7 @@ class OwningCamera final : public FrameSource {
 Result<std::unique_ptr<FrameSource>> open_recording(std::filesystem::path folder, const std::string& camera) {
   std::error_code error;
   if (!std::filesystem::exists(folder / "index.csv", error)) folder /= camera;
-  auto clock = std::make_unique<UnhurriedClock>(Utc{});
+  auto clock = std::make_unique<FastForwardClock>(Utc{});
   auto source = open_replay(folder, *clock);
   if (!source) return fail(source.error());
   return std::make_unique<OwningReplay>(std::move(clock), std::move(*source));

@@ -246,7 +246,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   if (request.realtime)
     clock = std::make_unique<SystemClock>();
   else
-    clock = std::make_unique<UnhurriedClock>(fixture->info.start_utc);
+    clock = std::make_unique<FastForwardClock>(fixture->info.start_utc);
   auto sources = open_fixture_sources(fixture->folder, *clock);
   if (!sources) return fail(sources.error());
   auto output = open_output(request, *fixture);

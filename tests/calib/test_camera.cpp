@@ -141,7 +141,7 @@ TEST(Camera, EveryThingThatIsWrongIsSaidAtOnce) {
        {"sky.response_table = [ 0, 0.5, 0.25, 1 ]: expected linear light", "sky.azimuth_up_deg = 10: expected either",
         "sky.mask = 'small.png': expected a PNG as large as the camera's pictures, 200 x 160 (it is 20 x 16)",
         "sky.sensitivity = 'negative.csv': expected", "negative.csv: green at 500 nm is -1", "sky.white_balance",
-        "sky.colour_space = 'cmyk'", "sky.yuv_encoding = 'jpeg'", "sky.focal: not a key", "sky.lens.centre_px"})
+        "sky.colour_space = 'cmyk'", "sky.yuv_encoding = 'jpeg'", "sky.focal: unknown key", "sky.lens.centre_px"})
     EXPECT_THAT(problems, HasSubstr(part));
   EXPECT_TRUE(camera.lens);
 }

@@ -43,7 +43,7 @@ TEST(ImageQualityKeys, EverythingWrongIsNamedAtOnce) {
   const auto [quality, problems] =
       read("point_spread_px = 3.1\nshared_chroma = 1\n[scene.noise]\nread_electrons = 4\nelectrons = 3\n");
   for (const char* words : {"scene.point_spread_px = 3.1", "scene.shared_chroma = 1",
-                            "scene.noise.full_scale_electrons is missing", "scene.noise.electrons: not a key"})
+                            "scene.noise.full_scale_electrons is missing", "scene.noise.electrons: unknown key"})
     EXPECT_THAT(problems, HasSubstr(words));
   EXPECT_THAT(read("[scene.noise]\nread_electrons = -1\n").problems, HasSubstr("scene.noise.read_electrons = -1"));
 }

@@ -62,7 +62,7 @@ class Conditions : public testing::Test {
     return clock.now() - from;
   }
 
-  UnhurriedClock clock{Utc{}};
+  FastForwardClock clock{Utc{}};
   FakeCamera camera{{{V4L2_PIX_FMT_NV12, 160, 120, {{1, 5}}}}, clock};
   Sensor sensor{[](int x, int y) { return 60 + x / 2 + y / 2; }};
   bool repeats = false;

@@ -102,7 +102,7 @@ class Faults : public testing::Test {
     EXPECT_FALSE(camera.allocated());
   }
 
-  UnhurriedClock clock{Utc{std::chrono::sys_days{std::chrono::June / 21 / 2026}}};
+  FastForwardClock clock{Utc{std::chrono::sys_days{std::chrono::June / 21 / 2026}}};
   FakeCamera camera{{kNv12}, clock};
   std::unique_ptr<ReconnectingSource> source;
   Frame held;  // as a display holds what it shows
@@ -487,7 +487,7 @@ TEST(Reopening, ARecordingPlaysOnWhileItIsGoneAndComesBackAtItsInstant) {
       }
     }
   }
-  UnhurriedClock clock{Utc{}};
+  FastForwardClock clock{Utc{}};
   const auto source = reconnecting(reopening("sky camera", open_replay(folder, clock).value(), clock), clock);
   std::vector<std::uint32_t> sequences;
   int disconnects = 0;

@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto rows = read_index(scratch.folder());
   expect_value_or_sentence(rows);
   if (!rows) return 0;
-  UnhurriedClock clock{Utc{}};
+  FastForwardClock clock{Utc{}};
   const auto source = open_replay(scratch.folder(), clock);
   expect_value_or_sentence(source);
   for (std::size_t i = 0; source && i < 2 * rows->size() + 2; ++i) {

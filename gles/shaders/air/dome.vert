@@ -1,4 +1,4 @@
-// The sky where the mesh has its corners; between them what is shown is linear (gles/air/dome_mesh.cpp sees to it).
+// The sky at the mesh's vertices; gles/air/dome_mesh.cpp makes the mesh fine enough for linear interpolation.
 #if defined(PER_FRAGMENT)
 #include "dome_place.glsl"
 #else

@@ -1,13 +1,13 @@
-// Land through the air, at the corners of its mesh.
+// Land through the air, at the vertices of its mesh.
 #include "dome_view.glsl"
 
-attribute vec3 position;  // metres from the sea below the observer
+attribute vec3 position;  // metres from sea level below the observer
 attribute vec3 normal;
 attribute vec4 colour;    // reflectance, altitude in metres
 uniform AirBetween between;
 uniform OlderAir older_air;
 uniform float observer_m;
-uniform float air_share;  // 0: as if there were none
+uniform float air_share;  // 0: without air
 uniform vec3 sky_lower;
 uniform vec3 sky_higher;
 uniform vec3 sun;

@@ -1,4 +1,4 @@
-// For a vertex that leaves the sky to the fragments.
+// For vertices when the sky is computed per fragment.
 #include "shared.glsl"
 #include "sky_projection.glsl"
 

@@ -1,4 +1,4 @@
-// The sky of the kind asked for.
+// The sky of the selected model.
 #include "sky_text.glsl"
 
 uniform vec3 sun;

@@ -1,8 +1,8 @@
-// The sun's disc as rings of points around its middle; the last two rings are half a pixel within its edge and beyond.
+// The sun's disc as rings of points around its middle; the last two rings lie half a pixel inside and outside its edge.
 #include "dome_view.glsl"
 #include "dome_sky.glsl"
 
-attribute vec2 position;  // part of the way to the edge, 2: beyond it; angle around the middle
+attribute vec2 position;  // radius as a fraction of the disc's (2: outside the edge); angle around the middle
 uniform float sun_radius;
 uniform float blur;  // half a pixel, in radii
 uniform vec3 sun_luminance;

@@ -1,4 +1,4 @@
-// Where a vertex of the sky looks, and where a direction is drawn.
+// The direction of a vertex of the sky, and where a direction is drawn.
 #include "sky_text.glsl"
 
 uniform mat3 camera_to_world;
@@ -16,7 +16,7 @@ vec3 view_of(vec2 place) {
 }
 
 vec4 clip_of(vec3 direction) {
-  vec3 ray = direction * camera_to_world;  // its inverse is its transpose
+  vec3 ray = direction * camera_to_world;  // multiplied from the left: the transpose is the inverse
 #if defined(FISHEYE)
   return vec4(fisheye_place(ray, focal_px) * place_to_clip, 0.0, 1.0);
 #elif defined(EQUIRECTANGULAR)

@@ -1,16 +1,16 @@
-// What is left of the picture's light before it is blurred (H Eq 2; channels that fade unequally: see haze_picture.hpp).
+// The picture's attenuated light before the blur (H Eq 2; for channels with different extinction see haze_picture.hpp).
 #include "packed.glsl"
 
 uniform highp sampler2D red_green;  // linear light / light_unit
 uniform highp sampler2D blue;
-uniform highp sampler2D along_row;  // range, and what is not needed here
+uniform highp sampler2D along_row;  // range; the other channel is not used here
 uniform vec2 texel;
 uniform float range_scale;
 uniform vec3 weight[2];
 uniform vec3 extinction[2];
 uniform vec3 airlight;
 uniform float light_unit;
-uniform float unit;  // of what is written in bytes
+uniform float unit;  // full scale when written in bytes
 
 void main() {
   vec2 place = gl_FragCoord.xy * texel;

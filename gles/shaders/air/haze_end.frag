@@ -1,4 +1,4 @@
-// The blurred light before the airlight (H Eq 4), as a screen shows it: sRGB.
+// The blurred light with airlight added (H Eq 4), encoded as sRGB.
 #include "packed.glsl"
 
 uniform highp sampler2D light;  // IN_PAIRS: red and green

@@ -11,8 +11,8 @@ uniform float range_scale;
 uniform float inner;            // the picture's own width, and what is added to it at range 1
 uniform float widening;
 uniform vec2 variance;          // of the passes before, and of this one
-uniform float per_variance;     // rate for a variance
-uniform vec2 surfaces;          // differences of the steps' sums: one surface up to, two from
+uniform float per_variance;     // diffusion rate per variance
+uniform vec2 surfaces;          // differences of the steps' sums: below the first one surface, above the second two
 
 #if defined(IN_PAIRS)
 #define LIGHT vec2
@@ -22,7 +22,7 @@ LIGHT light_at(vec2 place) { return from_bytes(texture2D(light, place)); }
 LIGHT light_at(vec2 place) { return texture2D(light, place); }
 #endif
 
-// Range and sum of steps to rate and sum.
+// Converts range and sum of steps to rate and sum.
 vec2 rate_of(vec2 place_on_surface) {
   float range = range_scale * place_on_surface.x;
   float sigma = inner + widening * range * sqrt(range);

@@ -1,4 +1,4 @@
-// Half a step of 8 bits either way, an even spread over each 8 x 8 pixels: a smooth wall in haze would band without.
+// Ordered dither of +- half an 8-bit step over 8 x 8 pixels, against banding on smooth surfaces in haze.
 uniform sampler2D dither_pattern;
 
 // In steps. Texels 2, 6, .. 254 stand for -31.5/64 .. 31.5/64.

@@ -1,11 +1,11 @@
-// The radiance a surface sends to the eye under sun and sky.
+// The radiance of a surface towards the eye under sun and sky.
 #include "surface.glsl"
 #include "sun.glsl"
 #include "sky_atlas.glsl"
 #include "sun_shadow.glsl"
 
 #if defined(UNLIT) || defined(EMITS)
-uniform vec3 white_card;       // radiance of a white card lying in the open
+uniform vec3 white_card;       // radiance of a horizontal white card under open sky
 #endif
 #if defined(REFLECTS)
 uniform vec3 head_on_reflectance;
@@ -16,8 +16,8 @@ varying vec3 v_to_eye;         // world
 #if defined(REFLECTS)
 const float kSunDisc = 5.4e-6;  // its solid angle over 4 pi (base/sky/sun_disc.hpp)
 
-// GGX's lobe of the sun with Schlick's Fresnel, times pi. The sun's disc widens it: what is seen of a smooth mirror is the
-// disc's own radiance.
+// GGX specular lobe of the sun with Schlick's Fresnel, times pi. The lobe is widened by the sun's disc, so that a
+// smooth mirror shows the disc's own radiance.
 vec3 sun_lobe(vec3 n, vec3 eye, float across, float roughness, vec3 f0, vec3 f90) {
   float towards = dot(n, sun_direction);
   if (towards <= 0.0) return vec3(0.0);
@@ -30,16 +30,16 @@ vec3 sun_lobe(vec3 n, vec3 eye, float across, float roughness, vec3 f0, vec3 f90
   return (f0 + (f90 - f0) * edge) * (a2 / (spread * spread) * 0.5 / hidden);
 }
 
-// What goes back after reflections between facets, of what is reflected once (Fdez-Aguera 2019). `all`: reflected once by
-// a white one.
-const float kMeanOfEdge = 21.0;  // Schlick's edge averages to a 21st over the half sphere
+// Light from multiple reflections between facets, relative to a single reflection (Fdez-Aguera 2019). `all`:
+// single-scattering albedo of a white mirror.
+const float kMeanOfEdge = 21.0;  // the hemispherical average of Schlick's edge term is 1/21
 vec3 from_between(vec3 once, vec3 f0, vec3 f90, float all) {
   vec3 mean = f0 + (f90 - f0) / kMeanOfEdge;
   return once * mean * (1.0 - all) / (1.0 - mean * (1.0 - all));
 }
 
-// Reflected once, reflected between facets, and what goes into the body and comes out coloured: together never more than
-// falls in, and all of it where nothing is absorbed. Metal and what is not metal lie side by side.
+// Single reflection, reflection between facets, and diffuse light from below the surface: the sum conserves energy.
+// Metal and dielectric are mixed linearly.
 vec3 lit(Surface s) {
   vec3 body = in_channels(s.colour.rgb);
   vec3 coat = in_channels(head_on_reflectance);
@@ -54,7 +54,7 @@ vec3 lit(Surface s) {
   vec3 between = mix(coat_between, from_between(metal_once, body, vec3(1.0), back.x), s.metallic);
   vec3 coloured = (1.0 - s.metallic) * body * (1.0 - coat_once - coat_between);
 
-  // The mirror image of a rough surface leans towards its normal, and is blurred more or less than seen head-on.
+  // The reflection of a rough surface leans towards its normal, and its blur differs from that at normal incidence.
   vec3 mirrored = mirrored_sky(mix(s.normal, reflect(-eye, s.normal), back.z), back.w);
   float open_image = clamp(pow(across + s.open_sky, exp2(-16.0 * s.roughness - 1.0)) - 1.0 + s.open_sky, 0.0, 1.0);
   vec3 glint = sun_light * (max(dot(s.normal, sun_direction), 0.0) *

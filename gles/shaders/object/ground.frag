@@ -1,7 +1,7 @@
-// The object's shadow on the real ground. What is seen of the ground is L Gamma + (1 - Gamma) Linf; of its own light L
-// the shadow leaves `kept`, the air between stays as it is. Layer: one alpha stands for three channels. It is green's,
-// which most of what the eye sees follows, right on any ground; what red loses more and blue less is taken from and
-// given to N, right on ground of the proxy's colour.
+// The object's shadow on the real ground. The ground appears as L Gamma + (1 - Gamma) Linf; the shadow scales its own
+// light L by `kept` and leaves the airlight unchanged. The layer has one alpha for three channels: it is green's, which
+// dominates brightness, and is exact on any ground; the differences of red and blue go into N, and are exact on ground
+// of the proxy's colour.
 #if !defined(FINAL_COLOUR) || defined(HAZE_PER_FRAGMENT)
 #include "haze.glsl"
 #endif
@@ -35,8 +35,8 @@ uniform mat3 fragment_to_patch;
 uniform float layer_unit;
 #endif
 
-const float kLeastShadow = 0.0005;  // of the light: less is not drawn
-const float kMapOfGround_m = 10.0;  // nearer, to be hidden: the map of depth shows the ground itself as well, about here
+const float kLeastShadow = 0.0005;  // fraction of the light below which no shadow is drawn
+const float kMapOfGround_m = 10.0;  // tolerance against being hidden, since the depth map contains the ground itself
 
 void main() {
   vec3 normal = normalize(v_normal);

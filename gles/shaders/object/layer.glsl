@@ -1,8 +1,8 @@
-// How a texel of the object's layer is stored: rgb holds square roots, which spend their bits as the eye does and are
-// half of the way to any encoding. Alpha up to one half is half of the coverage; above it the object covers the pixel
-// whole and alpha holds the pixel's dither instead, which saves the covered pixels a look at the pattern.
-const float kCovered = 0.9995;      // coverage from which a pixel counts as covered whole
-const float kCoveredAlpha = 0.75;   // of a dither of 0; half a step of it either way stays between .5 and 1
+// How a texel of the object's layer is stored: rgb holds square roots, which distribute precision perceptually and are
+// close to any display encoding. Alpha up to one half is half of the coverage; above it the object covers the whole
+// pixel and alpha holds the pixel's dither instead, which saves covered pixels a lookup of the pattern.
+const float kCovered = 0.9995;      // coverage from which a pixel counts as fully covered
+const float kCoveredAlpha = 0.75;   // alpha for a dither of 0; half a step either way stays between .5 and 1
 const float kAlphaPerStep = 0.49;
 float stored_alpha(float coverage, float dither_steps) {
   return coverage > kCovered ? kCoveredAlpha + kAlphaPerStep * dither_steps : 0.5 * coverage;

@@ -1,7 +1,7 @@
 // Brown's distortion of normalised image coordinates (OpenCV's order k1 k2 p1 p2 k3).
 uniform vec3 lens_radial;        // k1 k2 k3
 uniform vec2 lens_tangential;    // p1 p2
-uniform float lens_reach;        // radius up to which the polynomial holds; beyond it the stretch is kept
+uniform float lens_reach;        // radius up to which the polynomial is valid; beyond it the scale stays constant
 
 vec2 distorted(vec2 point) {
   float inside = min(1.0, lens_reach * inversesqrt(max(dot(point, point), 1e-12)));

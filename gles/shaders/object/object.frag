@@ -1,5 +1,5 @@
-// The building's light. Layer: premultiplied N = rho Gamma + 1 - Gamma (physics 6). FINAL_COLOUR: as the camera would
-// have encoded it.
+// The building's light. Layer: premultiplied N = rho Gamma + 1 - Gamma (physics 6). FINAL_COLOUR: encoded as by the
+// camera.
 #if !defined(FINAL_COLOUR) || defined(HAZE_PER_FRAGMENT)
 #include "haze.glsl"
 #endif
@@ -27,11 +27,11 @@ uniform mat3 fragment_to_picture;
 #else
 uniform vec3 horizon_patch[4];   // bilinear over the tile: 1, x, y, x y
 uniform mat3 fragment_to_patch;  // 0..1 across the tile
-uniform float layer_unit;      // N that full scale of the layer stands for
+uniform float layer_unit;      // N at full scale of the layer
 #endif
 
 #if !defined(FINAL_COLOUR)
-// The sun in a mirror is brighter than half floats hold; nothing that bright is told from white.
+// The sun in a mirror exceeds the range of half floats; it is white either way.
 const float kBrightest = 60000.0;
 #endif
 

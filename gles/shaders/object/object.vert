@@ -1,8 +1,8 @@
-// The building's vertices: where they are seen, and what the air does on the way.
+// The building's vertices: their projection and the air's effect on the path.
 #if defined(FINAL_COLOUR)
 #include "airlight.glsl"
 #if !defined(HAZE_PER_FRAGMENT)
-// What has uniforms goes to the one stage that uses them: precisions may differ between the stages.
+// Code with uniforms is included only in the stage that uses it, because precisions differ between the stages.
 #include "haze.glsl"
 #endif
 #endif
@@ -60,7 +60,7 @@ varying vec3 v_airlight;
 void main() {
   vec3 camera = (model_to_camera * vec4(position, 1.0)).xyz;
 #if defined(DISTORTED)
-  // Behind the near plane there is nothing to see, only an end of an edge to be clipped: kept finite.
+  // Points behind the near plane only matter as ends of clipped edges, and are kept finite.
   float depth = max(camera.z, near_m);
   vec2 across = distorted(camera.xy / depth) * depth;
 #else

@@ -1,4 +1,4 @@
-// The camera's picture; where the layer covers it (COVERED) or part of it (EDGE), Linf N over it in linear light.
+// The camera's picture, with Linf N over it in linear light where the layer covers it fully (COVERED) or partly (EDGE).
 #include "dither.glsl"
 #include "layer.glsl"
 #include "response.glsl"

@@ -1,5 +1,5 @@
-// From the rotated lattice of samples to pixels: the mean of the 17 samples inside each pixel (object_layer.cpp), colour
-// no finer than the camera delivers it, what stands in front taken off.
+// Resolves the rotated lattice of samples to pixels: the mean of the 17 samples in each pixel (object_layer.cpp), with
+// chroma at the camera's resolution and the foreground masked out.
 #include "dither.glsl"
 #include "layer.glsl"
 
@@ -13,7 +13,7 @@ uniform sampler2D foreground;
 uniform mat3 fragment_to_picture;
 #endif
 
-// The pixel whose central sample lies there.
+// The texture coordinates of a pixel's central sample.
 vec4 mean_around(vec2 centre) {
   vec4 sum = vec4(0.0);
   for (int i = 0; i < 17; ++i) sum += texture2D(samples, centre + offsets[i] * sample_step);
@@ -21,11 +21,11 @@ vec4 mean_around(vec2 centre) {
 }
 
 #if defined(CHROMA_COLUMNS)
-const vec3 kLuma = vec3(0.299, 0.587, 0.114);  // Rec. 601, by which the camera made its chroma
+const vec3 kLuma = vec3(0.299, 0.587, 0.114);  // Rec. 601, as the camera used for its chroma
 vec3 grey_of(vec3 light) { return vec3(dot(light, kLuma)); }
 
-// What the pixels of a block share is the object's own difference from grey, each weighted by its coverage: the
-// brightness stays every pixel's own, and where the object is not, nothing changes.
+// The pixels of a block share the object's own chroma, weighted by coverage: each pixel keeps its luma, and pixels
+// without the object do not change.
 vec4 with_shared_chroma(vec4 mean, vec2 centre) {
   vec2 pixel = floor(gl_FragCoord.xy) + first_pixel;
   vec2 to_first = -mod(pixel, vec2(float(CHROMA_COLUMNS), float(CHROMA_ROWS)));
@@ -51,13 +51,14 @@ void main() {
 #endif
   vec2 pixel = gl_FragCoord.xy + first_pixel;
   vec3 root = sqrt(mean.rgb);
-  // The layer's own steps are dithered too, by a pattern that has nothing in common with the other (interleaved gradient
-  // noise, Jimenez 2014): the errors of two dithers in step would add up.
+  // The layer's own quantisation is dithered too, by an uncorrelated pattern (interleaved gradient noise, Jimenez
+  // 2014), because the errors of two correlated dithers would add up.
   float steps = (fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5) * step(0.0005, mean.a);
 #if defined(LAYER_IN_8_BITS)
   root += steps / 255.0;
 #else
-  // To a half's 11 bits here, because some drivers cut instead of rounding; the last factor keeps them from cutting more.
+  // Rounds to a half float's 11 bits, because some drivers truncate; the last factor keeps them from truncating
+  // further.
   vec3 half_step = exp2(floor(log2(max(root, 0.0001))) - 10.0);
   root = floor(root / half_step + steps + 0.5) * half_step * 1.000001;
 #endif

@@ -1,6 +1,6 @@
-// The real scene's planar depth, and what it hides.
+// The real scene's planar depth, and the test for being hidden by it.
 #if defined(SCENE_DEPTH)
-uniform sampler2D scene_depth;   // centimetres in three bytes, the largest where nothing stands
+uniform sampler2D scene_depth;   // centimetres in three bytes; the largest value means unknown
 uniform vec2 scene_size;         // pixels
 uniform mat3 fragment_to_pixel;  // (0, 0) is the centre of the top left one
 
@@ -9,8 +9,8 @@ float nearer(vec2 pixel, float depth_m) {
   return step(dot(bytes, vec3(655.36, 2.56, 0.01)), depth_m);
 }
 
-// Depths of a near and of a far surface have no mean. What is interpolated is whether the surface is nearer than the
-// fragment; where that is so by half or more, the fragment is hidden: an edge between the pixels' centres.
+// Averaging the depths of a near and a far surface is meaningless, so the comparison is interpolated instead: a
+// fragment is hidden where the weight of nearer surfaces reaches one half, which puts edges between pixel centres.
 bool is_hidden(float depth_m) {
   vec2 at = (fragment_to_pixel * vec3(gl_FragCoord.xy, 1.0)).xy;
   vec2 first = floor(at), along = at - first;

@@ -14,6 +14,6 @@ void main() {
 #if defined(LAYER_IN_8_BITS)
   sum.rgb += dither(gl_FragCoord.xy) / 255.0;
 #endif
-  // A hair more, for drivers that cut half floats off: covered stays covered.
+  // Slightly above 1, so that full coverage survives drivers that truncate half floats.
   gl_FragColor = sum * 1.00001;
 }

@@ -1,4 +1,4 @@
-// What the material says at this fragment (glTF 2.0, 3.9). A map's define names the varying it is laid on by.
+// The material's values at this fragment (glTF 2.0, 3.9). A map's define names its texture coordinates' varying.
 varying vec3 v_normal;
 varying vec2 v_texture;
 #if defined(SECOND_PLACE)
@@ -80,8 +80,8 @@ Surface surface_here() {
   s.face = gl_FrontFacing ? s.normal : -s.normal;
 #if defined(NORMAL_MAP)
   vec3 tilt = 2.0 * texture2D(normal_map, NORMAL_MAP).xyz - 1.0;
-  // Normals that differ within a texel of a smaller level average to shorter ones: the surface is as much rougher
-  // (Toksvig 2005; twice the variance is added to GGX's squared width). What 8 bits round is not counted.
+  // Averaging different normals in a smaller mip level shortens the result, which is used to increase roughness
+  // (Toksvig 2005; twice the variance is added to GGX's squared width). Shortening by 8-bit rounding is ignored.
   float size = clamp(length(tilt), 0.01, 1.0);
   float spread = max((1.0 - size) / size - 0.006, 0.0) * normal_scale * normal_scale;
   s.roughness = sqrt(sqrt(min(pow(s.roughness, 4.0) + 2.0 * spread, 1.0)));

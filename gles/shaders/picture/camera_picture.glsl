@@ -1,4 +1,4 @@
-// The camera's picture from the planes it delivers, chroma from the nearest sample, as base::to_rgb.
+// The camera's picture from its planes, chroma from the nearest sample, as to_rgb in base/picture.hpp.
 #if defined(LAYOUT_EXTERNAL)
 uniform samplerExternalOES plane_0;  // the driver converts
 #else
@@ -18,7 +18,7 @@ uniform mat3 yuv_to_rgb;
 uniform vec3 yuv_offset;
 #endif
 #if defined(LAYOUT_NV12) || defined(LAYOUT_PLANAR)
-uniform vec2 chroma_scale;  // odd pictures have half a chroma sample too many
+uniform vec2 chroma_scale;  // pictures of odd size have half a chroma sample too many
 #endif
 
 // place: 0..1 across the picture

@@ -1,5 +1,5 @@
 attribute vec2 position;   // 0..1 across the picture, from its top left corner
-uniform vec4 place;        // left, top, width, height in the clip's units
+uniform vec4 place;        // left, top, width, height in clip units
 varying vec2 v_place;
 
 void main() {

@@ -1,4 +1,4 @@
-// Depth by the driver, or packed into the four bytes of a colour. Masked materials are cut out.
+// Depth written by the driver, or packed into the four bytes of a colour. Masked materials are cut out.
 #if defined(ALPHA_TEST)
 uniform vec4 base_colour;
 uniform float alpha_cutoff;

@@ -1,4 +1,4 @@
-// What casts a shadow, as one point of the sun's disc sees it.
+// Projects shadow casters as seen from one point of the sun's disc.
 #include "sun_maps.glsl"
 
 attribute vec3 position;

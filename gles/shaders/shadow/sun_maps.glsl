@@ -1,21 +1,21 @@
 // The sun's frame: x and y in texels from the middle of a map, z 0..1 away from the sun. A map shows the object from
-// one point of the sun's disc: as from its middle, but what lies nearer or farther is moved across.
-uniform vec2 sun_spread;      // texels that depth 1 moves in the map of a point on the disc's edge
+// one point of the sun's disc: as from its middle, but shifted in proportion to depth.
+uniform vec2 sun_spread;      // shift in texels at depth 1 for a point on the disc's edge
 uniform float sun_map_texels;  // along a side of one map
 
-// 16 points for as many parts of the disc, which has radius 1: 4 on a ring and 12 on one around it, so that their mean
-// and their spread are the disc's in every direction.
+// 16 points for equal parts of the unit disc: 4 on an inner and 12 on an outer ring, so that their mean and variance
+// are the disc's in every direction.
 const float kTurn = 6.2831853;
 const float kInnerRing = 0.3535534;  // radii: sqrt(1/8) and sqrt(5/8)
 const float kOuterRing = 0.7905694;
-const float kOuterTurned = 0.05;  // of a turn, so that no two points lie in line with the middle
+const float kOuterTurned = 0.05;  // turns, so that no two points are collinear with the middle
 vec2 sun_point(float number) {
   float outer = step(3.5, number);
   float turn = kTurn * ((number - 4.0 * outer) / mix(4.0, 12.0, outer) + kOuterTurned * outer);
   return mix(kInnerRing, kOuterRing, outer) * vec2(cos(turn), sin(turn));
 }
-// Each map's texels lie elsewhere within one (Roberts 2018's sequence of two dimensions), so that together they are as good
-// as finer ones.
+// Each map is offset by a fraction of a texel (two-dimensional sequence of Roberts 2018), so that together they have a
+// higher resolution.
 const vec2 kRoberts = vec2(0.7548777, 0.5698403);
 vec2 place_in_map(vec3 point, float number) {
   return point.xy + (point.z - 0.5) * sun_spread * sun_point(number) + 0.5 * sun_map_texels +

@@ -1,17 +1,17 @@
-// How much of the sun's disc is seen from this fragment, 0..1.
+// The share of the sun's disc visible from this fragment, 0..1.
 #include "sun.glsl"
 #include "sun_maps.glsl"
 
 #if defined(SUN_SHADOW)
 uniform highp sampler2D sun_maps;  // 4 x 4 maps
-uniform mat3 sun_from_world;       // directions of a metre, to the sun's frame
-uniform mat3 sun_from_normal;      // normals of planes, to the same
-uniform float step_off_m;          // how far surfaces that the sun grazes are left
+uniform mat3 sun_from_world;       // vectors in metres, to the sun's frame
+uniform mat3 sun_from_normal;      // plane normals, to the sun's frame
+uniform float step_off_m;          // offset from surfaces at grazing sun
 uniform float steepest;            // slope of a plane, depth per texel
 uniform float depth_margin;
 varying vec3 v_sun;
 #if defined(ONE_MAP_EACH)
-uniform vec2 lattice_first;        // the lattice's numbers of gl_FragCoord 0.5
+uniform vec2 lattice_first;        // lattice coordinates at gl_FragCoord 0.5
 #endif
 
 float depth_at(vec2 texel, float number) {
@@ -25,8 +25,8 @@ float depth_at(vec2 texel, float number) {
 #endif
 }
 
-// Depth by texel of the plane that the fragment lies in: what is compared at a texel is the plane there, so that no
-// slope shades itself. By the face where the driver tells it, else by the normal.
+// Depth gradient per texel of the fragment's plane. Comparing with the plane's depth at each texel prevents slopes from
+// shadowing themselves. Taken from the face if the driver has derivatives, else from the normal.
 vec2 slope_here(vec3 normal) {
 #if defined(FACE_SLOPES)
   vec3 face = cross(dFdx(v_sun), dFdy(v_sun));
@@ -36,7 +36,8 @@ vec2 slope_here(vec3 normal) {
   return clamp(-face.xy / (abs(face.z) < 1e-12 ? 1e-12 : face.z), -steepest, steepest);
 }
 
-// 1: nothing in this texel stands before the plane. The maps' margin of depth is empty: beyond it there is nothing.
+// 1: nothing in this texel lies in front of the plane. The maps' border is empty, so that nothing beyond it casts a
+// shadow.
 float passed(vec2 texel, vec2 at, float depth, vec2 slope, float number) {
   return step(min(depth + dot(slope, texel + 0.5 - at) - depth_margin, 0.995), depth_at(texel, number));
 }
@@ -62,12 +63,12 @@ float seen_from(vec3 point, vec2 slope, float number) {
 
 // normal: of the surface as modelled, without its normal map.
 float sun_seen(vec3 normal) {
-  // Round columns are made of flat faces: a step off the face keeps them from shading one another.
+  // Round columns consist of flat faces; an offset from the face keeps adjacent ones from shadowing each other.
   float facing = dot(normal, sun_direction), grazing = length(cross(normal, sun_direction));
   vec3 point = v_sun + sun_from_world * normal * (step_off_m * grazing);
   vec2 slope = slope_here(normal);
 #if defined(ONE_MAP_EACH)
-  // Each of a pixel's 17 samples looks at another map; the one too many at one of them again.
+  // Each of a pixel's 17 samples uses another of the 16 maps; one map is used twice.
   vec2 place = gl_FragCoord.xy - 0.5 + lattice_first;
   float number = floor(mod(4.0 * place.x - place.y + 0.5, 17.0));
   float seen = seen_from(point, slope, number > 15.5 ? 5.0 : number);
@@ -75,7 +76,7 @@ float sun_seen(vec3 normal) {
   float seen = 0.0;
   for (int i = 0; i < 16; ++i) seen += seen_from(point, slope, float(i)) / 16.0;
 #endif
-  // Steeper than the steepest there is next to no light, and nothing to tell a shadow by.
+  // Slopes beyond the limit get almost no light, and their shadow cannot be determined.
   return facing < 0.0 ? seen : mix(1.0, seen, smoothstep(0.017, 0.025, facing));
 }
 #else

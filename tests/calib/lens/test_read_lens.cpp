@@ -66,7 +66,7 @@ TEST(ReadLens, BrokenKeysAreAllNamedAndALensComesBackAllTheSame) {
       {"model = 'scaramuzza'\nocamcalib = 'missing.txt'", "ocamcalib = 'missing.txt': expected an existing file"},
       {"model = 'pinhole'\nfocal_px = [9, 9]\ncentre_px = [1, 2]\ndistortion = [1, 2, 3]", "k1, k2, p1, p2, k3"},
       {"model = 'pinhole'\nfocal_px = 9\ncentre_px = [1, 2]", "focal_px = 9: expected a list of 2 numbers"},
-      {"model = 'pinhole'\nfocal_px = [9, 9]\ncentre_px = [1, 2]\nlargest_angle_deg = 30", "not a key that is known"}};
+      {"model = 'pinhole'\nfocal_px = [9, 9]\ncentre_px = [1, 2]\nlargest_angle_deg = 30", "unknown key"}};
   for (const auto& [text, part] : cases) {
     const auto [lens, problems] = read(text);
     EXPECT_THAT(problems, HasSubstr(part)) << text;

@@ -126,7 +126,7 @@ TEST(Jpeg, AForeignSizeIsNamed) {
   const auto refused = decode_jpeg_frame(jpeg_of(64, 48), 640, 480);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
-  EXPECT_EQ(refused.error().message, "JPEG of 64x48: expected 640x480");
+  EXPECT_EQ(refused.error().message, "JPEG size 64x48: expected 640x480");
 }
 
 TEST(Jpeg, WhatNoCameraSendsIsRefusedByName) {

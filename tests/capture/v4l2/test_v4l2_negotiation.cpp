@@ -38,7 +38,7 @@ class V4l2Negotiation : public testing::Test {
     return fmt::format("{} {:.4g}", agreed.format.text(), agreed.frames_per_second);
   }
 
-  UnhurriedClock clock{Utc{}};
+  FastForwardClock clock{Utc{}};
   std::filesystem::path device = "/dev/v4l/by-id/fake";
   CameraRequest request{.width = 64, .height = 48};
 };
@@ -82,7 +82,7 @@ TEST_F(V4l2Negotiation, GreyIsTakenWhereThereIsNothingElse) {
 TEST_F(V4l2Negotiation, ARateThatCannotBeHadIsNoted) {
   request.frames_per_second = 60;
   FakeCamera camera(kWebcam, clock);
-  EXPECT_THAT(mode(camera).notes, ElementsAre("frame rate 60 /s asked for: the camera delivers 30 /s"));
+  EXPECT_THAT(mode(camera).notes, ElementsAre("frame rate 60 /s requested: the camera delivers 30 /s"));
 }
 
 TEST_F(V4l2Negotiation, ASizeThatCannotBeHadIsRefusedWithAllThatCan) {
@@ -98,7 +98,7 @@ TEST_F(V4l2Negotiation, ASizeThatCannotBeHadIsRefusedWithAllThatCan) {
             "/dev/v4l/by-id/fake: YUYV 100x48: the camera does not offer it; it offers\n"
             "  YUYV: 64x48 (5 /s), 32x24 (30 /s)\n"
             "  MJPG: 64x48 (30, 15 /s)\n"
-            "  and, which cannot be read: pBAA");
+            "  and, not supported: pBAA");
 }
 
 TEST_F(V4l2Negotiation, ADriverThatDoesNotEnumerateItsSizesIsTried) {
@@ -259,8 +259,8 @@ TEST_F(V4l2Negotiation, WhatTheCameraCannotDoIsNoted) {
   const auto agreed = mode(narrow);
   EXPECT_DOUBLE_EQ(*agreed.exposure_s, 0.2047);
   EXPECT_EQ(agreed.white_balance_k, 6500.0);
-  EXPECT_THAT(agreed.notes, ElementsAre(HasSubstr("exposure in seconds 1 asked for: the camera takes 0.2047"),
-                                        HasSubstr("white balance in kelvin 9000 asked for: the camera takes 6500")));
+  EXPECT_THAT(agreed.notes, ElementsAre(HasSubstr("exposure in seconds 1 requested: the camera uses 0.2047"),
+                                        HasSubstr("white balance in kelvin 9000 requested: the camera uses 6500")));
 }
 
 TEST_F(V4l2Negotiation, WhiteBalanceIsLockedWhereItStandsAfterTheFirstFrames) {

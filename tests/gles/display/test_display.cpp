@@ -7,13 +7,12 @@
 #include "gles/display/headless_display.hpp"
 #include "gles/gl/gl.hpp"
 #include "tests/environment.hpp"
+#include "tests/gles/display/display_helpers.hpp"
 
 namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-
-const Utc kNoon = Utc{} + std::chrono::hours(24 * 365 * 50 + 12);
 
 std::unique_ptr<HeadlessDisplay> headless(ManualClock& clock, int width = 8, int height = 6) {
   auto display = open_headless_display({.width = width, .height = height}, clock);

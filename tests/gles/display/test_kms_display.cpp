@@ -1,9 +1,8 @@
 // The KMS display on a scripted card: rows 15, 16 and 17 of what may go wrong. Times to recover are the manual clock's.
-#include <filesystem>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/gles/display/display_helpers.hpp"
 #include "tests/gles/display/kms_fake.hpp"
 
 namespace kasumi {
@@ -14,14 +13,6 @@ using testing::AllOf;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-const Utc kNoon = Utc{} + std::chrono::hours(24 * 365 * 50 + 12);
-
-std::size_t open_descriptors() {
-  std::size_t count = 0;
-  for ([[maybe_unused]] const auto& fd : std::filesystem::directory_iterator("/proc/self/fd")) ++count;
-  return count;
-}
 
 double ms(Duration duration) {
   return 1e3 * to_seconds(duration);

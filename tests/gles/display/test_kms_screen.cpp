@@ -11,6 +11,7 @@
 #include "gles/display/display_listing.hpp"
 #include "gles/display/kms_system.hpp"
 #include "gles/gl/gl.hpp"
+#include "tests/gles/display/display_helpers.hpp"
 #include "tests/gles/display/kms_decorator.hpp"
 
 namespace kasumi {
@@ -18,12 +19,6 @@ namespace {
 
 using testing::HasSubstr;
 using namespace std::chrono_literals;
-
-std::size_t open_descriptors() {
-  std::size_t count = 0;
-  for ([[maybe_unused]] const auto& fd : std::filesystem::directory_iterator("/proc/self/fd")) ++count;
-  return count;
-}
 
 // Quarters from the top left: red, green, blue, white; a grey square in the middle.
 void draw_test_pattern(const DrawTarget& target) {

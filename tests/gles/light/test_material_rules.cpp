@@ -97,7 +97,7 @@ TEST(ReflectionIntegrals, AgreeWithAFinerIntegralOfTheBrdf) {
   };
   for (int i = 0; i < 40; ++i) {
     const double across = between(0.05, 1.0), roughness = between(0.1, 1.0);
-    const GivenBack quick = given_back(across, roughness);
+    const DirectionalAlbedo quick = directional_albedo(across, roughness);
     const ReferenceGivenBack fine = reference_given_back(across, roughness);
     EXPECT_NEAR(quick.all, fine.head_on + fine.edge, 0.01) << across << ", " << roughness;
     EXPECT_NEAR(quick.edge, fine.edge, 0.01) << across << ", " << roughness;
@@ -108,21 +108,21 @@ TEST(ReflectionIntegrals, AgreeWithAFinerIntegralOfTheBrdf) {
 
 TEST(ReflectionIntegrals, MeetTheirKnownEnds) {
   for (const double across : {0.2, 0.7, 1.0}) {  // a smooth mirror: all, and Schlick's own edge
-    EXPECT_NEAR(given_back(across, 0.0).all, 1.0, 1e-3);
-    EXPECT_NEAR(given_back(across, 0.0).edge, std::pow(1.0 - across, 5), 1e-3);
+    EXPECT_NEAR(directional_albedo(across, 0.0).all, 1.0, 1e-3);
+    EXPECT_NEAR(directional_albedo(across, 0.0).edge, std::pow(1.0 - across, 5), 1e-3);
   }
-  EXPECT_NEAR(given_back(1.0, 1.0).all, 1.0 - std::log(2.0), 5e-3);
+  EXPECT_NEAR(directional_albedo(1.0, 1.0).all, 1.0 - std::log(2.0), 5e-3);
   EXPECT_NEAR(mean_cosine(0.0), 1.0, 1e-4);
   EXPECT_NEAR(mean_cosine(1.0), 2.0 / 3.0, 1e-4);  // facets all around: Lambert's
   for (const double across : {0.2, 0.7, 0.95}) {   // a smooth mirror shows its mirror image, sharply
-    const SeenAs seen = seen_as(across, given_back(across, 0.0));
+    const ReflectionLookup seen = reflection_lookup(across, directional_albedo(across, 0.0));
     EXPECT_NEAR(seen.lean, 1.0, 1e-3);
     EXPECT_NEAR(seen.roughness, 0.0, 1e-2);
   }
   for (const double across : {0.1, 0.5, 0.9})  // what is shown has the lobe's own mean direction
     for (const double roughness : {0.2, 0.5, 0.8}) {
-      const GivenBack back = given_back(across, roughness);
-      const SeenAs seen = seen_as(across, back);
+      const DirectionalAlbedo back = directional_albedo(across, roughness);
+      const ReflectionLookup seen = reflection_lookup(across, back);
       const glm::dvec2 mean{back.aside, back.along}, mirror{std::sqrt(1.0 - across * across), across};
       const glm::dvec2 image = glm::normalize(glm::mix(glm::dvec2{0, 1}, mirror, seen.lean));
       EXPECT_NEAR(mean_cosine(seen.roughness), std::max(glm::length(mean), 2.0 / 3.0), 3e-3);  // no lobe is wider

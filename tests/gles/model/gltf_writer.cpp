@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include <gtest/gtest.h>
+
 #include "base/files.hpp"
 #include "tests/places.hpp"
 
@@ -99,6 +101,11 @@ GltfFile square_file() {
   file.primitive()["attributes"]["POSITION"] = file.add_floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, 3);
   file.primitive()["indices"] = file.add_shorts({0, 1, 2, 0, 2, 3});
   return file;
+}
+
+Model loaded(const Result<Model>& model) {
+  EXPECT_TRUE(model.has_value()) << model.error().message;
+  return model ? *model : Model{};
 }
 
 std::filesystem::path model_folder() {

@@ -41,6 +41,9 @@ struct GltfFile {
 // A square of two triangles in the plane z = 0, from (0, 0) to (1, 1), facing +z: positions 0 .. 3.
 GltfFile square_file();
 
+// The model, or a failed expectation with the message and an empty model.
+Model loaded(const Result<Model>& model);
+
 std::filesystem::path model_folder();  // below the test output folder; made when it is not there
 
 }  // namespace kasumi

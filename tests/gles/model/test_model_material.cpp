@@ -14,11 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-Model loaded(const Result<Model>& model) {
-  EXPECT_TRUE(model.has_value()) << model.error().message;
-  return model ? *model : Model{};
-}
-
 // A square with texture coordinates of two sets and a material that the test fills in.
 GltfFile surface_file() {
   GltfFile file = square_file();
@@ -114,7 +109,7 @@ TEST(GltfMaterial, AThirdWayToLayPicturesIsLeftOutAndTold) {
   const Model model = loaded(file.read("three-ways"));
   EXPECT_TRUE(model.materials.at(0).normal_map.used());
   EXPECT_FALSE(model.materials.at(0).occlusion_map.used());
-  EXPECT_THAT(model.notes, testing::Contains(HasSubstr("its occlusion is left out")));
+  EXPECT_THAT(model.notes, testing::Contains(HasSubstr("its occlusion picture is left out")));
 }
 
 TEST(GltfMaterial, TangentsAreTakenOrMade) {

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "tests/gles/picture/all_layouts.hpp"
 #include "tests/gles/picture/lent_buffers.hpp"
 #include "tests/gles/scenes.hpp"
 
@@ -15,10 +16,6 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-constexpr std::array kLayouts{PixelLayout::rgb8,  PixelLayout::bgr8, PixelLayout::rgba8, PixelLayout::bgra8,
-                              PixelLayout::grey8, PixelLayout::yuyv, PixelLayout::uyvy,  PixelLayout::nv12,
-                              PixelLayout::i420,  PixelLayout::i422, PixelLayout::i444};
 
 class CameraImports : public GlesTest {
  protected:

@@ -1,14 +1,11 @@
 // The camera's picture without an object in it, in every layout that drivers deliver.
 #include <random>
 
+#include "tests/gles/picture/all_layouts.hpp"
 #include "tests/gles/scenes.hpp"
 
 namespace kasumi {
 namespace {
-
-constexpr std::array kLayouts{PixelLayout::rgb8,  PixelLayout::bgr8, PixelLayout::rgba8, PixelLayout::bgra8,
-                              PixelLayout::grey8, PixelLayout::yuyv, PixelLayout::uyvy,  PixelLayout::nv12,
-                              PixelLayout::i420,  PixelLayout::i422, PixelLayout::i444};
 
 bool is_rgb(PixelLayout layout) {
   return layout == PixelLayout::rgb8 || layout == PixelLayout::bgr8 || layout == PixelLayout::rgba8 ||

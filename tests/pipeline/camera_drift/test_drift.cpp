@@ -46,7 +46,7 @@ fixtures::Recipe day(std::uint64_t seed, double turbidity, double clouds) {
 }
 
 Pictures read(const std::filesystem::path& folder, const Camera& camera, Utc start) {
-  UnhurriedClock clock(start);
+  FastForwardClock clock(start);
   auto source = open_replay(folder / camera.name, clock).value();
   Pictures pictures;
   while (const auto frame = source->next(Instant::max()))

@@ -48,8 +48,8 @@ TEST(ForeignKeys, EveryReaderOfAPartTakesAKiosksConfigurationAsItIs) {
 TEST(ForeignKeys, ATypingErrorIsStillReported) {
   const auto file = written(kiosk("colour_spice = \"srgb\"\n") + "[dispaly]\nkind = \"kms\"\n");
   for (const auto& told : {read_camera_file(file).error().message, read_landmark_file(file, 60, 40).error().message}) {
-    EXPECT_THAT(told, HasSubstr("scene.colour_spice: not a key"));
-    EXPECT_THAT(told, HasSubstr("dispaly: not a key"));
+    EXPECT_THAT(told, HasSubstr("scene.colour_spice: unknown key"));
+    EXPECT_THAT(told, HasSubstr("dispaly: unknown key"));
   }
 }
 

@@ -179,7 +179,7 @@ TEST(CalibrationAdopted, AnInvalidFileGivesOneMessage) {
   ASSERT_TRUE(write_text_file(file, "calibration = 7\n"));
   refused_with("calibration: expected 1");
   ASSERT_TRUE(write_text_file(file, "calibration = 1\n[skye]\nwidth = 3\n"));
-  refused_with("skye: not a key");
+  refused_with("skye: unknown key");
   ASSERT_TRUE(write_text_file(file, "calibration = = 1\n"));
   refused_with("not valid TOML");
   std::filesystem::remove(file);

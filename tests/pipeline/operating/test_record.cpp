@@ -65,7 +65,7 @@ struct PlayedFixture {
 Result<PlayedFixture> play(const std::filesystem::path& folder) {
   const auto fixture = read_fixture(folder);
   if (!fixture) return fail(fixture.error());
-  UnhurriedClock clock(fixture->info.start_utc);
+  FastForwardClock clock(fixture->info.start_utc);
   auto sources = open_fixture_sources(folder, clock);
   if (!sources) return fail(sources.error());
   return PlayedFixture{play(*sources->sky), play(*sources->scene)};

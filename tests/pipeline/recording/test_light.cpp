@@ -203,7 +203,7 @@ TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
 
   // Between two pictures of a slow sky camera its clouds stay, for a while.
   const auto read = read_fixture(fixture).value();
-  UnhurriedClock clock(read.info.start_utc);
+  FastForwardClock clock(read.info.start_utc);
   auto sources = open_fixture_sources(fixture, clock).value();
   SkyWatch watch(read.installation);
   const auto frame = sources.sky->next(*sources.sky->due() + std::chrono::seconds(1)).value();
