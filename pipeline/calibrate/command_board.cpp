@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/calibrate/board_choice.hpp"
+#include "pipeline/calibrate/board_options.hpp"
 #include "pipeline/calibrate/board_sheet.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 
@@ -10,13 +10,13 @@ namespace kasumi {
 namespace {
 
 struct SheetArguments {
-  BoardArguments board;
+  BoardOptions board;
   std::string out;
 };
 
 Result<int> write_sheet(const SheetArguments& arguments) {
   Problems problems;
-  const auto board = choose_board(arguments.board, true, problems);
+  const auto board = read_board(arguments.board, true, problems);
   const auto extension = std::filesystem::path(arguments.out).extension().string();
   if (extension != ".svg" && extension != ".pdf")
     problems.add("--out {}: expected a name that ends in .pdf or .svg", arguments.out);

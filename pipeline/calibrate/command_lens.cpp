@@ -7,7 +7,7 @@
 #include "calib/lens/import_lens.hpp"
 #include "calib/lens/lens_calibration.hpp"
 #include "capture/utc_text.hpp"
-#include "pipeline/calibrate/board_choice.hpp"
+#include "pipeline/calibrate/board_options.hpp"
 #include "pipeline/calibrate/board_session.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
@@ -24,7 +24,7 @@ struct LensArguments {
   std::string config, live, size;  // pictures of a camera that runs, instead
   bool window = false;
   double seconds = 0.0;
-  BoardArguments board;
+  BoardOptions board;
   std::string import_file;
   std::string camera = "sky";
   std::string serial;
@@ -202,7 +202,7 @@ Result<int> import(const LensArguments& arguments) {
 Result<int> calibrate(const LensArguments& arguments) {
   Problems problems;
   const bool importing = !arguments.import_file.empty();
-  const auto board = importing ? AnyBoard() : choose_board(arguments.board, false, problems);
+  const auto board = importing ? AnyBoard() : read_board(arguments.board, false, problems);
   const bool running = !arguments.config.empty() || !arguments.live.empty();
   if (importing && !arguments.pictures.empty())
     problems.add("--import {}: expected it or pictures, not both", arguments.import_file);

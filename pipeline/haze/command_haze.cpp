@@ -15,7 +15,7 @@ namespace kasumi {
 namespace {
 
 struct HazeArguments {
-  HazeOrder order;
+  HazeOptions options;
   std::string out, sheet, film;
   double frames_per_second = 10.0;
   bool on_cpu = false, live = false;
@@ -58,7 +58,7 @@ Result<> make_pictures(const HazeArguments& a, const HazeTask& task) {
     const auto made = maker->make(haze);
     if (!made) return fail(made.error());
     if (!a.out.empty()) {
-      const auto name = std::filesystem::path(a.order.picture).stem().string();
+      const auto name = std::filesystem::path(a.options.picture).stem().string();
       const std::filesystem::path place =
           alone ? std::filesystem::path(a.out)
                 : std::filesystem::path(a.out) / fmt::format("{}.{}.png", name, haze.name());
@@ -80,7 +80,7 @@ Result<> make_pictures(const HazeArguments& a, const HazeTask& task) {
 Result<int> lay_haze(const HazeArguments& a) {
   // OpenCV reads depth as EXR only when told so.
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
-  const auto task = haze_task(a.order);
+  const auto task = haze_task(a.options);
   if (!task) return fail(task.error());
   fmt::print("range to {:.4g} m; {} holes filled ({:.1f} % of the picture), sky {:.1f} %\n", task->range.farthest_m,
              task->range.holes, 100.0 * task->range.hole_share, 100.0 * task->range.sky_share);
@@ -95,59 +95,60 @@ void add_haze_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("haze", "Thick haze over a photograph, which blurs as well as it fades");
   auto arguments = std::make_shared<HazeArguments>();
   auto& a = *arguments;
-  auto& order = a.order;
-  command->add_option("picture", order.picture, "The picture")->required();
-  command->add_option("--depth", order.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: unknown");
-  command->add_option("--depth-step-m", order.depth_step_m, "Metres (of --disparity: pixels) that a step of the PNG is")
+  auto& options = a.options;
+  command->add_option("picture", options.picture, "The picture")->required();
+  command->add_option("--depth", options.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: unknown");
+  command
+      ->add_option("--depth-step-m", options.depth_step_m, "Metres (of --disparity: pixels) that a step of the PNG is")
       ->check(CLI::Range(1e-5, 1e3));
-  command->add_option("--disparity", order.disparity, "In place of --depth: disparities in pixels, of a stereo pair");
-  command->add_option("--disparity-scale", order.disparity_scale, "Focal length times baseline, pixels times metres")
+  command->add_option("--disparity", options.disparity, "In place of --depth: disparities in pixels, of a stereo pair");
+  command->add_option("--disparity-scale", options.disparity_scale, "Focal length times baseline, pixels times metres")
       ->check(CLI::Range(1e-6, 1e9));
-  command->add_option("--disparity-offset-px", order.disparity_offset_px, "Added to disparities (Middlebury: doffs)")
+  command->add_option("--disparity-offset-px", options.disparity_offset_px, "Added to disparities (Middlebury: doffs)")
       ->check(CLI::Range(-1e4, 1e4))
       ->capture_default_str();
-  command->add_flag("--indoors", order.indoors, "Nothing is sky: all that is unknown are holes");
+  command->add_flag("--indoors", options.indoors, "Nothing is sky: all that is unknown are holes");
   command
-      ->add_option("--sky-share", order.range.smallest_sky_share,
+      ->add_option("--sky-share", options.range.smallest_sky_share,
                    "An unknown region of that share of the picture is sky, a smaller one a hole")
       ->check(CLI::Range(1e-6, 1.0))
       ->capture_default_str();
-  command->add_option("--sky-range", order.range.sky_range, "Of the sky, in farthest ranges")
+  command->add_option("--sky-range", options.range.sky_range, "Of the sky, in farthest ranges")
       ->check(CLI::Range(1.001, 10.0))
       ->capture_default_str();
-  command->add_option("--margin-px", order.range.margin_px, "Over which the scene goes into the sky")
+  command->add_option("--margin-px", options.range.margin_px, "Over which the scene goes into the sky")
       ->check(CLI::Range(0, 200))
       ->capture_default_str();
-  command->add_option("--turbidity", order.turbidities, "T of the haze: 8, or FROM:TO:STEP; several with commas")
+  command->add_option("--turbidity", options.turbidities, "T of the haze: 8, or FROM:TO:STEP; several with commas")
       ->delimiter(',');
   command
-      ->add_option("--kappa-s", order.scatterings,
+      ->add_option("--kappa-s", options.scatterings,
                    "In place of T: scattering per farthest range (H), or FROM:TO:STEP; several with commas")
       ->delimiter(',');
-  command->add_option("--kappa-a", order.kappa_a, "With it: absorption per farthest range")
+  command->add_option("--kappa-a", options.kappa_a, "With it: absorption per farthest range")
       ->check(CLI::Range(0.0, 100.0));
-  command->add_option("--lambda", order.lambda, "The widest blur is lambda sqrt(kappa_s), in pixels")
+  command->add_option("--lambda", options.lambda, "The widest blur is lambda sqrt(kappa_s), in pixels")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option("--airlight", order.airlight, "Light from infinity, linear; left out: measured at the horizon")
+  command->add_option("--airlight", options.airlight, "Light from infinity, linear; left out: measured at the horizon")
       ->type_name("R,G,B")
       ->delimiter(',')
       ->expected(3)
       ->check(CLI::Range(1e-3, 4.0));
-  command->add_option("--sensitivity", order.sensitivity, "The camera's spectral sensitivity (JSON or CSV), for T");
-  command->add_option("--scattering", order.scattering, "Coefficients, for T")
+  command->add_option("--sensitivity", options.sensitivity, "The camera's spectral sensitivity (JSON or CSV), for T");
+  command->add_option("--scattering", options.scattering, "Coefficients, for T")
       ->check(CLI::IsMember({"morales2017", "preetham", "zhao"}))
       ->capture_default_str();
-  command->add_option("--altitude-m", order.altitude_m, "Of the camera, for T")
+  command->add_option("--altitude-m", options.altitude_m, "Of the camera, for T")
       ->check(CLI::Range(-500.0, 9000.0))
       ->capture_default_str();
-  command->add_option("--fov-deg", order.field_of_view_deg, "Across the picture, where the airlight is measured")
+  command->add_option("--fov-deg", options.field_of_view_deg, "Across the picture, where the airlight is measured")
       ->check(CLI::Range(0.5, 150.0))
       ->capture_default_str();
-  command->add_option("--pitch-deg", order.pitch_deg, "Elevation of the picture's middle, likewise")
+  command->add_option("--pitch-deg", options.pitch_deg, "Elevation of the picture's middle, likewise")
       ->check(CLI::Range(-60.0, 60.0))
       ->capture_default_str();
-  command->add_option("--scheme", order.scheme, "How it is blurred: ours, or one of the paper's")
+  command->add_option("--scheme", options.scheme, "How it is blurred: ours, or one of the paper's")
       ->check(CLI::IsMember({"matched", "explicit", "invariant"}))
       ->capture_default_str();
   command->add_flag("--cpu", a.on_cpu, "Compute on the CPU, the reference");

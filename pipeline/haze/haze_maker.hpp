@@ -6,7 +6,7 @@
 #include <string>
 
 #include "gles/air/haze_blur.hpp"
-#include "pipeline/haze/haze_order.hpp"
+#include "pipeline/haze/haze_options.hpp"
 
 namespace kasumi {
 

@@ -7,7 +7,7 @@
 
 #include "gles/air/haze_blur.hpp"
 #include "gles/display/window.hpp"
-#include "pipeline/haze/haze_order.hpp"
+#include "pipeline/haze/haze_options.hpp"
 
 namespace kasumi {
 

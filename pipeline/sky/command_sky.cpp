@@ -3,15 +3,15 @@
 #include <CLI/CLI.hpp>
 
 #include "pipeline/command.hpp"
-#include "pipeline/sky/sky_order.hpp"
+#include "pipeline/sky/sky_options.hpp"
 
 namespace kasumi {
 
 void add_sky_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("sky", "The clear sky and the air in between, from any altitude");
-  auto order = std::make_shared<SkyOrder>();
-  auto& o = *order;
-  // What may be given is checked all at once, when all of it is known (sky_order.cpp).
+  auto options = std::make_shared<SkyOptions>();
+  auto& o = *options;
+  // What may be given is checked all at once, when all of it is known (sky_options.cpp).
   command->add_option("--projection", o.projection, "fisheye, perspective or equirectangular")->capture_default_str();
   command->add_option("--size", o.size, "Of the picture: 1280x720; a fisheye's is square");
   command->add_option("--fov-deg", o.field_of_view_deg, "Perspective: across the picture")->capture_default_str();
@@ -40,7 +40,7 @@ void add_sky_command(CLI::App& app, Action& action) {
   command->add_option("--compare", o.compare,
                       "This sky beside those of before, as one PNG, and their flaws as numbers");
   command->add_flag("--window", o.window, "Look around: drag the sun; keys for turbidity and altitude");
-  command->callback([order, &action] { action = [order] { return fill_sky_order(*order); }; });
+  command->callback([options, &action] { action = [options] { return run_sky(*options); }; });
 }
 
 }  // namespace kasumi

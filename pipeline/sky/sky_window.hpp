@@ -4,7 +4,7 @@
 #include <string>
 
 #include "gles/display/window.hpp"
-#include "pipeline/sky/sky_order.hpp"
+#include "pipeline/sky/sky_options.hpp"
 
 namespace kasumi {
 

@@ -154,13 +154,13 @@ TEST_F(HazeCommand, TellsAPersonAllThatIsWrongAtOnce) {
 }
 
 TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
-  HazeOrder order;
-  order.picture = in_folder("board.png");
-  order.depth = in_folder("depth.pfm");
-  order.indoors = true;
-  order.scatterings = {"0.5"};
-  order.airlight = {0.6, 0.7, 0.8};
-  const auto task = haze_task(order);
+  HazeOptions options;
+  options.picture = in_folder("board.png");
+  options.depth = in_folder("depth.pfm");
+  options.indoors = true;
+  options.scatterings = {"0.5"};
+  options.airlight = {0.6, 0.7, 0.8};
+  const auto task = haze_task(options);
   ASSERT_TRUE(task) << task.error().message;
   auto window = HazeWindow::open(*task);
   if (!window) {

@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-struct HazeOrder {
+struct HazeOptions {
   std::string picture, depth, disparity, sensitivity, scattering = "morales2017", scheme = "matched";
   std::optional<double> depth_step_m, disparity_scale;  // the latter: metres times pixels
   double disparity_offset_px = 0.0, altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
@@ -46,6 +46,6 @@ struct HazeTask {
 };
 
 // Errors: bad_input, with all that is wrong at once.
-Result<HazeTask> haze_task(const HazeOrder& order);
+Result<HazeTask> haze_task(const HazeOptions& options);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-#include "pipeline/calibrate/board_choice.hpp"
+#include "pipeline/calibrate/board_options.hpp"
 
 #include <cstdio>
 
@@ -19,7 +19,7 @@ std::optional<glm::ivec2> counts_of(const std::string& text) {
 
 }  // namespace
 
-void add_board_options(CLI::App& command, BoardArguments& arguments) {
+void add_board_options(CLI::App& command, BoardOptions& arguments) {
   auto& a = arguments;
   command.add_option("--board", a.board, "A checkerboard, by its inner corners")->type_name("COLUMNSxROWS");
   command.add_option("--charuco", a.charuco, "Or a ChArUco board, by its squares; it may be seen in part")
@@ -30,7 +30,7 @@ void add_board_options(CLI::App& command, BoardArguments& arguments) {
       ->capture_default_str();
 }
 
-AnyBoard choose_board(const BoardArguments& arguments, bool with_size, Problems& problems) {
+AnyBoard read_board(const BoardOptions& arguments, bool with_size, Problems& problems) {
   const Board none{3, 3, 0.03};
   if (arguments.board.empty() == arguments.charuco.empty()) {
     problems.add(
