@@ -34,13 +34,13 @@ class PictureFolder final : public PictureSink {
   int count_ = 0;
 };
 
-class Film final : public PictureSink {
+class FilmWriter final : public PictureSink {
  public:
-  Film(std::filesystem::path file, double frames_per_second)
+  FilmWriter(std::filesystem::path file, double frames_per_second)
       : file_(std::move(file)),
         unfinished_(file_.parent_path() / fmt::format(".{}.part{}", file_.stem().string(), file_.extension().string())),
         frames_per_second_(frames_per_second) {}
-  ~Film() override {
+  ~FilmWriter() override {
     std::error_code ignored;
     writer_.release();
     std::filesystem::remove(unfinished_, ignored);
@@ -119,7 +119,7 @@ Result<std::unique_ptr<PictureSink>> open_film(const std::filesystem::path& file
     if (auto made = make_folder(file.parent_path()); !made) return fail(made.error());
   cv::utils::logging::setLogLevel(
       cv::utils::logging::LOG_LEVEL_SILENT);  // a codec it lacks is our message, not OpenCV's
-  return std::make_unique<Film>(file, frames_per_second);
+  return std::make_unique<FilmWriter>(file, frames_per_second);
 }
 
 }  // namespace kasumi

@@ -26,7 +26,7 @@ class PictureSource {
   // Of a film as its file says; empty where there is none.
   virtual std::optional<double> frames_per_second() const { return std::nullopt; }
   // A film or a folder: one picture after the other through time.
-  virtual bool moves() const { return false; }
+  virtual bool is_sequence() const { return false; }
 };
 
 // Each of `names` a picture, a folder (its pictures by name) or a film (what this machine's FFmpeg reads: .mp4, .mov,

@@ -31,7 +31,7 @@ Result<int> show_live(const HazeTask& task) {
     if (!open) return fail(open.error());
     if (!*open) break;
   }
-  fmt::print("{}\n", words_of(window->values()));
+  fmt::print("{}\n", caption_of(window->values()));
   return 0;
 }
 
@@ -64,7 +64,7 @@ Result<> make_pictures(const HazeArguments& a, const HazeTask& task) {
                 : std::filesystem::path(a.out) / fmt::format("{}.{}.png", name, haze.name());
       if (auto done = write_photograph(place, made->picture); !done) return done;
       fmt::print("{}: {}, {} passes, {:.0f} operations a pixel, {}\n", place.string(), name_of(task.scheme),
-                 made->cost.passes, made->cost.operations(), maker->place());
+                 made->cost.passes, made->cost.operations(), maker->device());
     }
     const auto pixels = to_rgb8(made->picture);
     if (!a.sheet.empty()) sheet.add(pixels, haze.name());
@@ -77,7 +77,7 @@ Result<> make_pictures(const HazeArguments& a, const HazeTask& task) {
   return {};
 }
 
-Result<int> lay_haze(const HazeArguments& a) {
+Result<int> make_haze(const HazeArguments& a) {
   // OpenCV reads depth as EXR only when told so.
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   const auto task = haze_task(a.options);
@@ -163,7 +163,7 @@ void add_haze_command(CLI::App& app, Action& action) {
     const auto& given = *arguments;
     if (given.out.empty() && given.sheet.empty() && given.film.empty() && !given.live)
       throw CLI::ValidationError("--out, --sheet, --film, --live", "expected at least one of them");
-    action = [arguments] { return lay_haze(*arguments); };
+    action = [arguments] { return make_haze(*arguments); };
   });
 }
 

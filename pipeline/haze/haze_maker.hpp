@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-struct MadeHaze {
+struct HazyPicture {
   Photograph picture;
   DiffusionCost cost;
 };
@@ -20,13 +20,13 @@ class HazeMaker {
   // `task` must outlive it. The invariant scheme, whose reads between pixels GLES 2 does not filter, is the CPU's
   // alone. Without a GPU (or what acts as one) the CPU is taken: notes() tells. Errors: device.
   static Result<HazeMaker> create(const HazeTask& task, bool on_cpu);
-  Result<MadeHaze> make(const HazeValues& haze);
-  const std::string& place() const { return place_; }  // "the CPU", "llvmpipe (...), half floats"
+  Result<HazyPicture> make(const HazeValues& haze);
+  const std::string& device() const { return device_; }  // "the CPU", "llvmpipe (...), half floats"
 
  private:
   explicit HazeMaker(const HazeTask& task) : task_(&task) {}
   const HazeTask* task_;
-  std::string place_ = "the CPU";
+  std::string device_ = "the CPU";
   std::unique_ptr<GlContext> context_;  // goes after what was made under it
   std::optional<HazeBlur> blur_;
 };

@@ -13,9 +13,9 @@ namespace kasumi {
 
 // A and Z: more or less absorption; S and X: scattering (of a turbidity: T itself); D and C: lambda; R: as it was
 // given. Other keys change nothing. false when nothing has changed.
-bool turn_haze(HazeValues& haze, const HazeValues& given, char key);
+bool adjust_haze(HazeValues& haze, const HazeValues& given, char key);
 // "kappa_a .25 (A, Z)   kappa_s .25 (S, X)   lambda 15 (D, C)".
-std::string words_of(const HazeValues& haze);
+std::string caption_of(const HazeValues& haze);
 
 class HazeWindow {
  public:
@@ -34,7 +34,7 @@ class HazeWindow {
   std::unique_ptr<Window> window_;  // goes after what was made under it
   HazeBlur blur_;
   HazeValues haze_;
-  bool stale_ = true;
+  bool changed_ = true;
   std::string problem_;  // why the last change was not followed
 };
 

@@ -21,7 +21,7 @@ Result<int> retarget_pictures(const RetargetArguments& a) {
   auto task = retarget_task(a, (*picture)->photograph);
   if (!task) return fail(task.error());
   // The camera stands still and the air with it: what one frame's horizon is off, the next ones' make good.
-  if ((*source)->moves()) task->setup.horizon_weight = 0.1;
+  if ((*source)->is_sequence()) task->setup.horizon_weight = 0.1;
   auto outputs = RetargetOutputs::open(a, task->targets, **source);
   if (!outputs) return fail(outputs.error());
   OtherAir air(std::move(task->setup));

@@ -35,7 +35,7 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
     json["sun_zenith_deg"] = rounded(to_degrees(zenith_angle(*report.sun)), 4);
     json["sun_azimuth_deg"] = rounded(to_degrees(azimuth_angle(*report.sun)), 4);
   }
-  json["sun_from"] = report.sun_words;
+  json["sun_from"] = report.sun_source;
   json["aod_550"] = nullptr;
   json["visibility_m"] = nullptr;
   json["weather"] = nullptr;
@@ -70,7 +70,7 @@ std::string estimate_text(const std::filesystem::path& image, const SkyPhotograp
   if (report.sun)
     text += fmt::format("  sun              zenith {:.2f} deg, azimuth {:.2f} deg{}\n",
                         to_degrees(zenith_angle(*report.sun)), to_degrees(azimuth_angle(*report.sun)),
-                        report.sun_words.empty() ? "" : " (" + report.sun_words + ")");
+                        report.sun_source.empty() ? "" : " (" + report.sun_source + ")");
   if (estimate.usable)
     text += fmt::format("  fit              {} samples agree within {:.1f} % (rms)\n", estimate.samples,
                         100.0 * estimate.log_residual);

@@ -10,33 +10,33 @@ namespace kasumi {
 
 namespace {
 
-Result<> read_calibration(const std::string& file, SkyPhotographSetup& setup) {
+Result<> read_calibration(const std::string& file, SkyPhotographOptions& options) {
   const auto root = ConfigTable::read_file(file);
   if (!root) return fail(root.error());
   if (root->has("format")) adopt_calibration(*root);  // a fixture's description, which may name one
-  if (auto site = root->optional_table("site")) setup.site = read_site(*site);
-  setup.calibrated = read_camera(root->table("sky"), "sky");
+  if (auto site = root->optional_table("site")) options.site = read_site(*site);
+  options.calibrated = read_camera(root->table("sky"), "sky");
   ignore_what_others_read(*root, {"site", "sky"});
   return root->finish();
 }
 
 // Where the sun stood: exactly one way of telling.
-void read_sun(const EstimateArguments& arguments, SkyPhotographSetup& setup, Problems& problems) {
+void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options, Problems& problems) {
   if (arguments.sun_zenith_deg.has_value() != arguments.sun_azimuth_deg.has_value())
     problems.add("--sun-zenith-deg and --sun-azimuth-deg: expected both or neither");
   if (arguments.lat.has_value() != arguments.lon.has_value()) problems.add("--lat and --lon: expected both or neither");
   if (arguments.sun_zenith_deg && arguments.sun_azimuth_deg)
-    setup.sun = direction_from(from_degrees(*arguments.sun_zenith_deg), from_degrees(*arguments.sun_azimuth_deg));
-  if (arguments.lat && arguments.lon) setup.site = Site{"", *arguments.lat, *arguments.lon, arguments.altitude_m};
+    options.sun = direction_from(from_degrees(*arguments.sun_zenith_deg), from_degrees(*arguments.sun_azimuth_deg));
+  if (arguments.lat && arguments.lon) options.site = Site{"", *arguments.lat, *arguments.lon, arguments.altitude_m};
   if (!arguments.utc.empty()) {
-    setup.utc = parse_utc(arguments.utc);
-    if (!setup.utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", arguments.utc);
+    options.utc = parse_utc(arguments.utc);
+    if (!options.utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", arguments.utc);
   }
-  setup.sun_from_image = arguments.sun_from_image;
-  if (setup.sun && setup.utc)
+  options.sun_from_image = arguments.sun_from_image;
+  if (options.sun && options.utc)
     problems.add("--utc and --sun-zenith-deg: expected one of them, each tells where the sun stood");
-  const bool times_may_follow = arguments.from_stdin() && setup.site;
-  if (!setup.sun && !(setup.site && (setup.utc || times_may_follow)) && !setup.sun_from_image)
+  const bool times_may_follow = arguments.from_stdin() && options.site;
+  if (!options.sun && !(options.site && (options.utc || times_may_follow)) && !options.sun_from_image)
     problems.add(
         "where the sun stood is not known: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
         "and --lon (or a --calibration with [site]), or --sun-from-image");
@@ -44,32 +44,32 @@ void read_sun(const EstimateArguments& arguments, SkyPhotographSetup& setup, Pro
 
 }  // namespace
 
-Result<SkyPhotographSetup> setup_of(const EstimateArguments& arguments) {
-  SkyPhotographSetup setup;
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments) {
+  SkyPhotographOptions options;
   Problems problems;
   if (!arguments.calibration.empty())
-    if (auto read = read_calibration(arguments.calibration, setup); !read) problems.add("{}", read.error().message);
-  setup.equisolid = arguments.lens == "equisolid";
-  setup.field_of_view = from_degrees(arguments.fov_deg);
+    if (auto read = read_calibration(arguments.calibration, options); !read) problems.add("{}", read.error().message);
+  options.equisolid = arguments.lens == "equisolid";
+  options.field_of_view = from_degrees(arguments.fov_deg);
   if (!arguments.circle.empty()) {
     if (arguments.circle[2] > 0.0)
-      setup.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
+      options.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
     else
       problems.add("--circle: radius {} px, expected more than 0", arguments.circle[2]);
   }
-  setup.azimuth_up = from_degrees(arguments.azimuth_up_deg);
-  setup.linear_response = arguments.response == "linear";
-  read_sun(arguments, setup, problems);
-  setup.estimate.method =
+  options.azimuth_up = from_degrees(arguments.azimuth_up_deg);
+  options.linear_response = arguments.response == "linear";
+  read_sun(arguments, options, problems);
+  options.estimate.method =
       arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
-  const double altitude_m = setup.site ? setup.site->altitude_m : arguments.altitude_m;
-  setup.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
-  if (setup.estimate.method == EstimateMethod::reference_pixel && setup.estimate.sky.model == SiteSkyModel::dome)
+  const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m;
+  options.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
+  if (options.estimate.method == EstimateMethod::reference_pixel && options.estimate.sky.model == SiteSkyModel::dome)
     problems.add("--method reference-pixel: the papers' way fits the papers' sky, expected --sky-model preetham");
-  setup.estimate.samples = arguments.samples;
-  setup.estimate.seed = arguments.seed;
+  options.estimate.samples = arguments.samples;
+  options.estimate.seed = arguments.seed;
   if (!problems.empty()) return fail(problems.fault());
-  return setup;
+  return options;
 }
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {

@@ -28,12 +28,12 @@ class RetargetOutputs {
   Result<> finish();
 
  private:
-  std::filesystem::path place_of(const std::string& stem, std::size_t target) const;
+  std::filesystem::path path_of(const std::string& stem, std::size_t target) const;
 
   std::filesystem::path out_, sheet_file_;
   std::vector<std::optional<Turbidity>> targets_;
-  bool alone_ = false;  // --out is a picture's name
-  bool talks_ = false;  // a line for each picture
+  bool single_ = false;  // --out is a picture's name
+  bool prints_ = false;  // a line for each picture
   ContactSheet sheet_;
   std::vector<std::unique_ptr<PictureSink>> films_;
 };

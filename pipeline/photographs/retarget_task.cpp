@@ -51,13 +51,13 @@ void read_turbidities(const RetargetArguments& arguments, std::vector<std::optio
 Result<Turbidity> source_turbidity(const RetargetArguments& arguments, const CameraFile& camera,
                                    const std::optional<Utc>& utc, const std::optional<SunDirection>& sun) {
   if (arguments.source_turbidity) return Turbidity{*arguments.source_turbidity};
-  SkyPhotographSetup setup;
+  SkyPhotographOptions setup;
   setup.calibrated = camera.sky;
   setup.site = camera.site;
   setup.utc = utc;
   if (!utc) setup.sun = sun;
   setup.sun_from_image = !utc && !sun;
-  const auto report = SkyPhotographs(std::move(setup)).look_at(arguments.sky, utc);
+  const auto report = SkyPhotographs(std::move(setup)).estimate_from(arguments.sky, utc);
   if (!report) return fail(report.error());
   const auto& estimate = report->look.estimate;
   if (!estimate.usable)

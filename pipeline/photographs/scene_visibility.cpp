@@ -41,13 +41,13 @@ double rounded(double value, int significant) {
 }
 
 template <class Of>
-Json three(const LandmarkAir& air, Of of) {
+Json per_channel(const LandmarkAir& air, Of of) {
   Json list = Json::array();
   for (const auto& channel : air.channels) list.push_back(rounded(of(channel), 4));
   return list;
 }
 
-std::string_view visibility_words(ExtinctionKind kind) {
+std::string_view visibility_name(ExtinctionKind kind) {
   switch (kind) {
     case ExtinctionKind::at_most: return "at least";
     case ExtinctionKind::at_least: return "at most";
@@ -59,8 +59,8 @@ std::string_view visibility_words(ExtinctionKind kind) {
 
 }  // namespace
 
-Result<SceneVisibilities> look_at_scenes(const std::vector<std::filesystem::path>& pictures,
-                                         const std::filesystem::path& landmarks) {
+Result<SceneVisibilities> read_scene_visibilities(const std::vector<std::filesystem::path>& pictures,
+                                                  const std::filesystem::path& landmarks) {
   const auto files = files_of(pictures);
   if (files.empty()) return fail(FaultKind::bad_input, "--scene: no pictures there");
   std::optional<LandmarkWatch> watch;
@@ -94,15 +94,15 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
   const bool value = green.kind == ExtinctionKind::value, something = green.kind != ExtinctionKind::nothing;
   Json json;
   json["scene"] = scene.picture.string();
-  json["visibility"] = visibility_words(green.kind);
+  json["visibility"] = visibility_name(green.kind);
   json["visibility_m"] = something ? Json(rounded(air.visibility_m(), 4)) : Json(nullptr);
   json["sigma_m"] = value ? Json(rounded(air.visibility_sigma_m(), 3)) : Json(nullptr);
   json["optical_range_m"] = something ? Json(rounded(air.optical_range_m(), 4)) : Json(nullptr);
   json["reason"] = green.reason;
-  json["extinction_per_m"] = three(air, [](const auto& e) { return e.per_m; });
-  json["extinction_sigma_per_m"] = three(air, [](const auto& e) { return e.sigma_per_m; });
-  json["extinction_lowest_per_m"] = three(air, [](const auto& e) { return e.lowest_per_m; });
-  json["extinction_highest_per_m"] = three(air, [](const auto& e) { return e.highest_per_m; });
+  json["extinction_per_m"] = per_channel(air, [](const auto& e) { return e.per_m; });
+  json["extinction_sigma_per_m"] = per_channel(air, [](const auto& e) { return e.sigma_per_m; });
+  json["extinction_lowest_per_m"] = per_channel(air, [](const auto& e) { return e.lowest_per_m; });
+  json["extinction_highest_per_m"] = per_channel(air, [](const auto& e) { return e.highest_per_m; });
   const auto& turbidity = air.turbidity;
   json["turbidity"] = turbidity.turbidity ? Json(rounded(turbidity.turbidity->value, 4)) : Json(nullptr);
   json["turbidity_sigma"] = turbidity.turbidity ? Json(rounded(turbidity.sigma, 3)) : Json(nullptr);
@@ -147,7 +147,7 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
   else
     text +=
         fmt::format("  by landmarks     visibility {} {:.2f} km (optical range, 5 %: {:.2f} km): {}\n",
-                    visibility_words(green.kind), air.visibility_m() / 1e3, air.optical_range_m() / 1e3, green.reason);
+                    visibility_name(green.kind), air.visibility_m() / 1e3, air.optical_range_m() / 1e3, green.reason);
   if (green.kind == ExtinctionKind::value) {
     text +=
         fmt::format("  extinction       R {:.3f}, G {:.3f}, B {:.3f} +- {:.3f} per km\n", 1e3 * air.channels[0].per_m,

@@ -22,8 +22,8 @@ struct SceneVisibilities {
 
 // Pictures of one camera, or folders of them: what each tells of the landmarks' own contrasts helps the others. Only
 // the readings are kept in memory. Errors (bad_input): the file of landmarks, a picture.
-Result<SceneVisibilities> look_at_scenes(const std::vector<std::filesystem::path>& pictures,
-                                         const std::filesystem::path& landmarks);
+Result<SceneVisibilities> read_scene_visibilities(const std::vector<std::filesystem::path>& pictures,
+                                                  const std::filesystem::path& landmarks);
 
 // One JSON object; `sky`: what the sky camera says at the same time.
 std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky);

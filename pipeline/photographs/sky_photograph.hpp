@@ -15,7 +15,7 @@
 namespace kasumi {
 
 // How to read photographs. Either a calibration file or the few numbers of an ideal fisheye that looks up.
-struct SkyPhotographSetup {
+struct SkyPhotographOptions {
   std::optional<Camera> calibrated;  // [sky] of a calibration file
   std::optional<Site> site;          // [site] of it, or --lat --lon
 
@@ -37,22 +37,22 @@ struct SkyPhotographReport {
   std::optional<SkyPicture> picture;  // what was looked at; empty when no camera could be made of it
   std::optional<AirQuality> air;      // of a usable estimate
   std::optional<SunDirection> sun;    // empty when it was not to be found
-  std::string sun_words;              // where that direction comes from
+  std::string sun_source;             // where that direction comes from
   std::optional<ImageCircle> circle;
 };
 
 // Looks at one picture after the other; keeps what depends on the camera alone. Not for two threads at once.
 class SkyPhotographs {
  public:
-  explicit SkyPhotographs(SkyPhotographSetup setup) : setup_(std::move(setup)) {}
+  explicit SkyPhotographs(SkyPhotographOptions options) : options_(std::move(options)) {}
   // Errors: bad_input (unreadable picture, size other than the calibration's). A picture that shows no usable sky is no
   // error: its estimate says why.
-  Result<SkyPhotographReport> look_at(const std::filesystem::path& file, std::optional<Utc> utc);
+  Result<SkyPhotographReport> estimate_from(const std::filesystem::path& file, std::optional<Utc> utc);
 
  private:
   Camera ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle) const;
 
-  SkyPhotographSetup setup_;
+  SkyPhotographOptions options_;
   std::optional<ImageCircle> observed_circle_;
   std::optional<SkyObserver> observer_;
 };

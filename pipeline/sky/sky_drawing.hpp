@@ -10,8 +10,8 @@
 #include "gles/air/dome_renderer.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "pipeline/sky/made_land.hpp"
 #include "pipeline/sky/sky_reference.hpp"
+#include "pipeline/sky/synthetic_land.hpp"
 
 namespace kasumi {
 

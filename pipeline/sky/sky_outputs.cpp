@@ -13,7 +13,7 @@
 namespace kasumi {
 namespace {
 
-Result<Image<Rgb8>> drawn(SkyDrawing& drawing, const SkyCamera& camera, const SkyRequest& asked, bool mountains) {
+Result<Image<Rgb8>> draw_one(SkyDrawing& drawing, const SkyCamera& camera, const SkyRequest& asked, bool mountains) {
   const SkyRequest sky = standing_on_land(camera, asked);
   const auto land = land_for(camera, sky.altitude_m, mountains);
   return drawing.draw(view_of(camera), sky_scene(sky), land ? &*land : nullptr);
@@ -23,12 +23,12 @@ Result<> write_out(const SkyOptions& options, const SkyTask& task, SkyDrawing& d
   if (is_light_file(options.out)) {
     const SkyRequest sky = standing_on_land(task.camera, task.sky);
     const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
-    std::optional<LandSight> sight;
+    std::optional<LandRayCaster> sight;
     if (land) sight.emplace(land->land, land->from, land->to);
     return write_light_file(options.out,
                             sky_light_picture(view_of(task.camera), sky_scene(sky), sight ? &*sight : nullptr));
   }
-  const auto picture = drawn(drawing, task.camera, task.sky, task.mountains);
+  const auto picture = draw_one(drawing, task.camera, task.sky, task.mountains);
   if (!picture) return fail(picture.error());
   return write_png(options.out, *picture);
 }
@@ -45,7 +45,7 @@ Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing&
       sky.altitude_m = altitude_m;
       sky.turbidity = {t};
       sky.exposure = exposure;
-      const auto picture = drawn(drawing, task.camera, sky, task.mountains);
+      const auto picture = draw_one(drawing, task.camera, sky, task.mountains);
       if (!picture) return fail(picture.error());
       sheet.add(*picture, fmt::format("T {:g}, {:g} km", t, altitude_m / 1000.0));
     }
@@ -98,7 +98,7 @@ Result<> write_comparison(const SkyOptions& options, const SkyTask& task, SkyDra
   for (const SkyKind kind : {dome, preetham1999, hoffman_preetham2002, nielsen2003}) {
     SkyRequest sky = task.sky;
     sky.kind = kind;
-    const auto picture = drawn(drawing, task.camera, sky, false);
+    const auto picture = draw_one(drawing, task.camera, sky, false);
     if (!picture) return fail(picture.error());
     sheet.add(*picture, std::string(name_of(kind)));
     const auto flaws = flaws_of(kind, sky.turbidity, sky.sun, low);

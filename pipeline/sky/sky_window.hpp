@@ -9,15 +9,15 @@
 namespace kasumi {
 
 // What the window shows, changed by what a person does.
-struct SkyShown {
+struct SkyViewState {
   SkyCamera camera;
   SkyRequest sky;
   bool mountains = false;
 
   // Takes the pointer (pixels of the camera's picture) and keys. false when nothing changed.
-  bool take(const WindowInput& input);
+  bool apply(const WindowInput& input);
   // "T 2.5   altitude 0 m   sun 45.0 deg from the zenith, azimuth 180.0 deg".
-  std::string words() const;
+  std::string caption() const;
 };
 
 // BLOCKS until the window is closed. Errors: unsupported (no display), device.
