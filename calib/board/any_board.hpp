@@ -16,7 +16,7 @@ using AnyBoard = std::variant<Board, CharucoBoard>;
 
 // As find_board and find_charuco; only the former knows a hurry.
 std::optional<BoardView> find_any_board(const Image<std::uint8_t>& grey, const AnyBoard& board, std::string name,
-                                        bool in_a_hurry = false);
-std::string words_of(const AnyBoard& board);  // "checkerboard of 8 x 6 inner corners"
+                                        bool fast = false);
+std::string description_of(const AnyBoard& board);  // "checkerboard of 8 x 6 inner corners"
 
 }  // namespace kasumi

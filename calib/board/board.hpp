@@ -31,6 +31,6 @@ constexpr int kCoverageCells = 6;
 // Every inner corner, or none. The whole board must be in the picture. In no hurry, what the usual finder misses is
 // looked for by a second, slower one.
 std::optional<BoardView> find_board(const Image<std::uint8_t>& grey, const Board& board, std::string name,
-                                    bool in_a_hurry = false);
+                                    bool fast = false);
 
 }  // namespace kasumi

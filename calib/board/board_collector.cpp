@@ -122,7 +122,7 @@ constexpr std::array<std::string_view, 9> kPlaces{"upper left", "top",        "u
 
 }  // namespace
 
-std::string_view words_of(BoardCollector::Found found) {
+std::string_view message_of(BoardCollector::Found found) {
   switch (found) {
     case BoardCollector::Found::nothing: return "no board is seen";
     case BoardCollector::Found::moving: return "hold it still";
@@ -207,13 +207,13 @@ std::string BoardCollector::advice() const {
         ++bare[static_cast<std::size_t>(3 * (3 * row / kCells) + 3 * column / kCells)];
   const auto barest = std::ranges::max_element(bare);
   const auto lean = std::ranges::find(leaned_, false);
-  std::string words;
+  std::string text;
   if (covered() < kCovered && *barest > 0)
-    words = fmt::format("move the board to the {}", kPlaces[static_cast<std::size_t>(barest - bare.begin())]);
+    text = fmt::format("move the board to the {}", kPlaces[static_cast<std::size_t>(barest - bare.begin())]);
   if (lean != leaned_.end())
-    words += fmt::format("{}tilt {}, its {} nearer", words.empty() ? "" : " and ", words.empty() ? "the board" : "it",
-                         kSides[static_cast<std::size_t>(lean - leaned_.begin())]);
-  return words.empty() ? "a few more views, anywhere" : words;
+    text += fmt::format("{}tilt {}, its {} nearer", text.empty() ? "" : " and ", text.empty() ? "the board" : "it",
+                        kSides[static_cast<std::size_t>(lean - leaned_.begin())]);
+  return text.empty() ? "a few more views, anywhere" : text;
 }
 
 std::string BoardCollector::map() const {

@@ -57,6 +57,6 @@ class BoardCollector {
   std::array<bool, 9 * (kLeans + 1)> known_{};  // a ninth of the picture, and a lean or none
 };
 
-std::string_view words_of(BoardCollector::Found found);  // "hold still"
+std::string_view message_of(BoardCollector::Found found);  // "hold it still"
 
 }  // namespace kasumi

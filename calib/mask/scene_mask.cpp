@@ -55,11 +55,11 @@ Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke
   std::array<std::int64_t, 3> drawn{};
   for (int y = box.y; y < box.y + box.height; ++y)
     for (int x = box.x; x < box.x + box.width; ++x) ++drawn[static_cast<std::size_t>(strokes.at(x, y))];
-  for (const auto& [kind, words] : {std::pair{Stroke::hidden, "what stands in front (red, [[hidden]])"},
-                                    std::pair{Stroke::free, "what is free (green or blue, [[free]])"}})
+  for (const auto& [kind, description] : {std::pair{Stroke::hidden, "what stands in front (red, [[hidden]])"},
+                                          std::pair{Stroke::free, "what is free (green or blue, [[free]])"}})
     if (drawn[static_cast<std::size_t>(kind)] < 20)
-      problems.add("strokes on {}: {} pixels{}, expected at least 20", words, drawn[static_cast<std::size_t>(kind)],
-                   options.box ? " in the box" : "");
+      problems.add("strokes on {}: {} pixels{}, expected at least 20", description,
+                   drawn[static_cast<std::size_t>(kind)], options.box ? " in the box" : "");
   if (!problems.empty()) return fail(problems.fault());
 
   auto copy = picture.elements();
