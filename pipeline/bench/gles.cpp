@@ -12,7 +12,7 @@
 namespace kasumi {
 namespace {
 
-constexpr int kFewPairs = 5;  // with sums over wavelengths
+constexpr int kSpectralPairs = 5;  // with sums over wavelengths
 
 // Shares of the picture in percent: the object's box, and what the object covers in it.
 struct Shares {
@@ -101,12 +101,13 @@ Result<std::vector<BenchRow>> bench_gles() {
   add("one pass, aerial perspective per fragment / without", watch.ratio(by_fragment, without_air), 1.20);
   add("  one pass per vertex / plain blit", watch.ratio(by_vertex, blit));
   add("whole screen under air, sum over 81 wavelengths / K = 2",
-      watch.ratio(pass(sum_of_81), pass(two_nodes), kFewPairs), 25.0, false);
-  add("  sum over 41 wavelengths / K = 2", watch.ratio(pass(sum_of_41), pass(two_nodes), kFewPairs));
+      watch.ratio(pass(sum_of_81), pass(two_nodes), kSpectralPairs), 25.0, false);
+  add("  sum over 41 wavelengths / K = 2", watch.ratio(pass(sum_of_41), pass(two_nodes), kSpectralPairs));
   add("  K = 2 / plain blit", watch.ratio(pass(two_nodes), blit));
   add("the papers' two buffers (K = 2) / cached composite", watch.ratio(layout, cached), 2.5, false);
   add("  the papers' two buffers (K = 2) / one pass per vertex", watch.ratio(layout, by_vertex));
-  add("  the papers' two buffers with 81 wavelengths / cached composite", watch.ratio(layout_81, cached, kFewPairs));
+  add("  the papers' two buffers with 81 wavelengths / cached composite",
+      watch.ratio(layout_81, cached, kSpectralPairs));
   add("  upload of an NV12 frame and its conversion / plain blit", watch.ratio(uploaded(scene.frame.nv12()), blit));
   add("  upload of an RGBA frame and its picture / plain blit", watch.ratio(uploaded(scene.frame.rgba()), blit));
   if (!watch.result()) return fail(watch.result().error());

@@ -55,7 +55,7 @@ AnyBoard read_board(const BoardOptions& arguments, bool with_size, Problems& pro
   const auto size = counts.value_or(glm::ivec2{3, 3});
   CharucoBoard board{size.x, size.y, 1e-3 * arguments.square_mm, 1e-3 * arguments.marker_mm, arguments.dictionary};
   const auto wrong = problems_of(board);
-  for (const auto& words : wrong) problems.add("{}", words);
+  for (const auto& problem : wrong) problems.add("{}", problem);
   if (!counts || !wrong.empty()) return none;
   return board;
 }

@@ -77,11 +77,11 @@ Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, C
   std::string said;
   std::optional<Instant> said_at;
   // What is taken is always told; the rest not so often that nobody can read it.
-  const auto say = [&](const std::string& words, bool always = false) {
-    if (!always && (words == said || (said_at && clock.now() - *said_at < kSayAgain))) return;
-    said = words;
+  const auto say = [&](const std::string& message, bool always = false) {
+    if (!always && (message == said || (said_at && clock.now() - *said_at < kSayAgain))) return;
+    said = message;
     said_at = clock.now();
-    if (options.say) options.say(words);
+    if (options.say) options.say(message);
   };
   say(collector.advice());
   while (gathered.ended.empty()) {
@@ -116,11 +116,11 @@ Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, C
                       100.0 * collector.covered(), collector.map(), collector.advice()),
           true);
     else if (found == BoardCollector::Found::known || found == BoardCollector::Found::nothing)
-      say(fmt::format("{}: {}", words_of(found), collector.advice()));
+      say(fmt::format("{}: {}", message_of(found), collector.advice()));
     else
-      say(std::string(words_of(found)));
+      say(std::string(message_of(found)));
     if (window) {
-      const auto open = window->show(grey, collector, fmt::format("{}: {}", words_of(found), collector.advice()));
+      const auto open = window->show(grey, collector, fmt::format("{}: {}", message_of(found), collector.advice()));
       if (!open) return fail(open.error());
       if (!*open) gathered.ended = "stopped";
     }

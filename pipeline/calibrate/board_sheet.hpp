@@ -14,7 +14,7 @@ struct BoardSheet {
   glm::dvec2 page_mm{};         // width and height
   std::vector<BlackBox> black;  // metres from the page's top left corner
   glm::dvec2 ruler_mm{};        // the left end of a line of 100 mm
-  std::string words;            // under the board
+  std::string caption;          // under the board
 };
 constexpr double kRuler_mm = 100.0;
 

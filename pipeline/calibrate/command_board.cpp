@@ -28,7 +28,7 @@ Result<int> write_sheet(const SheetArguments& arguments) {
   fmt::print(
       "written: {}: {} on {}\nprint at 100 % (not fitted to the page), measure the line of {:.0f} mm, and glue "
       "it on something flat\n",
-      arguments.out, words_of(board), sheet->paper, kRuler_mm);
+      arguments.out, description_of(board), sheet->paper, kRuler_mm);
   return 0;
 }
 

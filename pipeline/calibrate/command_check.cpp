@@ -20,23 +20,23 @@ struct CheckArguments {
   bool json = false;
 };
 
-struct Looked {
+struct CheckedFrames {
   DriftFrames frames;
   Installation installation;
   std::filesystem::path stem;
   Utc now{};
 };
 
-Result<Looked> look_at_recording(const CheckArguments& arguments) {
+Result<CheckedFrames> gather_recording(const CheckArguments& arguments) {
   const auto fixture = read_fixture(arguments.recording);
   if (!fixture) return fail(fixture.error());
   auto frames = gather_recorded(*fixture);
   if (!frames) return fail(frames.error());
   const auto stem = reference_stem(fixture->installation, fixture->folder / "fixture.toml");
-  return Looked{std::move(*frames), fixture->installation, stem, fixture->info.start_utc};
+  return CheckedFrames{std::move(*frames), fixture->installation, stem, fixture->info.start_utc};
 }
 
-Result<Looked> look_at_cameras(const CheckArguments& arguments) {
+Result<CheckedFrames> gather_cameras(const CheckArguments& arguments) {
   const auto root = ConfigTable::read_file(arguments.config);
   if (!root) return fail(root.error());
   const auto config = read_run_config(*root);
@@ -56,32 +56,32 @@ Result<Looked> look_at_cameras(const CheckArguments& arguments) {
       gather_live(config, *devices, clock, from_seconds(60.0 * arguments.minutes), time_known, stop_requested);
   if (!frames) return fail(frames.error());
   const auto stem = reference_stem(config.installation, arguments.config);
-  return Looked{std::move(*frames), config.installation, stem, clock.utc()};
+  return CheckedFrames{std::move(*frames), config.installation, stem, clock.utc()};
 }
 
 Result<int> check(const CheckArguments& arguments) {
   if (arguments.recording.empty() == arguments.config.empty())
     return fail(FaultKind::bad_input, "expected a RECORDING, or --config kasumi.toml for the live cameras");
-  auto looked = arguments.config.empty() ? look_at_recording(arguments) : look_at_cameras(arguments);
-  if (!looked) return fail(looked.error());
-  if (!arguments.calibration.empty()) looked->stem = std::filesystem::path(arguments.calibration).replace_extension();
+  auto checked = arguments.config.empty() ? gather_recording(arguments) : gather_cameras(arguments);
+  if (!checked) return fail(checked.error());
+  if (!arguments.calibration.empty()) checked->stem = std::filesystem::path(arguments.calibration).replace_extension();
 
   const auto take = [&](const std::string& why) -> Result<int> {
-    const auto taken = take_reference(looked->frames, looked->installation, looked->now);
+    const auto taken = take_reference(checked->frames, checked->installation, checked->now);
     if (!taken) return fail(taken.error());
-    if (auto saved = save_reference(*taken, looked->stem); !saved) return fail(saved.error());
+    if (auto saved = save_reference(*taken, checked->stem); !saved) return fail(saved.error());
     fmt::print(stderr, "{}{}.check.json: taken as the reference: what is looked at later is compared with it\n", why,
-               looked->stem.string());
+               checked->stem.string());
     return 0;
   };
   if (arguments.reference) return take("");
-  const auto reference = load_reference(looked->stem);
+  const auto reference = load_reference(checked->stem);
   if (!reference && reference.error().kind == FaultKind::bad_input) return fail(reference.error());
   if (!reference) return take("there was nothing to compare with yet\n");
-  if (!belongs_to(*reference, looked->installation))
+  if (!belongs_to(*reference, checked->installation))
     return take("the reference there was is of another calibration of the cameras\n");
 
-  const auto report = find_drift(looked->frames, *reference, looked->installation, looked->now);
+  const auto report = find_drift(checked->frames, *reference, checked->installation, checked->now);
   fmt::print("{}", arguments.json ? drift_json(report) : drift_text(report) + drift_summary(report) + "\n");
   return report.well() ? 0 : 1;
 }

@@ -16,8 +16,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kMostPictures = 24;
-constexpr Radians kLowestSun = from_degrees(8.0);  // below it Preetham's colours are not to be trusted
+constexpr int kMaxSkyPictures = 24;
+constexpr Radians kLowestSunForColour = from_degrees(8.0);  // below it Preetham's colours are not to be trusted
 
 struct ColourArguments {
   std::string fixture;
@@ -58,27 +58,27 @@ std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& na
   return cameras;
 }
 
-struct Seen {
+struct ClearSkies {
   std::vector<SkyMoment> moments;
   PicturesRead read;
   int low_sun = 0;
 };
 
-Result<Seen> read_skies(const Fixture& fixture, const Camera& camera) {
-  Seen seen;
+Result<ClearSkies> read_skies(const Fixture& fixture, const Camera& camera) {
+  ClearSkies skies;
   const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
     const auto sun = sun_position(metadata.utc, fixture.installation.site);
-    if (sun.zenith > from_degrees(90.0) - kLowestSun) {
-      ++seen.low_sun;
+    if (sun.zenith > from_degrees(90.0) - kLowestSunForColour) {
+      ++skies.low_sun;
       return;
     }
     if (auto picture = sky_picture(view, camera))
-      seen.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
+      skies.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
   };
-  const auto read = for_each_picture(fixture, camera, {.most = kMostPictures}, look);
+  const auto read = for_each_picture(fixture, camera, {.most = kMaxSkyPictures}, look);
   if (!read) return fail(read.error());
-  seen.read = *read;
-  return seen;
+  skies.read = *read;
+  return skies;
 }
 
 double root_mean_square(const std::vector<GammaError>& errors) {
@@ -95,9 +95,9 @@ double worst(const std::vector<GammaError>& errors) {
 
 constexpr std::array kChannels{"red", "green", "blue"};
 
-void report(const Seen& seen, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
-  fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", seen.read.good,
-             found.turbidities.size(), found.refused.size(), seen.low_sun, seen.read.damaged);
+void report(const ClearSkies& skies, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
+  fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", skies.read.good,
+             found.turbidities.size(), found.refused.size(), skies.low_sun, skies.read.damaged);
   fmt::print("{} parts of sky, T {:.2f} to {:.2f}\n", found.colours,
              *std::min_element(found.turbidities.begin(), found.turbidities.end()),
              *std::max_element(found.turbidities.begin(), found.turbidities.end()));
@@ -139,11 +139,11 @@ std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& came
     remarks.push_back(
         "the sky's colours are not the model's by more than 3 %: haze of another kind, a wrong T, a white balance that "
         "changed during the recording, or colours the camera has converted");
-  for (const auto& words : found.refused) remarks.push_back("left out: " + words);
+  for (const auto& remark : found.refused) remarks.push_back("left out: " + remark);
   return remarks;
 }
 
-CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const Seen& seen,
+CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const ClearSkies& skies,
                         const SkySensitivity& found, const std::vector<std::string>& remarks, const std::string& csv) {
   CalibrationStep step;
   const auto& camera = arguments.camera == "sky" ? fixture.installation.sky : fixture.installation.scene;
@@ -159,8 +159,8 @@ CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture
   Measured measured{"colour",
                     step.calibrated_utc,
                     fmt::format("the colours of the clear sky in {} of {} pictures of the recording {}, {} to {}: {}",
-                                found.turbidities.size(), seen.read.good, fixture.info.name, utc_text(seen.read.first),
-                                utc_text(seen.read.last), found.sensitivity.name),
+                                found.turbidities.size(), skies.read.good, fixture.info.name,
+                                utc_text(skies.read.first), utc_text(skies.read.last), found.sensitivity.name),
                     {{"rms_log_ratio", found.residuals.rms}},
                     remarks};
   if (found.fit && !arguments.choose) {
@@ -202,20 +202,20 @@ Result<int> calibrate(const ColourArguments& arguments) {
             (fixture->folder / "fixture.toml").string(), name);
   if (!problems.empty()) return fail(problems.fault());
 
-  const auto seen = read_skies(*fixture, *camera);
-  if (!seen) return fail(seen.error());
-  if (seen->moments.empty())
+  const auto skies = read_skies(*fixture, *camera);
+  if (!skies) return fail(skies.error());
+  if (skies->moments.empty())
     return fail(FaultKind::bad_input, "{}: the sun is lower than {:.0f} deg in all pictures: expected some of day",
-                arguments.fixture, to_degrees(kLowestSun));
-  const auto found = sensitivity_from_sky(*camera, seen->moments, cameras, {arguments.turbidity, arguments.choose});
+                arguments.fixture, to_degrees(kLowestSunForColour));
+  const auto found = sensitivity_from_sky(*camera, skies->moments, cameras, {arguments.turbidity, arguments.choose});
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
-  report(*seen, cameras, *found);
+  report(*skies, cameras, *found);
   const auto remarks = remarks_of(cameras, *found, arguments);
-  for (const auto& words : remarks)
-    if (words.find("explains the colours") == std::string::npos) fmt::print("{}\n", words);
+  for (const auto& remark : remarks)
+    if (remark.find("explains the colours") == std::string::npos) fmt::print("{}\n", remark);
 
   const auto csv = beside(arguments.out, arguments.camera + "-sensitivity.csv");
-  const auto step = step_of(arguments, *fixture, *seen, *found, remarks, csv.filename().string());
+  const auto step = step_of(arguments, *fixture, *skies, *found, remarks, csv.filename().string());
   const auto kept = keep_old(csv);
   if (!kept) return fail(kept.error());
   const auto comment = fmt::format("kasumi calibrate colour, {}\n{}", step.calibrated_utc, step.measured.front().from);

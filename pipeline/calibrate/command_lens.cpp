@@ -50,19 +50,19 @@ Image<std::uint8_t> grey_of(const Image<Rgb8>& picture) {
 }
 
 // Now, to the second: a calibration is no stopwatch.
-std::string now_text() {
+std::string utc_now() {
   const auto now = std::chrono::floor<std::chrono::seconds>(SystemClock().utc());
   return utc_text(now);
 }
 
-struct Found {
+struct FoundViews {
   std::vector<BoardView> views;
   std::vector<std::string> without;  // pictures in which no board was found
   int width = 0, height = 0;
 };
 
-Result<Found> look_at_pictures(const LensArguments& arguments, const AnyBoard& board) {
-  Found found;
+Result<FoundViews> find_boards(const LensArguments& arguments, const AnyBoard& board) {
+  FoundViews found;
   Problems problems;
   for (const auto& file : arguments.pictures) {
     const auto photograph = read_photograph(file);
@@ -86,7 +86,7 @@ Result<Found> look_at_pictures(const LensArguments& arguments, const AnyBoard& b
       found.views.push_back(std::move(*view));
     } else {
       found.without.push_back(name);
-      fmt::print("  {}: no {} was found\n", name, words_of(board));
+      fmt::print("  {}: no {} was found\n", name, description_of(board));
     }
     std::fflush(stdout);
   }
@@ -94,25 +94,25 @@ Result<Found> look_at_pictures(const LensArguments& arguments, const AnyBoard& b
   return found;
 }
 
-Result<Found> look_at_camera(const LensArguments& arguments, const AnyBoard& board) {
+Result<FoundViews> gather_from_camera(const LensArguments& arguments, const AnyBoard& board) {
   SystemClock clock;
   auto source = arguments.config.empty() ? open_live(arguments.live, arguments.camera, arguments.size, clock)
                                          : open_configured(arguments.config, arguments.camera, clock);
   if (!source) return fail(source.error());
   fmt::print("{}: show it the {}, near and far, tilted; Ctrl-C ends it early\n", (*source)->description(),
-             words_of(board));
+             description_of(board));
   BoardSessionOptions options;
   options.window = arguments.window;
   options.longest = from_seconds(arguments.seconds);
   options.stop = stop_requested;
-  options.say = [](const std::string& words) {
-    fmt::print("{}\n", words);
+  options.say = [](const std::string& message) {
+    fmt::print("{}\n", message);
     std::fflush(stdout);
   };
   auto gathered = gather_views(**source, board, clock, options);
   if (!gathered) return fail(gathered.error());
   fmt::print("{} views from {} frames; {}\n", gathered->views.size(), gathered->frames, gathered->ended);
-  return Found{std::move(gathered->views), {}, gathered->width, gathered->height};
+  return FoundViews{std::move(gathered->views), {}, gathered->width, gathered->height};
 }
 
 void report(const LensCalibration& c) {
@@ -137,11 +137,11 @@ void report(const LensCalibration& c) {
   for (const auto& advice : c.coverage.advice) fmt::print("better: {}\n", advice);
 }
 
-Measured measured_of(const AnyBoard& board, const LensCalibration& c, const Found& found, const std::string& now) {
+Measured measured_of(const AnyBoard& board, const LensCalibration& c, const FoundViews& found, const std::string& now) {
   Measured measured{"lens", now, "", {}, {}};
   std::vector<std::string> names;
   for (const auto& view : c.views) names.push_back(view.name);
-  measured.from = fmt::format("{} pictures of a {}: {}", names.size(), words_of(board), fmt::join(names, ", "));
+  measured.from = fmt::format("{} pictures of a {}: {}", names.size(), description_of(board), fmt::join(names, ", "));
   measured.numbers = {{"rms_px", c.fit.rms_px}};
   for (const auto& candidate : c.candidates)
     if (candidate.held_out_rms_px)
@@ -184,7 +184,7 @@ Result<int> import(const LensArguments& arguments) {
   auto imported = import_lens(arguments.import_file);
   if (!imported) return fail(imported.error());
   if (arguments.largest_angle_deg) imported->lens.largest_angle = from_degrees(*arguments.largest_angle_deg);
-  const auto now = now_text();
+  const auto now = utc_now();
   auto step = step_of(arguments, imported->width, imported->height, imported->lens, now);
   Measured measured{"lens",
                     now,
@@ -216,7 +216,7 @@ Result<int> calibrate(const LensArguments& arguments) {
   if (!problems.empty()) return fail(problems.fault());
   if (importing) return import(arguments);
 
-  const auto found = running ? look_at_camera(arguments, board) : look_at_pictures(arguments, board);
+  const auto found = running ? gather_from_camera(arguments, board) : find_boards(arguments, board);
   if (!found) return fail(found.error());
   LensCalibrationOptions options;
   options.family = family_of(arguments.camera == "scene" ? "pinhole" : arguments.model);
@@ -224,7 +224,7 @@ Result<int> calibrate(const LensArguments& arguments) {
   const auto calibration = calibrate_lens(found->views, found->width, found->height, options);
   if (!calibration) return fail(calibration.error());
   report(*calibration);
-  const auto now = now_text();
+  const auto now = utc_now();
   auto step = step_of(arguments, found->width, found->height, calibration->fit.lens, now);
   step.measured.push_back(measured_of(board, *calibration, *found, now));
   const auto title = fmt::format("{}: {}, rms {:.3f} px over {} views", arguments.camera,

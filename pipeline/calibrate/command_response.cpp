@@ -29,11 +29,11 @@ struct ResponseArguments {
   std::string out;
 };
 
-struct Found {
+struct MeasuredResponse {
   ResponseCalibration calibration;
   MeasuredCurve curve;
   std::optional<NoiseModel> noise;
-  Dark dark;
+  DarkFrame dark;
   std::optional<VignettingFit> vignetting;
   std::vector<std::string> remarks;
 };
@@ -49,7 +49,7 @@ MeasuredCurve curve_of(const ResponseCalibration& calibration, const glm::dvec3&
   return curve;
 }
 
-void report(const KnownStack& known, const Found& found) {
+void report(const KnownStack& known, const MeasuredResponse& found) {
   for (const auto& candidate : found.calibration.candidates)
     if (candidate.held_out_steps)
       fmt::print("{:<36} predicts unseen pixels to {:.3f} steps\n", candidate.method, *candidate.held_out_steps);
@@ -75,11 +75,11 @@ void report(const KnownStack& known, const Found& found) {
                v.at(v.centre + glm::dvec2{v.radius_px, 0.0}), found.vignetting->rim_sigma,
                100.0 * found.vignetting->residual);
   }
-  for (const auto& words : found.remarks) fmt::print("{}\n", words);
+  for (const auto& remark : found.remarks) fmt::print("{}\n", remark);
 }
 
-std::vector<Measured> measured_of(const ResponseArguments& arguments, const KnownStack& known, const Found& found,
-                                  const std::string& now) {
+std::vector<Measured> measured_of(const ResponseArguments& arguments, const KnownStack& known,
+                                  const MeasuredResponse& found, const std::string& now) {
   Measured measured{"response",
                     now,
                     fmt::format("{} exposures of one view, by {}: {}", known.stack.names.size(),
@@ -110,11 +110,11 @@ std::vector<Measured> measured_of(const ResponseArguments& arguments, const Know
   return all;
 }
 
-void remark(Found& found, const ResponseArguments& arguments, const KnownStack& known) {
+void remark(MeasuredResponse& found, const ResponseArguments& arguments, const KnownStack& known) {
   auto& remarks = found.remarks;
   for (const auto& name : known.left_out)
     remarks.push_back(name + ": left out, too dark or too bright to overlap with the others");
-  for (const auto& words : found.calibration.undetermined) remarks.push_back("undetermined: " + words);
+  for (const auto& remark : found.calibration.undetermined) remarks.push_back("undetermined: " + remark);
   if (arguments.darks.empty())
     remarks.push_back("undetermined: black level and hot pixels: no picture with the lens covered was given (--dark)");
   if (arguments.flats.empty())
@@ -181,8 +181,8 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   if (!problems.empty()) return fail(problems.fault());
   for (const auto& file : arguments.pictures) stack.names.push_back(std::filesystem::path(file).filename().string());
 
-  Found found;
-  found.dark = look_at_dark(darks, stack.quantum);
+  MeasuredResponse found;
+  found.dark = measure_dark_frame(darks, stack.quantum);
   auto mask = circle_mask(arguments.circle, size);
   if (mask.empty() && !found.dark.hot.empty()) mask = Image<std::uint8_t>(size.x, size.y, 255);
   for (const auto& hot : found.dark.hot) mask.at(hot.x, hot.y) = 0;
@@ -200,7 +200,7 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   found.noise = fit_noise(samples, found.calibration.fit);
   if (!flats.empty()) {
     const auto response = found.curve.linear() ? Response::linear() : Response::table(found.curve.light);
-    auto vignetting = look_at_flats(flats, response, arguments.circle, mask);
+    auto vignetting = fit_flat_fields(flats, response, arguments.circle, mask);
     if (!vignetting) return fail(vignetting.error().kind, "--flat: {}", vignetting.error().message);
     found.vignetting = *vignetting;
   }

@@ -8,20 +8,21 @@
 #include <opencv2/imgproc.hpp>
 
 #include "pipeline/calibration_report/histogram.hpp"
+#include "pipeline/calibration_report/plot_style.hpp"
 
 namespace kasumi {
 
 namespace {
 
-constexpr int kSide = 560, kMargin = 50, kTop = 60, kAxis = 40;
+constexpr int kFitMargin = 50;
 constexpr double kMagnified = 50.0;
-const cv::Scalar kInk(40, 40, 40), kFaint(215, 215, 215), kGood(40, 150, 60), kBad(220, 50, 40);
+const cv::Scalar kUnseenCell(215, 215, 215);
 
 struct Canvas {
-  Image<Rgb8> image{2 * kSide + 3 * kMargin, kSide + kTop + kMargin, Rgb8(255)};
+  Image<Rgb8> image{2 * kPanelSide + 3 * kFitMargin, kPanelSide + kPanelTop + kFitMargin, Rgb8(255)};
   cv::Mat all{image.height(), image.width(), CV_8UC3, image.elements().data()};
-  cv::Mat left = all(cv::Rect(kMargin, kTop, kSide, kSide));
-  cv::Mat right = all(cv::Rect(2 * kMargin + kSide, kTop, kSide, kSide));
+  cv::Mat left = all(cv::Rect(kFitMargin, kPanelTop, kPanelSide, kPanelSide));
+  cv::Mat right = all(cv::Rect(2 * kFitMargin + kPanelSide, kPanelTop, kPanelSide, kPanelSide));
 
   void write(const std::string& text, cv::Point at, double size = 0.45) {
     cv::putText(all, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
@@ -41,17 +42,17 @@ void draw_residual(cv::Mat& panel, const glm::dvec2& pixel, const glm::dvec2& re
 }
 
 void paste_histogram(Canvas& canvas, const std::vector<double>& lengths_px, const std::string& of_what) {
-  auto histogram = plot_histogram(lengths_px, kSide + 2 * kAxis, kSide + kAxis,
+  auto histogram = plot_histogram(lengths_px, kPanelSide + 2 * kAxisHeight, kPanelSide + kAxisHeight,
                                   fmt::format("distance in pixels of {} {}", lengths_px.size(), of_what));
   const cv::Mat drawn(histogram.height(), histogram.width(), CV_8UC3, histogram.elements().data());
-  drawn.copyTo(canvas.all(cv::Rect(2 * kMargin + kSide - kAxis, kTop, drawn.cols, drawn.rows)));
+  drawn.copyTo(canvas.all(cv::Rect(2 * kFitMargin + kPanelSide - kAxisHeight, kPanelTop, drawn.cols, drawn.rows)));
 }
 
 }  // namespace
 
 Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height, const std::string& title) {
   Canvas canvas;
-  const double scale = static_cast<double>(kSide) / std::max(width, height);
+  const double scale = static_cast<double>(kPanelSide) / std::max(width, height);
   constexpr int kCells = BoardCoverage::kCells;
   for (int y = 0; y < kCells; ++y)
     for (int x = 0; x < kCells; ++x)
@@ -61,7 +62,7 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
             cv::Point(static_cast<int>(scale * width * x / kCells), static_cast<int>(scale * height * y / kCells)),
             cv::Point(static_cast<int>(scale * width * (x + 1) / kCells),
                       static_cast<int>(scale * height * (y + 1) / kCells)),
-            kFaint, -1);
+            kUnseenCell, -1);
   std::vector<double> lengths;
   for (std::size_t v = 0; v < calibration.views.size(); ++v)
     for (std::size_t i = 0; i < calibration.views[v].pixels.size(); ++i) {
@@ -69,15 +70,15 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
       draw_residual(canvas.left, calibration.views[v].pixels[i], residual, scale, kGood);
       lengths.push_back(glm::length(residual));
     }
-  cv::rectangle(
-      canvas.left,
-      cv::Rect(0, 0, static_cast<int>(scale * width), static_cast<int>(scale * height)) & cv::Rect(0, 0, kSide, kSide),
-      kInk);
+  cv::rectangle(canvas.left,
+                cv::Rect(0, 0, static_cast<int>(scale * width), static_cast<int>(scale * height)) &
+                    cv::Rect(0, 0, kPanelSide, kPanelSide),
+                kInk);
   cv::drawMarker(canvas.left, at_pixel(centre_of(calibration.fit.lens), scale), kBad, cv::MARKER_CROSS, 14, 1,
                  cv::LINE_AA);
-  canvas.write(title, {kMargin, 35}, 0.55);
+  canvas.write(title, {kFitMargin, 35}, 0.55);
   canvas.write("corners, residuals x 50; grey: no corner was seen; red: the lens's centre",
-               {kMargin, kTop + kSide + 25});
+               {kFitMargin, kPanelTop + kPanelSide + 25});
   paste_histogram(canvas, lengths, "corners");
   return canvas.image;
 }
@@ -85,9 +86,9 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
 Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight> sights,
                            const SkyOrientation& orientation, const std::string& title) {
   Canvas canvas;
-  const double scale = static_cast<double>(kSide) / std::max(picture.width(), picture.height());
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x) {
+  const double scale = static_cast<double>(kPanelSide) / std::max(picture.width(), picture.height());
+  for (int y = 0; y < kPanelSide; ++y)
+    for (int x = 0; x < kPanelSide; ++x) {
       const int px = static_cast<int>(x / scale), py = static_cast<int>(y / scale);
       if (!picture.contains(px, py)) continue;
       const auto& p = picture.at(px, py);
@@ -114,9 +115,9 @@ Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight>
     draw_residual(canvas.left, sights[i].pixel, orientation.residuals_px[i], scale, kGood);
     lengths.push_back(glm::length(orientation.residuals_px[i]));
   }
-  canvas.write(title, {kMargin, 35}, 0.55);
+  canvas.write(title, {kFitMargin, 35}, 0.55);
   canvas.write("green: the sun, residuals x 50; red: not the sun; blue: the way that was fitted",
-               {kMargin, kTop + kSide + 25});
+               {kFitMargin, kPanelTop + kPanelSide + 25});
   paste_histogram(canvas, lengths, "places of the sun");
   return canvas.image;
 }
