@@ -1,4 +1,4 @@
-// What the object's light, its size and the camera's quality cost: in the layer, which is drawn anew when air or sun
+// What the object's light, its size and the camera's quality cost: in the layer, which is redrawn when air or sun
 // change, and in every frame.
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"

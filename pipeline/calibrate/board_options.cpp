@@ -21,12 +21,12 @@ std::optional<glm::ivec2> counts_of(const std::string& text) {
 
 void add_board_options(CLI::App& command, BoardOptions& arguments) {
   auto& a = arguments;
-  command.add_option("--board", a.board, "A checkerboard, by its inner corners")->type_name("COLUMNSxROWS");
-  command.add_option("--charuco", a.charuco, "Or a ChArUco board, by its squares; it may be seen in part")
+  command.add_option("--board", a.board, "Checkerboard, as its number of inner corners")->type_name("COLUMNSxROWS");
+  command.add_option("--charuco", a.charuco, "ChArUco board, as its number of squares; may be partly visible")
       ->type_name("COLUMNSxROWS");
   command.add_option("--square-mm", a.square_mm, "Side of a square, measured on the print");
-  command.add_option("--marker-mm", a.marker_mm, "Side of a ChArUco board's marker, its black border included");
-  command.add_option("--dictionary", a.dictionary, "Of the ChArUco board's markers, as OpenCV calls it")
+  command.add_option("--marker-mm", a.marker_mm, "Side of a ChArUco marker, including its black border");
+  command.add_option("--dictionary", a.dictionary, "Marker dictionary of the ChArUco board, by OpenCV's name")
       ->capture_default_str();
 }
 

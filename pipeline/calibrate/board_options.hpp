@@ -1,4 +1,4 @@
-// Which board is meant, by the options that `calibrate lens` and `calibrate board` share.
+// The options for the board, which `calibrate lens` and `calibrate board` share.
 #pragma once
 
 #include <string>
@@ -19,8 +19,8 @@ struct BoardOptions {
 };
 void add_board_options(CLI::App& command, BoardOptions& arguments);
 
-// A checkerboard 3 x 3 and a problem for each thing wrong when it is not one of the two, whole. `with_size`: squares of
-// a checkerboard need a size, too.
+// Adds every problem; the result is then a 3 x 3 checkerboard. `with_size`: a checkerboard needs the size of its
+// squares, too.
 AnyBoard read_board(const BoardOptions& arguments, bool with_size, Problems& problems);
 
 }  // namespace kasumi

@@ -66,7 +66,7 @@ std::string svg_of(const BoardSheet& sheet) {
 }
 
 std::string pdf_of(const BoardSheet& sheet) {
-  // Millimetres from the top left corner, y down, as everywhere here.
+  // Millimetres from the top left corner, y down, as in the rest of this file.
   std::string drawing =
       fmt::format("{0:.6f} 0 0 {1:.6f} 0 {2:.6f} cm\n", kPointsPerMm, -kPointsPerMm, kPointsPerMm * sheet.page_mm.y);
   for (const auto& box : sheet.black)

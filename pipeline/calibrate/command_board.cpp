@@ -35,7 +35,7 @@ Result<int> write_sheet(const SheetArguments& arguments) {
 }  // namespace
 
 void add_calibrate_board(CLI::App& calibrate_command, Action& action) {
-  auto* command = calibrate_command.add_subcommand("board", "A board to print for calibrate lens, true to scale");
+  auto* command = calibrate_command.add_subcommand("board", "A board to print for calibrate lens, to scale");
   auto arguments = std::make_shared<SheetArguments>();
   add_board_options(*command, arguments->board);
   command->add_option("--out", arguments->out, "The page (.pdf or .svg)")->required();

@@ -17,7 +17,7 @@ namespace kasumi {
 namespace {
 
 constexpr int kMaxSkyPictures = 24;
-constexpr Radians kLowestSunForColour = from_degrees(8.0);  // below it Preetham's colours are not to be trusted
+constexpr Radians kLowestSunForColour = from_degrees(8.0);  // below it Preetham's colours are unreliable
 
 struct ColourArguments {
   std::string fixture;
@@ -29,7 +29,7 @@ struct ColourArguments {
   std::string out;
 };
 
-// Every file that was named, and all .json and .csv of every folder.
+// Every named file, and every .json and .csv of every named folder.
 std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& names, Problems& problems) {
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path name : names) {
@@ -51,7 +51,7 @@ std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& na
     if (!camera)
       problems.add("{}", camera.error().message);
     else if (!separates_daylight(*camera))
-      problems.add("{}: expected three channels that differ, to tell the colours of the sky apart", file.string());
+      problems.add("{}: expected three different channels, which can separate the colours of the sky", file.string());
     else
       cameras.push_back(std::move(*camera));
   }
@@ -98,30 +98,31 @@ constexpr std::array kChannels{"red", "green", "blue"};
 void report(const ClearSkies& skies, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
   fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", skies.read.good,
              found.turbidities.size(), found.refused.size(), skies.low_sun, skies.read.damaged);
-  fmt::print("{} parts of sky, T {:.2f} to {:.2f}\n", found.colours,
+  fmt::print("{} patches of sky, T {:.2f} to {:.2f}\n", found.colours,
              *std::min_element(found.turbidities.begin(), found.turbidities.end()),
              *std::max_element(found.turbidities.begin(), found.turbidities.end()));
-  fmt::print("\nhow well each explains the colours (log ratios to green, rms):\n");
+  fmt::print("\nresiduals of each (log ratios to green, rms):\n");
   for (const auto& one : found.ranked) fmt::print("  {:<48} {:.4f}\n", cameras[one.camera].name, one.residuals.rms);
   if (found.fit) {
     fmt::print("  {:<48} {:.4f}\n\n", found.fit->sensitivity.name, found.fit->residuals.rms);
     fmt::print(
-        "of the 6 numbers that daylight can tell, {} are told better by this sky than by the measured cameras "
-        "(best to worst {:.0f} : 1); the rest is theirs\n",
+        "of the 6 numbers that daylight can determine, {} are determined better by this sky than by the measured "
+        "cameras "
+        "(best to worst {:.0f} : 1); the rest comes from the cameras\n",
         found.fit->determined, found.fit->condition);
     for (std::size_t c = 0; c < 3; ++c)
       fmt::print("  {:<6} mean {:.1f} +- {:.1f} nm (the cameras alone: +- {:.1f})\n", kChannels[c],
                  found.fit->places[c].mean_nm, found.fit->places[c].sigma_nm, found.fit->places[c].before_sigma_nm);
   }
   const auto& gains = found.residuals.white_balance;
-  fmt::print("taken: {}\nwhite balance [{:.4f}, {:.4f}, {:.4f}]\n", found.sensitivity.name, gains.r, gains.g, gains.b);
+  fmt::print("chosen: {}\nwhite balance [{:.4f}, {:.4f}, {:.4f}]\n", found.sensitivity.name, gains.r, gains.g, gains.b);
   if (!found.expected.empty())
     fmt::print(
         "Gamma, T 2 to 8, up to 10 km: expect an error of {:.4f}, {:.4f} at worst (each measured camera found "
         "under this sky from the others)\n",
         root_mean_square(found.expected), worst(found.expected));
   if (found.of_more_colourful_sky)
-    fmt::print("a sky {:.0f} % more colourful than the model's would not show here, and cost {:.4f}\n",
+    fmt::print("a sky {:.0f} % more colourful than the model's would not show here, and would cost {:.4f}\n",
                100.0 * kMoreColourful, *found.of_more_colourful_sky);
 }
 
@@ -131,7 +132,8 @@ std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& came
   for (const auto& one : found.ranked)
     remarks.push_back(fmt::format("{} explains the colours to {:.4f}", cameras[one.camera].name, one.residuals.rms));
   if (found.fit && found.fit->determined < 4)
-    remarks.push_back("undetermined: most of it: this sky has too few colours; add pictures of a low sun and of haze");
+    remarks.push_back(
+        "undetermined: most of it: this sky has too few colours; add pictures with a low sun and with haze");
   if (!arguments.turbidity) remarks.push_back("T was estimated from the same pictures");
   if (found.expected.empty())
     remarks.push_back("undetermined: the error in Gamma: expected at least 3 measured cameras (--cameras)");
@@ -152,7 +154,7 @@ CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture
   step.height = camera.height;
   step.serial = arguments.serial;
   step.sensitivity = csv;
-  // Another camera of the same make has the same filters, but may be balanced otherwise.
+  // Another camera of the same make has the same filters, but perhaps another white balance.
   if (arguments.camera == "sky") step.white_balance = found.residuals.white_balance;
   step.site = fixture.installation.site;
   step.calibrated_utc = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
@@ -221,7 +223,7 @@ Result<int> calibrate(const ColourArguments& arguments) {
   const auto comment = fmt::format("kasumi calibrate colour, {}\n{}", step.calibrated_utc, step.measured.front().from);
   if (auto written = write_text_file(csv, csv_of(found->sensitivity, comment)); !written) return fail(written.error());
   fmt::print("written: {}\n", csv.string());
-  if (*kept) fmt::print("the file that was there is kept as {}\n", (*kept)->string());
+  if (*kept) fmt::print("the previous file was kept as {}\n", (*kept)->string());
   const auto title = fmt::format("{}: colours to {:.2f} %; Gamma +- {:.4f}", found->sensitivity.name,
                                  100.0 * found->residuals.rms, root_mean_square(found->expected));
   return save_calibration(arguments.out, step, plot_colour(found->sensitivity, cameras, found->residuals, title));
@@ -235,21 +237,20 @@ void add_calibrate_colour(CLI::App& calibrate_command, Action& action) {
   auto arguments = std::make_shared<ColourArguments>();
   auto& a = *arguments;
   command->add_option("fixture", a.fixture, "A recording of clear sky, the sun at several heights")->required();
-  command
-      ->add_option("--cameras", a.cameras, "Measured cameras to begin with: rawtoaces .json, .csv, or folders of them")
+  command->add_option("--cameras", a.cameras, "Measured cameras as a prior: rawtoaces .json, .csv, or folders of them")
       ->required();
-  command->add_option("--turbidity", a.turbidity, "T of the recorded air, where it is known; else it is estimated")
+  command->add_option("--turbidity", a.turbidity, "T of the recorded air, if known; default: estimated")
       ->check(CLI::Range(1.7, 20.0));
   command
       ->add_option("--camera", a.camera,
-                   "Whose it is; scene: of a scene camera of the same make (without its white balance)")
+                   "Which camera to write it for; scene: a scene camera of the same make (without white balance)")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
   command->add_flag("--choose", a.choose, "Take the measured camera that explains the sky best, instead of estimating");
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
       ->add_option("--out", a.out,
-                   "The calibration file; what it says of the camera is used, an older file is kept beside it")
+                   "The calibration file; what it says of the camera is used, an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -164,7 +164,7 @@ Result<int> write(const LensArguments& arguments, const CalibrationStep& step) {
   const auto written = write_calibration(arguments.out, step);
   if (!written) return fail(written.error());
   fmt::print("written: {}\n", arguments.out);
-  if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
+  if (written->backup) fmt::print("the previous file was kept as {}\n", written->backup->string());
   return 0;
 }
 
@@ -252,7 +252,7 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
   command->add_option("--camera", a.camera, "Whose lens")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command->add_option("--model", a.model, "The one that predicts unseen views best, or one of these")
       ->check(CLI::IsMember({"auto", "pinhole", "opencv_fisheye", "scaramuzza"}))
       ->capture_default_str();
@@ -260,7 +260,7 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
       ->add_option("--largest-angle-deg", a.largest_angle_deg,
                    "How far off the axis a fisheye is to be used; 5 deg beyond the farthest corner when left out")
       ->check(CLI::Range(1.0, 180.0));
-  command->add_option("--out", a.out, "The calibration file; an older one is kept beside it")->required();
+  command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }
 

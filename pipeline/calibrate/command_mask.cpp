@@ -40,7 +40,7 @@ Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Ima
   if (!kept) return fail(kept.error());
   if (auto written = write_png(file, mask); !written) return fail(written.error());
   fmt::print("written: {}: white is free, black is hidden; draw in it what is wrong\n", file.string());
-  if (*kept) fmt::print("the mask that was there is kept as {}\n", (*kept)->string());
+  if (*kept) fmt::print("the previous mask was kept as {}\n", (*kept)->string());
   return save_calibration(arguments.out, std::move(step), drawing);
 }
 
@@ -166,8 +166,8 @@ void add_calibrate_mask(CLI::App& calibrate_command, Action& action) {
   command->add_option("--soft-px", a.soft_px, "Scene: how wide soft edges (leaves, hair) may be; 0: hard edges")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
-  command->add_option("--out", a.out, "The calibration file; an older one, and an older mask, are kept beside it")
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
+  command->add_option("--out", a.out, "The calibration file; an older one, and an older mask, are kept as backups")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -55,7 +55,7 @@ void report(const KnownStack& known, const MeasuredResponse& found) {
       fmt::print("{:<36} predicts unseen pixels to {:.3f} steps\n", candidate.method, *candidate.held_out_steps);
     else
       fmt::print("{:<36} does not fit\n", candidate.method);
-  fmt::print("\ntaken: {}\n", found.calibration.fit.method);
+  fmt::print("\nchosen: {}\n", found.calibration.fit.method);
   const auto& log_s = found.calibration.fit.log_s;
   std::vector<std::size_t> order(log_s.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -254,10 +254,10 @@ void add_calibrate_response(CLI::App& calibrate_command, Action& action) {
   command->add_option("--camera", a.camera, "Whose response")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command->add_option("--merged", a.merged,
                       "Write the stack as one picture of linear light too (.tiff, .exr, .pfm or .hdr)");
-  command->add_option("--out", a.out, "The calibration file; an older one is kept beside it")->required();
+  command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }
 

@@ -161,7 +161,7 @@ void add_calibrate_scene(CLI::App& calibrate_command, Action& action) {
                    "TOML: places on the map, or the sun and when, and their pixels (docs/calibration.md)")
       ->required();
   command->add_option("--picture", a.picture, "The picture the landmarks were marked in")->required();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
       ->add_option("--focal-percent", a.focal_percent,
                    "How sure the focal length is, 0 to hold it; as calibrate lens measured it, or 3, when left out")
@@ -171,7 +171,7 @@ void add_calibrate_scene(CLI::App& calibrate_command, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--out", a.out,
-                   "The calibration file; site and lens found in it are used, an older file is kept beside it")
+                   "The calibration file; site and lens found in it are used, an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

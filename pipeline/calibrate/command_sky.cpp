@@ -223,7 +223,7 @@ void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
   auto arguments = std::make_shared<SkyArguments>();
   auto& a = *arguments;
   command->add_option("fixture", a.fixture, "A recording: hours of sun, or a few pictures of a day")->required();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command->add_option("--level-deg", a.level_sigma_deg, "How well the camera was levelled when it was mounted")
       ->check(CLI::Range(0.05, 30.0))
       ->capture_default_str();
@@ -234,7 +234,7 @@ void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--out", a.out,
-                   "The calibration file; a lens found in it is begun with, an older file is kept beside it")
+                   "The calibration file; a lens found in it is begun with, an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

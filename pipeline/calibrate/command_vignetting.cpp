@@ -171,10 +171,11 @@ void add_calibrate_vignetting(CLI::App& calibrate_command, Action& action) {
   command->add_option("--turbidity-sigma", a.turbidity_sigma, "How sure that T is, one standard deviation")
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
-      ->add_option("--out", a.out,
-                   "The calibration file, with lens and orientation of the sky camera in it; it is kept beside the new")
+      ->add_option(
+          "--out", a.out,
+          "The calibration file, with lens and orientation of the sky camera in it; the older one is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

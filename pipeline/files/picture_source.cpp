@@ -86,7 +86,7 @@ class FilmReader final : public PictureSource {
 };
 
 Result<std::unique_ptr<PictureSource>> open_film_to_read(const std::filesystem::path& path) {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what it cannot read is our message
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // unreadable files are reported by us
   cv::VideoCapture capture;
   try {
     capture.open(path.string(), cv::CAP_FFMPEG);
@@ -117,8 +117,7 @@ Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::stri
     const bool folder = std::filesystem::is_directory(file, error);
     if (!folder && !is_film(file)) continue;
     if (files.size() > 1)
-      return fail(FaultKind::bad_input, "{}: a film or a folder stands alone: expected no other picture beside it",
-                  file.string());
+      return fail(FaultKind::bad_input, "{}: expected no other picture with a film or a folder", file.string());
     return folder ? open_folder(file) : open_film_to_read(file);
   }
   return std::make_unique<PictureFiles>(std::move(files), false);

@@ -27,12 +27,12 @@ Result<HazeMaker> HazeMaker::create(const HazeTask& task, bool on_cpu) {
   if (on_cpu || task.scheme == DiffusionScheme::invariant) return made;
   auto context = open_headless_context();
   if (!context) {
-    spdlog::warn("haze is made on the CPU: {}", context.error().message);
+    spdlog::warn("haze is computed on the CPU: {}", context.error().message);
     return made;
   }
   auto blur = HazeBlur::create((*context)->info(), task.light.width(), task.light.height());
   if (!blur) {
-    spdlog::warn("haze is made on the CPU: {}", blur.error().message);
+    spdlog::warn("haze is computed on the CPU: {}", blur.error().message);
     return made;
   }
   if (auto set = blur->set_scene(haze_scene(task.light, task.range)); !set) return fail(set.error());

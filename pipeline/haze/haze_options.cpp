@@ -39,7 +39,7 @@ std::optional<std::vector<double>> numbers(const std::string& text, double least
 std::vector<HazeValues> read_values(const HazeOptions& options, Problems& problems) {
   std::vector<HazeValues> all;
   if (options.turbidities.empty() == options.scatterings.empty())
-    problems.add("expected --turbidity T, or --kappa-s (and --kappa-a): what the haze is like is told one way");
+    problems.add("expected --turbidity T, or --kappa-s (and --kappa-a): one of the two describes the haze");
   if (!options.turbidities.empty() && options.kappa_a) problems.add("--kappa-a: expected none beside --turbidity");
   for (const auto& text : options.turbidities) {
     const auto list = numbers(text, kLowestTurbidity.value, kHighestTurbidity.value);
@@ -55,7 +55,7 @@ std::vector<HazeValues> read_values(const HazeOptions& options, Problems& proble
   return all;
 }
 
-// Metres of a map of disparities, 0 and what cannot be being unknown.
+// Distances in metres from disparities; 0 and invalid values mean unknown.
 Image<float> metres_of(const Image<float>& disparity, double scale, double offset_px) {
   auto metres = disparity;
   for (float& value : metres.elements()) {
@@ -90,7 +90,7 @@ Image<glm::vec3> light_of(const Camera& camera, const Image<glm::vec3>& encoded)
   return light;
 }
 
-// H takes one colour for all of the picture.
+// H assumes one airlight for the whole picture.
 Result<glm::dvec3> measured_airlight(const Camera& camera, const Photograph& photograph, const std::string& name) {
   const auto horizon = horizon_of(camera, photograph, name);
   if (!horizon) return fail(horizon.error());

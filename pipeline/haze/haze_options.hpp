@@ -1,4 +1,4 @@
-// What `kasumi haze` was asked for, and what of it could be read.
+// The options of `kasumi haze`, and the task they describe once checked.
 #pragma once
 
 #include <optional>
@@ -45,7 +45,7 @@ struct HazeTask {
   HazeOptics optics_of(const HazeValues& haze) const;
 };
 
-// Errors: bad_input, with all that is wrong at once.
+// Errors: bad_input, listing every problem.
 Result<HazeTask> haze_task(const HazeOptions& options);
 
 }  // namespace kasumi

@@ -13,10 +13,10 @@ namespace kasumi {
 namespace {
 
 constexpr int kMaxWidth = 1280, kMaxHeight = 900;
-constexpr double kFactorPerPress = 1.1892071150027210;  // four presses double
-constexpr double kSmallestStep = 0.02;                  // the least that is not nothing
+constexpr double kFactorPerPress = 1.1892071150027210;  // four presses double the value
+constexpr double kSmallestStep = 0.02;                  // below this the value becomes 0
 
-// More, less; from nothing and back to it.
+// One step more or less; steps between 0 and `first`.
 void adjust(double& value, bool more, double first, double most) {
   if (more)
     value = std::min(std::max(value * kFactorPerPress, first), most);
@@ -98,7 +98,7 @@ Result<bool> HazeWindow::step(const std::string& more) {
       !done)
     return fail(done.error());
   window_->show();
-  // A display that does not make us wait gets no more than it can show.
+  // Limits the frame rate on displays that do not block until vertical sync.
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return true;
 }

@@ -39,7 +39,7 @@ ImageJob job_of(std::string line) {
   return job;
 }
 
-// What the landmarks in the scene camera's picture of the same time say, beside the sky.
+// The landmarks' result from the scene camera's picture of the same time, compared with the sky.
 std::string landmarks_answer(const SceneVisibilities& scenes, const SceneVisibility& scene,
                              const SkyPhotographReport* report, bool json) {
   std::optional<SkyComparison> sky;
@@ -94,7 +94,7 @@ Result<int> estimate(const EstimateArguments& arguments) {
     if (arguments.from_stdin() || scenes->pictures.size() != arguments.images.size())
       return fail(
           FaultKind::bad_input,
-          "--scene: {} pictures beside {} of the sky: expected one for each, in their order, or none of the sky",
+          "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
           scenes->pictures.size(), arguments.from_stdin() ? 0 : arguments.images.size());
   }
   const auto options = sky_photograph_options(arguments);
@@ -142,7 +142,7 @@ void add_estimate_command(CLI::App& app, Action& action) {
   add_estimate_options(*command, *arguments);
   command->callback([arguments, &action] {
     if (!arguments->scenes.empty() && arguments->landmarks.empty())
-      throw CLI::ValidationError("--scene", "expected --landmarks FILE, where they are and how far");
+      throw CLI::ValidationError("--scene", "expected --landmarks FILE with their places and distances");
     action = [arguments] { return estimate(*arguments); };
   });
 }

@@ -9,7 +9,7 @@ namespace kasumi {
 std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
                           const std::string& landmarks) {
   const auto& estimate = report.look.estimate;
-  // Dividing by a power of ten gives the double that prints with so many digits; multiplying by its inverse does not.
+  // Dividing by a power of ten gives the double that prints with that many digits; multiplying by its inverse does not.
   const auto rounded = [](double value, int digits) {
     const double scale = std::pow(10.0, digits);
     return std::round(value * scale) / scale;
@@ -65,7 +65,7 @@ std::string estimate_text(const std::filesystem::path& image, const SkyPhotograp
   } else {
     text += fmt::format("  not usable       {}\n", estimate.reason);
   }
-  text += fmt::format("  sky              {}, {:.0f} % of what was looked at is clear\n", name_of(estimate.sky),
+  text += fmt::format("  sky              {}, {:.0f} % of the samples are clear\n", name_of(estimate.sky),
                       100.0 * estimate.clear_fraction);
   if (report.sun)
     text += fmt::format("  sun              zenith {:.2f} deg, azimuth {:.2f} deg{}\n",

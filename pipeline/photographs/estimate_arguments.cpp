@@ -20,7 +20,7 @@ Result<> read_calibration(const std::string& file, SkyPhotographOptions& options
   return root->finish();
 }
 
-// Where the sun stood: exactly one way of telling.
+// The sun's position must be given in exactly one way.
 void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options, Problems& problems) {
   if (arguments.sun_zenith_deg.has_value() != arguments.sun_azimuth_deg.has_value())
     problems.add("--sun-zenith-deg and --sun-azimuth-deg: expected both or neither");
@@ -34,11 +34,11 @@ void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options,
   }
   options.sun_from_image = arguments.sun_from_image;
   if (options.sun && options.utc)
-    problems.add("--utc and --sun-zenith-deg: expected one of them, each tells where the sun stood");
+    problems.add("--utc and --sun-zenith-deg: expected only one, both give the sun's position");
   const bool times_may_follow = arguments.from_stdin() && options.site;
   if (!options.sun && !(options.site && (options.utc || times_may_follow)) && !options.sun_from_image)
     problems.add(
-        "where the sun stood is not known: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
+        "the sun's position is unknown: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
         "and --lon (or a --calibration with [site]), or --sun-from-image");
 }
 
@@ -65,7 +65,7 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
   const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m;
   options.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
   if (options.estimate.method == EstimateMethod::reference_pixel && options.estimate.sky.model == SiteSkyModel::dome)
-    problems.add("--method reference-pixel: the papers' way fits the papers' sky, expected --sky-model preetham");
+    problems.add("--method reference-pixel: the papers' method needs the papers' sky, expected --sky-model preetham");
   options.estimate.samples = arguments.samples;
   options.estimate.seed = arguments.seed;
   if (!problems.empty()) return fail(problems.fault());
@@ -79,7 +79,7 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       "Pictures; none or -: a list on standard input, one path a line, with a tab and its UTC where known");
   auto* scene = command.add_option(
       "--scene", a.scenes,
-      "Pictures of the scene camera, or a folder: visibility from --landmarks; beside as many of the sky");
+      "Pictures of the scene camera, or a folder: visibility from --landmarks; alone or one for each of the sky");
   command.add_option("--landmarks", a.landmarks, "TOML of [[landmarks]] at known distance (docs/operating.md)")
       ->check(CLI::ExistingFile)
       ->needs(scene);
@@ -92,15 +92,16 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       ->check(CLI::Range(60.0, 250.0))
       ->capture_default_str();
   command
-      .add_option("--circle", a.circle, "Image circle in pixels: centre and radius; found in the picture when left out")
+      .add_option("--circle", a.circle, "Image circle in pixels: centre and radius; default: detected in the picture")
       ->type_name("CX,CY,R")
       ->delimiter(',')
       ->expected(3);
   command
-      .add_option("--azimuth-up-deg", a.azimuth_up_deg, "Azimuth of the image's top; azimuth grows counter-clockwise")
+      .add_option("--azimuth-up-deg", a.azimuth_up_deg,
+                  "Azimuth of the image's top; azimuth increases counter-clockwise")
       ->check(CLI::Range(-360.0, 360.0))
       ->capture_default_str();
-  command.add_option("--response", a.response, "What the numbers mean")
+  command.add_option("--response", a.response, "Response curve of the pictures")
       ->check(CLI::IsMember({"srgb", "linear"}))
       ->capture_default_str();
   command.add_option("--sun-zenith-deg", a.sun_zenith_deg, "Zenith angle of the sun")->check(CLI::Range(0.0, 180.0));
@@ -122,14 +123,14 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
                   "calibration's site (docs/sky.md); automatic: the dome above 1500 m")
       ->check(CLI::IsMember({"preetham", "dome", "automatic"}))
       ->capture_default_str();
-  command.add_option("--samples", a.samples, "Sky pixels that are looked at")
+  command.add_option("--samples", a.samples, "Number of sky pixels to sample")
       ->check(CLI::Range(60, 100000))
       ->capture_default_str();
-  command.add_option("--seed", a.seed, "Of the choice of pixels")->capture_default_str();
-  command.add_flag("--json", a.json, "One JSON object a line");
-  command.add_flag("--plot", a.plot, "Write IMAGE.fit.png, fit against samples, beside each image");
+  command.add_option("--seed", a.seed, "Seed of the random choice of pixels")->capture_default_str();
+  command.add_flag("--json", a.json, "One JSON object per line");
+  command.add_flag("--plot", a.plot, "Write IMAGE.fit.png, fit against samples, next to each image");
   command.add_option("--plot-dir", a.plot_dir, "Write the plots into this folder instead");
-  command.add_option("--jobs", a.jobs, "Pictures worked on at a time (all cores when left out)")
+  command.add_option("--jobs", a.jobs, "Pictures processed at a time (default: one per core)")
       ->check(CLI::Range(1, 1024));
 }
 

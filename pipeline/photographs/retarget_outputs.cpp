@@ -27,8 +27,8 @@ Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
   outputs.single_ = a.pictures.size() == 1 && targets.size() == 1 && !source.is_sequence();
   outputs.prints_ = !source.is_sequence();
   if (source.is_sequence() && !a.sheet.empty())
-    return fail(FaultKind::bad_input, "--sheet {}: expected pictures, not a film or a folder: a sheet holds them all",
-                a.sheet);
+    return fail(FaultKind::bad_input,
+                "--sheet {}: expected pictures, not a film or a folder: a sheet keeps all of them in memory", a.sheet);
   if (!outputs.single_ && !a.out.empty()) {
     std::error_code error;
     std::filesystem::create_directories(a.out, error);

@@ -47,7 +47,7 @@ void read_turbidities(const RetargetArguments& arguments, std::vector<std::optio
   }
 }
 
-// T of the pictures' own air: given, or seen in a picture of the sky.
+// T of the pictures' own air: given, or estimated from a picture of the sky.
 Result<Turbidity> source_turbidity(const RetargetArguments& arguments, const CameraFile& camera,
                                    const std::optional<Utc>& utc, const std::optional<SunDirection>& sun) {
   if (arguments.source_turbidity) return Turbidity{*arguments.source_turbidity};
@@ -62,7 +62,7 @@ Result<Turbidity> source_turbidity(const RetargetArguments& arguments, const Cam
   const auto& estimate = report->look.estimate;
   if (!estimate.usable)
     return fail(FaultKind::bad_input,
-                "{}: no turbidity to be had from this sky ({}): expected another picture, or --source-turbidity",
+                "{}: no turbidity can be estimated from this sky ({}): expected another picture, or --source-turbidity",
                 arguments.sky, estimate.reason);
   fmt::print("source: T {:.2f} +- {:.2f} from {}\n", estimate.turbidity.value, estimate.sigma, arguments.sky);
   return estimate.turbidity;
@@ -73,14 +73,14 @@ std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
   return glm::dvec3(values[0], values[1], values[2]);
 }
 
-// One of the ways to tell how far things are.
+// Distances must be given in exactly one way.
 void read_depth(const RetargetArguments& a, OtherAirSetup& setup, Problems& problems) {
   const int ways =
       (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
   if (ways != 1)
     return problems.add(
-        "expected one of --depth FILE, --planes FILE, --distance-m where all that is not sky is about as far, or "
-        "--from-haze where nothing is known");
+        "expected one of --depth FILE, --planes FILE, --distance-m for one distance of everything but the sky, or "
+        "--from-haze when nothing is known");
   setup.everything_at_m = a.distance_m;
   setup.from_haze = a.from_haze;
   const int width = setup.camera.width, height = setup.camera.height;
@@ -142,7 +142,7 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
   if (a.source_turbidity.has_value() == !a.sky.empty())
     problems.add("expected --source-turbidity T, or --sky PICTURE to find it in");
   if (!a.target_airlight.empty() && !a.target_picture.empty())
-    problems.add("--target-airlight and --target-picture: expected one of them, each tells the same");
+    problems.add("--target-airlight and --target-picture: expected only one of them");
   if (!problems.empty()) return fail(problems.fault());
 
   const auto source = source_turbidity(a, file, utc, setup.sun);

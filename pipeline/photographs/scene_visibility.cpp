@@ -32,7 +32,7 @@ std::vector<std::filesystem::path> files_of(const std::vector<std::filesystem::p
   return files;
 }
 
-// Dividing by a power of ten gives the double that prints with so many digits.
+// Dividing by a power of ten gives the double that prints with that many digits.
 double rounded(double value, int significant) {
   if (value == 0.0 || !std::isfinite(value)) return value;
   const int digits = significant - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
@@ -62,7 +62,7 @@ std::string_view visibility_name(ExtinctionKind kind) {
 Result<SceneVisibilities> read_scene_visibilities(const std::vector<std::filesystem::path>& pictures,
                                                   const std::filesystem::path& landmarks) {
   const auto files = files_of(pictures);
-  if (files.empty()) return fail(FaultKind::bad_input, "--scene: no pictures there");
+  if (files.empty()) return fail(FaultKind::bad_input, "--scene: no pictures found");
   std::optional<LandmarkWatch> watch;
   Camera camera;
   std::vector<std::vector<ContrastReading>> readings;
@@ -115,7 +115,7 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
     Json entry{{"name", landmark.name},
                {"distance_m", landmark.distance_m},
                {"used", reading.usable && !left_out},
-               {"reason", left_out ? std::string("far off the others") : reading.reason}};
+               {"reason", left_out ? std::string("inconsistent with the others") : reading.reason}};
     Json contrast = Json::array(), sigma = Json::array();
     for (int c = 0; reading.usable && c < 3; ++c) {
       contrast.push_back(rounded(reading.contrast[c], 4));
@@ -163,8 +163,8 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
     if (!reading.usable) text += fmt::format("  not used         {}: {}\n", watch.landmarks()[i].name, reading.reason);
   }
   for (const auto i : green.left_out)
-    text += fmt::format("  not used         {}: far off the others\n", watch.landmarks()[i].name);
-  if (sky) text += fmt::format("  beside the sky   {}\n", sky->words);
+    text += fmt::format("  not used         {}: inconsistent with the others\n", watch.landmarks()[i].name);
+  if (sky) text += fmt::format("  against the sky  {}\n", sky->words);
   return text;
 }
 

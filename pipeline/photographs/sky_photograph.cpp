@@ -63,7 +63,7 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem:
                   /*clock_trusted=*/given.has_value() && !options_.sun_from_image);
   report.sun_source = sun.words;
   if (sun.source == SunSource::none) {
-    report.look.estimate.reason = "the sun was not found in the image: give its place, or time and place";
+    report.look.estimate.reason = "the sun was not found in the image: give its position, or time and site";
     return report;
   }
   report.sun = sun.direction;

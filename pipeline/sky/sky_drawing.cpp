@@ -30,7 +30,7 @@ SkyView view_of(const SkyCamera& camera) {
 std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, bool mountains) {
   if (camera.projection == SkyProjection::fisheye) return std::nullopt;
   constexpr double kHighestPeak_m = 3600.0;
-  // The seam of the whole circle lies behind.
+  // A full circle has its seam behind the camera.
   double half = kPi - 1e-4;
   if (camera.projection == SkyProjection::perspective) {
     const double steepest =

@@ -1,4 +1,4 @@
-// What `kasumi sky` is asked for, as it was typed.
+// The options of `kasumi sky`, as typed.
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ struct SkyOptions {
   bool terrain = false, no_aerial_perspective = false, cpu = false, window = false;
 };
 
-// The options understood: nothing in it can be wrong any more.
+// The same, validated.
 struct SkyTask {
   SkyCamera camera;
   SkyRequest sky;  // of the first turbidity and altitude
@@ -29,7 +29,7 @@ struct SkyTask {
   std::optional<Utc> utc;
   bool mountains = false;
 };
-// Error: bad_input, all that is wrong at once.
+// Errors: bad_input, listing every problem.
 Result<SkyTask> sky_task(const SkyOptions& options);
 
 Result<int> run_sky(const SkyOptions& options);

@@ -1,4 +1,4 @@
-// The pictures, sheets and films that `kasumi sky` was asked for.
+// The pictures, sheets and films that `kasumi sky` writes.
 #include <cmath>
 
 #include "estimator/sky/dome.hpp"
@@ -35,7 +35,7 @@ Result<> write_out(const SkyOptions& options, const SkyTask& task, SkyDrawing& d
 
 Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
   ContactSheet sheet;
-  // Of one exposure, so that it shows which is the brighter.
+  // One exposure for all, so that the sheet shows which is brighter.
   SkyRequest first = task.sky;
   first.exposure_ev = 0.0;
   const double exposure = sky_scene(first).exposure;
@@ -57,7 +57,7 @@ Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing&
 // The moments of the day around `utc` at which the sun stands high enough for a sky.
 std::vector<SunDirection> suns_of_day(const SkyTask& task, int frames) {
   constexpr int kMinutes = 24 * 60;
-  // Noon at the site lies in the middle.
+  // Centred on local noon.
   const auto day = std::chrono::floor<std::chrono::days>(
       *task.utc + std::chrono::minutes(std::lround(4.0 * task.site->longitude_deg)));
   const Utc start = day - std::chrono::minutes(std::lround(4.0 * task.site->longitude_deg));
@@ -113,7 +113,7 @@ Result<> write_comparison(const SkyOptions& options, const SkyTask& task, SkyDra
 Result<int> run_sky(const SkyOptions& options) {
   const auto task = sky_task(options);
   if (!task) return fail(task.error());
-  // Light in floats is the reference's alone.
+  // Only the CPU reference writes floating-point light.
   const bool a_picture = !options.out.empty() && !is_light_file(options.out);
   const bool by_gpu =
       !options.cpu && (a_picture || !options.sheet.empty() || !options.day.empty() || !options.compare.empty());

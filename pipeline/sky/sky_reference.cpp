@@ -33,7 +33,7 @@ std::optional<LandHit> LandRayCaster::along(const Direction& view, double observ
   if (column > land_.columns - 1) return std::nullopt;
   const int left = std::min(static_cast<int>(column), land_.columns - 2);
   const auto point = [&](int ring) { return between(land_.at(left, ring), land_.at(left + 1, ring), column - left); };
-  // How far the land stands over the view there.
+  // Height of the land above the line of sight.
   const auto over = [&](const LandHit& hit) {
     return hit.place.z - observer_m - slope * std::hypot(hit.place.x, hit.place.y);
   };

@@ -1,5 +1,5 @@
-// The sky and land under it by the CPU, pixel by pixel in double precision: the reference for what the GPU draws, and
-// the light itself for files that hold it.
+// Sky and land computed on the CPU, pixel by pixel in double precision: the reference for the GPU, and the source of
+// HDR files.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// Where a view meets land.
+// Intersection of a line of sight with the land.
 struct LandHit {
   glm::dvec3 place{0.0};  // metres; x east, y north, z up from the sea below the observer
   double altitude_m = 0.0;
@@ -31,10 +31,10 @@ class LandRayCaster {
 
 // Linear sRGB, cd/m2; black beyond a fisheye's circle. land: null for none.
 Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land);
-// Encoded as the GPU shows it, rounded, not dithered.
+// Encoded as on the GPU, but rounded instead of dithered.
 Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land);
 
-// What a view shows there, in 0 .. 1: what both above are made of.
+// Encoded colour of one pixel, 0 .. 1.
 glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
                         const glm::dvec2& pixel);
 

@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kBar_px = 52;
 constexpr const char* kHelp =
-    "drag: sun    t g: turbidity    a z: altitude    arrows: look    m: mountains    p: air on land    q: end";
+    "drag: sun    t g: turbidity    a z: altitude    arrows: look    m: mountains    p: air on land    q: quit";
 
-// Words on a dark bar.
+// Two lines of text on a dark bar.
 Image<Rgba8> drawn_bar(const std::string& first, const std::string& second) {
   Image<Rgba8> bar(1000, kBar_px, Rgba8(0, 0, 0, 120));
   cv::Mat pixels(bar.height(), bar.width(), CV_8UC4, bar.elements().data());
@@ -86,7 +86,7 @@ Result<> show_sky_window(const SkyTask& task) {
     if (shown.apply((*window)->take_input()) || redraw) {
       redraw = false;
       const auto& c = shown.camera;
-      // Land is made again only where other land is seen.
+      // The land is rebuilt only when the view of it changes.
       const auto now = fmt::format("{} {} {} {} {} {}", c.width, c.height, c.heading_deg, c.pitch_deg, shown.mountains,
                                    shown.sky.altitude_m);
       if (now != land_of) {

@@ -34,7 +34,7 @@ double fractal(std::uint64_t seed, glm::dvec2 p, int octaves) {
   double sum = 0.0, part = 0.5;
   for (int i = 0; i < octaves; ++i, part *= 0.5) {
     sum += part * noise(seed + static_cast<std::uint64_t>(i), p);
-    p = 2.0 * glm::dvec2(0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y);  // turned, so that no grid shows
+    p = 2.0 * glm::dvec2(0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y);  // rotated, to hide the grid
   }
   return sum;
 }
@@ -106,7 +106,7 @@ DomeLand make_synthetic_land(const LandView& view) {
       const double east = (synthetic_height_m(p + glm::dvec2(step, 0.0), view.mountains) - height) / step;
       const double north = (synthetic_height_m(p + glm::dvec2(0.0, step), view.mountains) - height) / step;
       const glm::dvec3 normal = glm::normalize(glm::dvec3(-east, -north, 1.0));
-      // In the observer's level frame the sea bends down.
+      // Earth curvature, in the observer's level frame.
       land.vertices.push_back({glm::vec3(p.x, p.y, height - r * r / (2.0 * kEarthRadius_m)), static_cast<float>(height),
                                glm::vec3(normal), glm::vec3(synthetic_albedo(p, height, 1.0 - normal.z))});
     }

@@ -1,5 +1,5 @@
-// An invented country to look at through the air: a plain, foothills from 8 km, snowy ranges from 20 km on. The same
-// for everybody and always.
+// A synthetic landscape to be seen through the air: a plain, foothills from 8 km, snowy ranges from 20 km. It is the
+// same on every machine and in every run.
 #pragma once
 
 #include <glm/vec2.hpp>
