@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-// What three detectors see of the three components of daylight: one column per component.
+// Responses of three detectors to the three components of daylight: one column per component.
 template <class Detectors>
 glm::dmat3 daylight_matrix(const Detectors& detectors) {
   glm::dmat3 seen{0.0};

@@ -1,4 +1,4 @@
-// Dirt on the sky camera's dome: places that are darker than the sky around them however the sky moves.
+// Dirt on the sky camera's dome: spots that stay darker than the surrounding sky while the sky changes.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// One look at the sky, shrunk: linear light of red, green and blue.
+// One frame of the sky, downsampled: linear red, green and blue light.
 using DomeFrame = Image<glm::vec3>;
 
 struct DomeSpot {

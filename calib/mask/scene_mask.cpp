@@ -120,7 +120,7 @@ Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke
   for (int y = 0; y < box.height; ++y)
     for (int x = 0; x < box.width; ++x) {
       const float share = free.at<float>(y, x);
-      // What is all but one or the other is that: a guided filter's hum is no air.
+      // Clamps shares near 0 and 1, so that ripple of the guided filter does not show.
       const float clean = std::clamp((share - 0.04F) / 0.92F, 0.0F, 1.0F);
       found.mask.at(box.x + x, box.y + y) = static_cast<std::uint8_t>(std::lround(255.0F * clean));
       hidden += 1.0 - static_cast<double>(clean);

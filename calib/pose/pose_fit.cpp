@@ -49,7 +49,7 @@ struct HorizonCost {
   }
 };
 
-// What is held (sigma 0) has no effect on anything else and is kept where it was by this.
+// Also keeps parameters that are held fixed (sigma 0) at their start.
 struct PosePriorCost {
   const ScenePrior* prior;
   PoseModel from;

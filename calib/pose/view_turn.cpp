@@ -114,7 +114,7 @@ class Comparison {
     return found;
   }
 
-  // Those with the steepest pattern: they alone tell a shift.
+  // Points with the steepest gradients: only these reveal a shift.
   void choose_points() {
     cv::Mat soft, gx, gy, slope;
     cv::GaussianBlur(reference_, soft, {}, 1.2);
@@ -237,7 +237,7 @@ class Comparison {
     return ab / std::sqrt(aa * bb);
   }
 
-  // As it was, shifted as a whole, or turned about the axis: whichever is most alike.
+  // Start of the search: unchanged, shifted, or rotated about the axis, whichever correlates best.
   glm::dvec3 start() {
     prepare(kBlur_px[0]);
     std::vector<glm::dvec3> candidates{glm::dvec3{0.0}};
