@@ -49,7 +49,7 @@ Image<std::uint8_t> grey_of(const Image<Rgb8>& picture) {
   return grey;
 }
 
-// Now, to the second: a calibration is no stopwatch.
+// Now, to the second.
 std::string utc_now() {
   const auto now = std::chrono::floor<std::chrono::seconds>(SystemClock().utc());
   return utc_text(now);

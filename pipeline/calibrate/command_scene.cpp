@@ -28,7 +28,7 @@ std::string offset_text(const glm::dvec2& residual_px) {
                      std::abs(residual_px.y), residual_px.y < 0.0 ? "above" : "below");
 }
 
-// Names of what was left out, with how far off it is.
+// The sights left out, with their residuals.
 std::vector<std::string> left_out(const SceneSights& sights, const ScenePose& pose) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < sights.landmarks.size(); ++i)

@@ -9,7 +9,7 @@ namespace kasumi {
 
 namespace {
 
-// docs/calibration.md tells where these come from: half of what a visitor or the estimate of T would notice.
+// Half of what a visitor or the estimate of T would notice; docs/calibration.md derives them.
 constexpr std::array kExpectations{
     Expectation{"lens", "rms_px", 0.5, 1.0, "px", "drop blurred pictures; is the board flat, the focus locked?"},
     Expectation{"lens", "focal_sigma_percent", 0.1, 0.3, "%", "tilt the board by 30 deg and more, both ways"},

@@ -1,4 +1,4 @@
-// What the numbers of a calibration should be, and what belongs to a whole one: an installer's yardstick.
+// Expected quality of a calibration's numbers, and the steps of a complete one.
 #pragma once
 
 #include <optional>
@@ -23,7 +23,7 @@ struct Expectation {
 };
 std::optional<Expectation> expectation_of(std::string_view what, std::string_view key);
 
-// A step of the afternoon: done when [CAMERA.measured.WHAT] is there.
+// A step of a complete calibration: done when [CAMERA.measured.WHAT] is there.
 struct RequiredStep {
   std::string_view camera, what;
   std::string_view title;

@@ -1,4 +1,4 @@
-// How many residuals are how large, as a picture for a person.
+// Histogram of residuals.
 #pragma once
 
 #include <span>

@@ -16,7 +16,7 @@ namespace {
 constexpr int kSceneWidth = 1280, kTitleHeight = 50, kLineHeight = 20, kHistogramHeight = 200;
 const cv::Scalar kMarked(255, 210, 0), kUsedMark(60, 220, 90), kLeftOutMark(255, 70, 50), kHorizonLine(80, 160, 255);
 
-// Hershey's letters are ASCII.
+// OpenCV's Hershey fonts are ASCII only.
 std::string plain(const std::string& text) {
   std::string result;
   for (const char c : text)

@@ -17,7 +17,7 @@ namespace kasumi {
 
 namespace {
 
-// As many digits as the uncertainty leaves, two of it.
+// Rounded to two digits of the uncertainty.
 std::string with_digits(double value, double sigma) {
   const int digits = sigma > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 7) : 3;
   return fmt::format("{:.{}f}", value, digits);

@@ -1,4 +1,4 @@
-// The file an installer writes for `kasumi calibrate scene`: places on the map and where the picture shows them.
+// The input of `kasumi calibrate scene`: places on the map and their pixels in the picture.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct SceneSights {
   std::vector<HorizonSight> horizon;
 };
 
-// What the calibration file says already, so that the sights need not repeat it.
+// What the calibration file already contains, so that the sights need not repeat it.
 struct CalibratedScene {
   std::optional<Site> site;
   int width = 0;
