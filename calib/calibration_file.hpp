@@ -65,8 +65,8 @@ struct CalibrationWritten {
 // Errors: bad_input (the file there is no calibration file, or of pictures of another size), io.
 Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, const CalibrationStep& step);
 
-// The file name of a step's drawing: calibration.CAMERA-WHAT.png beside calibration.toml. `kasumi calibrate report` looks
-// there, and under the key `picture`.
+// The file name of a step's drawing: calibration.CAMERA-WHAT.png next to calibration.toml. `kasumi calibrate report`
+// looks there, and under the key `picture`.
 std::filesystem::path drawing_name(const std::filesystem::path& calibration, std::string_view camera,
                                    std::string_view what);
 

@@ -27,7 +27,7 @@ struct CharucoBoard {
 // Its problems, by the options' names; empty when there are none.
 std::vector<std::string> problems_of(const CharucoBoard& board);
 
-// The inner corners that are seen, at least six that are not collinear; empty otherwise, or when the board has problems.
+// The inner corners that are seen, at least six and not collinear; empty otherwise, or when the board has problems.
 std::optional<BoardView> find_charuco(const Image<std::uint8_t>& grey, const CharucoBoard& board, std::string name);
 
 // The black areas of a board, in metres from its top left corner, y down.

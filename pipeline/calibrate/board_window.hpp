@@ -10,7 +10,8 @@
 
 namespace kasumi {
 
-// What the window shows: grey picture, green over covered cells, red over uncovered ones, the corners, a message at the top.
+// What the window shows: grey picture, green over covered cells, red over uncovered ones, the corners, and a
+// message at the top.
 Image<Rgb8> draw_coverage(const Image<std::uint8_t>& grey, const BoardCollector& collector, const std::string& message);
 
 class BoardWindow {
