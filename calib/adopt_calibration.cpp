@@ -5,7 +5,7 @@
 namespace kasumi {
 namespace {
 
-// Several ways to say one thing.
+// Keys that are alternatives to each other.
 const ConfigTable::Rivals& rivals() {
   static const ConfigTable::Rivals kRivals{
       {"latitude_deg", "longitude_deg"},
@@ -25,7 +25,7 @@ Result<ConfigTable> open_calibration(const std::filesystem::path& file) {
   return root;
 }
 
-// "" when the pictures are of one size, as far as both tell.
+// Empty when the picture sizes agree, as far as both files give them.
 std::string size_problem(const ConfigTable& root, const ConfigTable& calibration, const char* camera) {
   const auto here = root.optional_table(camera), there = calibration.optional_table(camera);
   if (!here || !there) return {};
@@ -53,7 +53,7 @@ std::optional<AdoptedCalibration> adopt_calibration(const ConfigTable& root) {
     return std::nullopt;
   };
   std::error_code error;
-  if (file.empty() || !std::filesystem::is_regular_file(file, error)) return refuse("");  // has been told
+  if (file.empty() || !std::filesystem::is_regular_file(file, error)) return refuse("");  // already reported
   const auto calibration = open_calibration(file);
   if (!calibration) return refuse(fmt::format("a file that kasumi calibrate wrote:\n{}", calibration.error().message));
   for (const char* camera : {"sky", "scene"})

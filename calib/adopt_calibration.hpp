@@ -1,4 +1,4 @@
-// The calibration file where it is used: a configuration or a fixture names it, and what that says itself wins.
+// Adopts the calibration file that a configuration or fixture names; the latter's own keys take precedence.
 #pragma once
 
 #include <filesystem>

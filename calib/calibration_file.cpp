@@ -132,7 +132,7 @@ Result<Old> read_old(const std::filesystem::path& path, const CalibrationStep& s
   return old;
 }
 
-// Beside the file, named by the time the new one was measured; an earlier backup is never overwritten.
+// Next to the file; an earlier backup is never overwritten.
 std::filesystem::path backup_name(const std::filesystem::path& path) {
   for (int i = 1;; ++i) {
     auto name = path;
@@ -169,10 +169,10 @@ Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, 
     text += fmt::format("\n[{}.noise]\nfull_scale_electrons = {}\nread_electrons = {}\n", step.camera,
                         toml_number(step.noise->full_scale_electrons), toml_number(step.noise->read_electrons));
   for (const auto& measured : step.measured) text += text_of(measured, step.camera);
-  text.insert(0, fmt::format("# Written by kasumi calibrate; docs/cameras.md tells what the keys mean.\n"
+  text.insert(0, fmt::format("# Written by kasumi calibrate; docs/cameras.md describes the keys.\n"
                              "calibration = {}\n\n",
                              kCalibrationFormat));
-  // What cannot be read again is not put in the place of what can.
+  // A readable file is never replaced by one that cannot be parsed.
   if (const auto again = ConfigTable::parse(text, path); !again) return fail(again.error());
   if (auto done = write_text_file(path, text); !done) return fail(done.error());
   return written;

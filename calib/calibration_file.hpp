@@ -1,5 +1,5 @@
-// The calibration file: [site], [sky] and [scene] as docs/cameras.md describes them, and beside each value when and
-// from what it was measured. Written step by step; each step keeps what the others found, and the old file.
+// The calibration file: [site], [sky] and [scene] as docs/cameras.md describes them, with the date and
+// source of each measurement. Written step by step; each step keeps the results of the others and backs up the file.
 #pragma once
 
 #include <array>
@@ -19,14 +19,14 @@ namespace kasumi {
 
 constexpr int kCalibrationFormat = 1;
 
-// What one step found out, under [CAMERA.measured.WHAT]. Nothing is computed from it.
+// The result of one step, under [CAMERA.measured.WHAT]. Nothing is computed from it.
 struct Measured {
   std::string what;  // "lens", "orientation"
   std::string utc;   // ISO 8601
   std::string from;  // "15 pictures of a checkerboard of 6 x 8 inner corners: a.jpg, ..."
   std::vector<std::pair<std::string, double>> numbers;  // key with its unit, value
   std::vector<std::string> remarks;                     // dropped views, what is undetermined
-  std::string picture{};  // file name of what the step drew, beside the calibration file; empty: it drew nothing
+  std::string picture{};  // file name of the step's drawing, next to the calibration file; empty: none
 };
 
 // A response as it was measured: linear light at evenly spaced values, for each channel; empty tables: linear.
@@ -43,7 +43,7 @@ struct CalibrationStep {
   std::optional<LensDescription> lens;
   std::optional<glm::dmat3> to_world;   // written as heading_deg, pitch_deg, roll_deg
   std::optional<std::string> response;  // "srgb", "linear"; only where the file has none
-  std::optional<MeasuredCurve> curve;   // in place of the response that was there
+  std::optional<MeasuredCurve> curve;   // replaces an existing response
   std::optional<Vignetting> vignetting;
   std::optional<std::string> sensitivity;  // file name, beside the calibration file; of what the sensor's channels see
   std::optional<glm::dvec3> white_balance;
@@ -65,8 +65,8 @@ struct CalibrationWritten {
 // Errors: bad_input (the file there is no calibration file, or of pictures of another size), io.
 Result<CalibrationWritten> write_calibration(const std::filesystem::path& path, const CalibrationStep& step);
 
-// Where a step draws what it did: calibration.CAMERA-WHAT.png beside calibration.toml. `kasumi calibrate report` looks
-// there, and under the key `picture`.
+// The file name of a step's drawing: calibration.CAMERA-WHAT.png next to calibration.toml. `kasumi calibrate report`
+// looks there, and under the key `picture`.
 std::filesystem::path drawing_name(const std::filesystem::path& calibration, std::string_view camera,
                                    std::string_view what);
 

@@ -1,4 +1,4 @@
-// Everything known about one camera: where it looks, what its lens does, what its numbers mean.
+// Everything known about one camera: orientation, lens, radiometry.
 #pragma once
 
 #include <filesystem>
@@ -34,14 +34,14 @@ struct Camera {
   glm::dvec3 white_balance{1.0};
   Image<std::uint8_t> mask;  // empty, or one value per pixel: sky camera: 0 where obstructed; scene camera: 0 where
                              // something stands in front of the object
-  std::optional<Utc> calibrated_utc;  // when all this was last found right; for people, nothing is computed from it
+  std::optional<Utc> calibrated_utc;  // last calibration; informative only
 
   std::optional<Direction> direction_at(const glm::dvec2& pixel) const;  // world frame
   std::optional<glm::dvec2> pixel_of(const Direction& direction) const;
   // Linear light of an encoded pixel, vignetting and white balance removed. Units: the camera's full scale = 1 at the
   // centre.
   glm::dvec3 light_at(const glm::dvec2& pixel, const glm::dvec3& encoded) const;
-  // From that light to XYZ; exact for sky light when the sensitivity is known.
+  // Converts that light to XYZ; exact for sky light when the sensitivity is known.
   glm::dmat3 light_to_xyz() const;
 };
 
@@ -54,7 +54,7 @@ struct Site {
 };
 
 Site read_site(const ConfigTable& table);
-// [sky] or [scene] of a fixture or configuration. Problems are left in the table's file.
+// [sky] or [scene] of a fixture or configuration. Problems are recorded in the table.
 Camera read_camera(const ConfigTable& table, std::string name);
 
 }  // namespace kasumi

@@ -39,7 +39,7 @@ glm::dmat3 read_orientation(const ConfigTable& table) {
 std::vector<double> read_curve(const ConfigTable& table, const char* key) {
   const std::vector<double> straight{0.0, 1.0};
   const auto curve = table.numbers(key, 0);
-  if (curve.empty()) return straight;  // has been said
+  if (curve.empty()) return straight;  // already reported
   const bool rises = std::adjacent_find(curve.begin(), curve.end(), std::greater_equal<>()) == curve.end();
   if (curve.size() >= 2 && rises && curve.front() == 0.0 && curve.back() == 1.0) return curve;
   table.problem(key,
@@ -203,7 +203,7 @@ Camera read_camera(const ConfigTable& table, std::string name) {
   camera.sensitivity = read_sensitivity(table, camera.colour_space);
   if (sized) camera.mask = read_mask(table, camera.width, camera.height);
   camera.calibrated_utc = table.optional_utc("calibrated_utc");
-  // What kasumi calibrate notes beside its values, for people: nothing is computed from it.
+  // Notes of kasumi calibrate; informative only.
   table.text("serial", std::string());
   table.ignore("measured");
   return camera;

@@ -5,12 +5,12 @@
 namespace kasumi {
 
 std::optional<BoardView> find_any_board(const Image<std::uint8_t>& grey, const AnyBoard& board, std::string name,
-                                        bool in_a_hurry) {
+                                        bool fast) {
   if (const auto* charuco = std::get_if<CharucoBoard>(&board)) return find_charuco(grey, *charuco, std::move(name));
-  return find_board(grey, std::get<Board>(board), std::move(name), in_a_hurry);
+  return find_board(grey, std::get<Board>(board), std::move(name), fast);
 }
 
-std::string words_of(const AnyBoard& board) {
+std::string description_of(const AnyBoard& board) {
   if (const auto* charuco = std::get_if<CharucoBoard>(&board))
     return fmt::format("ChArUco board of {} x {} squares ({}, squares of {:.4g} mm, markers of {:.4g} mm)",
                        charuco->columns, charuco->rows, charuco->dictionary, 1e3 * charuco->square_m,

@@ -1,4 +1,4 @@
-// A board of either kind: what is done with both alike.
+// A board of either kind.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace kasumi {
 
 using AnyBoard = std::variant<Board, CharucoBoard>;
 
-// As find_board and find_charuco; only the former knows a hurry.
+// As find_board and find_charuco; `fast` affects only the former.
 std::optional<BoardView> find_any_board(const Image<std::uint8_t>& grey, const AnyBoard& board, std::string name,
-                                        bool in_a_hurry = false);
-std::string words_of(const AnyBoard& board);  // "checkerboard of 8 x 6 inner corners"
+                                        bool fast = false);
+std::string description_of(const AnyBoard& board);  // "checkerboard of 8 x 6 inner corners"
 
 }  // namespace kasumi

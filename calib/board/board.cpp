@@ -21,12 +21,12 @@ int refinement_window(const std::vector<cv::Point2f>& corners, const Board& boar
   return std::clamp(static_cast<int>(0.4 * nearest), 2, 11);
 }
 
-bool find_corners(const cv::Mat& picture, const Board& board, bool in_a_hurry, std::vector<cv::Point2f>& corners) {
+bool find_corners(const cv::Mat& picture, const Board& board, bool fast, std::vector<cv::Point2f>& corners) {
   const cv::Size size(board.columns, board.rows);
   // The older finder follows lines that a fisheye bends, and is quick to see that there is no board.
   const int how = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
-  if (!cv::findChessboardCorners(picture, size, corners, in_a_hurry ? how | cv::CALIB_CB_FAST_CHECK : how))
-    return !in_a_hurry &&
+  if (!cv::findChessboardCorners(picture, size, corners, fast ? how | cv::CALIB_CB_FAST_CHECK : how))
+    return !fast &&
            cv::findChessboardCornersSB(picture, size, corners, cv::CALIB_CB_ACCURACY | cv::CALIB_CB_NORMALIZE_IMAGE);
   const int window = refinement_window(corners, board);
   cv::cornerSubPix(picture, corners, {window, window}, {-1, -1},
@@ -37,11 +37,11 @@ bool find_corners(const cv::Mat& picture, const Board& board, bool in_a_hurry, s
 }  // namespace
 
 std::optional<BoardView> find_board(const Image<std::uint8_t>& grey, const Board& board, std::string name,
-                                    bool in_a_hurry) try {
+                                    bool fast) try {
   cv::Mat picture(grey.height(), grey.width(), CV_8UC1);
   for (int y = 0; y < grey.height(); ++y) std::copy_n(grey.row(y), grey.width(), picture.ptr<std::uint8_t>(y));
   std::vector<cv::Point2f> corners;
-  if (!find_corners(picture, board, in_a_hurry, corners)) return std::nullopt;
+  if (!find_corners(picture, board, fast, corners)) return std::nullopt;
   BoardView view{std::move(name), {}, {}};
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column) {

@@ -25,12 +25,12 @@ struct BoardView {
   std::vector<glm::dvec2> on_board;  // the same corners in metres, in the board's plane
 };
 
-// Along each side of a picture: what was covered by a board is told by cells.
+// Cells along each side of a picture, in which coverage by the board is counted.
 constexpr int kCoverageCells = 6;
 
-// Every inner corner, or none. The whole board must be in the picture. In no hurry, what the usual finder misses is
-// looked for by a second, slower one.
+// Every inner corner, or none. The whole board must be in the picture. Unless `fast`, what the usual finder misses is
+// searched for by a second, slower one.
 std::optional<BoardView> find_board(const Image<std::uint8_t>& grey, const Board& board, std::string name,
-                                    bool in_a_hurry = false);
+                                    bool fast = false);
 
 }  // namespace kasumi

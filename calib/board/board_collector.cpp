@@ -14,7 +14,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kStill_px = 0.6;  // between two looks; the median of the corners
+constexpr double kStill_px = 0.6;  // between two frames; median over the corners
 constexpr double kSharp = 0.16;    // steepest step between pixels over the whole contrast: a blur of 2.5 px
 constexpr double kLeaning = 0.10;  // of ln size from one side of the board to the other
 constexpr std::size_t kViews = 12, kMostViews = 60;
@@ -22,7 +22,7 @@ constexpr double kCovered = 0.8;
 constexpr int kLit = 20;                // of 255
 constexpr std::size_t kFewCorners = 2;  // that cover a cell
 
-// How far the corners both have went; far when they share few.
+// Median motion of the common corners; large when few are common.
 double moved_px(const BoardView& before, const BoardView& now) {
   std::vector<double> ways;
   for (std::size_t i = 0; i < now.pixels.size(); ++i)
@@ -122,12 +122,12 @@ constexpr std::array<std::string_view, 9> kPlaces{"upper left", "top",        "u
 
 }  // namespace
 
-std::string_view words_of(BoardCollector::Found found) {
+std::string_view message_of(BoardCollector::Found found) {
   switch (found) {
     case BoardCollector::Found::nothing: return "no board is seen";
     case BoardCollector::Found::moving: return "hold it still";
-    case BoardCollector::Found::blurred: return "blurred: hold it still, more light, or mend the focus";
-    case BoardCollector::Found::known: return "seen like this already";
+    case BoardCollector::Found::blurred: return "blurred: hold it still, add light, or adjust the focus";
+    case BoardCollector::Found::known: return "this view is already covered";
     case BoardCollector::Found::taken: break;
   }
   return "taken";
@@ -147,7 +147,7 @@ BoardCollector::Found BoardCollector::look(const Image<std::uint8_t>& grey, cons
   return Found::taken;
 }
 
-// A cell is lit once a good part of it was ever brighter than black.
+// A cell is lit once a good part of it has been brighter than black.
 void BoardCollector::look_for_light(const Image<std::uint8_t>& grey) {
   constexpr int kPoints = 6;
   for (int row = 0; row < kCells; ++row)
@@ -207,13 +207,13 @@ std::string BoardCollector::advice() const {
         ++bare[static_cast<std::size_t>(3 * (3 * row / kCells) + 3 * column / kCells)];
   const auto barest = std::ranges::max_element(bare);
   const auto lean = std::ranges::find(leaned_, false);
-  std::string words;
+  std::string text;
   if (covered() < kCovered && *barest > 0)
-    words = fmt::format("move the board to the {}", kPlaces[static_cast<std::size_t>(barest - bare.begin())]);
+    text = fmt::format("move the board to the {}", kPlaces[static_cast<std::size_t>(barest - bare.begin())]);
   if (lean != leaned_.end())
-    words += fmt::format("{}tilt {}, its {} nearer", words.empty() ? "" : " and ", words.empty() ? "the board" : "it",
-                         kSides[static_cast<std::size_t>(lean - leaned_.begin())]);
-  return words.empty() ? "a few more views, anywhere" : words;
+    text += fmt::format("{}tilt {}, its {} nearer", text.empty() ? "" : " and ", text.empty() ? "the board" : "it",
+                        kSides[static_cast<std::size_t>(lean - leaned_.begin())]);
+  return text.empty() ? "a few more views, anywhere" : text;
 }
 
 std::string BoardCollector::map() const {

@@ -1,4 +1,4 @@
-// Views of a board gathered from a running camera: which are worth keeping, and what the next should be.
+// Collects views of a board from a live camera: which to keep, and what the next should be.
 #pragma once
 
 #include <array>
@@ -18,28 +18,28 @@ class BoardCollector {
  public:
   enum class Found {
     nothing,  // no board
-    moving,   // since the look before
+    moving,   // since the previous frame
     blurred,
-    known,  // as others that were taken
+    known,  // like a view that was taken
     taken,
   };
 
   explicit BoardCollector(AnyBoard board) : board_(std::move(board)) {}
 
-  // A frame, each of one size. `name`: of the view, should it be taken.
+  // Frames of one size. `name`: for the view if it is taken.
   Found look(const Image<std::uint8_t>& grey, const std::string& name);
 
   static constexpr int kCells = kCoverageCells;  // along each side of the picture
-  enum class Cell { dark, bare, covered };       // dark: the lens throws no picture there
+  enum class Cell { dark, bare, covered };       // dark: outside the image circle
   Cell cell(int column, int row) const;
-  double covered() const;  // part of the cells that see anything
+  double covered() const;  // share of the cells that are not dark
   bool leaned(Lean lean) const { return leaned_[static_cast<std::size_t>(lean)]; }
   const std::vector<BoardView>& views() const { return views_; }
   const std::optional<BoardView>& seen() const { return seen_; }  // in the last frame
 
   // 12 views, .8 of the picture, leaned all four ways.
   bool enough() const;
-  // What to do next, for a person: "move the board to the lower left and tilt it, its right side nearer".
+  // What to do next, in words: "move the board to the lower left and tilt it, its right side nearer".
   std::string advice() const;
   std::string map() const;  // a line for each row of cells: "#" covered, "." bare, " " dark
 
@@ -57,6 +57,6 @@ class BoardCollector {
   std::array<bool, 9 * (kLeans + 1)> known_{};  // a ninth of the picture, and a lean or none
 };
 
-std::string_view words_of(BoardCollector::Found found);  // "hold still"
+std::string_view message_of(BoardCollector::Found found);  // "hold it still"
 
 }  // namespace kasumi

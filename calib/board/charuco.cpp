@@ -61,7 +61,7 @@ bool spread_both_ways(const std::vector<glm::dvec2>& corners, double square_m) {
   return smaller > 0.5;
 }
 
-// Again by a window that ends before the markers, which would draw the corner towards them.
+// Refined in a window that excludes the markers, which would attract the corner.
 void refine(const cv::Mat& picture, const CharucoBoard& board, const BoardView& view,
             std::vector<cv::Point2f>& corners) {
   double nearest_px = 1e9;
@@ -114,7 +114,7 @@ std::optional<BoardView> find_charuco(const Image<std::uint8_t>& grey, const Cha
   if (ids.empty()) return std::nullopt;
   std::vector<cv::Point2f> corners;
   std::vector<int> corner_ids;
-  // No lens is known yet: each corner is looked for by the markers beside it, and then refined.
+  // The lens is not known yet, so each corner is interpolated from the nearest markers and then refined.
   aruco::interpolateCornersCharuco(markers, ids, picture, layout, corners, corner_ids);
   BoardView view{std::move(name), {}, {}};
   for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -1,5 +1,5 @@
-// A board of squares with markers in the white ones: it is recognised when part of it is out of the picture or hidden,
-// so that its corners reach a fisheye's rim. And every board as it is printed.
+// A checkerboard with markers in the white squares. It is recognised even when partly hidden or outside the picture,
+// so its corners reach a fisheye's rim. Also the printed layout of both kinds of board.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,13 @@ struct CharucoBoard {
   std::string dictionary = "DICT_4X4_50";  // as OpenCV calls it
 };
 
-// What is wrong with it, in the options' words; empty when nothing is.
+// Its problems, by the options' names; empty when there are none.
 std::vector<std::string> problems_of(const CharucoBoard& board);
 
-// The inner corners that are seen, six or more that do not lie on a line; none otherwise, or when problems_of tells.
+// The inner corners that are seen, at least six and not collinear; empty otherwise, or when the board has problems.
 std::optional<BoardView> find_charuco(const Image<std::uint8_t>& grey, const CharucoBoard& board, std::string name);
 
-// What is black of a board, in its squares' unit, from its top left corner, y down.
+// The black areas of a board, in metres from its top left corner, y down.
 struct BlackBox {
   glm::dvec2 corner_m{};
   double side_m = 0.0;

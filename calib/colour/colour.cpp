@@ -10,9 +10,9 @@
 namespace kasumi {
 namespace {
 
-// What three detectors see of the three components of daylight: one column per component.
+// Responses of three detectors to the three components of daylight: one column per component.
 template <class Detectors>
-glm::dmat3 seen_of_daylight(const Detectors& detectors) {
+glm::dmat3 daylight_matrix(const Detectors& detectors) {
   glm::dmat3 seen{0.0};
   for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0)
     seen += glm::outerProduct(detectors(nm), daylight_components(nm));
@@ -20,13 +20,13 @@ glm::dmat3 seen_of_daylight(const Detectors& detectors) {
 }
 
 glm::dmat3 camera_of_daylight(const SpectralSensitivity& sensitivity) {
-  return seen_of_daylight([&](double nm) { return sensitivity.at(nm); });
+  return daylight_matrix([&](double nm) { return sensitivity.at(nm); });
 }
 
 }  // namespace
 
 glm::dmat3 camera_to_xyz(const SpectralSensitivity& sensitivity) {
-  return seen_of_daylight(colour_matching) * glm::inverse(camera_of_daylight(sensitivity));
+  return daylight_matrix(colour_matching) * glm::inverse(camera_of_daylight(sensitivity));
 }
 
 bool separates_daylight(const SpectralSensitivity& sensitivity) {

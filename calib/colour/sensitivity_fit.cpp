@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/statistics.hpp"
-#include "calib/colour/daylight_told.hpp"
+#include "calib/colour/daylight_response.hpp"
 #include "calib/colour/non_negative.hpp"
 
 namespace kasumi {
@@ -75,11 +75,11 @@ struct Centred {
   Agreement agreement;
 };
 
-Centred centred(std::span<const SkyColour> colours, const DaylightTold& told) {
+Centred centred(std::span<const SkyColour> colours, const DaylightResponse& daylight) {
   Centred result;
   std::array<std::vector<double>, 2> raw;
   for (const auto& colour : colours) {
-    const auto off = colour.log_ratio - log_ratios(told, colour.spectrum);
+    const auto off = colour.log_ratio - log_ratios(daylight, colour.spectrum);
     raw[0].push_back(off.x);
     raw[1].push_back(off.y);
   }
@@ -99,13 +99,13 @@ Centred centred(std::span<const SkyColour> colours, const DaylightTold& told) {
   return result;
 }
 
-// The data, linear about what is told so far: 8 numbers, those of DaylightTold and the two offsets.
+// The data, linearised at the current estimate, in 8 numbers: DaylightResponse and the two offsets.
 struct Information {
   Eigen::Matrix<double, 8, 8> matrix = Eigen::Matrix<double, 8, 8>::Zero();
   Eigen::Matrix<double, 8, 1> pull = Eigen::Matrix<double, 8, 1>::Zero();
 };
 
-Information information_of(std::span<const SkyColour> colours, const DaylightTold& told, const Centred& at) {
+Information information_of(std::span<const SkyColour> colours, const DaylightResponse& daylight, const Centred& at) {
   int pictures = 0;
   for (const auto& colour : colours) pictures = std::max(pictures, colour.picture + 1);
   const double counts = std::min(1.0, kIndependentParts * pictures / static_cast<double>(colours.size()));
@@ -116,7 +116,7 @@ Information information_of(std::span<const SkyColour> colours, const DaylightTol
     Eigen::Matrix<double, 2, 8> slope = Eigen::Matrix<double, 2, 8>::Zero();
     for (int k = 0; k < 2; ++k) {
       for (const auto& [channel, sign] : {std::pair{kAgainstGreen[static_cast<std::size_t>(k)], 1.0}, {1, -1.0}}) {
-        const double seen = std::exp(log_seen(told, channel, spectrum));
+        const double seen = std::exp(log_response(daylight, channel, spectrum));
         slope(k, 2 * channel) = sign * spectrum.m1 / seen;
         slope(k, 2 * channel + 1) = sign * spectrum.m2 / seen;
       }
@@ -131,15 +131,16 @@ Information information_of(std::span<const SkyColour> colours, const DaylightTol
 
 constexpr int kUnknowns = 3 * kBands + 2;
 
-// Rows: how DaylightTold and the offsets move with the unknowns.
-Eigen::Matrix<double, 8, kUnknowns> slopes_of(const std::array<BandCurve, 3>& curves, const DaylightTold& told) {
+// Rows: how DaylightResponse and the offsets move with the unknowns.
+Eigen::Matrix<double, 8, kUnknowns> slopes_of(const std::array<BandCurve, 3>& curves,
+                                              const DaylightResponse& daylight) {
   Eigen::Matrix<double, 8, kUnknowns> slopes = Eigen::Matrix<double, 8, kUnknowns>::Zero();
   for (int c = 0; c < 3; ++c) {
     const BandCurve s0 = daylight_sums().col(0);
     const double seen = s0.dot(curves[static_cast<std::size_t>(c)]);
     for (int k = 0; k < 2; ++k)
       slopes.block<1, kBands>(2 * c + k, c * kBands) =
-          (daylight_sums().col(k + 1) - told[2 * c + k] * s0).transpose() / seen;
+          (daylight_sums().col(k + 1) - daylight[2 * c + k] * s0).transpose() / seen;
   }
   slopes(6, 3 * kBands) = slopes(7, 3 * kBands + 1) = 1.0;
   return slopes;
@@ -155,11 +156,11 @@ void judge(const Information& information, const Eigen::Matrix<double, 8, kUnkno
     before.block<2, 2>(2 * c, 2 * c) = of * prior.covariance[static_cast<std::size_t>(c)] * of.transpose();
   }
   const auto& all = information.matrix;
-  const Eigen::Matrix<double, 6, 6> told = all.topLeftCorner<6, 6>() - all.topRightCorner<6, 2>() *
-                                                                           all.bottomRightCorner<2, 2>().inverse() *
-                                                                           all.bottomLeftCorner<2, 6>();
+  const Eigen::Matrix<double, 6, 6> reduced = all.topLeftCorner<6, 6>() - all.topRightCorner<6, 2>() *
+                                                                              all.bottomRightCorner<2, 2>().inverse() *
+                                                                              all.bottomLeftCorner<2, 6>();
   const Eigen::Matrix<double, 6, 6> root = before.llt().matrixL();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(root.transpose() * told * root);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(root.transpose() * reduced * root);
   const auto& values = solver.eigenvalues();
   fit.determined = static_cast<int>((values.array() > 1.0).count());
   fit.condition = std::sqrt(values[5] / std::max(values[0], 1e-12 * values[5]));
@@ -199,7 +200,7 @@ SpectralSensitivity sensitivity_of(const std::array<BandCurve, 3>& curves) {
 }  // namespace
 
 ColourResiduals explain(std::span<const SkyColour> colours, const SpectralSensitivity& sensitivity) {
-  const auto at = centred(colours, told_of(curves_of(sensitivity)));
+  const auto at = centred(colours, daylight_response_of(curves_of(sensitivity)));
   ColourResiduals result;
   result.left = at.left;
   double sum = 0.0, weights = 0.0;
@@ -248,10 +249,10 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
   NonNegative solved;
   constexpr int kRounds = 30;
   for (int round = 0; round < kRounds; ++round) {
-    const auto told = told_of(curves);
-    at = centred(colours, told);
-    information = information_of(colours, told, at);
-    slopes = slopes_of(curves, told);
+    const auto daylight = daylight_response_of(curves);
+    at = centred(colours, daylight);
+    information = information_of(colours, daylight, at);
+    slopes = slopes_of(curves, daylight);
     Eigen::VectorXd now(kUnknowns);
     now << curves[0], curves[1], curves[2], 0.0, 0.0;
     matrix = known + slopes.transpose() * information.matrix * slopes;
@@ -281,10 +282,10 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
 
 std::vector<SkyColour> seen_by(const SpectralSensitivity& sensitivity, std::span<const SkyColour> colours,
                                std::span<const glm::dvec2> left) {
-  const auto told = told_of(curves_of(sensitivity));
+  const auto daylight = daylight_response_of(curves_of(sensitivity));
   std::vector<SkyColour> seen(colours.begin(), colours.end());
   for (std::size_t i = 0; i < seen.size(); ++i)
-    seen[i].log_ratio = log_ratios(told, seen[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
+    seen[i].log_ratio = log_ratios(daylight, seen[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
   return seen;
 }
 

@@ -1,4 +1,4 @@
-// Which colours a camera's channels see, and what that makes of sky light and of surfaces.
+// Spectral sensitivity of a camera's channels, and the colours of sky light and surfaces that follow from it.
 #pragma once
 
 #include <filesystem>
@@ -26,7 +26,7 @@ struct SpectralSensitivity {
 // fourth is ignored; percent or fractions; uneven steps are resampled). Each is normalised so that the largest sample
 // is 1.
 Result<SpectralSensitivity> read_spectral_sensitivity(const std::filesystem::path& path);
-// Three smooth bells around 600, 540 and 450 nm: what a camera without a data sheet is taken for.
+// Three smooth bells around 600, 540 and 450 nm: the default for a camera without a data sheet.
 SpectralSensitivity generic_sensitivity();
 
 // XYZ of sky light from the integrals of L q_c: CIE daylight spectra span three dimensions, so that three channels

@@ -10,7 +10,7 @@
 
 namespace kasumi {
 namespace {
-// The rim itself belongs to the picture: rounding must not push it out.
+// Keeps rays on the rim inside despite rounding.
 constexpr double kRimTolerance = 1e-9;
 }  // namespace
 
@@ -72,7 +72,7 @@ Polynomial distorted_angle(const std::array<double, 4>& k) {
   return {0.0, 1.0, 0.0, k[0], 0.0, k[1], 0.0, k[2], 0.0, k[3]};
 }
 
-// Where the polynomial turns back, two angles share a pixel: the model ends there.
+// Beyond the polynomial's maximum two angles would share a pixel: the model ends there.
 double reach(const Polynomial& distorted, double largest_angle) {
   return std::min(largest_angle, first_positive_root(derivative(distorted)).value_or(largest_angle));
 }

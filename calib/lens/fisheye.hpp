@@ -1,5 +1,4 @@
-// What the fisheye models have in common: the angle from the axis gives a radius in a plane, and an affine map takes
-// that plane to pixels.
+// Base of the fisheye models: the angle from the axis gives a radius in a plane, which an affine map takes to pixels.
 #pragma once
 
 #include <glm/mat2x2.hpp>

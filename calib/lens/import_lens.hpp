@@ -1,4 +1,4 @@
-// Lenses that other programs have calibrated.
+// Lens calibrations of other programs.
 #pragma once
 
 #include <filesystem>

@@ -57,10 +57,10 @@ LensPtr pinhole_lens(const PinholeModel& model);
 // The model behind a pinhole lens, for the renderer's projection; empty for every other lens.
 std::optional<PinholeModel> pinhole_model(const Lens& lens);
 
-// The text file OCamCalib exports (calib_results.txt). Its inverse polynomial is left aside: that is only a fit.
+// The text file OCamCalib exports (calib_results.txt). Its inverse polynomial is ignored: it is an approximation.
 Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path);
 
-// [lens] of a camera. Problems are left in the table's file; the result is then some valid lens, so that reading can go
+// [lens] of a camera. Problems are recorded in the table; the result is then some valid lens, so that reading can go
 // on. Keys by model (docs/cameras.md), fisheyes also largest_angle_deg (default 90, or fov_deg / 2):
 //   model = "equidistant" | "equisolid":  focal_px = f, centre_px = [x, y]  or  fov_deg, circle_px = [x, y, radius]
 //   model = "opencv_fisheye":             focal_px = [fx, fy], centre_px, k = [k1, k2, k3, k4]

@@ -147,7 +147,7 @@ Result<LensCalibration> calibrate_lens(std::vector<BoardView> views, int width, 
                 "no lens model fits the {} views: expected pictures of one flat board, all by the same camera at the "
                 "same zoom and focus",
                 views.size());
-  // All models are asked about the same views: those kept by the one that explains its own best.
+  // All models are compared on the same views: those kept by the model with the smallest residuals.
   const auto closest = std::min_element(
       fits.begin(), fits.end(), [](const CleanFit& a, const CleanFit& b) { return a.fit.rms_px < b.fit.rms_px; });
   const auto judged_by = closest->views;

@@ -1,5 +1,5 @@
-// Which lens a camera has, from pictures of a board: models compared on views they have not seen, bad views dropped,
-// and what the pictures leave open told.
+// Lens calibration from pictures of a board: compares models by cross-validation, drops bad views, and reports what
+// the pictures leave undetermined.
 #pragma once
 
 #include "base/result.hpp"
@@ -43,10 +43,9 @@ struct LensCalibrationOptions {
 
 constexpr std::size_t kFewestViews = 4;
 
-// A view is dropped when its rms is more than 3 x the others' median and more than .3 px above it, at most a third of
-// them. Of models that predict within 2 % as well as the best, the
-// first in the order of kLensFamilies is taken. Errors (bad_input): too few views;
-// nothing fits.
+// A view is dropped when its rms is more than 3 x the others' median and more than 0.3 px above it, at most a third of
+// them. Of models within 2 % of the best held-out error, the first in kLensFamilies is chosen. Errors (bad_input): too
+// few views; no model fits.
 Result<LensCalibration> calibrate_lens(std::vector<BoardView> views, int width, int height,
                                        const LensCalibrationOptions& options = {});
 

@@ -32,7 +32,7 @@ std::string_view model_name(const LensDescription& description);  // as the key 
 glm::dvec2 centre_of(const LensDescription& description);
 // Pixels per radian on the optical axis, the mean of both directions.
 double focal_px_of(const LensDescription& description);
-// The same glass before the sensor at another place and distance: every radius times `scale` about the new centre.
+// The same lens, shifted and scaled on the sensor: every radius times `scale` about the new centre.
 LensDescription moved(LensDescription description, const glm::dvec2& centre, double scale);
 // [lens], as read_lens reads it.
 LensDescription read_lens_description(const ConfigTable& table);

@@ -58,7 +58,7 @@ ceres::Solver::Options solver_options() {
   return options;
 }
 
-// Where the lens sees nothing of a corner, its residual is not a number that means anything: a whole picture away.
+// Corners outside the lens's reach get a residual of a whole picture.
 ViewResiduals residuals(const Lens& lens, const BoardView& view, const BoardPose& pose) {
   constexpr double kUnseen_px = 1e4;
   ViewResiduals result{pose, {}, 0.0};

@@ -13,7 +13,7 @@
 namespace kasumi {
 
 enum class LensFamily { pinhole, opencv_fisheye, scaramuzza };
-// The renderer draws through a pinhole, and many programs read OpenCV's numbers: so we would rather have them.
+// In order of preference: the renderer needs a pinhole, and many programs read OpenCV's parameters.
 inline constexpr std::array kLensFamilies{LensFamily::pinhole, LensFamily::opencv_fisheye, LensFamily::scaramuzza};
 std::string_view name_of(LensFamily family);  // as the key `model` has it
 

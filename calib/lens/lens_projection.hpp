@@ -1,5 +1,5 @@
-// The lens models once more, differentiable: as Ceres fits them. The lenses themselves (calib/lens/lens.hpp) are what
-// everything else uses; tests/calib holds the two to each other.
+// Differentiable versions of the lens models, for fits with Ceres. Everything else uses calib/lens/lens.hpp;
+// tests/calib checks that the two agree.
 #pragma once
 
 #include <array>

@@ -15,12 +15,12 @@ std::vector<std::vector<double>> number_lines(const std::string& text, Problems&
   for (int number = 1; std::getline(file, line); ++number) {
     const auto start = line.find_first_not_of(" \t\r");
     if (start == std::string::npos || line[start] == '#') continue;
-    std::istringstream words(line);
+    std::istringstream stream(line);
     std::vector<double> values;
-    for (double value; words >> value;) values.push_back(value);
-    words.clear();
+    for (double value; stream >> value;) values.push_back(value);
+    stream.clear();
     std::string rest;
-    if (words >> rest) problems.add("line {}: \"{}\" is not a number", number, rest);
+    if (stream >> rest) problems.add("line {}: \"{}\" is not a number", number, rest);
     lines.push_back(std::move(values));
   }
   return lines;

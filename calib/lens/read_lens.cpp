@@ -58,7 +58,7 @@ ScaramuzzaModel read_scaramuzza_model(const ConfigTable& table) {
       if (table.has(key) && !table.numbers(key, 0).empty())
         table.problem(key, "either ocamcalib or polynomial, centre_px and affine, not both");
     std::error_code error;
-    if (!std::filesystem::is_regular_file(*path, error)) return some_valid_one;  // has been said by optional_file
+    if (!std::filesystem::is_regular_file(*path, error)) return some_valid_one;  // already reported by optional_file
     auto model = read_ocamcalib(*path);
     if (!model)
       table.problem("ocamcalib", fmt::format("a calibration exported by OCamCalib ({})", model.error().message));

@@ -66,8 +66,8 @@ Image<std::uint8_t> circle_mask(const std::vector<double>& circle, const glm::iv
   return mask;
 }
 
-Dark look_at_dark(const std::vector<Image<glm::vec3>>& pictures, double quantum) {
-  Dark dark;
+DarkFrame measure_dark_frame(const std::vector<Image<glm::vec3>>& pictures, double quantum) {
+  DarkFrame dark;
   if (pictures.empty()) return dark;
   const auto size = pictures.front().elements().size();
   std::vector<glm::dvec3> mean(size, glm::dvec3(0.0));
@@ -93,8 +93,8 @@ Dark look_at_dark(const std::vector<Image<glm::vec3>>& pictures, double quantum)
   return dark;
 }
 
-Result<VignettingFit> look_at_flats(const std::vector<Image<glm::vec3>>& flats, const Response& response,
-                                    const std::vector<double>& circle, const Image<std::uint8_t>& mask) {
+Result<VignettingFit> fit_flat_fields(const std::vector<Image<glm::vec3>>& flats, const Response& response,
+                                      const std::vector<double>& circle, const Image<std::uint8_t>& mask) {
   std::vector<Image<float>> lights;
   for (const auto& flat : flats) {
     Image<float> light(flat.width(), flat.height());

@@ -35,17 +35,17 @@ KnownStack known_exposures(ExposureStack stack, const std::vector<double>& expos
 // A circle (x, y, radius) as a mask; empty when none is given.
 Image<std::uint8_t> circle_mask(const std::vector<double>& circle, const glm::ivec2& size);
 
-struct Dark {
+struct DarkFrame {
   glm::dvec3 black{0.0};        // mean of the middle half of each channel
   std::vector<glm::ivec2> hot;  // brighter than the rest of their channel by far
   double hot_above = 0.0;       // from that level on
 };
 
 // Pictures with the lens covered; none: no black level, nothing hot.
-Dark look_at_dark(const std::vector<Image<glm::vec3>>& pictures, double quantum);
+DarkFrame measure_dark_frame(const std::vector<Image<glm::vec3>>& pictures, double quantum);
 
 // Vignetting from evenly lit pictures, over the circle, or the whole picture where none is given.
-Result<VignettingFit> look_at_flats(const std::vector<Image<glm::vec3>>& flats, const Response& response,
-                                    const std::vector<double>& circle, const Image<std::uint8_t>& mask);
+Result<VignettingFit> fit_flat_fields(const std::vector<Image<glm::vec3>>& flats, const Response& response,
+                                      const std::vector<double>& circle, const Image<std::uint8_t>& mask);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// From a camera's numbers to light: response curve and vignetting.
+// From pixel values to light: response curve and vignetting.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ class Response {
   Kind kind() const { return kind_; }
   glm::dvec3 to_light(const glm::dvec3& encoded) const;
   glm::dvec3 to_encoded(const glm::dvec3& light) const;
-  // d light / d encoded, for carrying quantisation and noise over.
+  // d light / d encoded, to propagate quantisation and noise.
   glm::dvec3 slope(const glm::dvec3& encoded) const;
 
  private:

@@ -23,7 +23,7 @@ struct Method {
   double smoothness;
 };
 
-// From the simplest to the most supple.
+// From the simplest to the most flexible.
 std::vector<Method> methods() {
   std::vector<Method> all;
   for (int order = 1; order <= kHighestOrder; ++order) all.push_back({false, order, 0.0});

@@ -11,29 +11,29 @@
 namespace kasumi {
 namespace {
 
-constexpr double kAround = 1.0 / 16.0;  // standard deviation of the surroundings, of the picture's width
-constexpr float kLeast = 0.08f;         // in ln light
-constexpr float kRoughest = 0.12f;      // in ln light: more is clouds, which say nothing
-constexpr double kOften = 0.8;          // of the looks
-constexpr std::size_t kFewestLooks = 8;
-constexpr int kSmallest = 4;  // elements
+constexpr double kSurroundings = 1.0 / 16.0;  // standard deviation of the surroundings, of the picture's width
+constexpr float kMinDimming = 0.08f;          // in ln light
+constexpr float kMaxRoughness = 0.12f;        // in ln light: more is clouds, which say nothing
+constexpr double kMinFrameShare = 0.8;        // of the frames
+constexpr std::size_t kMinFrames = 8;
+constexpr int kMinArea = 4;  // elements
 
 struct Relief {
   cv::Mat light, colour;  // ln of green, ln of red over blue, relative to the surroundings
   cv::Mat roughness;      // root mean square of the first over the surroundings
 };
 
-Relief relief_of(const DomeLook& look, const Image<std::uint8_t>& usable) {
-  const int width = look.width(), height = look.height();
+Relief relief_of(const DomeFrame& frame, const Image<std::uint8_t>& usable) {
+  const int width = frame.width(), height = frame.height();
   cv::Mat weight(height, width, CV_32F), light(height, width, CV_32F), colour(height, width, CV_32F);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const auto c = look.at(x, y) + 1e-4f;
+      const auto c = frame.at(x, y) + 1e-4f;
       weight.at<float>(y, x) = usable.at(x, y) ? 1.0f : 0.0f;
       light.at<float>(y, x) = std::log(c.y);
       colour.at<float>(y, x) = std::log(c.x / c.z);
     }
-  const double sigma = kAround * width;
+  const double sigma = kSurroundings * width;
   cv::Mat total;
   cv::GaussianBlur(weight, total, {}, sigma);
   const auto relative = [&](const cv::Mat& values) {
@@ -50,14 +50,14 @@ Relief relief_of(const DomeLook& look, const Image<std::uint8_t>& usable) {
 
 }  // namespace
 
-DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference, const Image<std::uint8_t>& usable) {
+DomeState find_spots(std::span<const DomeFrame> frames, const DomeFrame& reference, const Image<std::uint8_t>& usable) {
   DomeState state;
-  if (looks.size() < kFewestLooks) return state;
+  if (frames.size() < kMinFrames) return state;
   const int width = usable.width(), height = usable.height();
   std::vector<Relief> reliefs;
-  for (const auto& look : looks) {
-    if (look.width() != width || look.height() != height) return state;
-    reliefs.push_back(relief_of(look, usable));
+  for (const auto& frame : frames) {
+    if (frame.width() != width || frame.height() != height) return state;
+    reliefs.push_back(relief_of(frame, usable));
   }
   const auto before = relief_of(reference, usable);
   cv::Mat often(height, width, CV_32F, cv::Scalar(0)), hue(height, width, CV_32F, cv::Scalar(0));
@@ -71,14 +71,14 @@ DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference,
       values.clear();
       hues.clear();
       for (const auto& relief : reliefs) {
-        if (relief.roughness.at<float>(y, x) > kRoughest) continue;
+        if (relief.roughness.at<float>(y, x) > kMaxRoughness) continue;
         values.push_back(relief.light.at<float>(y, x));
         hues.push_back(relief.colour.at<float>(y, x));
       }
       if (values.size() < fewest) continue;
       ++judged;
       is_judged.at(x, y) = 255;
-      often.at<float>(y, x) = quantile_in_place(values, kOften);
+      often.at<float>(y, x) = quantile_in_place(values, kMinFrameShare);
       hue.at<float>(y, x) = quantile_in_place(hues, 0.5);
       all.push_back(often.at<float>(y, x));
     }
@@ -86,7 +86,8 @@ DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference,
   state.looked_at = double(judged) / (double(width) * height);
   const float middle = quantile_in_place(all, 0.5);
   for (auto& value : all) value = std::abs(value - middle);
-  const float least = std::max(kLeast, 5.0f * static_cast<float>(kSigmaOverMedianSize) * quantile_in_place(all, 0.5));
+  const float least =
+      std::max(kMinDimming, 5.0f * static_cast<float>(kSigmaOverMedianSize) * quantile_in_place(all, 0.5));
   state.least_dimming = 1.0 - std::exp(double{-least});
 
   cv::Mat dark(height, width, CV_8U, cv::Scalar(0)), labels, stats, centres;
@@ -94,13 +95,14 @@ DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference,
     for (int x = 0; x < width; ++x) {
       const float depth = often.at<float>(y, x);
       const bool bluer = hue.at<float>(y, x) < -least;
-      const bool was_so = before.roughness.at<float>(y, x) <= kRoughest && depth > before.light.at<float>(y, x) - least;
+      const bool was_so =
+          before.roughness.at<float>(y, x) <= kMaxRoughness && depth > before.light.at<float>(y, x) - least;
       if (is_judged.at(x, y) && depth < -least && !bluer && !was_so) dark.at<std::uint8_t>(y, x) = 255;
     }
   const int count = cv::connectedComponentsWithStats(dark, labels, stats, centres);
   for (int i = 1; i < count; ++i) {
     const int area = stats.at<int>(i, cv::CC_STAT_AREA);
-    if (area < kSmallest) continue;
+    if (area < kMinArea) continue;
     double darkest = 0.0;
     cv::minMaxLoc(often, &darkest, nullptr, nullptr, nullptr, labels == i);
     state.spots.push_back(

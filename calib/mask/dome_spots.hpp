@@ -1,4 +1,4 @@
-// Dirt on the sky camera's dome: places that are darker than the sky around them however the sky moves.
+// Dirt on the sky camera's dome: spots that stay darker than the surrounding sky while the sky changes.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace kasumi {
 
-// One look at the sky, shrunk: linear light of red, green and blue.
-using DomeLook = Image<glm::vec3>;
+// One frame of the sky, downsampled: linear red, green and blue light.
+using DomeFrame = Image<glm::vec3>;
 
 struct DomeSpot {
   glm::dvec2 place{};    // in elements of the shrunk picture, its middle
@@ -26,9 +26,9 @@ struct DomeState {
 };
 
 // A spot is darker than its surroundings (some 11 deg about) by more than the noise and 8 % in four of five of those
-// looks in which the sky about it was smooth (four at least), not bluer than they are (a gap between clouds is), and
-// was not so in the reference. `usable`, of the looks' size: 0 near the sun, near obstructions, near the horizon. Of
-// fewer than 8 looks nothing is judged (looked_at is 0).
-DomeState find_spots(std::span<const DomeLook> looks, const DomeLook& reference, const Image<std::uint8_t>& usable);
+// frames in which the sky about it was smooth (four at least), not bluer than they are (a gap between clouds is), and
+// was not so in the reference. `usable`, of the frames' size: 0 near the sun, near obstructions, near the horizon. Of
+// fewer than 8 frames nothing is judged (looked_at is 0).
+DomeState find_spots(std::span<const DomeFrame> frames, const DomeFrame& reference, const Image<std::uint8_t>& usable);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// Where the picture of a fisheye lies in its frame.
+// The image circle of a fisheye.
 #pragma once
 
 #include <optional>

@@ -55,11 +55,11 @@ Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke
   std::array<std::int64_t, 3> drawn{};
   for (int y = box.y; y < box.y + box.height; ++y)
     for (int x = box.x; x < box.x + box.width; ++x) ++drawn[static_cast<std::size_t>(strokes.at(x, y))];
-  for (const auto& [kind, words] : {std::pair{Stroke::hidden, "what stands in front (red, [[hidden]])"},
-                                    std::pair{Stroke::free, "what is free (green or blue, [[free]])"}})
+  for (const auto& [kind, description] : {std::pair{Stroke::hidden, "what stands in front (red, [[hidden]])"},
+                                          std::pair{Stroke::free, "what is free (green or blue, [[free]])"}})
     if (drawn[static_cast<std::size_t>(kind)] < 20)
-      problems.add("strokes on {}: {} pixels{}, expected at least 20", words, drawn[static_cast<std::size_t>(kind)],
-                   options.box ? " in the box" : "");
+      problems.add("strokes on {}: {} pixels{}, expected at least 20", description,
+                   drawn[static_cast<std::size_t>(kind)], options.box ? " in the box" : "");
   if (!problems.empty()) return fail(problems.fault());
 
   auto copy = picture.elements();
@@ -120,7 +120,7 @@ Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke
   for (int y = 0; y < box.height; ++y)
     for (int x = 0; x < box.width; ++x) {
       const float share = free.at<float>(y, x);
-      // What is all but one or the other is that: a guided filter's hum is no air.
+      // Clamps shares near 0 and 1, so that ripple of the guided filter does not show.
       const float clean = std::clamp((share - 0.04F) / 0.92F, 0.0F, 1.0F);
       found.mask.at(box.x + x, box.y + y) = static_cast<std::uint8_t>(std::lround(255.0F * clean));
       hidden += 1.0 - static_cast<double>(clean);

@@ -1,4 +1,4 @@
-// What stands in front of the building, from one picture of the scene and a few strokes drawn by a person.
+// The foreground mask, from one picture of the scene and a few strokes drawn by a person.
 #pragma once
 
 #include <filesystem>

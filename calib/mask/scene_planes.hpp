@@ -1,4 +1,4 @@
-// Distances without a depth map: a level ground under the camera, upright walls behind it.
+// Distances without a depth map: level ground below the camera and vertical walls.
 #pragma once
 
 #include <filesystem>

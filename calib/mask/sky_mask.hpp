@@ -1,4 +1,4 @@
-// What a sky camera never sees sky behind, from many pictures of a day.
+// The permanently obstructed part of the sky camera's view, from many pictures of a day.
 #pragma once
 
 #include <span>

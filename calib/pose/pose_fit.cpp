@@ -13,7 +13,7 @@
 namespace kasumi {
 namespace {
 
-using Change = std::array<double, kPoseUnknowns>;
+using PoseChange = std::array<double, kPoseUnknowns>;
 
 PoseModel changed(const PoseModel& model, const double* change, const ScenePrior& prior) {
   return {model.to_world * rotation_by({change[0], change[1], change[2]}),
@@ -49,8 +49,8 @@ struct HorizonCost {
   }
 };
 
-// What is held (sigma 0) has no effect on anything else and is kept where it was by this.
-struct PriorCost {
+// Also keeps parameters that are held fixed (sigma 0) at their start.
+struct PosePriorCost {
   const ScenePrior* prior;
   PoseModel from;
   bool operator()(const double* change, double* residual) const {
@@ -74,7 +74,7 @@ ceres::CostFunction* cost_of(const ScaledLens& lens, const ScenePrior& prior, co
 
 void linearise(PoseFit& solved, const ScaledLens& lens, const ScenePrior& prior, const PoseSights& sights,
                const std::vector<bool>& used) {
-  Change none{};
+  PoseChange none{};
   const double* at[] = {none.data()};
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, kPoseUnknowns, Eigen::RowMajor>;
   const auto evaluate = [&](const ceres::CostFunction& cost, Eigen::VectorXd& residual, Rows& rows) {
@@ -86,8 +86,8 @@ void linearise(PoseFit& solved, const ScaledLens& lens, const ScenePrior& prior,
   PoseCovariance information = PoseCovariance::Zero();
   Eigen::VectorXd residual;
   Rows rows;
-  const ceres::NumericDiffCostFunction<PriorCost, ceres::CENTRAL, 5, kPoseUnknowns> known(
-      new PriorCost{&prior, solved.model});
+  const ceres::NumericDiffCostFunction<PosePriorCost, ceres::CENTRAL, 5, kPoseUnknowns> known(
+      new PosePriorCost{&prior, solved.model});
   if (evaluate(known, residual, rows)) information += rows.transpose() * rows;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     const std::unique_ptr<ceres::CostFunction> cost(cost_of(lens, prior, solved.model, sights, i));
@@ -140,13 +140,13 @@ std::optional<double> residual_of(const PoseModel& model, const ScaledLens& lens
 
 PoseFit fit_pose(const PoseModel& from, const ScaledLens& lens, const ScenePrior& prior, const PoseSights& sights,
                  const std::vector<bool>& used) {
-  Change change{};
+  PoseChange change{};
   ceres::Problem problem;
   for (std::size_t i = 0; i < sights.size(); ++i)
     if (used[i]) problem.AddResidualBlock(cost_of(lens, prior, from, sights, i), nullptr, change.data());
-  problem.AddResidualBlock(
-      new ceres::NumericDiffCostFunction<PriorCost, ceres::CENTRAL, 5, kPoseUnknowns>(new PriorCost{&prior, from}),
-      nullptr, change.data());
+  problem.AddResidualBlock(new ceres::NumericDiffCostFunction<PosePriorCost, ceres::CENTRAL, 5, kPoseUnknowns>(
+                               new PosePriorCost{&prior, from}),
+                           nullptr, change.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.num_threads = 1;

@@ -1,4 +1,4 @@
-// Which sights are wrong: those that the rest contradicts.
+// Outlier rejection: finds sights that contradict the others.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ struct Contradiction {
 };
 Contradiction contradiction(const PoseFit& fit, std::size_t sight, bool used);
 
-// Drops what the rest contradicts, the worst first, and takes in again what agrees after all (Baarda's data snooping).
+// Drops what the rest contradicts, the worst first, and restores those that agree after all (Baarda's data snooping).
 // `used`: to begin with, and then in the end.
 PoseFit fit_without_wrong(const PoseModel& from, const ScaledLens& lens, const ScenePrior& prior,
                           const PoseSights& sights, std::vector<bool>& used);

@@ -12,27 +12,14 @@
 #include "base/geometry.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/pose/pose_screening.hpp"
+#include "calib/pose/rotation.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr double kStartTolerance = 12.0;  // sigmas: a pair's pose is no better than the pair
-constexpr double kUnchecked = 0.1;        // part of an error that shows in the landmark's own residual
-constexpr double kSaysNothing = 0.7;      // of the prior's sigma still left
-
-// The rotation that takes one pair of directions to another as well as a rotation can.
-std::optional<glm::dmat3> rotation_between(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& to_a,
-                                           const glm::dvec3& to_b) {
-  const auto frame = [](const glm::dvec3& p, const glm::dvec3& q) -> std::optional<glm::dmat3> {
-    const glm::dvec3 across = glm::cross(p, q);
-    if (!(glm::length(across) > 1e-4)) return std::nullopt;
-    const glm::dvec3 middle = glm::normalize(p + q), normal = glm::normalize(across);
-    return glm::dmat3{middle, normal, glm::cross(middle, normal)};
-  };
-  const auto from = frame(a, b), to = frame(to_a, to_b);
-  if (!from || !to) return std::nullopt;
-  return *to * glm::transpose(*from);
-}
+constexpr double kStartTolerance = 12.0;   // sigmas: a pair's pose is no better than the pair
+constexpr double kUnchecked = 0.1;         // part of an error that shows in the landmark's own residual
+constexpr double kUndeterminedPose = 0.7;  // of the prior's sigma still left
 
 // The scale at which two pixels see an angle, as near to the prior's as the prior allows: the angle falls as it grows.
 double log_scale_of(const ScaledLens& lens, const glm::dvec2& a, const glm::dvec2& b, Radians apart, double sigma) {
@@ -63,7 +50,7 @@ std::optional<Start> best_pair(const PoseSights& sights, const ScaledLens& lens,
       model.log_scale = log_scale_of(lens, all[a].pixel, all[b].pixel, angle_between(to_a, to_b), prior.scale_sigma);
       const auto ray_a = lens.unproject(all[a].pixel, model.log_scale);
       const auto ray_b = lens.unproject(all[b].pixel, model.log_scale);
-      const auto rotation = ray_a && ray_b ? rotation_between(*ray_a, *ray_b, to_a, to_b) : std::nullopt;
+      const auto rotation = ray_a && ray_b ? rotation_between(*ray_a, *ray_b, to_a, to_b, 1e-4) : std::nullopt;
       if (!rotation) continue;
       model.to_world = *rotation;
       Start start{model, std::vector<bool>(sights.size(), true)};
@@ -148,11 +135,11 @@ void fill_sigma(ScenePose& pose, const PoseFit& solved, const ScenePrior& prior,
 void tell_undetermined(ScenePose& pose, const PoseFit& solved, const PoseSights& sights, const std::vector<bool>& used,
                        const ScenePrior& prior) {
   auto& tell = pose.undetermined;
-  if (pose.sigma.roll.value > kSaysNothing * prior.level_sigma.value)
+  if (pose.sigma.roll.value > kUndeterminedPose * prior.level_sigma.value)
     tell.push_back(fmt::format(
         "roll: the landmarks lie too close together to tell it, it is known to {:.2g} deg only, from the mounting",
         to_degrees(pose.sigma.roll)));
-  if (prior.scale_sigma > 0.0 && pose.sigma.scale > kSaysNothing * prior.scale_sigma)
+  if (prior.scale_sigma > 0.0 && pose.sigma.scale > kUndeterminedPose * prior.scale_sigma)
     tell.push_back(fmt::format("focal length: the landmarks say little of it, it is known to {:.2g} % only",
                                100.0 * pose.sigma.scale));
   for (std::size_t i = 0; i < sights.landmarks.size(); ++i)

@@ -1,4 +1,4 @@
-// Where the scene camera looks, from things in its picture whose places are known.
+// The scene camera's pose from landmarks of known position.
 #pragma once
 
 #include <span>
@@ -29,7 +29,7 @@ struct HorizonSight {
   double sigma_px = 1.0;
 };
 
-// What is known before. One standard deviation each.
+// Prior knowledge. One standard deviation each.
 struct ScenePrior {
   int width = 0;
   int height = 0;
@@ -57,7 +57,7 @@ struct ScenePose {
     double scale = 0.0;
     glm::dvec3 position_m{};
   } sigma;
-  std::vector<std::string> undetermined;  // for a person: what the landmarks say nothing of, or cannot check
+  std::vector<std::string> undetermined;  // for people: what the landmarks leave undetermined or unchecked
 };
 
 // One landmark will do beside two points of the horizon, which level the camera. Every pair of landmarks is tried as a
@@ -68,8 +68,7 @@ struct ScenePose {
 Result<ScenePose> pose_scene(std::span<const LandmarkSight> landmarks, std::span<const HorizonSight> horizon,
                              const ScenePrior& prior);
 
-// How far the horizon of a level surface lies below the horizontal for an eye so high above it, light bending along
-// the earth with the coefficient `refraction`.
+// Dip of the horizon for an observer `height_m` above a level surface; `refraction`: coefficient of refraction.
 Radians dip_of_horizon(double height_m, double refraction);
 
 }  // namespace kasumi

@@ -12,15 +12,16 @@
 #include <glm/matrix.hpp>
 
 #include "base/statistics.hpp"
+#include "calib/pose/rotation.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr Radians kOnePlace = from_degrees(3.0);
+constexpr Radians kSamePlace = from_degrees(3.0);
 constexpr int kTrials = 500;
-constexpr double kAgree_px = 4.0, kAgree_sigma = 4.0;  // the first with a lens not yet fitted
+constexpr double kInlier_px = 4.0, kInlierSigmas = 4.0;  // the first with a lens not yet fitted
 constexpr double kFewSights_px = 0.5;
-constexpr double kSunsSayNothing = 0.7;  // of the prior's sigma still left
+constexpr double kUndeterminedOrientation = 0.7;  // of the prior's sigma still left
 
 // A turn of the world (axis times angle, radians), the centre's shift in pixels, ln scale.
 using OrientationChange = std::array<double, 6>;
@@ -101,20 +102,6 @@ std::vector<glm::dvec2> residuals_of(const Model& model, std::span<const SunSigh
   return residuals;
 }
 
-// The rotation that takes one pair of directions to another as well as a rotation can.
-std::optional<glm::dmat3> rotation_by_two_suns(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& to_a,
-                                               const glm::dvec3& to_b) {
-  const auto frame = [](const glm::dvec3& p, const glm::dvec3& q) -> std::optional<glm::dmat3> {
-    const glm::dvec3 middle = glm::normalize(p + q), across = glm::cross(p, q);
-    if (!(glm::length(across) > 0.02)) return std::nullopt;
-    const glm::dvec3 normal = glm::normalize(across);
-    return glm::dmat3{middle, normal, glm::cross(middle, normal)};
-  };
-  const auto from = frame(a, b), to = frame(to_a, to_b);
-  if (!from || !to) return std::nullopt;
-  return *to * glm::transpose(*from);
-}
-
 std::vector<bool> agreeing(const Model& model, std::span<const SunSight> sights, double tolerance_px) {
   std::vector<bool> agree;
   for (const auto& residual : residuals_of(model, sights)) agree.push_back(glm::length(residual) <= tolerance_px);
@@ -126,7 +113,7 @@ std::vector<bool> agreeing(const Model& model, std::span<const SunSight> sights,
 std::optional<Model> consensus(std::span<const SunSight> sights, const SkyPrior& prior) {
   const auto lens = make_lens(wide(prior.lens));
   const double tolerance_px =
-      kAgree_px + glm::length(prior.centre_sigma_px) + prior.scale_sigma * focal_px_of(prior.lens);
+      kInlier_px + glm::length(prior.centre_sigma_px) + prior.scale_sigma * focal_px_of(prior.lens);
   std::mt19937_64 random(1);
   std::optional<Model> best;
   double best_score = 0.0;
@@ -135,7 +122,7 @@ std::optional<Model> consensus(std::span<const SunSight> sights, const SkyPrior&
     const auto& b = sights[random() % sights.size()];
     const auto ray_a = lens->unproject(a.pixel), ray_b = lens->unproject(b.pixel);
     if (!ray_a || !ray_b) continue;
-    const auto rotation = rotation_by_two_suns(*ray_a, *ray_b, a.sun, b.sun);
+    const auto rotation = rotation_between(*ray_a, *ray_b, a.sun, b.sun, 0.02);
     if (!rotation) continue;
     const Model model{*rotation, prior.lens};
     double score = 0.0;  // close ones count more
@@ -204,7 +191,7 @@ double spread_px(const std::vector<glm::dvec2>& residuals, const std::vector<boo
 
 bool at_one_place(std::span<const SunSight> sights) {
   return std::all_of(sights.begin(), sights.end(),
-                     [&](const SunSight& s) { return angle_between(s.sun, sights[0].sun) <= kOnePlace; });
+                     [&](const SunSight& s) { return angle_between(s.sun, sights[0].sun) <= kSamePlace; });
 }
 
 void finish(SkyOrientation& result, std::span<const SunSight> sights) {
@@ -260,12 +247,14 @@ void tell_undetermined(SkyOrientation& result, const SkyPrior& prior) {
           fmt::format("{}: the sun's track says little of it, it is known to {:.2g} {} only", what, value, unit));
   };
   const double level = prior.level_sigma.value;
-  tell(sigma.tilt_east.value > kSunsSayNothing * level, "tilt to the east", to_degrees(sigma.tilt_east), "deg");
-  tell(sigma.tilt_north.value > kSunsSayNothing * level, "tilt to the north", to_degrees(sigma.tilt_north), "deg");
+  tell(sigma.tilt_east.value > kUndeterminedOrientation * level, "tilt to the east", to_degrees(sigma.tilt_east),
+       "deg");
+  tell(sigma.tilt_north.value > kUndeterminedOrientation * level, "tilt to the north", to_degrees(sigma.tilt_north),
+       "deg");
   tell(std::max(sigma.centre_px.x / prior.centre_sigma_px.x, sigma.centre_px.y / prior.centre_sigma_px.y) >
-           kSunsSayNothing,
+           kUndeterminedOrientation,
        "centre of the lens", std::max(sigma.centre_px.x, sigma.centre_px.y), "px");
-  tell(sigma.scale > kSunsSayNothing * prior.scale_sigma, "focal length", 100.0 * sigma.scale, "percent");
+  tell(sigma.scale > kUndeterminedOrientation * prior.scale_sigma, "focal length", 100.0 * sigma.scale, "percent");
 }
 
 }  // namespace
@@ -284,7 +273,7 @@ Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPri
   // First what a lens not yet fitted can explain; then, as lens and noise become known, what is within 4 sigma.
   Model model = *start;
   const double generous =
-      kAgree_px + 2.0 * (glm::length(prior.centre_sigma_px) + prior.scale_sigma * focal_px_of(prior.lens));
+      kInlier_px + 2.0 * (glm::length(prior.centre_sigma_px) + prior.scale_sigma * focal_px_of(prior.lens));
   auto used = agreeing(model, sights, generous);
   double sigma_px = 1.0;
   Solved solved{model, {}};
@@ -294,7 +283,7 @@ Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPri
     // A few sights agree by chance, since so much is free to follow them.
     const bool few = std::count(used.begin(), used.end(), true) < 10;
     sigma_px = std::max(few ? kFewSights_px : prior.least_sigma_px, spread_px(residuals_of(model, sights), used));
-    auto next = agreeing(model, sights, kAgree_sigma * sigma_px);
+    auto next = agreeing(model, sights, kInlierSigmas * sigma_px);
     if (std::count(next.begin(), next.end(), true) < 2) break;
     if (round >= 2 && next == used) break;
     used = std::move(next);

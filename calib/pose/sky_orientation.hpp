@@ -1,4 +1,4 @@
-// Where the sky camera looks, and where its lens sits before the sensor, from places of the sun in its pictures.
+// Orientation and principal point of the sky camera, from the sun's positions in its pictures.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ struct SunSight {
   glm::dvec2 pixel{};
 };
 
-// What is known before the sun is asked. One standard deviation each.
+// Prior knowledge. One standard deviation each.
 struct SkyPrior {
   LensDescription lens;
   glm::dvec2 centre_sigma_px{3.0};          // of the lens's centre: about 0.5 for a found image circle
@@ -44,7 +44,7 @@ struct SkyOrientation {
     glm::dvec2 centre_px{};
     double scale = 0.0;
   } sigma;
-  std::vector<std::string> undetermined;  // for a person: what the sights say nothing of
+  std::vector<std::string> undetermined;  // for people: what the sights leave undetermined
 };
 
 // A shift of the lens's centre and a tilt of the camera look nearly the same: the axis is found no better than

@@ -19,11 +19,11 @@ constexpr int kFieldsAcross = 24, kFieldsDown = 14, kPerField = 2;
 constexpr int kReach = 8;               // px along the normal, either way
 constexpr int kSteps = 4 * kReach + 1;  // half a pixel each
 constexpr int kPlateau = 7;             // steps at either end that are the dark and the bright side
-constexpr double kLeastContrast = 0.06;
-constexpr double kRoughest = 0.2;     // deviation of a side, over the step
-constexpr double kFoundAgain = 0.15;  // of the contrast it had
-constexpr int kFewestEdges = 12;
-constexpr double kDarkest = 0.03;
+constexpr double kMinEdgeContrast = 0.06;
+constexpr double kMaxRoughness = 0.2;      // deviation of a side, over the step
+constexpr double kMinContrastKept = 0.15;  // of the contrast it had
+constexpr int kMinEdges = 12;
+constexpr double kDarkShare = 0.03;
 
 double sample(const Image<float>& from, glm::dvec2 at) {
   const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
@@ -112,7 +112,8 @@ std::vector<ViewEdge> find_edges(const Image<float>& light, const Image<std::uin
         if (!(glm::length(gradient) > 0.0)) break;
         const auto normal = glm::normalize(gradient);
         const auto step = measure(light, pixel, normal);
-        if (!step || step->contrast < kLeastContrast || step->roughness > kRoughest || step->spread_px > 4.0) continue;
+        if (!step || step->contrast < kMinEdgeContrast || step->roughness > kMaxRoughness || step->spread_px > 4.0)
+          continue;
         found.push_back({pixel, normal, step->spread_px, step->contrast, step->height / mean});
       }
       edges.insert(edges.end(), found.begin(), found.end());
@@ -141,18 +142,18 @@ std::optional<EdgeChange> compare_edges(const Lens& lens, std::span<const ViewEd
     const double contrast = step ? step->contrast / edge.contrast : 0.0;
     contrasts.push_back(contrast);
     steps.push_back(step ? step->height / mean / edge.step : 0.0);
-    if (contrast < kFoundAgain) continue;
+    if (contrast < kMinContrastKept) continue;
     ratios.push_back(step->spread_px / edge.spread_px);
     before.push_back(edge.spread_px);
     now.push_back(step->spread_px);
   }
-  if (change.sought < kFewestEdges) return std::nullopt;
+  if (change.sought < kMinEdges) return std::nullopt;
   change.edges = static_cast<int>(ratios.size());
   change.contrast_ratio = median(contrasts);
   std::sort(steps.begin(), steps.end());
   change.step_low = steps[steps.size() / 5];
   change.step_high = steps[steps.size() - 1 - steps.size() / 5];
-  if (change.edges < kFewestEdges) return change;
+  if (change.edges < kMinEdges) return change;
   change.spread_ratio = median(ratios);
   auto deviations = ratios;
   for (auto& value : deviations) value = std::abs(value - change.spread_ratio);
@@ -184,7 +185,7 @@ std::optional<Veil> compare_veil(const Lens& lens, const ShrunkView& reference, 
       sum_then += a;
       sum_now += b;
     }
-  const auto count = static_cast<std::size_t>(kDarkest * static_cast<double>(places.size()));
+  const auto count = static_cast<std::size_t>(kDarkShare * static_cast<double>(places.size()));
   if (count < 20 || !(sum_then > 0.0) || !(sum_now > 0.0)) return std::nullopt;
   std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(count), places.end(),
                    [](const Place& a, const Place& b) { return a.then < b.then; });

@@ -1,4 +1,4 @@
-// How sharp a camera sees the edges that stand still, and how much light lies over what is dark: focus and fog.
+// Sharpness of static edges and stray light over dark areas, which reveal lost focus and a fogged lens.
 #pragma once
 
 #include <optional>

@@ -18,18 +18,18 @@
 namespace kasumi {
 namespace {
 
-constexpr int kWindow_px = 25;           // over which the pattern is relative to its mean and contrast
-constexpr double kNoiseContrast = 0.02;  // of the mean: less is noise
+constexpr int kWindow_px = 25;                // over which the pattern is relative to its mean and contrast
+constexpr double kMinPatternContrast = 0.02;  // of the mean: less is noise
 constexpr std::array kBlur_px{6.0, 3.0, 1.2};
 constexpr int kIterations = 12;
 constexpr int kRim_px = 3, kBesideRim_px = 5;  // the pattern ends there, and its end does not move
 constexpr int kPartsAcross = 16;
-constexpr double kSameLooks = 0.5;  // correlation within a part that is taken for the same
-constexpr double kLeastAgreement = 0.25;
-constexpr int kFewestParts = 6, kFewestInPart = 16;
-constexpr int kFewestPoints = 200;
-constexpr double kLeastSigma_px = 0.02;  // no picture is compared better, however well it happens to agree
-constexpr int kCoarse = 4;               // the search for a start is made on so much smaller pictures
+constexpr double kMinPartCorrelation = 0.5;  // correlation within a part that is taken for the same
+constexpr double kMinAgreement = 0.25;
+constexpr int kMinParts = 6, kMinInPart = 16;
+constexpr int kMinPoints = 200;
+constexpr double kMinSigma_px = 0.02;  // no picture is compared better, however well it happens to agree
+constexpr int kCoarseFactor = 4;       // the search for a start is made on so much smaller pictures
 
 cv::Mat mat_of(const Image<float>& image) {
   return cv::Mat(image.height(), image.width(), CV_32F, const_cast<float*>(image.elements().data())).clone();
@@ -56,7 +56,7 @@ cv::Mat pattern_of(const Image<float>& light, const cv::Mat& seen) {
   mean /= share;
   const cv::Mat deviation = (linear - mean).mul(seen);
   cv::blur(deviation.mul(deviation), square, window);
-  cv::sqrt(square / share + kNoiseContrast * kNoiseContrast * mean.mul(mean) + 1e-12, square);
+  cv::sqrt(square / share + kMinPatternContrast * kMinPatternContrast * mean.mul(mean) + 1e-12, square);
   return deviation / square;
 }
 
@@ -82,7 +82,7 @@ class Comparison {
         now_(pattern_of(now.light, seen_)) {
     choose_points();
   }
-  bool enough() const { return points_.size() >= kFewestPoints; }
+  bool enough() const { return points_.size() >= kMinPoints; }
 
   std::optional<ViewTurn> solve() {
     std::optional<ViewTurn> best;
@@ -106,15 +106,15 @@ class Comparison {
     }
     ViewTurn found;
     if (!improve(turn, &found.covariance)) return std::nullopt;
-    const double least = kLeastSigma_px * pixel_angle_;
+    const double least = kMinSigma_px * pixel_angle_;
     for (int i = 0; i < 3; ++i) found.covariance[i][i] += least * least;
     found.turn = turn;
     std::tie(found.agreement, found.parts) = agreement(turn);
-    if (found.parts < kFewestParts || found.agreement < kLeastAgreement) return std::nullopt;
+    if (found.parts < kMinParts || found.agreement < kMinAgreement) return std::nullopt;
     return found;
   }
 
-  // Those with the steepest pattern: they alone tell a shift.
+  // Points with the steepest gradients: only these reveal a shift.
   void choose_points() {
     cv::Mat soft, gx, gy, slope;
     cv::GaussianBlur(reference_, soft, {}, 1.2);
@@ -130,7 +130,7 @@ class Comparison {
     for (int y = 2; y < slope.rows - 2; y += 2)
       for (int x = 2; x < slope.cols - 2; x += 2)
         if (usable(x, y)) slopes.push_back(slope.at<float>(y, x));
-    if (slopes.size() < kFewestPoints) return;
+    if (slopes.size() < kMinPoints) return;
     const float least = median(std::move(slopes));
     const int side = std::max(8, slope.cols / kPartsAcross);
     for (int y = 2; y < slope.rows - 2; ++y)
@@ -195,7 +195,7 @@ class Comparison {
       rows.push_back(row);
       residuals.push_back(row.residual);
     }
-    if (rows.size() < kFewestPoints) return std::nullopt;
+    if (rows.size() < kMinPoints) return std::nullopt;
     const double bound = kTukeyReach * std::max(1e-3, robust_sigma(std::move(residuals)));
     glm::dmat3 normal{0.0};
     glm::dvec3 right{0.0};
@@ -237,13 +237,13 @@ class Comparison {
     return ab / std::sqrt(aa * bb);
   }
 
-  // As it was, shifted as a whole, or turned about the axis: whichever is most alike.
+  // Start of the search: unchanged, shifted, or rotated about the axis, whichever correlates best.
   glm::dvec3 start() {
     prepare(kBlur_px[0]);
     std::vector<glm::dvec3> candidates{glm::dvec3{0.0}};
     cv::Mat small_reference, small_now;
-    cv::resize(reference_, small_reference, {}, 1.0 / kCoarse, 1.0 / kCoarse, cv::INTER_AREA);
-    cv::resize(now_, small_now, {}, 1.0 / kCoarse, 1.0 / kCoarse, cv::INTER_AREA);
+    cv::resize(reference_, small_reference, {}, 1.0 / kCoarseFactor, 1.0 / kCoarseFactor, cv::INTER_AREA);
+    cv::resize(now_, small_now, {}, 1.0 / kCoarseFactor, 1.0 / kCoarseFactor, cv::INTER_AREA);
     const int x = small_reference.cols / 5, y = small_reference.rows / 5;
     const cv::Rect inner(x, y, small_reference.cols - 2 * x, small_reference.rows - 2 * y);
     if (inner.width > 8 && inner.height > 8) {
@@ -253,8 +253,8 @@ class Comparison {
       cv::minMaxLoc(score, nullptr, nullptr, nullptr, &best);
       const glm::dvec2 middle{reference_.cols / 2.0, reference_.rows / 2.0};
       const auto from = lens_.unproject(view_.pixel(middle.x, middle.y)),
-                 to =
-                     lens_.unproject(view_.pixel(middle.x + kCoarse * (best.x - x), middle.y + kCoarse * (best.y - y)));
+                 to = lens_.unproject(
+                     view_.pixel(middle.x + kCoarseFactor * (best.x - x), middle.y + kCoarseFactor * (best.y - y)));
       if (from && to) candidates.push_back(glm::cross(glm::normalize(*from), glm::normalize(*to)));
     }
     for (int half_deg = -20; half_deg <= 20; ++half_deg)
@@ -284,11 +284,11 @@ class Comparison {
     }
     int full = 0, same = 0;
     for (const auto& part : parts) {
-      if (part.n < kFewestInPart) continue;
+      if (part.n < kMinInPart) continue;
       ++full;
       const double covariance = part.ab - part.a * part.b / part.n;
       const double aa = part.aa - part.a * part.a / part.n, bb = part.bb - part.b * part.b / part.n;
-      if (covariance > kSameLooks * std::sqrt(std::max(1e-12, aa * bb))) ++same;
+      if (covariance > kMinPartCorrelation * std::sqrt(std::max(1e-12, aa * bb))) ++same;
     }
     return {full > 0 ? double(same) / full : 0.0, full};
   }

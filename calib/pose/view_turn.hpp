@@ -1,4 +1,4 @@
-// How far a camera has turned between two of its pictures, from what stands still in both.
+// Rotation of a camera between two of its pictures, from the static content of both.
 #pragma once
 
 #include <optional>

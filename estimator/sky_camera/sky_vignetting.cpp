@@ -20,7 +20,7 @@ constexpr int kLooks = 4;         // cloud masks with successively better vignet
 constexpr double kOutlier = 4.0;  // robust standard deviations
 constexpr Radians kCorrelationAngle = from_degrees(20.0);
 constexpr std::size_t kFewestSamples = 200;  // of a picture
-constexpr double kModelError = 0.03;
+constexpr double kSkyModelError = 0.03;
 constexpr double kAbsorbed = 1.3;  // the fit absorbs part of a smooth error, which then is missing from the residuals
 
 struct Sample {
@@ -351,8 +351,8 @@ Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const 
   const double by_sky = kAbsorbed * certainty.misfit * certainty.about_sun;
   const double by_turbidity = options.turbidity ? options.turbidity->sigma * certainty.by_turbidity : 0.0;
   result.rim_sigma = std::hypot(certainty.scatter, by_sky, by_turbidity);
-  result.by_3_percent_about_sun = kModelError * certainty.about_sun;
-  result.by_3_percent_at_rim = kModelError * certainty.at_rim;
+  result.by_3_percent_about_sun = kSkyModelError * certainty.about_sun;
+  result.by_3_percent_at_rim = kSkyModelError * certainty.at_rim;
   for (std::size_t a = 0; a < seen.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
       if (result.moments[a].used && result.moments[b].used)

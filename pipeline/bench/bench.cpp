@@ -15,7 +15,7 @@ namespace kasumi {
 
 namespace {
 
-// Samples of the model's own sky with an 8-bit camera's scatter, 30 % of them cloud. Only speed is measured on them.
+// Samples of the model's own sky with an 8-bit camera's noise, 30 % of them cloud. Used for speed only.
 std::vector<SkySample> bench_samples(int count, Turbidity turbidity) {
   const SunDirection sun = direction_from(from_degrees(58.4), from_degrees(180.0));
   const SkyModel model(turbidity, sun);

@@ -1,5 +1,5 @@
-// Figures of `kasumi bench`: ratios of two things measured in turn in one process, so that the machine's own speed and
-// mood cancel out.
+// Figures of `kasumi bench`: ratios of two alternately measured tasks in one process, so that the machine's speed and
+// load cancel out.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ struct BenchRow {
   std::string name;  // "cached composite / plain blit, full HD"
   double value = 0.0;
   std::string unit = "x";
-  std::optional<double> goal;  // none: for orientation only
+  std::optional<double> goal;  // none: for information only
   bool at_most = true;         // the goal is an upper bound; else a lower one
   bool reached() const { return !goal || (at_most ? value <= *goal : value >= *goal); }
 };

@@ -24,7 +24,7 @@ void print(const std::vector<BenchRow>& rows) {
 }  // namespace
 
 void add_bench_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("bench", "What each part costs, as ratios measured side by side");
+  auto* command = app.add_subcommand("bench", "Cost of each part, as ratios of alternate measurements");
   command->callback([&action] {
     action = []() -> Result<int> {
       fmt::print("{:<72} {:>10} {:<10} {:<10}\n", "", "measured", "", "goal");

@@ -12,7 +12,7 @@ namespace kasumi {
 Result<std::vector<BenchRow>> bench_gles();
 // The same of the layer: light, shadow, reflection, the camera's quality, a model of a million triangles.
 Result<std::vector<BenchRow>> bench_layer();
-// The sky's dome beside the skies of before.
+// The sky dome next to earlier sky models.
 struct DomeBenchSize {
   int width = 1920, height = 1080;
   int pairs = 31;

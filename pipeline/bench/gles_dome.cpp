@@ -1,4 +1,4 @@
-// What the sky costs: ours beside a plain blit and beside the skies of before.
+// What the sky costs: ours next to a plain blit and to earlier sky models.
 #include <algorithm>
 #include <array>
 
@@ -78,7 +78,7 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
   const auto mesh = skies[0].mesh_size();
   add(fmt::format("the sky's dome, full HD, {} x {} places / plain blit", mesh.columns, mesh.rows),
       watch.ratio(ours, blit, size.pairs), 1.5);
-  add("  the same while the sun moves: its mesh cut anew each time / plain blit", watch.ratio(anew, blit, size.pairs));
+  add("  the same while the sun moves: mesh rebuilt each time / plain blit", watch.ratio(anew, blit, size.pairs));
   const int few_pairs = std::min(size.pairs, 7);
   for (std::size_t i = 1; i < kKinds.size(); ++i) {
     add(fmt::format("{} in each pixel, as published / our dome", name_of(kKinds[i])),

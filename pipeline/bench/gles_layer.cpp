@@ -1,4 +1,4 @@
-// What the object's light, its size and the camera's quality cost: in the layer, which is drawn anew when air or sun
+// What the object's light, its size and the camera's quality cost: in the layer, which is redrawn when air or sun
 // change, and in every frame.
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
@@ -13,9 +13,9 @@
 namespace kasumi {
 namespace {
 
-constexpr int kManyPairs = 31;  // of frames
-constexpr int kLayerPairs = 3;  // of redrawn layers
-constexpr int kOnePair = 1;     // of redrawn layers of the large model
+constexpr int kFramePairs = 31;      // of frames
+constexpr int kLayerPairs = 3;       // of redrawn layers
+constexpr int kLargeModelPairs = 1;  // of redrawn layers of the large model
 
 Result<Renderer> showing(GlContext& context, const BenchScene& scene, const Model& model,
                          const ObjectDetail& detail = {}) {
@@ -93,22 +93,23 @@ Result<std::vector<BenchRow>> bench_layer() {
     rows.push_back({.name = std::move(name), .value = value, .goal = goal});
   };
   add("cached composite with the camera's noise / plain blit",
-      watch.ratio(frame_of(*plain, noise), plain_blit, kManyPairs), 1.30);
-  add("  with noise / without", watch.ratio(frame_of(*plain, noise), frame_of(*plain), kManyPairs));
+      watch.ratio(frame_of(*plain, noise), plain_blit, kFramePairs), 1.30);
+  add("  with noise / without", watch.ratio(frame_of(*plain, noise), frame_of(*plain), kFramePairs));
   add("cached composite with point spread and shared colour / without",
-      watch.ratio(frame_of(*spread), frame_of(*plain), kManyPairs), 1.10);
+      watch.ratio(frame_of(*spread), frame_of(*plain), kFramePairs), 1.10);
   add(fmt::format("cached composite of {:.2f} M triangles / of {:.3f} M",
                   1e-6 * static_cast<double>(large.triangle_count()),
                   1e-6 * static_cast<double>(scene.facade.triangle_count())),
-      watch.ratio(frame_of(*million), frame_of(*plain), kManyPairs), 1.05);
+      watch.ratio(frame_of(*million), frame_of(*plain), kFramePairs), 1.05);
   add("layer redrawn with the sun's 16 maps / without shadow",
       watch.ratio(redraw(*plain, true), redraw(*plain, false), kLayerPairs), 2.0);
   add("layer redrawn, glossy / matt", watch.ratio(redraw(*glossy, false), redraw(*plain, false), kLayerPairs), 1.5);
   add("layer redrawn with point spread and shared colour / without",
       watch.ratio(redraw(*spread, false), redraw(*plain, false), kLayerPairs), 2.0);
   add("layer of the large model redrawn / of the small",
-      watch.ratio(redraw(*million, false), redraw(*plain, false), kOnePair));
-  add("  with the sun's 16 maps / without", watch.ratio(redraw(*million, true), redraw(*million, false), kOnePair));
+      watch.ratio(redraw(*million, false), redraw(*plain, false), kLargeModelPairs));
+  add("  with the sun's 16 maps / without",
+      watch.ratio(redraw(*million, true), redraw(*million, false), kLargeModelPairs));
   rows.push_back({.name = "the large model on the GPU",
                   .value = static_cast<double>(million->model_bytes()) / (1 << 20),
                   .unit = "MiB",

@@ -38,7 +38,7 @@ ModelTexture masonry(std::mt19937_64& random) {
   return texture;
 }
 
-// A facade in the x-y plane, looking to +z, its middle bottom at the origin: a field of cells, left out where the
+// A facade in the x-y plane facing +z, its bottom centre at the origin: a grid of cells, left out where the
 // openings are and above the gable.
 Model make_facade(double width_m, double height_m, int finer, std::mt19937_64& random) {
   const int columns = 150 * finer, rows = 80 * finer;

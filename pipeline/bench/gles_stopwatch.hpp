@@ -1,4 +1,4 @@
-// Draws in turn, each waited for; keeps the first fault.
+// Times draw calls alternately, waiting for each to finish; keeps the first fault.
 #pragma once
 
 #include <GLES2/gl2.h>

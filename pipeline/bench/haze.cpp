@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kWidest_px = 25.0;  // as H Sect 5.2
 
-// One wall: everything is as blurred. What is on it does not matter to the time.
+// One wall at one distance: uniform blur. Its texture does not affect the time.
 struct Wall {
   Image<glm::vec3> light;
   HazeRange range;
@@ -31,7 +31,7 @@ struct Wall {
   }
 };
 
-// Of this process alone: others that take turns on the machine's cores do not count. Both schemes have one thread.
+// CPU time of this process only, so that other load does not count. Both schemes are single-threaded.
 double processor_seconds_of(const std::function<void()>& work) {
   const auto started = std::clock();
   work();

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kPatience = 500ms;  // between two looks at whether to stop
+constexpr Duration kPatience = 500ms;  // interval of the checks whether to stop
 constexpr Duration kSayAgain = 1s;
 
 Image<std::uint8_t> grey_of(const PictureView& picture) {
@@ -26,7 +26,7 @@ Image<std::uint8_t> grey_of(const PictureView& picture) {
   return grey;
 }
 
-// A recording behaves like a camera that does not come back.
+// A recording behaves like a camera that does not reconnect.
 class OwningReplay final : public FrameSource {
  public:
   OwningReplay(std::unique_ptr<FastForwardClock> clock, std::unique_ptr<ReplaySource> source)
@@ -39,7 +39,7 @@ class OwningReplay final : public FrameSource {
   std::unique_ptr<ReplaySource> source_;
 };
 
-// The opener reaches back to the devices it came from.
+// The opener refers to the devices, so both are kept alive together.
 class OwningCamera final : public FrameSource {
  public:
   OwningCamera(std::unique_ptr<Devices> devices, std::unique_ptr<FrameSource> source)
@@ -76,25 +76,25 @@ Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, C
   const auto begun = clock.now();
   std::string said;
   std::optional<Instant> said_at;
-  // What is taken is always told; the rest not so often that nobody can read it.
-  const auto say = [&](const std::string& words, bool always = false) {
-    if (!always && (words == said || (said_at && clock.now() - *said_at < kSayAgain))) return;
-    said = words;
+  // Every view taken is reported; other messages are limited in rate.
+  const auto say = [&](const std::string& message, bool always = false) {
+    if (!always && (message == said || (said_at && clock.now() - *said_at < kSayAgain))) return;
+    said = message;
     said_at = clock.now();
-    if (options.say) options.say(words);
+    if (options.say) options.say(message);
   };
   say(collector.advice());
   while (gathered.ended.empty()) {
     if (options.stop && options.stop()) gathered.ended = "stopped";
-    if (options.longest > Duration{} && clock.now() - begun > options.longest) gathered.ended = "the time is over";
+    if (options.longest > Duration{} && clock.now() - begun > options.longest) gathered.ended = "time limit reached";
     if (!gathered.ended.empty()) break;
     const auto frame = source.next(clock.now() + kPatience);
     if (!frame && frame.error().kind == FaultKind::end_of_stream) {
-      gathered.ended = "the recording is over";
+      gathered.ended = "end of the recording";
       break;
     }
     if (!frame && (frame.error().kind == FaultKind::timeout || frame.error().kind == FaultKind::disconnected)) {
-      say("no picture comes from the camera");
+      say("no picture from the camera");
       continue;
     }
     if (!frame) return fail(frame.error());
@@ -106,7 +106,7 @@ Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, C
       gathered.height = grey.height();
     }
     if (grey.width() != gathered.width || grey.height() != gathered.height)
-      return fail(FaultKind::bad_input, "{}: its pictures turned from {} x {} to {} x {}: expected one size",
+      return fail(FaultKind::bad_input, "{}: the picture size changed from {} x {} to {} x {}: expected one size",
                   source.description(), gathered.width, gathered.height, grey.width(), grey.height());
     ++gathered.frames;
     const auto found =
@@ -116,11 +116,11 @@ Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, C
                       100.0 * collector.covered(), collector.map(), collector.advice()),
           true);
     else if (found == BoardCollector::Found::known || found == BoardCollector::Found::nothing)
-      say(fmt::format("{}: {}", words_of(found), collector.advice()));
+      say(fmt::format("{}: {}", message_of(found), collector.advice()));
     else
-      say(std::string(words_of(found)));
+      say(std::string(message_of(found)));
     if (window) {
-      const auto open = window->show(grey, collector, fmt::format("{}: {}", words_of(found), collector.advice()));
+      const auto open = window->show(grey, collector, fmt::format("{}: {}", message_of(found), collector.advice()));
       if (!open) return fail(open.error());
       if (!*open) gathered.ended = "stopped";
     }

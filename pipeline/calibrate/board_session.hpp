@@ -1,4 +1,4 @@
-// Views of a board from a camera that runs, with words (and a window) on what the next should be.
+// Views of a board from a live camera, with advice (and a window) on the next view.
 #pragma once
 
 #include <functional>
@@ -15,19 +15,19 @@ namespace kasumi {
 struct BoardSessionOptions {
   bool window = false;
   Duration longest{};                             // 0: until coverage suffices
-  std::function<bool()> stop{};                   // asked between frames
-  std::function<void(const std::string&)> say{};  // a line, or a few, for a person
+  std::function<bool()> stop{};                   // polled between frames
+  std::function<void(const std::string&)> say{};  // one or more lines for people
 };
 
 struct GatheredViews {
   std::vector<BoardView> views;
   int width = 0, height = 0;
-  int frames = 0;     // looked at
-  std::string ended;  // why: "the picture is covered", "the recording is over", "stopped"
+  int frames = 0;     // examined
+  std::string ended;  // why: "the picture is covered", "end of the recording", "stopped"
 };
 
-// Frames stay in memory, of each nothing but its corners; damaged ones are passed over. A camera that goes is waited
-// for. Errors: of the source and of the window; bad_input (the camera changes its size).
+// Only the corners of each frame are kept; damaged frames are skipped, and a disconnected camera is waited for.
+// Errors: of the source and of the window; bad_input (the picture size changes).
 Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, Clock& clock,
                                    const BoardSessionOptions& options);
 
@@ -35,7 +35,7 @@ Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, C
 // needs the size of its pictures. `clock` must outlive it. Errors (bad_input, device ...): as the source has them.
 Result<std::unique_ptr<FrameSource>> open_live(const std::string& device_or_recording, const std::string& camera,
                                                const std::string& size, Clock& clock);
-// The camera that kasumi.toml names.
+// The camera configured in kasumi.toml.
 Result<std::unique_ptr<FrameSource>> open_configured(const std::string& config, const std::string& camera,
                                                      Clock& clock);
 

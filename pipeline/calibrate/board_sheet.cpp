@@ -40,7 +40,7 @@ Result<BoardSheet> lay_out(const AnyBoard& board) {
     sheet.black = std::visit([](const auto& any) { return black_of(any); }, board);
     for (auto& box : sheet.black) box.corner_m += 1e-3 * corner_mm;
     sheet.ruler_mm = {kMargin_mm, paper.tall_mm - kMargin_mm};
-    sheet.words = fmt::format("{}; the line is {:.0f} mm, printed at 100 %", words_of(board), kRuler_mm);
+    sheet.caption = fmt::format("{}; the line is {:.0f} mm, printed at 100 %", description_of(board), kRuler_mm);
     return sheet;
   }
   return fail(FaultKind::bad_input, "a board of {:.0f} x {:.0f} mm: expected one that fits on A0, {:.0f} x {:.0f} mm",
@@ -61,27 +61,27 @@ std::string svg_of(const BoardSheet& sheet) {
                  "</g>\n<path d=\"M{0} {1}v-3v1.5h{2}v-1.5v3\" fill=\"none\" stroke=\"#000\" stroke-width=\"0.2\"/>\n"
                  "<text x=\"{3}\" y=\"{1}\" font-family=\"sans-serif\" font-size=\"2.6\">{4}</text>\n</svg>\n",
                  sheet.ruler_mm.x, sheet.ruler_mm.y, kRuler_mm, sheet.ruler_mm.x + kRuler_mm + 4.0,
-                 html_escaped(sheet.words));
+                 html_escaped(sheet.caption));
   return text;
 }
 
 std::string pdf_of(const BoardSheet& sheet) {
-  // Millimetres from the top left corner, y down, as everywhere here.
+  // Millimetres from the top left corner, y down, as in the rest of this file.
   std::string drawing =
       fmt::format("{0:.6f} 0 0 {1:.6f} 0 {2:.6f} cm\n", kPointsPerMm, -kPointsPerMm, kPointsPerMm * sheet.page_mm.y);
   for (const auto& box : sheet.black)
     fmt::format_to(std::back_inserter(drawing), "{:.6g} {:.6g} {:.6g} {:.6g} re\n", 1e3 * box.corner_m.x,
                    1e3 * box.corner_m.y, 1e3 * box.side_m, 1e3 * box.side_m);
   const double x = sheet.ruler_mm.x, y = sheet.ruler_mm.y;
-  std::string words;
-  for (const char c : sheet.words) {
-    if (c == '(' || c == ')' || c == '\\') words += '\\';
-    words += c;
+  std::string escaped;
+  for (const char c : sheet.caption) {
+    if (c == '(' || c == ')' || c == '\\') escaped += '\\';
+    escaped += c;
   }
   fmt::format_to(std::back_inserter(drawing),
                  "f\n0.2 w {0} {1} m {0} {2} l S {0} {3} m {4} {3} l S {4} {1} m {4} {2} l S\n"
                  "BT /F1 2.6 Tf 1 0 0 -1 {5} {1} Tm ({6}) Tj ET\n",
-                 x, y, y - 3.0, y - 1.5, x + kRuler_mm, x + kRuler_mm + 4.0, words);
+                 x, y, y - 3.0, y - 1.5, x + kRuler_mm, x + kRuler_mm + 4.0, escaped);
 
   const std::array objects{
       std::string("<< /Type /Catalog /Pages 2 0 R >>"), std::string("<< /Type /Pages /Kids [3 0 R] /Count 1 >>"),

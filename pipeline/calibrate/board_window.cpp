@@ -15,7 +15,8 @@ constexpr int kWide = 960, kBar = 34;
 
 }  // namespace
 
-Image<Rgb8> draw_coverage(const Image<std::uint8_t>& grey, const BoardCollector& collector, const std::string& words) {
+Image<Rgb8> draw_coverage(const Image<std::uint8_t>& grey, const BoardCollector& collector,
+                          const std::string& message) {
   const double scale = static_cast<double>(kWide) / grey.width();
   const int tall = static_cast<int>(std::lround(scale * grey.height()));
   Image<Rgb8> image(kWide, kBar + tall, Rgb8(20));
@@ -44,7 +45,7 @@ Image<Rgb8> draw_coverage(const Image<std::uint8_t>& grey, const BoardCollector&
                  {static_cast<int>(std::lround((pixel.x + 0.5) * scale)),
                   static_cast<int>(std::lround((pixel.y + 0.5) * scale))},
                  4, cv::Scalar(255, 220, 0), 1, cv::LINE_AA);
-  cv::putText(all, words, {10, 23}, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
+  cv::putText(all, message, {10, 23}, cv::FONT_HERSHEY_SIMPLEX, 0.6, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
   return image;
 }
 
@@ -55,9 +56,9 @@ Result<BoardWindow> BoardWindow::open() {
 }
 
 Result<bool> BoardWindow::show(const Image<std::uint8_t>& grey, const BoardCollector& collector,
-                               const std::string& words) {
+                               const std::string& message) {
   if (!window_->handle_events()) return false;
-  const auto drawn = draw_coverage(grey, collector, words);
+  const auto drawn = draw_coverage(grey, collector, message);
   Image<Rgba8> picture(drawn.width(), drawn.height());
   for (std::size_t i = 0; i < drawn.elements().size(); ++i) picture.elements()[i] = Rgba8(drawn.elements()[i], 255);
   const auto flat = FlatPicture::create(*window_, picture);

@@ -1,4 +1,4 @@
-// A window that shows the camera's picture with the corners found, the cells that are covered, and what to do next.
+// A window with the camera's picture, the corners found, the cells covered, and what to do next.
 #pragma once
 
 #include <memory>
@@ -10,15 +10,16 @@
 
 namespace kasumi {
 
-// What the window shows: grey picture, green over covered cells, red over bare ones, the corners, words at the top.
-Image<Rgb8> draw_coverage(const Image<std::uint8_t>& grey, const BoardCollector& collector, const std::string& words);
+// What the window shows: grey picture, green over covered cells, red over uncovered ones, the corners, and a
+// message at the top.
+Image<Rgb8> draw_coverage(const Image<std::uint8_t>& grey, const BoardCollector& collector, const std::string& message);
 
 class BoardWindow {
  public:
   // Errors: unsupported (no display).
   static Result<BoardWindow> open();
-  // false once it is to be closed. Errors: device.
-  Result<bool> show(const Image<std::uint8_t>& grey, const BoardCollector& collector, const std::string& words);
+  // Returns false when the window is to close. Errors: device.
+  Result<bool> show(const Image<std::uint8_t>& grey, const BoardCollector& collector, const std::string& message);
 
  private:
   explicit BoardWindow(std::unique_ptr<Window> window) : window_(std::move(window)) {}

@@ -5,7 +5,7 @@
 namespace kasumi {
 namespace {
 
-// Several ways to say one thing.
+// Keys that are alternatives to each other.
 const ConfigTable::Rivals& rivals() {
   static const ConfigTable::Rivals kRivals{
       {"azimuth_up_deg", "heading_deg", "pitch_deg", "roll_deg"},

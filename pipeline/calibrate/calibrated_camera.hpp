@@ -1,4 +1,4 @@
-// What several steps of `kasumi calibrate` begin with: what is calibrated of a recording's camera by now.
+// Where several steps of `kasumi calibrate` start: a recording's camera as calibrated so far.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-// [sky] or [scene] of a recording, and what the calibration file already says in its place. Errors (bad_input): the
+// [sky] or [scene] of a recording, overridden by the calibration file. Errors (bad_input): the
 // file is no calibration file, is of pictures of another size, or what the two say together makes no camera.
 Result<Camera> calibrated_camera(const Fixture& fixture, const std::filesystem::path& calibration,
                                  const std::string& camera);

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/calibrate/board_choice.hpp"
+#include "pipeline/calibrate/board_options.hpp"
 #include "pipeline/calibrate/board_sheet.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 
@@ -10,13 +10,13 @@ namespace kasumi {
 namespace {
 
 struct SheetArguments {
-  BoardArguments board;
+  BoardOptions board;
   std::string out;
 };
 
 Result<int> write_sheet(const SheetArguments& arguments) {
   Problems problems;
-  const auto board = choose_board(arguments.board, true, problems);
+  const auto board = read_board(arguments.board, true, problems);
   const auto extension = std::filesystem::path(arguments.out).extension().string();
   if (extension != ".svg" && extension != ".pdf")
     problems.add("--out {}: expected a name that ends in .pdf or .svg", arguments.out);
@@ -28,14 +28,14 @@ Result<int> write_sheet(const SheetArguments& arguments) {
   fmt::print(
       "written: {}: {} on {}\nprint at 100 % (not fitted to the page), measure the line of {:.0f} mm, and glue "
       "it on something flat\n",
-      arguments.out, words_of(board), sheet->paper, kRuler_mm);
+      arguments.out, description_of(board), sheet->paper, kRuler_mm);
   return 0;
 }
 
 }  // namespace
 
 void add_calibrate_board(CLI::App& calibrate_command, Action& action) {
-  auto* command = calibrate_command.add_subcommand("board", "A board to print for calibrate lens, true to scale");
+  auto* command = calibrate_command.add_subcommand("board", "A board to print for calibrate lens, to scale");
   auto arguments = std::make_shared<SheetArguments>();
   add_board_options(*command, arguments->board);
   command->add_option("--out", arguments->out, "The page (.pdf or .svg)")->required();

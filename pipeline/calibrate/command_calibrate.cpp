@@ -5,7 +5,7 @@
 namespace kasumi {
 
 void add_calibrate_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("calibrate", "Measure what is known of the cameras, step by step, into one file");
+  auto* command = app.add_subcommand("calibrate", "Calibrate the cameras, step by step, into one file");
   command->require_subcommand(1);
   add_calibrate_board(*command, action);
   add_calibrate_lens(*command, action);

@@ -16,8 +16,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kMostSkies = 24;
-constexpr Radians kLowestSunForColours = from_degrees(8.0);  // below it Preetham's colours are not to be trusted
+constexpr int kMaxSkyPictures = 24;
+constexpr Radians kLowestSunForColour = from_degrees(8.0);  // below it Preetham's colours are unreliable
 
 struct ColourArguments {
   std::string fixture;
@@ -29,7 +29,7 @@ struct ColourArguments {
   std::string out;
 };
 
-// Every file that was named, and all .json and .csv of every folder.
+// Every named file, and every .json and .csv of every named folder.
 std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& names, Problems& problems) {
   std::vector<std::filesystem::path> files;
   for (const std::filesystem::path name : names) {
@@ -51,34 +51,34 @@ std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& na
     if (!camera)
       problems.add("{}", camera.error().message);
     else if (!separates_daylight(*camera))
-      problems.add("{}: expected three channels that differ, to tell the colours of the sky apart", file.string());
+      problems.add("{}: expected three different channels, which can separate the colours of the sky", file.string());
     else
       cameras.push_back(std::move(*camera));
   }
   return cameras;
 }
 
-struct SeenSkies {
+struct ClearSkies {
   std::vector<SkyMoment> moments;
   PicturesRead read;
   int low_sun = 0;
 };
 
-Result<SeenSkies> read_skies(const Fixture& fixture, const Camera& camera) {
-  SeenSkies seen;
+Result<ClearSkies> read_skies(const Fixture& fixture, const Camera& camera) {
+  ClearSkies skies;
   const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
     const auto sun = sun_position(metadata.utc, fixture.installation.site);
-    if (sun.zenith > from_degrees(90.0) - kLowestSunForColours) {
-      ++seen.low_sun;
+    if (sun.zenith > from_degrees(90.0) - kLowestSunForColour) {
+      ++skies.low_sun;
       return;
     }
     if (auto picture = sky_picture(view, camera))
-      seen.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
+      skies.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
   };
-  const auto read = for_each_picture(fixture, camera, {.most = kMostSkies}, look);
+  const auto read = for_each_picture(fixture, camera, {.most = kMaxSkyPictures}, look);
   if (!read) return fail(read.error());
-  seen.read = *read;
-  return seen;
+  skies.read = *read;
+  return skies;
 }
 
 double root_mean_square(const std::vector<GammaError>& errors) {
@@ -95,33 +95,34 @@ double worst(const std::vector<GammaError>& errors) {
 
 constexpr std::array kChannels{"red", "green", "blue"};
 
-void report(const SeenSkies& seen, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
-  fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", seen.read.good,
-             found.turbidities.size(), found.refused.size(), seen.low_sun, seen.read.damaged);
-  fmt::print("{} parts of sky, T {:.2f} to {:.2f}\n", found.colours,
+void report(const ClearSkies& skies, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
+  fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", skies.read.good,
+             found.turbidities.size(), found.refused.size(), skies.low_sun, skies.read.damaged);
+  fmt::print("{} patches of sky, T {:.2f} to {:.2f}\n", found.colours,
              *std::min_element(found.turbidities.begin(), found.turbidities.end()),
              *std::max_element(found.turbidities.begin(), found.turbidities.end()));
-  fmt::print("\nhow well each explains the colours (log ratios to green, rms):\n");
+  fmt::print("\nresiduals of each (log ratios to green, rms):\n");
   for (const auto& one : found.ranked) fmt::print("  {:<48} {:.4f}\n", cameras[one.camera].name, one.residuals.rms);
   if (found.fit) {
     fmt::print("  {:<48} {:.4f}\n\n", found.fit->sensitivity.name, found.fit->residuals.rms);
     fmt::print(
-        "of the 6 numbers that daylight can tell, {} are told better by this sky than by the measured cameras "
-        "(best to worst {:.0f} : 1); the rest is theirs\n",
+        "of the 6 numbers that daylight can determine, {} are determined better by this sky than by the measured "
+        "cameras "
+        "(best to worst {:.0f} : 1); the rest comes from the cameras\n",
         found.fit->determined, found.fit->condition);
     for (std::size_t c = 0; c < 3; ++c)
       fmt::print("  {:<6} mean {:.1f} +- {:.1f} nm (the cameras alone: +- {:.1f})\n", kChannels[c],
                  found.fit->places[c].mean_nm, found.fit->places[c].sigma_nm, found.fit->places[c].before_sigma_nm);
   }
   const auto& gains = found.residuals.white_balance;
-  fmt::print("taken: {}\nwhite balance [{:.4f}, {:.4f}, {:.4f}]\n", found.sensitivity.name, gains.r, gains.g, gains.b);
+  fmt::print("chosen: {}\nwhite balance [{:.4f}, {:.4f}, {:.4f}]\n", found.sensitivity.name, gains.r, gains.g, gains.b);
   if (!found.expected.empty())
     fmt::print(
         "Gamma, T 2 to 8, up to 10 km: expect an error of {:.4f}, {:.4f} at worst (each measured camera found "
         "under this sky from the others)\n",
         root_mean_square(found.expected), worst(found.expected));
   if (found.of_more_colourful_sky)
-    fmt::print("a sky {:.0f} % more colourful than the model's would not show here, and cost {:.4f}\n",
+    fmt::print("a sky {:.0f} % more colourful than the model's would not show here, and would cost {:.4f}\n",
                100.0 * kMoreColourful, *found.of_more_colourful_sky);
 }
 
@@ -131,7 +132,8 @@ std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& came
   for (const auto& one : found.ranked)
     remarks.push_back(fmt::format("{} explains the colours to {:.4f}", cameras[one.camera].name, one.residuals.rms));
   if (found.fit && found.fit->determined < 4)
-    remarks.push_back("undetermined: most of it: this sky has too few colours; add pictures of a low sun and of haze");
+    remarks.push_back(
+        "undetermined: most of it: this sky has too few colours; add pictures with a low sun and with haze");
   if (!arguments.turbidity) remarks.push_back("T was estimated from the same pictures");
   if (found.expected.empty())
     remarks.push_back("undetermined: the error in Gamma: expected at least 3 measured cameras (--cameras)");
@@ -139,11 +141,11 @@ std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& came
     remarks.push_back(
         "the sky's colours are not the model's by more than 3 %: haze of another kind, a wrong T, a white balance that "
         "changed during the recording, or colours the camera has converted");
-  for (const auto& words : found.refused) remarks.push_back("left out: " + words);
+  for (const auto& remark : found.refused) remarks.push_back("left out: " + remark);
   return remarks;
 }
 
-CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const SeenSkies& seen,
+CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const ClearSkies& skies,
                         const SkySensitivity& found, const std::vector<std::string>& remarks, const std::string& csv) {
   CalibrationStep step;
   const auto& camera = arguments.camera == "sky" ? fixture.installation.sky : fixture.installation.scene;
@@ -152,15 +154,15 @@ CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture
   step.height = camera.height;
   step.serial = arguments.serial;
   step.sensitivity = csv;
-  // Another camera of the same make has the same filters, but may be balanced otherwise.
+  // Another camera of the same make has the same filters, but perhaps another white balance.
   if (arguments.camera == "sky") step.white_balance = found.residuals.white_balance;
   step.site = fixture.installation.site;
   step.calibrated_utc = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
   Measured measured{"colour",
                     step.calibrated_utc,
                     fmt::format("the colours of the clear sky in {} of {} pictures of the recording {}, {} to {}: {}",
-                                found.turbidities.size(), seen.read.good, fixture.info.name, utc_text(seen.read.first),
-                                utc_text(seen.read.last), found.sensitivity.name),
+                                found.turbidities.size(), skies.read.good, fixture.info.name,
+                                utc_text(skies.read.first), utc_text(skies.read.last), found.sensitivity.name),
                     {{"rms_log_ratio", found.residuals.rms}},
                     remarks};
   if (found.fit && !arguments.choose) {
@@ -202,26 +204,26 @@ Result<int> calibrate(const ColourArguments& arguments) {
             (fixture->folder / "fixture.toml").string(), name);
   if (!problems.empty()) return fail(problems.fault());
 
-  const auto seen = read_skies(*fixture, *camera);
-  if (!seen) return fail(seen.error());
-  if (seen->moments.empty())
+  const auto skies = read_skies(*fixture, *camera);
+  if (!skies) return fail(skies.error());
+  if (skies->moments.empty())
     return fail(FaultKind::bad_input, "{}: the sun is lower than {:.0f} deg in all pictures: expected some of day",
-                arguments.fixture, to_degrees(kLowestSunForColours));
-  const auto found = sensitivity_from_sky(*camera, seen->moments, cameras, {arguments.turbidity, arguments.choose});
+                arguments.fixture, to_degrees(kLowestSunForColour));
+  const auto found = sensitivity_from_sky(*camera, skies->moments, cameras, {arguments.turbidity, arguments.choose});
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
-  report(*seen, cameras, *found);
+  report(*skies, cameras, *found);
   const auto remarks = remarks_of(cameras, *found, arguments);
-  for (const auto& words : remarks)
-    if (words.find("explains the colours") == std::string::npos) fmt::print("{}\n", words);
+  for (const auto& remark : remarks)
+    if (remark.find("explains the colours") == std::string::npos) fmt::print("{}\n", remark);
 
   const auto csv = beside(arguments.out, arguments.camera + "-sensitivity.csv");
-  const auto step = step_of(arguments, *fixture, *seen, *found, remarks, csv.filename().string());
+  const auto step = step_of(arguments, *fixture, *skies, *found, remarks, csv.filename().string());
   const auto kept = keep_old(csv);
   if (!kept) return fail(kept.error());
   const auto comment = fmt::format("kasumi calibrate colour, {}\n{}", step.calibrated_utc, step.measured.front().from);
   if (auto written = write_text_file(csv, csv_of(found->sensitivity, comment)); !written) return fail(written.error());
   fmt::print("written: {}\n", csv.string());
-  if (*kept) fmt::print("the file that was there is kept as {}\n", (*kept)->string());
+  if (*kept) fmt::print("the previous file was kept as {}\n", (*kept)->string());
   const auto title = fmt::format("{}: colours to {:.2f} %; Gamma +- {:.4f}", found->sensitivity.name,
                                  100.0 * found->residuals.rms, root_mean_square(found->expected));
   return save_calibration(arguments.out, step, plot_colour(found->sensitivity, cameras, found->residuals, title));
@@ -235,21 +237,20 @@ void add_calibrate_colour(CLI::App& calibrate_command, Action& action) {
   auto arguments = std::make_shared<ColourArguments>();
   auto& a = *arguments;
   command->add_option("fixture", a.fixture, "A recording of clear sky, the sun at several heights")->required();
-  command
-      ->add_option("--cameras", a.cameras, "Measured cameras to begin with: rawtoaces .json, .csv, or folders of them")
+  command->add_option("--cameras", a.cameras, "Measured cameras as a prior: rawtoaces .json, .csv, or folders of them")
       ->required();
-  command->add_option("--turbidity", a.turbidity, "T of the recorded air, where it is known; else it is estimated")
+  command->add_option("--turbidity", a.turbidity, "T of the recorded air, if known; default: estimated")
       ->check(CLI::Range(1.7, 20.0));
   command
       ->add_option("--camera", a.camera,
-                   "Whose it is; scene: of a scene camera of the same make (without its white balance)")
+                   "Which camera to write it for; scene: a scene camera of the same make (without white balance)")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
   command->add_flag("--choose", a.choose, "Take the measured camera that explains the sky best, instead of estimating");
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
       ->add_option("--out", a.out,
-                   "The calibration file; what it says of the camera is used, an older file is kept beside it")
+                   "The calibration file; what it says of the camera is used, an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -7,7 +7,7 @@
 #include "calib/lens/import_lens.hpp"
 #include "calib/lens/lens_calibration.hpp"
 #include "capture/utc_text.hpp"
-#include "pipeline/calibrate/board_choice.hpp"
+#include "pipeline/calibrate/board_options.hpp"
 #include "pipeline/calibrate/board_session.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
@@ -24,7 +24,7 @@ struct LensArguments {
   std::string config, live, size;  // pictures of a camera that runs, instead
   bool window = false;
   double seconds = 0.0;
-  BoardArguments board;
+  BoardOptions board;
   std::string import_file;
   std::string camera = "sky";
   std::string serial;
@@ -49,8 +49,8 @@ Image<std::uint8_t> grey_of(const Image<Rgb8>& picture) {
   return grey;
 }
 
-// Now, to the second: a calibration is no stopwatch.
-std::string now_text() {
+// Now, to the second.
+std::string utc_now() {
   const auto now = std::chrono::floor<std::chrono::seconds>(SystemClock().utc());
   return utc_text(now);
 }
@@ -61,7 +61,7 @@ struct FoundViews {
   int width = 0, height = 0;
 };
 
-Result<FoundViews> look_at_pictures(const LensArguments& arguments, const AnyBoard& board) {
+Result<FoundViews> find_boards(const LensArguments& arguments, const AnyBoard& board) {
   FoundViews found;
   Problems problems;
   for (const auto& file : arguments.pictures) {
@@ -86,7 +86,7 @@ Result<FoundViews> look_at_pictures(const LensArguments& arguments, const AnyBoa
       found.views.push_back(std::move(*view));
     } else {
       found.without.push_back(name);
-      fmt::print("  {}: no {} was found\n", name, words_of(board));
+      fmt::print("  {}: no {} was found\n", name, description_of(board));
     }
     std::fflush(stdout);
   }
@@ -94,19 +94,19 @@ Result<FoundViews> look_at_pictures(const LensArguments& arguments, const AnyBoa
   return found;
 }
 
-Result<FoundViews> look_at_camera(const LensArguments& arguments, const AnyBoard& board) {
+Result<FoundViews> gather_from_camera(const LensArguments& arguments, const AnyBoard& board) {
   SystemClock clock;
   auto source = arguments.config.empty() ? open_live(arguments.live, arguments.camera, arguments.size, clock)
                                          : open_configured(arguments.config, arguments.camera, clock);
   if (!source) return fail(source.error());
   fmt::print("{}: show it the {}, near and far, tilted; Ctrl-C ends it early\n", (*source)->description(),
-             words_of(board));
+             description_of(board));
   BoardSessionOptions options;
   options.window = arguments.window;
   options.longest = from_seconds(arguments.seconds);
   options.stop = stop_requested;
-  options.say = [](const std::string& words) {
-    fmt::print("{}\n", words);
+  options.say = [](const std::string& message) {
+    fmt::print("{}\n", message);
     std::fflush(stdout);
   };
   auto gathered = gather_views(**source, board, clock, options);
@@ -141,7 +141,7 @@ Measured measured_of(const AnyBoard& board, const LensCalibration& c, const Foun
   Measured measured{"lens", now, "", {}, {}};
   std::vector<std::string> names;
   for (const auto& view : c.views) names.push_back(view.name);
-  measured.from = fmt::format("{} pictures of a {}: {}", names.size(), words_of(board), fmt::join(names, ", "));
+  measured.from = fmt::format("{} pictures of a {}: {}", names.size(), description_of(board), fmt::join(names, ", "));
   measured.numbers = {{"rms_px", c.fit.rms_px}};
   for (const auto& candidate : c.candidates)
     if (candidate.held_out_rms_px)
@@ -164,7 +164,7 @@ Result<int> write(const LensArguments& arguments, const CalibrationStep& step) {
   const auto written = write_calibration(arguments.out, step);
   if (!written) return fail(written.error());
   fmt::print("written: {}\n", arguments.out);
-  if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
+  if (written->backup) fmt::print("the previous file was kept as {}\n", written->backup->string());
   return 0;
 }
 
@@ -184,7 +184,7 @@ Result<int> import(const LensArguments& arguments) {
   auto imported = import_lens(arguments.import_file);
   if (!imported) return fail(imported.error());
   if (arguments.largest_angle_deg) imported->lens.largest_angle = from_degrees(*arguments.largest_angle_deg);
-  const auto now = now_text();
+  const auto now = utc_now();
   auto step = step_of(arguments, imported->width, imported->height, imported->lens, now);
   Measured measured{"lens",
                     now,
@@ -202,7 +202,7 @@ Result<int> import(const LensArguments& arguments) {
 Result<int> calibrate(const LensArguments& arguments) {
   Problems problems;
   const bool importing = !arguments.import_file.empty();
-  const auto board = importing ? AnyBoard() : choose_board(arguments.board, false, problems);
+  const auto board = importing ? AnyBoard() : read_board(arguments.board, false, problems);
   const bool running = !arguments.config.empty() || !arguments.live.empty();
   if (importing && !arguments.pictures.empty())
     problems.add("--import {}: expected it or pictures, not both", arguments.import_file);
@@ -216,7 +216,7 @@ Result<int> calibrate(const LensArguments& arguments) {
   if (!problems.empty()) return fail(problems.fault());
   if (importing) return import(arguments);
 
-  const auto found = running ? look_at_camera(arguments, board) : look_at_pictures(arguments, board);
+  const auto found = running ? gather_from_camera(arguments, board) : find_boards(arguments, board);
   if (!found) return fail(found.error());
   LensCalibrationOptions options;
   options.family = family_of(arguments.camera == "scene" ? "pinhole" : arguments.model);
@@ -224,7 +224,7 @@ Result<int> calibrate(const LensArguments& arguments) {
   const auto calibration = calibrate_lens(found->views, found->width, found->height, options);
   if (!calibration) return fail(calibration.error());
   report(*calibration);
-  const auto now = now_text();
+  const auto now = utc_now();
   auto step = step_of(arguments, found->width, found->height, calibration->fit.lens, now);
   step.measured.push_back(measured_of(board, *calibration, *found, now));
   const auto title = fmt::format("{}: {}, rms {:.3f} px over {} views", arguments.camera,
@@ -252,7 +252,7 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
   command->add_option("--camera", a.camera, "Whose lens")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command->add_option("--model", a.model, "The one that predicts unseen views best, or one of these")
       ->check(CLI::IsMember({"auto", "pinhole", "opencv_fisheye", "scaramuzza"}))
       ->capture_default_str();
@@ -260,7 +260,7 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
       ->add_option("--largest-angle-deg", a.largest_angle_deg,
                    "How far off the axis a fisheye is to be used; 5 deg beyond the farthest corner when left out")
       ->check(CLI::Range(1.0, 180.0));
-  command->add_option("--out", a.out, "The calibration file; an older one is kept beside it")->required();
+  command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }
 

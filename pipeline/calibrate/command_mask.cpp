@@ -18,8 +18,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kMostPictures = 80;
-constexpr std::int64_t kMostBytes = 200'000'000;  // of pictures kept for their median
+constexpr int kMaxMaskPictures = 80;
+constexpr std::int64_t kMaxBytes = 200'000'000;  // of pictures kept for their median
 
 struct MaskArguments {
   std::string fixture;
@@ -40,7 +40,7 @@ Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Ima
   if (!kept) return fail(kept.error());
   if (auto written = write_png(file, mask); !written) return fail(written.error());
   fmt::print("written: {}: white is free, black is hidden; draw in it what is wrong\n", file.string());
-  if (*kept) fmt::print("the mask that was there is kept as {}\n", (*kept)->string());
+  if (*kept) fmt::print("the previous mask was kept as {}\n", (*kept)->string());
   return save_calibration(arguments.out, std::move(step), drawing);
 }
 
@@ -62,7 +62,7 @@ Result<int> mask_sky(const MaskArguments& arguments) {
   std::vector<Image<Rgb8>> pictures;
   const std::int64_t each = 3 * std::int64_t{camera->width} * camera->height;
   const int most =
-      static_cast<int>(std::clamp<std::int64_t>(kMostBytes / std::max<std::int64_t>(1, each), 5, kMostPictures));
+      static_cast<int>(std::clamp<std::int64_t>(kMaxBytes / std::max<std::int64_t>(1, each), 5, kMaxMaskPictures));
   const auto read =
       for_each_picture(*fixture, *camera, {.most = most},
                        [&](const PictureView& view, const FrameMetadata&) { pictures.push_back(to_rgb(view)); });
@@ -80,7 +80,7 @@ Result<int> mask_sky(const MaskArguments& arguments) {
     remarks.push_back("few pictures or hours: a cloud that stood still, or the sun, may have been taken for a thing");
   if (found->unsure_share > 0.1)
     remarks.push_back("much lies between sky and dark: look at the drawing, and mend the mask in a paint program");
-  for (const auto& words : remarks) fmt::print("{}\n", words);
+  for (const auto& remark : remarks) fmt::print("{}\n", remark);
 
   auto step = step_of(arguments, "sky", camera->width, camera->height);
   step.site = fixture->installation.site;
@@ -166,8 +166,8 @@ void add_calibrate_mask(CLI::App& calibrate_command, Action& action) {
   command->add_option("--soft-px", a.soft_px, "Scene: how wide soft edges (leaves, hair) may be; 0: hard edges")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
-  command->add_option("--out", a.out, "The calibration file; an older one, and an older mask, are kept beside it")
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
+  command->add_option("--out", a.out, "The calibration file; an older one, and an older mask, are kept as backups")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -29,11 +29,11 @@ struct ResponseArguments {
   std::string out;
 };
 
-struct FoundResponse {
+struct MeasuredResponse {
   ResponseCalibration calibration;
   MeasuredCurve curve;
   std::optional<NoiseModel> noise;
-  Dark dark;
+  DarkFrame dark;
   std::optional<VignettingFit> vignetting;
   std::vector<std::string> remarks;
 };
@@ -49,13 +49,13 @@ MeasuredCurve curve_of(const ResponseCalibration& calibration, const glm::dvec3&
   return curve;
 }
 
-void report(const KnownStack& known, const FoundResponse& found) {
+void report(const KnownStack& known, const MeasuredResponse& found) {
   for (const auto& candidate : found.calibration.candidates)
     if (candidate.held_out_steps)
       fmt::print("{:<36} predicts unseen pixels to {:.3f} steps\n", candidate.method, *candidate.held_out_steps);
     else
       fmt::print("{:<36} does not fit\n", candidate.method);
-  fmt::print("\ntaken: {}\n", found.calibration.fit.method);
+  fmt::print("\nchosen: {}\n", found.calibration.fit.method);
   const auto& log_s = found.calibration.fit.log_s;
   std::vector<std::size_t> order(log_s.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -75,11 +75,11 @@ void report(const KnownStack& known, const FoundResponse& found) {
                v.at(v.centre + glm::dvec2{v.radius_px, 0.0}), found.vignetting->rim_sigma,
                100.0 * found.vignetting->residual);
   }
-  for (const auto& words : found.remarks) fmt::print("{}\n", words);
+  for (const auto& remark : found.remarks) fmt::print("{}\n", remark);
 }
 
 std::vector<Measured> measured_of(const ResponseArguments& arguments, const KnownStack& known,
-                                  const FoundResponse& found, const std::string& now) {
+                                  const MeasuredResponse& found, const std::string& now) {
   Measured measured{"response",
                     now,
                     fmt::format("{} exposures of one view, by {}: {}", known.stack.names.size(),
@@ -110,11 +110,11 @@ std::vector<Measured> measured_of(const ResponseArguments& arguments, const Know
   return all;
 }
 
-void remark(FoundResponse& found, const ResponseArguments& arguments, const KnownStack& known) {
+void remark(MeasuredResponse& found, const ResponseArguments& arguments, const KnownStack& known) {
   auto& remarks = found.remarks;
   for (const auto& name : known.left_out)
     remarks.push_back(name + ": left out, too dark or too bright to overlap with the others");
-  for (const auto& words : found.calibration.undetermined) remarks.push_back("undetermined: " + words);
+  for (const auto& remark : found.calibration.undetermined) remarks.push_back("undetermined: " + remark);
   if (arguments.darks.empty())
     remarks.push_back("undetermined: black level and hot pixels: no picture with the lens covered was given (--dark)");
   if (arguments.flats.empty())
@@ -181,8 +181,8 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   if (!problems.empty()) return fail(problems.fault());
   for (const auto& file : arguments.pictures) stack.names.push_back(std::filesystem::path(file).filename().string());
 
-  FoundResponse found;
-  found.dark = look_at_dark(darks, stack.quantum);
+  MeasuredResponse found;
+  found.dark = measure_dark_frame(darks, stack.quantum);
   auto mask = circle_mask(arguments.circle, size);
   if (mask.empty() && !found.dark.hot.empty()) mask = Image<std::uint8_t>(size.x, size.y, 255);
   for (const auto& hot : found.dark.hot) mask.at(hot.x, hot.y) = 0;
@@ -200,7 +200,7 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   found.noise = fit_noise(samples, found.calibration.fit);
   if (!flats.empty()) {
     const auto response = found.curve.linear() ? Response::linear() : Response::table(found.curve.light);
-    auto vignetting = look_at_flats(flats, response, arguments.circle, mask);
+    auto vignetting = fit_flat_fields(flats, response, arguments.circle, mask);
     if (!vignetting) return fail(vignetting.error().kind, "--flat: {}", vignetting.error().message);
     found.vignetting = *vignetting;
   }
@@ -254,10 +254,10 @@ void add_calibrate_response(CLI::App& calibrate_command, Action& action) {
   command->add_option("--camera", a.camera, "Whose response")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command->add_option("--merged", a.merged,
                       "Write the stack as one picture of linear light too (.tiff, .exr, .pfm or .hdr)");
-  command->add_option("--out", a.out, "The calibration file; an older one is kept beside it")->required();
+  command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }
 

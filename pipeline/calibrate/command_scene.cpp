@@ -23,12 +23,12 @@ struct SceneArguments {
   std::string out;
 };
 
-std::string words_of(const glm::dvec2& residual_px) {
+std::string offset_text(const glm::dvec2& residual_px) {
   return fmt::format("{:.1f} px {} and {:.1f} px {}", std::abs(residual_px.x), residual_px.x < 0.0 ? "left" : "right",
                      std::abs(residual_px.y), residual_px.y < 0.0 ? "above" : "below");
 }
 
-// Names of what was left out, with how far off it is.
+// The sights left out, with their residuals.
 std::vector<std::string> left_out(const SceneSights& sights, const ScenePose& pose) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < sights.landmarks.size(); ++i)
@@ -36,7 +36,7 @@ std::vector<std::string> left_out(const SceneSights& sights, const ScenePose& po
       lines.push_back(
           fmt::format("{}: left out, it was marked {} of where the others say it is: mistaken for "
                       "something else, or a slip in its place",
-                      sights.landmarks[i].name, words_of(pose.residuals_px[i])));
+                      sights.landmarks[i].name, offset_text(pose.residuals_px[i])));
   for (std::size_t i = 0; i < sights.horizon.size(); ++i)
     if (!pose.horizon_used[i])
       lines.push_back(fmt::format("horizon at ({:.0f}, {:.0f}): left out, {:.1f} px off", sights.horizon[i].pixel.x,
@@ -44,7 +44,7 @@ std::vector<std::string> left_out(const SceneSights& sights, const ScenePose& po
   return lines;
 }
 
-std::vector<std::string> position_words(const ScenePose& pose, double sigma_m) {
+std::vector<std::string> position_remarks(const ScenePose& pose, double sigma_m) {
   std::vector<std::string> lines;
   const double off_m = glm::length(pose.position_m);
   if (sigma_m > 0.0 && off_m > 3.0 * sigma_m)
@@ -58,7 +58,7 @@ std::vector<std::string> position_words(const ScenePose& pose, double sigma_m) {
 void report(const SceneSights& sights, const ScenePose& pose) {
   for (std::size_t i = 0; i < sights.landmarks.size(); ++i) {
     const auto& sight = sights.landmarks[i];
-    fmt::print("  {:<28} {:>10}  {:+7.2f} {:+7.2f} px{}\n", sight.name, distance_words(sight), pose.residuals_px[i].x,
+    fmt::print("  {:<28} {:>10}  {:+7.2f} {:+7.2f} px{}\n", sight.name, distance_text(sight), pose.residuals_px[i].x,
                pose.residuals_px[i].y, pose.used[i] ? "" : "  left out");
   }
   const auto angles = heading_pitch_roll(pose.to_world);
@@ -108,7 +108,7 @@ CalibrationStep step_of(const SceneArguments& arguments, const SceneSights& sigh
 
 Result<int> calibrate(const SceneArguments& arguments) {
   Problems problems;
-  const auto before = read_scene_before(arguments.out);
+  const auto before = read_calibrated_scene(arguments.out);
   if (!before) problems.add("{}", before.error().message);
   const auto photograph = read_photograph(arguments.picture);
   if (!photograph) problems.add("{}", photograph.error().message);
@@ -131,14 +131,14 @@ Result<int> calibrate(const SceneArguments& arguments) {
   if (!pose) return fail(pose.error().kind, "{}: {}", arguments.sights, pose.error().message);
   report(*sights, *pose);
   auto remarks = left_out(*sights, *pose);
-  for (const auto& words : remarks) fmt::print("{}\n", words);
-  for (const auto& words : position_words(*pose, arguments.position_sigma_m)) {
-    fmt::print("{}\n", words);
-    remarks.push_back(words);
+  for (const auto& remark : remarks) fmt::print("{}\n", remark);
+  for (const auto& remark : position_remarks(*pose, arguments.position_sigma_m)) {
+    fmt::print("{}\n", remark);
+    remarks.push_back(remark);
   }
-  for (const auto& words : pose->undetermined) {
-    fmt::print("undetermined: {}\n", words);
-    remarks.push_back("undetermined: " + words);
+  for (const auto& remark : pose->undetermined) {
+    fmt::print("undetermined: {}\n", remark);
+    remarks.push_back("undetermined: " + remark);
   }
 
   const auto now = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
@@ -161,7 +161,7 @@ void add_calibrate_scene(CLI::App& calibrate_command, Action& action) {
                    "TOML: places on the map, or the sun and when, and their pixels (docs/calibration.md)")
       ->required();
   command->add_option("--picture", a.picture, "The picture the landmarks were marked in")->required();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
       ->add_option("--focal-percent", a.focal_percent,
                    "How sure the focal length is, 0 to hold it; as calibrate lens measured it, or 3, when left out")
@@ -171,7 +171,7 @@ void add_calibrate_scene(CLI::App& calibrate_command, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--out", a.out,
-                   "The calibration file; site and lens found in it are used, an older file is kept beside it")
+                   "The calibration file; site and lens found in it are used, an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -16,7 +16,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Radians kLowestSunForDisc = from_degrees(5.0);  // below it refraction is not sure, and the sun no disc
+constexpr Radians kLowestSunForOrientation = from_degrees(5.0);  // below it refraction is not sure, and the sun no disc
 constexpr double kCircleSigma_px = 0.5;
 
 struct SkyArguments {
@@ -58,7 +58,7 @@ Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixtu
   return known;
 }
 
-struct SeenSuns {
+struct SunSights {
   std::vector<SunSight> sights;
   Image<Rgb8> brightest;  // of all pictures: the circle's rim shows wherever it was ever lit
   PicturesRead read;
@@ -74,26 +74,26 @@ void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
     brightest.elements()[i] = glm::max(brightest.elements()[i], picture.elements()[i]);
 }
 
-Result<SeenSuns> look_for_suns(const Fixture& fixture, const Camera& camera) {
-  SeenSuns seen;
+Result<SunSights> find_suns(const Fixture& fixture, const Camera& camera) {
+  SunSights suns;
   const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
-    keep_brightest(seen.brightest, to_rgb(view));
+    keep_brightest(suns.brightest, to_rgb(view));
     const auto sun = sun_position(metadata.utc, fixture.installation.site);
-    if (sun.zenith > from_degrees(90.0) - kLowestSunForDisc) {
-      ++seen.too_low;
+    if (sun.zenith > from_degrees(90.0) - kLowestSunForOrientation) {
+      ++suns.too_low;
       return;
     }
     const auto picture = sky_picture(view, camera, kLargestSide);
     const auto blob = picture ? find_sun(*picture, camera) : std::nullopt;
     if (blob)
-      seen.sights.push_back({sun.direction, blob->pixel});
+      suns.sights.push_back({sun.direction, blob->pixel});
     else
-      ++seen.without_sun;
+      ++suns.without_sun;
   };
   const auto read = for_each_picture(fixture, camera, {}, look);
   if (!read) return fail(read.error());
-  seen.read = *read;
-  return seen;
+  suns.read = *read;
+  return suns;
 }
 
 SkyPrior prior_of(const SkyArguments& arguments, const Camera& camera, const KnownLens& known,
@@ -126,12 +126,12 @@ std::optional<Radians> edge_of(const LensDescription& lens, const ImageCircle& c
   return angle_between(*ray, {0.0, 0.0, 1.0});
 }
 
-std::vector<Measured> measured_of(const Fixture& fixture, const SeenSuns& seen, const KnownLens& known,
+std::vector<Measured> measured_of(const Fixture& fixture, const SunSights& suns, const KnownLens& known,
                                   const SkyOrientation& found, const std::optional<ImageCircle>& circle,
                                   const std::string& now) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
-  const auto from = fmt::format("the sun in {} of {} pictures of the recording {}, {} to {}", used, seen.read.good,
-                                fixture.info.name, utc_text(seen.read.first), utc_text(seen.read.last));
+  const auto from = fmt::format("the sun in {} of {} pictures of the recording {}, {} to {}", used, suns.read.good,
+                                fixture.info.name, utc_text(suns.read.first), utc_text(suns.read.last));
   const auto& sigma = found.sigma;
   Measured orientation{"orientation",
                        now,
@@ -159,12 +159,12 @@ std::vector<Measured> measured_of(const Fixture& fixture, const SeenSuns& seen, 
   return all;
 }
 
-void report(const SeenSuns& seen, const SkyOrientation& found, const std::optional<ImageCircle>& circle) {
+void report(const SunSights& suns, const SkyOrientation& found, const std::optional<ImageCircle>& circle) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
-  fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", seen.read.good,
-             seen.sights.size(), seen.without_sun, seen.too_low, seen.read.damaged);
+  fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", suns.read.good,
+             suns.sights.size(), suns.without_sun, suns.too_low, suns.read.damaged);
   fmt::print("{} used, rms {:.2f} px; {} were not the sun\n", used, found.rms_px,
-             static_cast<std::ptrdiff_t>(seen.sights.size()) - used);
+             static_cast<std::ptrdiff_t>(suns.sights.size()) - used);
   const auto angles = heading_pitch_roll(found.to_world);
   fmt::print("heading {:.3f}, pitch {:.3f}, roll {:.3f} deg\n", to_degrees(angles.heading), to_degrees(angles.pitch),
              to_degrees(angles.roll));
@@ -178,8 +178,8 @@ void report(const SeenSuns& seen, const SkyOrientation& found, const std::option
     fmt::print("image circle: centre ({:.1f}, {:.1f}), radius {:.1f} px\n", circle->centre.x, circle->centre.y,
                circle->radius_px);
   else
-    fmt::print("image circle: its rim is not to be seen\n");
-  for (const auto& words : found.undetermined) fmt::print("undetermined: {}\n", words);
+    fmt::print("image circle: its rim is not visible\n");
+  for (const auto& remark : found.undetermined) fmt::print("undetermined: {}\n", remark);
   fmt::print("a clock 4 s off turns the sky by up to 1/60 deg: nothing here can tell that from the azimuth\n");
 }
 
@@ -190,12 +190,12 @@ Result<int> calibrate(const SkyArguments& arguments) {
   if (!known) return fail(known.error());
   Camera camera = fixture->installation.sky;
   camera.lens = make_lens(known->lens);
-  const auto seen = look_for_suns(*fixture, camera);
-  if (!seen) return fail(seen.error());
-  const auto circle = find_image_circle(seen->brightest);
-  const auto found = orient_sky(seen->sights, prior_of(arguments, camera, *known, circle));
+  const auto suns = find_suns(*fixture, camera);
+  if (!suns) return fail(suns.error());
+  const auto circle = find_image_circle(suns->brightest);
+  const auto found = orient_sky(suns->sights, prior_of(arguments, camera, *known, circle));
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
-  report(*seen, *found, circle);
+  report(*suns, *found, circle);
 
   CalibrationStep step;
   step.camera = "sky";
@@ -208,11 +208,11 @@ Result<int> calibrate(const SkyArguments& arguments) {
   step.site = fixture->installation.site;
   const auto now = utc_text(std::chrono::floor<std::chrono::seconds>(SystemClock().utc()));
   step.calibrated_utc = now;
-  step.measured = measured_of(*fixture, *seen, *known, *found, circle, now);
+  step.measured = measured_of(*fixture, *suns, *known, *found, circle, now);
 
   const auto title = fmt::format("{}: rms {:.2f} px, azimuth +- {:.3f} deg", fixture->info.name, found->rms_px,
                                  to_degrees(found->sigma.azimuth));
-  return save_calibration(arguments.out, std::move(step), plot_sun_track(seen->brightest, seen->sights, *found, title));
+  return save_calibration(arguments.out, std::move(step), plot_sun_track(suns->brightest, suns->sights, *found, title));
 }
 
 }  // namespace
@@ -223,7 +223,7 @@ void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
   auto arguments = std::make_shared<SkyArguments>();
   auto& a = *arguments;
   command->add_option("fixture", a.fixture, "A recording: hours of sun, or a few pictures of a day")->required();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command->add_option("--level-deg", a.level_sigma_deg, "How well the camera was levelled when it was mounted")
       ->check(CLI::Range(0.05, 30.0))
       ->capture_default_str();
@@ -234,7 +234,7 @@ void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
       ->capture_default_str();
   command
       ->add_option("--out", a.out,
-                   "The calibration file; a lens found in it is begun with, an older file is kept beside it")
+                   "The calibration file; a lens found in it is begun with, an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -13,9 +13,9 @@ namespace kasumi {
 
 namespace {
 
-constexpr Radians kLowestSunForBrightness = from_degrees(8.0);
+constexpr Radians kLowestSunForVignetting = from_degrees(8.0);
 constexpr Radians kNextSun = from_degrees(4.0);  // how far the sun has gone from one picture to the next
-constexpr std::size_t kMostMoments = 40;
+constexpr std::size_t kMaxMoments = 40;
 
 struct VignettingArguments {
   std::string fixture;
@@ -50,32 +50,32 @@ Result<Camera> calibrated_camera(const std::string& file, const Camera* recorded
   return camera;
 }
 
-struct SeenMoments {
+struct SkyMoments {
   std::vector<SkyMoment> moments;
   int pictures = 0;  // that were considered
   PicturesRead read;
 };
 
 // Pictures with the sun in different places.
-Result<SeenMoments> look_for_moments(const Fixture& fixture, const Camera& camera) {
-  SeenMoments seen;
+Result<SkyMoments> read_moments(const Fixture& fixture, const Camera& camera) {
+  SkyMoments sky;
   const auto sun_at = [&](Utc utc) { return sun_position(utc, fixture.installation.site); };
   ReadingOptions options;
   options.wanted = [&](const FrameMetadata& metadata) {
-    if (seen.moments.size() >= kMostMoments) return false;
-    ++seen.pictures;
+    if (sky.moments.size() >= kMaxMoments) return false;
+    ++sky.pictures;
     const auto sun = sun_at(metadata.utc);
-    if (sun.zenith > from_degrees(90.0) - kLowestSunForBrightness) return false;
-    return seen.moments.empty() || angle_between(sun.direction, seen.moments.back().sun) >= kNextSun;
+    if (sun.zenith > from_degrees(90.0) - kLowestSunForVignetting) return false;
+    return sky.moments.empty() || angle_between(sun.direction, sky.moments.back().sun) >= kNextSun;
   };
   const auto read =
       for_each_picture(fixture, camera, options, [&](const PictureView& view, const FrameMetadata& metadata) {
         if (auto picture = sky_picture(view, camera))
-          seen.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun_at(metadata.utc).direction});
+          sky.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun_at(metadata.utc).direction});
       });
   if (!read) return fail(read.error());
-  seen.read = *read;
-  return seen;
+  sky.read = *read;
+  return sky;
 }
 
 std::vector<std::string> remarks_of(const SkyVignetting& found) {
@@ -100,30 +100,30 @@ Result<int> calibrate(const VignettingArguments& arguments) {
                  fixture->installation.sky.width, fixture->installation.sky.height, camera->width, camera->height);
   if (!problems.empty()) return fail(problems.fault());
 
-  const auto seen = look_for_moments(*fixture, *camera);
-  if (!seen) return fail(seen.error());
-  if (seen->moments.empty())
+  const auto sky = read_moments(*fixture, *camera);
+  if (!sky) return fail(sky.error());
+  if (sky->moments.empty())
     return fail(FaultKind::bad_input,
                 "{}: of {} pictures {} are damaged and none has the sun {:.0f} deg above the horizon",
-                arguments.fixture, seen->pictures, seen->read.damaged, to_degrees(kLowestSunForBrightness));
+                arguments.fixture, sky->pictures, sky->read.damaged, to_degrees(kLowestSunForVignetting));
   SkyVignettingOptions options;
   if (arguments.turbidity) options.turbidity = KnownTurbidity{*arguments.turbidity, arguments.turbidity_sigma};
-  const auto found = vignetting_from_sky(*camera, seen->moments, options);
+  const auto found = vignetting_from_sky(*camera, sky->moments, options);
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
 
   const auto& v = found->vignetting;
   const double rim = v.at(v.centre + glm::dvec2{v.radius_px, 0.0});
   const auto way = found->sun_way;
-  for (std::size_t i = 0; i < seen->moments.size(); ++i)
+  for (std::size_t i = 0; i < sky->moments.size(); ++i)
     if (found->moments[i].used)
-      fmt::print("  {}  T {:.2f}\n", seen->moments[i].name, found->moments[i].turbidity.value);
+      fmt::print("  {}  T {:.2f}\n", sky->moments[i].name, found->moments[i].turbidity.value);
     else
-      fmt::print("  {}  {}\n", seen->moments[i].name, found->moments[i].reason);
+      fmt::print("  {}  {}\n", sky->moments[i].name, found->moments[i].reason);
   fmt::print("vignetting [{:.4f}, {:.4f}, {:.4f}] over {:.1f} px: {:.3f} +- {:.3f} at the rim; residual {:.1f} %\n",
              v.coefficients[0], v.coefficients[1], v.coefficients[2], v.radius_px, rim, rim * found->rim_sigma,
              100.0 * found->residual);
   auto remarks = remarks_of(*found);
-  for (const auto& words : remarks) fmt::print("{}\n", words);
+  for (const auto& remark : remarks) fmt::print("{}\n", remark);
 
   CalibrationStep step;
   step.camera = "sky";
@@ -138,17 +138,17 @@ Result<int> calibrate(const VignettingArguments& arguments) {
       now,
       fmt::format("the clear sky in {} of {} pictures of the recording {}, {} to {}, the sun's way {:.0f} "
                   "deg",
-                  found->pictures, seen->moments.size(), fixture->info.name, utc_text(seen->read.first),
-                  utc_text(seen->read.last), to_degrees(way)),
+                  found->pictures, sky->moments.size(), fixture->info.name, utc_text(sky->read.first),
+                  utc_text(sky->read.last), to_degrees(way)),
       {{"rim_sigma", rim * found->rim_sigma},
        {"by_3_percent_about_sun", found->by_3_percent_about_sun},
        {"by_3_percent_at_rim", found->by_3_percent_at_rim},
        {"residual", found->residual},
        {"sun_way_deg", to_degrees(way)}},
       std::move(remarks)};
-  for (std::size_t i = 0; i < seen->moments.size(); ++i)
+  for (std::size_t i = 0; i < sky->moments.size(); ++i)
     if (!found->moments[i].used)
-      measured.remarks.push_back(fmt::format("{}: left out: {}", seen->moments[i].name, found->moments[i].reason));
+      measured.remarks.push_back(fmt::format("{}: left out: {}", sky->moments[i].name, found->moments[i].reason));
   step.measured.push_back(std::move(measured));
   const auto title = fmt::format("{}: {:.3f} +- {:.3f} at the rim, from {} pictures", fixture->info.name, rim,
                                  rim * found->rim_sigma, found->pictures);
@@ -171,10 +171,11 @@ void add_calibrate_vignetting(CLI::App& calibrate_command, Action& action) {
   command->add_option("--turbidity-sigma", a.turbidity_sigma, "How sure that T is, one standard deviation")
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, to be noted");
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
-      ->add_option("--out", a.out,
-                   "The calibration file, with lens and orientation of the sky camera in it; it is kept beside the new")
+      ->add_option(
+          "--out", a.out,
+          "The calibration file, with lens and orientation of the sky camera in it; the older one is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -14,7 +14,7 @@ Result<int> save_calibration(const std::filesystem::path& calibration, Calibrati
   if (!written) return fail(written.error());
   if (const auto drawn = write_png(name, drawing); !drawn) return fail(drawn.error());
   fmt::print("written: {}\ndrawn: {}\n", calibration.string(), name.string());
-  if (written->backup) fmt::print("the file that was there is kept as {}\n", written->backup->string());
+  if (written->backup) fmt::print("the previous file was kept as {}\n", written->backup->string());
   return 0;
 }
 

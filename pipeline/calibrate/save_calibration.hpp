@@ -1,4 +1,4 @@
-// What every step of `kasumi calibrate` does with what it found: the calibration file, and files beside it.
+// How every step of `kasumi calibrate` saves its results: the calibration file and files next to it.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ namespace kasumi {
 Result<int> save_calibration(const std::filesystem::path& calibration, CalibrationStep step,
                              const Image<Rgb8>& drawing);
 
-// A file of a person's is not lost: what is there under this name is copied to NAME.1.old, NAME.2.old, ...
+// Keeps a file that a person may have edited: copies it to NAME.1.old, NAME.2.old, ...
 // Returns the copy's name; empty when nothing was there.
 Result<std::optional<std::filesystem::path>> keep_old(const std::filesystem::path& path);
 

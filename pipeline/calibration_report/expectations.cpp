@@ -9,7 +9,7 @@ namespace kasumi {
 
 namespace {
 
-// docs/calibration.md tells where these come from: half of what a visitor or the estimate of T would notice.
+// Half of what a visitor or the estimate of T would notice; docs/calibration.md derives them.
 constexpr std::array kExpectations{
     Expectation{"lens", "rms_px", 0.5, 1.0, "px", "drop blurred pictures; is the board flat, the focus locked?"},
     Expectation{"lens", "focal_sigma_percent", 0.1, 0.3, "%", "tilt the board by 30 deg and more, both ways"},
@@ -38,33 +38,32 @@ constexpr std::array kExpectations{
     Expectation{"vignetting", "residual", 0.03, 0.08, "", "is the ground evenly lit, the sky clear?"},
 };
 
-constexpr std::array kAfternoon{
-    AfternoonStep{"sky", "lens", "Lens", "the lens, and with it every direction in the picture",
-                  "kasumi calibrate lens PICTURE... --board 8x6 --out"},
-    AfternoonStep{"sky", "orientation", "Orientation", "where the camera looks",
-                  "kasumi calibrate sky RECORDING --out"},
-    AfternoonStep{"sky", "response", "Response", "how pixel values follow light",
-                  "kasumi calibrate response PICTURE... --dark PICTURE... --out"},
-    AfternoonStep{"sky", "vignetting", "Vignetting", "how the picture darkens towards the rim",
-                  "kasumi calibrate vignetting RECORDING --out"},
-    AfternoonStep{"sky", "colour", "Colour", "which colours the camera's channels see",
-                  "kasumi calibrate colour RECORDING --cameras FOLDER --out"},
-    AfternoonStep{"sky", "mask", "Mask", "what in the picture never is sky", "kasumi calibrate mask RECORDING --out"},
-    AfternoonStep{"scene", "lens", "Lens", "the lens, and with it every direction in the picture",
-                  "kasumi calibrate lens PICTURE... --board 8x6 --camera scene --out"},
-    AfternoonStep{"scene", "pose", "Pose", "where the camera looks, and so where the building stands",
-                  "kasumi calibrate scene LANDMARKS --picture PICTURE --out"},
-    AfternoonStep{"scene", "response", "Response", "how pixel values follow light",
-                  "kasumi calibrate response PICTURE... --camera scene --out"},
-    AfternoonStep{"scene", "vignetting", "Vignetting", "how the picture darkens towards the corners",
-                  "kasumi calibrate response PICTURE... --flat PICTURE... --camera scene --out"},
-    AfternoonStep{"scene", "mask", "Mask", "what stands before the building",
-                  "kasumi calibrate mask --picture PICTURE --strokes STROKES --out"},
+constexpr std::array kRequiredSteps{
+    RequiredStep{"sky", "lens", "Lens", "the lens, and with it every direction in the picture",
+                 "kasumi calibrate lens PICTURE... --board 8x6 --out"},
+    RequiredStep{"sky", "orientation", "Orientation", "where the camera looks", "kasumi calibrate sky RECORDING --out"},
+    RequiredStep{"sky", "response", "Response", "how pixel values follow light",
+                 "kasumi calibrate response PICTURE... --dark PICTURE... --out"},
+    RequiredStep{"sky", "vignetting", "Vignetting", "how the picture darkens towards the rim",
+                 "kasumi calibrate vignetting RECORDING --out"},
+    RequiredStep{"sky", "colour", "Colour", "which colours the camera's channels see",
+                 "kasumi calibrate colour RECORDING --cameras FOLDER --out"},
+    RequiredStep{"sky", "mask", "Mask", "what in the picture never is sky", "kasumi calibrate mask RECORDING --out"},
+    RequiredStep{"scene", "lens", "Lens", "the lens, and with it every direction in the picture",
+                 "kasumi calibrate lens PICTURE... --board 8x6 --camera scene --out"},
+    RequiredStep{"scene", "pose", "Pose", "where the camera looks, and so where the building stands",
+                 "kasumi calibrate scene LANDMARKS --picture PICTURE --out"},
+    RequiredStep{"scene", "response", "Response", "how pixel values follow light",
+                 "kasumi calibrate response PICTURE... --camera scene --out"},
+    RequiredStep{"scene", "vignetting", "Vignetting", "how the picture darkens towards the corners",
+                 "kasumi calibrate response PICTURE... --flat PICTURE... --camera scene --out"},
+    RequiredStep{"scene", "mask", "Mask", "what stands before the building",
+                 "kasumi calibrate mask --picture PICTURE --strokes STROKES --out"},
 };
 
 }  // namespace
 
-std::string_view words_of(Verdict verdict) {
+std::string_view name_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::good: return "good";
     case Verdict::usable: return "usable";
@@ -79,7 +78,7 @@ Verdict Expectation::verdict(double value) const {
   return sign * value <= sign * usable ? Verdict::usable : Verdict::poor;
 }
 
-std::string Expectation::words() const {
+std::string Expectation::text() const {
   return fmt::format("{}{}{} or {}", good, unit.empty() ? "" : " ", unit, good > usable ? "more" : "less");
 }
 
@@ -90,8 +89,8 @@ std::optional<Expectation> expectation_of(std::string_view what, std::string_vie
   return *found;
 }
 
-std::span<const AfternoonStep> afternoon_steps() {
-  return kAfternoon;
+std::span<const RequiredStep> required_steps() {
+  return kRequiredSteps;
 }
 
 }  // namespace kasumi

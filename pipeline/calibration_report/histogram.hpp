@@ -1,4 +1,4 @@
-// How many residuals are how large, as a picture for a person.
+// Histogram of residuals.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@
 
 namespace kasumi {
 
-// Bars over an axis from 0 to a little more than what 98 % stay below (the rest stands in the last bar), with words
+// Bars over an axis from 0 to a little more than what 98 % stay below (the rest stands in the last bar), with caption
 // under it. Margins of 40 px at the sides and below are inside the given size.
-Image<Rgb8> plot_histogram(std::span<const double> sizes, int width, int height, const std::string& words);
+Image<Rgb8> plot_histogram(std::span<const double> sizes, int width, int height, const std::string& caption);
 
 }  // namespace kasumi

@@ -12,7 +12,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kMostAcross = 1280, kMaskTop = 40;
+constexpr int kMaxMaskWidth = 1280, kMaskTitleHeight = 40;
 
 }  // namespace
 
@@ -31,12 +31,12 @@ Image<Rgb8> plot_mask(const Image<Rgb8>& picture, const Image<std::uint8_t>& mas
       if (!strokes.empty() && strokes.at(x, y) == Stroke::free) colour = {0.0F, 200.0F, 80.0F};
       drawn.at(x, y) = Rgb8(glm::round(colour));
     }
-  const double scale = std::min(1.0, static_cast<double>(kMostAcross) / picture.width());
+  const double scale = std::min(1.0, static_cast<double>(kMaxMaskWidth) / picture.width());
   const int wide = static_cast<int>(std::lround(scale * picture.width()));
   const int tall = static_cast<int>(std::lround(scale * picture.height()));
-  Image<Rgb8> image(std::max(wide, 480), tall + kMaskTop, Rgb8(255));
+  Image<Rgb8> image(std::max(wide, 480), tall + kMaskTitleHeight, Rgb8(255));
   cv::Mat all(image.height(), image.width(), CV_8UC3, image.elements().data());
-  cv::Mat view = all(cv::Rect(0, kMaskTop, wide, tall));
+  cv::Mat view = all(cv::Rect(0, kMaskTitleHeight, wide, tall));
   const cv::Mat from(picture.height(), picture.width(), CV_8UC3, drawn.elements().data());
   cv::resize(from, view, view.size(), 0, 0, scale < 1.0 ? cv::INTER_AREA : cv::INTER_NEAREST);
   cv::putText(all, title, {10, 25}, cv::FONT_HERSHEY_SIMPLEX, 0.45, kInk, 1, cv::LINE_AA);

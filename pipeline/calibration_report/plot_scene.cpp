@@ -13,10 +13,10 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kWide = 1280, kSceneTop = 50, kLine = 20, kHistogram = 200;
-const cv::Scalar kMarked(255, 210, 0), kUsed(60, 220, 90), kLeftOut(255, 70, 50), kLevel(80, 160, 255);
+constexpr int kSceneWidth = 1280, kTitleHeight = 50, kLineHeight = 20, kHistogramHeight = 200;
+const cv::Scalar kMarked(255, 210, 0), kUsedMark(60, 220, 90), kLeftOutMark(255, 70, 50), kHorizonLine(80, 160, 255);
 
-// Hershey's letters are ASCII.
+// OpenCV's Hershey fonts are ASCII only.
 std::string plain(const std::string& text) {
   std::string result;
   for (const char c : text)
@@ -42,12 +42,12 @@ void write(cv::Mat& on, const std::string& text, cv::Point at, const cv::Scalar&
 
 Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight> landmarks,
                        std::span<const HorizonSight> horizon, const ScenePose& pose, const std::string& title) {
-  const double scale = static_cast<double>(kWide) / picture.width();
+  const double scale = static_cast<double>(kSceneWidth) / picture.width();
   const int tall = static_cast<int>(std::lround(scale * picture.height()));
   const int lines = static_cast<int>(landmarks.size());
-  Image<Rgb8> image(kWide, kSceneTop + tall + kLine * (lines + 2) + kHistogram, Rgb8(255));
+  Image<Rgb8> image(kSceneWidth, kTitleHeight + tall + kLineHeight * (lines + 2) + kHistogramHeight, Rgb8(255));
   cv::Mat all(image.height(), image.width(), CV_8UC3, image.elements().data());
-  cv::Mat view = all(cv::Rect(0, kSceneTop, kWide, tall));
+  cv::Mat view = all(cv::Rect(0, kTitleHeight, kSceneWidth, tall));
   auto copy = picture.elements();
   const cv::Mat from(picture.height(), picture.width(), CV_8UC3, copy.data());
   cv::resize(from, view, view.size(), 0, 0, scale < 1.0 ? cv::INTER_AREA : cv::INTER_LINEAR);
@@ -64,14 +64,14 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
       const auto direction = direction_from(from_degrees(90.0) + horizon.front().dip, axis + from_degrees(off));
       const auto pixel = lens->project(direction * pose.to_world);
       const bool inside = pixel && pixel->x > -50.0 && pixel->x < picture.width() + 50.0;
-      if (inside && before) draw_line(view, *before, at(*pixel), kLevel);
+      if (inside && before) draw_line(view, *before, at(*pixel), kHorizonLine);
       before = inside ? std::optional(at(*pixel)) : std::nullopt;
     }
     for (const auto& sight : horizon)
-      cv::drawMarker(view, at(sight.pixel), kLevel, cv::MARKER_CROSS, 9, 1, cv::LINE_AA);
+      cv::drawMarker(view, at(sight.pixel), kHorizonLine, cv::MARKER_CROSS, 9, 1, cv::LINE_AA);
   }
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
-    const auto& colour = pose.used[i] ? kUsed : kLeftOut;
+    const auto& colour = pose.used[i] ? kUsedMark : kLeftOutMark;
     const auto marked = at(landmarks[i].pixel), modelled = at(landmarks[i].pixel - pose.residuals_px[i]);
     draw_line(view, marked, modelled, colour);
     cv::circle(view, modelled, 7, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
@@ -81,9 +81,10 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
     write(view, fmt::format("{}", i + 1), marked + cv::Point(10, -8), colour, true);
     write(all,
           fmt::format("{:2}  {:<30} {:>11}   {:+7.2f} {:+7.2f} px{}", i + 1, plain(landmarks[i].name),
-                      distance_words(landmarks[i]), pose.residuals_px[i].x, pose.residuals_px[i].y,
+                      distance_text(landmarks[i]), pose.residuals_px[i].x, pose.residuals_px[i].y,
                       pose.used[i] ? "" : "   left out"),
-          {20, kSceneTop + tall + kLine * (static_cast<int>(i) + 2)}, pose.used[i] ? kInk : kLeftOut, false);
+          {20, kTitleHeight + tall + kLineHeight * (static_cast<int>(i) + 2)}, pose.used[i] ? kInk : kLeftOutMark,
+          false);
   }
   std::vector<double> lengths;
   for (std::size_t i = 0; i < landmarks.size(); ++i)
@@ -91,11 +92,11 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
   const auto of_landmarks = lengths.size();
   for (std::size_t i = 0; i < horizon.size(); ++i)
     if (pose.horizon_used[i]) lengths.push_back(std::abs(pose.horizon_residuals_px[i]));
-  auto histogram = plot_histogram(lengths, kWide / 2, kHistogram,
+  auto histogram = plot_histogram(lengths, kSceneWidth / 2, kHistogramHeight,
                                   fmt::format("distance in pixels of {} landmarks and {} points of the horizon",
                                               of_landmarks, lengths.size() - of_landmarks));
   cv::Mat(histogram.height(), histogram.width(), CV_8UC3, histogram.elements().data())
-      .copyTo(all(cv::Rect(0, image.height() - kHistogram, kWide / 2, kHistogram)));
+      .copyTo(all(cv::Rect(0, image.height() - kHistogramHeight, kSceneWidth / 2, kHistogramHeight)));
   write(all, title, {20, 20}, kInk, false);
   write(all, "cross: as marked; circle: where its place on the map is seen (green: used, red: left out); blue: horizon",
         {20, 40}, kInk, false);

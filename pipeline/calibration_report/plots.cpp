@@ -14,15 +14,15 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kLensMargin = 50;
+constexpr int kFitMargin = 50;
 constexpr double kMagnified = 50.0;
-const cv::Scalar kUnseen(215, 215, 215);
+const cv::Scalar kUnseenCell(215, 215, 215);
 
 struct Canvas {
-  Image<Rgb8> image{2 * kPlotSide + 3 * kLensMargin, kPlotSide + kPlotTop + kLensMargin, Rgb8(255)};
+  Image<Rgb8> image{2 * kPanelSide + 3 * kFitMargin, kPanelSide + kPanelTop + kFitMargin, Rgb8(255)};
   cv::Mat all{image.height(), image.width(), CV_8UC3, image.elements().data()};
-  cv::Mat left = all(cv::Rect(kLensMargin, kPlotTop, kPlotSide, kPlotSide));
-  cv::Mat right = all(cv::Rect(2 * kLensMargin + kPlotSide, kPlotTop, kPlotSide, kPlotSide));
+  cv::Mat left = all(cv::Rect(kFitMargin, kPanelTop, kPanelSide, kPanelSide));
+  cv::Mat right = all(cv::Rect(2 * kFitMargin + kPanelSide, kPanelTop, kPanelSide, kPanelSide));
 
   void write(const std::string& text, cv::Point at, double size = 0.45) {
     cv::putText(all, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
@@ -42,17 +42,17 @@ void draw_residual(cv::Mat& panel, const glm::dvec2& pixel, const glm::dvec2& re
 }
 
 void paste_histogram(Canvas& canvas, const std::vector<double>& lengths_px, const std::string& of_what) {
-  auto histogram = plot_histogram(lengths_px, kPlotSide + 2 * kPlotAxis, kPlotSide + kPlotAxis,
+  auto histogram = plot_histogram(lengths_px, kPanelSide + 2 * kAxisHeight, kPanelSide + kAxisHeight,
                                   fmt::format("distance in pixels of {} {}", lengths_px.size(), of_what));
   const cv::Mat drawn(histogram.height(), histogram.width(), CV_8UC3, histogram.elements().data());
-  drawn.copyTo(canvas.all(cv::Rect(2 * kLensMargin + kPlotSide - kPlotAxis, kPlotTop, drawn.cols, drawn.rows)));
+  drawn.copyTo(canvas.all(cv::Rect(2 * kFitMargin + kPanelSide - kAxisHeight, kPanelTop, drawn.cols, drawn.rows)));
 }
 
 }  // namespace
 
 Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height, const std::string& title) {
   Canvas canvas;
-  const double scale = static_cast<double>(kPlotSide) / std::max(width, height);
+  const double scale = static_cast<double>(kPanelSide) / std::max(width, height);
   constexpr int kCells = BoardCoverage::kCells;
   for (int y = 0; y < kCells; ++y)
     for (int x = 0; x < kCells; ++x)
@@ -62,7 +62,7 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
             cv::Point(static_cast<int>(scale * width * x / kCells), static_cast<int>(scale * height * y / kCells)),
             cv::Point(static_cast<int>(scale * width * (x + 1) / kCells),
                       static_cast<int>(scale * height * (y + 1) / kCells)),
-            kUnseen, -1);
+            kUnseenCell, -1);
   std::vector<double> lengths;
   for (std::size_t v = 0; v < calibration.views.size(); ++v)
     for (std::size_t i = 0; i < calibration.views[v].pixels.size(); ++i) {
@@ -72,13 +72,13 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
     }
   cv::rectangle(canvas.left,
                 cv::Rect(0, 0, static_cast<int>(scale * width), static_cast<int>(scale * height)) &
-                    cv::Rect(0, 0, kPlotSide, kPlotSide),
+                    cv::Rect(0, 0, kPanelSide, kPanelSide),
                 kInk);
   cv::drawMarker(canvas.left, at_pixel(centre_of(calibration.fit.lens), scale), kBad, cv::MARKER_CROSS, 14, 1,
                  cv::LINE_AA);
-  canvas.write(title, {kLensMargin, 35}, 0.55);
+  canvas.write(title, {kFitMargin, 35}, 0.55);
   canvas.write("corners, residuals x 50; grey: no corner was seen; red: the lens's centre",
-               {kLensMargin, kPlotTop + kPlotSide + 25});
+               {kFitMargin, kPanelTop + kPanelSide + 25});
   paste_histogram(canvas, lengths, "corners");
   return canvas.image;
 }
@@ -86,9 +86,9 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
 Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight> sights,
                            const SkyOrientation& orientation, const std::string& title) {
   Canvas canvas;
-  const double scale = static_cast<double>(kPlotSide) / std::max(picture.width(), picture.height());
-  for (int y = 0; y < kPlotSide; ++y)
-    for (int x = 0; x < kPlotSide; ++x) {
+  const double scale = static_cast<double>(kPanelSide) / std::max(picture.width(), picture.height());
+  for (int y = 0; y < kPanelSide; ++y)
+    for (int x = 0; x < kPanelSide; ++x) {
       const int px = static_cast<int>(x / scale), py = static_cast<int>(y / scale);
       if (!picture.contains(px, py)) continue;
       const auto& p = picture.at(px, py);
@@ -115,9 +115,9 @@ Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight>
     draw_residual(canvas.left, sights[i].pixel, orientation.residuals_px[i], scale, kGood);
     lengths.push_back(glm::length(orientation.residuals_px[i]));
   }
-  canvas.write(title, {kLensMargin, 35}, 0.55);
+  canvas.write(title, {kFitMargin, 35}, 0.55);
   canvas.write("green: the sun, residuals x 50; red: not the sun; blue: the way that was fitted",
-               {kLensMargin, kPlotTop + kPlotSide + 25});
+               {kFitMargin, kPanelTop + kPanelSide + 25});
   paste_histogram(canvas, lengths, "places of the sun");
   return canvas.image;
 }

@@ -1,4 +1,4 @@
-// What a calibration did, as pictures for a person.
+// Plots of a calibration's results.
 #pragma once
 
 #include <span>

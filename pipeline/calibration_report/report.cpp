@@ -17,7 +17,7 @@ namespace kasumi {
 
 namespace {
 
-// As many digits as the uncertainty leaves, two of it.
+// Rounded to two digits of the uncertainty.
 std::string with_digits(double value, double sigma) {
   const int digits = sigma > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 7) : 3;
   return fmt::format("{:.{}f}", value, digits);
@@ -27,34 +27,34 @@ std::string with_unit(std::string text, std::string_view unit) {
   return unit.empty() ? text : fmt::format("{} {}", text, unit);
 }
 
-struct Known {
+struct NamedKey {
   std::string_view key, label;
 };
 constexpr std::array kLabels{
-    Known{"rms_px", "residuals (rms)"},
-    Known{"held_out_pinhole_px", "pinhole, on pictures it was not fitted to"},
-    Known{"held_out_opencv_fisheye_px", "OpenCV fisheye, on pictures it was not fitted to"},
-    Known{"held_out_scaramuzza_px", "Scaramuzza, on pictures it was not fitted to"},
-    Known{"farthest_corner_deg", "corners seen up to, off the axis"},
-    Known{"covered", "part of the picture in which the board was seen"},
-    Known{"focal_scale", "focal length over the one begun with"},
-    Known{"misfit", "residuals over what was expected of them"},
-    Known{"held_out_steps", "error of unseen pixels, steps of 8 bits"},
-    Known{"full_scale_electrons", "electrons at full scale"},
-    Known{"read_electrons", "read noise"},
-    Known{"hot_pixels", "hot pixels"},
-    Known{"residual", "residuals (rms), of the light"},
-    Known{"refraction", "coefficient of refraction"},
-    Known{"radius_px", "radius"},
-    Known{"field_of_view_deg", "field of view"},
+    NamedKey{"rms_px", "residuals (rms)"},
+    NamedKey{"held_out_pinhole_px", "pinhole, on pictures it was not fitted to"},
+    NamedKey{"held_out_opencv_fisheye_px", "OpenCV fisheye, on pictures it was not fitted to"},
+    NamedKey{"held_out_scaramuzza_px", "Scaramuzza, on pictures it was not fitted to"},
+    NamedKey{"farthest_corner_deg", "corners seen up to, off the axis"},
+    NamedKey{"covered", "part of the picture in which the board was seen"},
+    NamedKey{"focal_scale", "focal length over the one begun with"},
+    NamedKey{"misfit", "residuals over what was expected of them"},
+    NamedKey{"held_out_steps", "error of unseen pixels, steps of 8 bits"},
+    NamedKey{"full_scale_electrons", "electrons at full scale"},
+    NamedKey{"read_electrons", "read noise"},
+    NamedKey{"hot_pixels", "hot pixels"},
+    NamedKey{"residual", "residuals (rms), of the light"},
+    NamedKey{"refraction", "coefficient of refraction"},
+    NamedKey{"radius_px", "radius"},
+    NamedKey{"field_of_view_deg", "field of view"},
 };
-constexpr std::array kUnits{Known{"_px", "px"},
-                            Known{"_deg", "deg"},
-                            Known{"_percent", "%"},
-                            Known{"_m", "m"},
-                            Known{"_electrons", "electrons"},
-                            Known{"_steps", "steps"},
-                            Known{"_s", "s"}};
+constexpr std::array kUnits{NamedKey{"_px", "px"},
+                            NamedKey{"_deg", "deg"},
+                            NamedKey{"_percent", "%"},
+                            NamedKey{"_m", "m"},
+                            NamedKey{"_electrons", "electrons"},
+                            NamedKey{"_steps", "steps"},
+                            NamedKey{"_s", "s"}};
 
 std::string_view unit_of(std::string_view key) {
   for (const auto& [ending, unit] : kUnits)
@@ -75,8 +75,8 @@ void judge(ReportRow& row, std::string_view what, std::string_view key, double v
   const auto expectation = expectation_of(what, key);
   if (!expectation) return;
   row.verdict = expectation->verdict(value);
-  row.should_be = expectation->words();
-  if (row.verdict != Verdict::good) row.otherwise = expectation->otherwise;
+  row.should_be = expectation->text();
+  if (row.verdict != Verdict::good) row.remedy = expectation->remedy;
 }
 
 // One step's table, and which of its numbers have been told beside the values they belong to.
@@ -90,7 +90,7 @@ class Rows {
 
   // A value and how sure it is; `sigma_key` is what the step calls that.
   void value(std::string label, double value, const std::string& sigma_key, std::string_view unit) {
-    told_.insert(sigma_key);
+    shown_.insert(sigma_key);
     const auto sigma = measured_.if_number(sigma_key);
     ReportRow row{std::move(label), with_unit(with_digits(value, sigma.value_or(0.0)), unit), "", "", "", {}};
     if (sigma) {
@@ -103,7 +103,7 @@ class Rows {
   // Of a focal length, whose sigma some steps tell in pixels and others in percent.
   void focal(double focal_px) {
     const auto px = measured_.if_number("focal_sigma_px"), percent = measured_.if_number("focal_sigma_percent");
-    told_.insert({"focal_sigma_px", "focal_sigma_percent"});
+    shown_.insert({"focal_sigma_px", "focal_sigma_percent"});
     const double sigma_px = px ? *px : percent.value_or(0.0) * 0.01 * focal_px;
     ReportRow row{"focal length", with_unit(with_digits(focal_px, sigma_px), "px"), "", "", "", {}};
     if (px || percent) {
@@ -117,7 +117,7 @@ class Rows {
   void sigma(std::string label, const std::string& key) {
     const auto sigma = measured_.if_number(key);
     if (!sigma) return;
-    told_.insert(key);
+    shown_.insert(key);
     ReportRow row{std::move(label), "", with_unit(fmt::format("{:.2g}", *sigma), unit_of(key)), "", "", {}};
     judge(row, what_, key, *sigma);
     rows_.push_back(std::move(row));
@@ -125,13 +125,13 @@ class Rows {
 
   std::vector<ReportRow> with_the_rest() && {
     for (const auto& key : measured_.keys()) {
-      if (told_.contains(key) || key == "from" || key == "picture") continue;
+      if (shown_.contains(key) || key == "from" || key == "picture") continue;
       if (const auto number = measured_.if_number(key)) {
         ReportRow row{label_of(key), with_unit(fmt::format("{:.4g}", *number), unit_of(key)), "", "", "", {}};
         judge(row, what_, key, *number);
         rows_.push_back(std::move(row));
-      } else if (const auto words = measured_.if_text(key)) {
-        text(label_of(key), *words);
+      } else if (const auto value = measured_.if_text(key)) {
+        text(label_of(key), *value);
       }
     }
     return std::move(rows_);
@@ -141,10 +141,10 @@ class Rows {
   std::string what_;
   const ConfigTable& measured_;
   std::vector<ReportRow> rows_;
-  std::set<std::string> told_;
+  std::set<std::string> shown_;
 };
 
-void tell_lens(Rows& rows, const ConfigTable& camera, bool centre) {
+void add_lens(Rows& rows, const ConfigTable& camera, bool centre) {
   const auto table = camera.optional_table("lens");
   if (!table) return;
   const auto lens = read_lens_description(*table);
@@ -158,7 +158,7 @@ void tell_lens(Rows& rows, const ConfigTable& camera, bool centre) {
     rows.text("used to, off the axis", fmt::format("{:.1f} deg", to_degrees(lens.largest_angle)));
 }
 
-void tell_orientation(Rows& rows, const ConfigTable& camera) {
+void add_orientation(Rows& rows, const ConfigTable& camera) {
   const double pitch_deg = camera.number("pitch_deg", {-90, 90}, 90.0);
   const auto to_world = camera_to_world(from_degrees(camera.number("heading_deg", {}, 0.0)), from_degrees(pitch_deg),
                                         from_degrees(camera.number("roll_deg", {}, 0.0)));
@@ -168,14 +168,14 @@ void tell_orientation(Rows& rows, const ConfigTable& camera) {
   rows.value("tilt to the north", to_degrees({std::asin(to_world[2].y)}), "tilt_north_sigma_deg", "deg");
 }
 
-void tell_pose(Rows& rows, const ConfigTable& camera) {
+void add_pose(Rows& rows, const ConfigTable& camera) {
   rows.value("heading", camera.number("heading_deg", {}, 0.0), "heading_sigma_deg", "deg");
   rows.value("pitch", camera.number("pitch_deg", {}, 0.0), "pitch_sigma_deg", "deg");
   rows.value("roll", camera.number("roll_deg", {}, 0.0), "roll_sigma_deg", "deg");
   rows.sigma("direction that any pixel sees", "anywhere_sigma_deg");
 }
 
-void tell_vignetting(Rows& rows, const ConfigTable& camera) {
+void add_vignetting(Rows& rows, const ConfigTable& camera) {
   const auto table = camera.optional_table("vignetting");
   if (!table) return;
   const auto v = table->numbers("coefficients", 3);
@@ -186,22 +186,22 @@ void tell_vignetting(Rows& rows, const ConfigTable& camera) {
 
 std::vector<ReportRow> rows_of(const std::string& what, const ConfigTable& camera, const ConfigTable& measured) {
   Rows rows(what, measured);
-  if (what == "lens") tell_lens(rows, camera, true);
+  if (what == "lens") add_lens(rows, camera, true);
   if (what == "orientation") {
-    tell_orientation(rows, camera);
-    tell_lens(rows, camera, true);
+    add_orientation(rows, camera);
+    add_lens(rows, camera, true);
   }
   if (what == "pose") {
-    tell_pose(rows, camera);
-    tell_lens(rows, camera, false);
+    add_pose(rows, camera);
+    add_lens(rows, camera, false);
   }
   if (what == "response") rows.text("curve", camera.if_text("response").value_or("unknown"));
-  if (what == "vignetting") tell_vignetting(rows, camera);
+  if (what == "vignetting") add_vignetting(rows, camera);
   return std::move(rows).with_the_rest();
 }
 
 std::string title_of(const std::string& camera, const std::string& what) {
-  for (const auto& step : afternoon_steps())
+  for (const auto& step : required_steps())
     if (step.camera == camera && step.what == what) return std::string(step.title);
   std::string title = label_of(what);
   if (!title.empty() && title[0] >= 'a' && title[0] <= 'z') title[0] = static_cast<char>(title[0] - 'a' + 'A');
@@ -229,7 +229,7 @@ ReportCamera camera_of(const std::filesystem::path& calibration, const std::stri
   const auto camera = root.optional_table(name);
   const auto measured = camera ? camera->optional_table("measured") : std::nullopt;
   std::vector<std::string> order;
-  for (const auto& step : afternoon_steps()) {
+  for (const auto& step : required_steps()) {
     if (step.camera != name) continue;
     // A mask is known by its file, a lens that somebody wrote by hand is not measured.
     const bool done = (measured && measured->has(step.what)) || (step.what == "mask" && camera && camera->has("mask"));

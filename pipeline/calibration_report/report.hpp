@@ -15,7 +15,7 @@ namespace kasumi {
 
 struct ReportRow {
   std::string label, value, sigma;  // texts with units; empty: none
-  std::string should_be, otherwise;
+  std::string should_be, remedy;
   std::optional<Verdict> verdict;
 };
 
@@ -30,7 +30,7 @@ struct ReportStep {
 struct ReportCamera {
   std::string name, description;  // "sky"; "1032 x 778 pixels, serial FE-1"
   std::vector<ReportStep> steps;
-  std::vector<AfternoonStep> missing;
+  std::vector<RequiredStep> missing;
 };
 
 struct CalibrationReport {

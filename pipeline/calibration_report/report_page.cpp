@@ -82,8 +82,8 @@ void add_row(Page& page, const ReportRow& row) {
   page.add("<td class=\"number\" data-is=\"sure to\">{}</td><td class=\"number\" data-is=\"should be\">{}</td>",
            html_escaped(row.sigma), html_escaped(row.should_be));
   if (row.verdict)
-    page.add("<td class=\"{}\">{} {}{}</td>", class_of(*row.verdict), sign_of(*row.verdict), words_of(*row.verdict),
-             row.otherwise.empty() ? "" : ": " + html_escaped(row.otherwise));
+    page.add("<td class=\"{}\">{} {}{}</td>", class_of(*row.verdict), sign_of(*row.verdict), name_of(*row.verdict),
+             row.remedy.empty() ? "" : ": " + html_escaped(row.remedy));
   else
     page.add("<td></td>");
   page.add("</tr>\n");

@@ -79,21 +79,21 @@ void read_horizon(const ConfigTable& table, const ConfigTable& root, SceneSights
 }
 
 // Size and lens: the file's own, or the calibration's.
-void read_camera_part(const ConfigTable& root, const SceneBefore& before, SceneSights& sights) {
-  const auto scene = before.lens ? root.optional_table("scene") : root.table("scene");
-  sights.width = before.width;
-  sights.height = before.height;
-  if (before.lens) sights.lens = *before.lens;
+void read_camera_part(const ConfigTable& root, const CalibratedScene& calibrated, SceneSights& sights) {
+  const auto scene = calibrated.lens ? root.optional_table("scene") : root.table("scene");
+  sights.width = calibrated.width;
+  sights.height = calibrated.height;
+  if (calibrated.lens) sights.lens = *calibrated.lens;
   if (!scene) return;
-  for (const auto& [key, value, other] :
-       {std::tuple{"width", &sights.width, before.width}, std::tuple{"height", &sights.height, before.height}}) {
+  for (const auto& [key, value, other] : {std::tuple{"width", &sights.width, calibrated.width},
+                                          std::tuple{"height", &sights.height, calibrated.height}}) {
     *value = scene->integer(key, kSize_px, other > 0 ? std::optional(other) : std::nullopt);
     if (other > 0 && *value != other) scene->problem(key, fmt::format("{}, as the calibration file has it", other));
   }
-  if (scene->has("lens") && before.lens) {
+  if (scene->has("lens") && calibrated.lens) {
     scene->ignore("lens");
     scene->problem("lens", "no lens here, for the calibration file has one");
-  } else if (!before.lens) {
+  } else if (!calibrated.lens) {
     const auto lens = scene->table("lens");
     sights.lens = read_lens_description(lens);
     if (scene->has("lens") && !std::holds_alternative<PinholeModel>(sights.lens.model))
@@ -104,48 +104,48 @@ void read_camera_part(const ConfigTable& root, const SceneBefore& before, SceneS
 
 }  // namespace
 
-std::string distance_words(const LandmarkSight& sight) {
+std::string distance_text(const LandmarkSight& sight) {
   const double distance_m = glm::length(sight.place_m);
   return distance_m < 1e9 ? fmt::format("{:.2f} km", 1e-3 * distance_m) : std::string();
 }
 
-Result<SceneBefore> read_scene_before(const std::filesystem::path& calibration) {
-  SceneBefore before;
+Result<CalibratedScene> read_calibrated_scene(const std::filesystem::path& calibration) {
+  CalibratedScene calibrated;
   std::error_code error;
-  if (!std::filesystem::exists(calibration, error)) return before;
+  if (!std::filesystem::exists(calibration, error)) return calibrated;
   const auto root = ConfigTable::read_file(calibration);
   if (!root) return fail(root.error());
-  if (const auto site = root->optional_table("site")) before.site = read_site(*site);
+  if (const auto site = root->optional_table("site")) calibrated.site = read_site(*site);
   if (const auto scene = root->optional_table("scene")) {
-    before.width = scene->integer("width", kSize_px);
-    before.height = scene->integer("height", kSize_px);
+    calibrated.width = scene->integer("width", kSize_px);
+    calibrated.height = scene->integer("height", kSize_px);
     if (const auto lens = scene->optional_table("lens")) {
-      before.lens = read_lens_description(*lens);
+      calibrated.lens = read_lens_description(*lens);
       const auto measured = scene->optional_table("measured");
       const auto of_lens = measured ? measured->optional_table("lens") : std::nullopt;
       if (of_lens) {
-        const double focal_px = focal_px_of(*before.lens);
-        before.focal_sigma = of_lens->number("focal_sigma_px", {0.0, 1e6}, 0.002 * focal_px) / focal_px;
+        const double focal_px = focal_px_of(*calibrated.lens);
+        calibrated.focal_sigma = of_lens->number("focal_sigma_px", {0.0, 1e6}, 0.002 * focal_px) / focal_px;
       }
-      if (!std::holds_alternative<PinholeModel>(before.lens->model))
+      if (!std::holds_alternative<PinholeModel>(calibrated.lens->model))
         scene->table("lens").problem("model", "\"pinhole\": the scene is drawn through a pinhole");
     }
     scene->ignore("measured");
   }
   for (const char* key : {"calibration", "site", "sky", "scene"}) root->ignore(key);
   if (auto whole = root->finish(); !whole) return fail(whole.error());
-  return before;
+  return calibrated;
 }
 
-Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const SceneBefore& before) {
+Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const CalibratedScene& calibrated) {
   const auto root = ConfigTable::read_file(path);
   if (!root) return fail(root.error());
   SceneSights sights;
-  if (!before.site || root->has("site"))
+  if (!calibrated.site || root->has("site"))
     sights.site = read_site(root->table("site"));
   else
-    sights.site = *before.site;
-  read_camera_part(*root, before, sights);
+    sights.site = *calibrated.site;
+  read_camera_part(*root, calibrated, sights);
   sights.refraction = root->number("refraction", {-1.0, 1.0}, kUsualRefraction);
   const auto landmarks = root->tables("landmarks");
   for (const auto& table : landmarks) sights.landmarks.push_back(read_landmark(table, *root, sights));

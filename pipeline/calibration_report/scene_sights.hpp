@@ -1,4 +1,4 @@
-// The file an installer writes for `kasumi calibrate scene`: places on the map and where the picture shows them.
+// The input of `kasumi calibrate scene`: places on the map and their pixels in the picture.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +21,8 @@ struct SceneSights {
   std::vector<HorizonSight> horizon;
 };
 
-// What the calibration file says already, so that the sights need not repeat it.
-struct SceneBefore {
+// What the calibration file already contains, so that the sights need not repeat it.
+struct CalibratedScene {
   std::optional<Site> site;
   int width = 0;
   int height = 0;
@@ -30,12 +30,12 @@ struct SceneBefore {
   std::optional<double> focal_sigma;  // relative; of a lens that was measured
 };
 // Empty where there is no such file yet. Errors (bad_input): it is not a calibration file.
-Result<SceneBefore> read_scene_before(const std::filesystem::path& calibration);
+Result<CalibratedScene> read_calibrated_scene(const std::filesystem::path& calibration);
 
 // "12.34 km"; of the sun nothing.
-std::string distance_words(const LandmarkSight& sight);
+std::string distance_text(const LandmarkSight& sight);
 
 // docs/calibration.md describes it. Errors (bad_input): every problem of it at once.
-Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const SceneBefore& before);
+Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const CalibratedScene& calibrated);
 
 }  // namespace kasumi

@@ -181,7 +181,7 @@ DriftFinding judge_sun(const std::vector<SunObservation>& all) {
 }
 
 // Open sky, away from the horizon, obstructions and all positions of the sun.
-Image<std::uint8_t> open_sky(const Camera& sky, const DomeLook& look, const std::vector<Direction>& suns) {
+Image<std::uint8_t> open_sky(const Camera& sky, const DomeFrame& look, const std::vector<Direction>& suns) {
   const int factor = std::max(1, sky.width / std::max(1, look.width()));
   Image<std::uint8_t> open(look.width(), look.height(), 0);
   const auto clear = [&](int x, int y) {

@@ -25,9 +25,9 @@ GreyPicture grey_of(const Image<Rgb8>& picture) {
   return grey;
 }
 
-DomeLook dome_look(const Image<Rgb8>& picture, const Camera& camera) {
+DomeFrame dome_look(const Image<Rgb8>& picture, const Camera& camera) {
   const int factor = std::max(1, (std::max(camera.width, camera.height) + kDomeSide_px - 1) / kDomeSide_px);
-  DomeLook look(picture.width() / factor, picture.height() / factor);
+  DomeFrame look(picture.width() / factor, picture.height() / factor);
   std::array<glm::vec3, 256> light;
   for (int i = 0; i < 256; ++i) light[static_cast<std::size_t>(i)] = camera.response.to_light(glm::dvec3(i / 255.0));
   for (int y = 0; y < look.height(); ++y)

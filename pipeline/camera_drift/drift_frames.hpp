@@ -45,7 +45,7 @@ class DriftFrames {
 
   const std::vector<GreyPicture>& scene() const { return scene_; }
   const std::vector<GreyPicture>& sky() const { return sky_; }
-  const std::vector<DomeLook>& dome() const { return dome_; }
+  const std::vector<DomeFrame>& dome() const { return dome_; }
   const std::vector<SunObservation>& suns() const { return suns_; }
   const std::vector<Direction>& sun_places() const { return sun_places_; }
   // ln of the clear sky's light per exposure, relative to the sky model: constant as long as lens and sensor are.
@@ -57,7 +57,7 @@ class DriftFrames {
   Site site_;
   SkyObserver observer_;
   std::vector<GreyPicture> scene_, sky_;
-  std::vector<DomeLook> dome_;
+  std::vector<DomeFrame> dome_;
   std::vector<SunObservation> suns_;
   std::vector<Direction> sun_places_;
   std::vector<double> levels_, turbidities_;

@@ -31,7 +31,7 @@ Image<Rgb8> picture_of(const GreyPicture& grey) {
 }
 
 // Light as 8 bits with a square root: relative steps of 1 % in the bright half.
-Image<Rgb8> picture_of(const DomeLook& look) {
+Image<Rgb8> picture_of(const DomeFrame& look) {
   Image<Rgb8> picture(look.width(), look.height());
   std::transform(
       look.elements().begin(), look.elements().end(), picture.elements().begin(),
@@ -69,8 +69,8 @@ std::optional<Utc> utc_of(const Json& json, const char* key) {
   return parse_utc(json[key].get<std::string>());
 }
 
-DomeLook median_look(const std::vector<DomeLook>& looks) {
-  DomeLook still(looks[0].width(), looks[0].height());
+DomeFrame median_look(const std::vector<DomeFrame>& looks) {
+  DomeFrame still(looks[0].width(), looks[0].height());
   std::vector<float> values(looks.size());
   for (std::size_t i = 0; i < still.elements().size(); ++i)
     for (int c = 0; c < 3; ++c) {

@@ -17,8 +17,8 @@ struct ViewReference {
 struct DriftReference {
   Utc taken{};
   std::optional<ViewReference> scene, sky;
-  std::optional<DomeLook> dome;  // median, at most 160 px
-  std::vector<Direction> suns;   // the sun's positions in those pictures
+  std::optional<DomeFrame> dome;  // median, at most 160 px
+  std::vector<Direction> suns;    // the sun's positions in those pictures
   std::optional<double> turbidity;
   std::optional<double> level;                          // ln, see DriftFrames
   std::optional<Utc> scene_calibrated, sky_calibrated;  // of the calibrations it belongs to

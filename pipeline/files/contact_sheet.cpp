@@ -36,13 +36,13 @@ Image<Rgb8> image_of(const cv::Mat& matrix) {
 
 }  // namespace
 
-void ContactSheet::add(const Image<Rgb8>& picture, std::string words) {
+void ContactSheet::add(const Image<Rgb8>& picture, std::string caption) {
   cv::Mat matrix = matrix_of(picture);
   if (matrix.cols > kWidestTile_px) {
     const int height = std::max(1, static_cast<int>(std::lround(1.0 * matrix.rows * kWidestTile_px / matrix.cols)));
     cv::resize(matrix, matrix, {kWidestTile_px, height}, 0.0, 0.0, cv::INTER_AREA);
   }
-  tiles_.push_back({image_of(matrix), std::move(words)});
+  tiles_.push_back({image_of(matrix), std::move(caption)});
 }
 
 Image<Rgb8> ContactSheet::drawn(int columns) const {
@@ -61,9 +61,9 @@ Image<Rgb8> ContactSheet::drawn(int columns) const {
     const cv::Point at(kGap_px + i % columns * (width + kGap_px), kGap_px + i / columns * (height + kGap_px));
     auto place = sheet(cv::Rect(at.x, at.y, tile.picture.width(), tile.picture.height()));
     matrix_of(tile.picture).copyTo(place);
-    const auto size = cv::getTextSize(tile.words, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr);
+    const auto size = cv::getTextSize(tile.caption, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr);
     cv::rectangle(sheet, cv::Rect(at.x, at.y, size.width + 10, size.height + 10), kGround, cv::FILLED);
-    cv::putText(sheet, tile.words, at + cv::Point(5, size.height + 5), cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1,
+    cv::putText(sheet, tile.caption, at + cv::Point(5, size.height + 5), cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1,
                 cv::LINE_AA);
   }
   return image_of(sheet);

@@ -1,4 +1,4 @@
-// Pictures side by side, each with its words.
+// Pictures side by side, each with a caption.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,9 @@ namespace kasumi {
 
 class ContactSheet {
  public:
-  // Larger pictures are made smaller, so that the sheet stays handy.
-  void add(const Image<Rgb8>& picture, std::string words);
-  // As near to a square as it goes, or of so many columns. At least one picture must have been added.
+  // Large pictures are scaled down.
+  void add(const Image<Rgb8>& picture, std::string caption);
+  // About square, or with the given number of columns. At least one picture must have been added.
   Image<Rgb8> drawn(int columns = 0) const;
   // PNG. Errors: bad_input (nothing was added), io.
   Result<> write(const std::filesystem::path& path) const;
@@ -23,7 +23,7 @@ class ContactSheet {
  private:
   struct Tile {
     Image<Rgb8> picture;
-    std::string words;
+    std::string caption;
   };
   std::vector<Tile> tiles_;
 };

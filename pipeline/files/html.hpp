@@ -1,4 +1,4 @@
-// Text and pictures inside a page that needs nothing but itself.
+// Text and pictures embedded in a self-contained page.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-// For content and for attributes in double quotes. Control characters, which HTML has no way to write, become U+FFFD.
+// For content and double-quoted attributes. Control characters, which HTML cannot represent, become U+FFFD.
 std::string html_escaped(std::string_view text);
 
 // RFC 2397, base64 (RFC 4648): "data:image/png;base64,...".

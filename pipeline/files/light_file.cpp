@@ -11,7 +11,7 @@ namespace kasumi {
 namespace {
 
 bool encode(const std::string& extension, const cv::Mat& bgr, std::vector<std::uint8_t>& bytes) try {
-  // OpenCV writes EXR only when told so.
+  // OpenCV writes EXR only when this variable is set.
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   return cv::imencode(extension, bgr, bytes);
 } catch (const cv::Exception&) {
@@ -29,7 +29,7 @@ bool is_light_file(const std::filesystem::path& file) {
 Result<> write_light_file(const std::filesystem::path& file, const Image<glm::vec3>& light) {
   if (!is_light_file(file))
     return fail(FaultKind::bad_input, "{}: expected a name that ends in .exr, .pfm, .hdr or .tiff", file.string());
-  if (light.empty()) return fail(FaultKind::bad_input, "{}: a picture without pixels", file.string());
+  if (light.empty()) return fail(FaultKind::bad_input, "{}: the picture is empty", file.string());
   // OpenCV only reads from it.
   const cv::Mat rgb(light.height(), light.width(), CV_32FC3, const_cast<glm::vec3*>(light.elements().data()));
   cv::Mat bgr;
@@ -41,8 +41,8 @@ Result<> write_light_file(const std::filesystem::path& file, const Image<glm::ve
   if (beside == file || !encode(".pfm", bgr, bytes))
     return fail(FaultKind::unsupported, "{}: cannot be encoded by this machine's OpenCV", file.string());
   if (auto written = write_file(beside, bytes); !written) return written;
-  return fail(FaultKind::unsupported, "{}: this machine's OpenCV writes no such files; {} holds the same light",
-              file.string(), beside.string());
+  return fail(FaultKind::unsupported, "{}: not supported by this machine's OpenCV; wrote {} instead", file.string(),
+              beside.string());
 }
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// Pictures of light itself, in floats: EXR, PFM, HDR or TIFF by the file's name.
+// Floating-point pictures of linear light: EXR, PFM, HDR or TIFF by the file's extension.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@
 namespace kasumi {
 
 bool is_light_file(const std::filesystem::path& file);  // by its ending
-// Linear, R G B. Errors: bad_input (another ending, no pixels), unsupported (this machine's OpenCV writes no EXR; a PFM
-// lies beside instead, as the message says), io.
+// Linear R G B. Errors: bad_input (other extension, no pixels), unsupported (this OpenCV writes no EXR; a PFM is
+// written instead, as the message says), io.
 Result<> write_light_file(const std::filesystem::path& file, const Image<glm::vec3>& light);
 
 }  // namespace kasumi

@@ -9,11 +9,11 @@
 namespace kasumi {
 
 // PNG, JPEG, TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G = B; orientation
-// tags are not followed, since calibration speaks of the stored pixels. Errors: bad_input.
+// tags are ignored, since calibrations refer to the stored pixels. Errors: bad_input.
 Result<Photograph> read_photograph(const std::filesystem::path& path);
 
-// By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). Written beside
-// and renamed. Errors: bad_input (another extension), io.
+// By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). Written to a
+// temporary file and renamed. Errors: bad_input (another extension), io.
 Result<> write_photograph(const std::filesystem::path& path, const Photograph& photograph);
 
 }  // namespace kasumi

@@ -47,7 +47,7 @@ class FilmWriter final : public PictureSink {
   }
 
   Result<> put(const Image<Rgb8>& picture) override {
-    // Both codecs want even sizes.
+    // Both codecs require even sizes.
     const cv::Mat bgr = to_bgr(picture)(cv::Rect(0, 0, picture.width() & ~1, picture.height() & ~1));
     if (!writer_.isOpened()) {
       size_ = bgr.size();
@@ -65,7 +65,7 @@ class FilmWriter final : public PictureSink {
 
   Result<> finish() override {
     if (!writer_.isOpened())
-      return fail(FaultKind::bad_input, "{}: no picture came, no film was written", file_.string());
+      return fail(FaultKind::bad_input, "{}: no pictures, so no film was written", file_.string());
     writer_.release();
     std::error_code error;
     std::filesystem::rename(unfinished_, file_, error);
@@ -117,8 +117,7 @@ Result<std::unique_ptr<PictureSink>> open_picture_folder(const std::filesystem::
 Result<std::unique_ptr<PictureSink>> open_film(const std::filesystem::path& file, double frames_per_second) {
   if (file.has_parent_path())
     if (auto made = make_folder(file.parent_path()); !made) return fail(made.error());
-  cv::utils::logging::setLogLevel(
-      cv::utils::logging::LOG_LEVEL_SILENT);  // a codec it lacks is our message, not OpenCV's
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // a missing codec is reported by us
   return std::make_unique<FilmWriter>(file, frames_per_second);
 }
 

@@ -18,7 +18,7 @@ class PictureSink {
  public:
   virtual ~PictureSink() = default;
   virtual Result<> put(const Image<Rgb8>& picture) = 0;
-  // The film exists under its name only after this.
+  // The film appears under its name only after this.
   virtual Result<> finish() = 0;
 };
 

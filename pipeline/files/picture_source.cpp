@@ -29,9 +29,10 @@ bool is_picture(const std::filesystem::path& path) {
   return kPictures.count(ending_of(path)) > 0;
 }
 
-class Files final : public PictureSource {
+class PictureFiles final : public PictureSource {
  public:
-  Files(std::vector<std::filesystem::path> files, bool moves) : files_(std::move(files)), moves_(moves) {}
+  PictureFiles(std::vector<std::filesystem::path> files, bool is_sequence)
+      : files_(std::move(files)), is_sequence_(is_sequence) {}
   Result<std::optional<NamedPicture>> next() override {
     if (at_ == files_.size()) return std::nullopt;
     const auto& file = files_[at_++];
@@ -39,11 +40,11 @@ class Files final : public PictureSource {
     if (!photograph) return fail(photograph.error());
     return NamedPicture{file.string(), file.stem().string(), std::move(*photograph)};
   }
-  bool moves() const override { return moves_; }
+  bool is_sequence() const override { return is_sequence_; }
 
  private:
   std::vector<std::filesystem::path> files_;
-  bool moves_;
+  bool is_sequence_;
   std::size_t at_ = 0;
 };
 
@@ -76,7 +77,7 @@ class FilmReader final : public PictureSource {
     const double found = capture_.get(cv::CAP_PROP_FPS);
     return std::isfinite(found) && found > 0.0 ? std::optional(found) : std::nullopt;
   }
-  bool moves() const override { return true; }
+  bool is_sequence() const override { return true; }
 
  private:
   std::filesystem::path file_;
@@ -85,7 +86,7 @@ class FilmReader final : public PictureSource {
 };
 
 Result<std::unique_ptr<PictureSource>> open_film_to_read(const std::filesystem::path& path) {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // what it cannot read is our message
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // unreadable files are reported by us
   cv::VideoCapture capture;
   try {
     capture.open(path.string(), cv::CAP_FFMPEG);
@@ -104,7 +105,7 @@ Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& 
     if (is_picture(entry.path())) files.push_back(entry.path());
   if (files.empty()) return fail(FaultKind::bad_input, "{}: expected a folder with pictures in it", path.string());
   std::sort(files.begin(), files.end());
-  return std::make_unique<Files>(std::move(files), true);
+  return std::make_unique<PictureFiles>(std::move(files), true);
 }
 
 }  // namespace
@@ -116,11 +117,10 @@ Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::stri
     const bool folder = std::filesystem::is_directory(file, error);
     if (!folder && !is_film(file)) continue;
     if (files.size() > 1)
-      return fail(FaultKind::bad_input, "{}: a film or a folder stands alone: expected no other picture beside it",
-                  file.string());
+      return fail(FaultKind::bad_input, "{}: expected no other picture with a film or a folder", file.string());
     return folder ? open_folder(file) : open_film_to_read(file);
   }
-  return std::make_unique<Files>(std::move(files), false);
+  return std::make_unique<PictureFiles>(std::move(files), false);
 }
 
 }  // namespace kasumi

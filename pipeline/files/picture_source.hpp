@@ -21,16 +21,16 @@ struct NamedPicture {
 class PictureSource {
  public:
   virtual ~PictureSource() = default;
-  // The next; empty after the last. Holds no more than one in memory. Errors: bad_input.
+  // The next picture; empty after the last. Only one is in memory at a time. Errors: bad_input.
   virtual Result<std::optional<NamedPicture>> next() = 0;
   // Of a film as its file says; empty where there is none.
   virtual std::optional<double> frames_per_second() const { return std::nullopt; }
-  // A film or a folder: one picture after the other through time.
-  virtual bool moves() const { return false; }
+  // Whether the pictures are consecutive in time: a film or a folder.
+  virtual bool is_sequence() const { return false; }
 };
 
 // Each of `names` a picture, a folder (its pictures by name) or a film (what this machine's FFmpeg reads: .mp4, .mov,
-// .mkv, .avi, .webm); a film or a folder stands alone. Errors (bad_input): nothing there, an empty folder.
+// .mkv, .avi, .webm); a film or a folder must be the only one. Errors (bad_input): nothing there, an empty folder.
 Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names);
 
 }  // namespace kasumi

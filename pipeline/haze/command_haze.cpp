@@ -15,7 +15,7 @@ namespace kasumi {
 namespace {
 
 struct HazeArguments {
-  HazeOrder order;
+  HazeOptions options;
   std::string out, sheet, film;
   double frames_per_second = 10.0;
   bool on_cpu = false, live = false;
@@ -23,7 +23,7 @@ struct HazeArguments {
 
 Result<int> show_live(const HazeTask& task) {
   if (task.scheme == DiffusionScheme::invariant)
-    return fail(FaultKind::bad_input, "--live: expected --scheme matched or explicit, which the GPU has");
+    return fail(FaultKind::bad_input, "--live: expected --scheme matched or explicit, which run on the GPU");
   auto window = HazeWindow::open(task);
   if (!window) return fail(window.error());
   for (;;) {
@@ -31,7 +31,7 @@ Result<int> show_live(const HazeTask& task) {
     if (!open) return fail(open.error());
     if (!*open) break;
   }
-  fmt::print("{}\n", words_of(window->values()));
+  fmt::print("{}\n", caption_of(window->values()));
   return 0;
 }
 
@@ -58,13 +58,13 @@ Result<> make_pictures(const HazeArguments& a, const HazeTask& task) {
     const auto made = maker->make(haze);
     if (!made) return fail(made.error());
     if (!a.out.empty()) {
-      const auto name = std::filesystem::path(a.order.picture).stem().string();
+      const auto name = std::filesystem::path(a.options.picture).stem().string();
       const std::filesystem::path place =
           alone ? std::filesystem::path(a.out)
                 : std::filesystem::path(a.out) / fmt::format("{}.{}.png", name, haze.name());
       if (auto done = write_photograph(place, made->picture); !done) return done;
       fmt::print("{}: {}, {} passes, {:.0f} operations a pixel, {}\n", place.string(), name_of(task.scheme),
-                 made->cost.passes, made->cost.operations(), maker->place());
+                 made->cost.passes, made->cost.operations(), maker->device());
     }
     const auto pixels = to_rgb8(made->picture);
     if (!a.sheet.empty()) sheet.add(pixels, haze.name());
@@ -77,10 +77,10 @@ Result<> make_pictures(const HazeArguments& a, const HazeTask& task) {
   return {};
 }
 
-Result<int> lay_haze(const HazeArguments& a) {
-  // OpenCV reads depth as EXR only when told so.
+Result<int> make_haze(const HazeArguments& a) {
+  // OpenCV reads EXR only when this variable is set.
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
-  const auto task = haze_task(a.order);
+  const auto task = haze_task(a.options);
   if (!task) return fail(task.error());
   fmt::print("range to {:.4g} m; {} holes filled ({:.1f} % of the picture), sky {:.1f} %\n", task->range.farthest_m,
              task->range.holes, 100.0 * task->range.hole_share, 100.0 * task->range.sky_share);
@@ -92,77 +92,80 @@ Result<int> lay_haze(const HazeArguments& a) {
 }  // namespace
 
 void add_haze_command(CLI::App& app, Action& action) {
-  auto* command = app.add_subcommand("haze", "Thick haze over a photograph, which blurs as well as it fades");
+  auto* command = app.add_subcommand("haze", "Dense haze over a photograph, with blur as well as attenuation");
   auto arguments = std::make_shared<HazeArguments>();
   auto& a = *arguments;
-  auto& order = a.order;
-  command->add_option("picture", order.picture, "The picture")->required();
-  command->add_option("--depth", order.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: unknown");
-  command->add_option("--depth-step-m", order.depth_step_m, "Metres (of --disparity: pixels) that a step of the PNG is")
+  auto& options = a.options;
+  command->add_option("picture", options.picture, "The picture")->required();
+  command->add_option("--depth", options.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: unknown");
+  command->add_option("--depth-step-m", options.depth_step_m, "Metres per step of the PNG (with --disparity: pixels)")
       ->check(CLI::Range(1e-5, 1e3));
-  command->add_option("--disparity", order.disparity, "In place of --depth: disparities in pixels, of a stereo pair");
-  command->add_option("--disparity-scale", order.disparity_scale, "Focal length times baseline, pixels times metres")
+  command->add_option("--disparity", options.disparity,
+                      "Instead of --depth: disparities in pixels, from a stereo pair");
+  command
+      ->add_option("--disparity-scale", options.disparity_scale, "Focal length times baseline, in pixels times metres")
       ->check(CLI::Range(1e-6, 1e9));
-  command->add_option("--disparity-offset-px", order.disparity_offset_px, "Added to disparities (Middlebury: doffs)")
+  command->add_option("--disparity-offset-px", options.disparity_offset_px, "Added to disparities (Middlebury: doffs)")
       ->check(CLI::Range(-1e4, 1e4))
       ->capture_default_str();
-  command->add_flag("--indoors", order.indoors, "Nothing is sky: all that is unknown are holes");
+  command->add_flag("--indoors", options.indoors, "There is no sky: every unknown region is a hole");
   command
-      ->add_option("--sky-share", order.range.smallest_sky_share,
-                   "An unknown region of that share of the picture is sky, a smaller one a hole")
+      ->add_option("--sky-share", options.range.smallest_sky_share,
+                   "Unknown regions of at least this share of the picture are sky, smaller ones are holes")
       ->check(CLI::Range(1e-6, 1.0))
       ->capture_default_str();
-  command->add_option("--sky-range", order.range.sky_range, "Of the sky, in farthest ranges")
+  command->add_option("--sky-range", options.range.sky_range, "Distance of the sky, in multiples of the farthest range")
       ->check(CLI::Range(1.001, 10.0))
       ->capture_default_str();
-  command->add_option("--margin-px", order.range.margin_px, "Over which the scene goes into the sky")
+  command->add_option("--margin-px", options.range.margin_px, "Width of the transition from the scene to the sky")
       ->check(CLI::Range(0, 200))
       ->capture_default_str();
-  command->add_option("--turbidity", order.turbidities, "T of the haze: 8, or FROM:TO:STEP; several with commas")
+  command->add_option("--turbidity", options.turbidities, "T of the haze: 8, or FROM:TO:STEP; several with commas")
       ->delimiter(',');
   command
-      ->add_option("--kappa-s", order.scatterings,
-                   "In place of T: scattering per farthest range (H), or FROM:TO:STEP; several with commas")
+      ->add_option("--kappa-s", options.scatterings,
+                   "Instead of T: scattering per farthest range (H), or FROM:TO:STEP; several with commas")
       ->delimiter(',');
-  command->add_option("--kappa-a", order.kappa_a, "With it: absorption per farthest range")
+  command->add_option("--kappa-a", options.kappa_a, "With --kappa-s: absorption per farthest range")
       ->check(CLI::Range(0.0, 100.0));
-  command->add_option("--lambda", order.lambda, "The widest blur is lambda sqrt(kappa_s), in pixels")
+  command->add_option("--lambda", options.lambda, "The widest blur is lambda sqrt(kappa_s), in pixels")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  command->add_option("--airlight", order.airlight, "Light from infinity, linear; left out: measured at the horizon")
+  command->add_option("--airlight", options.airlight, "Light from infinity, linear; default: measured at the horizon")
       ->type_name("R,G,B")
       ->delimiter(',')
       ->expected(3)
       ->check(CLI::Range(1e-3, 4.0));
-  command->add_option("--sensitivity", order.sensitivity, "The camera's spectral sensitivity (JSON or CSV), for T");
-  command->add_option("--scattering", order.scattering, "Coefficients, for T")
+  command->add_option("--sensitivity", options.sensitivity,
+                      "The camera's spectral sensitivity (JSON or CSV), with --turbidity");
+  command->add_option("--scattering", options.scattering, "Scattering coefficients, with --turbidity")
       ->check(CLI::IsMember({"morales2017", "preetham", "zhao"}))
       ->capture_default_str();
-  command->add_option("--altitude-m", order.altitude_m, "Of the camera, for T")
+  command->add_option("--altitude-m", options.altitude_m, "Altitude of the camera, with --turbidity")
       ->check(CLI::Range(-500.0, 9000.0))
       ->capture_default_str();
-  command->add_option("--fov-deg", order.field_of_view_deg, "Across the picture, where the airlight is measured")
+  command->add_option("--fov-deg", options.field_of_view_deg, "Horizontal field of view, to measure the airlight")
       ->check(CLI::Range(0.5, 150.0))
       ->capture_default_str();
-  command->add_option("--pitch-deg", order.pitch_deg, "Elevation of the picture's middle, likewise")
+  command->add_option("--pitch-deg", options.pitch_deg, "Elevation of the picture's centre, to measure the airlight")
       ->check(CLI::Range(-60.0, 60.0))
       ->capture_default_str();
-  command->add_option("--scheme", order.scheme, "How it is blurred: ours, or one of the paper's")
+  command->add_option("--scheme", options.scheme, "Blur scheme: ours (matched), or one of the paper's")
       ->check(CLI::IsMember({"matched", "explicit", "invariant"}))
       ->capture_default_str();
-  command->add_flag("--cpu", a.on_cpu, "Compute on the CPU, the reference");
-  command->add_flag("--live", a.live, "In a window, where keys change the haze");
+  command->add_flag("--cpu", a.on_cpu, "Compute on the CPU (the reference implementation)");
+  command->add_flag("--live", a.live, "In a window, with keys that change the haze");
   command->add_option("--out", a.out, "Picture to write; a folder for several");
-  command->add_option("--sheet", a.sheet, "PNG with all of them side by side");
-  command->add_option("--film", a.film, "A film of them")->type_name("FILE");
-  command->add_option("--fps", a.frames_per_second, "Of the film")
+  command->add_option("--sheet", a.sheet, "Contact sheet of all pictures, as PNG");
+  command->add_option("--film", a.film, "All pictures as a film")->type_name("FILE");
+  command->add_option("--fps", a.frames_per_second, "Frame rate of the film")
       ->check(CLI::Range(0.1, 120.0))
       ->capture_default_str();
   command->callback([arguments, &action] {
     const auto& given = *arguments;
     if (given.out.empty() && given.sheet.empty() && given.film.empty() && !given.live)
       throw CLI::ValidationError("--out, --sheet, --film, --live", "expected at least one of them");
-    action = [arguments] { return lay_haze(*arguments); };
+    action = [arguments] { return make_haze(*arguments); };
   });
 }
 

@@ -27,36 +27,36 @@ Result<HazeMaker> HazeMaker::create(const HazeTask& task, bool on_cpu) {
   if (on_cpu || task.scheme == DiffusionScheme::invariant) return made;
   auto context = open_headless_context();
   if (!context) {
-    spdlog::warn("haze is made on the CPU: {}", context.error().message);
+    spdlog::warn("haze is computed on the CPU: {}", context.error().message);
     return made;
   }
   auto blur = HazeBlur::create((*context)->info(), task.light.width(), task.light.height());
   if (!blur) {
-    spdlog::warn("haze is made on the CPU: {}", blur.error().message);
+    spdlog::warn("haze is computed on the CPU: {}", blur.error().message);
     return made;
   }
   if (auto set = blur->set_scene(haze_scene(task.light, task.range)); !set) return fail(set.error());
-  made.place_ = fmt::format("{}, {}", (*context)->info().renderer, blur->in_bytes() ? "bytes" : "half floats");
+  made.device_ = fmt::format("{}, {}", (*context)->info().renderer, blur->in_bytes() ? "bytes" : "half floats");
   made.context_ = std::move(*context);
   made.blur_ = std::move(*blur);
   return made;
 }
 
-Result<MadeHaze> HazeMaker::make(const HazeValues& haze) {
+Result<HazyPicture> HazeMaker::make(const HazeValues& haze) {
   const auto optics = task_->optics_of(haze);
   const double quantum = task_->photograph.quantum;
   if (!blur_) {
     auto made = under_haze(task_->light, task_->range, optics, task_->airlight, task_->scheme);
     if (!made) return fail(made.error());
-    return MadeHaze{encoded_of(task_->camera, made->light, quantum), made->cost};
+    return HazyPicture{encoded_of(task_->camera, made->light, quantum), made->cost};
   }
   if (auto run = blur_->run(haze_look(optics, task_->range, task_->airlight, task_->scheme)); !run)
     return fail(run.error());
   const auto blurred = blur_->read();
   if (!blurred) return fail(blurred.error());
   const auto farthest = static_cast<double>(*std::ranges::max_element(task_->range.range.elements()));
-  return MadeHaze{encoded_of(task_->camera, composited(*blurred, task_->airlight), quantum),
-                  cost_of(task_->scheme, optics.inner_px, optics.sigma_px(farthest))};
+  return HazyPicture{encoded_of(task_->camera, composited(*blurred, task_->airlight), quantum),
+                     cost_of(task_->scheme, optics.inner_px, optics.sigma_px(farthest))};
 }
 
 }  // namespace kasumi

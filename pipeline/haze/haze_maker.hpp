@@ -1,4 +1,4 @@
-// Pictures under haze, made on the GPU or on the CPU's reference.
+// Hazy pictures, rendered on the GPU or by the CPU reference.
 #pragma once
 
 #include <memory>
@@ -6,28 +6,28 @@
 #include <string>
 
 #include "gles/air/haze_blur.hpp"
-#include "pipeline/haze/haze_order.hpp"
+#include "pipeline/haze/haze_options.hpp"
 
 namespace kasumi {
 
-struct MadeHaze {
+struct HazyPicture {
   Photograph picture;
   DiffusionCost cost;
 };
 
 class HazeMaker {
  public:
-  // `task` must outlive it. The invariant scheme, whose reads between pixels GLES 2 does not filter, is the CPU's
-  // alone. Without a GPU (or what acts as one) the CPU is taken: notes() tells. Errors: device.
+  // `task` must outlive it. The invariant scheme runs on the CPU only: it interpolates between pixels, which GLES 2
+  // does not filter. Falls back to the CPU when there is no GL; device() says which is used. Errors: device.
   static Result<HazeMaker> create(const HazeTask& task, bool on_cpu);
-  Result<MadeHaze> make(const HazeValues& haze);
-  const std::string& place() const { return place_; }  // "the CPU", "llvmpipe (...), half floats"
+  Result<HazyPicture> make(const HazeValues& haze);
+  const std::string& device() const { return device_; }  // "the CPU", "llvmpipe (...), half floats"
 
  private:
   explicit HazeMaker(const HazeTask& task) : task_(&task) {}
   const HazeTask* task_;
-  std::string place_ = "the CPU";
-  std::unique_ptr<GlContext> context_;  // goes after what was made under it
+  std::string device_ = "the CPU";
+  std::unique_ptr<GlContext> context_;  // destroyed after the objects created in it
   std::optional<HazeBlur> blur_;
 };
 

@@ -12,38 +12,38 @@
 namespace kasumi {
 namespace {
 
-constexpr int kWidest = 1280, kTallest = 900;
-constexpr double kFactor = 1.1892071150027210;  // four presses double
-constexpr double kFirst = 0.02;                 // the least that is not nothing
+constexpr int kMaxWidth = 1280, kMaxHeight = 900;
+constexpr double kFactorPerPress = 1.1892071150027210;  // four presses double the value
+constexpr double kSmallestStep = 0.02;                  // below this the value becomes 0
 
-// More, less; from nothing and back to it.
-void turn(double& value, bool more, double first, double most) {
+// One step more or less; steps between 0 and `first`.
+void adjust(double& value, bool more, double first, double most) {
   if (more)
-    value = std::min(std::max(value * kFactor, first), most);
+    value = std::min(std::max(value * kFactorPerPress, first), most);
   else
-    value = value <= first * 1.001 ? 0.0 : value / kFactor;
+    value = value <= first * 1.001 ? 0.0 : value / kFactorPerPress;
 }
 
 }  // namespace
 
-bool turn_haze(HazeValues& haze, const HazeValues& given, char key) {
+bool adjust_haze(HazeValues& haze, const HazeValues& given, char key) {
   const auto before = haze;
   switch (key) {
     case 'a':
     case 'z':
-      if (!haze.turbidity) turn(haze.kappa_a, key == 'a', kFirst, 20.0);
+      if (!haze.turbidity) adjust(haze.kappa_a, key == 'a', kSmallestStep, 20.0);
       break;
     case 's':
     case 'x':
       if (haze.turbidity)
-        haze.turbidity->value =
-            std::clamp(haze.turbidity->value * (key == 's' ? std::sqrt(kFactor) : 1.0 / std::sqrt(kFactor)),
-                       kLowestTurbidity.value, kHighestTurbidity.value);
+        haze.turbidity->value = std::clamp(
+            haze.turbidity->value * (key == 's' ? std::sqrt(kFactorPerPress) : 1.0 / std::sqrt(kFactorPerPress)),
+            kLowestTurbidity.value, kHighestTurbidity.value);
       else
-        turn(haze.kappa_s, key == 's', kFirst, 20.0);
+        adjust(haze.kappa_s, key == 's', kSmallestStep, 20.0);
       break;
     case 'd':
-    case 'c': turn(haze.lambda, key == 'd', 1.0, 200.0); break;
+    case 'c': adjust(haze.lambda, key == 'd', 1.0, 200.0); break;
     case 'r': haze = given; break;
     default: break;
   }
@@ -51,7 +51,7 @@ bool turn_haze(HazeValues& haze, const HazeValues& given, char key) {
          haze.lambda != before.lambda;
 }
 
-std::string words_of(const HazeValues& haze) {
+std::string caption_of(const HazeValues& haze) {
   if (haze.turbidity)
     return fmt::format("T {:.2f} (S, X)   lambda {:.1f} (D, C)   R: as given", haze.turbidity->value, haze.lambda);
   return fmt::format("kappa_a {:.3f} (A, Z)   kappa_s {:.3f} (S, X)   lambda {:.1f} (D, C)   R: as given", haze.kappa_a,
@@ -60,7 +60,8 @@ std::string words_of(const HazeValues& haze) {
 
 Result<HazeWindow> HazeWindow::open(const HazeTask& task) {
   const int width = task.light.width(), height = task.light.height();
-  const double scale = std::min({1.0, static_cast<double>(kWidest) / width, static_cast<double>(kTallest) / height});
+  const double scale =
+      std::min({1.0, static_cast<double>(kMaxWidth) / width, static_cast<double>(kMaxHeight) / height});
   auto window = open_window({"Kasumi: haze", std::max(1, static_cast<int>(std::lround(scale * width))),
                              std::max(1, static_cast<int>(std::lround(scale * height))), true});
   if (!window) return fail(window.error());
@@ -74,21 +75,21 @@ Result<bool> HazeWindow::step(const std::string& more) {
   if (!window_->handle_events()) return false;
   const auto before = haze_;
   for (const char key : window_->take_input().keys + more)
-    stale_ = turn_haze(haze_, task_->values.front(), key) || stale_;
-  if (stale_) {
+    changed_ = adjust_haze(haze_, task_->values.front(), key) || changed_;
+  if (changed_) {
     const auto look = haze_look(task_->optics_of(haze_), task_->range, task_->airlight, task_->scheme);
     const auto run = blur_.run(look);
     if (!run && run.error().kind != FaultKind::bad_input) return fail(run.error());
     problem_ = run ? std::string() : "\n" + run.error().message;
     if (!run) haze_ = before;
-    stale_ = false;
+    changed_ = false;
   }
   const auto target = window_->target();
   if (auto shown = blur_.show(target); !shown) return fail(shown.error());
   CaptionStyle style;
   style.height_px = std::max(14.0, target.height / 40.0);
   style.largest_width_px = std::max(100, target.width - 20);
-  const auto words = draw_caption(words_of(haze_) + problem_, style);
+  const auto words = draw_caption(caption_of(haze_) + problem_, style);
   if (!words) return fail(words.error());
   const auto caption = FlatPicture::create(*window_, *words);
   if (!caption) return fail(caption.error());
@@ -97,7 +98,7 @@ Result<bool> HazeWindow::step(const std::string& more) {
       !done)
     return fail(done.error());
   window_->show();
-  // A display that does not make us wait gets no more than it can show.
+  // Limits the frame rate on displays that do not block until vertical sync.
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   return true;
 }

@@ -1,4 +1,4 @@
-// The desk window of `kasumi haze --live`: haze that follows the keys.
+// The desktop window of `kasumi haze --live`: keys change the haze.
 #pragma once
 
 #include <memory>
@@ -7,21 +7,22 @@
 
 #include "gles/air/haze_blur.hpp"
 #include "gles/display/window.hpp"
-#include "pipeline/haze/haze_order.hpp"
+#include "pipeline/haze/haze_options.hpp"
 
 namespace kasumi {
 
-// A and Z: more or less absorption; S and X: scattering (of a turbidity: T itself); D and C: lambda; R: as it was
-// given. Other keys change nothing. false when nothing has changed.
-bool turn_haze(HazeValues& haze, const HazeValues& given, char key);
+// A and Z: more or less absorption; S and X: scattering (T itself when given as a turbidity); D and C: lambda; R: back
+// to the given values. Other keys are ignored. Returns whether anything changed.
+bool adjust_haze(HazeValues& haze, const HazeValues& given, char key);
 // "kappa_a .25 (A, Z)   kappa_s .25 (S, X)   lambda 15 (D, C)".
-std::string words_of(const HazeValues& haze);
+std::string caption_of(const HazeValues& haze);
 
 class HazeWindow {
  public:
   // `task` must outlive it. Errors: unsupported (no display), device.
   static Result<HazeWindow> open(const HazeTask& task);
-  // Takes keys in, and those of `more` as if they had been pressed; draws and shows. false once it is to be closed.
+  // Handles pressed keys, and those in `more` as if pressed; draws and presents. Returns false when the window is to
+  // close.
   // BLOCKS until the display takes the picture. Errors: device, bad_input (a blur larger than the picture).
   Result<bool> step(const std::string& more = {});
   const HazeValues& values() const { return haze_; }
@@ -31,11 +32,11 @@ class HazeWindow {
   HazeWindow(const HazeTask& task, std::unique_ptr<Window> window, HazeBlur blur)
       : task_(&task), window_(std::move(window)), blur_(std::move(blur)), haze_(task.values.front()) {}
   const HazeTask* task_;
-  std::unique_ptr<Window> window_;  // goes after what was made under it
+  std::unique_ptr<Window> window_;  // destroyed after the objects created in it
   HazeBlur blur_;
   HazeValues haze_;
-  bool stale_ = true;
-  std::string problem_;  // why the last change was not followed
+  bool changed_ = true;
+  std::string problem_;  // why the last change could not be applied
 };
 
 }  // namespace kasumi

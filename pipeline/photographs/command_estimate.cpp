@@ -39,9 +39,9 @@ ImageJob job_of(std::string line) {
   return job;
 }
 
-// What the landmarks in the scene camera's picture of the same time say, beside the sky.
-std::string landmarks_of(const SceneVisibilities& scenes, const SceneVisibility& scene,
-                         const SkyPhotographReport* report, bool json) {
+// The landmarks' result from the scene camera's picture of the same time, compared with the sky.
+std::string landmarks_answer(const SceneVisibilities& scenes, const SceneVisibility& scene,
+                             const SkyPhotographReport* report, bool json) {
   std::optional<SkyComparison> sky;
   if (report && report->look.estimate.usable)
     sky = scenes.watch.compare(scene.air, report->look.estimate.turbidity, report->look.estimate.sigma);
@@ -63,9 +63,9 @@ struct Answer {
 Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs, const SceneVisibilities* scenes,
                  const ImageJob& job) {
   if (!job.problem.empty()) return {"", job.problem};
-  const auto report = photographs.look_at(job.file, job.utc);
+  const auto report = photographs.estimate_from(job.file, job.utc);
   if (!report) return {"", report.error().message};
-  const auto beside = job.scene ? landmarks_of(*scenes, *job.scene, &*report, arguments.json) : std::string();
+  const auto beside = job.scene ? landmarks_answer(*scenes, *job.scene, &*report, arguments.json) : std::string();
   Answer answer;
   answer.text = arguments.json ? estimate_json(job.file, *report, beside) : estimate_text(job.file, *report) + beside;
   if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
@@ -83,22 +83,22 @@ Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs
 Result<int> estimate(const EstimateArguments& arguments) {
   std::optional<SceneVisibilities> scenes;
   if (!arguments.scenes.empty()) {
-    auto looked = look_at_scenes({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
+    auto looked = read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
     if (!looked) return fail(looked.error());
     scenes = std::move(*looked);
     if (arguments.images.empty()) {
       for (const auto& scene : scenes->pictures)
-        fmt::print("{}{}", landmarks_of(*scenes, scene, nullptr, arguments.json), arguments.json ? "\n" : "");
+        fmt::print("{}{}", landmarks_answer(*scenes, scene, nullptr, arguments.json), arguments.json ? "\n" : "");
       return 0;
     }
     if (arguments.from_stdin() || scenes->pictures.size() != arguments.images.size())
       return fail(
           FaultKind::bad_input,
-          "--scene: {} pictures beside {} of the sky: expected one for each, in their order, or none of the sky",
+          "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
           scenes->pictures.size(), arguments.from_stdin() ? 0 : arguments.images.size());
   }
-  const auto setup = setup_of(arguments);
-  if (!setup) return fail(setup.error());
+  const auto options = sky_photograph_options(arguments);
+  if (!options) return fail(options.error());
 
   std::size_t given = 0;
   const auto next = [&]() -> std::optional<ImageJob> {
@@ -116,7 +116,7 @@ Result<int> estimate(const EstimateArguments& arguments) {
   std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
   if (!arguments.from_stdin()) threads = std::min(threads, arguments.images.size());
   std::vector<SkyPhotographs> workers;
-  for (std::size_t i = 0; i < threads; ++i) workers.emplace_back(*setup);
+  for (std::size_t i = 0; i < threads; ++i) workers.emplace_back(*options);
 
   bool all_read = true;
   run_in_order<ImageJob, Answer>(
@@ -142,7 +142,7 @@ void add_estimate_command(CLI::App& app, Action& action) {
   add_estimate_options(*command, *arguments);
   command->callback([arguments, &action] {
     if (!arguments->scenes.empty() && arguments->landmarks.empty())
-      throw CLI::ValidationError("--scene", "expected --landmarks FILE, where they are and how far");
+      throw CLI::ValidationError("--scene", "expected --landmarks FILE with their places and distances");
     action = [arguments] { return estimate(*arguments); };
   });
 }

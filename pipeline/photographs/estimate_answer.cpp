@@ -9,7 +9,7 @@ namespace kasumi {
 std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
                           const std::string& landmarks) {
   const auto& estimate = report.look.estimate;
-  // Dividing by a power of ten gives the double that prints with so many digits; multiplying by its inverse does not.
+  // Dividing by a power of ten gives the double that prints with that many digits; multiplying by its inverse does not.
   const auto rounded = [](double value, int digits) {
     const double scale = std::pow(10.0, digits);
     return std::round(value * scale) / scale;
@@ -35,7 +35,7 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
     json["sun_zenith_deg"] = rounded(to_degrees(zenith_angle(*report.sun)), 4);
     json["sun_azimuth_deg"] = rounded(to_degrees(azimuth_angle(*report.sun)), 4);
   }
-  json["sun_from"] = report.sun_words;
+  json["sun_from"] = report.sun_source;
   json["aod_550"] = nullptr;
   json["visibility_m"] = nullptr;
   json["weather"] = nullptr;
@@ -65,12 +65,12 @@ std::string estimate_text(const std::filesystem::path& image, const SkyPhotograp
   } else {
     text += fmt::format("  not usable       {}\n", estimate.reason);
   }
-  text += fmt::format("  sky              {}, {:.0f} % of what was looked at is clear\n", name_of(estimate.sky),
+  text += fmt::format("  sky              {}, {:.0f} % of the samples are clear\n", name_of(estimate.sky),
                       100.0 * estimate.clear_fraction);
   if (report.sun)
     text += fmt::format("  sun              zenith {:.2f} deg, azimuth {:.2f} deg{}\n",
                         to_degrees(zenith_angle(*report.sun)), to_degrees(azimuth_angle(*report.sun)),
-                        report.sun_words.empty() ? "" : " (" + report.sun_words + ")");
+                        report.sun_source.empty() ? "" : " (" + report.sun_source + ")");
   if (estimate.usable)
     text += fmt::format("  fit              {} samples agree within {:.1f} % (rms)\n", estimate.samples,
                         100.0 * estimate.log_residual);

@@ -8,10 +8,10 @@
 
 namespace kasumi {
 
-// One JSON object, with line break; `landmarks`: another that becomes its key of that name, or nothing.
+// One JSON object and a newline; `landmarks`: a JSON object stored under that key, or empty.
 std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
                           const std::string& landmarks);
-// Lines for a person.
+// Text for people.
 std::string estimate_text(const std::filesystem::path& image, const SkyPhotographReport& report);
 
 }  // namespace kasumi

@@ -10,66 +10,66 @@ namespace kasumi {
 
 namespace {
 
-Result<> read_calibration(const std::string& file, SkyPhotographSetup& setup) {
+Result<> read_calibration(const std::string& file, SkyPhotographOptions& options) {
   const auto root = ConfigTable::read_file(file);
   if (!root) return fail(root.error());
   if (root->has("format")) adopt_calibration(*root);  // a fixture's description, which may name one
-  if (auto site = root->optional_table("site")) setup.site = read_site(*site);
-  setup.calibrated = read_camera(root->table("sky"), "sky");
+  if (auto site = root->optional_table("site")) options.site = read_site(*site);
+  options.calibrated = read_camera(root->table("sky"), "sky");
   ignore_what_others_read(*root, {"site", "sky"});
   return root->finish();
 }
 
-// Where the sun stood: exactly one way of telling.
-void read_sun(const EstimateArguments& arguments, SkyPhotographSetup& setup, Problems& problems) {
+// The sun's position must be given in exactly one way.
+void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options, Problems& problems) {
   if (arguments.sun_zenith_deg.has_value() != arguments.sun_azimuth_deg.has_value())
     problems.add("--sun-zenith-deg and --sun-azimuth-deg: expected both or neither");
   if (arguments.lat.has_value() != arguments.lon.has_value()) problems.add("--lat and --lon: expected both or neither");
   if (arguments.sun_zenith_deg && arguments.sun_azimuth_deg)
-    setup.sun = direction_from(from_degrees(*arguments.sun_zenith_deg), from_degrees(*arguments.sun_azimuth_deg));
-  if (arguments.lat && arguments.lon) setup.site = Site{"", *arguments.lat, *arguments.lon, arguments.altitude_m};
+    options.sun = direction_from(from_degrees(*arguments.sun_zenith_deg), from_degrees(*arguments.sun_azimuth_deg));
+  if (arguments.lat && arguments.lon) options.site = Site{"", *arguments.lat, *arguments.lon, arguments.altitude_m};
   if (!arguments.utc.empty()) {
-    setup.utc = parse_utc(arguments.utc);
-    if (!setup.utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", arguments.utc);
+    options.utc = parse_utc(arguments.utc);
+    if (!options.utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", arguments.utc);
   }
-  setup.sun_from_image = arguments.sun_from_image;
-  if (setup.sun && setup.utc)
-    problems.add("--utc and --sun-zenith-deg: expected one of them, each tells where the sun stood");
-  const bool times_may_follow = arguments.from_stdin() && setup.site;
-  if (!setup.sun && !(setup.site && (setup.utc || times_may_follow)) && !setup.sun_from_image)
+  options.sun_from_image = arguments.sun_from_image;
+  if (options.sun && options.utc)
+    problems.add("--utc and --sun-zenith-deg: expected only one, both give the sun's position");
+  const bool times_may_follow = arguments.from_stdin() && options.site;
+  if (!options.sun && !(options.site && (options.utc || times_may_follow)) && !options.sun_from_image)
     problems.add(
-        "where the sun stood is not known: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
+        "the sun's position is unknown: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
         "and --lon (or a --calibration with [site]), or --sun-from-image");
 }
 
 }  // namespace
 
-Result<SkyPhotographSetup> setup_of(const EstimateArguments& arguments) {
-  SkyPhotographSetup setup;
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments) {
+  SkyPhotographOptions options;
   Problems problems;
   if (!arguments.calibration.empty())
-    if (auto read = read_calibration(arguments.calibration, setup); !read) problems.add("{}", read.error().message);
-  setup.equisolid = arguments.lens == "equisolid";
-  setup.field_of_view = from_degrees(arguments.fov_deg);
+    if (auto read = read_calibration(arguments.calibration, options); !read) problems.add("{}", read.error().message);
+  options.equisolid = arguments.lens == "equisolid";
+  options.field_of_view = from_degrees(arguments.fov_deg);
   if (!arguments.circle.empty()) {
     if (arguments.circle[2] > 0.0)
-      setup.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
+      options.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
     else
       problems.add("--circle: radius {} px, expected more than 0", arguments.circle[2]);
   }
-  setup.azimuth_up = from_degrees(arguments.azimuth_up_deg);
-  setup.linear_response = arguments.response == "linear";
-  read_sun(arguments, setup, problems);
-  setup.estimate.method =
+  options.azimuth_up = from_degrees(arguments.azimuth_up_deg);
+  options.linear_response = arguments.response == "linear";
+  read_sun(arguments, options, problems);
+  options.estimate.method =
       arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
-  const double altitude_m = setup.site ? setup.site->altitude_m : arguments.altitude_m;
-  setup.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
-  if (setup.estimate.method == EstimateMethod::reference_pixel && setup.estimate.sky.model == SiteSkyModel::dome)
-    problems.add("--method reference-pixel: the papers' way fits the papers' sky, expected --sky-model preetham");
-  setup.estimate.samples = arguments.samples;
-  setup.estimate.seed = arguments.seed;
+  const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m;
+  options.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
+  if (options.estimate.method == EstimateMethod::reference_pixel && options.estimate.sky.model == SiteSkyModel::dome)
+    problems.add("--method reference-pixel: the papers' method needs the papers' sky, expected --sky-model preetham");
+  options.estimate.samples = arguments.samples;
+  options.estimate.seed = arguments.seed;
   if (!problems.empty()) return fail(problems.fault());
-  return setup;
+  return options;
 }
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
@@ -79,7 +79,7 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       "Pictures; none or -: a list on standard input, one path a line, with a tab and its UTC where known");
   auto* scene = command.add_option(
       "--scene", a.scenes,
-      "Pictures of the scene camera, or a folder: visibility from --landmarks; beside as many of the sky");
+      "Pictures of the scene camera, or a folder: visibility from --landmarks; alone or one for each of the sky");
   command.add_option("--landmarks", a.landmarks, "TOML of [[landmarks]] at known distance (docs/operating.md)")
       ->check(CLI::ExistingFile)
       ->needs(scene);
@@ -92,15 +92,16 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       ->check(CLI::Range(60.0, 250.0))
       ->capture_default_str();
   command
-      .add_option("--circle", a.circle, "Image circle in pixels: centre and radius; found in the picture when left out")
+      .add_option("--circle", a.circle, "Image circle in pixels: centre and radius; default: detected in the picture")
       ->type_name("CX,CY,R")
       ->delimiter(',')
       ->expected(3);
   command
-      .add_option("--azimuth-up-deg", a.azimuth_up_deg, "Azimuth of the image's top; azimuth grows counter-clockwise")
+      .add_option("--azimuth-up-deg", a.azimuth_up_deg,
+                  "Azimuth of the image's top; azimuth increases counter-clockwise")
       ->check(CLI::Range(-360.0, 360.0))
       ->capture_default_str();
-  command.add_option("--response", a.response, "What the numbers mean")
+  command.add_option("--response", a.response, "Response curve of the pictures")
       ->check(CLI::IsMember({"srgb", "linear"}))
       ->capture_default_str();
   command.add_option("--sun-zenith-deg", a.sun_zenith_deg, "Zenith angle of the sun")->check(CLI::Range(0.0, 180.0));
@@ -122,14 +123,14 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
                   "calibration's site (docs/sky.md); automatic: the dome above 1500 m")
       ->check(CLI::IsMember({"preetham", "dome", "automatic"}))
       ->capture_default_str();
-  command.add_option("--samples", a.samples, "Sky pixels that are looked at")
+  command.add_option("--samples", a.samples, "Number of sky pixels to sample")
       ->check(CLI::Range(60, 100000))
       ->capture_default_str();
-  command.add_option("--seed", a.seed, "Of the choice of pixels")->capture_default_str();
-  command.add_flag("--json", a.json, "One JSON object a line");
-  command.add_flag("--plot", a.plot, "Write IMAGE.fit.png, fit against samples, beside each image");
+  command.add_option("--seed", a.seed, "Seed of the random choice of pixels")->capture_default_str();
+  command.add_flag("--json", a.json, "One JSON object per line");
+  command.add_flag("--plot", a.plot, "Write IMAGE.fit.png, fit against samples, next to each image");
   command.add_option("--plot-dir", a.plot_dir, "Write the plots into this folder instead");
-  command.add_option("--jobs", a.jobs, "Pictures worked on at a time (all cores when left out)")
+  command.add_option("--jobs", a.jobs, "Pictures processed at a time (default: one per core)")
       ->check(CLI::Range(1, 1024));
 }
 

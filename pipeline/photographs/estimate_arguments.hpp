@@ -43,6 +43,6 @@ struct EstimateArguments {
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments);
 
 // How to read the pictures of the sky. Errors (bad_input): everything that is wrong with them at once.
-Result<SkyPhotographSetup> setup_of(const EstimateArguments& arguments);
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// How well the sky model fits a photograph, as a picture for a person.
+// A plot of how well the sky model fits a photograph.
 #pragma once
 
 #include <string>

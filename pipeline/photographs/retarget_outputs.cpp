@@ -24,12 +24,12 @@ Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
   outputs.out_ = a.out;
   outputs.sheet_file_ = a.sheet;
   outputs.targets_ = targets;
-  outputs.alone_ = a.pictures.size() == 1 && targets.size() == 1 && !source.moves();
-  outputs.talks_ = !source.moves();
-  if (source.moves() && !a.sheet.empty())
-    return fail(FaultKind::bad_input, "--sheet {}: expected pictures, not a film or a folder: a sheet holds them all",
-                a.sheet);
-  if (!outputs.alone_ && !a.out.empty()) {
+  outputs.single_ = a.pictures.size() == 1 && targets.size() == 1 && !source.is_sequence();
+  outputs.prints_ = !source.is_sequence();
+  if (source.is_sequence() && !a.sheet.empty())
+    return fail(FaultKind::bad_input,
+                "--sheet {}: expected pictures, not a film or a folder: a sheet keeps all of them in memory", a.sheet);
+  if (!outputs.single_ && !a.out.empty()) {
     std::error_code error;
     std::filesystem::create_directories(a.out, error);
     if (error)
@@ -38,7 +38,7 @@ Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
   }
   if (a.film.empty()) return outputs;
   const double frames_per_second = a.frames_per_second.value_or(source.frames_per_second().value_or(10.0));
-  const bool one = !source.moves() || targets.size() == 1;
+  const bool one = !source.is_sequence() || targets.size() == 1;
   const std::filesystem::path film = a.film;
   for (std::size_t i = 0; i < (one ? 1 : targets.size()); ++i) {
     const auto name = one ? film
@@ -52,8 +52,8 @@ Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
 }
 
 // OUT itself for one picture under one air; else OUT/NAME.T2.50.png.
-std::filesystem::path RetargetOutputs::place_of(const std::string& stem, std::size_t target) const {
-  return alone_ ? out_ : out_ / fmt::format("{}.{}.png", stem, name_of(targets_[target]));
+std::filesystem::path RetargetOutputs::path_of(const std::string& stem, std::size_t target) const {
+  return single_ ? out_ : out_ / fmt::format("{}.{}.png", stem, name_of(targets_[target]));
 }
 
 void RetargetOutputs::as_taken(const Photograph& photograph) {
@@ -62,12 +62,12 @@ void RetargetOutputs::as_taken(const Photograph& photograph) {
 
 Result<> RetargetOutputs::put(const std::string& stem, std::size_t target, const UnderOtherAir& made) {
   if (!out_.empty()) {
-    const auto place = place_of(stem, target);
+    const auto place = path_of(stem, target);
     auto mask = place;
     mask.replace_extension(".restored.png");
     if (auto done = write_photograph(place, made.picture); !done) return done;
     if (auto done = write_mask(mask, made.restored); !done) return done;
-    if (talks_)
+    if (prints_)
       fmt::print("{}: {}, {:.1f} % too faint to restore\n", place.string(), name_of(targets_[target]),
                  100.0 * made.too_faint_fraction);
   }

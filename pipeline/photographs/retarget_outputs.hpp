@@ -1,4 +1,4 @@
-// Where the pictures that `kasumi retarget` makes go.
+// Where `kasumi retarget` writes its pictures.
 #pragma once
 
 #include <filesystem>
@@ -13,27 +13,26 @@
 
 namespace kasumi {
 
-// A picture or a folder of them, a contact sheet, films: of stills one film of all that is made, of what moves one for
-// each air.
+// A picture or a folder, a contact sheet, films: one film of all results for stills, one per target for sequences.
 class RetargetOutputs {
  public:
-  // Errors: bad_input (a folder that cannot be made, a sheet of what moves, which would hold all of it in memory).
+  // Errors: bad_input (a folder that cannot be made, a sheet of a sequence, which would have to stay in memory).
   static Result<RetargetOutputs> open(const RetargetArguments& arguments,
                                       const std::vector<std::optional<Turbidity>>& targets,
                                       const PictureSource& source);
 
   void as_taken(const Photograph& photograph);
-  // `stem`: of the picture it was made of; `target`: its number among the airs.
+  // `stem`: of the source picture; `target`: index of the target turbidity.
   Result<> put(const std::string& stem, std::size_t target, const UnderOtherAir& made);
   Result<> finish();
 
  private:
-  std::filesystem::path place_of(const std::string& stem, std::size_t target) const;
+  std::filesystem::path path_of(const std::string& stem, std::size_t target) const;
 
   std::filesystem::path out_, sheet_file_;
   std::vector<std::optional<Turbidity>> targets_;
-  bool alone_ = false;  // --out is a picture's name
-  bool talks_ = false;  // a line for each picture
+  bool single_ = false;  // --out is a picture's name
+  bool prints_ = false;  // a line for each picture
   ContactSheet sheet_;
   std::vector<std::unique_ptr<PictureSink>> films_;
 };

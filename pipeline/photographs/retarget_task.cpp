@@ -47,22 +47,22 @@ void read_turbidities(const RetargetArguments& arguments, std::vector<std::optio
   }
 }
 
-// T of the pictures' own air: given, or seen in a picture of the sky.
+// T of the pictures' own air: given, or estimated from a picture of the sky.
 Result<Turbidity> source_turbidity(const RetargetArguments& arguments, const CameraFile& camera,
                                    const std::optional<Utc>& utc, const std::optional<SunDirection>& sun) {
   if (arguments.source_turbidity) return Turbidity{*arguments.source_turbidity};
-  SkyPhotographSetup setup;
+  SkyPhotographOptions setup;
   setup.calibrated = camera.sky;
   setup.site = camera.site;
   setup.utc = utc;
   if (!utc) setup.sun = sun;
   setup.sun_from_image = !utc && !sun;
-  const auto report = SkyPhotographs(std::move(setup)).look_at(arguments.sky, utc);
+  const auto report = SkyPhotographs(std::move(setup)).estimate_from(arguments.sky, utc);
   if (!report) return fail(report.error());
   const auto& estimate = report->look.estimate;
   if (!estimate.usable)
     return fail(FaultKind::bad_input,
-                "{}: no turbidity to be had from this sky ({}): expected another picture, or --source-turbidity",
+                "{}: no turbidity can be estimated from this sky ({}): expected another picture, or --source-turbidity",
                 arguments.sky, estimate.reason);
   fmt::print("source: T {:.2f} +- {:.2f} from {}\n", estimate.turbidity.value, estimate.sigma, arguments.sky);
   return estimate.turbidity;
@@ -79,8 +79,8 @@ void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& pr
       (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
   if (ways != 1)
     return problems.add(
-        "expected one of --depth FILE, --planes FILE, --distance-m where all that is not sky is about as far, or "
-        "--from-haze where nothing is known");
+        "expected one of --depth FILE, --planes FILE, --distance-m for one distance of everything but the sky, or "
+        "--from-haze when nothing is known");
   setup.everything_at_m = a.distance_m;
   setup.from_haze = a.from_haze;
   const int width = setup.camera.width, height = setup.camera.height;
@@ -142,7 +142,7 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
   if (a.source_turbidity.has_value() == !a.sky.empty())
     problems.add("expected --source-turbidity T, or --sky PICTURE to find it in");
   if (!a.target_airlight.empty() && !a.target_picture.empty())
-    problems.add("--target-airlight and --target-picture: expected one of them, each tells the same");
+    problems.add("--target-airlight and --target-picture: expected only one of them");
   if (!problems.empty()) return fail(problems.fault());
 
   const auto source = source_turbidity(a, file, utc, setup.sun);

@@ -1,4 +1,4 @@
-// What a call of `kasumi retarget` asks for, read into what is to be done.
+// The options of `kasumi retarget`, and the task they describe.
 #pragma once
 
 #include <optional>
@@ -25,8 +25,8 @@ struct RetargetTask {
   std::vector<std::optional<Turbidity>> targets;  // no turbidity: clear
 };
 
-// `first`: of the pictures, all of whose size it has. Errors (bad_input): every problem at once; no turbidity in the
-// picture of the sky.
+// `first`: the first picture; all have its size. Errors (bad_input): every problem; no turbidity from the picture of
+// the sky.
 Result<RetargetTask> retarget_task(const RetargetArguments& arguments, const Photograph& first);
 
 }  // namespace kasumi

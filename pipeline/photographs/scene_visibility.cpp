@@ -32,7 +32,7 @@ std::vector<std::filesystem::path> files_of(const std::vector<std::filesystem::p
   return files;
 }
 
-// Dividing by a power of ten gives the double that prints with so many digits.
+// Dividing by a power of ten gives the double that prints with that many digits.
 double rounded(double value, int significant) {
   if (value == 0.0 || !std::isfinite(value)) return value;
   const int digits = significant - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
@@ -41,13 +41,13 @@ double rounded(double value, int significant) {
 }
 
 template <class Of>
-Json three(const LandmarkAir& air, Of of) {
+Json per_channel(const LandmarkAir& air, Of of) {
   Json list = Json::array();
   for (const auto& channel : air.channels) list.push_back(rounded(of(channel), 4));
   return list;
 }
 
-std::string_view visibility_words(ExtinctionKind kind) {
+std::string_view visibility_name(ExtinctionKind kind) {
   switch (kind) {
     case ExtinctionKind::at_most: return "at least";
     case ExtinctionKind::at_least: return "at most";
@@ -59,10 +59,10 @@ std::string_view visibility_words(ExtinctionKind kind) {
 
 }  // namespace
 
-Result<SceneVisibilities> look_at_scenes(const std::vector<std::filesystem::path>& pictures,
-                                         const std::filesystem::path& landmarks) {
+Result<SceneVisibilities> read_scene_visibilities(const std::vector<std::filesystem::path>& pictures,
+                                                  const std::filesystem::path& landmarks) {
   const auto files = files_of(pictures);
-  if (files.empty()) return fail(FaultKind::bad_input, "--scene: no pictures there");
+  if (files.empty()) return fail(FaultKind::bad_input, "--scene: no pictures found");
   std::optional<LandmarkWatch> watch;
   Camera camera;
   std::vector<std::vector<ContrastReading>> readings;
@@ -94,15 +94,15 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
   const bool value = green.kind == ExtinctionKind::value, something = green.kind != ExtinctionKind::nothing;
   Json json;
   json["scene"] = scene.picture.string();
-  json["visibility"] = visibility_words(green.kind);
+  json["visibility"] = visibility_name(green.kind);
   json["visibility_m"] = something ? Json(rounded(air.visibility_m(), 4)) : Json(nullptr);
   json["sigma_m"] = value ? Json(rounded(air.visibility_sigma_m(), 3)) : Json(nullptr);
   json["optical_range_m"] = something ? Json(rounded(air.optical_range_m(), 4)) : Json(nullptr);
   json["reason"] = green.reason;
-  json["extinction_per_m"] = three(air, [](const auto& e) { return e.per_m; });
-  json["extinction_sigma_per_m"] = three(air, [](const auto& e) { return e.sigma_per_m; });
-  json["extinction_lowest_per_m"] = three(air, [](const auto& e) { return e.lowest_per_m; });
-  json["extinction_highest_per_m"] = three(air, [](const auto& e) { return e.highest_per_m; });
+  json["extinction_per_m"] = per_channel(air, [](const auto& e) { return e.per_m; });
+  json["extinction_sigma_per_m"] = per_channel(air, [](const auto& e) { return e.sigma_per_m; });
+  json["extinction_lowest_per_m"] = per_channel(air, [](const auto& e) { return e.lowest_per_m; });
+  json["extinction_highest_per_m"] = per_channel(air, [](const auto& e) { return e.highest_per_m; });
   const auto& turbidity = air.turbidity;
   json["turbidity"] = turbidity.turbidity ? Json(rounded(turbidity.turbidity->value, 4)) : Json(nullptr);
   json["turbidity_sigma"] = turbidity.turbidity ? Json(rounded(turbidity.sigma, 3)) : Json(nullptr);
@@ -115,7 +115,7 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
     Json entry{{"name", landmark.name},
                {"distance_m", landmark.distance_m},
                {"used", reading.usable && !left_out},
-               {"reason", left_out ? std::string("far off the others") : reading.reason}};
+               {"reason", left_out ? std::string("inconsistent with the others") : reading.reason}};
     Json contrast = Json::array(), sigma = Json::array();
     for (int c = 0; reading.usable && c < 3; ++c) {
       contrast.push_back(rounded(reading.contrast[c], 4));
@@ -147,7 +147,7 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
   else
     text +=
         fmt::format("  by landmarks     visibility {} {:.2f} km (optical range, 5 %: {:.2f} km): {}\n",
-                    visibility_words(green.kind), air.visibility_m() / 1e3, air.optical_range_m() / 1e3, green.reason);
+                    visibility_name(green.kind), air.visibility_m() / 1e3, air.optical_range_m() / 1e3, green.reason);
   if (green.kind == ExtinctionKind::value) {
     text +=
         fmt::format("  extinction       R {:.3f}, G {:.3f}, B {:.3f} +- {:.3f} per km\n", 1e3 * air.channels[0].per_m,
@@ -163,8 +163,8 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
     if (!reading.usable) text += fmt::format("  not used         {}: {}\n", watch.landmarks()[i].name, reading.reason);
   }
   for (const auto i : green.left_out)
-    text += fmt::format("  not used         {}: far off the others\n", watch.landmarks()[i].name);
-  if (sky) text += fmt::format("  beside the sky   {}\n", sky->message);
+    text += fmt::format("  not used         {}: inconsistent with the others\n", watch.landmarks()[i].name);
+  if (sky) text += fmt::format("  against the sky  {}\n", sky->message);
   return text;
 }
 

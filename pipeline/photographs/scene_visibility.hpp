@@ -1,4 +1,4 @@
-// Visibility from pictures of the scene camera: what `kasumi estimate --scene` says of each.
+// Visibility from pictures of the scene camera, as `kasumi estimate --scene` reports it.
 #pragma once
 
 #include <filesystem>
@@ -20,14 +20,14 @@ struct SceneVisibilities {
   std::vector<SceneVisibility> pictures;  // in the order given; those of a folder by name
 };
 
-// Pictures of one camera, or folders of them: what each tells of the landmarks' own contrasts helps the others. Only
-// the readings are kept in memory. Errors (bad_input): the file of landmarks, a picture.
-Result<SceneVisibilities> look_at_scenes(const std::vector<std::filesystem::path>& pictures,
-                                         const std::filesystem::path& landmarks);
+// Pictures of one camera, or folders of them. The landmarks' intrinsic contrasts are estimated from all of them
+// together. Only the readings are kept in memory. Errors (bad_input): the file of landmarks, a picture.
+Result<SceneVisibilities> read_scene_visibilities(const std::vector<std::filesystem::path>& pictures,
+                                                  const std::filesystem::path& landmarks);
 
-// One JSON object; `sky`: what the sky camera says at the same time.
+// One JSON object; `sky`: the comparison with the sky camera at the same time.
 std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky);
-// Lines for a person.
+// Text for people.
 std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky);
 
 }  // namespace kasumi

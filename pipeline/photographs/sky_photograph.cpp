@@ -22,24 +22,24 @@ Camera SkyPhotographs::ideal_camera(const Image<glm::vec3>& picture, const Image
   camera.name = "sky";
   camera.width = picture.width();
   camera.height = picture.height();
-  const Radians edge = 0.5 * setup_.field_of_view;
-  camera.lens = setup_.equisolid
+  const Radians edge = 0.5 * options_.field_of_view;
+  camera.lens = options_.equisolid
                     ? equisolid_lens(circle.centre, circle.radius_px / (2.0 * std::sin(0.5 * edge.value)), edge)
                     : equidistant_lens(circle.centre, circle.radius_px / edge.value, edge);
-  camera.to_world = camera_to_world(setup_.azimuth_up - from_degrees(180.0), from_degrees(90.0), Radians{0.0});
-  camera.response = setup_.linear_response ? Response::linear() : Response::srgb();
+  camera.to_world = camera_to_world(options_.azimuth_up - from_degrees(180.0), from_degrees(90.0), Radians{0.0});
+  camera.response = options_.linear_response ? Response::linear() : Response::srgb();
   return camera;
 }
 
-Result<SkyPhotographReport> SkyPhotographs::look_at(const std::filesystem::path& file, std::optional<Utc> utc) {
+Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
   const auto photograph = read_photograph(file);
   if (!photograph) return fail(photograph.error());
   SkyPhotographReport report;
 
-  if (setup_.calibrated) {
-    if (!observer_) observer_.emplace(*setup_.calibrated);
+  if (options_.calibrated) {
+    if (!observer_) observer_.emplace(*options_.calibrated);
   } else {
-    report.circle = setup_.circle ? setup_.circle : find_image_circle(to_rgb8(*photograph));
+    report.circle = options_.circle ? options_.circle : find_image_circle(to_rgb8(*photograph));
     if (!report.circle) {
       report.look.estimate.reason = "no image circle was found: give it with --circle CX,CY,R";
       return report;
@@ -55,23 +55,23 @@ Result<SkyPhotographReport> SkyPhotographs::look_at(const std::filesystem::path&
   auto picture = sky_picture(photograph->encoded, photograph->quantum, observer_->camera());
   if (!picture) return fail(FaultKind::bad_input, "{}: {}", file.string(), picture.error().message);
 
-  if (!utc) utc = setup_.utc;
-  std::optional<SunDirection> given = setup_.sun;
-  if (!given && utc && setup_.site) given = sun_position(*utc, *setup_.site).direction;
+  if (!utc) utc = options_.utc;
+  std::optional<SunDirection> given = options_.sun;
+  if (!given && utc && options_.site) given = sun_position(*utc, *options_.site).direction;
   const auto sun =
-      cross_check(given, setup_.sun_from_image || !given ? find_sun(*picture, observer_->camera()) : std::nullopt,
-                  /*clock_trusted=*/given.has_value() && !setup_.sun_from_image);
-  report.sun_words = sun.message;
+      cross_check(given, options_.sun_from_image || !given ? find_sun(*picture, observer_->camera()) : std::nullopt,
+                  /*clock_trusted=*/given.has_value() && !options_.sun_from_image);
+  report.sun_source = sun.message;
   if (sun.source == SunSource::none) {
-    report.look.estimate.reason = "the sun was not found in the image: give its place, or time and place";
+    report.look.estimate.reason = "the sun was not found in the image: give its position, or time and site";
     return report;
   }
   report.sun = sun.direction;
-  report.look = observer_->observe(*picture, sun.direction, setup_.estimate);
+  report.look = observer_->observe(*picture, sun.direction, options_.estimate);
   report.picture = std::move(*picture);
   if (report.look.estimate.usable)
     report.air =
-        air_quality(report.look.estimate.turbidity, setup_.site ? setup_.site->altitude_m : kAltitudeUnknown_m);
+        air_quality(report.look.estimate.turbidity, options_.site ? options_.site->altitude_m : kAltitudeUnknown_m);
   return report;
 }
 

@@ -1,4 +1,4 @@
-// The skies of before beside ours: what U Chapter 5.4.1 found wrong with them, as pictures and as numbers.
+// Earlier sky models next to ours: the flaws that U Chapter 5.4.1 describes, as pictures and numbers.
 #pragma once
 
 #include <string>

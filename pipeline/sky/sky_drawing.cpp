@@ -30,7 +30,7 @@ SkyView view_of(const SkyCamera& camera) {
 std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, bool mountains) {
   if (camera.projection == SkyProjection::fisheye) return std::nullopt;
   constexpr double kHighestPeak_m = 3600.0;
-  // The seam of the whole circle lies behind.
+  // A full circle has its seam behind the camera.
   double half = kPi - 1e-4;
   if (camera.projection == SkyProjection::perspective) {
     const double steepest =
@@ -49,13 +49,13 @@ std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, b
   view.nearest_m = 1.0;
   const auto to_horizon = [](double h) { return std::sqrt(2.0 * kEarthRadius_m * std::max(h, 1.0)); };
   view.farthest_m = 1.02 * (to_horizon(observer_m) + (mountains ? to_horizon(0.5 * kHighestPeak_m) : 0.0));
-  return LandAround{make_land(view), view.from, view.to};
+  return LandAround{make_synthetic_land(view), view.from, view.to};
 }
 
 SkyRequest standing_on_land(const SkyCamera& camera, SkyRequest sky) {
   constexpr double kEyes_m = 25.0;
   if (camera.projection != SkyProjection::fisheye)
-    sky.altitude_m = std::max(sky.altitude_m, made_land_height_m({0.0, 0.0}) + kEyes_m);
+    sky.altitude_m = std::max(sky.altitude_m, synthetic_height_m({0.0, 0.0}) + kEyes_m);
   return sky;
 }
 
@@ -71,7 +71,7 @@ Result<SkyDrawing> SkyDrawing::by_gpu() {
 
 Result<Image<Rgb8>> SkyDrawing::draw(const SkyView& view, const SkyScene& scene, const LandAround* land) {
   if (!dome_) {
-    std::optional<LandSight> sight;
+    std::optional<LandRayCaster> sight;
     if (land) sight.emplace(land->land, land->from, land->to);
     return sky_shown_picture(view, scene, sight ? &*sight : nullptr);
   }

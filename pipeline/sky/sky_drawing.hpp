@@ -1,4 +1,4 @@
-// Pictures of the sky one after the other: drawn by the GPU, or by the CPU as the reference.
+// Pictures of the sky, rendered one after the other by the GPU or by the CPU reference.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 #include "gles/air/dome_renderer.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "pipeline/sky/made_land.hpp"
 #include "pipeline/sky/sky_reference.hpp"
+#include "pipeline/sky/synthetic_land.hpp"
 
 namespace kasumi {
 
@@ -19,20 +19,20 @@ struct SkyCamera {
   SkyProjection projection = SkyProjection::perspective;
   int width = 1280;
   int height = 720;
-  double field_of_view_deg = 65.0;  // across the picture; the other projections show all there is
+  double field_of_view_deg = 65.0;  // horizontal; the other projections show everything
   double heading_deg = 0.0;         // fisheye: the azimuth at the picture's top
   double pitch_deg = 12.0;          // not for the others
 };
 SkyView view_of(const SkyCamera& camera);
 
-// Land for such a view: mountains, or the bare plain; none under a fisheye, which sees none. Reaches to the horizon.
+// Land for such a view, out to the horizon: mountains or the bare plain; none for a fisheye, which sees only sky.
 struct LandAround {
   DomeLand land;
   Radians from, to;
 };
 std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, bool mountains);
 
-// Where there is land, nobody's eyes are below it: at least 25 m above the plain.
+// Keeps the observer at least 25 m above the plain wherever land is drawn.
 SkyRequest standing_on_land(const SkyCamera& camera, SkyRequest sky);
 
 class SkyDrawing {

@@ -1,4 +1,4 @@
-// The pictures, sheets and films that `kasumi sky` was asked for.
+// The pictures, sheets and films that `kasumi sky` writes.
 #include <cmath>
 
 #include "estimator/sky/dome.hpp"
@@ -7,35 +7,35 @@
 #include "pipeline/files/light_file.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/sky/sky_comparison.hpp"
-#include "pipeline/sky/sky_order.hpp"
+#include "pipeline/sky/sky_options.hpp"
 #include "pipeline/sky/sky_window.hpp"
 
 namespace kasumi {
 namespace {
 
-Result<Image<Rgb8>> drawn(SkyDrawing& drawing, const SkyCamera& camera, const SkyRequest& asked, bool mountains) {
+Result<Image<Rgb8>> draw_one(SkyDrawing& drawing, const SkyCamera& camera, const SkyRequest& asked, bool mountains) {
   const SkyRequest sky = standing_on_land(camera, asked);
   const auto land = land_for(camera, sky.altitude_m, mountains);
   return drawing.draw(view_of(camera), sky_scene(sky), land ? &*land : nullptr);
 }
 
-Result<> write_out(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
-  if (is_light_file(order.out)) {
+Result<> write_out(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
+  if (is_light_file(options.out)) {
     const SkyRequest sky = standing_on_land(task.camera, task.sky);
     const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
-    std::optional<LandSight> sight;
+    std::optional<LandRayCaster> sight;
     if (land) sight.emplace(land->land, land->from, land->to);
-    return write_light_file(order.out,
+    return write_light_file(options.out,
                             sky_light_picture(view_of(task.camera), sky_scene(sky), sight ? &*sight : nullptr));
   }
-  const auto picture = drawn(drawing, task.camera, task.sky, task.mountains);
+  const auto picture = draw_one(drawing, task.camera, task.sky, task.mountains);
   if (!picture) return fail(picture.error());
-  return write_png(order.out, *picture);
+  return write_png(options.out, *picture);
 }
 
-Result<> write_sheet(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
+Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
   ContactSheet sheet;
-  // Of one exposure, so that it shows which is the brighter.
+  // One exposure for all, so that the sheet shows which is brighter.
   SkyRequest first = task.sky;
   first.exposure_ev = 0.0;
   const double exposure = sky_scene(first).exposure;
@@ -45,19 +45,19 @@ Result<> write_sheet(const SkyOrder& order, const SkyTask& task, SkyDrawing& dra
       sky.altitude_m = altitude_m;
       sky.turbidity = {t};
       sky.exposure = exposure;
-      const auto picture = drawn(drawing, task.camera, sky, task.mountains);
+      const auto picture = draw_one(drawing, task.camera, sky, task.mountains);
       if (!picture) return fail(picture.error());
       sheet.add(*picture, fmt::format("T {:g}, {:g} km", t, altitude_m / 1000.0));
     }
   // Turbidities side by side, altitudes one below the other; a single row where there is one turbidity.
   const std::size_t columns = task.turbidities.size() > 1 ? task.turbidities.size() : task.altitudes_m.size();
-  return write_png(order.sheet, sheet.drawn(static_cast<int>(columns)));
+  return write_png(options.sheet, sheet.drawn(static_cast<int>(columns)));
 }
 
 // The moments of the day around `utc` at which the sun stands high enough for a sky.
 std::vector<SunDirection> suns_of_day(const SkyTask& task, int frames) {
   constexpr int kMinutes = 24 * 60;
-  // Noon at the site lies in the middle.
+  // Centred on local noon.
   const auto day = std::chrono::floor<std::chrono::days>(
       *task.utc + std::chrono::minutes(std::lround(4.0 * task.site->longitude_deg)));
   const Utc start = day - std::chrono::minutes(std::lround(4.0 * task.site->longitude_deg));
@@ -72,12 +72,12 @@ std::vector<SunDirection> suns_of_day(const SkyTask& task, int frames) {
   return suns;
 }
 
-Result<> write_day(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
-  const auto suns = suns_of_day(task, order.frames);
+Result<> write_day(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
+  const auto suns = suns_of_day(task, options.frames);
   if (suns.empty())
     return fail(FaultKind::bad_input, "--day: the sun does not rise at --site on that day; expected another day");
-  auto sink = std::filesystem::path(order.day).has_extension() ? open_film(order.day, order.frames_per_second)
-                                                               : open_picture_folder(order.day);
+  auto sink = std::filesystem::path(options.day).has_extension() ? open_film(options.day, options.frames_per_second)
+                                                                 : open_picture_folder(options.day);
   if (!sink) return fail(sink.error());
   SkyRequest sky = standing_on_land(task.camera, task.sky);
   const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
@@ -90,7 +90,7 @@ Result<> write_day(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawi
   return (*sink)->finish();
 }
 
-Result<> write_comparison(const SkyOrder& order, const SkyTask& task, SkyDrawing& drawing) {
+Result<> write_comparison(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
   const auto low = direction_from(from_degrees(88.0), azimuth_angle(task.sky.sun));
   ContactSheet sheet;
   fmt::print("{:<22} {:>22} {:>30}\n", "", "darkest / opposite sun", "zenith under a sun of 2 deg");
@@ -98,33 +98,34 @@ Result<> write_comparison(const SkyOrder& order, const SkyTask& task, SkyDrawing
   for (const SkyKind kind : {dome, preetham1999, hoffman_preetham2002, nielsen2003}) {
     SkyRequest sky = task.sky;
     sky.kind = kind;
-    const auto picture = drawn(drawing, task.camera, sky, false);
+    const auto picture = draw_one(drawing, task.camera, sky, false);
     if (!picture) return fail(picture.error());
     sheet.add(*picture, std::string(name_of(kind)));
     const auto flaws = flaws_of(kind, sky.turbidity, sky.sun, low);
     fmt::print("{:<22} {:>22.3f} {:>13.0f} cd/m2, x {:.4f} y {:.4f}\n", name_of(kind), flaws.band,
                flaws.zenith_luminance, flaws.zenith_x, flaws.zenith_y);
   }
-  return write_png(order.compare, sheet.drawn(2));
+  return write_png(options.compare, sheet.drawn(2));
 }
 
 }  // namespace
 
-Result<int> fill_sky_order(const SkyOrder& order) {
-  const auto task = understand(order);
+Result<int> run_sky(const SkyOptions& options) {
+  const auto task = sky_task(options);
   if (!task) return fail(task.error());
-  // Light in floats is the reference's alone.
-  const bool a_picture = !order.out.empty() && !is_light_file(order.out);
-  const bool by_gpu = !order.cpu && (a_picture || !order.sheet.empty() || !order.day.empty() || !order.compare.empty());
+  // Only the CPU reference writes floating-point light.
+  const bool a_picture = !options.out.empty() && !is_light_file(options.out);
+  const bool by_gpu =
+      !options.cpu && (a_picture || !options.sheet.empty() || !options.day.empty() || !options.compare.empty());
   auto drawing = by_gpu ? SkyDrawing::by_gpu() : Result<SkyDrawing>(SkyDrawing::by_cpu());
   if (!drawing) return fail(drawing.error().kind, "{}; --cpu needs none", drawing.error().message);
   const auto step = [&](const std::string& wanted, auto work) -> Result<> {
-    return wanted.empty() ? Result<>{} : work(order, *task, *drawing);
+    return wanted.empty() ? Result<>{} : work(options, *task, *drawing);
   };
-  for (const auto& done : {step(order.out, write_out), step(order.sheet, write_sheet), step(order.day, write_day),
-                           step(order.compare, write_comparison)})
+  for (const auto& done : {step(options.out, write_out), step(options.sheet, write_sheet), step(options.day, write_day),
+                           step(options.compare, write_comparison)})
     if (!done) return fail(done.error());
-  if (order.window)
+  if (options.window)
     if (auto shown = show_sky_window(*task); !shown) return fail(shown.error());
   return 0;
 }

@@ -25,7 +25,7 @@ double pixel_rad(const SkyView& view) {
 
 }  // namespace
 
-std::optional<LandHit> LandSight::along(const Direction& view, double observer_m) const {
+std::optional<LandHit> LandRayCaster::along(const Direction& view, double observer_m) const {
   const double across = std::max(std::hypot(view.x, view.y), 1e-9), slope = view.z / across;
   double turned = std::fmod(azimuth_angle(view).value - from_.value, 2.0 * kPi);
   if (turned < 0.0) turned += 2.0 * kPi;
@@ -33,7 +33,7 @@ std::optional<LandHit> LandSight::along(const Direction& view, double observer_m
   if (column > land_.columns - 1) return std::nullopt;
   const int left = std::min(static_cast<int>(column), land_.columns - 2);
   const auto point = [&](int ring) { return between(land_.at(left, ring), land_.at(left + 1, ring), column - left); };
-  // How far the land stands over the view there.
+  // Height of the land above the line of sight.
   const auto over = [&](const LandHit& hit) {
     return hit.place.z - observer_m - slope * std::hypot(hit.place.x, hit.place.y);
   };
@@ -50,7 +50,7 @@ std::optional<LandHit> LandSight::along(const Direction& view, double observer_m
   return std::nullopt;
 }
 
-glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandSight* land,
+glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
                         const glm::dvec2& pixel) {
   const Direction direction = direction_of(view, pixel);
   if (land)
@@ -59,7 +59,7 @@ glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double o
   return painter.shown_sky_and_sun(direction, pixel_rad(view));
 }
 
-Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandSight* land) {
+Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land) {
   const SkyPainter painter(scene);
   Image<glm::vec3> picture(view.width, view.height);
   for (int y = 0; y < view.height; ++y)
@@ -74,7 +74,7 @@ Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, c
   return picture;
 }
 
-Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandSight* land) {
+Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land) {
   const SkyPainter painter(scene);
   Image<Rgb8> picture(view.width, view.height);
   for (int y = 0; y < view.height; ++y)

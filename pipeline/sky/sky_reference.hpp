@@ -1,5 +1,5 @@
-// The sky and land under it by the CPU, pixel by pixel in double precision: the reference for what the GPU draws, and
-// the light itself for files that hold it.
+// Sky and land computed on the CPU, pixel by pixel in double precision: the reference for the GPU, and the source of
+// HDR files.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// Where a view meets land.
+// Intersection of a line of sight with the land.
 struct LandHit {
   glm::dvec3 place{0.0};  // metres; x east, y north, z up from the sea below the observer
   double altitude_m = 0.0;
@@ -19,9 +19,9 @@ struct LandHit {
   glm::dvec3 albedo{0.2};
 };
 // Land whose columns go from azimuth `from` to `to`, seen from above its middle.
-class LandSight {
+class LandRayCaster {
  public:
-  LandSight(const DomeLand& land, Radians from, Radians to) : land_(land), from_(from), to_(to) {}
+  LandRayCaster(const DomeLand& land, Radians from, Radians to) : land_(land), from_(from), to_(to) {}
   std::optional<LandHit> along(const Direction& view, double observer_m) const;
 
  private:
@@ -30,12 +30,12 @@ class LandSight {
 };
 
 // Linear sRGB, cd/m2; black beyond a fisheye's circle. land: null for none.
-Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandSight* land);
-// Encoded as the GPU shows it, rounded, not dithered.
-Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandSight* land);
+Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land);
+// Encoded as on the GPU, but rounded instead of dithered.
+Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land);
 
-// What a view shows there, in 0 .. 1: what both above are made of.
-glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandSight* land,
+// Encoded colour of one pixel, 0 .. 1.
+glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
                         const glm::dvec2& pixel);
 
 }  // namespace kasumi

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kBar_px = 52;
 constexpr const char* kHelp =
-    "drag: sun    t g: turbidity    a z: altitude    arrows: look    m: mountains    p: air on land    q: end";
+    "drag: sun    t g: turbidity    a z: altitude    arrows: look    m: mountains    p: air on land    q: quit";
 
-// Words on a dark bar.
-Image<Rgba8> written(const std::string& first, const std::string& second) {
+// Two lines of text on a dark bar.
+Image<Rgba8> drawn_bar(const std::string& first, const std::string& second) {
   Image<Rgba8> bar(1000, kBar_px, Rgba8(0, 0, 0, 120));
   cv::Mat pixels(bar.height(), bar.width(), CV_8UC4, bar.elements().data());
   const auto line = [&](const std::string& text, int y, double size) {
@@ -31,7 +31,7 @@ Image<Rgba8> written(const std::string& first, const std::string& second) {
 
 }  // namespace
 
-bool SkyShown::take(const WindowInput& input) {
+bool SkyViewState::apply(const WindowInput& input) {
   bool changed = !input.keys.empty();
   for (const char key : input.keys) switch (key) {
       case 't': sky.turbidity.value = std::min(sky.turbidity.value * 1.1, kHighestDomeTurbidity.value); break;
@@ -60,19 +60,19 @@ bool SkyShown::take(const WindowInput& input) {
   return changed;
 }
 
-std::string SkyShown::words() const {
+std::string SkyViewState::caption() const {
   return fmt::format("T {:.2f}    altitude {:.0f} m    sun {:.1f} deg from the zenith, azimuth {:.1f} deg",
                      sky.turbidity.value, sky.altitude_m, to_degrees(zenith_angle(sky.sun)),
                      to_degrees(azimuth_angle(sky.sun)));
 }
 
 Result<> show_sky_window(const SkyTask& task) {
-  SkyShown shown{task.camera, task.sky, task.mountains};
+  SkyViewState shown{task.camera, task.sky, task.mountains};
   auto window = open_window({"Kasumi: the sky", shown.camera.width, shown.camera.height, true});
   if (!window) return fail(window.error());
   auto dome = DomeRenderer::create(**window);
   if (!dome) return fail(dome.error());
-  bool anew = true;
+  bool redraw = true;
   std::optional<LandAround> land;
   std::string land_of;
   std::optional<FlatPicture> bar;
@@ -81,12 +81,12 @@ Result<> show_sky_window(const SkyTask& task) {
     if (target.width != shown.camera.width || target.height != shown.camera.height) {
       shown.camera.width = std::max(target.width, 16);
       shown.camera.height = std::max(target.height, 16);
-      anew = true;
+      redraw = true;
     }
-    if (shown.take((*window)->take_input()) || anew) {
-      anew = false;
+    if (shown.apply((*window)->take_input()) || redraw) {
+      redraw = false;
       const auto& c = shown.camera;
-      // Land is made again only where other land is seen.
+      // The land is rebuilt only when the view of it changes.
       const auto now = fmt::format("{} {} {} {} {} {}", c.width, c.height, c.heading_deg, c.pitch_deg, shown.mountains,
                                    shown.sky.altitude_m);
       if (now != land_of) {
@@ -95,9 +95,9 @@ Result<> show_sky_window(const SkyTask& task) {
         land_of = now;
       }
       if (auto set = dome->set(view_of(c), sky_scene(standing_on_land(c, shown.sky))); !set) return set;
-      auto words = FlatPicture::create(**window, written(shown.words(), kHelp));
-      if (!words) return fail(words.error());
-      bar.emplace(std::move(*words));
+      auto caption = FlatPicture::create(**window, drawn_bar(shown.caption(), kHelp));
+      if (!caption) return fail(caption.error());
+      bar.emplace(std::move(*caption));
     }
     if (auto drawn = dome->draw(target); !drawn) return drawn;
     const FlatPlace place{0.0, 0.0, static_cast<double>(bar->width()), static_cast<double>(bar->height())};

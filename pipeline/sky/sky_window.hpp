@@ -1,23 +1,23 @@
-// The desk window of `kasumi sky`: drag the sun, turn the air and the altitude, look around.
+// The desktop window of `kasumi sky`: drag the sun, change turbidity and altitude, look around.
 #pragma once
 
 #include <string>
 
 #include "gles/display/window.hpp"
-#include "pipeline/sky/sky_order.hpp"
+#include "pipeline/sky/sky_options.hpp"
 
 namespace kasumi {
 
-// What the window shows, changed by what a person does.
-struct SkyShown {
+// What the window shows; user input changes it.
+struct SkyViewState {
   SkyCamera camera;
   SkyRequest sky;
   bool mountains = false;
 
-  // Takes the pointer (pixels of the camera's picture) and keys. false when nothing changed.
-  bool take(const WindowInput& input);
+  // Applies the pointer (in pixels of the picture) and keys. Returns whether anything changed.
+  bool apply(const WindowInput& input);
   // "T 2.5   altitude 0 m   sun 45.0 deg from the zenith, azimuth 180.0 deg".
-  std::string words() const;
+  std::string caption() const;
 };
 
 // BLOCKS until the window is closed. Errors: unsupported (no display), device.

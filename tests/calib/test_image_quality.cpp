@@ -8,11 +8,11 @@ namespace {
 
 using testing::HasSubstr;
 
-struct Read {
+struct ReadQuality {
   ImageQuality quality;
   std::string problems;
 };
-Read read(const std::string& keys) {
+ReadQuality read_quality(const std::string& keys) {
   const auto root = ConfigTable::parse("[scene]\n" + keys, "kasumi.toml").value();
   auto quality = read_image_quality(root.table("scene"));
   const auto finished = root.finish();
@@ -20,7 +20,7 @@ Read read(const std::string& keys) {
 }
 
 TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndWithoutNoise) {
-  const auto [quality, problems] = read("");
+  const auto [quality, problems] = read_quality("");
   EXPECT_EQ(problems, "");
   EXPECT_EQ(quality.point_spread_px, 0.0);
   EXPECT_EQ(quality.full_scale_electrons, 0.0);
@@ -29,7 +29,7 @@ TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndWithoutNoise) {
 }
 
 TEST(ImageQualityKeys, AreTakenAsWritten) {
-  const auto [quality, problems] = read(
+  const auto [quality, problems] = read_quality(
       "point_spread_px = 0.55\nshared_chroma = true\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = "
       "4\n");
   EXPECT_EQ(problems, "");
@@ -41,11 +41,12 @@ TEST(ImageQualityKeys, AreTakenAsWritten) {
 
 TEST(ImageQualityKeys, EverythingWrongIsNamedAtOnce) {
   const auto [quality, problems] =
-      read("point_spread_px = 3.1\nshared_chroma = 1\n[scene.noise]\nread_electrons = 4\nelectrons = 3\n");
+      read_quality("point_spread_px = 3.1\nshared_chroma = 1\n[scene.noise]\nread_electrons = 4\nelectrons = 3\n");
   for (const char* words : {"scene.point_spread_px = 3.1", "scene.shared_chroma = 1",
                             "scene.noise.full_scale_electrons is missing", "scene.noise.electrons: unknown key"})
     EXPECT_THAT(problems, HasSubstr(words));
-  EXPECT_THAT(read("[scene.noise]\nread_electrons = -1\n").problems, HasSubstr("scene.noise.read_electrons = -1"));
+  EXPECT_THAT(read_quality("[scene.noise]\nread_electrons = -1\n").problems,
+              HasSubstr("scene.noise.read_electrons = -1"));
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST(IncludeDirections, AnOffenderWouldBeFound) {
   EXPECT_THAT(violations("calib/mask/a.cpp", "#include \"calib/camera.hpp\"\n"), IsEmpty());
   EXPECT_THAT(violations("calib/board/a.cpp", "#include \"calib/camera.hpp\"\n"), SizeIs(1));
   EXPECT_THAT(violations("pipeline/sky/command_sky.cpp", "#include <CLI/CLI.hpp>\n"), IsEmpty());
-  EXPECT_THAT(violations("pipeline/sky/sky_order.cpp", "#include <CLI/CLI.hpp>\n"), SizeIs(1));
+  EXPECT_THAT(violations("pipeline/sky/sky_options.cpp", "#include <CLI/CLI.hpp>\n"), SizeIs(1));
   EXPECT_THAT(violations("gles/anteroom/a.cpp", ""), SizeIs(1));
 }
 

@@ -65,7 +65,7 @@ Result<LandmarkTable> landmark_table(const std::filesystem::path& folder, const 
             [](const auto& one, const auto& other) { return one.measured_m < other.measured_m; });
   std::vector<std::filesystem::path> pictures;
   for (const auto& row : table.rows) pictures.push_back(folder / row.frame);
-  const auto scenes = look_at_scenes(pictures, landmarks);
+  const auto scenes = read_scene_visibilities(pictures, landmarks);
   if (!scenes) return fail(scenes.error());
   std::vector<double> ours, measured;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {

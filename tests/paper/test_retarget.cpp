@@ -104,7 +104,7 @@ TEST(Retarget, KeepsThePictureWhenNothingChanges) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(result.light.at(x, 0)[c], light.at(x, 0)[c], 1e-6F);
 }
 
-PictureAir air_of(const Scene& scene, double turbidity) {
+PictureAir measured_air(const Scene& scene, double turbidity) {
   const auto horizon = measure_horizon(scene.camera, view_of(scene.picture));
   EXPECT_TRUE(horizon.usable()) << horizon.reason;
   const Airlight airlight(horizon, Turbidity{turbidity}, scene.sun, scene.camera.light_to_xyz());
@@ -164,7 +164,7 @@ TEST(Retarget, BringsAGeneratedSceneUnderThePapersAirs) {
     RetargetOptions options;
     options.relit = relighting(source.camera, Turbidity{from}, Turbidity{to}, source.sun,
                                source.camera.direction_at({160, 90}).value(), source.altitude_m);
-    const auto source_air = air_of(source, from), target_air = air_of(target, to);
+    const auto source_air = measured_air(source, from), target_air = measured_air(target, to);
     const auto made = retarget(source.light, depth, source_air, target_air, nodes, options,
                                {without_noise_of(source), land_around(source.light, depth, source_air, nodes)});
     const auto plain = retarget(source.light, depth, source_air, target_air, nodes);

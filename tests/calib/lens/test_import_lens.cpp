@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::filesystem::path written(const std::string& name, const std::string& text) {
+std::filesystem::path import_file(const std::string& name, const std::string& text) {
   const auto folder = test_output_folder() / "import";
   std::filesystem::create_directories(folder);
   EXPECT_TRUE(write_text_file(folder / name, text));
@@ -28,9 +28,9 @@ std::string matrix(const std::string& name, int rows, int columns, const std::st
 TEST(ImportLens, OpencvsYamlIsReadWithItsModel) {
   const auto head = std::string("%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\n");
   const auto camera = matrix("camera_matrix", 3, 3, "500.5, 0., 319.25, 0., 501.5, 240.75, 0., 0., 1.");
-  const auto plain = import_lens(
-      written("brown.yml", head + camera + matrix("distortion_coefficients", 5, 1, "-0.2, 0.05, 1e-3, -2e-3, 0.01") +
-                               "avg_reprojection_error: 0.25\n"));
+  const auto plain = import_lens(import_file(
+      "brown.yml", head + camera + matrix("distortion_coefficients", 5, 1, "-0.2, 0.05, 1e-3, -2e-3, 0.01") +
+                       "avg_reprojection_error: 0.25\n"));
   ASSERT_TRUE(plain) << plain.error().message;
   const auto& brown = std::get<PinholeModel>(plain->lens.model);
   EXPECT_EQ(brown.focal_px, glm::dvec2(500.5, 501.5));
@@ -40,15 +40,15 @@ TEST(ImportLens, OpencvsYamlIsReadWithItsModel) {
   EXPECT_EQ(plain->height, 480);
   EXPECT_EQ(plain->rms_px, 0.25);
 
-  const auto fisheye =
-      import_lens(written("fisheye.yml", head + "fisheye_model: 1\n" + camera +
-                                             matrix("distortion_coefficients", 4, 1, "-0.01, 0.02, -0.007, 0.001")));
+  const auto fisheye = import_lens(import_file(
+      "fisheye.yml",
+      head + "fisheye_model: 1\n" + camera + matrix("distortion_coefficients", 4, 1, "-0.01, 0.02, -0.007, 0.001")));
   ASSERT_TRUE(fisheye) << fisheye.error().message;
   EXPECT_EQ(std::get<OpencvFisheyeModel>(fisheye->lens.model).k, (std::array{-0.01, 0.02, -0.007, 0.001}));
 }
 
 TEST(ImportLens, OpencvsXmlIsReadAsWell) {
-  const auto lens = import_lens(written(
+  const auto lens = import_lens(import_file(
       "k.xml",
       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>800</image_width>\n<image_height>600</image_height>\n"
       "<K type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt><data>400. 0. 400. 0. 401. 300. 0. 0. 1."
@@ -59,20 +59,20 @@ TEST(ImportLens, OpencvsXmlIsReadAsWell) {
 }
 
 TEST(ImportLens, EverythingThatIsWrongIsSaidAtOnce) {
-  const auto broken =
-      import_lens(written("broken.yml", "%YAML:1.0\n---\n" + matrix("camera_matrix", 2, 2, "1., 0., 0., 1.") +
-                                            matrix("distortion_coefficients", 8, 1, "1., 2., 3., 4., 5., 6., 7., 8.")));
+  const auto broken = import_lens(
+      import_file("broken.yml", "%YAML:1.0\n---\n" + matrix("camera_matrix", 2, 2, "1., 0., 0., 1.") +
+                                    matrix("distortion_coefficients", 8, 1, "1., 2., 3., 4., 5., 6., 7., 8.")));
   ASSERT_FALSE(broken);
   EXPECT_EQ(broken.error().kind, FaultKind::bad_input);
   for (const char* part : {"camera_matrix", "rational", "image_width"})
     EXPECT_THAT(broken.error().message, HasSubstr(part));
-  EXPECT_FALSE(import_lens(written("text.yml", "this is no calibration")));
-  EXPECT_FALSE(import_lens(written("empty.xml", "")));
+  EXPECT_FALSE(import_lens(import_file("text.yml", "this is no calibration")));
+  EXPECT_FALSE(import_lens(import_file("empty.xml", "")));
   EXPECT_FALSE(import_lens("/nowhere/at-all.yml"));
 }
 
 TEST(ImportLens, OcamcalibsTextIsRecognised) {
-  const auto path = written("ocam.txt", "3 -100.0 0.0 1e-003\n1 5\n 40.5 60.25\n1.01 0.02 0.03\n80 120\n");
+  const auto path = import_file("ocam.txt", "3 -100.0 0.0 1e-003\n1 5\n 40.5 60.25\n1.01 0.02 0.03\n80 120\n");
   const auto lens = import_lens(path);
   ASSERT_TRUE(lens) << lens.error().message;
   EXPECT_EQ(lens->program, "OCamCalib");

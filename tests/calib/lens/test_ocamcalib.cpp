@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 const std::filesystem::path kSample = shared_data_folder() / "fisheye/ocam-sample";
 
-std::filesystem::path written(const std::string& name, const std::string& text) {
+std::filesystem::path ocam_file(const std::string& name, const std::string& text) {
   const auto folder = test_output_folder() / "calib";
   std::filesystem::create_directories(folder);
   EXPECT_TRUE(write_text_file(folder / name, text));
@@ -27,7 +27,7 @@ std::filesystem::path written(const std::string& name, const std::string& text) 
 }
 
 TEST(Ocamcalib, RowAndColumnBecomeYAndX) {
-  const auto path = written("ocam.txt", "# c\n3 -100.0 0.0 1e-003\n\n1 5\n\n 40.5 60.25\n1.01 0.02 0.03\n80 120\n");
+  const auto path = ocam_file("ocam.txt", "# c\n3 -100.0 0.0 1e-003\n\n1 5\n\n 40.5 60.25\n1.01 0.02 0.03\n80 120\n");
   const auto model = read_ocamcalib(path);
   ASSERT_TRUE(model) << model.error().message;
   EXPECT_EQ(model->polynomial, (std::vector{-100.0, 0.0, 1e-3}));
@@ -44,13 +44,13 @@ TEST(Ocamcalib, RowAndColumnBecomeYAndX) {
 }
 
 TEST(Ocamcalib, ABrokenFileIsRefusedWithEverythingThatIsWrong) {
-  const auto model = read_ocamcalib(written("broken.txt", "3 100.0 0.0 1e-3\n1 5\n 40.5\n0 1 1\n80 banana\n"));
+  const auto model = read_ocamcalib(ocam_file("broken.txt", "3 100.0 0.0 1e-3\n1 5\n 40.5\n0 1 1\n80 banana\n"));
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().kind, FaultKind::bad_input);
   for (const char* part : {"broken.txt: line 5: \"banana\"", "a0 = 100: expected a number < 0", "centre: expected two",
                            "c - d e > 0", "image size"})
     EXPECT_THAT(model.error().message, HasSubstr(part));
-  EXPECT_FALSE(read_ocamcalib(written("empty.txt", "")));
+  EXPECT_FALSE(read_ocamcalib(ocam_file("empty.txt", "")));
   EXPECT_FALSE(read_ocamcalib("/nowhere/calib.txt"));
 }
 

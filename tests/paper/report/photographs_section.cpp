@@ -23,14 +23,14 @@ struct Frame {
   const char* name;
   double visibility_m;
 };
-constexpr Frame kSource{"Meetterrein_20151007_1310.jpg", 23000.0};
-constexpr Frame kTargets[] = {{"Meetterrein_20151006_0620.jpg", 1620.0},
-                              {"Meetterrein_20151017_0630.jpg", 466.0},
-                              {"Meetterrein_20151009_0850.jpg", 444.0},
-                              {"Meetterrein_20151004_0650.jpg", 73.0}};
+constexpr Frame kSourceFrame{"Meetterrein_20151007_1310.jpg", 23000.0};
+constexpr Frame kTargetFrames[] = {{"Meetterrein_20151006_0620.jpg", 1620.0},
+                                   {"Meetterrein_20151017_0630.jpg", 466.0},
+                                   {"Meetterrein_20151009_0850.jpg", 444.0},
+                                   {"Meetterrein_20151004_0650.jpg", 73.0}};
 
 // KNMI reports where 5 % of contrast is left.
-Turbidity turbidity_of(double visibility_m) {
+Turbidity turbidity_of_visibility(double visibility_m) {
   const double per_m = 2.996 / visibility_m - rayleigh_per_m(ScatteringModel::morales2017, 550.0);
   return Turbidity{1.0 + per_m / mie_per_m(ScatteringModel::morales2017, 550.0, Turbidity{2.0})};
 }
@@ -96,7 +96,7 @@ Section photographs_section(const ReportOptions& options) {
     section.finding(Finding::skipped, "made in the whole report only.");
     return section;
   }
-  const auto clear = read_photograph(folder / kSource.name);
+  const auto clear = read_photograph(folder / kSourceFrame.name);
   if (!clear) {
     section.finding(Finding::skipped, clear.error().message);
     return section;
@@ -106,14 +106,14 @@ Section photographs_section(const ReportOptions& options) {
   const auto sky = segment_sky(whole);
   Experiment experiment{camera, compared_rows(whole), {}, {distances(sky.sky), {}, 0.0}, {}, {}, glm::dvec3{1.0}};
   const auto air_of = [&](const Image<Rgb8>& picture, double visibility_m) {
-    return PictureAir{turbidity_of(visibility_m),
+    return PictureAir{turbidity_of_visibility(visibility_m),
                       Image<glm::vec3>(1, 1, glm::vec3(light_above_the_wood(camera, picture)))};
   };
   experiment.fog = true;
-  experiment.source = air_of(whole, kSource.visibility_m);
+  experiment.source = air_of(whole, kSourceFrame.visibility_m);
   std::vector<std::vector<std::string>> rows;
   int won = 0, compared = 0;
-  for (const auto& frame : kTargets) {
+  for (const auto& frame : kTargetFrames) {
     const auto taken = read_photograph(folder / frame.name);
     if (!taken) {
       section.finding(Finding::skipped, taken.error().message);

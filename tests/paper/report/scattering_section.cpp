@@ -15,7 +15,7 @@ double per_km(ScatteringModel model, double turbidity) {
 }
 
 // T at which M's Mie coefficient is so large: Eq 24 turned round.
-double turbidity_of(double mie_per_km) {
+double turbidity_of_mie(double mie_per_km) {
   return 1.0 + 0.6 * mie_per_km / per_km(ScatteringModel::morales2017, 1.6);
 }
 
@@ -32,7 +32,7 @@ void coefficients(Section& section) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [name, mie] : {Bound{"exceptionally clear", 0.0639}, Bound{"very clear", 0.1819},
                                   Bound{"clear", 0.3769}, Bound{"light haze", 0.9399}, Bound{"haze", 1.9459}})
-    rows.push_back({name, fmt::format("{:.4f}", mie), fmt::format("{:.2f}", turbidity_of(mie)),
+    rows.push_back({name, fmt::format("{:.4f}", mie), fmt::format("{:.2f}", turbidity_of_mie(mie)),
                     fmt::format("{:.1f} km", 3.912 / (rayleigh + mie))});
   section.table({"weather, up to", "beta_M, 1/km (M Table 2)", "T", "visibility"}, rows);
   section.table({"", "paper", "recomputed", ""},
@@ -42,7 +42,7 @@ void coefficients(Section& section) {
                  {"beta_M at T = 1.6, 1/km", "0.0639", fmt::format("{:.4f}", at_16), "M Eq 18, K_M = .0092"},
                  {"visibility at T = 1.9", "about 20 km (M14)",
                   fmt::format("{:.1f} km", meteorological_range_m(Turbidity{1.9}, 0.0) / 1000.0),
-                  fmt::format("20 km is T = {:.2f}", turbidity_of(3.912 / 20.0 - rayleigh))}});
+                  fmt::format("20 km is T = {:.2f}", turbidity_of_mie(3.912 / 20.0 - rayleigh))}});
   section.figure("rayleigh_per_km", rayleigh);
   section.figure("mie_per_km_at_1.6", at_16);
   section.finding(Finding::reproduced,
@@ -126,7 +126,7 @@ void figure_10(Section& section) {
       Finding::reproduced,
       fmt::format("M Eq 24, beta_M1 / beta_M2 = (T1 - 1) / (T2 - 1), holds to {:.0e} for T 1.05 to 20; fog in M's "
                   "sense begins at T = {:.1f}, where M14 has it above 20.",
-                  std::max(worst, 1e-16), turbidity_of(1.9459)));
+                  std::max(worst, 1e-16), turbidity_of_mie(1.9459)));
 }
 
 }  // namespace

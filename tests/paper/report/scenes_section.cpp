@@ -9,7 +9,7 @@
 namespace kasumi::paper {
 namespace {
 
-constexpr double kSource = 1.9, kTargets[] = {2.11, 2.54, 2.94, 4.36};  // M Sect 7.2.3
+constexpr double kSourceTurbidity = 1.9, kTargetTurbidities[] = {2.11, 2.54, 2.94, 4.36};  // M Sect 7.2.3
 
 struct Given {
   std::string name;
@@ -22,7 +22,7 @@ struct Reached {
   std::map<Method, std::vector<double>> turbidity;
 };
 
-std::string words_of(const Judged& one) {
+std::string text_of(const Judged& one) {
   return fmt::format("{:.4f} / {:.3f}", one.ssim, one.colour.combined());
 }
 
@@ -33,11 +33,12 @@ bool baseline(Method method) {
 void show(Section& section, const Given& given, const Scene& source, const Experiment& experiment,
           const std::vector<Judged>& judged, double turbidity) {
   ContactSheet sheet;
-  sheet.add(source.picture, fmt::format("source, T {}", kSource));
+  sheet.add(source.picture, fmt::format("source, T {}", kSourceTurbidity));
   sheet.add(experiment.truth, fmt::format("truth, T {}", turbidity));
   for (const auto& one : judged)
     if (one.method != Method::untouched) sheet.add(one.picture, std::string(name_of(one.method)));
-  section.picture(sheet.drawn(3), fmt::format("M Fig 12, {}: T {} to {}", given.name, kSource, turbidity), 1000);
+  section.picture(sheet.drawn(3), fmt::format("M Fig 12, {}: T {} to {}", given.name, kSourceTurbidity, turbidity),
+                  1000);
 }
 
 }  // namespace
@@ -76,16 +77,16 @@ Section scenes_section(const ReportOptions& options) {
   std::string lost;
   for (const auto& given : places) {
     const auto land = land_at(given.place);
-    const auto source = scene_at(land, kSource, 31);
+    const auto source = scene_at(land, kSourceTurbidity, 31);
     std::vector<std::vector<std::string>> rows;
-    for (const double turbidity : kTargets) {
+    for (const double turbidity : kTargetTurbidities) {
       if (options.quick && (turbidity < 2.5 || (turbidity > 2.9 && turbidity < 4.0))) continue;
       const auto target = scene_at(land, turbidity, 32), again = scene_at(land, turbidity, 33);
-      const auto experiment = experiment_of(source, kSource, target, turbidity);
+      const auto experiment = experiment_of(source, kSourceTurbidity, target, turbidity);
       const auto judged = judge_methods(experiment);
       std::vector<std::string> row{fmt::format("{}", turbidity)};
       for (const auto& one : judged) {
-        row.push_back(words_of(one));
+        row.push_back(text_of(one));
         if (&given == &places.front()) {
           structure[one.method].points.emplace_back(turbidity, one.ssim);
           colours[one.method].points.emplace_back(turbidity, one.colour.combined());

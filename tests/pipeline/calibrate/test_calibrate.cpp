@@ -21,8 +21,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr Board kBoard{7, 5, 0.03};
-constexpr int kWidth = 400, kHeight = 300;
+constexpr Board kPrintedBoard{7, 5, 0.03};
+constexpr int kPictureWidth = 400, kPictureHeight = 300;
 
 Image<Rgb8> rgb(const Image<std::uint8_t>& grey) {
   Image<Rgb8> picture(grey.width(), grey.height());
@@ -30,20 +30,21 @@ Image<Rgb8> rgb(const Image<std::uint8_t>& grey) {
   return picture;
 }
 
-BoardPose pose_at(double right_m, double down_m, double tilt_x, double tilt_y) {
-  return board_at(kBoard, right_m, down_m, tilt_x, tilt_y);
+BoardPose printed_board_at(double right_m, double down_m, double tilt_x, double tilt_y) {
+  return board_at(kPrintedBoard, right_m, down_m, tilt_x, tilt_y);
 }
 
 TEST(CalibrateLens, PicturesOfABoardBecomeACalibrationFile) {
   const auto folder = fresh_folder("calibrate-lens");
   const auto lens = equidistant_lens({203.0, 147.5}, 130.0, from_degrees(90.0));
-  const std::vector poses{pose_at(0.0, 0.0, 0.3, 0.2),     pose_at(-0.12, -0.06, -0.4, 0.1),
-                          pose_at(0.12, -0.06, 0.4, -0.3), pose_at(-0.12, 0.06, -0.2, 0.4),
-                          pose_at(0.12, 0.06, 0.1, 0.4),   pose_at(0.02, 0.05, -0.5, -0.2)};
+  const std::vector poses{printed_board_at(0.0, 0.0, 0.3, 0.2),     printed_board_at(-0.12, -0.06, -0.4, 0.1),
+                          printed_board_at(0.12, -0.06, 0.4, -0.3), printed_board_at(-0.12, 0.06, -0.2, 0.4),
+                          printed_board_at(0.12, 0.06, 0.1, 0.4),   printed_board_at(0.02, 0.05, -0.5, -0.2)};
   std::string files;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const auto file = folder / fmt::format("board-{}.png", i);
-    ASSERT_TRUE(write_png(file, rgb(picture_of_board(*lens, kWidth, kHeight, kBoard, poses[i], 4))));
+    ASSERT_TRUE(
+        write_png(file, rgb(picture_of_board(*lens, kPictureWidth, kPictureHeight, kPrintedBoard, poses[i], 4))));
     files += " " + file.string();
   }
   const auto file = folder / "calibration.toml";
@@ -55,7 +56,7 @@ TEST(CalibrateLens, PicturesOfABoardBecomeACalibrationFile) {
 
   const auto root = ConfigTable::read_file(file).value();
   const auto sky = root.table("sky");
-  EXPECT_EQ(sky.integer("width"), kWidth);
+  EXPECT_EQ(sky.integer("width"), kPictureWidth);
   EXPECT_EQ(sky.text("serial"), "FE-1");
   const auto found = read_lens(sky.table("lens"));
   for (const double off : {0.0, 15.0, 30.0, 45.0}) {

@@ -90,7 +90,7 @@ TEST(CalibrateColour, ARecordingBecomesAMaskThenASensitivityThatTheCameraIsReadW
   const auto chosen = run(fmt::format("colour {} --choose --turbidity 2.4 --cameras {} --out {}", recording.string(),
                                       cameras.string(), file.string()));
   ASSERT_EQ(chosen.code, 0) << chosen.err;
-  EXPECT_THAT(chosen.out, HasSubstr("taken: camera-"));
+  EXPECT_THAT(chosen.out, HasSubstr("chosen: camera-"));
   EXPECT_TRUE(std::filesystem::exists(folder / "calibration.sky-sensitivity.csv.1.old"));
 
   // A scene camera of the same make.

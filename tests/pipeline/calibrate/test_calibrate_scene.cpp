@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int kWidth = 960, kHeight = 540;
+constexpr int kSceneWidth = 960, kSceneHeight = 540;
 const Site kSite{"", 46.94, 8.28, 1450.0};
 
 struct Place {
@@ -49,7 +49,7 @@ std::string landmarks(const Truth& truth, double focal_px, std::size_t wrong) {
       "place_sigma_m = 0.5\n[site]\nlatitude_deg = {}\nlongitude_deg = {}\naltitude_m = {}\n[scene]\nwidth = "
       "{}\nheight = "
       "{}\nresponse = \"srgb\"\n[scene.lens]\nmodel = \"pinhole\"\nfocal_px = [{}, {}]\ncentre_px = [481.0, 268.0]\n",
-      kSite.latitude_deg, kSite.longitude_deg, kSite.altitude_m, kWidth, kHeight, focal_px, focal_px);
+      kSite.latitude_deg, kSite.longitude_deg, kSite.altitude_m, kSceneWidth, kSceneHeight, focal_px, focal_px);
   std::mt19937_64 random(3);
   const auto noise = [&] { return static_cast<double>(random() >> 11) * 0x1.0p-53 * 1.6 - 0.8; };
   for (std::size_t i = 0; i < kPlaces.size(); ++i) {
@@ -67,7 +67,7 @@ std::string landmarks(const Truth& truth, double focal_px, std::size_t wrong) {
 TEST(CalibrateScene, LandmarksOnTheMapGiveTheCamerasPoseAndAWrongOneIsNamed) {
   const auto folder = fresh_folder("calibrate-scene");
   const Truth truth;
-  ASSERT_TRUE(write_png(folder / "scene.png", Image<Rgb8>(kWidth, kHeight, Rgb8(150, 170, 190))));
+  ASSERT_TRUE(write_png(folder / "scene.png", Image<Rgb8>(kSceneWidth, kSceneHeight, Rgb8(150, 170, 190))));
   ASSERT_TRUE(write_text_file(folder / "landmarks.toml", landmarks(truth, 1.02 * 1900.0, 2)));
   const auto file = folder / "calibration.toml";
   const auto outcome =
@@ -104,7 +104,7 @@ TEST(CalibrateScene, LandmarksOnTheMapGiveTheCamerasPoseAndAWrongOneIsNamed) {
 // The sun by another ephemeris than the command's own, over a lake's horizon, the camera looking where it sets.
 TEST(CalibrateScene, ThreeSightingsOfTheSettingSunAndTheHorizonGiveThePose) {
   const auto folder = fresh_folder("calibrate-scene-sun");
-  ASSERT_TRUE(write_png(folder / "scene.png", Image<Rgb8>(kWidth, kHeight, Rgb8(150, 170, 190))));
+  ASSERT_TRUE(write_png(folder / "scene.png", Image<Rgb8>(kSceneWidth, kSceneHeight, Rgb8(150, 170, 190))));
   const Truth wide;
   // 20 deg across.
   const Truth truth{pinhole_lens({{2700.0, 2700.0}, {481.0, 268.0}, {}}),
@@ -120,7 +120,7 @@ TEST(CalibrateScene, ThreeSightingsOfTheSettingSunAndTheHorizonGiveThePose) {
   for (const char* time : {"2026-09-12T16:50:00", "2026-09-12T17:05:30", "2026-09-12T17:18:00"}) {
     const auto utc = parse_utc(std::string(time) + "Z").value();
     const auto pixel = truth.lens->project(fixtures::sun_position(utc, kSite) * truth.to_world);
-    ASSERT_TRUE(pixel && pixel->x > 0.0 && pixel->x < kWidth && pixel->y > 0.0 && pixel->y < kHeight) << time;
+    ASSERT_TRUE(pixel && pixel->x > 0.0 && pixel->x < kSceneWidth && pixel->y > 0.0 && pixel->y < kSceneHeight) << time;
     text += fmt::format("[[sightings]]\nof = \"sun\"\nutc = {}Z\npixel = [{:.1f}, {:.1f}]\n", time, pixel->x + noise(),
                         pixel->y + noise());
   }

@@ -38,7 +38,7 @@ TEST(CalibrationExpectations, VerdictsFollowTheirBoundsBothWays) {
   EXPECT_EQ(covered.verdict(1.0), Verdict::good);
   EXPECT_EQ(covered.verdict(0.99 * covered.good), Verdict::usable);
   EXPECT_EQ(covered.verdict(0.1), Verdict::poor);
-  EXPECT_THAT(covered.words(), HasSubstr("or more"));
+  EXPECT_THAT(covered.text(), HasSubstr("or more"));
   EXPECT_FALSE(expectation_of("lens", "no such key"));
 }
 

@@ -223,7 +223,7 @@ TEST(Drift, TheCommandTakesAReferenceThenComparesAndSetsItsExitCode) {
   };
   auto outcome = call(first, "");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("taken as the reference"));
+  EXPECT_THAT(outcome.err, HasSubstr("saved as the reference"));
   outcome = call(first, "");
   EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("scene.view"));

@@ -154,13 +154,13 @@ TEST_F(HazeCommand, TellsAPersonAllThatIsWrongAtOnce) {
 }
 
 TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
-  HazeOrder order;
-  order.picture = in_folder("board.png");
-  order.depth = in_folder("depth.pfm");
-  order.indoors = true;
-  order.scatterings = {"0.5"};
-  order.airlight = {0.6, 0.7, 0.8};
-  const auto task = haze_task(order);
+  HazeOptions options;
+  options.picture = in_folder("board.png");
+  options.depth = in_folder("depth.pfm");
+  options.indoors = true;
+  options.scatterings = {"0.5"};
+  options.airlight = {0.6, 0.7, 0.8};
+  const auto task = haze_task(options);
   ASSERT_TRUE(task) << task.error().message;
   auto window = HazeWindow::open(*task);
   if (!window) {
@@ -180,19 +180,19 @@ TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
   ASSERT_TRUE(window->step(std::string(30, 'd')).value()) << "a blur larger than the picture is told, not shown";
   ASSERT_TRUE(window->step("r").value());
   EXPECT_DOUBLE_EQ(window->values().kappa_s, 0.5);
-  EXPECT_THAT(words_of(window->values()), HasSubstr("kappa_s 0.500"));
+  EXPECT_THAT(caption_of(window->values()), HasSubstr("kappa_s 0.500"));
 }
 
 TEST(HazeKeys, OfATurbidityTheyTurnT) {
   const HazeValues given{Turbidity{4.0}, 0.0, 0.0, 15.0};
   auto haze = given;
-  EXPECT_TRUE(turn_haze(haze, given, 's'));
+  EXPECT_TRUE(adjust_haze(haze, given, 's'));
   EXPECT_GT(haze.turbidity->value, 4.0);
-  EXPECT_FALSE(turn_haze(haze, given, 'a')) << "air does not absorb";
-  for (int i = 0; i < 100; ++i) turn_haze(haze, given, 'x');
+  EXPECT_FALSE(adjust_haze(haze, given, 'a')) << "air does not absorb";
+  for (int i = 0; i < 100; ++i) adjust_haze(haze, given, 'x');
   EXPECT_EQ(*haze.turbidity, kLowestTurbidity);
-  EXPECT_FALSE(turn_haze(haze, given, 'w'));
-  EXPECT_TRUE(turn_haze(haze, given, 'r'));
+  EXPECT_FALSE(adjust_haze(haze, given, 'w'));
+  EXPECT_TRUE(adjust_haze(haze, given, 'r'));
   EXPECT_EQ(*haze.turbidity, *given.turbidity);
 }
 

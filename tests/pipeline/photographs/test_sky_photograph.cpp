@@ -18,20 +18,20 @@ std::filesystem::path generated(const fixtures::SkyRecipe& recipe, const std::st
   return file;
 }
 
-SkyPhotographSetup setup_of(const fixtures::SkyRecipe& recipe) {
-  SkyPhotographSetup setup;
+SkyPhotographOptions sky_photograph_options(const fixtures::SkyRecipe& recipe) {
+  SkyPhotographOptions options;
   const double middle = 0.5 * (recipe.size - 1);
-  setup.circle = ImageCircle{{middle, middle}, 0.5 * recipe.size};
-  setup.sun = direction_from(recipe.sun_zenith, recipe.sun_azimuth);
-  return setup;
+  options.circle = ImageCircle{{middle, middle}, 0.5 * recipe.size};
+  options.sun = direction_from(recipe.sun_zenith, recipe.sun_azimuth);
+  return options;
 }
 
 TEST(SkyPhotograph, AGeneratedSkyTellsItsTurbidity) {
   for (const double turbidity : {2.0, 4.0, 7.0}) {
     fixtures::SkyRecipe recipe;
     recipe.turbidity = turbidity;
-    SkyPhotographs photographs(setup_of(recipe));
-    const auto report = photographs.look_at(generated(recipe, "clear"), std::nullopt);
+    SkyPhotographs photographs(sky_photograph_options(recipe));
+    const auto report = photographs.estimate_from(generated(recipe, "clear"), std::nullopt);
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
     EXPECT_NEAR(report->look.estimate.turbidity.value, turbidity, 0.1);
@@ -44,21 +44,21 @@ TEST(SkyPhotograph, AGeneratedSkyTellsItsTurbidity) {
 TEST(SkyPhotograph, TheSunIsFoundInTheImageWhenAsked) {
   fixtures::SkyRecipe recipe;
   recipe.sun_azimuth = from_degrees(140.0);
-  auto setup = setup_of(recipe);
-  setup.sun.reset();
-  setup.sun_from_image = true;
-  SkyPhotographs photographs(setup);
-  const auto report = photographs.look_at(generated(recipe, "sun"), std::nullopt).value();
+  auto options = sky_photograph_options(recipe);
+  options.sun.reset();
+  options.sun_from_image = true;
+  SkyPhotographs photographs(options);
+  const auto report = photographs.estimate_from(generated(recipe, "sun"), std::nullopt).value();
   ASSERT_TRUE(report.sun) << report.look.estimate.reason;
   EXPECT_LT(to_degrees(angle_between(*report.sun, direction_from(recipe.sun_zenith, recipe.sun_azimuth))), 0.5);
 }
 
 TEST(SkyPhotograph, WithoutACircleItIsFoundInThePicture) {
   fixtures::SkyRecipe recipe;
-  auto setup = setup_of(recipe);
-  setup.circle.reset();
-  SkyPhotographs photographs(setup);
-  const auto report = photographs.look_at(generated(recipe, "circle"), std::nullopt).value();
+  auto options = sky_photograph_options(recipe);
+  options.circle.reset();
+  SkyPhotographs photographs(options);
+  const auto report = photographs.estimate_from(generated(recipe, "circle"), std::nullopt).value();
   ASSERT_TRUE(report.circle);
   EXPECT_NEAR(report.circle->radius_px, 250.0, 4.0);
 }
@@ -66,8 +66,8 @@ TEST(SkyPhotograph, WithoutACircleItIsFoundInThePicture) {
 TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
   fixtures::SkyRecipe recipe;
   recipe.covered_lens = true;
-  SkyPhotographs photographs(setup_of(recipe));
-  const auto report = photographs.look_at(generated(recipe, "covered"), std::nullopt).value();
+  SkyPhotographs photographs(sky_photograph_options(recipe));
+  const auto report = photographs.estimate_from(generated(recipe, "covered"), std::nullopt).value();
   EXPECT_FALSE(report.look.estimate.usable);
   EXPECT_EQ(report.look.estimate.sky, SkyCondition::covered_lens) << report.look.estimate.reason;
 }
@@ -76,16 +76,16 @@ TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
 TEST(SkyPhotograph, TwoExposuresOfOneRealSkyAgree) {
   const auto folder = shared_data_folder() / "sky" / "skycam-alpnach";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here: real sky not tested";
-  SkyPhotographSetup setup;
-  setup.field_of_view = from_degrees(185.0);
-  setup.circle = ImageCircle{{149.6, 140.7}, 133.0};
-  setup.linear_response = true;
-  setup.sun_from_image = true;
-  SkyPhotographs photographs(setup);
+  SkyPhotographOptions options;
+  options.field_of_view = from_degrees(185.0);
+  options.circle = ImageCircle{{149.6, 140.7}, 133.0};
+  options.linear_response = true;
+  options.sun_from_image = true;
+  SkyPhotographs photographs(options);
   std::vector<TurbidityEstimate> estimates;
   for (const int exposure : {8, 9}) {
     const auto file = folder / fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure);
-    const auto report = photographs.look_at(file, std::nullopt);
+    const auto report = photographs.estimate_from(file, std::nullopt);
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
     estimates.push_back(report->look.estimate);

@@ -37,7 +37,7 @@ class AerialPerspective : public testing::Test {
     const SkyScene scene = sky_scene(standing_on_land(camera, request));
     const SkyPainter painter(scene);
     const auto land = land_for(camera, scene.altitude_m, true);
-    const LandSight sight(land->land, land->from, land->to);
+    const LandRayCaster sight(land->land, land->from, land->to);
     double sum = 0.0;
     int count = 0;
     for (int y = 4; y < camera.height; y += 9)

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "pipeline/files/light_file.hpp"
-#include "pipeline/sky/sky_order.hpp"
+#include "pipeline/sky/sky_options.hpp"
 #include "tests/environment.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 

@@ -181,22 +181,22 @@ TEST(MadeLand, IsMetFromAboveWhereItsPointsAre) {
   SkyCamera camera = small_camera(SkyProjection::perspective);
   const auto land = land_for(camera, 3000.0, true);
   ASSERT_TRUE(land.has_value());
-  const LandSight sight(land->land, land->from, land->to);
+  const LandRayCaster sight(land->land, land->from, land->to);
   // Down to the plain: where a ray meets it is a matter of its slope.
   const auto hit = sight.along(direction_from(from_degrees(120.0), from_degrees(0.0)), 3000.0);
   ASSERT_TRUE(hit.has_value());
-  const double ground = made_land_height_m({hit->place.x, hit->place.y});
+  const double ground = synthetic_height_m({hit->place.x, hit->place.y});
   EXPECT_NEAR(hit->altitude_m, ground, 8.0);
   EXPECT_NEAR(std::hypot(hit->place.x, hit->place.y), (3000.0 - ground) * std::tan(from_degrees(60.0).value), 20.0);
   EXPECT_FALSE(sight.along({0.0, 0.0, 1.0}, 3000.0).has_value());
 }
 
 TEST(SkyWindow, PutsTheSunWhereThePointerIs) {
-  SkyShown shown;
+  SkyViewState shown;
   shown.camera = small_camera(SkyProjection::perspective);
   shown.sky = sky_under(2.5, 45.0);
-  EXPECT_FALSE(shown.take({false, 100.0, 60.0, ""}));
-  EXPECT_TRUE(shown.take({true, 100.0, 60.0, ""}));
+  EXPECT_FALSE(shown.apply({false, 100.0, 60.0, ""}));
+  EXPECT_TRUE(shown.apply({true, 100.0, 60.0, ""}));
   const auto seen = pixel_of(view_of(shown.camera), shown.sky.sun);
   ASSERT_TRUE(seen.has_value());
   EXPECT_NEAR(seen->x + 0.5, 100.0, 1e-6);
@@ -204,13 +204,13 @@ TEST(SkyWindow, PutsTheSunWhereThePointerIs) {
 }
 
 TEST(SkyWindow, KeysChangeAirAndAltitudeWithinWhatThereIs) {
-  SkyShown shown;
+  SkyViewState shown;
   shown.sky = sky_under(2.5, 45.0);
-  EXPECT_TRUE(shown.take({false, 0, 0, "ta"}));
+  EXPECT_TRUE(shown.apply({false, 0, 0, "ta"}));
   EXPECT_NEAR(shown.sky.turbidity.value, 2.75, 1e-12);
   EXPECT_NEAR(shown.sky.altitude_m, 100.0, 1e-12);
-  EXPECT_NE(shown.words().find("T 2.75    altitude 100 m    sun 45.0 deg"), std::string::npos) << shown.words();
-  shown.take({false, 0, 0, std::string(200, 'g') + std::string(200, 'z')});
+  EXPECT_NE(shown.caption().find("T 2.75    altitude 100 m    sun 45.0 deg"), std::string::npos) << shown.caption();
+  shown.apply({false, 0, 0, std::string(200, 'g') + std::string(200, 'z')});
   EXPECT_EQ(shown.sky.turbidity, kLowestTurbidity);
   EXPECT_EQ(shown.sky.altitude_m, 0.0);
 }

@@ -1,4 +1,4 @@
-#include "pipeline/haze/haze_order.hpp"
+#include "pipeline/haze/haze_options.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,26 +36,26 @@ std::optional<std::vector<double>> numbers(const std::string& text, double least
   return values;
 }
 
-std::vector<HazeValues> read_values(const HazeOrder& order, Problems& problems) {
+std::vector<HazeValues> read_values(const HazeOptions& options, Problems& problems) {
   std::vector<HazeValues> all;
-  if (order.turbidities.empty() == order.scatterings.empty())
-    problems.add("expected --turbidity T, or --kappa-s (and --kappa-a): what the haze is like is told one way");
-  if (!order.turbidities.empty() && order.kappa_a) problems.add("--kappa-a: expected none beside --turbidity");
-  for (const auto& text : order.turbidities) {
+  if (options.turbidities.empty() == options.scatterings.empty())
+    problems.add("expected --turbidity T, or --kappa-s (and --kappa-a): one of the two describes the haze");
+  if (!options.turbidities.empty() && options.kappa_a) problems.add("--kappa-a: expected none beside --turbidity");
+  for (const auto& text : options.turbidities) {
     const auto list = numbers(text, kLowestTurbidity.value, kHighestTurbidity.value);
     if (!list) problems.add("--turbidity {}: expected a T of 1.7 to 20, or FROM:TO:STEP", text);
-    for (const double t : list.value_or(std::vector<double>{})) all.push_back({Turbidity{t}, 0.0, 0.0, order.lambda});
+    for (const double t : list.value_or(std::vector<double>{})) all.push_back({Turbidity{t}, 0.0, 0.0, options.lambda});
   }
-  for (const auto& text : order.scatterings) {
+  for (const auto& text : options.scatterings) {
     const auto list = numbers(text, 0.0, 100.0);
     if (!list) problems.add("--kappa-s {}: expected 0 to 100 per farthest range, or FROM:TO:STEP", text);
     for (const double s : list.value_or(std::vector<double>{}))
-      all.push_back({std::nullopt, order.kappa_a.value_or(0.0), s, order.lambda});
+      all.push_back({std::nullopt, options.kappa_a.value_or(0.0), s, options.lambda});
   }
   return all;
 }
 
-// Metres of a map of disparities, 0 and what cannot be being unknown.
+// Distances in metres from disparities; 0 and invalid values mean unknown.
 Image<float> metres_of(const Image<float>& disparity, double scale, double offset_px) {
   auto metres = disparity;
   for (float& value : metres.elements()) {
@@ -65,22 +65,22 @@ Image<float> metres_of(const Image<float>& disparity, double scale, double offse
   return metres;
 }
 
-std::optional<Image<float>> read_range(const HazeOrder& order, Problems& problems) {
-  if (order.depth.empty() == order.disparity.empty()) {
+std::optional<Image<float>> read_range(const HazeOptions& options, Problems& problems) {
+  if (options.depth.empty() == options.disparity.empty()) {
     problems.add("expected --depth FILE, or --disparity FILE with --disparity-scale");
     return std::nullopt;
   }
-  if (order.disparity.empty() && order.disparity_scale)
+  if (options.disparity.empty() && options.disparity_scale)
     problems.add("--disparity-scale: expected --disparity beside it");
-  if (!order.disparity.empty() && !order.disparity_scale)
+  if (!options.disparity.empty() && !options.disparity_scale)
     problems.add("--disparity: expected --disparity-scale, focal length times baseline, in pixels times metres");
-  auto read = read_distances(order.depth.empty() ? order.disparity : order.depth, order.depth_step_m);
+  auto read = read_distances(options.depth.empty() ? options.disparity : options.depth, options.depth_step_m);
   if (!read) {
     problems.add("{}", read.error().message);
     return std::nullopt;
   }
-  if (order.disparity.empty()) return std::move(*read);
-  return metres_of(*read, order.disparity_scale.value_or(1.0), order.disparity_offset_px);
+  if (options.disparity.empty()) return std::move(*read);
+  return metres_of(*read, options.disparity_scale.value_or(1.0), options.disparity_offset_px);
 }
 
 Image<glm::vec3> light_of(const Camera& camera, const Image<glm::vec3>& encoded) {
@@ -90,7 +90,7 @@ Image<glm::vec3> light_of(const Camera& camera, const Image<glm::vec3>& encoded)
   return light;
 }
 
-// H takes one colour for all of the picture.
+// H assumes one airlight for the whole picture.
 Result<glm::dvec3> measured_airlight(const Camera& camera, const Photograph& photograph, const std::string& name) {
   const auto horizon = horizon_of(camera, photograph, name);
   if (!horizon) return fail(horizon.error());
@@ -111,19 +111,19 @@ HazeOptics HazeTask::optics_of(const HazeValues& haze) const {
   return haze_optics(nodes, scattering, *haze.turbidity, altitude_m, range.farthest_m, haze.lambda);
 }
 
-Result<HazeTask> haze_task(const HazeOrder& order) {
+Result<HazeTask> haze_task(const HazeOptions& options) {
   Problems problems;
   HazeTask task;
-  task.values = read_values(order, problems);
-  task.scheme = diffusion_scheme_named(order.scheme).value_or(DiffusionScheme::matched);
-  task.scattering = scattering_model_named(order.scattering).value_or(ScatteringModel::morales2017);
-  task.altitude_m = order.altitude_m;
-  auto photograph = read_photograph(order.picture);
+  task.values = read_values(options, problems);
+  task.scheme = diffusion_scheme_named(options.scheme).value_or(DiffusionScheme::matched);
+  task.scattering = scattering_model_named(options.scattering).value_or(ScatteringModel::morales2017);
+  task.altitude_m = options.altitude_m;
+  auto photograph = read_photograph(options.picture);
   if (!photograph) problems.add("{}", photograph.error().message);
-  auto range_m = read_range(order, problems);
+  auto range_m = read_range(options, problems);
   std::optional<SpectralSensitivity> sensitivity;
-  if (!order.sensitivity.empty()) {
-    auto read = read_spectral_sensitivity(order.sensitivity);
+  if (!options.sensitivity.empty()) {
+    auto read = read_spectral_sensitivity(options.sensitivity);
     if (read)
       sensitivity = std::move(*read);
     else
@@ -132,12 +132,12 @@ Result<HazeTask> haze_task(const HazeOrder& order) {
   if (photograph && range_m &&
       (range_m->width() != photograph->encoded.width() || range_m->height() != photograph->encoded.height()))
     problems.add("{}: is {} x {}: expected {} x {}, as the picture is",
-                 order.depth.empty() ? order.disparity : order.depth, range_m->width(), range_m->height(),
+                 options.depth.empty() ? options.disparity : options.depth, range_m->width(), range_m->height(),
                  photograph->encoded.width(), photograph->encoded.height());
   if (range_m) {
-    auto options = order.range;
-    if (order.indoors) options.smallest_sky_share = 1.0;
-    auto prepared = prepare_range(*range_m, options);
+    auto range_options = options.range;
+    if (options.indoors) range_options.smallest_sky_share = 1.0;
+    auto prepared = prepare_range(*range_m, range_options);
     if (prepared)
       task.range = std::move(*prepared);
     else
@@ -145,11 +145,11 @@ Result<HazeTask> haze_task(const HazeOrder& order) {
   }
   if (photograph) {
     task.camera = plain_camera(photograph->encoded.width(), photograph->encoded.height(),
-                               from_degrees(order.field_of_view_deg), from_degrees(order.pitch_deg));
+                               from_degrees(options.field_of_view_deg), from_degrees(options.pitch_deg));
     if (sensitivity) task.camera.sensitivity = *sensitivity;
-    if (order.airlight.size() == 3)
-      task.airlight = {order.airlight[0], order.airlight[1], order.airlight[2]};
-    else if (const auto measured = measured_airlight(task.camera, *photograph, order.picture))
+    if (options.airlight.size() == 3)
+      task.airlight = {options.airlight[0], options.airlight[1], options.airlight[2]};
+    else if (const auto measured = measured_airlight(task.camera, *photograph, options.picture))
       task.airlight = *measured;
     else
       problems.add("{}", measured.error().message);

@@ -1,4 +1,4 @@
-// What `kasumi haze` was asked for, and what of it could be read.
+// The options of `kasumi haze`, and the task they describe once checked.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-struct HazeOrder {
+struct HazeOptions {
   std::string picture, depth, disparity, sensitivity, scattering = "morales2017", scheme = "matched";
   std::optional<double> depth_step_m, disparity_scale;  // the latter: metres times pixels
   double disparity_offset_px = 0.0, altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
@@ -45,7 +45,7 @@ struct HazeTask {
   HazeOptics optics_of(const HazeValues& haze) const;
 };
 
-// Errors: bad_input, with all that is wrong at once.
-Result<HazeTask> haze_task(const HazeOrder& order);
+// Errors: bad_input, listing every problem.
+Result<HazeTask> haze_task(const HazeOptions& options);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// What `kasumi sky` is asked for, as it was typed.
+// The options of `kasumi sky`, as typed.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-struct SkyOrder {
+struct SkyOptions {
   std::string projection = "perspective", size, utc, model = "dome", out, sheet, day, compare;
   std::vector<double> turbidities, altitudes_m, site;
   std::optional<double> sun_zenith_deg, sun_azimuth_deg;
@@ -20,7 +20,7 @@ struct SkyOrder {
   bool terrain = false, no_aerial_perspective = false, cpu = false, window = false;
 };
 
-// The order understood: nothing in it can be wrong any more.
+// The same, validated.
 struct SkyTask {
   SkyCamera camera;
   SkyRequest sky;  // of the first turbidity and altitude
@@ -29,9 +29,9 @@ struct SkyTask {
   std::optional<Utc> utc;
   bool mountains = false;
 };
-// Error: bad_input, all that is wrong at once.
-Result<SkyTask> understand(const SkyOrder& order);
+// Errors: bad_input, listing every problem.
+Result<SkyTask> sky_task(const SkyOptions& options);
 
-Result<int> fill_sky_order(const SkyOrder& order);
+Result<int> run_sky(const SkyOptions& options);
 
 }  // namespace kasumi

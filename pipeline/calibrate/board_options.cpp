@@ -1,4 +1,4 @@
-#include "pipeline/calibrate/board_choice.hpp"
+#include "pipeline/calibrate/board_options.hpp"
 
 #include <cstdio>
 
@@ -19,18 +19,18 @@ std::optional<glm::ivec2> counts_of(const std::string& text) {
 
 }  // namespace
 
-void add_board_options(CLI::App& command, BoardArguments& arguments) {
+void add_board_options(CLI::App& command, BoardOptions& arguments) {
   auto& a = arguments;
-  command.add_option("--board", a.board, "A checkerboard, by its inner corners")->type_name("COLUMNSxROWS");
-  command.add_option("--charuco", a.charuco, "Or a ChArUco board, by its squares; it may be seen in part")
+  command.add_option("--board", a.board, "Checkerboard, as its number of inner corners")->type_name("COLUMNSxROWS");
+  command.add_option("--charuco", a.charuco, "ChArUco board, as its number of squares; may be partly visible")
       ->type_name("COLUMNSxROWS");
   command.add_option("--square-mm", a.square_mm, "Side of a square, measured on the print");
-  command.add_option("--marker-mm", a.marker_mm, "Side of a ChArUco board's marker, its black border included");
-  command.add_option("--dictionary", a.dictionary, "Of the ChArUco board's markers, as OpenCV calls it")
+  command.add_option("--marker-mm", a.marker_mm, "Side of a ChArUco marker, including its black border");
+  command.add_option("--dictionary", a.dictionary, "Marker dictionary of the ChArUco board, by OpenCV's name")
       ->capture_default_str();
 }
 
-AnyBoard choose_board(const BoardArguments& arguments, bool with_size, Problems& problems) {
+AnyBoard read_board(const BoardOptions& arguments, bool with_size, Problems& problems) {
   const Board none{3, 3, 0.03};
   if (arguments.board.empty() == arguments.charuco.empty()) {
     problems.add(
@@ -55,7 +55,7 @@ AnyBoard choose_board(const BoardArguments& arguments, bool with_size, Problems&
   const auto size = counts.value_or(glm::ivec2{3, 3});
   CharucoBoard board{size.x, size.y, 1e-3 * arguments.square_mm, 1e-3 * arguments.marker_mm, arguments.dictionary};
   const auto wrong = problems_of(board);
-  for (const auto& words : wrong) problems.add("{}", words);
+  for (const auto& problem : wrong) problems.add("{}", problem);
   if (!counts || !wrong.empty()) return none;
   return board;
 }

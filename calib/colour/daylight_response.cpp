@@ -1,4 +1,4 @@
-#include "calib/colour/daylight_told.hpp"
+#include "calib/colour/daylight_response.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,23 +36,24 @@ std::array<BandCurve, 3> curves_of(const SpectralSensitivity& sensitivity) {
   return {curve_of(sensitivity, 0), curve_of(sensitivity, 1), curve_of(sensitivity, 2)};
 }
 
-DaylightTold told_of(const std::array<BandCurve, 3>& curves) {
-  DaylightTold told;
+DaylightResponse daylight_response_of(const std::array<BandCurve, 3>& curves) {
+  DaylightResponse response;
   for (int c = 0; c < 3; ++c) {
     const Eigen::Vector3d sums = daylight_sums().transpose() * curves[static_cast<std::size_t>(c)];
-    told[2 * c] = sums[1] / sums[0];
-    told[2 * c + 1] = sums[2] / sums[0];
+    response[2 * c] = sums[1] / sums[0];
+    response[2 * c + 1] = sums[2] / sums[0];
   }
-  return told;
+  return response;
 }
 
-double log_seen(const DaylightTold& told, int channel, const DaylightWeights& spectrum) {
-  return std::log(std::max(1e-6, 1.0 + spectrum.m1 * told[2 * channel] + spectrum.m2 * told[2 * channel + 1]));
+double log_response(const DaylightResponse& response, int channel, const DaylightWeights& spectrum) {
+  return std::log(std::max(1e-6, 1.0 + spectrum.m1 * response[2 * channel] + spectrum.m2 * response[2 * channel + 1]));
 }
 
-glm::dvec2 log_ratios(const DaylightTold& told, const DaylightWeights& spectrum) {
-  const double green = log_seen(told, 1, spectrum);
-  return {log_seen(told, kAgainstGreen[0], spectrum) - green, log_seen(told, kAgainstGreen[1], spectrum) - green};
+glm::dvec2 log_ratios(const DaylightResponse& response, const DaylightWeights& spectrum) {
+  const double green = log_response(response, 1, spectrum);
+  return {log_response(response, kAgainstGreen[0], spectrum) - green,
+          log_response(response, kAgainstGreen[1], spectrum) - green};
 }
 
 }  // namespace kasumi

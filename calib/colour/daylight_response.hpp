@@ -1,4 +1,4 @@
-// What daylight tells of a camera: its sensitivity at bands, and the colours that it makes of the sky's spectra.
+// A camera's response to daylight: its sensitivity in bands, and the colours it records of the sky's spectra.
 #pragma once
 
 #include <array>
@@ -23,14 +23,14 @@ std::array<BandCurve, 3> curves_of(const SpectralSensitivity& sensitivity);
 // Sums over 1 nm of what a curve sees of S0, S1, S2: one column each.
 const Eigen::Matrix<double, kBands, 3>& daylight_sums();
 
-// All that daylight tells of a camera: for each channel the integrals of q S1 and q S2 over that of q S0.
-using DaylightTold = Eigen::Matrix<double, 6, 1>;
-DaylightTold told_of(const std::array<BandCurve, 3>& curves);
+// All that daylight can reveal about a camera: per channel the integrals of q S1 and q S2 over that of q S0.
+using DaylightResponse = Eigen::Matrix<double, 6, 1>;
+DaylightResponse daylight_response_of(const std::array<BandCurve, 3>& curves);
 
 // ln of a channel's light of a spectrum over that of S0.
-double log_seen(const DaylightTold& told, int channel, const DaylightWeights& spectrum);
+double log_response(const DaylightResponse& response, int channel, const DaylightWeights& spectrum);
 // ln(red / green), ln(blue / green); gains are not in them.
 constexpr std::array kAgainstGreen{0, 2};  // channels of the two log ratios
-glm::dvec2 log_ratios(const DaylightTold& told, const DaylightWeights& spectrum);
+glm::dvec2 log_ratios(const DaylightResponse& response, const DaylightWeights& spectrum);
 
 }  // namespace kasumi

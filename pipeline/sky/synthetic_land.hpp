@@ -1,5 +1,5 @@
-// An invented country to look at through the air: a plain, foothills from 8 km, snowy ranges from 20 km on. The same
-// for everybody and always.
+// A synthetic landscape to be seen through the air: a plain, foothills from 8 km, snowy ranges from 20 km. It is the
+// same on every machine and in every run.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -11,9 +11,9 @@
 namespace kasumi {
 
 // point: metres east and north of the observer. Metres above the sea.
-double made_land_height_m(const glm::dvec2& point, bool mountains = true);
+double synthetic_height_m(const glm::dvec2& point, bool mountains = true);
 // Linear sRGB reflectance: fields, woods, rock, snow. steepness: 0 level .. 1 upright.
-glm::dvec3 made_land_albedo(const glm::dvec2& point, double height_m, double steepness);
+glm::dvec3 synthetic_albedo(const glm::dvec2& point, double height_m, double steepness);
 
 // The land between two azimuths as rings around the observer, finer where it is near.
 struct LandView {
@@ -24,6 +24,6 @@ struct LandView {
   double farthest_m = 160e3;
   bool mountains = true;  // else the bare plain
 };
-DomeLand make_land(const LandView& view);
+DomeLand make_synthetic_land(const LandView& view);
 
 }  // namespace kasumi

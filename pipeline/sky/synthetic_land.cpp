@@ -1,4 +1,4 @@
-#include "pipeline/sky/made_land.hpp"
+#include "pipeline/sky/synthetic_land.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +34,7 @@ double fractal(std::uint64_t seed, glm::dvec2 p, int octaves) {
   double sum = 0.0, part = 0.5;
   for (int i = 0; i < octaves; ++i, part *= 0.5) {
     sum += part * noise(seed + static_cast<std::uint64_t>(i), p);
-    p = 2.0 * glm::dvec2(0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y);  // turned, so that no grid shows
+    p = 2.0 * glm::dvec2(0.8 * p.x - 0.6 * p.y, 0.6 * p.x + 0.8 * p.y);  // rotated, to hide the grid
   }
   return sum;
 }
@@ -65,7 +65,7 @@ double distance_of(const LandView& view, double part) {
 
 }  // namespace
 
-double made_land_height_m(const glm::dvec2& p, bool mountains) {
+double synthetic_height_m(const glm::dvec2& p, bool mountains) {
   const double distance = glm::length(p);
   const double plain = 12.0 + 8.0 * fractal(kSeed + 50, p / 1500.0, 4);
   if (!mountains) return plain;
@@ -76,7 +76,7 @@ double made_land_height_m(const glm::dvec2& p, bool mountains) {
   return plain + foothills + peaks;
 }
 
-glm::dvec3 made_land_albedo(const glm::dvec2& p, double height_m, double steepness) {
+glm::dvec3 synthetic_albedo(const glm::dvec2& p, double height_m, double steepness) {
   const double patches = fractal(kSeed + 70, p / 1400.0, 6), rough = fractal(kSeed + 80, p / 220.0, 5);
   const glm::dvec3 field = glm::mix(glm::dvec3(0.10, 0.14, 0.05), glm::dvec3(0.24, 0.20, 0.10),
                                     glm::smoothstep(-0.15, 0.25, patches + 0.3 * rough));
@@ -91,7 +91,7 @@ glm::dvec3 made_land_albedo(const glm::dvec2& p, double height_m, double steepne
   return glm::mix(albedo, snow, lies * glm::smoothstep(1900.0, 2350.0, height_m + ragged));
 }
 
-DomeLand make_land(const LandView& view) {
+DomeLand make_synthetic_land(const LandView& view) {
   DomeLand land;
   land.columns = view.columns;
   land.rings = view.rings;
@@ -102,13 +102,13 @@ DomeLand make_land(const LandView& view) {
       const double azimuth =
           std::lerp(view.from.value, view.to.value, static_cast<double>(column) / (view.columns - 1));
       const glm::dvec2 p = r * glm::dvec2(std::sin(azimuth), std::cos(azimuth));
-      const double height = made_land_height_m(p, view.mountains), step = std::max(30.0, 0.004 * r);
-      const double east = (made_land_height_m(p + glm::dvec2(step, 0.0), view.mountains) - height) / step;
-      const double north = (made_land_height_m(p + glm::dvec2(0.0, step), view.mountains) - height) / step;
+      const double height = synthetic_height_m(p, view.mountains), step = std::max(30.0, 0.004 * r);
+      const double east = (synthetic_height_m(p + glm::dvec2(step, 0.0), view.mountains) - height) / step;
+      const double north = (synthetic_height_m(p + glm::dvec2(0.0, step), view.mountains) - height) / step;
       const glm::dvec3 normal = glm::normalize(glm::dvec3(-east, -north, 1.0));
-      // In the observer's level frame the sea bends down.
+      // Earth curvature, in the observer's level frame.
       land.vertices.push_back({glm::vec3(p.x, p.y, height - r * r / (2.0 * kEarthRadius_m)), static_cast<float>(height),
-                               glm::vec3(normal), glm::vec3(made_land_albedo(p, height, 1.0 - normal.z))});
+                               glm::vec3(normal), glm::vec3(synthetic_albedo(p, height, 1.0 - normal.z))});
     }
   }
   return land;
