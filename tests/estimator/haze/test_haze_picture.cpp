@@ -35,24 +35,24 @@ TEST(HazePicture, AUniformWallFadesByBeerAndLambertIntoTheAirlight) {
 TEST(HazePicture, ChannelsThatFadeUnequallyShareOneBlurredTransmission) {
   // Two halves of one wall, far and near by range but one surface. Reference: each channel separately, compositing the
   // blurred Gamma E and the blurred Gamma.
-  constexpr int kWidth = 90, kHeight = 40;
+  constexpr int width = 90, height = 40;
   HazeOptics optics;
   optics.extinction = {glm::dvec3(0.4, 0.9, 1.8), glm::dvec3(0.0)};
   optics.scattering = 0.9;
   optics.lambda = 6.0;
   const glm::dvec3 airlight(0.6, 0.7, 0.9);
-  Image<float> ranges(kWidth, kHeight);
-  Image<glm::vec3> light(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      ranges.at(x, y) = 0.5F + 0.5F * static_cast<float>(x) / kWidth;
+  Image<float> ranges(width, height);
+  Image<glm::vec3> light(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      ranges.at(x, y) = 0.5F + 0.5F * static_cast<float>(x) / width;
       light.at(x, y) = (x / 7 + y / 5) % 2 == 0 ? glm::vec3(0.9F, 0.3F, 0.1F) : glm::vec3(0.05F, 0.4F, 0.8F);
     }
   const auto range = range_of(ranges);
   const auto map = blur_map(range, optics);
   const auto hazed = under_haze(light, range, optics, airlight, kMatched).value();
   for (int c = 0; c < 3; ++c) {
-    Image<glm::vec4> alone(kWidth, kHeight);
+    Image<glm::vec4> alone(width, height);
     for (std::size_t i = 0; i < alone.elements().size(); ++i) {
       const auto left = std::exp(-optics.extinction[0][c] * static_cast<double>(ranges.elements()[i]));
       alone.elements()[i] =

@@ -69,12 +69,12 @@ std::filesystem::path write_calibrated_kiosk(const std::filesystem::path& folder
   return config;
 }
 
-struct Outcome {
+struct CheckOutcome {
   int code = -1;
   std::string words;
 };
-Outcome check(const std::filesystem::path& config) {
-  Outcome outcome;
+CheckOutcome check(const std::filesystem::path& config) {
+  CheckOutcome outcome;
   const auto command = fmt::format("{} run --config '{}' --check 2>&1", kasumi_program().string(), config.string());
   FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) return outcome;
