@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Clock, AManualClockWakesASleeperOnlyWhenItIsTurnedFarEnough) {
+TEST(Clock, AManualClockWakesASleeperOnlyWhenAdvancedFarEnough) {
   ManualClock clock(Utc{});
   std::atomic<bool> awake = false;
   std::thread sleeper([&] {
@@ -26,7 +26,7 @@ TEST(Clock, AManualClockWakesASleeperOnlyWhenItIsTurnedFarEnough) {
   EXPECT_EQ(clock.utc(), Utc{10s});
 }
 
-TEST(Clock, InterruptWakesSleepersNowAndFromNowOn) {
+TEST(Clock, InterruptWakesCurrentAndLaterSleepers) {
   SystemClock clock;
   std::thread sleeper([&] { clock.sleep_until(clock.now() + 1h); });
   clock.interrupt();

@@ -34,7 +34,7 @@ TEST(ConfigTable, AMissingTableIsOneProblemNotOnePerKey) {
   EXPECT_EQ(result.error().message, "a.toml: lens is missing: expected a table [lens]");
 }
 
-TEST(ConfigTable, NumbersThatAreNoNumbersAreRefused) {
+TEST(ConfigTable, ValuesThatAreNotFiniteNumbersAreRefused) {
   for (const char* text : {"a = nan", "a = inf", "a = '1'", "a = true", "a = [1]"}) {
     const auto root = ConfigTable::parse(text, "a.toml").value();
     root.number("a");
@@ -42,7 +42,7 @@ TEST(ConfigTable, NumbersThatAreNoNumbersAreRefused) {
   }
 }
 
-TEST(ConfigTable, AWholeNumberIsANumberButNotTheOtherWayRound) {
+TEST(ConfigTable, AnIntegerIsANumberButNotTheOtherWayRound) {
   const auto root = ConfigTable::parse("a = 3\nb = 3.5", "a.toml").value();
   EXPECT_EQ(root.number("a"), 3.0);
   EXPECT_EQ(root.integer("a"), 3);
@@ -57,14 +57,14 @@ TEST(ConfigTable, AValueIsShownAsItWasWritten) {
   EXPECT_THAT(root.finish().error().message, HasSubstr("a = 134.7: expected"));
 }
 
-TEST(ConfigTable, AnIgnoredTableIsSomebodyElsesWithAllBelowIt) {
+TEST(ConfigTable, AnIgnoredTableIsIgnoredWithAllItsSubtables) {
   const auto root = ConfigTable::parse("a = 1\n[scene]\nb = 2\n[scene.lens]\nc = 3", "a.toml").value();
   root.number("a");
   root.ignore("scene");
   EXPECT_TRUE(root.finish());
 }
 
-TEST(ConfigTable, AnIgnoredListOfTablesIsToo) {
+TEST(ConfigTable, AnIgnoredListOfTablesIsIgnoredToo) {
   const auto root = ConfigTable::parse("[[landmarks]]\na = 1\n[[landmarks]]\nb = {c = 2}\n[other]", "a.toml").value();
   root.ignore("landmarks");
   const auto whole = root.finish();
@@ -72,7 +72,7 @@ TEST(ConfigTable, AnIgnoredListOfTablesIsToo) {
   EXPECT_EQ(whole.error().message, "a.toml: other: unknown key");
 }
 
-TEST(ConfigTable, ATableNobodyKnowsCanBeShownAndListsOfTextsAreRead) {
+TEST(ConfigTable, AnUnknownTableCanBePrintedAndListsOfStringsAreRead) {
   const auto root = ConfigTable::parse("b = 2\na = 'x'\nc = ['p', 'q']\nd = ['p', 3]\n", "a.toml").value();
   EXPECT_THAT(root.keys(), testing::ElementsAre("a", "b", "c", "d"));
   EXPECT_EQ(root.if_number("b"), 2.0);
@@ -98,7 +98,7 @@ TEST(ConfigTable, ASyntaxErrorNamesLineAndColumn) {
   EXPECT_THAT(result.error().message, HasSubstr("bad.toml:2:"));
 }
 
-TEST(ConfigTable, ACopyReadsAsTheOriginalButForWhatWasChanged) {
+TEST(ConfigTable, ACopyReadsAsTheOriginalExceptForTheChanges) {
   const auto root = ConfigTable::parse(
                         "top = 1\n[sky]\nwidth = 480\nfocal = 147.64873268436477\nmask = 'a/b.png'\n[sky.camera]\n"
                         "device = '/dev/video0'\n[other]\nkey = 1\n",
@@ -127,7 +127,7 @@ TEST(ConfigTable, CopiesListsOfTables) {
   EXPECT_FALSE(copy.has("other"));
 }
 
-TEST(ConfigTable, ItKnowsWhatItWasAskedForAlsoWhatWasNotThere) {
+TEST(ConfigTable, RemembersEveryRequestedKeyEvenIfAbsent) {
   const auto root = ConfigTable::parse("[lens]\nfocal_px = 1\nmask = 'm.png'\n", "/nowhere/a.toml").value();
   const auto lens = root.table("lens");
   lens.number("focal_px");
@@ -139,7 +139,7 @@ TEST(ConfigTable, ItKnowsWhatItWasAskedForAlsoWhatWasNotThere) {
   EXPECT_EQ(root.files_asked(), (std::map<std::string, std::filesystem::path>{{"lens.mask", "/nowhere/m.png"}}));
 }
 
-TEST(ConfigTable, WhatIsSaidHereWinsOverWhatIsAdoptedKeyByKey) {
+TEST(ConfigTable, ItsOwnKeysOverrideAdoptedOnesKeyByKey) {
   const auto root =
       ConfigTable::parse("[sky]\nwidth = 480\nazimuth_up_deg = 3\n[sky.lens]\nmodel = 'a'\n", "here/a.toml").value();
   const auto other = ConfigTable::parse(
@@ -160,7 +160,7 @@ TEST(ConfigTable, WhatIsSaidHereWinsOverWhatIsAdoptedKeyByKey) {
   EXPECT_FALSE(table.table("lens").has("focal_px")) << "a lens is one thing: it is not mixed";
 }
 
-TEST(ConfigTable, ProblemsNameTheFileTheWrongValueStandsIn) {
+TEST(ConfigTable, ProblemsNameTheFileOfTheWrongValue) {
   const auto root = ConfigTable::parse("[sky]\nwidth = -1\n", "here/a.toml").value();
   const auto other =
       ConfigTable::parse("[sky]\nmask = 'm.png'\ntypo = 1\n[sky.noise]\nread = -1\n", "there/b.toml").value();
@@ -180,7 +180,7 @@ TEST(ConfigTable, ProblemsNameTheFileTheWrongValueStandsIn) {
     EXPECT_THAT(whole.error().message, HasSubstr(part));
 }
 
-TEST(ConfigTable, ACopyOfAdoptedTablesStandsAlone) {
+TEST(ConfigTable, ACopyOfAdoptedTablesIsSelfContained) {
   const auto root = ConfigTable::parse("[sky]\nwidth = 480\n", "here/a.toml").value();
   const auto other = ConfigTable::parse("[sky]\nheight = 360\n[sky.lens]\nmodel = 'b'\n", "there/b.toml").value();
   root.adopt(other, "sky");
@@ -190,7 +190,7 @@ TEST(ConfigTable, ACopyOfAdoptedTablesStandsAlone) {
   EXPECT_EQ(copy.table("sky").table("lens").text("model"), "b");
 }
 
-TEST(ConfigTable, WhatIsMissingIsExcusedAndWhatIsWrongIsNot) {
+TEST(ConfigTable, MissingKeysAreExcusedAndWrongOnesAreNot) {
   const auto root = ConfigTable::parse("calibration = 'gone.toml'\n[sky]\nwidth = -1\n", "a.toml").value();
   root.file("calibration");
   root.excuse_missing();

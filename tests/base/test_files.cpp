@@ -21,7 +21,7 @@ TEST(Files, WhatIsWrittenIsReadBack) {
   EXPECT_EQ(read_text_file(path).value(), "new");
 }
 
-TEST(Files, AFailedWriteLeavesTheOldFileAndNothingBesideIt) {
+TEST(Files, AFailedWriteLeavesTheOldFileAndNothingElse) {
   const auto path = folder() / "kept" / "b.txt";
   std::filesystem::remove_all(path.parent_path());
   std::filesystem::create_directories(path.parent_path());
@@ -42,7 +42,7 @@ TEST(Files, AMissingFileIsNamed) {
   EXPECT_NE(result.error().message.find("/nowhere/at-all"), std::string::npos);
 }
 
-TEST(Files, AFolderIsNoFile) {
+TEST(Files, AFolderIsNotAFile) {
   EXPECT_FALSE(read_file("/tmp"));
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kTiny = 1e-12;
 
-TEST(Geometry, ZenithAndAzimuthComeBack) {
+TEST(Geometry, ZenithAndAzimuthRoundTrip) {
   for (double zenith = 1; zenith < 180; zenith += 13)
     for (double azimuth = 0; azimuth < 360; azimuth += 17) {
       const auto d = direction_from(from_degrees(zenith), from_degrees(azimuth));
@@ -37,7 +37,7 @@ TEST(Geometry, ALevelCameraFacingNorthHasEastOnItsRightAndTheGroundBelow) {
   EXPECT_NEAR(glm::length(r * glm::dvec3(0, 0, 1) - glm::dvec3(0, 1, 0)), 0, kTiny);
 }
 
-TEST(Geometry, ACameraThatLooksUpSeesAzimuthGrowCounterClockwiseFromTheTop) {
+TEST(Geometry, AnUpwardCameraSeesAzimuthGrowCounterClockwiseFromTheTop) {
   // heading 180: the top of the image is azimuth 0; the left is then east (90 deg).
   const auto r = camera_to_world(from_degrees(180), from_degrees(90), from_degrees(0));
   EXPECT_NEAR(to_degrees(azimuth_angle(r * glm::dvec3(0.001, -1, 0))), 360, 0.1);

@@ -7,7 +7,7 @@
 namespace kasumi {
 namespace {
 
-TEST(Picture, AnRgbImageComesBackUnchanged) {
+TEST(Picture, AnRgbImageRoundTripsUnchanged) {
   Image<Rgb8> image(3, 2);
   for (int i = 0; i < 6; ++i) image.at(i % 3, i / 3) = Rgb8(i, 2 * i, 3 * i);
   const auto back = to_rgb(view_of(image));

@@ -19,22 +19,22 @@ std::vector<double> normal_values(std::size_t count, double sigma) {
   return values;
 }
 
-TEST(Median, IsTheMiddleOfAnOddNumber) {
+TEST(Median, IsTheMiddleOfAnOddCount) {
   EXPECT_EQ(median(std::vector{5.0, 1.0, 4.0, 2.0, 3.0}), 3.0);
 }
 
-TEST(Median, IsTheUpperOfTheMiddleTwoOfAnEvenNumber) {
+TEST(Median, IsTheUpperOfTheMiddleTwoOfAnEvenCount) {
   EXPECT_EQ(median(std::vector{4.0, 1.0, 3.0, 2.0}), 3.0);
   EXPECT_EQ(median(std::vector{2, 1}), 2);
 }
 
-TEST(Median, OfOneValueIsThatAndOfNoneIsZero) {
+TEST(Median, OfOneValueIsThatValueAndOfNoneIsZero) {
   EXPECT_EQ(median(std::vector{7.5f}), 7.5f);
   EXPECT_EQ(median(std::vector<double>{}), 0.0);
   EXPECT_EQ(median(std::vector<std::chrono::nanoseconds>{}), std::chrono::nanoseconds{0});
 }
 
-TEST(Median, LeavesTheCallersValuesInTheirOrder) {
+TEST(Median, LeavesTheCallersValuesInOrder) {
   const std::vector<double> values{9.0, 1.0, 5.0};
   EXPECT_EQ(median(values), 5.0);
   EXPECT_EQ(values, (std::vector{9.0, 1.0, 5.0}));
@@ -46,24 +46,24 @@ TEST(Median, InPlaceIsTheSame) {
   EXPECT_EQ(median_in_place(values), expected);
 }
 
-TEST(Median, IsNotMovedByAMinorityOfOutliers) {
+TEST(Median, IsNotAffectedByAMinorityOfOutliers) {
   std::vector<double> values(51, 1.0);
   values.resize(101, 1e12);
   EXPECT_EQ(median(values), 1.0);
 }
 
-TEST(Quantile, IsTheElementAtItsShareOfTheWay) {
+TEST(Quantile, IsTheElementAtThatFractionOfTheOrder) {
   std::vector<int> values(101);
   for (int i = 0; i <= 100; ++i) values[static_cast<std::size_t>(i)] = (37 * i) % 101;
   for (const int percent : {0, 25, 50, 98, 100}) EXPECT_EQ(quantile(values, percent / 100.0), percent);
 }
 
-TEST(Quantile, FallsToTheValueBelowItsPlace) {
+TEST(Quantile, RoundsDownToTheValueBelow) {
   EXPECT_EQ(quantile(std::vector{1.0, 2.0, 3.0, 4.0}, 0.5), 2.0);
   EXPECT_EQ(quantile(std::vector{1.0, 2.0, 3.0, 4.0}, 0.99), 3.0);
 }
 
-TEST(Quantile, OfOneValueIsThatAndOfNoneIsZero) {
+TEST(Quantile, OfOneValueIsThatValueAndOfNoneIsZero) {
   EXPECT_EQ(quantile(std::vector{7.5}, 0.3), 7.5);
   EXPECT_EQ(quantile(std::vector<float>{}, 0.5), 0.0f);
 }
@@ -77,7 +77,7 @@ TEST(Quantile, OrdersByAProjection) {
   EXPECT_EQ(quantile(seen, 0.5, &Seen::luminance).name, 3);
 }
 
-TEST(RobustSigma, IsTheStandardDeviationOfNormalResidualsWhateverTheOutliers) {
+TEST(RobustSigma, IsTheStandardDeviationOfNormalResidualsDespiteOutliers) {
   auto values = normal_values(200'000, 0.7);
   EXPECT_NEAR(robust_sigma(values) / 0.7, 1.0, 0.01);
   for (std::size_t i = 0; i < values.size(); i += 50) values[i] = 1e9;  // 2 %
@@ -95,7 +95,7 @@ TEST(RobustSigma, HasTheNormalDistributionsConstants) {
   EXPECT_NEAR(kMedianErrorOverMeanError, std::sqrt(std::numbers::pi / 2.0), 1e-4);
 }
 
-TEST(TukeyWeight, FallsFromOneToNothingAtItsReachOnBothSides) {
+TEST(TukeyWeight, FallsFromOneToZeroAtItsCutoffOnBothSides) {
   EXPECT_EQ(tukey_weight(0.0), 1.0);
   EXPECT_EQ(tukey_weight(0.5), 0.5625);
   EXPECT_EQ(tukey_weight(-0.5), 0.5625);

@@ -47,7 +47,7 @@ CalibrationStep orientation_step() {
   return step;
 }
 
-TEST(CalibrationFile, EachStepKeepsWhatTheOthersFound) {
+TEST(CalibrationFile, EachStepKeepsTheOthersResults) {
   const auto file = fresh_folder("steps") / "calibration.toml";
   const auto first = write_calibration(file, lens_step());
   ASSERT_TRUE(first) << first.error().message;
@@ -77,7 +77,7 @@ TEST(CalibrationFile, EachStepKeepsWhatTheOthersFound) {
   EXPECT_THAT(read_text_file(file).value(), HasSubstr("rms_px = 0.4"));
 }
 
-TEST(CalibrationFile, AStepDoneAgainReplacesItsOwnValuesAndKeepsEveryOldFile) {
+TEST(CalibrationFile, ARepeatedStepReplacesItsOwnValuesAndKeepsEveryOldFile) {
   const auto file = fresh_folder("again") / "calibration.toml";
   auto step = lens_step();
   ASSERT_TRUE(write_calibration(file, step));
@@ -108,7 +108,7 @@ TEST(CalibrationFile, AFileOfAnotherKindOrSizeIsLeftAlone) {
   EXPECT_THAT(refused.error().message, HasSubstr("1032 x 778"));
 }
 
-TEST(CalibrationFile, AnglesComeBackFromEveryOrientation) {
+TEST(CalibrationFile, AnglesRoundTripForEveryOrientation) {
   for (const double heading : {-170.0, 0.0, 35.0})
     for (const double pitch : {-40.0, 0.0, 60.0, 89.9})
       for (const double roll : {-120.0, 0.0, 7.0}) {
@@ -124,7 +124,7 @@ TEST(CalibrationFile, AnglesComeBackFromEveryOrientation) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_LE(glm::distance(again[axis], up[axis]), 1e-9);
 }
 
-TEST(LensDescription, WhatIsWrittenIsReadBackAndMovingScalesEveryRadius) {
+TEST(LensDescription, IsReadBackAsWrittenAndResizingScalesEveryRadius) {
   for (const auto& description :
        {LensDescription{IdealFisheyeModel{{10.5, 20.0}, 150.0, true}, from_degrees(95.0)},
         LensDescription{OpencvFisheyeModel{{330.0, 331.5}, {540, 370.25}, {0.01, 0, 0, 0}}, from_degrees(90.0)},

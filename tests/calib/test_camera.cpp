@@ -65,7 +65,7 @@ TEST(Camera, ALevelCameraFacingEastSeesSouthToItsRightAndTheSkyAbove) {
   EXPECT_FALSE(camera.pixel_of({-1.0, 0.0, 0.0}));
 }
 
-TEST(Camera, WhereADirectionIsSeenIsThePixelThatSeesIt) {
+TEST(Camera, ProjectingAndUnprojectingAreInverse) {
   for (const char* orientation : {"azimuth_up_deg = 77", "heading_deg = 200\npitch_deg = 80\nroll_deg = -12"}) {
     const auto [camera, problems] = read(sky(std::string(orientation) + "\nresponse = 'srgb'"));
     ASSERT_EQ(problems, "");
@@ -77,7 +77,7 @@ TEST(Camera, WhereADirectionIsSeenIsThePixelThatSeesIt) {
   }
 }
 
-TEST(Camera, LightIsFreeOfResponseVignettingAndWhiteBalance) {
+TEST(Camera, LightIsCorrectedForResponseVignettingAndWhiteBalance) {
   const auto [camera, problems] =
       read(sky(kUp + "colour_space = 'sensor'\nwhite_balance = [2.0, 1.0, 1.6]",
                kLens + "[sky.vignetting]\nradius_px = 78\ncoefficients = [-0.2, -0.1, 0.0]\n"));
@@ -90,7 +90,7 @@ TEST(Camera, LightIsFreeOfResponseVignettingAndWhiteBalance) {
   EXPECT_EQ(camera.light_to_xyz(), camera_to_xyz(camera.sensitivity));
 }
 
-TEST(Camera, AnSrgbCamerasLightGoesToXyzByTheStandard) {
+TEST(Camera, AnSrgbCamerasLightIsConvertedToXyzByTheStandard) {
   EXPECT_EQ(read(sky(kUp)).camera.light_to_xyz(), srgb_to_xyz());
 }
 
@@ -122,13 +122,13 @@ TEST(Camera, EveryKeyIsRead) {
   EXPECT_EQ(camera.vignetting.centre, glm::dvec2(90.0, 80.0));
 }
 
-TEST(Camera, VignettingIsCentredOnTheLensAndAbsentUnlessTold) {
+TEST(Camera, VignettingIsCentredOnTheLensAndAbsentByDefault) {
   const auto camera = read(sky(kUp)).camera;
   EXPECT_EQ(camera.vignetting.at({10.0, 10.0}), 1.0);
   EXPECT_EQ(camera.vignetting.centre, glm::dvec2(99.5, 79.5));
 }
 
-TEST(Camera, EveryThingThatIsWrongIsSaidAtOnce) {
+TEST(Camera, ReportsAllProblemsAtOnce) {
   ASSERT_TRUE(cv::imwrite((folder() / "small.png").string(), cv::Mat(16, 20, CV_8UC1, cv::Scalar(255))));
   ASSERT_TRUE(write_text_file(folder() / "negative.csv", "nm,r,g,b\n450,0,0,1\n500,0,-1,0\n600,1,0,0\n"));
   const auto [camera, problems] = read(
@@ -163,7 +163,7 @@ TEST(Camera, AGreySensitivityCannotServeARawCamera) {
               HasSubstr("three channels that differ"));
 }
 
-TEST(Camera, AnOrientationIsNeeded) {
+TEST(Camera, AnOrientationIsRequired) {
   EXPECT_THAT(read(sky("response = 'srgb'")).problems, HasSubstr("sky.azimuth_up_deg is missing: expected either"));
   EXPECT_THAT(read(sky("response = 'srgb'\nheading_deg = 10")).problems, HasSubstr("sky.pitch_deg is missing"));
 }
@@ -175,7 +175,7 @@ TEST(Camera, AMissingTableIsOneProblem) {
   EXPECT_TRUE(camera.lens);
 }
 
-TEST(Camera, FilesThatAreNoPicturesAreRefusedAsMasks) {
+TEST(Camera, FilesThatAreNotPicturesAreRefusedAsMasks) {
   ASSERT_TRUE(write_text_file(folder() / "text.png", "no picture"));
   ASSERT_TRUE(write_text_file(folder() / "empty.png", ""));
   EXPECT_THAT(read(sky(kUp + "mask = 'text.png'")).problems, HasSubstr("sky.mask = 'text.png': expected a PNG"));

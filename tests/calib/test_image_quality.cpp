@@ -19,7 +19,7 @@ ReadQuality read_quality(const std::string& keys) {
   return {quality, finished ? "" : finished.error().message};
 }
 
-TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndWithoutNoise) {
+TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndNoiseless) {
   const auto [quality, problems] = read_quality("");
   EXPECT_EQ(problems, "");
   EXPECT_EQ(quality.point_spread_px, 0.0);
@@ -28,7 +28,7 @@ TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndWithoutNoise) {
   EXPECT_FALSE(quality.shared_chroma);
 }
 
-TEST(ImageQualityKeys, AreTakenAsWritten) {
+TEST(ImageQualityKeys, AreReadAsWritten) {
   const auto [quality, problems] = read_quality(
       "point_spread_px = 0.55\nshared_chroma = true\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = "
       "4\n");
@@ -39,7 +39,7 @@ TEST(ImageQualityKeys, AreTakenAsWritten) {
   EXPECT_EQ(quality.read_electrons, 4.0);
 }
 
-TEST(ImageQualityKeys, EverythingWrongIsNamedAtOnce) {
+TEST(ImageQualityKeys, ReportAllProblemsAtOnce) {
   const auto [quality, problems] =
       read_quality("point_spread_px = 3.1\nshared_chroma = 1\n[scene.noise]\nread_electrons = 4\nelectrons = 3\n");
   for (const char* words : {"scene.point_spread_px = 3.1", "scene.shared_chroma = 1",

@@ -82,7 +82,7 @@ TEST_F(Conditions, AStillSceneUnderNoiseIsNotFrozen) {
   EXPECT_EQ(condition(), PictureCondition::normal);
 }
 
-TEST_F(Conditions, APictureThatRepeatsBitForBitIsFrozenUntilItMoves) {
+TEST_F(Conditions, APictureThatRepeatsBitForBitIsFrozenUntilItChanges) {
   run(5s);
   repeats = true;
   print_row_12("frozen picture noticed", until(PictureCondition::frozen), 28s, 32s);
@@ -111,7 +111,7 @@ TEST_F(Conditions, ACoveredLensIsNoticedThroughItsNoise) {
   print_row_12("cover gone", until(PictureCondition::normal), 0s, 2s);
 }
 
-TEST_F(Conditions, ACoverStaysOneWhenTheCameraIsOpenedAnew) {
+TEST_F(Conditions, ACoveredLensStaysCoveredWhenTheCameraIsReopened) {
   sensor.level = [](int, int) { return 14; };
   run(40s);
   EXPECT_EQ(condition(), PictureCondition::covered);
@@ -121,13 +121,13 @@ TEST_F(Conditions, ACoverStaysOneWhenTheCameraIsOpenedAnew) {
   EXPECT_EQ(condition(), PictureCondition::covered);
 }
 
-TEST_F(Conditions, ANightWithALampIsNoCover) {
+TEST_F(Conditions, ANightWithALampIsNotACoveredLens) {
   sensor.level = [](int x, int y) { return x / 10 == 5 && y / 10 == 5 ? 200 : 14; };
   run(60s);
   EXPECT_EQ(condition(), PictureCondition::normal);
 }
 
-TEST_F(Conditions, FogIsNeitherCoverNorWhiteOut) {
+TEST_F(Conditions, FogIsNeitherACoveredLensNorAWhiteOut) {
   for (const int grey : {60, 130, 210}) {
     sensor.level = [grey](int, int) { return grey; };
     run(60s);

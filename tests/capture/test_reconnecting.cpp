@@ -111,7 +111,7 @@ class Faults : public testing::Test {
   std::vector<Instant> opened_at;
 };
 
-TEST_F(Faults, ACameraThatWorksIsJustPassedOn) {
+TEST_F(Faults, AWorkingCamerasFramesPassUnchanged) {
   run(10s);
   const auto health = source->health();
   EXPECT_TRUE(health.up);
@@ -148,7 +148,7 @@ TEST_F(Faults, Row1AReplugIsNoticedHoweverLongItTook) {
   EXPECT_THAT(source->health().reopened, ElementsAre(Pair("unplugged", 4)));
 }
 
-TEST_F(Faults, Row1WithoutKnowingWhetherItIsThereTheLongestBackoffBoundsIt) {
+TEST_F(Faults, Row1WithoutPresenceDetectionTheLongestBackoffBoundsTheDelay) {
   auto blind = opener(camera);
   blind.present = nullptr;
   watch(blind);
@@ -206,7 +206,7 @@ TEST_F(Faults, Row3TheStablePathIsFollowedWhenNumbersSwap) {
   EXPECT_EQ(held.payload.bytes.front(), 50) << "the scene, not the sky";
 }
 
-TEST_F(Faults, Row4WhatTheDriverRefusesWorksAtTheNextTry) {
+TEST_F(Faults, Row4ARefusedCallWorksAtTheNextAttempt) {
   for (const auto& [call, name] :
        {std::pair{VIDIOC_REQBUFS, "VIDIOC_REQBUFS"}, std::pair{VIDIOC_QBUF, "VIDIOC_QBUF"},
         std::pair{VIDIOC_STREAMON, "VIDIOC_STREAMON"}, std::pair{VIDIOC_S_FMT, "VIDIOC_S_FMT"}}) {
@@ -219,7 +219,7 @@ TEST_F(Faults, Row4WhatTheDriverRefusesWorksAtTheNextTry) {
   }
 }
 
-TEST_F(Faults, Row5AStreamThatNeverDeliversIsOpenedAnew) {
+TEST_F(Faults, Row5AStreamThatNeverDeliversIsReopened) {
   camera.stop_filling(true);
   const auto noticed = until_told();
   print(5, "no first frame noticed", noticed, 4020ms);
@@ -231,7 +231,7 @@ TEST_F(Faults, Row5AStreamThatNeverDeliversIsOpenedAnew) {
   EXPECT_THAT(source->health().reopened, ElementsAre(Pair("first frame", 1)));
 }
 
-TEST_F(Faults, Row6AStallIsNoticedAndEndedByReopening) {
+TEST_F(Faults, Row6AStallIsDetectedAndEndedByReopening) {
   run(10s);
   const auto last = *source->health().last_good;
   camera.stop_filling(true);
@@ -276,7 +276,7 @@ TEST_F(Faults, Row8BadFramesAreCountedByReasonAndTheNextGoodOneIsShown) {
   EXPECT_TRUE(health.up);
 }
 
-TEST_F(Faults, Row8AFrameTheReaderRejectsIsABadOne) {
+TEST_F(Faults, Row8AFrameTheReaderRejectsCountsAsBad) {
   run(2s);
   const auto before = source->health();
   until_good();
@@ -288,7 +288,7 @@ TEST_F(Faults, Row8AFrameTheReaderRejectsIsABadOne) {
   EXPECT_THAT(after.bad_frames, ElementsAre(Pair("damaged JPEG", 1)));
 }
 
-TEST_F(Faults, Row9ACameraThatDeliversOnlyBadFramesIsOpenedAnew) {
+TEST_F(Faults, Row9ACameraThatDeliversOnlyBadFramesIsReopened) {
   run(10s);
   for (const bool rejected : {false, true}) {
     const auto from = clock.now();
@@ -349,14 +349,14 @@ TEST_F(Faults, Row11TimestampsThatRunBackwardsAndGapsAreCountedAndNothingElse) {
   EXPECT_EQ(health.opened, 1u);
 }
 
-TEST_F(Faults, Row11ACounterThatWrapsIsNoGap) {
+TEST_F(Faults, Row11ACounterThatWrapsIsNotAGap) {
   camera.tamper([](FakeAnswer& answer) { answer.buffer.sequence = answer.number + 0xffffffe0u; });
   run(4s);
   EXPECT_EQ(source->health().sequence_gaps, 0u);
   EXPECT_EQ(source->health().good_frames, 100u);
 }
 
-TEST_F(Faults, FramesPassedOverByALateReaderAreNoGaps) {
+TEST_F(Faults, FramesSkippedByALateReaderAreNotGaps) {
   run(1s);
   clock.sleep_until(clock.now() + 170ms);
   run(1s);
@@ -364,7 +364,7 @@ TEST_F(Faults, FramesPassedOverByALateReaderAreNoGaps) {
   EXPECT_EQ(source->health().skipped, 3u);
 }
 
-TEST_F(Faults, AReaderThatPausedIsNoStall) {
+TEST_F(Faults, APausedReaderIsNotAStall) {
   run(1s);
   for (const auto pause : {Duration{3s}, Duration{1min}}) {
     clock.sleep_until(clock.now() + pause);
@@ -396,7 +396,7 @@ TEST_F(Faults, WaitsGrowFromOneSecondToFifteenWithJitter) {
   EXPECT_NE(waits[1], waits[2]) << "two cameras on one bus do not try together";
 }
 
-TEST_F(Faults, ACameraThatDiesAtOnceEachTimeIsWaitedForLongerAndLonger) {
+TEST_F(Faults, ACameraThatFailsAtOnceEachTimeIsRetriedLessAndLessOften) {
   const auto gap = [&] { return to_seconds(opened_at.back() - opened_at[opened_at.size() - 2]); };
   for (const double nominal : {1.0, 2.0, 4.0, 8.0, 15.0, 15.0}) {
     until_good();
@@ -411,7 +411,7 @@ TEST_F(Faults, ACameraThatDiesAtOnceEachTimeIsWaitedForLongerAndLonger) {
   EXPECT_LE(time, 1300ms) << "it had stayed up, so it begins anew";
 }
 
-TEST_F(Faults, ACameraThatIsNotThereToBeginWithIsSaidOnceAndWaitedFor) {
+TEST_F(Faults, ACameraMissingAtTheStartIsReportedOnceAndAwaited) {
   camera.unplug();
   run(1min);
   EXPECT_EQ(disconnects, 1);
@@ -422,7 +422,7 @@ TEST_F(Faults, ACameraThatIsNotThereToBeginWithIsSaidOnceAndWaitedFor) {
   EXPECT_THAT(source->health().reopened, IsEmpty());
 }
 
-TEST_F(Faults, AReaderThatHoldsFramesOfAnOldKernelDelaysReopeningNoLongerThanItHoldsThem) {
+TEST_F(Faults, AReaderHoldingFramesOnAnOldKernelDelaysReopeningOnlyWhileItHoldsThem) {
   camera.keeps_orphans = false;
   run(2s);
   const Frame kept = held;
@@ -434,7 +434,7 @@ TEST_F(Faults, AReaderThatHoldsFramesOfAnOldKernelDelaysReopeningNoLongerThanItH
   EXPECT_LE(until_good(), 18s);
 }
 
-TEST_F(Faults, NothingIsOpenedUntilSomebodyAsks) {
+TEST_F(Faults, NothingIsOpenedBeforeTheFirstRead) {
   clock.sleep_until(clock.now() + 10s);
   EXPECT_THAT(opened_at, IsEmpty());
   step();
@@ -452,7 +452,7 @@ TEST_F(Faults, AnInterruptedClockEndsTheWaitForACamera) {
   other.join();
 }
 
-TEST_F(Faults, HealthIsReadFromAnotherThread) {
+TEST_F(Faults, HealthCanBeReadFromAnotherThread) {
   std::atomic<bool> ended{false};
   std::uint64_t seen = 0;
   std::thread other([&] {
@@ -473,7 +473,7 @@ TEST_F(Faults, HealthIsReadFromAnotherThread) {
 
 // --- recordings
 
-TEST(Reopening, ARecordingPlaysOnWhileItIsGoneAndComesBackAtItsInstant) {
+TEST(Reopening, ARecordingPlaysOnDuringAnOutageAndResumesAtTheRightTime) {
   const auto folder = fresh_folder("reopening");
   {
     auto writer = FixtureWriter::create(folder).value();

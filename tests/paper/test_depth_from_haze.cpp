@@ -27,7 +27,7 @@ double grey_per_m() {
   return rayleigh_per_m(kModel, 550.0) + mie_per_m(kModel, 550.0, kTurbidity);
 }
 
-TEST(DepthFromHaze, IsTheDistanceOfASceneWithBlackInEveryNeighbourhood) {
+TEST(DepthFromHaze, IsTheDistanceInASceneWithBlackInEveryNeighbourhood) {
   const DepthFromHazeOptions all{.kept_haze = 1.0};
   for (const double distance_m : {300.0, 1000.0, 3000.0}) {
     const double left = std::exp(-grey_per_m() * distance_m);
@@ -38,7 +38,7 @@ TEST(DepthFromHaze, IsTheDistanceOfASceneWithBlackInEveryNeighbourhood) {
 }
 
 // Haze of two colours' extinction: the green channel's optical depth is what is told.
-TEST(DepthFromHaze, FollowsTheGreenChannelOfHazeThatHasAColour) {
+TEST(DepthFromHaze, FollowsTheGreenChannelOfColouredHaze) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const auto haze = haze_coefficients(nodes, kModel, kTurbidity);
   const double left = attenuation(haze, {2000.0, 2000.0}).g;
@@ -59,7 +59,7 @@ TEST(DepthFromHaze, ChangesAtTheEdgeOfThePicture) {
   EXPECT_GT(found.at(103, 50), 0.5 * far_m);
 }
 
-TEST(LightOfHaze, IsTheThickestHazesWhereNoSkyIsAndNoHighlights) {
+TEST(LightOfHaze, IsThatOfTheThickestHazeWithoutSkyOrHighlights) {
   const glm::vec3 airlight{0.7F, 0.75F, 0.8F};
   Image<glm::vec3> light = hazy(200, 100, [](int, int y) { return y / 99.0; });
   for (auto& value : light.elements()) value *= airlight;
@@ -70,7 +70,7 @@ TEST(LightOfHaze, IsTheThickestHazesWhereNoSkyIsAndNoHighlights) {
 }
 
 // Brighter to the right: where sky was found it is its own measure, so that it has no haze to be taken out of it.
-TEST(LightOfHaze, FollowsASkyThatIsNotTheSameAllOver) {
+TEST(LightOfHaze, FollowsANonUniformSky) {
   Image<glm::vec3> light(240, 120, glm::vec3(0.1F));
   Image<std::uint8_t> sky(240, 120);
   for (int y = 0; y < 60; ++y)
@@ -82,7 +82,7 @@ TEST(LightOfHaze, FollowsASkyThatIsNotTheSameAllOver) {
   for (int x = 20; x < 220; ++x) ASSERT_NEAR(found.at(x, 20).g / light.at(x, 20).g, 1.0F, 0.02F) << x;
 }
 
-TEST(GreyHaze, TakesOfAllChannelsAlike) {
+TEST(GreyHaze, AttenuatesAllChannelsEqually) {
   const auto left = attenuation(haze_coefficients(grey_attenuation_nodes(), kModel, kTurbidity), {1000.0, 1000.0});
   EXPECT_NEAR(left.g, std::exp(-1000.0 * grey_per_m()), 1e-9);
   EXPECT_NEAR(left.r, left.g, 1e-12);

@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-TEST(LandmarkTable, RanksAsSpearmanDid) {
+TEST(LandmarkTable, MatchesSpearmansRankCorrelation) {
   EXPECT_NEAR(spearman({1, 2, 3, 4, 5}, {10, 20, 30, 40, 50}), 1.0, 1e-12);
   EXPECT_NEAR(spearman({1, 2, 3, 4, 5}, {5, 4, 3, 2, 1}), -1.0, 1e-12);
   // 1 - 6 * (1 + 1) / (4 * 15) without ties; with two alike, Pearson's of the ranks 1, 2.5, 2.5, 4 and 1, 2, 3, 4.

@@ -29,7 +29,7 @@ void compare(const Place& place, const std::vector<double>& hardest, const std::
 
 const std::vector<double> kPapersTurbidities{2.11, 2.54, 2.94, 4.36};
 
-TEST(Methods, NoneOfThePapersBaselinesComesAsNearAsOurs) {
+TEST(Methods, NoneOfThePapersBaselinesIsAsCloseAsOurs) {
   compare({.width = 240, .height = 136}, {2.11}, kPapersTurbidities);
   compare({.terrain = 5, .sun_zenith_deg = 35.0, .sun_azimuth_deg = 300.0, .width = 240, .height = 136}, {2.11},
           kPapersTurbidities);
@@ -37,7 +37,7 @@ TEST(Methods, NoneOfThePapersBaselinesComesAsNearAsOurs) {
 
 // A forest under a sun 25 deg high: half of what is seen stands in shade, which thicker haze lights up while it dims
 // what is in the sun.
-TEST(Methods, NeitherDoTheyUnderALowSunOverAForest) {
+TEST(Methods, NorIsAnyUnderALowSunOverAForest) {
   compare({.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0, .width = 240, .height = 136}, {2.11, 4.36},
           {2.11, 4.36});
 }

@@ -47,7 +47,7 @@ TEST(PictureNoise, IsMeasuredWhateverIsInThePicture) {
   }
 }
 
-TEST(PictureNoise, IsNoneInWhatWasDrawn) {
+TEST(PictureNoise, IsZeroInDrawnPictures) {
   Image<glm::vec3> drawn(64, 64, glm::vec3(0.5F));
   for (int y = 0; y < 64; ++y)
     for (int x = 20; x < 40; ++x) drawn.at(x, y) = {0.1F, 0.9F, 0.3F};
@@ -55,7 +55,7 @@ TEST(PictureNoise, IsNoneInWhatWasDrawn) {
   EXPECT_EQ(without_noise(drawn, glm::dvec3{0.0}).elements(), drawn.elements());
 }
 
-TEST(PictureNoise, IsTakenFromFlatPartsAndEdgesStay) {
+TEST(PictureNoise, IsRemovedFromFlatPartsAndEdgesAreKept) {
   const double sigma = 4.0 / 255.0;
   const auto truth = noisy(sigma, false), taken = noisy(sigma, true);
   const auto clean = without_noise(taken, noise_of(taken));
@@ -141,7 +141,7 @@ struct Stripes {
   }
 };
 
-TEST(Retarget, BringsSunAndShadeNearerToEachOtherByHalfOfWhatTheyTrulyDo) {
+TEST(Retarget, ReducesTheContrastOfSunAndShadeByHalfOfTheTrueChange) {
   const Stripes stripes;
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const auto light = stripes.seen(nodes, false), truth = stripes.seen(nodes, true);
@@ -159,7 +159,7 @@ TEST(Retarget, BringsSunAndShadeNearerToEachOtherByHalfOfWhatTheyTrulyDo) {
     }
 }
 
-TEST(Retarget, TreatsLandWithoutContrastAsOne) {
+TEST(Retarget, TreatsLandWithoutContrastAsOneSurface) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   Stripes stripes;
   const Image<glm::vec3> light(101, 61, glm::vec3{0.3F, 0.32F, 0.35F});
@@ -173,7 +173,7 @@ TEST(Retarget, TreatsLandWithoutContrastAsOne) {
 }
 
 // Whatever the picture, no surface's light may grow more than shade's nor less than the sun's.
-TEST(Retarget, NeverGoesBeyondSunAndShadeThemselves) {
+TEST(Retarget, NeverExceedsSunAndShadeThemselves) {
   const auto nodes = grey_nodes();
   Stripes stripes;
   Normal random;
@@ -205,7 +205,7 @@ TEST(Retarget, KeepsThePictureAndItsNoiseWhenNothingChanges) {
 }
 
 // A white house before far dark hills, both in haze: each has its own surroundings.
-TEST(LandAround, DoesNotMixWhatIsNearWithWhatIsFar) {
+TEST(LandAround, DoesNotMixNearWithFar) {
   const auto nodes = grey_nodes();
   const PictureAir air{Turbidity{2.0}, {1, 1, glm::vec3{0.5F}}};
   PictureDepth depth{Image<float>(120, 80, 6000.0F), {}, 0.0};

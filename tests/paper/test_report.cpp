@@ -42,7 +42,7 @@ Report made_in_a_hurry() {
 
 // One test, for making the report is what takes its time. A hurry's figures are held to what the papers print and to
 // loose limits.
-TEST(Report, HoldsThePapersNumbersBesideOursAndNeedsNothingButItself) {
+TEST(Report, ShowsThePapersNumbersNextToOursAndIsSelfContained) {
   const auto report = made_in_a_hurry();
   const auto& page = report.page;
   EXPECT_THAT(report.ids, testing::ElementsAre("turbidity", "scattering", "scenes", "photographs", "classic",
@@ -83,7 +83,7 @@ TEST(Report, HoldsThePapersNumbersBesideOursAndNeedsNothingButItself) {
   EXPECT_LT(report.figure("classic", "tiananmen.png.top_changed"), 6.0) << "levels of 255: the sky keeps its colour";
 }
 
-TEST(SvgPlot, PutsPointsWhereTheAxesSayAndNamesItsSeries) {
+TEST(SvgPlot, PlacesPointsByItsAxesAndLabelsItsSeries) {
   const auto svg = svg_of({.title = "a < b",
                            .across = "x",
                            .up = "y",
@@ -97,7 +97,7 @@ TEST(SvgPlot, PutsPointsWhereTheAxesSayAndNamesItsSeries) {
   EXPECT_THAT(svg, HasSubstr("one &amp; two"));
 }
 
-TEST(SvgPlot, LeavesOutOfALogarithmWhatHasNone) {
+TEST(SvgPlot, OmitsNonPositiveValuesOnALogarithmicAxis) {
   const auto svg = svg_of({.title = "t",
                            .across = "x",
                            .up = "y",

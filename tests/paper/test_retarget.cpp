@@ -21,7 +21,7 @@ Image<glm::vec3> one_pixel(const glm::dvec3& value) {
 }
 
 // One pixel per distance; what a spectrum of 1 nm steps says of it is the truth.
-TEST(Retarget, BringsASurfaceUnderOtherAirAsTheSpectrumDoes) {
+TEST(Retarget, RetargetsASurfaceAsTheSpectralReferenceDoes) {
   const auto measure = spectral_measure(generic_sensitivity());
   const auto nodes = attenuation_nodes(measure);
   const glm::dvec3 surface{0.08, 0.15, 0.05}, horizon_s{0.5, 0.55, 0.6}, horizon_t{0.62, 0.63, 0.64};
@@ -53,7 +53,7 @@ TEST(Retarget, BringsASurfaceUnderOtherAirAsTheSpectrumDoes) {
 }
 
 // Grey haze, so that gains are known: one at T 8 takes e^-depth of every wavelength.
-TEST(Retarget, MasksWhatIsTooFaintAndLeavesItMoreHazeTheFainterItIs) {
+TEST(Retarget, MasksFaintPixelsAndLeavesFainterOnesMoreHaze) {
   AttenuationNodes nodes;
   for (std::size_t i = 0; i < nodes.weight.size(); ++i) {
     nodes.weight[i] = glm::dvec3{i == 0 ? 1.0 : 0.0};
@@ -78,7 +78,7 @@ TEST(Retarget, MasksWhatIsTooFaintAndLeavesItMoreHazeTheFainterItIs) {
 }
 
 // What stays of it is haze: channels go the same share of their ways.
-TEST(Retarget, GivesNoColourToWhatIsTooFaint) {
+TEST(Retarget, GivesFaintPixelsNoColour) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const Image<glm::vec3> light(1, 1, glm::vec3(0.49F));
   const PictureDepth depth{Image<float>(1, 1, 3500.0F), {}, 0.0};
@@ -150,7 +150,7 @@ Difference between(const Scene& truth, const Retargeted& made) {
 
 // M Sect 6.2's values, the airlight taken from the target picture's own horizon as M does; then the other way, which
 // M does not show: haze taken out.
-TEST(Retarget, BringsAGeneratedSceneUnderThePapersAirs) {
+TEST(Retarget, RetargetsAGeneratedSceneToThePapersAirs) {
   fmt::print(
       "| T | land, of 255 | whole picture | with M's rho kept | not touched | too faint |\n"
       "|---|---|---|---|---|---|\n");

@@ -109,7 +109,7 @@ TEST_F(RetargetCommand, MakesAFolderASheetAndAFilmOfSeveralAirs) {
   EXPECT_GE(sheet.width() * sheet.height(), 5 * 320 * 180) << "the source and four airs";
 }
 
-TEST_F(RetargetCommand, NamesAllThatIsWrongAtOnceAndWritesNothing) {
+TEST_F(RetargetCommand, ReportsAllProblemsAtOnceAndWritesNothing) {
   const auto out = in_folder("never.png");
   const auto outcome = run_kasumi(fmt::format("retarget {} --depth {} --turbidity 99,2:1:1 --utc yesterday --out {}",
                                               in_folder("source.png"), in_folder("no-depth.pfm"), out));
@@ -123,7 +123,7 @@ TEST_F(RetargetCommand, NamesAllThatIsWrongAtOnceAndWritesNothing) {
 }
 
 // A still camera's film: as many frames, at its rate, each as the picture would have become.
-TEST_F(RetargetCommand, TakesAFilmAndMakesOneForEachAir) {
+TEST_F(RetargetCommand, TakesAFilmAndWritesOneForEachAir) {
   {
     auto film = open_film(folder / "day.mp4", 5.0);
     ASSERT_TRUE(film);
@@ -163,7 +163,7 @@ TEST_F(RetargetCommand, TakesAFolderOfFramesByName) {
 }
 
 // One wall without a top, seen through a narrow lens, is as good as one distance for all.
-TEST_F(RetargetCommand, TakesGroundAndWallsForDistances) {
+TEST_F(RetargetCommand, TakesDistancesFromGroundAndWalls) {
   ASSERT_TRUE(write_text_file(folder / "planes.toml", "[[walls]]\ndistance_m = 6000\nazimuth_deg = 4\n"));
   const auto asked =
       fmt::format("retarget {} --fov-deg 20 --source-turbidity 1.9 --turbidity 4 ", in_folder("source.png"));
@@ -209,7 +209,7 @@ TEST_F(RetargetCommand, RefusesADepthOfAnotherSize) {
 
 // Grey haze that leaves half of each surface, every neighbourhood with something black in it: .9 of the haze is taken
 // out, so that black is left 1 - .5 / .55 of the light from infinity.
-TEST_F(RetargetCommand, TakesHazeOutWhereNothingButThePictureIsKnown) {
+TEST_F(RetargetCommand, RemovesHazeWhenOnlyThePictureIsKnown) {
   const auto srgb = Response::srgb();
   const auto pixel = [&](double light) {
     return Rgb8(static_cast<std::uint8_t>(std::lround(255.0 * srgb.to_encoded(glm::dvec3{light}).g)));

@@ -22,7 +22,7 @@ const Camera& camera() {
 }
 const double kFocal_px = 0.5 * kWidth / std::tan(from_degrees(20.0).value);
 
-TEST(ScenePlanes, GroundIsAsFarAsTheCameraIsHigh) {
+TEST(ScenePlanes, GroundDistanceFollowsFromTheCamerasHeight) {
   const auto distances = distances_to({12.0, {}}, camera());
   for (const int y : {51, 60, 75, 100})
     for (const int x : {0, 100, 180}) {
@@ -35,7 +35,7 @@ TEST(ScenePlanes, GroundIsAsFarAsTheCameraIsHigh) {
   EXPECT_EQ(distances.at(100, 10), 0.0F);
 }
 
-TEST(ScenePlanes, TheNearestOfGroundAndWallsCounts) {
+TEST(ScenePlanes, TheNearestOfGroundAndWallsIsTaken) {
   SceneWall ridge, house;
   ridge.distance_m = 3500.0;
   ridge.top_m = 300.0;
@@ -58,7 +58,7 @@ TEST(ScenePlanes, TheNearestOfGroundAndWallsCounts) {
   EXPECT_LT(distances.at(20, 90), 200.0F) << "the ground before the house";
 }
 
-TEST(ScenePlanes, AreReadWithAllThatIsWrong) {
+TEST(ScenePlanes, AreReadAndAllProblemsAreReported) {
   const auto file = test_output_folder() / "planes.toml";
   ASSERT_TRUE(write_text_file(file, "camera_height_m = 3\n[[walls]]\ndistance_m = 900\nazimuth_deg = 90\n"));
   const auto planes = read_scene_planes(file);

@@ -15,7 +15,7 @@ Image<Rgb8> grey(int width, int height, auto value) {
   return picture;
 }
 
-TEST(Ssim, IsOneForTheSamePicture) {
+TEST(Ssim, IsOneForIdenticalPictures) {
   const auto picture = grey(40, 30, [](int x, int y) { return (7 * x + 13 * y * y) % 256; });
   EXPECT_NEAR(ssim(picture, picture), 1.0, 1e-9);
 }
@@ -37,7 +37,7 @@ TEST(Ssim, OfStripesOfHalfTheContrastIsItsContrastTerm) {
   EXPECT_NEAR(ssim(strong, opposite), (-2.0 * 1600 + kC2) / (2.0 * 1600 + kC2), 2e-3);
 }
 
-TEST(HsvCorrelation, IsOneWhereTheColoursAreTheSameInOtherPlaces) {
+TEST(HsvCorrelation, IsOneForTheSameColoursInOtherPlaces) {
   Image<Rgb8> one(60, 40), mirrored(60, 40);
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 60; ++x)
@@ -50,7 +50,7 @@ TEST(HsvCorrelation, IsOneWhereTheColoursAreTheSameInOtherPlaces) {
 }
 
 // All pixels in one bin of n, in the other picture all in another: Pearson gives -1 / (n - 1).
-TEST(HsvCorrelation, OfOneColourAgainstAnotherIsThatOfTwoLonelyBins) {
+TEST(HsvCorrelation, OfTwoSingleColoursIsThatOfTwoOccupiedBins) {
   const Image<Rgb8> red(16, 16, Rgb8(200, 0, 0)), green(16, 16, Rgb8(0, 100, 0));
   const auto found = hsv_correlation(red, green);
   EXPECT_NEAR(found.hue, -1.0 / 29.0, 1e-6);

@@ -20,7 +20,7 @@ Image<glm::vec3> guide_of(int width, int height) {
   return guide;
 }
 
-TEST(GuidedFilter, KeepsWhatIsAnAffineFunctionOfItsGuide) {
+TEST(GuidedFilter, KeepsAffineFunctionsOfItsGuide) {
   const auto guide = guide_of(50, 40);
   Image<float> input(50, 40);
   for (std::size_t i = 0; i < input.elements().size(); ++i) {
@@ -47,7 +47,7 @@ TEST(GuidedFilter, AveragesTwiceWhereTheGuideIsFlat) {
 
 // One pixel in every patch is black in some channel: then the darkest light around is that of the haze, and
 // transmission is told to the share of it that omega keeps.
-TEST(DarkChannel, TellsTheTransmissionOfASceneWithBlackInEveryPatch) {
+TEST(DarkChannel, GivesTheTransmissionOfASceneWithBlackInEveryPatch) {
   const glm::vec3 airlight{0.8F, 0.85F, 0.9F};
   for (const float t : {0.9F, 0.6F, 0.3F}) {
     Image<glm::vec3> hazy(90, 60), relative(90, 60);
@@ -76,7 +76,7 @@ TEST(DarkChannel, FindsTheLightFromInfinityInTheThickestHaze) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], static_cast<double>(airlight[c]), 1e-6);
 }
 
-TEST(ColourAttenuation, IsTheLinearFunctionOfValueAndSaturationThatWasPublished) {
+TEST(ColourAttenuation, IsThePublishedLinearFunctionOfValueAndSaturation) {
   EXPECT_NEAR(depth_by_colour({0.5F, 0.5F, 0.5F}), 0.121779 + 0.5 * 0.959710, 1e-6);
   EXPECT_NEAR(depth_by_colour({0.2F, 0.8F, 0.4F}), 0.121779 + 0.8 * 0.959710 - 0.75 * 0.780245, 1e-6);
   EXPECT_NEAR(depth_by_colour({0.0F, 0.0F, 0.0F}), 0.121779, 1e-6);
@@ -89,7 +89,7 @@ TEST(ColourAttenuation, GivesAFlatSceneTheTransmissionOfItsColour) {
   for (const float t : found.elements()) ASSERT_NEAR(t, std::exp(-depth), 1e-5);
 }
 
-TEST(WithHazeOf, TakesTheHazeAwayAndMakesItThickerAsTheModelSays) {
+TEST(WithHazeOf, ThinsAndThickensTheHazeAsTheModelSays) {
   const float t = 0.5F, surface = 0.2F;
   const Image<glm::vec3> hazy(4, 4, glm::vec3(surface * t + 1.0F - t));
   const Image<float> transmission(4, 4, t);

@@ -13,7 +13,7 @@ Direction at_deg(double zenith, double azimuth) {
   return direction_from(from_degrees(zenith), from_degrees(azimuth));
 }
 
-TEST(LightAroundMap, LeadsThereAndBackForAllDirections) {
+TEST(LightAroundMap, RoundTripsForAllDirections) {
   for (double zenith = 0.0; zenith <= 179.9; zenith += 7.3)
     for (double azimuth = 0.0; azimuth < 360.0; azimuth += 31.0) {
       const Direction direction = at_deg(zenith, azimuth);
@@ -27,7 +27,7 @@ TEST(LightAroundMap, LeadsThereAndBackForAllDirections) {
   }
 }
 
-TEST(LightAroundMap, IsFoldedOntoItselfAtItsEdges) {
+TEST(LightAroundMap, FoldsOntoItselfAtItsEdges) {
   for (const glm::dvec2& place : {glm::dvec2{1.03, 0.4}, {-1.02, 0.0}, {0.7, -1.04}, {1.0, 0.9}}) {
     const bool sideways = std::abs(place.x) >= 1.0;
     const glm::dvec2 same = sideways ? glm::dvec2{std::copysign(2.0, place.x) - place.x, -place.y}
@@ -38,7 +38,7 @@ TEST(LightAroundMap, IsFoldedOntoItselfAtItsEdges) {
   }
 }
 
-TEST(LightAroundMap, AnEvenSkyGivesPiLFromAboveHalfOfItFromTheSideAndNothingFromBelow) {
+TEST(LightAroundMap, AUniformSkyGivesPiLFromAboveHalfFromTheSideAndNothingFromBelow) {
   const auto sky = light_around_of([](const Direction& d) { return d.z > 0.0 ? glm::dvec3{1, 2, 3} : glm::dvec3{0}; });
   EXPECT_NEAR(irradiance(sky, {0, 0, 1}).x, kPi, 2e-3);
   EXPECT_NEAR(irradiance(sky, {0, 0, 1}).z, 3.0 * kPi, 6e-3);
@@ -46,14 +46,14 @@ TEST(LightAroundMap, AnEvenSkyGivesPiLFromAboveHalfOfItFromTheSideAndNothingFrom
   EXPECT_NEAR(irradiance(sky, {0, 0, -1}).x, 0.0, 2e-3);
 }
 
-TEST(LightAroundMap, EvenSurroundingsLightAllSidesAlike) {
+TEST(LightAroundMap, UniformSurroundingsLightAllSidesEqually) {
   const auto even = light_around_of([](const Direction&) { return glm::dvec3{1.0}; });
   for (double zenith = 0.0; zenith <= 180.0; zenith += 11.0)
     for (double azimuth = 0.0; azimuth < 360.0; azimuth += 45.0)
       EXPECT_NEAR(irradiance(even, at_deg(zenith, azimuth)).y, kPi, 1e-6);
 }
 
-TEST(LightAroundMap, APlaneOfLightFollowsItsClosedForm) {
+TEST(LightAroundMap, ALinearGradientOfLightFollowsItsClosedForm) {
   // Radiance 1 + a x, x east: irradiance on a normal n is pi + a 2 pi / 3 n.x.
   const auto sky = light_around_of([](const Direction& d) { return glm::dvec3{1.0 + 0.8 * d.x}; });
   for (double zenith = 0.0; zenith <= 180.0; zenith += 20.0)

@@ -28,12 +28,12 @@ std::vector<glm::dvec3> many_lights() {
   return lights;
 }
 
-TEST(ToneMapping, ShowsOneMinusExpOfTheLuminanceWhateverTheColour) {
+TEST(ToneMapping, ShowsOneMinusExpOfTheLuminanceForEveryColour) {
   for (const auto& light : many_lights())
     EXPECT_NEAR(luminance_of(tone_mapped(light, 1e-4)), 1.0 - std::exp(-1e-4 * luminance_of(light)), 1e-9);
 }
 
-TEST(ToneMapping, LeavesEveryColourInsideTheGamutWithoutAClip) {
+TEST(ToneMapping, MapsEveryColourIntoTheGamutWithoutClipping) {
   for (const auto& light : many_lights()) {
     const glm::dvec3 shown = tone_mapped(light, 1e-4);
     for (int c = 0; c < 3; ++c) {
@@ -43,7 +43,7 @@ TEST(ToneMapping, LeavesEveryColourInsideTheGamutWithoutAClip) {
   }
 }
 
-TEST(ToneMapping, KeepsTheHueAsTheDirectionFromGrey) {
+TEST(ToneMapping, PreservesTheHueAsTheDirectionFromGrey) {
   for (const auto& light : many_lights()) {
     const glm::dvec3 before = light - luminance_of(light), shown = tone_mapped(light, 1e-4);
     const glm::dvec3 after = shown - luminance_of(shown);
@@ -52,12 +52,12 @@ TEST(ToneMapping, KeepsTheHueAsTheDirectionFromGrey) {
   }
 }
 
-TEST(ToneMapping, LeavesTheColourOfWhatIsWellInsideTheGamut) {
+TEST(ToneMapping, LeavesColoursWellInsideTheGamutUnchanged) {
   const glm::dvec3 light(1800.0, 2000.0, 2400.0), shown = tone_mapped(light, 1e-4);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(shown[c] / luminance_of(shown), light[c] / luminance_of(light), 1e-12);
 }
 
-TEST(ToneMapping, MakesNoTwoColoursOne) {
+TEST(ToneMapping, KeepsDistinctColoursDistinct) {
   // Ever farther from grey at one luminance: a clip would show them all alike.
   double before = -1.0;
   for (double reach = 0.0; reach < 40.0; reach += 0.25) {
@@ -69,7 +69,7 @@ TEST(ToneMapping, MakesNoTwoColoursOne) {
   }
 }
 
-TEST(SrgbEncoding, IsTheStandards) {
+TEST(SrgbEncoding, MatchesTheStandard) {
   const glm::dvec3 encoded = sky_text::srgb_encoded({0.001, 0.2140411, 1.0});
   EXPECT_NEAR(encoded.x, 0.01292, 1e-9);
   EXPECT_NEAR(encoded.y, 0.5, 1e-6);
@@ -80,7 +80,7 @@ SkyView view_with(SkyProjection projection, double focal_px) {
   return {projection, 400, 300, focal_px, camera_to_world(from_degrees(30.0), from_degrees(20.0), from_degrees(5.0))};
 }
 
-TEST(SkyProjections, LeadFromPixelToDirectionAndBack) {
+TEST(SkyProjections, RoundTripFromPixelToDirectionAndBack) {
   for (const auto projection : {SkyProjection::perspective, SkyProjection::fisheye, SkyProjection::equirectangular}) {
     const SkyView view = view_with(projection, 150.0);
     for (int y = 0; y < 300; y += 23)
@@ -95,7 +95,7 @@ TEST(SkyProjections, LeadFromPixelToDirectionAndBack) {
   }
 }
 
-TEST(SkyProjections, SpreadAnglesAsTheirNamesSay) {
+TEST(SkyProjections, MapAnglesAsTheirNamesSay) {
   const glm::dvec2 middle(199.5, 149.5);
   const auto turned = [&](SkyProjection projection, glm::dvec2 by) {
     const SkyView view = view_with(projection, 100.0);
@@ -128,7 +128,7 @@ double summed_haze_m(double from_m, double to_m, double length_m) {
   return length_m * sum / kSteps;
 }
 
-TEST(AirPath, IsTheIntegralOfTheHazeBetweenAnyTwoAltitudes) {
+TEST(AirPath, EqualsTheIntegralOfTheHazeBetweenAnyTwoAltitudes) {
   struct Path {
     double from_m, to_m, length_m;
   };
@@ -199,14 +199,14 @@ SkyScene some_scene() {
   return scene;
 }
 
-TEST(AnObjectInTheAir, KeepsItsLightWhereThereIsNoPath) {
+TEST(AnObjectInTheAir, KeepsItsLightAtZeroDistance) {
   const SkyPainter painter(some_scene());
   const glm::dvec3 light(100.0, 200.0, 300.0);
   const glm::dvec3 seen = painter.through_air(light, {0.0, 1.0, 500.0}, 500.0);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], light[c], 2.0);  // cd/m2, of skies of 10,000
 }
 
-TEST(AnObjectInTheAir, VanishesInTheHorizonsLightFarAway) {
+TEST(AnObjectInTheAir, FadesIntoTheHorizonsLightFarAway) {
   SkyScene scene = some_scene();
   scene.higher = scene.lower;  // the sky is known at the path's own altitude
   scene.lower_m = 499.0;
@@ -218,7 +218,7 @@ TEST(AnObjectInTheAir, VanishesInTheHorizonsLightFarAway) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c] / horizon[c], 1.0, 0.03);
 }
 
-TEST(AnObjectInTheAir, LooksTheSameFromBothSidesOfALevelPath) {
+TEST(AnObjectInTheAir, LooksTheSameFromBothEndsOfALevelPath) {
   // Sky behind it or ground behind it: the two cases meet.
   const SkyPainter painter(some_scene());
   const glm::dvec3 light(2000.0, 2000.0, 2000.0);
@@ -227,7 +227,7 @@ TEST(AnObjectInTheAir, LooksTheSameFromBothSidesOfALevelPath) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(above[c] / below[c], 1.0, 2e-3);
 }
 
-TEST(TheSunsDisc, HasTheLuminanceItIsGivenAsItsMean) {
+TEST(TheSunsDisc, HasTheGivenMeanLuminance) {
   const glm::dvec3 mean(1.2e9, 1.1e9, 0.9e9);
   glm::dvec3 sum(0.0);
   constexpr int kRings = 4000;
@@ -252,7 +252,7 @@ TEST(TheSunsDisc, IsAsLargeAsTheSun) {
   EXPECT_FALSE(lit(0.0047));
 }
 
-TEST(HoffmanAndPreetham, FillADeepPathWithTheRatioOfTheirCoefficients) {
+TEST(HoffmanAndPreetham, ConvergeToTheRatioOfTheirCoefficientsOnALongPath) {
   // Eq 2.26 with F = 0, at a right angle to the sun: 3 / (16 pi) E for air without haze.
   sky_text::OlderAir air{};
   air.rayleigh_per_m = glm::dvec3(1e-2);

@@ -85,7 +85,7 @@ double worst_px(const Lens& lens, const BoardPose& pose, const BoardView& view) 
   return worst;
 }
 
-TEST(Charuco, CornersAreFoundAlsoWhenTheBoardIsSeenInPart) {
+TEST(Charuco, CornersAreFoundEvenOnAPartlyVisibleBoard) {
   const auto lens = equidistant_lens({319.5, 239.5}, 200.0, from_degrees(90.0));
   const auto page = printed();
   const auto whole = pose_at({0.05, -0.02, 1.0}, 0.26, 0.2, 0.1);
@@ -107,7 +107,7 @@ TEST(Charuco, CornersAreFoundAlsoWhenTheBoardIsSeenInPart) {
   EXPECT_FALSE(find_charuco(Image<std::uint8_t>(320, 240, 128), kBoard, "blank"));
 }
 
-TEST(Charuco, PartsOfABoardGiveTheLensBack) {
+TEST(Charuco, PartialViewsOfABoardRecoverTheLens) {
   struct Case {
     LensPtr lens;
     LensFamily family;
@@ -149,7 +149,7 @@ TEST(Charuco, PartsOfABoardGiveTheLensBack) {
   }
 }
 
-TEST(Charuco, WhatIsWrongWithABoardIsToldAtOnce) {
+TEST(Charuco, AllProblemsOfABoardAreReportedAtOnce) {
   auto board = kBoard;
   EXPECT_TRUE(problems_of(board).empty());
   board.columns = 40;

@@ -36,7 +36,7 @@ Chromaticity daylight_of_temperature(double kelvin) {
   return {x, -3.0 * x * x + 2.87 * x - 0.275};
 }
 
-TEST(ColourMatching, HasTheObserversPublishedIntegrals) {
+TEST(ColourMatching, HasTheStandardObserversPublishedIntegrals) {
   const auto sum = xyz_of([](double) { return 1.0; });
   EXPECT_NEAR(sum.y, 106.857, 1e-3);
   const auto white = chromaticity_of(sum);
@@ -44,7 +44,7 @@ TEST(ColourMatching, HasTheObserversPublishedIntegrals) {
   EXPECT_NEAR(white.y, 1.0 / 3.0, 5e-6);
 }
 
-TEST(ColourMatching, PeaksWhereTheEyeDoesAndIsZeroOutsideTheVisible) {
+TEST(ColourMatching, PeaksWhereTheEyeDoesAndIsZeroOutsideTheVisibleRange) {
   EXPECT_EQ(colour_matching(555.0).y, 1.0);
   EXPECT_NEAR(colour_matching(557.5).y, 0.5 * (1.0 + 0.995), 1e-12);
   EXPECT_EQ(colour_matching(379.0), glm::dvec3(0.0));
@@ -69,7 +69,7 @@ TEST(Daylight, TheComponentsGiveTheTabulatedD65AndD50) {
   }
 }
 
-TEST(Daylight, TheChromaticityOfItsSpectrumIsTheOneAskedFor) {
+TEST(Daylight, TheChromaticityOfItsSpectrumIsTheRequestedOne) {
   const auto d65 = chromaticity_of(xyz_of([](double nm) { return daylight_spectrum(0.31272, 0.32903, nm); }));
   EXPECT_NEAR(d65.x, 0.31272, 2e-4);
   EXPECT_NEAR(d65.y, 0.32903, 2e-4);
@@ -114,7 +114,7 @@ TEST(CameraToXyz, IsExactForEveryMixtureOfDaylights) {
 
 // A camera whose sensitivities are sums of the observer's (Luther's condition) sees every colour right, daylight or
 // not.
-TEST(CameraToXyz, UndoesTheMixingOfACameraThatMeetsLuthersCondition) {
+TEST(CameraToXyz, InvertsACameraThatMeetsTheLutherCondition) {
   const glm::dmat3 mixing{2.0, 0.3, 0.1, 0.5, 1.5, 0.2, 0.1, 0.4, 1.1};
   SpectralSensitivity camera{"luther", 380.0, 5.0, {}};
   for (double nm = 380.0; nm <= 780.0; nm += 5.0) camera.samples.push_back(mixing * colour_matching(nm));
@@ -123,7 +123,7 @@ TEST(CameraToXyz, UndoesTheMixingOfACameraThatMeetsLuthersCondition) {
     for (int j = 0; j < 3; ++j) EXPECT_NEAR(matrix[i][j], i == j ? 1.0 : 0.0, 1e-9);
 }
 
-TEST(CameraToXyz, AGreyCameraDoesNotTellDaylightsApart) {
+TEST(CameraToXyz, AGreyCameraCannotDistinguishDaylights) {
   SpectralSensitivity grey{"grey", 380.0, 5.0, {}};
   for (double nm = 380.0; nm <= 780.0; nm += 5.0) grey.samples.emplace_back(colour_matching(nm).y);
   EXPECT_FALSE(separates_daylight(grey));

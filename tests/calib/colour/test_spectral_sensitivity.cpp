@@ -33,7 +33,7 @@ std::string refusal(const fs::path& path) {
   return result ? "" : result.error().message;
 }
 
-TEST(SpectralSensitivity, RawtoacesJsonIsSortedByWavelengthAndItsLargestValueBecomesOne) {
+TEST(SpectralSensitivity, RawtoacesJsonIsSortedByWavelengthAndNormalisedToOne) {
   const auto path = written(
       "camera.json", json_of(R"(["B", "R", "G"])", R"({"1000": [0, 0, 0], "400": [4, 1, 2], "700": [0, 8, 0.5]})"));
   const auto read = read_spectral_sensitivity(path);
@@ -46,7 +46,7 @@ TEST(SpectralSensitivity, RawtoacesJsonIsSortedByWavelengthAndItsLargestValueBec
   EXPECT_NEAR(read->at(550.0).r, 0.5625, 1e-12);
 }
 
-TEST(SpectralSensitivity, CsvColumnsAreFoundByNameAndUnevenStepsAreFilledIn) {
+TEST(SpectralSensitivity, CsvColumnsAreFoundByNameAndUnevenStepsAreInterpolated) {
   const auto path = written("camera.csv",
                             "# in percent\nwavelength_nm;Blue;ir;green_qe;R\r\n400;80;1;10;0\r\n405;60;1;20;0\r\n"
                             "425;20;1;40;0\r\n430;0;1;50;100\r\n");
@@ -59,7 +59,7 @@ TEST(SpectralSensitivity, CsvColumnsAreFoundByNameAndUnevenStepsAreFilledIn) {
   EXPECT_NEAR(read->at(430.0).r, 1.0, 1e-12);
 }
 
-TEST(SpectralSensitivity, IsALineBetweenSamplesAndZeroOutside) {
+TEST(SpectralSensitivity, IsLinearBetweenSamplesAndZeroOutside) {
   const SpectralSensitivity two{"two", 500.0, 10.0, {{0.0, 0.2, 1.0}, {1.0, 0.4, 0.0}}};
   EXPECT_NEAR(two.at(502.5).r, 0.25, 1e-15);
   EXPECT_NEAR(two.at(502.5).g, 0.25, 1e-15);
@@ -68,7 +68,7 @@ TEST(SpectralSensitivity, IsALineBetweenSamplesAndZeroOutside) {
   EXPECT_EQ(two.at(510.1), glm::dvec3(0.0));
 }
 
-TEST(SpectralSensitivity, BrokenFilesAreRefusedByFileChannelAndWavelength) {
+TEST(SpectralSensitivity, BrokenFilesAreRefusedNamingFileChannelAndWavelength) {
   const std::string good_index = R"(["R", "G", "B"])";
   EXPECT_THAT(refusal(written("a.json", "{")), HasSubstr("a.json: not valid JSON"));
   EXPECT_THAT(refusal(written("b.json", "{}")), HasSubstr("spectral_data.index.main"));
@@ -94,7 +94,7 @@ TEST(SpectralSensitivity, BrokenFilesAreRefusedByFileChannelAndWavelength) {
   EXPECT_THAT(refusal("/nowhere/x.csv"), HasSubstr("/nowhere/x.csv"));
 }
 
-TEST(SpectralSensitivity, TheGenericCameraHasThreeBellsInTheirPlaces) {
+TEST(SpectralSensitivity, TheGenericCameraHasThreeBellCurvesInTheRightPlaces) {
   const auto generic = generic_sensitivity();
   for (int c = 0; c < 3; ++c) {
     const double peak = std::array{600.0, 540.0, 450.0}[c];

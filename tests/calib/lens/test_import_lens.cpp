@@ -25,7 +25,7 @@ std::string matrix(const std::string& name, int rows, int columns, const std::st
 }
 
 // As the camera_calibration sample of OpenCV writes it.
-TEST(ImportLens, OpencvsYamlIsReadWithItsModel) {
+TEST(ImportLens, OpencvYamlIsReadWithItsModel) {
   const auto head = std::string("%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\n");
   const auto camera = matrix("camera_matrix", 3, 3, "500.5, 0., 319.25, 0., 501.5, 240.75, 0., 0., 1.");
   const auto plain = import_lens(import_file(
@@ -47,7 +47,7 @@ TEST(ImportLens, OpencvsYamlIsReadWithItsModel) {
   EXPECT_EQ(std::get<OpencvFisheyeModel>(fisheye->lens.model).k, (std::array{-0.01, 0.02, -0.007, 0.001}));
 }
 
-TEST(ImportLens, OpencvsXmlIsReadAsWell) {
+TEST(ImportLens, OpencvXmlIsReadAsWell) {
   const auto lens = import_lens(import_file(
       "k.xml",
       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>800</image_width>\n<image_height>600</image_height>\n"
@@ -58,7 +58,7 @@ TEST(ImportLens, OpencvsXmlIsReadAsWell) {
   EXPECT_EQ(std::get<PinholeModel>(lens->lens.model).focal_px, glm::dvec2(400.0, 401.0));
 }
 
-TEST(ImportLens, EverythingThatIsWrongIsSaidAtOnce) {
+TEST(ImportLens, ReportsAllProblemsAtOnce) {
   const auto broken = import_lens(
       import_file("broken.yml", "%YAML:1.0\n---\n" + matrix("camera_matrix", 2, 2, "1., 0., 0., 1.") +
                                     matrix("distortion_coefficients", 8, 1, "1., 2., 3., 4., 5., 6., 7., 8.")));
@@ -71,7 +71,7 @@ TEST(ImportLens, EverythingThatIsWrongIsSaidAtOnce) {
   EXPECT_FALSE(import_lens("/nowhere/at-all.yml"));
 }
 
-TEST(ImportLens, OcamcalibsTextIsRecognised) {
+TEST(ImportLens, OcamcalibTextIsRecognised) {
   const auto path = import_file("ocam.txt", "3 -100.0 0.0 1e-003\n1 5\n 40.5 60.25\n1.01 0.02 0.03\n80 120\n");
   const auto lens = import_lens(path);
   ASSERT_TRUE(lens) << lens.error().message;

@@ -14,7 +14,7 @@ glm::dvec3 ray_at(double off_axis_deg, double turn_deg) {
   return {std::sin(a) * std::cos(t), std::sin(a) * std::sin(t), std::cos(a)};
 }
 
-TEST(Lens, ProjectingWhatAPixelSeesGivesThatPixelOverTheWholeImage) {
+TEST(Lens, ProjectingAPixelsRayGivesThatPixelOverTheWholeImage) {
   for (const auto& [what, lens, width, height] : sample_lenses()) {
     int seen = 0;
     double worst_px = 0.0, worst_length = 0.0;
@@ -34,7 +34,7 @@ TEST(Lens, ProjectingWhatAPixelSeesGivesThatPixelOverTheWholeImage) {
   }
 }
 
-TEST(Lens, UnprojectingWhereARayIsSeenGivesThatRay) {
+TEST(Lens, UnprojectingARaysPixelGivesThatRay) {
   for (const auto& [what, lens, width, height] : sample_lenses()) {
     const double widest_deg = what.starts_with("pinhole") ? 25.0 : 90.0;
     for (double off = 0.0; off <= widest_deg; off += 2.5)
@@ -48,7 +48,7 @@ TEST(Lens, UnprojectingWhereARayIsSeenGivesThatRay) {
   }
 }
 
-TEST(Lens, TheAxisIsSeenAtTheCentreAndXGrowsRightYDown) {
+TEST(Lens, TheAxisIsAtTheCentreAndXGrowsRightYDown) {
   for (const auto& [what, lens, width, height] : sample_lenses()) {
     const auto centre = lens->project({0.0, 0.0, 2.0}).value();
     EXPECT_GT(lens->project({0.1, 0.0, 1.0})->x, centre.x + 5.0) << what;

@@ -100,7 +100,7 @@ const SampleLens kScaramuzza{
     1024, 768};
 const SampleLens kPinhole{"pinhole", pinhole_lens(sample_pinhole()), 1920, 1080};
 
-TEST(BoardPose, RaysAloneTellWhereTheBoardIs) {
+TEST(BoardPose, IsFoundFromRaysAlone) {
   std::mt19937_64 random(5);
   for (int i = 0; i < 20; ++i) {
     const auto pose = some_pose(random, 1.4, 0.4);
@@ -117,14 +117,14 @@ TEST(BoardPose, RaysAloneTellWhereTheBoardIs) {
   }
 }
 
-TEST(BoardPose, CornersOnALineTellNothing) {
+TEST(BoardPose, CollinearCornersAreRefused) {
   const std::vector<glm::dvec2> line{{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}};
   std::vector<glm::dvec3> rays;
   for (const auto& at : line) rays.push_back(glm::normalize(glm::dvec3{at.x - 2.0, 0.3, 5.0}));
   EXPECT_FALSE(board_pose(rays, line));
 }
 
-TEST(LensFit, ExactCornersGiveTheLensBack) {
+TEST(LensFit, ExactCornersRecoverTheLens) {
   for (const auto& [sample, family, away_m] :
        {std::tuple{kFisheye, LensFamily::opencv_fisheye, 0.25}, std::tuple{kScaramuzza, LensFamily::scaramuzza, 0.25},
         std::tuple{kPinhole, LensFamily::pinhole, 0.6}}) {
@@ -136,7 +136,7 @@ TEST(LensFit, ExactCornersGiveTheLensBack) {
   }
 }
 
-TEST(LensCalibration, TheRightModelIsChosenAndItsErrorIsWhatItSays) {
+TEST(LensCalibration, TheRightModelIsChosenAndItsErrorIsAsReported) {
   for (const auto& [sample, away_m] : {std::pair{kFisheye, 0.25}, std::pair{kPinhole, 0.6}}) {
     const auto found = calibrate_lens(views_of(sample, 12, 0.3, away_m), sample.width, sample.height);
     ASSERT_TRUE(found) << found.error().message;
@@ -152,7 +152,7 @@ TEST(LensCalibration, TheRightModelIsChosenAndItsErrorIsWhatItSays) {
   }
 }
 
-TEST(LensCalibration, AViewThatDoesNotBelongIsDroppedByName) {
+TEST(LensCalibration, AnOutlierViewIsDroppedByName) {
   auto views = views_of(kFisheye, 12, 0.2, 0.25);
   std::mt19937_64 random(3);
   for (auto& pixel : views[7].pixels) pixel += 4.0 * glm::dvec2{normal(random), normal(random)};
@@ -165,7 +165,7 @@ TEST(LensCalibration, AViewThatDoesNotBelongIsDroppedByName) {
   EXPECT_NEAR(found->fit.rms_px, 0.2 * std::sqrt(2.0), 0.03);
 }
 
-TEST(LensCalibration, WhatThePicturesLeaveOpenIsTold) {
+TEST(LensCalibration, ParametersThePicturesDoNotFixAreReported) {
   std::vector<BoardView> views;  // straight ahead in the upper left, never tilted
   for (int i = 0; i < 5; ++i) {
     BoardPose pose;
@@ -185,7 +185,7 @@ TEST(LensCalibration, WhatThePicturesLeaveOpenIsTold) {
   EXPECT_FALSE(calibrate_lens({views[0], views[1]}, kFisheye.width, kFisheye.height));
 }
 
-TEST(Board, CornersOfADrawnBoardAreFoundToAFifthOfAPixel) {
+TEST(Board, CornersOfADrawnBoardAreFoundWithinAFifthOfAPixel) {
   const auto lens = equidistant_lens({199.5, 149.5}, 130.0, from_degrees(90.0));
   BoardPose pose;
   pose.rotation = glm::dmat3{{0.96, 0.1, 0.26}, {-0.1, 0.995, 0.0}, {0, 0, 1}};
@@ -207,7 +207,7 @@ TEST(Board, CornersOfADrawnBoardAreFoundToAFifthOfAPixel) {
   EXPECT_FALSE(find_board(Image<std::uint8_t>(400, 300, 90), kBoard, "blank"));
 }
 
-TEST(LensCalibration, AFisheyeThatSomebodyElseCalibratedComesOutAsPublished) {
+TEST(LensCalibration, APublishedFisheyeCalibrationIsReproduced) {
   const auto folder = shared_data_folder() / "fisheye/fish-1";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no sample data at " << folder;
   std::vector<BoardView> views;

@@ -14,7 +14,7 @@ glm::dvec3 ray_off_axis(Radians angle) {
   return {std::sin(angle.value), 0.0, std::cos(angle.value)};
 }
 
-TEST(LensReach, AFisheyeEndsAtItsLargestAngleAndTheRimBelongsToIt) {
+TEST(LensReach, AFisheyeEndsAtItsLargestAngleAndIncludesTheRim) {
   const auto largest = from_degrees(92.0);
   const std::vector<LensPtr> lenses{equidistant_lens({200.0, 200.0}, 100.0, largest),
                                     equisolid_lens({200.0, 200.0}, 100.0, largest),
@@ -40,7 +40,7 @@ TEST(LensReach, WhereTheFisheyePolynomialTurnsBackTheModelEnds) {
     EXPECT_LT(angle_between(lens->unproject({r, 0.0}).value(), {0.0, 0.0, 1.0}).value, 1.0);
 }
 
-TEST(LensReach, AScaramuzzaModelEndsWhereTwoRadiiWouldSeeOneAngle) {
+TEST(LensReach, AScaramuzzaModelEndsWhereTwoRadiiShareOneAngle) {
   // forward = 100 + rho^2 / 400: theta grows until forward = rho forward', at rho = 200, theta = 45 deg.
   const auto lens = scaramuzza_lens({{-100.0, 0.0, -1.0 / 400.0}, {0.0, 0.0}}, from_degrees(90.0));
   for (double r = 1.0; r < 199.9; r += 0.9) {
@@ -68,7 +68,7 @@ TEST(LensReach, APinholeEndsWhereBarrelDistortionFoldsTheImage) {
   EXPECT_FALSE(lens->unproject({5000.0, 0.0}));
 }
 
-TEST(LensReach, StrongTangentialDistortionNeverSendsTwoRaysToOnePixel) {
+TEST(LensReach, StrongTangentialDistortionNeverMapsTwoRaysToOnePixel) {
   const auto lens = pinhole_lens({{300.0, 300.0}, {0.0, 0.0}, {-0.2, 0.03, 0.06, -0.04, 0.0}});
   int seen = 0;
   for (double y = -2.0; y <= 2.0; y += 0.05)
@@ -84,7 +84,7 @@ TEST(LensReach, StrongTangentialDistortionNeverSendsTwoRaysToOnePixel) {
   EXPECT_GT(seen, 500);
 }
 
-TEST(LensReach, NothingIsSeenBehindAPinholeAndStraightBehindAFisheye) {
+TEST(LensReach, NothingIsVisibleBehindAPinholeOrStraightBehindAFisheye) {
   const auto pinhole = pinhole_lens(sample_pinhole());
   EXPECT_FALSE(pinhole->project({0.1, 0.1, -1.0}));
   EXPECT_FALSE(pinhole->project({1.0, 0.0, 0.0}));
@@ -93,7 +93,7 @@ TEST(LensReach, NothingIsSeenBehindAPinholeAndStraightBehindAFisheye) {
   EXPECT_TRUE(fisheye->project({1e-3, 0.0, -1.0}));
 }
 
-TEST(LensReach, NoRayAndNoNumberAreNowhere) {
+TEST(LensReach, ZeroRaysAndNonFiniteNumbersAreNotProjected) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const auto& [what, lens, width, height] : sample_lenses()) {
     EXPECT_FALSE(lens->project({0.0, 0.0, 0.0})) << what;

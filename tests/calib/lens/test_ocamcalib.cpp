@@ -43,7 +43,7 @@ TEST(Ocamcalib, RowAndColumnBecomeYAndX) {
   EXPECT_LE(angle_between(ray, expected).value, 1e-12);
 }
 
-TEST(Ocamcalib, ABrokenFileIsRefusedWithEverythingThatIsWrong) {
+TEST(Ocamcalib, ABrokenFileIsRefusedWithAllItsProblems) {
   const auto model = read_ocamcalib(ocam_file("broken.txt", "3 100.0 0.0 1e-3\n1 5\n 40.5\n0 1 1\n80 banana\n"));
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().kind, FaultKind::bad_input);
@@ -103,7 +103,7 @@ double board_straightness_px(const Lens& lens, const std::vector<cv::Point2f>& c
   return std::sqrt(sum / lines);
 }
 
-TEST(Ocamcalib, ACheckerboardsLinesAreStraightWithThePublishedIntrinsics) {
+TEST(Ocamcalib, CheckerboardLinesAreStraightWithThePublishedIntrinsics) {
   if (!std::filesystem::exists(kSample)) GTEST_SKIP() << "no sample data at " << kSample;
   const auto picture = cv::imread((kSample / "test_fisheye.jpg").string(), cv::IMREAD_GRAYSCALE);
   ASSERT_FALSE(picture.empty());

@@ -27,7 +27,7 @@ TEST(Polynomial, LeadingZerosDoNotHideARoot) {
   EXPECT_NEAR(first_positive_root({-6.0, 2.0, 0.0, 0.0}).value(), 3.0, 1e-12);
 }
 
-TEST(SolveIncreasing, AWildFunctionIsStillInvertedToFullPrecision) {
+TEST(SolveIncreasing, AnIllConditionedFunctionIsStillInvertedToFullPrecision) {
   const auto steep = [](double x) { return std::atan(1e3 * (x - 0.7)) + 1e-3 * x; };
   const auto slope = [](double x) { return 1e3 / (1.0 + 1e6 * (x - 0.7) * (x - 0.7)) + 1e-3; };
   for (const double x : {0.0, 0.1, 0.699, 0.7, 0.7001, 1.0})

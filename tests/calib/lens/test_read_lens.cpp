@@ -34,7 +34,7 @@ TEST(ReadLens, EveryModelIsReadWithItsOwnKeys) {
   }
 }
 
-TEST(ReadLens, AFieldOfViewAndTheCircleItFillsDoAsWell) {
+TEST(ReadLens, AFieldOfViewAndItsImageCircleAreEnough) {
   for (const char* model : {"equidistant", "equisolid"}) {
     const auto [lens, problems] = read(fmt::format("model = '{}'\nfov_deg = 190\ncircle_px = [250, 240, 200]", model));
     EXPECT_EQ(problems, "");
@@ -44,13 +44,13 @@ TEST(ReadLens, AFieldOfViewAndTheCircleItFillsDoAsWell) {
   }
 }
 
-TEST(ReadLens, AFisheyeEndsAtTheHorizonUnlessToldOtherwise) {
+TEST(ReadLens, AFisheyeEndsAtTheHorizonByDefault) {
   const auto lens = read("model = 'equidistant'\nfocal_px = 150\ncentre_px = [250, 240]").lens;
   EXPECT_TRUE(lens->project({1.0, 0.0, 0.0}));
   EXPECT_FALSE(lens->project({1.0, 0.0, -0.001}));
 }
 
-TEST(ReadLens, BrokenKeysAreAllNamedAndALensComesBackAllTheSame) {
+TEST(ReadLens, BrokenKeysAreAllNamedAndALensIsStillReturned) {
   const std::pair<const char*, const char*> cases[] = {
       {"model = 'banana'", "model = 'banana': expected one of \"equidistant\""},
       {"model = 'equidistant'\nfocal_px = 0\ncentre_px = [1, 2]", "focal_px = 0: expected a number from 1"},

@@ -51,7 +51,7 @@ TEST(Response, TheSlopeIsTheDifferenceQuotient) {
     }
 }
 
-TEST(Response, ATableIsALineBetweenItsEvenlySpacedValues) {
+TEST(Response, ATableIsLinearBetweenItsEvenlySpacedValues) {
   const auto table = Response::table({std::vector{0.0, 0.1, 1.0}, {0.0, 0.5, 1.0}, {0.0, 0.9, 1.0}});
   const auto light = table.to_light(glm::dvec3{0.25});
   EXPECT_NEAR(light.r, 0.05, 1e-15);

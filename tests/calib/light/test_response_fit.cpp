@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(Response, KnownCurve,
                          testing::Values(Case{"linear", linear}, Case{"srgb", srgb}, Case{"film", film}),
                          [](const auto& given) { return std::string(given.param.name); });
 
-TEST(ResponseFit, ALinearCamerasUnknownExposuresAndNoiseAreFound) {
+TEST(ResponseFit, TheUnknownExposuresAndNoiseOfALinearCameraAreFound) {
   const std::vector exposures{1.0 / 40.0, 1.0 / 20.0, 1.0 / 8.0, 0.5, 1.0};
   const auto samples = sample_stack(stack(linear, exposures, 2), 1.0 / 255.0, glm::dvec3(0.0), {}, 8000);
   const auto order = by_brightness(samples);
@@ -140,13 +140,13 @@ TEST(ResponseFit, ALinearCamerasUnknownExposuresAndNoiseAreFound) {
   EXPECT_NEAR(noise->full_scale_electrons() / 12000.0, 1.0, 0.15);
 }
 
-TEST(ResponseFit, PicturesThatShowNothingTogetherAreRefused) {
+TEST(ResponseFit, PicturesWithoutCommonPixelsAreRefused) {
   const auto samples = sample_stack(stack(linear, {1e-6, 1e6}, 3), 1.0 / 255.0, glm::dvec3(0.0), {}, 1000);
   EXPECT_FALSE(linear_ratios(samples, by_brightness(samples)).front());
   EXPECT_FALSE(calibrate_response(samples, {{std::log(1e-6), std::log(1e6)}, 0.0, true}));
 }
 
-TEST(VignettingFit, AFlatFieldWithDustGivesTheLensBackWithinOnePercent) {
+TEST(VignettingFit, AFlatFieldWithDustRecoversTheLensWithinOnePercent) {
   const Vignetting truth{{101.0, 97.5}, 130.0, {-0.22, 0.05, -0.08}};
   Random random(4);
   std::vector<Image<float>> flats;

@@ -91,7 +91,7 @@ TEST(DistanceMap, AFloatMapHoldsMetresAndInfinityIsSky) {
   EXPECT_EQ(map.at(4, 1), 0.0f);
 }
 
-TEST(DistanceMap, WhatIsWrongWithTheFileIsSaid) {
+TEST(DistanceMap, ProblemsOfTheFileAreReported) {
   write_png("depth.png", CV_16UC1);
   write_png("eight-bits.png", CV_8UC1);
   ASSERT_TRUE(write_text_file(folder() / "words.png", "not a picture"));
@@ -108,7 +108,7 @@ TEST(DistanceMap, WhatIsWrongWithTheFileIsSaid) {
   EXPECT_THAT(read(step).problems, HasSubstr("scene.depth_step_m = 1"));
 }
 
-TEST(DistanceMap, ValuesThatAreNoDistancesAreNamedWithTheirPlace) {
+TEST(DistanceMap, InvalidDistancesAreReportedWithTheirPosition) {
   write_pfm("negative.pfm", [](int x, int y) { return x == 2 && y == 1 ? -3.5f : 100.0f; });
   write_pfm("nan.pfm", [](int x, int) { return x == 1 ? std::numeric_limits<float>::quiet_NaN() : 100.0f; });
   EXPECT_THAT(read("depth_map = 'negative.pfm'\n").problems, HasSubstr("pixel 2, 1 is -3.5"));

@@ -63,7 +63,7 @@ void expect_found(const Disc& disc, const char* what) {
   EXPECT_LE(glm::distance(circle->centre, disc.centre), 0.01 * disc.radius_px) << what;
 }
 
-TEST(ImageCircle, ADiscOnADarkSurroundIsFoundToAPerCent) {
+TEST(ImageCircle, ADiscOnADarkSurroundIsFoundWithinOnePercent) {
   expect_found({}, "as it is");
   Disc noisy;
   noisy.noise = 6.0;
@@ -90,7 +90,7 @@ TEST(ImageCircle, TreesAndBuildingsOnTheHorizonDoNotShrinkIt) {
   expect_found(disc, "buildings and trees");
 }
 
-TEST(ImageCircle, ARimHalfInTheDarkIsEnough) {
+TEST(ImageCircle, ARimHalfInDarknessIsEnough) {
   Disc disc;
   disc.open = [](double azimuth, double r) { return r > 0.8 && azimuth > -0.9 && azimuth < 2.3 ? 0.0 : 1.0; };
   expect_found(disc, "half dark");
@@ -105,7 +105,7 @@ TEST(ImageCircle, ACircleCutByTheImageBorderIsFound) {
   expect_found(disc, "cut above and below");
 }
 
-TEST(ImageCircle, AFlareOutsideTheCircleIsNotTakenForIt) {
+TEST(ImageCircle, ALensFlareOutsideTheCircleIsNotMistakenForIt) {
   auto picture = drawn({});
   for (int y = 10; y < 30; ++y)
     for (int x = 340; x < 380; ++x) picture.at(x, y) = Rgb8{200, 200, 180};
@@ -114,7 +114,7 @@ TEST(ImageCircle, AFlareOutsideTheCircleIsNotTakenForIt) {
   EXPECT_NEAR(circle->radius_px, 180.0, 1.8);
 }
 
-TEST(ImageCircle, ALargePictureIsFoundToAPerCentToo) {
+TEST(ImageCircle, ALargePicturesCircleIsFoundWithinOnePercent) {
   Disc disc;
   disc.width = 2000;
   disc.height = 1600;

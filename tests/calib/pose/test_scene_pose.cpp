@@ -115,7 +115,7 @@ TEST(ScenePose, SixLandmarksWithOneGrossErrorGiveThePose) {
   EXPECT_LE(too_many, kSeeds * 4 / 100);
 }
 
-TEST(ScenePose, TheSigmaItTellsIsTheErrorItMakes) {
+TEST(ScenePose, TheReportedSigmaIsTheActualError) {
   // Errors over their sigmas are standard normal: mean square 1, here with 1 sqrt(2 / 200) = .1 of sampling error.
   constexpr int kSeeds = 200;
   double heading = 0.0, pitch = 0.0, scale = 0.0;
@@ -141,7 +141,7 @@ TEST(ScenePose, TheSigmaItTellsIsTheErrorItMakes) {
   }
 }
 
-TEST(ScenePose, AFocalLengthThatIsPoorlyKnownIsFoundBesideAWrongLandmark) {
+TEST(ScenePose, APoorlyKnownFocalLengthIsFoundDespiteAWrongLandmark) {
   std::vector<double> focal_percent, axis;
   for (int seed = 1; seed <= 100; ++seed) {
     Random random(3000 + seed);
@@ -161,7 +161,7 @@ TEST(ScenePose, AFocalLengthThatIsPoorlyKnownIsFoundBesideAWrongLandmark) {
   EXPECT_LE(percentile(axis, 0.95), 0.02);
 }
 
-TEST(ScenePose, TheHorizonLevelsACameraWhoseLandmarksStandTooClose) {
+TEST(ScenePose, TheHorizonLevelsACameraWhoseLandmarksAreTooCloseTogether) {
   Random random(7);
   const auto camera = rig(1500.0, random);
   const auto lens = make_lens(camera.lens);
@@ -194,7 +194,7 @@ TEST(ScenePose, TheHorizonLevelsACameraWhoseLandmarksStandTooClose) {
   EXPECT_THAT(with->horizon_used, testing::Each(true));
 }
 
-TEST(ScenePose, TheSunThreeTimesAndTheHorizonGiveThePoseAndOnceWillDo) {
+TEST(ScenePose, ThreeSunSightingsAndTheHorizonGiveThePoseAndOneIsEnough) {
   // 20 deg across, 1 px of noise is .0105 deg. The sun crosses the upper part of the picture; the sea lies below.
   std::vector<double> three, one;
   for (int seed = 1; seed <= 100; ++seed) {
@@ -232,7 +232,7 @@ TEST(ScenePose, TheSunThreeTimesAndTheHorizonGiveThePoseAndOnceWillDo) {
   EXPECT_LE(percentile(one, 0.95), 0.04);
 }
 
-TEST(ScenePose, ACameraThatStandsElsewhereIsNoticedByWhatIsNear) {
+TEST(ScenePose, AWrongCameraPositionIsNoticedByNearLandmarks) {
   Random random(11);
   const auto camera = rig(1500.0, random);
   auto sights = landmarks(camera, 8, random, 0.5);
@@ -252,7 +252,7 @@ TEST(ScenePose, ACameraThatStandsElsewhereIsNoticedByWhatIsNear) {
   EXPECT_LE(worst_direction_deg(camera, *pose), 0.05);
 }
 
-TEST(ScenePose, WhatCannotBeCheckedIsSaidAndNonsenseRefused) {
+TEST(ScenePose, MissingRedundancyIsReportedAndNonsenseIsRefused) {
   Random random(5);
   const auto camera = rig(3000.0, random);
   auto sights = landmarks(camera, 2, random, 1.0);

@@ -94,7 +94,7 @@ struct Hours {
 };
 const std::vector<Hours> kDays{{-1.0, 10.0, 1}, {-4.0, 20.0, 2}, {0.5, 0.0, 3}, {-1.5, -15.0, 4}};
 
-TEST(SkyOrientation, ThreeHoursOfSunThroughCloudsFixItWhenTheLensIsKnown) {
+TEST(SkyOrientation, ThreeHoursOfSunThroughCloudsFixItForAKnownLens) {
   const Roof roof;
   for (const auto& day : kDays) {
     const auto sights = track(roof, day.from_h, day.from_h + 3.0, day.declination_deg, 0.4, 0.5, day.seed);
@@ -130,7 +130,7 @@ TEST(SkyOrientation, ThreeHoursOfSunGiveTheFocalLengthOfALensFromADataSheet) {
   }
 }
 
-TEST(SkyOrientation, ThreePicturesOfADayFixItWhenTheLensIsKnown) {
+TEST(SkyOrientation, ThreePicturesOfADayFixItForAKnownLens) {
   const Roof roof;
   const auto prior = roof.known_lens();
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -145,7 +145,7 @@ TEST(SkyOrientation, ThreePicturesOfADayFixItWhenTheLensIsKnown) {
   }
 }
 
-TEST(SkyOrientation, ItsErrorsAreWhatItSaysTheyAre) {
+TEST(SkyOrientation, ItsErrorsAreAsReported) {
   const Roof roof;
   double azimuth = 0.0, scale = 0.0;
   constexpr int kRepeats = 12;
@@ -180,7 +180,7 @@ TEST(SkyOrientation, OnePictureFixesTheAzimuthOnlyAndSaysSo) {
   EXPECT_GT(found->sigma.azimuth, from_degrees(1.0));  // a tilt across would look the same
 }
 
-TEST(SkyOrientation, AShortTrackSaysWhatItLeavesOpen) {
+TEST(SkyOrientation, AShortTrackReportsWhatItDoesNotFix) {
   const Roof roof;
   const auto found = orient_sky(track(roof, -0.2, 0.4, 10.0, 0.0, 0.5, 5), roof.prior());
   ASSERT_TRUE(found) << found.error().message;
@@ -188,7 +188,7 @@ TEST(SkyOrientation, AShortTrackSaysWhatItLeavesOpen) {
   EXPECT_LE(error_deg(found->to_world, roof.to_world), 4.0);
 }
 
-TEST(SkyOrientation, SightsThatFollowNoSunAreRefused) {
+TEST(SkyOrientation, SightingsThatDoNotFollowTheSunAreRefused) {
   EXPECT_FALSE(orient_sky({}, Roof().prior()));
   std::mt19937_64 random(9);
   std::vector<SunSight> sights;

@@ -22,7 +22,7 @@ Rgb8 pixel_of(const Frame& frame, int x, int y, YuvEncoding encoding = YuvEncodi
   return picture ? rgb_at(picture->view(), x, y) : Rgb8{};
 }
 
-TEST(Decode, EachRgbFormatPutsItsBytesIntoTheirChannels) {
+TEST(Decode, EachRgbFormatPutsItsBytesIntoTheRightChannels) {
   const std::vector<std::pair<const char*, std::vector<std::uint8_t>>> formats{
       {"RGB3", {1, 2, 3, 4, 5, 6}},
       {"BGR3", {3, 2, 1, 6, 5, 4}},
@@ -46,7 +46,7 @@ TEST(Decode, PackedYuvSharesItsChromaBetweenTwoPixels) {
   for (int x = 0; x < 4; ++x) EXPECT_EQ(pixel_of(uyvy, x, 0), pixel_of(yuyv, x, 0));
 }
 
-TEST(Decode, PlanarYuvFindsItsPlanesBehindPaddedRows) {
+TEST(Decode, PlanarYuvFindsItsPlanesAfterPaddedRows) {
   // 4x2 pixels, the left half red, the right half blue; rows are padded to 6 bytes.
   const std::vector<std::uint8_t> luma{kRedY, kRedY, kBlueY, kBlueY, 0, 0, kRedY, kRedY, kBlueY, kBlueY, 0, 0};
   auto nv12 = luma;
@@ -100,7 +100,7 @@ TEST(Decode, APayloadOneByteShortIsRefusedForEveryUncompressedFormat) {
     }
 }
 
-TEST(Decode, FramesThatAreNotGoodAreRefusedByName) {
+TEST(Decode, BadFramesAreRefusedByName) {
   auto frame = frame_with(four_cc("GREY"), 2, 1, 2, {7, 9});
   frame.metadata.status = FrameStatus::flagged;
   EXPECT_THAT(decode(frame, YuvEncoding::bt601_full).error().message, HasSubstr("flagged"));
@@ -117,7 +117,7 @@ TEST(Decode, AnEmptyPayloadIsTruncatedInEveryFormat) {
   }
 }
 
-TEST(Decode, ImpossibleSizesAreNamedAllAtOnce) {
+TEST(Decode, ImpossibleSizesAreAllReportedAtOnce) {
   FrameMetadata metadata;
   metadata.format = four_cc("XXXX");
   metadata.width = 1 << 30;
@@ -163,7 +163,7 @@ TEST(Encode, ChromaIsTheMeanOfThePixelsThatShareIt) {
   EXPECT_NEAR(frame.payload.bytes[4], 128 + 127.5 / 4, 0.51);
 }
 
-TEST(Encode, EveryUncompressedFormatGivesASmoothPictureBack) {
+TEST(Encode, EveryUncompressedFormatRoundTripsASmoothPicture) {
   const auto image = test_picture(37, 23);
   for (const char* code : {"YUYV", "UYVY", "NV12", "YU12", "RGB3", "BGR3", "XR24", "AB24"})
     for (const auto encoding : {YuvEncoding::bt601_full, YuvEncoding::bt709_limited}) {

@@ -35,7 +35,7 @@ Bytes jpeg_of(int width, int height, ChromaSubsampling subsampling = ChromaSubsa
 }
 
 // OpenCV smooths chroma between samples, we take the nearest: on colours that change slowly they agree within 2/255.
-TEST(Jpeg, EverySubsamplingAndOddSizesDecodeAsInOpenCv) {
+TEST(Jpeg, EverySubsamplingAndOddSizeDecodesAsInOpenCv) {
   const std::vector<std::pair<ChromaSubsampling, PixelLayout>> kinds{{ChromaSubsampling::s420, PixelLayout::i420},
                                                                      {ChromaSubsampling::s422, PixelLayout::i422},
                                                                      {ChromaSubsampling::s444, PixelLayout::i444},
@@ -52,7 +52,7 @@ TEST(Jpeg, EverySubsamplingAndOddSizesDecodeAsInOpenCv) {
     }
 }
 
-TEST(Jpeg, HighQualityGivesTheEncodedPictureBack) {
+TEST(Jpeg, HighQualityReproducesTheEncodedPicture) {
   const auto image = test_picture(40, 30);
   const auto picture = decode_jpeg_frame(encode_jpeg(image, 100, ChromaSubsampling::s444).value(), 40, 30);
   ASSERT_TRUE(picture);
@@ -61,7 +61,7 @@ TEST(Jpeg, HighQualityGivesTheEncodedPictureBack) {
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb_at(picture->view(), x, y)[c], image.at(x, y)[c], 3);
 }
 
-TEST(Jpeg, SamplingFactorsWithACommonMultipleAreThePlainOnes) {
+TEST(Jpeg, SamplingFactorsWithACommonMultipleAreReduced) {
   const auto image = test_picture(37, 29);
   const auto odd_422 = exotic_jpeg(image, [](jpeg_compress_struct& info) {  // as ffmpeg writes 4:2:2
     info.comp_info[0].h_samp_factor = info.comp_info[0].v_samp_factor = 2;
@@ -93,7 +93,7 @@ TEST(Jpeg, RestartMarkersAndMissingHuffmanTablesChangeNothing) {
   }
 }
 
-TEST(Jpeg, PaddingAndAForgottenEndMarkerAreForgiven) {
+TEST(Jpeg, PaddingAndAMissingEndMarkerAreTolerated) {
   const auto whole = jpeg_of(64, 48);
   const auto expected = to_rgb(decode_jpeg_frame(whole, 64, 48).value().view()).elements();
   auto padded = whole;
@@ -107,7 +107,7 @@ TEST(Jpeg, PaddingAndAForgottenEndMarkerAreForgiven) {
   }
 }
 
-TEST(Jpeg, ACutJpegIsDamagedWhereverItIsCut) {
+TEST(Jpeg, ATruncatedJpegIsDamagedWhereverItIsCut) {
   const auto whole = jpeg_of(64, 48);
   for (std::size_t length = 1; length + 8 < whole.size(); ++length)
     ASSERT_FALSE(decode_jpeg_frame(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)), 64, 48))
@@ -122,14 +122,14 @@ TEST(Jpeg, AHoleInTheMiddleIsDamaged) {
   EXPECT_FALSE(decode_jpeg_frame(bytes, 64, 48));
 }
 
-TEST(Jpeg, AForeignSizeIsNamed) {
+TEST(Jpeg, AnUnexpectedSizeIsReported) {
   const auto refused = decode_jpeg_frame(jpeg_of(64, 48), 640, 480);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
   EXPECT_EQ(refused.error().message, "JPEG size 64x48: expected 640x480");
 }
 
-TEST(Jpeg, WhatNoCameraSendsIsRefusedByName) {
+TEST(Jpeg, JpegsThatNoCameraSendsAreRefusedByName) {
   const auto image = test_picture(32, 32);
   const auto message = [&](const std::function<void(jpeg_compress_struct&)>& change) {
     const auto refused = decode_jpeg_frame(exotic_jpeg(image, change), 32, 32);
@@ -147,11 +147,11 @@ TEST(Jpeg, WhatNoCameraSendsIsRefusedByName) {
   EXPECT_THAT(message([](auto& info) { info.comp_info[0].h_samp_factor = 4; }), HasSubstr("sampling 4x2,1x1,1x1"));
 }
 
-TEST(Jpeg, BytesThatAreNoJpegAreRefused) {
+TEST(Jpeg, BytesThatAreNotAJpegAreRefused) {
   EXPECT_THAT(decode_jpeg_frame(Bytes(3000, 'a'), 64, 48).error().message, HasSubstr("Not a JPEG"));
 }
 
-TEST(Jpeg, AFewBytesDoNotAskForTheMemoryOfAHugePicture) {
+TEST(Jpeg, AFewBytesCannotClaimTheMemoryOfAHugePicture) {
   auto bytes = jpeg_of(64, 48);
   for (std::size_t at = 0; at + 8 < bytes.size(); ++at)
     if (bytes[at] == 0xFF && bytes[at + 1] == 0xC0) {  // the frame header: height and width follow
@@ -164,7 +164,7 @@ TEST(Jpeg, AFewBytesDoNotAskForTheMemoryOfAHugePicture) {
   EXPECT_THAT(refused.error().message, HasSubstr("bytes: expected at least"));
 }
 
-TEST(Jpeg, WhatCannotBeEncodedIsRefused) {
+TEST(Jpeg, PicturesThatCannotBeEncodedAreRefused) {
   EXPECT_FALSE(encode_jpeg(Image<Rgb8>(), 90, ChromaSubsampling::s420));
   EXPECT_FALSE(encode_jpeg(test_picture(8, 8), 0, ChromaSubsampling::s420));
   EXPECT_FALSE(encode_jpeg(test_picture(8, 8), 101, ChromaSubsampling::s420));

@@ -37,7 +37,7 @@ class LibcameraLive : public testing::Test {
   LibcameraOptions options_;
 };
 
-TEST_F(LibcameraLive, FramesAreWholeNewAndDecodable) {
+TEST_F(LibcameraLive, FramesAreCompleteFreshAndDecodable) {
   const auto source = open();
   ASSERT_TRUE(source);
   EXPECT_EQ(source->mode().width, 480);
@@ -57,7 +57,7 @@ TEST_F(LibcameraLive, FramesAreWholeNewAndDecodable) {
   }
 }
 
-TEST_F(LibcameraLive, ACameraWhoseFramesAreKeptGoesOnWithCopies) {
+TEST_F(LibcameraLive, ACameraWhoseFramesAreKeptContinuesWithCopies) {
   const auto source = open();
   ASSERT_TRUE(source);
   std::vector<Frame> kept;
@@ -72,7 +72,7 @@ TEST_F(LibcameraLive, ACameraWhoseFramesAreKeptGoesOnWithCopies) {
   EXPECT_EQ(places.size(), kept.size()) << "two kept frames share their memory";
 }
 
-TEST_F(LibcameraLive, FramesStayReadableWhenTheSourceIsGoneAndItOpensAgain) {
+TEST_F(LibcameraLive, FramesStayReadableAfterTheSourceIsGoneAndTheCameraReopens) {
   for (int round = 0; round < 3; ++round) {
     std::optional<Frame> kept;
     {
@@ -86,7 +86,7 @@ TEST_F(LibcameraLive, FramesStayReadableWhenTheSourceIsGoneAndItOpensAgain) {
   }
 }
 
-TEST_F(LibcameraLive, ADeadlineIsKept) {
+TEST_F(LibcameraLive, DeadlinesAreMet) {
   const auto source = open();
   ASSERT_TRUE(source);
   const auto before = clock_.now();
@@ -97,7 +97,7 @@ TEST_F(LibcameraLive, ADeadlineIsKept) {
   }
 }
 
-TEST_F(LibcameraLive, AnImpossibleSizeIsRefusedWithWhatTheCameraGives) {
+TEST_F(LibcameraLive, AnImpossibleSizeIsRefusedWithTheSizesTheCameraOffers) {
   options_.request.width = 16001;
   options_.request.height = 3;
   const auto refused = open_libcamera_source(options_, clock_);
@@ -106,7 +106,7 @@ TEST_F(LibcameraLive, AnImpossibleSizeIsRefusedWithWhatTheCameraGives) {
   EXPECT_NE(refused.error().message.find("expected one of"), std::string::npos) << refused.error().message;
 }
 
-TEST(Libcamera, AnUnknownCameraIsDisconnectedAndNamed) {
+TEST(Libcamera, AnUnknownCameraIsReportedAsDisconnected) {
   SystemClock clock;
   const auto refused = open_libcamera_source({.camera = "no-such-camera", .request = {}}, clock);
   ASSERT_FALSE(refused);

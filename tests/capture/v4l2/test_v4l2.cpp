@@ -60,7 +60,7 @@ class V4l2 : public testing::Test {
 
 // --- frames
 
-TEST_F(V4l2, FramesComeAtTheirInstantsWithWhatTheDriverSaysOfThem) {
+TEST_F(V4l2, FramesArriveOnTimeWithTheDriversMetadata) {
   camera({kNv12}).latency = 5ms;
   auto source = open(request());
   const auto start = clock.now();
@@ -81,7 +81,7 @@ TEST_F(V4l2, FramesComeAtTheirInstantsWithWhatTheDriverSaysOfThem) {
   EXPECT_EQ(source->frames_copied(), 0u);
 }
 
-TEST_F(V4l2, EveryFormatDecodesToThePictureThatWasEncoded) {
+TEST_F(V4l2, EveryFormatDecodesToTheEncodedPicture) {
   struct Case {
     std::uint32_t code;
     const char (&format)[5];
@@ -114,7 +114,7 @@ TEST_F(V4l2, EveryFormatDecodesToThePictureThatWasEncoded) {
   }
 }
 
-TEST_F(V4l2, PlanesInMemoriesOfTheirOwnAreGathered) {
+TEST_F(V4l2, PlanesInSeparateMemoriesAreGathered) {
   const auto picture = test_picture(62, 46);
   struct Case {
     std::uint32_t code;
@@ -168,7 +168,7 @@ TEST_F(V4l2, AMultiplanarDriverWithOneMemoryPlaneLendsItFromItsDataOffset) {
   EXPECT_EQ(whole->payload.dma_buf->offset, 0u);
 }
 
-TEST_F(V4l2, TheNewestFrameWinsAndThoseBeforeItGoBack) {
+TEST_F(V4l2, TheNewestFrameWinsAndOlderOnesAreRequeued) {
   camera({kNv12});
   auto source = open(request());
   ASSERT_TRUE(next(*source));
@@ -180,7 +180,7 @@ TEST_F(V4l2, TheNewestFrameWinsAndThoseBeforeItGoBack) {
   EXPECT_EQ(camera_->with_driver(), 5);
 }
 
-TEST_F(V4l2, WithoutAMonotonicTimestampTheArrivalCounts) {
+TEST_F(V4l2, WithoutAMonotonicTimestampTheArrivalTimeIsUsed) {
   camera({kNv12}).latency = 7ms;
   camera_->tamper([](FakeAnswer& answer) { answer.buffer.flags = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN; });
   auto source = open(request());
@@ -190,7 +190,7 @@ TEST_F(V4l2, WithoutAMonotonicTimestampTheArrivalCounts) {
   EXPECT_EQ(frame->metadata.utc, clock.utc());
 }
 
-TEST_F(V4l2, AFrameThatDoesNotComeIsATimeoutAtTheDeadline) {
+TEST_F(V4l2, AMissingFrameIsATimeoutAtTheDeadline) {
   camera({kNv12}).stop_filling(true);
   auto source = open(request());
   const auto deadline = clock.now() + 300ms;
@@ -202,7 +202,7 @@ TEST_F(V4l2, AFrameThatDoesNotComeIsATimeoutAtTheDeadline) {
 
 // --- lending
 
-TEST_F(V4l2, FramesLieInTheDriversBuffersUntilTheyAreLetGo) {
+TEST_F(V4l2, FramesStayInTheDriversBuffersUntilReleased) {
   camera({kNv12});
   auto source = open(request());
   auto frame = next(*source);
@@ -219,7 +219,7 @@ TEST_F(V4l2, FramesLieInTheDriversBuffersUntilTheyAreLetGo) {
   EXPECT_EQ(camera_->with_driver(), 6);
 }
 
-TEST_F(V4l2, TheSameMemoryHasTheSameNumberAndNoOtherHas) {
+TEST_F(V4l2, EachBufferOfAStreamHasItsOwnNumber) {
   camera({kNv12});
   std::map<const std::uint8_t*, std::uint64_t> numbers;
   std::set<std::uint64_t> distinct;
@@ -236,7 +236,7 @@ TEST_F(V4l2, TheSameMemoryHasTheSameNumberAndNoOtherHas) {
   }
 }
 
-TEST_F(V4l2, WhoHoldsFramesDoesNotStarveTheCamera) {
+TEST_F(V4l2, HoldingFramesDoesNotStarveTheCamera) {
   camera({kNv12});
   auto source = open(request());
   std::vector<Frame> held;
@@ -253,7 +253,7 @@ TEST_F(V4l2, WhoHoldsFramesDoesNotStarveTheCamera) {
   EXPECT_EQ(camera_->with_driver(), 6);
 }
 
-TEST_F(V4l2, WhoWantsCopiesHoldsNothingOfTheDriver) {
+TEST_F(V4l2, CopiesHoldNoDriverBuffers) {
   camera({kNv12});
   auto wanted = request();
   wanted.lend_buffers = false;
@@ -267,7 +267,7 @@ TEST_F(V4l2, WhoWantsCopiesHoldsNothingOfTheDriver) {
   EXPECT_THAT(frame->payload.bytes, testing::Each(0));
 }
 
-TEST_F(V4l2, OfALoopbackWhoseWriterRespectsNobodyFramesAreCopied) {
+TEST_F(V4l2, FramesOfALoopbackThatOverwritesBuffersAreCopied) {
   camera({kNv12}).driver = "v4l2 loopback";
   camera_->shared = true;
   camera_->exports = false;
@@ -284,7 +284,7 @@ TEST_F(V4l2, OfALoopbackWhoseWriterRespectsNobodyFramesAreCopied) {
   EXPECT_EQ(source->frames_copied(), 20u);
 }
 
-TEST_F(V4l2, ADriverThatExportsNothingLendsItsMemoryAllTheSame) {
+TEST_F(V4l2, ADriverWithoutDmabufExportStillLendsItsMemory) {
   camera({kNv12}).exports = false;
   auto source = open(request());
   const auto frame = next(*source);
@@ -293,7 +293,7 @@ TEST_F(V4l2, ADriverThatExportsNothingLendsItsMemoryAllTheSame) {
   EXPECT_EQ(camera_->with_driver(), 5);
 }
 
-TEST_F(V4l2, FramesMayBeLetGoInAnotherThread) {
+TEST_F(V4l2, FramesMayBeReleasedInAnotherThread) {
   SystemClock real;
   FakeCamera fast({kNv12}, real);
   fast.interval = 200us;
@@ -322,7 +322,7 @@ TEST_F(V4l2, FramesMayBeLetGoInAnotherThread) {
 
 // --- teardown
 
-TEST_F(V4l2, NothingIsLeftOfASourceThatIsClosed) {
+TEST_F(V4l2, AClosedSourceLeavesNothingBehind) {
   const int before = open_descriptors();
   camera({kNv12});
   for (int i = 0; i < 5; ++i) {
@@ -337,7 +337,7 @@ TEST_F(V4l2, NothingIsLeftOfASourceThatIsClosed) {
   }
 }
 
-TEST_F(V4l2, AHeldFrameOutlivesItsSourceAndTheCameraCanBeOpenedAnewMeanwhile) {
+TEST_F(V4l2, AHeldFrameOutlivesItsSourceAndTheCameraCanBeReopenedMeanwhile) {
   camera({kNv12});
   const int before = open_descriptors();
   auto source = open(request());
@@ -359,7 +359,7 @@ TEST_F(V4l2, AHeldFrameOutlivesItsSourceAndTheCameraCanBeOpenedAnewMeanwhile) {
   EXPECT_EQ(open_descriptors(), before);
 }
 
-TEST_F(V4l2, AnOldKernelsBuffersAreFreedWhenTheLastFrameIsLetGo) {
+TEST_F(V4l2, AnOldKernelsBuffersAreFreedWithTheLastFrame) {
   camera({kNv12}).keeps_orphans = false;
   auto source = open(request());
   auto held = next(*source);
@@ -374,7 +374,7 @@ TEST_F(V4l2, AnOldKernelsBuffersAreFreedWhenTheLastFrameIsLetGo) {
   EXPECT_TRUE(open(request()));
 }
 
-TEST_F(V4l2, EachStepOfOpeningThatFailsLeavesNothingBehind) {
+TEST_F(V4l2, AFailureAtAnyStepOfOpeningLeavesNothingBehind) {
   const int before = open_descriptors();
   for (const auto& [request_code, name] :
        {std::pair{VIDIOC_QUERYCAP, "VIDIOC_QUERYCAP"}, std::pair{VIDIOC_S_FMT, "VIDIOC_S_FMT"},
@@ -394,7 +394,7 @@ TEST_F(V4l2, EachStepOfOpeningThatFailsLeavesNothingBehind) {
   }
 }
 
-TEST_F(V4l2, UnpluggedWhileOpeningIsDisconnectedAtWhateverStep) {
+TEST_F(V4l2, UnpluggingAtAnyStepOfOpeningIsADisconnect) {
   for (const auto step : {VIDIOC_QUERYCAP, VIDIOC_S_FMT, VIDIOC_REQBUFS, VIDIOC_QUERYBUF, VIDIOC_QBUF, VIDIOC_STREAMON,
                           VIDIOC_QUERYCTRL}) {
     camera({kNv12}).refuse(step, ENODEV);
@@ -407,7 +407,7 @@ TEST_F(V4l2, UnpluggedWhileOpeningIsDisconnectedAtWhateverStep) {
 
 // --- what drivers answer
 
-TEST_F(V4l2, FlaggedEmptyAndShortFramesSayTheirStatusAndTheStreamGoesOn) {
+TEST_F(V4l2, FlaggedEmptyAndShortFramesReportTheirStatusAndTheStreamContinues) {
   camera({kNv12}).tamper([](FakeAnswer& answer) {
     if (answer.number % 4 == 1) answer.buffer.flags |= V4L2_BUF_FLAG_ERROR;
     if (answer.number % 4 == 2) answer.planes[0].bytesused = 0;
@@ -423,7 +423,7 @@ TEST_F(V4l2, FlaggedEmptyAndShortFramesSayTheirStatusAndTheStreamGoesOn) {
   }
 }
 
-TEST_F(V4l2, MoreBytesThanThereAreAreNotRead) {
+TEST_F(V4l2, NoMoreBytesAreReadThanTheBufferHolds) {
   camera({kNv12}).tamper([](FakeAnswer& answer) { answer.planes[0].bytesused = 0xffffffff; });
   auto source = open(request());
   const auto frame = next(*source);
@@ -433,7 +433,7 @@ TEST_F(V4l2, MoreBytesThanThereAreAreNotRead) {
   EXPECT_EQ(camera_->with_driver(), 6);
 }
 
-TEST_F(V4l2, ABufferThatIsNotTheDriversIsAFault) {
+TEST_F(V4l2, ABufferThatIsNotQueuedIsAFault) {
   for (const std::uint32_t index : {6u, 31u, 0xffffffffu}) {
     camera({kNv12}).tamper([&](FakeAnswer& answer) { answer.buffer.index = index; });
     auto source = open(request());
@@ -452,7 +452,7 @@ TEST_F(V4l2, ABufferThatIsNotTheDriversIsAFault) {
   EXPECT_EQ(second.error().kind, FaultKind::device);
 }
 
-TEST_F(V4l2, StridesAndSizesThatHoldNoPictureAreRefused) {
+TEST_F(V4l2, StridesAndSizesTooSmallForThePictureAreRefused) {
   const auto refused_with = [&](std::function<void(v4l2_pix_format&)> change) {
     camera({kNv12}).lie([change](unsigned long code, void* argument) {
       if (code == VIDIOC_S_FMT) change(static_cast<v4l2_format*>(argument)->fmt.pix);
@@ -470,7 +470,7 @@ TEST_F(V4l2, StridesAndSizesThatHoldNoPictureAreRefused) {
   EXPECT_EQ(refused_with([](auto& pix) { pix.bytesperline = 0; }), "opened") << "old drivers mean: packed";
 }
 
-TEST_F(V4l2, BuffersSmallerThanAgreedOrTooFewAreRefused) {
+TEST_F(V4l2, BuffersThatAreTooSmallOrTooFewAreRefused) {
   camera({kNv12}).lie([](unsigned long code, void* argument) {
     if (code == VIDIOC_QUERYBUF) static_cast<v4l2_buffer*>(argument)->length = 4095;
   });
@@ -484,7 +484,7 @@ TEST_F(V4l2, BuffersSmallerThanAgreedOrTooFewAreRefused) {
   EXPECT_THAT(try_open(request()).error().message, HasSubstr("1000 buffers"));
 }
 
-TEST_F(V4l2, AnUnpluggedCameraSaysSoAtOnceAndForGood) {
+TEST_F(V4l2, AnUnpluggedCameraIsReportedAtOnceAndPermanently) {
   camera({kNv12});
   auto source = open(request());
   ASSERT_TRUE(next(*source));
@@ -498,7 +498,7 @@ TEST_F(V4l2, AnUnpluggedCameraSaysSoAtOnceAndForGood) {
   EXPECT_EQ(next(*source).error().kind, FaultKind::disconnected) << "another camera may have come";
 }
 
-TEST_F(V4l2, AQueueThatFailsIsAFaultWithTheDriversWord) {
+TEST_F(V4l2, AFailedQueueIsAFaultWithTheDriversError) {
   camera({kNv12});
   auto source = open(request());
   ASSERT_TRUE(next(*source));
@@ -511,7 +511,7 @@ TEST_F(V4l2, AQueueThatFailsIsAFaultWithTheDriversWord) {
   EXPECT_EQ(clock.now(), at);
 }
 
-TEST_F(V4l2, ABufferThatCannotBeGivenBackIsAFault) {
+TEST_F(V4l2, ABufferThatCannotBeRequeuedIsAFault) {
   camera({kNv12});
   auto source = open(request());
   auto frame = next(*source);

@@ -58,7 +58,7 @@ class Liar {
   std::mt19937_64 random_;
 };
 
-TEST(V4l2Lies, NoAnswerLeadsAstray) {
+TEST(V4l2Lies, NoFalseAnswerCausesHarm) {
   int opened = 0, frames = 0, faults = 0;
   for (std::uint64_t seed = 0; seed < 3000; ++seed) {
     FastForwardClock clock{Utc{}};

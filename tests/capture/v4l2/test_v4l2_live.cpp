@@ -73,7 +73,7 @@ class V4l2Live : public testing::Test {
   V4l2Options options_;
 };
 
-TEST_F(V4l2Live, IsListedWithWhatItOffers) {
+TEST_F(V4l2Live, IsListedWithItsFormats) {
   const auto listings = list_v4l2_cameras();
   bool found = false;
   for (const auto& listing : listings) {
@@ -86,7 +86,7 @@ TEST_F(V4l2Live, IsListedWithWhatItOffers) {
   EXPECT_TRUE(found);
 }
 
-TEST_F(V4l2Live, FramesAreWholeNewAndDecodable) {
+TEST_F(V4l2Live, FramesAreCompleteFreshAndDecodable) {
   const auto source = open();
   ASSERT_TRUE(source);
   const auto& mode = source->mode();
@@ -112,7 +112,7 @@ TEST_F(V4l2Live, FramesAreWholeNewAndDecodable) {
   EXPECT_EQ(source->frames_copied(), mode.driver == "v4l2 loopback" ? 30u : 0u);
 }
 
-TEST_F(V4l2Live, EveryFormatItOffersThatWeReadStreams) {
+TEST_F(V4l2Live, EveryOfferedFormatWeReadStreams) {
   for (const char* format : {"YUYV", "UYVY", "NV12", "YU12", "RGB3", "BGR3", "XR24", "AB24", "GREY", "MJPG"}) {
     options_.request.format = parse_four_cc(format).value();
     const auto source = open_v4l2_source(options_, clock_);
@@ -131,7 +131,7 @@ TEST_F(V4l2Live, EveryFormatItOffersThatWeReadStreams) {
   }
 }
 
-TEST_F(V4l2Live, PlanesInMemoriesOfTheirOwnShowThePictureThatIsInOne) {
+TEST_F(V4l2Live, PlanesInSeparateMemoriesGiveTheSamePictureAsInOne) {
   // vivid's picture has a counter in it and else stands still: most of it must be the same either way.
   for (const char* format : {"NV12", "YU12"}) {
     options_.request.format = parse_four_cc(format).value();
@@ -159,7 +159,7 @@ TEST_F(V4l2Live, PlanesInMemoriesOfTheirOwnShowThePictureThatIsInOne) {
   }
 }
 
-TEST_F(V4l2Live, GainIsSetLockedAndReadBackWhereThereIsOne) {
+TEST_F(V4l2Live, GainIsSetLockedAndReadBackWhereAvailable) {
   options_.request.gain = 100.0;
   const auto source = open();
   ASSERT_TRUE(source);
@@ -168,7 +168,7 @@ TEST_F(V4l2Live, GainIsSetLockedAndReadBackWhereThereIsOne) {
   EXPECT_EQ(source->mode().gain, 100.0);
 }
 
-TEST_F(V4l2Live, WhoHoldsFramesDoesNotStarveIt) {
+TEST_F(V4l2Live, HoldingFramesDoesNotStarveIt) {
   const auto source = open();
   ASSERT_TRUE(source);
   std::vector<Frame> held;
@@ -180,7 +180,7 @@ TEST_F(V4l2Live, WhoHoldsFramesDoesNotStarveIt) {
   EXPECT_GE(source->frames_copied(), 4u);
 }
 
-TEST_F(V4l2Live, OpensAnewWhileFramesAreHeldAndLeavesNothing) {
+TEST_F(V4l2Live, ReopensWhileFramesAreHeldAndLeavesNothingBehind) {
   const int before = open_descriptors();
   for (int i = 0; i < 5; ++i) {
     auto source = open();
@@ -259,7 +259,7 @@ class VividLive : public V4l2Live {
   std::unique_ptr<ReconnectingSource> source_;
 };
 
-TEST_F(VividLive, Row4RefusedCallsWorkAtTheNextTry) {
+TEST_F(VividLive, Row4RefusedCallsWorkAtTheNextAttempt) {
   for (const char* name : {"Inject VIDIOC_REQBUFS Error", "Inject VIDIOC_QBUF Error", "Inject VIDIOC_STREAMON Error"}) {
     watch();
     ASSERT_TRUE(inject(name, 1)) << name;
@@ -273,7 +273,7 @@ TEST_F(VividLive, Row4RefusedCallsWorkAtTheNextTry) {
   }
 }
 
-TEST_F(VividLive, Row6AStallEndsWhenItEnds) {
+TEST_F(VividLive, Row6FramesResumeAfterAStall) {
   ASSERT_LT(until_good(), 8s);
   ASSERT_TRUE(inject("Percentage of Dropped Buffers", 100));
   const auto from = clock_.now();
@@ -304,7 +304,7 @@ TEST_F(VividLive, Row8FlaggedFramesAreCountedAndTheNextIsGood) {
   EXPECT_EQ(after.opened, before.opened);
 }
 
-TEST_F(VividLive, Row11WrappingCountersAndTimesAreSurvived) {
+TEST_F(VividLive, Row11WrappingCountersAndTimesAreHandled) {
   ASSERT_TRUE(inject("Wrap Sequence Number", 1));
   ASSERT_TRUE(inject("Wrap Timestamp", 1));
   ASSERT_LT(until_good(), 8s);
@@ -318,7 +318,7 @@ TEST_F(VividLive, Row11WrappingCountersAndTimesAreSurvived) {
 }
 
 // Last: vivid comes back only when every descriptor is closed, the test's own too.
-TEST_F(VividLive, Row1UnpluggedItIsToldAtOnceAndComesBackWhenItIsBack) {
+TEST_F(VividLive, Row1UnpluggingIsReportedAtOnceAndReplugRecovers) {
   ASSERT_LT(until_good(), 8s);
   ASSERT_TRUE(inject("Disconnect", 1));
   const auto from = clock_.now();

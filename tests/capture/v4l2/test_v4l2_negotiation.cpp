@@ -53,7 +53,7 @@ const std::vector<FakeMode> kRich{{V4L2_PIX_FMT_GREY, 64, 48, {{1, 60}}},
                                   {V4L2_PIX_FMT_YUYV, 64, 48, {{1001, 30000}, {1, 25}}},
                                   {V4L2_PIX_FMT_NV12, 64, 48, {{1, 15}}}};
 
-TEST_F(V4l2Negotiation, TheRateComesBeforeTheCostAndColourBeforeBoth) {
+TEST_F(V4l2Negotiation, ColourOutranksRateAndRateOutranksCost) {
   request.frames_per_second = 30;
   EXPECT_EQ(chosen(kWebcam), "MJPG 30");
   EXPECT_EQ(chosen(kRich), "YUYV 29.97") << "as fast as JPEG and cheaper, faster than NV12";
@@ -68,24 +68,24 @@ TEST_F(V4l2Negotiation, TheRateComesBeforeTheCostAndColourBeforeBoth) {
   EXPECT_EQ(chosen(kRich), "YUYV 29.97");
 }
 
-TEST_F(V4l2Negotiation, AFormatThatIsAskedForIsTaken) {
+TEST_F(V4l2Negotiation, ARequestedFormatIsUsed) {
   for (const char* format : {"GREY", "MJPG", "RGB3", "YUYV", "NV12"}) {
     request.format = parse_four_cc(format).value();
     EXPECT_THAT(chosen(kRich), HasSubstr(format));
   }
 }
 
-TEST_F(V4l2Negotiation, GreyIsTakenWhereThereIsNothingElse) {
+TEST_F(V4l2Negotiation, GreyIsUsedWhereThereIsNothingElse) {
   EXPECT_EQ(chosen({{V4L2_PIX_FMT_GREY, 64, 48}, {V4L2_PIX_FMT_YUYV, 32, 24}}), "GREY 30");
 }
 
-TEST_F(V4l2Negotiation, ARateThatCannotBeHadIsNoted) {
+TEST_F(V4l2Negotiation, AnUnavailableRateIsReported) {
   request.frames_per_second = 60;
   FakeCamera camera(kWebcam, clock);
   EXPECT_THAT(mode(camera).notes, ElementsAre("frame rate 60 /s requested: the camera delivers 30 /s"));
 }
 
-TEST_F(V4l2Negotiation, ASizeThatCannotBeHadIsRefusedWithAllThatCan) {
+TEST_F(V4l2Negotiation, AnUnavailableSizeIsRefusedWithTheAvailableOnes) {
   request.width = 100;
   request.format = four_cc("YUYV");
   auto modes = kWebcam;
@@ -107,7 +107,7 @@ TEST_F(V4l2Negotiation, ADriverThatDoesNotEnumerateItsSizesIsTried) {
   EXPECT_EQ(mode(camera).format, kMjpg);
 }
 
-TEST_F(V4l2Negotiation, SizesInStepsAreCountedOut) {
+TEST_F(V4l2Negotiation, StepwiseSizesAreEnumerated) {
   const V4l2Sizes sizes{64, 1920, 16, 48, 1080, 2};
   EXPECT_TRUE(sizes.includes(64, 48));
   EXPECT_TRUE(sizes.includes(1920, 1080));
@@ -119,7 +119,7 @@ TEST_F(V4l2Negotiation, SizesInStepsAreCountedOut) {
   EXPECT_TRUE((V4l2Sizes{1, 100, 0, 1, 100, 0}).includes(37, 99)) << "a step of 0 is a driver's slip for 1";
 }
 
-TEST_F(V4l2Negotiation, RatesBetweenTwoAreTakenExactly) {
+TEST_F(V4l2Negotiation, RatesWithinARangeAreMetExactly) {
   const V4l2Rates rates{{{1, 60}, {1, 5}}, true};
   EXPECT_DOUBLE_EQ(rates.nearest(24.5).rate(), 24.5);
   EXPECT_DOUBLE_EQ(rates.nearest(100).rate(), 60.0);
@@ -128,7 +128,7 @@ TEST_F(V4l2Negotiation, RatesBetweenTwoAreTakenExactly) {
   EXPECT_DOUBLE_EQ(V4l2Rates{}.nearest(30).rate(), 0.0);
 }
 
-TEST_F(V4l2Negotiation, ADriverThatCountsForEverIsCutOff) {
+TEST_F(V4l2Negotiation, AnEndlessEnumerationIsCutOff) {
   FakeCamera camera(kWebcam, clock);
   camera.refuse(VIDIOC_ENUM_FMT, 0);
   camera.refuse(VIDIOC_ENUM_FRAMESIZES, 0);
@@ -137,7 +137,7 @@ TEST_F(V4l2Negotiation, ADriverThatCountsForEverIsCutOff) {
   EXPECT_LT(camera.calls().size(), 1000u);
 }
 
-TEST_F(V4l2Negotiation, RequestsThatMakeNoSenseAreRefusedAllAtOnce) {
+TEST_F(V4l2Negotiation, AllProblemsOfARequestAreReportedAtOnce) {
   request = {.width = 0,
              .height = 99999,
              .frames_per_second = -1,
@@ -152,13 +152,13 @@ TEST_F(V4l2Negotiation, RequestsThatMakeNoSenseAreRefusedAllAtOnce) {
     EXPECT_THAT(refused.error().message, HasSubstr(key));
 }
 
-TEST_F(V4l2Negotiation, ADeviceNamedByNumberIsNoted) {
+TEST_F(V4l2Negotiation, ADeviceNamedByNumberIsReported) {
   device = "/dev/video0";
   FakeCamera camera(kWebcam, clock);
   EXPECT_THAT(mode(camera).notes, ElementsAre(HasSubstr("another camera after the next boot")));
 }
 
-TEST_F(V4l2Negotiation, WhatIsNoCaptureDeviceIsUnsupported) {
+TEST_F(V4l2Negotiation, ANonCaptureDeviceIsUnsupported) {
   FakeCamera camera(kWebcam, clock);
   camera.lie([](unsigned long code, void* argument) {
     if (code == VIDIOC_QUERYCAP)
@@ -171,7 +171,7 @@ TEST_F(V4l2Negotiation, WhatIsNoCaptureDeviceIsUnsupported) {
 }
 
 // As the kernel's documentation has it (Colorspaces, tables of defaults).
-TEST_F(V4l2Negotiation, ColoursAreUnderstoodAsV4l2DefinesThem) {
+TEST_F(V4l2Negotiation, ColourSpacesAreReadAsV4l2DefinesThem) {
   const auto yuyv = four_cc("YUYV");
   const auto encoding = [&](std::uint32_t space, std::uint32_t ycbcr = 0, std::uint32_t quantization = 0) {
     return v4l2_yuv_encoding(yuyv, space, ycbcr, quantization);
@@ -191,7 +191,7 @@ TEST_F(V4l2Negotiation, ColoursAreUnderstoodAsV4l2DefinesThem) {
   EXPECT_EQ(v4l2_yuv_encoding(four_cc("RGB3"), V4L2_COLORSPACE_SRGB, 0, 0), std::nullopt);
 }
 
-TEST_F(V4l2Negotiation, ADriverThatContradictsCalibrationIsNotedAndOverruled) {
+TEST_F(V4l2Negotiation, ADriverThatContradictsTheCalibrationIsReportedAndOverruled) {
   FakeCamera camera({{V4L2_PIX_FMT_YUYV, 64, 48}}, clock);
   EXPECT_EQ(mode(camera).yuv_encoding, YuvEncoding::bt601_limited);
   EXPECT_THAT(mode(camera).notes, IsEmpty());
@@ -212,7 +212,7 @@ std::map<std::uint32_t, FakeControl> webcam_controls() {
           {V4L2_CID_WHITE_BALANCE_TEMPERATURE, {2000, 6500, 10, 4000}}};
 }
 
-TEST_F(V4l2Negotiation, WhatIsAskedForIsSetLockedAndReadBack) {
+TEST_F(V4l2Negotiation, RequestedControlsAreSetLockedAndReadBack) {
   FakeCamera camera({{V4L2_PIX_FMT_YUYV, 64, 48}}, clock);
   camera.controls = webcam_controls();
   request.exposure_s = 0.0125;
@@ -235,7 +235,7 @@ TEST_F(V4l2Negotiation, WhatIsAskedForIsSetLockedAndReadBack) {
   EXPECT_EQ(frame.metadata.gain, std::nullopt) << "the driver's steps are no factor";
 }
 
-TEST_F(V4l2Negotiation, WhatIsNotAskedForIsLeftToTheCamera) {
+TEST_F(V4l2Negotiation, OtherControlsAreLeftToTheCamera) {
   FakeCamera camera({{V4L2_PIX_FMT_YUYV, 64, 48}}, clock);
   camera.controls = webcam_controls();
   camera.controls.at(V4L2_CID_EXPOSURE_AUTO).value = V4L2_EXPOSURE_MANUAL;  // by who had it before
@@ -246,7 +246,7 @@ TEST_F(V4l2Negotiation, WhatIsNotAskedForIsLeftToTheCamera) {
   EXPECT_EQ(agreed.exposure_s, std::nullopt);
 }
 
-TEST_F(V4l2Negotiation, WhatTheCameraCannotDoIsNoted) {
+TEST_F(V4l2Negotiation, UnsupportedControlsAreReported) {
   request.exposure_s = 1.0;
   request.gain = 2.0;
   request.white_balance_k = 9000.0;
@@ -263,7 +263,7 @@ TEST_F(V4l2Negotiation, WhatTheCameraCannotDoIsNoted) {
                                         HasSubstr("white balance in kelvin 9000 requested: the camera uses 6500")));
 }
 
-TEST_F(V4l2Negotiation, WhiteBalanceIsLockedWhereItStandsAfterTheFirstFrames) {
+TEST_F(V4l2Negotiation, WhiteBalanceIsLockedAtItsValueAfterTheFirstFrames) {
   FakeCamera camera({{V4L2_PIX_FMT_YUYV, 64, 48}}, clock);
   camera.controls = webcam_controls();
   const auto source = open(camera).value();

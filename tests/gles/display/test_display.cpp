@@ -57,7 +57,7 @@ TEST(HeadlessDisplays, KeepShowingThePictureWhileTheNextIsDrawn) {
   EXPECT_THAT(display->read()->elements(), testing::Each(Rgb8{40, 50, 60}));
 }
 
-TEST(HeadlessDisplays, FlipAtOnceByTheirClock) {
+TEST(HeadlessDisplays, FlipImmediatelyByTheirClock) {
   ManualClock clock(kNoon);
   auto display = headless(clock);
   ASSERT_TRUE(display);

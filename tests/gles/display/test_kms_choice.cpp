@@ -30,21 +30,21 @@ Result<KmsMode> chosen(int width, int height, double refresh_hz) {
   return choose_mode(kTelevision, options);
 }
 
-TEST(KmsModes, AreTheDisplaysPreferredOneWhenNobodyAsks) {
+TEST(KmsModes, DefaultToTheDisplaysPreferredMode) {
   EXPECT_EQ(chosen(0, 0, 0)->text(), "3840x2160@30.00");
 }
 
-TEST(KmsModes, AreTheFastestProgressiveOneOfASize) {
+TEST(KmsModes, PickTheFastestProgressiveModeOfASize) {
   EXPECT_EQ(chosen(1920, 1080, 0)->text(), "1920x1080@60.00");
 }
 
-TEST(KmsModes, AreTheNearestRate) {
+TEST(KmsModes, PickTheNearestRefreshRate) {
   EXPECT_EQ(chosen(1920, 1080, 59.94)->text(), "1920x1080@59.94");
   EXPECT_EQ(chosen(1920, 1080, 50)->text(), "1920x1080@50.00");
   EXPECT_EQ(chosen(720, 576, 50.5)->text(), "720x576@50.00");
 }
 
-TEST(KmsModes, ListWhatThereIsWhenNoneIsLikeThat) {
+TEST(KmsModes, ListTheAvailableModesWhenNoneMatches) {
   for (const auto& refused : {chosen(1920, 1080, 75), chosen(1024, 768, 0), chosen(0, 0, 60)}) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
@@ -56,12 +56,12 @@ TEST(KmsModes, ListWhatThereIsWhenNoneIsLikeThat) {
   EXPECT_THAT(chosen(1920, 0, 0).error().message, HasSubstr("expected both or none"));
 }
 
-TEST(KmsModes, AreTheKernelsFirstWhereNoneIsPreferred) {
+TEST(KmsModes, FallBackToTheKernelsFirstWhenNoneIsPreferred) {
   const KmsConnector plain = fake_connector(1, "VGA-1", {fake_mode(1024, 768, 60), fake_mode(800, 600, 60)});
   EXPECT_EQ(choose_mode(plain, {})->text(), "1024x768@60.00");
 }
 
-TEST(KmsConnectors, AreTheFirstConnectedWithModes) {
+TEST(KmsConnectors, PickTheFirstConnectedOneWithModes) {
   const auto off = fake_connector(1, "HDMI-A-1", {}, KmsConnection::disconnected);
   const auto empty = fake_connector(2, "HDMI-A-2", {});
   const auto perhaps = fake_connector(3, "VGA-1", {fake_mode(800, 600, 60)}, KmsConnection::unknown);
@@ -104,7 +104,7 @@ TEST(Edids, NameMakerAndModel) {
   EXPECT_EQ(edid_name(edid), "DEL a07b");
 }
 
-TEST(Edids, AreNotBelieved) {
+TEST(Edids, AreNotTrusted) {
   auto edid = edid_of_a_dell();
   edid[54 + 18 + 5] = 0x1b;  // an escape sequence for who reads the log
   EXPECT_EQ(edid_name(edid), "DEL ?ELL U2412M");
@@ -122,7 +122,7 @@ TEST(Edids, TellDisplaysApart) {
   EXPECT_EQ(edid_identity({}), 0u);
 }
 
-TEST(CardUsers, AreNamedTheMasterFirst) {
+TEST(CardUsers, AreListedWithTheMasterFirst) {
   const fs::path root = test_output_folder() / "card-users";
   fs::remove_all(root);
   const auto process = [&](int pid, const std::string& command, const std::string& opened) {

@@ -85,7 +85,7 @@ TEST_F(KmsRig, SetsTheModeOnceAndFlipsFromThenOn) {
               AllOf(HasSubstr("/dev/dri/card9"), HasSubstr("HDMI-A-1 64x48@60.00"), HasSubstr("atomic")));
 }
 
-TEST_F(KmsRig, TakesTheLegacyCallsWhereAtomicOnesAreMissingOrNotWanted) {
+TEST_F(KmsRig, UsesTheLegacyCallsWhereAtomicOnesAreMissingOrNotWanted) {
   for (const bool offered : {false, true}) {
     card_.has_atomic = offered;
     options_.atomic = !offered;
@@ -105,7 +105,7 @@ TEST_F(KmsRig, FallsBackToLegacyWhenTheFirstAtomicCommitIsRefused) {
   EXPECT_THAT(card_.calls, ElementsAre("remember", "commit_mode wait", "set_crtc", "page_flip", "page_flip"));
 }
 
-TEST_F(KmsRig, TellsWhenEachPictureReachedTheGlass) {
+TEST_F(KmsRig, ReportsWhenEachPictureReachedTheScreen) {
   switch_on();
   std::vector<Flip> flips;
   for (int i = 0; i < 5; ++i) {
@@ -122,7 +122,7 @@ TEST_F(KmsRig, TellsWhenEachPictureReachedTheGlass) {
   EXPECT_EQ(display_->counts().flips, 5u);
 }
 
-TEST_F(KmsRig, DoesNotBelieveTimesThatCannotBe) {
+TEST_F(KmsRig, RejectsImpossibleFlipTimes) {
   for (const Duration wrong : {Duration(1h), Duration(-1h)}) {
     card_.event_offset = wrong;
     switch_on();
@@ -136,7 +136,7 @@ TEST_F(KmsRig, DoesNotBelieveTimesThatCannotBe) {
 }
 
 // A driver that knows when the first line leaves says so before it does; nobody may have asked for a while.
-TEST_F(KmsRig, BelievesTimesAroundTheFlip) {
+TEST_F(KmsRig, AcceptsPlausibleFlipTimes) {
   card_.event_offset = 1ms;
   switch_on();
   ASSERT_TRUE(show().has_value());
@@ -177,7 +177,7 @@ TEST_F(KmsRig, HoldsTheCamerasBufferUntilTheFlipThatReplacedIt) {
   EXPECT_TRUE(card_.locked.empty());
 }
 
-TEST_F(KmsRig, WaitsNoLongerThanItsDeadline) {
+TEST_F(KmsRig, NeverWaitsBeyondItsDeadline) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   card_.stuck = true;
@@ -191,7 +191,7 @@ TEST_F(KmsRig, WaitsNoLongerThanItsDeadline) {
   EXPECT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
 }
 
-TEST_F(KmsRig, Row16LostFlipIsMendedByANewMode) {
+TEST_F(KmsRig, Row16ALostFlipIsRecoveredByANewModeset) {
   switch_on();
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
@@ -211,7 +211,7 @@ TEST_F(KmsRig, Row16LostFlipIsMendedByANewMode) {
   EXPECT_EQ(display_->counts().flip_timeouts, 2u);
 }
 
-TEST_F(KmsRig, Row16StuckDriverIsOpenedAnew) {
+TEST_F(KmsRig, Row16AStuckDriverIsReopened) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
@@ -229,7 +229,7 @@ TEST_F(KmsRig, Row16StuckDriverIsOpenedAnew) {
   std::printf("row 16, flips never complete: picture %.0f ms after opening anew\n", ms(recover()));
 }
 
-TEST_F(KmsRig, Row16BusyDriverIsAskedAgain) {
+TEST_F(KmsRig, Row16ABusyDriverIsRetried) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
@@ -246,7 +246,7 @@ TEST_F(KmsRig, Row16BusyDriverIsAskedAgain) {
   EXPECT_LE(clock_.now() - busy, 2s + 50ms);
 }
 
-TEST_F(KmsRig, Row16LostMasterIsTold) {
+TEST_F(KmsRig, Row16ALostMasterIsReported) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
@@ -268,7 +268,7 @@ TEST_F(KmsRig, Row16LostMasterIsTold) {
   EXPECT_LE(took, 2s);
 }
 
-TEST_F(KmsRig, Row16LostMasterIsNoticedWhileNothingIsShown) {
+TEST_F(KmsRig, Row16ALostMasterIsNoticedWhileNothingIsShown) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
@@ -277,7 +277,7 @@ TEST_F(KmsRig, Row16LostMasterIsNoticedWhileNothingIsShown) {
   EXPECT_EQ(display_->begin(clock_.now() + 50ms).error().kind, FaultKind::device);
 }
 
-TEST_F(KmsRig, ARefusedFlipSetsTheModeAnewOnce) {
+TEST_F(KmsRig, ARefusedFlipSetsTheModeAgainOnce) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   card_.refusals = {std::errc::invalid_argument};  // somebody turned the CRTC off behind our back
@@ -312,7 +312,7 @@ TEST_F(KmsRig, Row15NoCardAtBoot) {
   EXPECT_LE(recover(), 3s);
 }
 
-TEST_F(KmsRig, Row15UnpluggedAndOtherModeOnReturn) {
+TEST_F(KmsRig, Row15UnpluggedAndAnotherModeOnReturn) {
   for (const bool udev_tells : {true, false}) {
     system_->has_udev = udev_tells;
     card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true)}));
@@ -341,7 +341,7 @@ TEST_F(KmsRig, Row15UnpluggedAndOtherModeOnReturn) {
   }
 }
 
-TEST_F(KmsRig, Row15AnotherDisplayPluggedInBetweenTwoPictures) {
+TEST_F(KmsRig, Row15AnotherDisplayIsPluggedInBetweenTwoPictures) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   auto other = card_.connectors[0];
@@ -350,7 +350,7 @@ TEST_F(KmsRig, Row15AnotherDisplayPluggedInBetweenTwoPictures) {
   EXPECT_EQ(show().error().kind, FaultKind::disconnected);
 }
 
-TEST_F(KmsRig, Row15ConnectedButNoModes) {
+TEST_F(KmsRig, Row15ConnectedButWithoutModes) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   const auto before = card_.connectors[0];
@@ -367,7 +367,7 @@ TEST_F(KmsRig, Row15ConnectedButNoModes) {
   EXPECT_LE(took, 3s);
 }
 
-TEST_F(KmsRig, Row15CardGoesAway) {
+TEST_F(KmsRig, Row15TheCardDisappears) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   card_.present = false;
@@ -378,7 +378,7 @@ TEST_F(KmsRig, Row15CardGoesAway) {
   EXPECT_LE(recover(), 3s);
 }
 
-TEST_F(KmsRig, AskedForAModeTheNewDisplayLacksItTakesThePreferredOneIfItMay) {
+TEST_F(KmsRig, FallsBackToThePreferredModeIfAllowedWhenTheNewDisplayLacksTheRequestedOne) {
   options_.width = 64;
   options_.height = 48;
   card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(32, 24, 75, true)}));
@@ -388,7 +388,7 @@ TEST_F(KmsRig, AskedForAModeTheNewDisplayLacksItTakesThePreferredOneIfItMay) {
   EXPECT_THAT(display_->description(), AllOf(HasSubstr("32x24@75.00"), HasSubstr("not offered")));
 }
 
-TEST_F(KmsRig, ABadLinkIsTrainedAgain) {
+TEST_F(KmsRig, ABadLinkIsRetrained) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   auto bad = card_.connectors[0];
@@ -398,7 +398,7 @@ TEST_F(KmsRig, ABadLinkIsTrainedAgain) {
   EXPECT_EQ(display_->counts().modesets, 2u);
 }
 
-TEST_F(KmsRig, DoesNotAskTheDisplayWithoutReason) {
+TEST_F(KmsRig, DoesNotProbeTheDisplayWithoutReason) {
   switch_on();
   const int before = card_.probes;
   for (int i = 0; i < 600; ++i) ASSERT_TRUE(show().has_value());  // ten seconds
@@ -434,7 +434,7 @@ TEST_F(KmsRig, TurnsTheScreenOffAndTheNextPictureWakesIt) {
   }
 }
 
-TEST_F(KmsRig, TellsApartWhatWillNotTurnOffWhatIsBusyAndWhatIsLost) {
+TEST_F(KmsRig, DistinguishesScreensThatCannotTurnOffAreBusyOrAreLost) {
   switch_on();
   EXPECT_EQ(display_->turn_off().error().kind, FaultKind::unsupported) << "it is not ours before the first picture";
   ASSERT_TRUE(show());
@@ -449,7 +449,7 @@ TEST_F(KmsRig, TellsApartWhatWillNotTurnOffWhatIsBusyAndWhatIsLost) {
   EXPECT_FALSE(card_.asleep);
 }
 
-TEST_F(KmsRig, Row17LostContextIsTold) {
+TEST_F(KmsRig, Row17ALostContextIsReported) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   card_.gl_lost = true;
@@ -464,7 +464,7 @@ TEST_F(KmsRig, Row17LostContextIsTold) {
   EXPECT_LE(took, 1s);
 }
 
-TEST_F(KmsRig, GivesTheConsoleItsScreenBackBeforeItsPicturesGo) {
+TEST_F(KmsRig, RestoresTheConsoleBeforeItsFramebuffersAreFreed) {
   switch_on();
   for (int i = 0; i < 2; ++i) ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
@@ -476,7 +476,7 @@ TEST_F(KmsRig, GivesTheConsoleItsScreenBackBeforeItsPicturesGo) {
   EXPECT_LT(restored - card_.calls.begin(), removed - card_.calls.begin());
 }
 
-TEST_F(KmsRig, KeepsNothingOpenWhenItGoes) {
+TEST_F(KmsRig, LeavesNothingOpenWhenDestroyed) {
   switch_on();  // what the GL driver keeps for good is there now
   display_.reset();
   const std::size_t before = open_descriptors();
@@ -494,14 +494,14 @@ TEST_F(KmsRig, KeepsNothingOpenWhenItGoes) {
   EXPECT_TRUE(card_.locked.empty());
 }
 
-TEST_F(KmsRig, FlipsNobodyTakesDoNotPileUp) {
+TEST_F(KmsRig, FlipsThatAreNeverCollectedDoNotPileUp) {
   switch_on();
   for (int i = 0; i < 1000; ++i) ASSERT_TRUE(show().has_value());
   EXPECT_LE(display_->take_flips().size(), 256u);
   EXPECT_GE(display_->counts().flips, 999u);
 }
 
-TEST_F(KmsRig, ListsCardsWithoutTakingThem) {
+TEST_F(KmsRig, ListsCardsWithoutBecomingMaster) {
   system_->users = "kasumi (pid 411) is master";
   const auto cards = list_displays(*system_);
   ASSERT_EQ(cards.size(), 1u);

@@ -103,7 +103,7 @@ TEST_P(KmsScreen, FlipsEveryPictureInOrder) {
   EXPECT_EQ(display->counts().flip_timeouts, 0u);
 }
 
-TEST_P(KmsScreen, GivesTheCamerasBufferBackWithTheFlipThatReplacesIt) {
+TEST_P(KmsScreen, ReleasesTheCamerasBufferWithTheFlipThatReplacesIt) {
   auto display = open();
   ASSERT_TRUE(display);
   std::vector<std::weak_ptr<int>> holders;
@@ -118,7 +118,7 @@ TEST_P(KmsScreen, GivesTheCamerasBufferBackWithTheFlipThatReplacesIt) {
   }
 }
 
-TEST_P(KmsScreen, OpensAgainAndAgainWithoutKeepingDescriptors) {
+TEST_P(KmsScreen, ReopensWithoutLeakingDescriptors) {
   ASSERT_TRUE(show_pattern(*open()).has_value());  // what the libraries keep for good is there now
   const std::size_t before = open_descriptors();
   for (int i = 0; i < 10; ++i) {
@@ -129,7 +129,7 @@ TEST_P(KmsScreen, OpensAgainAndAgainWithoutKeepingDescriptors) {
   EXPECT_EQ(open_descriptors(), before);
 }
 
-TEST_P(KmsScreen, IsOneHoldersAtATime) {
+TEST_P(KmsScreen, BelongsToOneHolderAtATime) {
   auto display = open();
   ASSERT_TRUE(display);
   const auto second = open_kms_display(options(), clock_);
@@ -138,7 +138,7 @@ TEST_P(KmsScreen, IsOneHoldersAtATime) {
   EXPECT_THAT(second.error().message, HasSubstr("DRM master"));
 }
 
-TEST_P(KmsScreen, ListsItsModesWhenAskedForOneThatIsNotThere) {
+TEST_P(KmsScreen, ListsItsModesWhenTheRequestedOneIsMissing) {
   KmsDisplayOptions strange = options();
   strange.width = 1234;
   strange.height = 567;
@@ -152,7 +152,7 @@ TEST_P(KmsScreen, ListsItsModesWhenAskedForOneThatIsNotThere) {
   EXPECT_THAT((*taken)->description(), HasSubstr("not offered"));
 }
 
-TEST_P(KmsScreen, TellsWhenItIsNoLongerMaster) {
+TEST_P(KmsScreen, ReportsWhenItIsNoLongerMaster) {
   auto system = std::make_shared<DecoratedSystem>();
   auto display = open(system);
   ASSERT_TRUE(display);
@@ -173,7 +173,7 @@ TEST_P(KmsScreen, TellsWhenItIsNoLongerMaster) {
   ASSERT_TRUE(show_pattern(*again).has_value());
 }
 
-TEST_P(KmsScreen, SetsTheModeAnewWhenAFlipIsLost) {
+TEST_P(KmsScreen, SetsTheModeAgainAfterALostFlip) {
   auto system = std::make_shared<DecoratedSystem>();
   auto display = open(system);
   ASSERT_TRUE(display);

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 class Contexts : public GlesTest {};
 
-TEST_F(Contexts, SayWhoTheyAre) {
+TEST_F(Contexts, IdentifyThemselves) {
   EXPECT_FALSE(info().renderer.empty());
   EXPECT_THAT(info().version, testing::StartsWith("OpenGL ES"));
   EXPECT_GE(info().es_major, 2);
@@ -40,7 +40,7 @@ TEST_F(Contexts, DrawAlikeOnEachSurface) {
   EXPECT_EQ(pictures.front().elements(), pictures.back().elements());
 }
 
-TEST_F(Contexts, OutliveEachOther) {
+TEST_F(Contexts, AreIndependentOfEachOthersLifetimes) {
   auto second = open_headless_context();
   ASSERT_OK(second);
   second->reset();
@@ -49,7 +49,7 @@ TEST_F(Contexts, OutliveEachOther) {
   ASSERT_OK(target.read());
 }
 
-TEST_F(Contexts, ObjectsAreDeletedOnceWithTheirLastOwner) {
+TEST_F(Contexts, DeleteEachObjectOnceWithItsLastOwner) {
   unsigned name = 0;
   {
     GlTexture texture = make_texture();
@@ -63,7 +63,7 @@ TEST_F(Contexts, ObjectsAreDeletedOnceWithTheirLastOwner) {
   EXPECT_FALSE(glIsTexture(name));
 }
 
-TEST_F(Contexts, GlErrorsBecomeFaultsOnce) {
+TEST_F(Contexts, ReportEachGlErrorOnceAsAFault) {
   glEnable(0xdead);
   glViewport(0, 0, -1, -1);
   const auto wrong = check_gl("breaking things");
@@ -73,7 +73,7 @@ TEST_F(Contexts, GlErrorsBecomeFaultsOnce) {
   EXPECT_TRUE(check_gl("nothing").has_value());
 }
 
-TEST_F(Contexts, ShaderErrorsCarryTheDriversWords) {
+TEST_F(Contexts, ReportShaderErrorsWithTheDriversMessage) {
   const std::string vertex = "#version 100\nattribute vec2 p;\nvoid main() { gl_Position = vec4(p, 0.0, 1.0); }\n";
   const auto wrong =
       link_program("wrong.frag", vertex, "#version 100\nvoid main() { gl_FragColor = no_such_thing; }\n", {});
@@ -113,7 +113,7 @@ TEST(DeskWindow, ShowsAPictureAndCloses) {
   EXPECT_TRUE((*window)->handle_events());
 }
 
-TEST(DeskWindow, SaysWhenThereIsNoDisplay) {
+TEST(DeskWindow, ReportsAMissingDisplay) {
   const EnvironmentVariable driver("SDL_VIDEODRIVER", "no-such-driver");
   const auto window = open_window({});
   ASSERT_FALSE(window);

@@ -48,12 +48,12 @@ class MaterialRules : public GlesTest {
   }
 };
 
-TEST_F(MaterialRules, AWhiteMattBallIsNotSeenInAnEvenSky) {
+TEST_F(MaterialRules, AWhiteMattBallIsInvisibleInAUniformSky) {
   expect_unseen({.name = "white"}, "matt");
   expect_unseen({.name = "white"}, "matt, 8 bits", {.force_rgba8 = true});
 }
 
-TEST_F(MaterialRules, WhiteMetalAndWhitePaintOfAnyRoughnessAreNotSeenInAnEvenSky) {
+TEST_F(MaterialRules, WhiteMetalAndWhitePaintOfAnyRoughnessAreInvisibleInAUniformSky) {
   for (const double roughness : {0.0, 0.1, 0.25, 0.5, 0.75, 1.0})
     for (const float metallic : {0.0f, 0.5f, 1.0f})
       expect_unseen({.name = "white",
@@ -64,7 +64,7 @@ TEST_F(MaterialRules, WhiteMetalAndWhitePaintOfAnyRoughnessAreNotSeenInAnEvenSky
                     fmt::format("roughness {}, metallic {}", roughness, metallic));
 }
 
-TEST_F(MaterialRules, GreyMetalLosesLightOnlyToItsColour) {
+TEST_F(MaterialRules, GreyMetalLosesLightOnlyThroughItsColour) {
   // Seen head-on, a metal of GGX's facets all around gives back 1 - ln 2 of its colour f by one reflection, and what is
   // reflected on between facets makes a geometric series of it: f x / (1 - f (1 - x)). A polished one gives back f.
   for (const double roughness : {0.05, 1.0}) {
@@ -106,7 +106,7 @@ TEST(ReflectionIntegrals, AgreeWithAFinerIntegralOfTheBrdf) {
   }
 }
 
-TEST(ReflectionIntegrals, MeetTheirKnownEnds) {
+TEST(ReflectionIntegrals, MatchTheirKnownLimits) {
   for (const double across : {0.2, 0.7, 1.0}) {  // a smooth mirror: all, and Schlick's own edge
     EXPECT_NEAR(directional_albedo(across, 0.0).all, 1.0, 1e-3);
     EXPECT_NEAR(directional_albedo(across, 0.0).edge, std::pow(1.0 - across, 5), 1e-3);
@@ -150,7 +150,7 @@ glm::dvec3 integrated_reflection(const ReferenceSky& sky, const glm::dvec3& n, c
   return sum;
 }
 
-TEST(Reflection, OfTheSkyIsNearItsIntegral) {
+TEST(Reflection, OfTheSkyIsCloseToItsIntegral) {
   // A black metal edge aside, the reflected sky is an integral over the lobe; the split sum replaces it by two factors.
   const ObjectLight light = afternoon(view_north(160, 120, 6000)).light;
   ObjectLight without_sun = light;
@@ -179,7 +179,7 @@ TEST(Reflection, OfTheSkyIsNearItsIntegral) {
   testing::Test::RecordProperty("worst", fmt::format("{:.3f}", worst));
 }
 
-TEST_F(MaterialRules, LeavesStayWithDistance) {
+TEST_F(MaterialRules, LeavesStayVisibleAtADistance) {
   // Leaves of many sizes, cut out of a texture: where its texels cannot be told apart any more, as much is covered as
   // near by. Plain averages would fall below the cutoff and leave nothing.
   std::mt19937_64 random(7);

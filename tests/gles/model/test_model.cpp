@@ -65,7 +65,7 @@ TEST(GltfModel, NodesMarkedAsGroundAreNotDrawn) {
   EXPECT_EQ(plain, 2);
 }
 
-TEST(GltfModel, OfGroundAloneThereIsNothingToDraw) {
+TEST(GltfModel, AModelOfGroundAloneIsRefused) {
   GltfFile file = square_file();
   file.node()["name"] = "kasumi_ground";
   const auto model = file.read("only_ground");
@@ -73,7 +73,7 @@ TEST(GltfModel, OfGroundAloneThereIsNothingToDraw) {
   EXPECT_THAT(model.error().message, HasSubstr("no triangles"));
 }
 
-TEST(GltfModel, AllWaysToIndexGiveTheSameTriangles) {
+TEST(GltfModel, AllPrimitiveLayoutsGiveTheSameTriangles) {
   const auto expected = corners(loaded(square_file().read("list")));
   GltfFile bytes = square_file();
   bytes.primitive()["indices"] = bytes.add_bytes({0, 1, 2, 0, 2, 3});
@@ -101,7 +101,7 @@ TEST(GltfModel, AllWaysToIndexGiveTheSameTriangles) {
   EXPECT_EQ(corners(loaded(read_gltf(glb))), expected);
 }
 
-TEST(GltfModel, NodesTurnScaleAndMoveTheirChildren) {
+TEST(GltfModel, NodesRotateScaleAndTranslateTheirChildren) {
   GltfFile file = square_file();
   // Child: scaled by 2, turned by 90 degrees about y (x goes to -z), moved by (10, 0, 0); parent: a matrix that moves
   // by (0, 5, 0).
@@ -119,7 +119,7 @@ TEST(GltfModel, NodesTurnScaleAndMoveTheirChildren) {
   EXPECT_NEAR(model.parts[0].vertices[0].normal.x, 1.0, 1e-6);
 }
 
-TEST(GltfModel, MirroredNodesKeepTheirFronts) {
+TEST(GltfModel, MirroredNodesKeepTheirFrontFaces) {
   GltfFile file = square_file();
   file.primitive()["attributes"]["NORMAL"] = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 3);
   file.node()["scale"] = {-1, 1, 1};
@@ -130,7 +130,7 @@ TEST(GltfModel, MirroredNodesKeepTheirFronts) {
   EXPECT_EQ(model.parts[0].vertices[0].normal, glm::vec3(0, 0, 1));
 }
 
-TEST(GltfModel, UnevenScalingTurnsNormalsRight) {
+TEST(GltfModel, NonUniformScalingTransformsNormalsCorrectly) {
   GltfFile file = square_file();
   const float d = std::sqrt(0.5f);
   file.primitive()["attributes"]["NORMAL"] = file.add_floats({d, 0, d, d, 0, d, d, 0, d, d, 0, d}, 3);
@@ -139,7 +139,7 @@ TEST(GltfModel, UnevenScalingTurnsNormalsRight) {
   EXPECT_NEAR(normal.x / normal.z, 0.25, 1e-6);
 }
 
-TEST(GltfModel, BrokenNormalsTakeTheirFaces) {
+TEST(GltfModel, InvalidNormalsAreReplacedByFaceNormals) {
   GltfFile file = square_file();
   file.primitive()["attributes"]["NORMAL"] = file.add_floats({0, 0, 0, 0, 0, NAN, 0, 1, 0, 0, 3, 0}, 3);
   const Model model = loaded(file.read("broken-normals"));
@@ -163,7 +163,7 @@ TEST(GltfModel, SparseAccessorsReplaceElements) {
   EXPECT_EQ(all.at(1), glm::vec3(1, 0, 0));
 }
 
-TEST(GltfModel, MaterialsAndTheirPicturesAreRead) {
+TEST(GltfModel, MaterialsAndTheirTexturesAreRead) {
   GltfFile file = square_file();
   file.add_picture(png(3, 2, {30, 20, 10, 128}));
   file.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
@@ -213,7 +213,7 @@ TEST(GltfModel, MaterialsAndTheirPicturesAreRead) {
   EXPECT_EQ(far_corner.colour, glm::vec4(1.0f, 0.0f, 0.2f, 1.0f));
 }
 
-TEST(GltfModel, OlderMaterialsShowTheirDiffuseColour) {
+TEST(GltfModel, OlderMaterialsUseTheirDiffuseColour) {
   GltfFile file = square_file();
   file.json["materials"] = {
       {{"extensions", {{"KHR_materials_pbrSpecularGlossiness", {{"diffuseFactor", {0.1, 0.2, 0.3, 1.0}}}}}}}};
@@ -221,7 +221,7 @@ TEST(GltfModel, OlderMaterialsShowTheirDiffuseColour) {
   EXPECT_EQ(loaded(file.read("glossiness")).materials.at(0).base_colour, glm::vec4(0.1f, 0.2f, 0.3f, 1.0f));
 }
 
-TEST(GltfModel, CompanionsComeFromTheFoldersTree) {
+TEST(GltfModel, ReferencedFilesMustLieInTheModelsFolder) {
   GltfFile file = square_file();
   const auto folder = model_folder() / "tree";
   std::filesystem::create_directories(folder / "parts");
@@ -245,7 +245,7 @@ TEST(GltfModel, CompanionsComeFromTheFoldersTree) {
   }
 }
 
-TEST(GltfModel, TheCastleLoadsWhole) {
+TEST(GltfModel, TheCastleLoadsCompletely) {
   const std::filesystem::path path = shared_data_folder() / "gltf" / "castle.glb";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const Model model = loaded(read_gltf(path));

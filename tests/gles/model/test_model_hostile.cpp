@@ -37,7 +37,7 @@ GltfFile dressed_square() {
   return file;
 }
 
-TEST(HostileModel, EachLieIsAnsweredByName) {
+TEST(HostileModel, EachFalseClaimIsRefusedByName) {
   using J = nlohmann::json;
   const std::vector<Lie> lies{
       {"accessor beyond its view", [](GltfFile& f) { f.json["accessors"][0]["count"] = 5; },
@@ -161,7 +161,7 @@ TEST(HostileModel, EachLieIsAnsweredByName) {
   }
 }
 
-TEST(HostileModel, DeepNestingDoesNotReachTheStack) {
+TEST(HostileModel, DeepNestingDoesNotOverflowTheStack) {
   const auto path = model_folder() / "deep.gltf";
   const std::string deep =
       R"({"asset":{"version":"2.0"},"extras":)" + std::string(2000000, '[') + std::string(2000000, ']') + "}";
@@ -169,7 +169,7 @@ TEST(HostileModel, DeepNestingDoesNotReachTheStack) {
   EXPECT_THAT(read_gltf(path).error().message, HasSubstr("nested"));
 }
 
-TEST(HostileModel, LimitsHold) {
+TEST(HostileModel, LimitsAreEnforced) {
   const GltfFile file = dressed_square();
   EXPECT_THAT(file.read("limits", {.file_bytes = 100}).error().message, HasSubstr("expected 100 at most"));
   EXPECT_THAT(file.read("limits", {.triangles = 1}).error().message, HasSubstr("3 at most"));
@@ -187,7 +187,7 @@ TEST(HostileModel, LimitsHold) {
   EXPECT_THAT(many.read("limits", {.triangles = 99}).error().message, HasSubstr("more than 99 triangles"));
 }
 
-TEST(HostileModel, PictureHeadersAreBelievedBeforeAnythingIsDecoded) {
+TEST(HostileModel, PictureHeadersAreCheckedBeforeAnythingIsDecoded) {
   std::vector<std::uint8_t> png;
   cv::imencode(".png", cv::Mat(4, 5, CV_8UC3, cv::Scalar(1, 2, 3)), png);
   EXPECT_EQ(picture_size(png), glm::ivec2(5, 4));
@@ -203,7 +203,7 @@ TEST(HostileModel, PictureHeadersAreBelievedBeforeAnythingIsDecoded) {
   EXPECT_EQ(decode_picture({}, 10).error().kind, FaultKind::bad_input);
 }
 
-TEST(HostileModel, NoFileIsNoModel) {
+TEST(HostileModel, AMissingFileIsReported) {
   EXPECT_FALSE(read_gltf(model_folder() / "not-there.glb"));
   const auto empty = model_folder() / "empty.glb";
   ASSERT_TRUE(write_text_file(empty, ""));
@@ -213,7 +213,7 @@ TEST(HostileModel, NoFileIsNoModel) {
 }
 
 // Bytes and tokens of a sound file changed at random: whatever comes out is sound, or a message.
-TEST(HostileModel, RandomDamageNeverGetsThrough) {
+TEST(HostileModel, RandomDamageNeverCausesHarm) {
   std::mt19937_64 random(20260621);
   const std::vector<std::uint8_t> sound = dressed_square().binary();
   const std::string text = dressed_square().text();

@@ -74,7 +74,7 @@ TEST(GltfMaterial, EveryPropertyIsRead) {
   EXPECT_EQ(corner.texture_2, glm::vec2(2, 2));
 }
 
-TEST(GltfMaterial, RefractionAndSpecularSetTheReflection) {
+TEST(GltfMaterial, IndexOfRefractionAndSpecularSetTheReflectance) {
   GltfFile file = surface_file();
   file.json["materials"][0]["extensions"] = {
       {"KHR_materials_ior", {{"ior", 2.0}}},
@@ -87,7 +87,7 @@ TEST(GltfMaterial, RefractionAndSpecularSetTheReflection) {
   EXPECT_EQ(material.edge_reflectance, 0.5f);
 }
 
-TEST(GltfMaterial, UnlitNeedsNoMoreThanItsColour) {
+TEST(GltfMaterial, UnlitNeedsOnlyItsColour) {
   GltfFile file = surface_file();
   file.json["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
                                {"normalTexture", {{"index", 0}}},
@@ -98,7 +98,7 @@ TEST(GltfMaterial, UnlitNeedsNoMoreThanItsColour) {
   EXPECT_EQ(model.textures.size(), 1u);
 }
 
-TEST(GltfMaterial, AThirdWayToLayPicturesIsLeftOutAndTold) {
+TEST(GltfMaterial, AThirdTextureTransformIsIgnoredAndReported) {
   GltfFile file = surface_file();
   const auto turned = [](double turn) {
     return nlohmann::json{{"index", 0}, {"extensions", {{"KHR_texture_transform", {{"rotation", turn}}}}}};
@@ -112,7 +112,7 @@ TEST(GltfMaterial, AThirdWayToLayPicturesIsLeftOutAndTold) {
   EXPECT_THAT(model.notes, testing::Contains(HasSubstr("its occlusion picture is left out")));
 }
 
-TEST(GltfMaterial, TangentsAreTakenOrMade) {
+TEST(GltfMaterial, TangentsAreReadOrGenerated) {
   GltfFile file = surface_file();
   file.json["materials"][0]["normalTexture"] = {{"index", 0}};
   // Made: texture x grows along x, y downwards; the picture lies upright.
@@ -135,7 +135,7 @@ TEST(GltfMaterial, TangentsAreTakenOrMade) {
   EXPECT_EQ(turned.w, 1.0f);
 }
 
-TEST(GltfMaterial, WhereAPictureMeetsItsMirrorImageTangentsPart) {
+TEST(GltfMaterial, TangentsSplitWhereATextureMeetsItsMirrorImage) {
   GltfFile file = square_file();
   // Two squares side by side that share an edge; the picture on the right one is the left one's mirror image.
   file.primitive()["attributes"]["POSITION"] =
@@ -173,7 +173,7 @@ TEST(GltfScenes, ErasAreChosenByNameOrNumber) {
   }
 }
 
-TEST(GltfCompression, IsRefusedByNameWithWhatToDo) {
+TEST(GltfCompression, IsRefusedByNameWithARemedy) {
   GltfFile file = square_file();
   file.json["extensionsRequired"] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu",
                                      "VENDOR_new_thing"};
@@ -185,7 +185,7 @@ TEST(GltfCompression, IsRefusedByNameWithWhatToDo) {
                              HasSubstr("VENDOR_new_thing, which Kasumi does not read: export without it")));
 }
 
-TEST(GltfCompression, PicturesOfferedInKtx2AloneAreLeftOutAndTold) {
+TEST(GltfCompression, TexturesAvailableOnlyInKtx2AreIgnoredAndReported) {
   GltfFile file = surface_file();
   file.json["textures"][0] = {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}};
   file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 0;

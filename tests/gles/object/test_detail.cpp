@@ -64,7 +64,7 @@ class Detail : public GlesTest {
   }
 };
 
-TEST_F(Detail, WeightsHaveTheGaussiansVarianceHoweverNarrowItIs) {
+TEST_F(Detail, WeightsHaveTheGaussiansVarianceHoweverNarrow) {
   for (const double sigma : {0.2, 0.5, 1.0, 2.06, 5.0, 12.4}) {
     const auto weights = gaussian_weights(sigma);
     double sum = weights[0], variance = 0.0;
@@ -78,7 +78,7 @@ TEST_F(Detail, WeightsHaveTheGaussiansVarianceHoweverNarrowItIs) {
   }
 }
 
-TEST_F(Detail, AnEdgeIsSpreadAsTheClosedFormSaysWhereverItLiesInThePixel) {
+TEST_F(Detail, AnEdgeIsBlurredAsTheClosedFormSaysAtAnySubpixelPosition) {
   const auto expect_edge = [&](double sigma, double edge, const RendererOptions& options) {
     const auto layer = layer_of(board(edge, 400.0), {.point_spread_px = sigma}, options);
     double worst = 0.0;
@@ -90,13 +90,13 @@ TEST_F(Detail, AnEdgeIsSpreadAsTheClosedFormSaysWhereverItLiesInThePixel) {
   expect_edge(0.5, 70.63, {.force_rgba8 = true});
 }
 
-TEST_F(Detail, ALevelEdgeIsSpreadTheSame) {
+TEST_F(Detail, AHorizontalEdgeIsBlurredTheSame) {
   const auto layer = layer_of(board(-200.0, 400.0, 40.3, 400.0), {.point_spread_px = 0.7});
   for (int y = 0; y < 120; ++y)
     EXPECT_NEAR(layer.at(80, y).a, share_of_plane(y, 40.3, 0.7), tolerance(0.7)) << "row " << y;
 }
 
-TEST_F(Detail, AColumnThinnerThanAPixelIsSpreadAndKept) {
+TEST_F(Detail, AColumnThinnerThanAPixelIsBlurredWithoutLoss) {
   constexpr double kSigma = 0.5;
   for (const double left : {80.0, 80.21, 80.44, 80.69}) {
     const double width = 6.0 / 17.0;  // as many samples wherever it stands
@@ -114,7 +114,7 @@ TEST_F(Detail, AColumnThinnerThanAPixelIsSpreadAndKept) {
   }
 }
 
-TEST_F(Detail, SpreadingKeepsTheLight) {
+TEST_F(Detail, BlurringPreservesTheLight) {
   ReferenceScene scene = board(0, 0);
   scene.model = columns_model(7, 0.3, 4.0, 20.0);
   scene.appearance = afternoon(scene.view);
@@ -125,7 +125,7 @@ TEST_F(Detail, SpreadingKeepsTheLight) {
   }
 }
 
-TEST_F(Detail, LooksLikeAPictureOfManySamplesSpreadOnTheCpu) {
+TEST_F(Detail, MatchesASupersampledPictureBlurredOnTheCpu) {
   // 16 rays a pixel, spread by the Gaussian at their own distances, then gathered into pixels.
   constexpr int kSide = 4;
   constexpr double kSigma = 0.8;
@@ -170,7 +170,7 @@ TEST_F(Detail, LooksLikeAPictureOfManySamplesSpreadOnTheCpu) {
   EXPECT_LE(std::sqrt(square), 0.006) << "of N and coverage";
 }
 
-TEST_F(Detail, TheMasksEdgeStaysAsItIs) {
+TEST_F(Detail, TheMasksEdgeIsNotBlurred) {
   ReferenceScene scene = board(-200.0, 400.0);
   scene.mask = Image<std::uint8_t>(160, 120, 255);
   for (int y = 0; y < 120; ++y)
@@ -179,7 +179,7 @@ TEST_F(Detail, TheMasksEdgeStaysAsItIs) {
   for (int x = 0; x < 160; ++x) EXPECT_NEAR(layer.at(x, 60).a, scene.mask.at(x, 60) / 255.0, 0.001) << "column " << x;
 }
 
-TEST_F(Detail, WhatLiesBeyondThePicturesBorderIsNotMissed) {
+TEST_F(Detail, WhatLiesOutsideThePictureContributes) {
   for (const auto& [left, right] : {std::pair{-30.0, 20.0}, {-200.0, 400.0}}) {
     // In many parts, of which some are wholly outside.
     ReferenceScene scene = board(left, right);
@@ -196,13 +196,13 @@ TEST_F(Detail, WhatLiesBeyondThePicturesBorderIsNotMissed) {
   }
 }
 
-TEST_F(Detail, ABoardJustOutsideThePictureShinesIntoIt) {
+TEST_F(Detail, ABoardJustOutsideThePictureBlursIntoIt) {
   const auto layer = layer_of(board(-40.0, -1.0), {.point_spread_px = 1.0});
   for (int x = 0; x < 4; ++x)
     EXPECT_NEAR(layer.at(x, 60).a, 1.0 - share_of_plane(x, -1.0, 1.0), 0.012) << "column " << x;
 }
 
-TEST_F(Detail, LargerThanOneTileItHasNoSeams) {
+TEST_F(Detail, HasNoSeamsWhenLargerThanOneTile) {
   ReferenceScene scene = board(-900.0, 900.0, -900.0, 900.0);
   scene.view = view_north(260, 230, kFocal_px);
   scene.measured = measured_airlight(scene.view);
@@ -230,7 +230,7 @@ class SharedChroma : public Detail {
   static double grey(const glm::dvec4& n) { return 0.299 * n.r + 0.587 * n.g + 0.114 * n.b; }
 };
 
-TEST_F(SharedChroma, EveryBlockHasOneColourAndEveryPixelItsOwnBrightness) {
+TEST_F(SharedChroma, EveryBlockSharesItsChromaAndEveryPixelKeepsItsLuma) {
   const auto scene = stripes();
   const auto own = layer_of(scene, {});
   for (const glm::ivec2 block : {glm::ivec2{2, 1}, glm::ivec2{2, 2}}) {
@@ -251,7 +251,7 @@ TEST_F(SharedChroma, EveryBlockHasOneColourAndEveryPixelItsOwnBrightness) {
   }
 }
 
-TEST_F(SharedChroma, NeitherCoverageNorLightChanges) {
+TEST_F(SharedChroma, LeavesCoverageAndLightUnchanged) {
   const auto scene = stripes();
   const auto own = layer_of(scene, {}), shared = layer_of(scene, {.chroma_columns = 2, .chroma_rows = 2});
   for (std::size_t i = 0; i < own.elements().size(); ++i) ASSERT_EQ(own.elements()[i].a, shared.elements()[i].a);
@@ -259,7 +259,7 @@ TEST_F(SharedChroma, NeitherCoverageNorLightChanges) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c], before[c], 0.001 * before[c]);
 }
 
-TEST_F(SharedChroma, PixelsWithoutTheObjectPassUnchanged) {
+TEST_F(SharedChroma, LeavesPixelsWithoutTheObjectUnchanged) {
   const auto scene = stripes();
   const Image<Rgb8> camera = landscape(160, 120);
   Renderer renderer = make_renderer();
@@ -273,14 +273,14 @@ TEST_F(SharedChroma, PixelsWithoutTheObjectPassUnchanged) {
       }
 }
 
-TEST_F(Detail, WhatCannotBeIsRefused) {
+TEST_F(Detail, ImpossibleValuesAreRefused) {
   Renderer renderer = make_renderer();
   EXPECT_THAT(renderer.set_detail({.point_spread_px = 3.5, .chroma_columns = 3}).error().message,
               testing::AllOf(HasSubstr("point spread of 3.5 px"), HasSubstr("3 x 1 pixels")));
   EXPECT_FALSE(renderer.set_detail({.point_spread_px = std::nan("")}));
 }
 
-TEST_F(Detail, AnotherDetailDropsTheLayer) {
+TEST_F(Detail, ChangedSettingsInvalidateTheLayer) {
   const auto scene = board(70.5, 90.5);
   const Image<Rgb8> camera = landscape(160, 120);
   Renderer renderer = make_renderer();

@@ -40,7 +40,7 @@ TEST(Projection, AgreesWithOpenCv) {
   }
 }
 
-TEST(Projection, DoesNotFoldWhatLiesOutsideThePictureIntoIt) {
+TEST(Projection, DoesNotFoldPointsOutsideThePictureIntoIt) {
   SceneView view = view_north(640, 480, 650);
   view.distortion = {-0.3, 0.0, 0, 0, 0};  // the polynomial turns back at radius 1.05, and is negative beyond 1.83
   const auto projection = make_projection(view, glm::dmat4{1.0});
@@ -54,7 +54,7 @@ TEST(Projection, DoesNotFoldWhatLiesOutsideThePictureIntoIt) {
   EXPECT_GT(last, 640.0);
 }
 
-TEST(Projection, BoxHoldsWhatIsSeen) {
+TEST(Projection, BoxContainsEverythingVisible) {
   std::mt19937_64 random(5);
   const SceneView view = view_north(200, 150, 180);
   const auto projection = make_projection(view, glm::dmat4{1.0});
@@ -99,7 +99,7 @@ TEST(Placement, TurnsClockwiseSeenFromAbove) {
   expect_near(at(z_up, {0, 0, 1}), {0, 0, 2});
 }
 
-TEST(Letterbox, KeepsTheShapeAndFillsOneDirection) {
+TEST(Letterbox, KeepsTheAspectRatioAndFillsOneDirection) {
   const auto in = [](int w, int h, int pw, int ph) { return letterbox({0, w, h, false}, pw, ph); };
   EXPECT_EQ(in(1920, 1080, 1920, 1080).width, 1920);
   EXPECT_EQ(in(1920, 1080, 640, 480).width, 1440);
@@ -147,7 +147,7 @@ TEST(PictureCutting, EveryPixelLiesInOneRectangleOfItsKind) {
   }
 }
 
-TEST(Airlight, IsBilinearBetweenPointsAndHeldBeyond) {
+TEST(Airlight, IsBilinearBetweenPointsAndClampedBeyond) {
   AirlightGrid grid;
   grid.first_px = {10, 20};
   grid.last_px = {80, 40};

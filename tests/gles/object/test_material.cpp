@@ -82,7 +82,7 @@ TEST_F(MaterialAgainstReference, PaintFromPolishedToMatt) {
   expect_same(balls(paints), {}, 46.0);
 }
 
-TEST_F(MaterialAgainstReference, CoatingsOfMoreAndLessReflection) {
+TEST_F(MaterialAgainstReference, CoatingsOfHighAndLowReflectance) {
   std::vector<ModelMaterial> coats;
   for (const float reflectance : {0.0f, 0.02f, 0.1f, 0.3f}) {
     coats.push_back(gloss(0.5, {0.3f, 0.3f, 0.4f, 1.0f}, 0.0));
@@ -123,7 +123,7 @@ TEST_F(MaterialAgainstReference, EachMapAlone) {
   });
 }
 
-TEST_F(MaterialAgainstReference, TheInnerSideOfASheetWithReliefAndGloss) {
+TEST_F(MaterialAgainstReference, TheBackOfASheetWithReliefAndGloss) {
   ReferenceScene scene = dressed_box();
   scene.model.materials[0].double_sided = true;
   auto& indices = scene.model.parts[0].indices;
@@ -132,7 +132,7 @@ TEST_F(MaterialAgainstReference, TheInnerSideOfASheetWithReliefAndGloss) {
   expect_same(scene, {}, 46.0);
 }
 
-TEST_F(MaterialAgainstReference, WhatIsUnlitKeepsItsColourInAnyLight) {
+TEST_F(MaterialAgainstReference, UnlitMaterialKeepsItsColourInAnyLight) {
   ReferenceScene scene = box_scene();
   scene.model.textures.push_back(soft_texture(32));
   scene.model.materials[0].texture = 0;
@@ -181,7 +181,7 @@ TEST_F(MaterialAgainstReference, AMovingViewShowsTheSameMaterials) {
     expect_like(draw_moving(renderer, scene, view_of(camera), detail), reference, 46.0);
 }
 
-TEST_F(MaterialAgainstReference, PanesOfTwoKindsAreSeenThroughOneAnother) {
+TEST_F(MaterialAgainstReference, PanesOfTwoKindsAreVisibleThroughEachOther) {
   // Alternately tinted panes one behind the other, in the file one kind after the other and near to far: any order but
   // theirs from the camera shows other colours.
   ReferenceScene scene = box_scene();

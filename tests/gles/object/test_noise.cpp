@@ -43,7 +43,7 @@ Statistics statistics_of(const Image<Rgb8>& picture, int channel) {
   return {mean, squares / count - mean * mean};
 }
 
-TEST_F(Noise, HasTheModelsVarianceAtEveryLevelOfLightAndDoesNotShiftTheMean) {
+TEST_F(Noise, HasTheModelsVarianceAtEveryLightLevelAndKeepsTheMean) {
   ReferenceScene scene = wall();
   Renderer renderer = make_renderer();
   load(renderer, scene);
@@ -79,7 +79,7 @@ TEST_F(Noise, IsUnbiasedInLinearLightBehindACurvedResponse) {
   }
 }
 
-TEST_F(Noise, IsTheSameForTheSameFrameAndAnotherForTheNext) {
+TEST_F(Noise, RepeatsForTheSameFrameAndDiffersForTheNext) {
   ReferenceScene scene = wall();
   scene.measured.light.fill(glm::dvec3{0.4});
   Renderer renderer = make_renderer(), other = make_renderer();
@@ -124,7 +124,7 @@ TEST_F(Noise, ShowsNoPattern) {
   EXPECT_LE(std::abs(correlation(0, 0, 1, 2)), 0.025);
 }
 
-TEST_F(Noise, LeavesPixelsWithoutTheObjectAsTheyAre) {
+TEST_F(Noise, LeavesPixelsWithoutTheObjectUnchanged) {
   for (const auto& scene : {wall(40.0), box_scene()}) {
     Renderer renderer = make_renderer();
     load(renderer, scene);
@@ -148,7 +148,7 @@ TEST_F(Noise, LeavesPixelsWithoutTheObjectAsTheyAre) {
   }
 }
 
-TEST_F(Noise, OnEdgesItAddsWhatTheCamerasPictureLacks) {
+TEST_F(Noise, AddsOnlyTheMissingNoiseBehindASoftMask) {
   // A mask of 2/5 everywhere: the camera's own noise comes through at 3/5, so the object's must bring 1 - (3/5)^2 of
   // the variance. Behind it an even picture without noise.
   ReferenceScene scene = wall();
@@ -165,7 +165,7 @@ TEST_F(Noise, OnEdgesItAddsWhatTheCamerasPictureLacks) {
   EXPECT_NEAR(variance, model, 0.03 * model);
 }
 
-TEST_F(Noise, WhatCannotBeIsRefused) {
+TEST_F(Noise, ImpossibleValuesAreRefused) {
   const ReferenceScene scene = wall();
   Renderer renderer = make_renderer();
   load(renderer, scene);

@@ -73,7 +73,7 @@ TEST_F(RendererAgainstReference, FollowsTheLensDistortion) {
   expect_same(scene);
 }
 
-TEST_F(RendererAgainstReference, FollowsAPathUpAMountain) {
+TEST_F(RendererAgainstReference, FollowsASightLineUpAMountain) {
   ReferenceScene scene = box_scene();
   // 25 km away and 3 km up, seen by a camera that looks up at it: density along the path falls by a factor of 10.
   scene.model_to_world = model_to_world({40, 25000, 3000, from_degrees(30), 7.0});
@@ -99,7 +99,7 @@ TEST_F(RendererAgainstReference, LeavesOutTheAirOnRequest) {
   expect_same_with(scene, {{}, {.force_rgba8 = true}});
 }
 
-TEST_F(RendererAgainstReference, LetsTheForegroundThroughSoftly) {
+TEST_F(RendererAgainstReference, ShowsTheForegroundThroughASoftMask) {
   ReferenceScene scene = box_scene();
   scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);
   for (int y = 0; y < 120; ++y)
@@ -107,13 +107,13 @@ TEST_F(RendererAgainstReference, LetsTheForegroundThroughSoftly) {
   expect_same_with(scene, {{}, {.force_rgba8 = true}});
 }
 
-TEST_F(RendererAgainstReference, CutsAnObjectAtThePicturesBorder) {
+TEST_F(RendererAgainstReference, ClipsAnObjectAtThePicturesBorder) {
   ReferenceScene scene = box_scene();
   scene.model_to_world = model_to_world({-45, 3500, 20, from_degrees(10), 1.0});
   expect_same(scene);
 }
 
-TEST_F(RendererAgainstReference, CutsAnObjectAtTheNearPlane) {
+TEST_F(RendererAgainstReference, ClipsAnObjectAtTheNearPlane) {
   ReferenceScene scene = box_scene();
   // A wall that begins beside the camera and runs past the near plane into the distance.
   scene.model = {};
@@ -178,7 +178,7 @@ TEST_F(RendererAgainstReference, EncodesWithTheCamerasResponse) {
   expect_same_with(scene, {{}, {.force_rgba8 = true}});
 }
 
-TEST_F(RendererAgainstReference, HoldsInDenseHazeAndInNone) {
+TEST_F(RendererAgainstReference, AgreesInDenseHazeAndInNone) {
   ReferenceScene scene = box_scene();
   for (auto& mie : scene.appearance.haze.mie_per_m) mie *= 12.0;
   expect_same_with(scene, {{}, {.force_rgba8 = true}});
@@ -186,7 +186,7 @@ TEST_F(RendererAgainstReference, HoldsInDenseHazeAndInNone) {
   expect_same(scene);
 }
 
-TEST_F(RendererAgainstReference, SeesItsFootInTheFogOfTheValley) {
+TEST_F(RendererAgainstReference, DrawsTheFootOfTheObjectInValleyFog) {
   ReferenceScene scene = box_scene();
   // Faces small beside the fog's scale height: between vertices the depth of fog is linear.
   scene.model = box_model(60, 40, 60, 40);
@@ -201,7 +201,7 @@ TEST_F(RendererAgainstReference, SeesItsFootInTheFogOfTheValley) {
   expect_same(scene);
 }
 
-TEST_F(RendererAgainstReference, SmoothsEdgesLikeManySamples) {
+TEST_F(RendererAgainstReference, AntialiasesEdgesLikeManySamples) {
   // 17 samples against 1024: a straight edge's coverage is off by at most 1/17, which between building and sky of this
   // scene is a few steps; 42 dB on all covered pixels together.
   ReferenceScene scene = box_scene();

@@ -57,7 +57,7 @@ TEST_F(RendererRules, DitheringKeepsTheMean) {
   }
 }
 
-TEST_F(RendererRules, TheLayerHoldsForEveryExposure) {
+TEST_F(RendererRules, TheLayerIsValidForEveryExposure) {
   ReferenceScene scene = box_scene();
   for (const bool force_rgba8 : {false, true}) {
     Renderer renderer = make_renderer({.force_rgba8 = force_rgba8});
@@ -72,7 +72,7 @@ TEST_F(RendererRules, TheLayerHoldsForEveryExposure) {
   }
 }
 
-TEST_F(RendererRules, OnePassIsLikeTheLayerInsideTheObject) {
+TEST_F(RendererRules, OnePassMatchesTheLayerInsideTheObject) {
   const ReferenceScene scene = box_scene();
   const Image<Rgb8> camera = landscape(160, 120);
   const auto reference = render_reference(scene, camera, upright_grid(4));
@@ -116,7 +116,7 @@ TEST_F(RendererRules, MultisamplingSmoothsTheMovingView) {
   EXPECT_GE(smooth, plain + 3.0) << "dB";
 }
 
-TEST_F(RendererRules, WithoutAnObjectInSightTheCamerasPictureStands) {
+TEST_F(RendererRules, WithoutAVisibleObjectTheCamerasPictureIsUnchanged) {
   const Image<Rgb8> camera = landscape(160, 120);
   for (const Placement& away :
        {Placement{0, -3500, 0, {}, 1.0}, Placement{0, 20, 0, {}, 1.0}, Placement{2000, 3500, 0, {}, 1.0}}) {
@@ -141,7 +141,7 @@ TEST_F(RendererRules, WhollyHiddenObjectsLeaveNoTrace) {
   EXPECT_EQ(draw_moving(renderer, scene, view_of(camera), HazeDetail::per_vertex).elements(), camera.elements());
 }
 
-TEST_F(RendererRules, APoseChangeDropsTheLayer) {
+TEST_F(RendererRules, APoseChangeInvalidatesTheLayer) {
   const ReferenceScene scene = box_scene();
   const Image<Rgb8> camera = landscape(160, 120);
   Renderer renderer = make_renderer();
@@ -151,7 +151,7 @@ TEST_F(RendererRules, APoseChangeDropsTheLayer) {
   EXPECT_EQ(draw(renderer, scene.measured, view_of(camera)).elements(), camera.elements());
 }
 
-TEST_F(RendererRules, DrawsTheOldLayerNoMoreThanAsked) {
+TEST_F(RendererRules, RedrawsTheLayerOnlyOnRequest) {
   // The layer is drawn on request only: another sun changes nothing until then.
   ReferenceScene scene = box_scene();
   const Image<Rgb8> camera = landscape(160, 120);
@@ -194,7 +194,7 @@ TEST_F(RendererRules, ReducesTexturesTheDriverCannotTake) {
   EXPECT_THAT(renderer.notes()[0], HasSubstr("reduced to"));
 }
 
-TEST_F(RendererRules, SaysAllThatIsWrongWithItsInput) {
+TEST_F(RendererRules, ReportsEveryProblemWithItsInput) {
   Renderer renderer = make_renderer();
   const Image<Rgb8> camera = landscape(160, 120);
   ReferenceScene scene = box_scene();

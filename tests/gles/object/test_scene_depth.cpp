@@ -41,7 +41,7 @@ class SceneDepths : public GlesTest {
   }
 };
 
-TEST_F(SceneDepths, HidesWhatLiesBehindAndNothingElse) {
+TEST_F(SceneDepths, HideWhatLiesBehindAndNothingElse) {
   ReferenceScene scene = board();
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x)
@@ -53,7 +53,7 @@ TEST_F(SceneDepths, HidesWhatLiesBehindAndNothingElse) {
   }
 }
 
-TEST_F(SceneDepths, DrawsLikeTheRays) {
+TEST_F(SceneDepths, MatchTheRayTracer) {
   // Hills before the box and behind it, a tree of a few pixels, sky.
   ReferenceScene scene = box_scene();
   scene.depth_m = Image<float>(160, 120);
@@ -76,7 +76,7 @@ TEST_F(SceneDepths, DrawsLikeTheRays) {
   }
 }
 
-TEST_F(SceneDepths, ASlantedEdgeIsSmooth) {
+TEST_F(SceneDepths, GiveASlantedEdgeWithoutSteps) {
   // The true edge of a near surface runs through the pixels; the map knows only whether it lies over their centres.
   ReferenceScene scene = board();
   const glm::dvec2 normal = glm::normalize(glm::dvec2{1.0, 0.37});
@@ -106,7 +106,7 @@ TEST_F(SceneDepths, ASlantedEdgeIsSmooth) {
   EXPECT_NEAR(mean / count, 0.0, 0.02) << "the edge must stay in its place";
 }
 
-TEST_F(SceneDepths, TheObjectStandsInSlopingGround) {
+TEST_F(SceneDepths, LetTheObjectStandInSlopingGround) {
   // Ground that comes nearer downwards, 2 m a row: it meets the board at row 60.3, at every column a fifth of a row
   // lower.
   ReferenceScene scene = board();

@@ -45,7 +45,7 @@ class CameraImports : public GlesTest {
   ImageCalls calls_;
 };
 
-TEST_F(CameraImports, ShowTheSameBitsAsACopyDoesInEveryLayout) {
+TEST_F(CameraImports, ShowTheSameBitsAsACopyInEveryLayout) {
   Renderer renderer = make_renderer(with_test_images());
   std::uint64_t number = 0;
   for (const PixelLayout layout : kLayouts)
@@ -81,7 +81,7 @@ TEST_F(CameraImports, LeaveTheConversionToTheDriverWherePlanesAreRefused) {
   EXPECT_THAT(renderer.notes(), Not(testing::Contains(HasSubstr("copied"))));
 }
 
-TEST_F(CameraImports, TakeEachBufferOnceAndShowWhatIsInItNow) {
+TEST_F(CameraImports, ImportEachBufferOnceAndShowItsCurrentContent) {
   {
     Renderer renderer = make_renderer(with_test_images());
     std::vector<std::unique_ptr<Buffer>> buffers;
@@ -105,7 +105,7 @@ TEST_F(CameraImports, TakeEachBufferOnceAndShowWhatIsInItNow) {
   EXPECT_EQ(calls_.destroyed, 12);
 }
 
-TEST_F(CameraImports, ForgetTheBuffersOfACameraThatIsGone) {
+TEST_F(CameraImports, ForgetTheBuffersOfADisconnectedCamera) {
   Renderer renderer = make_renderer(with_test_images());
   std::vector<std::unique_ptr<Buffer>> first, second;
   for (std::uint64_t i = 0; i < 4; ++i) {
@@ -120,7 +120,7 @@ TEST_F(CameraImports, ForgetTheBuffersOfACameraThatIsGone) {
   EXPECT_EQ(calls_.made.size(), 8u);
 }
 
-TEST_F(CameraImports, TakeABufferAnewWhenAnotherPictureLiesInIt) {
+TEST_F(CameraImports, ReimportABufferWhoseSizeChanged) {
   Renderer renderer = make_renderer(with_test_images());
   const Buffer wide(PixelLayout::grey8, YuvEncoding::bt601_full, 32, 16, 0, 7);
   const Buffer tall(PixelLayout::grey8, YuvEncoding::bt601_full, 16, 32, 0, 7);
@@ -130,7 +130,7 @@ TEST_F(CameraImports, TakeABufferAnewWhenAnotherPictureLiesInIt) {
   EXPECT_EQ(calls_.destroyed, 1);
 }
 
-TEST_F(CameraImports, AreNotTriedAgainWhereTheyWereRefused) {
+TEST_F(CameraImports, AreNotRetriedAfterARefusal) {
   Renderer renderer = make_renderer(with_test_images());
   calls_.refused = {"*"};
   const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, 32, 16, 0, 1);
@@ -150,7 +150,7 @@ TEST_F(CameraImports, AreNotTriedAgainWhereTheyWereRefused) {
   ASSERT_OK(renderer.import_frame(other.picture));
 }
 
-TEST_F(CameraImports, AreNotAskedOfSoftwareThatMayCrashOnThem) {
+TEST_F(CameraImports, AreNotAttemptedOnDriversThatMayCrash) {
   if (!info().software) GTEST_SKIP() << info().renderer << " is no software";
   RendererOptions options = with_test_images();
   options.import_on_software = false;
@@ -166,7 +166,7 @@ TEST_F(CameraImports, AreNotAskedOfSoftwareThatMayCrashOnThem) {
   EXPECT_THAT(renderer.notes(), testing::Contains(HasSubstr("copied")).Times(1));
 }
 
-TEST_F(CameraImports, NeverReachBeyondTheBuffer) {
+TEST_F(CameraImports, NeverReadBeyondTheBuffer) {
   Renderer renderer = make_renderer(with_test_images());
   const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, 64, 64, 0, 1);  // 6144 bytes on two pages
   const auto expect_refused = [&](auto change) {
@@ -188,7 +188,7 @@ TEST_F(CameraImports, NeverReachBeyondTheBuffer) {
   EXPECT_EQ(renderer.import_frame(closed).error().kind, FaultKind::unsupported);
 }
 
-TEST_F(CameraImports, TakeTheObjectAsACopyDoes) {
+TEST_F(CameraImports, CompositeTheObjectAsACopyDoes) {
   ReferenceScene scene = box_scene();
   Renderer renderer = make_renderer(with_test_images());
   load(renderer, scene);

@@ -122,7 +122,7 @@ TEST_F(CameraPicture, FillsAWindowOfAnotherShapeBetweenBlackBars) {
   EXPECT_EQ(in_tall->at(20, 60), Rgb8(0, 0, 0));
 }
 
-TEST_F(CameraPicture, StandsUprightInAWindowAsInAFile) {
+TEST_F(CameraPicture, IsUprightInAWindowAsInAFile) {
   ReferenceScene scene = box_scene();
   Renderer renderer = make_renderer();
   load(renderer, scene);
@@ -149,7 +149,7 @@ TEST_F(CameraPicture, StandsUprightInAWindowAsInAFile) {
   }
 }
 
-TEST_F(CameraPicture, RefusesWhatIsNoPicture) {
+TEST_F(CameraPicture, RefusesInvalidPictures) {
   Renderer renderer = make_renderer();
   Offscreen target = make_target(8, 8);
   EXPECT_EQ(renderer.draw({}, target.target()).error().kind, FaultKind::bad_input);

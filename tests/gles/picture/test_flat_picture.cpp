@@ -60,7 +60,7 @@ TEST_F(FlatPictures, BlendEachPixelOverTheTargetInFilesAndWindowsAlike) {
     }
 }
 
-TEST_F(FlatPictures, AreFilteredBetweenPixelsAndNeverBeyondTheirEdge) {
+TEST_F(FlatPictures, AreInterpolatedBetweenPixelsAndClampedAtTheirEdges) {
   const Image<Rgba8> picture = noise(6, 5);
   const FlatPicture flat = make(picture);
   Offscreen offscreen = make_target(40, 40);
@@ -89,7 +89,7 @@ TEST_F(FlatPictures, AreFilteredBetweenPixelsAndNeverBeyondTheirEdge) {
   EXPECT_LE(worst, 2) << "steps of 255";
 }
 
-TEST_F(FlatPictures, ATransparentPixelsColourIsNeverSeen) {
+TEST_F(FlatPictures, NeverShowTheColourOfATransparentPixel) {
   Image<Rgba8> picture(4, 4, Rgba8{255, 0, 0, 0});
   picture.at(1, 1) = picture.at(2, 1) = picture.at(1, 2) = picture.at(2, 2) = {255, 255, 255, 255};
   const FlatPicture flat = make(picture);
@@ -116,7 +116,7 @@ TEST_F(FlatPictures, AreAveragedWhereTheyShrink) {
   for (const Rgb8& p : drawn->elements()) ASSERT_NEAR(p.g, 127.5, 2.0);
 }
 
-TEST_F(FlatPictures, LargerThanTheDriverTakesAreHalved) {
+TEST_F(FlatPictures, AreHalvedWhenTooLargeForTheDriver) {
   const int width = 2 * info().max_texture_size + 2;
   Image<Rgba8> strip(width, 2, Rgba8{0, 0, 0, 255});
   for (int y = 0; y < 2; ++y)
@@ -132,7 +132,7 @@ TEST_F(FlatPictures, LargerThanTheDriverTakesAreHalved) {
   EXPECT_EQ(drawn->at(56, 4), Rgb8(250, 100, 50));
 }
 
-TEST_F(FlatPictures, FitWhereTheCamerasPictureWouldStand) {
+TEST_F(FlatPictures, FitWhereTheCamerasPictureWouldBe) {
   // White camera picture first, the still of the same shape in black over it: nothing white may be left.
   Renderer renderer = make_renderer();
   const Image<Rgb8> white(40, 30, Rgb8{255, 255, 255});
@@ -154,7 +154,7 @@ TEST_F(FlatPictures, FitWhereTheCamerasPictureWouldStand) {
     }
 }
 
-TEST_F(FlatPictures, LeaveTheSceneAsItWasDrawnBefore) {
+TEST_F(FlatPictures, LeaveTheSceneDrawnBeforeUnchanged) {
   // Drawn between two composites, a caption must not leak its GL state into the second.
   ReferenceScene scene = box_scene();
   Renderer renderer = make_renderer();
@@ -166,7 +166,7 @@ TEST_F(FlatPictures, LeaveTheSceneAsItWasDrawnBefore) {
   EXPECT_EQ(before.elements(), draw(renderer, scene.measured, view_of(camera)).elements());
 }
 
-TEST_F(FlatPictures, RefuseWhatCannotBeDrawn) {
+TEST_F(FlatPictures, RefuseInvalidPictures) {
   EXPECT_EQ(FlatPicture::create(*context_, {}).error().kind, FaultKind::bad_input);
   const FlatPicture flat = make(noise(4, 4));
   Offscreen offscreen = make_target(8, 8);

@@ -26,7 +26,7 @@ ResponseCurve table_of(double (*light)(double), int entries) {
   return curve;
 }
 
-TEST(ResponseTable, LeadsThereAndBackWithinATwentiethOfAStep) {
+TEST(ResponseTable, RoundTripsWithinATwentiethOfAStep) {
   const std::array<double (*)(double), 4> curves{
       [](double x) { return x; }, [](double x) { return std::pow(x, 2.2); },
       [](double x) { return (std::exp(3 * x) - 1) / (std::exp(3.0) - 1); },
@@ -45,7 +45,7 @@ TEST(ResponseTable, LeadsThereAndBackWithinATwentiethOfAStep) {
     }
 }
 
-TEST(ResponseTable, NeverFalls) {
+TEST(ResponseTable, NeverDecreases) {
   const auto texels = response_texels(table_of([](double x) { return std::pow(x, 3.0); }, 100));
   for (const int row : {0, 1, 2, 4, 5, 6})
     for (int i = 1; i + 1 < kResponseEntries; ++i)
@@ -63,7 +63,7 @@ TEST(Mipmaps, AverageInLinearLight) {
   for (const glm::u8vec4 texel : half.elements()) EXPECT_EQ(texel, glm::u8vec4(188, 188, 188, 255));  // sRGB of 0.5
 }
 
-TEST(Mipmaps, KeepTheMeanOfOddSizes) {
+TEST(Mipmaps, PreserveTheMeanOfOddSizes) {
   Image<glm::u8vec4> line(5, 1, glm::u8vec4{0, 0, 0, 255});
   line.at(2, 0) = {255, 255, 255, 255};
   const auto half = halved(line);
@@ -74,7 +74,7 @@ TEST(Mipmaps, KeepTheMeanOfOddSizes) {
   EXPECT_EQ(half.at(1, 0), glm::u8vec4(124, 124, 124, 255));
 }
 
-TEST(Mipmaps, TransparentTexelsDoNotColourTheirNeighbours) {
+TEST(Mipmaps, IgnoreTheColourOfTransparentTexels) {
   Image<glm::u8vec4> pair(2, 1, glm::u8vec4{0, 255, 0, 0});
   pair.at(0, 0) = {200, 10, 10, 255};
   EXPECT_EQ(halved(pair).at(0, 0), glm::u8vec4(200, 10, 10, 128));

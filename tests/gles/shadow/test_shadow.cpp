@@ -94,7 +94,7 @@ class Shadow : public GlesTest {
   }
 };
 
-TEST_F(Shadow, FallsLikeRaysToTheSunsDisc) {
+TEST_F(Shadow, MatchesRaysTracedToTheSunsDisc) {
   ReferenceScene scene = gate_scene();
   for (const auto& [elevation, azimuth] : {std::pair{12.0, 250.0}, std::pair{40.0, 130.0}, std::pair{88.0, 180.0}}) {
     SCOPED_TRACE(elevation);
@@ -103,12 +103,12 @@ TEST_F(Shadow, FallsLikeRaysToTheSunsDisc) {
   }
 }
 
-TEST_F(Shadow, FallsTheSameWithoutWhatDriversMayLack) {
+TEST_F(Shadow, IsTheSameWithoutOptionalDriverFeatures) {
   const ReferenceScene scene = gate_scene();
   expect_same_with(scene, {{.force_rgba8 = true}, {.force_packed_shadows = true}, {.force_smooth_shadows = true}});
 }
 
-TEST_F(Shadow, PackedDepthIsTheDriversDepth) {
+TEST_F(Shadow, PackedDepthEqualsTheDriversDepth) {
   const ReferenceScene scene = gate_scene();
   const auto depth = layer_of(scene), packed = layer_of(scene, {.force_packed_shadows = true});
   int others = 0;
@@ -117,7 +117,7 @@ TEST_F(Shadow, PackedDepthIsTheDriversDepth) {
   EXPECT_LE(others, 4) << "values that differ by more than .002: a depth within a float's last bit of a surface";
 }
 
-TEST_F(Shadow, OfMaskedMaterialIsCutOut) {
+TEST_F(Shadow, OfMaskedMaterialHasItsHoles) {
   ReferenceScene scene = gate_scene();
   ModelTexture texture = soft_texture(32);
   for (int y = 0; y < 32; ++y)
@@ -134,7 +134,7 @@ TEST_F(Shadow, OfMaskedMaterialIsCutOut) {
   expect_same(scene);
 }
 
-TEST_F(Shadow, OfGlassThereIsNone) {
+TEST_F(Shadow, IsNotCastByGlass) {
   ReferenceScene scene = gate_scene();
   scene.model.materials[0].alpha = ModelMaterial::Alpha::blend;
   scene.model.materials[0].base_colour.a = 0.5f;
@@ -143,7 +143,7 @@ TEST_F(Shadow, OfGlassThereIsNone) {
   EXPECT_EQ(with.elements(), layer_of(scene).elements());
 }
 
-TEST_F(Shadow, TakesFromTheGroundTheSunsShareOfItsOwnLightOnly) {
+TEST_F(Shadow, RemovesOnlyTheSunsShareOfTheGroundsLight) {
   // In the core of a shadow: camera * k + (1 - k) (1 - Gamma) Linf, k = sky / (sky + sun), for ground of the proxy's
   // colour in every channel, for any other ground in green.
   ReferenceScene scene = gate_scene();
@@ -183,7 +183,7 @@ TEST_F(Shadow, TakesFromTheGroundTheSunsShareOfItsOwnLightOnly) {
   }
 }
 
-TEST_F(Shadow, LeavesWhatNeitherObjectNorShadowCoversBitForBit) {
+TEST_F(Shadow, LeavesUncoveredPixelsUnchangedBitForBit) {
   const ReferenceScene scene = gate_scene();
   const Image<Rgb8> camera = landscape(128, 96);
   const auto reference = render_reference(scene, camera, upright_grid(4));
@@ -205,7 +205,7 @@ TEST_F(Shadow, LeavesWhatNeitherObjectNorShadowCoversBitForBit) {
   EXPECT_GT(shaded, 500);
 }
 
-TEST_F(Shadow, UnderAnOvercastSkyThereIsNoneBitForBit) {
+TEST_F(Shadow, IsAbsentUnderAnOvercastSkyBitForBit) {
   ReferenceScene scene = gate_scene();
   scene.appearance.light.sun_irradiance = glm::dvec3{0.0};
   const Image<Rgb8> camera = landscape(128, 96);
@@ -221,7 +221,7 @@ TEST_F(Shadow, UnderAnOvercastSkyThereIsNoneBitForBit) {
   EXPECT_EQ(moving[0].elements(), moving[1].elements());
 }
 
-TEST_F(Shadow, IsThereInAMovingViewToo) {
+TEST_F(Shadow, IsAlsoDrawnInAMovingView) {
   ReferenceScene scene = gate_scene();
   const Image<Rgb8> camera = ground_picture(scene);
   const auto reference = render_reference(scene, camera, pixel_centre());
@@ -297,7 +297,7 @@ double edge_deviation(const Image<glm::vec4>& layer, int row, int left, int righ
   return std::sqrt(second / weight - first * first);
 }
 
-TEST_F(Shadow, GrowsSoftWithTheDistanceLikeTheSunsDisc) {
+TEST_F(Shadow, SoftensWithDistanceAsTheSunsDiscDemands) {
   // The edge of a board that lies in the sun's vertical plane: its shadow fades over 2 d tan(.2665 deg), d being the
   // distance to it. A disc's light fades with a standard deviation of a quarter of that width.
   for (const double up_m : {25.0, 50.0, 100.0}) {
@@ -328,7 +328,7 @@ TEST_F(Shadow, GrowsSoftWithTheDistanceLikeTheSunsDisc) {
   }
 }
 
-TEST_F(Shadow, OfThinPostsStaysSteadyWhileTheSunMoves) {
+TEST_F(Shadow, OfThinPostsDoesNotFlickerWhileTheSunMoves) {
   // Posts half a pixel thick at 3 km: from one redraw to the next the whole shadow hardly changes, and no pixel jumps
   // farther than the rays say.
   ReferenceScene scene = box_scene();
@@ -359,7 +359,7 @@ TEST_F(Shadow, OfThinPostsStaysSteadyWhileTheSunMoves) {
   }
 }
 
-TEST_F(Shadow, TheBoxHoldsTheGround) {
+TEST_F(Shadow, TheBoxContainsTheShadedGround) {
   ReferenceScene scene = gate_scene();
   Renderer renderer = make_renderer();
   load(renderer, scene);
@@ -373,7 +373,7 @@ TEST_F(Shadow, TheBoxHoldsTheGround) {
   EXPECT_EQ(with.bottom, 96);
 }
 
-TEST(SunFrame, HoldsTheModelInEveryMap) {
+TEST(SunFrame, ContainsTheModelInEveryMap) {
   const ModelBounds bounds{{-40, -2, -25}, {30, 33, 50}};
   const auto to_world = model_to_world({306, 3487, -39, from_degrees(24), 1.3});
   for (const double elevation : {-1.0, 0.0, 2.0, 30.0, 60.0, 89.0, 90.0})

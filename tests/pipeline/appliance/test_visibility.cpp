@@ -75,7 +75,7 @@ class VisibilityCommand : public testing::Test {
 };
 std::filesystem::path VisibilityCommand::folder;
 
-TEST_F(VisibilityCommand, TellsThatOfAPicture) {
+TEST_F(VisibilityCommand, ReportsTheVisibilityOfAPicture) {
   const auto outcome = run_kasumi(asked("scenes/1.png"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
@@ -100,7 +100,7 @@ TEST_F(VisibilityCommand, TakesAFolder) {
   EXPECT_NEAR(turbidities[1] / 6.0, 1.0, 0.15);
 }
 
-TEST_F(VisibilityCommand, StandsBesideTheSkysOwnAndIsNotMixedWithIt) {
+TEST_F(VisibilityCommand, IsReportedNextToTheSkysOwnAndNotMixedWithIt) {
   const std::string sky =
       in_folder("sky.png") + " --circle 199.5,199.5,200 --sun-zenith-deg 58.4 --sun-azimuth-deg 180";
   const auto alone = run_kasumi("estimate --json " + sky);
@@ -116,7 +116,7 @@ TEST_F(VisibilityCommand, StandsBesideTheSkysOwnAndIsNotMixedWithIt) {
   EXPECT_EQ(json, nlohmann::json::parse(alone.out)) << "what the sky says stays as it is";
 }
 
-TEST_F(VisibilityCommand, NamesAllThatIsWrongWithTheLandmarks) {
+TEST_F(VisibilityCommand, ReportsAllProblemsOfTheLandmarks) {
   ASSERT_TRUE(write_text_file(folder / "wrong.toml",
                               "[[landmarks]]\nname = \"a\"\ndistance_m = 100\nregion_px = [310, 0, 20, 20]\n"
                               "[[landmarks]]\nname = \"b\"\ndistance_m = -3\nregion_px = [1, 1, 5, 5]\n"
@@ -182,7 +182,7 @@ class VisibilityLoopTest : public testing::Test {
   VisibilityStatus latest;
 };
 
-TEST_F(VisibilityLoopTest, TellsTheVisibilityBesideTheSkysAir) {
+TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {
   EXPECT_TRUE(told().is_null());
   sky_says(3.0);
   look(3.0);
@@ -194,7 +194,7 @@ TEST_F(VisibilityLoopTest, TellsTheVisibilityBesideTheSkysAir) {
   EXPECT_EQ(json["landmarks"], kLandmarks);
 }
 
-TEST_F(VisibilityLoopTest, ADisagreementThatLastsIsAFindingAndEnds) {
+TEST_F(VisibilityLoopTest, ALastingDisagreementIsReportedUntilItEnds) {
   sky_says(2.0);
   for (int i = 0; i < 4; ++i) look(6.0);
   EXPECT_EQ(told()["agreement"], "disagrees");
@@ -208,7 +208,7 @@ TEST_F(VisibilityLoopTest, ADisagreementThatLastsIsAFindingAndEnds) {
   EXPECT_EQ(told()["finding"], false);
 }
 
-TEST_F(VisibilityLoopTest, WhatTheLandmarksAreLikeIsRememberedOverARestart) {
+TEST_F(VisibilityLoopTest, LandmarkPropertiesSurviveARestart) {
   const auto folder = test_folder("visibility-state");
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
@@ -240,7 +240,7 @@ TEST_F(VisibilityLoopTest, WhatTheLandmarksAreLikeIsRememberedOverARestart) {
   }
 }
 
-TEST_F(VisibilityLoopTest, SaysNothingUnderALowSunOrWithoutASky) {
+TEST_F(VisibilityLoopTest, ReportsNothingUnderALowSunOrWithoutASky) {
   look(3.0);
   EXPECT_EQ(told()["agreement"], "unknown");
   EXPECT_FALSE(told()["visibility_m"].is_null()) << "the landmarks need no sky camera";

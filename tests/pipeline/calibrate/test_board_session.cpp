@@ -35,7 +35,7 @@ BoardPose pose_at(double right_m, double down_m, double tilt_x, double tilt_y) {
   return board_at(kBoard, right_m, down_m, tilt_x, tilt_y);
 }
 
-TEST(BoardCollector, AViewIsTakenWhenItIsStillSharpAndNew) {
+TEST(BoardCollector, AcceptsAViewThatIsStillSharpAndNew) {
   BoardCollector collector(kBoard);
   const auto here = picture(pose_at(0.0, 0.0, 0.0, 0.0)), there = picture(pose_at(0.02, 0.0, 0.0, 0.0));
   EXPECT_EQ(collector.look(Image<std::uint8_t>(kWidth, kHeight, 90), "a"), Found::nothing);
@@ -52,7 +52,7 @@ TEST(BoardCollector, AViewIsTakenWhenItIsStillSharpAndNew) {
   EXPECT_FALSE(collector.enough());
 }
 
-TEST(BoardCollector, ItTellsWhereTheBoardWasNotAndHowItWasNotTilted) {
+TEST(BoardCollector, ReportsMissingPositionsAndTilts) {
   BoardCollector collector(kBoard);
   const auto take = [&](const BoardPose& pose) {
     const auto frame = picture(pose);
@@ -78,7 +78,7 @@ TEST(BoardCollector, ItTellsWhereTheBoardWasNotAndHowItWasNotTilted) {
   EXPECT_GT(covered.g, covered.r);
 }
 
-TEST(BoardCollector, TheSideThatIsNearerIsTheOneWithLargerSquares) {
+TEST(BoardCollector, TheNearerSideIsTheOneWithLargerSquares) {
   BoardCollector collector(kBoard);
   // By a pinhole's rule, whatever the sign of a normal: compare the squares' sizes as they are drawn.
   const auto pose = pose_at(0.0, 0.0, 0.6, 0.0);
@@ -95,7 +95,7 @@ TEST(BoardCollector, TheSideThatIsNearerIsTheOneWithLargerSquares) {
   EXPECT_TRUE(collector.leaned(right_larger ? Lean::right : Lean::left));
 }
 
-TEST(CalibrateLens, ARecordingInACamerasPlaceIsLookedAtUntilThePictureIsCovered) {
+TEST(CalibrateLens, ARecordingInACamerasPlaceIsReadUntilThePictureIsCovered) {
   const auto folder = fresh_folder("calibrate-live"), sky = folder / "sky";
   std::filesystem::create_directories(sky);
   std::string index = "monotonic_ns,utc,sequence,fourcc,width,height,stride,bytes_used,exposure_s,gain,flags,payload\n";
@@ -140,7 +140,7 @@ TEST(CalibrateLens, ARecordingInACamerasPlaceIsLookedAtUntilThePictureIsCovered)
   }
 }
 
-TEST(CalibrateLens, OfACameraThatRunsEverythingWrongIsToldToo) {
+TEST(CalibrateLens, AllProblemsOfALiveSessionAreReportedAtOnce) {
   const auto outcome = run("lens a.png --live /nowhere/at-all --charuco 2x2 --out /nowhere/c.toml");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("expected one of pictures, --config, --live and --import"));

@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(BoardSheet, ACheckerboardIsTrueToScaleInTheMiddleOfItsPaper) {
+TEST(BoardSheet, ACheckerboardIsTrueToScaleAndCentredOnItsPaper) {
   const auto sheet = lay_out(Board{8, 5, 0.025}).value();  // 9 x 6 squares: 225 x 150 mm
   EXPECT_EQ(sheet.paper, "A4");
   ASSERT_EQ(sheet.black.size(), 27u);
@@ -30,7 +30,7 @@ TEST(BoardSheet, ACheckerboardIsTrueToScaleInTheMiddleOfItsPaper) {
   EXPECT_FALSE(lay_out(Board{40, 40, 0.1}));
 }
 
-TEST(BoardSheet, ThePdfsNumbersAreItsOwnPlaces) {
+TEST(BoardSheet, ThePdfsOffsetsAreCorrect) {
   const auto pdf = pdf_of(lay_out(CharucoBoard{8, 6, 0.03, 0.022, "DICT_4X4_50"}).value());
   // A reader finds each object where the table says, and the stream as long as it says.
   const auto table_at = static_cast<std::size_t>(std::atol(pdf.c_str() + pdf.find("startxref") + 10));
@@ -53,7 +53,7 @@ TEST(BoardSheet, ThePdfsNumbersAreItsOwnPlaces) {
   EXPECT_THAT(pdf, HasSubstr("\\(DICT_4X4_50, squares of 30 mm, markers of 22 mm\\)"));
 }
 
-TEST(CalibrateBoard, APageIsWrittenAndEverythingWrongIsToldAtOnce) {
+TEST(CalibrateBoard, WritesAPageAndReportsAllProblemsAtOnce) {
   const auto folder = fresh_folder("calibrate-board");
   const auto file = folder / "board.svg";
   const auto done = run("board --charuco 8x6 --square-mm 30 --marker-mm 22 --out " + file.string());

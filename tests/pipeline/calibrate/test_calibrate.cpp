@@ -81,7 +81,7 @@ TEST(CalibrateLens, AnotherProgramsFileIsImported) {
   EXPECT_THAT(root.table("sky").table("measured").table("lens").text("from"), HasSubstr("OCamCalib"));
 }
 
-TEST(CalibrateLens, EverythingWrongIsToldAtOnce) {
+TEST(CalibrateLens, ReportsAllProblemsAtOnce) {
   const auto outcome = run("lens one.png --board 8by6 --camera scene --model scaramuzza --out /nowhere/c.toml");
   EXPECT_EQ(outcome.code, 2);
   for (const char* part : {"1 pictures", "--board 8by6", "--model scaramuzza"})
@@ -90,7 +90,7 @@ TEST(CalibrateLens, EverythingWrongIsToldAtOnce) {
   EXPECT_EQ(run("sky /nowhere/at-all --out c.toml").code, 2);
 }
 
-TEST(CalibrateSky, ARecordingOfADayGivesTheCameraBackAsItWasRendered) {
+TEST(CalibrateSky, ARecordedDayRecoversTheCameraItWasRenderedWith) {
   auto recipe = small("clear-noon", 9);
   recipe.sky_size = 300;
   recipe.scene_frames = 1;

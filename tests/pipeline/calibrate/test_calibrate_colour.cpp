@@ -47,7 +47,7 @@ std::filesystem::path measured(const std::filesystem::path& folder) {
   return folder / "cameras";
 }
 
-TEST(CalibrateColour, ARecordingBecomesAMaskThenASensitivityThatTheCameraIsReadWith) {
+TEST(CalibrateColour, ARecordingGivesAMaskAndThenAUsableSensitivity) {
   const auto folder = fresh_folder("calibrate-colour");
   const auto recording = morning(folder), cameras = measured(folder), file = folder / "calibration.toml";
 
@@ -102,7 +102,7 @@ TEST(CalibrateColour, ARecordingBecomesAMaskThenASensitivityThatTheCameraIsReadW
   EXPECT_FALSE(of_scene.has("white_balance"));
 }
 
-TEST(CalibrateColour, EverythingWrongIsToldAtOnceAndNothingIsWritten) {
+TEST(CalibrateColour, ReportsAllProblemsAtOnceAndWritesNothing) {
   const auto folder = fresh_folder("calibrate-colour-wrong");
   ASSERT_TRUE(write_text_file(folder / "grey.csv", "wavelength,r,g,b\n400,1,1,1\n500,2,2,2\n600,1,1,1\n"));
   const auto outcome =
@@ -115,7 +115,7 @@ TEST(CalibrateColour, EverythingWrongIsToldAtOnceAndNothingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder / "c.sky-sensitivity.csv"));
 }
 
-TEST(CalibrateMask, StrokesOnASceneBecomeAMaskBesideTheCalibration) {
+TEST(CalibrateMask, StrokesOnASceneBecomeAMaskNextToTheCalibration) {
   const auto folder = fresh_folder("calibrate-mask");
   // Dark green below a jagged edge, pale blue above.
   Image<Rgb8> picture(160, 90, Rgb8(170, 185, 205));

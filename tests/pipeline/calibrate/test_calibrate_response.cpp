@@ -51,7 +51,7 @@ Image<Rgb8> picture(double exposure, bool flat, std::mt19937_64& random) {
   return made;
 }
 
-TEST(CalibrateResponse, ExposuresDarkAndFlatBecomeCurveBlackLevelAndVignetting) {
+TEST(CalibrateResponse, ExposuresDarkFrameAndFlatFieldGiveCurveBlackLevelAndVignetting) {
   const auto folder = fresh_folder("calibrate-response");
   std::mt19937_64 random(1);
   std::string files, times;
@@ -93,7 +93,7 @@ TEST(CalibrateResponse, ExposuresDarkAndFlatBecomeCurveBlackLevelAndVignetting) 
   EXPECT_GT(std::filesystem::file_size(folder / "merged.tiff"), 1000u);
 }
 
-TEST(CalibrateResponse, EverythingWrongIsToldAtOnce) {
+TEST(CalibrateResponse, ReportsAllProblemsAtOnce) {
   const auto outcome = run("response one.png --exposures-s 0.1,0.2 --circle 5,5,-1 --out " +
                            (fresh_folder("r-wrong") / "c.toml").string());
   EXPECT_EQ(outcome.code, 2);

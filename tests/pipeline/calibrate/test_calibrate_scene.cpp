@@ -153,7 +153,7 @@ TEST(CalibrateScene, ThreeSightingsOfTheSettingSunAndTheHorizonGiveThePose) {
   EXPECT_THAT(night.err, HasSubstr("a time at which the sun is up"));
 }
 
-TEST(CalibrateScene, EverythingWrongIsToldAtOnce) {
+TEST(CalibrateScene, ReportsAllProblemsAtOnce) {
   const auto folder = fresh_folder("calibrate-scene-wrong");
   ASSERT_TRUE(write_png(folder / "scene.png", Image<Rgb8>(64, 36, Rgb8(150))));
   const Truth truth;

@@ -11,7 +11,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(CalibrateVignetting, ARecordedDayGivesTheLensThatItWasRenderedThrough) {
+TEST(CalibrateVignetting, ARecordedDayRecoversTheLensItWasRenderedThrough) {
   auto recipe = small("clear-noon", 7);
   recipe.turbidity = recipe.turbidity_end = 4.5;
   recipe.sky_size = 240;

@@ -17,7 +17,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(Html, Rfc4648sTestVectorsAndWhatWouldBeMarkup) {
+TEST(Html, EncodesRfc4648TestVectorsAndEscapesMarkup) {
   for (const auto& [plain, encoded] :
        {std::pair{"", ""}, std::pair{"f", "Zg=="}, std::pair{"fo", "Zm8="}, std::pair{"foo", "Zm9v"},
         std::pair{"foob", "Zm9vYg=="}, std::pair{"fooba", "Zm9vYmE="}, std::pair{"foobar", "Zm9vYmFy"}}) {
@@ -29,7 +29,7 @@ TEST(Html, Rfc4648sTestVectorsAndWhatWouldBeMarkup) {
             "&lt;b title=&#39;x&#39;&gt;&quot;R&amp;D&quot;&lt;/b&gt;\xef\xbf\xbd \xc3\xa9\n");
 }
 
-TEST(CalibrationExpectations, VerdictsFollowTheirBoundsBothWays) {
+TEST(CalibrationExpectations, VerdictsFollowTheirUpperAndLowerBounds) {
   const auto rms = expectation_of("lens", "rms_px").value();
   EXPECT_EQ(rms.verdict(rms.good), Verdict::good);
   EXPECT_EQ(rms.verdict(rms.usable), Verdict::usable);
@@ -60,7 +60,7 @@ CalibrationStep lens_step(const std::string& from) {
   return step;
 }
 
-TEST(CalibrationReport, OnePageHoldsEverythingAndFetchesNothing) {
+TEST(CalibrationReport, OnePageContainsEverythingAndFetchesNothing) {
   const auto folder = fresh_folder("calibrate-report");
   const auto file = folder / "c.toml", page = folder / "report.html";
   ASSERT_TRUE(write_calibration(file, lens_step("3 pictures: \"x\" <script>alert(1)</script>")));
@@ -106,7 +106,7 @@ TEST(CalibrationReport, OnePageHoldsEverythingAndFetchesNothing) {
   }
 }
 
-TEST(CalibrationReport, EverythingWrongIsToldAtOnceAndNothingIsWritten) {
+TEST(CalibrationReport, ReportsAllProblemsAtOnceAndWritesNothing) {
   const auto folder = fresh_folder("calibrate-report-wrong");
   const auto page = folder / "report.html";
   ASSERT_TRUE(write_text_file(folder / "other.toml", "[sky]\nwidth = 3\n"));

@@ -97,7 +97,7 @@ glm::dvec2 balance_of(const SpectralSensitivity& sensitivity, const glm::dvec3& 
   return {area.r / area.g, area.b / area.g};
 }
 
-TEST(ColourFromSky, EachMeasuredCameraIsFoundFromTheOthersAndTheSkyToAHundredthOfGamma) {
+TEST(ColourFromSky, EachMeasuredCameraIsFoundFromTheOthersAndTheSkyWithinAHundredthOfGamma) {
   const auto cameras = measured_cameras();
   if (cameras.size() < 4) GTEST_SKIP() << kCameras << ": the measured cameras are not there";
   constexpr double kTurbidity = 3.0;
@@ -123,7 +123,7 @@ TEST(ColourFromSky, EachMeasuredCameraIsFoundFromTheOthersAndTheSkyToAHundredthO
     }
 }
 
-TEST(ColourFromSky, ACameraThatIsAmongTheFilesExplainsTheSkyBest) {
+TEST(ColourFromSky, ACameraAmongTheFilesExplainsTheSkyBest) {
   const auto cameras = invented_cameras();
   const auto colours = colours_of(cameras[1], 3.0, 3.0);
   const auto right = explain(colours, cameras[1]);
@@ -133,7 +133,7 @@ TEST(ColourFromSky, ACameraThatIsAmongTheFilesExplainsTheSkyBest) {
   EXPECT_NEAR(right.white_balance.b, truth.b / truth.g, 0.005);
 }
 
-TEST(ColourFromSky, AnInventedCameraIsFoundAndWhatIsToldOfItsSurenessHolds) {
+TEST(ColourFromSky, AnInventedCameraIsFoundAndItsReportedUncertaintyHolds) {
   const auto cameras = invented_cameras();
   for (const std::size_t out : {0u, 3u}) {
     const auto others = without(cameras, out);
@@ -156,7 +156,7 @@ TEST(ColourFromSky, AnInventedCameraIsFoundAndWhatIsToldOfItsSurenessHolds) {
   }
 }
 
-TEST(SensitivityFromSky, AmongMeasuredCamerasTheOneThatTookTheSkyIsChosen) {
+TEST(SensitivityFromSky, TheMeasuredCameraThatTookTheSkyIsChosen) {
   const auto cameras = invented_cameras();
   const auto day = day_of(cameras[1], 3.0);
   const auto found = sensitivity_from_sky(day.camera, day.moments, cameras, {.choose = true});
@@ -173,7 +173,7 @@ TEST(SensitivityFromSky, AmongMeasuredCamerasTheOneThatTookTheSkyIsChosen) {
   EXPECT_FALSE(found->of_more_colourful_sky) << "only a fit gives in to it";
 }
 
-TEST(SensitivityFromSky, ACameraNobodyMeasuredIsFittedFromTheOthers) {
+TEST(SensitivityFromSky, AnUnmeasuredCameraIsFittedFromTheOthers) {
   const auto cameras = invented_cameras();
   const auto day = day_of(cameras[0], 3.0);
   const auto others = without(cameras, 0);
@@ -186,7 +186,7 @@ TEST(SensitivityFromSky, ACameraNobodyMeasuredIsFittedFromTheOthers) {
   EXPECT_GT(found->of_more_colourful_sky.value_or(0.0), 0.0);
 }
 
-TEST(SensitivityFromSky, WithoutAClearSkyItTellsWhyOfEachPicture) {
+TEST(SensitivityFromSky, WithoutAClearSkyTheReasonIsGivenForEachPicture) {
   const auto cameras = invented_cameras();
   auto day = day_of(cameras[1], 3.0);
   for (auto& moment : day.moments)
@@ -199,7 +199,7 @@ TEST(SensitivityFromSky, WithoutAClearSkyItTellsWhyOfEachPicture) {
                              testing::HasSubstr("\nsun at 40 deg: "), testing::HasSubstr("\nsun at 75 deg: ")));
 }
 
-TEST(ColourFromSky, TheFileThatIsWrittenIsTheOneThatIsRead) {
+TEST(ColourFromSky, TheWrittenFileIsReadBackUnchanged) {
   const auto camera = invented_cameras()[2];
   const auto path = test_output_folder() / "sensitivity.csv";
   std::filesystem::create_directories(path.parent_path());
@@ -209,7 +209,7 @@ TEST(ColourFromSky, TheFileThatIsWrittenIsTheOneThatIsRead) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(again.at(nm)[c], camera.at(nm)[c], 1e-5);
 }
 
-TEST(ColourFromSky, WhatIsMissingIsToldAtOnce) {
+TEST(ColourFromSky, AllMissingInputsAreReportedAtOnce) {
   const auto fault = fit_sensitivity({}, std::vector{generic_sensitivity()}).error();
   EXPECT_EQ(fault.kind, FaultKind::bad_input);
   EXPECT_THAT(fault.message, testing::AllOf(testing::HasSubstr("1 measured cameras: expected at least 2"),
@@ -217,7 +217,7 @@ TEST(ColourFromSky, WhatIsMissingIsToldAtOnce) {
 }
 
 // Optimal is what meets the conditions of Karush, Kuhn and Tucker; for a positive definite matrix nothing else is.
-TEST(NonNegative, TheLeastIsWhereNoSlopeLeadsDown) {
+TEST(NonNegative, TheMinimumHasNoDescentDirection) {
   std::mt19937_64 random(7);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 - 0.5; };
   for (int round = 0; round < 20; ++round) {

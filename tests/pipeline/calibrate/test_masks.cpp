@@ -32,7 +32,7 @@ double overlap(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b, bool 
   return both / either;
 }
 
-TEST(SkyMask, WhatNeverIsSkyIsFoundThroughCloudsSunAndHaze) {
+TEST(SkyMask, ObstructionsAreFoundThroughCloudsSunAndHaze) {
   std::printf("seed  overlap of the sky, of what is hidden; of what stands taken for sky\n");
   for (const std::uint64_t seed : {2u, 11u}) {
     fixtures::SkyCameraOptions options;
@@ -80,7 +80,7 @@ TEST(SkyMask, WhatNeverIsSkyIsFoundThroughCloudsSunAndHaze) {
   }
 }
 
-TEST(SkyMask, PicturesOfTheNightAreRefused) {
+TEST(SkyMask, NightPicturesAreRefused) {
   const Camera camera = fixtures::sky_camera({.size = 64}).camera;
   const std::vector<Image<Rgb8>> night(3, Image<Rgb8>(64, 64, Rgb8(4)));
   EXPECT_THAT(find_sky_mask(night, camera, 2.0).error().message, HasSubstr("all of the night"));
@@ -148,7 +148,7 @@ TEST(SceneMask, AFewStrokesCutTreesFromTheRidgesBehind) {
   }
 }
 
-TEST(SceneMask, OutsideOfTheBoxNothingIsHidden) {
+TEST(SceneMask, NothingIsHiddenOutsideTheBox) {
   const auto scene = scene_of(2);
   Image<Stroke> strokes(scene.picture.width(), scene.picture.height(), Stroke::none);
   std::mt19937_64 random(1);
@@ -171,7 +171,7 @@ TEST(SceneMask, OutsideOfTheBoxNothingIsHidden) {
   EXPECT_THAT(none.error().message, HasSubstr("what stands in front"));
 }
 
-TEST(Strokes, APaintedPictureAndAListOfLinesSayTheSame) {
+TEST(Strokes, APaintedPictureAndAListOfLinesAreEquivalent) {
   const auto folder = test_output_folder() / "strokes";
   std::filesystem::create_directories(folder);
   cv::Mat painted(60, 80, CV_8UC3, cv::Scalar(128, 128, 128));

@@ -125,7 +125,7 @@ Day other_day() {
   return later;
 }
 
-TEST(Drift, ADayWithOtherCloudsHazeAndHourIsNoDrift) {
+TEST(Drift, OtherCloudsHazeAndHourAreNotDrift) {
   auto recipe = day(21, 8.0, 0.5);
   recipe.start_utc = kNoon - 2h - 30min;
   const auto hazy = report(made(recipe, "hazy"));
@@ -200,7 +200,7 @@ void fog_the_scene_camera(Day later) {
   EXPECT_THAT(finding(found, "scene", "lens").message, HasSubstr("fogged"));
 }
 
-TEST(Drift, EachDisturbanceIsFoundNamedAndMeasured) {
+TEST(Drift, EachDisturbanceIsDetectedNamedAndMeasured) {
   const auto day = other_day();
   bump_the_sky_camera(day);
   dirty_the_dome(day);
@@ -248,7 +248,7 @@ TEST(Drift, TheCommandTakesAReferenceThenComparesAndSetsItsExitCode) {
   EXPECT_EQ(call(stem.string() + "-none", "").code, 2);
 }
 
-TEST(Drift, AReferenceIsReadBackAsItWasTaken) {
+TEST(Drift, AReferenceIsReadBackUnchanged) {
   const auto fixture = read_fixture(source_folder() / "fixtures/demo").value();
   const auto taken = take_reference(gather_recorded(fixture).value(), fixture.installation, kNoon).value();
   const auto stem = fresh_folder("drift-reference") / "calibration";

@@ -36,7 +36,7 @@ std::filesystem::path written(const std::string& text) {
   return file;
 }
 
-TEST(ForeignKeys, EveryReaderOfAPartTakesAKiosksConfigurationAsItIs) {
+TEST(ForeignKeys, EveryPartialReaderAcceptsACompleteKioskConfiguration) {
   const auto file = written(kiosk());
   const auto cameras = read_camera_file(file);
   EXPECT_TRUE(cameras) << cameras.error().message;
@@ -54,7 +54,7 @@ TEST(ForeignKeys, ATypingErrorIsStillReported) {
 }
 
 // Otherwise a key added to the configuration would become a typing error elsewhere.
-TEST(ForeignKeys, WhateverTheWholeFilesReadersAskForIsKnown) {
+TEST(ForeignKeys, EveryKeyOfTheCompleteReadersIsKnown) {
   const auto asked = ConfigTable::parse(kiosk(), "a.toml").value();
   read_run_config(asked);
   read_fixture_info(asked);

@@ -17,7 +17,7 @@ TEST(Placement, ThePlaceOfTheSiteIsItsOrigin) {
   EXPECT_NEAR(glm::length(east_north_up(kNara, 34.69, 135.80, 100.0)), 0.0, 1e-6);
 }
 
-TEST(Placement, AMinuteOfLatitudeIsAboutASeaMileNorth) {
+TEST(Placement, AMinuteOfLatitudeIsAboutANauticalMileNorth) {
   const auto offset = east_north_up(kNara, 34.69 + 1.0 / 60.0, 135.80, 100.0);
   EXPECT_NEAR(offset.y, 1849.0, 1.0);  // meridian arc at 34.7 deg on WGS 84: 110.92 km per degree
   EXPECT_NEAR(offset.x, 0.0, 1e-6);

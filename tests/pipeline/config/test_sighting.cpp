@@ -34,7 +34,7 @@ class SightingOf : public testing::Test {
   Installation installation;
 };
 
-TEST_F(SightingOf, TellsPlaceAndSizeInThePicture) {
+TEST_F(SightingOf, ReportsPositionAndSizeInThePicture) {
   const auto sighting = now();
   EXPECT_EQ(sighting.verdict, Verdict::visible);
   EXPECT_NEAR(sighting.distance_m, 3500.0, 1.0);

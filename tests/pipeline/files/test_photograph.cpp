@@ -45,7 +45,7 @@ TEST(Photograph, GreyAndAlphaAreBroughtToThreeChannels) {
   EXPECT_EQ(to_rgb8(read_photograph(folder() / "alpha.png").value()).at(1, 1), Rgb8(30, 20, 10));
 }
 
-TEST(Photograph, WhatIsNoPictureIsNamedInTheMessage) {
+TEST(Photograph, AnInvalidPictureIsNamedInTheMessage) {
   std::ofstream(folder() / "c.png") << "this is text";
   std::ofstream(folder() / "empty.png").close();
   ASSERT_TRUE(write_png(folder() / "whole.png", Image<Rgb8>(64, 64, Rgb8(7))));
@@ -57,7 +57,7 @@ TEST(Photograph, WhatIsNoPictureIsNamedInTheMessage) {
   }
 }
 
-TEST(PictureSink, AFolderIsClearedOfAnEarlierRunsPicturesAndOfNothingElse) {
+TEST(PictureSink, OnlyAnEarlierRunsPicturesAreRemovedFromAFolder) {
   const auto out = folder() / "sink";
   std::filesystem::create_directories(out);
   std::ofstream(out / "frame-000007.png") << "old";
@@ -70,7 +70,7 @@ TEST(PictureSink, AFolderIsClearedOfAnEarlierRunsPicturesAndOfNothingElse) {
   EXPECT_TRUE(std::filesystem::exists(out / "notes.txt"));
 }
 
-TEST(PictureSink, AFilmAppearsUnderItsNameOnlyWhenItIsWhole) {
+TEST(PictureSink, AFilmAppearsUnderItsNameOnlyWhenComplete) {
   const auto file = folder() / "film.mp4";
   std::filesystem::remove(file);
   auto film = open_film(file, 10.0).value();

@@ -102,7 +102,7 @@ TEST_F(HazeCommand, FadesByTheEquationsBlursTheFarAndKeepsTheNear) {
   EXPECT_GT(near_hazed.contrast, 0.5 * near.contrast * near_left) << "1.2 px, of which 1 is the picture's own";
 }
 
-TEST_F(HazeCommand, TheCpuTheDisparityAndTheExplicitSchemeTellTheSame) {
+TEST_F(HazeCommand, CpuDisparityAndExplicitSchemeGiveTheSameResult) {
   const std::string haze = " --kappa-s .5 --lambda 4";
   ASSERT_EQ(run_kasumi(board() + haze + " --out " + in_folder("gpu.png")).code, 0);
   const auto cpu = run_kasumi(board() + haze + " --cpu --out " + in_folder("cpu.png"));
@@ -143,7 +143,7 @@ TEST_F(HazeCommand, ASweepOfTurbiditiesBecomesPicturesAndASheet) {
   EXPECT_GT(thick.mean, thin.mean) << "40 m of it";
 }
 
-TEST_F(HazeCommand, TellsAPersonAllThatIsWrongAtOnce) {
+TEST_F(HazeCommand, ReportsAllProblemsAtOnce) {
   const auto outcome = run_kasumi(fmt::format("haze {} --disparity {} --turbidity 40,x --kappa-a .2 --out {}",
                                               in_folder("board.png"), in_folder("nothing.pfm"), in_folder("x.png")));
   EXPECT_EQ(outcome.code, 2);
@@ -183,7 +183,7 @@ TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
   EXPECT_THAT(caption_of(window->values()), HasSubstr("kappa_s 0.500"));
 }
 
-TEST(HazeKeys, OfATurbidityTheyTurnT) {
+TEST(HazeKeys, TurnTWhenTurbidityIsGiven) {
   const HazeValues given{Turbidity{4.0}, 0.0, 0.0, 15.0};
   auto haze = given;
   EXPECT_TRUE(adjust_haze(haze, given, 's'));

@@ -71,7 +71,7 @@ Result<PlayedFixture> play(const std::filesystem::path& folder) {
   return PlayedFixture{play(*sources->sky), play(*sources->scene)};
 }
 
-TEST(Record, WhatWasRecordedReplaysWithItsCalibration) {
+TEST(Record, ARecordingReplaysWithItsCalibration) {
   const auto folder = operating_folder("whole");
   const auto config = write_kiosk(folder);
   const auto summary = record_kiosk(request_in(folder, config));

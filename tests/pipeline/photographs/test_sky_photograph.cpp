@@ -26,7 +26,7 @@ SkyPhotographOptions sky_photograph_options(const fixtures::SkyRecipe& recipe) {
   return options;
 }
 
-TEST(SkyPhotograph, AGeneratedSkyTellsItsTurbidity) {
+TEST(SkyPhotograph, AGeneratedSkyGivesItsTurbidity) {
   for (const double turbidity : {2.0, 4.0, 7.0}) {
     fixtures::SkyRecipe recipe;
     recipe.turbidity = turbidity;

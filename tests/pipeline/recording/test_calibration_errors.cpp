@@ -323,7 +323,7 @@ std::string text_of(const Effect& effect) {
 }
 
 // What is held to a limit is a quarter of the table; the rest is there to be read.
-TEST(CalibrationErrors, OfWhatCalibrateReachesAreTooSmallToSee) {
+TEST(CalibrationErrors, OfTheSizeThatCalibrateReachesAreInvisible) {
   const Utc day(std::chrono::sys_days(std::chrono::year{2026} / 10 / 20));
   const Recording high("mistakes-high", 2.4, day + hours(2) + minutes(40)),
       low("mistakes-low", 5.0, day + hours(6) + minutes(45));
@@ -345,7 +345,7 @@ TEST(CalibrationErrors, OfWhatCalibrateReachesAreTooSmallToSee) {
 }
 
 // A camera that looks straight up may be described in two ways; the rows of a tilt rest on it.
-TEST(CalibrationErrors, ACameraThatIsNotTiltedIsTheSameInBothDescriptions) {
+TEST(CalibrationErrors, AnUntiltedCameraIsTheSameInBothDescriptions) {
   const Recording recording("mistakes-none", 3.0,
                             Utc(std::chrono::sys_days(std::chrono::year{2026} / 10 / 20)) + hours(1));
   const Effect none = recording.of(tilted(0.0, "not tilted"));

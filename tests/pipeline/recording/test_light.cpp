@@ -69,7 +69,7 @@ glm::dvec3 drawn(const DrawnAir& air, const glm::dvec2& pixel, const glm::dvec3&
   return airlight_at(air.measured, pixel) * (rho * gamma + 1.0 - gamma);
 }
 
-TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
+TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) {
   const fixtures::SceneCamera made =
       fixtures::scene_camera({.width = 480, .height = 270, .field_of_view_deg = 6.2, .heading_deg = 4.0});
   fixtures::Weather weather;
@@ -139,7 +139,7 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceByTheHorizonAlone) {
 
 // A low sun at the right edge of a wide view, 15 deg above it; boards below the horizon line on both sides, so far away
 // that they are hardly seen but for the air before them.
-TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizonLine) {
+TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndBelowTheHorizon) {
   const fixtures::SceneCamera made = fixtures::scene_camera(
       {.width = 480, .height = 270, .field_of_view_deg = 40.0, .heading_deg = 220.0, .pitch_deg = 0.0});
   fixtures::SceneGeometry land;
@@ -187,7 +187,7 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndUnderTheHorizon
   }
 }
 
-TEST(ObjectsLight, UnderAClosedSkyIsTheCloudsAloneAndNearTheSpectralReference) {
+TEST(ObjectsLight, UnderAnOvercastSkyIsTheCloudsAloneAndCloseToTheSpectralReference) {
   auto recipe = small("overcast", 1);
   recipe.truth_frames = 1;
   const auto fixture = recorded(recipe, "light-overcast");
@@ -242,7 +242,7 @@ Frame frame_of(const DomeFunction& sky, const SunDirection& sun, const Camera& c
   return frame;
 }
 
-TEST(SkyWatch, TheTurbidityOfAHighSiteIsTheDomes) {
+TEST(SkyWatch, TheTurbidityOfAHighSiteMatchesTheDome) {
   Installation installation;
   installation.site = {"pass", 46.5, 8.4, 3000.0};
   Camera& camera = installation.sky;
@@ -263,7 +263,7 @@ TEST(SkyWatch, TheTurbidityOfAHighSiteIsTheDomes) {
   EXPECT_LT(by_preetham.tracked->turbidity.value, 2.2);
 }
 
-TEST(SceneAir, SupposesAnOrdinaryClearDayUntilTheSkyIsKnown) {
+TEST(SceneAir, AssumesAnOrdinaryClearDayUntilTheSkyIsKnown) {
   // Aerosol optical depths of clear days on land are .1 to .3 at 550 nm.
   Installation installation;
   const auto supposed = [&] { return SceneAir(installation, {}).conditions({}).turbidity; };

@@ -87,17 +87,17 @@ void expect_alike(const std::string& name, Utc start, const char* sun, const std
                 fmt::format("{} km, T {}, {}", air.distance_m / 1000.0, air.turbidity, sun));
 }
 
-TEST(Twins, AreAlikeFromNearToFarUnderAllAirsWithTheSunHigh) {
+TEST(Twins, AreIndistinguishableAtAllDistancesAndAirsUnderAHighSun) {
   expect_alike("twin-high", kHigh, "sun 79 deg high", {{200.0, 4.0}, {1000.0, 2.0}, {1000.0, 4.0}});
 }
 
-TEST(Twins, AreAlikeFromNearToFarUnderAllAirsWithTheSunLow) {
+TEST(Twins, AreIndistinguishableAtAllDistancesAndAirsUnderALowSun) {
   expect_alike("twin-low", kLow, "sun 8 deg high", {{200.0, 2.0}, {1000.0, 2.0}, {3500.0, 2.0}});
 }
 
 // Nothing was chosen by these; the first, when it was new, showed the glow of a low sun taken for a cloud. The second
 // is the farthest off.
-TEST(Twins, AreAlikeAtOtherPlacesHoursAndAirs) {
+TEST(Twins, AreIndistinguishableAtOtherPlacesHoursAndAirs) {
   struct Other {
     double distance_m, turbidity;
     Utc start;

@@ -148,7 +148,7 @@ struct Day {
   glm::dvec3 operator()(const Direction& d) const { return d.z > 0.0 ? daylight.airlight(d) : ground; }
 };
 
-TEST_F(Ball, OfGreyPlasterIsLitBySunSkyAndGroundAsTheirIntegralSays) {
+TEST_F(Ball, OfGreyPlasterIsLitAsTheIntegralOverSunSkyAndGround) {
   // Sun behind the camera, aside and behind the ball.
   constexpr double kAlbedo = 0.5;
   const ModelMaterial plaster{.name = "plaster", .base_colour = {kAlbedo, kAlbedo, kAlbedo, 1.0f}};
@@ -211,7 +211,7 @@ struct Deviation {
   double worst = 0.0;
 };
 
-TEST_F(Ball, OfPolishedToMattMetalMirrorsTheSkyAsTheIntegralOverItsFacetsSays) {
+TEST_F(Ball, OfPolishedToMattMetalMirrorsTheSkyAsTheIntegralOverItsFacets) {
   const Day noon(3.0, at_deg(40.0, 215.0)), evening(2.2, at_deg(80.0, 230.0));
   // Heaps of cloud all over a clear sky, three times its brightness.
   const Radiance clouds = [&](const Direction& d) {

@@ -65,7 +65,7 @@ class HazeOnGpu : public testing::Test {
   const glm::dvec3 airlight{0.75, 0.8, 0.85};
 };
 
-TEST_F(HazeOnGpu, IsTheReferenceWithHalfFloatsAndWithBytes) {
+TEST_F(HazeOnGpu, MatchesTheReferenceWithHalfFloatsAndWithBytes) {
   const auto s = scene();
   HazeOptics unequal = haze_optics(0.0, 0.4, 35.0);
   unequal.extinction = {glm::dvec3(0.3, 0.5, 0.9), glm::dvec3(0.4, 0.7, 1.4)};
@@ -87,7 +87,7 @@ TEST_F(HazeOnGpu, IsTheReferenceWithHalfFloatsAndWithBytes) {
   }
 }
 
-TEST_F(HazeOnGpu, TheExplicitSchemeIsTheReferenceToo) {
+TEST_F(HazeOnGpu, MatchesTheReferenceInTheExplicitScheme) {
   const auto s = scene();
   const auto optics = haze_optics(0.1, 0.3, 6.0);  // 5.6 px in the sky: 61 passes
   const auto truth = diffuse(DiffusionScheme::explicit_steps, attenuated(s.light, s.range.range, optics, airlight),
@@ -101,7 +101,7 @@ TEST_F(HazeOnGpu, TheExplicitSchemeIsTheReferenceToo) {
   EXPECT_GE(psnr(on_gpu(s, look, false), truth), 50.0);
 }
 
-TEST_F(HazeOnGpu, NothingLeaksOverEdgesThereEither) {
+TEST_F(HazeOnGpu, DoesNotLeakAcrossEdges) {
   for (const bool bright : {true, false}) {
     const auto object = object_before_wall(kFrameHeight, 0.3F, bright ? 1.0F : 0.0F, bright ? 0.0F : 1.0F);
     Scene s;
@@ -127,7 +127,7 @@ TEST_F(HazeOnGpu, NothingLeaksOverEdgesThereEither) {
   }
 }
 
-TEST_F(HazeOnGpu, ShowsWhatTheReferenceComposites) {
+TEST_F(HazeOnGpu, CompositesLikeTheReference) {
   const auto s = scene();
   const auto optics = haze_optics(0.2, 0.3, 20.0);
   const auto truth = under_haze(s.light, s.range, optics, airlight, DiffusionScheme::matched).value();
@@ -151,7 +151,7 @@ TEST_F(HazeOnGpu, ShowsWhatTheReferenceComposites) {
   }
 }
 
-TEST_F(HazeOnGpu, TellsWhatIsWrong) {
+TEST_F(HazeOnGpu, ReportsProblems) {
   auto blur = HazeBlur::create(context->info(), 8, 6).value();
   EXPECT_FALSE(blur.run({})) << "no picture yet";
   HazeScene wrong{Image<glm::vec3>(8, 6), Image<float>(8, 5), Image<float>(7, 6), Image<float>(8, 6)};

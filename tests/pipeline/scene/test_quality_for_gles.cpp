@@ -9,7 +9,7 @@
 namespace kasumi {
 namespace {
 
-TEST(QualityForGles, ColourIsSharedAsTheLayoutHasIt) {
+TEST(QualityForGles, ChromaIsSharedAsInTheLayout) {
   const auto pixels = [](PixelLayout layout, bool shared = true) {
     const auto detail = detail_for_gles({.point_spread_px = 0.5, .shared_chroma = shared}, layout);
     EXPECT_EQ(detail.point_spread_px, 0.5);
@@ -23,7 +23,7 @@ TEST(QualityForGles, ColourIsSharedAsTheLayoutHasIt) {
   EXPECT_EQ(pixels(PixelLayout::nv12, false), std::pair(1, 1));
 }
 
-TEST(QualityForGles, HazeAddsToTheCamerasOwnSpreadInQuartersOfAPixel) {
+TEST(QualityForGles, HazeAddsToTheCamerasOwnBlurInQuartersOfAPixel) {
   const auto spread = [](double own_px, double haze_px) {
     return detail_for_gles({.point_spread_px = own_px}, PixelLayout::rgb8, haze_px).point_spread_px;
   };
@@ -54,7 +54,7 @@ TEST(QualityForGles, HazeBlursByTheRootOfItsOpticalDepth) {
   EXPECT_EQ(SceneAir({}, {}).conditions(under(9.0)).haze_blur_px, 0.0) << "off unless asked for";
 }
 
-TEST(QualityForGles, NoiseIsThatOfCountedElectrons) {
+TEST(QualityForGles, NoiseFollowsTheElectronCount) {
   // 8000 electrons at gain 1; at gain 4 full scale is 2000, and a channel amplified by 1.5 reaches it with 1333 of
   // them.
   const ImageQuality quality{.full_scale_electrons = 8000.0, .read_electrons = 5.0};

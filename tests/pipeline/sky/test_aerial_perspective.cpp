@@ -72,7 +72,7 @@ class AerialPerspective : public testing::Test {
   }
 };
 
-TEST_F(AerialPerspective, IsTheSpectralAtmospheresFromThePlainAndFromTheMountains) {
+TEST_F(AerialPerspective, MatchesTheSpectralAtmosphereFromThePlainAndFromTheMountains) {
   constexpr double kTurbidity = 2.5;
   const auto sky = atmosphere(kTurbidity);
   for (const double altitude_m : {0.0, 3000.0}) {
@@ -87,7 +87,7 @@ TEST_F(AerialPerspective, IsTheSpectralAtmospheresFromThePlainAndFromTheMountain
   }
 }
 
-TEST_F(AerialPerspective, HoldsAtOtherAltitudesAndUnderOtherSunsAndAirs) {
+TEST_F(AerialPerspective, AlsoHoldsAtOtherAltitudesAndUnderOtherSunsAndAirs) {
   // The thicker air; limits on means are for all its altitudes and suns together.
   for (const double turbidity : figure_cases<double>("turbidities", {3.5}, {2.0, 3.5})) {
     const auto sky = atmosphere(turbidity);

@@ -35,7 +35,7 @@ TEST(SkyCommand, DrawsEachProjectionWithAndWithoutAGpu) {
   }
 }
 
-TEST(SkyCommand, WritesTheLightItself) {
+TEST(SkyCommand, WritesTheRadiance) {
   const auto file = place("light.pfm");
   const auto done =
       run_kasumi(fmt::format("sky --projection fisheye --size 33x33 --sun-zenith-deg 50 --out {}", file.string()));
@@ -51,7 +51,7 @@ TEST(SkyCommand, WritesTheLightItself) {
   EXPECT_NEAR(double{middle[0]} / zenith.b, 1.0, 1e-4);
 }
 
-TEST(SkyCommand, WritesExrOrSaysWhereTheLightIs) {
+TEST(SkyCommand, WritesExrOrNamesTheAlternative) {
   const auto file = place("light.exr");
   Image<glm::vec3> light(4, 3, glm::vec3(1.0f, 2.0f, 30000.0f));
   const auto done = write_light_file(file, light);
@@ -65,7 +65,7 @@ TEST(SkyCommand, WritesExrOrSaysWhereTheLightIs) {
   EXPECT_EQ(back.at<cv::Vec3f>(1, 1)[0], 30000.0f);
 }
 
-TEST(SkyCommand, TellsAllThatIsWrongAtOnce) {
+TEST(SkyCommand, ReportsAllProblemsAtOnce) {
   const auto done = run_kasumi(
       "sky --turbidity 0.5 --altitude-m 40000 --size big --projection cube --sun-zenith-deg 120 --model clouds --out "
       "a.gif "
@@ -78,19 +78,19 @@ TEST(SkyCommand, TellsAllThatIsWrongAtOnce) {
     EXPECT_THAT(done.err, HasSubstr(words));
 }
 
-TEST(SkyCommand, AsksForSomethingToMake) {
+TEST(SkyCommand, RequiresAnOutput) {
   const auto done = run_kasumi("sky");
   EXPECT_EQ(done.code, 2);
   EXPECT_THAT(done.err, HasSubstr("expected --out, --sheet, --day, --compare or --window"));
 }
 
-TEST(SkyCommand, SaysThatItIsNight) {
+TEST(SkyCommand, ReportsThatItIsNight) {
   const auto done = run_kasumi("sky --site 34.69,135.80 --utc 2026-06-21T15:00:00Z --out a.png");
   EXPECT_EQ(done.code, 2);
   EXPECT_THAT(done.err, HasSubstr("below the horizon at --site"));
 }
 
-TEST(SkyCommand, LaysASheetOfTurbidityByAltitude) {
+TEST(SkyCommand, WritesASheetOfTurbidityByAltitude) {
   const auto file = place("sheet.png");
   const auto done = run_kasumi(fmt::format(
       "sky --cpu --projection fisheye --size 40x40 --turbidity 2,5,9 --altitude-m 0,8000 --sheet {}", file.string()));
@@ -112,7 +112,7 @@ TEST(SkyCommand, FollowsADayFromDawnToDusk) {
   EXPECT_EQ(pictures, 5);
 }
 
-TEST(SkyCommand, ComparesWithTheSkiesOfBefore) {
+TEST(SkyCommand, ComparesWithTheEarlierSkies) {
   const auto file = place("compare.png");
   const auto done = run_kasumi(fmt::format("sky --cpu --size 40x30 --sun-zenith-deg 60 --compare {}", file.string()));
   ASSERT_EQ(done.code, 0) << done.err;

@@ -60,7 +60,7 @@ class DrawnSkies : public testing::Test {
   std::optional<SkyDrawing> gpu_;
 };
 
-TEST_F(DrawnSkies, AreTheCpusTo50Decibels) {
+TEST_F(DrawnSkies, MatchTheCpuTo50Decibels) {
   for (const auto projection : {SkyProjection::perspective, SkyProjection::fisheye, SkyProjection::equirectangular})
     for (const double sun : {5.0, 50.0, 80.0, 90.0})
       for (const double altitude_m : {0.0, 3000.0, 20000.0}) {
@@ -71,7 +71,7 @@ TEST_F(DrawnSkies, AreTheCpusTo50Decibels) {
       }
 }
 
-TEST_F(DrawnSkies, OfBeforeAreTheCpusTo50Decibels) {
+TEST_F(DrawnSkies, OfTheEarlierModelsMatchTheCpuTo50Decibels) {
   using enum SkyKind;
   for (const SkyKind kind : {preetham1999, hoffman_preetham2002, nielsen2003}) {
     SkyRequest sky = sky_under(3.0, 60.0);
@@ -81,7 +81,7 @@ TEST_F(DrawnSkies, OfBeforeAreTheCpusTo50Decibels) {
   }
 }
 
-TEST_F(DrawnSkies, WithLandAreTheCpusWhereNoEdgeIs) {
+TEST_F(DrawnSkies, WithLandMatchTheCpuAwayFromEdges) {
   const SkyCamera camera = small_camera(SkyProjection::perspective);
   for (const double altitude_m : {40.0, 3000.0}) {
     const SkyRequest sky = sky_under(2.5, 60.0, altitude_m);
@@ -102,7 +102,7 @@ TEST_F(DrawnSkies, WithLandAreTheCpusWhereNoEdgeIs) {
   }
 }
 
-TEST_F(DrawnSkies, AreDitheredWhereTheyWouldBand) {
+TEST_F(DrawnSkies, AreDitheredAgainstBanding) {
   // The mean of a dither's 8 x 8 pixels tells what lies between two steps.
   const SkyCamera camera = small_camera(SkyProjection::perspective);
   SkyRequest sky = sky_under(2.0, 40.0);
@@ -177,7 +177,7 @@ TEST(TheDome, IsBlueOverheadUnderALowSun) {
   EXPECT_GT(theirs.zenith_x, ours.zenith_x + 0.05);
 }
 
-TEST(MadeLand, IsMetFromAboveWhereItsPointsAre) {
+TEST(MadeLand, IsHitFromAboveWhereItsPointsAre) {
   SkyCamera camera = small_camera(SkyProjection::perspective);
   const auto land = land_for(camera, 3000.0, true);
   ASSERT_TRUE(land.has_value());
@@ -203,7 +203,7 @@ TEST(SkyWindow, PutsTheSunWhereThePointerIs) {
   EXPECT_NEAR(seen->y + 0.5, 60.0, 1e-6);
 }
 
-TEST(SkyWindow, KeysChangeAirAndAltitudeWithinWhatThereIs) {
+TEST(SkyWindow, KeysChangeAirAndAltitudeWithinTheirRanges) {
   SkyViewState shown;
   shown.sky = sky_under(2.5, 45.0);
   EXPECT_TRUE(shown.apply({false, 0, 0, "ta"}));

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 
 #define ASSERT_OK(result) ASSERT_TRUE((result).has_value()) << (result).error().message
 
-TEST(Messages, EveryLanguageHasItsOwnTextOfEveryMessage) {
+TEST(Messages, EveryLanguageHasItsOwnTextForEveryMessage) {
   for (const Language language : kLanguages) {
     std::set<std::string_view> said;
     for (const Message message : kMessages) {

@@ -44,7 +44,7 @@ const OverlayLabel* label_of(const OverlayShapes& shapes, const std::string& wor
   return nullptr;
 }
 
-TEST(Overlay, TheHorizonsDipIsTheOneInTheTablesOfNavigators) {
+TEST(Overlay, TheHorizonsDipMatchesTheNauticalTables) {
   // The Nautical Almanac: dip in minutes of arc = 1.76 sqrt(height in metres), for mean refraction.
   for (const double height_m : {2.0, 10.0, 100.0, 1000.0})
     EXPECT_NEAR(60.0 * to_degrees(dip_of_horizon(height_m)), 1.76 * std::sqrt(height_m),
@@ -52,7 +52,7 @@ TEST(Overlay, TheHorizonsDipIsTheOneInTheTablesOfNavigators) {
   EXPECT_EQ(dip_of_horizon(-5.0).value, 0.0);
 }
 
-TEST(Overlay, TheHorizonLiesItsDipBelowTheLevelAndTurnsWithTheCamera) {
+TEST(Overlay, TheHorizonLiesItsDipBelowLevelAndTurnsWithTheCamera) {
   const double dip = dip_of_horizon(1000.0).value;
   for (const double pitch_deg : {0.0, 2.0, -1.5})
     for (const double roll_deg : {0.0, 4.0, -7.0}) {
@@ -104,7 +104,7 @@ TEST(Overlay, TheGridFollowsTheLens) {
     }
 }
 
-TEST(Overlay, TheBuildingsBoxStandsWhereTheBuildingStands) {
+TEST(Overlay, TheBuildingsBoxIsWhereTheBuildingIs) {
   auto installation = kiosk();
   installation.object.placement.heading = from_degrees(90.0);  // its -z, north at heading 0, points east
   installation.object.placement.scale = 2.0;
@@ -126,7 +126,7 @@ TEST(Overlay, TheBuildingsBoxStandsWhereTheBuildingStands) {
   EXPECT_NEAR(bottom, kCentreY + kFocal_px * 10.0 / 2960.0, 1e-3);
 }
 
-TEST(Overlay, AxesAndHeadingPointAsTheModelIsTurned) {
+TEST(Overlay, AxesAndHeadingFollowTheModelsHeading) {
   auto installation = kiosk();
   for (const double heading_deg : {0.0, 90.0, 30.0}) {
     installation.object.placement.heading = from_degrees(heading_deg);
@@ -156,7 +156,7 @@ Installation with_landmarks(const std::string& text) {
   return installation;
 }
 
-TEST(Overlay, ALandmarkFortyKilometresAwayStandsLowerByTheEarthsCurveAndHigherByRefraction) {
+TEST(Overlay, ALandmarkFortyKilometresAwayIsLoweredByCurvatureAndRaisedByRefraction) {
   // Due north of the site; 40 km of the meridian are .3598 degrees at 46 degrees north (radius 6369 km there).
   const auto installation = with_landmarks(
       "[[landmarks]]\nname = 'Peak'\nlatitude_deg = 46.359836\nlongitude_deg = 8.0\naltitude_m = 2000\n");
@@ -172,7 +172,7 @@ TEST(Overlay, ALandmarkFortyKilometresAwayStandsLowerByTheEarthsCurveAndHigherBy
   EXPECT_NEAR(middle.y, kCentreY - kFocal_px * (1000.0 - drop_m) / 40e3, 0.15) << "of a pixel; the curve is 9 px";
 }
 
-TEST(Overlay, LandmarksBehindAndBesideThePictureAreLeftOut) {
+TEST(Overlay, LandmarksBehindTheCameraAndOutsideThePictureAreOmitted) {
   const auto shapes = overlay_shapes(
       with_landmarks("[[landmarks]]\nname = 'South'\nlatitude_deg = 45.9\nlongitude_deg = 8.0\naltitude_m = 1000\n"
                      "[[landmarks]]\nname = 'East'\nlatitude_deg = 46.0\nlongitude_deg = 8.3\naltitude_m = 1000\n"),
@@ -181,7 +181,7 @@ TEST(Overlay, LandmarksBehindAndBesideThePictureAreLeftOut) {
   EXPECT_EQ(label_of(shapes, "South"), nullptr);
 }
 
-TEST(Landmarks, EverythingWrongIsNamedAtOnce) {
+TEST(Landmarks, AllProblemsAreReportedAtOnce) {
   const auto root =
       ConfigTable::parse(
           "[[landmarks]]\nlatitude_deg = 46.1\nlongitude_deg = 8\naltitude_m = 12000\n"
@@ -231,7 +231,7 @@ TEST(OverlayDrawing, LinesOutsideThePictureAreHarmless) {
   for (const Rgba8& p : picture.elements()) EXPECT_EQ(p.a, 0);
 }
 
-TEST(OverlayDrawing, IsAsLargeAsItIsShown) {
+TEST(OverlayDrawing, IsDrawnAtTheDisplayedSize) {
   const auto shapes = overlay_shapes(kiosk(), kBuilding);
   for (const double scale : {0.5, 1.0, 2.0}) {
     const auto picture = draw_shapes(shapes, int(960 * scale), int(540 * scale), scale, std::nullopt);
@@ -244,7 +244,7 @@ TEST(OverlayDrawing, IsAsLargeAsItIsShown) {
   }
 }
 
-TEST(OverlayInReplay, ChangesThePictureAndNothingThatIsMeasured) {
+TEST(OverlayInReplay, ChangesThePictureAndNoMeasurement) {
   if (const auto context = open_headless_context(); !context) GTEST_SKIP() << context.error().message;
   // With everything that follows the camera: its noise must be the same in every replay.
   auto recipe = small("clear-noon", 1);
