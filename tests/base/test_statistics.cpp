@@ -1,4 +1,4 @@
-// Order statistics against what they are by definition and by the normal distribution.
+// Order statistics against their definitions and the normal distribution.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -89,7 +89,7 @@ TEST(RobustSigma, OfNothingIsZero) {
 }
 
 TEST(RobustSigma, HasTheNormalDistributionsConstants) {
-  // Half of a normal sample lies within 1 / kSigmaOverMedianSize of its middle.
+  // Half of a normal sample lies within sigma / kSigmaOverMedianSize of its mean.
   EXPECT_NEAR(std::erf(1.0 / kSigmaOverMedianSize / std::numbers::sqrt2), 0.5, 1e-5);
   EXPECT_NEAR(kMedianLengthOverSigma, std::sqrt(2.0 * std::numbers::ln2), 1e-4);
   EXPECT_NEAR(kMedianErrorOverMeanError, std::sqrt(std::numbers::pi / 2.0), 1e-4);

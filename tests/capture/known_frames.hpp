@@ -1,4 +1,4 @@
-// What the tests of this room share: frames of a known content, and folders to record them in.
+// Shared by the capture tests: frames of known content, and folders to record them in.
 #pragma once
 
 #include <filesystem>
@@ -22,8 +22,8 @@ inline std::filesystem::path fresh_folder(std::string_view name) {
   return path;
 }
 
-// Colour changes slowly, brightness from pixel to pixel, nothing reaches 0 or 255: what a chroma filter does can then
-// not be seen, what a shifted plane does can.
+// Colour changes slowly, brightness from pixel to pixel, and nothing reaches 0 or 255: chroma filtering then has no
+// visible effect, but a shifted plane has.
 inline Image<Rgb8> test_picture(int width, int height) {
   Image<Rgb8> image(width, height);
   for (int y = 0; y < height; ++y)

@@ -1,4 +1,4 @@
-// Row 12 of the list of faults: a lens that is covered, a picture that is frozen or white, and what only looks like it.
+// Row 12 of docs/faults.md: a covered lens, a frozen or white picture, and what only resembles them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace kasumi {
 namespace {
 
-// A picture of NV12 with mean brightness by `level`, and noise as sensors have it.
+// An NV12 picture of mean brightness `level`, with sensor noise.
 struct Sensor {
   std::function<int(int x, int y)> level;
   double noise = 1.5;
@@ -22,7 +22,7 @@ struct Sensor {
     std::vector<std::uint8_t> bytes(160 * 120 * 3 / 2, 128);
     for (int y = 0; y < 120; ++y)
       for (int x = 0; x < 160; ++x) {
-        double sum = 0.0;  // of four: normal enough
+        double sum = 0.0;  // a sum of four: close enough to normal
         for (int i = 0; i < 4; ++i) sum += static_cast<double>((*random)() >> 11) * 0x1p-53 - 0.5;
         const double value = level(x, y) + noise * sum * 1.732;
         bytes[static_cast<std::size_t>(y * 160 + x)] =
@@ -35,7 +35,7 @@ struct Sensor {
 class Conditions : public testing::Test {
  protected:
   Conditions() {
-    camera.interval = 200ms;  // noise takes time
+    camera.interval = 200ms;  // generating noise is slow
     camera.content = [this](std::uint32_t number) {
       if (!repeats) last = sensor(number);
       return last;
@@ -88,7 +88,7 @@ TEST_F(Conditions, APictureThatRepeatsBitForBitIsFrozenUntilItChanges) {
   print_row_12("frozen picture noticed", until(PictureCondition::frozen), 28s, 32s);
   repeats = false;
   print_row_12("it moves", until(PictureCondition::normal), 0s, 2s);
-  EXPECT_EQ(source->health().opened, 1u) << "noticed, not torn down";
+  EXPECT_EQ(source->health().opened, 1u) << "noticed without reopening the camera";
 }
 
 TEST_F(Conditions, ACleanSkyThatRepeatsForAWhileIsNotFrozen) {

@@ -1,5 +1,5 @@
-// Rows 1 and 3 to 11 of the list of faults: a camera behind the boundary of system calls, a reader that draws at 50 Hz
-// and holds the last frame, and the time it takes to recover, by the clock.
+// Rows 1 and 3 to 11 of docs/faults.md: a fake camera behind the boundary of system calls, a reader that draws at 50 Hz
+// and holds the last frame, and the recovery time by the clock.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -53,7 +53,7 @@ class Faults : public testing::Test {
     source = reconnecting(std::move(opener), clock, with);
   }
 
-  // One picture's time of the reader. True when a good frame came.
+  // One picture interval of the reader. True when a good frame arrived.
   bool step() {
     const auto deadline = clock.now() + 20ms;
     auto frame = source->next(deadline);
@@ -75,14 +75,14 @@ class Faults : public testing::Test {
   void run(Duration time) {
     for (const auto until = clock.now() + time; clock.now() < until;) step();
   }
-  // How long until a good frame comes; an hour at most.
+  // Time until a good frame arrives; an hour at most.
   Duration until_good() {
     const auto from = clock.now();
     while (!step())
       if (clock.now() - from > 1h) return Duration::max();
     return clock.now() - from;
   }
-  // How long until the reader is told to let go.
+  // Time until the reader is asked to release its frames.
   Duration until_told() {
     const auto from = clock.now();
     for (const int before = disconnects; disconnects == before;) {
@@ -105,7 +105,7 @@ class Faults : public testing::Test {
   FastForwardClock clock{Utc{std::chrono::sys_days{std::chrono::June / 21 / 2026}}};
   FakeCamera camera{{kNv12}, clock};
   std::unique_ptr<ReconnectingSource> source;
-  Frame held;  // as a display holds what it shows
+  Frame held;  // as a display holds the frame it shows
   int disconnects = 0;
   std::string told;
   std::vector<Instant> opened_at;
@@ -156,7 +156,7 @@ TEST_F(Faults, Row1WithoutPresenceDetectionTheLongestBackoffBoundsTheDelay) {
   camera.unplug();
   run(10min);
   camera.plug_in();
-  print(1, "frames after a replug that nobody announces", until_good(), 19s);
+  print(1, "frames after an unannounced replug", until_good(), 19s);
 }
 
 TEST_F(Faults, Row3TheStablePathIsFollowedWhenNumbersSwap) {
@@ -281,7 +281,7 @@ TEST_F(Faults, Row8AFrameTheReaderRejectsCountsAsBad) {
   const auto before = source->health();
   until_good();
   source->reject("damaged JPEG");
-  source->reject("damaged JPEG");  // said twice, counted once
+  source->reject("damaged JPEG");  // reported twice, counted once
   const auto after = source->health();
   EXPECT_EQ(after.good_frames, before.good_frames);
   EXPECT_EQ(after.last_good, before.last_good);
@@ -393,7 +393,7 @@ TEST_F(Faults, WaitsGrowFromOneSecondToFifteenWithJitter) {
       EXPECT_THAT(waits[seed][i], AllOf(Ge(0.8 * nominal - 0.001), Le(1.2 * nominal + 0.001))) << i;
     }
   }
-  EXPECT_NE(waits[1], waits[2]) << "two cameras on one bus do not try together";
+  EXPECT_NE(waits[1], waits[2]) << "two cameras on one bus do not retry at the same time";
 }
 
 TEST_F(Faults, ACameraThatFailsAtOnceEachTimeIsRetriedLessAndLessOften) {
@@ -408,7 +408,7 @@ TEST_F(Faults, ACameraThatFailsAtOnceEachTimeIsRetriedLessAndLessOften) {
   run(20s);
   camera.fail_queue();
   const auto time = until_good();
-  EXPECT_LE(time, 1300ms) << "it had stayed up, so it begins anew";
+  EXPECT_LE(time, 1300ms) << "it had stayed up, so the backoff starts over";
 }
 
 TEST_F(Faults, ACameraMissingAtTheStartIsReportedOnceAndAwaited) {

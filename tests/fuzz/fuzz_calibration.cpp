@@ -1,5 +1,4 @@
-// What is known about a camera: the calibration tables of a configuration, and the files it names. The first byte says
-// which.
+// Camera calibration: the tables of a configuration and the files it refers to. The first byte chooses which.
 #include "calib/camera.hpp"
 #include "tests/fuzz/scratch.hpp"
 
@@ -14,7 +13,7 @@ void read_table(std::string_view text, const kasumi::Scratch& scratch) {
   const auto camera = read_camera(root->table("sky"), "sky");
   const bool sound = root->finish().has_value();
   if (!sound || !camera.lens) return;
-  // A camera that passed must be one to work with.
+  // A camera that was accepted must be usable.
   for (const glm::dvec2 pixel : {glm::dvec2{0.0, 0.0}, glm::dvec2{camera.width - 1.0, camera.height - 1.0}})
     if (const auto direction = camera.lens->unproject(pixel)) camera.lens->project(*direction);
   camera.vignetting.at({0.0, 0.0});

@@ -1,4 +1,4 @@
-// index.csv of a recording, and what its rows then deliver.
+// index.csv of a recording, and the frames of its rows.
 #include <array>
 
 #include "capture/fixture/fixture.hpp"

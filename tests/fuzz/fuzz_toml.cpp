@@ -1,4 +1,4 @@
-// Any TOML file a person hands us, asked for everything a configuration may hold.
+// Any TOML file, read for every key a configuration may contain.
 #include "base/config_table.hpp"
 #include "capture/fixture/fixture.hpp"
 #include "tests/fuzz/scratch.hpp"

@@ -1,5 +1,5 @@
-// Stands in for libFuzzer's main: runs the inputs it is given (files, or folders of them) once. This is how seeds and
-// what fuzzing found stay tests in every build.
+// Replaces libFuzzer's main: runs the given inputs (files or folders) once, so that seeds and past findings are tested
+// in every build.
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -33,6 +33,6 @@ int main(int count, char** names) {
       ++inputs;
     }
   }
-  std::printf("%d inputs, each a value or a sentence\n", inputs);
+  std::printf("%d inputs, each a value or a message\n", inputs);
   return inputs > 0 ? 0 : 1;
 }

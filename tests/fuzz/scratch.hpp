@@ -1,4 +1,4 @@
-// A folder of this process for readers that want a file; in memory where the machine has such a place.
+// A folder of this process for readers that need a file; in memory where the machine offers that.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ class Scratch {
   std::filesystem::path folder_;
 };
 
-// What a reader answers must be a value or a sentence for a person; anything else is a finding.
+// A reader must return a value or a readable message; anything else is a finding.
 template <class Answer>
 void expect_value_or_sentence(const Answer& answer) {
   if (!answer && answer.error().message.empty()) std::abort();

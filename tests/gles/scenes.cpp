@@ -162,7 +162,7 @@ ObjectAppearance afternoon(const SceneView& view) {
   look.haze.observer_altitude_m = 250.0;
   look.light.sun_direction = glm::normalize(glm::dvec3{-0.6, -0.7, 0.55});
   look.light.sun_irradiance = {2.0, 1.9, 1.7};
-  // Of order 2, which the reference holds whole.
+  // Of order 2, which the reference represents completely.
   look.light.around = light_around_of([](const Direction& d) {
     return glm::dvec3{0.16, 0.18, 0.216} + d.z * glm::dvec3{0.117, 0.14, 0.187} +
            glm::dvec3{0.023, 0.023, 0.023} * d.y - glm::dvec3{0.023, 0.023, 0.012} * d.x +

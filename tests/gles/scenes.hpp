@@ -23,9 +23,9 @@ Model box_model(double width_m, double height_m, double depth_m, int cells = 4);
 Model columns_model(int count, double thickness_m, double spacing_m, double height_m);
 // A ball of `steps` by 2 `steps` faces with smooth normals.
 ModelPart ball_part(glm::dvec3 centre, double radius, int steps, int material = 0);
-// Light of the same radiance from everywhere, no sun, no air: what gives back all of it is not seen before it.
+// Light of the same radiance from everywhere, no sun, no air: an object that reflects all of it is invisible.
 ObjectAppearance furnace(double radiance);
-// A smooth texture of soft waves, so that no texel edge hides an error.
+// A smooth texture of soft waves, so that texel edges hide no error.
 ModelTexture soft_texture(int size);
 // The same as data: normals that lean up to about 30 degrees; otherwise waves between 0.3 and 0.95.
 ModelTexture soft_normals(int size);
@@ -41,7 +41,7 @@ Image<Rgb8> landscape(int width, int height);
 // A box of 60 x 40 x 60 m, 3.5 km north, turned by 30 degrees: fills a good part of a 160 x 120 picture.
 ReferenceScene box_scene();
 
-// A test with a headless context, or a visible skip where the machine gives none.
+// A test with a headless context, or a visible skip where there is none.
 class GlesTest : public testing::Test {
  protected:
   void SetUp() override;
@@ -53,7 +53,7 @@ class GlesTest : public testing::Test {
   Image<Rgb8> draw(Renderer& renderer, const AirlightGrid& measured, const PictureView& frame);
   Image<Rgb8> draw_moving(Renderer& renderer, const ReferenceScene& scene, const PictureView& frame, HazeDetail detail,
                           int samples = 1);
-  // PSNR on what the object covers; both pictures are kept when it is too low.
+  // PSNR over the object's pixels; both pictures are saved when it is too low.
   void expect_like(const Image<Rgb8>& picture, const ReferencePicture& reference, double least_db = 50.0);
 
   std::unique_ptr<GlContext> context_;

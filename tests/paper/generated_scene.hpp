@@ -24,7 +24,7 @@ struct Scene {
   fixtures::SceneCameraOptions mounting{};
 };
 
-// A place and an hour; the first is the one all figures of docs/photographs.md were made in.
+// Place and time; the first is the one behind all figures of docs/photographs.md.
 struct Place {
   std::uint64_t terrain = 2;
   double sun_zenith_deg = 50.0, sun_azimuth_deg = 230.0;
@@ -32,7 +32,7 @@ struct Place {
   int width = 320, height = 180;
 };
 
-// The land as the camera sees it, whatever the air; what takes the longest.
+// The land as the camera sees it, independent of the air; the slowest part.
 struct Land {
   Place place;
   fixtures::SceneCameraOptions options;
@@ -51,7 +51,7 @@ inline Land land_at(const Place& place) {
   return {place, options, std::move(camera), std::move(geometry)};
 }
 
-// `seed`: of the camera's noise.
+// `seed`: for the camera's noise.
 inline Scene scene_at(const Land& land, double turbidity, std::uint64_t seed) {
   const auto& camera = land.camera;
   const int width = land.options.width, height = land.options.height;
@@ -72,7 +72,7 @@ inline Scene scene_at(const Land& land, double turbidity, std::uint64_t seed) {
     for (int x = 0; x < width; ++x) {
       const glm::dvec3 encoded = glm::dvec3(scene.picture.at(x, y)) / 255.0;
       scene.light.at(x, y) = scene.camera.light_at({x, y}, encoded);
-      // Of the rays that meet land: a pixel of both is land with sky in it, whose light stays what it is.
+      // Averaged over the rays that hit land: a mixed pixel counts as land.
       double sum = 0.0;
       int hits = 0;
       for (int j = 0; j < kRays; ++j)

@@ -19,7 +19,7 @@ bool is_colour(const Photograph& photograph) {
   return off / static_cast<double>(photograph.encoded.elements().size()) > 2.0 / 255.0;
 }
 
-// Ranks from 1; those of equals are their mean.
+// Ranks from 1; ties share their mean rank.
 std::vector<double> ranks_of(const std::vector<double>& values) {
   std::vector<double> ranks;
   for (const double value : values) {

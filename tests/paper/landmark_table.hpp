@@ -1,4 +1,4 @@
-// KNMI's meadow at De Bilt: visibility from the contrast of landmarks beside the measured one.
+// KNMI's meadow at De Bilt: visibility from the contrast of landmarks, compared with the measured one.
 #pragma once
 
 #include <filesystem>

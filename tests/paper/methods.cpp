@@ -60,7 +60,7 @@ Image<glm::vec3> product(const Image<glm::vec3>& one, const Image<glm::vec3>& ot
   return each(one, other, [](const glm::vec3& a, const glm::vec3& b) { return a * b; });
 }
 
-// Keeps the best of what is offered, by each measure for itself.
+// Keeps the best candidate, separately for each measure.
 class Best {
  public:
   Best(Method method, const Image<Rgb8>& truth) : truth_(truth) { best_.method = method; }

@@ -1,5 +1,5 @@
-// The same scene brought under other air by us, by M as printed, and by the baselines that M compares with (M Sect
-// 7.2.3), each judged by the picture as it truly is there.
+// The same scene retargeted to other air by Kasumi, by M as printed, and by the baselines that M compares with (M Sect
+// 7.2.3), each compared with the true picture.
 #pragma once
 
 #include <string_view>
@@ -11,7 +11,7 @@
 
 namespace kasumi::paper {
 
-// untouched: the source picture itself, for what the others are worth.
+// untouched: the source picture itself, as a baseline.
 enum class Method { ours, morales, he, zhu, zhao, untouched };
 constexpr Method kMethods[] = {Method::ours, Method::morales, Method::he, Method::zhu, Method::zhao, Method::untouched};
 std::string_view name_of(Method method);  // "He 2011"
@@ -23,14 +23,14 @@ struct Judged {
   HsvCorrelation colour;  // of the picture of best combined correlation
 };
 
-// A picture, the same scene as it truly looks under other air, and what the methods are told.
+// A picture, the same scene as it truly looks under other air, and the methods' inputs.
 struct Experiment {
   Camera camera;
   Image<Rgb8> picture, truth;
   PictureDepth depth;
   PictureAir source, target;  // light from infinity of every pixel
-  Relighting relit;           // ours alone
-  bool fog = false;           // ours alone: droplets, which take of all colours alike
+  Relighting relit;           // only for ours
+  bool fog = false;           // only for ours: droplets, which attenuate all colours alike
 };
 // Light from infinity as measured at the two pictures' horizons.
 Experiment experiment_of(const Scene& source, double source_turbidity, const Scene& target, double target_turbidity);

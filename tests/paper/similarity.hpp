@@ -1,4 +1,4 @@
-// How alike two pictures are, as M Sect 7.2.3 measures it.
+// Similarity of two pictures, as M Sect 7.2.3 measures it.
 #pragma once
 
 #include "base/image.hpp"
@@ -13,7 +13,7 @@ double ssim(const Image<Rgb8>& one, const Image<Rgb8>& other);
 
 // Pearson correlation of histograms (M Eq 27, whose denominator lacks its sums). M says neither how many bins nor what
 // "combined" is: here 30 bins of hue, 32 of saturation and of value, as in OpenCV's manual, and the mean of the three.
-// A histogram that is the same in all bins correlates with nothing but itself.
+// A uniform histogram correlates with nothing but itself.
 struct HsvCorrelation {
   double hue = 0.0, saturation = 0.0, value = 0.0;
   double combined() const { return (hue + saturation + value) / 3.0; }

@@ -13,7 +13,7 @@
 namespace kasumi::paper {
 namespace {
 
-// OpenCV's erosion takes what lies outside for brighter than all.
+// OpenCV's erosion treats pixels outside as brighter than any.
 Image<float> smallest_around(Image<float> values, int patch_px) {
   const cv::Mat view(values.height(), values.width(), CV_32F, values.elements().data());
   Image<float> smallest(values.width(), values.height());

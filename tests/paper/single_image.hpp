@@ -1,5 +1,4 @@
-// What single-image dehazing makes of a picture: the baselines that M compares with. Pictures are as large as one
-// another; values 0..1.
+// Single-image dehazing: the baselines that M compares with. Pictures have the same size; values 0..1.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -8,12 +7,12 @@
 
 namespace kasumi::paper {
 
-// He 2011: in haze-free pictures every patch holds something dark in some channel; what light is there is haze.
+// He 2011: in haze-free pictures every patch contains something dark in some channel; the light there is haze.
 struct DarkChannelOptions {
   int patch_px = 15;
-  double kept_haze = 0.95;  // omega: a trace of haze is left, for it tells distance
+  double kept_haze = 0.95;  // omega: some haze is kept as a depth cue
   double lowest_transmission = 0.1;
-  int radius_px = 60;  // of the guided filter, which took the place of matting in He 2013
+  int radius_px = 60;  // of the guided filter, which replaced matting in He 2013
   double epsilon = 1e-3;
 };
 // Smallest channel of a picture, smallest in the patch around each pixel.
@@ -24,7 +23,7 @@ Image<float> transmission_by_dark_channel(const Image<glm::vec3>& relative, cons
 // He 2011 Sect 4.3: the brightest of the .1 % of pixels whose dark channel is brightest.
 glm::dvec3 airlight_by_dark_channel(const Image<glm::vec3>& picture, const DarkChannelOptions& options = {});
 
-// Zhu 2015: depth is a linear function of value and saturation, learnt from 500 pictures with haze put in.
+// Zhu 2015: depth is a linear function of value and saturation, learnt from 500 pictures with synthetic haze.
 struct ColourAttenuationOptions {
   double offset = 0.121779, of_value = 0.959710, of_saturation = -0.780245;  // Zhu 2015, Sect III
   double scattering = 1.0;                                                   // beta
@@ -33,12 +32,12 @@ struct ColourAttenuationOptions {
   double epsilon = 1e-3;
   double lowest_transmission = 0.1, highest_transmission = 0.9;
 };
-// Before the local minimum and the guided filter, of each pixel; a number without a unit.
+// Per pixel, before the local minimum and the guided filter; dimensionless.
 float depth_by_colour(const glm::vec3& encoded, const ColourAttenuationOptions& options = {});
 Image<float> transmission_by_colour(const Image<glm::vec3>& encoded, const ColourAttenuationOptions& options = {});
 
 // The scene of `relative` where haze is `thickness` times as thick: each pixel's transmission t becomes t^thickness,
-// what stands there keeps its light in units of the light from infinity (M Eq 25, 26). 0: without haze.
+// the surfaces keep their light in units of the light from infinity (M Eq 25, 26). 0: without haze.
 Image<glm::vec3> with_haze_of(const Image<glm::vec3>& relative, const Image<float>& transmission, double thickness);
 
 }  // namespace kasumi::paper

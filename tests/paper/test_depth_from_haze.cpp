@@ -1,4 +1,4 @@
-// Distances guessed from haze, against scenes in which the guess is true.
+// Distances estimated from haze, against scenes that meet the method's assumption.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 constexpr auto kModel = ScatteringModel::morales2017;
 constexpr Turbidity kTurbidity{8.0};
 
-// Something black in some channel in every neighbourhood, behind haze that leaves `left` of it.
+// Something black in some channel in every neighbourhood, behind haze of transmission `left`.
 Image<glm::vec3> hazy(int width, int height, auto left) {
   Image<glm::vec3> relative(width, height);
   for (int y = 0; y < height; ++y)
@@ -37,7 +37,7 @@ TEST(DepthFromHaze, IsTheDistanceInASceneWithBlackInEveryNeighbourhood) {
   }
 }
 
-// Haze of two colours' extinction: the green channel's optical depth is what is told.
+// Haze whose extinction differs by channel: the result is the green channel's optical depth.
 TEST(DepthFromHaze, FollowsTheGreenChannelOfColouredHaze) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const auto haze = haze_coefficients(nodes, kModel, kTurbidity);
@@ -47,7 +47,7 @@ TEST(DepthFromHaze, FollowsTheGreenChannelOfColouredHaze) {
   EXPECT_NEAR(found.at(30, 30), 2000.0F, 20.0F);
 }
 
-// A guided filter leaves no halo: the far side of an edge is far within two pixels of it.
+// The guided filter leaves no halo: the far side of an edge is far within two pixels.
 TEST(DepthFromHaze, ChangesAtTheEdgeOfThePicture) {
   const auto relative = hazy(200, 100, [](int x, int) { return x < 100 ? 0.9 : 0.2; });
   const auto found =
@@ -69,7 +69,7 @@ TEST(LightOfHaze, IsThatOfTheThickestHazeWithoutSkyOrHighlights) {
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(value[c], airlight[c], 0.02F);
 }
 
-// Brighter to the right: where sky was found it is its own measure, so that it has no haze to be taken out of it.
+// Brighter to the right: where sky was found it is its own light of haze, so that nothing is removed from it.
 TEST(LightOfHaze, FollowsANonUniformSky) {
   Image<glm::vec3> light(240, 120, glm::vec3(0.1F));
   Image<std::uint8_t> sky(240, 120);

@@ -1,4 +1,4 @@
-// M Fig 12 and 13 on generated scenes: ours must be nearer to the true pictures than what M compares with.
+// M Fig 12 and 13 on generated scenes: ours must be closer to the true pictures than the methods M compares with.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace kasumi::paper {
 namespace {
 
-// Where haze changes least the camera's noise is as large as what tells the methods apart: 2.11 is the hardest.
+// Where haze changes least, the camera's noise is as large as the methods' differences: 2.11 is the hardest.
 void compare(const Place& place, const std::vector<double>& hardest, const std::vector<double>& all) {
   const auto land = land_at(place);
   const auto source = scene_at(land, 1.9, 31);
@@ -35,8 +35,8 @@ TEST(Methods, NoneOfThePapersBaselinesIsAsCloseAsOurs) {
           kPapersTurbidities);
 }
 
-// A forest under a sun 25 deg high: half of what is seen stands in shade, which thicker haze lights up while it dims
-// what is in the sun.
+// A forest under a sun 25 deg high: half of the view is in shade, which thicker haze brightens while it dims the sunlit
+// part.
 TEST(Methods, NorIsAnyUnderALowSunOverAForest) {
   compare({.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0, .width = 240, .height = 136}, {2.11, 4.36},
           {2.11, 4.36});

@@ -1,4 +1,4 @@
-// Noise, sun and shade in a photograph, on pictures of which they are known.
+// Noise, sun and shade in a photograph, on pictures for which they are known.
 #include <cmath>
 #include <random>
 
@@ -12,7 +12,7 @@
 namespace kasumi {
 namespace {
 
-// Box and Muller, so that it is the same everywhere.
+// Box and Muller, so that it is the same on every platform.
 class Normal {
  public:
   double operator()() {
@@ -84,7 +84,7 @@ AttenuationNodes grey_nodes() {
 
 const PictureAir kHazy{Turbidity{8.0}, {1, 1, glm::vec3{0.5F}}}, kNoAir{std::nullopt, {1, 1, glm::vec3{0.5F}}};
 
-// A wall in the haze, brought near: its light changes five times as much, its noise does not.
+// A wall with its haze removed: its contrast grows fivefold, its noise does not.
 TEST(Retarget, DoesNotAmplifyNoise) {
   const auto nodes = grey_nodes();
   const double per_m = rayleigh_per_m(ScatteringModel::morales2017, 550.0) +
@@ -110,7 +110,7 @@ TEST(Retarget, DoesNotAmplifyNoise) {
   const auto plain = varies(retarget(light, depth, kHazy, kNoAir, nodes).light);
   const auto made = varies(retarget(light, depth, kHazy, kNoAir, nodes, {}, parts).light);
   EXPECT_NEAR(plain.second, 5.0 * sigma, 0.1 * sigma);
-  // Photons' noise at the light that there is then, and what the windows leave in their means.
+  // Photon noise at the resulting light, plus what remains in the windows' means.
   EXPECT_LT(made.second, 1.5 * sigma * std::sqrt(0.25 / wall));
   EXPECT_NEAR(made.first, 0.25, 0.002);
 }
@@ -154,7 +154,7 @@ TEST(Retarget, ReducesTheContrastOfSunAndShadeByHalfOfTheTrueChange) {
   for (int x = 40; x < 60; ++x)
     for (int c = 0; c < 3; ++c) {
       const float off = made.at(x, 30)[c] - truth.at(x, 30)[c], off_one = one.at(x, 30)[c] - truth.at(x, 30)[c];
-      ASSERT_GT(std::abs(off_one), 0.004F) << "else there was nothing to mend";
+      ASSERT_GT(std::abs(off_one), 0.004F) << "otherwise there was nothing to correct";
       EXPECT_NEAR(off / off_one, 0.5F, 0.2F) << "stripe " << x << ", channel " << c;
     }
 }
@@ -172,7 +172,7 @@ TEST(Retarget, TreatsLandWithoutContrastAsOneSurface) {
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(made.elements()[i][c], one.elements()[i][c], 1e-5F);
 }
 
-// Whatever the picture, no surface's light may grow more than shade's nor less than the sun's.
+// Whatever the picture, no surface's light may grow more than in shade nor less than in the sun.
 TEST(Retarget, NeverExceedsSunAndShadeThemselves) {
   const auto nodes = grey_nodes();
   Stripes stripes;
@@ -204,7 +204,7 @@ TEST(Retarget, KeepsThePictureAndItsNoiseWhenNothingChanges) {
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(made.elements()[i][c], light.elements()[i][c], 2e-6F);
 }
 
-// A white house before far dark hills, both in haze: each has its own surroundings.
+// A white house in front of far dark hills, both in haze: each has its own surroundings.
 TEST(LandAround, DoesNotMixNearWithFar) {
   const auto nodes = grey_nodes();
   const PictureAir air{Turbidity{2.0}, {1, 1, glm::vec3{0.5F}}};
@@ -225,7 +225,7 @@ TEST(LandAround, DoesNotMixNearWithFar) {
   }
 }
 
-// Sun 25 deg high: thicker haze takes of the sun and gives to the sky, and level ground has some of both.
+// Sun 25 deg high: thicker haze shifts light from the sun to the sky, and level ground receives both.
 TEST(Relighting, IsBetweenThatOfTheSunAndThatOfTheSky) {
   const Camera camera;
   const auto sun = direction_from(from_degrees(65.0), from_degrees(110.0));

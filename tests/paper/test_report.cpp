@@ -1,4 +1,4 @@
-// The report of the papers' tables and figures, made in a hurry and read again.
+// The report of the papers' tables and figures, made with --quick and read back.
 #include <cstdlib>
 
 #include <gmock/gmock.h>
@@ -40,8 +40,8 @@ Report made_in_a_hurry() {
   return report;
 }
 
-// One test, for making the report is what takes its time. A hurry's figures are held to what the papers print and to
-// loose limits.
+// One test, because making the report is slow. Quick figures are held to the papers' printed values and to loose
+// limits.
 TEST(Report, ShowsThePapersNumbersNextToOursAndIsSelfContained) {
   const auto report = made_in_a_hurry();
   const auto& page = report.page;
@@ -78,7 +78,7 @@ TEST(Report, ShowsThePapersNumbersNextToOursAndIsSelfContained) {
 
   const bool photographs = std::filesystem::exists(shared_data_folder() / "haze" / "classic");
   EXPECT_EQ(report.skipped("classic"), !photographs);
-  if (!photographs) GTEST_SKIP() << "no hazy photographs beside the checkout; the rest was as it should be";
+  if (!photographs) GTEST_SKIP() << "no hazy photographs next to the checkout; the rest was as expected";
   EXPECT_LT(report.figure("classic", "black_percent_added"), 1.0) << "per cent of the pixels";
   EXPECT_LT(report.figure("classic", "tiananmen.png.top_changed"), 6.0) << "levels of 255: the sky keeps its colour";
 }

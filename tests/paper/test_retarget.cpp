@@ -20,7 +20,7 @@ Image<glm::vec3> one_pixel(const glm::dvec3& value) {
   return {1, 1, glm::vec3(value)};
 }
 
-// One pixel per distance; what a spectrum of 1 nm steps says of it is the truth.
+// One pixel per distance; the truth is computed from a spectrum of 1 nm steps.
 TEST(Retarget, RetargetsASurfaceAsTheSpectralReferenceDoes) {
   const auto measure = spectral_measure(generic_sensitivity());
   const auto nodes = attenuation_nodes(measure);
@@ -52,7 +52,7 @@ TEST(Retarget, RetargetsASurfaceAsTheSpectralReferenceDoes) {
   }
 }
 
-// Grey haze, so that gains are known: one at T 8 takes e^-depth of every wavelength.
+// Grey haze, so that gains are known: at T 8 its transmission is e^-depth at every wavelength.
 TEST(Retarget, MasksFaintPixelsAndLeavesFainterOnesMoreHaze) {
   AttenuationNodes nodes;
   for (std::size_t i = 0; i < nodes.weight.size(); ++i) {
@@ -61,11 +61,11 @@ TEST(Retarget, MasksFaintPixelsAndLeavesFainterOnesMoreHaze) {
   }
   const double per_m = rayleigh_per_m(ScatteringModel::morales2017, 550.0) +
                        mie_per_m(ScatteringModel::morales2017, 550.0, Turbidity{8.0});
-  // Gains of 4, 8 (the limit), 16 and 64, and one beyond any number.
+  // Gains of 4, 8 (the limit), 16 and 64, and a practically infinite one.
   const std::vector<double> gains{4.0, 7.99, 16.0, 64.0, 1e200}, allowed{4.0, 7.99, 4.0, 1.0, 1.0};
   const Image<glm::vec3> light(5, 1, glm::vec3(0.49F));
   PictureDepth depth{Image<float>(5, 1), {}, 0.0};
-  // A path at sea level: both densities are 1, but for the slope of nothing.
+  // On a level path at sea level both densities are 1.
   for (int x = 0; x < 5; ++x)
     depth.distance_m.at(x, 0) = static_cast<float>(std::log(gains[static_cast<std::size_t>(x)]) / per_m);
   const auto result = retarget(light, depth, {Turbidity{8.0}, one_pixel(glm::dvec3{0.5})},
@@ -77,7 +77,7 @@ TEST(Retarget, MasksFaintPixelsAndLeavesFainterOnesMoreHaze) {
   EXPECT_NEAR(result.too_faint_fraction, 0.6, 1e-9);
 }
 
-// What stays of it is haze: channels go the same share of their ways.
+// The remainder is haze: every channel changes by the same fraction.
 TEST(Retarget, GivesFaintPixelsNoColour) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const Image<glm::vec3> light(1, 1, glm::vec3(0.49F));
@@ -85,7 +85,7 @@ TEST(Retarget, GivesFaintPixelsNoColour) {
   const auto result = retarget(light, depth, {Turbidity{8.0}, one_pixel(glm::dvec3{0.5})},
                                {std::nullopt, one_pixel(glm::dvec3{0.5})}, nodes);
   ASSERT_EQ(result.restored.at(0, 0), 0);
-  EXPECT_GE(result.light.at(0, 0).b, 0.5 - 8.0 * 0.01) << "blue, of which haze takes most, is within the limit";
+  EXPECT_GE(result.light.at(0, 0).b, 0.5 - 8.0 * 0.01) << "blue, which haze attenuates most, is within the limit";
   EXPECT_GT(result.light.at(0, 0).r, result.light.at(0, 0).b);
   EXPECT_LT(result.light.at(0, 0).r, 0.49F);
 }
@@ -148,8 +148,8 @@ Difference between(const Scene& truth, const Retargeted& made) {
   return found;
 }
 
-// M Sect 6.2's values, the airlight taken from the target picture's own horizon as M does; then the other way, which
-// M does not show: haze taken out.
+// M Sect 6.2's values, the airlight taken from the target picture's own horizon as M does; then the other way, which M
+// does not show: haze removed.
 TEST(Retarget, RetargetsAGeneratedSceneToThePapersAirs) {
   fmt::print(
       "| T | land, of 255 | whole picture | with M's rho kept | not touched | too faint |\n"
@@ -174,7 +174,7 @@ TEST(Retarget, RetargetsAGeneratedSceneToThePapersAirs) {
                kept.land, none.land, 100.0 * found.masked);
     EXPECT_LE(found.land, 2.0) << from << " -> " << to;
     EXPECT_LE(found.all, 2.0) << from << " -> " << to;
-    EXPECT_LT(found.land, none.land) << "it must be nearer than the picture that was not touched";
+    EXPECT_LT(found.land, none.land) << "it must be closer than the unchanged picture";
   }
 }
 

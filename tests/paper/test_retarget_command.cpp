@@ -1,4 +1,4 @@
-// kasumi retarget as a researcher calls it.
+// kasumi retarget as called by a researcher.
 #include <cstdlib>
 #include <cstring>
 
@@ -90,7 +90,7 @@ TEST_F(RetargetCommand, ShowsTheSceneAsItIsInThatAir) {
   EXPECT_TRUE(std::filesystem::exists(folder / "made.restored.png"));
 }
 
-// Without a picture of the target the sky model says how bright the haze is.
+// Without a picture of the target the sky model gives the brightness of the haze.
 TEST_F(RetargetCommand, FindsTheLightFromInfinityByTheSkyModel) {
   const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 1.9 --out {}", known(), in_folder("same.png")));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -122,7 +122,7 @@ TEST_F(RetargetCommand, ReportsAllProblemsAtOnceAndWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
-// A still camera's film: as many frames, at its rate, each as the picture would have become.
+// A film from a fixed camera: the same number and rate of frames, each retargeted like a picture.
 TEST_F(RetargetCommand, TakesAFilmAndWritesOneForEachAir) {
   {
     auto film = open_film(folder / "day.mp4", 5.0);
@@ -159,10 +159,10 @@ TEST_F(RetargetCommand, TakesAFolderOfFramesByName) {
   const auto sheet = run_kasumi(
       fmt::format("retarget {} {} --turbidity 2.94 --sheet {}", in_folder("frames"), rest, in_folder("never.png")));
   EXPECT_EQ(sheet.code, 2);
-  EXPECT_THAT(sheet.err, HasSubstr("a sheet keeps all of them in memory"));
+  EXPECT_THAT(sheet.err, HasSubstr("a sheet keeps all frames in memory"));
 }
 
-// One wall without a top, seen through a narrow lens, is as good as one distance for all.
+// One wall without a top, seen through a narrow lens, is nearly one distance for all pixels.
 TEST_F(RetargetCommand, TakesDistancesFromGroundAndWalls) {
   ASSERT_TRUE(write_text_file(folder / "planes.toml", "[[walls]]\ndistance_m = 6000\nazimuth_deg = 4\n"));
   const auto asked =
@@ -207,8 +207,8 @@ TEST_F(RetargetCommand, RefusesADepthOfAnotherSize) {
   EXPECT_THAT(outcome.err, HasSubstr("is 32 x 18: expected 320 x 180"));
 }
 
-// Grey haze that leaves half of each surface, every neighbourhood with something black in it: .9 of the haze is taken
-// out, so that black is left 1 - .5 / .55 of the light from infinity.
+// Grey haze that leaves half of each surface, every neighbourhood with something black in it: .9 of the haze is
+// removed, so that black keeps 1 - .5 / .55 of the light from infinity.
 TEST_F(RetargetCommand, RemovesHazeWhenOnlyThePictureIsKnown) {
   const auto srgb = Response::srgb();
   const auto pixel = [&](double light) {

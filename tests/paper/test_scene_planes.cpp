@@ -26,7 +26,7 @@ TEST(ScenePlanes, GroundDistanceFollowsFromTheCamerasHeight) {
   const auto distances = distances_to({12.0, {}}, camera());
   for (const int y : {51, 60, 75, 100})
     for (const int x : {0, 100, 180}) {
-      // Over the ground h f / (y - 50) deep, and along the line of sight as much longer as that is.
+      // The ground's depth is h f / (y - 50); the distance along the line of sight is longer by the ray's slant.
       const double off_x = x - 100, off_y = y - 50;
       const double expected = 12.0 / off_y * std::sqrt(kFocal_px * kFocal_px + off_x * off_x + off_y * off_y);
       EXPECT_NEAR(static_cast<double>(distances.at(x, y)) / expected, 1.0, 1e-5) << x << ", " << y;
@@ -50,12 +50,12 @@ TEST(ScenePlanes, TheNearestOfGroundAndWallsIsTaken) {
   EXPECT_NEAR(distances.at(100, 45), 3500.0 * along(100, 45), 0.1);
   EXPECT_NEAR(distances.at(20, 45), 200.0 * along(20, 45), 0.01) << "the house, azimuth -16 deg";
   EXPECT_NEAR(distances.at(180, 45), 3500.0 * along(180, 45), 0.1) << "to the right there is none";
-  // The house ends at 10 m / 200 m of the focal length over the horizon, the ridge at 300 / 3500.
+  // The house's top is 10 m / 200 m of the focal length above the horizon, the ridge at 300 / 3500.
   const int roof = 50 - static_cast<int>(std::ceil(kFocal_px * 10.0 / 200.0));
   EXPECT_NEAR(distances.at(20, roof - 1), 3500.0 * along(20, roof - 1), 0.1);
   const int crest = 50 - static_cast<int>(std::ceil(kFocal_px * 300.0 / 3500.0));
   EXPECT_EQ(distances.at(100, crest - 1), 0.0F);
-  EXPECT_LT(distances.at(20, 90), 200.0F) << "the ground before the house";
+  EXPECT_LT(distances.at(20, 90), 200.0F) << "the ground in front of the house";
 }
 
 TEST(ScenePlanes, AreReadAndAllProblemsAreReported) {

@@ -1,4 +1,4 @@
-// The measures of likeness against what Wang 2004 and Pearson say in closed form.
+// The similarity measures against closed forms of Wang 2004 and Pearson.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -26,8 +26,8 @@ TEST(Ssim, OfFlatPicturesIsItsLuminanceTerm) {
   EXPECT_NEAR(ssim(dark, bright), (2.0 * 60 * 140 + kC1) / (60.0 * 60 + 140.0 * 140 + kC1), 1e-6);
 }
 
-// Stripes of one pixel: the window's weights on even and odd columns are as good as equal, so that the mean is 128 and
-// the deviation the amplitude; half the contrast is then covariance 800 of variances 1600 and 400.
+// Stripes of one pixel: the window's weights on even and odd columns are nearly equal, so that the mean is 128 and the
+// deviation the amplitude; at half the contrast the covariance is 800, the variances 1600 and 400.
 TEST(Ssim, OfStripesOfHalfTheContrastIsItsContrastTerm) {
   constexpr double kC2 = 0.03 * 255 * 0.03 * 255;
   const auto strong = grey(40, 40, [](int x, int) { return x % 2 == 0 ? 168 : 88; });

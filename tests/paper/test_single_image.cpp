@@ -32,8 +32,8 @@ TEST(GuidedFilter, KeepsAffineFunctionsOfItsGuide) {
     ASSERT_NEAR(kept.elements()[i], input.elements()[i], 1e-5F) << i;
 }
 
-// Without anything in the guide the windows' means are averaged: a single spike becomes a pyramid, 9 x 9 wide for a
-// radius of 2, its top 25 windows of 25 pixels each.
+// With a flat guide the windows' means are averaged: a single spike becomes a pyramid, 9 x 9 wide for a radius of 2,
+// whose peak averages 25 windows of 25 pixels each.
 TEST(GuidedFilter, AveragesTwiceWhereTheGuideIsFlat) {
   Image<float> input(31, 31);
   input.at(15, 15) = 1.0F;
@@ -45,8 +45,8 @@ TEST(GuidedFilter, AveragesTwiceWhereTheGuideIsFlat) {
     }
 }
 
-// One pixel in every patch is black in some channel: then the darkest light around is that of the haze, and
-// transmission is told to the share of it that omega keeps.
+// One pixel in every patch is black in some channel: then the darkest light nearby is that of the haze, and
+// transmission is exact up to the haze that omega keeps.
 TEST(DarkChannel, GivesTheTransmissionOfASceneWithBlackInEveryPatch) {
   const glm::vec3 airlight{0.8F, 0.85F, 0.9F};
   for (const float t : {0.9F, 0.6F, 0.3F}) {
@@ -71,7 +71,7 @@ TEST(DarkChannel, FindsTheLightFromInfinityInTheThickestHaze) {
       const float t = static_cast<float>(y) / 99.0F;
       hazy.at(x, y) = airlight * (0.5F * guide_at(x, y) * t + 1.0F - t);
     }
-  hazy.at(100, 95) = glm::vec3(1.0F);  // something white nearby is no haze
+  hazy.at(100, 95) = glm::vec3(1.0F);  // something white nearby is not haze
   const auto found = airlight_by_dark_channel(hazy);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], static_cast<double>(airlight[c]), 1e-6);
 }

@@ -1,4 +1,4 @@
-// Generated recordings for the tests of the whole way, each made once per run of the tests.
+// Generated recordings for the end-to-end tests, each made once per test run.
 #pragma once
 
 #include <filesystem>
@@ -37,7 +37,7 @@ inline fixtures::Recipe small(std::string_view preset, int frames) {
   return recipe;
 }
 
-// The same for a test that does not look at the scene, which takes most of the time to draw.
+// The same for a test that does not need the scene, which takes most of the time to draw.
 inline fixtures::Recipe small_scene(std::string_view preset, int frames) {
   auto recipe = small(preset, frames);
   recipe.scene_width = 160;

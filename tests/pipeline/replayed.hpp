@@ -1,4 +1,4 @@
-// A recording played to the end, and how near its pictures come to truth.
+// A recording replayed to the end, and how close its pictures are to the truth.
 #pragma once
 
 #include <cmath>

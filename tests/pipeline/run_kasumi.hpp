@@ -1,4 +1,4 @@
-// Runs the program as a person or a script does.
+// Runs the program as a user or a script does.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct Outcome {
   std::string out, err;
 };
 
-// `kasumi ARGUMENTS`, as a shell takes them.
+// Runs `kasumi ARGUMENTS` through a shell.
 inline Outcome run_kasumi(const std::string& arguments) {
   const auto errors = test_folder(fmt::format("stderr-{}.txt", ::getpid()));  // test programs run side by side
   Outcome outcome;

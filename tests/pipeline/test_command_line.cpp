@@ -1,4 +1,4 @@
-// The command line as a person or a script uses it.
+// The command line as a user or a script uses it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ TEST_F(EstimateCommand, JsonHasEveryDocumentedKey) {
 }
 
 TEST_F(EstimateCommand, TheRequestedSkyModelIsFitted) {
-  // A sky of Preetham's is no dome at all, but it is the dome that is then told of.
+  // The generated sky is Preetham's, not the dome's; only the choice of the model is under test.
   for (const auto& [options, model] : {std::pair{"", "preetham"},
                                        {"--sky-model dome", "dome"},
                                        {"--sky-model automatic --altitude-m 1400", "preetham"},

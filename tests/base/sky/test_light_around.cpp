@@ -33,7 +33,7 @@ TEST(LightAroundMap, FoldsOntoItselfAtItsEdges) {
     const glm::dvec2 same = sideways ? glm::dvec2{std::copysign(2.0, place.x) - place.x, -place.y}
                                      : glm::dvec2{-place.x, std::copysign(2.0, place.y) - place.y};
     EXPECT_LE(angle_between(direction_on_map(place), direction_on_map(same)).value, 1e-9);
-    // A step over the edge is no jump.
+    // Crossing the edge is not a jump.
     EXPECT_LE(angle_between(direction_on_map(place), direction_on_map(0.999 * place)).value, 0.01);
   }
 }

@@ -1,4 +1,4 @@
-// The texts that GPU and CPU share, against closed forms and numeric integrals.
+// The code that GPU and CPU share, against closed forms and numeric integrals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 using sky_text::luminance_of;
 using sky_text::tone_mapped;
 
-// Colours from grey to far outside sRGB, of all strengths.
+// Colours from grey to far outside sRGB, at all intensities.
 std::vector<glm::dvec3> many_lights() {
   std::mt19937_64 random(5);
   const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
@@ -58,7 +58,7 @@ TEST(ToneMapping, LeavesColoursWellInsideTheGamutUnchanged) {
 }
 
 TEST(ToneMapping, KeepsDistinctColoursDistinct) {
-  // Ever farther from grey at one luminance: a clip would show them all alike.
+  // Ever farther from grey at one luminance: clipping would make them all the same.
   double before = -1.0;
   for (double reach = 0.0; reach < 40.0; reach += 0.25) {
     const glm::dvec3 from_grey(1.0, 0.0, -0.2126 / 0.0722);
@@ -113,7 +113,7 @@ TEST(SkyProjections, AFisheyeShowsHalfASphere) {
   EXPECT_EQ(seen_share(view, {20.0, 20.0}), 0.0);
 }
 
-// Sea-level metres of haze by summing over a straight line through a round Earth: what air_along stands for.
+// Sea-level metres of haze, summed along a straight line past a round Earth: the integral that air_along approximates.
 double summed_haze_m(double from_m, double to_m, double length_m) {
   constexpr double kEarth_m = 6371000.0;
   const double a = kEarth_m + from_m, b = kEarth_m + to_m;
@@ -121,7 +121,7 @@ double summed_haze_m(double from_m, double to_m, double length_m) {
   double sum = 0.0;
   for (int i = 0; i < kSteps; ++i) {
     const double t = (i + 0.5) / kSteps;
-    // The height over the middle of a triangle with these three sides.
+    // Stewart's theorem: distance from the earth's centre at the fraction t of the path.
     const double r = std::sqrt((1.0 - t) * a * a + t * b * b - t * (1.0 - t) * length_m * length_m);
     sum += std::exp(-(r - kEarth_m) / 1200.0);
   }
@@ -155,7 +155,7 @@ TEST(SkyText, HasTheNumbersOfTheHeaders) {
 }
 
 TEST(AirPath, GrowsWithItsLengthAndNeverTurnsNegative) {
-  // U Eq 3.3 does.
+  // As in U Eq 3.3.
   for (const double rise_m : {0.0, 1.0, 49.0, 51.0, 900.0}) {
     double before = 0.0;
     for (double length_m = std::max(rise_m, 1.0); length_m < 200e3; length_m *= 1.7) {
@@ -167,7 +167,7 @@ TEST(AirPath, GrowsWithItsLengthAndNeverTurnsNegative) {
   }
 }
 
-// Any sky: colour and strength vary with zenith angle and angle to the sun.
+// An arbitrary sky: colour and intensity vary with zenith angle and angle to the sun.
 DomeFunction some_sky(double horizon_sine, double strength) {
   DomeFunction sky;
   sky.horizon_sine = static_cast<float>(horizon_sine);
@@ -219,7 +219,7 @@ TEST(AnObjectInTheAir, FadesIntoTheHorizonsLightFarAway) {
 }
 
 TEST(AnObjectInTheAir, LooksTheSameFromBothEndsOfALevelPath) {
-  // Sky behind it or ground behind it: the two cases meet.
+  // With sky or ground behind it: the two cases agree.
   const SkyPainter painter(some_scene());
   const glm::dvec3 light(2000.0, 2000.0, 2000.0);
   const glm::dvec3 above = painter.through_air(light, {0.0, 20e3, 500.5}, 500.5);

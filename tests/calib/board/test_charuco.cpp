@@ -1,4 +1,4 @@
-// ChArUco boards drawn through known lenses, seen whole and in part.
+// ChArUco boards drawn through known lenses, fully and partly visible.
 #include <algorithm>
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 const CharucoBoard kBoard{8, 6, 0.03, 0.022, "DICT_4X4_50"};
 
-// The board at 20 points a square, as black_of has it printed.
+// The board at 20 points a square, as black_of prints it.
 Image<float> printed() {
   constexpr int kFine = 40;
   Image<float> page(kBoard.columns * kFine, kBoard.rows * kFine, 1.0f);
@@ -29,7 +29,7 @@ Image<float> printed() {
   return page;
 }
 
-// Facing the camera from a point of its picture, tilted; the board's middle lies in that direction.
+// Tilted against the line of sight; the board's centre lies in direction `towards`.
 BoardPose pose_at(const glm::dvec3& towards, double away_m, double tilt_x, double tilt_y) {
   const glm::dvec3 normal = glm::normalize(glm::normalize(towards) + glm::dvec3{tilt_x, tilt_y, 0.0});
   const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3{0.1, 1, 0}, normal)), y = glm::cross(normal, x);
@@ -69,8 +69,8 @@ Image<std::uint8_t> picture(const Lens& lens, int width, int height, const Board
   return made;
 }
 
-// How far the corners that were found lie from where the lens shows them. The board's inner corners form a lattice,
-// which is found whichever end the board's own numbers begin at.
+// Largest distance of the detected corners from where the lens shows them. The inner corners are matched as a lattice,
+// whichever end the board's numbering begins at.
 double worst_px(const Lens& lens, const BoardPose& pose, const BoardView& view) {
   double worst = 0.0;
   for (const auto& pixel : view.pixels) {
@@ -94,7 +94,7 @@ TEST(Charuco, CornersAreFoundEvenOnAPartlyVisibleBoard) {
   EXPECT_GE(all->pixels.size(), 30u);  // of 7 x 5
   EXPECT_LE(worst_px(*lens, whole, *all), 0.3);
 
-  // Half of it beyond the picture's edge, where findChessboardCorners finds nothing.
+  // Half of it lies outside the picture, where findChessboardCorners finds nothing.
   const auto aside = pose_at({-1.5, 0.1, 0.35}, 0.22, 0.1, 0.0);
   const auto cut = picture(*lens, 640, 480, aside, page);
   const auto part = find_charuco(cut, kBoard, "part");

@@ -112,8 +112,8 @@ TEST(CameraToXyz, IsExactForEveryMixtureOfDaylights) {
   }
 }
 
-// A camera whose sensitivities are sums of the observer's (Luther's condition) sees every colour right, daylight or
-// not.
+// A camera whose sensitivities are linear combinations of the observer's (Luther condition) measures every colour
+// correctly, daylight or not.
 TEST(CameraToXyz, InvertsACameraThatMeetsTheLutherCondition) {
   const glm::dmat3 mixing{2.0, 0.3, 0.1, 0.5, 1.5, 0.2, 0.1, 0.4, 1.1};
   SpectralSensitivity camera{"luther", 380.0, 5.0, {}};
@@ -136,7 +136,8 @@ TEST(SrgbReflectance, WhiteStaysWhiteAndGreyGreyForEveryCamera) {
 }
 
 TEST(SrgbReflectance, ACameraThatSeesLikeSrgbSeesTheColourItself) {
-  // Channels that are linear sRGB's own curves: reflectance per channel is then the colour, whatever the spectrum.
+  // Channels that are linear sRGB's own curves: the reflectance per channel is then the colour itself, for any
+  // spectrum.
   SpectralSensitivity srgb{"sRGB", 380.0, 5.0, {}};
   const glm::dmat3 from_xyz = glm::inverse(srgb_to_xyz());
   for (double nm = 380.0; nm <= 780.0; nm += 5.0) srgb.samples.push_back(from_xyz * colour_matching(nm));

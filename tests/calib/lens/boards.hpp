@@ -1,4 +1,4 @@
-// Boards before a lens, drawn.
+// Drawn pictures of boards seen through a lens.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// The chessboard with a white margin of one square, before a grey wall; `fine` x `fine` rays a pixel.
+// The chessboard with a white margin of one square, in front of a grey wall; `fine` x `fine` rays a pixel.
 inline Image<std::uint8_t> picture_of_board(const Lens& lens, int width, int height, const Board& board,
                                             const BoardPose& pose, int fine) {
   Image<std::uint8_t> picture(width, height);
@@ -37,7 +37,7 @@ inline Image<std::uint8_t> picture_of_board(const Lens& lens, int width, int hei
   return picture;
 }
 
-// Faces the camera 0.2 m away, its middle off the axis, tilted.
+// Faces the camera 0.2 m away, its centre off the axis, tilted.
 inline BoardPose board_at(const Board& board, double right_m, double down_m, double tilt_x, double tilt_y) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3{tilt_x, tilt_y, 1.0});
   const glm::dvec3 x = glm::normalize(glm::cross(glm::dvec3{0, 1, 0}, normal)), y = glm::cross(normal, x);

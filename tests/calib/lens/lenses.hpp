@@ -1,4 +1,4 @@
-// One lens of every model, as found in practice, with the size of its pictures.
+// One realistic lens of every model, with the size of its pictures.
 #pragma once
 
 #include <string>

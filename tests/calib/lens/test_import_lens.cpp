@@ -24,7 +24,7 @@ std::string matrix(const std::string& name, int rows, int columns, const std::st
                      data);
 }
 
-// As the camera_calibration sample of OpenCV writes it.
+// As OpenCV's camera_calibration sample writes it.
 TEST(ImportLens, OpencvYamlIsReadWithItsModel) {
   const auto head = std::string("%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\n");
   const auto camera = matrix("camera_matrix", 3, 3, "500.5, 0., 319.25, 0., 501.5, 240.75, 0., 0., 1.");

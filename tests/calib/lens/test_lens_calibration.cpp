@@ -1,4 +1,4 @@
-// Lenses found from pictures of a board: of known lenses, and of one that somebody else calibrated.
+// Lenses calibrated from pictures of a board: known lenses, and one with a published calibration.
 #include <algorithm>
 #include <filesystem>
 #include <random>
@@ -33,7 +33,7 @@ double normal(std::mt19937_64& random) {
 
 constexpr Board kBoard{8, 6, 0.03};
 
-// A board somewhere in the lens's view, tilted by up to 40 deg against the line of sight.
+// A board anywhere in the lens's view, tilted by up to 40 deg against the line of sight.
 BoardPose some_pose(std::mt19937_64& random, double largest_off_axis, double away_m) {
   const double off = largest_off_axis * std::sqrt(uniform(random, 0.0, 1.0)), turn = uniform(random, 0.0, 2.0 * kPi);
   const glm::dvec3 towards{std::sin(off) * std::cos(turn), std::sin(off) * std::sin(turn), std::cos(off)};
@@ -75,7 +75,7 @@ std::vector<BoardView> views_of(const SampleLens& sample, int count, double nois
   return views;
 }
 
-// Largest distance in pixels between two lenses over what both see within an angle from the axis.
+// Largest distance in pixels between two lenses over their common view within an angle from the axis.
 double largest_difference_px(const Lens& a, const Lens& b, double reach_deg) {
   double largest = 0.0;
   for (double off = 0.0; off <= reach_deg; off += 5.0)
@@ -197,7 +197,7 @@ TEST(Board, CornersOfADrawnBoardAreFoundWithinAFifthOfAPixel) {
   const auto view = find_board(picture, kBoard, "drawn");
   ASSERT_TRUE(view);
   const auto truth = seen(*lens, 400, 300, pose, "").value();
-  // The board's other end may have been taken for the first.
+  // The board may have been found rotated by 180 degrees.
   double forwards = 0.0, backwards = 0.0;
   for (std::size_t i = 0; i < truth.pixels.size(); ++i) {
     forwards = std::max(forwards, glm::distance(view->pixels[i], truth.pixels[i]));

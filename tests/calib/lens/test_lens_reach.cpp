@@ -1,4 +1,4 @@
-// Beyond a model's reach there is no answer, rather than one from a wrong branch.
+// Outside a model's domain there is no result, rather than one from a wrong branch.
 #include <limits>
 
 #include <gtest/gtest.h>

@@ -35,7 +35,8 @@ TEST(Ocamcalib, RowAndColumnBecomeYAndX) {
   EXPECT_EQ(model->width, 120);
   EXPECT_EQ(model->height, 80);
 
-  // OCamCalib: (row, column) = [c d; e 1] (x', y') + centre, seeing (x', y', a0 + a2 rho^2) with z into the camera.
+  // OCamCalib: (row, column) = [c d; e 1] (x', y') + centre, with the ray (x', y', a0 + a2 rho^2), z pointing into the
+  // camera.
   const auto lens = scaramuzza_lens(*model, from_degrees(90.0));
   const double x = 10.0, y = -20.0;
   const auto ray = lens->unproject({60.25 + 0.03 * x + y, 40.5 + 1.01 * x + 0.02 * y}).value();
@@ -54,7 +55,7 @@ TEST(Ocamcalib, ABrokenFileIsRefusedWithAllItsProblems) {
   EXPECT_FALSE(read_ocamcalib("/nowhere/calib.txt"));
 }
 
-// The published inverse polynomial was fitted by somebody else's code: our inverse must agree as far as that fit does.
+// The published inverse polynomial was fitted by other software: our inverse must agree within that fit's accuracy.
 TEST(Ocamcalib, ProjectionAgreesWithThePublishedInversePolynomial) {
   if (!std::filesystem::exists(kSample)) GTEST_SKIP() << "no sample data at " << kSample;
   const auto model = read_ocamcalib(kSample / "calib_results_fisheye.txt").value();
@@ -71,7 +72,7 @@ TEST(Ocamcalib, ProjectionAgreesWithThePublishedInversePolynomial) {
   }
 }
 
-// Root mean square distance in pixels of points from the image of the straight line in space that fits them best.
+// RMS distance in pixels of points from the image of the best-fitting straight line in space.
 double straightness_px(const Lens& lens, const std::vector<cv::Point2f>& points) {
   cv::Mat rays(0, 3, CV_64F);
   for (const auto& point : points) {

@@ -31,7 +31,8 @@ TEST(Response, DecodingUndoesEncodingInAndAroundTheRange) {
     }
 }
 
-// sRGB itself has a step of 2e-9 where its branches meet (.04045 / 12.92 against ((.04045 + .055) / 1.055)^2.4).
+// sRGB itself has a discontinuity of 2e-9 where its branches meet (.04045 / 12.92 against ((.04045 + .055) /
+// 1.055)^2.4).
 TEST(Response, EncodingUndoesDecodingInAndAroundTheRange) {
   for (const auto& response : responses())
     for (double light = -0.05; light <= 1.2; light += 1e-5) {

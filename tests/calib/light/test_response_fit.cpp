@@ -1,4 +1,4 @@
-// Response curves from generated exposure stacks whose curve is known in closed form.
+// Response curves from generated exposure stacks with curves known in closed form.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ std::vector<Image<glm::vec3>> stack(const Encode& encode, const std::vector<doub
   Random random(seed);
   std::vector<glm::dvec3> light;
   for (int i = 0; i < kSide * kSide; ++i) {
-    // 14 stops from one side to the other, so that neighbours are alike.
+    // 14 stops from one side to the other, so that neighbouring pixels are similar.
     const double grey = std::exp(std::log(1e-4) + std::log(2e4) * (i % kSide + random.uniform()) / kSide);
     light.emplace_back(0.8 * grey, grey, 1.1 * grey);
   }
@@ -134,7 +134,7 @@ TEST(ResponseFit, TheUnknownExposuresAndNoiseOfALinearCameraAreFound) {
   for (std::size_t j = 1; j < exposures.size(); ++j)
     EXPECT_NEAR(std::exp(found->fit.log_s[j] - found->fit.log_s[j - 1]) / (exposures[j] / exposures[j - 1]), 1.0, 0.01);
   EXPECT_THAT(found->undetermined, testing::Contains(HasSubstr("power")));
-  // 12000 electrons; medians of thousands of values, and a fit of two numbers to them.
+  // 12000 electrons; medians of thousands of values, and a two-parameter fit to them.
   const auto noise = fit_noise(samples, found->fit);
   ASSERT_TRUE(noise);
   EXPECT_NEAR(noise->full_scale_electrons() / 12000.0, 1.0, 0.15);
@@ -167,7 +167,7 @@ TEST(VignettingFit, AFlatFieldWithDustRecoversTheLensWithinOnePercent) {
     EXPECT_NEAR(found->vignetting.at(at) / truth.at(at), 1.0, 0.01) << r;
   }
   EXPECT_NEAR(found->residual, 0.01, 0.001);
-  // What darkens to nothing is no lens.
+  // Vignetting that reaches zero is not a lens.
   for (auto& flat : flats)
     for (int y = 0; y < 200; ++y)
       for (int x = 0; x < 200; ++x)

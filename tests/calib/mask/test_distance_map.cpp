@@ -1,4 +1,4 @@
-// Depth maps, written here byte by byte or by OpenCV's PNG writer.
+// Depth maps, written byte by byte or by OpenCV's PNG writer.
 #include <cstring>
 #include <limits>
 

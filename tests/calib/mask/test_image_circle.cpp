@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kData(shared_data_folder());
 
-// A sky with a bright sun on a dark surround, anti-aliased at the rim, with noise everywhere.
+// A sky with a bright sun inside a dark surround, anti-aliased at the rim, with noise everywhere.
 struct Disc {
   int width = 400;
   int height = 400;
@@ -28,13 +28,13 @@ struct Disc {
   double sky = 90.0;
   double surround = 3.0;
   double noise = 2.0;
-  // How much of the sky's light comes through at an azimuth and a radius (0..1 at the rim).
+  // Transmitted fraction of the sky's light by azimuth and radius (1 at the rim).
   std::function<double(double, double)> open = [](double, double) { return 1.0; };
 };
 
 Image<Rgb8> drawn(const Disc& disc) {
   std::mt19937_64 random(7);
-  const auto noise = [&] {  // near normal: twelve uniform numbers
+  const auto noise = [&] {  // nearly normal: a sum of twelve uniform numbers
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += static_cast<double>(random() >> 11) * 0x1p-53;
     return disc.noise * sum;
@@ -77,7 +77,7 @@ TEST(ImageCircle, ADiscOnADarkSurroundIsFoundWithinOnePercent) {
   Disc small;
   small.radius_px = 60.0;
   small.centre = {120.2, 280.9};
-  expect_found(small, "small and off the middle");
+  expect_found(small, "small and off-centre");
 }
 
 TEST(ImageCircle, TreesAndBuildingsOnTheHorizonDoNotShrinkIt) {

@@ -1,4 +1,4 @@
-// The scene camera's pose from landmarks, against cameras of known pose and noise of known size.
+// The scene camera's pose from landmarks, against cameras of known pose with noise of known size.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ struct Rig {
   }
 };
 
-// A camera with so many pixels a radian, looking nearly level.
+// A camera of this focal length in pixels, looking nearly level.
 Rig rig(double focal_px, Random& random) {
   Rig made;
   made.lens = {PinholeModel{{focal_px, focal_px}, {961.0, 537.0}, {-0.08, 0.03, 0.0, 0.0, 0.0}}};
@@ -48,7 +48,7 @@ Rig rig(double focal_px, Random& random) {
   return made;
 }
 
-// Somewhere in the picture, 1 to 12 km away, marked with noise.
+// Anywhere in the picture, 1 to 12 km away, marked with noise.
 LandmarkSight landmark(const Rig& rig, const std::string& name, Random& random, double sigma_px) {
   const glm::dvec2 pixel{random.uniform(40.0, rig.width - 40.0), random.uniform(40.0, rig.height - 40.0)};
   LandmarkSight sight;
@@ -66,7 +66,7 @@ std::vector<LandmarkSight> landmarks(const Rig& rig, int count, Random& random, 
   return sights;
 }
 
-// The largest angle between what a pixel sees and what it is said to see, over the picture.
+// The largest angle between true and estimated viewing direction over the picture's pixels.
 double worst_direction_deg(const Rig& rig, const ScenePose& pose) {
   const auto truth = make_lens(rig.lens), found = make_lens(pose.lens);
   Radians worst{};
@@ -134,7 +134,7 @@ TEST(ScenePose, TheReportedSigmaIsTheActualError) {
     const double found = focal_px_of(pose->lens) / focal_px_of(camera.lens) - 1.0;
     scale += std::pow(found / pose->sigma.scale, 2) / kSeeds;
   }
-  // A misfit above 1 widens sigma and one below does not narrow it, so a little less than 1.
+  // A misfit above 1 widens sigma but one below does not narrow it, hence a little less than 1.
   for (const double square : {heading, pitch, scale}) {
     EXPECT_GT(square, 0.55);
     EXPECT_LT(square, 1.3);
@@ -236,7 +236,7 @@ TEST(ScenePose, AWrongCameraPositionIsNoticedByNearLandmarks) {
   Random random(11);
   const auto camera = rig(1500.0, random);
   auto sights = landmarks(camera, 8, random, 0.5);
-  // Four at 150 m, seen from 4 m beside the site that is believed.
+  // Four at 150 m, seen from 4 m beside the assumed site.
   const glm::dvec3 stands{3.0, -2.5, 0.5};
   for (std::size_t i = 0; i < sights.size(); ++i) {
     if (i % 2 == 0) sights[i].place_m *= 150.0 / glm::length(sights[i].place_m);
@@ -246,7 +246,7 @@ TEST(ScenePose, AWrongCameraPositionIsNoticedByNearLandmarks) {
   prior.position_sigma_m = 3.0;
   const auto pose = pose_scene(sights, {}, prior);
   ASSERT_TRUE(pose) << pose.error().message;
-  // Across the line of sight; along it, little is seen.
+  // Across the line of sight; a shift along it has little effect.
   EXPECT_LE(std::abs(glm::dot(pose->position_m - stands, camera.to_world[0])), 0.3);
   EXPECT_LE(std::abs(glm::dot(pose->position_m - stands, camera.to_world[1])), 0.3);
   EXPECT_LE(worst_direction_deg(camera, *pose), 0.05);

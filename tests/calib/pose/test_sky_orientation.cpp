@@ -1,4 +1,4 @@
-// The sky camera's orientation from the sun's way across the sky, by closed form: no ephemeris takes part.
+// The sky camera's orientation from the sun's path across the sky in closed form, without an ephemeris.
 #include <cmath>
 #include <random>
 
@@ -29,8 +29,8 @@ Direction sun_at(double hours, double declination_deg) {
           std::sin(d) * std::sin(latitude) + std::cos(d) * std::cos(latitude) * std::cos(h)};
 }
 
-// A fisheye of 1080 px on a roof, mounted a little askew, its lens 1.2 % longer than its data sheet and off the
-// circle's centre.
+// A fisheye of 1080 px on a roof, mounted slightly askew, its focal length 1.2 % above its data sheet and its axis off
+// the circle's centre.
 struct Roof {
   LensDescription lens{IdealFisheyeModel{{541.8, 537.9}, 337.0 * 1.012, false}, from_degrees(95.0)};
   glm::dmat3 to_world = camera_to_world(from_degrees(63.0), from_degrees(87.7), from_degrees(141.0));
@@ -43,7 +43,7 @@ struct Roof {
     prior.to_world = camera_to_world(from_degrees(0.0), from_degrees(90.0), from_degrees(0.0));
     return prior;
   }
-  // As kasumi calibrate lens leaves it: centre to a tenth of a pixel, focal length to a thousandth.
+  // As accurate as kasumi calibrate lens makes it: centre to a tenth of a pixel, focal length to a thousandth.
   SkyPrior known_lens() const {
     SkyPrior prior = this->prior();
     prior.lens = moved(lens, centre_of(lens) + glm::dvec2{0.07, -0.05}, 1.0006);
@@ -64,8 +64,8 @@ double error_deg(const glm::dmat3& a, const glm::dmat3& b) {
   return to_degrees({std::acos(std::clamp(cosine, -1.0, 1.0))});
 }
 
-// A picture every 15 s. Clouds pass in blocks of 6 minutes and hide the sun; of what is left, some are taken for it
-// wrongly: a cloud's bright edge near it, or its reflection on the dome's other side.
+// A picture every 15 s. Clouds pass in blocks of 6 minutes and hide the sun; some of the remaining sightings are false:
+// a cloud's bright edge nearby, or the sun's reflection on the dome's opposite side.
 std::vector<SunSight> track(const Roof& roof, double from_h, double to_h, double declination_deg, double cloud_cover,
                             double noise_px, std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -109,8 +109,8 @@ TEST(SkyOrientation, ThreeHoursOfSunThroughCloudsFixItForAKnownLens) {
   }
 }
 
-// What a data sheet leaves open: a tilt and a shift of the lens look nearly the same, so the axis is only as sure as
-// the circle's centre, but where the sun passed, pixels see what they are said to see.
+// What a data sheet leaves open: a tilt and a shift of the lens look nearly the same, so the axis is only as certain as
+// the circle's centre, but where the sun passed, the pixels' directions are right.
 TEST(SkyOrientation, ThreeHoursOfSunGiveTheFocalLengthOfALensFromADataSheet) {
   const Roof roof;
   for (const auto& day : kDays) {
@@ -157,7 +157,7 @@ TEST(SkyOrientation, ItsErrorsAreAsReported) {
     azimuth += std::pow(by[0][1] / found->sigma.azimuth.value, 2.0) / kRepeats;
     scale += std::pow(std::log(focal_px_of(found->lens) / focal_px_of(roof.lens)) / found->sigma.scale, 2.0) / kRepeats;
   }
-  // The mean of 12 squares of a standard normal number lies in .25 .. 2.3 in 99 % of all cases.
+  // The mean of 12 squared standard normal numbers lies in .25 .. 2.3 in 99 % of all cases.
   EXPECT_GT(azimuth, 0.05);
   EXPECT_LT(azimuth, 2.3);
   EXPECT_GT(scale, 0.05);
@@ -177,7 +177,7 @@ TEST(SkyOrientation, OnePictureFixesTheAzimuthOnlyAndSaysSo) {
   ASSERT_EQ(found->undetermined.size(), 1u);
   EXPECT_THAT(found->undetermined[0], HasSubstr("azimuth only"));
   EXPECT_EQ(found->sigma.tilt_east, prior.level_sigma);
-  EXPECT_GT(found->sigma.azimuth, from_degrees(1.0));  // a tilt across would look the same
+  EXPECT_GT(found->sigma.azimuth, from_degrees(1.0));  // a tilt across the sun's path would look the same
 }
 
 TEST(SkyOrientation, AShortTrackReportsWhatItDoesNotFix) {

@@ -1,4 +1,4 @@
-// JPEGs that kasumi does not write, by libjpeg itself.
+// JPEGs that Kasumi itself does not write, made by libjpeg.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace kasumi {
 
-// `change` may alter everything between the defaults and the first row.
+// `change` may alter any setting after the defaults and before the first row.
 inline std::vector<std::uint8_t> exotic_jpeg(const Image<Rgb8>& image,
                                              const std::function<void(jpeg_compress_struct&)>& change) {
   jpeg_compress_struct info{};
@@ -48,7 +48,7 @@ inline std::vector<std::uint8_t> exotic_jpeg(const Image<Rgb8>& image,
   return result;
 }
 
-// Webcams leave the Huffman tables out when they are the standard's.
+// Webcams omit the Huffman tables when they are the standard ones.
 inline std::vector<std::uint8_t> without_huffman_tables(const std::vector<std::uint8_t>& jpeg) {
   std::vector<std::uint8_t> result(jpeg.begin(), jpeg.begin() + 2);
   for (std::size_t at = 2; at + 4 <= jpeg.size();) {

@@ -94,7 +94,7 @@ TEST(Decode, APayloadOneByteShortIsRefusedForEveryUncompressedFormat) {
       EXPECT_THAT(refused.error().message, HasSubstr("expected at least"));
       EXPECT_EQ(judge(cut.metadata, bytes.size(), false), FrameStatus::truncated);
 
-      auto short_use = *whole;  // the buffer is long enough, but the driver filled less of it
+      auto short_use = *whole;  // the buffer is long enough, but the driver filled only part of it
       short_use.metadata.bytes_used -= 1;
       EXPECT_FALSE(decode(short_use, YuvEncoding::bt601_full)) << code;
     }

@@ -13,7 +13,8 @@ using testing::HasSubstr;
 using Bytes = std::vector<std::uint8_t>;
 
 Result<DecodedPicture> decode_jpeg_frame(const Bytes& bytes, int width, int height) {
-  return decode(frame_with(kMjpg, width, height, 0, bytes), YuvEncoding::bt709_limited);  // which JPEG must ignore
+  return decode(frame_with(kMjpg, width, height, 0, bytes),
+                YuvEncoding::bt709_limited);  // which a JPEG decoder must ignore
 }
 
 int largest_difference_to_opencv(const Bytes& bytes, const PictureView& picture) {
@@ -34,7 +35,7 @@ Bytes jpeg_of(int width, int height, ChromaSubsampling subsampling = ChromaSubsa
   return encode_jpeg(test_picture(width, height), 92, subsampling).value();
 }
 
-// OpenCV smooths chroma between samples, we take the nearest: on colours that change slowly they agree within 2/255.
+// OpenCV interpolates chroma, we take the nearest sample: on slowly changing colours they agree within 2/255.
 TEST(Jpeg, EverySubsamplingAndOddSizeDecodesAsInOpenCv) {
   const std::vector<std::pair<ChromaSubsampling, PixelLayout>> kinds{{ChromaSubsampling::s420, PixelLayout::i420},
                                                                      {ChromaSubsampling::s422, PixelLayout::i422},

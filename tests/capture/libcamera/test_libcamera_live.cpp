@@ -1,5 +1,5 @@
-// A camera through libcamera: the one KASUMI_LIBCAMERA_CAMERA names, else the first there is; skipped where there is
-// none. vimc's 'Sensor B' will do.
+// A camera through libcamera: the one that KASUMI_LIBCAMERA_CAMERA names, else the first found; skipped where there is
+// none. vimc's 'Sensor B' is sufficient.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

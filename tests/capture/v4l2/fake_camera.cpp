@@ -33,7 +33,7 @@ void put(std::uint8_t (&field)[N], std::string_view text) {
   std::memcpy(field, text.data(), std::min(N - 1, text.size()));
 }
 
-constexpr std::int64_t kMapStep = 1 << 24;  // offsets that mmap is called with: buffer, plane
+constexpr std::int64_t kMapStep = 1 << 24;  // buffer and plane by mmap offset
 
 }  // namespace
 
@@ -52,7 +52,7 @@ void FakeCamera::close(const VideoDevice* caller) {
   const std::lock_guard lock(mutex_);
   devices_.erase(caller);
   if (owner_ != caller) return;
-  // As the kernel does with the last reference to the file.
+  // As the kernel does when the last reference to the file is closed.
   buffers_.clear();
   done_.clear();
   streaming_ = failed_ = false;
@@ -288,7 +288,7 @@ int FakeCamera::set_format(v4l2_format& format) {
   const auto width = multiplanar ? format.fmt.pix_mp.width : format.fmt.pix.width;
   const auto height = multiplanar ? format.fmt.pix_mp.height : format.fmt.pix.height;
   const auto* mode = mode_of(code, width, height);
-  now_ = mode ? *mode : modes_.front();  // a driver takes what it has instead
+  now_ = mode ? *mode : modes_.front();  // a driver substitutes what it supports
   per_frame_ = now_.intervals.empty() ? v4l2_fract{0, 0} : now_.intervals.front();
   const auto strides = plane_strides(), sizes = plane_sizes();
   if (multiplanar) {
@@ -415,7 +415,7 @@ void FakeCamera::fill_due() {
   }
 }
 
-// Into the buffer that has waited longest; none: the frame is lost.
+// Fills the buffer queued longest; without one the frame is lost.
 void FakeCamera::fill(std::uint32_t number, Instant at) {
   std::uint32_t index = 0;
   while (index < buffers_.size() && buffers_[index].state != State::queued) ++index;

@@ -1,5 +1,5 @@
-// A camera behind the boundary of system calls: answers as the kernel's videobuf2 does, and lies where a test tells it
-// to. Its memory is of the heap, so that the address sanitizer sees what is read after it was unmapped.
+// A fake camera behind the boundary of system calls: behaves as the kernel's videobuf2 does, with false answers where a
+// test asks for them. Its memory is on the heap, so that the address sanitizer detects reads after unmapping.
 #pragma once
 
 #include <linux/videodev2.h>
@@ -28,10 +28,10 @@ struct FakeMode {
 
 struct FakeControl {
   std::int32_t least = 0, most = 0, step = 1, value = 0;
-  std::set<std::int32_t> items{};  // of a menu
+  std::set<std::int32_t> items{};  // of a menu control
 };
 
-// What a buffer is given back with.
+// What a dequeued buffer contains.
 struct FakeAnswer {
   std::uint32_t number = 0;  // of the frame, from the start of the stream
   v4l2_buffer buffer{};
@@ -45,11 +45,11 @@ class FakeCamera {
 
   std::unique_ptr<VideoDevice> open();
 
-  // The camera's nature; to be set before it is opened.
+  // The camera's properties; set before it is opened.
   bool multiplanar = false;
-  bool keeps_orphans = true;  // lets buffers be freed that are still mapped
+  bool keeps_orphans = true;  // allows freeing buffers that are still mapped
   std::string driver = "fake";
-  bool shared = false;  // as v4l2loopback: fills one buffer after the other, whoever has it
+  bool shared = false;  // as v4l2loopback: fills the buffers in turn, even those in use
   bool exports = true;
   Duration interval = std::chrono::milliseconds(40);
   Duration latency{};  // from a frame's timestamp to when it can be dequeued
@@ -59,21 +59,21 @@ class FakeCamera {
   v4l2_quantization quantization = V4L2_QUANTIZATION_DEFAULT;
   bool enumerates_sizes = true;
   std::map<std::uint32_t, FakeControl> controls;
-  // The bytes of a frame, one vector for each memory plane; empty: each byte is the frame's number.
+  // The bytes of a frame, one vector for each memory plane; if empty, each byte is the frame's number.
   std::function<std::vector<std::vector<std::uint8_t>>(std::uint32_t number)> content;
 
-  // Faults, at any time from the test's thread.
-  void refuse(unsigned long request, int error, int times = 1 << 30);        // times 0: never mind
-  void tamper(std::function<void(FakeAnswer&)> change);                      // with each buffer that is given back
+  // Faults; may be set at any time from the test's thread.
+  void refuse(unsigned long request, int error, int times = 1 << 30);        // times 0: none
+  void tamper(std::function<void(FakeAnswer&)> change);                      // for each dequeued buffer
   void lie(std::function<void(unsigned long request, void* argument)> lie);  // after any other call
-  void stop_filling(bool stopped);                                           // streams on, and no frame comes
-  void fail_queue();  // vb2_queue_error: EIO until the stream is started anew
+  void stop_filling(bool stopped);                                           // streams, but no frame arrives
+  void fail_queue();  // vb2_queue_error: EIO until the stream is restarted
   void announce_source_change();
   void unplug();
   void plug_in();
   bool plugged_in() const;
 
-  // What is held of it now, and what was done to it.
+  // Resources in use now, and calls made so far.
   int opened() const;      // devices
   int mapped() const;      // mappings
   bool allocated() const;  // buffers exist

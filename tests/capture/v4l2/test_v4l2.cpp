@@ -159,7 +159,7 @@ TEST_F(V4l2, AMultiplanarDriverWithOneMemoryPlaneLendsItFromItsDataOffset) {
   auto lent = open(request());
   const auto frame = next(*lent);
   ASSERT_TRUE(frame) << frame.error().message;
-  EXPECT_EQ(frame->metadata.status, FrameStatus::truncated) << "128 bytes too few are left behind the header";
+  EXPECT_EQ(frame->metadata.status, FrameStatus::truncated) << "128 bytes too few remain after the header";
   camera_->tamper({});
   const auto whole = next(*lent);
   ASSERT_TRUE(whole);
@@ -214,7 +214,7 @@ TEST_F(V4l2, FramesStayInTheDriversBuffersUntilReleased) {
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->dma_buf()->buffer, frame->payload.dma_buf->buffer);
   *frame = Frame{};
-  EXPECT_EQ(camera_->with_driver(), 5) << "the picture still holds it";
+  EXPECT_EQ(camera_->with_driver(), 5) << "the picture still holds the buffer";
   *picture = DecodedPicture{};
   EXPECT_EQ(camera_->with_driver(), 6);
 }
@@ -244,7 +244,7 @@ TEST_F(V4l2, HoldingFramesDoesNotStarveTheCamera) {
     auto frame = next(*source);
     ASSERT_TRUE(frame) << frame.error().message;
     EXPECT_EQ(frame->metadata.sequence, i) << "no frame was lost";
-    EXPECT_EQ(frame->payload.dma_buf.has_value(), i < 4) << "six buffers, two of which the driver keeps";
+    EXPECT_EQ(frame->payload.dma_buf.has_value(), i < 4) << "six buffers, of which the driver keeps two";
     held.push_back(std::move(*frame));
   }
   EXPECT_EQ(source->frames_copied(), 16u);
@@ -352,7 +352,7 @@ TEST_F(V4l2, AHeldFrameOutlivesItsSourceAndTheCameraCanBeReopenedMeanwhile) {
   ASSERT_TRUE(again);
   EXPECT_TRUE(next(*again));
   *held = Frame{};
-  EXPECT_TRUE(next(*again)) << "letting go disturbs nobody";
+  EXPECT_TRUE(next(*again)) << "releasing it affects nothing else";
   again.reset();
   EXPECT_EQ(camera_->mapped(), 0);
   EXPECT_EQ(camera_->opened(), 0);

@@ -1,5 +1,5 @@
-// A driver whose answers are damaged at random: whatever it says, nothing outside its memory is read, nothing hangs,
-// nothing is left behind. Means most under the address and undefined sanitizers.
+// A driver whose answers are damaged at random: nothing outside its memory is read, nothing hangs, nothing leaks. Most
+// meaningful under the address and undefined sanitizers.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -29,7 +29,7 @@ class Liar {
       case VIDIOC_DQEVENT: return damage<v4l2_event>(argument);
       case VIDIOC_QUERYBUF:
       case VIDIOC_DQBUF: {
-        // The address of the planes is ours; what it points to is the driver's.
+        // The pointer to the planes is ours; what it points to is the driver's.
         auto& buffer = *static_cast<v4l2_buffer*>(argument);
         const auto m = buffer.m;
         const bool multiplanar = V4L2_TYPE_IS_MULTIPLANAR(buffer.type);
@@ -48,7 +48,7 @@ class Liar {
   void damage(void* argument) {
     if (!one_in(25)) return;
     auto* bytes = static_cast<std::uint8_t*>(argument);
-    const auto at = random_() % (sizeof(T) / 4) * 4;  // all of them are made of 32-bit words
+    const auto at = random_() % (sizeof(T) / 4) * 4;  // all of them consist of 32-bit words
     const std::array<std::uint32_t, 8> values{0,          1,          2,    0x7fffffff,
                                               0x80000000, 0xffffffff, 4096, static_cast<std::uint32_t>(random_())};
     const auto value = values[random_() % values.size()];
@@ -94,7 +94,7 @@ TEST(V4l2Lies, NoFalseAnswerCausesHarm) {
     EXPECT_EQ(camera.opened(), 0);
     EXPECT_EQ(camera.mapped(), 0);
   }
-  // Neither so tame that nothing is found, nor so wild that nothing is tried.
+  // The damage is neither so weak that nothing fails, nor so strong that nothing opens.
   EXPECT_GT(opened, 300);
   EXPECT_GT(frames, 3000);
   EXPECT_GT(faults, 1000);

@@ -1,5 +1,5 @@
-// A camera through V4L2: the one KASUMI_V4L2_DEVICE names; skipped without. Where it is vivid, its injections are tried
-// as well. KASUMI_V4L2_SIZE: "640x360" when left out.
+// A camera through V4L2: the one KASUMI_V4L2_DEVICE names; skipped without. If it is vivid, its error injection is
+// tested as well. KASUMI_V4L2_SIZE: "640x360" when left out.
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
@@ -21,7 +21,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A real device of which only the formats with several memory planes are seen.
+// A real device of which only the formats with several memory planes are visible.
 class SeveralPlanesOnly final : public VideoDevice {
  public:
   explicit SeveralPlanesOnly(std::unique_ptr<VideoDevice> device) : device_(std::move(device)) {}
@@ -103,7 +103,7 @@ TEST_F(V4l2Live, FramesAreCompleteFreshAndDecodable) {
     ASSERT_TRUE(picture) << picture.error().message;
     EXPECT_LT(std::chrono::abs(clock_.now() - frame->metadata.captured_at), 2s);
     if (last) {
-      // v4l2loopback passes on what its writer counts, which may be nothing.
+      // v4l2loopback passes on its writer's sequence numbers, which may all be 0.
       EXPECT_TRUE(frame->metadata.sequence > last->sequence || frame->metadata.sequence == 0);
       EXPECT_GT(frame->metadata.captured_at, last->captured_at);
     }
@@ -132,7 +132,7 @@ TEST_F(V4l2Live, EveryOfferedFormatWeReadStreams) {
 }
 
 TEST_F(V4l2Live, PlanesInSeparateMemoriesGiveTheSamePictureAsInOne) {
-  // vivid's picture has a counter in it and else stands still: most of it must be the same either way.
+  // vivid's picture is static except for a counter: most of it must be the same either way.
   for (const char* format : {"NV12", "YU12"}) {
     options_.request.format = parse_four_cc(format).value();
     auto device = open_video_device(options_.device);
@@ -197,7 +197,7 @@ TEST_F(V4l2Live, ReopensWhileFramesAreHeldAndLeavesNothingBehind) {
   EXPECT_EQ(open_descriptors(), before);
 }
 
-// vivid's own controls, by name, through another descriptor as an operator's v4l2-ctl would.
+// vivid's own controls, by name, through a second descriptor, as v4l2-ctl uses.
 class VividLive : public V4l2Live {
  protected:
   void SetUp() override {
@@ -219,7 +219,7 @@ class VividLive : public V4l2Live {
     };
     source_ = reconnecting({"camera", open_camera, {}}, clock_);
   }
-  // "Inject Fatal Streaming Error" and the like; false: there is no such control.
+  // Such as "Inject Fatal Streaming Error"; false: there is no such control.
   bool inject(std::string_view name, int value) {
     v4l2_queryctrl query{};
     query.id = V4L2_CTRL_FLAG_NEXT_CTRL;
@@ -230,7 +230,7 @@ class VividLive : public V4l2Live {
     }
     return false;
   }
-  // How long until a good frame comes, however often it breaks down meanwhile.
+  // Time until a good frame arrives, however many failures occur meanwhile.
   Duration until_good(Duration longest = 30s) {
     const auto from = clock_.now();
     while (clock_.now() - from < longest) {
@@ -317,7 +317,7 @@ TEST_F(VividLive, Row11WrappingCountersAndTimesAreHandled) {
   inject("Wrap Timestamp", 0);
 }
 
-// Last: vivid comes back only when every descriptor is closed, the test's own too.
+// Must be last: vivid returns only when every descriptor is closed, including the test's own.
 TEST_F(VividLive, Row1UnpluggingIsReportedAtOnceAndReplugRecovers) {
   ASSERT_LT(until_good(), 8s);
   ASSERT_TRUE(inject("Disconnect", 1));

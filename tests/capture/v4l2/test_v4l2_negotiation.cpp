@@ -1,4 +1,4 @@
-// What is asked of a driver, and what is made of its answers.
+// Requests to a driver, and how its answers are interpreted.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,7 +43,7 @@ class V4l2Negotiation : public testing::Test {
   CameraRequest request{.width = 64, .height = 48};
 };
 
-// A webcam: raw only slowly at this size.
+// A webcam: raw formats are slow at this size.
 const std::vector<FakeMode> kWebcam{{V4L2_PIX_FMT_YUYV, 64, 48, {{1, 5}}},
                                     {V4L2_PIX_FMT_MJPEG, 64, 48, {{1, 30}, {1, 15}}},
                                     {V4L2_PIX_FMT_YUYV, 32, 24, {{1, 30}}}};
@@ -64,7 +64,7 @@ TEST_F(V4l2Negotiation, ColourOutranksRateAndRateOutranksCost) {
   request.frames_per_second = 15;
   EXPECT_EQ(chosen(kRich), "NV12 15");
   request.frames_per_second = 0;
-  EXPECT_EQ(chosen(kWebcam), "MJPG 30") << "as fast as it will";
+  EXPECT_EQ(chosen(kWebcam), "MJPG 30") << "as fast as it can";
   EXPECT_EQ(chosen(kRich), "YUYV 29.97");
 }
 
@@ -116,7 +116,7 @@ TEST_F(V4l2Negotiation, StepwiseSizesAreEnumerated) {
   EXPECT_FALSE(sizes.includes(640, 51));
   EXPECT_FALSE(sizes.includes(1936, 1080));
   EXPECT_FALSE(sizes.includes(48, 48));
-  EXPECT_TRUE((V4l2Sizes{1, 100, 0, 1, 100, 0}).includes(37, 99)) << "a step of 0 is a driver's slip for 1";
+  EXPECT_TRUE((V4l2Sizes{1, 100, 0, 1, 100, 0}).includes(37, 99)) << "a step of 0 is a driver's mistake for 1";
 }
 
 TEST_F(V4l2Negotiation, RatesWithinARangeAreMetExactly) {
@@ -155,7 +155,7 @@ TEST_F(V4l2Negotiation, AllProblemsOfARequestAreReportedAtOnce) {
 TEST_F(V4l2Negotiation, ADeviceNamedByNumberIsReported) {
   device = "/dev/video0";
   FakeCamera camera(kWebcam, clock);
-  EXPECT_THAT(mode(camera).notes, ElementsAre(HasSubstr("another camera after the next boot")));
+  EXPECT_THAT(mode(camera).notes, ElementsAre(HasSubstr("may be another camera after the next boot")));
 }
 
 TEST_F(V4l2Negotiation, ANonCaptureDeviceIsUnsupported) {
@@ -170,7 +170,7 @@ TEST_F(V4l2Negotiation, ANonCaptureDeviceIsUnsupported) {
   EXPECT_EQ(open_v4l2_source({source_folder() / "README.md", request}, clock).error().kind, FaultKind::unsupported);
 }
 
-// As the kernel's documentation has it (Colorspaces, tables of defaults).
+// By the kernel's documentation (Colorspaces, tables of defaults).
 TEST_F(V4l2Negotiation, ColourSpacesAreReadAsV4l2DefinesThem) {
   const auto yuyv = four_cc("YUYV");
   const auto encoding = [&](std::uint32_t space, std::uint32_t ycbcr = 0, std::uint32_t quantization = 0) {
@@ -185,8 +185,8 @@ TEST_F(V4l2Negotiation, ColourSpacesAreReadAsV4l2DefinesThem) {
   EXPECT_EQ(encoding(V4L2_COLORSPACE_REC709, V4L2_YCBCR_ENC_601, V4L2_QUANTIZATION_FULL_RANGE),
             YuvEncoding::bt601_full);
   EXPECT_EQ(encoding(V4L2_COLORSPACE_JPEG, 0, V4L2_QUANTIZATION_LIM_RANGE), YuvEncoding::bt601_limited);
-  EXPECT_EQ(encoding(V4L2_COLORSPACE_DEFAULT), std::nullopt) << "the driver does not say";
-  EXPECT_EQ(encoding(V4L2_COLORSPACE_BT2020), std::nullopt) << "no matrix of ours";
+  EXPECT_EQ(encoding(V4L2_COLORSPACE_DEFAULT), std::nullopt) << "the driver does not specify it";
+  EXPECT_EQ(encoding(V4L2_COLORSPACE_BT2020), std::nullopt) << "a matrix we do not support";
   EXPECT_EQ(v4l2_yuv_encoding(kMjpg, V4L2_COLORSPACE_JPEG, 0, 0), std::nullopt);
   EXPECT_EQ(v4l2_yuv_encoding(four_cc("RGB3"), V4L2_COLORSPACE_SRGB, 0, 0), std::nullopt);
 }
@@ -232,13 +232,13 @@ TEST_F(V4l2Negotiation, RequestedControlsAreSetLockedAndReadBack) {
   const auto source = open(camera).value();
   const auto frame = source->next(clock.now() + 1s).value();
   EXPECT_EQ(frame.metadata.exposure_s, agreed.exposure_s);
-  EXPECT_EQ(frame.metadata.gain, std::nullopt) << "the driver's steps are no factor";
+  EXPECT_EQ(frame.metadata.gain, std::nullopt) << "the driver's units give no factor";
 }
 
 TEST_F(V4l2Negotiation, OtherControlsAreLeftToTheCamera) {
   FakeCamera camera({{V4L2_PIX_FMT_YUYV, 64, 48}}, clock);
   camera.controls = webcam_controls();
-  camera.controls.at(V4L2_CID_EXPOSURE_AUTO).value = V4L2_EXPOSURE_MANUAL;  // by who had it before
+  camera.controls.at(V4L2_CID_EXPOSURE_AUTO).value = V4L2_EXPOSURE_MANUAL;  // by its previous user
   camera.controls.at(V4L2_CID_AUTO_WHITE_BALANCE).value = 0;
   const auto agreed = mode(camera);
   EXPECT_EQ(camera.controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_APERTURE_PRIORITY);

@@ -10,7 +10,7 @@ namespace kasumi {
 
 inline const Utc kNoon = Utc{} + std::chrono::hours(24 * 365 * 50 + 12);
 
-// How many file descriptors this process has open.
+// Number of file descriptors this process has open.
 inline std::size_t open_descriptors() {
   std::size_t count = 0;
   for ([[maybe_unused]] const auto& fd : std::filesystem::directory_iterator("/proc/self/fd")) ++count;

@@ -1,4 +1,4 @@
-// The machine's own cards, with faults put between them and the display.
+// The machine's own cards, with faults injected between them and the display.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@ namespace kasumi {
 class DecoratedDevice final : public KmsDevice {
  public:
   explicit DecoratedDevice(std::unique_ptr<KmsDevice> real) : real_(std::move(real)) {}
-  int lost_events = 0;  // so many of the next ones never arrive
+  int lost_events = 0;  // this many of the next ones never arrive
 
   const std::string& path() const override { return real_->path(); }
   const std::string& driver() const override { return real_->driver(); }
@@ -54,7 +54,7 @@ class DecoratedDevice final : public KmsDevice {
 
 class DecoratedSystem final : public KmsSystem {
  public:
-  DecoratedDevice* last = nullptr;  // the card opened last; the display's
+  DecoratedDevice* last = nullptr;  // the card opened last: the display's
 
   std::vector<KmsCardPlace> cards() override { return real_->cards(); }
   KmsResult<std::unique_ptr<KmsDevice>> open_card(const std::string& path) override {

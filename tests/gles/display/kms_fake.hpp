@@ -1,5 +1,5 @@
-// A scripted graphics card with its displays, for faults no real one gives on demand. Time is a manual clock's: waiting
-// for the card turns it.
+// A scripted graphics card with its displays, for faults that no real card shows on demand. It runs on a manual clock,
+// which waiting for the card advances.
 #pragma once
 
 #include <algorithm>
@@ -42,8 +42,7 @@ inline KmsConnector fake_connector(std::uint32_t id, std::string name, std::vect
   return connector;
 }
 
-// One card as it is outside of any program: what is plugged in, who is master, what it does wrong. Programs that have
-// it open come and go.
+// The state of a card independent of any program that opens it: what is plugged in, who is master, which faults it has.
 struct FakeCard {
   explicit FakeCard(ManualClock& manual) : clock(manual) {}
 
@@ -54,12 +53,12 @@ struct FakeCard {
       fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true), fake_mode(64, 48, 50), fake_mode(32, 24, 60)})};
   Duration refresh = std::chrono::nanoseconds(16'666'667);
 
-  // Faults: how many of the next calls answer so; they are taken in this order.
+  // Faults: how many of the next calls fail this way; applied in this order.
   int lost_events = 0;
   int busy = 0;
   std::deque<std::errc> refusals;              // of any commit
   std::deque<std::errc> atomic_mode_refusals;  // of commit_mode only
-  bool stuck = false;                          // the driver takes a flip, completes it never and is busy from then on
+  bool stuck = false;                          // the driver accepts a flip, never completes it and is busy from then on
   bool master_elsewhere = false;
   bool gl_lost = false;
   Duration event_offset{};  // what the driver's timestamps are wrong by
@@ -71,8 +70,8 @@ struct FakeCard {
   int open_devices = 0;
   int probes = 0;
   std::set<std::uint32_t> framebuffers;
-  std::set<std::uint32_t> locked;  // framebuffers whose pictures are somebody's
-  bool changed = false;            // since the watch was asked last
+  std::set<std::uint32_t> locked;  // framebuffers whose buffers are in use
+  bool changed = false;            // since the watch was last read
 
   void plug(const KmsConnector& connector) {
     connectors = {connector};
@@ -146,7 +145,8 @@ class FakeDevice final : public KmsDevice {
   }
   KmsResult<> commit_flip(const KmsPipe&, const KmsFrame& frame) override {
     card_.calls.emplace_back("commit_flip");
-    if (card_.asleep) return error(std::errc::invalid_argument, "page flip");  // as the kernel: the CRTC is not active
+    if (card_.asleep)
+      return error(std::errc::invalid_argument, "page flip");  // as the kernel does: the CRTC is not active
     return queue(frame, "page flip");
   }
   KmsResult<> set_crtc(const KmsPipe&, const KmsFrame& frame) override {
@@ -210,7 +210,7 @@ class FakeDevice final : public KmsDevice {
   }
   KmsResult<> queue(const KmsFrame& frame, const std::string& what) {
     if (auto refused = next_refusal(what); !refused) return refused;
-    if (queued_) return error(std::errc::device_or_resource_busy, what);  // as the kernel: one at a time
+    if (queued_) return error(std::errc::device_or_resource_busy, what);  // as the kernel does: one at a time
     if (!card_.framebuffers.contains(frame.framebuffer)) return error(std::errc::no_such_file_or_directory, what);
     queued_ = frame;
     const auto periods = card_.clock.now().time_since_epoch() / card_.refresh;
@@ -228,14 +228,14 @@ class FakeDevice final : public KmsDevice {
   Instant flips_at_{};
 };
 
-// A context of the machine's GL whose loss can be played.
+// A context of the machine's GL whose loss can be simulated.
 class LosableContext final : public GlContext {
  public:
   LosableContext(std::unique_ptr<GlContext> real, FakeCard& card) : real_(std::move(real)), card_(card) {}
   const GlInfo& info() const override { return real_->info(); }
   Result<> make_current() override { return real_->make_current(); }
   Result<> check_alive() override {
-    if (card_.gl_lost) return fail(FaultKind::device, "GL context lost: played");
+    if (card_.gl_lost) return fail(FaultKind::device, "GL context lost: simulated");
     return real_->check_alive();
   }
 

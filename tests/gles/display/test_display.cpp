@@ -1,4 +1,4 @@
-// The displays that need no hardware: what is shown, when it counts as shown, and how long the camera's buffer is held.
+// Displays that need no hardware: what is shown, when it counts as shown, and how long the camera's buffer is held.
 #include <cstdlib>
 
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ TEST(HeadlessDisplays, ShowWhatWasDrawnLast) {
   auto display = headless(clock);
   ASSERT_TRUE(display);
   EXPECT_THAT(display->description(), HasSubstr("headless 8x6"));
-  EXPECT_EQ(display->read().error().kind, FaultKind::bad_input);  // nothing was shown yet
+  EXPECT_EQ(display->read().error().kind, FaultKind::bad_input);  // nothing has been shown yet
 
   for (const Rgb8 colour : {Rgb8{200, 10, 30}, Rgb8{1, 2, 3}, Rgb8{255, 255, 0}}) {
     const auto target = display->begin(clock.now());
@@ -90,7 +90,7 @@ TEST(HeadlessDisplays, HoldTheCamerasBufferUntilThePictureIsReplaced) {
   ASSERT_TRUE(display->show(std::move(first)).has_value());
   EXPECT_FALSE(first_held.expired());
   ASSERT_TRUE(display->begin(clock.now()).has_value());
-  EXPECT_FALSE(first_held.expired());  // still on the glass
+  EXPECT_FALSE(first_held.expired());  // still on the screen
   auto second = std::make_shared<int>(2);
   const std::weak_ptr<int> second_held = second;
   ASSERT_TRUE(display->show(std::move(second)).has_value());
@@ -113,7 +113,7 @@ TEST(WindowDisplays, FlipWithTheWindow) {
   std::optional<EnvironmentVariable> driver;
   if (!display) {
     const std::string no_display = display.error().message;
-    // SDL's own driver without a display still gives a context where EGL does.
+    // SDL's offscreen driver still provides a context where EGL does.
     driver.emplace("SDL_VIDEODRIVER", "offscreen");
     display = open_window_display({.title = "Kasumi test", .width = 120, .height = 80}, clock);
     if (!display) GTEST_SKIP() << no_display << "; " << display.error().message;

@@ -1,4 +1,4 @@
-// Which connector and mode are taken, what a display's EDID says, and who has a card open.
+// Choice of connector and mode, reading a display's EDID, and finding who has a card open.
 #include <filesystem>
 #include <fstream>
 
@@ -82,7 +82,7 @@ TEST(KmsConnectors, PickTheFirstConnectedOneWithModes) {
 }
 
 // By VESA E-EDID 1.4: three letters of five bits from byte 8 (big endian), product code at 10 (little endian),
-// descriptors of 18 bytes from 54, tag 0xfc for the name, ended by a line feed and filled with blanks.
+// descriptors of 18 bytes from 54, tag 0xfc for the name, ended by a line feed and padded with blanks.
 std::vector<std::uint8_t> edid_of_a_dell() {
   std::vector<std::uint8_t> edid(128);
   std::fill_n(edid.begin() + 1, 6, std::uint8_t{0xff});
@@ -106,7 +106,7 @@ TEST(Edids, NameMakerAndModel) {
 
 TEST(Edids, AreNotTrusted) {
   auto edid = edid_of_a_dell();
-  edid[54 + 18 + 5] = 0x1b;  // an escape sequence for who reads the log
+  edid[54 + 18 + 5] = 0x1b;  // an escape sequence aimed at whoever reads the log
   EXPECT_EQ(edid_name(edid), "DEL ?ELL U2412M");
   EXPECT_EQ(edid_name(std::span(edid).first(127)), "");
   EXPECT_EQ(edid_name({}), "");
@@ -140,7 +140,7 @@ TEST(CardUsers, AreListedWithTheMasterFirst) {
               AllOf(HasSubstr("plymouthd (pid 3000001) has it open"), HasSubstr("Xorg (pid 3000002) has it open"),
                     testing::Not(HasSubstr("bash"))));
 
-  // The kernel's list (drivers/gpu/drm/drm_debugfs.c), a command with a blank in it.
+  // The kernel's list (drivers/gpu/drm/drm_debugfs.c), with a command that contains a blank.
   fs::create_directories(root / "debug" / "dri" / "1");
   std::ofstream(root / "debug" / "dri" / "1" / "clients")
       << "             command  tgid dev master a   uid      magic\n"

@@ -1,4 +1,4 @@
-// The KMS display on a scripted card: rows 15, 16 and 17 of what may go wrong. Times to recover are the manual clock's.
+// The KMS display on a scripted card: rows 15, 16 and 17 of docs/faults.md. Recovery times are by the manual clock.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ double ms(Duration duration) {
   return 1e3 * to_seconds(duration);
 }
 
-// The visitor's screen and who draws for it.
+// The visitor's screen and the program that draws on it.
 class KmsRig : public testing::Test {
  protected:
   void SetUp() override {
@@ -34,7 +34,7 @@ class KmsRig : public testing::Test {
     if (const auto target = display_->begin(clock_.now() + 50ms); !target) return fail(target.error());
     return display_->show(std::move(holder));
   }
-  // Shows pictures until the display answers that it has to be opened anew, for ten seconds at most.
+  // Shows pictures until the display reports that it must be reopened, for ten seconds at most.
   Result<std::uint64_t> show_until_refused() {
     const Instant start = clock_.now();
     Result<std::uint64_t> shown = 0u;
@@ -42,8 +42,8 @@ class KmsRig : public testing::Test {
     if (shown) return fail(FaultKind::bad_input, "the display never complained");
     return shown;
   }
-  // Shows pictures, and opens the display anew as the appliance does, until one has reached the glass; how long that
-  // took. `pause` is how often the appliance looks while there is no display.
+  // Shows pictures, reopening the display as the appliance does, until one is on the screen; returns how long that
+  // took. `pause` is the appliance's poll interval while there is no display.
   Duration recover(Duration pause = 500ms) {
     const Instant start = clock_.now();
     while (clock_.now() < start + 60s) {
@@ -135,7 +135,7 @@ TEST_F(KmsRig, RejectsImpossibleFlipTimes) {
   }
 }
 
-// A driver that knows when the first line leaves says so before it does; nobody may have asked for a while.
+// A driver that predicts scanout reports a flip before it happens; and events may have been read late.
 TEST_F(KmsRig, AcceptsPlausibleFlipTimes) {
   card_.event_offset = 1ms;
   switch_on();
@@ -168,7 +168,7 @@ TEST_F(KmsRig, HoldsTheCamerasBufferUntilTheFlipThatReplacedIt) {
   ASSERT_TRUE(display_->show(nullptr).has_value());
   EXPECT_THAT(alive(), ElementsAre(true)) << "its successor is only queued";
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
-  EXPECT_THAT(alive(), ElementsAre(false)) << "its successor is on the glass";
+  EXPECT_THAT(alive(), ElementsAre(false)) << "its successor is on the screen";
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(show_one().has_value());
   EXPECT_THAT(alive(), ElementsAre(false, false, true, true)) << "one is shown, one is queued";
   EXPECT_EQ(card_.locked.size(), 2u);
@@ -203,7 +203,7 @@ TEST_F(KmsRig, Row16ALostFlipIsRecoveredByANewModeset) {
   EXPECT_EQ(display_->counts().flip_timeouts, 1u);
   EXPECT_EQ(display_->counts().modesets, 2u);
   EXPECT_EQ(card_.count("commit_mode"), 1) << "set again without waiting for the hardware";
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());  // and a later one is mended as well
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());  // and a later one is recovered as well
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
   card_.lost_events = 1;
   recover();
@@ -218,7 +218,7 @@ TEST_F(KmsRig, Row16AStuckDriverIsReopened) {
   card_.stuck = true;
   const Instant stuck = clock_.now();
   const auto shown = show_until_refused();
-  std::printf("row 16, flips never complete: told after %.0f ms\n", ms(clock_.now() - stuck));
+  std::printf("row 16, flips never complete: reported after %.0f ms\n", ms(clock_.now() - stuck));
   EXPECT_EQ(shown.error().kind, FaultKind::device);
   EXPECT_LE(clock_.now() - stuck, 2s + 50ms);
   EXPECT_EQ(display_->counts().flip_timeouts, 2u);
@@ -226,7 +226,7 @@ TEST_F(KmsRig, Row16AStuckDriverIsReopened) {
   display_.reset();
   EXPECT_EQ(card_.count("restore"), 0) << "what hangs is left alone";
   card_.stuck = false;
-  std::printf("row 16, flips never complete: picture %.0f ms after opening anew\n", ms(recover()));
+  std::printf("row 16, flips never complete: picture %.0f ms after reopening\n", ms(recover()));
 }
 
 TEST_F(KmsRig, Row16ABusyDriverIsRetried) {
@@ -237,11 +237,11 @@ TEST_F(KmsRig, Row16ABusyDriverIsRetried) {
   const Duration took = recover();
   std::printf("row 16, EBUSY five times: picture after %.0f ms\n", ms(took));
   EXPECT_LE(took, 100ms);
-  EXPECT_EQ(display_->counts().modesets, 1u) << "nothing had to be mended";
+  EXPECT_EQ(display_->counts().modesets, 1u) << "nothing had to be recovered";
   card_.busy = 1 << 20;
   const Instant busy = clock_.now();
   const auto shown = show_until_refused();
-  std::printf("row 16, EBUSY for ever: told after %.0f ms\n", ms(clock_.now() - busy));
+  std::printf("row 16, EBUSY for ever: reported after %.0f ms\n", ms(clock_.now() - busy));
   EXPECT_EQ(shown.error().kind, FaultKind::device);
   EXPECT_LE(clock_.now() - busy, 2s + 50ms);
 }
@@ -280,7 +280,7 @@ TEST_F(KmsRig, Row16ALostMasterIsNoticedWhileNothingIsShown) {
 TEST_F(KmsRig, ARefusedFlipSetsTheModeAgainOnce) {
   switch_on();
   ASSERT_TRUE(show().has_value());
-  card_.refusals = {std::errc::invalid_argument};  // somebody turned the CRTC off behind our back
+  card_.refusals = {std::errc::invalid_argument};  // another program turned the CRTC off
   ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
   EXPECT_EQ(display_->counts().modesets, 2u);
@@ -322,7 +322,7 @@ TEST_F(KmsRig, Row15UnpluggedAndAnotherModeOnReturn) {
     const Instant pulled = clock_.now();
     const auto shown = show_until_refused();
     EXPECT_EQ(shown.error().kind, FaultKind::disconnected) << shown.error().message;
-    std::printf("row 15, unplugged, %s udev: told after %.0f ms\n", udev_tells ? "with" : "without",
+    std::printf("row 15, unplugged, %s udev: reported after %.0f ms\n", udev_tells ? "with" : "without",
                 ms(clock_.now() - pulled));
     EXPECT_LE(clock_.now() - pulled, 1s + 50ms);
     display_.reset();
@@ -403,7 +403,7 @@ TEST_F(KmsRig, DoesNotProbeTheDisplayWithoutReason) {
   const int before = card_.probes;
   for (int i = 0; i < 600; ++i) ASSERT_TRUE(show().has_value());  // ten seconds
   EXPECT_EQ(card_.probes, before);
-  // Nor without end when events storm: asking takes a display some 10 ms.
+  // Nor endlessly during a storm of events: probing a display takes some 10 ms.
   for (int i = 0; i < 60; ++i) {
     card_.changed = true;
     ASSERT_TRUE(show().has_value());
@@ -477,7 +477,7 @@ TEST_F(KmsRig, RestoresTheConsoleBeforeItsFramebuffersAreFreed) {
 }
 
 TEST_F(KmsRig, LeavesNothingOpenWhenDestroyed) {
-  switch_on();  // what the GL driver keeps for good is there now
+  switch_on();  // what the GL driver keeps permanently is allocated now
   display_.reset();
   const std::size_t before = open_descriptors();
   for (int i = 0; i < 50; ++i) {

@@ -1,5 +1,5 @@
-// The KMS display on a real driver: in the virtual machine, or on a machine whose screen nobody else uses. Skipped
-// where there is no card; with KASUMI_KMS_DEVICE=/dev/dri/card0 a card that cannot be used is a failure.
+// The KMS display on a real driver: in the virtual machine, or on a machine whose screen nothing else uses. Skipped
+// where there is no card; with KASUMI_KMS_DEVICE=/dev/dri/card0 an unusable card is a failure.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -84,7 +84,7 @@ TEST_P(KmsScreen, ShowsTheTestPattern) {
   EXPECT_GE(flips[0].at, before);
   EXPECT_LE(flips[0].at, clock_.now());
   EXPECT_EQ(display->counts().modesets, 1u);
-  if (const char* hold_s = std::getenv("KASUMI_KMS_HOLD_S")) {  // for who looks at the screen from outside
+  if (const char* hold_s = std::getenv("KASUMI_KMS_HOLD_S")) {  // for an observer who captures the screen from outside
     std::printf("the pattern is on the screen\n");
     std::fflush(stdout);
     std::this_thread::sleep_for(std::chrono::duration<double>(std::atof(hold_s)));
@@ -112,14 +112,14 @@ TEST_P(KmsScreen, ReleasesTheCamerasBufferWithTheFlipThatReplacesIt) {
     holders.push_back(holder);
     ASSERT_TRUE(show_pattern(*display, std::move(holder)).has_value());
     ASSERT_TRUE(display->begin(clock_.now() + 3s).has_value());
-    EXPECT_FALSE(holders.back().expired()) << "picture " << i << " is on the glass";
+    EXPECT_FALSE(holders.back().expired()) << "picture " << i << " is on the screen";
     for (int before = 0; before < i; ++before)
       EXPECT_TRUE(holders[static_cast<std::size_t>(before)].expired()) << "picture " << before << " was replaced";
   }
 }
 
 TEST_P(KmsScreen, ReopensWithoutLeakingDescriptors) {
-  ASSERT_TRUE(show_pattern(*open()).has_value());  // what the libraries keep for good is there now
+  ASSERT_TRUE(show_pattern(*open()).has_value());  // what the libraries keep permanently is allocated now
   const std::size_t before = open_descriptors();
   for (int i = 0; i < 10; ++i) {
     auto display = open();
@@ -166,7 +166,7 @@ TEST_P(KmsScreen, ReportsWhenItIsNoLongerMaster) {
   ASSERT_FALSE(shown);
   EXPECT_EQ(shown.error().kind, FaultKind::device);
   EXPECT_THAT(shown.error().message, HasSubstr("DRM master"));
-  std::printf("lost master: told after %.1f ms\n", ms(clock_.now() - taken));
+  std::printf("lost master: reported after %.1f ms\n", ms(clock_.now() - taken));
   display.reset();
   auto again = open();
   ASSERT_TRUE(again);
@@ -191,7 +191,7 @@ TEST_P(KmsScreen, SetsTheModeAgainAfterALostFlip) {
   EXPECT_EQ(display->counts().flips, 4u);
 }
 
-// Through the kernel's own switch for connectors, which root may turn.
+// Through the kernel's own connector override, which root may write.
 TEST_P(KmsScreen, ComesBackWhenTheDisplayDoes) {
   std::string card, connector;
   for (const auto& listed : list_displays())
@@ -222,7 +222,7 @@ TEST_P(KmsScreen, ComesBackWhenTheDisplayDoes) {
   EXPECT_EQ(shown.error().kind, FaultKind::disconnected) << shown.error().message;
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().kind, FaultKind::disconnected) << without.error().message;
-  std::printf("unplugged: told after %.0f ms (%s)\n", ms(told - pulled), without.error().message.c_str());
+  std::printf("unplugged: reported after %.0f ms (%s)\n", ms(told - pulled), without.error().message.c_str());
   display = open();
   ASSERT_TRUE(display);
   ASSERT_TRUE(show_pattern(*display).has_value());

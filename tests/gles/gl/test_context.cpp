@@ -1,4 +1,4 @@
-// Contexts, and the owners of what lives under them.
+// GL contexts, and the owners of their objects.
 #include <cstdlib>
 
 #include "gles/display/window.hpp"
@@ -18,7 +18,7 @@ TEST_F(Contexts, IdentifyThemselves) {
   EXPECT_FALSE(info().renderer.empty());
   EXPECT_THAT(info().version, testing::StartsWith("OpenGL ES"));
   EXPECT_GE(info().es_major, 2);
-  EXPECT_GE(info().max_texture_size, 64);  // what GLES 2 promises
+  EXPECT_GE(info().max_texture_size, 64);  // what GLES 2 guarantees
   EXPECT_EQ(info().software, info().renderer.find("llvmpipe") != std::string::npos ||
                                  info().renderer.find("softpipe") != std::string::npos);
   EXPECT_FALSE(info().has("GL_NO_such_extension"));
@@ -56,7 +56,7 @@ TEST_F(Contexts, DeleteEachObjectOnceWithItsLastOwner) {
     glBindTexture(GL_TEXTURE_2D, texture.name());
     name = texture.name();
     GlTexture owner = std::move(texture);
-    EXPECT_FALSE(texture);  // NOLINT(bugprone-use-after-move): what is left behind is the point
+    EXPECT_FALSE(texture);  // NOLINT(bugprone-use-after-move): the moved-from state is under test
     EXPECT_EQ(owner.name(), name);
     EXPECT_TRUE(glIsTexture(name));
   }
@@ -92,7 +92,7 @@ TEST(DeskWindow, ShowsAPictureAndCloses) {
   if (!window) {
     const std::string no_display = window.error().message;
     EXPECT_EQ(window.error().kind, FaultKind::unsupported);
-    // SDL's own driver without a display still gives a context where EGL does.
+    // SDL's offscreen driver still provides a context where EGL does.
     driver.emplace("SDL_VIDEODRIVER", "offscreen");
     window = open_window({.title = "Kasumi test", .width = 200, .height = 100, .wait_for_refresh = false});
     if (!window) GTEST_SKIP() << no_display << "; " << window.error().message;

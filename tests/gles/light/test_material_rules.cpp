@@ -1,5 +1,5 @@
-// What physics asks of the material, whatever approximates it: energy is kept, and a reflection is the integral it
-// stands for.
+// What physics demands of the material, however it is approximated: energy is conserved, and a reflection equals the
+// integral it stands for.
 #include <cmath>
 #include <random>
 
@@ -16,7 +16,7 @@ namespace {
 
 class MaterialRules : public GlesTest {
  protected:
-  // A ball of this material in a furnace, before a camera's picture of the furnace.
+  // A ball of this material in a white furnace, over a camera's picture of the furnace.
   void expect_unseen(const ModelMaterial& material, const std::string& what, const RendererOptions& options = {}) {
     ReferenceScene scene = box_scene();
     scene.model = {};
@@ -65,8 +65,8 @@ TEST_F(MaterialRules, WhiteMetalAndWhitePaintOfAnyRoughnessAreInvisibleInAUnifor
 }
 
 TEST_F(MaterialRules, GreyMetalLosesLightOnlyThroughItsColour) {
-  // Seen head-on, a metal of GGX's facets all around gives back 1 - ln 2 of its colour f by one reflection, and what is
-  // reflected on between facets makes a geometric series of it: f x / (1 - f (1 - x)). A polished one gives back f.
+  // Seen head-on, a fully rough GGX metal reflects 1 - ln 2 of its colour f in one reflection, and reflections between
+  // facets make a geometric series of it: f x / (1 - f (1 - x)). A polished one reflects f.
   for (const double roughness : {0.05, 1.0}) {
     const double once = roughness < 0.5 ? 1.0 : 1.0 - std::log(2.0);
     const double expected = 0.5 * once / (1.0 - 0.5 * (1.0 - once));
@@ -107,19 +107,19 @@ TEST(ReflectionIntegrals, AgreeWithAFinerIntegralOfTheBrdf) {
 }
 
 TEST(ReflectionIntegrals, MatchTheirKnownLimits) {
-  for (const double across : {0.2, 0.7, 1.0}) {  // a smooth mirror: all, and Schlick's own edge
+  for (const double across : {0.2, 0.7, 1.0}) {  // a smooth mirror: all of it, with Schlick's own edge
     EXPECT_NEAR(directional_albedo(across, 0.0).all, 1.0, 1e-3);
     EXPECT_NEAR(directional_albedo(across, 0.0).edge, std::pow(1.0 - across, 5), 1e-3);
   }
   EXPECT_NEAR(directional_albedo(1.0, 1.0).all, 1.0 - std::log(2.0), 5e-3);
   EXPECT_NEAR(mean_cosine(0.0), 1.0, 1e-4);
-  EXPECT_NEAR(mean_cosine(1.0), 2.0 / 3.0, 1e-4);  // facets all around: Lambert's
+  EXPECT_NEAR(mean_cosine(1.0), 2.0 / 3.0, 1e-4);  // fully rough: Lambert's
   for (const double across : {0.2, 0.7, 0.95}) {   // a smooth mirror shows its mirror image, sharply
     const ReflectionLookup seen = reflection_lookup(across, directional_albedo(across, 0.0));
     EXPECT_NEAR(seen.lean, 1.0, 1e-3);
     EXPECT_NEAR(seen.roughness, 0.0, 1e-2);
   }
-  for (const double across : {0.1, 0.5, 0.9})  // what is shown has the lobe's own mean direction
+  for (const double across : {0.1, 0.5, 0.9})  // the lookup is along the lobe's mean direction
     for (const double roughness : {0.2, 0.5, 0.8}) {
       const DirectionalAlbedo back = directional_albedo(across, roughness);
       const ReflectionLookup seen = reflection_lookup(across, back);
@@ -130,7 +130,7 @@ TEST(ReflectionIntegrals, MatchTheirKnownLimits) {
     }
 }
 
-// The whole hemisphere, 1 degree by 3: the reflection that the split sum stands for.
+// The whole hemisphere, 1 degree by 3: the reflection that the split sum approximates.
 glm::dvec3 integrated_reflection(const ReferenceSky& sky, const glm::dvec3& n, const glm::dvec3& eye,
                                  double roughness) {
   const glm::dvec3 x = glm::normalize(glm::cross(n, std::abs(n.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
@@ -151,7 +151,7 @@ glm::dvec3 integrated_reflection(const ReferenceSky& sky, const glm::dvec3& n, c
 }
 
 TEST(Reflection, OfTheSkyIsCloseToItsIntegral) {
-  // A black metal edge aside, the reflected sky is an integral over the lobe; the split sum replaces it by two factors.
+  // The reflected sky is an integral over the lobe, which the split sum replaces by two factors.
   const ObjectLight light = afternoon(view_north(160, 120, 6000)).light;
   ObjectLight without_sun = light;
   without_sun.sun_irradiance = glm::dvec3{0.0};
@@ -168,7 +168,7 @@ TEST(Reflection, OfTheSkyIsCloseToItsIntegral) {
       mirror.roughness = float(roughness);
       const glm::dvec3 shown = reference_radiance(mirror, surface, without_sun, sky, eye);
       const glm::dvec3 once = integrated_reflection(sky, n, eye, roughness);
-      // What one reflection leaves comes back diffusely (white metal).
+      // What a single reflection loses comes back diffusely (white metal).
       const ReferenceGivenBack back = reference_given_back(glm::dot(n, eye), roughness);
       const glm::dvec3 whole = once + (1.0 - back.head_on - back.edge) * reference_sky_irradiance(sky, n) / kPi;
       for (int c = 0; c < 3; ++c) {
@@ -180,8 +180,8 @@ TEST(Reflection, OfTheSkyIsCloseToItsIntegral) {
 }
 
 TEST_F(MaterialRules, LeavesStayVisibleAtADistance) {
-  // Leaves of many sizes, cut out of a texture: where its texels cannot be told apart any more, as much is covered as
-  // near by. Plain averages would fall below the cutoff and leave nothing.
+  // Leaves of many sizes, cut out of a texture: where texels are no longer resolved, coverage is the same as close up.
+  // Plain averages would fall below the cutoff and leave nothing.
   std::mt19937_64 random(7);
   ModelTexture leaves;
   leaves.pixels = Image<glm::u8vec4>(128, 128, glm::u8vec4{60, 90, 40, 0});
@@ -222,8 +222,8 @@ TEST_F(MaterialRules, LeavesStayVisibleAtADistance) {
 TEST_F(MaterialRules, AFlatRoofKeepsItsStripes) {
   if (info().software || !info().has("GL_EXT_texture_filter_anisotropic"))
     GTEST_SKIP() << info().renderer << " filters all ways alike";
-  // Stripes that run away from the camera over a ground seen at 5 degrees. Filtered as wide as they are foreshortened,
-  // they would be an even grey.
+  // Stripes that run away from the camera on ground seen at 5 degrees. Isotropic filtering would make them a uniform
+  // grey.
   ReferenceScene scene = box_scene();
   scene.model = {};
   ModelTexture stripes;

@@ -1,4 +1,4 @@
-// Small glTF files made for a test.
+// Small glTF files written for a test.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace kasumi {
 
 std::string base64(const std::vector<std::uint8_t>& bytes);
 
-// A document under construction: JSON that a test may bend as it likes, and one buffer.
+// A document under construction: JSON that a test may change at will, and one buffer.
 struct GltfFile {
   nlohmann::json json;
   std::vector<std::uint8_t> buffer;
@@ -24,7 +24,7 @@ struct GltfFile {
   nlohmann::json& primitive() { return json["meshes"][0]["primitives"][0]; }
   nlohmann::json& node() { return json["nodes"][0]; }
 
-  // Appends to the buffer, with a view and an accessor; gives the accessor's number.
+  // Appends to the buffer, with a view and an accessor; returns the accessor's index.
   int add(const void* data, std::size_t bytes, int component_type, const std::string& type, std::size_t count);
   int add_floats(const std::vector<float>& values, int components);
   int add_bytes(const std::vector<std::uint8_t>& values);
@@ -34,7 +34,7 @@ struct GltfFile {
 
   std::string text() const;                  // with the buffer as a data URI
   std::vector<std::uint8_t> binary() const;  // GLB
-  // Written below the test output folder, read back.
+  // Writes it below the test output folder and reads it back.
   Result<Model> read(const std::string& name, const ModelLimits& limits = {}) const;
 };
 
@@ -44,6 +44,6 @@ GltfFile square_file();
 // The model, or a failed expectation with the message and an empty model.
 Model loaded(const Result<Model>& model);
 
-std::filesystem::path model_folder();  // below the test output folder; made when it is not there
+std::filesystem::path model_folder();  // below the test output folder; created when missing
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// What a glTF file comes down to.
+// What is read from a glTF file.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Corners of all triangles one after the other, so that sharing of vertices does not matter.
+// Corners of all triangles in order, so that sharing of vertices does not matter.
 std::vector<glm::vec3> corners(const Model& model) {
   std::vector<glm::vec3> all;
   for (const ModelPart& part : model.parts)
@@ -38,7 +38,7 @@ TEST(GltfModel, FacesWithoutNormalsAreFlat) {
 }
 
 TEST(GltfModel, NodesMarkedAsGroundAreNotDrawn) {
-  // The object, and three squares of ground: by name, by extras, by its parent's.
+  // The object, and three squares of ground: by name, by extras, and by the parent's extras.
   GltfFile file = square_file();
   file.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {0.05, 0.08, 0.03, 1.0}}}}}};
   file.json["meshes"].push_back(file.json["meshes"][0]);
@@ -59,7 +59,7 @@ TEST(GltfModel, NodesMarkedAsGroundAreNotDrawn) {
   for (const ModelPart& part : model.ground) {
     const auto& colour = model.materials[static_cast<std::size_t>(part.material)].base_colour;
     grassy += std::abs(colour.g - 0.08f) < 1e-6f ? 1 : 0;
-    plain += colour == glm::vec4(0.1f, 0.1f, 0.1f, 1.0f) ? 1 : 0;  // no ground is white, as glTF's default would be
+    plain += colour == glm::vec4(0.1f, 0.1f, 0.1f, 1.0f) ? 1 : 0;  // no ground has the white of glTF's default
   }
   EXPECT_EQ(grassy, 1);
   EXPECT_EQ(plain, 2);
@@ -103,8 +103,8 @@ TEST(GltfModel, AllPrimitiveLayoutsGiveTheSameTriangles) {
 
 TEST(GltfModel, NodesRotateScaleAndTranslateTheirChildren) {
   GltfFile file = square_file();
-  // Child: scaled by 2, turned by 90 degrees about y (x goes to -z), moved by (10, 0, 0); parent: a matrix that moves
-  // by (0, 5, 0).
+  // Child: scaled by 2, rotated by 90 degrees about y (x goes to -z), translated by (10, 0, 0); parent: a matrix that
+  // translates by (0, 5, 0).
   file.json["nodes"] = {{{"children", {1}}, {"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 5, 0, 1}}},
                         {{"mesh", 0},
                          {"scale", {2, 2, 2}},
@@ -206,7 +206,8 @@ TEST(GltfModel, MaterialsAndTheirTexturesAreRead) {
   EXPECT_EQ(texture.wrap_s, TextureWrap::clamp);
   EXPECT_EQ(texture.wrap_t, TextureWrap::mirrored_repeat);
   EXPECT_TRUE(texture.nearest);
-  // Scaled to (2, 4), turned by a quarter as the extension's matrix does ((u, v) to (v, -u)), moved by (0.5, 0).
+  // Scaled by (2, 4), rotated by a quarter turn as the extension's matrix does ((u, v) to (v, -u)), translated by 0.5
+  // in u.
   const ModelVertex& far_corner = model.parts.at(0).vertices.at(model.parts[0].indices.at(2));
   EXPECT_NEAR(far_corner.texture.x, 4.5, 1e-6);
   EXPECT_NEAR(far_corner.texture.y, -2.0, 1e-6);

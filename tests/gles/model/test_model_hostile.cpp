@@ -1,4 +1,4 @@
-// Files that lie, and files nobody tried before.
+// Files with false claims, and files nobody has tried before.
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -177,7 +177,7 @@ TEST(HostileModel, LimitsAreEnforced) {
   EXPECT_THAT(file.read("limits", {.nodes = 0}).error().message, HasSubstr("0 at most"));
   EXPECT_THAT(file.read("limits", {.texture_size = 2}).error().message, HasSubstr("expected 1 .. 2"));
   EXPECT_THAT(file.read("limits", {.texture_pixels = 15}).error().message, HasSubstr("15 pixels"));
-  // One mesh shown by many nodes counts as often as it is shown.
+  // A mesh used by many nodes counts once for each use.
   GltfFile many = square_file();
   for (int i = 1; i < 50; ++i) {
     many.json["nodes"].push_back({{"mesh", 0}});
@@ -191,7 +191,7 @@ TEST(HostileModel, PictureHeadersAreCheckedBeforeAnythingIsDecoded) {
   std::vector<std::uint8_t> png;
   cv::imencode(".png", cv::Mat(4, 5, CV_8UC3, cv::Scalar(1, 2, 3)), png);
   EXPECT_EQ(picture_size(png), glm::ivec2(5, 4));
-  png[16] = 0x7f;  // says 2 billion columns
+  png[16] = 0x7f;  // claims 2 billion columns
   EXPECT_THAT(decode_picture(png, 4096).error().message, HasSubstr("expected 1 .. 4096"));
   std::vector<std::uint8_t> jpeg;
   cv::imencode(".jpg", cv::Mat(40, 50, CV_8UC3, cv::Scalar(1, 2, 3)), jpeg);
@@ -212,7 +212,7 @@ TEST(HostileModel, AMissingFileIsReported) {
   EXPECT_THAT(read_gltf(empty).error().message, HasSubstr("too few"));
 }
 
-// Bytes and tokens of a sound file changed at random: whatever comes out is sound, or a message.
+// Bytes and tokens of a valid file changed at random: the result is a valid model or a message.
 TEST(HostileModel, RandomDamageNeverCausesHarm) {
   std::mt19937_64 random(20260621);
   const std::vector<std::uint8_t> sound = dressed_square().binary();

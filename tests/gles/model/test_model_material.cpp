@@ -1,4 +1,4 @@
-// What a glTF file's materials, scenes and compressions come down to.
+// What is read from a glTF file's materials, scenes and compressed data.
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -60,7 +60,7 @@ TEST(GltfMaterial, EveryPropertyIsRead) {
   EXPECT_EQ(material.normal_scale, 0.5f);
   EXPECT_EQ(material.occlusion_strength, 0.6f);
   EXPECT_EQ(material.emission, glm::vec3(4.0f, 2.0f, 0.0f));
-  // One picture as a colour and as data: the one is decoded when it is shown, the other is not.
+  // One picture used as colour and as data: as colour it is decoded from sRGB, as data it is not.
   ASSERT_EQ(model.textures.size(), 2u);
   EXPECT_FALSE(model.textures[static_cast<std::size_t>(material.texture)].data);
   EXPECT_TRUE(model.textures[static_cast<std::size_t>(material.roughness_map.texture)].data);
@@ -80,7 +80,7 @@ TEST(GltfMaterial, IndexOfRefractionAndSpecularSetTheReflectance) {
       {"KHR_materials_ior", {{"ior", 2.0}}},
       {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {1.0, 0.5, 20.0}}}}};
   const ModelMaterial material = loaded(file.read("ior")).materials.at(0);
-  // ((2 - 1) / (2 + 1))^2 = 1/9, tinted, at most all, then halved.
+  // ((2 - 1) / (2 + 1))^2 = 1/9, tinted, at most 1, then halved.
   EXPECT_NEAR(material.reflectance.r, 0.5 / 9.0, 1e-6);
   EXPECT_NEAR(material.reflectance.g, 0.25 / 9.0, 1e-6);
   EXPECT_NEAR(material.reflectance.b, 0.5, 1e-6);
@@ -122,12 +122,12 @@ TEST(GltfMaterial, TangentsAreReadOrGenerated) {
   file.json["materials"][0]["normalTexture"]["texCoord"] = 1;
   const Model second = loaded(file.read("tangents-2"));
   for (const ModelVertex& vertex : second.parts.at(0).vertices) EXPECT_EQ(vertex.tangent, glm::vec4(0, 1, 0, 1));
-  // Given ones are put upright on their normals.
+  // Given tangents are made perpendicular to their normals.
   file.primitive()["attributes"]["TANGENT"] = file.add_floats({0, 3, 4, -1, 0, 3, 4, -1, 0, 3, 4, -1, 0, 0, 0, 1}, 4);
   const Model given = loaded(file.read("tangents-given"));
   EXPECT_EQ(given.parts.at(0).vertices.at(0).tangent, glm::vec4(0, 1, 0, -1));
   EXPECT_NEAR(glm::length(glm::vec3(given.parts.at(0).vertices.at(3).tangent)), 1.0, 1e-6);  // had none
-  // Turned with their node, and a mirror in it mirrors the picture too.
+  // Tangents rotate with their node, and a mirroring node mirrors the picture too.
   file.node()["rotation"] = {0, 0, std::sqrt(0.5), std::sqrt(0.5)};  // x to y
   file.node()["scale"] = {1, 1, -1};
   const glm::vec4 turned = loaded(file.read("tangents-turned")).parts.at(0).vertices.at(0).tangent;
@@ -137,7 +137,7 @@ TEST(GltfMaterial, TangentsAreReadOrGenerated) {
 
 TEST(GltfMaterial, TangentsSplitWhereATextureMeetsItsMirrorImage) {
   GltfFile file = square_file();
-  // Two squares side by side that share an edge; the picture on the right one is the left one's mirror image.
+  // Two adjacent squares share an edge; the texture on the right one mirrors the left one's.
   file.primitive()["attributes"]["POSITION"] =
       file.add_floats({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 2, 0, 0, 2, 1, 0}, 3);
   file.primitive()["attributes"]["NORMAL"] = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 3);
@@ -215,7 +215,7 @@ TEST(GltfSamples, OfTheKhronosGroupKeepTheirMaterials) {
   const auto draco = read_gltf(root / "draco/2CylinderEngine.gltf");
   ASSERT_FALSE(draco);
   EXPECT_THAT(draco.error().message, HasSubstr("KHR_draco_mesh_compression"));
-  // Six ways to move a picture over a square, and a seventh for reference, share what they can.
+  // Six texture transforms on a square, and a seventh for reference.
   EXPECT_GT(loaded(read_gltf(root / "textureTransform/TextureTransformTest.gltf")).parts.size(), 5u);
 }
 

@@ -33,7 +33,7 @@ struct Hit {
   bool back;
 };
 
-// The shadow on the ground: what it takes of the ground's light, and the part of what is seen that is the air's.
+// The shadow on the ground: what it removes of the ground's light, and the airlight's part of what is seen.
 struct Shade {
   glm::dvec3 taken{0.0};
   glm::dvec3 air{0.0};
@@ -52,7 +52,7 @@ glm::dvec2 lens(const SceneView& view, glm::dvec2 p) {
           p.y * radial + p1 * (r2 + 2 * p.y * p.y) + 2 * p2 * p.x * p.y};
 }
 
-// The ray a pixel sees, z = 1, by fixed-point iteration.
+// The ray of a pixel, z = 1, by fixed-point iteration.
 glm::dvec3 ray_of(const SceneView& view, glm::dvec2 pixel) {
   const glm::dvec2 wanted = (pixel - view.centre_px) / view.focal_px;
   glm::dvec2 p = wanted;
@@ -170,7 +170,7 @@ class Tracer {
     up_ = glm::dvec3(scene.view.world_to_camera * glm::dvec4(0, 0, 1, 0));
   }
 
-  // Every triangle tells the pixels that may see it, with margin for edges that the lens bends.
+  // Registers every triangle with the pixels that may see it, with a margin for edges that the lens bends.
   void trace(const std::vector<glm::dvec2>& samples, ReferencePicture& picture) const {
     Image<glm::dvec4>& layer = picture.layer;
     const double share = 1.0 / static_cast<double>(samples.size());
@@ -225,7 +225,7 @@ class Tracer {
             cut(high.y + kMargin, view.height)};
   }
 
-  // A real surface is nearer in half or more of the square of a pixel's size around the point.
+  // A real surface is nearer in at least half of the pixel-sized square around the point.
   bool is_hidden(glm::dvec2 point, double depth) const {
     const Image<float>& map = scene_.depth_m;
     if (map.empty()) return false;

@@ -1,5 +1,5 @@
-// What the picture should be: rays through sample points, double precision, no rasteriser, no shader and none of the
-// renderer's code. Slow, and plain enough to be checked by reading.
+// The reference picture: rays through sample points, double precision, no rasteriser, no shader and none of the
+// renderer's code. Slow, and simple enough to be checked by reading.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ struct ReferenceScene {
   AirlightGrid measured;
   ResponseCurve response;
   Image<std::uint8_t> mask;  // empty: nothing in front
-  Image<float> depth_m;      // of the real scene, along the optical axis, 0 where nothing stands; empty: nowhere
+  Image<float> depth_m;      // of the real scene, along the optical axis, 0 where there is none; empty: none anywhere
 };
 
 struct ReferencePicture {
@@ -37,7 +37,7 @@ std::vector<glm::dvec2> pixel_centre();
 // `camera`: the encoded picture behind the object.
 ReferencePicture render_reference(const ReferenceScene& scene, const Image<Rgb8>& camera,
                                   const std::vector<glm::dvec2>& samples);
-// The same object and shadow before another picture.
+// The same object and shadow over another picture.
 ReferencePicture before_picture(ReferencePicture rendered, const ReferenceScene& scene, const Image<Rgb8>& camera);
 
 // Exact response both ways, one channel.

@@ -33,8 +33,7 @@ glm::dvec3 harmonics(const ReferenceSky& sky, const glm::dvec3& n, double first,
   return glm::max(sum, glm::dvec3{0.0});
 }
 
-// Facets by tilt and turn. Tilts are spaced so that GGX's peak is met by as many of them as its tail:
-// tan(tilt) = width * t / (1 - t).
+// Facets by tilt and azimuth. Tilts with tan(tilt) = width t / (1 - t) give GGX's peak as many facets as its tail.
 template <class Visit>
 void each_facet(double roughness, int tilts, int turns, Visit visit) {
   const double width = std::max(roughness * roughness, 1e-6);
@@ -52,7 +51,7 @@ struct Smear {
   double second = 0.0;
 };
 
-// What the lobe around the normal, seen along it, leaves of Legendre's first and second polynomial.
+// Factors by which the lobe, seen along the normal, reduces the first and second Legendre polynomials.
 Smear smear_of(double roughness) {
   double weight = 0.0;
   Smear sum;
@@ -68,7 +67,7 @@ Smear smear_of(double roughness) {
   return {sum.first / weight, sum.second / weight};
 }
 
-// Of the roughness at which a lobe seen head-on has its mean direction as long.
+// The same at the roughness whose head-on lobe has a mean direction of this length.
 Smear smear_of_mean(double length) {
   double low = 0.01, high = 1.0;
   for (int i = 0; i < 12; ++i) {
@@ -166,7 +165,7 @@ glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurf
   const glm::dvec3 f90{double(material.edge_reflectance) * (1.0 - m) + m};
   const double across = std::clamp(glm::dot(n, to_eye), 0.002, 1.0);
 
-  // Scenes hold many angles and roughnesses: integrated at the nearest two hundredth and hundredth.
+  // Scenes contain many angles and roughnesses: integrated at the nearest multiples of .005 and .01.
   static std::map<std::pair<long, long>, std::pair<ReferenceGivenBack, Smear>> known;
   const long angle_step = std::lround(across * 200.0), rough_step = std::lround(surface.roughness * 100.0);
   const double rough = std::max(double(rough_step), 2.0) / 100.0;
@@ -177,7 +176,7 @@ glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurf
     smear = smear_of_mean(std::hypot(back.mean_along, back.mean_aside));
   }
 
-  // glTF 2.0, B.2: a share m of metal beside a share 1 - m of what is coated.
+  // glTF 2.0, B.2: a fraction m of metal mixed with a fraction 1 - m of coated dielectric.
   const double all = back.head_on + back.edge;
   const auto once_and_between = [&](const glm::dvec3& head_on, const glm::dvec3& edge) {
     const glm::dvec3 first = head_on * back.head_on + edge * back.edge;
@@ -191,7 +190,7 @@ glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurf
                    between = (1.0 - m) * coat_between + m * metal_between;
   const glm::dvec3 coloured = (1.0 - m) * body * (1.0 - coat_once - coat_between);
 
-  // The lobe's own mean direction, which lies in the plane of normal and eye, and its own spread around it.
+  // The lobe's mean direction, which lies in the plane of normal and eye, and its spread around it.
   const double r = surface.roughness;
   const glm::dvec3 away = glm::dot(to_eye, n) * n - to_eye;
   const glm::dvec3 aside = glm::length(away) > 1e-9 ? glm::normalize(away) : glm::dvec3{0.0};

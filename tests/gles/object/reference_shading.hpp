@@ -1,5 +1,5 @@
 // The radiance of a surface by its material, in double precision and none of the renderer's code: reflectances are
-// integrated numerically from the microfacet model that glTF prescribes.
+// integrated numerically from the microfacet model that glTF specifies.
 #pragma once
 
 #include <array>
@@ -12,32 +12,32 @@
 
 namespace kasumi {
 
-// A material with its pictures looked up.
+// A material with its textures sampled.
 struct ReferenceSurface {
   glm::dvec4 colour{1.0};
   glm::dvec3 normal{0, 0, 1};  // world, towards the eye's side
   double metallic = 0.0;
   double roughness = 1.0;
   double open_sky = 1.0;
-  double sun_seen = 1.0;  // how much of the sun's disc
+  double sun_seen = 1.0;  // visible fraction of the sun's disc
   glm::dvec3 emission{0.0};
 };
 
-// The surroundings' radiance in spherical harmonics of order 2, integrated over their map: the whole of it, for skies
-// that change as softly as those of these tests.
+// The surroundings' radiance in spherical harmonics of order 2, integrated over their map: complete for skies as smooth
+// as those of these tests.
 struct ReferenceSky {
   std::array<glm::dvec3, 9> radiance{};
 };
 ReferenceSky reference_sky(const ObjectLight& light);
 
-// Under sun and sky, as the renderer is meant to approximate it (split sum, energy kept).
+// Under sun and sky, as the renderer is meant to approximate it (split sum, energy conserved).
 glm::dvec3 reference_radiance(const ModelMaterial& material, const ReferenceSurface& surface, const ObjectLight& light,
                               const ReferenceSky& sky, const glm::dvec3& to_eye);
 
 // GGX distribution times Smith's height-correlated visibility (masking over 4 n.l n.v), without Fresnel: 1/sr.
 double microfacet_brdf(double nh, double nl, double nv, double roughness);
 
-// Schlick's f0 and f90 terms of the light that an even surrounding of radiance 1 loses to one reflection.
+// Schlick's f0 and f90 terms of the light that one reflection returns from uniform surroundings of radiance 1.
 struct ReferenceGivenBack {
   double head_on = 0.0;
   double edge = 0.0;

@@ -1,4 +1,4 @@
-// The object is no finer than the camera: its point spread and its shared chroma, against closed forms.
+// The object is as blurred as the camera's picture: point spread and chroma subsampling, against closed forms.
 #include <cmath>
 
 #include "gles/object/point_spread.hpp"
@@ -9,17 +9,17 @@ namespace {
 
 using testing::HasSubstr;
 
-// Integral of the normal distribution's integral.
+// Integral of the normal cumulative distribution.
 double twice_integrated(double t, double sigma) {
   return t * 0.5 * std::erfc(-t / (sigma * std::sqrt(2.0))) +
          sigma / std::sqrt(2.0 * kPi) * std::exp(-0.5 * t * t / (sigma * sigma));
 }
-// What a pixel at x sees of a plane that begins at `edge` and goes on to the right, spread by sigma.
+// Coverage of the pixel at x by a half plane to the right of `edge`, blurred by sigma.
 double share_of_plane(double x, double edge, double sigma) {
   return twice_integrated(x + 0.5 - edge, sigma) - twice_integrated(x - 0.5 - edge, sigma);
 }
 
-// Samples place an upright or level edge to 1/34 of a pixel, which is as much coverage as the edge is steep there.
+// Samples locate a vertical or horizontal edge to 1/34 of a pixel; the coverage error is that times the edge's slope.
 double tolerance(double sigma) {
   return std::erf(0.5 / (sigma * std::sqrt(2.0))) / 34.0 + 0.003;
 }
@@ -28,7 +28,7 @@ class Detail : public GlesTest {
  protected:
   static constexpr double kFocal_px = 6000.0, kDistance_m = 3500.0, kMetresPerPixel = kDistance_m / kFocal_px;
 
-  // A white board of no depth upright before the camera, from column to column and from row to row.
+  // A white, infinitely thin board facing the camera, between the given columns and rows.
   ReferenceScene board(double left_px, double right_px, double top_px = -200.0, double bottom_px = 400.0) const {
     ReferenceScene scene;
     scene.view = view_north(160, 120, kFocal_px);
@@ -99,7 +99,7 @@ TEST_F(Detail, AHorizontalEdgeIsBlurredTheSame) {
 TEST_F(Detail, AColumnThinnerThanAPixelIsBlurredWithoutLoss) {
   constexpr double kSigma = 0.5;
   for (const double left : {80.0, 80.21, 80.44, 80.69}) {
-    const double width = 6.0 / 17.0;  // as many samples wherever it stands
+    const double width = 6.0 / 17.0;  // the same number of samples at any position
     const auto scene = board(left, left + width);
     const auto sharp = layer_of(scene, {}), spread = layer_of(scene, {.point_spread_px = kSigma});
     double sharp_sum = 0.0, spread_sum = 0.0;
@@ -126,7 +126,7 @@ TEST_F(Detail, BlurringPreservesTheLight) {
 }
 
 TEST_F(Detail, MatchesASupersampledPictureBlurredOnTheCpu) {
-  // 16 rays a pixel, spread by the Gaussian at their own distances, then gathered into pixels.
+  // 16 rays a pixel, blurred by the Gaussian at their own distances, then averaged into pixels.
   constexpr int kSide = 4;
   constexpr double kSigma = 0.8;
   const ReferenceScene scene = box_scene();
@@ -165,7 +165,7 @@ TEST_F(Detail, MatchesASupersampledPictureBlurredOnTheCpu) {
         worst = std::max(worst, miss);
         square += miss * miss / (4.0 * w * h);
       }
-  // The rays, too, place an edge no better than to 1/8 pixel.
+  // The rays, too, locate an edge no better than to 1/8 pixel.
   EXPECT_LE(worst, 0.08) << "of N and coverage";
   EXPECT_LE(std::sqrt(square), 0.006) << "of N and coverage";
 }
@@ -181,7 +181,7 @@ TEST_F(Detail, TheMasksEdgeIsNotBlurred) {
 
 TEST_F(Detail, WhatLiesOutsideThePictureContributes) {
   for (const auto& [left, right] : {std::pair{-30.0, 20.0}, {-200.0, 400.0}}) {
-    // In many parts, of which some are wholly outside.
+    // In many parts, some of which lie entirely outside.
     ReferenceScene scene = board(left, right);
     const ModelPart whole = scene.model.parts[0];
     scene.model.parts.clear();

@@ -1,4 +1,4 @@
-// Where things are seen: projection, boxes, letterboxes, the cutting of the picture, grids of airlight.
+// Geometry of the picture: projection, boxes, letterboxes, division into rectangles, airlight grids.
 #include <cmath>
 #include <random>
 

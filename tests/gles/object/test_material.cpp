@@ -1,4 +1,4 @@
-// The GPU's pictures of glTF's material against the reference's: each map, each way to blend, each light.
+// The GPU's pictures of glTF materials against the reference: each map, each blend mode, each light.
 #include <cmath>
 
 #include <GLES2/gl2.h>
@@ -34,7 +34,7 @@ ModelMaterial gloss(double roughness, glm::vec4 colour, double metallic) {
   return material;
 }
 
-// A box whose material has every map there is, two of them laid on in their own way.
+// A box whose material has every map, two of them with their own texture transform.
 ReferenceScene dressed_box() {
   ReferenceScene scene = box_scene();
   scene.model.textures = {soft_texture(32), soft_normals(16), soft_data(16), soft_texture(8)};
@@ -56,7 +56,7 @@ class MaterialAgainstReference : public GlesTest {
   void expect_same(const ReferenceScene& scene, const RendererOptions& options = {}, double least_db = 50.0) {
     expect_same_with(scene, {options}, least_db);
   }
-  // Its rays are cast once: they are what takes the time.
+  // The rays are cast only once because they take most of the time.
   void expect_same_with(const ReferenceScene& scene, const std::vector<RendererOptions>& ways, double least_db = 50.0) {
     const Image<Rgb8> camera = landscape(scene.view.width, scene.view.height);
     const auto reference = render_reference(scene, camera, turned_lattice());
@@ -147,7 +147,7 @@ TEST_F(MaterialAgainstReference, AMirroredModelKeepsItsRelief) {
   ModelMaterial matt;
   matt.normal_map = scene.model.materials[0].normal_map;
   scene.model.materials[0] = matt;
-  // Mirrored twice: in the model and by its placement, so that it is seen as it was.
+  // Mirrored twice, in the model and by its placement, so that it looks unmirrored.
   const Image<Rgb8> camera = landscape(160, 120);
   const auto reference = render_reference(scene, camera, turned_lattice());
   for (ModelVertex& vertex : scene.model.parts[0].vertices) {
@@ -182,8 +182,8 @@ TEST_F(MaterialAgainstReference, AMovingViewShowsTheSameMaterials) {
 }
 
 TEST_F(MaterialAgainstReference, PanesOfTwoKindsAreVisibleThroughEachOther) {
-  // Alternately tinted panes one behind the other, in the file one kind after the other and near to far: any order but
-  // theirs from the camera shows other colours.
+  // Panes of alternating tint one behind the other, stored by kind and near to far: any draw order but back to front
+  // gives other colours.
   ReferenceScene scene = box_scene();
   for (int kind = 0; kind < 2; ++kind)
     scene.model.materials.push_back(

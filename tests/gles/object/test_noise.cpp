@@ -1,4 +1,4 @@
-// The object's noise against the camera's: its variance at every level of light, and that nothing else has it.
+// The object's noise against the camera's: its variance at every light level, and no noise anywhere else.
 #include <cmath>
 
 #include "tests/gles/scenes.hpp"
@@ -10,7 +10,7 @@ using testing::HasSubstr;
 
 class Noise : public GlesTest {
  protected:
-  // White, without air, over all of the picture or over a part of it: its light is the measured airlight's.
+  // White, without air, over all or part of the picture: its light is the measured airlight's.
   ReferenceScene wall(double width_m = 4000.0) const {
     ReferenceScene scene;
     scene.view = view_north(256, 192, 6000);
@@ -92,7 +92,7 @@ TEST_F(Noise, RepeatsForTheSameFrameAndDiffersForTheNext) {
   for (const std::uint32_t number : {42u, 43u, 141u, 0u}) {
     noise.pattern = number;
     const auto next = noisy(renderer, scene, noise, camera);
-    // Two frames' noise has nothing in common: the correlation of 49152 pairs is below 4 / sqrt(49152).
+    // Two frames' noise is uncorrelated: the correlation of 49152 pairs is below 4 / sqrt(49152).
     const auto a = statistics_of(first, 1), b = statistics_of(next, 1);
     double together = 0.0;
     for (std::size_t i = 0; i < next.elements().size(); ++i)
@@ -102,7 +102,7 @@ TEST_F(Noise, RepeatsForTheSameFrameAndDiffersForTheNext) {
 }
 
 TEST_F(Noise, ShowsNoPattern) {
-  // Neighbours in every direction, and channels among each other, have nothing in common.
+  // Neighbours in every direction, and channels among each other, are uncorrelated.
   ReferenceScene scene = wall();
   scene.measured.light.fill(glm::dvec3{0.4});
   Renderer renderer = make_renderer();
@@ -149,8 +149,8 @@ TEST_F(Noise, LeavesPixelsWithoutTheObjectUnchanged) {
 }
 
 TEST_F(Noise, AddsOnlyTheMissingNoiseBehindASoftMask) {
-  // A mask of 2/5 everywhere: the camera's own noise comes through at 3/5, so the object's must bring 1 - (3/5)^2 of
-  // the variance. Behind it an even picture without noise.
+  // A mask of 2/5 everywhere: the camera's own noise comes through at 3/5, so the object's must add 1 - (3/5)^2 of the
+  // variance. The picture behind is uniform and noiseless.
   ReferenceScene scene = wall();
   scene.mask = Image<std::uint8_t>(256, 192, 102);
   scene.measured.light.fill(glm::dvec3{0.5});

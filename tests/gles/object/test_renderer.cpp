@@ -1,4 +1,4 @@
-// The GPU's pictures against the reference's: physics, geometry and light.
+// The GPU's pictures against the reference: physics, geometry and light.
 #include <cmath>
 
 #include "tests/gles/scenes.hpp"
@@ -11,7 +11,7 @@ class RendererAgainstReference : public GlesTest {
   void expect_same(const ReferenceScene& scene, const RendererOptions& options = {}, double least_db = 50.0) {
     expect_same_with(scene, {options}, least_db);
   }
-  // Its rays are cast once: they are what takes the time.
+  // The rays are cast only once because they take most of the time.
   void expect_same_with(const ReferenceScene& scene, const std::vector<RendererOptions>& ways, double least_db = 50.0) {
     const Image<Rgb8> camera = landscape(scene.view.width, scene.view.height);
     const auto reference = render_reference(scene, camera, turned_lattice());
@@ -115,7 +115,7 @@ TEST_F(RendererAgainstReference, ClipsAnObjectAtThePicturesBorder) {
 
 TEST_F(RendererAgainstReference, ClipsAnObjectAtTheNearPlane) {
   ReferenceScene scene = box_scene();
-  // A wall that begins beside the camera and runs past the near plane into the distance.
+  // A wall that begins next to the camera and runs past the near plane into the distance.
   scene.model = {};
   scene.model.materials.push_back({.name = "wall", .base_colour = {0.5f, 0.5f, 0.4f, 1.0f}});
   scene.model.parts.push_back(box_part({60, -40, -1200}, {80, 30, 20}, 24));
@@ -128,7 +128,7 @@ TEST_F(RendererAgainstReference, ClipsAnObjectAtTheNearPlane) {
 TEST_F(RendererAgainstReference, LightsBothSidesOfASheet) {
   ReferenceScene scene = box_scene();
   scene.model.materials[0].double_sided = true;
-  // Only the two upright faces that look away from the camera are left: their inner sides are seen.
+  // Only the two upright faces that look away from the camera are left: their inner sides are visible.
   auto& indices = scene.model.parts[0].indices;
   indices.erase(indices.begin(), indices.begin() + 6 * 16);
   scene.model_to_world = model_to_world({5, 3500, -12, from_degrees(20), 1.0});
@@ -144,7 +144,7 @@ TEST_F(RendererAgainstReference, CutsOutWhatAlphaMasks) {
           std::clamp(127.0 + 900.0 * std::sin(2 * kPi * x / 32.0) * std::cos(2 * kPi * y / 32.0), 0.0, 255.0));
   scene.model.textures.push_back(texture);
   scene.model.materials[0].texture = 0;
-  // Roof and floor are seen at a flat angle, where smaller levels of the texture come in: not this test's matter.
+  // Roof and floor are seen at a grazing angle, where smaller mipmaps are used: not under test here.
   auto& indices = scene.model.parts[0].indices;
   indices.resize(indices.size() * 4 / 6);
   scene.model.materials[0].alpha = ModelMaterial::Alpha::mask;
@@ -188,7 +188,7 @@ TEST_F(RendererAgainstReference, AgreesInDenseHazeAndInNone) {
 
 TEST_F(RendererAgainstReference, DrawsTheFootOfTheObjectInValleyFog) {
   ReferenceScene scene = box_scene();
-  // Faces small beside the fog's scale height: between vertices the depth of fog is linear.
+  // Faces small against the fog's scale height: the fog's optical depth is linear between vertices.
   scene.model = box_model(60, 40, 60, 40);
   Haze& haze = scene.appearance.haze;
   haze.fog_base_altitude_m = haze.observer_altitude_m - 20.0;

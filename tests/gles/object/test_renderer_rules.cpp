@@ -1,4 +1,4 @@
-// What a renderer promises beside the picture itself.
+// What a renderer guarantees besides the picture itself.
 #include <cmath>
 
 #include "tests/gles/scenes.hpp"
@@ -10,7 +10,7 @@ using testing::HasSubstr;
 
 class RendererRules : public GlesTest {
  protected:
-  // A wall before all of the picture, one colour, no air: every pixel has the same exact value.
+  // A wall over the whole picture, one colour, no air: every pixel has the same exact value.
   ReferenceScene wall() {
     ReferenceScene scene = box_scene();
     scene.model = box_model(4000, 4000, 10, 1);
@@ -36,7 +36,7 @@ TEST_F(RendererRules, SameInputsGiveSameBits) {
 
 TEST_F(RendererRules, DitheringKeepsTheMean) {
   ReferenceScene scene = wall();
-  scene.appearance.light.around = furnace(0.2).light.around;  // even light, which bytes hold exactly
+  scene.appearance.light.around = furnace(0.2).light.around;  // uniform light, which bytes represent exactly
   const Image<Rgb8> camera(160, 120);
   for (const auto kind : {ResponseCurve::Kind::srgb, ResponseCurve::Kind::linear}) {
     scene.response.kind = kind;
@@ -86,7 +86,8 @@ TEST_F(RendererRules, OnePassMatchesTheLayerInsideTheObject) {
       double edges = 0.0, edge_pixels = 0.0;
       for (int y = 1; y < 119; ++y)
         for (int x = 1; x < 159; ++x) {
-          // Edges within the object, between two walls, are edges too: whole neighbourhoods of one wall are looked at.
+          // Edges within the object, between two walls, are edges too: only neighbourhoods within one wall are
+          // compared.
           bool flat = true;
           for (int dy = -1; dy <= 1; ++dy)
             for (int dx = -1; dx <= 1; ++dx) {
@@ -152,7 +153,7 @@ TEST_F(RendererRules, APoseChangeInvalidatesTheLayer) {
 }
 
 TEST_F(RendererRules, RedrawsTheLayerOnlyOnRequest) {
-  // The layer is drawn on request only: another sun changes nothing until then.
+  // The layer is redrawn on request only: another sun changes nothing until then.
   ReferenceScene scene = box_scene();
   const Image<Rgb8> camera = landscape(160, 120);
   Renderer renderer = make_renderer();

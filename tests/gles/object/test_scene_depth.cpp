@@ -1,4 +1,4 @@
-// What real surfaces hide of the object: against rays on the CPU, and against geometry that is known.
+// How real surfaces hide the object: against rays on the CPU and against known geometry.
 #include <cmath>
 
 #include "tests/gles/scenes.hpp"
@@ -21,7 +21,7 @@ class SceneDepths : public GlesTest {
            renderer.notes().back().starts_with("the depth map");
   }
 
-  // A board over all of the picture, 3500 m away.
+  // A board over the whole picture, 3500 m away.
   ReferenceScene board() const {
     ReferenceScene scene;
     scene.view = view_north(160, 120, 6000);
@@ -77,7 +77,7 @@ TEST_F(SceneDepths, MatchTheRayTracer) {
 }
 
 TEST_F(SceneDepths, GiveASlantedEdgeWithoutSteps) {
-  // The true edge of a near surface runs through the pixels; the map knows only whether it lies over their centres.
+  // The true edge of a near surface runs through pixels; the map only has what covers their centres.
   ReferenceScene scene = board();
   const glm::dvec2 normal = glm::normalize(glm::dvec2{1.0, 0.37});
   const auto side = [&](double x, double y) { return glm::dot(normal, glm::dvec2{x - 80.2, y - 60.0}); };
@@ -102,13 +102,13 @@ TEST_F(SceneDepths, GiveASlantedEdgeWithoutSteps) {
       ++count;
     }
   EXPECT_LE(worst, 0.4) << "of a pixel's coverage; all or nothing misses by half";
-  EXPECT_LE(std::sqrt(square / count), 0.75 * std::sqrt(hard_square / count)) << "beside all or nothing";
+  EXPECT_LE(std::sqrt(square / count), 0.75 * std::sqrt(hard_square / count)) << "compared with all or nothing";
   EXPECT_NEAR(mean / count, 0.0, 0.02) << "the edge must stay in its place";
 }
 
 TEST_F(SceneDepths, LetTheObjectStandInSlopingGround) {
-  // Ground that comes nearer downwards, 2 m a row: it meets the board at row 60.3, at every column a fifth of a row
-  // lower.
+  // Ground that gets nearer downwards by 2 m a row: it meets the board at row 60.3, a fifth of a row lower with each
+  // column.
   ReferenceScene scene = board();
   const auto meets = [](double x) { return 60.3 + 0.2 * (x - 80.0); };
   for (int y = 0; y < 120; ++y)
@@ -137,7 +137,7 @@ TEST_F(SceneDepths, AnEmptyMapHidesNothingAndOneOfAnotherSizeIsRefused) {
 }
 
 TEST_F(SceneDepths, ASoftMaskLeavesNeitherDarkNorBrightFringes) {
-  // Object and background of the same light: however the mask runs, nothing may be seen of it.
+  // Object and background have the same light: whatever the mask, nothing of it may be visible.
   ReferenceScene scene = board();
   scene.depth_m = {};
   scene.mask = Image<std::uint8_t>(160, 120);

@@ -1,5 +1,5 @@
-// A camera's buffers and a GPU that reads them, where no driver of the machine shares memory: the images are real
-// EGLImages, of textures that the test's device fills from the buffer as a GPU would read it.
+// A camera's buffers and a GPU that reads them, for machines whose drivers share no memory: the images are real
+// EGLImages of textures that the test's device fills from the buffer as a GPU would read it.
 #pragma once
 
 #include <fcntl.h>
@@ -30,7 +30,7 @@ inline std::string text_of(std::uint32_t format) {
   return text;
 }
 
-// A picture of noise in memory that has a descriptor.
+// A picture of noise in memory with a file descriptor.
 class Buffer {
  public:
   Buffer(PixelLayout layout, YuvEncoding encoding, int width, int height, std::uint32_t gap, std::uint64_t number,
@@ -77,7 +77,7 @@ class Buffer {
   std::uint8_t* memory_ = nullptr;
 };
 
-struct ImageCalls {  // what was asked of the device, kept beyond its life
+struct ImageCalls {  // calls made to the device; outlives it
   std::vector<ImageRequest> made;
   int destroyed = 0;
   std::set<std::string> refused;  // formats; "*": all
@@ -119,7 +119,7 @@ class TestImages final : public ImageDevice {
   }
 
   Result<> show_in(unsigned texture, ImageSampling sampling, void* image) override {
-    read(memories_.at(image));  // memory that both share needs no reading: it is just there
+    read(memories_.at(image));  // shared memory needs no copy
     const GLenum target = sampling == ImageSampling::external ? GL_TEXTURE_EXTERNAL_OES : GL_TEXTURE_2D;
     glBindTexture(target, texture);
     show_(target, image);
@@ -150,7 +150,7 @@ class TestImages final : public ImageDevice {
       for (std::size_t y = 0; y < static_cast<std::size_t>(r.height); ++y)
         std::copy_n(bytes + r.planes.front().offset + y * r.planes.front().stride, row, rows.data() + y * row);
       glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(gl), r.width, r.height, 0, gl, GL_UNSIGNED_BYTE, rows.data());
-    } else {  // a driver that converts
+    } else {  // the driver converts
       const std::map<std::string, PixelLayout> layouts{
           {"NV12", PixelLayout::nv12},  {"YU12", PixelLayout::i420},  {"YU16", PixelLayout::i422},
           {"YU24", PixelLayout::i444},  {"YUYV", PixelLayout::yuyv},  {"UYVY", PixelLayout::uyvy},

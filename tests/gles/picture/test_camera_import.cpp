@@ -1,4 +1,4 @@
-// The camera's picture read where its driver put it.
+// The camera's picture, read from the driver's buffer without a copy.
 #include <drm.h>
 #include <drm_mode.h>
 #include <linux/udmabuf.h>
@@ -144,7 +144,7 @@ TEST_F(CameraImports, AreNotRetriedAfterARefusal) {
   EXPECT_THAT(renderer.notes(), testing::Contains(HasSubstr("copied")).Times(1));
   EXPECT_EQ(renderer.frames().uploaded, 10u);
   EXPECT_EQ(renderer.frames().imported, 0u);
-  // Another kind of picture has its own chance.
+  // A picture of another layout is still attempted.
   calls_.refused.clear();
   const Buffer other(PixelLayout::nv12, YuvEncoding::bt601_full, 16, 16, 0, 2);
   ASSERT_OK(renderer.import_frame(other.picture));
@@ -223,8 +223,8 @@ TEST_F(CameraImports, CompositeTheObjectAsACopyDoes) {
   }
 }
 
-// A dma-buf with the buffer's bytes: pages of memory as a camera without its own would use (udmabuf), or of the
-// graphics card itself (a dumb buffer), which even a card that takes no foreign memory can import.
+// A dma-buf with the buffer's bytes: system memory as a camera without its own would use (udmabuf), or the graphics
+// card's own (a dumb buffer), which even a card that refuses foreign memory can import.
 class KernelMemory {
  public:
   explicit KernelMemory(const Buffer& buffer) {
@@ -238,7 +238,7 @@ class KernelMemory {
   KernelMemory(const Buffer& buffer, const char* card) : card_(open(card, O_RDWR | O_CLOEXEC)) {
     if (card_ < 0) return;
     drm_mode_create_dumb create{};
-    create.width = 256;  // of 32 bits, which every card makes: rows of 1024 bytes
+    create.width = 256;  // 32 bits a pixel, which every card supports: rows of 1024 bytes
     create.height = static_cast<std::uint32_t>(buffer.bytes() / 1024);
     create.bpp = 32;
     if (ioctl(card_, DRM_IOCTL_MODE_CREATE_DUMB, &create) != 0) return;

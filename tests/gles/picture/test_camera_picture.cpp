@@ -1,4 +1,4 @@
-// The camera's picture without an object in it, in every layout that drivers deliver.
+// The camera's picture without an object, in every layout that drivers deliver.
 #include <random>
 
 #include "tests/gles/picture/all_layouts.hpp"
@@ -12,7 +12,7 @@ bool is_rgb(PixelLayout layout) {
          layout == PixelLayout::bgra8 || layout == PixelLayout::grey8;
 }
 
-// Noise in every plane, rows `gap` bytes longer than they need to be.
+// Noise in every plane, rows `gap` bytes longer than necessary.
 struct NoisePicture {
   std::array<std::vector<std::uint8_t>, 3> planes;
   PictureView view;

@@ -1,4 +1,4 @@
-// Captions and stills: flat pictures blended over whatever a target shows.
+// Captions and stills: flat pictures blended over a target's content.
 #include <cmath>
 #include <random>
 
@@ -133,7 +133,7 @@ TEST_F(FlatPictures, AreHalvedWhenTooLargeForTheDriver) {
 }
 
 TEST_F(FlatPictures, FitWhereTheCamerasPictureWouldBe) {
-  // White camera picture first, the still of the same shape in black over it: nothing white may be left.
+  // A white camera picture, then a black still of the same shape over it: nothing white may be left.
   Renderer renderer = make_renderer();
   const Image<Rgb8> white(40, 30, Rgb8{255, 255, 255});
   const FlatPicture black = make(Image<Rgba8>(80, 60, Rgba8{0, 0, 0, 255}));

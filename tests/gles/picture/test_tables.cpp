@@ -1,4 +1,4 @@
-// Response tables and mipmaps as they go to the GPU.
+// Response tables and mipmaps as uploaded to the GPU.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(ResponseTable, RoundTripsWithinATwentiethOfAStep) {
     for (const int entries : {2, 256, 1024}) {
       const ResponseCurve curve = table_of(light, entries);
       const auto texels = response_texels(curve);
-      // The darkest codes of a power law differ by less light than 16 bits tell; they follow from code 2 on.
+      // The darkest codes of a power law differ by less than 16 bits resolve; they are accurate from code 2 on.
       for (int code = 2; code <= 255; ++code) {
         const double exact = reference_light(curve, 0, code / 255.0);
         EXPECT_NEAR(in_table(texels, code / 255.0, 0), exact, 1.0 / 65535) << "of full scale, code " << code;

@@ -19,7 +19,7 @@ ReferenceShadow::ReferenceShadow(const Model& model, const glm::dmat4& model_to_
     : alpha_(std::move(alpha)), cells_(kCells * kCells) {
   across_ = glm::normalize(glm::cross(sun, std::abs(sun.x) < 0.9 ? glm::dvec3{1, 0, 0} : glm::dvec3{0, 1, 0}));
   up_ = glm::cross(sun, across_);
-  // Rings of the same area, turned against one another.
+  // Rings of equal area, rotated against each other.
   constexpr int kRings = 6, kTurns = 10;
   const double reach = std::tan(from_degrees(kDiscRadius_deg).value);
   for (int ring = 0; ring < kRings; ++ring)
@@ -43,7 +43,7 @@ ReferenceShadow::ReferenceShadow(const Model& model, const glm::dmat4& model_to_
       casters_.push_back(caster);
     }
   }
-  // A ray to the disc's edge leaves its cell by no more than this over a kilometre.
+  // A ray to the disc's edge leaves its cell by at most this over a kilometre.
   const double wander = 1000.0 * reach;
   for (std::size_t i = 0; i < casters_.size(); ++i) {
     glm::dvec2 low{1e300}, high{-1e300};

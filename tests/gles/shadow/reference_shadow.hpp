@@ -1,5 +1,5 @@
-// How much of the sun's disc a point sees past the model: by rays to points of the disc, in double precision and none
-// of the renderer's code.
+// Fraction of the sun's disc visible from a point past the model: by rays to points of the disc, in double precision
+// and none of the renderer's code.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace kasumi {
 
 class ReferenceShadow {
  public:
-  // alpha: of a part's material at its texture coordinates; triangles of blended materials cast no shadow.
+  // alpha: opacity of a part's material at its texture coordinates; triangles of blended materials cast no shadow.
   ReferenceShadow(const Model& model, const glm::dmat4& model_to_world, const glm::dvec3& sun,
                   std::function<double(const ModelMaterial&, glm::dvec2)> alpha);
   // 0..1, of `point` in the world.

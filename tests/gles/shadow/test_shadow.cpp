@@ -1,4 +1,4 @@
-// The sun's shadow of the object, on itself and on its ground: against rays, closed forms and its own promises.
+// The sun's shadow of the object, on itself and on its ground: against rays, closed forms and invariants.
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kGroundColour = 0.2f;
 
-// A level square of 2 half_m by 2 half_m around the model's origin, in squares small enough for paths that are linear
+// A level square of 2 half_m by 2 half_m around the model's origin, in squares small enough for air paths to be linear
 // across them.
 ModelPart level_part(double half_m, double up_m, int material) {
   constexpr std::ptrdiff_t kCells = 8, kFace = 6 * kCells * kCells;
@@ -53,7 +53,7 @@ ReferenceScene gate_scene() {
   return scene;
 }
 
-// What the camera sees of ground of that colour under the scene's light, encoded.
+// How the camera shows ground of that colour under the scene's light, encoded.
 Image<Rgb8> ground_picture(const ReferenceScene& scene) {
   ReferenceScene alone = scene;
   alone.model.parts = {level_part(4000, 0, 1)};
@@ -72,7 +72,7 @@ class Shadow : public GlesTest {
   void expect_same(const ReferenceScene& scene, const RendererOptions& options = {}, double least_db = 45.0) {
     expect_same_with(scene, {options}, least_db);
   }
-  // Its rays are cast once: they are what takes the time.
+  // The rays are cast only once because they take most of the time.
   void expect_same_with(const ReferenceScene& scene, const std::vector<RendererOptions>& ways, double least_db = 45.0) {
     const Image<Rgb8> camera = ground_picture(scene);
     const auto reference = render_reference(scene, camera, turned_lattice());
@@ -164,7 +164,7 @@ TEST_F(Shadow, RemovesOnlyTheSunsShareOfTheGroundsLight) {
     glm::dvec3 mean{0.0};
     for (int y = 0; y < 96; ++y)
       for (int x = 0; x < 128; ++x) {
-        bool inside = x > 1 && y > 1 && x < 126 && y < 94;  // two pixels at least within the core of a shadow
+        bool inside = x > 1 && y > 1 && x < 126 && y < 94;  // at least two pixels inside the core of a shadow
         for (int dy = -2; inside && dy <= 2; ++dy)
           for (int dx = -2; dx <= 2; ++dx)
             inside = inside && glm::length(reference.taken.at(x + dx, y + dy) - sun_share) < 1e-9;
@@ -193,7 +193,7 @@ TEST_F(Shadow, LeavesUncoveredPixelsUnchangedBitForBit) {
   int free = 0, shaded = 0;
   for (int y = 1; y < 95; ++y)
     for (int x = 1; x < 127; ++x) {
-      double near = 0.0;  // nothing in the pixels around either: the maps' texels are as large as a pixel
+      double near = 0.0;  // nor in the pixels around: the maps' texels are as large as a pixel
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) near = std::max(near, reference.taken.at(x + dx, y + dy).r);
       shaded += reference.taken.at(x, y).r > 0.5 ? 1 : 0;
@@ -236,7 +236,7 @@ TEST_F(Shadow, IsAlsoDrawnInAMovingView) {
       expect_like(picture, reference, 40.0);
     }
   }
-  // Behind a foreground neither object nor shadow.
+  // Neither object nor shadow appears over the foreground.
   scene.mask = Image<std::uint8_t>(128, 96, 0);
   Renderer renderer = make_renderer();
   load(renderer, scene);
@@ -244,8 +244,8 @@ TEST_F(Shadow, IsAlsoDrawnInAMovingView) {
 }
 
 TEST_F(Shadow, OfAConvexObjectNeverFallsOnItself) {
-  // A slab lying, slabs leaning either way, and a ball: from a sun that grazes the level to one overhead, wherever the
-  // sun shines at all, the light with shadows is the light without.
+  // A level slab, slabs leaning either way, and a ball, under suns from grazing to overhead: wherever the sun shines at
+  // all, the light with shadows equals the light without.
   ReferenceScene scene = box_scene();
   scene.view = view_down(160, 120, 2500, 600, 250);
   scene.appearance = afternoon(scene.view);
@@ -284,7 +284,7 @@ TEST_F(Shadow, OfAConvexObjectNeverFallsOnItself) {
   }
 }
 
-// Standard deviation of where the edge of a shadow lies, over columns `left` .. `right` of row `row`.
+// Standard deviation of the position of a shadow's edge, over columns `left` .. `right` of row `row`.
 double edge_deviation(const Image<glm::vec4>& layer, int row, int left, int right) {
   double weight = 0.0, first = 0.0, second = 0.0;
   for (int x = left; x < right; ++x) {
@@ -299,7 +299,7 @@ double edge_deviation(const Image<glm::vec4>& layer, int row, int left, int righ
 
 TEST_F(Shadow, SoftensWithDistanceAsTheSunsDiscDemands) {
   // The edge of a board that lies in the sun's vertical plane: its shadow fades over 2 d tan(.2665 deg), d being the
-  // distance to it. A disc's light fades with a standard deviation of a quarter of that width.
+  // distance to it. The penumbra of a disc has a standard deviation of a quarter of that width.
   for (const double up_m : {25.0, 50.0, 100.0}) {
     ReferenceScene scene;
     scene.model.materials = {{.name = "board"}, {.name = "ground"}};
@@ -329,8 +329,8 @@ TEST_F(Shadow, SoftensWithDistanceAsTheSunsDiscDemands) {
 }
 
 TEST_F(Shadow, OfThinPostsDoesNotFlickerWhileTheSunMoves) {
-  // Posts half a pixel thick at 3 km: from one redraw to the next the whole shadow hardly changes, and no pixel jumps
-  // farther than the rays say.
+  // Posts half a pixel thick at 3 km: between redraws the whole shadow hardly changes, and no pixel changes more than
+  // the ray tracer predicts.
   ReferenceScene scene = box_scene();
   scene.model = columns_model(14, 0.3, 5.0, 30.0);
   scene.model.materials.push_back({.name = "ground"});
@@ -397,7 +397,7 @@ TEST(SunFrame, ContainsTheModelInEveryMap) {
         EXPECT_NEAR((seen.z - nearer.z) * frame.depth_m, 1.0, 1e-6);
         EXPECT_NEAR(glm::length(glm::dvec2(nearer - seen)), 0.0, 1e-6);
       }
-      // The spread is that of the disc: .2665 deg either way over the depth.
+      // The penumbra is that of the disc: .2665 deg either way over the depth.
       const double texel_m = 1.0 / glm::length(glm::dvec3(glm::transpose(frame.from_world)[0]));
       EXPECT_NEAR(frame.spread.x * texel_m / frame.depth_m, std::tan(from_degrees(0.2665).value), 1e-9);
     }

@@ -26,7 +26,7 @@ Image<Rgb8> pixels_of(const Camera& camera, const Image<glm::vec3>& light) {
   return picture;
 }
 
-// Share of the pixels, in per cent, that have a channel at nothing.
+// Percentage of pixels with a channel at 0.
 double black_percent(const Image<Rgb8>& picture) {
   const auto black = std::ranges::count_if(picture.elements(), [](const Rgb8& p) {
     return std::min({p.r, p.g, p.b}) == 0;
@@ -34,7 +34,7 @@ double black_percent(const Image<Rgb8>& picture) {
   return 100.0 * static_cast<double>(black) / static_cast<double>(picture.elements().size());
 }
 
-// How far the upper tenth of the picture, sky or the thickest haze, changed, in levels of 255.
+// Change of the upper tenth of the picture, sky or the thickest haze, in levels of 255.
 double top_changed(const Image<Rgb8>& one, const Image<Rgb8>& other) {
   glm::dvec3 sum{0.0};
   const int rows = one.height() / 10;
@@ -51,7 +51,7 @@ Section classic_section(const ReportOptions& options) {
   section.say(
       "The photographs that papers on dehazing show. Nobody measured their distances or their air, so there is no "
       "truth to "
-      "compare with, and what stands here is to be looked at. Distances are guessed from the haze itself (every "
+      "compare with; these pictures are for visual inspection. Distances are guessed from the haze itself (every "
       "neighbourhood is taken to hold something black in some channel, in linear light; edges by the guided filter); "
       "the "
       "light from infinity is the sky's where some was found, else the thickest haze's; the haze is taken for grey, as "

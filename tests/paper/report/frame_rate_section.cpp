@@ -13,7 +13,7 @@ Section frame_rate_section(const ReportOptions& options) {
       "compositing pass over the whole picture, against one background and the object's layer, drawn when air, sun "
       "or pose change. Above 1: Kasumi is faster.");
   if (options.quick) {
-    section.finding(Finding::skipped, "a time measured in a hurry says nothing.");
+    section.finding(Finding::skipped, "a quick measurement of time is meaningless.");
     return section;
   }
   const auto rows = bench_gles();
@@ -37,8 +37,8 @@ Section frame_rate_section(const ReportOptions& options) {
                   "each fragment {:.0f} times.",
                   against_papers, against_81));
   section.finding(Finding::differs,
-                  "M's 14 frames a second and its factor of 225 over Zhao are of M's machine and of a "
-                  "program that is not public; neither can be measured again.");
+                  "M's 14 frames a second and its factor of 225 over Zhao belong to M's machine and to a "
+                  "program that is not public; neither can be measured here.");
   return section;
 }
 

@@ -61,7 +61,7 @@ Image<glm::vec4> picture_of(const ReportOptions& options, std::string& what) {
     return picture;
   }
   what =
-      fmt::format("tiles with sharp edges, {} x {} (Middlebury's pictures are not here, or in a hurry)", width, height);
+      fmt::format("tiles with sharp edges, {} x {} (Middlebury's pictures are missing, or a quick run)", width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const auto tile = static_cast<std::uint32_t>(x / 13 * 7919 + y / 9 * 104729);

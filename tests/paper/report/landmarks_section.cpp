@@ -13,7 +13,7 @@ Section landmarks_section(const ReportOptions& options) {
   section.say(
       "A second way to the air, independent of the sky's turbidity: how much contrast landmarks at known distance have "
       "left. "
-      "KNMI's meadow at De Bilt, whose visibility (where 5 % of contrast is left) is measured beside the camera; "
+      "KNMI's meadow at De Bilt, whose visibility (where 5 % of contrast is left) is measured next to the camera; "
       "distances "
       "from published places and the camera's geometry, nothing fitted to a visibility; the contrasts without air are "
       "learnt "

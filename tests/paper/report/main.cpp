@@ -1,4 +1,4 @@
-// Writes the papers' tables and figures beside ours as one page: paper_report --out out/papers
+// Writes the papers' tables and figures next to ours as one page: paper_report --out out/papers
 #include <cstdio>
 #include <exception>
 
@@ -36,13 +36,15 @@ int write(const std::filesystem::path& out, const ReportOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app("The papers' tables and figures beside ours, as one page that needs nothing but itself");
+  CLI::App app("The papers' tables and figures next to ours, as one self-contained page");
   std::filesystem::path out;
   ReportOptions options;
   options.shared_data = shared_data_folder();
   app.add_option("--out", out, "Folder for index.html and figures.json")->required();
-  app.add_option("--data", options.shared_data, "Real pictures; what needs them is skipped where they are not");
-  app.add_flag("--quick", options.quick, "Few repeats and small pictures: whether it works, not what it says");
+  app.add_option("--data", options.shared_data,
+                 "Folder of real pictures; sections that need them are skipped when it is missing");
+  app.add_flag("--quick", options.quick,
+               "Few repeats and small pictures: checks that it works; figures are not meaningful");
   CLI11_PARSE(app, argc, argv);
   return write(out, options);
 } catch (const std::exception& error) {

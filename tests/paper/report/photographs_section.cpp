@@ -12,11 +12,11 @@
 namespace kasumi::paper {
 namespace {
 
-// The meadow of De Bilt as tests/paper/knmi-debilt.toml has it: its horizon is row 338, a foot on the meadow in row y
-// is 2970 m / (y - 338) away, the wood stands 110 m off and the tower 350 m.
+// The meadow of De Bilt as described in tests/paper/knmi-debilt.toml: its horizon is row 338, a foot on the meadow in
+// row y is 2970 m / (y - 338) away, the wood stands 110 m off and the tower 350 m.
 constexpr double kHorizonRow = 338.0, kMeadow_m = 2970.0, kWood_m = 110.0, kTower_m = 350.0;
 constexpr int kTowerLeft = 440, kTowerRight = 478;
-// Compared: neither the caption nor the upper sky, whose clouds are other ones in every picture.
+// The compared region excludes the caption and the upper sky, whose clouds differ in every picture.
 constexpr int kFirstRow = 230, kLastRow = 560;
 
 struct Frame {
@@ -54,7 +54,7 @@ Image<float> distances(const Image<std::uint8_t>& sky) {
   return distance_m;
 }
 
-// Light just above the wood, the middle of its rows: what fog at infinity looks like.
+// Light just above the wood, the median over its rows: the colour of fog at infinity.
 glm::dvec3 light_above_the_wood(const Camera& camera, const Image<Rgb8>& picture) {
   std::array<std::vector<double>, 3> values;
   for (int y = 235; y < 265; ++y)
@@ -76,7 +76,7 @@ glm::dvec3 light_above_the_wood(const Camera& camera, const Image<Rgb8>& picture
 Section photographs_section(const ReportOptions& options) {
   Section section("photographs", "Other air on a real meadow: M Fig 12 and 13");
   section.say(
-      "KNMI's meadow at De Bilt, one camera, visibility measured beside it: a clear noon (23 km) made into the "
+      "KNMI's meadow at De Bilt, one camera, visibility measured next to it: a clear noon (23 km) made into the "
       "mornings of "
       "1620, 466, 444 and 73 m, against the pictures taken then. T from the measured visibility, far beyond 20, where "
       "the "
@@ -93,7 +93,7 @@ Section photographs_section(const ReportOptions& options) {
     return section;
   }
   if (options.quick) {
-    section.finding(Finding::skipped, "made in the whole report only.");
+    section.finding(Finding::skipped, "computed in the full report only.");
     return section;
   }
   const auto clear = read_photograph(folder / kSourceFrame.name);
@@ -148,9 +148,9 @@ Section photographs_section(const ReportOptions& options) {
   section.finding(
       won == compared ? Finding::reproduced : Finding::differs,
       fmt::format("Kasumi is above the baselines in {} of {} comparisons, theirs with a haze chosen by the true "
-                  "picture, Kasumi's from measured visibility and geometry alone. Fog is not the same all over: "
+                  "picture, Kasumi's from measured visibility and geometry alone. Fog is not uniform: "
                   "the meadow of these mornings stands clearer than the visibility at the sensor says, and "
-                  "exposure and white balance, which no method here knows, weigh as much in the histograms.",
+                  "exposure and white balance, which no method here knows, affect the histograms as much.",
                   won, compared));
   return section;
 }

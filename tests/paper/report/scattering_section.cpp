@@ -14,7 +14,7 @@ double per_km(ScatteringModel model, double turbidity) {
   return 1000.0 * mie_per_m(model, kGreen_nm, Turbidity{turbidity});
 }
 
-// T at which M's Mie coefficient is so large: Eq 24 turned round.
+// T at which M's Mie coefficient has this value: Eq 24 inverted.
 double turbidity_of_mie(double mie_per_km) {
   return 1.0 + 0.6 * mie_per_km / per_km(ScatteringModel::morales2017, 1.6);
 }

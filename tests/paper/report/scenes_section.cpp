@@ -16,7 +16,7 @@ struct Given {
   Place place;
 };
 
-// Sums over scenes and turbidities of what each method reached.
+// Sums over scenes and turbidities of each method's results.
 struct Reached {
   std::map<Method, std::vector<Judged>> by_method;
   std::map<Method, std::vector<double>> turbidity;
@@ -50,7 +50,7 @@ Section scenes_section(const ReportOptions& options) {
       "pictures "
       "are known (spectra in steps of 1 nm; 8 bits with a camera's noise in both pictures). SSIM as Wang 2004; HSV "
       "correlation as M Eq 27, mean of hue, saturation and value (30, 32, 32 bins). 'Another shot' is the true picture "
-      "with other noise: nothing can be expected to come nearer than that.");
+      "with other noise: no method can be expected to be closer than that.");
   section.say(
       "All are given the light from infinity of both pictures, as measured at their horizons, and the sky's outline. "
       "Kasumi, M and Zhao: distances and both T. Zhao 2012, a thesis that is not public: M's equation with Preetham's "

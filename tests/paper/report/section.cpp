@@ -95,14 +95,14 @@ Result<> write_report(const std::filesystem::path& folder, const std::vector<Sec
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\">\n<title>The papers again</title>\n<style>{}</style>\n</head>\n"
       "<body>\n<h1>The papers again</h1>\n"
-      "<p>Tables and figures of the papers Kasumi stands on beside what it does itself, all computed by the command "
+      "<p>Tables and figures of the papers that Kasumi builds on, next to its own results, all computed by the command "
       "that wrote this page. M: Morales, Oishi, Ikeuchi 2017; M14: Morales et al. 2014; H: Hansard, Fast synthesis of "
-      "atmospheric image effects. Where a figure of theirs does not come out again, it says so and why.</p>\n{}"
+      "atmospheric image effects. Where a figure of theirs does not come out again, the page says so and why.</p>\n{}"
       "<nav><ul>\n",
       kStyle,
       options.quick
-          ? "<p class=\"finding differs\"><b>quick</b>: made with few repeats and small pictures, to see that it "
-            "works; its figures say little.</p>\n"
+          ? "<p class=\"finding differs\"><b>quick</b>: made with few repeats and small pictures, to check that it "
+            "works; its figures are not meaningful.</p>\n"
           : "");
   nlohmann::json figures;
   for (const auto& section : sections) {

@@ -1,4 +1,4 @@
-// A part of the report: one table or figure of the papers beside ours.
+// A part of the report: one table or figure of the papers next to ours.
 #pragma once
 
 #include <filesystem>
@@ -15,27 +15,27 @@
 
 namespace kasumi::paper {
 
-// reproduced: the papers' figures come out again. better: ours are nearer to the truth. differs: they do not come out,
-// and the words say why. skipped: could not be made here, and the words say why.
+// reproduced: the papers' figures are reproduced. better: ours are closer to the truth. differs: not reproduced, with
+// the reason. skipped: could not be computed here, with the reason.
 enum class Finding { reproduced, better, differs, skipped };
 std::string_view name_of(Finding finding);
 
 struct ReportOptions {
-  std::filesystem::path shared_data;  // real pictures; need not be there
-  bool quick = false;                 // small pictures and few repeats: whether it works, not what it says
+  std::filesystem::path shared_data;  // real pictures; optional
+  bool quick = false;  // small pictures and few repeats: checks that it works; figures are not meaningful
 };
 
 class Section {
  public:
   Section(std::string id, std::string title) : id_(std::move(id)), title_(std::move(title)) {}
 
-  void say(std::string_view text);  // plain words
+  void say(std::string_view text);  // plain text
   void table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows);
   void plot(const Plot& plot);
   // As JPEG inside the page; the picture in the page is at most as wide as `shown_px`.
   void picture(const Image<Rgb8>& picture, std::string_view caption, int shown_px = 640);
   void finding(Finding finding, std::string_view words);
-  // What a program can read again, beside the page.
+  // Machine-readable figures, next to the page.
   void figure(const std::string& name, double value) { figures_[name] = value; }
 
   const std::string& id() const { return id_; }
@@ -63,7 +63,7 @@ Section classic_section(const ReportOptions& options);      // hazy photographs 
 Section landmarks_section(const ReportOptions& options);    // visibility from landmarks
 Section haze_section(const ReportOptions& options);         // H Fig 2, 6, 7
 Section frame_rate_section(const ReportOptions& options);   // M Sect 7.3
-// All of them; `done` is told of each as it is made.
+// All of them; `done` is called after each.
 std::vector<Section> all_sections(const ReportOptions& options, const std::function<void(const Section&)>& done = {});
 
 }  // namespace kasumi::paper

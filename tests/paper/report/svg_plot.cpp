@@ -13,7 +13,7 @@ namespace kasumi::paper {
 namespace {
 
 constexpr double kWidth = 640, kHeight = 380, kLeft = 64, kRight = 16, kTop = 34, kBottom = 48, kLegendLine = 17;
-// Told apart without colour vision as well (Okabe and Ito 2008).
+// Distinguishable without colour vision as well (Okabe and Ito 2008).
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"};
 
 struct Axis {
@@ -78,7 +78,7 @@ std::string svg_of(const Plot& plot) {
   add("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" role=\"img\" font-family=\"sans-serif\" "
       "font-size=\"12\"><title>{}</title>\n",
       kWidth, total, html_escaped(plot.title));
-  // Plots of one page need frames of different names; the title tells them apart.
+  // Plots of one page need frames with different names, derived from the title.
   const auto frame = fmt::format("frame{:x}", std::hash<std::string>{}(plot.title));
   add("<clipPath id=\"{}\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n", frame, kLeft, kTop, wide,
       high);

@@ -1,4 +1,4 @@
-// Curves as SVG, for a page that needs nothing but itself.
+// Curves as SVG, for a self-contained page.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,20 @@ struct Series {
   std::vector<glm::dvec2> points{};
   bool line = true, marks = false, dashed = false;
 };
-struct Band {  // between two heights, named at the right edge
+struct Band {  // between two heights, labelled at the right edge
   std::string name;
   double from = 0.0, to = 0.0;
 };
 struct Plot {
-  std::string title, across, up;  // what the axes are, with units
+  std::string title, across, up;  // axis labels, with units
   std::vector<Series> series{};
   std::vector<Band> bands{};
   bool log_across = false, log_up = false;
-  // Left out: from the points. A logarithmic axis shows only what is above zero.
+  // When omitted: from the points. A logarithmic axis shows only positive values.
   std::optional<glm::dvec2> range_across{}, range_up{};
 };
 
-// Every point that lies in the ranges is drawn; curves are cut at the frame.
+// Every point inside the ranges is drawn; curves are clipped at the frame.
 std::string svg_of(const Plot& plot);
 
 }  // namespace kasumi::paper

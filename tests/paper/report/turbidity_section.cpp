@@ -81,7 +81,7 @@ Section turbidity_section(const ReportOptions& options) {
   section.say("M14 Table 2: the sun's direction given wrong, T = 2.");
   section.table({"sun off by", "Zhao 2012 (by M14)", "M14 Table 2", "Kasumi", "refused"}, wrong_sun);
   section.finding(all_below ? Finding::better : Finding::differs,
-                  all_below ? "a wrong sun costs less than in M14; what fits no sky at all is refused."
+                  all_below ? "a wrong sun costs less than in M14; a sky that fits no turbidity is refused."
                             : "a wrong sun costs more than in M14.");
   return section;
 }

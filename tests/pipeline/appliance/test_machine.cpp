@@ -369,7 +369,7 @@ TEST(Appliance, TheStatusFileHasEveryDocumentedKey) {
       EXPECT_TRUE(json[camera].contains(key)) << camera << "." << key;
   EXPECT_EQ(json["shown"], "live");
   EXPECT_EQ(json["clock_trusted"], true);
-  // The clock stands still while a picture is drawn: a frame is on the glass in the tick it came.
+  // The clock stands still while a picture is drawn: a frame is on the screen in the tick it arrived.
   EXPECT_LE(json["latency_ms"]["max"].get<double>(), 21.0);
 }
 

@@ -156,7 +156,7 @@ TEST_F(LocalHours, Row26OutsideTheHoursTheScreenIsOffAndThatIsNoFault) {
   const auto opened = rig->advance_until([&] { return !display.off; }, 30s);
   ASSERT_TRUE(opened);
   EXPECT_EQ(duration_cast<seconds>(rig->clock.utc() - kSunday), 3h + 3min) << "on time";
-  // What was seen before it closed is never seen again.
+  // Pictures from before closing are never shown again.
   bool live = false;
   for (int i = 0; i < 100; ++i) {
     if (const auto age = rig->age_on_screen()) {

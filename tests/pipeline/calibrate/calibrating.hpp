@@ -1,4 +1,4 @@
-// kasumi calibrate as a person calls it.
+// kasumi calibrate as called by a user.
 #pragma once
 
 #include "tests/pipeline/run_kasumi.hpp"

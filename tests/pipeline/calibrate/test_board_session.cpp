@@ -1,4 +1,4 @@
-// kasumi calibrate lens with a camera that runs: which views are taken, what is said, when it ends.
+// kasumi calibrate lens with a live camera: which views are accepted, the guidance given, when it ends.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ constexpr Board kBoard{6, 4, 0.03};
 constexpr int kWidth = 400, kHeight = 300;
 const LensPtr kLens = equidistant_lens({201.0, 148.5}, 130.0, from_degrees(90.0));
 
-// Beyond 75 deg the lens throws no light.
+// Beyond 75 deg the lens transmits no light.
 Image<std::uint8_t> picture(const BoardPose& pose) {
   auto made = picture_of_board(*kLens, kWidth, kHeight, kBoard, pose, 3);
   for (int y = 0; y < kHeight; ++y)
@@ -39,7 +39,7 @@ TEST(BoardCollector, AcceptsAViewThatIsStillSharpAndNew) {
   BoardCollector collector(kBoard);
   const auto here = picture(pose_at(0.0, 0.0, 0.0, 0.0)), there = picture(pose_at(0.02, 0.0, 0.0, 0.0));
   EXPECT_EQ(collector.look(Image<std::uint8_t>(kWidth, kHeight, 90), "a"), Found::nothing);
-  EXPECT_EQ(collector.look(here, "b"), Found::moving);  // who knows whether it stands still
+  EXPECT_EQ(collector.look(here, "b"), Found::moving);  // not yet known to stand still
   EXPECT_EQ(collector.look(there, "c"), Found::moving);
   Image<std::uint8_t> soft = there;
   cv::Mat blurred(kHeight, kWidth, CV_8UC1, soft.elements().data());
@@ -72,7 +72,7 @@ TEST(BoardCollector, ReportsMissingPositionsAndTilts) {
   EXPECT_EQ(collector.cell(0, 0), BoardCollector::Cell::dark);
   EXPECT_EQ(collector.cell(3, 3), BoardCollector::Cell::covered);
   EXPECT_EQ(collector.cell(4, 4), BoardCollector::Cell::bare);
-  // Which the window shows in green and red.
+  // The window shows this in green and red.
   const auto shown = draw_coverage(picture(pose_at(0.0, 0.0, 0.0, 0.0)), collector, "words");
   const auto& covered = shown.at(3 * 160 + 80, 34 + 3 * 120 + 8);
   EXPECT_GT(covered.g, covered.r);
@@ -80,7 +80,7 @@ TEST(BoardCollector, ReportsMissingPositionsAndTilts) {
 
 TEST(BoardCollector, TheNearerSideIsTheOneWithLargerSquares) {
   BoardCollector collector(kBoard);
-  // By a pinhole's rule, whatever the sign of a normal: compare the squares' sizes as they are drawn.
+  // Independent of the normal's sign: compare the sizes of the squares as drawn.
   const auto pose = pose_at(0.0, 0.0, 0.6, 0.0);
   const auto size_at = [&](double x) {
     const auto a = kLens->project(pose.rotation * glm::dvec3{x, 0.0, 0.0} + pose.translation_m).value();

@@ -1,4 +1,4 @@
-// kasumi calibrate board: what is printed is as large as it says.
+// kasumi calibrate board: the printed board has its stated size.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ TEST(BoardSheet, ACheckerboardIsTrueToScaleAndCentredOnItsPaper) {
 
 TEST(BoardSheet, ThePdfsOffsetsAreCorrect) {
   const auto pdf = pdf_of(lay_out(CharucoBoard{8, 6, 0.03, 0.022, "DICT_4X4_50"}).value());
-  // A reader finds each object where the table says, and the stream as long as it says.
+  // Each object is at the table's offset, and the stream has its stated length.
   const auto table_at = static_cast<std::size_t>(std::atol(pdf.c_str() + pdf.find("startxref") + 10));
   ASSERT_EQ(pdf.compare(table_at, 4, "xref"), 0);
   std::istringstream table(pdf.substr(table_at));
@@ -49,7 +49,7 @@ TEST(BoardSheet, ThePdfsOffsetsAreCorrect) {
   ASSERT_TRUE(std::regex_search(pdf, length, std::regex("/Length ([0-9]+)")));
   const auto begin = pdf.find("stream\n") + 7;
   EXPECT_EQ(pdf.find("endstream") - begin, static_cast<std::size_t>(std::stol(length[1])));
-  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 841.8898 595.2756]"));  // A4 lying, in points
+  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 841.8898 595.2756]"));  // A4 landscape, in points
   EXPECT_THAT(pdf, HasSubstr("\\(DICT_4X4_50, squares of 30 mm, markers of 22 mm\\)"));
 }
 

@@ -101,7 +101,7 @@ TEST(CalibrateSky, ARecordedDayRecoversTheCameraItWasRenderedWith) {
   const auto folder = recorded(recipe, "calibrate-sky");
   const auto truth = read_fixture(folder).value().installation.sky;
 
-  // The recording's own description is made wrong: the azimuth by 70 deg, the focal length by 2 %.
+  // The recording's own description is falsified: the azimuth by 70 deg, the focal length by 2 %.
   auto text = read_text_file(folder / "fixture.toml").value();
   const auto replace = [&](const std::string& key, double value) {
     const auto at = text.find(key + " = ", text.find("[sky]"));
@@ -127,7 +127,7 @@ TEST(CalibrateSky, ARecordedDayRecoversTheCameraItWasRenderedWith) {
   const double error_deg = to_degrees({std::acos(std::min(1.0, 0.5 * (by[0][0] + by[1][1] + by[2][2] - 1.0)))});
   EXPECT_LE(error_deg, 4.0 * sigma_deg);
   EXPECT_LE(error_deg, 1.0);
-  // Near the sun's way every pixel sees what it is said to see.
+  // Near the sun's path every pixel's viewing direction is right.
   const auto pixel = truth.pixel_of(direction_from(from_degrees(50.0), from_degrees(170.0))).value();
   EXPECT_LE(to_degrees(angle_between(found.direction_at(pixel).value(), truth.direction_at(pixel).value())), 0.25);
   EXPECT_GT(std::filesystem::file_size(file.parent_path() / "calibration.sky-orientation.png"), 1000u);

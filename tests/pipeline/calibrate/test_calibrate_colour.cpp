@@ -16,7 +16,8 @@ namespace {
 
 using testing::HasSubstr;
 
-// A morning by a camera whose channels are bells at 600, 540 and 450 nm (the generic one), with trees around it.
+// A morning seen by a camera whose channels are bell curves at 600, 540 and 450 nm (the generic one), with trees around
+// it.
 std::filesystem::path morning(const std::filesystem::path& folder) {
   auto recipe = fixtures::recipe_of("clear-noon").value();
   recipe.start_utc = Utc(std::chrono::sys_days(std::chrono::year{2026} / 10 / 19)) + std::chrono::hours(23);
@@ -32,7 +33,7 @@ std::filesystem::path morning(const std::filesystem::path& folder) {
   return folder / "morning";
 }
 
-// Other cameras' bells.
+// Other cameras with bell-shaped channels.
 std::filesystem::path measured(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder / "cameras");
   int number = 0;
@@ -80,13 +81,13 @@ TEST(CalibrateColour, ARecordingGivesAMaskAndThenAUsableSensitivity) {
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.sky-colour.png"), 1000u);
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.sky-mask.png"), 1000u);
 
-  // Once more: a mask a person may have drawn in, and the curves of before, are kept.
+  // A second run keeps a mask, which a person may have edited, and the previous curves.
   const auto again = run(fmt::format("mask {} --out {}", recording.string(), file.string()));
   ASSERT_EQ(again.code, 0) << again.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "calibration.sky-free.png.1.old"));
   EXPECT_EQ(ConfigTable::read_file(file).value().table("sky").text("sensitivity"), "calibration.sky-sensitivity.csv");
 
-  // The file that explains best, in place of the estimate.
+  // The best-fitting file instead of the estimate.
   const auto chosen = run(fmt::format("colour {} --choose --turbidity 2.4 --cameras {} --out {}", recording.string(),
                                       cameras.string(), file.string()));
   ASSERT_EQ(chosen.code, 0) << chosen.err;

@@ -1,4 +1,4 @@
-// kasumi calibrate response, from pictures of one view to the file that says what their numbers mean.
+// kasumi calibrate response, from pictures of one view to the file with the camera's response.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ constexpr double kBlack = 12.0;  // of 255
 double uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
-// A sum of twelve: normal enough for noise.
+// A sum of twelve uniform numbers: close enough to normal for noise.
 double normal(std::mt19937_64& random) {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += uniform(random);
@@ -72,7 +72,7 @@ TEST(CalibrateResponse, ExposuresDarkFrameAndFlatFieldGiveCurveBlackLevelAndVign
   ASSERT_EQ(outcome.code, 0) << outcome.err << outcome.out;
   std::printf("%s", outcome.out.c_str());
 
-  // The file's curve undoes the camera's.
+  // The file's curve inverts the camera's.
   auto text = read_text_file(file).value();
   EXPECT_THAT(text, HasSubstr("hot pixel at (17, 60)"));
   text.insert(text.find("[sky]\n") + 6, "azimuth_up_deg = 0.0\n");

@@ -1,4 +1,4 @@
-// kasumi calibrate scene, from a list of landmarks to the file that names where the camera looks.
+// kasumi calibrate scene, from a list of landmarks to the file with the camera's pose.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Place {
   const char* name;
   double latitude_deg, longitude_deg, altitude_m;
 };
-// North to north east, 2 to 41 km away; at 41 km the earth's curve takes 130 m, .18 deg.
+// North to north-east, 2 to 41 km away; at 41 km the earth's curvature lowers a place by 130 m, .18 deg.
 constexpr std::array kPlaces{
     Place{"Kirche", 46.958, 8.290, 1380.0},        Place{"Turm \"am Berg\"", 47.020, 8.330, 1700.0},
     Place{"Sendemast", 47.060, 8.360, 1810.0},     Place{"Gipfelkreuz", 47.110, 8.440, 2010.0},
@@ -31,7 +31,7 @@ constexpr std::array kPlaces{
     Place{"ferner Gipfel", 47.270, 8.530, 1820.0},
 };
 
-// Where refraction lets it appear: the surveyor's k d^2 / 2R above the straight line.
+// Where refraction makes it appear: k d^2 / 2R above the straight line, as surveyors compute it.
 glm::dvec3 seen(const Place& place) {
   auto at = east_north_up(kSite, place.latitude_deg, place.longitude_deg, place.altitude_m);
   const double distance_m = std::hypot(at.x, at.y);
@@ -90,7 +90,7 @@ TEST(CalibrateScene, LandmarksOnTheMapGiveTheCamerasPoseAndAWrongOneIsNamed) {
   EXPECT_EQ(read_site(root.table("site")).latitude_deg, kSite.latitude_deg);
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.scene-pose.png"), 1000u);
 
-  // Once more with what the file knows by now: the old one is kept, the lens need not be given again.
+  // A second run with the file's own values: the old file is kept, and the lens need not be given again.
   auto again = landmarks(truth, 1900.0, 99);
   again.erase(again.find("[scene]"), again.find("[[landmarks]]") - again.find("[scene]"));
   ASSERT_TRUE(write_text_file(folder / "landmarks.toml", again));
@@ -101,7 +101,7 @@ TEST(CalibrateScene, LandmarksOnTheMapGiveTheCamerasPoseAndAWrongOneIsNamed) {
   EXPECT_EQ(ConfigTable::read_file(file).value().table("scene").text("serial"), "SC-7");
 }
 
-// The sun by another ephemeris than the command's own, over a lake's horizon, the camera looking where it sets.
+// The sun by a different ephemeris than the command's, over a lake's horizon, with the camera facing the sunset.
 TEST(CalibrateScene, ThreeSightingsOfTheSettingSunAndTheHorizonGiveThePose) {
   const auto folder = fresh_folder("calibrate-scene-sun");
   ASSERT_TRUE(write_png(folder / "scene.png", Image<Rgb8>(kSceneWidth, kSceneHeight, Rgb8(150, 170, 190))));
@@ -124,7 +124,7 @@ TEST(CalibrateScene, ThreeSightingsOfTheSettingSunAndTheHorizonGiveThePose) {
     text += fmt::format("[[sightings]]\nof = \"sun\"\nutc = {}Z\npixel = [{:.1f}, {:.1f}]\n", time, pixel->x + noise(),
                         pixel->y + noise());
   }
-  // 1016 m above the water: Bowditch's dip of 1.76' sqrt(h / m), .935 deg, which is for the refraction over the sea.
+  // 1016 m above the water: Bowditch's dip of 1.76' sqrt(h / m), .935 deg, which includes the refraction over the sea.
   text = "refraction = 0.16\n" + text + "[horizon]\nwater_altitude_m = 434.0\npixels = [";
   for (const double off : {-8.0, -3.0, 2.0, 7.0}) {
     const auto below = from_degrees(90.0 + 1.76 * std::sqrt(1016.0) / 60.0);

@@ -24,7 +24,7 @@ TEST(CalibrateVignetting, ARecordedDayRecoversTheLensItWasRenderedThrough) {
   const auto truth = read_fixture(folder).value().installation.sky;
   const auto file = fresh_folder("calibrate-vignetting-out") / "calibration.toml";
 
-  // Nothing is known of the camera yet: that is said, and nothing written.
+  // Nothing is known about the camera yet: this is reported, and nothing is written.
   const auto early = run(fmt::format("vignetting {} --out {}", folder.string(), file.string()));
   EXPECT_EQ(early.code, 2);
   EXPECT_THAT(early.err, HasSubstr("expected the calibration file with the sky camera's lens and orientation"));

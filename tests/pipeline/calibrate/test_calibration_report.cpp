@@ -1,4 +1,4 @@
-// kasumi calibrate report: one page that needs nothing but itself and says what is so.
+// kasumi calibrate report: one self-contained page with the calibration's actual state.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ TEST(CalibrationExpectations, VerdictsFollowTheirUpperAndLowerBounds) {
   EXPECT_EQ(rms.verdict(rms.good), Verdict::good);
   EXPECT_EQ(rms.verdict(rms.usable), Verdict::usable);
   EXPECT_EQ(rms.verdict(1.01 * rms.usable), Verdict::poor);
-  const auto covered = expectation_of("lens", "covered").value();  // here more is better
+  const auto covered = expectation_of("lens", "covered").value();  // here larger is better
   EXPECT_EQ(covered.verdict(1.0), Verdict::good);
   EXPECT_EQ(covered.verdict(0.99 * covered.good), Verdict::usable);
   EXPECT_EQ(covered.verdict(0.1), Verdict::poor);
@@ -83,20 +83,20 @@ TEST(CalibrationReport, OnePageContainsEverythingAndFetchesNothing) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("sky: still to be done: orientation"));
   const auto html = read_text_file(page).value();
-  // The drawing is inside, byte for byte.
+  // The picture is embedded byte for byte.
   EXPECT_THAT(html, HasSubstr(data_uri("image/png", read_file(folder / "c.sky-lens.png").value())));
-  // What was measured, when, from what, how sure, what it should be, the verdict in words.
+  // What was measured, when, from what, its uncertainty, its target, and the verdict in words.
   for (const char* part : {"2026-06-21 09:00:00 UTC", "calibrate sky RECORDING --out c.toml", "&lt;script&gt;",
                            "&lt;FE&amp;1&gt;", "a&lt;b&gt;.png: dropped", "0.26 px (0.2 %)", "0.1 % or less", "usable",
                            "0.4", "not good enough: take pictures with the board", "26.123 deg", "0.012 deg",
                            "new number", "2.5 m", "46.90000 deg north"})
     EXPECT_THAT(html, HasSubstr(part));
-  // Nothing is run, nothing fetched, no file from elsewhere is shown.
+  // No scripts, no external resources, no file from another folder.
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_FALSE(std::regex_search(html, std::regex("src=\"(?!data:)|href=|url\\(")));
   EXPECT_THAT(html, HasSubstr("passwd.png, is not beside the calibration file any more"));
-  // Every element that is opened is closed again.
+  // Every opened element is closed again.
   for (const char* tag : {"table", "tr", "td", "ul", "li", "h2", "h3", "p", "body", "html", "details", "pre"}) {
     const auto count = [&](const std::string& what) {
       const std::regex pattern(what);

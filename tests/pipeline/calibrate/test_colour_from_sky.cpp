@@ -1,4 +1,4 @@
-// The spectral sensitivity found from skies of the independent generator.
+// The spectral sensitivity estimated from skies of the independent generator.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ std::vector<SpectralSensitivity> measured_cameras() {
   return cameras;
 }
 
-// Bells: a camera nobody makes, for machines without the measured ones.
+// Bell curves: an invented camera, for machines without the measured ones.
 SpectralSensitivity bells(const char* name, const glm::dvec3& peaks_nm, const glm::dvec3& widths_nm) {
   SpectralSensitivity camera{name, 380.0, 5.0, {}};
   for (double nm = 380.0; nm <= 780.0; nm += 5.0) {
@@ -46,7 +46,7 @@ struct Day {
   std::vector<SkyMoment> moments;
 };
 
-// A day of one air: 8 bits of a fisheye with this sensitivity, noise and all, under three suns.
+// A day of constant air: 8-bit fisheye pictures of this sensitivity, with noise, at three sun positions.
 Day day_of(const SpectralSensitivity& sensitivity, double turbidity) {
   fixtures::SkyCameraOptions options;
   options.size = 180;
@@ -90,7 +90,8 @@ std::vector<SpectralSensitivity> without(const std::vector<SpectralSensitivity>&
   return others;
 }
 
-// Gain times area: what of an even light a channel makes, against green. It does not depend on how curves are scaled.
+// Gain times area: each channel's response to an equal-energy spectrum, relative to green; independent of how curves
+// are scaled.
 glm::dvec2 balance_of(const SpectralSensitivity& sensitivity, const glm::dvec3& gains) {
   glm::dvec3 area{0.0};
   for (double nm = 380.0; nm <= 780.0; nm += 1.0) area += gains * daylight_components(nm).x * sensitivity.at(nm);
@@ -149,7 +150,7 @@ TEST(ColourFromSky, AnInventedCameraIsFoundAndItsReportedUncertaintyHolds) {
     }
     for (const auto& sample : fit.sensitivity.samples)
       for (int c = 0; c < 3; ++c) EXPECT_GE(sample[c], 0.0);
-    // What leave_one_out expects, from the sky and the other cameras alone, is of the size of what is left.
+    // The error leave_one_out predicts, from the sky and the other cameras alone, has the size of the actual one.
     const auto expected = leave_one_out(colours, fit.residuals.left, others);
     ASSERT_EQ(expected.size(), others.size());
     for (const auto& error : expected) EXPECT_LE(error.largest, 0.02);
@@ -170,7 +171,7 @@ TEST(SensitivityFromSky, TheMeasuredCameraThatTookTheSkyIsChosen) {
   const auto truth = fixtures::daylight_white_balance(cameras[1]);
   EXPECT_NEAR(found->residuals.white_balance.r, truth.r / truth.g, 0.02);
   EXPECT_NEAR(found->residuals.white_balance.b, truth.b / truth.g, 0.02);
-  EXPECT_FALSE(found->of_more_colourful_sky) << "only a fit gives in to it";
+  EXPECT_FALSE(found->of_more_colourful_sky) << "only a fit follows it";
 }
 
 TEST(SensitivityFromSky, AnUnmeasuredCameraIsFittedFromTheOthers) {
@@ -216,7 +217,7 @@ TEST(ColourFromSky, AllMissingInputsAreReportedAtOnce) {
                                             testing::HasSubstr("0 parts of a clear sky: expected at least 8")));
 }
 
-// Optimal is what meets the conditions of Karush, Kuhn and Tucker; for a positive definite matrix nothing else is.
+// For a positive definite matrix, the Karush-Kuhn-Tucker conditions hold at the optimum and nowhere else.
 TEST(NonNegative, TheMinimumHasNoDescentDirection) {
   std::mt19937_64 random(7);
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 - 0.5; };

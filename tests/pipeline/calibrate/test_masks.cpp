@@ -1,4 +1,4 @@
-// Masks against those of generated pictures, which know what stands where.
+// Masks against the true masks of generated pictures.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Of two grey masks: what both have over what either has.
+// Intersection over union of two grey masks.
 double overlap(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b, bool inverted) {
   double both = 0.0, either = 0.0;
   for (std::size_t i = 0; i < a.elements().size(); ++i) {
@@ -56,7 +56,7 @@ TEST(SkyMask, ObstructionsAreFoundThroughCloudsSunAndHaze) {
     }
     const auto found = find_sky_mask(pictures, camera, 0.0);
     ASSERT_TRUE(found) << found.error().message;
-    // Sky is what lies above the skyline by its formula.
+    // The true sky lies above the skyline's formula.
     Image<std::uint8_t> truth(camera.width, camera.height, 0);
     int standing = 0, missed = 0;
     for (int y = 0; y < camera.height; ++y)
@@ -91,7 +91,7 @@ struct Scene {
   Image<std::uint8_t> free;  // truth
 };
 
-// Trees on a knoll 3.5 km away before ridges in haze: what stands in front of a building 6 km away.
+// Trees on a knoll 3.5 km away in front of ridges in haze, hiding parts of a building 6 km away.
 Scene scene_of(std::uint64_t seed) {
   const auto scene = fixtures::scene_camera({.width = 400, .height = 225});
   const auto geometry =
@@ -107,7 +107,7 @@ Scene scene_of(std::uint64_t seed) {
   return {fixtures::expose(light, scene.camera, exposure), fixtures::foreground_mask(geometry, 6000.0)};
 }
 
-// A person's strokes: short lines along the edge, on both of its sides, 6 to 25 pixels away from it.
+// Strokes as a user draws them: short lines along both sides of the edge, 6 to 25 pixels away.
 void draw_strokes(const Image<std::uint8_t>& free, Stroke kind, int count, std::mt19937_64& random,
                   Image<Stroke>& strokes) {
   cv::Mat inside(free.height(), free.width(), CV_8UC1), distance;

@@ -1,5 +1,4 @@
-// What has changed since the calibration: generated days of known truth, disturbed by known amounts, and days that are
-// merely different.
+// Drift since the calibration: generated days disturbed by known amounts, and days that are merely different.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -98,7 +97,7 @@ std::vector<std::string> drifted(const DriftReport& report) {
   return found;
 }
 
-// Another picture, each pixel's light made from the old one's.
+// A picture with each pixel's light computed from the old one's.
 using Light = std::function<glm::dvec3(const glm::dvec2&)>;
 void redraw(Pictures& pictures, const Camera& camera, const std::function<glm::dvec3(const Light&, glm::dvec2)>& make) {
   for (auto& [metadata, picture] : pictures) {
@@ -137,7 +136,7 @@ TEST(Drift, OtherCloudsHazeAndHourAreNotDrift) {
 // Applies each disturbance to the other day; one test, since drawing the days takes long.
 void bump_the_sky_camera(Day later) {
   const auto& camera = first_day().installation.sky;
-  // Half a degree about the picture's x axis: in what is seen, up.
+  // Half a degree about the picture's x axis: the content moves up.
   const double angle = from_degrees(0.5).value;
   const glm::dmat3 back{{1, 0, 0}, {0, std::cos(angle), -std::sin(angle)}, {0, std::sin(angle), std::cos(angle)}};
   redraw(later.sky, camera, [&](const Light& light, glm::dvec2 pixel) {
@@ -149,7 +148,7 @@ void bump_the_sky_camera(Day later) {
   const auto& view = finding(found, "sky", "view");
   EXPECT_EQ(view.state, DriftState::drifted);
   EXPECT_NEAR(view.value.value_or(0.0), 0.5, 0.12);
-  // At .7 deg a pixel the sun tells it less surely.
+  // At .7 deg a pixel the sun determines it less accurately.
   const auto& sun = finding(found, "sky", "sun");
   EXPECT_NEAR(sun.value.value_or(0.0), 0.5, 0.2);
 }
@@ -165,7 +164,7 @@ void dirty_the_dome(Day later) {
   const auto found = report(later);
   EXPECT_THAT(drifted(found), testing::ElementsAre("sky.dome"));
   const auto& dome = finding(found, "sky", "dome");
-  EXPECT_NEAR(dome.value.value_or(0.0), 27.0, 8.0) << "30 %, less what the surroundings and the pixels make of it";
+  EXPECT_NEAR(dome.value.value_or(0.0), 27.0, 8.0) << "30 %, less the dilution by the surroundings and the pixels";
   EXPECT_THAT(dome.message, HasSubstr("2 spots"));
 }
 
@@ -208,7 +207,7 @@ TEST(Drift, EachDisturbanceIsDetectedNamedAndMeasured) {
   fog_the_scene_camera(day);
 }
 
-// As a person calls it: on recordings, with the reference beside a file.
+// As a user calls it: on recordings, with the reference next to a file.
 TEST(Drift, TheCommandTakesAReferenceThenComparesAndSetsItsExitCode) {
   const auto stem = fresh_folder("drift-command") / "calibration";
   auto recipe = day(11, 2.5, 0.0);
@@ -259,7 +258,7 @@ TEST(Drift, AReferenceIsReadBackUnchanged) {
   ASSERT_TRUE(again->scene && taken.scene);
   EXPECT_EQ(again->scene->small.elements(), taken.scene->small.elements());
   EXPECT_EQ(again->scene->edges.size(), taken.scene->edges.size());
-  EXPECT_LE(std::max(again->scene->small.width(), again->scene->small.height()), 480) << "nobody is recognised in it";
+  EXPECT_LE(std::max(again->scene->small.width(), again->scene->small.height()), 480) << "nobody is recognisable in it";
   auto other = fixture.installation;
   other.scene.calibrated_utc = kNoon;
   EXPECT_FALSE(belongs_to(*again, other)) << "the cameras were calibrated again";

@@ -1,4 +1,4 @@
-// Readers of parts of a file: which keys they ignore, and which stay typing errors.
+// Readers of parts of a file: which keys they ignore, and which they still report as typing errors.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ constexpr const char* kCamera =
     "width = 60\nheight = 40\nresponse = \"srgb\"\nheading_deg = 0\npitch_deg = 0\n"
     "lens = {model = \"pinhole\", focal_px = [50.0, 50.0], centre_px = [29.5, 19.5]}\n";
 
-// A kiosk's configuration with something of each reader in it.
+// A kiosk's configuration with some keys for each reader.
 std::string kiosk(const std::string& in_scene = "") {
   return "[site]\nlatitude_deg = 34.2\nlongitude_deg = 135.6\naltitude_m = 20\nfog = {top_m = 100}\n"
          "[display]\nkind = \"headless\"\n[sky]\n" +

@@ -9,7 +9,7 @@ namespace {
 
 using Verdict = Sighting::Verdict;
 
-// A camera that looks north with 1000 px a radian, 600 x 400 px; a building 40 m wide, 20 m high, 3.5 km north.
+// A camera that looks north, focal length 1000 px, 600 x 400 px; a building 40 m wide, 20 m high, 3.5 km north.
 class SightingOf : public testing::Test {
  protected:
   SightingOf() {

@@ -1,4 +1,4 @@
-// kasumi haze as a curator calls it.
+// kasumi haze as called by a curator.
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -22,7 +22,7 @@ using testing::HasSubstr;
 
 constexpr int kWidth = 160, kHeight = 100;
 
-// A near board (4 m) before a far wall (40 m) that goes on over the whole picture.
+// A near board (4 m) in front of a far wall (40 m) that fills the picture.
 float range_at(int x, int y) {
   return x > 40 && x < 80 && y > 30 ? 4.0F : 40.0F;
 }
@@ -99,7 +99,7 @@ TEST_F(HazeCommand, FadesByTheEquationsBlursTheFarAndKeepsTheNear) {
   const double near_left = std::exp(-0.8 * 0.1);
   const auto near = part_of(before, 50, 50, 70, 90, 0), near_hazed = part_of(after, 50, 50, 70, 90, 0);
   EXPECT_NEAR(near_hazed.mean, near.mean * near_left + 0.6 * (1.0 - near_left), 0.01);
-  EXPECT_GT(near_hazed.contrast, 0.5 * near.contrast * near_left) << "1.2 px, of which 1 is the picture's own";
+  EXPECT_GT(near_hazed.contrast, 0.5 * near.contrast * near_left) << "1.2 px, of which 1 px is the picture's own";
 }
 
 TEST_F(HazeCommand, CpuDisparityAndExplicitSchemeGiveTheSameResult) {
@@ -177,7 +177,7 @@ TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
   EXPECT_NEAR(window->values().lambda, 15.0 * std::pow(2.0, 0.75), 1e-9);
   ASSERT_TRUE(window->step("z").value());
   EXPECT_EQ(window->values().kappa_a, 0.0);
-  ASSERT_TRUE(window->step(std::string(30, 'd')).value()) << "a blur larger than the picture is told, not shown";
+  ASSERT_TRUE(window->step(std::string(30, 'd')).value()) << "a blur larger than the picture is reported, not drawn";
   ASSERT_TRUE(window->step("r").value());
   EXPECT_DOUBLE_EQ(window->values().kappa_s, 0.5);
   EXPECT_THAT(caption_of(window->values()), HasSubstr("kappa_s 0.500"));

@@ -29,7 +29,7 @@ TEST(OrderedJobs, AnswersComeInTheOrderOfTheJobsWhateverTheirDuration) {
 }
 
 TEST(OrderedJobs, AnAnswerIsDeliveredWhileTheNextJobIsAwaited) {
-  // Like a program that writes one path and waits for its answer before it writes the next.
+  // Like a program that writes one path and waits for the result before it writes the next.
   std::promise<void> first_answered;
   auto answered = first_answered.get_future();
   int given = 0;

@@ -58,7 +58,7 @@ inline void write_camera(const std::filesystem::path& folder, std::uint8_t level
   }
 }
 
-// Where the kiosk's configuration lies; `live` holds what its cameras see.
+// Folder of the kiosk's configuration; `live` holds the cameras' recordings.
 inline std::filesystem::path write_kiosk(const std::filesystem::path& folder, int scene_gone_at = -1) {
   write_camera(folder / "live" / "sky", 90);
   write_camera(folder / "live" / "scene", 200, scene_gone_at);

@@ -29,7 +29,8 @@ std::string without(std::string text, const std::string& from, const std::string
   return text.erase(at, end - at);
 }
 
-// Results of the installer's steps: lens and orientation of the sky camera; pose, response, noise of the scene camera.
+// Results of the installer's calibration steps: lens and orientation of the sky camera; pose, response, noise of the
+// scene camera.
 void write_measured(const std::filesystem::path& file, int sky_width = kKioskWidth) {
   CalibrationStep sky;
   sky.camera = "sky";
@@ -55,7 +56,7 @@ void write_measured(const std::filesystem::path& file, int sky_width = kKioskWid
   ASSERT_TRUE(write_calibration(file, scene));
 }
 
-// The kiosk's configuration without the sky camera's lens, place and response.
+// The kiosk's configuration without the sky camera's lens, orientation and response.
 std::filesystem::path write_calibrated_kiosk(const std::filesystem::path& folder) {
   const auto config = write_kiosk(folder);
   auto text = read_text_file(config).value();
@@ -95,14 +96,14 @@ TEST(CalibrationAdopted, TheKioskUsesMeasuredValuesThatItDoesNotOverride) {
   EXPECT_EQ(installation.site.latitude_deg, 46.9);
   EXPECT_EQ(installation.sky.response.kind(), Response::Kind::linear);
   EXPECT_NEAR(installation.sky.lens->project({0.0, 0.0, 1.0})->x, 30.25, 1e-12);
-  EXPECT_FALSE(installation.sky.mask.empty()) << "what the configuration says stays";
+  EXPECT_FALSE(installation.sky.mask.empty()) << "the configuration's own value is kept";
   EXPECT_NEAR(installation.scene.response.to_light(glm::dvec3(0.5)).y, 0.3, 1e-12);
   EXPECT_NEAR(installation.scene.vignetting.at({71.0, 24.0}), 0.92, 1e-12);
   EXPECT_EQ(installation.scene_quality.full_scale_electrons, 11000.0);
   EXPECT_EQ(installation.scene_quality.read_electrons, 4.5);
   ASSERT_TRUE(installation.calibration);
   EXPECT_THAT(installation.calibration->gained, Contains("sky.lens"));
-  // heading 4 and pitch 0.5 stand in kasumi.toml: its roll is 0, not the calibration's.
+  // kasumi.toml gives heading 4 and pitch 0.5: the roll is its default 0, not the calibration's.
   EXPECT_THAT(installation.calibration->overruled, Contains("scene.roll_deg"));
   const auto straight = camera_to_world(from_degrees(4.0), from_degrees(0.5), from_degrees(0.0));
   for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(installation.scene.to_world[axis], straight[axis]);
@@ -119,7 +120,7 @@ TEST(CalibrationAdopted, ARecordingContainsAllAdoptedValues) {
   const auto folder = operating_folder("adopted-recorded");
   const auto config = write_calibrated_kiosk(folder);
   write_measured(folder / "measured/calibration.toml");
-  // A mask beside the calibration file, one beside the configuration.
+  // One mask next to the calibration file, one next to the configuration.
   std::filesystem::copy_file(folder / "roof mask.pgm", folder / "measured/trees.pgm");
   auto text = read_text_file(folder / "measured/calibration.toml").value();
   text.insert(text.find("[scene]\n") + 8, "mask = \"trees.pgm\"\n");
@@ -170,7 +171,7 @@ TEST(CalibrationAdopted, AnInvalidFileGivesOneMessage) {
     EXPECT_EQ(outcome.code, 78) << part;
     EXPECT_THAT(outcome.words, HasSubstr("kasumi.toml: calibration = "));
     EXPECT_THAT(outcome.words, HasSubstr(part));
-    EXPECT_THAT(outcome.words, Not(HasSubstr("is missing: expected a"))) << "what it would have given is not listed";
+    EXPECT_THAT(outcome.words, Not(HasSubstr("is missing: expected a"))) << "what it would have supplied is not listed";
     EXPECT_THAT(outcome.words, Not(HasSubstr("altitude_m")));
   };
   refused_with("an existing file");

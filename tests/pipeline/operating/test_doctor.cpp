@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-// A folder that stands in for /sys, /proc, /dev and /run.
+// A folder that replaces /sys, /proc, /dev and /run.
 class Machine {
  public:
   explicit Machine(const std::string& name) : folder_(operating_folder("machine-" + name)) {
@@ -106,8 +106,7 @@ TEST(DoctorTemperature, IsJudgedByTheZoneNearestToItsLimit) {
       Grade::good);
 }
 
-// Bits as Raspberry Pi's documentation of `vcgencmd get_throttled` has them: 0 and 16 under-voltage, 2 and 18
-// throttled.
+// Bits as in Raspberry Pi's documentation of `vcgencmd get_throttled`: 0 and 16 under-voltage, 2 and 18 throttled.
 TEST(DoctorThrottling, ReadsTheFirmwaresBits) {
   Machine machine("throttled");
   const auto judged = [&](const char* bits) {

@@ -23,8 +23,8 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-// What a document tells people to type: the lines of its indented blocks, those that end in a backslash with the next,
-// and `kasumi ...` in its sentences.
+// Commands that a document tells readers to type: the lines of its indented blocks, joined where they end in a
+// backslash, and `kasumi ...` in its sentences.
 std::vector<std::string> told_in(std::string document) {
   static const std::regex kContinued(R"(\\\n *)"), kBreak(R"(\n *)"), kTyped(R"(`((?:build/)?kasumi [a-z][^`]*)`)");
   document = std::regex_replace(document, kContinued, "");
@@ -38,7 +38,7 @@ std::vector<std::string> told_in(std::string document) {
   return told;
 }
 
-// "calibrate sky" of "sudo build/kasumi calibrate sky RECORDING --out FILE"; nothing of what calls another program.
+// "calibrate sky" of "sudo build/kasumi calibrate sky RECORDING --out FILE"; empty for other programs.
 std::string command_of(const std::string& line) {
   static const std::regex kCommand(R"((?:sudo )?(?:-u \w+ )?(?:build/)?kasumi ([a-z]+)( [a-z]+)?(?: .*)?)");
   std::smatch parts;
@@ -46,7 +46,7 @@ std::string command_of(const std::string& line) {
   return parts[1] == "calibrate" ? parts[1].str() + parts[2].str() : parts[1].str();
 }
 
-// Of `kasumi COMMAND --help`, each asked for once.
+// Output of `kasumi COMMAND --help`, run once each.
 const std::string& help_of(const std::string& command) {
   static std::map<std::string, std::string> known;
   const auto [at, fresh] = known.try_emplace(command);

@@ -28,7 +28,7 @@ Read read(const std::string& text) {
   const std::filesystem::path demo = source_folder() / "fixtures/demo";
   std::filesystem::create_directory_symlink(demo, folder / "clear-noon");
   std::filesystem::copy_file(demo.parent_path() / "temple.glb", folder / "temple.glb");
-  // Masks of the example's pictures that hide nothing, as P5: what a picture is stands in its first bytes.
+  // Masks of the example's picture sizes that hide nothing, as P5: the format is recognised by its first bytes.
   for (const auto& [name, width, height] : {std::tuple{"sky-mask.png", 480, 480}, {"scene-mask.png", 960, 540}}) {
     std::ofstream mask(folder / name, std::ios::binary);
     mask << "P5\n"
@@ -47,7 +47,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return at == std::string::npos ? text : text.replace(at, what.size(), by);
 }
 
-// Keys that stand in it, in force or not: "sky.camera.buffers".
+// Keys in the file, active or commented out, such as "sky.camera.buffers".
 std::set<std::string> documented(const std::string& text) {
   static const std::regex section(R"(^(?:# )?\[([a-z_.]+)\].*)"), key(R"(^#? ?([a-z0-9_]+) = .*)");
   std::set<std::string> found;
@@ -106,7 +106,7 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
 TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
   const auto text = example();
   const auto known = documented(text);
-  // Keys of other lenses and of other ways to say the same are told in words, and in docs/cameras.md.
+  // Keys of other lenses and alternative notations are described in comments and in docs/cameras.md.
   const std::set<std::string> text_of{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
                                       "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
                                       "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
@@ -134,7 +134,7 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
     EXPECT_TRUE(given.whole) << given.whole.error().message;
     for (const auto& key : given.keys) {
       const bool table = text.find("[" + key + "]") != std::string::npos;
-      // What one camera's table shows holds for the other's.
+      // A key shown in one camera's table counts for the other's as well.
       auto twin = key;
       if (key.starts_with("scene.")) twin = "sky." + key.substr(6);
       if (!table && !known.contains(key) && !known.contains(twin) && !text_of.contains(key)) missing.insert(key);

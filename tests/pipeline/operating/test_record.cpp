@@ -40,7 +40,7 @@ RecordRequest request_in(const std::filesystem::path& folder, const std::filesys
   return request;
 }
 
-// Plays a camera of the recording to its end; how many whole frames, outages, and frames that were cut.
+// Plays a camera of the recording to its end; counts complete frames, outages, and truncated frames.
 struct Played {
   int good = 0, cut = 0, outages = 0;
 };
@@ -94,7 +94,7 @@ TEST(Record, ARecordingReplaysWithItsCalibration) {
   EXPECT_EQ(was.sky.mask.elements(), is.sky.mask.elements());
   EXPECT_EQ(was.object.placement.north_m, is.object.placement.north_m);
 
-  // The bytes are the camera's: each payload is one of those that were played to it.
+  // The bytes are the camera's: each payload equals one of those played.
   const auto rows = read_index(folder / "kept/scene").value();
   for (const auto& row : rows) {
     const auto kept = read_file(folder / "kept/scene" / row.payload).value();
@@ -147,7 +147,7 @@ TEST(Record, ItEndsBeforeItsBytesAreExceeded) {
   for (const char* camera : {"sky", "scene"})
     for (const auto& entry : std::filesystem::directory_iterator(folder / "kept" / camera))
       on_disk += entry.file_size();
-  // The index has a header; both cameras may pass the limit's door at once.
+  // The index has a header; both cameras may pass the limit at the same time.
   EXPECT_LE(on_disk, 11 * kKioskBytes + 2 * kIndexHeader.size() + 2000);
   EXPECT_TRUE(play(folder / "kept"));
 }
@@ -228,7 +228,7 @@ TEST(Record, KilledAtAnyMomentItReplays) {
       ::_exit(127);
     }
     ASSERT_GT(child, 0);
-    // Not before there is something to replay: both cameras have a row.
+    // Not before there is something to replay: a row of each camera.
     const auto has_rows = [&](const char* camera) {
       const auto rows = read_index(kept / camera);
       return rows && !rows->empty();

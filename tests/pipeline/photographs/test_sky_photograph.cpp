@@ -36,7 +36,7 @@ TEST(SkyPhotograph, AGeneratedSkyGivesItsTurbidity) {
     ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
     EXPECT_NEAR(report->look.estimate.turbidity.value, turbidity, 0.1);
     ASSERT_TRUE(report->air);
-    // Angstrom's beta of Preetham's formula at 550 nm.
+    // Angstrom's beta from Preetham's formula at 550 nm.
     EXPECT_NEAR(report->air->aod_550, (0.04608 * turbidity - 0.04586) * std::pow(0.55, -1.3), 0.02);
   }
 }
@@ -72,7 +72,7 @@ TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
   EXPECT_EQ(report.look.estimate.sky, SkyCondition::covered_lens) << report.look.estimate.reason;
 }
 
-// A real winter sky over Alpnach; facts in the data's own README.
+// A real winter sky over Alpnach; details are in the data's README.
 TEST(SkyPhotograph, TwoExposuresOfOneRealSkyAgree) {
   const auto folder = shared_data_folder() / "sky" / "skycam-alpnach";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here: real sky not tested";

@@ -1,6 +1,6 @@
-// How exact must an installer be? One recording of known truth, replayed with one value after the other of its cameras
-// wrong by a stated amount; what that does to T and to the building in the picture. The table of docs/calibration.md is
-// what this prints. What `kasumi calibrate` reaches must be exact enough: those rows are held to a limit.
+// How accurate must an installation be? One recording of known truth is replayed with one camera value at a time wrong
+// by a stated amount; the effect on T and on the building in the picture is printed as the table of
+// docs/calibration.md. The accuracy that `kasumi calibrate` reaches must be sufficient: those rows are held to a limit.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -30,7 +30,7 @@ using std::chrono::minutes;
 constexpr double kDistance_m = 3500.0;
 constexpr int kWidth_px = 320;
 constexpr double kFieldOfView_deg = 3.0;
-// Across the line of sight, of a pixel there.
+// Size of a pixel across the line of sight at the building.
 const double kMetresPerPixel = kDistance_m * std::tan(from_degrees(kFieldOfView_deg).value) / kWidth_px;
 
 // The lines of a fixture.toml between [table] and the next one.
@@ -45,7 +45,7 @@ std::pair<std::size_t, std::size_t> lines_of(const std::string& toml, const std:
   return {at + header.size(), end == std::string::npos ? toml.size() : end + 1};
 }
 
-// `keys` is taken out of [table], `lines` put in.
+// Removes `keys` from [table] and inserts `lines`.
 std::string edited(std::string toml, const std::string& table, const std::vector<std::string>& keys,
                    const std::string& lines) {
   for (const auto& key : keys) {
@@ -88,7 +88,8 @@ std::vector<double> numbers_of(const std::string& toml, const std::string& table
 struct Mistake {
   std::string camera, words;
   std::function<std::string(const std::string&)> of;  // fixture.toml with it
-  // What kasumi calibrate reaches: largest change of T, of the building (levels of 255) and of its place.
+  // Limits for the accuracy that kasumi calibrate reaches: largest change of T, of the building (levels of 255) and of
+  // its position.
   struct Limit {
     double turbidity, levels, shift_m;
   };
@@ -104,7 +105,7 @@ Mistake plus(const std::string& camera, const std::string& table, const std::str
           limit};
 }
 
-// A list, each value times its factor.
+// A list, each value multiplied by its factor.
 Mistake times(const std::string& camera, const std::string& table, const std::string& key,
               const std::vector<double>& factors, const std::string& words, std::optional<Mistake::Limit> limit = {}) {
   return {camera, words,
@@ -118,7 +119,7 @@ Mistake times(const std::string& camera, const std::string& table, const std::st
           limit};
 }
 
-// A sky camera that looks straight up, tilted by so much.
+// A sky camera that looks straight up, tilted by this angle.
 Mistake tilted(double by_deg, const std::string& words, std::optional<Mistake::Limit> limit = {}) {
   return {"sky", words,
           [=](const std::string& toml) {
@@ -130,7 +131,7 @@ Mistake tilted(double by_deg, const std::string& words, std::optional<Mistake::L
           limit};
 }
 
-// sRGB, then a power: what a wrong curve does to light.
+// sRGB followed by a power: the effect of a wrong response curve on light.
 Mistake bent(const std::string& camera, double power, const std::string& words,
              std::optional<Mistake::Limit> limit = {}) {
   return {camera, words,
@@ -147,7 +148,7 @@ Mistake bent(const std::string& camera, double power, const std::string& words,
           limit};
 }
 
-// Filters whose bells stand so many nm off the camera's.
+// Filters whose bell curves are shifted by this many nm from the camera's.
 Mistake other_filters(const std::string& camera, double by_nm, const std::string& words) {
   return {camera,
           words,
@@ -253,7 +254,7 @@ std::filesystem::path described(const std::filesystem::path& recording, const st
   return folder;
 }
 
-// Where two pictures differ by more than a level, and where the middle of that is.
+// The pixels where two pictures differ by more than a level, and their centre.
 struct Silhouette {
   std::vector<glm::ivec2> pixels;
   glm::dvec2 middle{};
@@ -322,7 +323,7 @@ std::string text_of(const Effect& effect) {
   return fmt::format("{} | {:.1f} | {:.1f}", turbidity, effect.levels, effect.shift_m);
 }
 
-// What is held to a limit is a quarter of the table; the rest is there to be read.
+// A quarter of the table is held to limits; the rest is for information.
 TEST(CalibrationErrors, OfTheSizeThatCalibrateReachesAreInvisible) {
   const Utc day(std::chrono::sys_days(std::chrono::year{2026} / 10 / 20));
   const Recording high("mistakes-high", 2.4, day + hours(2) + minutes(40)),
@@ -344,7 +345,7 @@ TEST(CalibrationErrors, OfTheSizeThatCalibrateReachesAreInvisible) {
   }
 }
 
-// A camera that looks straight up may be described in two ways; the rows of a tilt rest on it.
+// A camera that looks straight up can be described in two ways; the rows with a tilt rely on it.
 TEST(CalibrationErrors, AnUntiltedCameraIsTheSameInBothDescriptions) {
   const Recording recording("mistakes-none", 3.0,
                             Utc(std::chrono::sys_days(std::chrono::year{2026} / 10 / 20)) + hours(1));

@@ -22,7 +22,7 @@
 namespace kasumi {
 namespace {
 
-// White balance that makes the light of a black body grey.
+// White balance that makes a black body's light grey.
 glm::dvec3 balance_for(const Camera& camera, double kelvin) {
   Camera raw = camera;
   raw.white_balance = glm::dvec3{1.0};
@@ -35,7 +35,7 @@ glm::dvec3 balance_for(const Camera& camera, double kelvin) {
   return seen.y / seen;
 }
 
-// A white board that faces south: the patch in the scene, and its twin that is drawn.
+// A white board that faces south: the patch in the scene, and its rendered twin.
 fixtures::Mesh board(float half_m = 30.0F) {
   fixtures::Mesh mesh;
   mesh.materials = {{"white", Image<Rgb8>(4, 4, Rgb8(255))}};
@@ -52,7 +52,7 @@ double through_density(double length_m, double altitude_m, double rise_m, double
   return length_m * start * (std::abs(x) < 1e-9 ? 1.0 : -std::expm1(-x) / x);
 }
 
-// What the renderer makes of a white surface (gles/shaders), on the CPU: rho Gamma + 1 - Gamma over the measured light.
+// The renderer's result for a white surface (gles/shaders), on the CPU: rho Gamma + 1 - Gamma over the measured light.
 glm::dvec3 drawn(const DrawnAir& air, const glm::dvec2& pixel, const glm::dvec3& place, const glm::dvec3& normal) {
   const ObjectAppearance& appearance = air.appearance.value();
   const ObjectLight& light = appearance.light;
@@ -79,14 +79,14 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) 
   const fixtures::Illumination day(weather);
   const double heading = from_degrees(4.0).value;
   const glm::dvec3 place{3500.0 * std::sin(heading), 3500.0 * std::cos(heading), 60.0};
-  // Without land the horizon is what it is: how well it is found above ridges is asked elsewhere.
+  // Without land, so that the horizon is exact: finding it above ridges is tested elsewhere.
   fixtures::SceneGeometry land;
   land.points = Image<fixtures::GroundPoint>(480 * fixtures::kRaysPerSide, 270 * fixtures::kRaysPerSide);
   const glm::ivec2 pixel = glm::ivec2(glm::round(made.camera.pixel_of(glm::normalize(place)).value()));
 
   Installation installation;
   installation.site.altitude_m = weather.altitude_m;
-  installation.scene = made.camera;  // as configured: of the white balance's steps it knows nothing
+  installation.scene = made.camera;  // as configured: it does not know the white balance's steps
   const PixelBox box{pixel.x - 4, pixel.y - 4, pixel.x + 4, pixel.y + 4};
   const SceneConditions conditions{Turbidity{weather.turbidity}, weather.sun, SkyCondition::clear, nullptr};
 
@@ -97,8 +97,8 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) 
       Camera camera = made.camera;
       camera.white_balance = balance_for(camera, kelvin);
       const Image<glm::dvec3> light = fixtures::look_at_scene(day, camera, land);
-      // Steps of exposure start where +3 EV still fit; at -3 EV the picture is too dark to find a horizon in, and what
-      // was seen before goes by the exposure the camera reports.
+      // The exposure steps start where +3 EV still fits; at -3 EV the picture is too dark to find a horizon, so the
+      // earlier result is scaled by the exposure the camera reports.
       const bool steps = kelvin == 6500.0;
       fixtures::Exposure exposure = fixtures::automatic_exposure(light, 0.97, steps ? 0.115 : 0.5);
       exposure.seed = 7;
@@ -138,7 +138,7 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) 
 }
 
 // A low sun at the right edge of a wide view, 15 deg above it; boards below the horizon line on both sides, so far away
-// that they are hardly seen but for the air before them.
+// that they show mostly the air in front of them.
 TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndBelowTheHorizon) {
   const fixtures::SceneCamera made = fixtures::scene_camera(
       {.width = 480, .height = 270, .field_of_view_deg = 40.0, .heading_deg = 220.0, .pitch_deg = 0.0});
@@ -182,7 +182,7 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndBelowTheHorizon
       real_green[side] = real.g;
       drawn_green[side] = ours.g;
     }
-    EXPECT_GT(real_green[1], 1.15 * real_green[0]) << "the scene must have a side of the sun to tell";
+    EXPECT_GT(real_green[1], 1.15 * real_green[0]) << "the scene must be brighter on the sun's side";
     EXPECT_NEAR(drawn_green[1] / drawn_green[0] / (real_green[1] / real_green[0]), 1.0, 0.02);
   }
 }
@@ -193,7 +193,7 @@ TEST(ObjectsLight, UnderAnOvercastSkyIsTheCloudsAloneAndCloseToTheSpectralRefere
   const auto fixture = recorded(recipe, "light-overcast");
   const auto out = test_folder("light-overcast-out");
   SceneAirOptions air;
-  air.turbidity = Turbidity{recipe.turbidity};  // no sky tells it through clouds; the light is what is looked at here
+  air.turbidity = Turbidity{recipe.turbidity};  // not measurable through clouds; only the light is tested here
   const auto summary = replay({fixture, out, false, false, 1, air});
   ASSERT_TRUE(summary) << summary.error().message;
   ASSERT_TRUE(summary->last && summary->last->measured);
@@ -201,7 +201,7 @@ TEST(ObjectsLight, UnderAnOvercastSkyIsTheCloudsAloneAndCloseToTheSpectralRefere
   EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.message;
   EXPECT_LE(building_error(fixture, out, "overcast"), 4.0);
 
-  // Between two pictures of a slow sky camera its clouds stay, for a while.
+  // Between two pictures of a slow sky camera its clouds stay valid for a while.
   const auto read = read_fixture(fixture).value();
   FastForwardClock clock(read.info.start_utc);
   auto sources = open_fixture_sources(fixture, clock).value();
@@ -256,7 +256,7 @@ TEST(SkyWatch, TheTurbidityOfAHighSiteMatchesTheDome) {
   const auto by_dome = found();
   ASSERT_TRUE(by_dome.tracked) << by_dome.estimate.reason;
   EXPECT_NEAR(by_dome.tracked->turbidity.value, 5.0, 0.25);
-  // Preetham's skies know no altitude: a high one is always his clearest.
+  // Preetham's model has no altitude: a high-altitude sky always looks very clear to it.
   installation.surroundings.sky_model = SiteSkyModel::preetham;
   const auto by_preetham = found();
   ASSERT_TRUE(by_preetham.tracked) << by_preetham.estimate.reason;

@@ -53,7 +53,7 @@ TEST(Replay, TheSameFixtureGivesTheSamePicturesBitForBit) {
   for (const char* name : {"frame-000000.png", "frame-000002.png", "turbidity.csv"}) {
     const auto a = read_file(first / name), b = read_file(second / name);
     ASSERT_TRUE(a && b) << name;
-    // Not EXPECT_EQ: a picture's bytes tell a reader nothing.
+    // Not EXPECT_EQ: a dump of a picture's bytes would be useless.
     EXPECT_TRUE(*a == *b) << what_differs(first / name, second / name);
   }
 }

@@ -1,4 +1,4 @@
-// The recording at its own pace, the sky in a thread of its own.
+// The recording in real time, with the sky in a thread of its own.
 #include <gtest/gtest.h>
 
 #include "pipeline/recording/replay.hpp"

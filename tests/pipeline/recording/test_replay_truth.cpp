@@ -47,7 +47,7 @@ std::vector<Row> read_csv(const std::filesystem::path& path) {
   return rows;
 }
 
-// Sky frames and truth are listed by time; each estimate is compared with the truth of its instant.
+// Sky frames and truth are listed by time; each estimate is compared with the truth at its time.
 void expect_turbidity(const std::filesystem::path& fixture, const std::filesystem::path& out, double tolerance) {
   const auto estimates = read_csv(out / "turbidity.csv");
   const auto truth = read_csv(fixture / "truth" / "truth.csv");

@@ -1,6 +1,6 @@
 // Twins: a building that truly stands in the scene, drawn into the camera's picture by the slow spectral path (1 nm
-// steps, double precision, its own sky, sun, haze and shadows), and the same building as kasumi composites it. What is
-// compared is the whole way: T as estimated from the sky camera's picture, the horizon as found in the scene camera's,
+// steps, double precision, its own sky, sun, haze and shadows), and the same building as kasumi composites it. The
+// whole pipeline is compared: T as estimated from the sky camera's picture, the horizon as found in the scene camera's,
 // with its noise.
 #include <cmath>
 #include <vector>
@@ -95,8 +95,8 @@ TEST(Twins, AreIndistinguishableAtAllDistancesAndAirsUnderALowSun) {
   expect_alike("twin-low", kLow, "sun 8 deg high", {{200.0, 2.0}, {1000.0, 2.0}, {3500.0, 2.0}});
 }
 
-// Nothing was chosen by these; the first, when it was new, showed the glow of a low sun taken for a cloud. The second
-// is the farthest off.
+// Nothing was tuned on these. The first once revealed that the glow of a low sun was taken for a cloud; the second has
+// the largest error.
 TEST(Twins, AreIndistinguishableAtOtherPlacesHoursAndAirs) {
   struct Other {
     double distance_m, turbidity;

@@ -1,5 +1,5 @@
-// A ball before the scene camera under the sky that the estimator makes, drawn by the GPU, against that sky integrated
-// numerically: what reaches its surface, and what its surface mirrors.
+// A ball in front of the scene camera, drawn by the GPU under the estimator's sky, against that sky integrated
+// numerically: the light on its surface, and its reflection.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -43,14 +43,14 @@ Model ball(const ModelMaterial& material) {
   return model;
 }
 
-// A place on the ball that a pixel shows.
+// The point of the ball that a pixel shows.
 struct Place {
   glm::ivec2 pixel;
   Direction normal;
   Direction to_eye;
 };
 
-// All over what is seen, to within 25 deg of the rim; the camera looks north.
+// All over the visible side, to within 25 deg of the rim; the camera looks north.
 std::vector<Place> places() {
   std::vector<Place> list;
   for (int y = 5; y < kPicture; y += 9)
@@ -80,7 +80,7 @@ class Ball : public testing::Test {
     ASSERT_TRUE(renderer_->set_view(view, model_to_world({.north_m = kDistance_m})));
   }
 
-  // Radiance of each place as the renderer draws it.
+  // Radiance of each point as the renderer draws it.
   std::vector<glm::dvec3> drawn(const ModelMaterial& material, const ObjectLight& light) {
     EXPECT_TRUE(renderer_->set_model(ball(material)));
     return drawn(light);
@@ -133,7 +133,7 @@ glm::dvec3 gathered(const std::vector<Cone>& cones, const Direction& normal) {
   return sum;
 }
 
-// The estimator's sky over its even ground.
+// The estimator's sky over its uniform ground.
 struct Day {
   Daylight daylight;
   ObjectLight light;
@@ -149,7 +149,7 @@ struct Day {
 };
 
 TEST_F(Ball, OfGreyPlasterIsLitAsTheIntegralOverSunSkyAndGround) {
-  // Sun behind the camera, aside and behind the ball.
+  // Sun behind the camera, to the side, and behind the ball.
   constexpr double kAlbedo = 0.5;
   const ModelMaterial plaster{.name = "plaster", .base_colour = {kAlbedo, kAlbedo, kAlbedo, 1.0f}};
   ASSERT_TRUE(renderer_->set_model(ball(plaster)));
@@ -172,8 +172,8 @@ TEST_F(Ball, OfGreyPlasterIsLitAsTheIntegralOverSunSkyAndGround) {
     }
 }
 
-// What one reflection by GGX's facets sends to the eye, and how much of an even light that is (glTF 2.0, B.3; white
-// metal). Facets by tilt, tan(tilt) = alpha t / (1 - t), and turn.
+// Light that one reflection by GGX facets sends to the eye, and its fraction under uniform light (glTF 2.0, B.3; white
+// metal). Facets by tilt, tan(tilt) = alpha t / (1 - t), and azimuth.
 std::pair<glm::dvec3, double> reflected(const Radiance& radiance, const Place& place, double roughness) {
   constexpr int kTilts = 48, kTurns = 48;
   const double alpha = roughness * roughness, a2 = alpha * alpha;
@@ -213,7 +213,7 @@ struct Deviation {
 
 TEST_F(Ball, OfPolishedToMattMetalMirrorsTheSkyAsTheIntegralOverItsFacets) {
   const Day noon(3.0, at_deg(40.0, 215.0)), evening(2.2, at_deg(80.0, 230.0));
-  // Heaps of cloud all over a clear sky, three times its brightness.
+  // Cumulus clouds all over a clear sky, three times its brightness.
   const Radiance clouds = [&](const Direction& d) {
     const glm::dvec3 clear = noon(d);
     if (d.z <= 0.0) return clear;
@@ -239,7 +239,7 @@ TEST_F(Ball, OfPolishedToMattMetalMirrorsTheSkyAsTheIntegralOverItsFacets) {
       glm::dvec3 level{0.0};
       for (std::size_t i = 0; i < places_.size(); ++i) {
         const auto [once, even] = reflected(sky.radiance, places_[i], roughness);
-        // What is left between white facets comes out evenly.
+        // Light reflected between white facets leaves diffusely.
         const glm::dvec3 truth = once + (1.0 - even) * gathered(cones, places_[i].normal) / kPi;
         for (int c = 0; c < 3; ++c) {
           const double error = std::abs(found[i][c] / truth[c] - 1.0);

@@ -55,7 +55,7 @@ class Compositors : public testing::Test {
     return options;
   }
 
-  // A frame in a driver's buffer; `returned` becomes true when the driver has it back.
+  // A frame in a driver's buffer; `returned` becomes true when the driver gets it back.
   static Frame lent(const Buffer& buffer, bool& returned) {
     returned = false;
     Frame frame;
@@ -128,7 +128,7 @@ TEST_F(Compositors, ShowAPictureAgainWithoutKeepingTheDriversBuffer) {
   Compositor compositor = make(with_test_images());
   const auto before = drawn(compositor, lent(buffer, returned));
   EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
-  EXPECT_TRUE(returned) << "an unplugged camera comes back only when its buffers are let go of";
+  EXPECT_TRUE(returned) << "an unplugged camera comes back only when its buffers are released";
   buffer.fill(17);  // the driver may reuse it now
   EXPECT_EQ(drawn_again(compositor).elements(), before.elements());
   EXPECT_EQ(compositor.frames().uploaded, 1u) << "one copy, however often it is shown";
@@ -190,7 +190,7 @@ TEST_F(Compositors, Row17AreRestoredFromMemoryWhenTheContextIsLost) {
   drawn(*compositor, frame);
   const auto before = drawn(*compositor, frame);
 
-  // The GPU was reset: every GL object is gone, and with the files of the content moved away nothing can be read again.
+  // The GPU was reset: every GL object is gone, and since the content files were moved away nothing can be reloaded.
   const auto away = installation_.object.model.string() + ".away";
   std::filesystem::rename(installation_.object.model, away);
   const auto cpu = std::clock();
@@ -209,7 +209,7 @@ TEST_F(Compositors, Row17AreRestoredFromMemoryWhenTheContextIsLost) {
   std::filesystem::rename(away, installation_.object.model);
 
   EXPECT_EQ(before.elements(), after.elements());
-  EXPECT_LE(cpu_s, 2.0) << "seconds; what other programs take meanwhile is not counted";
+  EXPECT_LE(cpu_s, 2.0) << "seconds; time taken by other programs is not counted";
   fmt::print("row 17, GL context lost: the same picture after {:.2f} s ({:.2f} s of this program's own time)\n", wall_s,
              cpu_s);
 }

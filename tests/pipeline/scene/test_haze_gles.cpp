@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kFrameWidth = 240, kFrameHeight = 160;
 
-// A floor in perspective, a wall, two things before it, sky.
+// A floor in perspective, a wall, two objects in front of it, sky.
 struct Scene {
   Image<glm::vec3> light{kFrameWidth, kFrameHeight};
   HazeRange range;
@@ -79,7 +79,7 @@ TEST_F(HazeOnGpu, MatchesTheReferenceWithHalfFloatsAndWithBytes) {
     const double blurred = psnr(faded, truth);
     std::printf("%zu passes, bytes: %.1f dB (not blurred at all: %.1f dB)\n", look.passes.size(), in_bytes, blurred);
     EXPECT_GE(in_bytes, 80.0);
-    EXPECT_LT(blurred, 40.0) << "or there is nothing to tell";
+    EXPECT_LT(blurred, 40.0) << "otherwise the test shows nothing";
     if (!half_floats()) continue;
     const double in_halves = psnr(on_gpu(s, look, false), truth);
     std::printf("   half floats: %.1f dB\n", in_halves);
@@ -114,7 +114,7 @@ TEST_F(HazeOnGpu, DoesNotLeakAcrossEdges) {
       }
     s.range = prepare_range(range_m).value();
     auto optics = haze_optics(0.0, 0.25, 30.0);
-    optics.extinction.fill(glm::dvec3{0.0});  // nothing fades: what is left is the blur
+    optics.extinction.fill(glm::dvec3{0.0});  // nothing fades: only the blur is left
     for (const bool bytes : {true, false}) {
       if (!bytes && !half_floats()) continue;
       const auto blurred = on_gpu(s, haze_look(optics, s.range, airlight), bytes);

@@ -51,7 +51,7 @@ TEST(QualityForGles, HazeBlursByTheRootOfItsOpticalDepth) {
     const double left = attenuation_reference(measure, ScatteringModel::morales2017, Turbidity{turbidity}, path).g;
     EXPECT_NEAR(air.conditions(under(turbidity)).haze_blur_px, 1.5 * std::sqrt(-std::log(left)), 0.005);
   }
-  EXPECT_EQ(SceneAir({}, {}).conditions(under(9.0)).haze_blur_px, 0.0) << "off unless asked for";
+  EXPECT_EQ(SceneAir({}, {}).conditions(under(9.0)).haze_blur_px, 0.0) << "off by default";
 }
 
 TEST(QualityForGles, NoiseFollowsTheElectronCount) {
@@ -61,7 +61,7 @@ TEST(QualityForGles, NoiseFollowsTheElectronCount) {
   const auto noise = noise_for_gles(quality, {1.5, 1.0, 1.0}, 4.0, 77);
   const double light = 0.3;
   const auto variance = [&](int c) { return noise.shot[c] * light + noise.read[c] * noise.read[c]; };
-  const double green = 0.3 * 2000.0;  // electrons, whose variance is their number
+  const double green = 0.3 * 2000.0;  // electrons, whose variance equals their number
   EXPECT_NEAR(variance(1), (green + 25.0) / (2000.0 * 2000.0), 1e-12);
   const double full = 2000.0 / 1.5, red = 0.3 * full;
   EXPECT_NEAR(variance(0), (red + 25.0) / (full * full), 1e-12);

@@ -1,4 +1,4 @@
-// The sun's shadow on the ground against the sun's ephemeris.
+// The shadow on the ground against the sun's ephemeris.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(ShadowOnTheGround, LiesWhereTheEphemerisSaysAtFourTimesOfADay) {
   if (!context) GTEST_SKIP() << context.error().message;
   Renderer renderer = Renderer::create(**context).value();
   constexpr double kHeight_m = 1000.0, kPixel_m = 0.25, kLantern_m = 20.0;
-  // Straight above, north upwards.
+  // Seen from straight above, north upwards.
   SceneView view{
       .width = 640, .height = 640, .focal_px = glm::dvec2{kHeight_m / kPixel_m}, .centre_px = {319.5, 319.5}};
   view.world_to_camera = glm::dmat4{{1, 0, 0, 0}, {0, -1, 0, 0}, {0, 0, -1, 0}, {0, 0, 0, 1}};

@@ -1,4 +1,4 @@
-// Land through the air, as it is drawn, against the spectral atmosphere followed along every line of sight.
+// Land drawn through the air, against the spectral atmosphere integrated along every line of sight.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -88,7 +88,7 @@ TEST_F(AerialPerspective, MatchesTheSpectralAtmosphereFromThePlainAndFromTheMoun
 }
 
 TEST_F(AerialPerspective, AlsoHoldsAtOtherAltitudesAndUnderOtherSunsAndAirs) {
-  // The thicker air; limits on means are for all its altitudes and suns together.
+  // Thicker air; the limits on means are over all altitudes and suns together.
   for (const double turbidity : figure_cases<double>("turbidities", {3.5}, {2.0, 3.5})) {
     const auto sky = atmosphere(turbidity);
     double mean = 0.0;

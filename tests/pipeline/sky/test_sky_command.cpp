@@ -1,4 +1,4 @@
-// `kasumi sky` as a person types it.
+// `kasumi sky` as a user types it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

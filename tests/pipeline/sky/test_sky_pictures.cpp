@@ -1,4 +1,4 @@
-// Skies as the GPU draws them beside the CPU's reference, and what U asks of them.
+// Skies drawn by the GPU against the CPU's reference, and properties that U requires.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -88,7 +88,7 @@ TEST_F(DrawnSkies, WithLandMatchTheCpuAwayFromEdges) {
     const auto land = land_for(camera, altitude_m, true);
     ASSERT_TRUE(land.has_value());
     const auto drawn = by_gpu(camera, sky, &*land), expected = by_cpu(camera, sky, &*land);
-    // An edge of the land may fall a pixel apart.
+    // An edge of the land may differ by a pixel.
     int far_off = 0;
     double sum = 0.0;
     for (std::size_t i = 0; i < drawn.elements().size(); ++i) {
@@ -103,7 +103,7 @@ TEST_F(DrawnSkies, WithLandMatchTheCpuAwayFromEdges) {
 }
 
 TEST_F(DrawnSkies, AreDitheredAgainstBanding) {
-  // The mean of a dither's 8 x 8 pixels tells what lies between two steps.
+  // The mean over a dither pattern's 8 x 8 pixels resolves values between two steps.
   const SkyCamera camera = small_camera(SkyProjection::perspective);
   SkyRequest sky = sky_under(2.0, 40.0);
   sky.sun = direction_from(from_degrees(40.0), from_degrees(180.0));  // behind
@@ -182,7 +182,7 @@ TEST(MadeLand, IsHitFromAboveWhereItsPointsAre) {
   const auto land = land_for(camera, 3000.0, true);
   ASSERT_TRUE(land.has_value());
   const LandRayCaster sight(land->land, land->from, land->to);
-  // Down to the plain: where a ray meets it is a matter of its slope.
+  // Down to the plain: the ray's slope determines where it hits.
   const auto hit = sight.along(direction_from(from_degrees(120.0), from_degrees(0.0)), 3000.0);
   ASSERT_TRUE(hit.has_value());
   const double ground = synthetic_height_m({hit->place.x, hit->place.y});

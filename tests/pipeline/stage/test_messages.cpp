@@ -48,7 +48,8 @@ TEST(Messages, LanguagesAreNamedByTheirCodes) {
 TEST(TextBreaking, ReadsUtf8AndNothingElse) {
   EXPECT_EQ(characters_of("a\u00e9\u6F22\U0001F600"), (std::u32string{U'a', 0xE9, 0x6F22, 0x1F600}));
   EXPECT_EQ(characters_of(""), std::u32string{});
-  // A lone continuation, cut off, Latin-1, overlong (Unicode 15, table 3-7), a surrogate, beyond U+10FFFF.
+  // A lone continuation byte, a truncated sequence, Latin-1, overlong (Unicode 15, table 3-7), a surrogate, beyond
+  // U+10FFFF.
   for (const char* bytes : {"\x80", "\xE6\xBC", "caf\xE9", "\xC0\xAF", "\xE0\x9F\xBF", "\xF0\x8F\xBF\xBF",
                             "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xFF"})
     EXPECT_FALSE(characters_of(bytes).has_value()) << testing::PrintToString(bytes);
@@ -165,14 +166,14 @@ TEST_F(Captions, GrowInProportion) {
 }
 
 TEST_F(Captions, KernTheirLetters) {
-  // What the pen gains between V and A is not gained between H and H.
+  // The pen advances less between V and A than between H and H.
   const auto width = [](const char* text) { return draw(text, {.height_px = 400, .largest_width_px = 16000}).width(); };
   const int a = width("AA") - width("A"), v = width("VV") - width("V");
   EXPECT_LT(width("AVAVAV") + 20, width("A") + 2 * a + 3 * v);
 }
 
 TEST_F(Captions, ShowABoxForMissingGlyphs) {
-  // Private use: no font of these defines it.
+  // Private use: none of these fonts defines it.
   const auto [first, last] = columns_with_words(draw("\U0010FFFD", {.height_px = 64}));
   EXPECT_GT(last - first, 10);
 }

@@ -60,7 +60,8 @@ TEST(Overlay, TheHorizonLiesItsDipBelowLevelAndTurnsWithTheCamera) {
       ASSERT_EQ(lines.size(), 1u);
       const double roll = from_degrees(roll_deg).value,
                    below = kFocal_px * std::tan(dip + from_degrees(pitch_deg).value);
-      // A camera turned clockwise sees the world turned the other way; far from the axis a cone's cut bends off.
+      // A camera turned clockwise sees the world turned the other way; far from the axis the projection of a cone
+      // curves.
       for (const auto& p : lines[0].points) {
         const double x = p.x - kCentreX, y = p.y - kCentreY;
         const double along = x * std::cos(roll) - y * std::sin(roll), down = x * std::sin(roll) + y * std::cos(roll);
@@ -197,7 +198,7 @@ TEST(Landmarks, AllProblemsAreReportedAtOnce) {
 }
 
 TEST(OverlayDrawing, ALineCoversItsWidthAndHasADarkEdge) {
-  // Across a slanted line the coverage adds up to its width, wherever it lies between the pixels.
+  // Across a slanted line the coverage sums to its width, at any subpixel position.
   for (const double shift : {0.0, 0.3, 0.5}) {
     Image<Rgba8> picture(60, 60);
     draw_line(picture, {{-5.0, 20.0 + shift}, {65.0, 34.0 + shift}}, 2.0, {255, 255, 255});
@@ -246,7 +247,7 @@ TEST(OverlayDrawing, IsDrawnAtTheDisplayedSize) {
 
 TEST(OverlayInReplay, ChangesThePictureAndNoMeasurement) {
   if (const auto context = open_headless_context(); !context) GTEST_SKIP() << context.error().message;
-  // With everything that follows the camera: its noise must be the same in every replay.
+  // With every effect that follows the camera: its noise must be the same in every replay.
   auto recipe = small("clear-noon", 1);
   recipe.scene_width = 320;
   recipe.scene_height = 180;

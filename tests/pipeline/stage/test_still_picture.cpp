@@ -1,4 +1,4 @@
-// The picture instead of the scene, and the sky behind it.
+// The still picture and the sky behind it.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kWidth = 320, kHeight = 180;
 
-// A wall to the horizon and open sky over it: the lower half opaque and red, the upper transparent.
+// A wall up to the horizon with open sky above: the lower half opaque and red, the upper transparent.
 Image<Rgba8> wall() {
   Image<Rgba8> picture(kWidth, kHeight, Rgba8{255, 255, 255, 0});
   for (int y = kHeight / 2; y < kHeight; ++y)
@@ -122,7 +122,7 @@ TEST_F(StillPictureTest, FadesAsAWhole) {
 TEST_F(StillPictureTest, TheSkyIsRedrawnOnlyWhenItHasChanged) {
   auto still = StillPicture::create(*context_, content(wall())).value();
   const auto first = drawn(still, report(40.0));
-  EXPECT_EQ(drawn(still, report(40.1)).elements(), first.elements()) << "a tenth of a degree is not seen";
+  EXPECT_EQ(drawn(still, report(40.1)).elements(), first.elements()) << "a tenth of a degree is not visible";
   EXPECT_NE(drawn(still, report(60.0)).elements(), first.elements());
 }
 
