@@ -65,7 +65,7 @@ class Faults : public testing::Test {
     if (frame.error().kind == FaultKind::disconnected) {
       held = Frame{};
       ++disconnects;
-      told = frame.error().message;
+      last_message = frame.error().message;
     } else {
       EXPECT_EQ(frame.error().kind, FaultKind::timeout) << frame.error().message;
       EXPECT_LE(clock.now(), deadline);
@@ -83,7 +83,7 @@ class Faults : public testing::Test {
     return clock.now() - from;
   }
   // Time until the reader is asked to release its frames.
-  Duration until_told() {
+  Duration until_disconnected() {
     const auto from = clock.now();
     for (const int before = disconnects; disconnects == before;) {
       step();
@@ -107,7 +107,7 @@ class Faults : public testing::Test {
   std::unique_ptr<ReconnectingSource> source;
   Frame held;  // as a display holds the frame it shows
   int disconnects = 0;
-  std::string told;
+  std::string last_message;
   std::vector<Instant> opened_at;
 };
 
@@ -130,8 +130,8 @@ TEST_F(Faults, Row1AReplugIsNoticedHoweverLongItTook) {
   run(5s);
   for (const auto away : {Duration{300ms}, Duration{3s}, Duration{60s}, Duration{20min}}) {
     camera.unplug();
-    EXPECT_LE(until_told(), 40ms);
-    EXPECT_THAT(told, HasSubstr("unplugged"));
+    EXPECT_LE(until_disconnected(), 40ms);
+    EXPECT_THAT(last_message, HasSubstr("unplugged"));
     expect_nothing_held();
     run(away);
     EXPECT_FALSE(source->health().up);
@@ -212,7 +212,7 @@ TEST_F(Faults, Row4ARefusedCallWorksAtTheNextAttempt) {
         std::pair{VIDIOC_STREAMON, "VIDIOC_STREAMON"}, std::pair{VIDIOC_S_FMT, "VIDIOC_S_FMT"}}) {
     watch(opener(camera));
     camera.refuse(call, EIO, 1);
-    EXPECT_LE(until_told(), 20ms);
+    EXPECT_LE(until_disconnected(), 20ms);
     EXPECT_THAT(source->health().cause, HasSubstr(name));
     expect_nothing_held();
     print(4, fmt::format("frames after {} failed once", name), until_good(), 2s);
@@ -221,7 +221,7 @@ TEST_F(Faults, Row4ARefusedCallWorksAtTheNextAttempt) {
 
 TEST_F(Faults, Row5AStreamThatNeverDeliversIsReopened) {
   camera.stop_filling(true);
-  const auto noticed = until_told();
+  const auto noticed = until_disconnected();
   print(5, "no first frame noticed", noticed, 4020ms);
   EXPECT_GE(noticed, 4s);
   EXPECT_EQ(source->health().cause, "first frame: none for 4.0 s");
@@ -235,7 +235,7 @@ TEST_F(Faults, Row6AStallIsDetectedAndEndedByReopening) {
   run(10s);
   const auto last = *source->health().last_good;
   camera.stop_filling(true);
-  until_told();
+  until_disconnected();
   const auto noticed = clock.now() - last;
   print(6, "stall noticed after the last frame", noticed, 2100ms);
   EXPECT_GE(noticed, 2s);
@@ -254,7 +254,7 @@ TEST_F(Faults, Row7AFatalErrorOfTheQueueIsOverSoon) {
     run(5s);
   }
   EXPECT_EQ(disconnects, 3);
-  EXPECT_THAT(told, HasSubstr("Input/output error"));
+  EXPECT_THAT(last_message, HasSubstr("Input/output error"));
   EXPECT_THAT(source->health().reopened, ElementsAre(Pair("fatal", 3)));
 }
 
@@ -298,7 +298,7 @@ TEST_F(Faults, Row9ACameraThatDeliversOnlyBadFramesIsReopened) {
       ASSERT_LT(clock.now() - from, 1min);
     }
     EXPECT_GE(clock.now() - from, 10s);
-    EXPECT_THAT(told, HasSubstr("no good frame for 10."));
+    EXPECT_THAT(last_message, HasSubstr("no good frame for 10."));
     camera.tamper({});
     until_good();
     print(9, rejected ? "good frames after rejected ones" : "good frames after flagged ones", clock.now() - from, 15s);
@@ -401,7 +401,7 @@ TEST_F(Faults, ACameraThatFailsAtOnceEachTimeIsRetriedLessAndLessOften) {
   for (const double nominal : {1.0, 2.0, 4.0, 8.0, 15.0, 15.0}) {
     until_good();
     camera.fail_queue();
-    until_told();
+    until_disconnected();
     until_good();
     EXPECT_NEAR(gap(), nominal, 0.2 * nominal + 0.1);
   }
@@ -415,7 +415,7 @@ TEST_F(Faults, ACameraMissingAtTheStartIsReportedOnceAndAwaited) {
   camera.unplug();
   run(1min);
   EXPECT_EQ(disconnects, 1);
-  EXPECT_THAT(told, HasSubstr("unplugged"));
+  EXPECT_THAT(last_message, HasSubstr("unplugged"));
   EXPECT_EQ(source->health().opened, 0u);
   camera.plug_in();
   EXPECT_LE(until_good(), 300ms);

@@ -86,7 +86,7 @@ TEST_F(RetargetCommand, ShowsTheSceneAsItIsInThatAir) {
                                               in_folder("target.png"), in_folder("made.png")));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_LE(mean_difference(read("made.png"), target), 2.0);
-  EXPECT_GT(mean_difference(read("source.png"), target), 10.0) << "else nothing was asked of it";
+  EXPECT_GT(mean_difference(read("source.png"), target), 10.0) << "otherwise the test shows nothing";
   EXPECT_TRUE(std::filesystem::exists(folder / "made.restored.png"));
 }
 
@@ -165,16 +165,16 @@ TEST_F(RetargetCommand, TakesAFolderOfFramesByName) {
 // One wall without a top, seen through a narrow lens, is nearly one distance for all pixels.
 TEST_F(RetargetCommand, TakesDistancesFromGroundAndWalls) {
   ASSERT_TRUE(write_text_file(folder / "planes.toml", "[[walls]]\ndistance_m = 6000\nazimuth_deg = 4\n"));
-  const auto asked =
+  const auto command =
       fmt::format("retarget {} --fov-deg 20 --source-turbidity 1.9 --turbidity 4 ", in_folder("source.png"));
   const auto by_wall =
-      run_kasumi(fmt::format("{} --planes {} --out {}", asked, in_folder("planes.toml"), in_folder("wall.png")));
+      run_kasumi(fmt::format("{} --planes {} --out {}", command, in_folder("planes.toml"), in_folder("wall.png")));
   ASSERT_EQ(by_wall.code, 0) << by_wall.err;
-  ASSERT_EQ(run_kasumi(fmt::format("{} --distance-m 6000 --out {}", asked, in_folder("one.png"))).code, 0);
+  ASSERT_EQ(run_kasumi(fmt::format("{} --distance-m 6000 --out {}", command, in_folder("one.png"))).code, 0);
   EXPECT_LE(mean_difference(read("wall.png"), read("one.png")), 1.0);
-  EXPECT_GT(mean_difference(read("wall.png"), read("source.png")), 5.0) << "else nothing was asked of it";
-  const auto both = run_kasumi(fmt::format("{} --planes {} --distance-m 6000 --out {}", asked, in_folder("planes.toml"),
-                                           in_folder("never.png")));
+  EXPECT_GT(mean_difference(read("wall.png"), read("source.png")), 5.0) << "otherwise the test shows nothing";
+  const auto both = run_kasumi(fmt::format("{} --planes {} --distance-m 6000 --out {}", command,
+                                           in_folder("planes.toml"), in_folder("never.png")));
   EXPECT_EQ(both.code, 2);
   EXPECT_THAT(both.err, HasSubstr("expected one of --depth FILE, --planes FILE"));
 }
@@ -191,10 +191,10 @@ TEST_F(RetargetCommand, ReadsExrAsItReadsPfm) {
   } catch (const cv::Exception&) {
   }
   if (!written) GTEST_SKIP() << "this OpenCV has no EXR";
-  auto asked = known();
-  asked.replace(asked.find("depth.pfm"), 9, "depth.exr");
+  auto command = known();
+  command.replace(command.find("depth.pfm"), 9, "depth.exr");
   ASSERT_EQ(run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", known(), in_folder("by-pfm.png"))).code, 0);
-  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", asked, in_folder("by-exr.png")));
+  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", command, in_folder("by-exr.png")));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(mean_difference(read("by-exr.png"), read("by-pfm.png")), 0.0);
 }

@@ -48,7 +48,8 @@ BoardPose some_pose(std::mt19937_64& random, double largest_off_axis, double awa
   return pose;
 }
 
-std::optional<BoardView> seen(const Lens& lens, int width, int height, const BoardPose& pose, const std::string& name) {
+std::optional<BoardView> view_of_board(const Lens& lens, int width, int height, const BoardPose& pose,
+                                       const std::string& name) {
   BoardView view{name, {}, {}};
   for (int row = 0; row < kBoard.rows; ++row)
     for (int column = 0; column < kBoard.columns; ++column) {
@@ -66,8 +67,8 @@ std::vector<BoardView> views_of(const SampleLens& sample, int count, double nois
   std::mt19937_64 random(seed);
   std::vector<BoardView> views;
   while (static_cast<int>(views.size()) < count) {
-    auto view = seen(*sample.lens, sample.width, sample.height, some_pose(random, 1.1, away_m),
-                     fmt::format("view-{}.png", views.size()));
+    auto view = view_of_board(*sample.lens, sample.width, sample.height, some_pose(random, 1.1, away_m),
+                              fmt::format("view-{}.png", views.size()));
     if (!view) continue;
     for (auto& pixel : view->pixels) pixel += noise_px * glm::dvec2{normal(random), normal(random)};
     views.push_back(std::move(*view));
@@ -170,7 +171,7 @@ TEST(LensCalibration, ParametersThePicturesDoNotFixAreReported) {
   for (int i = 0; i < 5; ++i) {
     BoardPose pose;
     pose.translation_m = {-0.3 + 0.01 * i, -0.25, 0.30 + 0.01 * i};
-    views.push_back(seen(*kFisheye.lens, kFisheye.width, kFisheye.height, pose, "p").value());
+    views.push_back(view_of_board(*kFisheye.lens, kFisheye.width, kFisheye.height, pose, "p").value());
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     for (auto& pixel : views.back().pixels) pixel += 0.1 * glm::dvec2{normal(random), normal(random)};
   }
@@ -196,7 +197,7 @@ TEST(Board, CornersOfADrawnBoardAreFoundWithinAFifthOfAPixel) {
   const auto picture = picture_of_board(*lens, 400, 300, kBoard, pose, 6);
   const auto view = find_board(picture, kBoard, "drawn");
   ASSERT_TRUE(view);
-  const auto truth = seen(*lens, 400, 300, pose, "").value();
+  const auto truth = view_of_board(*lens, 400, 300, pose, "").value();
   // The board may have been found rotated by 180 degrees.
   double forwards = 0.0, backwards = 0.0;
   for (std::size_t i = 0; i < truth.pixels.size(); ++i) {

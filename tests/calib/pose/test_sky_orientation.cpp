@@ -124,8 +124,8 @@ TEST(SkyOrientation, ThreeHoursOfSunGiveTheFocalLengthOfALensFromADataSheet) {
     for (double hours = day.from_h; hours <= day.from_h + 3.0; hours += 0.5) {
       const auto sun = sun_at(hours, day.declination_deg);
       const auto pixel = make_lens(roof.lens)->project(sun * roof.to_world).value();
-      const auto said = found->to_world * make_lens(found->lens)->unproject(pixel).value();
-      EXPECT_LE(to_degrees(angle_between(said, sun)), 0.05) << hours;
+      const auto estimated = found->to_world * make_lens(found->lens)->unproject(pixel).value();
+      EXPECT_LE(to_degrees(angle_between(estimated, sun)), 0.05) << hours;
     }
   }
 }

@@ -239,7 +239,7 @@ class VividLive : public V4l2Live {
     }
     return Duration::max();
   }
-  bool told() {
+  bool disconnects_soon() {
     for (const auto until = clock_.now() + 20s; clock_.now() < until;) {
       const auto frame = source_->next(clock_.now() + 100ms);
       if (!frame && frame.error().kind == FaultKind::disconnected) return true;
@@ -264,7 +264,7 @@ TEST_F(VividLive, Row4RefusedCallsWorkAtTheNextAttempt) {
     watch();
     ASSERT_TRUE(inject(name, 1)) << name;
     const auto from = clock_.now();
-    ASSERT_TRUE(told()) << name;
+    ASSERT_TRUE(disconnects_soon()) << name;
     const std::string call = std::string(name).substr(7, std::string(name).size() - 13);  // "Inject VIDIOC_QBUF Error"
     EXPECT_NE(source_->health().cause.find(call), std::string::npos) << source_->health().cause;
     std::cout << source_->health().cause << "\n";
@@ -277,7 +277,7 @@ TEST_F(VividLive, Row6FramesResumeAfterAStall) {
   ASSERT_LT(until_good(), 8s);
   ASSERT_TRUE(inject("Percentage of Dropped Buffers", 100));
   const auto from = clock_.now();
-  ASSERT_TRUE(told());
+  ASSERT_TRUE(disconnects_soon());
   print(6, "stall noticed", clock_.now() - from, 3s);
   ASSERT_TRUE(inject("Percentage of Dropped Buffers", 0));
   print(6, "frames after the stall", until_good(), 5s);
@@ -288,7 +288,7 @@ TEST_F(VividLive, Row7AFatalErrorIsOverSoon) {
   run(3s);
   ASSERT_TRUE(inject("Inject Fatal Streaming Error", 1));
   const auto from = clock_.now();
-  ASSERT_TRUE(told());
+  ASSERT_TRUE(disconnects_soon());
   ASSERT_LT(until_good(), 10s);
   print(7, "frames after a fatal error", clock_.now() - from, 3s);
 }
@@ -322,7 +322,7 @@ TEST_F(VividLive, Row1UnpluggingIsReportedAtOnceAndReplugRecovers) {
   ASSERT_LT(until_good(), 8s);
   ASSERT_TRUE(inject("Disconnect", 1));
   const auto from = clock_.now();
-  ASSERT_TRUE(told());
+  ASSERT_TRUE(disconnects_soon());
   print(1, "unplugging noticed", clock_.now() - from, 1s);
   EXPECT_EQ(source_->health().cause, "unplugged");
   control_ = UniqueFd{};

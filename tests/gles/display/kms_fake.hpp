@@ -77,10 +77,10 @@ struct FakeCard {
     connectors = {connector};
     changed = true;
   }
-  void unplug(bool tells = true) {
+  void unplug(bool notify = true) {
     connectors[0].connection = KmsConnection::disconnected;
     connectors[0].modes.clear();
-    changed = tells;
+    changed = notify;
   }
   int count(const std::string& call) const { return static_cast<int>(std::ranges::count(calls, call)); }
 };

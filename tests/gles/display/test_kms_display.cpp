@@ -313,16 +313,16 @@ TEST_F(KmsRig, Row15NoCardAtBoot) {
 }
 
 TEST_F(KmsRig, Row15UnpluggedAndAnotherModeOnReturn) {
-  for (const bool udev_tells : {true, false}) {
-    system_->has_udev = udev_tells;
+  for (const bool with_udev : {true, false}) {
+    system_->has_udev = with_udev;
     card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true)}));
     switch_on();
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(show().has_value());
-    card_.unplug(udev_tells);
+    card_.unplug(with_udev);
     const Instant pulled = clock_.now();
     const auto shown = show_until_refused();
     EXPECT_EQ(shown.error().kind, FaultKind::disconnected) << shown.error().message;
-    std::printf("row 15, unplugged, %s udev: reported after %.0f ms\n", udev_tells ? "with" : "without",
+    std::printf("row 15, unplugged, %s udev: reported after %.0f ms\n", with_udev ? "with" : "without",
                 ms(clock_.now() - pulled));
     EXPECT_LE(clock_.now() - pulled, 1s + 50ms);
     display_.reset();

@@ -213,7 +213,7 @@ TEST_P(KmsScreen, ComesBackWhenTheDisplayDoes) {
   const Instant pulled = clock_.now();
   Result<std::uint64_t> shown = 0u;
   while (shown && clock_.now() < pulled + 5s) shown = show_pattern(*display);
-  const Instant told = clock_.now();
+  const Instant reported = clock_.now();
   display.reset();
   const auto without = open_kms_display(options(), clock_);
   force("detect");
@@ -222,13 +222,13 @@ TEST_P(KmsScreen, ComesBackWhenTheDisplayDoes) {
   EXPECT_EQ(shown.error().kind, FaultKind::disconnected) << shown.error().message;
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().kind, FaultKind::disconnected) << without.error().message;
-  std::printf("unplugged: reported after %.0f ms (%s)\n", ms(told - pulled), without.error().message.c_str());
+  std::printf("unplugged: reported after %.0f ms (%s)\n", ms(reported - pulled), without.error().message.c_str());
   display = open();
   ASSERT_TRUE(display);
   ASSERT_TRUE(show_pattern(*display).has_value());
   ASSERT_TRUE(display->begin(clock_.now() + 3s).has_value());
   std::printf("plugged in again: picture after %.0f ms\n", ms(clock_.now() - plugged));
-  EXPECT_LE(told - pulled, 3s);
+  EXPECT_LE(reported - pulled, 3s);
   EXPECT_LE(clock_.now() - plugged, 3s);
 }
 

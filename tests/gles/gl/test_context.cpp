@@ -30,7 +30,7 @@ TEST_F(Contexts, DrawAlikeOnEachSurface) {
   std::vector<Image<Rgb8>> pictures;
   for (const auto surface : {HeadlessSurface::surfaceless, HeadlessSurface::pbuffer}) {
     auto context = open_headless_context(surface);
-    if (!context) continue;  // told by the message of the other test's fixture where none is given
+    if (!context) continue;  // without any context the fixture has skipped already
     context_ = std::move(*context);
     Renderer renderer = make_renderer();
     load(renderer, scene);

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 struct Lie {
   std::string what;
-  std::function<void(GltfFile&)> tell;
+  std::function<void(GltfFile&)> apply;
   std::string answer;
 };
 
@@ -153,7 +153,7 @@ TEST(HostileModel, EachFalseClaimIsRefusedByName) {
   for (const Lie& lie : lies) {
     GltfFile file = dressed_square();
     ASSERT_TRUE(file.read("honest"));
-    lie.tell(file);
+    lie.apply(file);
     const auto refused = file.read("lie");
     ASSERT_FALSE(refused) << lie.what;
     EXPECT_EQ(refused.error().kind, FaultKind::bad_input) << lie.what;

@@ -24,7 +24,7 @@ RigOptions checked(const std::string& name, const std::string& time = "03:00") {
   return options;
 }
 
-nlohmann::json told(Rig& rig) {
+nlohmann::json check_status(Rig& rig) {
   rig.status();
   return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["check"];
 }
@@ -58,16 +58,16 @@ bool check_again(Rig& rig, std::optional<Utc> last = {}, int ticks = 150) {
 
 TEST(DailyCheck, TheFirstTakesTheReferenceAndTheNextFindsNoDrift) {
   Rig rig(checked("check-well"));
-  EXPECT_TRUE(told(rig).is_null());
+  EXPECT_TRUE(check_status(rig).is_null());
   ASSERT_TRUE(check_again(rig));
-  EXPECT_THAT(told(rig)["summary"].get<std::string>(), HasSubstr("reference from now on"));
+  EXPECT_THAT(check_status(rig)["summary"].get<std::string>(), HasSubstr("reference from now on"));
   EXPECT_TRUE(std::filesystem::exists(rig.folder / "state/calibration.check-scene.png"));
   EXPECT_EQ(rig.shown(), Shown::live) << "the picture goes on";
   const auto at = rig.status().check->at;
   EXPECT_FALSE(check_again(rig, at, 30)) << "once a day";
   rig.advance(24h - (rig.clock.utc() - at), 2h);
   ASSERT_TRUE(check_again(rig, at));
-  const auto check = told(rig);
+  const auto check = check_status(rig);
   EXPECT_EQ(check["well"], true) << check.dump(1);
   EXPECT_FALSE(check["findings"].empty());
 }
@@ -77,7 +77,7 @@ TEST(DailyCheck, ABumpedCameraIsReportedWithItsTurnAndThePictureGoesOn) {
   const auto installation = read_content(rig.config).value()->config.installation;
   ASSERT_TRUE(save_reference(before_the_bump(installation), rig.folder / "state/calibration"));
   ASSERT_TRUE(check_again(rig));
-  const auto check = told(rig);
+  const auto check = check_status(rig);
   EXPECT_EQ(check["well"], false) << check.dump(1);
   EXPECT_THAT(check["summary"].get<std::string>(), HasSubstr("scene camera, view: the camera has turned by 0."));
   for (const auto& finding : check["findings"])
@@ -91,12 +91,12 @@ TEST(DailyCheck, ABumpedCameraIsReportedWithItsTurnAndThePictureGoesOn) {
 TEST(DailyCheck, ItIsSkippedWithoutATrustedTimeOrWhenDisabled) {
   Rig never(checked("check-never", "never"));
   never.advance(20s, 1s);
-  EXPECT_TRUE(told(never).is_null());
+  EXPECT_TRUE(check_status(never).is_null());
   auto options = checked("check-unknown");
   options.clock_policy = "synchronized";
   Rig unknown(options);
   unknown.advance(20s, 1s);
-  EXPECT_TRUE(told(unknown).is_null());
+  EXPECT_TRUE(check_status(unknown).is_null());
 }
 
 }  // namespace

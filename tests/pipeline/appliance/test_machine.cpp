@@ -271,39 +271,39 @@ class BrokenContent : public testing::TestWithParam<int> {};
 
 TEST_P(BrokenContent, Row23TheOldContentStaysAndEveryProblemIsReported) {
   const auto rig = running({.name = fmt::format("row23-{}", GetParam())});
-  std::string told;
+  std::string expected;
   switch (GetParam()) {
     case 0:  // configuration: two problems at once
       replace_in(rig->config, "policy = \"trusted\"", "policy = \"trsuted\"");
       replace_in(rig->config, "latitude_deg = ", "latitude_deg = 1000 #");
-      told = "latitude_deg";
+      expected = "latitude_deg";
       break;
     case 1:  // not TOML
       ASSERT_TRUE(write_text_file(rig->config, "[site"));
-      told = "not valid TOML";
+      expected = "not valid TOML";
       break;
     case 2: {  // model
       auto bytes = read_file(rig->folder / "temple.glb").value();
       bytes.resize(bytes.size() / 3);
       ASSERT_TRUE(write_file(rig->folder / "temple.glb", bytes));
-      told = "temple.glb";
+      expected = "temple.glb";
       break;
     }
     case 3:  // mask
       ASSERT_TRUE(write_text_file(rig->folder / "scene-mask.png", "not a picture"));
-      told = "mask";
+      expected = "mask";
       break;
     case 4:  // still picture
       ASSERT_TRUE(write_text_file(rig->folder / "still.png", "not a picture"));
-      told = "still.picture";
+      expected = "still.picture";
       break;
     case 5:  // calibration
       replace_in(rig->config, "model = \"equidistant\"", "model = \"fisheye\"");
-      told = "sky.lens.model";
+      expected = "sky.lens.model";
       break;
     default:  // gone
       std::filesystem::remove(rig->config);
-      told = "kasumi.toml";
+      expected = "kasumi.toml";
   }
   rig->hang_up();
   for (int i = 0; i < 100; ++i) {
@@ -311,7 +311,7 @@ TEST_P(BrokenContent, Row23TheOldContentStaysAndEveryProblemIsReported) {
     ASSERT_EQ(rig->shown(), Shown::live);
   }
   ASSERT_TRUE(rig->status().reload);
-  EXPECT_THAT(testing::PrintToString(rig->status().reload->problems), HasSubstr(told));
+  EXPECT_THAT(testing::PrintToString(rig->status().reload->problems), HasSubstr(expected));
   if (GetParam() == 0) {
     EXPECT_THAT(testing::PrintToString(rig->status().reload->problems), HasSubstr("trsuted"));
   }

@@ -217,9 +217,9 @@ TEST_F(LocalHours, EveryProblemIsNamed) {
   rig->hang_up();
   rig->advance(100ms);
   const auto problems = testing::PrintToString(rig->status().reload->problems);
-  for (const char* told :
+  for (const char* expected :
        {"opening.time_zone", "opening.every_day", "opening.monday", "opening.exceptions", "09:00-17:30"})
-    EXPECT_THAT(problems, HasSubstr(told));
+    EXPECT_THAT(problems, HasSubstr(expected));
 }
 
 }  // namespace

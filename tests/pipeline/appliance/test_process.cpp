@@ -144,11 +144,11 @@ TEST(Process, RunsReloadsContentAndEndsWithinTwoSecondsOfSigterm) {
   EXPECT_THAT(status_in(folder)["content"]["problems"].dump(), HasSubstr("nonsense"));
   EXPECT_EQ(status_in(folder)["shown"], "live");
 
-  const auto asked = SteadyClock::now();
+  const auto requested = SteadyClock::now();
   kasumi.send(SIGTERM);
   const auto code = kasumi.wait(kSlowedDown ? 60s : 20s);
   ASSERT_TRUE(code);
-  const auto took = std::chrono::duration<double>(SteadyClock::now() - asked).count();
+  const auto took = std::chrono::duration<double>(SteadyClock::now() - requested).count();
   EXPECT_EQ(*code, 0) << kasumi.log();
   std::printf("ended %.2f s after SIGTERM\n", took);
   EXPECT_LE(took, kSlowedDown ? 60.0 : 2.0);

@@ -68,7 +68,7 @@ class VisibilityCommand : public testing::Test {
     ASSERT_TRUE(write_png(folder / "sky.png", fixtures::sky_picture(recipe).pixels));
   }
   static std::string in_folder(const std::string& name) { return (folder / name).string(); }
-  static std::string asked(const std::string& scenes) {
+  static std::string estimate_command(const std::string& scenes) {
     return fmt::format("estimate --json --scene {} --landmarks {} ", in_folder(scenes), in_folder("landmarks.toml"));
   }
   static std::filesystem::path folder;
@@ -76,7 +76,7 @@ class VisibilityCommand : public testing::Test {
 std::filesystem::path VisibilityCommand::folder;
 
 TEST_F(VisibilityCommand, ReportsTheVisibilityOfAPicture) {
-  const auto outcome = run_kasumi(asked("scenes/1.png"));
+  const auto outcome = run_kasumi(estimate_command("scenes/1.png"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["visibility"], "value");
@@ -89,7 +89,7 @@ TEST_F(VisibilityCommand, ReportsTheVisibilityOfAPicture) {
 }
 
 TEST_F(VisibilityCommand, TakesAFolder) {
-  const auto outcome = run_kasumi(asked("scenes"));
+  const auto outcome = run_kasumi(estimate_command("scenes"));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   std::istringstream lines(outcome.out);
   std::vector<double> turbidities;
@@ -104,7 +104,8 @@ TEST_F(VisibilityCommand, IsReportedNextToTheSkysOwnAndNotMixedWithIt) {
   const std::string sky =
       in_folder("sky.png") + " --circle 199.5,199.5,200 --sun-zenith-deg 58.4 --sun-azimuth-deg 180";
   const auto alone = run_kasumi("estimate --json " + sky);
-  const auto same = run_kasumi(asked("scenes/1.png") + sky), other = run_kasumi(asked("scenes/2.png") + sky);
+  const auto same = run_kasumi(estimate_command("scenes/1.png") + sky),
+             other = run_kasumi(estimate_command("scenes/2.png") + sky);
   ASSERT_EQ(same.code, 0) << same.err;
   ASSERT_EQ(other.code, 0) << other.err;
   auto json = nlohmann::json::parse(same.out);
@@ -135,10 +136,10 @@ TEST_F(VisibilityCommand, ReportsAllProblemsOfTheLandmarks) {
 class VisibilityLoopTest : public testing::Test {
  protected:
   VisibilityLoopTest() : clock(Utc{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21} + 3h}) {
-    begin(landmark_tables());
+    start(landmark_tables());
   }
   // Starts or restarts the loop.
-  void begin(const std::string& landmarks, std::optional<std::filesystem::path> state_folder = {}) {
+  void start(const std::string& landmarks, std::optional<std::filesystem::path> state_folder = {}) {
     auto content = std::make_shared<Content>();
     auto& installation = content->config.installation;
     installation.scene.width = kPictureWidth;
@@ -150,28 +151,28 @@ class VisibilityLoopTest : public testing::Test {
     loop.emplace(std::move(content), clock, mailboxes);
   }
   // Relative sigma of the visibility from one picture.
-  double sigma_of_a_look(double turbidity) {
-    look(turbidity);
-    return told()["sigma_m"].get<double>() / told()["visibility_m"].get<double>();
+  double sigma_of_one_picture(double turbidity) {
+    supply_picture(turbidity);
+    return reported()["sigma_m"].get<double>() / reported()["visibility_m"].get<double>();
   }
   // Supplies one picture a minute, as the scene camera's loop does on request.
-  void look(double turbidity) {
+  void supply_picture(double turbidity) {
     const auto again = loop->step();
     EXPECT_TRUE(mailboxes.scene.visibility_wants_picture.exchange(false)) << "a picture is requested";
     EXPECT_LE(again - clock.now(), 1s);
     mailboxes.visibility.scene.put({{}, squares_under(turbidity), false});
     loop->step();
-    if (auto told = mailboxes.status->visibility.take()) latest = std::move(*told);
+    if (auto update = mailboxes.status->visibility.take()) latest = std::move(*update);
     EXPECT_FALSE(mailboxes.scene.visibility_wants_picture) << "one a minute is enough";
     clock.advance(1min);
   }
-  void sky_says(double turbidity, double height = 0.6) {
+  void set_sky(double turbidity, double height = 0.6) {
     TrackedTurbidity tracked;
     tracked.turbidity = Turbidity{turbidity};
     tracked.sigma = 0.1;
     mailboxes.visibility.sky.put({tracked, SunDirection{0.0, std::sqrt(1.0 - height * height), height}});
   }
-  nlohmann::json told() {
+  nlohmann::json reported() {
     Status status;
     status.visibility = latest;
     return nlohmann::json::parse(status_json(status))["visibility"];
@@ -183,10 +184,10 @@ class VisibilityLoopTest : public testing::Test {
 };
 
 TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {
-  EXPECT_TRUE(told().is_null());
-  sky_says(3.0);
-  look(3.0);
-  const auto json = told();
+  EXPECT_TRUE(reported().is_null());
+  set_sky(3.0);
+  supply_picture(3.0);
+  const auto json = reported();
   EXPECT_NEAR(json["visibility_m"].get<double>() / meteorological_range_m(Turbidity{3.0}, 0.0), 1.0, 0.1);
   EXPECT_TRUE(json["bound"].is_null());
   EXPECT_EQ(json["agreement"], "agrees") << json.dump();
@@ -195,59 +196,59 @@ TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {
 }
 
 TEST_F(VisibilityLoopTest, ALastingDisagreementIsReportedUntilItEnds) {
-  sky_says(2.0);
-  for (int i = 0; i < 4; ++i) look(6.0);
-  EXPECT_EQ(told()["agreement"], "disagrees");
-  EXPECT_EQ(told()["finding"], false) << "not for what passes";
-  look(6.0);
-  EXPECT_EQ(told()["finding"], true);
-  EXPECT_THAT(told()["words"].get<std::string>(), HasSubstr("standard deviations apart"));
-  EXPECT_NEAR(told()["turbidity"].get<double>() / 6.0, 1.0, 0.2) << "never an average";
-  sky_says(6.0);
-  look(6.0);
-  EXPECT_EQ(told()["finding"], false);
+  set_sky(2.0);
+  for (int i = 0; i < 4; ++i) supply_picture(6.0);
+  EXPECT_EQ(reported()["agreement"], "disagrees");
+  EXPECT_EQ(reported()["finding"], false) << "not for what passes";
+  supply_picture(6.0);
+  EXPECT_EQ(reported()["finding"], true);
+  EXPECT_THAT(reported()["words"].get<std::string>(), HasSubstr("standard deviations apart"));
+  EXPECT_NEAR(reported()["turbidity"].get<double>() / 6.0, 1.0, 0.2) << "never an average";
+  set_sky(6.0);
+  supply_picture(6.0);
+  EXPECT_EQ(reported()["finding"], false);
 }
 
 TEST_F(VisibilityLoopTest, LandmarkPropertiesSurviveARestart) {
   const auto folder = test_folder("visibility-state");
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  begin(landmark_tables(), folder);
-  const double at_first = sigma_of_a_look(3.0);
+  start(landmark_tables(), folder);
+  const double at_first = sigma_of_one_picture(3.0);
   for (int i = 0; i < 10; ++i) {
     clock.advance(30min);
-    look(2.5 + 0.2 * i);
+    supply_picture(2.5 + 0.2 * i);
   }
-  const double learnt = sigma_of_a_look(3.0);
+  const double learnt = sigma_of_one_picture(3.0);
   EXPECT_LT(learnt, 0.95 * at_first);
 
-  begin(landmark_tables(), folder);
-  EXPECT_NEAR(sigma_of_a_look(3.0) / learnt, 1.0, 0.02);
+  start(landmark_tables(), folder);
+  EXPECT_NEAR(sigma_of_one_picture(3.0) / learnt, 1.0, 0.02);
 
   auto moved = landmark_tables();
   moved.replace(moved.find("15, 65"), 2, "16");
-  begin(moved, folder);
-  EXPECT_NEAR(sigma_of_a_look(3.0) / at_first, 1.0, 0.02) << "another box is another landmark";
+  start(moved, folder);
+  EXPECT_NEAR(sigma_of_one_picture(3.0) / at_first, 1.0, 0.02) << "another box is another landmark";
 
-  begin(landmark_tables(), folder);
-  look(3.0);
+  start(landmark_tables(), folder);
+  supply_picture(3.0);
   auto damaged = nlohmann::json::parse(read_text_file(folder / "landmarks.json").value());
   damaged["channels"][1]["covariance"][0] = -1.0;
   for (const auto& text : {damaged.dump(), std::string("{\"landmarks\": 3"), std::string()}) {
     ASSERT_TRUE(write_text_file(folder / "landmarks.json", text));
-    begin(landmark_tables(), folder);
-    EXPECT_NEAR(sigma_of_a_look(3.0) / at_first, 1.0, 0.02) << text;
+    start(landmark_tables(), folder);
+    EXPECT_NEAR(sigma_of_one_picture(3.0) / at_first, 1.0, 0.02) << text;
   }
 }
 
 TEST_F(VisibilityLoopTest, ReportsNothingUnderALowSunOrWithoutASky) {
-  look(3.0);
-  EXPECT_EQ(told()["agreement"], "unknown");
-  EXPECT_FALSE(told()["visibility_m"].is_null()) << "the landmarks need no sky camera";
-  sky_says(3.0, 0.02);
-  look(3.0);
-  EXPECT_TRUE(told()["visibility_m"].is_null());
-  EXPECT_THAT(told()["reason"].get<std::string>(), HasSubstr("sun is too low"));
+  supply_picture(3.0);
+  EXPECT_EQ(reported()["agreement"], "unknown");
+  EXPECT_FALSE(reported()["visibility_m"].is_null()) << "the landmarks need no sky camera";
+  set_sky(3.0, 0.02);
+  supply_picture(3.0);
+  EXPECT_TRUE(reported()["visibility_m"].is_null());
+  EXPECT_THAT(reported()["reason"].get<std::string>(), HasSubstr("sun is too low"));
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ constexpr std::array kPlaces{
 };
 
 // Where refraction makes it appear: k d^2 / 2R above the straight line, as surveyors compute it.
-glm::dvec3 seen(const Place& place) {
+glm::dvec3 apparent_direction(const Place& place) {
   auto at = east_north_up(kSite, place.latitude_deg, place.longitude_deg, place.altitude_m);
   const double distance_m = std::hypot(at.x, at.y);
   at.z += 0.13 * distance_m * distance_m / (2.0 * 6371e3);
@@ -53,7 +53,7 @@ std::string landmarks(const Truth& truth, double focal_px, std::size_t wrong) {
   std::mt19937_64 random(3);
   const auto noise = [&] { return static_cast<double>(random() >> 11) * 0x1.0p-53 * 1.6 - 0.8; };
   for (std::size_t i = 0; i < kPlaces.size(); ++i) {
-    auto pixel = truth.lens->project(seen(kPlaces[i]) * truth.to_world).value();
+    auto pixel = truth.lens->project(apparent_direction(kPlaces[i]) * truth.to_world).value();
     pixel += glm::dvec2{noise(), noise()};
     if (i == wrong) pixel += glm::dvec2{-45.0, 12.0};
     text += fmt::format(

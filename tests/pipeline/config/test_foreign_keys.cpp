@@ -47,23 +47,24 @@ TEST(ForeignKeys, EveryPartialReaderAcceptsACompleteKioskConfiguration) {
 
 TEST(ForeignKeys, ATypingErrorIsStillReported) {
   const auto file = written(kiosk("colour_spice = \"srgb\"\n") + "[dispaly]\nkind = \"kms\"\n");
-  for (const auto& told : {read_camera_file(file).error().message, read_landmark_file(file, 60, 40).error().message}) {
-    EXPECT_THAT(told, HasSubstr("scene.colour_spice: unknown key"));
-    EXPECT_THAT(told, HasSubstr("dispaly: unknown key"));
+  for (const auto& message :
+       {read_camera_file(file).error().message, read_landmark_file(file, 60, 40).error().message}) {
+    EXPECT_THAT(message, HasSubstr("scene.colour_spice: unknown key"));
+    EXPECT_THAT(message, HasSubstr("dispaly: unknown key"));
   }
 }
 
 // Otherwise a key added to the configuration would become a typing error elsewhere.
 TEST(ForeignKeys, EveryKeyOfTheCompleteReadersIsKnown) {
-  const auto asked = ConfigTable::parse(kiosk(), "a.toml").value();
-  read_run_config(asked);
-  read_fixture_info(asked);
+  const auto complete = ConfigTable::parse(kiosk(), "a.toml").value();
+  read_run_config(complete);
+  read_fixture_info(complete);
   const auto known = ConfigTable::parse(kiosk(), "a.toml").value();
   read_site(known.table("site"));
   for (const char* camera : {"sky", "scene"}) read_camera(known.table(camera), camera);
   ignore_what_others_read(known, {"site", "sky", "scene"});
   const auto have = known.keys_asked();
-  for (const auto& key : asked.keys_asked()) {
+  for (const auto& key : complete.keys_asked()) {
     const auto parts = std::count(key.begin(), key.end(), '.');
     const bool of_ours = key.starts_with("site.") || key.starts_with("sky.") || key.starts_with("scene.");
     if (parts == 0 || (parts == 1 && of_ours)) {

@@ -72,7 +72,7 @@ std::filesystem::path write_calibrated_kiosk(const std::filesystem::path& folder
 
 struct CheckOutcome {
   int code = -1;
-  std::string words;
+  std::string output;
 };
 CheckOutcome check(const std::filesystem::path& config) {
   CheckOutcome outcome;
@@ -81,7 +81,7 @@ CheckOutcome check(const std::filesystem::path& config) {
   if (!pipe) return outcome;
   std::array<char, 4096> buffer;
   for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-    outcome.words.append(buffer.data(), n);
+    outcome.output.append(buffer.data(), n);
   outcome.code = WEXITSTATUS(::pclose(pipe));
   return outcome;
 }
@@ -110,10 +110,10 @@ TEST(CalibrationAdopted, TheKioskUsesMeasuredValuesThatItDoesNotOverride) {
   EXPECT_THAT(utc_text(*installation.scene.calibrated_utc), HasSubstr("2026-11-22"));
 
   const auto outcome = check(config);
-  EXPECT_EQ(outcome.code, 0) << outcome.words;
+  EXPECT_EQ(outcome.code, 0) << outcome.output;
   for (const char* part : {"calibration.toml: the sky camera's of 2026-11-21", "scene camera's of 2026-11-22",
                            "from it: site.altitude_m", "overridden by kasumi.toml: ", "scene.roll_deg"})
-    EXPECT_THAT(outcome.words, HasSubstr(part));
+    EXPECT_THAT(outcome.output, HasSubstr(part));
 }
 
 TEST(CalibrationAdopted, ARecordingContainsAllAdoptedValues) {
@@ -169,10 +169,11 @@ TEST(CalibrationAdopted, AnInvalidFileGivesOneMessage) {
   const auto refused_with = [&](const std::string& part) {
     const auto outcome = check(config);
     EXPECT_EQ(outcome.code, 78) << part;
-    EXPECT_THAT(outcome.words, HasSubstr("kasumi.toml: calibration = "));
-    EXPECT_THAT(outcome.words, HasSubstr(part));
-    EXPECT_THAT(outcome.words, Not(HasSubstr("is missing: expected a"))) << "what it would have supplied is not listed";
-    EXPECT_THAT(outcome.words, Not(HasSubstr("altitude_m")));
+    EXPECT_THAT(outcome.output, HasSubstr("kasumi.toml: calibration = "));
+    EXPECT_THAT(outcome.output, HasSubstr(part));
+    EXPECT_THAT(outcome.output, Not(HasSubstr("is missing: expected a")))
+        << "what it would have supplied is not listed";
+    EXPECT_THAT(outcome.output, Not(HasSubstr("altitude_m")));
   };
   refused_with("an existing file");
   ASSERT_TRUE(write_text_file(file, "[sky]\nwidth = 3\n"));
@@ -199,7 +200,7 @@ TEST(CalibrationAdopted, AWrongValueIsReportedWithItsFile) {
   ASSERT_TRUE(write_text_file(file, text));
   const auto outcome = check(config);
   EXPECT_EQ(outcome.code, 78);
-  EXPECT_THAT(outcome.words, HasSubstr("measured/calibration.toml: sky.lens.focal_px = -15.5"));
+  EXPECT_THAT(outcome.output, HasSubstr("measured/calibration.toml: sky.lens.focal_px = -15.5"));
 }
 
 }  // namespace

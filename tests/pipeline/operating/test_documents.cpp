@@ -25,17 +25,17 @@ std::vector<std::string> words_of(const std::string& line) {
 
 // Commands that a document tells readers to type: the lines of its indented blocks, joined where they end in a
 // backslash, and `kasumi ...` in its sentences.
-std::vector<std::string> told_in(std::string document) {
+std::vector<std::string> commands_in(std::string document) {
   static const std::regex kContinued(R"(\\\n *)"), kBreak(R"(\n *)"), kTyped(R"(`((?:build/)?kasumi [a-z][^`]*)`)");
   document = std::regex_replace(document, kContinued, "");
-  std::vector<std::string> told;
+  std::vector<std::string> commands;
   std::istringstream stream(document);
   for (std::string line; std::getline(stream, line);)
-    if (line.starts_with("    ")) told.push_back(line.substr(4, line.find(" # ") - 4));
+    if (line.starts_with("    ")) commands.push_back(line.substr(4, line.find(" # ") - 4));
   document = std::regex_replace(document, kBreak, " ");
   for (std::sregex_iterator typed(document.begin(), document.end(), kTyped), last; typed != last; ++typed)
-    told.push_back((*typed)[1]);
-  return told;
+    commands.push_back((*typed)[1]);
+  return commands;
 }
 
 // "calibrate sky" of "sudo build/kasumi calibrate sky RECORDING --out FILE"; empty for other programs.
@@ -65,7 +65,7 @@ TEST(Documents, MentionOnlyOptionsOfTheProgram) {
     if (entry.path().extension() == ".md") documents.push_back(entry.path());
   int commands = 0;
   for (const auto& document : documents) {
-    for (const auto& line : told_in(read_text_file(document).value())) {
+    for (const auto& line : commands_in(read_text_file(document).value())) {
       const auto command = command_of(line);
       if (command.empty()) continue;
       ++commands;
@@ -97,7 +97,7 @@ std::vector<std::string> subcommands_of(const std::string& command) {
 
 TEST(Documents, ShowAnExampleOfEveryCommandOnThePageOfCommands) {
   std::set<std::string> shown{"calibrate"};  // by its steps
-  for (const auto& line : told_in(read_text_file(source_folder() / "docs/commands.md").value()))
+  for (const auto& line : commands_in(read_text_file(source_folder() / "docs/commands.md").value()))
     shown.insert(command_of(line));
   const auto commands = subcommands_of("");
   EXPECT_GE(commands.size(), 10u) << "the help was not read";

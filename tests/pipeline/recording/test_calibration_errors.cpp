@@ -86,7 +86,7 @@ std::vector<double> numbers_of(const std::string& toml, const std::string& table
 }
 
 struct Mistake {
-  std::string camera, words;
+  std::string camera, description;
   std::function<std::string(const std::string&)> of;  // fixture.toml with it
   // Limits for the accuracy that kasumi calibrate reaches: largest change of T, of the building (levels of 255) and of
   // its position.
@@ -97,8 +97,8 @@ struct Mistake {
 };
 
 Mistake plus(const std::string& camera, const std::string& table, const std::string& key, double by,
-             const std::string& words, std::optional<Mistake::Limit> limit = {}) {
-  return {camera, words,
+             const std::string& description, std::optional<Mistake::Limit> limit = {}) {
+  return {camera, description,
           [=](const std::string& toml) {
             return edited(toml, table, {key}, fmt::format("{} = {:.10f}\n", key, number_of(toml, table, key) + by));
           },
@@ -107,8 +107,9 @@ Mistake plus(const std::string& camera, const std::string& table, const std::str
 
 // A list, each value multiplied by its factor.
 Mistake times(const std::string& camera, const std::string& table, const std::string& key,
-              const std::vector<double>& factors, const std::string& words, std::optional<Mistake::Limit> limit = {}) {
-  return {camera, words,
+              const std::vector<double>& factors, const std::string& description,
+              std::optional<Mistake::Limit> limit = {}) {
+  return {camera, description,
           [=](const std::string& toml) {
             auto values = numbers_of(toml, table, key);
             std::string list;
@@ -120,8 +121,8 @@ Mistake times(const std::string& camera, const std::string& table, const std::st
 }
 
 // A sky camera that looks straight up, tilted by this angle.
-Mistake tilted(double by_deg, const std::string& words, std::optional<Mistake::Limit> limit = {}) {
-  return {"sky", words,
+Mistake tilted(double by_deg, const std::string& description, std::optional<Mistake::Limit> limit = {}) {
+  return {"sky", description,
           [=](const std::string& toml) {
             const double up = number_of(toml, "sky", "azimuth_up_deg");
             return edited(
@@ -132,9 +133,9 @@ Mistake tilted(double by_deg, const std::string& words, std::optional<Mistake::L
 }
 
 // sRGB followed by a power: the effect of a wrong response curve on light.
-Mistake bent(const std::string& camera, double power, const std::string& words,
+Mistake bent(const std::string& camera, double power, const std::string& description,
              std::optional<Mistake::Limit> limit = {}) {
-  return {camera, words,
+  return {camera, description,
           [=](const std::string& toml) {
             std::string table;
             for (int i = 0; i < 256; ++i) {
@@ -149,9 +150,9 @@ Mistake bent(const std::string& camera, double power, const std::string& words,
 }
 
 // Filters whose bell curves are shifted by this many nm from the camera's.
-Mistake other_filters(const std::string& camera, double by_nm, const std::string& words) {
+Mistake other_filters(const std::string& camera, double by_nm, const std::string& description) {
   return {camera,
-          words,
+          description,
           [=](const std::string& toml) {
             const auto path = test_folder(fmt::format("filters-{:+.0f}.csv", by_nm));
             std::string csv = "nm,r,g,b\n";
@@ -168,11 +169,11 @@ Mistake other_filters(const std::string& camera, double by_nm, const std::string
           {}};
 }
 
-Mistake without(const std::string& camera, const std::string& table, const std::string& words) {
-  return {camera, words, [=](const std::string& toml) { return taken_out(toml, table); }, {}};
+Mistake without(const std::string& camera, const std::string& table, const std::string& description) {
+  return {camera, description, [=](const std::string& toml) { return taken_out(toml, table); }, {}};
 }
-Mistake without_key(const std::string& camera, const std::string& key, const std::string& words) {
-  return {camera, words, [=](const std::string& toml) { return edited(toml, camera, {key}, ""); }, {}};
+Mistake without_key(const std::string& camera, const std::string& key, const std::string& description) {
+  return {camera, description, [=](const std::string& toml) { return edited(toml, camera, {key}, ""); }, {}};
 }
 
 std::vector<Mistake> mistakes() {
@@ -335,12 +336,12 @@ TEST(CalibrationErrors, OfTheSizeThatCalibrateReachesAreInvisible) {
   std::erase_if(limited, [](const Mistake& one) { return !one.limit; });
   for (const Mistake& mistake : figure_cases("mistakes", limited, mistakes())) {
     const Effect noon = high.of(mistake), evening = low.of(mistake);
-    fmt::print("| {} | {} | {} | {} |\n", mistake.camera, mistake.words, text_of(noon), text_of(evening));
+    fmt::print("| {} | {} | {} | {} |\n", mistake.camera, mistake.description, text_of(noon), text_of(evening));
     if (!mistake.limit) continue;
     for (const Effect& effect : {noon, evening}) {
-      EXPECT_LE(std::abs(effect.turbidity), mistake.limit->turbidity) << mistake.camera << " " << mistake.words;
-      EXPECT_LE(effect.levels, mistake.limit->levels) << mistake.camera << " " << mistake.words;
-      EXPECT_LE(effect.shift_m, mistake.limit->shift_m) << mistake.camera << " " << mistake.words;
+      EXPECT_LE(std::abs(effect.turbidity), mistake.limit->turbidity) << mistake.camera << " " << mistake.description;
+      EXPECT_LE(effect.levels, mistake.limit->levels) << mistake.camera << " " << mistake.description;
+      EXPECT_LE(effect.shift_m, mistake.limit->shift_m) << mistake.camera << " " << mistake.description;
     }
   }
 }
