@@ -157,7 +157,7 @@ TEST(ConfigTable, ItsOwnKeysOverrideAdoptedOnesKeyByKey) {
   EXPECT_EQ(table.integer("width"), 480);
   EXPECT_FALSE(table.has("heading_deg"));
   EXPECT_EQ(table.table("lens").text("model"), "a");
-  EXPECT_FALSE(table.table("lens").has("focal_px")) << "a lens is one thing: it is not mixed";
+  EXPECT_FALSE(table.table("lens").has("focal_px")) << "a lens is taken as a whole, never mixed";
 }
 
 TEST(ConfigTable, ProblemsNameTheFileOfTheWrongValue) {

@@ -499,7 +499,7 @@ TEST(Reopening, ARecordingPlaysOnDuringAnOutageAndResumesAtTheRightTime) {
     disconnects += frame.error().kind == FaultKind::disconnected;
   }
   EXPECT_EQ(disconnects, 1);
-  EXPECT_EQ(sequences.size(), 149u) << "none is lost";
+  EXPECT_EQ(sequences.size(), 149u) << "no frame is lost";
   EXPECT_EQ(sequences.back(), 249u);
   EXPECT_LE(source->health().last_outage, 4040ms + 250ms);
   EXPECT_THAT(source->health().reopened, ElementsAre(Pair("unplugged", 1)));

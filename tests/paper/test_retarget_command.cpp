@@ -94,7 +94,7 @@ TEST_F(RetargetCommand, ShowsTheSceneAsItIsInThatAir) {
 TEST_F(RetargetCommand, FindsTheLightFromInfinityByTheSkyModel) {
   const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 1.9 --out {}", known(), in_folder("same.png")));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_LE(mean_difference(read("same.png"), read("source.png")), 0.01) << "the same air leaves the picture alone";
+  EXPECT_LE(mean_difference(read("same.png"), read("source.png")), 0.01) << "the same air leaves the picture unchanged";
 }
 
 TEST_F(RetargetCommand, MakesAFolderASheetAndAFilmOfSeveralAirs) {

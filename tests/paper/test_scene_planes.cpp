@@ -49,7 +49,7 @@ TEST(ScenePlanes, TheNearestOfGroundAndWallsIsTaken) {
   };
   EXPECT_NEAR(distances.at(100, 45), 3500.0 * along(100, 45), 0.1);
   EXPECT_NEAR(distances.at(20, 45), 200.0 * along(20, 45), 0.01) << "the house, azimuth -16 deg";
-  EXPECT_NEAR(distances.at(180, 45), 3500.0 * along(180, 45), 0.1) << "to the right there is none";
+  EXPECT_NEAR(distances.at(180, 45), 3500.0 * along(180, 45), 0.1) << "no house to the right";
   // The house's top is 10 m / 200 m of the focal length above the horizon, the ridge at 300 / 3500.
   const int roof = 50 - static_cast<int>(std::ceil(kFocal_px * 10.0 / 200.0));
   EXPECT_NEAR(distances.at(20, roof - 1), 3500.0 * along(20, roof - 1), 0.1);

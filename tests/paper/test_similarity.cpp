@@ -54,7 +54,7 @@ TEST(HsvCorrelation, OfTwoSingleColoursIsThatOfTwoOccupiedBins) {
   const Image<Rgb8> red(16, 16, Rgb8(200, 0, 0)), green(16, 16, Rgb8(0, 100, 0));
   const auto found = hsv_correlation(red, green);
   EXPECT_NEAR(found.hue, -1.0 / 29.0, 1e-6);
-  EXPECT_NEAR(found.saturation, 1.0, 1e-9) << "both are pure";
+  EXPECT_NEAR(found.saturation, 1.0, 1e-9) << "both are pure colours";
   EXPECT_NEAR(found.value, -1.0 / 31.0, 1e-6);
 }
 

@@ -390,7 +390,7 @@ TEST_F(V4l2, AFailureAtAnyStepOfOpeningLeavesNothingBehind) {
     EXPECT_EQ(camera_->mapped(), 0);
     EXPECT_FALSE(camera_->allocated());
     EXPECT_EQ(open_descriptors(), before);
-    EXPECT_TRUE(open(request())) << "and it works the next time";
+    EXPECT_TRUE(open(request())) << "opening works the next time";
   }
 }
 
@@ -418,7 +418,7 @@ TEST_F(V4l2, FlaggedEmptyAndShortFramesReportTheirStatusAndTheStreamContinues) {
   for (std::uint32_t i = 0; i < 40; ++i) {
     const auto frame = next(*source);
     ASSERT_TRUE(frame) << frame.error().message;
-    EXPECT_EQ(frame->metadata.sequence, i) << "every buffer went back";
+    EXPECT_EQ(frame->metadata.sequence, i) << "every buffer was requeued";
     EXPECT_EQ(frame->metadata.status, expected[i % 4]) << i;
   }
 }

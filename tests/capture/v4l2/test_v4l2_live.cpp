@@ -138,7 +138,7 @@ TEST_F(V4l2Live, PlanesInSeparateMemoriesGiveTheSamePictureAsInOne) {
     auto device = open_video_device(options_.device);
     ASSERT_TRUE(device) << device.error().message;
     auto source = open_v4l2_source(std::make_unique<SeveralPlanesOnly>(std::move(*device)), options_, clock_);
-    if (!source) GTEST_SKIP() << "offers no format of several memory planes: " << source.error().message;
+    if (!source) GTEST_SKIP() << "offers no format with several memory planes: " << source.error().message;
     const auto gathered = (*source)->next(clock_.now() + 4s);
     ASSERT_TRUE(gathered) << gathered.error().message;
     ASSERT_EQ(gathered->metadata.status, FrameStatus::good);

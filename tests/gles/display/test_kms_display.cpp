@@ -39,7 +39,7 @@ class KmsRig : public testing::Test {
     const Instant start = clock_.now();
     Result<std::uint64_t> shown = 0u;
     while ((shown || shown.error().kind == FaultKind::timeout) && clock_.now() < start + 10s) shown = show();
-    if (shown) return fail(FaultKind::bad_input, "the display never complained");
+    if (shown) return fail(FaultKind::bad_input, "the display never reported a fault");
     return shown;
   }
   // Shows pictures, reopening the display as the appliance does, until one is on the screen; returns how long that
@@ -186,7 +186,7 @@ TEST_F(KmsRig, NeverWaitsBeyondItsDeadline) {
   ASSERT_FALSE(late);
   EXPECT_EQ(late.error().kind, FaultKind::timeout);
   EXPECT_EQ(clock_.now(), before + 5ms);
-  EXPECT_EQ(display_->show().error().kind, FaultKind::timeout) << "nothing to draw into yet";
+  EXPECT_EQ(display_->show().error().kind, FaultKind::timeout) << "there is no draw target yet";
   card_.stuck = false;
   EXPECT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
 }
@@ -224,7 +224,7 @@ TEST_F(KmsRig, Row16AStuckDriverIsReopened) {
   EXPECT_EQ(display_->counts().flip_timeouts, 2u);
   EXPECT_EQ(card_.count("restore"), 0);
   display_.reset();
-  EXPECT_EQ(card_.count("restore"), 0) << "what hangs is left alone";
+  EXPECT_EQ(card_.count("restore"), 0) << "a hung driver is not touched again";
   card_.stuck = false;
   std::printf("row 16, flips never complete: picture %.0f ms after reopening\n", ms(recover()));
 }
@@ -257,7 +257,7 @@ TEST_F(KmsRig, Row16ALostMasterIsReported) {
   EXPECT_EQ(shown.error().kind, FaultKind::device);
   EXPECT_THAT(shown.error().message, AllOf(HasSubstr("DRM master"), HasSubstr("Xorg (pid 812)")));
   display_.reset();
-  EXPECT_EQ(card_.count("restore"), 0) << "the screen is another's";
+  EXPECT_EQ(card_.count("restore"), 0) << "the screen belongs to another program";
   const auto again = open();
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().kind, FaultKind::device);

@@ -53,7 +53,7 @@ class KmsScreen : public testing::TestWithParam<bool> {
     auto display = open_kms_display(options(), clock_);
     if (display) return;
     if (std::getenv("KASUMI_KMS_DEVICE") != nullptr) FAIL() << display.error().message;
-    GTEST_SKIP() << "no screen of our own here: " << display.error().message;
+    GTEST_SKIP() << "no unused screen here: " << display.error().message;
   }
   std::unique_ptr<Display> open(std::shared_ptr<KmsSystem> system = open_kms_system()) {
     auto display = open_kms_display(options(), clock_, std::move(system));

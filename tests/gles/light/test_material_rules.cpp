@@ -221,7 +221,7 @@ TEST_F(MaterialRules, LeavesStayVisibleAtADistance) {
 
 TEST_F(MaterialRules, AFlatRoofKeepsItsStripes) {
   if (info().software || !info().has("GL_EXT_texture_filter_anisotropic"))
-    GTEST_SKIP() << info().renderer << " filters all ways alike";
+    GTEST_SKIP() << info().renderer << " filters isotropically only";
   // Stripes that run away from the camera on ground seen at 5 degrees. Isotropic filtering would make them a uniform
   // grey.
   ReferenceScene scene = box_scene();

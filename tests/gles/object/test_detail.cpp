@@ -74,7 +74,7 @@ TEST_F(Detail, WeightsHaveTheGaussiansVarianceHoweverNarrow) {
       EXPECT_LT(weights[i], weights[i - 1]);
     }
     EXPECT_NEAR(sum, 1.0, 1e-12);
-    EXPECT_NEAR(variance, sigma * sigma, 0.012 * sigma * sigma) << "3.5 deviations are kept";
+    EXPECT_NEAR(variance, sigma * sigma, 0.012 * sigma * sigma) << "the kernel covers 3.5 deviations";
   }
 }
 

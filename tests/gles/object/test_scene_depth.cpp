@@ -103,7 +103,7 @@ TEST_F(SceneDepths, GiveASlantedEdgeWithoutSteps) {
     }
   EXPECT_LE(worst, 0.4) << "of a pixel's coverage; all or nothing misses by half";
   EXPECT_LE(std::sqrt(square / count), 0.75 * std::sqrt(hard_square / count)) << "compared with all or nothing";
-  EXPECT_NEAR(mean / count, 0.0, 0.02) << "the edge must stay in its place";
+  EXPECT_NEAR(mean / count, 0.0, 0.02) << "the edge must not shift";
 }
 
 TEST_F(SceneDepths, LetTheObjectStandInSlopingGround) {

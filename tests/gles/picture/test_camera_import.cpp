@@ -23,7 +23,7 @@ class CameraImports : public GlesTest {
     GlesTest::SetUp();
     if (IsSkipped()) return;
     for (const char* needed : {"GL_OES_EGL_image", "GL_OES_EGL_image_external", "GL_EXT_texture_rg"})
-      if (!info().has(needed)) GTEST_SKIP() << needed << " is missing, of which the test's images are made";
+      if (!info().has(needed)) GTEST_SKIP() << needed << " is missing, which the test's images need";
   }
   RendererOptions with_test_images() {
     RendererOptions options;
@@ -116,7 +116,7 @@ TEST_F(CameraImports, ForgetTheBuffersOfADisconnectedCamera) {
   EXPECT_EQ(calls_.destroyed, 0) << "the last picture may be shown on";
   for (int frame = 0; frame < 40; ++frame)
     ASSERT_OK(renderer.import_frame(second[static_cast<std::size_t>(frame % 4)]->picture));
-  EXPECT_EQ(calls_.destroyed, 4) << "forgotten by themselves when others come";
+  EXPECT_EQ(calls_.destroyed, 4) << "dropped automatically when other buffers arrive";
   EXPECT_EQ(calls_.made.size(), 8u);
 }
 
@@ -151,7 +151,7 @@ TEST_F(CameraImports, AreNotRetriedAfterARefusal) {
 }
 
 TEST_F(CameraImports, AreNotAttemptedOnDriversThatMayCrash) {
-  if (!info().software) GTEST_SKIP() << info().renderer << " is no software";
+  if (!info().software) GTEST_SKIP() << info().renderer << " is not a software renderer";
   RendererOptions options = with_test_images();
   options.import_on_software = false;
   Renderer renderer = make_renderer(options);

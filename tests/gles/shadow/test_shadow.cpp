@@ -114,7 +114,7 @@ TEST_F(Shadow, PackedDepthEqualsTheDriversDepth) {
   int others = 0;
   for (std::size_t i = 0; i < depth.elements().size(); ++i)
     for (int c = 0; c < 4; ++c) others += std::abs(depth.elements()[i][c] - packed.elements()[i][c]) > 0.002f ? 1 : 0;
-  EXPECT_LE(others, 4) << "values that differ by more than .002: a depth within a float's last bit of a surface";
+  EXPECT_LE(others, 4) << "values that differ by more than .002: depths within a float's last bit of a surface";
 }
 
 TEST_F(Shadow, OfMaskedMaterialHasItsHoles) {

@@ -28,7 +28,7 @@ TEST(Appliance, TheStillAppearsFirstAndThePictureFollows) {
   rig.advance(100ms);
   EXPECT_TRUE(rig.shows_still());
   EXPECT_EQ(rig.trouble(), Trouble::starting);
-  EXPECT_EQ(rig.notifier.readies, 1) << "the start picture is a picture";
+  EXPECT_EQ(rig.notifier.readies, 1) << "the start picture counts as a picture";
   rig.devices.scene.silent = false;
   EXPECT_TRUE(rig.recover("start", 2s));
   EXPECT_EQ(rig.notifier.readies, 1);

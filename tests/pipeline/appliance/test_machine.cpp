@@ -28,7 +28,7 @@ TEST(Appliance, Row15WithoutADisplayAtBootItWaitsAndIsNotReady) {
   rig.advance(30s);
   EXPECT_EQ(rig.notifier.readies, 0);
   EXPECT_GT(rig.notifier.extensions, 1) << "the service manager is asked for more time";
-  EXPECT_GE(rig.notifier.alives, 25) << "a television that is off is no reason to restart";
+  EXPECT_GE(rig.notifier.alives, 25) << "a television that is switched off is no reason to restart";
   EXPECT_FALSE(rig.status().render.display.up);
   rig.devices.display.unplugged = false;
   EXPECT_TRUE(rig.recover("15 no display at boot, then one", 3s));
@@ -158,7 +158,7 @@ TEST(Appliance, Row18ALostCameraDoesNotStarveTheWatchdog) {
   rig->advance(10s);
   const auto alives = rig->notifier.alives;
   rig->advance(60s);
-  EXPECT_GE(rig->notifier.alives, alives + 50) << "still pictures are pictures";
+  EXPECT_GE(rig->notifier.alives, alives + 50) << "a still picture counts as a picture";
 }
 
 TEST(Appliance, Row18AStuckDisplayDoesNotFeedTheWatchdog) {
@@ -351,7 +351,7 @@ TEST(Appliance, AnotherCameraIsOpenedInsteadOfTheOldOne) {
   rig->hang_up();
   rig->advance(100ms);
   EXPECT_TRUE(rig->recover("reload with another scene camera", 3s));
-  EXPECT_EQ(rig->status().scene_camera.health.opened, 1u) << "of the new one";
+  EXPECT_EQ(rig->status().scene_camera.health.opened, 1u) << "of the new camera";
 }
 
 TEST(Appliance, TheStatusFileHasEveryDocumentedKey) {

@@ -97,7 +97,8 @@ TEST_F(LocalHours, TheWallClockChangesInSpringAndAutumn) {
   EXPECT_EQ(opens(March / 29 / 2026), 7h);
   EXPECT_EQ(opens(October / 24 / 2026), 7h);
   EXPECT_EQ(opens(October / 25 / 2026), 8h);
-  EXPECT_EQ(open_minutes(opening, sys_days(January / 1 / 2026), 24h * 365).count, 365 * 8 * 60) << "as long every day";
+  EXPECT_EQ(open_minutes(opening, sys_days(January / 1 / 2026), 24h * 365).count, 365 * 8 * 60)
+      << "the same length every day";
 }
 
 TEST_F(LocalHours, ASkippedHourIsNotOpenAndARepeatedHourCountsTwice) {

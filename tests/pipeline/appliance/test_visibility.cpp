@@ -114,7 +114,7 @@ TEST_F(VisibilityCommand, IsReportedNextToTheSkysOwnAndNotMixedWithIt) {
   EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "disagrees") << json["landmarks"]["sky"].dump();
   EXPECT_GT(json["landmarks"]["sky"]["sigmas"].get<double>(), 3.0);
   json.erase("landmarks");
-  EXPECT_EQ(json, nlohmann::json::parse(alone.out)) << "what the sky says stays as it is";
+  EXPECT_EQ(json, nlohmann::json::parse(alone.out)) << "the sky's estimate is unchanged";
 }
 
 TEST_F(VisibilityCommand, ReportsAllProblemsOfTheLandmarks) {
@@ -199,7 +199,7 @@ TEST_F(VisibilityLoopTest, ALastingDisagreementIsReportedUntilItEnds) {
   set_sky(2.0);
   for (int i = 0; i < 4; ++i) supply_picture(6.0);
   EXPECT_EQ(reported()["agreement"], "disagrees");
-  EXPECT_EQ(reported()["finding"], false) << "not for what passes";
+  EXPECT_EQ(reported()["finding"], false) << "not for a passing disagreement";
   supply_picture(6.0);
   EXPECT_EQ(reported()["finding"], true);
   EXPECT_THAT(reported()["words"].get<std::string>(), HasSubstr("standard deviations apart"));

@@ -130,7 +130,7 @@ TEST(Record, FramesAreThinnedToTheInterval) {
   const auto summary = record_kiosk(request);
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_GE(summary->scene.rows, 2);
-  EXPECT_LE(summary->scene.rows, 4) << "at 0, 0.5, 1.0 and perhaps 1.5 s";
+  EXPECT_LE(summary->scene.rows, 4) << "at 0, 0.5, 1.0 and possibly 1.5 s";
 }
 
 TEST(Record, ItEndsBeforeItsBytesAreExceeded) {
