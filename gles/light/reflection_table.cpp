@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kMinRoughness = 1e-3;  // avoids division by zero; a mirror's integrals stay valid
+constexpr double kMinRoughness = 1e-3;  // a mirror: its samples coincide, and the integrals stay valid
 
 }  // namespace
 
