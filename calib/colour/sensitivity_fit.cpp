@@ -116,9 +116,9 @@ Information information_of(std::span<const SkyColour> colours, const DaylightRes
     Eigen::Matrix<double, 2, 8> slope = Eigen::Matrix<double, 2, 8>::Zero();
     for (int k = 0; k < 2; ++k) {
       for (const auto& [channel, sign] : {std::pair{kAgainstGreen[static_cast<std::size_t>(k)], 1.0}, {1, -1.0}}) {
-        const double seen = std::exp(log_response(daylight, channel, spectrum));
-        slope(k, 2 * channel) = sign * spectrum.m1 / seen;
-        slope(k, 2 * channel + 1) = sign * spectrum.m2 / seen;
+        const double response = std::exp(log_response(daylight, channel, spectrum));
+        slope(k, 2 * channel) = sign * spectrum.m1 / response;
+        slope(k, 2 * channel + 1) = sign * spectrum.m2 / response;
       }
       slope(k, 6 + k) = 1.0;
     }
@@ -137,10 +137,10 @@ Eigen::Matrix<double, 8, kUnknowns> slopes_of(const std::array<BandCurve, 3>& cu
   Eigen::Matrix<double, 8, kUnknowns> slopes = Eigen::Matrix<double, 8, kUnknowns>::Zero();
   for (int c = 0; c < 3; ++c) {
     const BandCurve s0 = daylight_sums().col(0);
-    const double seen = s0.dot(curves[static_cast<std::size_t>(c)]);
+    const double base = s0.dot(curves[static_cast<std::size_t>(c)]);
     for (int k = 0; k < 2; ++k)
       slopes.block<1, kBands>(2 * c + k, c * kBands) =
-          (daylight_sums().col(k + 1) - daylight[2 * c + k] * s0).transpose() / seen;
+          (daylight_sums().col(k + 1) - daylight[2 * c + k] * s0).transpose() / base;
   }
   slopes(6, 3 * kBands) = slopes(7, 3 * kBands + 1) = 1.0;
   return slopes;
@@ -283,10 +283,10 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
 std::vector<SkyColour> seen_by(const SpectralSensitivity& sensitivity, std::span<const SkyColour> colours,
                                std::span<const glm::dvec2> left) {
   const auto daylight = daylight_response_of(curves_of(sensitivity));
-  std::vector<SkyColour> seen(colours.begin(), colours.end());
-  for (std::size_t i = 0; i < seen.size(); ++i)
-    seen[i].log_ratio = log_ratios(daylight, seen[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
-  return seen;
+  std::vector<SkyColour> result(colours.begin(), colours.end());
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i].log_ratio = log_ratios(daylight, result[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
+  return result;
 }
 
 std::string csv_of(const SpectralSensitivity& sensitivity, const std::string& comment) {

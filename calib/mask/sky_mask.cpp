@@ -101,10 +101,10 @@ Terms terms_of(const glm::dvec3& d) {
 // ln of light over that sky, in green and blue together (leaves and roofs have little blue).
 Image<float> against_sky(const Typical& typical, const View& view) {
   const int width = view.direction.width(), height = view.direction.height();
-  Image<float> seen(width, height, 0.0F);
-  for (std::size_t i = 0; i < seen.elements().size(); ++i) {
+  Image<float> log_light(width, height, 0.0F);
+  for (std::size_t i = 0; i < log_light.elements().size(); ++i) {
     const auto& light = typical.light.elements()[i];
-    seen.elements()[i] = 0.5F * (std::log(std::max(light.g, 1e-5F)) + std::log(std::max(light.b, 1e-5F)));
+    log_light.elements()[i] = 0.5F * (std::log(std::max(light.g, 1e-5F)) + std::log(std::max(light.b, 1e-5F)));
   }
   Terms sky = Terms::Zero();
   Image<float> against(width, height, 0.0F);
@@ -121,14 +121,14 @@ Image<float> against_sky(const Typical& typical, const View& view) {
         const auto& d = view.direction.at(x, y);
         if (d.z < lowest) continue;
         const auto terms = terms_of(d);
-        const double left = static_cast<double>(seen.at(x, y)) - (round == 0 ? 0.0 : sky.dot(terms));
+        const double left = static_cast<double>(log_light.at(x, y)) - (round == 0 ? 0.0 : sky.dot(terms));
         if (round > 0) off.push_back(left);
         // Obstructions are darker than the sky; clouds and the sun's surroundings are brighter.
         const double u = round == 0 ? 0.0 : left / (kTukeyReach * scatter * (left < 0.0 ? 0.7 : 1.3));
         if (std::abs(u) >= 1.0) continue;
         const double weight = tukey_weight(u) * std::max(d.z, 0.1);
         matrix += weight * terms * terms.transpose();
-        pull += weight * terms * static_cast<double>(seen.at(x, y));
+        pull += weight * terms * static_cast<double>(log_light.at(x, y));
       }
     sky = matrix.ldlt().solve(pull);
     if (round > 0) scatter = std::clamp(robust_sigma(std::move(off)), 0.03, 0.3);
@@ -136,7 +136,7 @@ Image<float> against_sky(const Typical& typical, const View& view) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       if (up(view.direction.at(x, y)))
-        against.at(x, y) = seen.at(x, y) - static_cast<float>(sky.dot(terms_of(view.direction.at(x, y))));
+        against.at(x, y) = log_light.at(x, y) - static_cast<float>(sky.dot(terms_of(view.direction.at(x, y))));
   return against;
 }
 
