@@ -46,7 +46,8 @@ Image<float> metres_of(const cv::Mat& map, double step_m) {
 Image<float> read_distance_map(const ConfigTable& scene, int width, int height) {
   const auto path = scene.optional_file("depth_map");
   const double step_m = scene.number("depth_step_m", {1e-3, 1e3}, 0.0);
-  if (!path && scene.has("depth_step_m")) scene.problem("depth_step_m", "it beside depth_map, whose steps it measures");
+  if (!path && scene.has("depth_step_m"))
+    scene.problem("depth_step_m", "it together with depth_map, whose steps it measures");
   std::error_code error;
   if (!path || !std::filesystem::is_regular_file(*path, error)) return {};
 

@@ -60,7 +60,7 @@ struct ScenePose {
   std::vector<std::string> undetermined;  // for people: what the landmarks leave undetermined or unchecked
 };
 
-// One landmark will do beside two points of the horizon, which level the camera. Every pair of landmarks is tried as a
+// One landmark is enough with two points of the horizon, which level the camera. Every pair of landmarks is tried as a
 // start, so none is needed and a wrong landmark does no harm; then least squares
 // (Ceres) over all that agree, in which whatever the rest contradicts (studentised residual beyond the 99.9 % bound,
 // Baarda's data snooping) is dropped, the worst first. Deterministic.

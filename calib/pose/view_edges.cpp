@@ -42,7 +42,7 @@ double mean_of(const Image<float>& light) {
   return std::max(1e-9, sum / static_cast<double>(light.elements().size()));
 }
 
-// Along the normal, the mean over five lines beside each other. Empty: out of the picture, or no step.
+// Along the normal, the mean over five parallel lines. Empty: out of the picture, or no step.
 std::optional<Step> measure(const Image<float>& light, const glm::dvec2& pixel, const glm::dvec2& normal) {
   const double margin = kReach + 4.0;
   if (!(pixel.x > margin && pixel.y > margin && pixel.x < light.width() - 1 - margin &&

@@ -195,7 +195,7 @@ Result<int> calibrate(const ColourArguments& arguments) {
   if (camera && fixture)
     for (const auto& [name, space] :
          {std::pair{std::string("sky"), camera->colour_space},
-          {arguments.camera, arguments.camera == "sky" ? Camera::ColourSpace::sensor  // has been looked at
+          {arguments.camera, arguments.camera == "sky" ? Camera::ColourSpace::sensor  // checked above
                                                        : fixture->installation.scene.colour_space}})
       if (space != Camera::ColourSpace::sensor)
         problems.add(
