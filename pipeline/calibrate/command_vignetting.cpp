@@ -135,7 +135,7 @@ Result<int> calibrate(const VignettingArguments& arguments) {
   Measured measured{
       "vignetting",
       now,
-      fmt::format("the clear sky in {} of {} pictures of the recording {}, {} to {}, the sun's way {:.0f} "
+      fmt::format("the clear sky in {} of {} pictures of the recording {}, {} to {}, the sun's path {:.0f} "
                   "deg",
                   found->pictures, sky->moments.size(), fixture->info.name, utc_text(sky->read.first),
                   utc_text(sky->read.last), to_degrees(way)),
