@@ -66,12 +66,13 @@ class ConfigTable {
   // Marks a key, and everything below it, as read elsewhere.
   void ignore(std::string_view key) const;
 
-  // For the root, before its tables are read: adds to [TABLE] each key that only the other file's [TABLE] has. Of keys
-  // that are alternatives to each other (`rivals`), none is added when one is already here. Problems with an added key
-  // then name the file it came from, and file names in it are relative to that file's folder.
+  // For the root, before its tables are read: adds to [TABLE] each key that only the other file's [TABLE] has. A key is
+  // added or left out as a whole; tables within [TABLE] are not merged. Of keys that are alternatives to each other
+  // (`rivals`), none is added when one is already here. Problems with an added key then name the file it came from, and
+  // file names in it are relative to that file's folder.
   struct Adopted {
     std::vector<std::string> gained;     // full keys
-    std::vector<std::string> overruled;  // the other file has them too; this file's values (equal or not) win
+    std::vector<std::string> overruled;  // left out, because this file has the key (equal or not) or a rival
   };
   using Rivals = std::vector<std::set<std::string, std::less<>>>;
   Adopted adopt(const ConfigTable& other, std::string_view table, const Rivals& rivals = {}) const;
@@ -87,8 +88,8 @@ class ConfigTable {
   // The keys read so far, in full ("sky.lens.focal_px"); for file names, also the path that was tried.
   std::set<std::string> keys_asked() const;
   std::map<std::string, std::filesystem::path> files_asked() const;
-  // The given tables and lists of tables of the root as TOML text. `changes` replaces a table, by full key, with
-  // another text; nullopt drops the key and everything below it.
+  // The given tables and lists of tables of the root as TOML text. `changes` replaces the values of keys in the tables,
+  // by full key, with texts; nullopt drops the key and everything below it.
   std::string copy_of(std::initializer_list<std::string_view> tables,
                       const std::map<std::string, std::optional<std::string>>& changes) const;
 

@@ -14,7 +14,7 @@ namespace kasumi {
 
 namespace {
 
-std::filesystem::path beside(const std::filesystem::path& path) {
+std::filesystem::path temporary_name(const std::filesystem::path& path) {
   auto name = path.filename();
   auto stem = name.stem().string();
   return path.parent_path() / fmt::format(".{}.{}.part{}", stem, ::getpid(), name.extension().string());
@@ -40,7 +40,7 @@ Result<std::string> read_text_file(const std::filesystem::path& path) {
 
 Result<> replace_file(const std::filesystem::path& path,
                       const std::function<Result<>(const std::filesystem::path&)>& write) {
-  const auto temporary = beside(path);
+  const auto temporary = temporary_name(path);
   std::error_code error;
   if (auto written = write(temporary); !written) {
     std::filesystem::remove(temporary, error);

@@ -40,7 +40,7 @@ tl::unexpected<Fault> fail(FaultKind kind, fmt::format_string<Args...> format, A
   return tl::unexpected<Fault>(Fault{kind, fmt::format(format, std::forward<Args>(args)...)});
 }
 
-// Collects all problems of an input, so that a person sees them at once.
+// Collects all problems of an input, so that a person sees all of them together.
 class Problems {
  public:
   template <class... Args>

@@ -1,5 +1,5 @@
-// Encoded levels from which a channel counts as saturated. Scaling, demosaicing and noise mix saturated pixels into
-// neighbours just below the last code, so each use needs its own margin.
+// Encoded levels from which a channel counts as saturated. Scaling, demosaicing and noise leave partly saturated pixels
+// just below the last code, so each use needs its own margin.
 #pragma once
 
 namespace kasumi {
@@ -7,7 +7,7 @@ namespace kasumi {
 // Of 0..1.
 constexpr double kSaturated =
     0.98;  // in an exposure stack: other exposures cover for it, so a wide margin costs nothing
-constexpr double kSaturatedSky = 0.985;  // sky picture, whose elements are means of pixels: any channel
+constexpr double kSaturatedSky = 0.985;  // sky picture
 constexpr double kSaturatedSun = 0.97;   // the dimmest channel of the sun's core
 constexpr double kSaturatedBox =
     254.5 / 255.0;  // landmarks' boxes: only the last code, since a few saturated pixels are tolerable

@@ -16,7 +16,7 @@ struct AdoptedCalibration {
   std::vector<std::string> overruled;  // of them the file naming it says something itself
 };
 
-// For a root, before its tables are read. `calibration = "FILE"` is looked for beside it; [site], [sky] and [scene] of
+// For a root, before its tables are read. `calibration = "FILE"` is looked for next to it; [site], [sky] and [scene] of
 // that file go beneath its own, whole key by whole key (a lens, an orientation, a response is one thing);
 // [CAMERA.measured] is left where it is. Empty: the root names none, or one that cannot be used, which is left as one
 // problem in the root's file.

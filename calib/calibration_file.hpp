@@ -45,9 +45,9 @@ struct CalibrationStep {
   std::optional<std::string> response;  // "srgb", "linear"; only where the file has none
   std::optional<MeasuredCurve> curve;   // replaces an existing response
   std::optional<Vignetting> vignetting;
-  std::optional<std::string> sensitivity;  // file name, beside the calibration file; of what the sensor's channels see
+  std::optional<std::string> sensitivity;  // file name, next to the calibration file; the sensor's spectral sensitivity
   std::optional<glm::dvec3> white_balance;
-  std::optional<std::string> mask;  // file name, beside the calibration file
+  std::optional<std::string> mask;  // file name, next to the calibration file
   // Shot and read noise; of the scene camera alone, whose pictures something is drawn into.
   struct Noise {
     double full_scale_electrons = 0.0;

@@ -12,7 +12,7 @@ ImageQuality read_image_quality(const ConfigTable& scene) {
   quality.full_scale_electrons = noise->number("full_scale_electrons", kElectrons, quality.full_scale_electrons);
   quality.read_electrons = noise->number("read_electrons", kElectrons, quality.read_electrons);
   if (quality.read_electrons > 0.0 && quality.full_scale_electrons == 0.0)
-    noise->problem("full_scale_electrons", "a number > 0 beside read_electrons, which are counted in its unit");
+    noise->problem("full_scale_electrons", "a number > 0 together with read_electrons, which are counted in its unit");
   return quality;
 }
 

@@ -39,7 +39,7 @@ struct CameraMode {
   std::optional<YuvEncoding> yuv_encoding{};  // as the driver reports it; empty: RGB, grey, or not reported
   std::string driver;                         // "uvcvideo"
   std::string card;                           // "HD Pro Webcam C920"
-  std::string place;                          // "usb-0000:00:14.0-2"; tells two equal cameras apart
+  std::string place;                          // "usb-0000:00:14.0-2"; distinguishes identical cameras
   std::vector<std::string> notes;             // requests that the driver did not fulfil, as messages
   friend bool operator==(const CameraMode&, const CameraMode&) = default;
 };

@@ -96,7 +96,8 @@ class Reconnecting final : public ReconnectingSource {
   }
 
  private:
-  // Returns without a source only with a fault: timeout, or disconnected when the first attempt fails.
+  // Waits for the next attempt and makes it. Faults: timeout, or disconnected when the first attempt fails; after later
+  // failures there is no source yet and no fault.
   Result<> wait_and_open(Instant deadline) {
     while (true) {
       const auto now = clock_.now();

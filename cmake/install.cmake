@@ -6,11 +6,11 @@ install(FILES systemd/kasumi.service DESTINATION lib/systemd/system)
 install(FILES systemd/71-kasumi.rules DESTINATION lib/udev/rules.d)
 install(FILES systemd/kasumi.sysusers DESTINATION lib/sysusers.d RENAME kasumi.conf)
 install(FILES systemd/kasumi.toml DESTINATION ${doc}/examples)
-# As in the repository, so that the documents' links to each other hold.
+# Laid out as in the repository, so that links between the documents work.
 install(FILES README.md CHANGELOG.md DESTINATION ${doc})
 install(DIRECTORY docs DESTINATION ${doc} FILES_MATCHING PATTERN "*.md" PATTERN "*.jpg")
 install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
-# A first look without cameras: kasumi replay /usr/share/kasumi/demo --out demo
+# A demo without cameras: kasumi replay /usr/share/kasumi/demo --out demo
 install(DIRECTORY fixtures/demo DESTINATION share/kasumi)
 
 set(CPACK_GENERATOR DEB)

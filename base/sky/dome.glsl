@@ -16,8 +16,8 @@ FUNCTION real dome_lobe(real asymmetry, real cos_sun) {
   return part * sqrt(max(part, 0.0));
 }
 
-// cos_zenith and cos_sun may belong to different directions: see through_air. Colours outside sRGB have a negative
-// channel.
+// cos_zenith and cos_sun may belong to different directions: see object_through_air. Colours outside sRGB have a
+// negative channel.
 FUNCTION vec3 dome_sky_light(DomeSky sky, real cos_zenith, real cos_sun) {
   real above = max(0.0, (cos_zenith - sky.horizon_sine) / (1.0 - sky.horizon_sine));
   real u = 1.0 / (1.0 + sky.steepness * above);
@@ -72,8 +72,8 @@ struct AirBetween {
   vec3 below_higher;
 };
 
-// Brightness of the ground below minus that of the sky above, both away from the sun, where the angle to the sun is the
-// same for either.
+// Brightness of the ground below minus that of the sky above, away from the sun. The bright sky around the sun is left
+// out because mirroring the zenith angle keeps its angle to the view.
 FUNCTION vec3 light_from_below(DomeSky sky, vec3 ground, real cos_sun_zenith) {
   const real up = 0.70710678;  // at 45 deg
   real across = up * sqrt(max(1.0 - cos_sun_zenith * cos_sun_zenith, 0.0));
@@ -106,8 +106,8 @@ FUNCTION vec2 scattered_once(real cos_sun) {
   return kInverseFourPi * vec2(0.75 * (1.0 + cos_sun * cos_sun), kHazeAlbedo * haze);
 }
 
-// How much a sky's light depends on the amount of air and on the sunlight reaching it. Skies are interpolated between
-// altitudes after division by this, since they do not change monotonically themselves.
+// The factor of a sky's light that is due to the amount of air and the sunlight reaching it. Skies are interpolated
+// between altitudes after division by this, since they do not change monotonically themselves.
 const real kLitByAir = 0.3;  // added to direct sunlight: air in shadow is lit by sunlit air
 const real kLeastAir = 1e-4;
 FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_sun_zenith) {
@@ -121,7 +121,7 @@ FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_su
 const real kOnwardsLevel = 0.15;
 const real kOnwardsSteep = 1.79;
 
-// Report Eq 3.1, corrected, with its three cases in one formula. Seen from below, a layer of air between two altitudes
+// U Eq 3.1, corrected, with its three cases in one formula. Seen from below, a layer of air between two altitudes
 // contributes the sky at its lower side minus the part of the sky above that passes through it; this is exact for any
 // air. The path's layers are summed from the observer outwards.
 //   sky:                       no object, one layer without an end

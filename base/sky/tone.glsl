@@ -13,8 +13,8 @@ FUNCTION real kept_saturation(real needed) {
   return needed > knee ? reached / needed : 1.0;
 }
 
-// Maps any light to linear 0 .. 1. The luminance is mapped by 1 - exp(-x); out-of-gamut colours are desaturated towards
-// the grey of their luminance, which keeps both luminance and dominant wavelength.
+// Maps any light to linear 0 .. 1. The luminance is mapped by 1 - exp(-x); colours near or outside the gamut boundary
+// are desaturated towards the grey of their luminance, which keeps both luminance and dominant wavelength.
 FUNCTION vec3 tone_mapped(vec3 light, real exposure) {
   real luminance = max(luminance_of(light), 1e-12);
   real left = exp(-exposure * luminance);

@@ -13,10 +13,10 @@ namespace {
 // Responses of three detectors to the three components of daylight: one column per component.
 template <class Detectors>
 glm::dmat3 daylight_matrix(const Detectors& detectors) {
-  glm::dmat3 seen{0.0};
+  glm::dmat3 responses{0.0};
   for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0)
-    seen += glm::outerProduct(detectors(nm), daylight_components(nm));
-  return seen;
+    responses += glm::outerProduct(detectors(nm), daylight_components(nm));
+  return responses;
 }
 
 glm::dmat3 camera_of_daylight(const SpectralSensitivity& sensitivity) {
@@ -48,9 +48,9 @@ glm::dmat3 srgb_reflectance_to_channels(const SpectralSensitivity& sensitivity) 
   Eigen::Matrix<double, 3, kBands> srgb, channels;
   for (int i = 0; i < kBands; ++i) {
     const double nm = kFirstVisible_nm + kStep_nm * i;
-    const glm::dvec3 seen = white(nm) * (from_xyz * colour_matching(nm)), counted = white(nm) * sensitivity.at(nm);
+    const glm::dvec3 in_srgb = white(nm) * (from_xyz * colour_matching(nm)), counted = white(nm) * sensitivity.at(nm);
     for (int c = 0; c < 3; ++c) {
-      srgb(c, i) = seen[c];
+      srgb(c, i) = in_srgb[c];
       channels(c, i) = counted[c];
     }
   }
@@ -71,10 +71,10 @@ glm::dmat3 srgb_reflectance_to_channels(const SpectralSensitivity& sensitivity) 
   system.bottomLeftCorner(3, kBands) = srgb;
   Eigen::MatrixXd colours = Eigen::MatrixXd::Zero(kBands + 3, 3);
   colours.bottomRows(3).setIdentity();
-  const Eigen::Matrix3d seen = channels * system.fullPivLu().solve(colours).topRows(kBands);
+  const Eigen::Matrix3d channels_of_srgb = channels * system.fullPivLu().solve(colours).topRows(kBands);
   glm::dmat3 result;
   for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) result[column][row] = seen(row, column);
+    for (int column = 0; column < 3; ++column) result[column][row] = channels_of_srgb(row, column);
   return result;
 }
 

@@ -18,10 +18,10 @@ namespace {
 
 using Covariance = Eigen::Matrix<double, kBands, kBands>;
 
-// Of the smooth deviations: standard deviation relative to the mean curve, with a floor of its largest value, and over
-// how many nanometres they change; of the rough ones, which only keep the prior solid.
+// Smooth deviations: standard deviation relative to the mean curve, the floor of that as a share of its largest value,
+// and their correlation length. Rough deviations only keep the prior's covariance invertible.
 constexpr double kSmooth = 0.3, kFloor = 0.05, kAlike_nm = 20.0, kRough = 1e-3;
-// The sky model's own error, however well a picture seems to fit: ln ratio.
+// The sky model's own error, a floor however well a picture fits: ln ratio.
 constexpr double kLeastScatter = 5e-4;
 
 struct Prior {
@@ -54,7 +54,7 @@ Prior prior_of(std::span<const SpectralSensitivity> cameras) {
   return prior;
 }
 
-// Robust weights of the colours, by how far both their ratios are off; and the scatter of those that agree.
+// Robust weights of the colours, by the residuals of both ratios; and the scatter of the inliers.
 struct Agreement {
   std::vector<double> weight;
   double scatter = 0.0;
@@ -116,9 +116,9 @@ Information information_of(std::span<const SkyColour> colours, const DaylightRes
     Eigen::Matrix<double, 2, 8> slope = Eigen::Matrix<double, 2, 8>::Zero();
     for (int k = 0; k < 2; ++k) {
       for (const auto& [channel, sign] : {std::pair{kAgainstGreen[static_cast<std::size_t>(k)], 1.0}, {1, -1.0}}) {
-        const double seen = std::exp(log_response(daylight, channel, spectrum));
-        slope(k, 2 * channel) = sign * spectrum.m1 / seen;
-        slope(k, 2 * channel + 1) = sign * spectrum.m2 / seen;
+        const double response = std::exp(log_response(daylight, channel, spectrum));
+        slope(k, 2 * channel) = sign * spectrum.m1 / response;
+        slope(k, 2 * channel + 1) = sign * spectrum.m2 / response;
       }
       slope(k, 6 + k) = 1.0;
     }
@@ -131,23 +131,23 @@ Information information_of(std::span<const SkyColour> colours, const DaylightRes
 
 constexpr int kUnknowns = 3 * kBands + 2;
 
-// Rows: how DaylightResponse and the offsets move with the unknowns.
+// Rows: derivatives of DaylightResponse and the offsets by the unknowns.
 Eigen::Matrix<double, 8, kUnknowns> slopes_of(const std::array<BandCurve, 3>& curves,
                                               const DaylightResponse& daylight) {
   Eigen::Matrix<double, 8, kUnknowns> slopes = Eigen::Matrix<double, 8, kUnknowns>::Zero();
   for (int c = 0; c < 3; ++c) {
     const BandCurve s0 = daylight_sums().col(0);
-    const double seen = s0.dot(curves[static_cast<std::size_t>(c)]);
+    const double base = s0.dot(curves[static_cast<std::size_t>(c)]);
     for (int k = 0; k < 2; ++k)
       slopes.block<1, kBands>(2 * c + k, c * kBands) =
-          (daylight_sums().col(k + 1) - daylight[2 * c + k] * s0).transpose() / seen;
+          (daylight_sums().col(k + 1) - daylight[2 * c + k] * s0).transpose() / base;
   }
   slopes(6, 3 * kBands) = slopes(7, 3 * kBands + 1) = 1.0;
   return slopes;
 }
 
-// How much more the sky tells of the six numbers than the prior: the offsets are let go, the rest measured in the
-// prior's own standard deviations.
+// How much the sky adds to the prior's knowledge of the six numbers. The offsets are marginalised, the rest is measured
+// in the prior's standard deviations.
 void judge(const Information& information, const Eigen::Matrix<double, 8, kUnknowns>& slopes, const Prior& prior,
            SensitivityFit& fit) {
   Eigen::Matrix<double, 6, 6> before = Eigen::Matrix<double, 6, 6>::Zero();
@@ -188,7 +188,7 @@ std::array<ChannelPlace, 3> places_of(const std::array<BandCurve, 3>& curves, co
   return places;
 }
 
-// All channels see as much of an even spectrum; the largest value is 1.
+// All channels respond alike to a flat spectrum; the largest value is 1.
 SpectralSensitivity sensitivity_of(const std::array<BandCurve, 3>& curves) {
   SpectralSensitivity sensitivity{"estimated from the sky", kFirstVisible_nm, kBandStep_nm, {}};
   const double largest = std::max({curves[0].maxCoeff(), curves[1].maxCoeff(), curves[2].maxCoeff()});
@@ -231,7 +231,7 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
   const auto prior = prior_of(cameras);
   Eigen::MatrixXd known = Eigen::MatrixXd::Zero(kUnknowns, kUnknowns);
   Eigen::VectorXd pull = Eigen::VectorXd::Zero(kUnknowns);
-  constexpr double kMeanIsOne = 1e6;  // curves are relative: their scale is no unknown
+  constexpr double kMeanIsOne = 1e6;  // curves are relative: their scale is fixed
   for (int c = 0; c < 3; ++c) {
     const auto& covariance = prior.covariance[static_cast<std::size_t>(c)];
     const Eigen::LLT<Covariance> root(covariance);
@@ -283,10 +283,10 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
 std::vector<SkyColour> seen_by(const SpectralSensitivity& sensitivity, std::span<const SkyColour> colours,
                                std::span<const glm::dvec2> left) {
   const auto daylight = daylight_response_of(curves_of(sensitivity));
-  std::vector<SkyColour> seen(colours.begin(), colours.end());
-  for (std::size_t i = 0; i < seen.size(); ++i)
-    seen[i].log_ratio = log_ratios(daylight, seen[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
-  return seen;
+  std::vector<SkyColour> result(colours.begin(), colours.end());
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i].log_ratio = log_ratios(daylight, result[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
+  return result;
 }
 
 std::string csv_of(const SpectralSensitivity& sensitivity, const std::string& comment) {

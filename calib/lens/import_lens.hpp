@@ -11,7 +11,7 @@
 namespace kasumi {
 
 struct ImportedLens {
-  LensDescription lens;  // largest_angle: 90 deg, for the files do not tell
+  LensDescription lens;  // largest_angle: 90 deg, which the files do not state
   int width = 0;
   int height = 0;
   std::string program;           // "OCamCalib", "OpenCV"

@@ -63,9 +63,9 @@ std::optional<double> held_out_rms(LensFamily family, const std::vector<BoardVie
     const auto fit = fit_lens(family, fitted, width, height);
     if (!fit) return std::nullopt;
     for (std::size_t i = fold; i < views.size(); i += count) {
-      const auto seen = residuals_of(fit->lens, views[i]);
-      if (!seen) return std::nullopt;
-      sum += seen->rms_px * seen->rms_px * static_cast<double>(views[i].pixels.size());
+      const auto errors = residuals_of(fit->lens, views[i]);
+      if (!errors) return std::nullopt;
+      sum += errors->rms_px * errors->rms_px * static_cast<double>(views[i].pixels.size());
       corners += views[i].pixels.size();
     }
   }

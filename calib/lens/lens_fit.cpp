@@ -26,10 +26,10 @@ struct CornerCost {
     std::array<T, 3> ray;
     ceres::AngleAxisRotatePoint(pose, at.data(), ray.data());
     for (std::size_t i = 0; i < 3; ++i) ray[i] += pose[3 + i];
-    std::array<T, 2> seen;
-    if (!Projection::project(lens, ray.data(), seen.data())) return false;
-    residual[0] = pixel.x - seen[0];
-    residual[1] = pixel.y - seen[1];
+    std::array<T, 2> projected;
+    if (!Projection::project(lens, ray.data(), projected.data())) return false;
+    residual[0] = pixel.x - projected[0];
+    residual[1] = pixel.y - projected[1];
     return true;
   }
 };
@@ -64,8 +64,8 @@ ViewResiduals residuals(const Lens& lens, const BoardView& view, const BoardPose
   ViewResiduals result{pose, {}, 0.0};
   double sum = 0.0;
   for (std::size_t i = 0; i < view.pixels.size(); ++i) {
-    const auto seen = lens.project(pose.rotation * glm::dvec3(view.on_board[i], 0.0) + pose.translation_m);
-    result.residuals_px.push_back(seen ? view.pixels[i] - *seen : glm::dvec2(kUnseen_px));
+    const auto projected = lens.project(pose.rotation * glm::dvec3(view.on_board[i], 0.0) + pose.translation_m);
+    result.residuals_px.push_back(projected ? view.pixels[i] - *projected : glm::dvec2(kUnseen_px));
     sum += glm::dot(result.residuals_px.back(), result.residuals_px.back());
   }
   result.rms_px = std::sqrt(sum / static_cast<double>(view.pixels.size()));

@@ -23,7 +23,7 @@ struct BoardPose {
 };
 
 // From rays alone, without a lens: linear, and right for rays far off the axis as well. Empty when the corners do not
-// tell (fewer than four, or all on a line).
+// determine it (fewer than four, or all on a line).
 std::optional<BoardPose> board_pose(std::span<const glm::dvec3> rays, std::span<const glm::dvec2> on_board);
 
 struct ViewResiduals {

@@ -21,14 +21,14 @@ struct ExposureStack {
   int height() const { return pictures.front().height(); }
 };
 
-// What is known of exposures: given, or from the pictures, dropping at both ends what overlaps with nothing.
+// Exposures given or estimated from the pictures, without those at either end that overlap with no other.
 struct KnownStack {
   ExposureStack stack;
   KnownExposures exposures;
   std::vector<std::string> left_out;
 };
 
-// Without `exposures_s` from the pictures, as if the camera were linear; `percent`: how sure the times are.
+// Without `exposures_s`, estimated from the pictures as if the camera were linear. `percent`: uncertainty of the times.
 KnownStack known_exposures(ExposureStack stack, const std::vector<double>& exposures_s, double percent,
                            const glm::dvec3& black, const Image<std::uint8_t>& mask);
 

@@ -15,7 +15,7 @@ namespace {
 constexpr int kHighestOrder = 7;
 constexpr std::array kSmoothnesses{1e-2, 1e-3, 1e-4};
 constexpr std::size_t kFolds = 4;
-constexpr double kAsGood = 1.003;  // about what the cross-validation itself is sure of
+constexpr double kAsGood = 1.003;  // about the uncertainty of the cross-validation itself
 
 struct Method {
   bool debevec;
@@ -41,12 +41,12 @@ std::optional<ResponseFit> fit(const Method& method, const StackSamples& samples
                         : fit_mitsunaga(samples, exposures, method.order);
 }
 
-StackSamples part_of(const StackSamples& samples, std::size_t fold, bool of_it) {
+StackSamples part_of(const StackSamples& samples, std::size_t fold, bool inside) {
   StackSamples part;
   part.exposures = samples.exposures;
   part.quantum = samples.quantum;
   for (std::size_t i = 0; i < samples.pixels; ++i) {
-    if ((i % kFolds == fold) != of_it) continue;
+    if ((i % kFolds == fold) != inside) continue;
     ++part.pixels;
     for (std::size_t c = 0; c < 3; ++c) {
       const auto from = samples.values[c].begin() + static_cast<std::ptrdiff_t>(i * samples.exposures);
@@ -63,30 +63,30 @@ struct SquaredError {
 
 SquaredError squared_error(const StackSamples& samples, const ResponseFit& fit) {
   SquaredError error;
-  struct One {
+  struct Reading {
     double value, light, weight, s;
   };
-  std::vector<One> seen;
+  std::vector<Reading> readings;
   for (int c = 0; c < 3; ++c) {
     const auto& curve = fit.light[static_cast<std::size_t>(c)];
     for (std::size_t i = 0; i < samples.pixels; ++i) {
-      seen.clear();
+      readings.clear();
       double weights = 0.0, sum = 0.0;
       for (std::size_t j = 0; j < samples.exposures; ++j) {
         const double value = samples.at(c, i, j);
         if (value < 1.5 * samples.quantum || value >= kSaturated) continue;
         const double s = std::exp(fit.log_s[j]), slope = std::max(slope_at(curve, value), 1e-6);
         const double weight = s * s / (slope * slope);
-        seen.push_back({value, light_at(curve, value) / s, weight, s});
+        readings.push_back({value, light_at(curve, value) / s, weight, s});
         weights += weight;
-        sum += weight * seen.back().light;
+        sum += weight * readings.back().light;
       }
-      if (seen.size() < 2) continue;
-      for (const auto& one : seen) {
-        const double others = weights - one.weight;
+      if (readings.size() < 2) continue;
+      for (const auto& reading : readings) {
+        const double others = weights - reading.weight;
         if (!(others > 1e-9 * weights)) continue;
-        const double predicted = value_at(curve, one.s * (sum - one.weight * one.light) / others);
-        const double steps = (one.value - predicted) / samples.quantum;
+        const double predicted = value_at(curve, reading.s * (sum - reading.weight * reading.light) / others);
+        const double steps = (reading.value - predicted) / samples.quantum;
         error.sum += steps * steps;
         error.count += 1.0;
       }
@@ -109,7 +109,7 @@ std::optional<double> held_out(const Method& method, const StackSamples& samples
   return std::sqrt(all.sum / all.count);
 }
 
-// Light spills over from saturated neighbours, and pictures that were made smaller mix them in.
+// Light spills over from saturated neighbours, and pictures that were scaled down contain a share of them.
 bool touches_saturation(const Image<glm::vec3>& picture, std::size_t pixel, int channel) {
   const int x = static_cast<int>(pixel) % picture.width(), y = static_cast<int>(pixel) / picture.width();
   for (int dy = -1; dy <= 1; ++dy)
@@ -148,7 +148,7 @@ StackSamples sample_stack(const std::vector<Image<glm::vec3>>& pictures, double 
         bin + 1 == kBins ? pixels.end() : std::lower_bound(from, pixels.end(), std::pair{end, std::size_t{0}});
     const auto here = static_cast<std::size_t>(to - from), wanted = std::max<std::size_t>(1, count / kBins);
     for (std::size_t k = 0; k < std::min(here, wanted); ++k) {
-      // A Fisher-Yates shuffle's first steps.
+      // The first steps of a Fisher-Yates shuffle.
       const auto other = from + static_cast<std::ptrdiff_t>(k + random() % (here - k));
       std::iter_swap(from + static_cast<std::ptrdiff_t>(k), other);
       chosen.push_back((from + static_cast<std::ptrdiff_t>(k))->second);
@@ -224,13 +224,12 @@ Result<ResponseCalibration> calibrate_response(const StackSamples& samples, cons
     return fail(FaultKind::bad_input, "the curve that predicts best cannot be fitted to all pixels");
   if (!exposures.known)
     calibration.undetermined.push_back(
-        "without exposure times a curve and its power with all ratios to the same power explain the pictures alike; "
-        "the "
-        "simplest was taken");
+        "without exposure times, a curve and any power of it (with the ratios to the same power) explain the pictures "
+        "equally well; the simplest was taken");
   else if (exposures.sigma > 0.0)
     calibration.undetermined.push_back(fmt::format(
-        "exposure times sure to {:.1f} % leave the curve's contrast as unsure, over the stack's whole range divided by "
-        "its logarithm",
+        "exposure times known to {:.1f} % leave the curve's contrast uncertain by as much, divided by the logarithm of "
+        "the stack's range",
         100.0 * exposures.sigma));
   return calibration;
 }

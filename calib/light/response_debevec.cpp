@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto kLevels = static_cast<Eigen::Index>(kCurveLevels);
 
-// One value as the two levels it lies between.
+// The two levels a value lies between.
 struct Between {
   Eigen::Index level;
   double part;
@@ -23,7 +23,7 @@ Between between(double value) {
   return {level, at - static_cast<double>(level)};
 }
 
-// ln light at the levels of one channel. Each pixel's own light is eliminated, which leaves the levels alone.
+// ln light at the levels of one channel. The pixels' lights are eliminated, so that only the levels are unknown.
 Eigen::VectorXd solve_channel(const StackSamples& samples, int channel, const std::vector<double>& log_s,
                               double smoothness) {
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(kLevels, kLevels);
@@ -61,7 +61,7 @@ Eigen::VectorXd solve_channel(const StackSamples& samples, int channel, const st
       right(a.at.level + 1) += a.weight * a.at.part * (a.log_s - mean_s);
     }
   }
-  // Second derivative over ln value, integrated over ln value; level 0 has no logarithm and hangs on by itself.
+  // Second derivative by ln value, integrated over ln value. Level 0 has no logarithm and is not smoothed.
   const double strength = smoothness * total / static_cast<double>(kLevels);
   for (Eigen::Index k = 2; k + 1 < kLevels; ++k) {
     const double before = std::log(static_cast<double>(k) / static_cast<double>(k - 1));
@@ -74,17 +74,17 @@ Eigen::VectorXd solve_channel(const StackSamples& samples, int channel, const st
             strength * span * row[static_cast<std::size_t>(a)] * row[static_cast<std::size_t>(b)];
   }
   normal(0, 0) += 1e-6 * total;
-  normal(kLevels - 1, kLevels - 1) += 1e-6 * total;  // the gain is free: any will do
+  normal(kLevels - 1, kLevels - 1) += 1e-6 * total;  // the gain is arbitrary
   return normal.ldlt().solve(right);
 }
 
-// Light of a pixel by each exposure, and how much each is worth: shot noise makes the variance grow with the light.
-struct Lights {
+// The light of a pixel according to each exposure, weighted by its inverse variance, to which shot noise contributes.
+struct PixelLights {
   std::vector<double> weighted, weights;
   double sum = 0.0, total = 0.0;
 
-  void look(const StackSamples& samples, int channel, std::size_t pixel, const std::vector<double>& log_s,
-            const std::vector<double>& light) {
+  void measure(const StackSamples& samples, int channel, std::size_t pixel, const std::vector<double>& log_s,
+               const std::vector<double>& light) {
     weighted.assign(samples.exposures, 0.0);
     weights.assign(samples.exposures, 0.0);
     sum = total = 0.0;
@@ -100,10 +100,9 @@ struct Lights {
   }
 };
 
-// A level's mean light is not the light of that level's mean: where noise is a good part of the value, the dark levels
-// come out too dark. The other way round there is no such slip. So the mean value is taken of each light, as the
-// pixel's other exposures tell it: the curve's own value times a factor that is straight between steps of ln light,
-// and smooth where noise is large beside the value.
+// Averaging the light of a noisy level is biased: the dark levels come out too dark. Averaging the values of a known
+// light is not. So the mean value at each light is fitted, with the light taken from the pixel's other exposures. It is
+// the curve's value times a factor that is linear between steps of ln light, and smooth where noise dominates.
 void undo_noise(const StackSamples& samples, int channel, const std::vector<double>& log_s,
                 std::vector<double>& light) {
   constexpr double kStep = 0.125, kDarkest = -9.0, kSmooth = 0.25, kHighest = 0.975, kClipped = 0.985;
@@ -112,16 +111,16 @@ void undo_noise(const StackSamples& samples, int channel, const std::vector<doub
   Eigen::VectorXd right = Eigen::VectorXd::Zero(kNodes);
   const double clipped = light_at(light, kClipped);
   double count = 0.0;
-  Lights seen;
+  PixelLights lights;
   for (std::size_t i = 0; i < samples.pixels; ++i) {
-    seen.look(samples, channel, i, log_s, light);
+    lights.measure(samples, channel, i, log_s, light);
     for (std::size_t j = 0; j < samples.exposures; ++j) {
-      const double others = seen.total - seen.weights[j];
-      if (!(others > 0.4 * seen.total) || !(seen.total > 0.0)) continue;
-      const double here = (seen.sum - seen.weighted[j]) / others * std::exp(log_s[j]);
+      const double others = lights.total - lights.weights[j];
+      if (!(others > 0.4 * lights.total) || !(lights.total > 0.0)) continue;
+      const double here = (lights.sum - lights.weighted[j]) / others * std::exp(log_s[j]);
       const double at = (std::log(here) - kDarkest) / kStep, value = samples.at(channel, i, j);
-      // Clipped values have no mean: what is near saturation is left out, whatever it came to. So is a pixel that
-      // something saturated touches.
+      // The mean of clipped values is biased, so lights near saturation are left out, whatever their values. So are
+      // pixels that touch a saturated one.
       if (!(at >= 0.0) || at >= static_cast<double>(kNodes - 1) || here > clipped || value >= 1.0) continue;
       const auto node = static_cast<Eigen::Index>(at);
       const double part = at - static_cast<double>(node), base = value_at(light, here);
@@ -143,12 +142,12 @@ void undo_noise(const StackSamples& samples, int channel, const std::vector<doub
       for (Eigen::Index b = 0; b < 3; ++b)
         normal(k - 1 + a, k - 1 + b) += strength * row[static_cast<std::size_t>(a)] * row[static_cast<std::size_t>(b)];
   }
-  // Where nothing is seen the curve stays as it is.
+  // Without data the curve stays as it is.
   normal.diagonal().array() += 1e-6 * count;
   right.array() += 1e-6 * count;
   const Eigen::VectorXd factor = normal.ldlt().solve(right);
 
-  // The corrected curve, finely, and from it the light of each level.
+  // The corrected curve, sampled finely, gives the light of each level.
   std::vector<std::pair<double, double>> curve;  // ln value, ln light
   constexpr int kFine = 8;
   for (Eigen::Index k = 0; k + 1 < kNodes; ++k)
@@ -172,7 +171,7 @@ void undo_noise(const StackSamples& samples, int channel, const std::vector<doub
     if (lowest == 0) lowest = k;
     highest = k;
   }
-  // Beyond them the curve goes on as it did.
+  // Outside this range the curve keeps its shape.
   if (lowest == 0) return;
   for (std::size_t k = 1; k < lowest; ++k) light[k] = before[k] * light[lowest] / before[lowest];
   for (std::size_t k = highest + 1; k < light.size(); ++k) light[k] = before[k] * light[highest] / before[highest];
@@ -191,7 +190,7 @@ std::optional<ResponseFit> fit_debevec(const StackSamples& samples, const KnownE
     std::vector<double> light(kCurveLevels, 0.0);
     for (std::size_t k = 1; k < kCurveLevels; ++k) light[k] = std::exp(log_light(static_cast<Eigen::Index>(k)));
     if (!make_curve(light)) return std::nullopt;
-    // Lights are relative to the exposures' unit, in which the curve ends at exp(ln light of the last level).
+    // Lights are in units in which the last level is 1.
     undo_noise(samples, c, exposures.log_s, light);
     if (!make_curve(light)) return std::nullopt;
     fit.light[static_cast<std::size_t>(c)] = std::move(light);

@@ -15,7 +15,7 @@
 
 namespace kasumi {
 
-// Some pixels of the stack: what each exposure made of them, 0..1, black level removed. Exposures in any order.
+// Some pixels of the stack: their value in each exposure, 0..1, black level removed. Exposures in any order.
 struct StackSamples {
   std::size_t exposures = 0;
   std::size_t pixels = 0;
@@ -26,13 +26,13 @@ struct StackSamples {
   }
 };
 
-// At most `count` pixels, spread evenly over all brightnesses; those under a mask of 0 are left aside. `black`: encoded
-// level without light, of each channel. The pictures are of one size, at least 2.
+// At most `count` pixels, spread evenly over all brightnesses, none where the mask is 0. `black`: encoded level without
+// light, of each channel. The pictures are of one size, at least 2.
 StackSamples sample_stack(const std::vector<Image<glm::vec3>>& pictures, double quantum, const glm::dvec3& black,
                           const Image<std::uint8_t>& mask, std::size_t count);
 
-// What is known of the exposures: natural logarithms of their times, and how sure. One standard deviation of each;
-// 0: exact. Without `known`, they are found from the pictures alone, and `log_s` is only where the search begins.
+// What is known of the exposures: natural logarithms of their times, and the standard deviation of each (0: exact).
+// Unless `known`, they are estimated from the pictures alone, and `log_s` is only the initial value.
 struct KnownExposures {
   std::vector<double> log_s;
   double sigma = 0.0;
@@ -47,13 +47,12 @@ struct ResponseFit {
   bool is_straight = false;                  // light is value
 };
 
-// Debevec and Malik 1997: ln light of each level and of each pixel by least squares; smoothness is asked for over ln
-// value, where every power law is straight, so that the curve is not bent in the dark;
-// then what noise has done to the dark levels is undone. Needs known exposures.
-// Empty: too little is seen, or the curve does not rise.
+// Debevec and Malik 1997: ln light of each level and of each pixel by least squares. Smoothness is required over ln
+// value, where every power law is straight, so that the curve is not bent in the dark. Then the bias that noise causes
+// in the dark levels is removed. Needs known exposures. Empty: too little data, or the curve does not rise.
 std::optional<ResponseFit> fit_debevec(const StackSamples& samples, const KnownExposures& exposures, double smoothness);
-// Mitsunaga and Nayar 1999: a polynomial through black, every pair of neighbouring exposures, weighted by what
-// quantisation and shot noise leave, exposures refined beside the curve. Empty: the same.
+// Mitsunaga and Nayar 1999: a polynomial through black, fitted to every pair of neighbouring exposures, weighted by
+// their quantisation; the exposures are refined with the curve. Empty: as above.
 std::optional<ResponseFit> fit_mitsunaga(const StackSamples& samples, const KnownExposures& exposures, int order);
 
 struct ResponseCandidate {
@@ -67,8 +66,8 @@ struct ResponseCalibration {
   std::vector<std::string> undetermined;  // for a person
   Response response() const { return Response::table(fit.light); }
 };
-// Both methods with several orders and smoothnesses, by four-fold cross-validation over pixels; the simplest of those
-// that are as good as the best. Errors (bad_input): the exposures overlap too little.
+// Both methods with several orders and smoothnesses, compared by four-fold cross-validation over pixels; takes the
+// simplest of those that are as good as the best. Errors (bad_input): the exposures overlap too little.
 Result<ResponseCalibration> calibrate_response(const StackSamples& samples, const KnownExposures& exposures);
 
 // Variance of light, full scale 1: shot noise grows with the light, read noise does not.
@@ -79,8 +78,8 @@ struct NoiseModel {
   double full_scale_electrons() const { return 1.0 / shot; }
   double read_electrons() const { return std::sqrt(read) / shot; }
 };
-// From how the exposures of the same pixels scatter, quantisation taken off; medians, so that a cloud that drifted
-// through does little. Empty: too few values, or none but quantisation is seen.
+// From the scatter between exposures of the same pixels, less quantisation. Medians keep the influence of a passing
+// cloud small. Empty: too few values, or no noise above quantisation.
 std::optional<NoiseModel> fit_noise(const StackSamples& samples, const ResponseFit& fit);
 
 // The stack as one picture of linear light: each pixel the mean of its exposures, weighted by their noise, in units of
@@ -88,11 +87,12 @@ std::optional<NoiseModel> fit_noise(const StackSamples& samples, const ResponseF
 Image<glm::vec3> merge_stack(const std::vector<Image<glm::vec3>>& pictures, double quantum, const glm::dvec3& black,
                              const ResponseFit& fit, const NoiseModel& noise);
 
-// A curve found over a black level, as a table of encoded values with it: nothing below, then the curve.
+// A curve found after subtracting the black level, as a table of raw encoded values: dark up to the black level, then
+// the curve.
 std::vector<double> over_black(const std::vector<double>& light, double black);
 
-// Where the search for unknown exposures begins: ratios between neighbours as if the camera were linear. The order is
-// that of the pictures' brightness. Empty for pairs that overlap nowhere.
+// Initial values for unknown exposures: the ratios of neighbours in `order` (by brightness) as if the camera were
+// linear. Empty for pairs that do not overlap.
 std::vector<std::optional<double>> linear_ratios(const StackSamples& samples, const std::vector<std::size_t>& order);
 // The exposures from the darkest to the brightest.
 std::vector<std::size_t> by_brightness(const StackSamples& samples);

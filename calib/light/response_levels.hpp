@@ -1,4 +1,4 @@
-// What the two ways to a response curve share.
+// Shared by the two methods for the response curve.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 
 namespace kasumi {
 
-// From 0 to 1 and rising: scaled to end at 1; where noise makes it fall by a little it is levelled. False: it is no
-// curve (not finite, or falling in earnest).
+// Scales the curve to rise from 0 to 1, and levels small dips that noise causes. False: not a response curve (not
+// finite, or clearly falling).
 inline bool make_curve(std::vector<double>& light) {
   const double last = light.back();
   if (!(last > 0.0) || !std::isfinite(last)) return false;
@@ -26,7 +26,7 @@ inline bool make_curve(std::vector<double>& light) {
   return fallen < 0.01;
 }
 
-// At evenly spaced levels 0..1, straight in between.
+// Tables at evenly spaced values 0..1, linear in between.
 inline double light_at(const std::vector<double>& light, double value) {
   const double at = std::clamp(value, 0.0, 1.0) * static_cast<double>(light.size() - 1);
   const auto level = std::min(static_cast<std::size_t>(at), light.size() - 2);

@@ -26,7 +26,7 @@ Image<glm::vec3> merge_stack(const std::vector<Image<glm::vec3>>& pictures, doub
         }
         const double light = light_at(curve, value), slope = slope_at(curve, value);
         const double variance = noise.variance(light) + std::pow(quantum * slope, 2) / 12.0 + 1e-12;
-        // A value of 0 says little but is no reason to think there is more.
+        // A value of 0 counts like any other; leaving it out would bias the mean upwards.
         const double weight = s[j] * s[j] / variance;
         sum += weight * light / s[j];
         weights += weight;
@@ -41,7 +41,7 @@ Image<glm::vec3> merge_stack(const std::vector<Image<glm::vec3>>& pictures, doub
 std::vector<double> over_black(const std::vector<double>& light, double black) {
   if (!(black > 0.0)) return light;
   std::vector<double> table;
-  constexpr double kNothing = 1e-7;  // rising, as a table has to
+  constexpr double kNothing = 1e-7;  // tables must rise strictly
   const auto last = static_cast<double>(light.size() - 1);
   for (std::size_t k = 0; k < light.size(); ++k) {
     const double part = static_cast<double>(k) / last, value = (part - black) / (1.0 - black);

@@ -51,14 +51,14 @@ class Fit {
         log_s_(exposures.log_s),
         stride_(std::max<std::size_t>(1, samples.pixels / kPixels)) {}
 
-  // Gauss-Newton on all channels and exposures together. False: it does not settle.
+  // Gauss-Newton on all channels and exposures together. False: it diverges.
   bool solve() {
     for (int round = 0; round < kRounds; ++round) {
       const double step = improve();
       if (!std::isfinite(step)) return false;
       if (step < 1e-9) return true;
     }
-    return true;  // a step that is still small serves; the curve is judged by what it predicts
+    return true;  // not fully converged is good enough: the curve is judged by its predictions
   }
 
   std::optional<ResponseFit> result(int order) const {
@@ -95,7 +95,7 @@ class Fit {
         columns[static_cast<std::size_t>(per_channel) + 1] = 3 * per_channel + static_cast<Eigen::Index>(dark);
         for (std::size_t i = 0; i < samples_.pixels; i += stride_) {
           const double a = samples_.at(static_cast<int>(c), i, bright), b = samples_.at(static_cast<int>(c), i, dark);
-          // Chosen by the brighter of the two alone, so that the dark one's noise chooses nothing.
+          // Selected by the brighter of the two alone, so that noise of the darker one does not bias the selection.
           if (a >= kSaturated || a < 4.0 * samples_.quantum || b >= kSaturated) continue;
           const double light_b = curve.at(b);
           const double sigma = samples_.quantum * std::hypot(curve.slope(a), ratio * curve.slope(b)) + 1e-12;
@@ -126,7 +126,7 @@ class Fit {
     return step.lpNorm<Eigen::Infinity>();
   }
 
-  // What is known of them; without that, only that their mean stays: a common factor is the light's.
+  // Holds the exposures to what is known of them, or else only their mean, since a common factor belongs to the light.
   void hold_exposures(Eigen::MatrixXd& normal, Eigen::VectorXd& right, Eigen::Index first) const {
     const auto count = static_cast<Eigen::Index>(samples_.exposures);
     if (!exposures_.known) {

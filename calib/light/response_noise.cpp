@@ -12,35 +12,35 @@ struct Scatter {
   double light, error, slope;
 };
 
-// Each exposure's light against what the pixel's others tell, in units of full scale.
+// Each exposure's light against the prediction by the pixel's other exposures, in units of full scale.
 std::vector<Scatter> scatter_of(const StackSamples& samples, const ResponseFit& fit, int channel,
                                 const NoiseModel& noise) {
   std::vector<Scatter> all;
   const auto& curve = fit.light[static_cast<std::size_t>(channel)];
-  struct One {
+  struct Reading {
     double light, s, variance, slope;
   };
-  std::vector<One> seen;
+  std::vector<Reading> readings;
   for (std::size_t i = 0; i < samples.pixels; ++i) {
-    seen.clear();
+    readings.clear();
     double weights = 0.0, sum = 0.0;
     for (std::size_t j = 0; j < samples.exposures; ++j) {
       const double value = samples.at(channel, i, j);
       if (value < 1.5 * samples.quantum || value >= kSaturated) continue;
       const double light = light_at(curve, value), s = std::exp(fit.log_s[j]), slope = slope_at(curve, value);
       const double variance = noise.variance(light) + std::pow(samples.quantum * slope, 2) / 12.0 + 1e-12;
-      seen.push_back({light, s, variance, slope});
+      readings.push_back({light, s, variance, slope});
       weights += s * s / variance;
       sum += s * light / variance;
     }
-    if (seen.size() < 2) continue;
-    for (const auto& one : seen) {
-      const double others = weights - one.s * one.s / one.variance;
+    if (readings.size() < 2) continue;
+    for (const auto& reading : readings) {
+      const double others = weights - reading.s * reading.s / reading.variance;
       if (!(others > 1e-9 * weights)) continue;
-      const double expected = one.s * (sum - one.s * one.light / one.variance) / others;
-      // The prediction has a variance of its own; what is left is this exposure's share.
-      const double share = one.variance / (one.variance + one.s * one.s / others);
-      all.push_back({std::max(expected, 1e-6), (one.light - expected) * std::sqrt(share), one.slope});
+      const double expected = reading.s * (sum - reading.s * reading.light / reading.variance) / others;
+      // The prediction has a variance of its own; only this exposure's share counts.
+      const double share = reading.variance / (reading.variance + reading.s * reading.s / others);
+      all.push_back({std::max(expected, 1e-6), (reading.light - expected) * std::sqrt(share), reading.slope});
     }
   }
   return all;
@@ -59,7 +59,7 @@ std::optional<NoiseModel> fit_noise(const StackSamples& samples, const ResponseF
     std::sort(all.begin(), all.end(), [](const Scatter& a, const Scatter& b) { return a.light < b.light; });
     constexpr std::size_t kBins = 24;
     if (all.size() < 50 * kBins) return std::nullopt;
-    // variance = shot L + read, each bin weighted by what its own variance is sure of.
+    // variance = shot L + read, each bin weighted by the certainty of its variance.
     double sxx = 0.0, sx = 0.0, s1 = 0.0, sxy = 0.0, sy = 0.0;
     for (std::size_t bin = 0; bin < kBins; ++bin) {
       std::vector<double> off, slopes;

@@ -17,7 +17,7 @@ struct VignettingFit {
 };
 
 // `light`: linear, any unit, each picture with a gain of its own; pixels that are 0 or under a mask of 0, or farther
-// than radius_px from the centre, are left aside. Least squares, pixels beyond 4 robust sigmas dropped (dust, a hand).
+// than radius_px from the centre, are ignored. Least squares, pixels beyond 4 robust sigmas dropped (dust, a hand).
 // Errors (bad_input): too few pixels; a curve that is not positive out to radius_px.
 Result<VignettingFit> fit_vignetting(const std::vector<Image<float>>& light, const Image<std::uint8_t>& mask,
                                      const glm::dvec2& centre, double radius_px);

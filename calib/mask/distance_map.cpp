@@ -18,8 +18,8 @@ cv::Mat decoded(const std::vector<std::uint8_t>& bytes) {
   return {};
 }
 
-// What is wrong with the first bad value; infinity becomes 0.
-std::optional<std::string> mend(Image<float>& distances_m) {
+// Replaces infinity by 0. Returns what was expected in place of the first bad value.
+std::optional<std::string> clean_distances(Image<float>& distances_m) {
   for (int y = 0; y < distances_m.height(); ++y)
     for (int x = 0; x < distances_m.width(); ++x) {
       float& value = distances_m.at(x, y);
@@ -46,7 +46,8 @@ Image<float> metres_of(const cv::Mat& map, double step_m) {
 Image<float> read_distance_map(const ConfigTable& scene, int width, int height) {
   const auto path = scene.optional_file("depth_map");
   const double step_m = scene.number("depth_step_m", {1e-3, 1e3}, 0.0);
-  if (!path && scene.has("depth_step_m")) scene.problem("depth_step_m", "it beside depth_map, whose steps it measures");
+  if (!path && scene.has("depth_step_m"))
+    scene.problem("depth_step_m", "it together with depth_map, whose steps it measures");
   std::error_code error;
   if (!path || !std::filesystem::is_regular_file(*path, error)) return {};
 
@@ -70,7 +71,7 @@ Image<float> read_distance_map(const ConfigTable& scene, int width, int height) 
     return {};
   }
   auto distances_m = metres_of(map, step_m);
-  if (const auto wrong = mend(distances_m)) {
+  if (const auto wrong = clean_distances(distances_m)) {
     scene.problem("depth_map", *wrong);
     return {};
   }
@@ -90,7 +91,8 @@ Result<Image<float>> read_distances(const std::filesystem::path& path, std::opti
   if (!in_steps(map) && step_m)
     return fail(FaultKind::bad_input, "{}: is in metres: expected no metres of a step (--depth-step-m)", path.string());
   auto distances_m = metres_of(map, step_m.value_or(1.0));
-  if (const auto wrong = mend(distances_m)) return fail(FaultKind::bad_input, "{}: expected {}", path.string(), *wrong);
+  if (const auto wrong = clean_distances(distances_m))
+    return fail(FaultKind::bad_input, "{}: expected {}", path.string(), *wrong);
   return distances_m;
 }
 

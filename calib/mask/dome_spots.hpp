@@ -15,14 +15,14 @@ namespace kasumi {
 using DomeFrame = Image<glm::vec3>;
 
 struct DomeSpot {
-  glm::dvec2 place{};    // in elements of the shrunk picture, its middle
-  double area = 0.0;     // of the elements that were looked at, 0..1
+  glm::dvec2 place{};    // its middle, in elements of the shrunk picture
+  double area = 0.0;     // share of the elements that were checked, 0..1
   double dimming = 0.0;  // of the light, at its darkest: 0..1
 };
 struct DomeState {
   std::vector<DomeSpot> spots;  // the darkest first
-  double looked_at = 0.0;       // elements that could be judged, of those the mask leaves
-  double least_dimming = 0.0;   // what would have been seen
+  double looked_at = 0.0;       // share of the unmasked elements that could be checked
+  double least_dimming = 0.0;   // smallest dimming that would have been detected
 };
 
 // A spot is darker than its surroundings (some 11 deg about) by more than the noise and 8 % in four of five of those

@@ -40,7 +40,7 @@ Image<float> guided_filter(const Image<glm::vec3>& guide, const Image<float>& in
       for (int c = 0; c < 3; ++c)
         channel[static_cast<std::size_t>(c)].at<double>(y, x) = static_cast<double>(guide.at(x, y)[c]);
     }
-  const auto seen = channel;
+  const auto full_size = channel;
   if (step > 1) {
     const cv::Size smaller(std::max(1, whole.width / step), std::max(1, whole.height / step));
     for (auto& plane : channel) {
@@ -87,7 +87,7 @@ Image<float> guided_filter(const Image<glm::vec3>& guide, const Image<float>& in
     return smooth;
   };
   cv::Mat result = enlarged(mean(offset));
-  for (std::size_t i = 0; i < 3; ++i) result += enlarged(mean(slope[i])).mul(seen[i]);
+  for (std::size_t i = 0; i < 3; ++i) result += enlarged(mean(slope[i])).mul(full_size[i]);
   Image<float> filtered(whole.width, whole.height);
   for (int y = 0; y < whole.height; ++y)
     for (int x = 0; x < whole.width; ++x) filtered.at(x, y) = static_cast<float>(result.at<double>(y, x));

@@ -18,8 +18,8 @@ namespace kasumi {
 namespace {
 
 constexpr int kDirections = 720;
-constexpr int kWorkingSize_px = 640;  // larger pictures are shrunk first: the circle is wanted to a per cent
-// How bright the picture must be to stand out from the surround, in 1/255; tried from the darkest on.
+constexpr int kWorkingSize_px = 640;  // larger pictures are shrunk first: an accuracy of 1 % will do
+// Thresholds between surround and picture, in 1/255; tried from the darkest.
 constexpr std::array kThresholds{1, 2, 3, 5, 8, 12, 18, 27, 40, 60, 90, 130};
 
 double tolerance_px(double radius_px) {
@@ -38,7 +38,7 @@ cv::Mat brightness(const Image<Rgb8>& picture) {
   return brightest;
 }
 
-// Where the picture is brighter than a threshold in more than specks.
+// Where the picture is brighter than a threshold, without specks.
 cv::Mat lit_area(const cv::Mat& brightness, int threshold) {
   cv::Mat lit = brightness >= threshold;
   cv::Mat labels, statistics, centroids;
@@ -119,8 +119,8 @@ ImageCircle refined(ImageCircle circle, const std::vector<glm::dvec2>& points) {
   return circle;
 }
 
-// RANSAC. What is dark hides parts of the rim, so that points inside the circle cost nothing; light outside the circle
-// is what a circle too small leaves over, and costs double.
+// RANSAC. Dark objects hide parts of the rim, so points inside the circle cost nothing. Light outside means that the
+// circle is too small, and costs double.
 std::optional<ImageCircle> fit_circle(const std::vector<glm::dvec2>& points, double smallest, double largest) {
   if (points.size() < kDirections / 8) return std::nullopt;
   std::mt19937_64 random(1);
@@ -142,7 +142,7 @@ std::optional<ImageCircle> fit_circle(const std::vector<glm::dvec2>& points, dou
   return refined(*best, points);
 }
 
-// A quarter of the rim shows, little light lies outside, and the surround is there to be seen.
+// A quarter of the rim is visible, little light lies outside, and the surround is in the picture.
 bool is_convincing(const ImageCircle& circle, const cv::Mat& lit) {
   int shown = 0, beyond = 0;
   for (const auto& point : outermost_lit(lit, circle.centre)) {
@@ -189,7 +189,7 @@ std::optional<ImageCircle> find_image_circle(const Image<Rgb8>& picture) {
   const double shrink = std::max(1.0, longer / kWorkingSize_px);
   if (shrink > 1.0) cv::resize(bright, bright, {}, 1.0 / shrink, 1.0 / shrink, cv::INTER_AREA);
 
-  // The first threshold that the next one confirms: an edge stays where it is, a halo's outline shrinks.
+  // The first threshold that the next one confirms: a true edge stays in place, the outline of a halo shrinks.
   std::optional<ImageCircle> first, before;
   for (const int threshold : kThresholds) {
     const auto circle = circle_at_threshold(bright, threshold);

@@ -16,7 +16,7 @@ struct ImageCircle {
 };
 
 // The bright disc of a fisheye picture on a dark surround. Trees, buildings and a rim that is partly dark or cut by the
-// image's border are allowed, as long as a good quarter of the rim shows. Empty when there is no such disc.
+// image's border are allowed, as long as more than a quarter of the rim is visible. Empty when there is no such disc.
 std::optional<ImageCircle> find_image_circle(const Image<Rgb8>& picture);
 
 }  // namespace kasumi

@@ -18,7 +18,7 @@ SceneWall read_wall(const ConfigTable& table) {
   SceneWall wall;
   wall.distance_m = table.number("distance_m", kDistances_m);
   wall.faces = from_degrees(table.number("azimuth_deg", kAzimuths_deg, 0.0));
-  if (table.has("from_deg") != table.has("to_deg")) table.problem("from_deg", "it beside to_deg, or neither");
+  if (table.has("from_deg") != table.has("to_deg")) table.problem("from_deg", "it together with to_deg, or neither");
   if (table.has("from_deg")) wall.from = from_degrees(table.number("from_deg", kAzimuths_deg));
   if (table.has("to_deg")) wall.to = from_degrees(table.number("to_deg", kAzimuths_deg));
   if (table.has("top_m")) wall.top_m = table.number("top_m", {-5e3, 9e3});

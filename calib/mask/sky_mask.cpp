@@ -14,13 +14,13 @@ namespace kasumi {
 namespace {
 
 constexpr Radians kZenithCap = from_degrees(40.0);
-constexpr double kLeastLight = 0.01;  // linear, of the median around the zenith: a picture of the night says nothing
+constexpr double kLeastLight = 0.01;  // linear, of the median around the zenith: pictures at night are useless
 
-// ln of light against the smooth sky: what is darker than this never is sky, what is brighter surely may be.
+// ln of light over the smooth sky: darker pixels are never sky, brighter ones certainly may be.
 const double kDark = std::log(0.30), kSky = std::log(0.80);
 
 struct View {
-  Image<glm::dvec3> direction;  // zero where the lens does not see
+  Image<glm::dvec3> direction;  // zero outside the lens's view
   Image<glm::vec3> gain;        // of light, vignetting undone
 };
 
@@ -43,14 +43,14 @@ bool up(const glm::dvec3& direction) {
 std::array<std::array<float, 256>, 3> light_table(const Response& response) {
   std::array<std::array<float, 256>, 3> table{};
   for (std::size_t i = 0; i < 256; ++i) {
-    // Half a step keeps the logarithm of what is black finite.
+    // Half a step keeps the logarithm of black finite.
     const auto light = response.to_light(glm::dvec3(std::max(0.25, static_cast<double>(i)) / 255.0));
     for (int c = 0; c < 3; ++c) table[static_cast<std::size_t>(c)][i] = static_cast<float>(light[c]);
   }
   return table;
 }
 
-// Light of each pixel's median picture, the zenith's surroundings at 1.
+// Median light of each pixel; 1 around the zenith.
 struct Typical {
   Image<glm::vec3> light;
   int pictures = 0;
@@ -87,7 +87,7 @@ Typical typical_of(std::span<const Image<Rgb8>> pictures, const Camera& camera, 
   return typical;
 }
 
-// A smooth sky: ln light as a polynomial of the direction's level part, with the horizon's brightening.
+// A smooth sky: ln light as a polynomial of the direction's horizontal part, with terms for the brighter horizon.
 constexpr int kTerms = 11;
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 
@@ -98,13 +98,13 @@ Terms terms_of(const glm::dvec3& d) {
   return terms;
 }
 
-// ln of light against that sky, in green and blue together (leaves and roofs have little blue).
+// ln of light over that sky, in green and blue together (leaves and roofs have little blue).
 Image<float> against_sky(const Typical& typical, const View& view) {
   const int width = view.direction.width(), height = view.direction.height();
-  Image<float> seen(width, height, 0.0F);
-  for (std::size_t i = 0; i < seen.elements().size(); ++i) {
+  Image<float> log_light(width, height, 0.0F);
+  for (std::size_t i = 0; i < log_light.elements().size(); ++i) {
     const auto& light = typical.light.elements()[i];
-    seen.elements()[i] = 0.5F * (std::log(std::max(light.g, 1e-5F)) + std::log(std::max(light.b, 1e-5F)));
+    log_light.elements()[i] = 0.5F * (std::log(std::max(light.g, 1e-5F)) + std::log(std::max(light.b, 1e-5F)));
   }
   Terms sky = Terms::Zero();
   Image<float> against(width, height, 0.0F);
@@ -114,21 +114,21 @@ Image<float> against_sky(const Typical& typical, const View& view) {
     Eigen::Matrix<double, kTerms, kTerms> matrix = Eigen::Matrix<double, kTerms, kTerms>::Identity() * 1e-3;
     Terms pull = Terms::Zero();
     std::vector<double> off;
-    // From the zenith outwards: what stands at the horizon must not be taken for the sky at first.
+    // From the zenith outwards, so that obstructions at the horizon do not pass for sky in the first rounds.
     const double lowest = std::cos(from_degrees(std::min(85.0, 40.0 + 8.0 * round)).value);
     for (int y = 0; y < height; y += 3)
       for (int x = 0; x < width; x += 3) {
         const auto& d = view.direction.at(x, y);
         if (d.z < lowest) continue;
         const auto terms = terms_of(d);
-        const double left = static_cast<double>(seen.at(x, y)) - (round == 0 ? 0.0 : sky.dot(terms));
+        const double left = static_cast<double>(log_light.at(x, y)) - (round == 0 ? 0.0 : sky.dot(terms));
         if (round > 0) off.push_back(left);
-        // Darker than the sky is what stands before it; brighter is cloud, or the sun's surroundings.
+        // Obstructions are darker than the sky; clouds and the sun's surroundings are brighter.
         const double u = round == 0 ? 0.0 : left / (kTukeyReach * scatter * (left < 0.0 ? 0.7 : 1.3));
         if (std::abs(u) >= 1.0) continue;
         const double weight = tukey_weight(u) * std::max(d.z, 0.1);
         matrix += weight * terms * terms.transpose();
-        pull += weight * terms * static_cast<double>(seen.at(x, y));
+        pull += weight * terms * static_cast<double>(log_light.at(x, y));
       }
     sky = matrix.ldlt().solve(pull);
     if (round > 0) scatter = std::clamp(robust_sigma(std::move(off)), 0.03, 0.3);
@@ -136,11 +136,11 @@ Image<float> against_sky(const Typical& typical, const View& view) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       if (up(view.direction.at(x, y)))
-        against.at(x, y) = seen.at(x, y) - static_cast<float>(sky.dot(terms_of(view.direction.at(x, y))));
+        against.at(x, y) = log_light.at(x, y) - static_cast<float>(sky.dot(terms_of(view.direction.at(x, y))));
   return against;
 }
 
-// The typical picture as a person and GrabCut see it: encoded, brightness against the smooth sky kept in range.
+// The typical picture for people and for GrabCut: encoded, with the brightness over the smooth sky kept in range.
 Image<Rgb8> shown(const Typical& typical) {
   Image<Rgb8> picture(typical.light.width(), typical.light.height());
   const auto response = Response::srgb();
@@ -155,7 +155,7 @@ cv::Mat mat_of(Image<std::uint8_t>& image) {
   return {image.height(), image.width(), CV_8UC1, image.elements().data()};
 }
 
-// Pieces of sky as large as a moon at least, pieces of what stands as large as a few pixels.
+// Pieces of sky are at least as large as the moon, obstructions at least a few pixels.
 void drop_specks(Image<std::uint8_t>& mask) {
   const int least_sky = std::max(30, mask.width() * mask.height() / 4000), least_hidden = 6;
   for (const bool sky : {true, false}) {
@@ -229,7 +229,7 @@ Result<SkyMask> find_sky_mask(std::span<const Image<Rgb8>> pictures, const Camer
     for (int x = 0; x < camera.width; ++x) {
       const auto& d = view.direction.at(x, y);
       if (!up(d)) continue;
-      // Solid angle of an equidistant lens's pixel, near enough for a share.
+      // Solid angle of a pixel of an equidistant lens, accurate enough for a share.
       const double zenith = zenith_angle(d).value, weight = zenith > 1e-6 ? std::sin(zenith) / zenith : 1.0;
       all += weight;
       if (found.mask.at(x, y) == 0) hidden += weight;

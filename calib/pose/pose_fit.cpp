@@ -91,10 +91,10 @@ void linearise(PoseFit& solved, const ScaledLens& lens, const ScenePrior& prior,
   if (evaluate(known, residual, rows)) information += rows.transpose() * rows;
   for (std::size_t i = 0; i < sights.size(); ++i) {
     const std::unique_ptr<ceres::CostFunction> cost(cost_of(lens, prior, solved.model, sights, i));
-    const bool seen = evaluate(*cost, residual, rows);
-    solved.residuals.push_back(seen ? residual : Eigen::VectorXd());
-    solved.slopes.push_back(rows.topRows(seen ? rows.rows() : 0));
-    if (seen && used[i]) information += rows.transpose() * rows;
+    const bool visible = evaluate(*cost, residual, rows);
+    solved.residuals.push_back(visible ? residual : Eigen::VectorXd());
+    solved.slopes.push_back(rows.topRows(visible ? rows.rows() : 0));
+    if (visible && used[i]) information += rows.transpose() * rows;
   }
   solved.covariance = information.ldlt().solve(PoseCovariance::Identity());
 }

@@ -13,8 +13,8 @@ struct PoseMisfit {
 };
 PoseMisfit misfit_of(const PoseFit& fit, const std::vector<bool>& used);
 
-// How far a sight contradicts the others, squared and in units of what is usual; directions in which nothing checks it
-// left aside. `least_checked`: the part of an error that shows at all.
+// How far a sight contradicts the others, squared and in units of its expectation, ignoring directions in which nothing
+// checks it. `least_checked`: the smallest part of an error that the others would reveal.
 struct Contradiction {
   double squared = 0.0;
   double least_checked = 1.0;

@@ -132,20 +132,20 @@ void fill_sigma(ScenePose& pose, const PoseFit& solved, const ScenePrior& prior,
     }
 }
 
-void tell_undetermined(ScenePose& pose, const PoseFit& solved, const PoseSights& sights, const std::vector<bool>& used,
-                       const ScenePrior& prior) {
-  auto& tell = pose.undetermined;
+void add_undetermined(ScenePose& pose, const PoseFit& solved, const PoseSights& sights, const std::vector<bool>& used,
+                      const ScenePrior& prior) {
+  auto& undetermined = pose.undetermined;
   if (pose.sigma.roll.value > kUndeterminedPose * prior.level_sigma.value)
-    tell.push_back(fmt::format(
-        "roll: the landmarks lie too close together to tell it, it is known to {:.2g} deg only, from the mounting",
-        to_degrees(pose.sigma.roll)));
+    undetermined.push_back(
+        fmt::format("roll: the landmarks lie too close together; it is known only to {:.2g} deg, from the mounting",
+                    to_degrees(pose.sigma.roll)));
   if (prior.scale_sigma > 0.0 && pose.sigma.scale > kUndeterminedPose * prior.scale_sigma)
-    tell.push_back(fmt::format("focal length: the landmarks say little of it, it is known to {:.2g} % only",
-                               100.0 * pose.sigma.scale));
+    undetermined.push_back(fmt::format("focal length: hardly determined by the landmarks; it is known only to {:.2g} %",
+                                       100.0 * pose.sigma.scale));
   for (std::size_t i = 0; i < sights.landmarks.size(); ++i)
     if (used[i] && contradiction(solved, i, true).least_checked < kUnchecked)
-      tell.push_back(
-          fmt::format("{}: too little else checks it; were it wrong, it would hardly show", sights.landmarks[i].name));
+      undetermined.push_back(
+          fmt::format("{}: too little else checks it; an error would hardly show", sights.landmarks[i].name));
 }
 
 }  // namespace
@@ -195,7 +195,7 @@ Result<ScenePose> pose_scene(std::span<const LandmarkSight> landmarks, std::span
   const auto misfit = misfit_of(solved, used);
   pose.misfit = misfit.expected > 0.5 ? std::sqrt(misfit.chi2 / misfit.expected) : 1.0;
   fill_sigma(pose, solved, prior, misfit.expected >= 2.0 ? std::max(1.0, pose.misfit * pose.misfit) : 1.0);
-  tell_undetermined(pose, solved, sights, used, prior);
+  add_undetermined(pose, solved, sights, used, prior);
   return pose;
 }
 

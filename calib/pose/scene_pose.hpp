@@ -43,7 +43,7 @@ struct ScenePose {
   glm::dmat3 to_world{1.0};
   LensDescription lens;                      // scaled
   double scale = 1.0;                        // focal length over the prior's
-  glm::dvec3 position_m{0.0};                // where the camera seems to stand, from where it is said to
+  glm::dvec3 position_m{0.0};                // estimated minus stated position of the camera
   std::vector<bool> used;                    // one for each landmark; false: not where the others say it is
   std::vector<glm::dvec2> residuals_px;      // seen minus modelled, of all landmarks
   std::vector<bool> horizon_used;            // the same of the horizon's points
@@ -60,7 +60,7 @@ struct ScenePose {
   std::vector<std::string> undetermined;  // for people: what the landmarks leave undetermined or unchecked
 };
 
-// One landmark will do beside two points of the horizon, which level the camera. Every pair of landmarks is tried as a
+// One landmark is enough with two points of the horizon, which level the camera. Every pair of landmarks is tried as a
 // start, so none is needed and a wrong landmark does no harm; then least squares
 // (Ceres) over all that agree, in which whatever the rest contradicts (studentised residual beyond the 99.9 % bound,
 // Baarda's data snooping) is dropped, the worst first. Deterministic.

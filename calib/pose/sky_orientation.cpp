@@ -239,22 +239,22 @@ Result<SkyOrientation> azimuth_only(std::span<const SunSight> sights, const SkyP
   return result;
 }
 
-void tell_undetermined(SkyOrientation& result, const SkyPrior& prior) {
+void add_undetermined(SkyOrientation& result, const SkyPrior& prior) {
   const auto& sigma = result.sigma;
-  const auto tell = [&](bool open, const char* what, double value, const char* unit) {
+  const auto add_if = [&](bool open, const char* what, double value, const char* unit) {
     if (open)
       result.undetermined.push_back(
-          fmt::format("{}: the sun's track says little of it, it is known to {:.2g} {} only", what, value, unit));
+          fmt::format("{}: hardly determined by the sun's path; it is known only to {:.2g} {}", what, value, unit));
   };
   const double level = prior.level_sigma.value;
-  tell(sigma.tilt_east.value > kUndeterminedOrientation * level, "tilt to the east", to_degrees(sigma.tilt_east),
-       "deg");
-  tell(sigma.tilt_north.value > kUndeterminedOrientation * level, "tilt to the north", to_degrees(sigma.tilt_north),
-       "deg");
-  tell(std::max(sigma.centre_px.x / prior.centre_sigma_px.x, sigma.centre_px.y / prior.centre_sigma_px.y) >
-           kUndeterminedOrientation,
-       "centre of the lens", std::max(sigma.centre_px.x, sigma.centre_px.y), "px");
-  tell(sigma.scale > kUndeterminedOrientation * prior.scale_sigma, "focal length", 100.0 * sigma.scale, "percent");
+  add_if(sigma.tilt_east.value > kUndeterminedOrientation * level, "tilt to the east", to_degrees(sigma.tilt_east),
+         "deg");
+  add_if(sigma.tilt_north.value > kUndeterminedOrientation * level, "tilt to the north", to_degrees(sigma.tilt_north),
+         "deg");
+  add_if(std::max(sigma.centre_px.x / prior.centre_sigma_px.x, sigma.centre_px.y / prior.centre_sigma_px.y) >
+             kUndeterminedOrientation,
+         "centre of the lens", std::max(sigma.centre_px.x, sigma.centre_px.y), "px");
+  add_if(sigma.scale > kUndeterminedOrientation * prior.scale_sigma, "focal length", 100.0 * sigma.scale, "percent");
 }
 
 }  // namespace
@@ -300,7 +300,7 @@ Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPri
   // A turn about the north axis tilts the optical axis to the east, about the east axis to the south.
   result.sigma = {{sigma(2)}, {sigma(1)}, {sigma(0)}, {sigma(3), sigma(4)}, sigma(5)};
   finish(result, sights);
-  tell_undetermined(result, prior);
+  add_undetermined(result, prior);
   return result;
 }
 

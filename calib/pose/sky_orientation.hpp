@@ -48,7 +48,7 @@ struct SkyOrientation {
 };
 
 // A shift of the lens's centre and a tilt of the camera look nearly the same: the axis is found no better than
-// centre_sigma_px over the focal length, though pixels near the sun's way get their true direction all the same.
+// centre_sigma_px over the focal length, though pixels near the sun's path get their true direction all the same.
 // With the sun at one place (within 3 deg) only the turn about the vertical is found, all else stays as the prior has
 // it. Otherwise: the two sights that most others agree with (so that the azimuth needs no start and reflections do no
 // harm), then all that agree, by Ceres. Deterministic. Errors (bad_input): no sights; no two that agree.

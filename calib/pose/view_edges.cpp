@@ -42,7 +42,7 @@ double mean_of(const Image<float>& light) {
   return std::max(1e-9, sum / static_cast<double>(light.elements().size()));
 }
 
-// Along the normal, the mean over five lines beside each other. Empty: out of the picture, or no step.
+// Along the normal, the mean over five parallel lines. Empty: out of the picture, or no step.
 std::optional<Step> measure(const Image<float>& light, const glm::dvec2& pixel, const glm::dvec2& normal) {
   const double margin = kReach + 4.0;
   if (!(pixel.x > margin && pixel.y > margin && pixel.x < light.width() - 1 - margin &&
@@ -131,14 +131,14 @@ std::optional<EdgeChange> compare_edges(const Lens& lens, std::span<const ViewEd
   std::vector<double> ratios, before, now, contrasts, steps;
   const double mean = mean_of(light);
   for (const auto& edge : reference) {
-    const auto pixel = moved(edge.pixel), beside = moved(edge.pixel + 4.0 * edge.normal);
+    const auto pixel = moved(edge.pixel), along_normal = moved(edge.pixel + 4.0 * edge.normal);
     const double margin = kReach + 5.0;
-    if (!pixel || !beside ||
+    if (!pixel || !along_normal ||
         !(pixel->x > margin && pixel->y > margin && pixel->x < light.width() - margin - 1 &&
           pixel->y < light.height() - margin - 1))
       continue;
     ++change.sought;
-    const auto step = measure(light, *pixel, glm::normalize(*beside - *pixel));
+    const auto step = measure(light, *pixel, glm::normalize(*along_normal - *pixel));
     const double contrast = step ? step->contrast / edge.contrast : 0.0;
     contrasts.push_back(contrast);
     steps.push_back(step ? step->height / mean / edge.step : 0.0);

@@ -139,8 +139,8 @@ class Comparison {
         const auto ray = lens_.unproject(view_.pixel(x, y));
         if (ray) points_.push_back({glm::normalize(*ray), x, y, (y / side) * (kPartsAcross + 2) + x / side});
       }
-    const auto axis = lens_.project({0.0, 0.0, 1.0}), beside = lens_.project({1e-3, 0.0, 1.0});
-    if (axis && beside) pixel_angle_ = 1e-3 * view_.factor / std::max(1e-9, glm::distance(*axis, *beside));
+    const auto axis = lens_.project({0.0, 0.0, 1.0}), off_axis = lens_.project({1e-3, 0.0, 1.0});
+    if (axis && off_axis) pixel_angle_ = 1e-3 * view_.factor / std::max(1e-9, glm::distance(*axis, *off_axis));
   }
 
   void prepare(double blur_px) {

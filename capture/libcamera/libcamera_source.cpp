@@ -290,11 +290,11 @@ class LibcameraSource final : public CameraSource {
 
  private:
   FrameMetadata read_metadata(const libcamera::Request& request, const libcamera::FrameBuffer& buffer) {
-    const auto& told = buffer.metadata();
+    const auto& completed = buffer.metadata();
     FrameMetadata metadata;
-    metadata.captured_at = Instant{Duration{told.timestamp}};
+    metadata.captured_at = Instant{Duration{completed.timestamp}};
     metadata.utc = clock_.utc() - (clock_.now() - metadata.captured_at);
-    metadata.sequence = told.sequence;
+    metadata.sequence = completed.sequence;
     metadata.format = mode_.format;
     metadata.width = mode_.width;
     metadata.height = mode_.height;
@@ -309,7 +309,8 @@ class LibcameraSource final : public CameraSource {
       mode_.white_balance_k = *temperature;
     if (const auto duration = answers.get(libcamera::controls::FrameDuration); duration && *duration > 0)
       mode_.frames_per_second = 1e6 / static_cast<double>(*duration);
-    metadata.status = told.status == libcamera::FrameMetadata::FrameSuccess ? FrameStatus::good : FrameStatus::flagged;
+    metadata.status =
+        completed.status == libcamera::FrameMetadata::FrameSuccess ? FrameStatus::good : FrameStatus::flagged;
     return metadata;
   }
 
@@ -323,8 +324,8 @@ class LibcameraSource final : public CameraSource {
     std::size_t bytes = 0;
     for (std::size_t i = 0; i < planes.size(); ++i) {
       contiguous = contiguous && planes[i].data() == planes.front().data() + bytes;
-      const std::size_t told = i < used.size() ? used[i].bytesused : 0;
-      bytes += std::min<std::size_t>(told == 0 && i > 0 ? planes[i].size() : told, planes[i].size());
+      const std::size_t bytes_used = i < used.size() ? used[i].bytesused : 0;
+      bytes += std::min<std::size_t>(bytes_used == 0 && i > 0 ? planes[i].size() : bytes_used, planes[i].size());
     }
     frame.metadata.bytes_used = static_cast<std::uint32_t>(std::min<std::size_t>(bytes, kLargestPayload));
     frame.metadata.status = judge(frame.metadata, bytes, flagged);
@@ -347,8 +348,8 @@ class LibcameraSource final : public CameraSource {
     std::vector<std::uint8_t> copy;
     copy.reserve(bytes);
     for (std::size_t i = 0; i < planes.size(); ++i) {
-      const std::size_t told = i < used.size() && used[i].bytesused > 0 ? used[i].bytesused : planes[i].size();
-      const auto part = planes[i].first(std::min(told, planes[i].size()));
+      const std::size_t bytes_used = i < used.size() && used[i].bytesused > 0 ? used[i].bytesused : planes[i].size();
+      const auto part = planes[i].first(std::min(bytes_used, planes[i].size()));
       copy.insert(copy.end(), part.begin(), part.end());
     }
     frame.payload = payload_of(std::move(copy));

@@ -26,7 +26,7 @@ struct V4l2Filled {
   std::uint32_t sequence = 0;
   std::int64_t seconds = 0, microseconds = 0;
   std::vector<Plane> planes;
-  bool impossible = false;  // the driver claimed more bytes than there are, or omitted planes
+  bool impossible = false;  // the driver claimed more bytes than there are, or another number of planes
 };
 
 // Frames may be released in any thread; everything else belongs to the source's thread. Shared by lent frames: memory

@@ -12,7 +12,7 @@ namespace kasumi {
 FrameMetadata v4l2_metadata(const V4l2Filled& filled, const CameraMode& mode, const V4l2Layout& layout,
                             const Clock& clock);
 
-// A copy of the frame's bytes. Planes in separate memory are placed one after the other, with rows as in
+// A copy of the frame's bytes. Planes in separate memory are placed one after the other, with the row strides of
 // stride_of_plane().
 std::vector<std::uint8_t> v4l2_bytes(const V4l2Filled& filled, const FrameMetadata& metadata, const V4l2Layout& layout);
 

@@ -23,7 +23,7 @@ class VideoDevice {
   virtual ~VideoDevice() = default;  // closes
   // ioctl(2): 0, or the errno. Never blocks for a frame. Thread-safe.
   virtual int control(unsigned long request, void* argument) = 0;
-  // poll(2): BLOCKS until there is an event or `longest` has passed; may return early without one.
+  // poll(2): BLOCKS until one of VideoEvents holds or `longest` has passed; may return early with none.
   virtual VideoEvents wait(Duration longest) = 0;
   // mmap(2), read-only: empty, with `error` set to errno, when refused.
   virtual std::span<const std::uint8_t> map(std::size_t length, std::int64_t offset, int& error) = 0;

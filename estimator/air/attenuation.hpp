@@ -41,7 +41,7 @@ glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel
 
 // Quadrature nodes of a measure, similar to Gauss nodes but with the smallest worst error over T 1.7-20 and paths to 50
 // km. They depend on the sensor alone, so a new turbidity changes only 2 coefficients per node. Worst error over all
-// cameras with published data: 2.6e-4 for M's q_c (Gauss nodes in 1 / wavelength 7e-4), 6e-4 for its mix into sRGB.
+// cameras whose data Kasumi has: 2.6e-4 for M's q_c (Gauss nodes in 1 / wavelength 7e-4), 6e-4 for its mix into sRGB.
 constexpr int kAttenuationNodes = 2;
 struct AttenuationNodes {
   std::array<glm::dvec3, kAttenuationNodes> weight{};  // each channel's sum is 1

@@ -46,11 +46,12 @@ std::vector<Hole> holes_of(const Image<float>& range, const Image<int>& labels, 
       int added_count = 0;
       for (const glm::ivec2 u : {glm::ivec2{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
         if (!labels.contains(x + u.x, y + u.y)) continue;
-        const int beside = labels.at(x + u.x, y + u.y);
-        if (beside == 0 || std::find(added.begin(), added.begin() + added_count, beside) != added.begin() + added_count)
+        const int neighbour = labels.at(x + u.x, y + u.y);
+        if (neighbour == 0 ||
+            std::find(added.begin(), added.begin() + added_count, neighbour) != added.begin() + added_count)
           continue;
-        added[static_cast<std::size_t>(added_count++)] = beside;
-        holes[static_cast<std::size_t>(beside - 1)].border.push_back(
+        added[static_cast<std::size_t>(added_count++)] = neighbour;
+        holes[static_cast<std::size_t>(neighbour - 1)].border.push_back(
             {static_cast<double>(x), static_cast<double>(y), 1.0 / static_cast<double>(range.at(x, y))});
       }
     }

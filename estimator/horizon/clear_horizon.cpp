@@ -22,7 +22,7 @@ constexpr std::array<double, kTerms> kExpected{1e3, 2.0, 5.0, 5.0, 20.0};
 // precision.
 constexpr double kIndependentMeasurements = 100.0, kMeasurementError = 0.01;
 
-// In log light. In a picture too noisy for the largest tolerance, clear sky cannot be told from clouds.
+// In log light. In a picture too noisy for the largest tolerance, clear sky cannot be distinguished from clouds.
 constexpr double kLeastTolerance = 0.006, kLargestTolerance = 0.015;
 
 Terms terms(double azimuth, double elevation) {

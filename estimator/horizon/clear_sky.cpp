@@ -117,8 +117,9 @@ Use certain_sky(const Measurement& m, const std::vector<Cell>& cells, const std:
 }
 
 // Extends the sky down to the land. Air in front of a hill is never brighter than air at infinity, so hills are darker
-// than the clear sky would be there, most of all in red, where airlight is weakest. What returns to the clear sky's
-// light further down was a cloud. Each stack is cut where most cells above the cut are not dark and most below it are.
+// than the clear sky would be there, most of all in red, where airlight is weakest. Light that drops no lower than
+// the clear sky's belonged to a cloud. Each stack is cut where most cells above the cut are not dark and most below it
+// are.
 Use above_land(const Measurement& m, const std::vector<Cell>& cells, const ClearHorizon& clear, const Use& certain) {
   const auto dark = [&](const Cell& cell) {
     const glm::dvec3 residual = clear.residual(cell.light);

@@ -1,4 +1,4 @@
-// The lowest visible sky, clear or not: used where clear sky cannot be told from clouds.
+// The lowest visible sky, clear or not: used where clear sky cannot be distinguished from clouds.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -53,8 +53,8 @@ int first_step_down(const std::vector<double>& profile, int reach, double noise,
   const int size = static_cast<int>(profile.size());
   for (int i = std::max(from, 2 * reach); i + 2 * reach <= size; ++i) {
     const double above = mean(i - reach), below = mean(i), drop = above - below;
-    const double beside = std::max(std::abs(mean(i - 2 * reach) - above), std::abs(below - mean(i + reach)));
-    if (drop < kSoftestHill * above || drop < 4.0 * noise || drop < 2.5 * beside) continue;
+    const double nearby = std::max(std::abs(mean(i - 2 * reach) - above), std::abs(below - mean(i + reach)));
+    if (drop < kSoftestHill * above || drop < 4.0 * noise || drop < 2.5 * nearby) continue;
     const auto first_below = profile.begin() + i + reach / 2;
     const double brightest_below = *std::max_element(first_below, profile.begin() + std::min(size, i + 4 * reach));
     if (brightest_below < above - 0.5 * drop) return i - reach / 2 - 1;

@@ -93,7 +93,8 @@ glm::dvec3 Daylight::seen_xyz(const Direction& direction, const std::optional<gl
   if (!unit) return model;
   const SkyCell& cell = options_.measured->at(direction);
   const glm::dvec3 seen = *unit * cell.xyz;
-  // The model resolves clear air more finely; a clipped value is a lower bound of the brightness.
+  // Clear air keeps the model's light, which has the finer resolution. A clipped value is a lower bound of the
+  // brightness.
   return glm::mix(model, cell.clipped ? glm::max(model, seen) : seen,
                   is_overcast() ? cell.seen : cell.seen * (1.0 - cell.clear));
 }

@@ -53,11 +53,12 @@ class Daylight {
   bool is_overcast() const { return options_.sky == SkyCondition::overcast; }
   double zenith_luminance() const;                       // cd m-2, of the model
   glm::dvec3 sky_xyz(const Direction& direction) const;  // the same in any direction
-  // The clouds' light where clouds are seen. `unit`: unit_of() the measured sky; empty: nothing is measured.
+  // The model's light, replaced by the measured light where clouds are seen or, if overcast, wherever the camera looks.
+  // `unit`: unit_of() the measured sky; empty: nothing is measured.
   glm::dvec3 seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const;
   glm::dvec3 light_of(const glm::dvec3& xyz) const;
-  // Factor from the camera's XYZ to the model's cd m-2, from where both see the same; empty when they have no clear sky
-  // in common. It includes the sky camera's exposure and white balance.
+  // Factor from the camera's XYZ to the model's cd m-2, from the cells where both see the same; empty when they are
+  // too few. It includes the sky camera's exposure and white balance.
   std::optional<glm::dvec3> unit_of(const MeasuredSky& measured) const;
   void light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double through_clouds);
   void light_by_sky(const std::optional<glm::dvec3>& unit);

@@ -46,7 +46,7 @@ struct Relighting {
 // Optional further knowledge of a picture, the same for all targets. Empty: none.
 struct PictureParts {
   Image<glm::vec3> clean;        // the picture without its noise (without_noise), linear: noise is not restored
-  Image<glm::vec3> land_around;  // (land_around): lets sunlit be told from shaded
+  Image<glm::vec3> land_around;  // (land_around): distinguishes sunlit from shaded
 };
 
 struct RetargetOptions {

@@ -1,6 +1,6 @@
 // The clear sky seen from any altitude to 30 km, under any turbidity and sun: fitted to a spectral atmosphere with all
-// orders of scattering (fixtures/atmosphere makes the table; docs/sky.md gives the accuracy). After U Chapter 3, with
-// an error of its table corrected.
+// orders of scattering (fixtures/atmosphere makes the table; docs/sky.md gives the accuracy). After U Chapter 3, whose
+// own table cannot be used (physics 10).
 #pragma once
 
 #include <glm/mat3x3.hpp>

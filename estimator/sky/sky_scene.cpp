@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLandTop_m = 3600.0;
 
-// Hoffman and Preetham's own wavelengths of red, green and blue, and of the sun outside the air.
+// Hoffman and Preetham's own wavelengths of red, green and blue, and the sun's illuminance outside the air.
 constexpr glm::dvec3 kOlderWavelengths_nm{650.0, 570.0, 475.0};
 constexpr double kSunOutside_lux = 128e3;
 

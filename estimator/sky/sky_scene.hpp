@@ -22,8 +22,8 @@ struct SkyRequest {
 // Exposed as the eye would: nearly, but not completely, adapted to the mean of the sky. Costs some milliseconds.
 SkyScene sky_scene(const SkyRequest& request);
 
-// Light of the upper half of the sky: mean of its logarithm, and illuminance on level ground. Linear sRGB, cd/m2 and
-// lux.
+// Light of the sky above the horizon: geometric mean of the luminance, cd/m2, and illuminance on level ground, linear
+// sRGB, lux.
 struct SkySums {
   double mean_luminance = 0.0;
   glm::dvec3 on_level_ground{0.0};

@@ -19,13 +19,13 @@ struct Sum {
 
 }  // namespace
 
-std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& look, const Camera& camera,
+std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& observation, const Camera& camera,
                                    Turbidity turbidity, int number) {
-  const SkyModel model(turbidity, look.estimate.sun);
+  const SkyModel model(turbidity, observation.estimate.sun);
   std::map<std::pair<int, int>, Sum> cells;
-  for (int y = 0; y < look.use.height(); ++y)
-    for (int x = 0; x < look.use.width(); ++x) {
-      if (look.use.at(x, y) != PixelUse::clear) continue;
+  for (int y = 0; y < observation.use.height(); ++y)
+    for (int x = 0; x < observation.use.width(); ++x) {
+      if (observation.use.at(x, y) != PixelUse::clear) continue;
       const auto direction = camera.direction_at(picture.camera_pixel(x, y));
       if (!direction) continue;
       const auto light = camera.response.to_light(glm::dvec3(picture.encoded.at(x, y)));

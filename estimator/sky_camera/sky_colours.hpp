@@ -8,10 +8,10 @@
 
 namespace kasumi {
 
-// Cells of about 6 by 6 deg of the sky that `look` classified as clear: mean log ratios of the camera's linear light
-// (vignetting removed, white balance not), and the mean daylight weights of Preetham's chromaticities for this T and
-// sun. `number` is the picture's.
-std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& look, const Camera& camera,
+// Cells of about 6 by 6 deg of the sky that `observation` classified as clear: mean log ratios of the camera's linear
+// light (vignetting removed, white balance not), and the mean daylight weights of Preetham's chromaticities for this T
+// and sun. `number` is the picture's.
+std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& observation, const Camera& camera,
                                    Turbidity turbidity, int number);
 
 }  // namespace kasumi

@@ -20,14 +20,14 @@ Skies look_at(std::span<const SkyMoment> moments, const Camera& camera, const st
   Skies skies;
   SkyObserver observer(camera);
   for (const auto& moment : moments) {
-    const auto look = observer.observe(moment.picture, moment.sun);
-    if (!look.estimate.usable) {
-      skies.refused.push_back(fmt::format("{}: {}", moment.name, look.estimate.reason));
+    const auto observation = observer.observe(moment.picture, moment.sun);
+    if (!observation.estimate.usable) {
+      skies.refused.push_back(fmt::format("{}: {}", moment.name, observation.estimate.reason));
       continue;
     }
-    const double t = turbidity.value_or(look.estimate.turbidity.value);
+    const double t = turbidity.value_or(observation.estimate.turbidity.value);
     const auto more =
-        sky_colours(moment.picture, look, camera, Turbidity{t}, static_cast<int>(skies.turbidities.size()));
+        sky_colours(moment.picture, observation, camera, Turbidity{t}, static_cast<int>(skies.turbidities.size()));
     skies.colours.insert(skies.colours.end(), more.begin(), more.end());
     skies.turbidities.push_back(t);
   }

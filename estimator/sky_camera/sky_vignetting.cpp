@@ -16,7 +16,7 @@ namespace kasumi {
 namespace {
 
 constexpr int kShape = 3;         // v2, v4, v6
-constexpr int kLooks = 4;         // cloud masks with successively better vignetting
+constexpr int kMaskRounds = 4;    // cloud masks with successively better vignetting
 constexpr double kOutlier = 4.0;  // robust standard deviations
 constexpr Radians kCorrelationAngle = from_degrees(20.0);
 constexpr std::size_t kFewestSamples = 200;  // of a picture
@@ -229,17 +229,17 @@ Moment look_at(SkyObserver& observer, Bare& bare, const SkyMoment& seen, double 
   look_options.least_agreement = 0.2;
   look_options.largest_relative_sigma = 1.0;
   Moment moment;
-  const auto look = observer.observe(seen.picture, seen.sun, look_options);
-  if (!look.estimate.usable) {
-    moment.reason = look.estimate.reason;
+  const auto observation = observer.observe(seen.picture, seen.sun, look_options);
+  if (!observation.estimate.usable) {
+    moment.reason = observation.estimate.reason;
     return moment;
   }
-  moment.turbidity = look.estimate.turbidity.value;
+  moment.turbidity = observation.estimate.turbidity.value;
   const SampleLimits limits;
   if (!bare.geometry || !bare.geometry->fits(seen.picture)) bare.geometry = sky_geometry(bare.camera, seen.picture);
   auto light = sky_light(seen.picture, *bare.geometry, bare.camera, seen.sun, limits);
   for (std::size_t i = 0; i < light.use.elements().size(); ++i)
-    if (look.use.elements()[i] != PixelUse::clear) light.use.elements()[i] = PixelUse::cloud;
+    if (observation.use.elements()[i] != PixelUse::clear) light.use.elements()[i] = PixelUse::cloud;
   const auto elements = spread(light.use, options.samples);
   const auto samples = samples_at(elements, seen.picture, *bare.geometry, light, bare.camera, seen.sun, limits);
   double sum = 0.0;
@@ -321,7 +321,7 @@ Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const 
   result.vignetting = {bare.centre, radius_px, {}};
   std::vector<Moment> moments;
   Fit::Certainty certainty;
-  for (int look = 0; look < kLooks; ++look) {
+  for (int round = 0; round < kMaskRounds; ++round) {
     Camera corrected = bare.camera;
     corrected.vignetting = result.vignetting;
     SkyObserver observer(corrected);
@@ -334,7 +334,7 @@ Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const 
     fit.solve();
     result.vignetting.coefficients = fit.shape();
     result.pictures = static_cast<int>(fit.pictures());
-    if (look + 1 < kLooks) continue;
+    if (round + 1 < kMaskRounds) continue;
     certainty = fit.certainty();
     result.residuals.clear();
     for (const auto& moment : moments) {

@@ -43,8 +43,8 @@ struct SkyVignetting {
   // differs smoothly from the model as much as the residuals show, and from the uncertainty of T.
   double rim_sigma = 0.0;
   // The relative change of that illumination if the sky's light differs smoothly from the model's by 3 %: with the
-  // distance from the sun (one standard deviation), and with the zenith angle, growing towards the rim (signed). No
-  // picture by a camera that stays level can tell the latter from a lens.
+  // distance from the sun (one standard deviation), and with the zenith angle, growing towards the rim (signed).
+  // Pictures from a level camera cannot separate the latter from the lens.
   double by_3_percent_about_sun = 0.0, by_3_percent_at_rim = 0.0;
   Radians sun_way;        // largest angle between the sun's positions in two pictures used
   double residual = 0.0;  // root mean square of ln(measured light / modelled)

@@ -16,7 +16,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kFewElements = 6;    // a smaller blob has no meaningful shape
+constexpr int kFewElements = 6;    // a blob of no more has no meaningful shape
 constexpr double kRimReach = 0.6;  // of the saturated level: lower edge of the blob's soft rim
 
 float dimmest(const glm::vec3& encoded) {

@@ -38,21 +38,21 @@ struct ColourConsensus {
   double score = -std::numeric_limits<double>::infinity();
 };
 
-struct Look {
+struct ColourSample {
   Direction view;
   float colour, luminance;
 };
 
 // The fullest cell of a coarse plane of (colour, luminance) residuals; cells overlap by half.
-ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity, const SiteSky& model,
+ColourConsensus fullest_cell(const std::vector<ColourSample>& samples, Turbidity turbidity, const SiteSky& model,
                              const glm::dmat3& xyz_to_light) {
   constexpr int kSide = 64;
   constexpr float kStep = 0.05f;  // two of them make a cell
   std::vector<glm::vec2> residuals;
-  residuals.reserve(looks.size());
-  for (const Look& look : looks) {
-    const Expected expected = expected_at(model, xyz_to_light, look.view);
-    const glm::vec2 residual{look.colour - expected.colour, look.luminance - expected.luminance};
+  residuals.reserve(samples.size());
+  for (const ColourSample& sample : samples) {
+    const Expected expected = expected_at(model, xyz_to_light, sample.view);
+    const glm::vec2 residual{sample.colour - expected.colour, sample.luminance - expected.luminance};
     if (std::isfinite(residual.x) && std::isfinite(residual.y)) residuals.push_back(residual);
   }
   ColourConsensus best{turbidity};
@@ -99,16 +99,16 @@ ColourConsensus fullest_cell(const std::vector<Look>& looks, Turbidity turbidity
 template <class ModelAt>
 ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry, const ModelAt& model_at,
                                 const glm::dmat3& xyz_to_light) {
-  constexpr int kLooks = 500;
+  constexpr int kColourSamples = 500;
   constexpr std::array kTurbidities{1.8, 2.0, 2.3, 2.7, 3.3, 4.2, 5.5, 7.5, 10.0, 14.0};
   std::mt19937_64 random(2017);
-  std::vector<Look> looks;
-  for (const glm::ivec2& e : draw_elements(sky, geometry, kLooks, random))
-    looks.push_back({Direction(geometry.direction.at(e.x, e.y)), colour_of(sky.light.at(e.x, e.y)),
-                     sky.log_luminance.at(e.x, e.y)});
+  std::vector<ColourSample> samples;
+  for (const glm::ivec2& e : draw_elements(sky, geometry, kColourSamples, random))
+    samples.push_back({Direction(geometry.direction.at(e.x, e.y)), colour_of(sky.light.at(e.x, e.y)),
+                       sky.log_luminance.at(e.x, e.y)});
   ColourConsensus best;
   for (const double t : kTurbidities) {
-    const ColourConsensus here = fullest_cell(looks, Turbidity{t}, model_at(Turbidity{t}), xyz_to_light);
+    const ColourConsensus here = fullest_cell(samples, Turbidity{t}, model_at(Turbidity{t}), xyz_to_light);
     if (here.score > best.score) best = here;
   }
   return best;

@@ -30,7 +30,7 @@ double solid_angle_of_ring(int ring) {
   return kSectorWidth * (std::cos(ring * kRingWidth) - std::cos((ring + 1) * kRingWidth));
 }
 
-// Shares of a small round part of the picture, by solid angle. What is too bright near the sun is classified neither as
+// Solid angles within a small round part of the picture. What is too bright near the sun is classified neither as
 // cloud nor as clear.
 struct Patch {
   double open = 0.0, judged = 0.0, cloud = 0.0;

@@ -23,15 +23,15 @@ std::size_t nearest_to_zenith(std::span<const SkySample> samples) {
 
 SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirection& sun,
                                     const EstimateOptions& options) {
-  SkyObservation look;
-  TurbidityEstimate& estimate = look.estimate;
+  SkyObservation observation;
+  TurbidityEstimate& estimate = observation.estimate;
   estimate.sun = sun;
-  look.sky = options.method == EstimateMethod::free_gain ? options.sky : SkyToFit{};
-  const auto refuse = [&look](const Refusal& refusal) -> SkyObservation {
-    look.estimate.usable = false;
-    look.estimate.sky = refusal.sky;
-    look.estimate.reason = refusal.reason;
-    return std::move(look);
+  observation.sky = options.method == EstimateMethod::free_gain ? options.sky : SkyToFit{};
+  const auto refuse = [&observation](const Refusal& refusal) -> SkyObservation {
+    observation.estimate.usable = false;
+    observation.estimate.sky = refusal.sky;
+    observation.estimate.reason = refusal.reason;
+    return std::move(observation);
   };
   if (const auto refusal = refuse_by_sun(sun, options)) return refuse(*refusal);
 
@@ -39,21 +39,23 @@ SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirectio
   SkyLight sky = sky_light(picture, *geometry_, camera_, sun, options.limits);
   const SkyStatistics statistics = statistics_of(picture, *geometry_, sky);
   if (const auto refusal = refuse_by_light(statistics, sun)) {
-    look.use = std::move(sky.use);
+    observation.use = std::move(sky.use);
     return refuse(*refusal);
   }
 
-  const FittedSky fitted(look.sky, sun);
+  const FittedSky fitted(observation.sky, sun);
   std::mt19937_64 random(options.seed);
   const auto draw_and_solve = [&] {
-    look.elements = draw_elements(sky, *geometry_, options.samples, random);
-    look.samples = samples_at(look.elements, picture, *geometry_, sky, camera_, sun, options.limits);
-    return options.method == EstimateMethod::free_gain || look.samples.empty()
-               ? solve_turbidity(look.samples, options.solver, fitted)
-               : solve_by_reference_pixel(look.samples, nearest_to_zenith(look.samples), options.reference);
+    observation.elements = draw_elements(sky, *geometry_, options.samples, random);
+    observation.samples = samples_at(observation.elements, picture, *geometry_, sky, camera_, sun, options.limits);
+    return options.method == EstimateMethod::free_gain || observation.samples.empty()
+               ? solve_turbidity(observation.samples, options.solver, fitted)
+               : solve_by_reference_pixel(observation.samples, nearest_to_zenith(observation.samples),
+                                          options.reference);
   };
   double mask_clear = 1.0;
-  if (options.mask_clouds) mask_clear = mask_clouds(sky, *geometry_, sun, options.clouds, look.sky).clear_fraction;
+  if (options.mask_clouds)
+    mask_clear = mask_clouds(sky, *geometry_, sun, options.clouds, observation.sky).clear_fraction;
   TurbiditySolution fit = draw_and_solve();
   // The fit itself shows what else is not clear sky, thin edges above all; repeated until hardly anything is found.
   constexpr int kRounds = 3;
@@ -62,13 +64,13 @@ SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirectio
     const double limit = std::max(kSmallestOutlier, kOutlierSigmas * fit.log_residual);
     mask_clear *= mask_outliers(sky, *geometry_, sun, fit.turbidity, fit.log_gain, limit, fitted);
     fit = draw_and_solve();
-    if (fit.inliers > kNearlyAll * static_cast<double>(look.samples.size())) break;
+    if (fit.inliers > kNearlyAll * static_cast<double>(observation.samples.size())) break;
   }
-  const RivalSkies rivals = compare_skies(look.samples, fit, fitted);
-  look.use = std::move(sky.use);
-  const int drawn = static_cast<int>(look.samples.size());
-  look.inlier = fit.inlier;
-  look.log_gain = fit.log_gain;
+  const RivalSkies rivals = compare_skies(observation.samples, fit, fitted);
+  observation.use = std::move(sky.use);
+  const int drawn = static_cast<int>(observation.samples.size());
+  observation.inlier = fit.inlier;
+  observation.log_gain = fit.log_gain;
   estimate.turbidity = fit.turbidity;
   estimate.sigma = fit.sigma;
   estimate.samples = fit.inliers;
@@ -79,17 +81,18 @@ SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirectio
     return refuse(*refusal);
   estimate.usable = true;
   estimate.sky = estimate.clear_fraction >= kClearSky ? SkyCondition::clear : SkyCondition::partly_cloudy;
-  return look;
+  return observation;
 }
 
-std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyObservation& look,
+std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyObservation& observation,
                                                 const Direction& through) {
-  const TurbidityEstimate& seen = look.estimate;
-  const bool clouds_known = seen.usable || seen.sky == SkyCondition::overcast;
-  if (!clouds_known || look.use.width() != picture.encoded.width() || look.use.height() != picture.encoded.height())
+  const TurbidityEstimate& estimate = observation.estimate;
+  const bool clouds_known = estimate.usable || estimate.sky == SkyCondition::overcast;
+  if (!clouds_known || observation.use.width() != picture.encoded.width() ||
+      observation.use.height() != picture.encoded.height())
     return std::nullopt;
   if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
-  return measure_sky(picture, *geometry_, camera_, look.use, seen.sky, seen.sun, through);
+  return measure_sky(picture, *geometry_, camera_, observation.use, estimate.sky, estimate.sun, through);
 }
 
 TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,

@@ -55,9 +55,10 @@ class SkyObserver {
  public:
   explicit SkyObserver(Camera camera) : camera_(std::move(camera)) {}
   SkyObservation observe(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
-  // The sky of a picture after observe(), for the light on an object; empty when too little of it is visible to improve on
-  // the model. `through`: where a cloud would shade the object.
-  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyObservation& look, const Direction& through);
+  // The sky of a picture after observe(), for the light on an object; empty when too little of it is visible to improve
+  // on the model. `through`: where a cloud would shade the object.
+  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyObservation& observation,
+                                     const Direction& through);
   const Camera& camera() const { return camera_; }
 
  private:

@@ -60,7 +60,7 @@ std::vector<double> probe_places(double size, std::optional<double> sun) {
 
 DomeMesh make_dome_mesh(const SkyView& view, const SkyPainter& painter, const Direction& sun, double tolerance) {
   const glm::dvec2 middle = 0.5 * glm::dvec2(view.width, view.height) - 0.5;
-  const auto seen = [&](double x, double y) {
+  const auto shown_at = [&](double x, double y) {
     return painter.shown(painter.sky(direction_of(view, middle + glm::dvec2(x, y))));
   };
   const auto sun_pixel = pixel_of(view, sun);
@@ -70,9 +70,9 @@ DomeMesh make_dome_mesh(const SkyView& view, const SkyPainter& painter, const Di
     sun_y = sun_pixel->y - middle.y;
   }
   DomeMesh mesh;
-  mesh.columns = lines_of([&](double along, double across) { return seen(along, across); }, view.width,
+  mesh.columns = lines_of([&](double along, double across) { return shown_at(along, across); }, view.width,
                           probe_places(view.height, sun_y), tolerance);
-  mesh.rows = lines_of([&](double along, double across) { return seen(across, along); }, view.height,
+  mesh.rows = lines_of([&](double along, double across) { return shown_at(across, along); }, view.height,
                        probe_places(view.width, sun_x), tolerance);
   return mesh;
 }

@@ -65,7 +65,7 @@ class HazeBlur {
   Result<> set_scene(const HazeScene& scene);
   // Fades and blurs the scene. Errors: bad_input (a step larger than the picture, no scene), device.
   Result<> run(const HazeLook& look);
-  // What was run last, sRGB, before its airlight. Errors: bad_input (target), device.
+  // Draws the last result with its airlight added, encoded as sRGB. Errors: bad_input (target), device.
   Result<> show(const DrawTarget& target) const;
   // The same without airlight: premultiplied light and transmission, linear. BLOCKS.
   Result<Image<glm::vec4>> read() const;

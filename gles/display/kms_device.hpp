@@ -103,7 +103,7 @@ class KmsDevice {
   virtual KmsResult<KmsConnector> connector(std::uint32_t id) = 0;
   // The kernel's cached state. Cheap.
   virtual KmsConnection connection(const KmsConnector& connector) const = 0;
-  // A CRTC and its primary plane for the connector: those that drive it now, or free ones.
+  // A CRTC and its primary plane for the connector: those that drive it now, else free ones if there are any.
   virtual KmsResult<KmsPipe> find_pipe(const KmsConnector& connector, const KmsMode& mode) = 0;
 
   // XRGB8888. Owned by KmsFramebuffer.

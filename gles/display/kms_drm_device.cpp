@@ -223,7 +223,8 @@ class DrmDevice final : public KmsDevice {
   }
 
  private:
-  // First the CRTC that already drives the connector, to avoid flicker; then unused ones.
+  // First the CRTC that already drives the connector, to avoid flicker; then unused ones; last those of other
+  // connectors.
   std::vector<std::uint32_t> by_preference(const KmsConnector& connector, const drmModeRes& resources) const {
     std::vector<std::uint32_t> taken;
     for (const std::uint32_t id : std::span(resources.connectors, resources.count_connectors)) {

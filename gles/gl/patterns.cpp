@@ -18,7 +18,8 @@ std::uint8_t texel_of(double normal) {
   return static_cast<std::uint8_t>(std::clamp(std::floor(normal * 255.0 / 8.0 + 128.0), 0.0, 255.0));
 }
 
-// Two normal numbers (Box and Muller 1958), since the results of std::normal_distribution differ between libraries.
+// Normal numbers, two at a time (Box and Muller 1958), since the results of std::normal_distribution differ between
+// libraries.
 std::vector<std::uint8_t> normal_texels(std::size_t count) {
   std::mt19937_64 random(1);
   const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };

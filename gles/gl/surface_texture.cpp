@@ -157,7 +157,7 @@ Result<SurfaceTexture> upload(const ModelTexture& texture, std::optional<double>
     notes.push_back(fmt::format("texture of {} x {} reduced to {} x {}, a size that the driver supports",
                                 texture.pixels.width(), texture.pixels.height(), level.width(), level.height()));
 
-  // EXT_sRGB on GLES 2 does not allow mipmap generation, so only version 3's sRGB textures are used.
+  // EXT_sRGB on GLES 2 does not support mipmaps, so only version 3's sRGB textures are used.
   const bool decodes = !force_encoded && info.es_major >= 3 && !texture.data;
   SurfaceTexture made{make_texture(), decodes, texture.data};
   const double share = cutoff ? share_above(level, *cutoff) : 1.0;

@@ -11,7 +11,7 @@
 namespace kasumi {
 namespace {
 
-// Radiance of a horizontal white card under open sky.
+// Radiance of a horizontal white card in the open, under sun and sky.
 glm::dvec3 white_card(const ObjectLight& light) {
   return (irradiance(light.around, {0, 0, 1}) + light.sun_irradiance * std::max(light.sun_direction.z, 0.0)) / kPi;
 }

@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kMinRoughness = 1e-3;  // avoids division by zero; a mirror's integrals stay valid
+constexpr double kMinRoughness = 1e-3;  // a mirror: its samples coincide, and the integrals stay valid
 
 }  // namespace
 
@@ -57,9 +57,9 @@ double mean_cosine(double roughness) {
 }
 
 ReflectionLookup reflection_lookup(double across, const DirectionalAlbedo& back) {
-  ReflectionLookup seen;
+  ReflectionLookup lookup;
   const double sideways = std::sqrt(1.0 - across * across), slope = std::max(back.aside, 0.0) / back.along;
-  if (sideways > 0.0) seen.lean = std::clamp(slope / (sideways + slope * (1.0 - across)), 0.0, 1.0);
+  if (sideways > 0.0) lookup.lean = std::clamp(slope / (sideways + slope * (1.0 - across)), 0.0, 1.0);
   static const auto cosines = [] {
     std::array<double, 129> list{};
     for (std::size_t i = 0; i < list.size(); ++i) list[i] = mean_cosine(double(i) / (list.size() - 1));
@@ -69,8 +69,8 @@ ReflectionLookup reflection_lookup(double across, const DirectionalAlbedo& back)
   std::size_t rougher = 1;
   while (rougher + 1 < cosines.size() && cosines[rougher] > length) ++rougher;
   const double part = (cosines[rougher - 1] - length) / (cosines[rougher - 1] - cosines[rougher]);
-  seen.roughness = std::clamp((double(rougher) - 1.0 + part) / (cosines.size() - 1), 0.0, 1.0);
-  return seen;
+  lookup.roughness = std::clamp((double(rougher) - 1.0 + part) / (cosines.size() - 1), 0.0, 1.0);
+  return lookup;
 }
 
 Image<glm::u8vec4> reflection_table() {
@@ -82,8 +82,8 @@ Image<glm::u8vec4> reflection_table() {
     for (int x = 0; x < table.width(); ++x) {
       const double root = std::max(static_cast<double>(x) / (table.width() - 1), 0.01);
       const DirectionalAlbedo back = directional_albedo(root * root, static_cast<double>(y) / (table.height() - 1));
-      const ReflectionLookup seen = reflection_lookup(root * root, back);
-      table.at(x, y) = {byte(back.all), byte(back.edge), byte(seen.lean), byte(seen.roughness)};
+      const ReflectionLookup lookup = reflection_lookup(root * root, back);
+      table.at(x, y) = {byte(back.all), byte(back.edge), byte(lookup.lean), byte(lookup.roughness)};
     }
   return table;
 }

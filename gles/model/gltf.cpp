@@ -119,7 +119,7 @@ class SceneReader {
     if (!shown) return fail(shown.error());
     std::vector<Visit> open;
     for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}, false});
-    std::vector<bool> seen(gltf_.nodes.size());
+    std::vector<bool> visited(gltf_.nodes.size());
     while (!open.empty()) {
       const Visit visit = open.back();
       open.pop_back();
@@ -127,8 +127,8 @@ class SceneReader {
       if (visit.node < 0 || static_cast<std::size_t>(visit.node) >= gltf_.nodes.size())
         return fail(FaultKind::bad_input, "{}: there are {}", what, gltf_.nodes.size());
       const auto at = static_cast<std::size_t>(visit.node);
-      if (seen[at]) return fail(FaultKind::bad_input, "{} is its own ancestor or has two parents", what);
-      seen[at] = true;
+      if (visited[at]) return fail(FaultKind::bad_input, "{} is its own ancestor or has two parents", what);
+      visited[at] = true;
       const tinygltf::Node& node = gltf_.nodes[at];
       const auto local = transform_of(node, what);
       if (!local) return fail(local.error());
@@ -172,8 +172,8 @@ class SceneReader {
 
     const bool with_normals = primitive.attributes.contains("NORMAL");
     if (with_normals) {
-      if (const std::size_t mended = mend_normals(part); mended > 0)
-        note("{} invalid normals replaced by those of their faces", mended);
+      if (const std::size_t replaced = mend_normals(part); replaced > 0)
+        note("{} invalid normals replaced by those of their faces", replaced);
     }
     if (auto placed = place(part, transform, what); !placed) return placed;
     if (!with_normals) give_flat_normals(part);

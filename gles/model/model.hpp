@@ -56,7 +56,7 @@ struct ModelMaterial {
   float normal_scale = 1.0f;
   ModelMap occlusion_map{};  // red: visible share of the sky
   float occlusion_strength = 1.0f;
-  glm::vec3 emission{0.0f};  // 1: as bright as a horizontal white card under open sky, as for unlit materials
+  glm::vec3 emission{0.0f};  // 1: as bright as a white card lying in sun and sky, as for unlit materials
   ModelMap emission_map{};
   bool unlit = false;  // base colour is used as emission
 

@@ -23,7 +23,7 @@ glm::dvec3 any_across(const glm::dvec3& n) {
   return glm::normalize(glm::cross(n, std::abs(n.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
 }
 
-// The direction of growing texture x on a triangle (not normalised), and whether the picture is mirrored.
+// The direction of growing texture x on a triangle (unit vector; 0 if undefined), and whether the picture is mirrored.
 struct TextureOrientation {
   glm::dvec3 along{0.0};
   bool mirrored = false;

@@ -170,9 +170,9 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
       program.set("dither_pattern", kDitherUnit);
       set_appearance(program);
     };
-    const PixelBox seen = grown(tile.box(), pixels_of(tile.samples_around()));
+    const PixelBox sampled = grown(tile.box(), pixels_of(tile.samples_around()));
     for (const auto part : drawn_parts(options))
-      if (auto drawn = model.draw(part, programs, defines, units_for_layer(), seen, set_uniforms); !drawn)
+      if (auto drawn = model.draw(part, programs, defines, units_for_layer(), sampled, set_uniforms); !drawn)
         return fail(drawn.error());
     if (lattice->spread) lattice->spread->apply(lattice->samples, tile.width(), tile.height());
     resolve(**resolving, lattice->samples, tile, layer.buffer_, box, projection.view);

@@ -221,7 +221,7 @@ PictureRectangles cut_picture(int width, int height, const PixelBox& box, const 
   add(PictureArea::plain, {box.right, box.top, width, box.bottom});
   add(PictureArea::plain, {0, box.bottom, width, height});
 
-  // Groups are counted from a multiple of 16 pixels, as the cost assumes.
+  // Groups are counted from the picture's corner, which is on the 16-pixel lines that the cost assumes.
   const int first_x = box.left / kGroup, first_y = box.top / kGroup;
   const Image<PictureArea> groups = grouped(box, coverage);
   const PixelBox all{first_x, first_y, first_x + groups.width(), first_y + groups.height()};

@@ -76,9 +76,9 @@ SunFrame make_sun_frame(const ModelBounds& bounds, const glm::dmat4& model_to_wo
     const glm::dvec3 at{corner & 1 ? bounds.highest.x : bounds.lowest.x,
                         corner & 2 ? bounds.highest.y : bounds.lowest.y,
                         corner & 4 ? bounds.highest.z : bounds.lowest.z};
-    const glm::dvec3 seen = turn * glm::dvec3(model_to_world * glm::dvec4(at, 1.0));
-    lowest = glm::min(lowest, seen);
-    highest = glm::max(highest, seen);
+    const glm::dvec3 in_sun_frame = turn * glm::dvec3(model_to_world * glm::dvec4(at, 1.0));
+    lowest = glm::min(lowest, in_sun_frame);
+    highest = glm::max(highest, in_sun_frame);
   }
   SunFrame frame;
   frame.texels = texels;

@@ -23,10 +23,11 @@ void LatencyHistogram::add(Duration latency) {
 
 double LatencyHistogram::quantile_ms(double share) const {
   const auto wanted = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(count_)));
-  std::uint64_t seen = 0;
+  std::uint64_t counted = 0;
   for (std::size_t bin = 0; bin + 1 < kBins; ++bin) {
-    seen += bins_[bin];
-    if (seen >= wanted) return std::min(max_ms_, kFirstBin_ms * std::exp((static_cast<double>(bin) - 0.5) / kBinsPerE));
+    counted += bins_[bin];
+    if (counted >= wanted)
+      return std::min(max_ms_, kFirstBin_ms * std::exp((static_cast<double>(bin) - 0.5) / kBinsPerE));
   }
   return max_ms_;
 }

@@ -64,7 +64,7 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
   };
   const auto blit = [&] { return blit_pass->draw(target); };
   const SkyScene scene = bench_sky(SkyKind::dome);
-  const auto anew = [&]() -> Result<> {
+  const auto rebuilt = [&]() -> Result<> {
     if (auto set = skies[0].set(view, scene); !set) return set;
     return skies[0].draw(target);
   };
@@ -78,7 +78,7 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
   const auto mesh = skies[0].mesh_size();
   add(fmt::format("the sky's dome, full HD, {} x {} places / plain blit", mesh.columns, mesh.rows),
       watch.ratio(ours, blit, size.pairs), 1.5);
-  add("  the same while the sun moves: mesh rebuilt each time / plain blit", watch.ratio(anew, blit, size.pairs));
+  add("  the same while the sun moves: mesh rebuilt each time / plain blit", watch.ratio(rebuilt, blit, size.pairs));
   const int few_pairs = std::min(size.pairs, 7);
   for (std::size_t i = 1; i < kKinds.size(); ++i) {
     add(fmt::format("{} in each pixel, as published / our dome", name_of(kKinds[i])),

@@ -66,7 +66,7 @@ struct ClearSkies {
 
 Result<ClearSkies> read_skies(const Fixture& fixture, const Camera& camera) {
   ClearSkies skies;
-  const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
+  const auto take_picture = [&](const PictureView& view, const FrameMetadata& metadata) {
     const auto sun = sun_position(metadata.utc, fixture.installation.site);
     if (sun.zenith > from_degrees(90.0) - kLowestSunForColour) {
       ++skies.low_sun;
@@ -75,7 +75,7 @@ Result<ClearSkies> read_skies(const Fixture& fixture, const Camera& camera) {
     if (auto picture = sky_picture(view, camera))
       skies.moments.push_back({utc_text(metadata.utc), std::move(*picture), sun.direction});
   };
-  const auto read = for_each_picture(fixture, camera, {.most = kMaxSkyPictures}, look);
+  const auto read = for_each_picture(fixture, camera, {.most = kMaxSkyPictures}, take_picture);
   if (!read) return fail(read.error());
   skies.read = *read;
   return skies;
@@ -195,7 +195,7 @@ Result<int> calibrate(const ColourArguments& arguments) {
   if (camera && fixture)
     for (const auto& [name, space] :
          {std::pair{std::string("sky"), camera->colour_space},
-          {arguments.camera, arguments.camera == "sky" ? Camera::ColourSpace::sensor  // has been looked at
+          {arguments.camera, arguments.camera == "sky" ? Camera::ColourSpace::sensor  // checked above
                                                        : fixture->installation.scene.colour_space}})
       if (space != Camera::ColourSpace::sensor)
         problems.add(

@@ -21,7 +21,7 @@ namespace {
 
 struct LensArguments {
   std::vector<std::string> pictures;
-  std::string config, live, size;  // pictures of a camera that runs, instead
+  std::string config, live, size;  // instead of pictures: a live camera
   bool window = false;
   double seconds = 0.0;
   BoardOptions board;
@@ -99,7 +99,7 @@ Result<FoundViews> gather_from_camera(const LensArguments& arguments, const AnyB
   auto source = arguments.config.empty() ? open_live(arguments.live, arguments.camera, arguments.size, clock)
                                          : open_configured(arguments.config, arguments.camera, clock);
   if (!source) return fail(source.error());
-  fmt::print("{}: show it the {}, near and far, tilted; Ctrl-C ends it early\n", (*source)->description(),
+  fmt::print("{}: show the camera the {}, near and far, tilted; Ctrl-C stops early\n", (*source)->description(),
              description_of(board));
   BoardSessionOptions options;
   options.window = arguments.window;
@@ -130,9 +130,9 @@ void report(const LensCalibration& c) {
                focal_px_of(c.fit.lens), c.fit.sigma->focal_px, centre.x, c.fit.sigma->centre_px.x, centre.y,
                c.fit.sigma->centre_px.y);
   else
-    fmt::print("focal length {:.2f} px, centre ({:.2f}, {:.2f}); the views leave something undetermined\n",
+    fmt::print("focal length {:.2f} px, centre ({:.2f}, {:.2f}); the views do not determine every parameter\n",
                focal_px_of(c.fit.lens), centre.x, centre.y);
-  fmt::print("corners up to {:.0f} deg off the axis, in {:.0f} % of the picture; used to {:.0f} deg\n",
+  fmt::print("corners up to {:.0f} deg off the axis, in {:.0f} % of the picture; lens used up to {:.0f} deg\n",
              to_degrees(c.coverage.farthest), 100.0 * c.coverage.covered, to_degrees(c.fit.lens.largest_angle));
   for (const auto& advice : c.coverage.advice) fmt::print("better: {}\n", advice);
 }
@@ -205,14 +205,14 @@ Result<int> calibrate(const LensArguments& arguments) {
   const auto board = importing ? AnyBoard() : read_board(arguments.board, false, problems);
   const bool running = !arguments.config.empty() || !arguments.live.empty();
   if (importing && !arguments.pictures.empty())
-    problems.add("--import {}: expected it or pictures, not both", arguments.import_file);
+    problems.add("--import {}: expected either this or pictures, not both", arguments.import_file);
   if (running && (importing || !arguments.pictures.empty() || (!arguments.config.empty() && !arguments.live.empty())))
     problems.add("expected one of pictures, --config, --live and --import");
   if (!running && !importing && arguments.pictures.size() < kFewestViews)
     problems.add("{} pictures: expected at least {} of the board, 15 are better (or --config, --live, --import)",
                  arguments.pictures.size(), kFewestViews);
   if (arguments.camera == "scene" && (arguments.model == "opencv_fisheye" || arguments.model == "scaramuzza"))
-    problems.add("--model {}: expected pinhole, for the scene is drawn through a pinhole", arguments.model);
+    problems.add("--model {}: expected pinhole: the scene is drawn with a pinhole projection", arguments.model);
   if (!problems.empty()) return fail(problems.fault());
   if (importing) return import(arguments);
 
@@ -236,29 +236,30 @@ Result<int> calibrate(const LensArguments& arguments) {
 
 void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
   auto* command = calibrate_command.add_subcommand(
-      "lens", "The lens, from pictures of a checkerboard or ChArUco board, or another's file");
+      "lens", "The lens, from pictures of a checkerboard or ChArUco board, or from another program's file");
   auto arguments = std::make_shared<LensArguments>();
   auto& a = *arguments;
-  command->add_option("picture", a.pictures, "Pictures of the board, held still, all over the picture");
+  command->add_option("picture", a.pictures, "Pictures of the board, held still, in every part of the frame");
   add_board_options(*command, a.board);
-  command->add_option("--import", a.import_file, "OCamCalib's calib_results.txt, or OpenCV's .yml or .xml, instead");
-  command->add_option("--config", a.config, "Pictures of the camera that this kasumi.toml names, as it runs, instead");
-  command->add_option("--live", a.live, "Or of this one: a Video4Linux device, or a recording");
-  command->add_option("--size", a.size, "Of the device's pictures")->type_name("WIDTHxHEIGHT");
-  command->add_flag("--window", a.window, "Show the running camera's picture, what is covered and what is not");
-  command->add_option("--seconds", a.seconds, "How long to look at most; 0: until the picture is covered")
+  command->add_option("--import", a.import_file,
+                      "Import OCamCalib's calib_results.txt or OpenCV's .yml or .xml instead");
+  command->add_option("--config", a.config, "Take pictures live from the camera in this kasumi.toml instead");
+  command->add_option("--live", a.live, "Take pictures live from this Video4Linux device or recording instead");
+  command->add_option("--size", a.size, "Size of the device's pictures")->type_name("WIDTHxHEIGHT");
+  command->add_flag("--window", a.window, "Show the live picture and which parts of it the board has covered");
+  command->add_option("--seconds", a.seconds, "Longest live session; 0: until the picture is covered")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
-  command->add_option("--camera", a.camera, "Whose lens")
+  command->add_option("--camera", a.camera, "The camera whose lens is measured")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
-  command->add_option("--model", a.model, "The one that predicts unseen views best, or one of these")
+  command->add_option("--model", a.model, "Lens model; auto: the one that predicts views it was not fitted to best")
       ->check(CLI::IsMember({"auto", "pinhole", "opencv_fisheye", "scaramuzza"}))
       ->capture_default_str();
   command
       ->add_option("--largest-angle-deg", a.largest_angle_deg,
-                   "How far off the axis a fisheye is to be used; 5 deg beyond the farthest corner when left out")
+                   "How far off the axis a fisheye is used; default: 5 deg beyond the farthest corner")
       ->check(CLI::Range(1.0, 180.0));
   command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });

@@ -31,7 +31,7 @@ struct MaskArguments {
   std::string out;
 };
 
-// Writes the mask beside the calibration file, keeping the one that was there: a person may have drawn in it.
+// Writes the mask next to the calibration file. An older mask is kept, because somebody may have edited it.
 Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Image<std::uint8_t>& mask,
                  const Image<Rgb8>& drawing) {
   const auto file = beside(arguments.out, step.camera + "-free.png");
@@ -39,7 +39,7 @@ Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Ima
   const auto kept = keep_old(file);
   if (!kept) return fail(kept.error());
   if (auto written = write_png(file, mask); !written) return fail(written.error());
-  fmt::print("written: {}: white is free, black is hidden; draw in it what is wrong\n", file.string());
+  fmt::print("written: {}: white is free, black is hidden; correct it in a paint program\n", file.string());
   if (*kept) fmt::print("the previous mask was kept as {}\n", (*kept)->string());
   return save_calibration(arguments.out, std::move(step), drawing);
 }
@@ -71,15 +71,18 @@ Result<int> mask_sky(const MaskArguments& arguments) {
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
 
   const double hours = to_seconds(read->last - read->first) / 3600.0;
-  fmt::print("{} pictures over {:.1f} h, {} with light enough; {} damaged\n", read->good, hours, found->pictures,
+  fmt::print("{} pictures over {:.1f} h, {} with enough light; {} damaged\n", read->good, hours, found->pictures,
              read->damaged);
-  fmt::print("{:.1f} % of the sky is hidden; {:.1f} % was told by its surroundings\n", 100.0 * found->hidden_share,
+  fmt::print("{:.1f} % of the sky is hidden; {:.1f} % was decided from its surroundings\n", 100.0 * found->hidden_share,
              100.0 * found->unsure_share);
   std::vector<std::string> remarks;
   if (found->pictures < 5 || hours < 2.0)
-    remarks.push_back("few pictures or hours: a cloud that stood still, or the sun, may have been taken for a thing");
+    remarks.push_back(
+        "few pictures or hours: a cloud that stood still, or the sun, may have been taken for an obstruction");
   if (found->unsure_share > 0.1)
-    remarks.push_back("much lies between sky and dark: look at the drawing, and mend the mask in a paint program");
+    remarks.push_back(
+        "much of the picture is neither clearly sky nor clearly dark: check the plot and correct the mask in a paint "
+        "program");
   for (const auto& remark : remarks) fmt::print("{}\n", remark);
 
   auto step = step_of(arguments, "sky", camera->width, camera->height);
@@ -135,7 +138,7 @@ Result<int> calibrate(const MaskArguments& arguments) {
   const bool sky = !arguments.fixture.empty(), scene = !arguments.picture.empty() || !arguments.strokes.empty();
   if (sky == scene)
     problems.add(
-        "expected either a recording (what never is sky) or --picture and --strokes (what stands before the "
+        "expected either a recording (what is never sky) or --picture and --strokes (what stands in front of the "
         "building)");
   if (scene && (arguments.picture.empty() || arguments.strokes.empty()))
     problems.add("--picture and --strokes: expected both");
@@ -148,22 +151,25 @@ Result<int> calibrate(const MaskArguments& arguments) {
 
 void add_calibrate_mask(CLI::App& calibrate_command, Action& action) {
   auto* command = calibrate_command.add_subcommand(
-      "mask", "What never is sky, from a recording of a day; what stands before the building, from a few strokes");
+      "mask", "What is never sky, from a recording of a day; what stands in front of the building, from a few strokes");
   auto arguments = std::make_shared<MaskArguments>();
   auto& a = *arguments;
   command->add_option("fixture", a.fixture, "The sky camera: a recording of a day");
   command->add_option("--picture", a.picture, "The scene camera: one of its pictures");
-  command->add_option("--strokes", a.strokes,
-                      "A PNG of that size with strokes, red on what stands in front, green or blue on what is free; or "
-                      "a TOML of lines (docs/calibration.md)");
-  command->add_option("--box", a.box, "Where the building will be seen; only there is anything hidden. All of it else")
+  command->add_option(
+      "--strokes", a.strokes,
+      "A PNG of the same size with strokes, red on what stands in front, green or blue on what is free; or "
+      "a TOML of lines (docs/calibration.md)");
+  command
+      ->add_option("--box", a.box,
+                   "Where the building will appear: only this part is masked; default: the whole picture")
       ->type_name("X,Y,W,H")
       ->delimiter(',')
       ->expected(4);
-  command->add_option("--margin-px", a.margin_px, "Sky: how far what is hidden reaches beyond what is seen of it")
+  command->add_option("--margin-px", a.margin_px, "Sky: how far the mask extends beyond the visible edge")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
-  command->add_option("--soft-px", a.soft_px, "Scene: how wide soft edges (leaves, hair) may be; 0: hard edges")
+  command->add_option("--soft-px", a.soft_px, "Scene: greatest width of soft edges (leaves, hair); 0: hard edges")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");

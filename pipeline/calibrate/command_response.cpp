@@ -104,7 +104,7 @@ std::vector<Measured> measured_of(const ResponseArguments& arguments, const Know
   if (found.vignetting)
     all.push_back({"vignetting",
                    now,
-                   fmt::format("{} pictures of an evenly lit ground", arguments.flats.size()),
+                   fmt::format("{} pictures of an evenly lit surface", arguments.flats.size()),
                    {{"rim_sigma", found.vignetting->rim_sigma}, {"residual", found.vignetting->residual}},
                    {}});
   return all;
@@ -118,13 +118,13 @@ void remark(MeasuredResponse& found, const ResponseArguments& arguments, const K
   if (arguments.darks.empty())
     remarks.push_back("undetermined: black level and hot pixels: no picture with the lens covered was given (--dark)");
   if (arguments.flats.empty())
-    remarks.push_back("undetermined: vignetting: no picture of an evenly lit ground was given (--flat)");
-  if (!found.noise) remarks.push_back("undetermined: noise: nothing but quantisation is seen");
-  constexpr std::size_t kNamed = 50;
-  for (std::size_t i = 0; i < std::min(kNamed, found.dark.hot.size()); ++i)
+    remarks.push_back("undetermined: vignetting: no picture of an evenly lit surface was given (--flat)");
+  if (!found.noise) remarks.push_back("undetermined: noise: none above quantisation was found");
+  constexpr std::size_t kMaxListed = 50;
+  for (std::size_t i = 0; i < std::min(kMaxListed, found.dark.hot.size()); ++i)
     remarks.push_back(fmt::format("hot pixel at ({}, {})", found.dark.hot[i].x, found.dark.hot[i].y));
-  if (found.dark.hot.size() > kNamed)
-    remarks.push_back(fmt::format("and {} hot pixels more", found.dark.hot.size() - kNamed));
+  if (found.dark.hot.size() > kMaxListed)
+    remarks.push_back(fmt::format("and {} more hot pixels", found.dark.hot.size() - kMaxListed));
 }
 
 Result<> check(const ResponseArguments& arguments) {
@@ -137,14 +137,14 @@ Result<> check(const ResponseArguments& arguments) {
   for (const double seconds : arguments.exposures_s)
     if (!(seconds > 0.0)) problems.add("--exposures-s {}: expected a time > 0", seconds);
   if (arguments.exposures_s.empty() && arguments.exposure_percent > 0.0)
-    problems.add("--exposure-percent {}: expected --exposures-s beside it", arguments.exposure_percent);
+    problems.add("--exposure-percent {}: expected together with --exposures-s", arguments.exposure_percent);
   if (!arguments.circle.empty() && !(arguments.circle[2] > 0.0))
     problems.add("--circle: radius {} px, expected more than 0", arguments.circle[2]);
   if (!problems.empty()) return fail(problems.fault());
   return {};
 }
 
-// Pictures of one size; the first that is read sets it. What is wrong is added to the problems.
+// All pictures must have the size of the first. Faults are added to the problems.
 std::vector<Image<glm::vec3>> read_pictures(const std::vector<std::string>& files, glm::ivec2& size, double& quantum,
                                             Problems& problems) {
   std::vector<Image<glm::vec3>> pictures;
@@ -238,25 +238,28 @@ void add_calibrate_response(CLI::App& calibrate_command, Action& action) {
       "response", "How pixel values follow light, noise, black level and vignetting, from exposures of one view");
   auto arguments = std::make_shared<ResponseArguments>();
   auto& a = *arguments;
-  command->add_option("picture", a.pictures, "One view, held still, in exposures from too dark to too bright");
-  command->add_option("--exposures-s", a.exposures_s, "Their exposure times; found from the pictures when left out")
+  command->add_option("picture", a.pictures,
+                      "One view, camera and scene still, in exposures from too dark to too bright");
+  command->add_option("--exposures-s", a.exposures_s, "Their exposure times; default: estimated from the pictures")
       ->type_name("S,S,...")
       ->delimiter(',');
-  command->add_option("--exposure-percent", a.exposure_percent, "How sure each time is; 0: exact")
+  command
+      ->add_option("--exposure-percent", a.exposure_percent,
+                   "Uncertainty of each time, one standard deviation; 0: exact")
       ->check(CLI::Range(0.0, 50.0))
       ->capture_default_str();
   command->add_option("--dark", a.darks, "Pictures with the lens covered: black level and hot pixels");
-  command->add_option("--flat", a.flats, "Pictures of something evenly lit all over: vignetting");
-  command->add_option("--circle", a.circle, "Only what lies in this circle is looked at: centre and radius in pixels")
+  command->add_option("--flat", a.flats, "Pictures of an evenly lit surface that fills the frame: vignetting");
+  command->add_option("--circle", a.circle, "Use only this circle: centre and radius in pixels")
       ->type_name("CX,CY,R")
       ->delimiter(',')
       ->expected(3);
-  command->add_option("--camera", a.camera, "Whose response")
+  command->add_option("--camera", a.camera, "The camera whose response is measured")
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command->add_option("--merged", a.merged,
-                      "Write the stack as one picture of linear light too (.tiff, .exr, .pfm or .hdr)");
+                      "Also write the stack merged into one picture of linear light (.tiff, .exr, .pfm or .hdr)");
   command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

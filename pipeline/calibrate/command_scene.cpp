@@ -34,8 +34,8 @@ std::vector<std::string> left_out(const SceneSights& sights, const ScenePose& po
   for (std::size_t i = 0; i < sights.landmarks.size(); ++i)
     if (!pose.used[i])
       lines.push_back(
-          fmt::format("{}: left out, it was marked {} of where the others say it is: mistaken for "
-                      "something else, or a slip in its place",
+          fmt::format("{}: left out: marked {} of where the other landmarks put it; the wrong object was "
+                      "marked, or its coordinates are wrong",
                       sights.landmarks[i].name, offset_text(pose.residuals_px[i])));
   for (std::size_t i = 0; i < sights.horizon.size(); ++i)
     if (!pose.horizon_used[i])
@@ -50,7 +50,7 @@ std::vector<std::string> position_remarks(const ScenePose& pose, double sigma_m)
   if (sigma_m > 0.0 && off_m > 3.0 * sigma_m)
     lines.push_back(
         fmt::format("the camera seems to stand {:.1f} m east, {:.1f} m north and {:.1f} m above the site "
-                    "as it is given; mend [site] and calibrate again",
+                    "as it is given; correct [site] and calibrate again",
                     pose.position_m.x, pose.position_m.y, pose.position_m.z));
   return lines;
 }
@@ -66,9 +66,9 @@ void report(const SceneSights& sights, const ScenePose& pose) {
   fmt::print("heading {:.4f} +- {:.4f}, pitch {:.4f} +- {:.4f}, roll {:.3f} +- {:.3f} deg\n",
              to_degrees(angles.heading), to_degrees(sigma.heading), to_degrees(angles.pitch), to_degrees(sigma.pitch),
              to_degrees(angles.roll), to_degrees(sigma.roll));
-  fmt::print("focal length {:.2f} px +- {:.3f} % ({:+.3f} % against before)\n", focal_px_of(pose.lens),
+  fmt::print("focal length {:.2f} px +- {:.3f} % ({:+.3f} % from before)\n", focal_px_of(pose.lens),
              100.0 * sigma.scale, 100.0 * (pose.scale - 1.0));
-  fmt::print("sure of what every pixel sees to {:.4f} deg; rms {:.2f} px, {:.1f} times what the sigmas let expect\n",
+  fmt::print("direction of every pixel +- {:.4f} deg; rms {:.2f} px, {:.1f} times what the sigmas predict\n",
              to_degrees(sigma.anywhere), pose.rms_px, pose.misfit);
 }
 
@@ -116,7 +116,7 @@ Result<int> calibrate(const SceneArguments& arguments) {
   if (!sights) problems.add("{}", sights.error().message);
   if (photograph && before && sights &&
       (photograph->encoded.width() != sights->width || photograph->encoded.height() != sights->height))
-    problems.add("{}: {} x {}, expected {} x {} as the camera is described", arguments.picture,
+    problems.add("{}: {} x {}, expected {} x {} as the description of the camera says", arguments.picture,
                  photograph->encoded.width(), photograph->encoded.height(), sights->width, sights->height);
   if (!problems.empty()) return fail(problems.fault());
 
@@ -157,21 +157,22 @@ void add_calibrate_scene(CLI::App& calibrate_command, Action& action) {
   auto arguments = std::make_shared<SceneArguments>();
   auto& a = *arguments;
   command
-      ->add_option("landmarks", a.sights,
-                   "TOML: places on the map, or the sun and when, and their pixels (docs/calibration.md)")
+      ->add_option(
+          "landmarks", a.sights,
+          "TOML: landmarks with their coordinates, or the sun with its time, and their pixels (docs/calibration.md)")
       ->required();
-  command->add_option("--picture", a.picture, "The picture the landmarks were marked in")->required();
+  command->add_option("--picture", a.picture, "The picture in which the landmarks were marked")->required();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
       ->add_option("--focal-percent", a.focal_percent,
-                   "How sure the focal length is, 0 to hold it; as calibrate lens measured it, or 3, when left out")
+                   "Uncertainty of the focal length; 0: fixed; default: as calibrate lens measured it, or 3")
       ->check(CLI::Range(0.0, 30.0));
-  command->add_option("--site-m", a.position_sigma_m, "How sure the camera's own place is, each way, 0 to hold it")
+  command->add_option("--site-m", a.position_sigma_m, "Uncertainty of the camera's position along each axis; 0: fixed")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command
       ->add_option("--out", a.out,
-                   "The calibration file; site and lens found in it are used, an older file is kept as a backup")
+                   "The calibration file; its site and lens are used, and an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

@@ -16,7 +16,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Radians kLowestSunForOrientation = from_degrees(5.0);  // below it refraction is not sure, and the sun no disc
+constexpr Radians kLowestSunForOrientation = from_degrees(5.0);  // lower, refraction is uncertain and the sun no disc
 constexpr double kCircleSigma_px = 0.5;
 
 struct SkyArguments {
@@ -27,11 +27,11 @@ struct SkyArguments {
   std::string out;
 };
 
-// The lens to begin with and what is known of it: as calibrated, or as the recording has it.
+// The initial lens: calibrated, or as the recording describes it.
 struct KnownLens {
   LensDescription lens;
   bool calibrated = false;
-  std::optional<std::string> response;  // of the recording, where one word tells it
+  std::optional<std::string> response;  // the recording's, unless it is a table
 };
 
 Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixture) {
@@ -49,7 +49,7 @@ Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixtu
   if (!measured || !measured->has("lens") || !sky->has("lens")) return known;
   const auto& camera = fixture.installation.sky;
   if (sky->integer("width") != camera.width || sky->integer("height") != camera.height)
-    return fail(FaultKind::bad_input, "{}: sky: its lens is of {} x {} pictures, the recording's are {} x {}",
+    return fail(FaultKind::bad_input, "{}: sky: its lens is for {} x {} pictures, the recording has {} x {}",
                 arguments.out, sky->integer("width"), sky->integer("height"), camera.width, camera.height);
   known.lens = read_lens_description(sky->table("lens"));
   known.calibrated = true;
@@ -60,7 +60,7 @@ Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixtu
 
 struct SunSights {
   std::vector<SunSight> sights;
-  Image<Rgb8> brightest;  // of all pictures: the circle's rim shows wherever it was ever lit
+  Image<Rgb8> brightest;  // over all pictures: shows the rim wherever it was lit at least once
   PicturesRead read;
   int without_sun = 0, too_low = 0;
 };
@@ -76,7 +76,7 @@ void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
 
 Result<SunSights> find_suns(const Fixture& fixture, const Camera& camera) {
   SunSights suns;
-  const auto look = [&](const PictureView& view, const FrameMetadata& metadata) {
+  const auto take_picture = [&](const PictureView& view, const FrameMetadata& metadata) {
     keep_brightest(suns.brightest, to_rgb(view));
     const auto sun = sun_position(metadata.utc, fixture.installation.site);
     if (sun.zenith > from_degrees(90.0) - kLowestSunForOrientation) {
@@ -90,7 +90,7 @@ Result<SunSights> find_suns(const Fixture& fixture, const Camera& camera) {
     else
       ++suns.without_sun;
   };
-  const auto read = for_each_picture(fixture, camera, {}, look);
+  const auto read = for_each_picture(fixture, camera, {}, take_picture);
   if (!read) return fail(read.error());
   suns.read = *read;
   return suns;
@@ -163,12 +163,12 @@ void report(const SunSights& suns, const SkyOrientation& found, const std::optio
   const auto used = std::count(found.used.begin(), found.used.end(), true);
   fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", suns.read.good,
              suns.sights.size(), suns.without_sun, suns.too_low, suns.read.damaged);
-  fmt::print("{} used, rms {:.2f} px; {} were not the sun\n", used, found.rms_px,
+  fmt::print("{} used, rms {:.2f} px; {} rejected\n", used, found.rms_px,
              static_cast<std::ptrdiff_t>(suns.sights.size()) - used);
   const auto angles = heading_pitch_roll(found.to_world);
   fmt::print("heading {:.3f}, pitch {:.3f}, roll {:.3f} deg\n", to_degrees(angles.heading), to_degrees(angles.pitch),
              to_degrees(angles.roll));
-  fmt::print("sure of the azimuth to {:.3f} deg, of the tilt to {:.3f} deg (east) and {:.3f} deg (north)\n",
+  fmt::print("uncertainty: azimuth {:.3f} deg, tilt {:.3f} deg (east) and {:.3f} deg (north)\n",
              to_degrees(found.sigma.azimuth), to_degrees(found.sigma.tilt_east), to_degrees(found.sigma.tilt_north));
   const auto centre = centre_of(found.lens);
   fmt::print("centre ({:.2f} +- {:.2f}, {:.2f} +- {:.2f}) px, focal length {:.2f} px +- {:.2f} %\n", centre.x,
@@ -180,7 +180,7 @@ void report(const SunSights& suns, const SkyOrientation& found, const std::optio
   else
     fmt::print("image circle: its rim is not visible\n");
   for (const auto& remark : found.undetermined) fmt::print("undetermined: {}\n", remark);
-  fmt::print("a clock 4 s off turns the sky by up to 1/60 deg: nothing here can tell that from the azimuth\n");
+  fmt::print("a clock 4 s off turns the sky by up to 1/60 deg, which looks like an azimuth error\n");
 }
 
 Result<int> calibrate(const SkyArguments& arguments) {
@@ -219,22 +219,22 @@ Result<int> calibrate(const SkyArguments& arguments) {
 
 void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
   auto* command = calibrate_command.add_subcommand(
-      "sky", "Orientation, centre and focal length of the sky camera, from the sun's way in a recording");
+      "sky", "Orientation, centre and focal length of the sky camera, from the sun's path in a recording");
   auto arguments = std::make_shared<SkyArguments>();
   auto& a = *arguments;
-  command->add_option("fixture", a.fixture, "A recording: hours of sun, or a few pictures of a day")->required();
+  command->add_option("fixture", a.fixture, "A recording with hours of sun, or a few pictures over a day")->required();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
-  command->add_option("--level-deg", a.level_sigma_deg, "How well the camera was levelled when it was mounted")
+  command->add_option("--level-deg", a.level_sigma_deg, "Uncertainty of the camera's levelling, one standard deviation")
       ->check(CLI::Range(0.05, 30.0))
       ->capture_default_str();
   command
       ->add_option("--focal-percent", a.focal_sigma_percent,
-                   "How sure the lens's focal length is, unless calibrate lens has measured it")
+                   "Uncertainty of the focal length, unless calibrate lens has measured it")
       ->check(CLI::Range(0.05, 30.0))
       ->capture_default_str();
   command
       ->add_option("--out", a.out,
-                   "The calibration file; a lens found in it is begun with, an older file is kept as a backup")
+                   "The calibration file; its lens, if any, is the initial one, and an older file is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

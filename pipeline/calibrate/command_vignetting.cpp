@@ -14,7 +14,7 @@ namespace kasumi {
 namespace {
 
 constexpr Radians kLowestSunForVignetting = from_degrees(8.0);
-constexpr Radians kNextSun = from_degrees(4.0);  // how far the sun has gone from one picture to the next
+constexpr Radians kNextSun = from_degrees(4.0);  // how far the sun moves from one picture to the next
 constexpr std::size_t kMaxMoments = 40;
 
 struct VignettingArguments {
@@ -25,8 +25,8 @@ struct VignettingArguments {
   std::string out;
 };
 
-// The sky camera as the calibration file has it; without lens and orientation nothing can be said. What the file does
-// not know of colour and what hides the sky, the recording does.
+// The sky camera of the calibration file, which must have lens and orientation. Colour and mask come from the recording
+// where the file lacks them.
 Result<Camera> calibrated_camera(const std::string& file, const Camera* recorded) {
   std::error_code error;
   if (!std::filesystem::exists(file, error))
@@ -79,13 +79,12 @@ Result<SkyMoments> read_moments(const Fixture& fixture, const Camera& camera) {
 }
 
 std::vector<std::string> remarks_of(const SkyVignetting& found) {
-  return {
-      fmt::format("a sky whose light differs from the model's by 3 % with the distance from the sun would change "
-                  "the illumination at the rim by {:.1f} %",
-                  100.0 * found.by_3_percent_about_sun),
-      fmt::format("a sky 3 % brighter at the rim than the model has it would be taken for {:+.1f} % of illumination "
-                  "there: no picture by a camera that stays level can tell that from the lens (a flat field can)",
-                  100.0 * found.by_3_percent_at_rim)};
+  return {fmt::format("a sky whose light differs from the model's by 3 % with the distance from the sun would change "
+                      "the illumination at the rim by {:.1f} %",
+                      100.0 * found.by_3_percent_about_sun),
+          fmt::format("a sky 3 % brighter at the rim than in the model would be taken for {:+.1f} % of illumination "
+                      "there: pictures from a level camera cannot separate that from the lens (a flat field can)",
+                      100.0 * found.by_3_percent_at_rim)};
 }
 
 Result<int> calibrate(const VignettingArguments& arguments) {
@@ -96,7 +95,7 @@ Result<int> calibrate(const VignettingArguments& arguments) {
   if (!camera) problems.add("{}", camera.error().message);
   if (fixture && camera &&
       (fixture->installation.sky.width != camera->width || fixture->installation.sky.height != camera->height))
-    problems.add("{}: its pictures are {} x {}, expected {} x {} as the sky camera was calibrated", arguments.fixture,
+    problems.add("{}: its pictures are {} x {}, expected {} x {} as in the sky camera's calibration", arguments.fixture,
                  fixture->installation.sky.width, fixture->installation.sky.height, camera->width, camera->height);
   if (!problems.empty()) return fail(problems.fault());
 
@@ -104,7 +103,7 @@ Result<int> calibrate(const VignettingArguments& arguments) {
   if (!sky) return fail(sky.error());
   if (sky->moments.empty())
     return fail(FaultKind::bad_input,
-                "{}: of {} pictures {} are damaged and none has the sun {:.0f} deg above the horizon",
+                "{}: of {} pictures, {} are damaged and none has the sun {:.0f} deg above the horizon",
                 arguments.fixture, sky->pictures, sky->read.damaged, to_degrees(kLowestSunForVignetting));
   SkyVignettingOptions options;
   if (arguments.turbidity) options.turbidity = KnownTurbidity{*arguments.turbidity, arguments.turbidity_sigma};
@@ -136,7 +135,7 @@ Result<int> calibrate(const VignettingArguments& arguments) {
   Measured measured{
       "vignetting",
       now,
-      fmt::format("the clear sky in {} of {} pictures of the recording {}, {} to {}, the sun's way {:.0f} "
+      fmt::format("the clear sky in {} of {} pictures of the recording {}, {} to {}, the sun's path {:.0f} "
                   "deg",
                   found->pictures, sky->moments.size(), fixture->info.name, utc_text(sky->read.first),
                   utc_text(sky->read.last), to_degrees(way)),
@@ -159,23 +158,23 @@ Result<int> calibrate(const VignettingArguments& arguments) {
 
 void add_calibrate_vignetting(CLI::App& calibrate_command, Action& action) {
   auto* command = calibrate_command.add_subcommand(
-      "vignetting", "How the sky camera's picture darkens towards the rim, from the clear sky in a recording of hours");
+      "vignetting", "How the sky camera's picture darkens towards the rim, from hours of clear sky in a recording");
   auto arguments = std::make_shared<VignettingArguments>();
   auto& a = *arguments;
   command->add_option("fixture", a.fixture, "A recording of a mostly clear day, the sun high and low")->required();
   command
       ->add_option("--turbidity", a.turbidity,
-                   "T of that day from elsewhere, as from a sun photometer; without it, only a sky that follows the "
-                   "model closely will do")
+                   "T of that day from another source, such as a sun photometer; without it, the sky must follow the "
+                   "model closely")
       ->check(CLI::Range(kLowestTurbidity.value, kHighestTurbidity.value));
-  command->add_option("--turbidity-sigma", a.turbidity_sigma, "How sure that T is, one standard deviation")
+  command->add_option("--turbidity-sigma", a.turbidity_sigma, "Uncertainty of that T, one standard deviation")
       ->check(CLI::Range(0.0, 5.0))
       ->capture_default_str();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
   command
       ->add_option(
           "--out", a.out,
-          "The calibration file, with lens and orientation of the sky camera in it; the older one is kept as a backup")
+          "The calibration file, which must have the sky camera's lens and orientation; it is kept as a backup")
       ->required();
   command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
 }

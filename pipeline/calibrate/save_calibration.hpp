@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// Writes the step into the calibration file and then what it drew beside it (drawing_name, after the first of
+// Writes the step into the calibration file and then its plot next to it (drawing_name, after the first of
 // step.measured, under which it is noted), and says so. A step that the file does not take leaves the older drawing as
 // it is. Returns exit code 0. Errors: bad_input, io.
 Result<int> save_calibration(const std::filesystem::path& calibration, CalibrationStep step,
@@ -21,7 +21,7 @@ Result<int> save_calibration(const std::filesystem::path& calibration, Calibrati
 // Returns the copy's name; empty when nothing was there.
 Result<std::optional<std::filesystem::path>> keep_old(const std::filesystem::path& path);
 
-// calibration.CAMERA-WHAT beside calibration.toml.
+// calibration.CAMERA-WHAT next to calibration.toml.
 std::filesystem::path beside(const std::filesystem::path& calibration, const std::string& what);
 
 }  // namespace kasumi

@@ -66,7 +66,7 @@ Image<Rgb8> plot_colour(const SpectralSensitivity& taken, std::span<const Spectr
   for (auto* panel : {&curves, &left}) cv::rectangle(*panel, cv::Rect(0, 0, kPanelSide, kPanelSide), kInk);
   write(title, {kPanelMargin, 35}, 0.55);
   write("sensitivity over wavelength in nm; pale: the measured cameras", {kPanelMargin, kPanelTop + kPanelSide + 42});
-  write("what is left of ln R/G (across) and ln B/G (up), in %; red: left aside",
+  write("residuals of ln R/G (across) and ln B/G (up), in %; red: rejected",
         {2 * kPanelMargin + kPanelSide, kPanelTop + kPanelSide + 42});
   return image;
 }

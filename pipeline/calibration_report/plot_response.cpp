@@ -16,7 +16,7 @@ namespace {
 constexpr double kStops = 10.0;
 const std::array kChannelDots{cv::Scalar(240, 190, 190), cv::Scalar(190, 225, 195), cv::Scalar(190, 205, 240)};
 
-// Light of a pixel as the whole stack tells it, in the unit of exposure 1.
+// Light of a pixel from the whole stack, in the unit of exposure 1.
 double light_of(const StackSamples& samples, const ResponseFit& fit, int channel, std::size_t pixel) {
   double sum = 0.0, weights = 0.0;
   const auto& curve = fit.light[static_cast<std::size_t>(channel)];
@@ -87,7 +87,7 @@ Image<Rgb8> plot_response(const ResponseFit& fit, const StackSamples& samples, c
   write(title, {kPanelMargin, 35}, 0.55);
   write("value over light, stops below full scale; dots: pixels of the stack",
         {kPanelMargin, kPanelTop + kPanelSide + 42});
-  write("the same, not in stops", {2 * kPanelMargin + kPanelSide, kPanelTop + kPanelSide + 42});
+  write("the same, linear", {2 * kPanelMargin + kPanelSide, kPanelTop + kPanelSide + 42});
   return image;
 }
 

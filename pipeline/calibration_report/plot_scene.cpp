@@ -98,7 +98,7 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
   cv::Mat(histogram.height(), histogram.width(), CV_8UC3, histogram.elements().data())
       .copyTo(all(cv::Rect(0, image.height() - kHistogramHeight, kSceneWidth / 2, kHistogramHeight)));
   write(all, title, {20, 20}, kInk, false);
-  write(all, "cross: as marked; circle: where its place on the map is seen (green: used, red: left out); blue: horizon",
+  write(all, "cross: as marked; circle: where its coordinates appear (green: used, red: left out); blue: horizon",
         {20, 40}, kInk, false);
   return image;
 }

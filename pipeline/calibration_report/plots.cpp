@@ -116,7 +116,7 @@ Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight>
     lengths.push_back(glm::length(orientation.residuals_px[i]));
   }
   canvas.write(title, {kFitMargin, 35}, 0.55);
-  canvas.write("green: the sun, residuals x 50; red: not the sun; blue: the way that was fitted",
+  canvas.write("green: the sun, residuals x 50; red: rejected; blue: the fitted path",
                {kFitMargin, kPanelTop + kPanelSide + 25});
   paste_histogram(canvas, lengths, "places of the sun");
   return canvas.image;

@@ -39,7 +39,7 @@ Image<Rgb8> plot_vignetting(const SkyVignetting& found, const std::string& title
 Image<Rgb8> plot_response(const ResponseFit& fit, const StackSamples& samples, const std::string& title);
 
 // Left: the sensitivity that was taken, each channel's largest 1, over those of the measured cameras (faint).
-// Right: what is left of the log ratios of every part of the sky, green where used, red where left aside.
+// Right: residuals of the log ratios of every part of the sky, green where used, red where rejected.
 Image<Rgb8> plot_colour(const SpectralSensitivity& taken, std::span<const SpectralSensitivity> cameras,
                         const ColourResiduals& residuals, const std::string& title);
 

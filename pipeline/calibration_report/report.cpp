@@ -35,10 +35,10 @@ constexpr std::array kLabels{
     NamedKey{"held_out_pinhole_px", "pinhole, on pictures it was not fitted to"},
     NamedKey{"held_out_opencv_fisheye_px", "OpenCV fisheye, on pictures it was not fitted to"},
     NamedKey{"held_out_scaramuzza_px", "Scaramuzza, on pictures it was not fitted to"},
-    NamedKey{"farthest_corner_deg", "corners seen up to, off the axis"},
+    NamedKey{"farthest_corner_deg", "farthest corner off the axis"},
     NamedKey{"covered", "part of the picture in which the board was seen"},
-    NamedKey{"focal_scale", "focal length over the one begun with"},
-    NamedKey{"misfit", "residuals over what was expected of them"},
+    NamedKey{"focal_scale", "focal length / initial focal length"},
+    NamedKey{"misfit", "residuals / expected residuals"},
     NamedKey{"held_out_steps", "error of unseen pixels, steps of 8 bits"},
     NamedKey{"full_scale_electrons", "electrons at full scale"},
     NamedKey{"read_electrons", "read noise"},
@@ -79,7 +79,8 @@ void judge(ReportRow& row, std::string_view what, std::string_view key, double v
   if (row.verdict != Verdict::good) row.remedy = expectation->remedy;
 }
 
-// One step's table, and which of its numbers have been told beside the values they belong to.
+// One step's table. Remembers which measured numbers have been shown as the sigma of a value, so that they are not
+// listed again.
 class Rows {
  public:
   Rows(std::string what, const ConfigTable& measured) : what_(std::move(what)), measured_(measured) {}
@@ -88,7 +89,7 @@ class Rows {
     rows_.push_back({std::move(label), std::move(value), "", "", "", {}});
   }
 
-  // A value and how sure it is; `sigma_key` is what the step calls that.
+  // A value with its standard deviation, which the step calls `sigma_key`.
   void value(std::string label, double value, const std::string& sigma_key, std::string_view unit) {
     shown_.insert(sigma_key);
     const auto sigma = measured_.if_number(sigma_key);
@@ -100,7 +101,7 @@ class Rows {
     rows_.push_back(std::move(row));
   }
 
-  // Of a focal length, whose sigma some steps tell in pixels and others in percent.
+  // Some steps give the focal length's sigma in pixels, others in percent.
   void focal(double focal_px) {
     const auto px = measured_.if_number("focal_sigma_px"), percent = measured_.if_number("focal_sigma_percent");
     shown_.insert({"focal_sigma_px", "focal_sigma_percent"});
@@ -113,7 +114,7 @@ class Rows {
     rows_.push_back(std::move(row));
   }
 
-  // A standard deviation of something that has no number of its own.
+  // The standard deviation of a quantity whose value is not shown.
   void sigma(std::string label, const std::string& key) {
     const auto sigma = measured_.if_number(key);
     if (!sigma) return;
@@ -155,7 +156,7 @@ void add_lens(Rows& rows, const ConfigTable& camera, bool centre) {
     rows.value("centre, y", centre_of(lens).y, "centre_y_sigma_px", "px");
   }
   if (!std::holds_alternative<PinholeModel>(lens.model))
-    rows.text("used to, off the axis", fmt::format("{:.1f} deg", to_degrees(lens.largest_angle)));
+    rows.text("used up to, off the axis", fmt::format("{:.1f} deg", to_degrees(lens.largest_angle)));
 }
 
 void add_orientation(Rows& rows, const ConfigTable& camera) {
@@ -172,7 +173,7 @@ void add_pose(Rows& rows, const ConfigTable& camera) {
   rows.value("heading", camera.number("heading_deg", {}, 0.0), "heading_sigma_deg", "deg");
   rows.value("pitch", camera.number("pitch_deg", {}, 0.0), "pitch_sigma_deg", "deg");
   rows.value("roll", camera.number("roll_deg", {}, 0.0), "roll_sigma_deg", "deg");
-  rows.sigma("direction that any pixel sees", "anywhere_sigma_deg");
+  rows.sigma("direction of any pixel", "anywhere_sigma_deg");
 }
 
 void add_vignetting(Rows& rows, const ConfigTable& camera) {
@@ -216,7 +217,7 @@ ReportStep step_of(const std::filesystem::path& calibration, const std::string& 
   step.from = measured.text("from", "");
   step.remarks = measured.texts("remarks");
   step.rows = rows_of(what, camera, measured);
-  // Of a name only its last part is believed: a report shows no file from elsewhere.
+  // Only the last part of a name is trusted: a report shows no file from another folder.
   const auto noted = std::filesystem::path(measured.text("picture", "")).filename();
   const auto drawing = noted.empty() ? drawing_name(calibration, name, what) : calibration.parent_path() / noted;
   if (auto bytes = read_file(drawing)) step.picture = std::move(*bytes);
@@ -231,7 +232,7 @@ ReportCamera camera_of(const std::filesystem::path& calibration, const std::stri
   std::vector<std::string> order;
   for (const auto& step : required_steps()) {
     if (step.camera != name) continue;
-    // A mask is known by its file, a lens that somebody wrote by hand is not measured.
+    // A mask counts as done when it has a file; a lens written by hand is not measured.
     const bool done = (measured && measured->has(step.what)) || (step.what == "mask" && camera && camera->has("mask"));
     if (!done) report.missing.push_back(step);
     if (measured && measured->has(step.what)) order.emplace_back(step.what);

@@ -1,5 +1,5 @@
-// What a calibration file holds, for a person: each camera's steps with their numbers, how sure they are, what they
-// should be and what is still to be done; as one page that opens anywhere.
+// A calibration file for people to read: each camera's steps with their numbers, uncertainties and expected values, and
+// what is still to be done, as one self-contained page.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@ namespace kasumi {
 
 namespace {
 
-// Readable on a phone (each row becomes a card) and on paper; verdicts carry a sign, for paper may be grey.
+// Readable on a phone (each row becomes a card) and on paper. Verdicts carry a sign, because paper may be grey.
 constexpr std::string_view kStyle = R"(
 :root { color-scheme: light; }
 body { font: 16px/1.45 system-ui, "DejaVu Sans", sans-serif; color: #222; background: #fff; margin: 0 auto; max-width: 62rem; padding: 1rem; }
@@ -79,7 +79,7 @@ std::string readable(std::string utc) {
 
 void add_row(Page& page, const ReportRow& row) {
   page.add("<tr><td>{}</td><td class=\"number\">{}</td>", html_escaped(row.label), html_escaped(row.value));
-  page.add("<td class=\"number\" data-is=\"sure to\">{}</td><td class=\"number\" data-is=\"should be\">{}</td>",
+  page.add("<td class=\"number\" data-is=\"sigma\">{}</td><td class=\"number\" data-is=\"should be\">{}</td>",
            html_escaped(row.sigma), html_escaped(row.should_be));
   if (row.verdict)
     page.add("<td class=\"{}\">{} {}{}</td>", class_of(*row.verdict), sign_of(*row.verdict), name_of(*row.verdict),
@@ -95,7 +95,7 @@ void add_step(Page& page, const ReportCamera& camera, const ReportStep& step) {
   if (!step.from.empty()) page.add("<p class=\"quiet\">From {}.</p>\n", html_escaped(step.from));
   if (!step.rows.empty()) {
     page.add(
-        "<table><thead><tr><th></th><th>value</th><th>sure to (1 sigma)</th><th>should be</th><th></th></tr>"
+        "<table><thead><tr><th></th><th>value</th><th>sigma</th><th>should be</th><th></th></tr>"
         "</thead><tbody>\n");
     for (const auto& row : step.rows) add_row(page, row);
     page.add("</tbody></table>\n");
@@ -110,7 +110,7 @@ void add_step(Page& page, const ReportCamera& camera, const ReportStep& step) {
              html_escaped(fmt::format("{} of the {} camera: {}", step.title, camera.name, step.picture_name)),
              data_uri("image/png", step.picture));
   else if (!step.picture_name.empty())
-    page.add("<p class=\"usable\">What this step drew, {}, is not beside the calibration file any more.</p>\n",
+    page.add("<p class=\"usable\">The plot of this step, {}, is no longer next to the calibration file.</p>\n",
              html_escaped(step.picture_name));
 }
 
@@ -130,7 +130,7 @@ void add_camera(Page& page, const ReportCamera& camera, const std::string& calib
   page.add("<h2{}>The {} camera</h2>\n", first ? " class=\"first\"" : "", html_escaped(camera.name));
   if (!camera.description.empty()) page.add("<p class=\"quiet\">{}</p>\n", html_escaped(camera.description));
   if (camera.steps.empty()) {
-    page.add("<p class=\"poor\">Nothing of it has been measured yet.</p>\n");
+    page.add("<p class=\"poor\">Nothing has been measured yet.</p>\n");
   } else {
     const auto count = count_of(camera);
     page.add("<p>{} numbers are good, {} usable, {} not good enough.</p>\n", count.good, count.usable, count.poor);

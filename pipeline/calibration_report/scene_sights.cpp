@@ -154,7 +154,7 @@ Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const C
   const std::size_t fewest = root->has("horizon") ? 1 : 2;
   if (landmarks.size() + sightings.size() < fewest && !(root->has("landmarks") && landmarks.empty()))
     root->problem("landmarks",
-                  "at least 2 tables [[landmarks]] or [[sightings]], and 4 to find a wrong one (1 beside a [horizon])");
+                  "at least 2 tables [[landmarks]] or [[sightings]], and 4 to find a wrong one (1 with a [horizon])");
   root->number("sigma_px", kPixelSigma, 1.0);
   root->number("place_sigma_m", kPlaceSigma_m, 1.0);
   if (const auto horizon = root->optional_table("horizon")) read_horizon(*horizon, *root, sights);

@@ -15,7 +15,7 @@ struct SceneSights {
   int width = 0;
   int height = 0;
   LensDescription lens;                  // a pinhole's
-  std::optional<std::string> response;   // of [scene], where one word tells it
+  std::optional<std::string> response;   // of [scene], if given: "srgb" or "linear"
   double refraction = 0.13;              // coefficient of refraction
   std::vector<LandmarkSight> landmarks;  // and, at the end, the sun each time it was seen
   std::vector<HorizonSight> horizon;

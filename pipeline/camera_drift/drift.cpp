@@ -53,9 +53,9 @@ struct HazeChange {
   bool thicker() const { return *now > 1.5 * *before; }
 };
 
-DriftFinding judge_focus(const char* name, const std::optional<EdgeChange>& seen) {
-  if (!seen) return undetermined(name, "focus", "too few clear edges");
-  const EdgeChange& change = *seen;
+DriftFinding judge_focus(const char* name, const std::optional<EdgeChange>& measured) {
+  if (!measured) return undetermined(name, "focus", "too few clear edges");
+  const EdgeChange& change = *measured;
   if (change.edges < 12 || 3 * change.edges < change.sought)
     return undetermined(name, "focus",
                         fmt::format("only {1} of {0} edges are visible: haze, darkness or a lens far out of focus",
@@ -181,9 +181,9 @@ DriftFinding judge_sun(const std::vector<SunObservation>& all) {
 }
 
 // Open sky, away from the horizon, obstructions and all positions of the sun.
-Image<std::uint8_t> open_sky(const Camera& sky, const DomeFrame& look, const std::vector<Direction>& suns) {
-  const int factor = std::max(1, sky.width / std::max(1, look.width()));
-  Image<std::uint8_t> open(look.width(), look.height(), 0);
+Image<std::uint8_t> open_sky(const Camera& sky, const DomeFrame& dome, const std::vector<Direction>& suns) {
+  const int factor = std::max(1, sky.width / std::max(1, dome.width()));
+  Image<std::uint8_t> open(dome.width(), dome.height(), 0);
   const auto clear = [&](int x, int y) {
     if (sky.mask.empty()) return true;
     const int cx = x * factor + factor / 2, cy = y * factor + factor / 2;

@@ -27,20 +27,20 @@ GreyPicture grey_of(const Image<Rgb8>& picture) {
 
 DomeFrame dome_look(const Image<Rgb8>& picture, const Camera& camera) {
   const int factor = std::max(1, (std::max(camera.width, camera.height) + kDomeSide_px - 1) / kDomeSide_px);
-  DomeFrame look(picture.width() / factor, picture.height() / factor);
+  DomeFrame dome(picture.width() / factor, picture.height() / factor);
   std::array<glm::vec3, 256> light;
   for (int i = 0; i < 256; ++i) light[static_cast<std::size_t>(i)] = camera.response.to_light(glm::dvec3(i / 255.0));
-  for (int y = 0; y < look.height(); ++y)
-    for (int x = 0; x < look.width(); ++x) {
+  for (int y = 0; y < dome.height(); ++y)
+    for (int x = 0; x < dome.width(); ++x) {
       glm::vec3 sum{0.0f};
       for (int j = 0; j < factor; ++j)
         for (int i = 0; i < factor; ++i) {
           const auto& c = picture.at(x * factor + i, y * factor + j);
           sum += glm::vec3(light[c.r].r, light[c.g].g, light[c.b].b);
         }
-      look.at(x, y) = sum / static_cast<float>(factor * factor);
+      dome.at(x, y) = sum / static_cast<float>(factor * factor);
     }
-  return look;
+  return dome;
 }
 
 // ln of the light per unit of the fit's gain in the sky model: F(0, sun) over the zenith luminance.
@@ -144,11 +144,11 @@ void DriftFrames::add_sky(const PictureView& view, const FrameMetadata& metadata
   const auto blob = fine ? find_sun(*fine, camera) : std::nullopt;
   if (blob && blob->radius < kLargestSun && angle_between(blob->direction, sun.direction) < kFarthestSun)
     suns_.push_back({sun.direction, blob->direction});
-  const auto look = observer_.observe(*picture, sun.direction);
-  if (!look.estimate.usable) return;
-  turbidities_.push_back(look.estimate.turbidity.value);
+  const auto observation = observer_.observe(*picture, sun.direction);
+  if (!observation.estimate.usable) return;
+  turbidities_.push_back(observation.estimate.turbidity.value);
   if (!metadata.exposure_s || !(*metadata.exposure_s > 0.0)) return;
-  levels_.push_back(look.log_gain + log_model_scale(look.estimate.turbidity, sun) -
+  levels_.push_back(observation.log_gain + log_model_scale(observation.estimate.turbidity, sun) -
                     std::log(*metadata.exposure_s * metadata.gain.value_or(1.0)));
 }
 

@@ -31,10 +31,10 @@ Image<Rgb8> picture_of(const GreyPicture& grey) {
 }
 
 // Light as 8 bits with a square root: relative steps of 1 % in the bright half.
-Image<Rgb8> picture_of(const DomeFrame& look) {
-  Image<Rgb8> picture(look.width(), look.height());
+Image<Rgb8> picture_of(const DomeFrame& dome) {
+  Image<Rgb8> picture(dome.width(), dome.height());
   std::transform(
-      look.elements().begin(), look.elements().end(), picture.elements().begin(),
+      dome.elements().begin(), dome.elements().end(), picture.elements().begin(),
       [](const glm::vec3& light) { return Rgb8(glm::round(255.0f * glm::sqrt(glm::clamp(light, 0.0f, 1.0f)))); });
   return picture;
 }

@@ -41,9 +41,9 @@ struct Span {
 };
 
 std::string offset_text(const Camera& scene, const glm::dvec3& centre_m) {
-  const glm::dvec3 seen = glm::transpose(scene.to_world) * centre_m, middle{0, 0, 1};
-  const double right_deg = to_degrees({std::atan2(seen.x, seen.z)});
-  const double up_deg = to_degrees({std::atan2(-seen.y, std::hypot(seen.x, seen.z))});
+  const glm::dvec3 in_camera = glm::transpose(scene.to_world) * centre_m, middle{0, 0, 1};
+  const double right_deg = to_degrees({std::atan2(in_camera.x, in_camera.z)});
+  const double up_deg = to_degrees({std::atan2(-in_camera.y, std::hypot(in_camera.x, in_camera.z))});
   return fmt::format("{:.1f} deg {} and {:.1f} deg {} the middle of the picture", std::abs(right_deg),
                      right_deg < 0 ? "left" : "right", std::abs(up_deg), up_deg < 0 ? "below" : "above");
 }

@@ -57,13 +57,13 @@ const CameraRequest* request_of(const CameraOptions& options) {
 }
 
 CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Duration length) {
-  CameraMeasurement seen;
+  CameraMeasurement measurement;
   auto source = opener.open();
   if (!source) {
-    seen.problem = source.error().message;
-    return seen;
+    measurement.problem = source.error().message;
+    return measurement;
   }
-  seen.opened = true;
+  measurement.opened = true;
   const auto opened_at = clock.now();
   std::optional<Instant> first;
   std::optional<std::uint32_t> sequence;
@@ -73,26 +73,26 @@ CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Durat
     const auto frame = (*source)->next(until);
     if (!frame && frame.error().kind == FaultKind::timeout) continue;
     if (!frame) {
-      seen.problem = frame.error().message;
+      measurement.problem = frame.error().message;
       break;
     }
     const auto& metadata = frame->metadata;
     const bool good = metadata.status == FrameStatus::good;
-    if (!good) ++seen.bad[std::string(name_of(metadata.status))];
-    if (sequence && metadata.sequence > *sequence + 1) seen.gaps += metadata.sequence - *sequence - 1;
+    if (!good) ++measurement.bad[std::string(name_of(metadata.status))];
+    if (sequence && metadata.sequence > *sequence + 1) measurement.gaps += metadata.sequence - *sequence - 1;
     sequence = metadata.sequence;
     if (first) {
-      seen.good += good;
+      measurement.good += good;
     } else if (good) {
       first = clock.now();
-      seen.first_frame_s = to_seconds(*first - opened_at);
+      measurement.first_frame_s = to_seconds(*first - opened_at);
     }
   }
-  if (first) seen.lasted_s = to_seconds(clock.now() - *first);
-  if (!first && seen.problem.empty())
-    seen.problem = fmt::format("no good frame arrived within {:.0f} s", to_seconds(kFirstFrame));
-  if (const auto* camera = dynamic_cast<const CameraSource*>(source->get())) seen.mode = camera->mode();
-  return seen;
+  if (first) measurement.lasted_s = to_seconds(clock.now() - *first);
+  if (!first && measurement.problem.empty())
+    measurement.problem = fmt::format("no good frame arrived within {:.0f} s", to_seconds(kFirstFrame));
+  if (const auto* camera = dynamic_cast<const CameraSource*>(source->get())) measurement.mode = camera->mode();
+  return measurement;
 }
 
 void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,

@@ -36,13 +36,13 @@ Result<> write_light_file(const std::filesystem::path& file, const Image<glm::ve
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
   std::vector<std::uint8_t> bytes;
   if (encode(file.extension().string(), bgr, bytes)) return write_file(file, bytes);
-  auto beside = file;
-  beside.replace_extension(".pfm");
-  if (beside == file || !encode(".pfm", bgr, bytes))
+  auto substitute = file;
+  substitute.replace_extension(".pfm");
+  if (substitute == file || !encode(".pfm", bgr, bytes))
     return fail(FaultKind::unsupported, "{}: cannot be encoded by this machine's OpenCV", file.string());
-  if (auto written = write_file(beside, bytes); !written) return written;
+  if (auto written = write_file(substitute, bytes); !written) return written;
   return fail(FaultKind::unsupported, "{}: not supported by this machine's OpenCV; wrote {} instead", file.string(),
-              beside.string());
+              substitute.string());
 }
 
 }  // namespace kasumi

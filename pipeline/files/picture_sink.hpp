@@ -24,7 +24,7 @@ class PictureSink {
 
 // frame-000000.png, frame-000001.png, ... in a folder, which is made; pictures of an earlier run are removed.
 Result<std::unique_ptr<PictureSink>> open_picture_folder(const std::filesystem::path& folder);
-// H.264 where this machine's OpenCV offers it, else MPEG-4; the film is written beside its name and renamed.
+// H.264 where this machine's OpenCV offers it, else MPEG-4; the film is written under a temporary name and renamed.
 Result<std::unique_ptr<PictureSink>> open_film(const std::filesystem::path& file, double frames_per_second);
 
 }  // namespace kasumi

@@ -14,8 +14,8 @@ Photograph encoded_of(const Camera& camera, const Image<glm::vec3>& light, doubl
   Photograph made;
   made.encoded = Image<glm::vec3>(light.width(), light.height());
   made.quantum = quantum;
-  std::ranges::transform(light.elements(), made.encoded.elements().begin(), [&](const glm::vec3& seen) {
-    return glm::clamp(camera.response.to_encoded(glm::dvec3(seen)), 0.0, 1.0);
+  std::ranges::transform(light.elements(), made.encoded.elements().begin(), [&](const glm::vec3& linear) {
+    return glm::clamp(camera.response.to_encoded(glm::dvec3(linear)), 0.0, 1.0);
   });
   return made;
 }

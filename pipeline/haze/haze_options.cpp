@@ -40,7 +40,7 @@ std::vector<HazeValues> read_values(const HazeOptions& options, Problems& proble
   std::vector<HazeValues> all;
   if (options.turbidities.empty() == options.scatterings.empty())
     problems.add("expected --turbidity T, or --kappa-s (and --kappa-a): one of the two describes the haze");
-  if (!options.turbidities.empty() && options.kappa_a) problems.add("--kappa-a: expected none beside --turbidity");
+  if (!options.turbidities.empty() && options.kappa_a) problems.add("--kappa-a: not allowed with --turbidity");
   for (const auto& text : options.turbidities) {
     const auto list = numbers(text, kLowestTurbidity.value, kHighestTurbidity.value);
     if (!list) problems.add("--turbidity {}: expected a T of 1.7 to 20, or FROM:TO:STEP", text);
@@ -71,7 +71,7 @@ std::optional<Image<float>> read_range(const HazeOptions& options, Problems& pro
     return std::nullopt;
   }
   if (options.disparity.empty() && options.disparity_scale)
-    problems.add("--disparity-scale: expected --disparity beside it");
+    problems.add("--disparity-scale: expected together with --disparity");
   if (!options.disparity.empty() && !options.disparity_scale)
     problems.add("--disparity: expected --disparity-scale, focal length times baseline, in pixels times metres");
   auto read = read_distances(options.depth.empty() ? options.disparity : options.depth, options.depth_step_m);

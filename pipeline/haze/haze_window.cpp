@@ -77,8 +77,8 @@ Result<bool> HazeWindow::step(const std::string& more) {
   for (const char key : window_->take_input().keys + more)
     changed_ = adjust_haze(haze_, task_->values.front(), key) || changed_;
   if (changed_) {
-    const auto look = haze_look(task_->optics_of(haze_), task_->range, task_->airlight, task_->scheme);
-    const auto run = blur_.run(look);
+    const auto blur = haze_look(task_->optics_of(haze_), task_->range, task_->airlight, task_->scheme);
+    const auto run = blur_.run(blur);
     if (!run && run.error().kind != FaultKind::bad_input) return fail(run.error());
     problem_ = run ? std::string() : "\n" + run.error().message;
     if (!run) haze_ = before;

@@ -65,9 +65,11 @@ Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs
   if (!job.problem.empty()) return {"", job.problem};
   const auto report = photographs.estimate_from(job.file, job.utc);
   if (!report) return {"", report.error().message};
-  const auto beside = job.scene ? landmarks_answer(*scenes, *job.scene, &*report, arguments.json) : std::string();
+  const auto landmarks_text =
+      job.scene ? landmarks_answer(*scenes, *job.scene, &*report, arguments.json) : std::string();
   Answer answer;
-  answer.text = arguments.json ? estimate_json(job.file, *report, beside) : estimate_text(job.file, *report) + beside;
+  answer.text = arguments.json ? estimate_json(job.file, *report, landmarks_text)
+                               : estimate_text(job.file, *report) + landmarks_text;
   if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
     const auto path = plot_path(arguments, job.file);
     const auto& estimate = report->look.estimate;
@@ -83,9 +85,10 @@ Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs
 Result<int> estimate(const EstimateArguments& arguments) {
   std::optional<SceneVisibilities> scenes;
   if (!arguments.scenes.empty()) {
-    auto looked = read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
-    if (!looked) return fail(looked.error());
-    scenes = std::move(*looked);
+    auto visibilities =
+        read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
+    if (!visibilities) return fail(visibilities.error());
+    scenes = std::move(*visibilities);
     if (arguments.images.empty()) {
       for (const auto& scene : scenes->pictures)
         fmt::print("{}{}", landmarks_answer(*scenes, scene, nullptr, arguments.json), arguments.json ? "\n" : "");

@@ -18,7 +18,7 @@ void write(cv::Mat& canvas, const std::string& text, cv::Point at, double size =
   cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
 }
 
-void draw_sky(cv::Mat canvas, const SkyPicture& picture, const SkyObservation& look) {
+void draw_sky(cv::Mat canvas, const SkyPicture& picture, const SkyObservation& observation) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
   const double scale = static_cast<double>(kSide) / std::max(width, height);
   for (int y = 0; y < canvas.rows; ++y)
@@ -26,14 +26,15 @@ void draw_sky(cv::Mat canvas, const SkyPicture& picture, const SkyObservation& l
       const int px = static_cast<int>(x / scale), py = static_cast<int>(y / scale);
       if (px >= width || py >= height) continue;
       glm::vec3 v = 255.0f * glm::clamp(picture.encoded.at(px, py), 0.0f, 1.0f);
-      if (!look.use.empty() && look.use.at(px, py) == PixelUse::cloud) v = 0.6f * v + 0.4f * glm::vec3(60, 90, 255);
+      if (!observation.use.empty() && observation.use.at(px, py) == PixelUse::cloud)
+        v = 0.6f * v + 0.4f * glm::vec3(60, 90, 255);
       canvas.at<cv::Vec3b>(y, x) = {cv::saturate_cast<uchar>(v.r), cv::saturate_cast<uchar>(v.g),
                                     cv::saturate_cast<uchar>(v.b)};
     }
-  for (std::size_t i = 0; i < look.elements.size(); ++i) {
-    const cv::Point at(static_cast<int>((look.elements[i].x + 0.5) * scale),
-                       static_cast<int>((look.elements[i].y + 0.5) * scale));
-    const bool agrees = i < look.inlier.size() && look.inlier[i];
+  for (std::size_t i = 0; i < observation.elements.size(); ++i) {
+    const cv::Point at(static_cast<int>((observation.elements[i].x + 0.5) * scale),
+                       static_cast<int>((observation.elements[i].y + 0.5) * scale));
+    const bool agrees = i < observation.inlier.size() && observation.inlier[i];
     cv::circle(canvas, at, 3, agrees ? kAgrees : kDisagrees, 1, cv::LINE_AA);
   }
 }
@@ -44,21 +45,21 @@ struct Axis {
 };
 
 // ln of luminance over the zenith's: modelled and measured.
-std::vector<cv::Point2d> points_of(const SkyObservation& look) {
+std::vector<cv::Point2d> points_of(const SkyObservation& observation) {
   std::vector<cv::Point2d> points;
-  const Turbidity turbidity = look.estimate.turbidity;
-  const SunDirection& sun = look.estimate.sun;
-  const FittedSky sky(look.sky, sun);
+  const Turbidity turbidity = observation.estimate.turbidity;
+  const SunDirection& sun = observation.estimate.sun;
+  const FittedSky sky(observation.sky, sun);
   const double zenith = sky.log_luminance(turbidity, 1.0, zenith_angle(sun).value);
-  for (const auto& sample : look.samples) {
+  for (const auto& sample : observation.samples) {
     const double model = sky.log_luminance(turbidity, std::cos(double{sample.zenith}), double{sample.sun_distance});
-    points.emplace_back(model - zenith, double{sample.log_luminance} - look.log_gain - zenith);
+    points.emplace_back(model - zenith, double{sample.log_luminance} - observation.log_gain - zenith);
   }
   return points;
 }
 
-void draw_fit(cv::Mat canvas, const SkyObservation& look) {
-  const auto points = points_of(look);
+void draw_fit(cv::Mat canvas, const SkyObservation& observation) {
+  const auto points = points_of(observation);
   if (points.empty()) {
     write(canvas, "no samples", {kSide / 2 - 40, kSide / 2});
     return;
@@ -83,18 +84,18 @@ void draw_fit(cv::Mat canvas, const SkyObservation& look) {
   }
   cv::line(canvas, at(axis.lowest, axis.lowest), at(axis.highest, axis.highest), kInk, 1, cv::LINE_AA);
   for (std::size_t i = 0; i < points.size(); ++i)
-    cv::circle(canvas, at(points[i].x, points[i].y), 2, look.inlier[i] ? kAgrees : kDisagrees, -1, cv::LINE_AA);
+    cv::circle(canvas, at(points[i].x, points[i].y), 2, observation.inlier[i] ? kAgrees : kDisagrees, -1, cv::LINE_AA);
   cv::rectangle(canvas, cv::Rect(0, 0, kSide, kSide), kInk);
 }
 
 }  // namespace
 
-Image<Rgb8> plot_fit(const SkyPicture& picture, const SkyObservation& look, const std::string& title) {
+Image<Rgb8> plot_fit(const SkyPicture& picture, const SkyObservation& observation, const std::string& title) {
   Image<Rgb8> image(2 * kSide + 3 * kMargin, kSide + kTop + kMargin, Rgb8(255));
   cv::Mat canvas(image.height(), image.width(), CV_8UC3, image.elements().data());
   write(canvas, title, {kMargin, 35}, 0.55);
-  draw_sky(canvas(cv::Rect(kMargin, kTop, kSide, kSide)), picture, look);
-  draw_fit(canvas(cv::Rect(2 * kMargin + kSide, kTop, kSide, kSide)), look);
+  draw_sky(canvas(cv::Rect(kMargin, kTop, kSide, kSide)), picture, observation);
+  draw_fit(canvas(cv::Rect(2 * kMargin + kSide, kTop, kSide, kSide)), observation);
   write(canvas, "green: samples that agree   red: that do not   blue tint: cloud", {kMargin, kTop + kSide + 25});
   write(canvas, "luminance / zenith: measured (up) against model (right)", {2 * kMargin + kSide, kTop + kSide + 25});
   return image;

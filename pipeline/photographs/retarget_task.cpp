@@ -73,7 +73,7 @@ std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
   return glm::dvec3(values[0], values[1], values[2]);
 }
 
-// One of the ways to tell how far things are.
+// Reads the distances; exactly one of the options for them must be given.
 void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& problems) {
   const int ways =
       (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);

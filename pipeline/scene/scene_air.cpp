@@ -120,10 +120,11 @@ void SceneAir::update_horizon(const FrameMetadata& metadata, const PictureView& 
   const double since_s = !horizon_seen_at_ ? 0.0 : std::abs(to_seconds(metadata.captured_at - *horizon_seen_at_));
   horizon_seen_at_ = metadata.captured_at;
 
-  auto seen = measure_horizon(scene_, scene);
-  if (!seen.usable() && sky_picture) seen = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
-  if (!seen.usable() && conditions) seen = modelled(*conditions, scene);
-  horizon_ = blend(horizon_, seen, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
+  auto measured_horizon = measure_horizon(scene_, scene);
+  if (!measured_horizon.usable() && sky_picture)
+    measured_horizon = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
+  if (!measured_horizon.usable() && conditions) measured_horizon = modelled(*conditions, scene);
+  horizon_ = blend(horizon_, measured_horizon, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
 }
 
 AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {

@@ -47,9 +47,10 @@ void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
     report.estimate = checked(options_.estimator(picture, sun.direction));
     return;
   }
-  const auto look = observer_.observe(picture, sun.direction, options_.estimate);
-  report.estimate = checked(look.estimate);
-  if (auto sky = observer_.measure(picture, look, towards_shading_cloud(object_m_, sun.direction, cloud_base_m_)))
+  const auto observation = observer_.observe(picture, sun.direction, options_.estimate);
+  report.estimate = checked(observation.estimate);
+  if (auto sky =
+          observer_.measure(picture, observation, towards_shading_cloud(object_m_, sun.direction, cloud_base_m_)))
     report.measured = std::make_shared<const MeasuredSky>(std::move(*sky));
 }
 

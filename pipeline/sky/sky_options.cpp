@@ -64,7 +64,7 @@ void read_sun(const SkyOptions& options, SkyTask& task, Problems& problems) {
     problems.add("--site and --utc: expected both, which place the sun, or neither");
   const bool given = options.sun_zenith_deg || options.sun_azimuth_deg;
   if (given && !options.utc.empty())
-    problems.add("--sun-zenith-deg, --sun-azimuth-deg: expected none beside --utc, which places the sun");
+    problems.add("--sun-zenith-deg, --sun-azimuth-deg: not allowed with --utc, which places the sun");
   const double zenith = options.sun_zenith_deg.value_or(45.0), azimuth = options.sun_azimuth_deg.value_or(180.0);
   if (!within(zenith, 0.0, 92.0)) problems.add("--sun-zenith-deg {:g}: expected 0 to 92", zenith);
   if (!within(azimuth, -360.0, 360.0)) problems.add("--sun-azimuth-deg {:g}: expected -360 to 360", azimuth);

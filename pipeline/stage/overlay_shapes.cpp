@@ -85,7 +85,7 @@ class Shapes {
   Extent extent() const {
     constexpr int kSteps = 24;
     const double middle = to_degrees(azimuth_angle(scene_.to_world[2]));
-    Extent seen;
+    Extent angles;
     for (int j = 0; j <= kSteps; ++j)
       for (int i = 0; i <= kSteps; ++i) {
         const glm::dvec2 pixel{(scene_.width - 1.0) * i / kSteps, (scene_.height - 1.0) * j / kSteps};
@@ -93,17 +93,17 @@ class Shapes {
         if (!direction) continue;
         const double elevation = 90.0 - to_degrees(zenith_angle(*direction));
         const double azimuth = middle + std::remainder(to_degrees(azimuth_angle(*direction)) - middle, 360.0);
-        seen.least_azimuth = std::min(seen.least_azimuth, azimuth);
-        seen.greatest_azimuth = std::max(seen.greatest_azimuth, azimuth);
-        seen.least_elevation = std::min(seen.least_elevation, elevation);
-        seen.greatest_elevation = std::max(seen.greatest_elevation, elevation);
+        angles.least_azimuth = std::min(angles.least_azimuth, azimuth);
+        angles.greatest_azimuth = std::max(angles.greatest_azimuth, azimuth);
+        angles.least_elevation = std::min(angles.least_elevation, elevation);
+        angles.greatest_elevation = std::max(angles.greatest_elevation, elevation);
       }
-    return seen;
+    return angles;
   }
 
   void add_grid() {
-    const auto seen = extent();
-    const double span = std::max(std::min(seen.azimuths(), 180.0), seen.elevations());
+    const auto angles = extent();
+    const double span = std::max(std::min(angles.azimuths(), 180.0), angles.elevations());
     constexpr std::array kSteps{0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0};
     double step = kSteps.back();
     for (const double candidate : kSteps)
@@ -114,9 +114,9 @@ class Shapes {
     const int decimals = step >= 1.0 ? 0 : step >= 0.1 ? 1 : 2;
     const auto first = [&](double least) { return static_cast<int>(std::ceil(least / step)); };
     const auto last = [&](double greatest) { return static_cast<int>(std::floor(greatest / step)); };
-    const double low = std::max(seen.least_elevation - step, -89.0);
-    const double high = std::min(seen.greatest_elevation + step, 89.0);
-    for (int i = first(seen.least_azimuth); i <= last(seen.greatest_azimuth); ++i) {
+    const double low = std::max(angles.least_elevation - step, -89.0);
+    const double high = std::min(angles.greatest_elevation + step, 89.0);
+    for (int i = first(angles.least_azimuth); i <= last(angles.greatest_azimuth); ++i) {
       const double azimuth = i * step;
       const auto inside = add_line(OverlayLineKind::grid, kPieces,
                                    [&](double t) { return direction_of(azimuth, low + t * (high - low)); });
@@ -125,8 +125,8 @@ class Shapes {
       const auto highest = *std::ranges::min_element(inside, {}, &glm::dvec2::y);
       shapes_.labels.push_back({highest, OverlayLabelSide::below, fmt::format("{:.{}f}°", named, decimals), true});
     }
-    const double from = seen.least_azimuth - step, to = seen.greatest_azimuth + step;
-    for (int i = first(seen.least_elevation); i <= last(seen.greatest_elevation); ++i) {
+    const double from = angles.least_azimuth - step, to = angles.greatest_azimuth + step;
+    for (int i = first(angles.least_elevation); i <= last(angles.greatest_elevation); ++i) {
       const double elevation = i * step;
       if (std::abs(elevation) > 89.0) continue;
       const auto inside = add_line(OverlayLineKind::grid, kPieces,
@@ -140,9 +140,9 @@ class Shapes {
   }
 
   void add_horizon() {
-    const auto seen = extent();
+    const auto angles = extent();
     const double dip_deg = to_degrees(dip_of_horizon(installation_.site.altitude_m));
-    const double from = seen.least_azimuth - 1.0, to = seen.greatest_azimuth + 1.0;
+    const double from = angles.least_azimuth - 1.0, to = angles.greatest_azimuth + 1.0;
     const auto inside = add_line(OverlayLineKind::horizon, 2 * kPieces,
                                  [&](double t) { return direction_of(from + t * (to - from), -dip_deg); });
     if (inside.empty()) return;

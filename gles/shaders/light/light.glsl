@@ -5,7 +5,7 @@
 #include "sun_shadow.glsl"
 
 #if defined(UNLIT) || defined(EMITS)
-uniform vec3 white_card;       // radiance of a horizontal white card under open sky
+uniform vec3 white_card;       // radiance of a horizontal white card in the open, under sun and sky
 #endif
 #if defined(REFLECTS)
 uniform vec3 head_on_reflectance;
@@ -30,8 +30,8 @@ vec3 sun_lobe(vec3 n, vec3 eye, float across, float roughness, vec3 f0, vec3 f90
   return (f0 + (f90 - f0) * edge) * (a2 / (spread * spread) * 0.5 / hidden);
 }
 
-// Light from multiple reflections between facets, relative to a single reflection (Fdez-Aguera 2019). `all`:
-// single-scattering albedo of a white mirror.
+// Light from multiple reflections between facets (Fdez-Aguera 2019). `once`: light reflected a single time; `all`: the
+// same for a white mirror.
 const float kMeanOfEdge = 21.0;  // the hemispherical average of Schlick's edge term is 1/21
 vec3 from_between(vec3 once, vec3 f0, vec3 f90, float all) {
   vec3 mean = f0 + (f90 - f0) / kMeanOfEdge;

@@ -1,6 +1,7 @@
 // How a texel of the object's layer is stored: rgb holds square roots, which distribute precision perceptually and are
-// close to any display encoding. Alpha up to one half is half of the coverage; above it the object covers the whole
-// pixel and alpha holds the pixel's dither instead, which saves covered pixels a lookup of the pattern.
+// the first step towards any encoding (response.glsl). Alpha up to one half is half of the coverage; above it the
+// object covers the whole pixel and alpha holds the pixel's dither instead, which saves covered pixels a lookup of the
+// pattern.
 const float kCovered = 0.9995;      // coverage from which a pixel counts as fully covered
 const float kCoveredAlpha = 0.75;   // alpha for a dither of 0; half a step either way stays between .5 and 1
 const float kAlphaPerStep = 0.49;

@@ -13,7 +13,7 @@ uniform sampler2D foreground;
 uniform mat3 fragment_to_picture;
 #endif
 
-// The texture coordinates of a pixel's central sample.
+// The mean of the pixel whose central sample has the texture coordinates `centre`.
 vec4 mean_around(vec2 centre) {
   vec4 sum = vec4(0.0);
   for (int i = 0; i < 17; ++i) sum += texture2D(samples, centre + offsets[i] * sample_step);

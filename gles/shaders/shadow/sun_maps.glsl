@@ -8,7 +8,7 @@ uniform float sun_map_texels;  // along a side of one map
 const float kTurn = 6.2831853;
 const float kInnerRing = 0.3535534;  // radii: sqrt(1/8) and sqrt(5/8)
 const float kOuterRing = 0.7905694;
-const float kOuterTurned = 0.05;  // turns, so that no two points are collinear with the middle
+const float kOuterTurned = 0.05;  // turns, so that no outer point lies in the direction of an inner one
 vec2 sun_point(float number) {
   float outer = step(3.5, number);
   float turn = kTurn * ((number - 4.0 * outer) / mix(4.0, 12.0, outer) + kOuterTurned * outer);

@@ -36,8 +36,8 @@ vec2 slope_here(vec3 normal) {
   return clamp(-face.xy / (abs(face.z) < 1e-12 ? 1e-12 : face.z), -steepest, steepest);
 }
 
-// 1: nothing in this texel lies in front of the plane. The maps' border is empty, so that nothing beyond it casts a
-// shadow.
+// 1: nothing in this texel lies in front of the plane. The last hundredth of the maps' depth is always empty, so the
+// plane's depth is limited to it: empty texels, which hold 1, then always pass.
 float passed(vec2 texel, vec2 at, float depth, vec2 slope, float number) {
   return step(min(depth + dot(slope, texel + 0.5 - at) - depth_margin, 0.995), depth_at(texel, number));
 }

@@ -95,7 +95,7 @@ TEST(CalibrationReport, OnePageContainsEverythingAndFetchesNothing) {
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr("http")));
   EXPECT_FALSE(std::regex_search(html, std::regex("src=\"(?!data:)|href=|url\\(")));
-  EXPECT_THAT(html, HasSubstr("passwd.png, is not beside the calibration file any more"));
+  EXPECT_THAT(html, HasSubstr("passwd.png, is no longer next to the calibration file"));
   // Every opened element is closed again.
   for (const char* tag : {"table", "tr", "td", "ul", "li", "h2", "h3", "p", "body", "html", "details", "pre"}) {
     const auto count = [&](const std::string& what) {
