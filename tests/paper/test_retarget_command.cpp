@@ -159,7 +159,7 @@ TEST_F(RetargetCommand, TakesAFolderOfFramesByName) {
   const auto sheet = run_kasumi(
       fmt::format("retarget {} {} --turbidity 2.94 --sheet {}", in_folder("frames"), rest, in_folder("never.png")));
   EXPECT_EQ(sheet.code, 2);
-  EXPECT_THAT(sheet.err, HasSubstr("a sheet keeps all frames in memory"));
+  EXPECT_THAT(sheet.err, HasSubstr("a sheet keeps all of them in memory"));
 }
 
 // One wall without a top, seen through a narrow lens, is nearly one distance for all pixels.
