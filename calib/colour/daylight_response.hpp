@@ -7,7 +7,7 @@
 #include <glm/vec2.hpp>
 
 #include "calib/colour/colorimetry.hpp"
-#include "calib/light/radiometry.hpp"
+#include "calib/colour/spectral_sensitivity.hpp"
 
 namespace kasumi {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "gles/object/renderer.hpp"
+#include "gles/light/airlight_grid.hpp"
 
 namespace kasumi {
 namespace {
