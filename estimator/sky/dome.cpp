@@ -65,9 +65,9 @@ Row row_at(double altitude_m, double turbidity, double sun_zenith_deg) {
 struct Place {
   double altitude_m, turbidity, sun_zenith_deg;
 };
-Place clamped(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+Place clamped(double altitude_m, const Aerosol& aerosol, const SunDirection& sun) {
   return {std::clamp(altitude_m, 0.0, kHighestDomeAltitude_m),
-          std::clamp(turbidity.value, kLowestTurbidity.value, kHighestDomeTurbidity.value),
+          std::clamp(turbidity_of(aerosol), kLowestTurbidity.value, kHighestDomeTurbidity.value),
           std::clamp(to_degrees(zenith_angle(sun)), 0.0, to_degrees(kLowestDomeSun))};
 }
 
@@ -98,9 +98,9 @@ double horizon_sine(double altitude_m) {
   return -std::sqrt(1.0 - q * q);
 }
 
-DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection& sun) {
   const DomeTable& table = dome_table();
-  const Place place = clamped(altitude_m, turbidity, sun);
+  const Place place = clamped(altitude_m, aerosol, sun);
   const Row row = row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg);
   DomeFunction sky;
   sky.sun = glm::vec3(direction_from(from_degrees(place.sun_zenith_deg), azimuth_angle(sun)));
@@ -119,8 +119,8 @@ DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& su
   return sky;
 }
 
-SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
-  const Place place = clamped(altitude_m, turbidity, sun);
+SunLight dome_sun(double altitude_m, const Aerosol& aerosol, const SunDirection& sun) {
+  const Place place = clamped(altitude_m, aerosol, sun);
   const double radius = kDomeSunRadius_rad;
   const double height = std::asin(std::clamp(sun.z, -1.0, 1.0)) - std::asin(horizon_sine(place.altitude_m));
   if (height <= -radius) return {};
