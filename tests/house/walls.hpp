@@ -75,15 +75,16 @@ inline const Walls kMayInclude = {
 
     {"fixtures", {"base", "calib", "capture", "fixtures/generator", "fixtures/model", "fixtures/temple"}},
     {"fixtures/assemble", {}},
-    {"fixtures/atmosphere", {"fixtures/light", "fixtures/model"}},
+    {"fixtures/atmosphere", {"fixtures/model", "fixtures/spectrum"}},
     {"fixtures/generator",
      {"fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
-      "fixtures/temple"}},
-    {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise"}},
-    {"fixtures/light", {"fixtures/noise"}},
+      "fixtures/spectrum", "fixtures/temple"}},
+    {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/spectrum"}},
+    {"fixtures/light", {"fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/model", {}},
     {"fixtures/noise", {}},
     {"fixtures/pagoda", {"fixtures/landscape", "fixtures/model", "fixtures/noise"}},
+    {"fixtures/spectrum", {}},
     {"fixtures/temple", {"fixtures/model", "fixtures/noise"}},
 };
 
