@@ -11,7 +11,7 @@ namespace kasumi {
 // Mixtures of particles (docs/aerosol.md). Single scattering albedo and phase function by wavelength belong to the
 // kind.
 enum class AerosolKind { continental, polluted, urban, maritime, desert, dust, smoke };
-constexpr std::array kAerosolKinds{AerosolKind::continental, AerosolKind::polluted, AerosolKind::urban,
+inline constexpr std::array kAerosolKinds{AerosolKind::continental, AerosolKind::polluted, AerosolKind::urban,
                                    AerosolKind::maritime,    AerosolKind::desert,   AerosolKind::dust,
                                    AerosolKind::smoke};
 std::string_view name_of(AerosolKind kind);  // "continental"
