@@ -12,8 +12,8 @@ namespace kasumi {
 // kind.
 enum class AerosolKind { continental, polluted, urban, maritime, desert, dust, smoke };
 inline constexpr std::array kAerosolKinds{AerosolKind::continental, AerosolKind::polluted, AerosolKind::urban,
-                                   AerosolKind::maritime,    AerosolKind::desert,   AerosolKind::dust,
-                                   AerosolKind::smoke};
+                                          AerosolKind::maritime,    AerosolKind::desert,   AerosolKind::dust,
+                                          AerosolKind::smoke};
 std::string_view name_of(AerosolKind kind);  // "continental"
 std::optional<AerosolKind> aerosol_kind_named(std::string_view name);
 // Angstrom exponent between 450 and 650 nm that the kind has by nature.
