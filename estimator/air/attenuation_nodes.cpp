@@ -45,7 +45,7 @@ struct AerosolLaw {
   struct Ratios {
     double molecules = 1.0, aerosol = 1.0;
   };
-  static constexpr double kClearest = 1.1;  // T of an optical depth of about .01
+  static constexpr double kClearest = 1.5;  // T of an optical depth of about .05
   static double rayleigh_per_m() { return kasumi::rayleigh_per_m(ScatteringModel::aerosol, kUnit_nm); }
   double mie_per_m(double turbidity) const {
     return kasumi::mie_per_m(ScatteringModel::aerosol, kUnit_nm, aerosol_of(turbidity, exponent));

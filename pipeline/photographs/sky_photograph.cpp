@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "estimator/given_air.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/turbidity/sky_picture.hpp"
 
