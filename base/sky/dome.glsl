@@ -133,13 +133,13 @@ const real kOnwardsSteep = 1.79;
 FUNCTION real onwards_share(real slope) { return slope / sqrt(kOnwardsLevel + kOnwardsSteep * slope * slope); }
 
 // Light scattered more than once that haze sends to an eye above it, less what it sends to one below at the mirrored
-// angle: onwards_share * (below + slope * below_steep), interpolated through three altitudes.
-FUNCTION vec3 through_three(vec3 at_lower, vec3 halfway, vec3 at_higher, real way) {
-  return mix(at_lower, at_higher, way) + 4.0 * way * (1.0 - way) * (halfway - 0.5 * (at_lower + at_higher));
-}
+// angle: onwards_share * (below + slope * below_steep), a parabola through three altitudes.
 FUNCTION vec3 light_from_below(AirBetween air, real slope, real way) {
-  return onwards_share(slope) * through_three(air.below[0] + slope * air.below_steep[0], air.below[1] + slope * air.below_steep[1],
-                                              air.below[2] + slope * air.below_steep[2], way);
+  vec3 lower = air.below[0] + slope * air.below_steep[0];
+  vec3 halfway = air.below[1] + slope * air.below_steep[1];
+  vec3 higher = air.below[2] + slope * air.below_steep[2];
+  return onwards_share(slope) *
+         (mix(lower, higher, way) + 4.0 * way * (1.0 - way) * (halfway - 0.5 * (lower + higher)));
 }
 
 // U Eq 3.1, corrected, with its three cases in one formula. Seen from below, a layer of air between two altitudes

@@ -6,6 +6,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "base/earth.hpp"
 
@@ -26,10 +27,9 @@ double altitude_on_the_way(double way, double lower_m, double higher_m) {
 
 // Cosine of the angle to the sun; azimuth from the sun's.
 double cos_to_sun(double cos_zenith, double cos_sun_zenith, Radians azimuth) {
-  return cos_zenith * cos_sun_zenith + std::sqrt(std::max((1.0 - cos_zenith * cos_zenith) *
-                                                              (1.0 - cos_sun_zenith * cos_sun_zenith),
-                                                          0.0)) *
-                                           std::cos(azimuth.value);
+  return cos_zenith * cos_sun_zenith +
+         std::sqrt(std::max((1.0 - cos_zenith * cos_zenith) * (1.0 - cos_sun_zenith * cos_sun_zenith), 0.0)) *
+             std::cos(azimuth.value);
 }
 
 // Light from all around at one altitude, without the sun's disc. Azimuths are from the sun's.
@@ -66,16 +66,27 @@ LightAround light_around_at(double altitude_m, const AirBetween& air, const sky_
       const Radians azimuth{2.0 * kPi * (sector + 0.5) / kSectors};
       const double cos_sun = cos_to_sun(z, cos_sun_zenith, azimuth);
       const double length_m = altitude_m / std::max(-z, 1e-3);
-      const glm::dvec3 light = z > 0.0 ? sky_text::dome_sky_light(sky, z, cos_sun)
-                                       : sky_text::object_through_air(air, land, altitude_m, 0.0, length_m, cos_sun,
-                                                                      cos_sun_zenith);
+      const glm::dvec3 light =
+          z > 0.0 ? sky_text::dome_sky_light(sky, z, cos_sun)
+                  : sky_text::object_through_air(air, land, altitude_m, 0.0, length_m, cos_sun, cos_sun_zenith);
       around.patches.push_back({direction_from(Radians{std::acos(z)}, azimuth), 1.0 / (kRings * kSectors),
                                 glm::max(light, glm::dvec3(0.0))});
     }
   return around;
 }
 
-constexpr std::array kAzimuths{from_degrees(30.0), from_degrees(70.0), from_degrees(110.0), from_degrees(150.0)};
+// From the sun's.
+constexpr std::array kAzimuths{from_degrees(15.0),  from_degrees(45.0),  from_degrees(75.0),
+                               from_degrees(105.0), from_degrees(135.0), from_degrees(165.0)};
+
+// The direction above the horizon whose sky object_through_air takes for one as far below it: at the mirrored zenith
+// angle, and as near as can be at the same angle to the sun.
+Direction mirrored(double slope, Radians azimuth, double cos_sun_zenith) {
+  const double cos_sun = sky_text::held_cos_sun(slope, cos_to_sun(-slope, cos_sun_zenith, azimuth), cos_sun_zenith);
+  const double across = std::sqrt((1.0 - slope * slope) * std::max(1.0 - cos_sun_zenith * cos_sun_zenith, 1e-9));
+  const double cos_azimuth = std::clamp((cos_sun - slope * cos_sun_zenith) / across, -1.0, 1.0);
+  return direction_from(Radians{std::acos(slope)}, Radians{std::acos(cos_azimuth)});
+}
 
 }  // namespace
 
@@ -91,17 +102,16 @@ std::array<glm::dvec3, 4> departures_on_the_way(const SkyScene& scene, const Sky
       const double up = sky_text::kDepartureSines[elevation];
       const glm::dvec3 lower_lit = sky_text::lit_air(air.air, scene.lower_m, up, cos_sun_zenith);
       const glm::dvec3 higher_lit = sky_text::lit_air(air.air, scene.higher_m, up, cos_sun_zenith);
-      glm::dvec3 is(0.0), interpolated(0.0);
+      glm::dvec3 sum(0.0);
       for (const Radians azimuth : kAzimuths) {
         const double cos_sun = cos_to_sun(up, cos_sun_zenith, azimuth);
-        is += sky_text::dome_sky_light(sky, up, cos_sun);
-        interpolated +=
+        const glm::dvec3 interpolated =
             sky_text::sky_on_the_way(air.air, sky_text::dome_sky_light(air.lower, up, cos_sun) / lower_lit,
                                      sky_text::dome_sky_light(air.higher, up, cos_sun) / higher_lit, glm::dvec3(0.0),
                                      glm::dvec3(0.0), altitude_m, way, up, cos_sun_zenith);
+        sum += sky_text::dome_sky_light(sky, up, cos_sun) / glm::max(interpolated, glm::dvec3(1e-9)) - 1.0;
       }
-      departures[static_cast<std::size_t>(2 * place + elevation)] =
-          is / glm::max(interpolated, glm::dvec3(1e-9)) - 1.0;
+      departures[static_cast<std::size_t>(2 * place + elevation)] = sum / static_cast<double>(kAzimuths.size());
     }
   }
   return departures;
@@ -109,34 +119,34 @@ std::array<glm::dvec3, 4> departures_on_the_way(const SkyScene& scene, const Sky
 
 LightFromBelow light_from_below(const SkyScene& scene, const SkyAtAltitude& sky_at, const glm::dvec3& land) {
   constexpr std::array kSlopes{0.05, 0.15, 0.3, 0.5};
-  const AirBetween air = air_between(scene);
-  LightFromBelow result;
-  for (std::size_t place = 0; place < 3; ++place) {
-    const double way = 0.5 * static_cast<double>(place);
-    const double altitude_m = altitude_on_the_way(way, scene.lower_m, scene.higher_m);
-    const LightAround around = light_around_at(altitude_m, air, text_of(sky_at(altitude_m)), land, scene.sun.z);
-    // Least squares of the difference over share * (even + slope * steep).
-    double one = 0.0, slope_once = 0.0, slope_twice = 0.0;
-    glm::dvec3 level(0.0), steep(0.0);
-    for (const double slope : kSlopes)
-      for (const Radians azimuth : kAzimuths) {
-        const Direction down = direction_from(Radians{std::acos(-slope)}, azimuth);
-        const double seen = sky_text::held_cos_sun(slope, cos_to_sun(-slope, scene.sun.z, azimuth), scene.sun.z);
-        const double across = std::sqrt((1.0 - slope * slope) * std::max(1.0 - scene.sun.z * scene.sun.z, 1e-9));
-        const Radians turned{std::acos(std::clamp((seen - slope * scene.sun.z) / across, -1.0, 1.0))};
-        const Direction mirrored = direction_from(Radians{std::acos(slope)}, turned);
-        const glm::dvec3 more = around.scattered_into(scene.haze, down) - around.scattered_into(scene.haze, mirrored);
-        const double share = sky_text::onwards_share(slope);
-        one += share * share;
-        slope_once += share * share * slope;
-        slope_twice += share * share * slope * slope;
-        level += share * more;
-        steep += share * slope * more;
+  constexpr int kPasses = 2;  // the light from below itself passes this air
+  AirBetween air = air_between(scene);
+  for (int pass = 0; pass < kPasses; ++pass)
+    for (int place = 0; place < 3; ++place) {
+      const double altitude_m = altitude_on_the_way(0.5 * place, scene.lower_m, scene.higher_m);
+      const LightAround around = light_around_at(altitude_m, air, text_of(sky_at(altitude_m)), land, scene.sun.z);
+      // Least squares of relative light, of the difference over onwards_share * (below + slope * below_steep).
+      glm::dmat2 square(0.0);
+      glm::dmat3x2 sums(0.0);
+      for (const double slope : kSlopes)
+        for (const Radians azimuth : kAzimuths) {
+          const glm::dvec3 light = around.scattered_into(scene.haze, mirrored(slope, azimuth, scene.sun.z));
+          const glm::dvec3 more =
+              around.scattered_into(scene.haze, direction_from(Radians{std::acos(-slope)}, azimuth)) - light;
+          const glm::dvec2 terms = sky_text::onwards_share(slope) * glm::dvec2(1.0, slope);
+          const double weight = 1.0 / std::pow(std::max(sky_text::luminance_of(light), 1e-3), 2);
+          square += weight * glm::outerProduct(terms, terms);
+          sums += weight * glm::outerProduct(terms, more);
+        }
+      const glm::dmat2x3 found = glm::transpose(glm::inverse(square) * sums);
+      for (int from = place; from < (pass == 0 ? 3 : place + 1); ++from) {  // the best guess for what is higher
+        air.below[from] = found[0];
+        air.below_steep[from] = found[1];
       }
-    const double determinant = one * slope_twice - slope_once * slope_once;
-    result.even[place] = (slope_twice * level - slope_once * steep) / determinant;
-    result.steep[place] = (one * steep - slope_once * level) / determinant;
-  }
+    }
+  LightFromBelow result;
+  std::copy(std::begin(air.below), std::end(air.below), result.even.begin());
+  std::copy(std::begin(air.below_steep), std::end(air.below_steep), result.steep.begin());
   return result;
 }
 
