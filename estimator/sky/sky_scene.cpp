@@ -67,11 +67,6 @@ LandLight land_light_at(double altitude_m, const DomeFunction& sky, const SkyReq
 
 constexpr double kPlainAlbedo = 0.2;  // the reference atmosphere's
 
-sky_text::HazeScattering haze_scattering() {
-  const auto height = [](double share, double g) { return share * (1.0 + g) / ((1.0 - g) * (1.0 - g)); };
-  return {glm::dvec3(0.93), {0.80, -0.45}, {height(0.88, 0.80), height(0.12, -0.45)}};
-}
-
 // Eyes and cameras adapt incompletely to dusk: a tenth of the loss, in stops, stays visible.
 double exposure_for(double mean_luminance) {
   constexpr double kDay_cd_m2 = 5000.0, kShown = 0.42, kAdaptation = 0.9;
