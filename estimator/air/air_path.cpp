@@ -44,7 +44,7 @@ SpectralMeasure srgb_measure() {
 
 }  // namespace
 
-AirCoefficients air_coefficients(Turbidity turbidity) {
+AirCoefficients air_coefficients(const Aerosol& aerosol) {
   static const AttenuationNodes nodes = attenuation_nodes(srgb_measure());
   AirCoefficients air;
   for (int n = 0; n < kAirNodes; ++n) {
@@ -52,7 +52,7 @@ AirCoefficients air_coefficients(Turbidity turbidity) {
     for (int c = 0; c < 3; ++c) {
       const double nm = nodes.wavelength_nm[n][c];
       air.molecules_per_m[n][c] = static_cast<float>(molecular_depth(nm) / sky_text::kAirColumn_m);
-      air.aerosol_per_m[n][c] = static_cast<float>(aerosol_optical_depth(turbidity, nm) / sky_text::kAerosolHeight_m);
+      air.aerosol_per_m[n][c] = static_cast<float>(optical_depth(aerosol, nm) / kAerosolHeight_m);
       air.ozone[n][c] = static_cast<float>(kOzone_cm * ozone_per_cm(nm));
     }
   }

@@ -8,10 +8,14 @@
 #include "base/earth.hpp"
 #include "base/sky/dome_terms.hpp"
 #include "base/sky/sun_disc.hpp"
+#include "calib/colour/colorimetry.hpp"
 #include "estimator/sky/dome_table.hpp"
 
 namespace kasumi {
 namespace {
+
+// Added to an optical depth before its logarithm is taken: with as much the haze's light equals the molecules', roughly.
+constexpr double kMolecules_aod = 0.05;
 
 // Lagrange's four points around a value of an axis.
 struct FourPoints {
@@ -33,24 +37,37 @@ FourPoints four_points(std::span<const double> axis, double value, Along along) 
   return four;
 }
 
+struct Place {
+  double altitude_m, sun_zenith_deg;
+};
+Place clamped(double altitude_m, const SunDirection& sun) {
+  return {std::clamp(altitude_m, 0.0, kHighestDomeAltitude_m),
+          std::clamp(to_degrees(zenith_angle(sun)), 0.0, to_degrees(kLowestDomeSun))};
+}
+
 // A row of the table, interpolated between its nodes.
 struct Row {
   glm::dvec3 log_mean{0}, log_sun{0};
   std::array<glm::dvec3, kDomeTerms> chebyshev{};
 };
-Row row_at(double altitude_m, double turbidity, double sun_zenith_deg) {
+// Of the kind at its natural exponent.
+Row row_at(const Place& place, AerosolKind kind, double aod_550) {
   const DomeTable& table = dome_table();
   // Light decreases nearly as the air thins: its logarithm is closer to linear over this than over height.
-  const FourPoints a = four_points(table.altitudes_m, altitude_m, [](double h) { return std::log1p(h / 4000.0); });
-  const FourPoints t = four_points(table.turbidities, turbidity, [](double value) { return std::log(value); });
-  const FourPoints s = four_points(table.sun_zeniths_deg, sun_zenith_deg, [](double deg) { return deg; });
+  const FourPoints a =
+      four_points(table.altitudes_m, place.altitude_m, [](double h) { return std::log1p(h / 4000.0); });
+  const FourPoints t = four_points(table.aods_550, std::clamp(aod_550, 0.0, table.aods_550.back()),
+                                   [](double aod) { return std::log(aod + kMolecules_aod); });
+  const FourPoints s = four_points(table.sun_zeniths_deg, place.sun_zenith_deg, [](double deg) { return deg; });
+  const std::size_t altitudes = table.altitudes_m.size(), aods = table.aods_550.size(),
+                    suns = table.sun_zeniths_deg.size(), of_kind = static_cast<std::size_t>(kind) * altitudes;
   Row row;
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = 0; j < 4; ++j)
       for (std::size_t k = 0; k < 4; ++k) {
         const double weight = a.weight[i] * t.weight[j] * s.weight[k];
-        const std::size_t node =
-            ((a.first + i) * table.turbidities.size() + t.first + j) * table.sun_zeniths_deg.size() + s.first + k;
+        if (weight == 0.0) continue;
+        const std::size_t node = ((of_kind + a.first + i) * aods + t.first + j) * suns + s.first + k;
         const std::int16_t* numbers = &table.rows[node * kDomeRow];
         for (int c = 0; c < 3; ++c, numbers += kDomeRowHead + kDomeTerms) {
           row.log_mean[c] += weight * numbers[0] / kDomeMeanSteps;
@@ -62,13 +79,24 @@ Row row_at(double altitude_m, double turbidity, double sun_zenith_deg) {
   return row;
 }
 
-struct Place {
-  double altitude_m, turbidity, sun_zenith_deg;
-};
-Place clamped(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
-  return {std::clamp(altitude_m, 0.0, kHighestDomeAltitude_m),
-          std::clamp(turbidity.value, kLowestTurbidity.value, kHighestDomeTurbidity.value),
-          std::clamp(to_degrees(zenith_angle(sun)), 0.0, to_degrees(kLowestDomeSun))};
+// The optical depths at 550 nm with which the kind at its natural exponent has the aerosol's own depth at the
+// wavelength of each of linear sRGB's channels.
+glm::dvec3 channel_aods(const Aerosol& aerosol) {
+  constexpr glm::dvec3 wavelength_nm{605.0, 545.0, 460.0};
+  const double tilt = natural_exponent(aerosol.kind) - aerosol.angstrom_exponent;
+  return aerosol.aod_550 * glm::pow(wavelength_nm / 550.0, glm::dvec3(tilt));
+}
+
+bool is_natural(const Aerosol& aerosol) {
+  return aerosol.aod_550 <= 0.0 || std::abs(aerosol.angstrom_exponent - natural_exponent(aerosol.kind)) < 1e-4;
+}
+
+// XYZ of which each linear sRGB channel is that of one of three skies.
+glm::dvec3 channel_by_channel(const std::array<glm::dvec3, 3>& xyz) {
+  static const glm::dmat3 to_srgb = xyz_to_linear_srgb(), to_xyz = srgb_to_xyz();
+  glm::dvec3 srgb{0};
+  for (int c = 0; c < 3; ++c) srgb[c] = (to_srgb * xyz[c])[c];
+  return to_xyz * srgb;
 }
 
 // Coefficients of the powers of u for Chebyshev polynomials of w = stretch u + shift.
@@ -98,33 +126,51 @@ double horizon_sine(double altitude_m) {
   return -std::sqrt(1.0 - q * q);
 }
 
-DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection& sun) {
   const DomeTable& table = dome_table();
-  const Place place = clamped(altitude_m, turbidity, sun);
-  const Row row = row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg);
+  const Place place = clamped(altitude_m, sun);
   DomeFunction sky;
   sky.sun = glm::vec3(direction_from(from_degrees(place.sun_zenith_deg), azimuth_angle(sun)));
   sky.horizon_sine = static_cast<float>(horizon_sine(place.altitude_m));
   sky.steepness = static_cast<float>(table.ground_steepness * std::exp(place.altitude_m / table.steepness_scale_m));
-  sky.lobes = glm::dvec3(table.lobes[0], table.lobes[1], table.lobes[2]);
+  const auto& lobes = table.lobes[static_cast<std::size_t>(aerosol.kind)];
+  sky.lobes = glm::dvec3(lobes[0], lobes[1], lobes[2]);
   const double lowest = 1.0 / (1.0 + double{sky.steepness});  // u overhead
   const Powers powers = chebyshev_in_powers(2.0 / (1.0 - lowest), -(1.0 + lowest) / (1.0 - lowest));
-  const glm::dvec3 mean = glm::exp(row.log_mean);
-  for (int j = 0; j < kDomeAngles; ++j)
-    for (int p = 0; p < kDomePowers; ++p) {
-      glm::dvec3 sum{0};
-      for (int k = 0; k < kDomePowers; ++k) sum += powers[k][p] * row.chebyshev[j * kDomePowers + k];
-      sky.coefficients[j * kDomePowers + p] = glm::vec3(mean * sum);
-    }
+  const auto coefficients_at = [&](double aod_550) {
+    const Row row = row_at(place, aerosol.kind, aod_550);
+    const glm::dvec3 mean = glm::exp(row.log_mean);
+    std::array<glm::dvec3, kDomeTerms> coefficients{};
+    for (int j = 0; j < kDomeAngles; ++j)
+      for (int p = 0; p < kDomePowers; ++p) {
+        glm::dvec3 sum{0};
+        for (int k = 0; k < kDomePowers; ++k) sum += powers[k][p] * row.chebyshev[j * kDomePowers + k];
+        coefficients[j * kDomePowers + p] = mean * sum;
+      }
+    return coefficients;
+  };
+  if (is_natural(aerosol)) {
+    const auto coefficients = coefficients_at(aerosol.aod_550);
+    std::copy(coefficients.begin(), coefficients.end(), sky.coefficients.begin());
+    return sky;
+  }
+  const glm::dvec3 aods = channel_aods(aerosol);
+  const std::array skies{coefficients_at(aods[0]), coefficients_at(aods[1]), coefficients_at(aods[2])};
+  for (int k = 0; k < kDomeTerms; ++k)
+    sky.coefficients[k] = glm::vec3(channel_by_channel({skies[0][k], skies[1][k], skies[2][k]}));
   return sky;
 }
 
-SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
-  const Place place = clamped(altitude_m, turbidity, sun);
+SunLight dome_sun(double altitude_m, const Aerosol& aerosol, const SunDirection& sun) {
+  const Place place = clamped(altitude_m, sun);
   const double radius = kDomeSunRadius_rad;
   const double height = std::asin(std::clamp(sun.z, -1.0, 1.0)) - std::asin(horizon_sine(place.altitude_m));
   if (height <= -radius) return {};
-  const glm::dvec3 whole = glm::exp(row_at(place.altitude_m, place.turbidity, place.sun_zenith_deg).log_sun);
+  const auto sun_at = [&](double aod_550) { return glm::exp(row_at(place, aerosol.kind, aod_550).log_sun); };
+  const glm::dvec3 aods = channel_aods(aerosol);
+  const glm::dvec3 whole = is_natural(aerosol)
+                               ? sun_at(aerosol.aod_550)
+                               : channel_by_channel({sun_at(aods[0]), sun_at(aods[1]), sun_at(aods[2])});
   return {glm::vec3(whole * disc_above(height / radius)), glm::vec3(whole / (kPi * radius * radius))};
 }
 

@@ -1,26 +1,36 @@
-// The clear sky seen from any altitude to 30 km, under any turbidity and sun: fitted to a spectral atmosphere with all
+// The clear sky seen from any altitude to 30 km, through any aerosol, under any sun: fitted to a spectral atmosphere with all
 // orders of scattering (fixtures/atmosphere makes the table; docs/sky.md gives the accuracy). After U Chapter 3, whose
 // own table cannot be used (physics 10).
 #pragma once
 
 #include <glm/mat3x3.hpp>
 
+#include "base/aerosol.hpp"
 #include "base/sky/dome_function.hpp"
 #include "estimator/atmosphere.hpp"
 
 namespace kasumi {
 
 constexpr double kHighestDomeAltitude_m = 30000.0;
-constexpr Turbidity kHighestDomeTurbidity{10.0};
+constexpr double kHighestDomeAod = 1.8;                 // at 550 nm
+constexpr Turbidity kHighestDomeTurbidity{10.0};        // to which T is fitted: an aod_550 of .90
 constexpr Radians kLowestDomeSun = from_degrees(92.0);  // zenith angle, without refraction
 
-// All arguments are clamped to the table's range: altitude 0 .. 30 km, T 1.7 .. 10, sun's zenith angle 0 .. 92 deg (a
-// lower sun gives the sky of 92 deg with the sun's direction lifted to it). Light: CIE XYZ, Y in cd/m2, at the earth's
-// mean distance from the sun. Interpolates in a table in memory: some microseconds.
-DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun);
+// All arguments are clamped to the table's range: altitude 0 .. 30 km, aod_550 0 .. 1.8, sun's zenith angle 0 .. 92 deg
+// (a lower sun gives the sky of 92 deg with the sun's direction lifted to it). Light: CIE XYZ, Y in cd/m2, at the
+// earth's mean distance from the sun. Interpolates in a table in memory: some microseconds.
+DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection& sun);
 
 // Light of the sun's disc that reaches the observer through the same air; XYZ, lux and cd/m2.
-SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun);
+SunLight dome_sun(double altitude_m, const Aerosol& aerosol, const SunDirection& sun);
+
+// Of the aerosol that a turbidity stands for (aerosol_of).
+inline DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+  return dome(altitude_m, aerosol_of(turbidity.value), sun);
+}
+inline SunLight dome_sun(double altitude_m, Turbidity turbidity, const SunDirection& sun) {
+  return dome_sun(altitude_m, aerosol_of(turbidity.value), sun);
+}
 
 // The same sky in another linear space: the coefficients multiplied from the left. For example xyz_to_linear_srgb() of
 // calib/colour/colorimetry.hpp: D65 white, 1.0 stays 1 cd/m2.
