@@ -78,8 +78,9 @@ struct AirBetween {
   HazeScattering haze;
   vec3 sun_lower;  // on a plane facing it, lux
   vec3 sun_higher;
-  vec3 departures[4];   // see departure
-  vec3 below[3];        // see light_from_below; at the lower altitude, half the way and at the higher
+  vec3 departures[4];  // see departure
+  vec3 departures_sun[4];
+  vec3 below[3];  // see light_from_below; at the lower altitude, half the way and at the higher
   vec3 below_steep[3];
 };
 
@@ -110,11 +111,12 @@ FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_su
 }
 
 // What skies on the way differ from interpolated ones, as a share: it is known at a third and at two thirds of the way,
-// each at two elevations; departures holds low and high at the first, then at the second. Halfway between two skies the
-// light of a hazy one differs by a third from what lit_air makes of its neighbours.
+// each at two elevations; departures holds low and high at the first, then at the second. departures_sun is more of it,
+// around the sun. Halfway between two altitudes hazy skies differ by a third.
 const vec2 kDepartureWays = vec2(0.33333333, 0.66666667);
-const vec2 kDepartureSines = vec2(0.05, 0.5);
-FUNCTION real departure_elevation(real cos_zenith) { return 1.0 / (1.0 + 6.0 * cos_zenith); }  // as the dome's steepness
+const vec2 kDepartureSines = vec2(0.08, 0.4);
+const real kAroundSun = 0.5;  // asymmetry of a lobe
+FUNCTION real departure_elevation(real cos_zenith) { return 1.0 / (1.0 + 6.0 * cos_zenith); }
 FUNCTION vec3 departure(vec3 first, vec3 second, real way) {
   return 4.5 * way * (1.0 - way) * ((2.0 - 3.0 * way) * first + (3.0 * way - 1.0) * second);
 }
@@ -169,8 +171,11 @@ FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, r
   vec3 higher_high = dome_sky_light(air.higher, cos_high, sun_high) / higher_lit;
   real elevation = (departure_elevation(rise) - departure_elevation(kDepartureSines.x)) /
                    (departure_elevation(kDepartureSines.y) - departure_elevation(kDepartureSines.x));
-  vec3 first = mix(air.departures[0], air.departures[1], elevation);
-  vec3 second = mix(air.departures[2], air.departures[3], elevation);
+  real around_sun = dome_lobe(kAroundSun, 0.5 * (sun_low + sun_high));
+  vec3 first = mix(air.departures[0] + around_sun * air.departures_sun[0],
+                   air.departures[1] + around_sun * air.departures_sun[1], elevation);
+  vec3 second = mix(air.departures[2] + around_sun * air.departures_sun[2],
+                    air.departures[3] + around_sun * air.departures_sun[3], elevation);
 
   const int slices = 3;
   real downwards = object_m < observer_m ? 1.0 : 0.0;

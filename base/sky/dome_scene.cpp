@@ -110,6 +110,7 @@ sky_text::AirBetween air_between(const SkyScene& scene) {
   air.sun_lower = scene.land_lower.sun;
   air.sun_higher = scene.land_higher.sun;
   std::copy(scene.departures.begin(), scene.departures.end(), air.departures);
+  std::copy(scene.departures_sun.begin(), scene.departures_sun.end(), air.departures_sun);
   std::copy(scene.below.begin(), scene.below.end(), air.below);
   std::copy(scene.below_steep.begin(), scene.below_steep.end(), air.below_steep);
   return air;

@@ -59,7 +59,7 @@ struct SkyScene {
   LandLight land_lower, land_higher;  // at these altitudes
   sky_text::HazeScattering haze{};
   // Of the air between the two altitudes, as base/sky/dome.glsl says.
-  std::array<glm::dvec3, 4> departures{};
+  std::array<glm::dvec3, 4> departures{}, departures_sun{};
   std::array<glm::dvec3, 3> below{}, below_steep{};
   bool aerial_perspective = true;
   sky_text::PerezSky perez{};  // for preetham1999

@@ -32,6 +32,23 @@ double cos_to_sun(double cos_zenith, double cos_sun_zenith, Radians azimuth) {
              std::cos(azimuth.value);
 }
 
+// Least squares of colours over two terms.
+class TwoTerms {
+ public:
+  void add(const glm::dvec2& terms, const glm::dvec3& colour, double weight) {
+    square_ += weight * glm::outerProduct(terms, terms);
+    sums_ += weight * glm::outerProduct(terms, colour);
+  }
+  glm::dmat2x3 found() const {
+    const double ridge = 1e-4 * (square_[0][0] + square_[1][1]);  // under a sun in the zenith terms are proportional
+    return glm::transpose(glm::inverse(square_ + glm::dmat2(ridge)) * sums_);
+  }
+
+ private:
+  glm::dmat2 square_{0.0};
+  glm::dmat3x2 sums_{0.0};
+};
+
 // Light from all around at one altitude, without the sun's disc. Azimuths are from the sun's.
 struct LightAround {
   struct Patch {
@@ -90,10 +107,10 @@ Direction mirrored(double slope, Radians azimuth, double cos_sun_zenith) {
 
 }  // namespace
 
-std::array<glm::dvec3, 4> departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky_at) {
+Departures departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky_at) {
   const AirBetween air = air_between(scene);
   const double cos_sun_zenith = scene.sun.z;
-  std::array<glm::dvec3, 4> departures{};
+  Departures departures;
   for (int place = 0; place < 2; ++place) {
     const double way = sky_text::kDepartureWays[place];
     const double altitude_m = altitude_on_the_way(way, scene.lower_m, scene.higher_m);
@@ -102,16 +119,21 @@ std::array<glm::dvec3, 4> departures_on_the_way(const SkyScene& scene, const Sky
       const double up = sky_text::kDepartureSines[elevation];
       const glm::dvec3 lower_lit = sky_text::lit_air(air.air, scene.lower_m, up, cos_sun_zenith);
       const glm::dvec3 higher_lit = sky_text::lit_air(air.air, scene.higher_m, up, cos_sun_zenith);
-      glm::dvec3 sum(0.0);
+      TwoTerms terms;
       for (const Radians azimuth : kAzimuths) {
         const double cos_sun = cos_to_sun(up, cos_sun_zenith, azimuth);
+        const glm::dvec3 none(0.0);
         const glm::dvec3 interpolated =
             sky_text::sky_on_the_way(air.air, sky_text::dome_sky_light(air.lower, up, cos_sun) / lower_lit,
-                                     sky_text::dome_sky_light(air.higher, up, cos_sun) / higher_lit, glm::dvec3(0.0),
-                                     glm::dvec3(0.0), altitude_m, way, up, cos_sun_zenith);
-        sum += sky_text::dome_sky_light(sky, up, cos_sun) / glm::max(interpolated, glm::dvec3(1e-9)) - 1.0;
+                                     sky_text::dome_sky_light(air.higher, up, cos_sun) / higher_lit, none, none,
+                                     altitude_m, way, up, cos_sun_zenith);
+        terms.add(glm::dvec2(1.0, sky_text::dome_lobe(sky_text::kAroundSun, cos_sun)),
+                  sky_text::dome_sky_light(sky, up, cos_sun) / glm::max(interpolated, glm::dvec3(1e-9)) - 1.0, 1.0);
       }
-      departures[static_cast<std::size_t>(2 * place + elevation)] = sum / static_cast<double>(kAzimuths.size());
+      const auto index = static_cast<std::size_t>(2 * place + elevation);
+      const glm::dmat2x3 found = terms.found();
+      departures.even[index] = found[0];
+      departures.sun[index] = found[1];
     }
   }
   return departures;
@@ -125,20 +147,16 @@ LightFromBelow light_from_below(const SkyScene& scene, const SkyAtAltitude& sky_
     for (int place = 0; place < 3; ++place) {
       const double altitude_m = altitude_on_the_way(0.5 * place, scene.lower_m, scene.higher_m);
       const LightAround around = light_around_at(altitude_m, air, text_of(sky_at(altitude_m)), land, scene.sun.z);
-      // Least squares of relative light, of the difference over onwards_share * (below + slope * below_steep).
-      glm::dmat2 square(0.0);
-      glm::dmat3x2 sums(0.0);
+      TwoTerms terms;  // of onwards_share * (below + slope * below_steep), for least squares of relative light
       for (const double slope : kSlopes)
         for (const Radians azimuth : kAzimuths) {
           const glm::dvec3 light = around.scattered_into(scene.haze, mirrored(slope, azimuth, scene.sun.z));
           const glm::dvec3 more =
               around.scattered_into(scene.haze, direction_from(Radians{std::acos(-slope)}, azimuth)) - light;
-          const glm::dvec2 terms = sky_text::onwards_share(slope) * glm::dvec2(1.0, slope);
-          const double weight = 1.0 / std::pow(std::max(sky_text::luminance_of(light), 1e-3), 2);
-          square += weight * glm::outerProduct(terms, terms);
-          sums += weight * glm::outerProduct(terms, more);
+          terms.add(sky_text::onwards_share(slope) * glm::dvec2(1.0, slope), more,
+                    1.0 / std::pow(std::max(sky_text::luminance_of(light), 1e-3), 2));
         }
-      const glm::dmat2x3 found = glm::transpose(glm::inverse(square) * sums);
+      const glm::dmat2x3 found = terms.found();
       for (int from = place; from < (pass == 0 ? 3 : place + 1); ++from) {  // the best guess for what is higher
         air.below[from] = found[0];
         air.below_steep[from] = found[1];

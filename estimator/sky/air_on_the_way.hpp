@@ -14,8 +14,11 @@ namespace kasumi {
 // The sky at an altitude, in the scene's colours.
 using SkyAtAltitude = std::function<DomeFunction(double altitude_m)>;
 
-// SkyScene::departures. The scene must have the two skies and the air.
-std::array<glm::dvec3, 4> departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky_at);
+// SkyScene::departures and departures_sun. The scene must have the two skies and the air.
+struct Departures {
+  std::array<glm::dvec3, 4> even{}, sun{};
+};
+Departures departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky_at);
 
 // SkyScene::below and below_steep, over plain land of the given light. The scene must have all the rest, haze included.
 struct LightFromBelow {

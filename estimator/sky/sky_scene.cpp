@@ -118,7 +118,9 @@ SkyScene sky_scene(const SkyRequest& request) {
   scene.land_higher = land_light_at(scene.higher_m, scene.higher, request);
   scene.haze = haze_scattering(aerosol.kind);
   const auto sky_at = [&](double altitude_m) { return dome_in_srgb(altitude_m, request); };
-  scene.departures = departures_on_the_way(scene, sky_at);
+  const Departures departures = departures_on_the_way(scene, sky_at);
+  scene.departures = departures.even;
+  scene.departures_sun = departures.sun;
   const glm::dvec3 plain =
       sky_text::land_light(glm::dvec3(kPlainAlbedo), request.sun.z, 1.0, scene.land_lower.sun, scene.land_lower.sky);
   const LightFromBelow below = light_from_below(scene, sky_at, plain);

@@ -173,6 +173,7 @@ struct DomeRenderer::State {
     p.set("between.haze.asymmetry", between.haze.asymmetry);
     p.set("between.haze.height", between.haze.height);
     p.set("between.departures", scene.departures);
+    p.set("between.departures_sun", scene.departures_sun);
     p.set("between.below", scene.below);
     p.set("between.below_steep", scene.below_steep);
     set_older(p, "older_air", scene.older);
