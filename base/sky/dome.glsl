@@ -80,7 +80,7 @@ struct AirBetween {
   vec3 sun_higher;
   vec3 departures[4];  // see departure
   vec3 departures_sun[4];
-  vec3 below[3];  // see light_from_below; at the lower altitude, half the way and at the higher
+  vec3 below[3];  // see parabola; at the lower altitude, half the way and at the higher
   vec3 below_steep[3];
 };
 
@@ -135,13 +135,9 @@ const real kOnwardsSteep = 1.79;
 FUNCTION real onwards_share(real slope) { return slope / sqrt(kOnwardsLevel + kOnwardsSteep * slope * slope); }
 
 // Light scattered more than once that haze sends to an eye above it, less what it sends to one below at the mirrored
-// angle: onwards_share * (below + slope * below_steep), a parabola through three altitudes.
-FUNCTION vec3 light_from_below(AirBetween air, real slope, real way) {
-  vec3 lower = air.below[0] + slope * air.below_steep[0];
-  vec3 halfway = air.below[1] + slope * air.below_steep[1];
-  vec3 higher = air.below[2] + slope * air.below_steep[2];
-  return onwards_share(slope) *
-         (mix(lower, higher, way) + 4.0 * way * (1.0 - way) * (halfway - 0.5 * (lower + higher)));
+// angle, is onwards_share * (below + slope * below_steep); over the way a parabola.
+FUNCTION vec3 parabola(vec3 lower, vec3 halfway, vec3 higher, real way) {
+  return mix(lower, higher, way) + 4.0 * way * (1.0 - way) * (halfway - 0.5 * (lower + higher));
 }
 
 // U Eq 3.1, corrected, with its three cases in one formula. Seen from below, a layer of air between two altitudes
@@ -180,6 +176,10 @@ FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, r
   const int slices = 3;
   real downwards = object_m < observer_m ? 1.0 : 0.0;
   vec2 once = downwards * (scattered_once(air.haze, cos_sun) - scattered_once(air.haze, 0.5 * (sun_low + sun_high)));
+  real onwards = downwards * onwards_share(rise);
+  vec3 below_lower = onwards * (air.below[0] + rise * air.below_steep[0]);
+  vec3 below_halfway = onwards * (air.below[1] + rise * air.below_steep[1]);
+  vec3 below_higher = onwards * (air.below[2] + rise * air.below_steep[2]);
   vec3 added = vec3(0.0);
   vec3 before = vec3(1.0);
   real near_way = way_between_altitudes(observer_m, air.altitude_m.x, air.altitude_m.y);
@@ -199,7 +199,7 @@ FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, r
     vec3 haze = share_of_haze(air.air, path);
     real way = 0.5 * (near_way + far_way);
     vec3 unmirrored = mix(air.sun_lower, air.sun_higher, way) * mix(vec3(once.x), once.y * air.haze.albedo, haze) +
-                      downwards * air.haze.albedo * haze * light_from_below(air, rise, way);
+                      air.haze.albedo * haze * parabola(below_lower, below_halfway, below_higher, way);
     vec3 mirrored = mix(near_sky - slice * far_sky, far_sky - slice * near_sky, downwards);
     added += before * (mirrored + (vec3(1.0) - slice) * unmirrored);
     before *= slice;
