@@ -8,8 +8,6 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "base/earth.hpp"
-
 namespace kasumi {
 namespace {
 

@@ -101,8 +101,9 @@ TEST(AirTruthAbove, LandFromAbove) {
         const Mean mean = errors(sky, aerosol, altitude_m, sun);
         std::printf("%6.2f", mean.value());
         row.add(mean);
-        if (air.kind == continental && air.turbidity >= 7.0 && altitude_m >= 3000.0 && altitude_m <= 5000.0)
+        if (air.kind == continental && air.turbidity >= 7.0 && altitude_m >= 3000.0 && altitude_m <= 5000.0) {
           EXPECT_LE(mean.value(), kHazyGoal) << "T 7 from " << altitude_m << " m, sun " << sun << " deg high";
+        }
       }
       std::printf("%6.2f\n", row.value());
       if (air.kind == continental) all.add(row);
