@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/aerosol.hpp"
 #include "base/clock.hpp"
 #include "base/geometry.hpp"
 
@@ -21,20 +22,52 @@ constexpr Turbidity kHighestTurbidity{20.0};
 
 using SunDirection = Direction;  // towards the sun, world frame
 
+// How sure an aerosol is; all zero: it was given. The kind has no number for that.
+struct AerosolCovariance {
+  double aod_550 = 0.0;            // variance
+  double aod_and_exponent = 0.0;   // covariance
+  double angstrom_exponent = 0.0;  // variance
+  friend bool operator==(const AerosolCovariance&, const AerosolCovariance&) = default;
+};
+
+// The state of the air (physics 12): the papers' T alone, or the aerosol itself, whose T is then turbidity_of() it.
+class AirState {
+ public:
+  AirState() = default;
+  AirState(Turbidity turbidity)  // NOLINT: T alone is the papers' air
+      : turbidity_(turbidity), aerosol_(aerosol_of(turbidity.value)) {}
+  AirState(const Aerosol& aerosol, const AerosolCovariance& covariance = {})  // NOLINT: an aerosol is air
+      : turbidity_{turbidity_of(aerosol)}, aerosol_(aerosol), aerosol_known_(true), covariance_(covariance) {}
+
+  Turbidity turbidity() const { return turbidity_; }
+  bool aerosol_known() const { return aerosol_known_; }
+  // Where it is not known: continental aerosol with the optical depth that T stands for.
+  const Aerosol& aerosol() const { return aerosol_; }
+  const AerosolCovariance& covariance() const { return covariance_; }
+  friend bool operator==(const AirState&, const AirState&) = default;
+
+ private:
+  Turbidity turbidity_;
+  Aerosol aerosol_ = aerosol_of(Turbidity{}.value);
+  bool aerosol_known_ = false;
+  AerosolCovariance covariance_;
+};
+
 enum class WeatherClass { pure_air, exceptionally_clear, very_clear, clear, light_haze, haze, fog };
 std::string_view name_of(WeatherClass weather);  // "light haze"
 
 enum class SkyCondition { clear, partly_cloudy, overcast, sun_too_low, night, covered_lens, unknown };
 std::string_view name_of(SkyCondition condition);  // "partly cloudy"
 
-// T and the quantities derived from it, each under its own name.
+// T and what goes with it, each under its own name.
 struct AirQuality {
   Turbidity turbidity;
-  double aod_550 = 0.0;       // aerosol optical depth by Angstrom
+  double aod_550 = 0.0;       // of the aerosol, or by Angstrom of T
   double visibility_m = 0.0;  // meteorological range 3.912 / beta at 550 nm and the site's altitude
   WeatherClass weather = WeatherClass::clear;
+  std::optional<Aerosol> aerosol;  // where it is known
 };
-AirQuality air_quality(Turbidity turbidity, double altitude_m);
+AirQuality air_quality(const AirState& air, double altitude_m);
 
 // The result for one sky picture.
 struct TurbidityEstimate {

@@ -51,24 +51,24 @@ SpectralMeasure spectral_measure(const Camera& camera) {
   return sampled([&](double nm) { return to_srgb * camera.sensitivity.at(nm); });
 }
 
-glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, Turbidity turbidity,
+glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, const AirState& air,
                                  const OpticalPath& path) {
   glm::dvec3 gamma{0.0};
   for (std::size_t i = 0; i < measure.weight.size(); ++i) {
     const double nm = measure.first_nm + static_cast<double>(i);
-    const double depth = rayleigh_per_m(model, nm) * path.rayleigh_m + mie_per_m(model, nm, turbidity) * path.mie_m;
+    const double depth = rayleigh_per_m(model, nm) * path.rayleigh_m + mie_per_m(model, nm, air) * path.mie_m;
     gamma += measure.weight[i] * std::exp(-depth);
   }
   return gamma;
 }
 
-HazeCoefficients haze_coefficients(const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity) {
+HazeCoefficients haze_coefficients(const AttenuationNodes& nodes, ScatteringModel model, const AirState& air) {
   HazeCoefficients haze;
   haze.weight = nodes.weight;
   for (std::size_t k = 0; k < kAttenuationNodes; ++k) {
     for (int c = 0; c < 3; ++c) {
       haze.rayleigh_per_m[k][c] = rayleigh_per_m(model, nodes.wavelength_nm[k][c]);
-      haze.mie_per_m[k][c] = mie_per_m(model, nodes.wavelength_nm[k][c], turbidity);
+      haze.mie_per_m[k][c] = mie_per_m(model, nodes.wavelength_nm[k][c], air);
     }
   }
   return haze;

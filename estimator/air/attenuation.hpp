@@ -36,7 +36,7 @@ SpectralMeasure spectral_measure(const SpectralSensitivity& sensitivity);
 // matters: M's q_c on sRGB channels is off by up to 12 of 255 (mean 2-3 on dark surfaces), the mix by 1-2 (.3).
 SpectralMeasure spectral_measure(const Camera& camera);
 // Gamma at 1 nm in double precision: slow, used as the reference.
-glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, Turbidity turbidity,
+glm::dvec3 attenuation_reference(const SpectralMeasure& measure, ScatteringModel model, const AirState& air,
                                  const OpticalPath& path);
 
 // Quadrature nodes of a measure, similar to Gauss nodes but with the smallest worst error over T 1.7-20 and paths to 50
@@ -49,14 +49,19 @@ struct AttenuationNodes {
 };
 // Deterministic; takes some milliseconds.
 AttenuationNodes attenuation_nodes(const SpectralMeasure& measure);
+// The same for ScatteringModel::aerosol, whose extinction follows another law of wavelength: nodes of one Angstrom
+// exponent, which an exponent off by .1 costs some 1e-4 (physics 12).
+AttenuationNodes attenuation_nodes(const SpectralMeasure& measure, double angstrom_exponent);
+// Those that a model needs under an air.
+AttenuationNodes attenuation_nodes(const SpectralMeasure& measure, ScatteringModel model, const AirState& air);
 
-// The nodes' coefficients at sea level for one turbidity, as the renderer's Haze needs them.
+// The nodes' coefficients at sea level for one air, as the renderer's Haze needs them.
 struct HazeCoefficients {
   std::array<glm::dvec3, kAttenuationNodes> weight{};
   std::array<glm::dvec3, kAttenuationNodes> rayleigh_per_m{};
   std::array<glm::dvec3, kAttenuationNodes> mie_per_m{};
 };
-HazeCoefficients haze_coefficients(const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity);
+HazeCoefficients haze_coefficients(const AttenuationNodes& nodes, ScatteringModel model, const AirState& air);
 glm::dvec3 attenuation(const HazeCoefficients& haze, const OpticalPath& path);
 
 }  // namespace kasumi

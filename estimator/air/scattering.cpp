@@ -17,6 +17,8 @@ constexpr double kDepolarisation = 0.035;
 // 1.0444, and 1.0396 is what Eq 3 itself (.0135629 /km) requires.
 constexpr double kRayleighCorrection = 1.0396;
 constexpr double kMieCorrection = 0.0092;  // M Eq 17
+// Height of the column if all air had the density at sea level: base/sky/air_path.glsl's.
+constexpr double kAirColumn_m = 8434.5;
 
 // 380-780 nm in steps of 10 nm.
 constexpr std::array kPreethamK = {
@@ -33,6 +35,7 @@ double concentration_and_fudge(ScatteringModel model, double wavelength_nm, doub
       return std::max(0.0, 0.6544 * turbidity - 0.6510) * 1e-16 * preetham_fudge_factor(wavelength_nm);
     case ScatteringModel::zhao:
       return std::max(0.0, 0.6544 * turbidity - 0.6510) * 1e-18 * preetham_fudge_factor(wavelength_nm);
+    case ScatteringModel::aerosol: break;  // has no concentration
   }
   return 0.0;
 }
@@ -44,12 +47,13 @@ std::string_view name_of(ScatteringModel model) {
     case ScatteringModel::morales2017: return "morales2017";
     case ScatteringModel::preetham: return "preetham";
     case ScatteringModel::zhao: return "zhao";
+    case ScatteringModel::aerosol: return "aerosol";
   }
   return "unknown";
 }
 
 std::optional<ScatteringModel> scattering_model_named(std::string_view name) {
-  for (const auto model : {ScatteringModel::morales2017, ScatteringModel::preetham, ScatteringModel::zhao}) {
+  for (const auto model : kScatteringModels) {
     if (name == name_of(model)) return model;
   }
   return std::nullopt;
@@ -61,7 +65,14 @@ double preetham_fudge_factor(double wavelength_nm) {
   return std::lerp(kPreethamK[below], kPreethamK[below + 1], position - static_cast<double>(below));
 }
 
+double molecular_optical_depth(double wavelength_nm) {
+  const double um = 1e-3 * wavelength_nm, s = 1.0 / (um * um);
+  return 0.0021520 * (1.0455996 - 341.29061 * s - 0.90230850 / s) / (1.0 + 0.0027059889 * s - 85.968563 / s);
+}
+
 double rayleigh_per_m(ScatteringModel model, double wavelength_nm, double altitude_m) {
+  if (model == ScatteringModel::aerosol)
+    return molecular_optical_depth(wavelength_nm) / kAirColumn_m * std::exp(-altitude_m / kRayleighScaleHeight_m);
   const double wavelength_m = wavelength_nm * 1e-9;
   const double n2_minus_1 = kRefractiveIndex * kRefractiveIndex - 1.0;
   const double king = (6.0 + 3.0 * kDepolarisation) / (6.0 - 7.0 * kDepolarisation);
@@ -71,10 +82,12 @@ double rayleigh_per_m(ScatteringModel model, double wavelength_nm, double altitu
   return coefficient * correction * std::exp(-altitude_m / kRayleighScaleHeight_m);
 }
 
-double mie_per_m(ScatteringModel model, double wavelength_nm, Turbidity turbidity, double altitude_m) {
+double mie_per_m(ScatteringModel model, double wavelength_nm, const AirState& air, double altitude_m) {
+  if (model == ScatteringModel::aerosol)
+    return optical_depth(air.aerosol(), wavelength_nm) / kAerosolHeight_m * std::exp(-altitude_m / kAerosolHeight_m);
   const double wave_number = 2.0 * kPi / (wavelength_nm * 1e-9);
-  return 0.434 * concentration_and_fudge(model, wavelength_nm, turbidity.value) * kPi * wave_number * wave_number *
-         std::exp(-altitude_m / kMieScaleHeight_m);
+  return 0.434 * concentration_and_fudge(model, wavelength_nm, air.turbidity().value) * kPi * wave_number *
+         wave_number * std::exp(-altitude_m / kMieScaleHeight_m);
 }
 
 }  // namespace kasumi

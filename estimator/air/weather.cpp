@@ -19,10 +19,9 @@ std::string_view name_of(WeatherClass weather) {
   return "unknown";
 }
 
-double meteorological_range_m(Turbidity turbidity, double altitude_m, ScatteringModel model) {
+double meteorological_range_m(const AirState& air, double altitude_m, ScatteringModel model) {
   constexpr double kContrastThreshold = 3.912;  // -ln .02
-  return kContrastThreshold /
-         (rayleigh_per_m(model, 550.0, altitude_m) + mie_per_m(model, 550.0, turbidity, altitude_m));
+  return kContrastThreshold / (rayleigh_per_m(model, 550.0, altitude_m) + mie_per_m(model, 550.0, air, altitude_m));
 }
 
 double aerosol_optical_depth(Turbidity turbidity, double wavelength_nm) {
@@ -41,10 +40,16 @@ WeatherClass weather_class(double mie_per_m) {
   return WeatherClass::fog;
 }
 
-AirQuality air_quality(Turbidity turbidity, double altitude_m) {
+AirQuality air_quality(const AirState& air, double altitude_m) {
+  const auto model = air.aerosol_known() ? ScatteringModel::aerosol : ScatteringModel::morales2017;
+  AirQuality quality;
+  quality.turbidity = air.turbidity();
+  quality.aod_550 = air.aerosol_known() ? air.aerosol().aod_550 : aerosol_optical_depth(air.turbidity(), 550.0);
+  quality.visibility_m = meteorological_range_m(air, altitude_m, model);
   // The class describes the air around the visitor, so that it never contradicts the visibility shown next to it.
-  return {turbidity, aerosol_optical_depth(turbidity, 550.0), meteorological_range_m(turbidity, altitude_m),
-          weather_class(mie_per_m(ScatteringModel::morales2017, 550.0, turbidity, altitude_m))};
+  quality.weather = weather_class(mie_per_m(model, 550.0, air, altitude_m));
+  if (air.aerosol_known()) quality.aerosol = air.aerosol();
+  return quality;
 }
 
 }  // namespace kasumi

@@ -26,9 +26,9 @@ HazeOptics haze_optics(double kappa_a, double kappa_s, double lambda) {
   return optics;
 }
 
-HazeOptics haze_optics(const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity, double altitude_m,
+HazeOptics haze_optics(const AttenuationNodes& nodes, ScatteringModel model, const AirState& air, double altitude_m,
                        double farthest_m, double lambda) {
-  const auto haze = haze_coefficients(nodes, model, turbidity);
+  const auto haze = haze_coefficients(nodes, model, air);
   const double rayleigh = farthest_m * std::exp(-altitude_m / kRayleighScaleHeight_m);
   const double mie = farthest_m * std::exp(-altitude_m / kMieScaleHeight_m);
   HazeOptics optics;

@@ -27,8 +27,8 @@ struct HazeOptics {
 };
 // H's own three, the same for all channels (H Eq 1).
 HazeOptics haze_optics(double kappa_a, double kappa_s, double lambda);
-// For air of that turbidity along level paths, in a camera's channels; nothing is absorbed. kappa_s is green's.
-HazeOptics haze_optics(const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity, double altitude_m,
+// For that air along level paths, in a camera's channels; nothing is absorbed. kappa_s is green's.
+HazeOptics haze_optics(const AttenuationNodes& nodes, ScatteringModel model, const AirState& air, double altitude_m,
                        double farthest_m, double lambda);
 
 // Widths and steps for `diffuse`.

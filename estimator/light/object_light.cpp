@@ -43,11 +43,11 @@ double overcast_zenith(const SunDirection& sun) {
 
 }  // namespace
 
-Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options)
+Daylight::Daylight(const Camera& scene, const AirState& air, const SunDirection& sun, const DaylightOptions& options)
     : options_(options),
       sun_(sun),
-      turbidity_(clamp_turbidity(turbidity)),
-      model_(options.model, turbidity, sun, options.altitude_m),
+      turbidity_(clamp_turbidity(air.turbidity())),
+      model_(options.model, air, sun, options.altitude_m),
       zenith_cd_m2_(zenith_luminance()) {
   // Daylight spectra span three dimensions, so XYZ determines their spectrum, and the spectrum the sensor's channels.
   const glm::dmat3 xyz_to_sensor = glm::inverse(camera_to_xyz(scene.sensitivity)) / kLuminousEfficacy;
@@ -65,27 +65,32 @@ Daylight::Daylight(const Camera& scene, Turbidity turbidity, const SunDirection&
 
 double Daylight::zenith_luminance() const {
   if (is_overcast()) return overcast_zenith(sun_);
-  if (const auto zenith = model_.zenith_cd_m2()) return *zenith;
-  return zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun_), options_.altitude_m, options_.ground_albedo));
+  const double share = model_.dome_share();
+  if (share >= 1.0) return *model_.zenith_cd_m2();
+  const double of_preetham =
+      zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun_), options_.altitude_m, options_.ground_albedo));
+  return share > 0.0 ? std::lerp(of_preetham, *model_.zenith_cd_m2(), share) : of_preetham;
 }
 
 void Daylight::light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light,
                             double through_clouds) {
-  const Radians zenith = zenith_angle(sun_);
-  const double share = is_overcast() ? 0.0 : through_clouds * visible_share_of_sun(zenith);
-  if (!(share > 0.0)) return;
-  if (const auto xyz = model_.sun_xyz()) {
-    light_.sun_irradiance = glm::max(share * (xyz_to_light_ * *xyz), glm::dvec3{0.0});
-    sun_normal_lux_ = share * xyz->y;
-    return;
+  if (is_overcast() || !(through_clouds > 0.0)) return;
+  const double of_dome = model_.dome_share();
+  if (of_dome > 0.0) {  // which knows how much of the disc is above the horizon
+    const glm::dvec3 xyz = of_dome * through_clouds * *model_.sun_xyz();
+    light_.sun_irradiance = glm::max(xyz_to_light_ * xyz, glm::dvec3{0.0});
+    sun_normal_lux_ = xyz.y;
   }
+  const Radians zenith = zenith_angle(sun_);
+  const double share = (1.0 - of_dome) * through_clouds * visible_share_of_sun(zenith);
+  if (!(share > 0.0)) return;
   glm::dvec3 on_sensor{0.0};
   for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {
     const double power = share * solar_irradiance(nm) * sun_transmittance(turbidity_, zenith, options_.altitude_m, nm);
     on_sensor += power * sensor.at(nm);
     sun_normal_lux_ += kLuminousEfficacy * power * colour_matching(nm).y;
   }
-  light_.sun_irradiance = glm::max(sensor_to_light * on_sensor, glm::dvec3{0.0});
+  light_.sun_irradiance += glm::max(sensor_to_light * on_sensor, glm::dvec3{0.0});
 }
 
 glm::dvec3 Daylight::seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const {

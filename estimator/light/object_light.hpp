@@ -36,10 +36,10 @@ struct DaylightOptions {
   const MeasuredSky* measured = nullptr;
 };
 
-// Sun, sky and ground for one turbidity and sun position. Construction costs some milliseconds.
+// Sun, sky and ground for one air and sun position. Construction costs some milliseconds.
 class Daylight {
  public:
-  Daylight(const Camera& scene, Turbidity turbidity, const SunDirection& sun, const DaylightOptions& options = {});
+  Daylight(const Camera& scene, const AirState& air, const SunDirection& sun, const DaylightOptions& options = {});
 
   const LightOnObject& on_object() const { return light_; }
   // The model's sky radiance in a direction; at or below the horizon that of the horizon. Always > 0.

@@ -66,17 +66,17 @@ double distance_of(const HazeCoefficients& haze, double optical_depth) {
 }  // namespace
 
 Image<float> depth_from_haze(const Image<glm::vec3>& relative, const Image<glm::vec3>& encoded,
-                             const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity,
+                             const AttenuationNodes& nodes, ScatteringModel model, const AirState& air,
                              const DepthFromHazeOptions& options) {
   const int width = relative.width(), height = relative.height(), longer = std::max(width, height);
   const int radius = std::max(2, static_cast<int>(std::lround(options.window * longer)));
   const auto haze = guided_filter(encoded, darkest_around(relative, options), radius, 1e-3);
   // Pixels with the same optical depth have the same path: a table avoids Newton's method for each.
-  const auto air = haze_coefficients(nodes, model, turbidity);
+  const auto coefficients = haze_coefficients(nodes, model, air);
   constexpr int kSteps = 256;
   std::vector<double> metres(kSteps + 1);
   for (int i = 0; i <= kSteps; ++i)
-    metres[static_cast<std::size_t>(i)] = i == 0 ? 0.0 : distance_of(air, options.deepest * i / kSteps);
+    metres[static_cast<std::size_t>(i)] = i == 0 ? 0.0 : distance_of(coefficients, options.deepest * i / kSteps);
   Image<float> distance_m(width, height);
   for (std::size_t i = 0; i < distance_m.elements().size(); ++i) {
     // There is no more haze than light in the pixel's darkest channel: no object is darker than black.

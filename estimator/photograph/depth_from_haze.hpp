@@ -17,12 +17,12 @@ struct DepthFromHazeOptions {
 
 // A guess, not a measurement: every neighbourhood is assumed to contain something black in some channel, so that its
 // light there is haze (dark channel prior, He 2011), in linear light. Something white nearby is mistaken for something
-// far away; the edges are the picture's own (guided filter). Distances are only as good as `turbidity` and that
+// far away; the edges are the picture's own (guided filter). Distances are only as good as `air` and that
 // assumption; the effect of a change of the air depends only on their product, the optical depth. `relative`: light in
 // units of the light from infinity, linear; `encoded`: the same picture, 0..1. Metres, all > 0: sky is far away, with a
 // gradual transition.
 Image<float> depth_from_haze(const Image<glm::vec3>& relative, const Image<glm::vec3>& encoded,
-                             const AttenuationNodes& nodes, ScatteringModel model, Turbidity turbidity,
+                             const AttenuationNodes& nodes, ScatteringModel model, const AirState& air,
                              const DepthFromHazeOptions& options = {});
 
 // Light from infinity where no horizon is visible: the median of the pixels with the brightest dark channel, .5 % of

@@ -58,7 +58,10 @@ Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photogra
 
 OtherAir::OtherAir(OtherAirOptions options)
     : options_(std::move(options)),
-      nodes_(options_.from_haze ? grey_attenuation_nodes() : attenuation_nodes(spectral_measure(options_.camera))),
+      scattering_(options_.scattering.value_or(options_.source.aerosol_known() ? ScatteringModel::aerosol
+                                                                               : ScatteringModel::morales2017)),
+      nodes_(options_.from_haze ? grey_attenuation_nodes()
+                                : attenuation_nodes(spectral_measure(options_.camera), scattering_, options_.source)),
       rise_(rise_of(options_.camera)) {}
 
 Result<> OtherAir::set_picture(Photograph photograph, const std::string& name) {
@@ -105,13 +108,13 @@ void OtherAir::separate(const Photograph& photograph) {
     if (const auto noise = noise_of(photograph.encoded); noise != glm::dvec3{0.0})
       parts_.clean = light_of(options_.camera, without_noise(photograph.encoded, noise));
   if (options_.relight && options_.sun)
-    parts_.land_around = land_around(light_, depth_, source_, nodes_, {.scattering = options_.scattering});
+    parts_.land_around = land_around(light_, depth_, source_, nodes_, {.scattering = scattering_});
 }
 
 void OtherAir::guess_from_haze(const Photograph& photograph) {
   const auto sky = segment_sky(to_rgb8(photograph));
   light_ = light_of(options_.camera, photograph.encoded);
-  source_.turbidity = options_.source;
+  source_.state = options_.source;
   if (options_.airlight)
     source_.from_infinity = Image<glm::vec3>(light_.width(), light_.height(), glm::vec3(*options_.airlight));
   else
@@ -120,15 +123,17 @@ void OtherAir::guess_from_haze(const Photograph& photograph) {
   for (std::size_t i = 0; i < relative.elements().size(); ++i)
     relative.elements()[i] /= source_.from_infinity.elements()[i];
   // Paths at sea level, since only their optical depth matters.
-  depth_ = {depth_from_haze(relative, photograph.encoded, nodes_, options_.scattering, options_.source), {}, 0.0};
+  depth_ = {depth_from_haze(relative, photograph.encoded, nodes_, scattering_, options_.source), {}, 0.0};
 }
 
 Image<glm::vec3> OtherAir::from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,
-                                         Turbidity turbidity) const {
+                                         const AirState& air) const {
   const auto& camera = options_.camera;
   if (given) return {1, 1, glm::vec3(*given)};
-  if (options_.sun)
-    return light_from_infinity(camera, Airlight(*horizon, turbidity, *options_.sun, camera.light_to_xyz()));
+  if (options_.sun) {
+    const SiteSky sky(sky_model_of(air), air, *options_.sun, options_.altitude_m);
+    return light_from_infinity(camera, Airlight(*horizon, sky, camera.light_to_xyz()));
+  }
   // The sun's position is unknown: the horizon's light is used for all elevations.
   Image<glm::vec3> light(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y)
@@ -138,19 +143,20 @@ Image<glm::vec3> OtherAir::from_infinity(const std::optional<glm::dvec3>& given,
   return light;
 }
 
-Image<glm::vec3> OtherAir::targets(const std::optional<Turbidity>& target) const {
-  const Turbidity turbidity = target.value_or(kLowestTurbidity);
+Image<glm::vec3> OtherAir::targets(const std::optional<AirState>& target) const {
+  const AirState air = target.value_or(clearest_like(options_.source));
   if (options_.target_airlight || options_.target_horizon)
-    return from_infinity(options_.target_airlight, options_.target_horizon ? &*options_.target_horizon : nullptr,
-                         turbidity);
+    return from_infinity(options_.target_airlight, options_.target_horizon ? &*options_.target_horizon : nullptr, air);
   auto light = source_.from_infinity;
-  if (!options_.sun || turbidity == options_.source) return light;
+  if (!options_.sun || air == options_.source) return light;
   const auto& camera = options_.camera;
   DaylightOptions daylight;
   daylight.altitude_m = options_.altitude_m;
-  daylight.model = SiteSkyModel::preetham;  // as for the airlight and the light on the land
-  const Daylight before(camera, options_.source, *options_.sun, daylight),
-      after(camera, turbidity, *options_.sun, daylight);
+  const auto daylight_under = [&](const AirState& state) {
+    daylight.model = sky_model_of(state);  // as for the airlight and the light on the land
+    return Daylight(camera, state, *options_.sun, daylight);
+  };
+  const Daylight before = daylight_under(options_.source), after = daylight_under(air);
   double exposure = 1.0;
   if (const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
       middle && !options_.same_exposure) {
@@ -165,10 +171,10 @@ Image<glm::vec3> OtherAir::targets(const std::optional<Turbidity>& target) const
   return light;
 }
 
-UnderOtherAir OtherAir::under(const std::optional<Turbidity>& target) const {
+UnderOtherAir OtherAir::under(const std::optional<AirState>& target) const {
   const auto& camera = options_.camera;
   RetargetOptions retargeting;
-  retargeting.scattering = options_.scattering;
+  retargeting.scattering = scattering_;
   retargeting.largest_gain = options_.largest_gain;
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
   if (options_.relight && options_.sun && middle)

@@ -16,7 +16,7 @@ struct OtherAirOptions {
   Camera camera;  // of the pictures
   double altitude_m = 0.0;
   std::optional<SunDirection> sun;  // empty: nothing that depends on the sun is changed
-  Turbidity source;                 // of the pictures' own air
+  AirState source;                  // the pictures' own air
   Image<float> distance_m;          // at the pictures' size; empty: `everything_at_m`, and sky where sky is found
   std::optional<double> everything_at_m;
   // Nothing was measured: distances and the light from infinity are estimated from each picture's own haze, which is
@@ -32,7 +32,7 @@ struct OtherAirOptions {
   // With the sky model: keep the source's exposure; otherwise keep the horizon's brightness, as automatic exposure
   // would.
   bool same_exposure = false;
-  ScatteringModel scattering = ScatteringModel::morales2017;
+  std::optional<ScatteringModel> scattering;  // empty: the aerosol's own where it is known, else morales2017
   bool relight = true;         // false: surfaces keep their light in units of the light from infinity, as in M Eq 25
   bool amplify_noise = false;  // treat noise as light of the scene
   double largest_gain = RetargetOptions{}.largest_gain;
@@ -56,8 +56,8 @@ class OtherAir {
   explicit OtherAir(OtherAirOptions options);
   // Sets the picture that the following calls of `under` change. Errors: bad_input (size, no horizon, no sky).
   Result<> set_picture(Photograph photograph, const std::string& name);
-  // No turbidity: without any air.
-  UnderOtherAir under(const std::optional<Turbidity>& target) const;
+  // Nothing: without any air.
+  UnderOtherAir under(const std::optional<AirState>& target) const;
 
  private:
   void guess_from_haze(const Photograph& photograph);
@@ -65,10 +65,11 @@ class OtherAir {
   void separate(const Photograph& photograph);
   // Light from infinity of the current picture, or as the target's options say.
   Image<glm::vec3> from_infinity(const std::optional<glm::dvec3>& given, const HorizonLight* horizon,
-                                 Turbidity turbidity) const;
-  Image<glm::vec3> targets(const std::optional<Turbidity>& target) const;
+                                 const AirState& air) const;
+  Image<glm::vec3> targets(const std::optional<AirState>& target) const;
 
   OtherAirOptions options_;
+  ScatteringModel scattering_;
   AttenuationNodes nodes_;
   Image<float> rise_;
   double quantum_ = 0.0;

@@ -6,10 +6,9 @@
 
 namespace kasumi {
 
-PicturePaths::PicturePaths(const AttenuationNodes& nodes, ScatteringModel model,
-                           const std::optional<Turbidity>& turbidity)
-    : nodes_(nodes), clear_(!turbidity) {
-  if (turbidity) haze_ = haze_coefficients(nodes, model, *turbidity);
+PicturePaths::PicturePaths(const AttenuationNodes& nodes, ScatteringModel model, const std::optional<AirState>& air)
+    : nodes_(nodes), clear_(!air) {
+  if (air) haze_ = haze_coefficients(nodes, model, *air);
 }
 
 LogSum PicturePaths::transmittance(const OpticalPath& path) const {

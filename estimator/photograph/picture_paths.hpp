@@ -18,8 +18,8 @@ struct LogSum {
 
 class PicturePaths {
  public:
-  // No turbidity: no air.
-  PicturePaths(const AttenuationNodes& nodes, ScatteringModel model, const std::optional<Turbidity>& turbidity);
+  // Nothing: no air.
+  PicturePaths(const AttenuationNodes& nodes, ScatteringModel model, const std::optional<AirState>& air);
   LogSum transmittance(const OpticalPath& path) const;
 
  private:

@@ -64,8 +64,7 @@ class LightUnderTarget {
 Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, const PictureAir& source,
                     const PictureAir& target, const AttenuationNodes& nodes, const RetargetOptions& options,
                     const PictureParts& parts) {
-  const PicturePaths before(nodes, options.scattering, source.turbidity),
-      after(nodes, options.scattering, target.turbidity);
+  const PicturePaths before(nodes, options.scattering, source.state), after(nodes, options.scattering, target.state);
   const LightUnderTarget relit(options);
   Retargeted result{Image<glm::vec3>(light.width(), light.height()),
                     Image<std::uint8_t>(light.width(), light.height(), 255), 0.0};
@@ -106,6 +105,17 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
   return result;
 }
 
+SiteSkyModel sky_model_of(const AirState& air) {
+  return air.aerosol_known() ? SiteSkyModel::dome : SiteSkyModel::preetham;
+}
+
+AirState clearest_like(const std::optional<AirState>& air) {
+  if (!air || !air->aerosol_known()) return kLowestTurbidity;
+  Aerosol none = air->aerosol();
+  none.aod_550 = 0.0;
+  return none;
+}
+
 Image<glm::vec3> light_from_infinity(const Camera& camera, const Airlight& airlight) {
   Image<glm::vec3> light(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y)
@@ -122,17 +132,18 @@ Image<float> rise_of(const Camera& camera) {
   return rise;
 }
 
-Relighting relighting(const Camera& camera, const std::optional<Turbidity>& source,
-                      const std::optional<Turbidity>& target, const SunDirection& sun, const Direction& view,
+Relighting relighting(const Camera& camera, const std::optional<AirState>& source,
+                      const std::optional<AirState>& target, const SunDirection& sun, const Direction& view,
                       double altitude_m) {
   struct OnGround {
     glm::dvec3 sun, sky;
   };
-  const auto on_ground = [&](const std::optional<Turbidity>& turbidity) {
+  const auto on_ground = [&](const std::optional<AirState>& air) {
+    const AirState state = air.value_or(clearest_like(source ? source : target));
     DaylightOptions options;
     options.altitude_m = altitude_m;
-    options.model = SiteSkyModel::preetham;  // T here is the papers', and the dome's table ends long before it does
-    const Daylight daylight(camera, turbidity.value_or(kLowestTurbidity), sun, options);
+    options.model = sky_model_of(state);
+    const Daylight daylight(camera, state, sun, options);
     const auto& light = daylight.on_object();
     const auto unit = daylight.airlight(raised_to_horizon(view));
     return OnGround{light.sun_irradiance * std::max(0.0, sun.z) / unit, irradiance(light.around, {0, 0, 1}) / unit};

@@ -13,9 +13,9 @@
 
 namespace kasumi {
 
-// The air a picture was taken under, or is to be shown under. No turbidity: no air at all, the scene without haze.
+// The air a picture was taken under, or is to be shown under. Without a state: no air at all, the scene without haze.
 struct PictureAir {
-  std::optional<Turbidity> turbidity;
+  std::optional<AirState> state;
   // Light from infinity in each pixel's direction, in the picture's channels and scale: at the picture's size, or one
   // pixel for all.
   Image<glm::vec3> from_infinity;
@@ -78,14 +78,20 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
                     const PictureAir& target, const AttenuationNodes& nodes, const RetargetOptions& options = {},
                     const PictureParts& parts = {});
 
+// The sky of a photograph: the dome's where the aerosol is known; else T is the papers', and Preetham's is, at any
+// altitude: the dome's table ends long before that T does.
+SiteSkyModel sky_model_of(const AirState& air);
+// What stands for no air where a sky is needed: T 1.7, or molecules alone where the aerosol is known.
+AirState clearest_like(const std::optional<AirState>& air);
+
 // Light from infinity in the direction of each of a camera's pixels.
 Image<glm::vec3> light_from_infinity(const Camera& camera, const Airlight& airlight);
 // Sine of the elevation of each pixel's line of sight.
 Image<float> rise_of(const Camera& camera);
 // For one sun position: light on level ground in units of the light from infinity towards `view`, under the target's
-// air and under the source's. Without a turbidity: under the clearest air there is.
-Relighting relighting(const Camera& camera, const std::optional<Turbidity>& source,
-                      const std::optional<Turbidity>& target, const SunDirection& sun, const Direction& view,
+// air and under the source's. Nothing: under the clearest air there is.
+Relighting relighting(const Camera& camera, const std::optional<AirState>& source,
+                      const std::optional<AirState>& target, const SunDirection& sun, const Direction& view,
                       double altitude_m);
 
 }  // namespace kasumi

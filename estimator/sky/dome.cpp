@@ -82,7 +82,7 @@ Row row_at(const Place& place, AerosolKind kind, double aod_550) {
 // The optical depths at 550 nm with which the kind at its natural exponent has the aerosol's own depth at the
 // wavelength of each of linear sRGB's channels.
 glm::dvec3 channel_aods(const Aerosol& aerosol) {
-  constexpr glm::dvec3 wavelength_nm{605.0, 545.0, 460.0};
+  constexpr glm::dvec3 wavelength_nm{640.0, 542.0, 441.0};
   const double tilt = natural_exponent(aerosol.kind) - aerosol.angstrom_exponent;
   return aerosol.aod_550 * glm::pow(wavelength_nm / 550.0, glm::dvec3(tilt));
 }
@@ -133,8 +133,7 @@ DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection&
   sky.sun = glm::vec3(direction_from(from_degrees(place.sun_zenith_deg), azimuth_angle(sun)));
   sky.horizon_sine = static_cast<float>(horizon_sine(place.altitude_m));
   sky.steepness = static_cast<float>(table.ground_steepness * std::exp(place.altitude_m / table.steepness_scale_m));
-  const auto& lobes = table.lobes[static_cast<std::size_t>(aerosol.kind)];
-  sky.lobes = glm::dvec3(lobes[0], lobes[1], lobes[2]);
+  sky.lobes = glm::dvec3(table.lobes[0], table.lobes[1], table.lobes[2]);
   const double lowest = 1.0 / (1.0 + double{sky.steepness});  // u overhead
   const Powers powers = chebyshev_in_powers(2.0 / (1.0 - lowest), -(1.0 + lowest) / (1.0 - lowest));
   const auto coefficients_at = [&](double aod_550) {

@@ -40,8 +40,7 @@ DomeTable read_dome_table() {
   table.altitudes_m = numbers.some(altitudes, 1.0);
   table.aods_550 = numbers.some(aods, 10000.0);
   table.sun_zeniths_deg = numbers.some(suns, 100.0);
-  for (std::array<double, 3>& lobes : table.lobes)
-    for (double& lobe : lobes) lobe = numbers.one(1000.0);
+  for (double& lobe : table.lobes) lobe = numbers.one(1000.0);
   table.rows = numbers.rest();
   return table;
 }

@@ -13,8 +13,7 @@
 namespace kasumi {
 
 // The file is 16-bit numbers, little endian: version; how many kinds, altitudes, amounts and suns; ground steepness *
-// 100; steepness scale [m]; altitudes [m]; aod_550 * 10000; sun zenith angles [deg] * 100; three lobes * 1000 for each
-// kind; rows.
+// 100; steepness scale [m]; altitudes [m]; aod_550 * 10000; sun zenith angles [deg] * 100; three lobes * 1000; rows.
 //
 // A row, for X, Y, Z each: ln of the sky's mean light * 2000; ln of the sun's illuminance [lux] * 1000; ln of the
 // largest coefficient * 1000; then kDomeAngles * kDomePowers coefficients, each stored as n = coefficient / largest *
@@ -27,7 +26,7 @@ struct DomeTable {
   int version = 0;
   std::vector<double> altitudes_m, aods_550, sun_zeniths_deg;
   double ground_steepness = 0.0, steepness_scale_m = 1.0;  // steepness = ground_steepness * e^{altitude / scale}
-  std::array<std::array<double, 3>, kAerosolKinds.size()> lobes{};
+  std::array<double, 3> lobes{};
   std::span<const std::int16_t> rows;  // [kind][altitude][aod][sun]
 };
 const DomeTable& dome_table();

@@ -24,33 +24,48 @@ std::optional<SiteSkyModel> site_sky_model_named(std::string_view name) {
   return std::nullopt;
 }
 
-SiteSkyModel resolved(SiteSkyModel model, double altitude_m) {
+SiteSkyModel resolved(SiteSkyModel model, double altitude_m, bool aerosol_known) {
   if (model != SiteSkyModel::automatic) return model;
-  return altitude_m > kHighestPreethamSite_m ? SiteSkyModel::dome : SiteSkyModel::preetham;
+  return aerosol_known || altitude_m > kHighestPreethamSite_m ? SiteSkyModel::dome : SiteSkyModel::preetham;
 }
 
-SiteSky::SiteSky(SiteSkyModel model, Turbidity turbidity, const SunDirection& sun, double altitude_m)
-    : sky_(SkyModel(turbidity, raised_to_horizon(sun))) {
-  if (resolved(model, altitude_m) == SiteSkyModel::preetham) return;
-  Dome dome{kasumi::dome(altitude_m, turbidity, sun), 1.0, dome_sun(altitude_m, turbidity, sun).illuminance};
+namespace {
+
+double dome_share_under(const SunDirection& sun) {
+  const double elevation = 0.5 * kPi - zenith_angle(sun).value;
+  const double above = (elevation - kDomeAloneBelow.value) / (kPreethamAloneAbove.value - kDomeAloneBelow.value);
+  const double u = std::clamp(1.0 - above, 0.0, 1.0);
+  return u * u * (3.0 - 2.0 * u);
+}
+
+}  // namespace
+
+SiteSky::SiteSky(SiteSkyModel model, const AirState& air, const SunDirection& sun, double altitude_m) {
+  if (resolved(model, altitude_m, air.aerosol_known()) == SiteSkyModel::dome) {
+    dome_share_ = 1.0;
+  } else {
+    preetham_.emplace(air.turbidity(), raised_to_horizon(sun));
+    if (model == SiteSkyModel::automatic) dome_share_ = dome_share_under(sun);
+  }
+  if (dome_share_ <= 0.0) return;
+  Dome dome{kasumi::dome(altitude_m, air.aerosol(), sun), 1.0, dome_sun(altitude_m, air.aerosol(), sun).illuminance};
   dome.zenith_cd_m2 = std::max(dome_light(dome.light, {0.0, 0.0, 1.0}).y, 1e-9);
-  sky_ = dome;
+  dome_ = dome;
 }
 
 glm::dvec3 SiteSky::relative_xyz(const Direction& view) const {
-  if (const SkyModel* model = preetham()) return model->relative_xyz(raised_to_horizon(view));
-  const Dome& dome = std::get<Dome>(sky_);
-  return glm::max(dome_light(dome.light, view), glm::dvec3{0.0}) / dome.zenith_cd_m2;
+  const auto of_preetham = [&] { return preetham_->relative_xyz(raised_to_horizon(view)); };
+  if (dome_share_ <= 0.0) return of_preetham();
+  const glm::dvec3 of_dome = glm::max(dome_light(dome_->light, view), glm::dvec3{0.0}) / dome_->zenith_cd_m2;
+  return dome_share_ < 1.0 ? glm::mix(of_preetham(), of_dome, dome_share_) : of_dome;
 }
 
 std::optional<double> SiteSky::zenith_cd_m2() const {
-  const Dome* dome = std::get_if<Dome>(&sky_);
-  return dome ? std::optional(dome->zenith_cd_m2) : std::nullopt;
+  return dome_ ? std::optional(dome_->zenith_cd_m2) : std::nullopt;
 }
 
 std::optional<glm::dvec3> SiteSky::sun_xyz() const {
-  const Dome* dome = std::get_if<Dome>(&sky_);
-  return dome ? std::optional(dome->sun_xyz) : std::nullopt;
+  return dome_ ? std::optional(dome_->sun_xyz) : std::nullopt;
 }
 
 }  // namespace kasumi

@@ -1,10 +1,10 @@
-// The clear sky above a site, by either of two models: Preetham's, which ignores altitude, or the fitted dome
-// (estimator/sky/dome.hpp), which takes the observer's into account. T belongs to the model.
+// The clear sky above a site, by either of two models: Preetham's, which knows T alone and ignores altitude, or the
+// fitted dome (estimator/sky/dome.hpp), which takes the aerosol and the observer's altitude into account. An estimated T
+// belongs to the model.
 #pragma once
 
 #include <optional>
 #include <string_view>
-#include <variant>
 
 #include <glm/vec3.hpp>
 
@@ -13,34 +13,43 @@
 
 namespace kasumi {
 
-// automatic: Preetham's up to kHighestPreethamSite_m above the sea, the dome above.
+// automatic: the dome where the aerosol is known, and above kHighestPreethamSite_m; Preetham's elsewhere, with the dome
+// in its place under a low sun.
 enum class SiteSkyModel { automatic, preetham, dome };
 std::string_view name_of(SiteSkyModel model);
 std::optional<SiteSkyModel> site_sky_model_named(std::string_view name);
 constexpr double kHighestPreethamSite_m = 1500.0;
-SiteSkyModel resolved(SiteSkyModel model, double altitude_m);  // never automatic
+SiteSkyModel resolved(SiteSkyModel model, double altitude_m, bool aerosol_known = false);  // never automatic
+
+// Preetham's chromaticities turn olive under a low sun. Between these elevations his sky fades into the dome of the same
+// optical depth, so that nothing jumps.
+constexpr Radians kDomeAloneBelow = from_degrees(12.0), kPreethamAloneAbove = from_degrees(16.0);
 
 // The sky model that an estimate fits, and whose T it gives.
 struct SkyToFit {
   SiteSkyModel model = SiteSkyModel::preetham;
   double altitude_m = 0.0;  // of the observer; used by the dome
+  // The dome's aerosol, of which only the amount is unknown; empty: the dome's usual one, T 1.7 to 10.
+  std::optional<Aerosol> aerosol = std::nullopt;
 };
 
 class SiteSky {
  public:
-  SiteSky(SkyModel sky) : sky_(sky) {}  // NOLINT: a sky model is a clear sky
-  // `turbidity` is that of the model to which `model` resolves at this altitude.
-  SiteSky(SiteSkyModel model, Turbidity turbidity, const SunDirection& sun, double altitude_m);
+  SiteSky(SkyModel sky) : preetham_(sky) {}  // NOLINT: a sky model is a clear sky
+  // The T of `air` is that of the model to which `model` resolves.
+  SiteSky(SiteSkyModel model, const AirState& air, const SunDirection& sun, double altitude_m);
 
   // Light of the sky, CIE XYZ in units of the zenith's luminance. Finite, >= 0; at and below the horizon that of the
   // horizon.
   glm::dvec3 relative_xyz(const Direction& view) const;
-  // The model's own absolute level, where it has a valid one: the dome's zenith in cd/m2.
+  // 0: Preetham's alone; 1: the dome alone.
+  double dome_share() const { return dome_share_; }
+  // The dome's own absolute level, where it has a share (Preetham's is not valid): its zenith in cd/m2.
   std::optional<double> zenith_cd_m2() const;
-  // The sunlight at the same level, on a plane facing the sun: CIE XYZ, lux. Only where there is a level.
+  // The sunlight at the same level, on a plane facing the sun: CIE XYZ, lux.
   std::optional<glm::dvec3> sun_xyz() const;
-  // Preetham's model, if that is the one in use.
-  const SkyModel* preetham() const { return std::get_if<SkyModel>(&sky_); }
+  // Preetham's model, if that is the site's (even where the dome has its place under a low sun).
+  const SkyModel* preetham() const { return preetham_ ? &*preetham_ : nullptr; }
 
  private:
   struct Dome {
@@ -48,7 +57,9 @@ class SiteSky {
     double zenith_cd_m2 = 1.0;
     glm::dvec3 sun_xyz{0.0};
   };
-  std::variant<SkyModel, Dome> sky_;
+  std::optional<SkyModel> preetham_;
+  std::optional<Dome> dome_;
+  double dome_share_ = 0.0;
 };
 
 }  // namespace kasumi

@@ -54,14 +54,14 @@ sky_text::PerezSky perez_sky(Turbidity turbidity, const SunDirection& sun) {
 }
 
 DomeFunction dome_in_srgb(double altitude_m, const SkyRequest& request) {
-  return in_space(dome(altitude_m, aerosol_of(request), request.sun), xyz_to_linear_srgb());
+  return in_space(dome(altitude_m, request.aerosol(), request.sun), xyz_to_linear_srgb());
 }
 
 LandLight land_light_at(double altitude_m, const DomeFunction& sky, const SkyRequest& request) {
   SkyScene there;
   there.sky = sky;
   there.sun = request.sun;
-  const auto sun = dome_sun(altitude_m, aerosol_of(request), request.sun);
+  const auto sun = dome_sun(altitude_m, request.aerosol(), request.sun);
   return {glm::max(xyz_to_linear_srgb() * glm::dvec3(sun.illuminance), 0.0),
           glm::max(sky_sums(SkyPainter(there)).on_level_ground, 0.0)};
 }
@@ -94,15 +94,7 @@ SkySums sky_sums(const SkyPainter& painter) {
   return sums;
 }
 
-Aerosol aerosol_of(const SkyRequest& request) {
-  return request.aerosol.value_or(aerosol_of(request.turbidity.value));
-}
-Turbidity turbidity_of(const SkyRequest& request) {
-  return request.aerosol ? Turbidity{turbidity_of(*request.aerosol)} : request.turbidity;
-}
-
 SkyScene sky_scene(const SkyRequest& request) {
-  const Aerosol aerosol = aerosol_of(request);
   SkyScene scene;
   scene.kind = request.kind;
   scene.altitude_m = request.altitude_m;
@@ -113,10 +105,10 @@ SkyScene sky_scene(const SkyRequest& request) {
   scene.higher_m = std::max(request.altitude_m, kLandTop_m);
   scene.lower = dome_in_srgb(scene.lower_m, request);
   scene.higher = dome_in_srgb(scene.higher_m, request);
-  scene.air = air_coefficients(aerosol);
+  scene.air = air_coefficients(request.aerosol());
   scene.land_lower = land_light_at(scene.lower_m, scene.lower, request);
   scene.land_higher = land_light_at(scene.higher_m, scene.higher, request);
-  scene.haze = haze_scattering(aerosol.kind);
+  scene.haze = haze_scattering(request.aerosol().kind);
   const auto sky_at = [&](double altitude_m) { return dome_in_srgb(altitude_m, request); };
   const Departures departures = departures_on_the_way(scene, sky_at);
   scene.departures = departures.even;
@@ -127,10 +119,10 @@ SkyScene sky_scene(const SkyRequest& request) {
   scene.below = below.even;
   scene.below_steep = below.steep;
   if (request.sun_disc)
-    scene.sun_luminance =
-        glm::max(xyz_to_linear_srgb() * glm::dvec3(dome_sun(request.altitude_m, aerosol, request.sun).luminance), 0.0);
-  scene.perez = perez_sky(turbidity_of(request), request.sun);
-  scene.older = older_air(turbidity_of(request), request.sun, request.altitude_m);
+    scene.sun_luminance = glm::max(
+        xyz_to_linear_srgb() * glm::dvec3(dome_sun(request.altitude_m, request.aerosol(), request.sun).luminance), 0.0);
+  scene.perez = perez_sky(request.turbidity, request.sun);
+  scene.older = older_air(request.turbidity, request.sun, request.altitude_m);
   scene.exposure = request.exposure ? *request.exposure : exposure_for(sky_sums(SkyPainter(scene)).mean_luminance);
   scene.exposure *= std::exp2(request.exposure_ev);
   return scene;

@@ -1,11 +1,10 @@
-// The parameters of a picture of the sky, from altitude, aerosol and sun.
+// The parameters of a picture of the sky, from altitude, turbidity and sun.
 #pragma once
 
 #include <optional>
 
-#include "base/aerosol.hpp"
 #include "base/sky/dome_scene.hpp"
-#include "estimator/atmosphere.hpp"
+#include "estimator/given_air.hpp"
 
 namespace kasumi {
 
@@ -13,16 +12,15 @@ struct SkyRequest {
   SkyKind kind = SkyKind::dome;
   double altitude_m = 0.0;
   Turbidity turbidity{2.5};
-  std::optional<Aerosol> aerosol;  // instead of what the turbidity stands for
+  std::optional<Aerosol> like;  // of a known aerosol: exponent and kind; T says how much of it
   SunDirection sun{0.0, 0.0, 1.0};
   double exposure_ev = 0.0;        // each stop is twice as bright
   std::optional<double> exposure;  // per cd/m2, instead of the sky's own: for comparing skies
   bool sun_disc = true;
   bool aerial_perspective = true;
-};
 
-Aerosol aerosol_of(const SkyRequest& request);
-Turbidity turbidity_of(const SkyRequest& request);
+  Aerosol aerosol() const { return air_of(turbidity, like).aerosol(); }
+};
 
 // Exposed as the eye would: nearly, but not completely, adapted to the mean of the sky. Costs some milliseconds.
 SkyScene sky_scene(const SkyRequest& request);

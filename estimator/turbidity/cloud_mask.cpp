@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/statistics.hpp"
+#include "estimator/given_air.hpp"
 
 namespace kasumi {
 
@@ -197,7 +198,9 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
                             const CloudMaskOptions& options, const SkyToFit& fitted) {
   const int width = sky.use.width(), height = sky.use.height();
   const glm::dmat3 xyz_to_light = glm::inverse(geometry.light_to_xyz);
-  const auto model_at = [&](Turbidity t) { return SiteSky(fitted.model, t, sun, fitted.altitude_m); };
+  const auto model_at = [&](Turbidity t) {
+    return SiteSky(fitted.model, air_of(t, fitted.aerosol), sun, fitted.altitude_m);
+  };
   const ColourConsensus consensus = agree_on_colour(sky, geometry, model_at, xyz_to_light);
   const SiteSky model = model_at(consensus.turbidity);
 

@@ -33,12 +33,18 @@ constexpr float kBackgroundRange = 3.0f;
 // The samples compared with the skies of one model.
 class Skies {
  public:
-  Skies(std::span<const SkySample> samples, Turbidity highest)
-      : n_(samples.size()), highest_(static_cast<float>(highest.value)), log_y_(n_), residual_(n_), slope_(n_) {
+  Skies(std::span<const SkySample> samples, Turbidity lowest, Turbidity highest)
+      : n_(samples.size()),
+        lowest_(static_cast<float>(lowest.value)),
+        highest_(static_cast<float>(highest.value)),
+        log_y_(n_),
+        residual_(n_),
+        slope_(n_) {
     for (std::size_t i = 0; i < n_; ++i) log_y_[i] = samples[i].log_luminance;
   }
   virtual ~Skies() = default;
   std::size_t size() const { return n_; }
+  float lowest() const { return lowest_; }
   float highest() const { return highest_; }
   float* residual() { return residual_.data(); }        // ln Y - ln F
   const float* slope() const { return slope_.data(); }  // d ln F / dT
@@ -50,7 +56,7 @@ class Skies {
 
  protected:
   std::size_t n_;
-  float highest_;
+  float lowest_, highest_;
   std::vector<float> log_y_, residual_, slope_;
 };
 
@@ -115,7 +121,7 @@ class Histogram {
 class PerezSkies final : public Skies {
  public:
   explicit PerezSkies(std::span<const SkySample> samples)
-      : Skies(samples, kHighestTurbidity), per_cosine_(n_), gamma_(n_), cos2_gamma_(n_) {
+      : Skies(samples, kLowestTurbidity, kHighestTurbidity), per_cosine_(n_), gamma_(n_), cos2_gamma_(n_) {
     for (std::size_t i = 0; i < n_; ++i) {
       const SkySample& s = samples[i];
       const float cosine = std::cos(s.sun_distance);
@@ -185,7 +191,7 @@ class PerezSkies final : public Skies {
 class DomeSkies final : public Skies {
  public:
   DomeSkies(std::span<const SkySample> samples, const DomeLog& dome)
-      : Skies(samples, kHighestDomeTurbidity), columns_(DomeLog::kNodes * n_) {
+      : Skies(samples, dome.lowest(), dome.highest()), dome_(dome), columns_(DomeLog::kNodes * n_) {
     for (std::size_t i = 0; i < n_; ++i) {
       const auto nodes = dome.at(std::cos(double{samples[i].zenith}), std::cos(double{samples[i].sun_distance}));
       for (std::size_t k = 0; k < DomeLog::kNodes; ++k) columns_[k * n_ + i] = nodes[k];
@@ -196,15 +202,15 @@ class DomeSkies final : public Skies {
   void over_the_grid(const std::function<void(float)>& use) override {
     constexpr int kSteps = 32;
     for (int i = 0; i <= kSteps; ++i) {
-      const double t = kLowestTurbidity.value *
-                       std::pow(kHighestDomeTurbidity.value / kLowestTurbidity.value, static_cast<double>(i) / kSteps);
+      const double t = dome_.lowest().value *
+                       std::pow(dome_.highest().value / dome_.lowest().value, static_cast<double>(i) / kSteps);
       evaluate(static_cast<float>(t));
       use(static_cast<float>(t));
     }
   }
 
   void evaluate(float t) override {
-    const auto between = DomeLog::between(Turbidity{static_cast<double>(t)});
+    const auto between = dome_.between(Turbidity{static_cast<double>(t)});
     const float* column = columns_.data() + between.first * n_;
     std::ranges::copy(log_y_, residual_.begin());
     std::ranges::fill(slope_, 0.0f);
@@ -218,6 +224,7 @@ class DomeSkies final : public Skies {
   }
 
  private:
+  const DomeLog& dome_;
   std::vector<float> columns_;  // node by node
 };
 
@@ -273,7 +280,7 @@ Window densest_window(const float* residual, std::size_t n, float centre, float 
 // data.
 Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
   constexpr int kRounds = 10;
-  const auto lowest = static_cast<float>(kLowestTurbidity.value), highest = skies.highest();
+  const float lowest = skies.lowest(), highest = skies.highest();
   float* residual = skies.residual();
   const float* slope = skies.slope();
   for (int round = 0; round < kRounds; ++round) {
@@ -295,7 +302,7 @@ Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
     const float information = wss - ws * ws / w_sum;
     if (!(information > 0.0f)) break;
     const float wanted = (wsr - ws * wr / w_sum) / information;
-    const float largest_step = 0.4f * (c.t - 1.2f);  // ln F is more curved at low T
+    const float largest_step = 0.4f * (c.t - (lowest - 0.5f));  // ln F is more curved at low T
     const float step = std::clamp(std::clamp(wanted, -largest_step, largest_step), lowest - c.t, highest - c.t);
     c.log_gain += (wr - step * ws) / w_sum;
     c.t += step;

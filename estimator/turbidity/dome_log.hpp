@@ -1,10 +1,12 @@
-// ln of the dome's luminance as a function of T, for one altitude and sun: the model to fit where the site's sky is the
-// dome.
+// ln of the dome's luminance as a function of T, for one altitude, sun and kind of aerosol: the model to fit where the
+// site's sky is the dome.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
+#include "base/aerosol.hpp"
 #include "base/sky/dome_function.hpp"
 #include "estimator/atmosphere.hpp"
 
@@ -12,9 +14,13 @@ namespace kasumi {
 
 class DomeLog {
  public:
-  DomeLog(double altitude_m, const SunDirection& sun);
+  // `like`: an aerosol of which only the amount is to be found; empty: the dome's usual one, T 1.7 to 10.
+  DomeLog(double altitude_m, const SunDirection& sun, const std::optional<Aerosol>& like = std::nullopt);
+  // The T at both ends: with an aerosol given, from none of it to the haziest dome or T 20.
+  Turbidity lowest() const { return lowest_; }
+  Turbidity highest() const { return highest_; }
 
-  // ln Y at one place of the sky, for T at nodes uniform in ln T over the dome's table.
+  // ln Y at one place of the sky, for T at nodes uniform in ln(T - shift) between the ends.
   static constexpr std::size_t kNodes = 17;
   using Nodes = std::array<float, kNodes>;
   Nodes at(double cos_zenith, double cos_sun_distance) const;
@@ -30,9 +36,14 @@ class DomeLog {
    private:
     double sum(const std::array<double, 4>& weights, const Nodes& nodes) const;
   };
-  static Between between(Turbidity turbidity);  // clamped to the dome's range
+  Between between(Turbidity turbidity) const;  // clamped to the ends
 
  private:
+  Turbidity node(std::size_t k) const;
+
+  Turbidity lowest_, highest_;
+  double shift_ = 0.0;
+  double first_, step_;  // in ln(T - shift)
   std::array<DomeFunction, kNodes> domes_;
 };
 

@@ -17,15 +17,16 @@ class FittedSky {
  public:
   FittedSky() = default;  // Preetham's
   FittedSky(const SkyToFit& sky, const SunDirection& sun) {
-    if (resolved(sky.model, sky.altitude_m) == SiteSkyModel::dome) dome_.emplace(sky.altitude_m, sun);
+    if (resolved(sky.model, sky.altitude_m) == SiteSkyModel::dome) dome_.emplace(sky.altitude_m, sun, sky.aerosol);
   }
   const DomeLog* dome() const { return dome_ ? &*dome_ : nullptr; }  // null: Preetham's
-  Turbidity highest() const { return dome_ ? kHighestDomeTurbidity : kHighestTurbidity; }
+  Turbidity lowest() const { return dome_ ? dome_->lowest() : kLowestTurbidity; }
+  Turbidity highest() const { return dome_ ? dome_->highest() : kHighestTurbidity; }
 
   // ln of luminance, in a unit of the model's own that does not depend on T.
   double log_luminance(Turbidity turbidity, double cos_zenith, double sun_distance) const {
     const double cosine = std::cos(sun_distance);
-    if (dome_) return DomeLog::between(turbidity).value_of(dome_->at(cos_zenith, cosine));
+    if (dome_) return dome_->between(turbidity).value_of(dome_->at(cos_zenith, cosine));
     return PerezLog(turbidity).at({1.0 / clamp_cosine(cos_zenith), sun_distance, cosine * cosine}).log_f;
   }
 
@@ -37,10 +38,11 @@ class FittedSky {
 class FittedPlaces {
  public:
   FittedPlaces(std::span<const SkySample> samples, const FittedSky& sky) {
-    if (const DomeLog* dome = sky.dome()) {
+    if (sky.dome()) {
+      log_ = *sky.dome();
       dome_.reserve(samples.size());
       for (const SkySample& s : samples)
-        dome_.push_back(dome->at(std::cos(double{s.zenith}), std::cos(double{s.sun_distance})));
+        dome_.push_back(log_->at(std::cos(double{s.zenith}), std::cos(double{s.sun_distance})));
     } else {
       perez_.reserve(samples.size());
       for (const SkySample& s : samples) perez_.push_back(perez_point(s));
@@ -54,11 +56,13 @@ class FittedPlaces {
       const auto [log_f, slope] = perez.at(perez_[i]);
       use(i, log_f, slope);
     }
-    const auto between = DomeLog::between(turbidity);
+    if (!log_) return;
+    const auto between = log_->between(turbidity);
     for (std::size_t i = 0; i < dome_.size(); ++i) use(i, between.value_of(dome_[i]), between.slope_of(dome_[i]));
   }
 
  private:
+  std::optional<DomeLog> log_;
   std::vector<PerezPoint> perez_;  // one of the two
   std::vector<DomeLog::Nodes> dome_;
 };

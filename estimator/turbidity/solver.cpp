@@ -21,7 +21,12 @@ constexpr double kLeastVariance = 1e-10;  // of ln Y: keeps the weights of a noi
 class LeastSquares {
  public:
   LeastSquares(std::span<const SkySample> samples, const FittedSky& sky)
-      : places_(samples, sky), highest_(sky.highest().value), residual_(samples.size()), slope_(samples.size()) {
+
+      : places_(samples, sky),
+        lowest_(sky.lowest().value),
+        highest_(sky.highest().value),
+        residual_(samples.size()),
+        slope_(samples.size()) {
     log_y_.reserve(samples.size());
     for (const SkySample& sample : samples) log_y_.push_back(static_cast<double>(sample.log_luminance));
   }
@@ -57,7 +62,7 @@ class LeastSquares {
     bool converged = false, current = true;
     constexpr int kRounds = 30;
     for (int round = 0; round < kRounds && !converged && now.information > 0.0; ++round) {
-      double next = std::clamp(t + now.gradient / now.information, kLowestTurbidity.value, highest_);
+      double next = std::clamp(t + now.gradient / now.information, lowest_, highest_);
       Sums then = evaluate(weights, next);
       for (int halving = 0; halving < 20 && then.cost > now.cost && std::abs(next - t) > 1e-9 * t; ++halving) {
         next = 0.5 * (t + next);
@@ -78,7 +83,7 @@ class LeastSquares {
 
  private:
   FittedPlaces places_;
-  double highest_;
+  double lowest_, highest_;
   std::vector<double> log_y_, residual_, slope_;
 };
 

@@ -124,6 +124,11 @@ std::string status_json(const Status& status) {
   json["sigma"] = tracked_value([](const auto& t) { return t.sigma; });
   json["turbidity_age_s"] = tracked_value([](const auto& t) { return to_seconds(t.age); });
   json["turbidity_trustworthy"] = tracked_value([](const auto& t) { return t.trustworthy; });
+  const auto& air = status.sky.report.air;
+  const auto* aerosol = air && air->aerosol ? &*air->aerosol : nullptr;
+  json["aod_550"] = air ? OrderedJson(air->aod_550) : OrderedJson(nullptr);
+  json["angstrom_exponent"] = aerosol ? OrderedJson(aerosol->angstrom_exponent) : OrderedJson(nullptr);
+  json["aerosol"] = aerosol ? OrderedJson(name_of(aerosol->kind)) : OrderedJson(nullptr);
   json["sky"] = name_of(status.sky.report.estimate.sky);
   json["sky_reason"] = status.sky.report.estimate.reason;
   json["sun"] = status.sky.report.sun.message;

@@ -77,10 +77,11 @@ void StatusLoop::save_air() {
   saved_ = status_.now;
   const auto& folder = content_->config.state_folder;
   const auto& tracked = status_.sky.report.tracked;
-  // Without a trusted clock its age would be unknown after a restart.
-  if (!folder || !tracked || !status_.sky.clock_trusted) return;
+  // What is given needs no memory. Without a trusted clock its age would be unknown after a restart.
+  const auto& installation = content_->config.installation;
+  if (!folder || !tracked || installation.surroundings.air.whole() || !status_.sky.clock_trusted) return;
   const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age,
-                             content_->config.installation.sky_to_fit().model};
+                             installation.sky_to_fit().model};
   log_outage(save(state, *folder), save_failing_, "state");
 }
 

@@ -77,18 +77,18 @@ std::vector<BenchRow> bench_air() {
   for (double t = 1.7; t <= 20.0; t += 0.3)
     for (double s = 0.0; s <= 50e3; s += 500.0) {
       const OpticalPath path{s, s};
-      const auto fast = attenuation(haze_coefficients(nodes, ScatteringModel::morales2017, {t}), path);
-      const auto slow = attenuation_reference(measure, ScatteringModel::morales2017, {t}, path);
+      const auto fast = attenuation(haze_coefficients(nodes, ScatteringModel::morales2017, Turbidity{t}), path);
+      const auto slow = attenuation_reference(measure, ScatteringModel::morales2017, Turbidity{t}, path);
       for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(fast[c] - slow[c]));
     }
-  const auto haze = haze_coefficients(nodes, ScatteringModel::morales2017, {3.0});
+  const auto haze = haze_coefficients(nodes, ScatteringModel::morales2017, Turbidity{3.0});
   glm::dvec3 sink{};
   const auto fast = [&] {
     for (int i = 0; i < 2000; ++i) sink += attenuation(haze, {10.0 * i, 10.0 * i});
   };
   const auto slow = [&] {
     for (int i = 0; i < 2000; ++i)
-      sink += attenuation_reference(measure, ScatteringModel::morales2017, {3.0}, {10.0 * i, 10.0 * i});
+      sink += attenuation_reference(measure, ScatteringModel::morales2017, Turbidity{3.0}, {10.0 * i, 10.0 * i});
   };
   const double ratio = paired_ratio(slow, fast, 5);
   return {{"attenuation, K = 2: worst error, T 1.7..20, s <= 50 km", worst, "", 3e-4, true},

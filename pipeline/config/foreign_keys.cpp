@@ -15,7 +15,9 @@ constexpr std::array kRoot{"calibration", "format", "name",    "description", "l
 // Keys that the readers of site, camera and landmark contrast leave to others.
 const std::map<std::string_view, std::vector<std::string_view>>& shared_tables() {
   static const std::map<std::string_view, std::vector<std::string_view>> kTables{
-      {"site", {"ground_albedo", "cloud_base_m", "fog", "sky_model", "haze_blur_px"}},
+      {"site",
+       {"ground_albedo", "cloud_base_m", "fog", "sky_model", "haze_blur_px", "aod_550", "angstrom_exponent",
+        "aerosol"}},
       {"sky", {"camera"}},
       {"scene", {"camera", "point_spread_px", "shared_chroma", "noise", "depth_map", "depth_step_m"}},
       {"landmarks", {"name", "latitude_deg", "longitude_deg", "altitude_m"}}};

@@ -5,6 +5,7 @@
 #include "calib/mask/distance_map.hpp"
 #include "capture/utc_text.hpp"
 #include "gles/scene.hpp"
+#include "pipeline/config/given_air_keys.hpp"
 
 namespace kasumi {
 
@@ -18,7 +19,10 @@ FogLayer read_fog(const ConfigTable& table) {
 Surroundings read_surroundings(const ConfigTable& table) {
   const Surroundings usual;
   Surroundings found{table.number("ground_albedo", {0.0, 1.0}, usual.ground_albedo),
-                     table.number("cloud_base_m", {50.0, 15e3}, usual.cloud_base_m), usual.fog, usual.sky_model,
+                     table.number("cloud_base_m", {50.0, 15e3}, usual.cloud_base_m),
+                     usual.fog,
+                     usual.sky_model,
+                     read_given_air(table),
                      usual.haze_blur_px};
   if (const auto fog = table.optional_table("fog")) found.fog = read_fog(*fog);
   const auto model =
@@ -29,6 +33,11 @@ Surroundings read_surroundings(const ConfigTable& table) {
 }
 
 }  // namespace
+
+SkyToFit Installation::sky_to_fit() const {
+  const auto model = resolved(surroundings.sky_model, site.altitude_m, surroundings.air.any());
+  return {model, site.altitude_m, model == SiteSkyModel::dome ? surroundings.air.to_be_found() : std::nullopt};
+}
 
 Installation read_installation(const ConfigTable& root) {
   Installation installation;

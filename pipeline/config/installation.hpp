@@ -5,13 +5,14 @@
 #include "calib/adopt_calibration.hpp"
 #include "calib/camera.hpp"
 #include "calib/image_quality.hpp"
+#include "estimator/given_air.hpp"
 #include "estimator/sky/site_sky.hpp"
 #include "pipeline/config/landmarks.hpp"
 #include "pipeline/config/placement.hpp"
 
 namespace kasumi {
 
-// Fog in a valley: grey, thinning with altitude as exp(-(altitude - base) / scale height). It replaces light from what
+// Fog in a valley, part of the air's state (physics 12): grey, thinning with altitude as exp(-(altitude - base) / scale height). It replaces light from what
 // is seen through it by the horizon's; the light that falls on the object stays unchanged.
 struct FogLayer {
   double extinction_per_m = 0.0;  // at the base; 0: none
@@ -26,6 +27,7 @@ struct Surroundings {
   double cloud_base_m = 2000.0;  // above the site: a cloud there may shade the object
   FogLayer fog;
   SiteSkyModel sky_model = SiteSkyModel::automatic;  // model of the clear sky; automatic: by altitude
+  GivenAir air;                                      // what is known of it; the rest is found
   // H's lambda: blur of what lies behind haze of optical depth 1, standard deviation in pixels; 0: none.
   double haze_blur_px = 0.0;
 };
@@ -43,8 +45,8 @@ struct Installation {
   std::vector<ContrastLandmark> contrast_landmarks;  // those used to measure visibility
   std::optional<AdoptedCalibration> calibration;     // the calibration file it builds on
 
-  // The model of the site's clear sky, with which T is estimated and drawn; never automatic.
-  SkyToFit sky_to_fit() const { return {resolved(surroundings.sky_model, site.altitude_m), site.altitude_m}; }
+  // The model of the site's clear sky, with which T is estimated; never automatic.
+  SkyToFit sky_to_fit() const;
 };
 
 // Reads [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration on top of the calibration file it

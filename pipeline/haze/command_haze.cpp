@@ -123,6 +123,11 @@ void add_haze_command(CLI::App& app, Action& action) {
   command->add_option("--turbidity", options.turbidities, "T of the haze: 8, or FROM:TO:STEP; several with commas")
       ->delimiter(',');
   command
+      ->add_option("--aod", options.aods,
+                   "Instead of T: aerosol optical depth at 550 nm, or FROM:TO:STEP; several with commas")
+      ->delimiter(',');
+  add_aerosol_options(*command, options.aerosol);
+  command
       ->add_option("--kappa-s", options.scatterings,
                    "Instead of T: scattering per farthest range (H), or FROM:TO:STEP; several with commas")
       ->delimiter(',');
@@ -138,8 +143,11 @@ void add_haze_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(1e-3, 4.0));
   command->add_option("--sensitivity", options.sensitivity,
                       "The camera's spectral sensitivity (JSON or CSV), with --turbidity");
-  command->add_option("--scattering", options.scattering, "Scattering coefficients, with --turbidity")
-      ->check(CLI::IsMember({"morales2017", "preetham", "zhao"}))
+  command
+      ->add_option("--scattering", options.scattering,
+                   "Scattering coefficients, with --turbidity or --aod; auto: the aerosol's where it is known, else "
+                   "morales2017")
+      ->check(CLI::IsMember({"auto", "morales2017", "preetham", "zhao", "aerosol"}))
       ->capture_default_str();
   command->add_option("--altitude-m", options.altitude_m, "Altitude of the camera, with --turbidity")
       ->check(CLI::Range(-500.0, 9000.0))

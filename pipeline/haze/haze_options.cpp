@@ -38,19 +38,33 @@ std::optional<std::vector<double>> numbers(const std::string& text, double least
 
 std::vector<HazeValues> read_values(const HazeOptions& options, Problems& problems) {
   std::vector<HazeValues> all;
-  if (options.turbidities.empty() == options.scatterings.empty())
-    problems.add("expected --turbidity T, or --kappa-s (and --kappa-a): one of the two describes the haze");
-  if (!options.turbidities.empty() && options.kappa_a) problems.add("--kappa-a: not allowed with --turbidity");
+  const bool by_air = !options.turbidities.empty() || !options.aods.empty();
+  if ((options.turbidities.empty() ? 0 : 1) + (options.aods.empty() ? 0 : 1) + (options.scatterings.empty() ? 0 : 1) !=
+      1)
+    problems.add("expected --turbidity T, --aod, or --kappa-s (and --kappa-a): one of them describes the haze");
+  if (by_air && options.kappa_a) problems.add("--kappa-a: not allowed with --turbidity or --aod");
+  if (!by_air && options.aerosol.any())
+    problems.add("--angstrom, --aerosol: expected together with --turbidity or --aod");
+  const GivenAir given = options.aerosol.given();
   for (const auto& text : options.turbidities) {
     const auto list = numbers(text, kLowestTurbidity.value, kHighestTurbidity.value);
     if (!list) problems.add("--turbidity {}: expected a T of 1.7 to 20, or FROM:TO:STEP", text);
-    for (const double t : list.value_or(std::vector<double>{})) all.push_back({Turbidity{t}, 0.0, 0.0, options.lambda});
+    for (const double t : list.value_or(std::vector<double>{}))
+      all.push_back({Turbidity{t}, 0.0, 0.0, options.lambda, given.to_be_found()});
+  }
+  for (const auto& text : options.aods) {
+    const auto list = numbers(text, 0.0, kHighestGivenAod);
+    if (!list) problems.add("--aod {}: expected an optical depth of 0 to 1.8, or FROM:TO:STEP", text);
+    for (const double aod : list.value_or(std::vector<double>{})) {
+      const Aerosol aerosol = given.with(aod);
+      all.push_back({Turbidity{turbidity_of(aerosol)}, 0.0, 0.0, options.lambda, aerosol});
+    }
   }
   for (const auto& text : options.scatterings) {
     const auto list = numbers(text, 0.0, 100.0);
     if (!list) problems.add("--kappa-s {}: expected 0 to 100 per farthest range, or FROM:TO:STEP", text);
     for (const double s : list.value_or(std::vector<double>{}))
-      all.push_back({std::nullopt, options.kappa_a.value_or(0.0), s, options.lambda});
+      all.push_back({std::nullopt, options.kappa_a.value_or(0.0), s, options.lambda, std::nullopt});
   }
   return all;
 }
@@ -102,13 +116,13 @@ Result<glm::dvec3> measured_airlight(const Camera& camera, const Photograph& pho
 }  // namespace
 
 std::string HazeValues::name() const {
-  if (turbidity) return fmt::format("T{:.2f}", turbidity->value);
+  if (turbidity) return name_of(air_of(*turbidity, like));
   return fmt::format("a{:.2f}-s{:.2f}", kappa_a, kappa_s);
 }
 
 HazeOptics HazeTask::optics_of(const HazeValues& haze) const {
   if (!haze.turbidity) return haze_optics(haze.kappa_a, haze.kappa_s, haze.lambda);
-  return haze_optics(nodes, scattering, *haze.turbidity, altitude_m, range.farthest_m, haze.lambda);
+  return haze_optics(nodes, scattering, air_of(*haze.turbidity, haze.like), altitude_m, range.farthest_m, haze.lambda);
 }
 
 Result<HazeTask> haze_task(const HazeOptions& options) {
@@ -116,7 +130,9 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
   HazeTask task;
   task.values = read_values(options, problems);
   task.scheme = diffusion_scheme_named(options.scheme).value_or(DiffusionScheme::matched);
-  task.scattering = scattering_model_named(options.scattering).value_or(ScatteringModel::morales2017);
+  const std::optional<Aerosol> like = task.values.empty() ? std::nullopt : task.values.front().like;
+  task.scattering = scattering_model_named(options.scattering)
+                        .value_or(like ? ScatteringModel::aerosol : ScatteringModel::morales2017);
   task.altitude_m = options.altitude_m;
   auto photograph = read_photograph(options.picture);
   if (!photograph) problems.add("{}", photograph.error().message);
@@ -157,7 +173,7 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
   if (!problems.empty()) return fail(problems.fault());
   task.photograph = std::move(*photograph);
   task.light = light_of(task.camera, task.photograph.encoded);
-  task.nodes = attenuation_nodes(spectral_measure(task.camera));
+  task.nodes = attenuation_nodes(spectral_measure(task.camera), task.scattering, air_of(Turbidity{}, like));
   return task;
 }
 

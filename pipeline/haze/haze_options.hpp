@@ -7,17 +7,19 @@
 
 #include "calib/camera.hpp"
 #include "estimator/haze/haze_picture.hpp"
+#include "pipeline/air_options.hpp"
 #include "pipeline/files/photograph_file.hpp"
 
 namespace kasumi {
 
 struct HazeOptions {
-  std::string picture, depth, disparity, sensitivity, scattering = "morales2017", scheme = "matched";
+  std::string picture, depth, disparity, sensitivity, scattering = "auto", scheme = "matched";
   std::optional<double> depth_step_m, disparity_scale;  // the latter: metres times pixels
   double disparity_offset_px = 0.0, altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
   HazeRangeOptions range;
   bool indoors = false;
-  std::vector<std::string> turbidities, scatterings;  // numbers, or FROM:TO:STEP
+  std::vector<std::string> turbidities, aods, scatterings;  // numbers, or FROM:TO:STEP
+  AirOptions aerosol;                                       // exponent and kind
   std::optional<double> kappa_a;
   double lambda = 15.0;
   std::vector<double> airlight;  // empty: measured
@@ -28,7 +30,8 @@ struct HazeValues {
   std::optional<Turbidity> turbidity;
   double kappa_a = 0.0, kappa_s = 0.0;  // without a turbidity
   double lambda = 15.0;
-  std::string name() const;  // "T4.00", "a0.25-s0.25": for files and sheets
+  std::optional<Aerosol> like;  // of a known aerosol: exponent and kind; T says how much of it
+  std::string name() const;     // "T4.00", "AOD0.300", "a0.25-s0.25": for files and sheets
 };
 
 struct HazeTask {
@@ -39,7 +42,7 @@ struct HazeTask {
   glm::dvec3 airlight{1.0};
   std::vector<HazeValues> values;  // at least one
   DiffusionScheme scheme = DiffusionScheme::matched;
-  ScatteringModel scattering = ScatteringModel::morales2017;
+  ScatteringModel scattering = ScatteringModel::morales2017;  // of all values
   double altitude_m = 0.0;
   AttenuationNodes nodes;
   HazeOptics optics_of(const HazeValues& haze) const;

@@ -52,6 +52,9 @@ bool adjust_haze(HazeValues& haze, const HazeValues& given, char key) {
 }
 
 std::string caption_of(const HazeValues& haze) {
+  if (haze.turbidity && haze.like)
+    return fmt::format("AOD {:.3f}, T {:.2f} (S, X)   lambda {:.1f} (D, C)   R: as given",
+                       air_of(*haze.turbidity, haze.like).aerosol().aod_550, haze.turbidity->value, haze.lambda);
   if (haze.turbidity)
     return fmt::format("T {:.2f} (S, X)   lambda {:.1f} (D, C)   R: as given", haze.turbidity->value, haze.lambda);
   return fmt::format("kappa_a {:.3f} (A, Z)   kappa_s {:.3f} (S, X)   lambda {:.1f} (D, C)   R: as given", haze.kappa_a,

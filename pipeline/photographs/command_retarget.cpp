@@ -47,10 +47,16 @@ void add_retarget_command(CLI::App& app, Action& action) {
   command->add_option("picture", a.pictures, "Pictures of one camera; or one film, or a folder of its frames")
       ->required();
   command->add_option("--turbidity", a.turbidities, "Target T: 2.5, FROM:TO:STEP, or clear; several with commas")
-      ->required()
+      ->delimiter(',');
+  command
+      ->add_option("--aod", a.aods,
+                   "Target aerosol optical depth at 550 nm, instead of T: 0.3, FROM:TO:STEP, or clear; several")
       ->delimiter(',');
   command->add_option("--source-turbidity", a.source_turbidity, "T of the air in the pictures")
       ->check(CLI::Range(kLowestTurbidity.value, kHighestTurbidity.value));
+  command->add_option("--source-aod", a.source_aod, "Aerosol optical depth of the air in the pictures, instead of T")
+      ->check(CLI::Range(0.0, kHighestGivenAod));
+  add_aerosol_options(*command, a.aerosol);
   command->add_option("--sky", a.sky, "Estimate the source T from this picture of the sky, taken by [sky] of --camera");
   command->add_option("--depth", a.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: sky");
   command->add_option("--depth-step-m", a.depth_step_m, "Metres per step of the PNG")->check(CLI::Range(1e-4, 1e3));
@@ -86,8 +92,10 @@ void add_retarget_command(CLI::App& app, Action& action) {
   light("--target-airlight", a.target_airlight, "The same under the target air; default: from the sky model");
   command->add_option("--target-picture", a.target_picture,
                       "Measure the target airlight at the horizon of this picture instead");
-  command->add_option("--scattering", a.scattering, "Scattering coefficients")
-      ->check(CLI::IsMember({"morales2017", "preetham", "zhao"}))
+  command
+      ->add_option("--scattering", a.scattering,
+                   "Scattering coefficients; auto: the aerosol's where it is known, else morales2017")
+      ->check(CLI::IsMember({"auto", "morales2017", "preetham", "zhao", "aerosol"}))
       ->capture_default_str();
   command->add_flag("--keep-reflectance", a.keep_reflectance, "As in the paper: keep the light on the scene unchanged");
   command->add_flag("--amplify-noise", a.amplify_noise,

@@ -37,10 +37,16 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
   }
   json["sun_from"] = report.sun_source;
   json["aod_550"] = nullptr;
+  json["angstrom_exponent"] = nullptr;
+  json["aerosol"] = nullptr;
   json["visibility_m"] = nullptr;
   json["weather"] = nullptr;
   if (report.air) {
     json["aod_550"] = rounded(report.air->aod_550, 5);
+    if (const auto& aerosol = report.air->aerosol) {
+      json["angstrom_exponent"] = rounded(aerosol->angstrom_exponent, 3);
+      json["aerosol"] = name_of(aerosol->kind);
+    }
     json["visibility_m"] = rounded(report.air->visibility_m, 0);
     json["weather"] = name_of(report.air->weather);
   }
@@ -59,7 +65,10 @@ std::string estimate_text(const std::filesystem::path& image, const SkyPhotograp
                         report.look.sky.model == SiteSkyModel::dome
                             ? fmt::format(" (of the dome, seen from {:.0f} m)", report.look.sky.altitude_m)
                             : "");
-    text += fmt::format("  aerosol depth    {:.3f} at 550 nm\n", report.air->aod_550);
+    text += fmt::format("  aerosol depth    {:.3f} at 550 nm", report.air->aod_550);
+    if (const auto& aerosol = report.air->aerosol)
+      text += fmt::format(", exponent {:.2f}, {}", aerosol->angstrom_exponent, name_of(aerosol->kind));
+    text += "\n";
     text += fmt::format("  visibility       {:.1f} km\n", report.air->visibility_m / 1000.0);
     text += fmt::format("  weather          {}\n", name_of(report.air->weather));
   } else {

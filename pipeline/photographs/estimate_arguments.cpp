@@ -42,6 +42,15 @@ void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options,
         "and --lon (or a --calibration with [site]), or --sun-from-image");
 }
 
+SkyToFit sky_to_fit(const EstimateArguments& arguments, double altitude_m, Problems& problems) {
+  const auto like = arguments.aerosol.given().to_be_found();
+  const auto usual = like ? SiteSkyModel::dome : SiteSkyModel::preetham;
+  const auto model = resolved(site_sky_model_named(arguments.sky_model).value_or(usual), altitude_m, like.has_value());
+  if (like && model == SiteSkyModel::preetham)
+    problems.add("--aerosol, --angstrom: only the dome's sky knows an aerosol, expected --sky-model dome");
+  return {model, altitude_m, like};
+}
+
 }  // namespace
 
 Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments) {
@@ -63,7 +72,7 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
   options.estimate.method =
       arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
   const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m;
-  options.estimate.sky = {resolved(*site_sky_model_named(arguments.sky_model), altitude_m), altitude_m};
+  options.estimate.sky = sky_to_fit(arguments, altitude_m, problems);
   if (options.estimate.method == EstimateMethod::reference_pixel && options.estimate.sky.model == SiteSkyModel::dome)
     problems.add("--method reference-pixel: the papers' method needs the papers' sky, expected --sky-model preetham");
   options.estimate.samples = arguments.samples;
@@ -120,9 +129,10 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   command
       .add_option("--sky-model", a.sky_model,
                   "The clear sky whose turbidity is found: the papers', or the dome seen from --altitude-m or the "
-                  "calibration's site (docs/sky.md); automatic: the dome above 1500 m")
-      ->check(CLI::IsMember({"preetham", "dome", "automatic"}))
-      ->capture_default_str();
+                  "calibration's site (docs/sky.md); automatic: the dome above 1500 m. Default: preetham, or the dome "
+                  "with --aerosol or --angstrom")
+      ->check(CLI::IsMember({"preetham", "dome", "automatic"}));
+  add_aerosol_options(command, a.aerosol);
   command.add_option("--samples", a.samples, "Number of sky pixels to sample")
       ->check(CLI::Range(60, 100000))
       ->capture_default_str();

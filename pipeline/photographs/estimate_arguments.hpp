@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/air_options.hpp"
 #include "pipeline/photographs/sky_photograph.hpp"
 
 namespace CLI {
@@ -29,7 +30,8 @@ struct EstimateArguments {
   std::string utc;
   bool sun_from_image = false;
   std::string method = "free-gain";
-  std::string sky_model = "preetham";
+  std::string sky_model;  // empty: the papers', or the dome where the aerosol's kind or exponent is given
+  AirOptions aerosol;     // exponent and kind
   int samples = EstimateOptions{}.samples;
   std::uint64_t seed = 1;
   bool json = false;

@@ -5,8 +5,8 @@
 namespace kasumi {
 namespace {
 
-std::string name_of(const std::optional<Turbidity>& target) {
-  return target ? fmt::format("T{:.2f}", target->value) : "clear";
+std::string name_of(const std::optional<AirState>& target) {
+  return target ? name_of(*target) : "clear";
 }
 
 Result<> write_mask(const std::filesystem::path& path, const Image<std::uint8_t>& mask) {
@@ -18,7 +18,7 @@ Result<> write_mask(const std::filesystem::path& path, const Image<std::uint8_t>
 }  // namespace
 
 Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
-                                              const std::vector<std::optional<Turbidity>>& targets,
+                                              const std::vector<std::optional<AirState>>& targets,
                                               const PictureSource& source) {
   RetargetOutputs outputs;
   outputs.out_ = a.out;

@@ -16,56 +16,87 @@
 namespace kasumi {
 namespace {
 
-// "2.5", "clear", or "2:8:.25": from, to, step.
-void read_turbidities(const RetargetArguments& arguments, std::vector<std::optional<Turbidity>>& targets,
-                      Problems& problems) {
-  const auto number = [](const std::string& text) -> std::optional<double> {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    return !text.empty() && *end == '\0' ? std::optional(value) : std::nullopt;
-  };
-  const auto good = [](double t) { return t >= kLowestTurbidity.value && t <= kHighestTurbidity.value; };
-  for (const auto& text : arguments.turbidities) {
+std::optional<double> number_of(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0' ? std::optional(value) : std::nullopt;
+}
+
+// "2.5", or "2:8:.25": from, to, step. Empty: neither.
+std::vector<double> one_or_sweep(const std::string& text, double least, double most) {
+  const auto parts = CLI::detail::split(text, ':');
+  std::vector<double> values;
+  for (const auto& part : parts)
+    if (const auto value = number_of(part)) values.push_back(*value);
+  const auto good = [&](double value) { return value >= least && value <= most; };
+  if (parts.size() == 1 && values.size() == 1 && good(values[0])) return values;
+  const bool sweep = parts.size() == 3 && values.size() == 3 && good(values[0]) && good(values[1]) && values[2] > 0.0 &&
+                     values[0] < values[1] && (values[1] - values[0]) / values[2] <= 10e3;
+  std::vector<double> steps;
+  for (int i = 0; sweep && values[0] + i * values[2] <= values[1] + 1e-9; ++i)
+    steps.push_back(std::min(values[0] + i * values[2], values[1]));
+  return steps;
+}
+
+// Whether source and targets are aerosols rather than the papers' T alone.
+bool aerosol_known(const RetargetArguments& arguments) {
+  return arguments.aerosol.any() || !arguments.aods.empty() || arguments.source_aod;
+}
+// An aerosol of their exponent and kind.
+std::optional<Aerosol> like(const RetargetArguments& arguments) {
+  return aerosol_known(arguments) ? std::optional(arguments.aerosol.given().with(0.0)) : std::nullopt;
+}
+
+// "clear", or a value or sweep of --turbidity or --aod.
+template <class AirOf>
+void read_targets(const std::vector<std::string>& texts, double least, double most, std::string_view expected,
+                  AirOf air_of, std::vector<std::optional<AirState>>& targets, Problems& problems) {
+  for (const auto& text : texts) {
     if (text == "clear") {
       targets.push_back(std::nullopt);
       continue;
     }
-    const auto parts = CLI::detail::split(text, ':');
-    std::vector<double> values;
-    for (const auto& part : parts)
-      if (const auto value = number(part)) values.push_back(*value);
-    const bool one = parts.size() == 1 && values.size() == 1 && good(values[0]);
-    const bool sweep = parts.size() == 3 && values.size() == 3 && good(values[0]) && good(values[1]) &&
-                       values[2] > 0.0 && values[0] < values[1] && (values[1] - values[0]) / values[2] <= 10e3;
-    if (one)
-      targets.push_back(Turbidity{values[0]});
-    else if (sweep)
-      for (int i = 0; values[0] + i * values[2] <= values[1] + 1e-9; ++i)
-        targets.push_back(Turbidity{std::min(values[0] + i * values[2], values[1])});
-    else
-      problems.add("--turbidity {}: expected a T of 1.7 to 20, FROM:TO:STEP, or clear", text);
+    const auto values = one_or_sweep(text, least, most);
+    if (values.empty()) problems.add("{}", fmt::format(fmt::runtime(expected), text));
+    for (const double value : values) targets.push_back(air_of(value));
   }
 }
 
-// T of the pictures' own air: given, or estimated from a picture of the sky.
-Result<Turbidity> source_turbidity(const RetargetArguments& arguments, const CameraFile& camera,
-                                   const std::optional<Utc>& utc, const std::optional<SunDirection>& sun) {
-  if (arguments.source_turbidity) return Turbidity{*arguments.source_turbidity};
+void read_targets(const RetargetArguments& a, std::vector<std::optional<AirState>>& targets, Problems& problems) {
+  if (a.turbidities.empty() == a.aods.empty())
+    problems.add("expected --turbidity or --aod: one of the two describes the target air");
+  read_targets(
+      a.turbidities, kLowestTurbidity.value, kHighestTurbidity.value,
+      "--turbidity {}: expected a T of 1.7 to 20, FROM:TO:STEP, or clear",
+      [&](double t) { return air_of(Turbidity{t}, like(a)); }, targets, problems);
+  read_targets(
+      a.aods, 0.0, kHighestGivenAod, "--aod {}: expected an optical depth of 0 to 1.8, FROM:TO:STEP, or clear",
+      [&](double aod) { return AirState(a.aerosol.given().with(aod)); }, targets, problems);
+}
+
+// The pictures' own air: given, or estimated from a picture of the sky.
+Result<AirState> source_air(const RetargetArguments& arguments, const CameraFile& camera, const std::optional<Utc>& utc,
+                            const std::optional<SunDirection>& sun) {
+  if (arguments.source_aod) return AirState(arguments.aerosol.given().with(*arguments.source_aod));
+  if (arguments.source_turbidity) return air_of(Turbidity{*arguments.source_turbidity}, like(arguments));
   SkyPhotographOptions setup;
   setup.calibrated = camera.sky;
   setup.site = camera.site;
   setup.utc = utc;
   if (!utc) setup.sun = sun;
   setup.sun_from_image = !utc && !sun;
+  if (const auto aerosol = like(arguments))
+    setup.estimate.sky = {SiteSkyModel::dome, camera.site ? camera.site->altitude_m : arguments.altitude_m, aerosol};
   const auto report = SkyPhotographs(std::move(setup)).estimate_from(arguments.sky, utc);
   if (!report) return fail(report.error());
   const auto& estimate = report->look.estimate;
   if (!estimate.usable)
     return fail(FaultKind::bad_input,
-                "{}: no turbidity can be estimated from this sky ({}): expected another picture, or --source-turbidity",
+                "{}: no turbidity can be estimated from this sky ({}): expected another picture, --source-turbidity "
+                "or --source-aod",
                 arguments.sky, estimate.reason);
   fmt::print("source: T {:.2f} +- {:.2f} from {}\n", estimate.turbidity.value, estimate.sigma, arguments.sky);
-  return estimate.turbidity;
+  return air_of(estimate.turbidity, like(arguments), estimate.sigma);
 }
 
 std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
@@ -107,7 +138,7 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
   RetargetTask task;
   auto& setup = task.setup;
   Problems problems;
-  read_turbidities(a, task.targets, problems);
+  read_targets(a, task.targets, problems);
   CameraFile file;
   if (!a.camera.empty()) {
     auto read = read_camera_file(a.camera);
@@ -139,18 +170,18 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
                  setup.camera.height, width, height);
   else
     read_depth(a, setup, problems);
-  if (a.source_turbidity.has_value() == !a.sky.empty())
-    problems.add("expected --source-turbidity T, or --sky PICTURE to find it in");
+  if ((a.source_turbidity ? 1 : 0) + (a.source_aod ? 1 : 0) + (a.sky.empty() ? 0 : 1) != 1)
+    problems.add("expected one of --source-turbidity T, --source-aod, or --sky PICTURE to find it in");
   if (!a.target_airlight.empty() && !a.target_picture.empty())
     problems.add("--target-airlight and --target-picture: expected only one of them");
   if (!problems.empty()) return fail(problems.fault());
 
-  const auto source = source_turbidity(a, file, utc, setup.sun);
+  const auto source = source_air(a, file, utc, setup.sun);
   if (!source) return fail(source.error());
   setup.source = *source;
   setup.airlight = light_of(a.airlight);
   setup.target_airlight = light_of(a.target_airlight);
-  setup.scattering = scattering_model_named(a.scattering).value_or(ScatteringModel::morales2017);
+  setup.scattering = scattering_model_named(a.scattering);
   setup.relight = !a.keep_reflectance;
   setup.amplify_noise = a.amplify_noise;
   setup.same_exposure = a.same_exposure;

@@ -7,13 +7,16 @@
 
 #include "base/result.hpp"
 #include "estimator/photograph/other_air.hpp"
+#include "pipeline/air_options.hpp"
 
 namespace kasumi {
 
 struct RetargetArguments {
-  std::vector<std::string> pictures, turbidities;
-  std::string camera, depth, planes, sky, utc, target_picture, scattering = "morales2017", out, sheet, film;
-  std::optional<double> depth_step_m, distance_m, source_turbidity, sun_zenith_deg, sun_azimuth_deg, frames_per_second;
+  std::vector<std::string> pictures, turbidities, aods;
+  std::string camera, depth, planes, sky, utc, target_picture, scattering = "auto", out, sheet, film;
+  AirOptions aerosol;  // exponent and kind, of source and targets alike
+  std::optional<double> depth_step_m, distance_m, source_turbidity, source_aod, sun_zenith_deg, sun_azimuth_deg,
+      frames_per_second;
   double field_of_view_deg = 50.0, pitch_deg = 0.0, altitude_m = 0.0;
   double largest_gain = RetargetOptions{}.largest_gain;
   std::vector<double> airlight, target_airlight;
@@ -22,7 +25,7 @@ struct RetargetArguments {
 
 struct RetargetTask {
   OtherAirOptions setup;
-  std::vector<std::optional<Turbidity>> targets;  // no turbidity: clear
+  std::vector<std::optional<AirState>> targets;  // nothing: clear
 };
 
 // `first`: the first picture; all have its size. Errors (bad_input): every problem; no turbidity from the picture of

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "estimator/given_air.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/turbidity/sky_picture.hpp"
 
@@ -70,8 +71,8 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem:
   report.look = observer_->observe(*picture, sun.direction, options_.estimate);
   report.picture = std::move(*picture);
   if (report.look.estimate.usable)
-    report.air =
-        air_quality(report.look.estimate.turbidity, options_.site ? options_.site->altitude_m : kAltitudeUnknown_m);
+    report.air = air_quality(air_of(report.look.estimate.turbidity, report.look.sky.aerosol),
+                             options_.site ? options_.site->altitude_m : kAltitudeUnknown_m);
   return report;
 }
 

@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "pipeline/air_options.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/recording/replay.hpp"
 
@@ -17,9 +18,10 @@ struct ReplayArguments {
   bool realtime = false;
   std::size_t frames = 0;
   double turbidity = 0.0;
+  AirOptions air;
   bool no_aerial_perspective = false;
   bool overlay = false;
-  std::string scattering = "morales2017";
+  std::string scattering = "auto";
   std::string zeta = "full";
 };
 
@@ -32,7 +34,8 @@ ReplayRequest request_of(const ReplayArguments& arguments) {
   if (arguments.frames > 0) request.frames = arguments.frames;
   if (arguments.turbidity > 0.0) request.air.turbidity = Turbidity{arguments.turbidity};
   request.air.aerial_perspective = !arguments.no_aerial_perspective;
-  request.air.scattering = *scattering_model_named(arguments.scattering);
+  request.air.scattering = scattering_model_named(arguments.scattering);
+  request.given = arguments.air.given();
   request.air.zeta = *zeta_form_named(arguments.zeta);
   request.overlay = arguments.overlay;
   return request;
@@ -47,11 +50,14 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
   else
     spdlog::warn("{}", summary.sighting.message);
   fmt::print("sky: {} frames, {} usable\n", summary.sky_frames, summary.usable_sky_frames);
-  if (summary.last && summary.last->tracked && summary.last->air) {
+  if (summary.given) {
+    fmt::print("air: {}, as given\n", text_of(*summary.given));
+  } else if (summary.last && summary.last->tracked && summary.last->air) {
     const auto& tracked = *summary.last->tracked;
     fmt::print("turbidity: {:.2f} +- {:.2f}, aerosol optical depth {:.3f}, visibility {:.1f} km, {}\n",
                tracked.turbidity.value, tracked.sigma, summary.last->air->aod_550,
                summary.last->air->visibility_m / 1000.0, name_of(summary.last->air->weather));
+    if (const auto& aerosol = summary.last->air->aerosol) fmt::print("air: {}\n", text_of(*aerosol));
   } else if (!request.air.turbidity) {
     fmt::print("turbidity: unknown; {:.1f} was assumed{}\n", request.air.until_known.value,
                summary.last ? " (" + summary.last->estimate.reason + ")" : "");
@@ -75,14 +81,19 @@ void add_replay_command(CLI::App& app, Action& action) {
   command->add_flag("--window", arguments->window, "Show the pictures in a window (Escape closes it)");
   command->add_option("--frames", arguments->frames, "At most N pictures")->check(CLI::PositiveNumber);
   command->add_flag("--realtime", arguments->realtime, "At the recorded pace instead of as fast as possible");
-  command->add_option("--turbidity", arguments->turbidity, "Draw the building under this T instead of the sky's")
-      ->check(CLI::Range(kLowestTurbidity.value, kHighestTurbidity.value));
+  auto* turbidity =
+      command->add_option("--turbidity", arguments->turbidity, "Draw the building under this T instead of the sky's")
+          ->check(CLI::Range(kLowestTurbidity.value, kHighestTurbidity.value));
+  add_air_options(*command, arguments->air, "Aerosol optical depth at 550 nm, where it is known: instead of T");
+  turbidity->excludes(command->get_option("--aod"));
   command->add_flag("--no-aerial-perspective", arguments->no_aerial_perspective,
                     "Draw the building as if there were no air in between");
   command->add_flag("--overlay", arguments->overlay,
                     "Draw a grid of directions, the horizon, the building's axes and the landmarks over the pictures");
-  command->add_option("--scattering", arguments->scattering, "Scattering coefficients")
-      ->check(CLI::IsMember({"morales2017", "preetham", "zhao"}))
+  command
+      ->add_option("--scattering", arguments->scattering,
+                   "Scattering coefficients; auto: the aerosol's where it is known, else morales2017")
+      ->check(CLI::IsMember({"auto", "morales2017", "preetham", "zhao", "aerosol"}))
       ->capture_default_str();
   command->add_option("--zeta", arguments->zeta, "How airlight follows the direction: the full sky model or M Eq 13")
       ->check(CLI::IsMember({"full", "paper"}))

@@ -239,8 +239,11 @@ class Run {
 
 Result<ReplaySummary> replay(const ReplayRequest& request) {
   const auto started = std::chrono::steady_clock::now();
-  const auto fixture = read_fixture(request.fixture);
+  auto fixture = read_fixture(request.fixture);
   if (!fixture) return fail(fixture.error());
+  auto& given = fixture->installation.surroundings.air;
+  given = given.overridden_by(request.given);
+  if (request.air.turbidity) given.aod_550.reset();
 
   std::unique_ptr<Clock> clock;
   if (request.realtime)
@@ -260,6 +263,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources);
   if (!played) return fail(played.error());
   auto summary = run.finish();
+  if (summary) summary->given = given.whole();
   if (summary) summary->sighting = sight_object(fixture->installation, model->bounds());
   if (summary) summary->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return summary;

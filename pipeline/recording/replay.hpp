@@ -20,6 +20,7 @@ struct ReplayRequest {
   bool realtime = false;  // at the recorded pace; the sky then runs in a thread of its own, as in the appliance
   std::optional<std::size_t> frames;  // stop after so many pictures
   SceneAirOptions air;
+  GivenAir given;        // goes before what the fixture's [site] says of the air
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the pictures
 };
 
@@ -32,6 +33,7 @@ struct ReplaySummary {
   std::uint64_t dropped = 0;                   // sky reports superseded before drawing (realtime only)
   std::uint64_t layers_drawn = 0;
   std::optional<SkyReport> last;
+  std::optional<Aerosol> given;  // the air, where it was given
   HorizonLight::Source horizon = HorizonLight::Source::none;
   std::string horizon_reason;
   Sighting sighting;  // where the building stands in the picture, or why it does not

@@ -16,13 +16,21 @@ constexpr double kHorizonMemory_s = 2.8;
 
 // Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kMinHazeChange = 0.005;
+constexpr double kMinExponentChange = 0.02;  // half a percent of haze, between green and blue
 constexpr Radians kMinSunMove = from_degrees(0.1);
 constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
   if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
   if (now.measured && difference(*drawn.measured, *now.measured) > kMinSkyChange) return false;
-  const double haze = now.turbidity.value - 1.0, haze_drawn = drawn.turbidity.value - 1.0;
+  if (now.air.aerosol_known() || drawn.air.aerosol_known()) {
+    const Aerosol &aerosol = now.air.aerosol(), &aerosol_drawn = drawn.air.aerosol();
+    return now.air.aerosol_known() == drawn.air.aerosol_known() && aerosol.kind == aerosol_drawn.kind &&
+           std::abs(aerosol.angstrom_exponent - aerosol_drawn.angstrom_exponent) <= kMinExponentChange &&
+           std::abs(aerosol.aod_550 - aerosol_drawn.aod_550) <= kMinHazeChange * aerosol_drawn.aod_550 &&
+           angle_between(now.sun, drawn.sun) <= kMinSunMove;
+  }
+  const double haze = now.air.turbidity().value - 1.0, haze_drawn = drawn.air.turbidity().value - 1.0;
   return std::abs(haze - haze_drawn) <= kMinHazeChange * haze_drawn && angle_between(now.sun, drawn.sun) <= kMinSunMove;
 }
 
@@ -50,20 +58,42 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       ground_albedo_(installation.surroundings.ground_albedo),
       shadows_(installation.object.shadows),
       sky_model_(installation.surroundings.sky_model),
+      given_(installation.surroundings.air),
       fog_(installation.surroundings.fog),
       blur_of_depth_1_px_(installation.surroundings.haze_blur_px),
       to_object_(path_to(installation)),
       options_(options),
-      nodes_(attenuation_nodes(spectral_measure(scene_))) {}
+      measure_(spectral_measure(scene_)) {}
+
+AirState SceneAir::air_under(const SkyReport& report) const {
+  if (options_.turbidity) return air_of(*options_.turbidity, given_.to_be_found());
+  if (const auto given = given_.whole()) return *given;
+  return air_of(report.tracked ? report.tracked->turbidity : options_.until_known, given_.to_be_found(),
+                report.tracked ? report.tracked->sigma : 0.0);
+}
+
+ScatteringModel SceneAir::scattering(const AirState& air) const {
+  if (options_.scattering) return *options_.scattering;
+  const bool own = air.aerosol_known() && resolved(sky_model_, altitude_m_, true) == SiteSkyModel::dome;
+  return own ? ScatteringModel::aerosol : ScatteringModel::morales2017;
+}
+
+HazeCoefficients SceneAir::haze(const AirState& air) const {
+  const auto model = scattering(air);
+  const double exponent = air.aerosol().angstrom_exponent;
+  if (!nodes_ || nodes_->scattering != model ||
+      (model == ScatteringModel::aerosol && nodes_->angstrom_exponent != exponent))
+    nodes_ = {model, exponent, attenuation_nodes(measure_, model, air)};
+  return haze_coefficients(nodes_->nodes, model, air);
+}
 
 SceneConditions SceneAir::conditions(const SkyReport& report) const {
   SceneConditions conditions;
-  conditions.turbidity = report.tracked ? report.tracked->turbidity : options_.until_known;
-  if (options_.turbidity) conditions.turbidity = *options_.turbidity;
+  conditions.air = air_under(report);
   conditions.sky = report.estimate.sky;
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
   conditions.measured = report.measured;
-  conditions.haze_blur_px = haze_blur_px(conditions.turbidity);
+  conditions.haze_blur_px = haze_blur_px(conditions.air);
   return conditions;
 }
 
@@ -81,11 +111,10 @@ DrawnAir SceneAir::drawn_air(const SceneConditions& now, const PixelBox& box, co
 }
 
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
-  const Daylight daylight(scene_, conditions.turbidity, conditions.sun,
+  const Daylight daylight(scene_, conditions.air, conditions.sun,
                           {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get()});
   ObjectAppearance appearance;
-  appearance.haze =
-      haze_for_gles(haze_coefficients(nodes_, options_.scattering, conditions.turbidity), altitude_m_, fog_);
+  appearance.haze = haze_for_gles(haze(conditions.air), altitude_m_, fog_);
   appearance.light = light_for_gles(daylight.on_object());
   appearance.horizon = airlight_grid(
       scene_, box, [&](const glm::dvec2&, const Direction& direction) { return daylight.airlight(direction); });
@@ -94,10 +123,9 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   return appearance;
 }
 
-double SceneAir::haze_blur_px(Turbidity turbidity) const {
+double SceneAir::haze_blur_px(const AirState& air) const {
   if (blur_of_depth_1_px_ <= 0.0 || !options_.aerial_perspective) return 0.0;
-  const auto haze = haze_coefficients(nodes_, options_.scattering, turbidity);
-  const double left = std::clamp(attenuation(haze, to_object_).g, 1e-9, 1.0);
+  const double left = std::clamp(attenuation(haze(air), to_object_).g, 1e-9, 1.0);
   return blur_of_depth_1_px_ * std::sqrt(-std::log(left));
 }
 
@@ -106,7 +134,7 @@ HorizonLight SceneAir::modelled(const SceneConditions& conditions, const Picture
     const glm::dvec3 grey = srgb_to_xyz() * glm::dvec3{1.0};
     return horizon_from_model([&](const Direction&) { return grey; }, scene_, scene);
   }
-  const SiteSky sky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_);
+  const SiteSky sky(sky_model_, conditions.air, conditions.sun, altitude_m_);
   return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
 }
 
@@ -130,7 +158,7 @@ void SceneAir::update_horizon(const FrameMetadata& metadata, const PictureView& 
 AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {
   if (!horizon_.usable())
     return airlight_grid(scene_, box, [](const glm::dvec2&, const Direction&) { return glm::dvec3{0.5}; });
-  const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.turbidity, conditions.sun, altitude_m_),
+  const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.air, conditions.sun, altitude_m_),
                           scene_.light_to_xyz(), options_.zeta);
   return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
     // Back into the camera's own linear light, in which its pixels are compared and blended.

@@ -15,7 +15,8 @@
 namespace kasumi {
 
 struct SceneAirOptions {
-  ScatteringModel scattering = ScatteringModel::morales2017;
+  // Empty: the aerosol's own where it is known and the sky is the dome, else morales2017.
+  std::optional<ScatteringModel> scattering;
   ZetaForm zeta = ZetaForm::full;
   bool aerial_perspective = true;                       // false: the "before" picture
   std::optional<Turbidity> turbidity;                   // instead of the estimate from the sky
@@ -25,7 +26,7 @@ struct SceneAirOptions {
 
 // The air a picture is drawn under.
 struct SceneConditions {
-  Turbidity turbidity;
+  AirState air;
   SunDirection sun{0, 0, 1};
   SkyCondition sky = SkyCondition::unknown;
   std::shared_ptr<const MeasuredSky> measured;  // the clouds; null: the sky model alone
@@ -61,7 +62,10 @@ class SceneAir {
   const HorizonLight& horizon() const { return horizon_; }
 
  private:
-  double haze_blur_px(Turbidity turbidity) const;
+  AirState air_under(const SkyReport& report) const;
+  ScatteringModel scattering(const AirState& air) const;
+  HazeCoefficients haze(const AirState& air) const;
+  double haze_blur_px(const AirState& air) const;
   ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
   HorizonLight modelled(const SceneConditions& conditions, const PictureView& scene) const;
@@ -72,11 +76,19 @@ class SceneAir {
   double ground_albedo_;
   bool shadows_;
   SiteSkyModel sky_model_;
+  GivenAir given_;
   FogLayer fog_;
   double blur_of_depth_1_px_;
   OpticalPath to_object_;
   SceneAirOptions options_;
-  AttenuationNodes nodes_;
+  SpectralMeasure measure_;
+  // Of the air last asked for; the aerosol's move with its exponent.
+  struct Nodes {
+    ScatteringModel scattering = ScatteringModel::morales2017;
+    double angstrom_exponent = 0.0;  // read where the aerosol scatters
+    AttenuationNodes nodes;
+  };
+  mutable std::optional<Nodes> nodes_;
   HorizonLight horizon_;
   std::optional<Instant> horizon_seen_at_;
   std::optional<double> exposure_;  // of the last frame: seconds times gain

@@ -18,6 +18,7 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
       object_m_(installation.object.placement.east_m, installation.object.placement.north_m,
                 installation.object.placement.up_m),
       cloud_base_m_(installation.surroundings.cloud_base_m),
+      given_(installation.surroundings.air),
       options_(std::move(options)),
       observer_(installation.sky) {
   options_.estimate.sky = installation.sky_to_fit();
@@ -56,7 +57,16 @@ void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
 
 void SkyWatch::add_air(SkyReport& report, Instant when) const {
   report.tracked = tracker_.at(when);
-  if (report.tracked) report.air = air_quality(report.tracked->turbidity, site_.altitude_m);
+  if (const auto given = given_.whole()) {
+    // Whatever the sky says of it, the air is known.
+    const Turbidity turbidity{turbidity_of(*given)};
+    report.tracked = TrackedTurbidity{};
+    report.tracked->turbidity = report.tracked->target = turbidity;
+    report.tracked->trustworthy = true;
+    report.air = air_quality(*given, site_.altitude_m);
+  } else if (report.tracked) {
+    report.air = air_quality(air_of(report.tracked->turbidity, given_.to_be_found()), site_.altitude_m);
+  }
 }
 
 Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource sun_from) {

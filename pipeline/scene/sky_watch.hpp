@@ -21,7 +21,7 @@ struct SkyReport {
   Utc utc{};
   TurbidityEstimate estimate;               // of this frame
   std::optional<TrackedTurbidity> tracked;  // over time; empty until the first usable estimate
-  std::optional<AirQuality> air;            // of the tracked turbidity
+  std::optional<AirQuality> air;            // of the tracked turbidity, or the given air's
   SunCheck sun;
   std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: nothing beyond the model
   std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
@@ -60,6 +60,7 @@ class SkyWatch {
   Site site_;
   glm::dvec3 object_m_;  // clouds in front of the sun may shade it
   double cloud_base_m_;
+  GivenAir given_;
   SkyWatchOptions options_;
   SkyObserver observer_;
   TurbidityTracker tracker_;

@@ -20,6 +20,11 @@ void add_sky_command(CLI::App& app, Action& action) {
   command->add_option("--pitch-deg", o.pitch_deg, "Perspective: elevation of the centre")->capture_default_str();
   command->add_option("--turbidity", o.turbidities, "T, 1.7 to 10; several with commas for --sheet")->delimiter(',');
   command
+      ->add_option("--aod", o.aods,
+                   "Instead of T: aerosol optical depth at 550 nm, 0 to 1.8; several with commas for --sheet")
+      ->delimiter(',');
+  add_aerosol_options(*command, o.aerosol);
+  command
       ->add_option("--altitude-m", o.altitudes_m,
                    "Altitude of the observer, 0 to 30000; several with commas for --sheet")
       ->delimiter(',');

@@ -103,9 +103,17 @@ void check_outputs(const SkyOptions& options, const SkyTask& task, Problems& pro
 Result<SkyTask> sky_task(const SkyOptions& options) {
   SkyTask task;
   Problems problems;
-  task.turbidities = options.turbidities.empty() ? std::vector{kStandardTurbidity} : options.turbidities;
+  const GivenAir given = options.aerosol.given();
+  if (!options.turbidities.empty() && !options.aods.empty())
+    problems.add("--turbidity and --aod: expected only one of them");
+  task.turbidities = options.turbidities;
+  if (options.turbidities.empty() && options.aods.empty()) task.turbidities = {kStandardTurbidity};
+  for (const double aod : options.aods) task.turbidities.push_back(turbidity_of(given.with(aod)));
+  task.sky.like = options.aods.empty() ? given.to_be_found() : given.with(0.0);
+  for (const double aod : options.aods)
+    if (!within(aod, 0.0, kHighestDomeAod)) problems.add("--aod {:g}: expected 0 to {:g}", aod, kHighestDomeAod);
   task.altitudes_m = options.altitudes_m.empty() ? std::vector{0.0} : options.altitudes_m;
-  for (const double t : task.turbidities)
+  for (const double t : options.turbidities)
     if (!within(t, kLowestTurbidity.value, kHighestDomeTurbidity.value))
       problems.add("--turbidity {:g}: expected {:g} to {:g}", t, kLowestTurbidity.value, kHighestDomeTurbidity.value);
   for (const double altitude : task.altitudes_m)
@@ -123,6 +131,8 @@ Result<SkyTask> sky_task(const SkyOptions& options) {
     problems.add("--terrain: a fisheye that looks up sees none; expected another --projection");
   if (options.terrain && task.sky.kind == SkyKind::preetham1999)
     problems.add("--terrain: preetham1999 is here for its sky alone; expected another --model");
+  if (task.sky.like && task.sky.kind != SkyKind::dome)
+    problems.add("--aod, --angstrom, --aerosol: only the dome knows an aerosol; expected --model dome");
   check_outputs(options, task, problems);
   if (!problems.empty()) return fail(problems.fault());
   task.sky.altitude_m = task.altitudes_m.front();

@@ -7,13 +7,15 @@
 
 #include "base/result.hpp"
 #include "calib/camera.hpp"
+#include "pipeline/air_options.hpp"
 #include "pipeline/sky/sky_drawing.hpp"
 
 namespace kasumi {
 
 struct SkyOptions {
   std::string projection = "perspective", size, utc, model = "dome", out, sheet, day, compare;
-  std::vector<double> turbidities, altitudes_m, site;
+  std::vector<double> turbidities, aods, altitudes_m, site;
+  AirOptions aerosol;  // exponent and kind
   std::optional<double> sun_zenith_deg, sun_azimuth_deg;
   double field_of_view_deg = 65.0, heading_deg = 0.0, pitch_deg = 12.0, exposure_ev = 0.0, frames_per_second = 12.0;
   int frames = 96;
@@ -23,8 +25,8 @@ struct SkyOptions {
 // The same, validated.
 struct SkyTask {
   SkyCamera camera;
-  SkyRequest sky;  // of the first turbidity and altitude
-  std::vector<double> turbidities, altitudes_m;
+  SkyRequest sky;                                // of the first turbidity and altitude
+  std::vector<double> turbidities, altitudes_m;  // T of the aerosol where it is known
   std::optional<Site> site;
   std::optional<Utc> utc;
   bool mountains = false;

@@ -47,7 +47,8 @@ Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing&
       sky.exposure = exposure;
       const auto picture = draw_one(drawing, task.camera, sky, task.mountains);
       if (!picture) return fail(picture.error());
-      sheet.add(*picture, fmt::format("T {:g}, {:g} km", t, altitude_m / 1000.0));
+      const auto air = sky.like ? fmt::format("AOD {:.3g}", sky.aerosol().aod_550) : fmt::format("T {:g}", t);
+      sheet.add(*picture, fmt::format("{}, {:g} km", air, altitude_m / 1000.0));
     }
   // Turbidities side by side, altitudes one below the other; a single row where there is one turbidity.
   const std::size_t columns = task.turbidities.size() > 1 ? task.turbidities.size() : task.altitudes_m.size();

@@ -61,9 +61,10 @@ bool SkyViewState::apply(const WindowInput& input) {
 }
 
 std::string SkyViewState::caption() const {
-  return fmt::format("T {:.2f}    altitude {:.0f} m    sun {:.1f} deg from the zenith, azimuth {:.1f} deg",
-                     sky.turbidity.value, sky.altitude_m, to_degrees(zenith_angle(sky.sun)),
-                     to_degrees(azimuth_angle(sky.sun)));
+  const auto aod = sky.like ? fmt::format("AOD {:.3f}    ", sky.aerosol().aod_550) : std::string();
+  return aod + fmt::format("T {:.2f}    altitude {:.0f} m    sun {:.1f} deg from the zenith, azimuth {:.1f} deg",
+                           sky.turbidity.value, sky.altitude_m, to_degrees(zenith_angle(sky.sun)),
+                           to_degrees(azimuth_angle(sky.sun)));
 }
 
 Result<> show_sky_window(const SkyTask& task) {

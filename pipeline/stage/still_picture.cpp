@@ -66,6 +66,7 @@ Result<StillPicture> StillPicture::create(GlContext& context, const Content& con
   StillPicture still(context);
   still.scene_ = content.config.installation.scene;
   still.altitude_m_ = content.config.installation.site.altitude_m;
+  still.aerosol_ = content.config.installation.surroundings.air.to_be_found();
   auto background = FlatPicture::create(context, Image<Rgba8>(1, 1, kStillBackground));
   if (!background) return fail(background.error());
   still.background_ = std::move(*background);
@@ -100,6 +101,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   SkyRequest request;
   request.altitude_m = altitude_m_;
   request.turbidity = sky.turbidity;
+  request.like = aerosol_;
   request.sun = sky.sun;
   auto scene = sky_scene(request);
   const auto sums = sky_sums(SkyPainter(scene));

@@ -49,6 +49,7 @@ class StillPicture {
   bool shows_sky_ = true;
   std::optional<FlatPicture> curated_;
   std::optional<FlatPicture> background_;  // one pixel
+  std::optional<Aerosol> aerosol_;         // exponent and kind, where they are given
   std::optional<DomeRenderer> dome_;       // created when first needed
   std::optional<WithSky> with_sky_;
 };

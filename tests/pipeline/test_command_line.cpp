@@ -34,8 +34,9 @@ TEST_F(EstimateCommand, JsonHasEveryDocumentedKey) {
   const auto outcome = run_kasumi("estimate --json " + camera + " " + sky.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
-  for (const char* key : {"turbidity", "sigma", "usable", "reason", "sky", "clear_fraction", "samples", "sky_model",
-                          "sun_zenith_deg", "sun_azimuth_deg", "aod_550", "visibility_m", "weather"})
+  for (const char* key :
+       {"turbidity", "sigma", "usable", "reason", "sky", "clear_fraction", "samples", "sky_model", "sun_zenith_deg",
+        "sun_azimuth_deg", "aod_550", "angstrom_exponent", "aerosol", "visibility_m", "weather"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_TRUE(json["usable"]);
   EXPECT_NEAR(json["turbidity"].get<double>(), 3.0, 0.1);
@@ -55,6 +56,23 @@ TEST_F(EstimateCommand, TheRequestedSkyModelIsFitted) {
   const auto outcome = run_kasumi("estimate --sky-model dome --method reference-pixel " + camera + " " + sky.string());
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("--sky-model preetham"));
+}
+
+TEST_F(EstimateCommand, AGivenKindIsFittedByTheDome) {
+  const auto outcome = run_kasumi("estimate --json --aerosol maritime " + camera + " " + sky.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["sky_model"], "dome");
+  if (json["usable"]) {
+    EXPECT_EQ(json["aerosol"], "maritime");
+    EXPECT_NEAR(json["angstrom_exponent"].get<double>(), natural_exponent(AerosolKind::maritime), 1e-3);
+  }
+  const auto contradicted = run_kasumi("estimate --aerosol dust --sky-model preetham " + camera + " " + sky.string());
+  EXPECT_EQ(contradicted.code, 2);
+  EXPECT_THAT(contradicted.err, HasSubstr("--sky-model dome"));
+  const auto unknown = run_kasumi("estimate --aerosol fog " + camera + " " + sky.string());
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("continental"));
 }
 
 TEST_F(EstimateCommand, AListOnStandardInputGivesOneObjectALineInItsOrder) {

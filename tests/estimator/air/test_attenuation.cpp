@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <vector>
 
 #include <fmt/format.h>
@@ -8,28 +7,10 @@
 
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/air/attenuation.hpp"
-#include "tests/places.hpp"
+#include "tests/estimator/air/every_camera.hpp"
 
 namespace kasumi {
 namespace {
-
-std::vector<SpectralSensitivity> every_camera() {
-  std::vector<SpectralSensitivity> cameras{generic_sensitivity()};
-  const std::filesystem::path folder = shared_data_folder() / "spectral";
-  if (!std::filesystem::exists(folder)) return cameras;
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    const auto extension = entry.path().extension();
-    if (extension == ".json" || extension == ".csv") files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
-  for (const auto& file : files) {
-    auto sensitivity = read_spectral_sensitivity(file);
-    EXPECT_TRUE(sensitivity) << (sensitivity ? "" : sensitivity.error().message);
-    if (sensitivity) cameras.push_back(std::move(*sensitivity));
-  }
-  return cameras;
-}
 
 // On a grid that shares only its corners with the one to which the nodes were fitted.
 double worst_error(const SpectralMeasure& measure, ScatteringModel model) {

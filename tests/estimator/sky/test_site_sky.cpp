@@ -37,6 +37,39 @@ TEST(SiteSky, TheModelIsTheOneAskedForWhateverTheAltitude) {
   EXPECT_TRUE(SiteSky(SiteSkyModel::automatic, Turbidity{2.9}, sun, 4000.0).zenith_cd_m2());
 }
 
+TEST(SiteSky, AKnownAerosolIsTheDomes) {
+  const SunDirection sun = at_deg(50.0, 120.0);
+  const Aerosol dust{0.5, -0.1, AerosolKind::dust};
+  const SiteSky sky(SiteSkyModel::automatic, dust, sun, 100.0);
+  EXPECT_EQ(sky.dome_share(), 1.0);
+  const auto truth = dome(100.0, dust, sun);
+  const Direction view = at_deg(70.0, 30.0);
+  const glm::dvec3 light = *sky.zenith_cd_m2() * sky.relative_xyz(view), expected = dome_light(truth, view);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[c] / expected[c], 1.0, 1e-9);
+  EXPECT_EQ(SiteSky(SiteSkyModel::preetham, dust, sun, 100.0).dome_share(), 0.0) << "asked for";
+}
+
+TEST(SiteSky, UnderALowSunLowLandsSkyFadesIntoTheDomeWithoutAJump) {
+  Camera camera;
+  camera.colour_space = Camera::ColourSpace::srgb;
+  const Direction view = at_deg(75.0, 60.0);
+  double before = 0.0;
+  glm::dvec3 light_before{0.0};
+  for (double elevation = 10.0; elevation <= 18.0; elevation += 0.1) {
+    const SunDirection sun = at_deg(90.0 - elevation, 120.0);
+    const SiteSky sky(SiteSkyModel::automatic, Turbidity{2.8}, sun, 0.0);
+    EXPECT_EQ(SiteSky(SiteSkyModel::preetham, Turbidity{2.8}, sun, 0.0).dome_share(), 0.0);
+    if (elevation < 11.9) EXPECT_EQ(sky.dome_share(), 1.0);
+    if (elevation > 16.1) EXPECT_EQ(sky.dome_share(), 0.0);
+    const Daylight daylight(camera, Turbidity{2.8}, sun);
+    const glm::dvec3 light = daylight.airlight(view) + daylight.on_object().sun_irradiance;
+    if (before > 0.0)
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[c] / light_before[c], 1.0, 0.05) << elevation;
+    before = elevation;
+    light_before = light;
+  }
+}
+
 TEST(SiteSky, NamesAreReadBack) {
   for (const auto model : {SiteSkyModel::automatic, SiteSkyModel::preetham, SiteSkyModel::dome})
     EXPECT_EQ(site_sky_model_named(name_of(model)), model);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "estimator/given_air.hpp"
 #include "estimator/sky/dome.hpp"
 #include "estimator/turbidity/solver.hpp"
 #include "tests/estimator/turbidity/cramer_rao.hpp"
@@ -27,7 +28,7 @@ TEST(DomeLog, IsTheDomesLogarithmAndItsSlope) {
           const auto log_y = [&](double at) {
             return std::log(dome_light(dome(altitude_m, Turbidity{at}, sun), view).y);
           };
-          const auto between = DomeLog::between(Turbidity{t});
+          const auto between = log.between(Turbidity{t});
           worst = std::max(worst, std::abs(between.value_of(nodes) - log_y(t)));
           const double low = std::max(1.7, t - 1e-3), high = std::min(10.0, t + 1e-3);
           const double slope = (log_y(high) - log_y(low)) / (high - low);
@@ -50,6 +51,23 @@ TEST(DomeLog, APerfectDomeIsFoundToItsHundredths) {
         EXPECT_TRUE(found.solved);
         EXPECT_FALSE(found.at_edge) << t;
         EXPECT_NEAR(found.turbidity.value / t, 1.0, 0.005) << t << ", sun " << sun_deg << ", " << altitude_m << " m";
+      }
+}
+
+// From nearly none of it: of a kind, the amount alone is unknown.
+TEST(DomeLog, TheAmountOfAGivenKindIsFound) {
+  for (const AerosolKind kind : {AerosolKind::continental, AerosolKind::dust, AerosolKind::smoke})
+    for (const double sun_deg : {35.0, 70.0})
+      for (const double aod : {0.01, 0.05, 0.2, 0.6}) {
+        const SunDirection sun = sun_at_deg(sun_deg);
+        const Aerosol aerosol{aod, natural_exponent(kind), kind};
+        const DomeFunction sky = dome(0.0, aerosol, sun);
+        const auto samples = samples_of([&](const Direction& view) { return dome_light(sky, view).y; }, sun, 400, 0.0);
+        const SkyToFit fit{SiteSkyModel::dome, 0.0, Aerosol{0.0, natural_exponent(kind), kind}};
+        const auto found = solve_turbidity(samples, {}, FittedSky(fit, sun));
+        EXPECT_TRUE(found.solved);
+        EXPECT_NEAR(air_of(found.turbidity, fit.aerosol).aerosol().aod_550, aod, 0.001 + 0.01 * aod)
+            << name_of(kind) << ", sun " << sun_deg;
       }
 }
 

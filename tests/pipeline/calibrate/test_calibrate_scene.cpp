@@ -6,7 +6,7 @@
 
 #include "calib/calibration_file.hpp"
 #include "capture/utc_text.hpp"
-#include "fixtures/light/sunlight.hpp"
+#include "fixtures/spectrum/sunlight.hpp"
 #include "pipeline/config/placement.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "tests/pipeline/calibrate/calibrating.hpp"

@@ -21,6 +21,7 @@ constexpr const char* kCamera =
 // A kiosk's configuration with some keys for each reader.
 std::string kiosk(const std::string& in_scene = "") {
   return "[site]\nlatitude_deg = 34.2\nlongitude_deg = 135.6\naltitude_m = 20\nfog = {top_m = 100}\n"
+         "aerosol = \"dust\"\n"
          "[display]\nkind = \"headless\"\n[sky]\n" +
          std::string(kCamera) + "camera = {source = \"v4l2\", device = \"/dev/video0\"}\n[scene]\n" + kCamera +
          in_scene +

@@ -101,6 +101,7 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.installation.surroundings.ground_albedo, b.installation.surroundings.ground_albedo);
   EXPECT_EQ(a.installation.surroundings.fog.extinction_per_m, 0.0);
   EXPECT_EQ(a.installation.surroundings.cloud_base_m, b.installation.surroundings.cloud_base_m);
+  EXPECT_EQ(a.installation.surroundings.air, b.installation.surroundings.air);
 }
 
 TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {

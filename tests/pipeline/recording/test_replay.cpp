@@ -58,6 +58,55 @@ TEST(Replay, TheSameFixtureGivesTheSamePicturesBitForBit) {
   }
 }
 
+ReplaySummary played_under(const GivenAir& given, const std::filesystem::path& fixture,
+                           const std::filesystem::path& out) {
+  ReplayRequest request;
+  request.fixture = fixture;
+  request.out = out;
+  request.given = given;
+  const auto summary = replay(request);
+  if (!summary) ADD_FAILURE() << summary.error().message;
+  return summary ? *summary : ReplaySummary{};
+}
+
+TEST(Replay, AGivenAirDrivesThePictureWhateverTheSkySays) {
+  const auto fixture = recorded(small("clear-noon", 2), "given-air");
+  const auto by_option = test_folder("given-air-option"), by_key = test_folder("given-air-key"),
+             usual = test_folder("given-air-usual");
+  const GivenAir smoke{0.5, std::nullopt, AerosolKind::smoke};
+  played(fixture, usual);
+  const auto summary = played_under(smoke, fixture, by_option);
+  EXPECT_EQ(summary.given, smoke.whole());
+  ASSERT_TRUE(summary.last && summary.last->air && summary.last->tracked);
+  EXPECT_EQ(summary.last->air->aerosol, smoke.whole());
+  EXPECT_NEAR(summary.last->tracked->turbidity.value, turbidity_of(*smoke.whole()), 1e-9);
+  EXPECT_TRUE(summary.last->tracked->trustworthy);
+
+  auto text = read_text_file(fixture / "fixture.toml").value();
+  const std::string site = "[site]\n";
+  ASSERT_NE(text.find(site), std::string::npos);
+  text.insert(text.find(site) + site.size(), "aod_550 = 0.5\naerosol = \"smoke\"\n");
+  ASSERT_TRUE(write_text_file(fixture / "fixture.toml", text));
+  EXPECT_EQ(played(fixture, by_key).given, smoke.whole());
+  const auto picture = [](const std::filesystem::path& folder) {
+    return read_file(folder / "frame-000000.png").value();
+  };
+  EXPECT_TRUE(picture(by_option) == picture(by_key))
+      << what_differs(by_option / "frame-000000.png", by_key / "frame-000000.png");
+  EXPECT_FALSE(picture(by_option) == picture(usual)) << "smoke dims and reddens";
+}
+
+TEST(Replay, OfAGivenKindTheAmountIsFoundInTheSky) {
+  const auto fixture = recorded(small("clear-noon", 2), "given-kind");
+  const auto summary =
+      played_under({std::nullopt, std::nullopt, AerosolKind::continental}, fixture, test_folder("given-kind-out"));
+  EXPECT_FALSE(summary.given);
+  ASSERT_TRUE(summary.last && summary.last->air);
+  ASSERT_TRUE(summary.last->air->aerosol);
+  EXPECT_EQ(summary.last->air->aerosol->kind, AerosolKind::continental);
+  EXPECT_GT(summary.last->air->aerosol->aod_550, 0.0);
+}
+
 TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
   const auto fixture = recorded(small_scene("overcast", 2), "overcast");
   const auto summary = played(fixture, test_folder("overcast-out"));

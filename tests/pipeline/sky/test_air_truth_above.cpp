@@ -45,7 +45,8 @@ struct Mean {
 // Errors of land as dark as woods and as bright as snow, to the ground and half the way to it.
 Mean errors(const reference::ReferenceSky& sky, const Aerosol& aerosol, double altitude_m, double sun_deg) {
   SkyRequest request;
-  request.aerosol = aerosol;
+  request.turbidity = {turbidity_of(aerosol)};
+  request.like = aerosol;
   request.altitude_m = altitude_m;
   request.sun = direction_from(from_degrees(90.0 - sun_deg), Radians{0.0});
   const SkyPainter painter(sky_scene(request));
