@@ -112,7 +112,7 @@ FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_su
 
 // What skies on the way differ from interpolated ones, as a share: it is known at a third and at two thirds of the way,
 // each at two elevations; departures holds low and high at the first, then at the second. departures_sun is more of it,
-// around the sun. Halfway between two altitudes hazy skies differ by a third.
+// around the sun. Halfway between two altitudes hazy skies are up to a fifth darker, around the sun half again as bright.
 const vec2 kDepartureWays = vec2(0.33333333, 0.66666667);
 const vec2 kDepartureSines = vec2(0.08, 0.4);
 const real kAroundSun = 0.5;  // asymmetry of a lobe
