@@ -172,7 +172,7 @@ OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Cam
   cv::Mat1f apart;  // from the nearest that differs, in elements
   cv::distanceTransform(1 - differs, apart, cv::DIST_L2, 3);
   const auto margin = static_cast<float>(kMargin.value / element);
-  const auto ring_inner = static_cast<float>(std::cos(kNearest.value)), ring_outer = static_cast<float>(std::cos(kRing.value));
+  const auto ring_inner = static_cast<float>(std::cos(kNearest.value)), ring_outer = static_cast<float>(std::cos(kRing.value + std::max(0.0, zenith_angle(sun).value + kRing.value - limits.largest_zenith.value)));
   Share ring;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -181,7 +181,7 @@ OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Cam
       PixelUse& as = own.use.at(x, y);
       if (agrees && (as == PixelUse::cloud || as == PixelUse::near_sun || as == PixelUse::saturated)) as = PixelUse::clear;
       const float cosine = glm::dot(geometry.direction.at(x, y), towards_sun);
-      if (cosine < ring_inner && cosine > ring_outer) ring.count(compared(y, x) != 0 && differs(y, x) == 0);
+      if (cosine < ring_inner && cosine > ring_outer && light.use.at(x, y) != PixelUse::outside) ring.count(compared(y, x) != 0 && differs(y, x) == 0);
     }
   // A closed layer of cloud is smooth, too, but neither blue anywhere nor much brighter around the sun.
   const auto level_at = [&](double degrees) {

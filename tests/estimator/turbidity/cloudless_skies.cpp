@@ -10,6 +10,8 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <opencv2/core.hpp>
 
@@ -217,17 +219,44 @@ std::vector<CloudlessSky> measured_skies(const std::string& folder) {
   return skies;
 }
 
+namespace {
+
+// A white diffuser on level ground, as radiance.
+glm::dvec3 white_under(const CloudlessSky& sky) {
+  glm::dvec3 falls = std::max(0.0, sky.sun.z) * sky.sun_irradiance;
+  constexpr int kRings = 12, kSectors = 24;
+  for (int i = 0; i < kRings; ++i)  // equal steps of cos^2 weigh equally on the ground
+    for (int j = 0; j < kSectors; ++j)
+      falls += kPi / (kRings * kSectors) *
+               sky.light(direction_from({std::acos(std::sqrt((i + 0.5) / kRings))}, {(j + 0.5) * 2.0 * kPi / kSectors}));
+  return falls / kPi;
+}
+
+// As the generator lights its clouds, but without the air before them.
+glm::dvec3 cloud_light(const fixtures::CloudSample& cloud, double gamma, const glm::dvec3& white) {
+  const double silver_lining = 1.0 + 1.6 * std::exp(-gamma / 0.16) * (1.0 - cloud.thickness);
+  return std::lerp(0.95, 0.42, cloud.thickness) * (1.0 + 0.28 * cloud.relief) * silver_lining * white;
+}
+
+}  // namespace
+
 Image<Rgb8> photograph(const CloudlessSky& sky, const Camera& camera, const Shot& shot) {
   Image<glm::dvec3> light(camera.width, camera.height, glm::dvec3(0.0));
   const glm::dmat3 to_camera = glm::inverse(camera.light_to_xyz()) * glm::inverse(xyz_to_linear_srgb());
+  const glm::dvec3 white = shot.clouds ? white_under(sky) : glm::dvec3{0.0};
+  const double shine = !shot.sun_disc ? 0.0 : shot.clouds ? shot.clouds->sunlight_at({0.0, 0.0, 0.0}) : 1.0;
   const double disc_sr = kPi * std::pow(std::sin(fixtures::kSunRadius.value), 2);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const auto direction = camera.direction_at({x, y});
       if (!direction || direction->z <= 0.0) continue;
       glm::dvec3 rgb = sky.light(*direction);
-      if (shot.sun_disc) {
-        rgb += lens_glare(angle_between(*direction, sky.sun).value) * sky.sun_irradiance;
+      if (shot.clouds) {
+        const fixtures::CloudSample cloud = shot.clouds->at(*direction, 0.006);
+        rgb = glm::mix(rgb, cloud_light(cloud, angle_between(*direction, sky.sun).value, white), cloud.opacity);
+      }
+      if (shine > 0.0) {
+        rgb += shine * lens_glare(angle_between(*direction, sky.sun).value) * sky.sun_irradiance;
         constexpr int kRays = 5;  // a side of the pixel
         int hits = 0;
         for (int j = 0; j < kRays * kRays; ++j) {
@@ -235,7 +264,7 @@ Image<Rgb8> photograph(const CloudlessSky& sky, const Camera& camera, const Shot
           const auto d = camera.direction_at(glm::dvec2{x, y} + ray);
           if (d && angle_between(*d, sky.sun) < fixtures::kSunRadius) ++hits;
         }
-        rgb += hits / (kRays * kRays * disc_sr) * sky.sun_irradiance;
+        rgb += shine * hits / (kRays * kRays * disc_sr) * sky.sun_irradiance;
       }
       light.at(x, y) = glm::max(to_camera * rgb, 1e-4 * glm::dvec3{rgb.y}) / fixtures::kLumensPerWatt;
     }

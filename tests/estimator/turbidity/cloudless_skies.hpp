@@ -12,6 +12,7 @@
 #include "base/picture.hpp"
 #include "calib/camera.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
+#include "fixtures/light/clouds.hpp"
 
 namespace kasumi::test {
 
@@ -37,6 +38,7 @@ struct Shot {
   double brightest = 0.95;  // level of the 98th percentile of the light
   bool noise = false;
   std::uint64_t seed = 1;
+  const fixtures::CloudLayer* clouds = nullptr;  // before the sky, white where thin and grey where thick
 };
 // 8 bits, through the camera's response and vignetting.
 Image<Rgb8> photograph(const CloudlessSky& sky, const Camera& camera, const Shot& shot);
