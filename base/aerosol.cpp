@@ -15,9 +15,9 @@ constexpr std::array<KindFacts, kAerosolKinds.size()> kFacts{{{"continental", 1.
                                                               {"polluted", 1.35},
                                                               {"urban", 1.34},
                                                               {"maritime", 0.10},
-                                                              {"desert", 0.17},
+                                                              {"desert", 0.16},
                                                               {"dust", -0.12},
-                                                              {"smoke", 1.60}}};
+                                                              {"smoke", 1.83}}};
 const KindFacts& facts_of(AerosolKind kind) {
   return kFacts[static_cast<std::size_t>(kind)];
 }

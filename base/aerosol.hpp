@@ -11,9 +11,9 @@ namespace kasumi {
 // Mixtures of particles (docs/aerosol.md). Single scattering albedo and phase function by wavelength belong to the
 // kind.
 enum class AerosolKind { continental, polluted, urban, maritime, desert, dust, smoke };
-constexpr std::array kAerosolKinds{AerosolKind::continental, AerosolKind::polluted, AerosolKind::urban,
-                                   AerosolKind::maritime,    AerosolKind::desert,   AerosolKind::dust,
-                                   AerosolKind::smoke};
+inline constexpr std::array kAerosolKinds{AerosolKind::continental, AerosolKind::polluted, AerosolKind::urban,
+                                          AerosolKind::maritime,    AerosolKind::desert,   AerosolKind::dust,
+                                          AerosolKind::smoke};
 std::string_view name_of(AerosolKind kind);  // "continental"
 std::optional<AerosolKind> aerosol_kind_named(std::string_view name);
 // Angstrom exponent between 450 and 650 nm that the kind has by nature.

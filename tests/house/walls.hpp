@@ -74,8 +74,9 @@ inline const Walls kMayInclude = {
     {"pipeline/stage", {"pipeline/config", "pipeline/scene"}},
 
     {"fixtures", {"base", "calib", "capture", "fixtures/generator", "fixtures/model", "fixtures/temple"}},
+    {"fixtures/aerosol", {}},
     {"fixtures/assemble", {}},
-    {"fixtures/atmosphere", {"fixtures/light", "fixtures/model"}},
+    {"fixtures/atmosphere", {"fixtures/aerosol", "fixtures/light", "fixtures/model"}},
     {"fixtures/generator",
      {"fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
       "fixtures/temple"}},

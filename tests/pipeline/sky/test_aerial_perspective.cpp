@@ -68,7 +68,7 @@ class AerialPerspective : public testing::Test {
   }
 
   static reference::ReferenceSky atmosphere(double turbidity) {
-    return reference::ReferenceSky(reference::Air{.turbidity = turbidity}, 40.0);
+    return reference::ReferenceSky(reference::spctral2_optics_of({.aerosol = aerosol_of(turbidity)}, 380.0, 40.0));
   }
 };
 
