@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <optional>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/statistics.hpp"
@@ -21,13 +19,12 @@ namespace kasumi {
 
 namespace {
 
-constexpr Radians kNearest = from_degrees(2.0);  // to the sun: nearer, the lens's glare is no sky
-constexpr Radians kMargin = from_degrees(4.0);   // around what differs, as today: a cloud agrees here and there by chance
-constexpr Radians kAround = from_degrees(60.0);
-constexpr Radians kRing = from_degrees(6.0);
-constexpr double kStillClear = 0.9;              // of the sky that looked clear before; less: clouds were fitted
-constexpr float kFloor = 0.03f;
-constexpr float kBlue = -0.35f, kRise = 0.5f;    // ln R/B; ln Y
+constexpr Radians kGlare = from_degrees(2.0);    // around the sun: the lens's, no sky
+constexpr Radians kRing = from_degrees(6.0);     // the aureole from the glare to here tells whether the sun is covered
+constexpr Radians kMargin = from_degrees(4.0);   // around what differs: parts of a cloud agree by chance
+constexpr Radians kAround = from_degrees(60.0);  // the sky around the sun, which decides whether the form is trusted
+constexpr double kTrusted = 0.9;                 // of what looked clear there must agree; else clouds were fitted
+constexpr double kAnchored = 0.1;                // of the sky there looked clear: less says nothing
 
 struct Share {
   double some = 0.0, all = 0.0;
@@ -38,10 +35,10 @@ struct Share {
   double value() const { return all > 0.0 ? some / all : 0.0; }
 };
 
-// Relative step of light per step of the encoded value, by channel and level: how finely dark elements are quantised.
-class Steps {
+// Relative step of light per step of the encoded value, by channel and level: how coarsely dark elements are quantised.
+class RelativeSteps {
  public:
-  Steps(const Response& response, double quantum) {
+  RelativeSteps(const Response& response, double quantum) {
     for (std::size_t i = 1; i < steps_.size(); ++i) {
       const glm::dvec3 level{static_cast<double>(i) / kLast};
       steps_[i] = glm::vec3(quantum * response.slope(level) / glm::max(response.to_light(level), glm::dvec3{1e-9}));
@@ -58,140 +55,162 @@ class Steps {
   std::array<glm::vec3, kLast + 1> steps_{};
 };
 
-// What is compared, per element.
+// What is compared with the form, per element. Means over 3 x 3 elements: single ones are noisy.
 struct Looks {
-  cv::Mat1f known;              // 1 or 0
-  cv::Mat1f luminance, colour;  // ln Y, ln R/B
-  cv::Mat1f step_y, step_c;     // of their quantisation
+  cv::Mat1f known;  // 1, or 0: saturated, dark, not sky
+  cv::Mat1f luminance, colour, texture;
+  cv::Mat1f luminance_step, colour_step;  // of the quantisation
 };
-Looks looks_of(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera, const SkyLight& sky) {
-  const int width = sky.use.width(), height = sky.use.height();
-  const Steps steps(camera.response, picture.quantum);
-  const cv::Mat1f zero(height, width, 0.0f);
-  Looks looks{zero.clone(), zero.clone(), zero.clone(), zero.clone(), zero.clone()};
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      if (sky.use.at(x, y) != PixelUse::clear) continue;
-      const glm::vec3& rgb = sky.light.at(x, y);
+Looks looks_of(const SkyPicture& picture, const Camera& camera, const SkyLight& light) {
+  const RelativeSteps steps(camera.response, picture.quantum);
+  const cv::Mat1f none(light.use.height(), light.use.width(), 0.0f);
+  Looks looks{none.clone(), none.clone(), none.clone(), {}, none.clone(), none.clone()};
+  for (int y = 0; y < none.rows; ++y)
+    for (int x = 0; x < none.cols; ++x) {
+      if (light.use.at(x, y) != PixelUse::clear) continue;
+      const glm::vec3& channels = light.light.at(x, y);
       const glm::vec3 step = steps.at(picture.encoded.at(x, y));
       looks.known(y, x) = 1.0f;
-      looks.luminance(y, x) = sky.log_luminance.at(x, y);
-      looks.colour(y, x) = std::log(rgb.r / rgb.b);
-      looks.step_y(y, x) = step.g;
-      looks.step_c(y, x) = glm::length(glm::vec2{step.r, step.b});
+      looks.luminance(y, x) = light.log_luminance.at(x, y);
+      looks.colour(y, x) = std::log(channels.r / channels.b);
+      looks.luminance_step(y, x) = step.g;
+      looks.colour_step(y, x) = std::hypot(step.r, step.b);
     }
+  looks.texture = texture_of(looks.luminance, looks.known);
+  looks.luminance = mean_over(looks.luminance, looks.known, 3);
+  looks.colour = mean_over(looks.colour, looks.known, 3);
   return looks;
 }
 
-}  // namespace
+// Some quantity of the known elements, of every fourth.
+template <class Quantity>
+std::vector<float> some_of(const Looks& looks, const Quantity& quantity) {
+  std::vector<float> values;
+  for (int y = 0; y < looks.known.rows; y += 2)
+    for (int x = 0; x < looks.known.cols; x += 2)
+      if (looks.known(y, x) != 0.0f) values.push_back(quantity(x, y));
+  return values;
+}
 
-OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-               const Image<PixelUse>& use, const SunDirection& sun) {
-  OwnSky own{use, 0.0};
-  SampleLimits limits;
-  limits.least_sun_distance = kNearest;
-  const SkyLight light = sky_light(picture, geometry, camera, sun, limits);
-  const Looks looks = looks_of(picture, geometry, camera, light);
-  const int width = use.width(), height = use.height();
-  const cv::Mat1f texture = texture_of(looks.luminance, looks.known);
-  const cv::Mat1f luminance = mean_over(looks.luminance, looks.known, 3), colour = mean_over(looks.colour, looks.known, 3);
-  std::vector<float> unevenness;
-  std::vector<float> solid_angles;
-  for (int y = 0; y < height; y += 2)
-    for (int x = 0; x < width; x += 2)
-      if (looks.known(y, x) != 0.0f) {
-        unevenness.push_back(texture(y, x));
-        solid_angles.push_back(geometry.solid_angle.at(x, y));
-      }
-  if (unevenness.size() < 200) return own;
-  const float rough = std::max(0.02f, 5.0f * quantile(unevenness, 0.25));
-  const double element = std::sqrt(static_cast<double>(median_in_place(solid_angles)));
-
-  const ClearForm form(sun);
-  constexpr double kPlaces = 4000.0;
-  const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(4.0 * static_cast<double>(unevenness.size()) / kPlaces))));
+std::vector<LookedAt> places_of(const Looks& looks, const SkyGeometry& geometry, const Image<PixelUse>& use,
+                                const ClearForm& form, float rough) {
+  constexpr double kPlaces = 4000.0;  // more add nothing
+  constexpr float kPerhapsCloud = 0.3f;
+  const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(cv::sum(looks.known)[0] / kPlaces))));
   std::vector<LookedAt> places;
-  for (int y = step / 2; y < height; y += step)
-    for (int x = step / 2; x < width; x += step) {
+  for (int y = step / 2; y < looks.known.rows; y += step)
+    for (int x = step / 2; x < looks.known.cols; x += step) {
       if (looks.known(y, x) == 0.0f) continue;
-      LookedAt p{form.at(geometry.direction.at(x, y)), luminance(y, x), colour(y, x), 0.0f};
-      const bool clear = use.at(x, y) == PixelUse::clear;
-      if (texture(y, x) < rough) p.weight = clear ? 1.0f : 0.3f;
-      places.push_back(p);
+      LookedAt place{form.at(geometry.direction.at(x, y)), looks.luminance(y, x), looks.colour(y, x), 0.0f};
+      if (looks.texture(y, x) < rough) place.weight = use.at(x, y) == PixelUse::clear ? 1.0f : kPerhapsCloud;
+      places.push_back(place);
     }
-  const auto sky = fit_clear_form(std::move(places));
-  if (!sky) return own;
+  return places;
+}
 
-  // What differs from the form, or is textured. A saturated element agrees if the form is at least as bright there.
-  const float luminance_limit = std::clamp(4.0f * sky->luminance_scatter, kFloor, 0.12f);
-  const float colour_limit = std::clamp(4.0f * sky->colour_scatter, kFloor, 0.10f);
-  const glm::vec3 luminance_of{geometry.light_to_xyz[0].y, geometry.light_to_xyz[1].y, geometry.light_to_xyz[2].y};
-  cv::Mat1b differs(height, width, std::uint8_t{0}), compared(height, width, std::uint8_t{0});
-  Share still_clear, agreeing;  // within 60 deg of the sun
+struct Differences {
+  cv::Mat1b compared, differs;     // 1 or 0
+  Share agreeing, still_agreeing;  // around the sun: of all; of what was clear
+  bool trusted() const {
+    const Share& share = still_agreeing.all > kAnchored * agreeing.all ? still_agreeing : agreeing;
+    return share.value() >= kTrusted;
+  }
+};
+Differences differences(const Looks& looks, const SkyLight& light, const SkyPicture& picture,
+                        const SkyGeometry& geometry, const Camera& camera, const Image<PixelUse>& use,
+                        const SunDirection& sun, const ClearForm& form, const ClearSkyByForm& sky, float rough) {
+  // The form's own misfit, but no less than what a thin veil makes of it.
+  constexpr float kScatters = 4.0f, kLeast = 0.03f, kMostLuminance = 0.12f, kMostColour = 0.10f;
+  const float luminance_limit = std::clamp(kScatters * sky.luminance_scatter, kLeast, kMostLuminance);
+  const float colour_limit = std::clamp(kScatters * sky.colour_scatter, kLeast, kMostColour);
+  const glm::dmat3& to_xyz = geometry.light_to_xyz;
+  const glm::vec3 luminance_of{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y}, towards_sun(sun);
   const auto around = static_cast<float>(std::cos(kAround.value));
-  const glm::vec3 towards_sun(sun);
-  std::vector<float> colours;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+  const cv::Mat1b none(looks.known.size(), std::uint8_t{0});
+  Differences found{none.clone(), none.clone(), {}, {}};
+  for (int y = 0; y < none.rows; ++y)
+    for (int x = 0; x < none.cols; ++x) {
       const bool known = looks.known(y, x) != 0.0f;
       if (!known && light.use.at(x, y) != PixelUse::saturated) continue;
       const glm::vec3& direction = geometry.direction.at(x, y);
       const ClearForm::Terms terms = form.at(direction);
-      compared(y, x) = 1;
+      bool differs = false;
       if (known) {
-        const float dy = std::abs(luminance(y, x) - sky->luminance_at(terms));
-        const float dc = std::abs(colour(y, x) - sky->colour_at(terms));
-        const float step_y = looks.step_y(y, x), step_c = looks.step_c(y, x);
-        differs(y, x) = dy > luminance_limit + 0.6f * step_y || dc > colour_limit + 0.6f * step_c ||
-                        texture(y, x) > rough + 0.3f * step_y;
-        if ((x + y) % 8 == 0) colours.push_back(colour(y, x));
+        const float luminance_step = looks.luminance_step(y, x);
+        differs = std::abs(looks.luminance(y, x) - sky.luminance_at(terms)) > luminance_limit + 0.6f * luminance_step ||
+                  std::abs(looks.colour(y, x) - sky.colour_at(terms)) > colour_limit + 0.6f * looks.colour_step(y, x) ||
+                  looks.texture(y, x) > rough + 0.3f * luminance_step;
       } else {
-        const glm::dvec3 at_least = camera.response.to_light(glm::dvec3(picture.encoded.at(x, y)));
-        const float y_least = glm::dot(luminance_of, glm::vec3(at_least) * geometry.gain.at(x, y));
-        differs(y, x) = sky->luminance_at(terms) < std::log(y_least) - 0.1f;
+        // Saturated: it agrees if the form is as bright there or brighter.
+        const glm::vec3 least(camera.response.to_light(glm::dvec3(picture.encoded.at(x, y))));
+        const float least_luminance = glm::dot(luminance_of, least * geometry.gain.at(x, y));
+        differs = sky.luminance_at(terms) < std::log(least_luminance) - 0.1f;
       }
+      found.compared(y, x) = 1;
+      found.differs(y, x) = differs ? 1 : 0;
       if (glm::dot(direction, towards_sun) < around) continue;
-      agreeing.count(differs(y, x) == 0);
-      if (use.at(x, y) == PixelUse::clear) still_clear.count(differs(y, x) == 0);
+      found.agreeing.count(!differs);
+      if (use.at(x, y) == PixelUse::clear) found.still_agreeing.count(!differs);
     }
-  if (std::getenv("OWN_DEBUG")) {
-    std::printf("  own: scatter %.3f %.3f rough %.3f limits %.3f %.3f still %.3f of %.3f agreeing %.3f\n", double(sky->luminance_scatter), double(sky->colour_scatter), double(rough), double(luminance_limit),double(colour_limit), still_clear.value(), still_clear.all/(agreeing.all+1), agreeing.value());
-    static int n = 0;
-    cv::Mat3b m(height, width, cv::Vec3b(0, 0, 0));
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const glm::vec3 e = picture.encoded.at(x, y);
-        m(y, x) = cv::Vec3b(e.b * 255, e.g * 255, differs(y, x) ? 255 : e.r * 255);
-        if (use.at(x, y) == PixelUse::cloud) m(y, x)[1] = 255;
-      }
-    cv::imwrite(std::string(std::getenv("OWN_DEBUG")) + "-" + std::to_string(n++) + ".png", m);
-  }
-  const bool anchored = still_clear.all > 0.1 * agreeing.all;
-  if (anchored ? still_clear.value() < kStillClear : agreeing.value() < kStillClear) return own;
-  cv::medianBlur(differs, differs, 5);
-  cv::Mat1f apart;  // from the nearest that differs, in elements
-  cv::distanceTransform(1 - differs, apart, cv::DIST_L2, 3);
-  const auto margin = static_cast<float>(kMargin.value / element);
-  const auto ring_inner = static_cast<float>(std::cos(kNearest.value)), ring_outer = static_cast<float>(std::cos(kRing.value + std::max(0.0, zenith_angle(sun).value + kRing.value - limits.largest_zenith.value)));
-  Share ring;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      if (geometry.open.at(x, y) == 0) continue;
-      const bool agrees = compared(y, x) != 0 && apart(y, x) > margin;
-      PixelUse& as = own.use.at(x, y);
-      if (agrees && (as == PixelUse::cloud || as == PixelUse::near_sun || as == PixelUse::saturated)) as = PixelUse::clear;
-      const float cosine = glm::dot(geometry.direction.at(x, y), towards_sun);
-      if (cosine < ring_inner && cosine > ring_outer && light.use.at(x, y) != PixelUse::outside) ring.count(compared(y, x) != 0 && differs(y, x) == 0);
-    }
-  // A closed layer of cloud is smooth, too, but neither blue anywhere nor much brighter around the sun.
-  const auto level_at = [&](double degrees) {
-    const glm::dvec3 side = glm::normalize(glm::cross(glm::dvec3(sun), glm::dvec3(0.0, 0.0, 1.0)) + glm::dvec3(1e-6, 0.0, 0.0));
-    const double angle = from_degrees(degrees).value;
-    return sky->luminance_at(form.at(glm::vec3(std::cos(angle) * glm::dvec3(sun) + std::sin(angle) * side)));
+  cv::medianBlur(found.differs, found.differs, 5);  // without single ones: noise
+  return found;
+}
+
+// A closed layer of cloud is smooth, too. But it is neither blue anywhere nor so much brighter around the sun as haze,
+// which scatters forwards, makes it.
+bool is_air(const Looks& looks, const ClearForm& form, const ClearSkyByForm& sky, const SunDirection& sun) {
+  constexpr float kBlue = -0.35f, kRise = 0.5f;  // ln R/B; ln Y
+  if (quantile(some_of(looks, [&](int x, int y) { return looks.colour(y, x); }), 0.1) < kBlue) return true;
+  const glm::dvec3 level = glm::cross(sun, glm::dvec3{0.0, 0.0, 1.0});
+  const glm::dvec3 aside = glm::length(level) > 1e-6 ? glm::normalize(level) : glm::dvec3{1.0, 0.0, 0.0};
+  const auto beside = [&](Radians angle) {
+    return sky.luminance_at(form.at(glm::vec3(std::cos(angle.value) * sun + std::sin(angle.value) * aside)));
   };
-  const bool blue = quantile(colours, 0.1) < kBlue, rises = level_at(4.0) - level_at(25.0) > kRise;
-  if (std::getenv("OWN_DEBUG")) std::printf("  ring %.2f of %.0f blue %.2f rise %.2f\n", ring.value(), ring.all, double(quantile(colours, 0.1)), double(level_at(4.0) - level_at(25.0)));
-  if (blue || rises) own.uncovered_sun = std::clamp((ring.value() - 0.6) / 0.35, 0.0, 1.0);
+  return beside(from_degrees(4.0)) - beside(from_degrees(25.0)) > kRise;
+}
+
+}  // namespace
+
+OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera, const Image<PixelUse>& use,
+               const SunDirection& sun) {
+  OwnSky own{use, 0.0};
+  SampleLimits limits;
+  limits.least_sun_distance = kGlare;
+  const SkyLight light = sky_light(picture, geometry, camera, sun, limits);
+  const Looks looks = looks_of(picture, camera, light);
+  std::vector<float> textures = some_of(looks, [&](int x, int y) { return looks.texture(y, x); });
+  constexpr std::size_t kFew = 200;
+  if (textures.size() < kFew) return own;
+  const float rough = std::max(0.02f, 5.0f * quantile_in_place(textures, 0.25));  // as CloudMaskOptions has it
+
+  const ClearForm form(sun);
+  const auto sky = fit_clear_form(places_of(looks, geometry, use, form, rough));
+  if (!sky) return own;
+  const Differences found = differences(looks, light, picture, geometry, camera, use, sun, form, *sky, rough);
+  if (!found.trusted()) return own;
+
+  std::vector<float> solid_angles = some_of(looks, [&](int x, int y) { return geometry.solid_angle.at(x, y); });
+  const double element = std::sqrt(static_cast<double>(median_in_place(solid_angles)));
+  const auto margin = static_cast<float>(kMargin.value / element);
+  cv::Mat1f apart;  // from what differs, in elements
+  cv::distanceTransform(1 - found.differs, apart, cv::DIST_L2, 3);
+  // A low sun's ring is partly below what is examined: then it reaches further up.
+  const double below = std::max(0.0, zenith_angle(sun).value + kRing.value - limits.largest_zenith.value);
+  const auto ring_begins = static_cast<float>(std::cos(kGlare.value)),
+             ring_ends = static_cast<float>(std::cos(kRing.value + below));
+  const glm::vec3 towards_sun(sun);
+  Share ring;
+  for (int y = 0; y < use.height(); ++y)
+    for (int x = 0; x < use.width(); ++x) {
+      if (light.use.at(x, y) == PixelUse::outside) continue;
+      PixelUse& as = own.use.at(x, y);
+      if (found.compared(y, x) != 0 && apart(y, x) > margin && as != PixelUse::outside) as = PixelUse::clear;
+      const float cosine = glm::dot(geometry.direction.at(x, y), towards_sun);
+      if (cosine < ring_begins && cosine > ring_ends) ring.count(found.compared(y, x) != 0 && found.differs(y, x) == 0);
+    }
+  constexpr double kCovered = 0.6, kUncovered = 0.95;  // shares of the ring
+  if (is_air(looks, form, *sky, sun))
+    own.uncovered_sun = std::clamp((ring.value() - kCovered) / (kUncovered - kCovered), 0.0, 1.0);
   return own;
 }
 

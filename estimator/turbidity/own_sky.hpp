@@ -14,7 +14,7 @@ struct OwnSky {
 // `use`: clouds marked by their difference from a clear sky's model (SkyObservation::use). In air of other aerosols
 // than the model's the aureole differs from it as a cloud does, but a cloud has texture, edges and a colour of its own,
 // and the aureole has none of these.
-OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-               const Image<PixelUse>& use, const SunDirection& sun);
+OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera, const Image<PixelUse>& use,
+               const SunDirection& sun);
 
 }  // namespace kasumi

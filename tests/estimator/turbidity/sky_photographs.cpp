@@ -1,4 +1,4 @@
-#include "tests/estimator/turbidity/cloudless_skies.hpp"
+#include "tests/estimator/turbidity/sky_photographs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,6 +15,7 @@
 #include <glm/geometric.hpp>
 #include <opencv2/core.hpp>
 
+#include "base/aerosol.hpp"
 #include "base/units.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "fixtures/light/sensor.hpp"
@@ -49,10 +50,11 @@ Taps taps_at(const std::array<double, N>& x, double at) {
 // ln of light over the scattering by air and aerosol along the way.
 struct Table {
   std::array<std::array<std::array<double, kAzimuths>, kZeniths_deg.size()>, 3> log_ratio{};
-  std::array<glm::dvec2, 3> scatter{};  // of molecules, of aerosol, per channel
-  double phase(int c, double cos_gamma) const {
-    const glm::dvec2& s = scatter[static_cast<std::size_t>(c)];
-    return s.x * reference::rayleigh_phase(cos_gamma) + s.y * reference::aerosol_phase(cos_gamma);
+  std::array<double, 3> molecules{}, aerosol{};  // scattering of the column, per channel
+  std::array<reference::PhaseCurve, 3> aerosol_phase;
+  double phase(std::size_t channel, double cos_gamma) const {
+    return molecules[channel] * reference::rayleigh_phase(cos_gamma) +
+           aerosol[channel] * aerosol_phase[channel].value(cos_gamma);
   }
 };
 
@@ -72,7 +74,9 @@ CloudlessSky simulated_sky(const reference::ReferenceSky& air, double altitude_m
     const double nm = std::array{600.0, 550.0, 450.0}[c];
     std::size_t w = 0;
     while (w + 1 < optics.size() && optics.wavelength_nm[w] < nm) ++w;
-    table->scatter[c] = {optics.extinction[reference::kMolecules][w] * 8434.5, optics.aerosol_scattering[w] * 1200.0};
+    table->molecules[c] = optics.extinction[reference::kMolecules][w] * 8434.5;
+    table->aerosol[c] = optics.aerosol_scattering[w] * kAerosolHeight_m;
+    table->aerosol_phase[c] = optics.aerosol_phase[w];
   }
   const double sun_zenith = zenith_angle(sun).value, sun_azimuth = azimuth_angle(sun).value;
   const glm::dvec3 sun_ahead = direction_from({sun_zenith}, {0.0});
@@ -80,9 +84,9 @@ CloudlessSky simulated_sky(const reference::ReferenceSky& air, double altitude_m
     for (int a = 0; a < kAzimuths; ++a) {
       const Direction view = direction_from(from_degrees(kZeniths_deg[z]), from_degrees(10.0 * a));
       const glm::dvec3 rgb = xyz_to_linear_srgb() * air.xyz({altitude_m, view, sun_ahead});
-      for (int c = 0; c < 3; ++c)
-        table->log_ratio[static_cast<std::size_t>(c)][z][static_cast<std::size_t>(a)] =
-            std::log(std::max(rgb[c], 1e-3 * rgb.y) / table->phase(c, glm::dot(view, sun_ahead)));
+      for (std::size_t c = 0; c < 3; ++c)
+        table->log_ratio[c][z][static_cast<std::size_t>(a)] =
+            std::log(std::max(rgb[static_cast<int>(c)], 1e-3 * rgb.y) / table->phase(c, glm::dot(view, sun_ahead)));
     }
   CloudlessSky sky;
   sky.sun = sun;
@@ -98,13 +102,12 @@ CloudlessSky simulated_sky(const reference::ReferenceSky& air, double altitude_m
     }();
     const Taps down = taps_at(kZeniths_deg, zenith), round = taps_at(azimuths, azimuth);
     glm::dvec3 light;
-    for (int c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < 3; ++c) {
       double sum = 0.0;
       for (std::size_t i = 0; i < 4; ++i)
         for (std::size_t j = 0; j < 4; ++j)
-          sum += down.weight[i] * round.weight[j] *
-                 table->log_ratio[static_cast<std::size_t>(c)][down.node[i]][round.node[j]];
-      light[c] = std::exp(sum) * table->phase(c, cosine);
+          sum += down.weight[i] * round.weight[j] * table->log_ratio[c][down.node[i]][round.node[j]];
+      light[static_cast<int>(c)] = std::exp(sum) * table->phase(c, cosine);
     }
     return light;
   };
@@ -129,8 +132,7 @@ Scan read_scan(const std::string& path) {
     std::stringstream text(line);
     for (std::string field; std::getline(text, field, ',');) values.push_back(std::stod(field));
     if (first) continue;  // often wrong
-    const fixtures::Spectrum spectrum =
-        fixtures::resample(std::span<const double>(values).subspan(2), 380.0, 10.0);
+    const fixtures::Spectrum spectrum = fixtures::resample(std::span<const double>(values).subspan(2), 380.0, 10.0);
     glm::dvec3 xyz{0.0};
     for (std::size_t i = 0; i < spectrum.size(); ++i)
       xyz += fixtures::kLumensPerWatt * spectrum[i] * glm::dvec3(cie.x[i], cie.y[i], cie.z[i]);
@@ -146,8 +148,9 @@ constexpr double kLowest = 0.21;  // sine of the lowest measured elevation, 12 d
 std::array<double, 10> smooth_terms(const Direction& d, const Direction& sun) {
   const double gamma = angle_between(d, sun).value, cosine = std::cos(gamma);
   const double up = std::max(d.z, kLowest), low = 1.0 / (up + 0.15);
-  return {1.0,   std::exp(-3.0 * gamma), std::exp(-9.0 * gamma), cosine, cosine * cosine, low, low * low,
-          up, up * up, low * cosine};
+  return {
+      1.0,         std::exp(-3.0 * gamma), std::exp(-9.0 * gamma), cosine, cosine * cosine, low, low * low, up, up * up,
+      low * cosine};
 }
 
 class SmoothScan {
@@ -227,8 +230,9 @@ glm::dvec3 white_under(const CloudlessSky& sky) {
   constexpr int kRings = 12, kSectors = 24;
   for (int i = 0; i < kRings; ++i)  // equal steps of cos^2 weigh equally on the ground
     for (int j = 0; j < kSectors; ++j)
-      falls += kPi / (kRings * kSectors) *
-               sky.light(direction_from({std::acos(std::sqrt((i + 0.5) / kRings))}, {(j + 0.5) * 2.0 * kPi / kSectors}));
+      falls +=
+          kPi / (kRings * kSectors) *
+          sky.light(direction_from({std::acos(std::sqrt((i + 0.5) / kRings))}, {(j + 0.5) * 2.0 * kPi / kSectors}));
   return falls / kPi;
 }
 
