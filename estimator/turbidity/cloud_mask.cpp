@@ -12,6 +12,7 @@
 
 #include "base/statistics.hpp"
 #include "estimator/given_air.hpp"
+#include "estimator/turbidity/element_maps.hpp"
 
 namespace kasumi {
 
@@ -145,41 +146,9 @@ class Interpolated {
   Image<float> nodes_;
 };
 
-// Mean over a square window of the elements that count; zero where there are none.
-cv::Mat1f mean_over(const cv::Mat1f& values, const cv::Mat1f& counts, int side) {
-  cv::Mat1f sum, number;
-  cv::boxFilter(values.mul(counts), sum, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::boxFilter(counts, number, CV_32F, {side, side}, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::Mat1f mean;
-  cv::divide(sum, cv::max(number, 1.0), mean);
-  return mean;
-}
-
-// Texture: how far ln Y is from the mean of its neighbours, averaged over a patch. Smooth gradients cancel.
-cv::Mat1f texture_of(const cv::Mat1f& log_luminance, const cv::Mat1f& counts) {
-  constexpr int kReach = 2;
-  cv::Mat1f uneven(log_luminance.size(), 0.0f), known(log_luminance.size(), 0.0f);
-  for (int y = kReach; y + kReach < log_luminance.rows; ++y)
-    for (int x = kReach; x + kReach < log_luminance.cols; ++x) {
-      if (counts(y, x) * counts(y, x - kReach) * counts(y, x + kReach) * counts(y - kReach, x) *
-              counts(y + kReach, x) ==
-          0.0f)
-        continue;
-      const float neighbours = log_luminance(y, x - kReach) + log_luminance(y, x + kReach) +
-                               log_luminance(y - kReach, x) + log_luminance(y + kReach, x);
-      uneven(y, x) = std::abs(log_luminance(y, x) - 0.25f * neighbours);
-      known(y, x) = 1.0f;
-    }
-  return mean_over(uneven, known, 5);
-}
-
-// Classifies marked elements as cloud after removing single ones (noise) and growing the rest, whose edges are soft
-// over a degree or two. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
-double mark_clouds(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b marked) {
-  cv::medianBlur(marked, marked, 3);
-  cv::Mat1b grown;
-  const int side = 2 * std::max(1, static_cast<int>(std::lround(0.006 * std::min(marked.cols, marked.rows)))) + 1;
-  cv::dilate(marked, grown, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
+// Classifies marked elements and their margin as cloud. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
+double mark_clouds(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b& marked) {
+  const cv::Mat1b grown = grown_over_soft_edges(marked);
   double clear = 0.0, all = 0.0;
   for (int y = 0; y < marked.rows; ++y)
     for (int x = 0; x < marked.cols; ++x) {
@@ -239,7 +208,7 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
     for (int x = 0; x < width; ++x)
       if (counts(y, x) != 0.0f && (smooth_colour(y, x) > colour_limit || texture(y, x) > texture_limit))
         cloud(y, x) = 1;
-  return {mark_clouds(sky, geometry, std::move(cloud)), consensus.turbidity};
+  return {mark_clouds(sky, geometry, cloud), consensus.turbidity};
 }
 
 double mask_outliers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
@@ -260,7 +229,7 @@ double mask_outliers(SkyLight& sky, const SkyGeometry& geometry, const SunDirect
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       if (counts(y, x) != 0.0f && std::abs(smooth(y, x)) > static_cast<float>(limit)) outlier(y, x) = 1;
-  return mark_clouds(sky, geometry, std::move(outlier));
+  return mark_clouds(sky, geometry, outlier);
 }
 
 }  // namespace kasumi

@@ -91,11 +91,12 @@ Direction towards_shading_cloud(const glm::dvec3& object_m, const SunDirection& 
 
 MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
                         const Image<PixelUse>& use, SkyCondition condition, const SunDirection& sun,
-                        const Direction& through) {
+                        const Direction& through, double uncovered_sun) {
   MeasuredSky sky;
   const Patch core = patch_at(picture, geometry, use, sun, from_degrees(1.2));
   const Patch around = patch_at(picture, geometry, use, sun, from_degrees(25.0));
-  const double by_disc = condition == SkyCondition::overcast ? 0.0 : share_by_disc(core, around);
+  const double by_disc =
+      condition == SkyCondition::overcast ? 0.0 : std::max(uncovered_sun, share_by_disc(core, around));
   sky.sun_share = by_disc;
   if (condition != SkyCondition::overcast && angle_between(through, sun) > from_degrees(4.0)) {
     const Patch shading = patch_at(picture, geometry, use, through, from_degrees(2.0));

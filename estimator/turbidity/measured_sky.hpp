@@ -36,11 +36,12 @@ struct MeasuredSky {
 // too low.
 Direction towards_shading_cloud(const glm::dvec3& object_m, const SunDirection& sun, double cloud_base_m);
 
-// `use`: for every element of the picture, clouds marked (SkyObservation::use). It separates clouds from clear air; the
-// sun's disc is recognised by its saturated pixels. `through`: where a cloud would shade the object.
+// `use`: for every element of the picture, clouds marked (OwnSky::use). It separates clouds from clear air. The sun's
+// disc is recognised by its saturated pixels; where there is none, `uncovered_sun` (OwnSky) stands for it. `through`:
+// where a cloud would shade the object.
 MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
                         const Image<PixelUse>& use, SkyCondition condition, const SunDirection& sun,
-                        const Direction& through);
+                        const Direction& through, double uncovered_sun = 0.0);
 
 // How differently two skies would light an object, to decide whether to redraw it: the largest change in the cloud
 // cover of a quarter of the sky, or in the share of the sun.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/turbidity/own_sky.hpp"
 #include "estimator/turbidity/sky_verdict.hpp"
 
 namespace kasumi {
@@ -92,7 +93,8 @@ std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const
       observation.use.height() != picture.encoded.height())
     return std::nullopt;
   if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
-  return measure_sky(picture, *geometry_, camera_, observation.use, estimate.sky, estimate.sun, through);
+  const OwnSky own = own_sky(picture, *geometry_, camera_, observation.use, estimate.sun);
+  return measure_sky(picture, *geometry_, camera_, own.use, estimate.sky, estimate.sun, through, own.uncovered_sun);
 }
 
 TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,

@@ -1,7 +1,6 @@
 // Scenes of the physical world, drawn by the spectral atmosphere with Mie's kinds of aerosol, and the building as kasumi
 // composites it: with the air given, and with the aerosol's amount found by the dome where the kind is given.
 #include <chrono>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,18 +60,18 @@ void tell_amount(const std::filesystem::path& fixture, double aod_550) {
   ASSERT_TRUE(write_text_file(fixture / "fixture.toml", text));
 }
 
-double error_of(const Scene& scene, bool given) {
-  const auto fixture = recorded(scene.recipe, "air-truth");
-  if (given) tell_amount(fixture, scene.recipe.aerosol.value_or(aerosol_of(scene.recipe.turbidity)).aod_550);
-  const auto out = test_folder("air-truth-out");
-  played(fixture, out);
-  return building_error(fixture, out, scene.name + (given ? ", given" : ", amount found"));
-}
-
 void expect_right(const std::vector<Scene>& scenes) {
-  std::string table = "| scene | building's error, of 255, air given | amount found | goal |\n|---|---|---|---|\n";
+  std::string table =
+      "| scene | building's error, of 255, air given | amount found | goal, given |\n|---|---|---|---|\n";
   for (const Scene& scene : scenes) {
-    const double given = error_of(scene, true), found = error_of(scene, false);
+    const auto fixture = recorded(scene.recipe, "air-truth"), out = test_folder("air-truth-out");
+    const auto error = [&](const char* how) {
+      played(fixture, out);
+      return building_error(fixture, out, scene.name + how);
+    };
+    const double found = error(", amount found");
+    tell_amount(fixture, scene.recipe.aerosol.value_or(aerosol_of(scene.recipe.turbidity)).aod_550);
+    const double given = error(", given");
     table += fmt::format("| {} | {:.2f} | {:.2f} | {} |\n", scene.name, given, found, scene.goal);
     EXPECT_LE(given, scene.goal) << scene.name;
   }

@@ -1,5 +1,5 @@
-// End to end from a recording to the picture, compared with its known truth: turbidity, and the building drawn by the
-// slow spectral path.
+// End to end from a recording of Preetham's world to the picture, compared with its known truth: turbidity, and the
+// building drawn by the slow spectral path. test_air_truth_scenes does the same in the physical world.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -65,10 +65,15 @@ void expect_turbidity(const std::filesystem::path& fixture, const std::filesyste
   EXPECT_EQ(compared, static_cast<int>(estimates.size()));
 }
 
+fixtures::Recipe of_the_papers(fixtures::Recipe recipe) {
+  recipe.world = fixtures::World::preetham;
+  return recipe;
+}
+
 TEST(ReplayTruth, TurbidityOfClearFixturesIsFoundWithinATenth) {
   for (const char* preset : {"clear-noon", "sun-low"}) {
     SCOPED_TRACE(preset);
-    const auto fixture = recorded(small_scene(preset, 3), std::string("truth-") + preset);
+    const auto fixture = recorded(of_the_papers(small_scene(preset, 3)), std::string("truth-") + preset);
     const auto out = test_folder(std::string("truth-out-") + preset);
     const auto summary = played(fixture, out);
     EXPECT_EQ(summary.pictures, 3u);
@@ -77,7 +82,7 @@ TEST(ReplayTruth, TurbidityOfClearFixturesIsFoundWithinATenth) {
 }
 
 TEST(ReplayTruth, ARisingTurbidityIsFollowed) {
-  const auto fixture = recorded(small_scene("turbidity-change", 6), "change");
+  const auto fixture = recorded(of_the_papers(small_scene("turbidity-change", 6)), "change");
   const auto out = test_folder("change-out");
   played(fixture, out);
   expect_turbidity(fixture, out, 0.1);
@@ -85,7 +90,7 @@ TEST(ReplayTruth, ARisingTurbidityIsFollowed) {
 
 TEST(ReplayTruth, TheBuildingsPixelsComeWithinTwoLevelsOfTheSpectralReference) {
   for (const char* preset :
-       figure_cases<const char*>("skies", {"broken-clouds"}, {"clear-noon", "hazy-afternoon", "broken-clouds"})) {
+       figure_cases<const char*>("skies", {"papers-clouds"}, {"papers-noon", "papers-haze", "papers-clouds"})) {
     SCOPED_TRACE(preset);
     auto recipe = fixtures::recipe_of(preset).value();
     recipe.sky_frames = recipe.scene_frames = recipe.truth_frames = 1;

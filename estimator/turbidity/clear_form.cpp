@@ -1,0 +1,132 @@
+#include "estimator/turbidity/clear_form.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <opencv2/core.hpp>
+
+#include "base/statistics.hpp"
+#include "base/units.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr std::size_t kTerms = ClearForm::kTerms;
+
+float sum_of(const ClearForm::Terms& terms, const ClearForm::Terms& factors) {
+  float sum = 0.0f;
+  for (std::size_t k = 0; k < kTerms; ++k) sum += terms[k] * factors[k];
+  return sum;
+}
+
+bool solve_form(const std::vector<LookedAt>& places, ClearSkyByForm& sky) {
+  constexpr double kStiffness = 1e-7;  // keeps factors finite where no place tells them
+  std::array<double, kTerms * kTerms> normal{};
+  std::array<double, kTerms> y{}, c{};
+  double all = 0.0;
+  for (const LookedAt& p : places) {
+    if (p.weight <= 0.0f) continue;
+    all += static_cast<double>(p.weight);
+    for (std::size_t i = 0; i < kTerms; ++i) {
+      const float w = p.weight * p.terms[i];
+      if (w == 0.0f) continue;
+      y[i] += static_cast<double>(w * p.luminance);
+      c[i] += static_cast<double>(w * p.colour);
+      for (std::size_t j = i; j < kTerms; ++j) normal[i * kTerms + j] += static_cast<double>(w * p.terms[j]);
+    }
+  }
+  if (all <= 4.0 * kTerms) return false;
+  constexpr int n = kTerms;
+  cv::Mat1d a(n, n), b(n, 2), x;
+  for (int i = 0; i < n; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    for (int j = i; j < n; ++j) a(i, j) = a(j, i) = normal[row * kTerms + static_cast<std::size_t>(j)];
+    a(i, i) += kStiffness * all;
+    b(i, 0) = y[row];
+    b(i, 1) = c[row];
+  }
+  // Where nothing tells it, in an overexposed aureole, the function of the distance goes on as it came.
+  constexpr double kBending = 1e-4;
+  constexpr std::array kSecondDifference{1.0, -2.0, 1.0};
+  for (int k = 0; k + 2 < static_cast<int>(ClearForm::kRadial); ++k)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        a(k + i, k + j) += kBending * all * kSecondDifference[static_cast<std::size_t>(i)] *
+                           kSecondDifference[static_cast<std::size_t>(j)];
+  if (!cv::solve(a, b, x, cv::DECOMP_CHOLESKY)) return false;
+  for (int k = 0; k < n; ++k) {
+    sky.luminance[static_cast<std::size_t>(k)] = static_cast<float>(x(k, 0));
+    sky.colour[static_cast<std::size_t>(k)] = static_cast<float>(x(k, 1));
+  }
+  return true;
+}
+
+}  // namespace
+
+ClearForm::ClearForm(const SunDirection& sun) : sun_(sun) {
+  const glm::vec2 level(sun.x, sun.y);
+  const float length = glm::length(level);
+  ahead_ = length > 1e-4f ? level / length : glm::vec2{0.0f, 1.0f};
+}
+
+ClearForm::Terms ClearForm::at(const glm::vec3& direction) const {
+  Terms terms{};
+  // Uniform cubic B-splines over ln(gamma + 3 deg): fine where the aureole is steep.
+  constexpr double kOffset = 3.0 * kPi / 180.0, kFirst = 2.0 * kPi / 180.0, kSpans = kRadial - 3;
+  static const double first = std::log(kOffset + kFirst), last = std::log(kOffset + kPi);
+  const double gamma = std::acos(std::clamp(static_cast<double>(glm::dot(direction, sun_)), -1.0, 1.0));
+  const double place = std::clamp((std::log(kOffset + gamma) - first) / (last - first), 0.0, 0.99999) * kSpans;
+  const auto span = static_cast<std::size_t>(place);
+  const auto t = static_cast<float>(place - static_cast<double>(span));
+  const float u = 1.0f - t, t2 = t * t, t3 = t2 * t;
+  terms[span] = u * u * u / 6.0f;
+  terms[span + 1] = (3.0f * t3 - 6.0f * t2 + 4.0f) / 6.0f;
+  terms[span + 2] = (-3.0f * t3 + 3.0f * t2 + 3.0f * t + 1.0f) / 6.0f;
+  terms[span + 3] = t3 / 6.0f;
+  const float x = glm::dot(glm::vec2(direction), ahead_), y = direction.x * ahead_.y - direction.y * ahead_.x,
+              z = direction.z, low = 0.2f / (z + 0.1f);
+  const auto near = static_cast<float>(std::exp(-4.0 * gamma));  // the lower, the more air before the aureole
+  const std::array<float, kSlow> slow{low,   low * low, z, z * z, x,     x * z,   x * low, near * low,
+                                      x * x, x * x * x, y, y * z, x * y, y * low, near * z};
+  std::ranges::copy(slow, terms.begin() + kRadial);
+  return terms;
+}
+
+float ClearSkyByForm::luminance_at(const ClearForm::Terms& terms) const {
+  return sum_of(terms, luminance);
+}
+float ClearSkyByForm::colour_at(const ClearForm::Terms& terms) const {
+  return sum_of(terms, colour);
+}
+
+std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places) {
+  constexpr float kWidest = 0.6f, kNarrowest = 0.10f;  // of ln Y
+  constexpr float kPerColour = 1.5f;                   // of ln R/B: colour is the surer sign
+  constexpr int kRounds = 9;
+  ClearSkyByForm sky;
+  float window = kWidest;
+  for (int round = 0; round < kRounds; ++round) {
+    if (!solve_form(places, sky)) return std::nullopt;
+    for (LookedAt& p : places) {
+      const float dy = (p.luminance - sky.luminance_at(p.terms)) / window;
+      const float dc = kPerColour * (p.colour - sky.colour_at(p.terms)) / window;
+      const float u = std::max(0.0f, 1.0f - dy * dy - dc * dc);
+      p.weight = u * u;
+    }
+    window = std::max(kNarrowest, 0.75f * window);
+  }
+  std::vector<float> dy, dc;
+  for (const LookedAt& p : places) {
+    if (p.weight <= 0.0f) continue;
+    dy.push_back(std::abs(p.luminance - sky.luminance_at(p.terms)));
+    dc.push_back(std::abs(p.colour - sky.colour_at(p.terms)));
+  }
+  if (dy.size() <= 4 * kTerms) return std::nullopt;
+  sky.luminance_scatter = static_cast<float>(kSigmaOverMedianSize) * median_in_place(dy);
+  sky.colour_scatter = static_cast<float>(kSigmaOverMedianSize) * median_in_place(dc);
+  return sky;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,51 @@
+// What all clear skies have in common, whatever their aerosol: they are smooth, around the sun and in direction.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "estimator/atmosphere.hpp"
+
+namespace kasumi {
+
+// ln light = a function of the distance from the sun + a function of the direction that varies slowly. Neither can
+// follow a cloud's outline. Clear skies of any aerosol, drawn or measured, leave 1 to 3 %.
+class ClearForm {
+ public:
+  explicit ClearForm(const SunDirection& sun);
+
+  static constexpr std::size_t kRadial = 10, kSlow = 15, kTerms = kRadial + kSlow;
+  using Terms = std::array<float, kTerms>;
+  Terms at(const glm::vec3& direction) const;
+
+ private:
+  glm::vec3 sun_;
+  glm::vec2 ahead_{};  // east and north, towards the sun
+};
+
+struct LookedAt {
+  ClearForm::Terms terms{};
+  float luminance = 0.0f, colour = 0.0f;  // ln Y, ln R/B
+  float weight = 0.0f;                    // to begin with
+};
+
+// One sky of this form.
+struct ClearSkyByForm {
+  ClearForm::Terms luminance{}, colour{};  // factors of the terms
+  // Standard deviations, of the places that agree.
+  float luminance_scatter = 0.0f, colour_scatter = 0.0f;
+
+  float luminance_at(const ClearForm::Terms& terms) const;
+  float colour_at(const ClearForm::Terms& terms) const;
+};
+
+// The sky that most places agree on in luminance and colour at once: least squares with Tukey's weights, whose window
+// narrows from what clouds differ by to what clear air does. Empty when too few agree.
+std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places);
+
+}  // namespace kasumi

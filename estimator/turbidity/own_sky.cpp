@@ -1,0 +1,217 @@
+#include "estimator/turbidity/own_sky.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/statistics.hpp"
+#include "estimator/turbidity/clear_form.hpp"
+#include "estimator/turbidity/element_maps.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr Radians kGlare = from_degrees(2.0);    // around the sun: the lens's, no sky
+constexpr Radians kRing = from_degrees(6.0);     // the aureole from the glare to here tells whether the sun is covered
+constexpr Radians kMargin = from_degrees(4.0);   // around what differs: parts of a cloud agree by chance
+constexpr Radians kAround = from_degrees(60.0);  // the sky around the sun, which decides whether the form is trusted
+constexpr double kTrusted = 0.9;                 // of what looked clear there must agree; else clouds were fitted
+constexpr double kAnchored = 0.1;                // of the sky there looked clear: less says nothing
+
+struct Share {
+  double some = 0.0, all = 0.0;
+  void count(bool counts) {
+    all += 1.0;
+    if (counts) some += 1.0;
+  }
+  double value() const { return all > 0.0 ? some / all : 0.0; }
+};
+
+// Relative step of light per step of the encoded value, by channel and level: how coarsely dark elements are quantised.
+class RelativeSteps {
+ public:
+  RelativeSteps(const Response& response, double quantum) {
+    for (std::size_t i = 1; i < steps_.size(); ++i) {
+      const glm::dvec3 level{static_cast<double>(i) / kLast};
+      steps_[i] = glm::vec3(quantum * response.slope(level) / glm::max(response.to_light(level), glm::dvec3{1e-9}));
+    }
+    steps_[0] = steps_[1];
+  }
+  glm::vec3 at(const glm::vec3& encoded) const { return {step(encoded, 0), step(encoded, 1), step(encoded, 2)}; }
+
+ private:
+  static constexpr int kLast = 255;
+  float step(const glm::vec3& encoded, int c) const {
+    return steps_[static_cast<std::size_t>(std::clamp(encoded[c], 0.0f, 1.0f) * kLast)][c];
+  }
+  std::array<glm::vec3, kLast + 1> steps_{};
+};
+
+// What is compared with the form, per element. Means over 3 x 3 elements: single ones are noisy.
+struct Looks {
+  cv::Mat1f known;  // 1, or 0: saturated, dark, not sky
+  cv::Mat1f luminance, colour, texture;
+  cv::Mat1f luminance_step, colour_step;  // of the quantisation
+};
+Looks looks_of(const SkyPicture& picture, const Camera& camera, const SkyLight& light) {
+  const RelativeSteps steps(camera.response, picture.quantum);
+  const cv::Mat1f none(light.use.height(), light.use.width(), 0.0f);
+  Looks looks{none.clone(), none.clone(), none.clone(), {}, none.clone(), none.clone()};
+  for (int y = 0; y < none.rows; ++y)
+    for (int x = 0; x < none.cols; ++x) {
+      if (light.use.at(x, y) != PixelUse::clear) continue;
+      const glm::vec3& channels = light.light.at(x, y);
+      const glm::vec3 step = steps.at(picture.encoded.at(x, y));
+      looks.known(y, x) = 1.0f;
+      looks.luminance(y, x) = light.log_luminance.at(x, y);
+      looks.colour(y, x) = std::log(channels.r / channels.b);
+      looks.luminance_step(y, x) = step.g;
+      looks.colour_step(y, x) = std::hypot(step.r, step.b);
+    }
+  looks.texture = texture_of(looks.luminance, looks.known);
+  looks.luminance = mean_over(looks.luminance, looks.known, 3);
+  looks.colour = mean_over(looks.colour, looks.known, 3);
+  return looks;
+}
+
+// Some quantity of the known elements, of every fourth.
+template <class Quantity>
+std::vector<float> some_of(const Looks& looks, const Quantity& quantity) {
+  std::vector<float> values;
+  for (int y = 0; y < looks.known.rows; y += 2)
+    for (int x = 0; x < looks.known.cols; x += 2)
+      if (looks.known(y, x) != 0.0f) values.push_back(quantity(x, y));
+  return values;
+}
+
+std::vector<LookedAt> places_of(const Looks& looks, const SkyGeometry& geometry, const Image<PixelUse>& use,
+                                const ClearForm& form, float rough) {
+  constexpr double kPlaces = 4000.0;  // more add nothing
+  constexpr float kPerhapsCloud = 0.3f;
+  const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(cv::sum(looks.known)[0] / kPlaces))));
+  std::vector<LookedAt> places;
+  for (int y = step / 2; y < looks.known.rows; y += step)
+    for (int x = step / 2; x < looks.known.cols; x += step) {
+      if (looks.known(y, x) == 0.0f) continue;
+      LookedAt place{form.at(geometry.direction.at(x, y)), looks.luminance(y, x), looks.colour(y, x), 0.0f};
+      if (looks.texture(y, x) < rough) place.weight = use.at(x, y) == PixelUse::clear ? 1.0f : kPerhapsCloud;
+      places.push_back(place);
+    }
+  return places;
+}
+
+struct Differences {
+  cv::Mat1b compared, differs;     // 1 or 0
+  Share agreeing, still_agreeing;  // around the sun: of all; of what was clear
+  bool trusted() const {
+    const Share& share = still_agreeing.all > kAnchored * agreeing.all ? still_agreeing : agreeing;
+    return share.value() >= kTrusted;
+  }
+};
+Differences differences(const Looks& looks, const SkyLight& light, const SkyPicture& picture,
+                        const SkyGeometry& geometry, const Camera& camera, const Image<PixelUse>& use,
+                        const SunDirection& sun, const ClearForm& form, const ClearSkyByForm& sky, float rough) {
+  // The form's own misfit, but no less than what a thin veil makes of it.
+  constexpr float kScatters = 4.0f, kLeast = 0.03f, kMostLuminance = 0.12f, kMostColour = 0.10f;
+  const float luminance_limit = std::clamp(kScatters * sky.luminance_scatter, kLeast, kMostLuminance);
+  const float colour_limit = std::clamp(kScatters * sky.colour_scatter, kLeast, kMostColour);
+  const glm::dmat3& to_xyz = geometry.light_to_xyz;
+  const glm::vec3 luminance_of{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y}, towards_sun(sun);
+  const auto around = static_cast<float>(std::cos(kAround.value));
+  const cv::Mat1b none(looks.known.size(), std::uint8_t{0});
+  Differences found{none.clone(), none.clone(), {}, {}};
+  for (int y = 0; y < none.rows; ++y)
+    for (int x = 0; x < none.cols; ++x) {
+      const bool known = looks.known(y, x) != 0.0f;
+      if (!known && light.use.at(x, y) != PixelUse::saturated) continue;
+      const glm::vec3& direction = geometry.direction.at(x, y);
+      const ClearForm::Terms terms = form.at(direction);
+      bool differs = false;
+      if (known) {
+        const float luminance_step = looks.luminance_step(y, x);
+        differs = std::abs(looks.luminance(y, x) - sky.luminance_at(terms)) > luminance_limit + 0.6f * luminance_step ||
+                  std::abs(looks.colour(y, x) - sky.colour_at(terms)) > colour_limit + 0.6f * looks.colour_step(y, x) ||
+                  looks.texture(y, x) > rough + 0.3f * luminance_step;
+      } else {
+        // Saturated: it agrees if the form is as bright there or brighter.
+        const glm::vec3 least(camera.response.to_light(glm::dvec3(picture.encoded.at(x, y))));
+        const float least_luminance = glm::dot(luminance_of, least * geometry.gain.at(x, y));
+        differs = sky.luminance_at(terms) < std::log(least_luminance) - 0.1f;
+      }
+      found.compared(y, x) = 1;
+      found.differs(y, x) = differs ? 1 : 0;
+      if (glm::dot(direction, towards_sun) < around) continue;
+      found.agreeing.count(!differs);
+      if (use.at(x, y) == PixelUse::clear) found.still_agreeing.count(!differs);
+    }
+  cv::medianBlur(found.differs, found.differs, 5);  // without single ones: noise
+  return found;
+}
+
+// A closed layer of cloud is smooth, too. But it is neither blue anywhere nor so much brighter around the sun as haze,
+// which scatters forwards, makes it.
+bool is_air(const Looks& looks, const ClearForm& form, const ClearSkyByForm& sky, const SunDirection& sun) {
+  constexpr float kBlue = -0.35f, kRise = 0.5f;  // ln R/B; ln Y
+  if (quantile(some_of(looks, [&](int x, int y) { return looks.colour(y, x); }), 0.1) < kBlue) return true;
+  const glm::dvec3 level = glm::cross(sun, glm::dvec3{0.0, 0.0, 1.0});
+  const glm::dvec3 aside = glm::length(level) > 1e-6 ? glm::normalize(level) : glm::dvec3{1.0, 0.0, 0.0};
+  const auto beside = [&](Radians angle) {
+    return sky.luminance_at(form.at(glm::vec3(std::cos(angle.value) * sun + std::sin(angle.value) * aside)));
+  };
+  return beside(from_degrees(4.0)) - beside(from_degrees(25.0)) > kRise;
+}
+
+}  // namespace
+
+OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera, const Image<PixelUse>& use,
+               const SunDirection& sun) {
+  OwnSky own{use, 0.0};
+  SampleLimits limits;
+  limits.least_sun_distance = kGlare;
+  const SkyLight light = sky_light(picture, geometry, camera, sun, limits);
+  const Looks looks = looks_of(picture, camera, light);
+  std::vector<float> textures = some_of(looks, [&](int x, int y) { return looks.texture(y, x); });
+  constexpr std::size_t kFew = 200;
+  if (textures.size() < kFew) return own;
+  const float rough = std::max(0.02f, 5.0f * quantile_in_place(textures, 0.25));  // as CloudMaskOptions has it
+
+  const ClearForm form(sun);
+  const auto sky = fit_clear_form(places_of(looks, geometry, use, form, rough));
+  if (!sky) return own;
+  const Differences found = differences(looks, light, picture, geometry, camera, use, sun, form, *sky, rough);
+  if (!found.trusted()) return own;
+
+  std::vector<float> solid_angles = some_of(looks, [&](int x, int y) { return geometry.solid_angle.at(x, y); });
+  const double element = std::sqrt(static_cast<double>(median_in_place(solid_angles)));
+  const auto margin = static_cast<float>(kMargin.value / element);
+  cv::Mat1f apart;  // from what differs, in elements
+  cv::distanceTransform(1 - found.differs, apart, cv::DIST_L2, 3);
+  // A low sun's ring is partly below what is examined: then it reaches further up.
+  const double below = std::max(0.0, zenith_angle(sun).value + kRing.value - limits.largest_zenith.value);
+  const auto ring_begins = static_cast<float>(std::cos(kGlare.value)),
+             ring_ends = static_cast<float>(std::cos(kRing.value + below));
+  const glm::vec3 towards_sun(sun);
+  Share ring;
+  for (int y = 0; y < use.height(); ++y)
+    for (int x = 0; x < use.width(); ++x) {
+      if (light.use.at(x, y) == PixelUse::outside) continue;
+      PixelUse& as = own.use.at(x, y);
+      if (found.compared(y, x) != 0 && apart(y, x) > margin && as != PixelUse::outside) as = PixelUse::clear;
+      const float cosine = glm::dot(geometry.direction.at(x, y), towards_sun);
+      if (cosine < ring_begins && cosine > ring_ends) ring.count(found.compared(y, x) != 0 && found.differs(y, x) == 0);
+    }
+  constexpr double kCovered = 0.6, kUncovered = 0.95;  // shares of the ring
+  if (is_air(looks, form, *sky, sun))
+    own.uncovered_sun = std::clamp((ring.value() - kCovered) / (kUncovered - kCovered), 0.0, 1.0);
+  return own;
+}
+
+}  // namespace kasumi
