@@ -67,7 +67,9 @@ Mean errors(const reference::ReferenceSky& sky, const Aerosol& aerosol, double a
             light.push_back(albedo / kPi * sky.diffuse().ground_flux(90.0 - sun_deg, w));
             seen.push_back(light[w] * path.transmission[w] + path.light[w]);
           }
-          const glm::dvec3 ours = painter.shown(painter.through_air(to_srgb * sky.xyz_of(light), place, end_m));
+          const glm::dvec3 through = painter.through_air(to_srgb * sky.xyz_of(light), place, end_m);
+          EXPECT_TRUE(std::isfinite(through.x + through.y + through.z));
+          const glm::dvec3 ours = painter.shown(through);
           const glm::dvec3 truth = painter.shown(to_srgb * sky.xyz_of(seen));
           mean.sum += 255.0 * glm::dot(glm::abs(ours - truth), glm::dvec3(1.0 / 3.0));
           ++mean.count;
