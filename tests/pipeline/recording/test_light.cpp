@@ -290,10 +290,10 @@ TEST(SceneAir, AKnownAerosolFadesWhatIsFarByItsOwnLaw) {
     return air.drawn_air(air.conditions(report), box).appearance.value().haze;
   };
   const auto usual = haze_of({});
-  EXPECT_GT(usual.mie_per_m[0].b, 1.2F * usual.mie_per_m[0].r) << "the papers' lambda^-2";
+  EXPECT_GT(usual.mie_per_m[0].b, 1.2 * usual.mie_per_m[0].r) << "the papers' lambda^-2";
   installation.surroundings.air = {0.6, std::nullopt, AerosolKind::dust};
   const auto dust = haze_of({});
-  EXPECT_LT(dust.mie_per_m[0].b, dust.mie_per_m[0].r) << "dust is grey, and a little blue";
+  EXPECT_LT(dust.mie_per_m[0].b, dust.mie_per_m[0].r) << "dust takes a little more of the red";
   EXPECT_NEAR(dust.mie_per_m[1].g, 0.6 / 1200.0, 0.03 * 0.6 / 1200.0);
   // Asked for by name, the papers' law holds for the T of that dust.
   const auto papers = haze_of({.scattering = ScatteringModel::morales2017});
