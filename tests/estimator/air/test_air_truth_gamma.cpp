@@ -15,10 +15,13 @@ constexpr double kExponents[] = {-0.2, 0.1, 0.5, 0.9, 1.3, 1.7, 2.0};
 constexpr double kGoal = 3e-4;       // of channels that are the sensor's own
 constexpr double kMixedGoal = 7e-4;  // of their mix into sRGB, whose weights are partly negative
 
-// Off the grid that the nodes were fitted on: T 1.7 to 20 and paths to 50 km.
-double worst_error(const AttenuationNodes& nodes, const SpectralMeasure& measure, double exponent) {
+// Off the grid that the nodes were fitted on, paths to 50 km.
+constexpr std::initializer_list<double> kAsked{1.7, 2.1, 2.8, 4.0, 6.0, 9.0, 13.0, 20.0};  // T
+constexpr std::initializer_list<double> kClearer{1.0, 1.2, 1.45};
+double worst_error(const AttenuationNodes& nodes, const SpectralMeasure& measure, double exponent,
+                   std::initializer_list<double> turbidities = kAsked) {
   double worst = 0.0;
-  for (const double t : {1.7, 2.1, 2.8, 4.0, 6.0, 9.0, 13.0, 20.0}) {
+  for (const double t : turbidities) {
     const AirState air(aerosol_of(t, exponent));
     const HazeCoefficients haze = haze_coefficients(nodes, ScatteringModel::aerosol, air);
     for (int i = 0; i < 24; ++i) {
@@ -35,12 +38,15 @@ struct Row {
   double own = 0.0;    // nodes of the exponent itself
   double near = 0.0;   // of one that differs by .02: nearer than the program lets it come
   double fixed = 0.0;  // of 1.3 for all
+  double clear = 0.0;  // own, in clearer air than asked for: down to none of the aerosol
 };
 Row row_of(const SpectralMeasure& measure) {
   const AttenuationNodes usual = attenuation_nodes(measure, 1.3);
   Row row;
   for (const double exponent : kExponents) {
-    row.own = std::max(row.own, worst_error(attenuation_nodes(measure, exponent), measure, exponent));
+    const AttenuationNodes nodes = attenuation_nodes(measure, exponent);
+    row.own = std::max(row.own, worst_error(nodes, measure, exponent));
+    row.clear = std::max(row.clear, worst_error(nodes, measure, exponent, kClearer));
     row.near = std::max(row.near, worst_error(attenuation_nodes(measure, exponent + 0.02), measure, exponent));
     row.fixed = std::max(row.fixed, worst_error(usual, measure, exponent));
   }
@@ -48,16 +54,19 @@ Row row_of(const SpectralMeasure& measure) {
 }
 
 void print_head() {
-  fmt::print("worst error of Gamma, exponents -.2 to 2, T 1.7 to 20, paths to 50 km\n{:44} {:>9} {:>14} {:>12} {:>8}\n",
-             "", "nodes", "of exponent", "fixed nodes", "");
-  fmt::print("{:44} {:>9} {:>14} {:>12} {:>8}\n", "camera", "", "+ .02", "(of 1.3)", "goal");
+  fmt::print("worst error of Gamma, exponents -.2 to 2, T 1.7 to 20, paths to 50 km\n");
+  fmt::print("{:40} {:>8} {:>8} {:>14} {:>14} {:>12}\n", "camera", "goal", "nodes", "exponent + .02", "nodes of 1.3",
+             "T 1 to 1.5");
+}
+void print(const std::string& name, const Row& row, double goal) {
+  fmt::print("{:40} {:8.0e} {:8.1e} {:14.1e} {:14.1e} {:12.1e}\n", name, goal, row.own, row.near, row.fixed, row.clear);
 }
 
 TEST(AirTruthGamma, TwoNodesOfTheExponentKeepWithin3em4ForEveryCamera) {
   print_head();
   for (const auto& camera : every_camera()) {
     const Row row = row_of(spectral_measure(camera));
-    fmt::print("{:44} {:9.1e} {:14.1e} {:12.1e} {:8.0e}\n", camera.name, row.own, row.near, row.fixed, kGoal);
+    print(camera.name, row, kGoal);
     EXPECT_LE(row.own, kGoal) << camera.name;
   }
 }
@@ -69,8 +78,7 @@ TEST(AirTruthGamma, CamerasThatDeliverSrgbKeepWithinASixthOf8Bit) {
     camera.sensitivity = sensitivity;
     camera.colour_space = Camera::ColourSpace::srgb;
     const Row row = row_of(spectral_measure(camera));
-    fmt::print("{:44} {:9.1e} {:14.1e} {:12.1e} {:8.0e}\n", sensitivity.name + ", sRGB", row.own, row.near, row.fixed,
-               kMixedGoal);
+    print(sensitivity.name + ", sRGB", row, kMixedGoal);
     EXPECT_LE(row.own, kMixedGoal) << sensitivity.name;
   }
 }
