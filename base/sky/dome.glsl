@@ -60,27 +60,29 @@ FUNCTION real way_between_altitudes(real altitude_m, real lower_m, real higher_m
   return clamp((from - exp(-altitude_m / thin_m)) / max(from - to, 1e-6), 0.0, 1.0);
 }
 
+// How haze scatters: the share of what it takes from light that it scatters, and two Henyey-Greenstein lobes, forwards
+// and backwards. Because lobes are normalised to 1 towards the sun, a lobe's height is its share times
+// (1 + g) / (1 - g)^2, with g its asymmetry.
+struct HazeScattering {
+  vec3 albedo;
+  vec2 asymmetry;
+  vec2 height;
+};
+
 // The light that a path through the air adds, from the skies of a lower and a higher altitude that bracket it.
 struct AirBetween {
   DomeSky lower;
   DomeSky higher;
   vec2 altitude_m;  // of the two
   PathAir air;
+  HazeScattering haze;
   vec3 sun_lower;  // on a plane facing it, lux
   vec3 sun_higher;
-  vec3 below_lower;  // light_from_below
-  vec3 below_higher;
+  vec3 departures[4];  // see departure
+  vec3 departures_sun[4];
+  vec3 below[3];  // see parabola; at the lower altitude, half the way and at the higher
+  vec3 below_steep[3];
 };
-
-// Brightness of the ground below minus that of the sky above, away from the sun. The bright sky around the sun is left
-// out because mirroring the zenith angle keeps its angle to the view.
-FUNCTION vec3 light_from_below(DomeSky sky, vec3 ground, real cos_sun_zenith) {
-  const real up = 0.70710678;  // at 45 deg
-  real across = up * sqrt(max(1.0 - cos_sun_zenith * cos_sun_zenith, 0.0));
-  vec3 beside = dome_sky_light(sky, up, up * cos_sun_zenith);
-  vec3 opposite = dome_sky_light(sky, up, up * cos_sun_zenith - across);
-  return ground - 0.5 * (beside + opposite);
-}
 
 // A view downwards may have an angle to the sun that no view above the horizon has at the mirrored zenith angle; takes
 // the nearest possible one.
@@ -90,20 +92,12 @@ FUNCTION real held_cos_sun(real cos_zenith, real cos_sun, real cos_sun_zenith) {
   return clamp(cos_sun, middle - across, middle + across);
 }
 
-// The reference atmosphere's haze scatters .88 in a forward lobe and .12 in a backward one. Because lobes are
-// normalised to 1 towards the sun, each is multiplied by its share times (1 + g) / (1 - g)^2, with g the asymmetry.
-const real kHazeAlbedo = 0.93;
-const real kForwards = 0.8;
-const real kForwardsHeight = 39.6;
-const real kBackwards = -0.45;
-const real kBackwardsHeight = 0.0314;
-const real kInverseFourPi = 0.0795775;
-
 // The share per steradian of the sunlight lost on the path that is singly scattered towards the eye: by molecules
-// (Rayleigh) and by haze.
-FUNCTION vec2 scattered_once(real cos_sun) {
-  real haze = kForwardsHeight * dome_lobe(kForwards, cos_sun) + kBackwardsHeight * dome_lobe(kBackwards, cos_sun);
-  return kInverseFourPi * vec2(0.75 * (1.0 + cos_sun * cos_sun), kHazeAlbedo * haze);
+// (Rayleigh) and by haze that absorbs nothing.
+const real kInverseFourPi = 0.0795775;
+FUNCTION vec2 scattered_once(HazeScattering haze, real cos_sun) {
+  real lobes = haze.height.x * dome_lobe(haze.asymmetry.x, cos_sun) + haze.height.y * dome_lobe(haze.asymmetry.y, cos_sun);
+  return kInverseFourPi * vec2(0.75 * (1.0 + cos_sun * cos_sun), lobes);
 }
 
 // The factor of a sky's light that is due to the amount of air and the sunlight reaching it. Skies are interpolated
@@ -116,10 +110,35 @@ FUNCTION vec3 lit_air(PathAir air, real altitude_m, real cos_zenith, real cos_su
          (vec3(kLitByAir) + transparency_to_space(air, above, cos_sun_zenith));
 }
 
-// For light uniform over a hemisphere: what haze scatters forward minus what it scatters back, by the path's slope;
-// fitted as slope / sqrt(level + steep slope^2).
+// What skies on the way differ from interpolated ones, as a share: it is known at a third and at two thirds of the way,
+// each at two elevations; departures holds low and high at the first, then at the second. departures_sun is more of it,
+// around the sun. Halfway between two altitudes hazy skies are up to a fifth darker, around the sun half again as bright.
+const vec2 kDepartureWays = vec2(0.33333333, 0.66666667);
+const vec2 kDepartureSines = vec2(0.08, 0.4);
+const real kAroundSun = 0.5;  // asymmetry of a lobe
+FUNCTION real departure_elevation(real cos_zenith) { return 1.0 / (1.0 + 6.0 * cos_zenith); }
+FUNCTION vec3 departure(vec3 first, vec3 second, real way) {
+  return 4.5 * way * (1.0 - way) * ((2.0 - 3.0 * way) * first + (3.0 * way - 1.0) * second);
+}
+
+// The sky at an altitude, from those of the two that bracket it over lit_air.
+FUNCTION vec3 sky_on_the_way(PathAir air, vec3 lower, vec3 higher, vec3 first, vec3 second, real altitude_m, real way,
+                             real cos_zenith, real cos_sun_zenith) {
+  return mix(lower, higher, way) * (vec3(1.0) + departure(first, second, way)) *
+         lit_air(air, altitude_m, cos_zenith, cos_sun_zenith);
+}
+
+// For light uniform over each half of the sphere: what haze scatters onwards less what it scatters back, by the path's
+// slope; fitted as slope / sqrt(level + steep slope^2).
 const real kOnwardsLevel = 0.15;
 const real kOnwardsSteep = 1.79;
+FUNCTION real onwards_share(real slope) { return slope / sqrt(kOnwardsLevel + kOnwardsSteep * slope * slope); }
+
+// Light scattered more than once that haze sends to an eye above it, less what it sends to one below at the mirrored
+// angle, is onwards_share * (below + slope * below_steep); over the way a parabola.
+FUNCTION vec3 parabola(vec3 lower, vec3 halfway, vec3 higher, real way) {
+  return mix(lower, higher, way) + 4.0 * way * (1.0 - way) * (halfway - 0.5 * (lower + higher));
+}
 
 // U Eq 3.1, corrected, with its three cases in one formula. Seen from below, a layer of air between two altitudes
 // contributes the sky at its lower side minus the part of the sky above that passes through it; this is exact for any
@@ -146,34 +165,46 @@ FUNCTION vec3 object_through_air(AirBetween air, vec3 object, real observer_m, r
   vec3 higher_low = dome_sky_light(air.higher, cos_low, sun_low) / higher_lit;
   vec3 lower_high = dome_sky_light(air.lower, cos_high, sun_high) / lower_lit;
   vec3 higher_high = dome_sky_light(air.higher, cos_high, sun_high) / higher_lit;
+  real elevation = (departure_elevation(rise) - departure_elevation(kDepartureSines.x)) /
+                   (departure_elevation(kDepartureSines.y) - departure_elevation(kDepartureSines.x));
+  real around_sun = dome_lobe(kAroundSun, 0.5 * (sun_low + sun_high));
+  vec3 first = mix(air.departures[0] + around_sun * air.departures_sun[0],
+                   air.departures[1] + around_sun * air.departures_sun[1], elevation);
+  vec3 second = mix(air.departures[2] + around_sun * air.departures_sun[2],
+                    air.departures[3] + around_sun * air.departures_sun[3], elevation);
 
   const int slices = 3;
   real downwards = object_m < observer_m ? 1.0 : 0.0;
-  vec2 once = downwards * (scattered_once(cos_sun) - scattered_once(0.5 * (sun_low + sun_high)));
-  real onwards = downwards * kHazeAlbedo * rise / sqrt(kOnwardsLevel + kOnwardsSteep * rise * rise);
-  real step_part = (1.0 - 2.0 * downwards) / real(slices);
+  vec2 once = downwards * (scattered_once(air.haze, cos_sun) - scattered_once(air.haze, 0.5 * (sun_low + sun_high)));
+  real onwards = downwards * onwards_share(rise);
+  vec3 below_lower = onwards * (air.below[0] + rise * air.below_steep[0]);
+  vec3 below_halfway = onwards * (air.below[1] + rise * air.below_steep[1]);
+  vec3 below_higher = onwards * (air.below[2] + rise * air.below_steep[2]);
   vec3 added = vec3(0.0);
   vec3 before = vec3(1.0);
+  real near_way = way_between_altitudes(observer_m, air.altitude_m.x, air.altitude_m.y);
+  vec3 near_sky = sky_on_the_way(air.air, mix(lower_low, lower_high, downwards), mix(higher_low, higher_high, downwards), first,
+                                 second, observer_m, near_way, rise, cos_sun_zenith);
   for (int i = 0; i < slices; ++i) {
-    real near = downwards + real(i) * step_part;
-    real under = min(near, near + step_part);
-    real over = under + 1.0 / real(slices);
-    real under_m = mix(low, high, under);
-    real over_m = mix(low, high, over);
-    real way_under = way_between_altitudes(under_m, air.altitude_m.x, air.altitude_m.y);
-    real way_over = way_between_altitudes(over_m, air.altitude_m.x, air.altitude_m.y);
-    vec3 path = air_along(under_m, over_m, s / real(slices));
+    real from = real(i) / real(slices);
+    real to = real(i + 1) / real(slices);
+    real near_m = mix(observer_m, object_m, from);
+    real far_m = mix(observer_m, object_m, to);
+    real far_share = mix(to, 1.0 - to, downwards);  // of the way up
+    real far_way = way_between_altitudes(far_m, air.altitude_m.x, air.altitude_m.y);
+    vec3 far_sky = sky_on_the_way(air.air, mix(lower_low, lower_high, far_share), mix(higher_low, higher_high, far_share), first,
+                                  second, far_m, far_way, rise, cos_sun_zenith);
+    vec3 path = air_along(near_m, far_m, s / real(slices));
     vec3 slice = transparency_of(air.air, path);
-    vec3 sky_under = mix(mix(lower_low, lower_high, under), mix(higher_low, higher_high, under), way_under) *
-                     lit_air(air.air, under_m, rise, cos_sun_zenith);
-    vec3 sky_over = mix(mix(lower_low, lower_high, over), mix(higher_low, higher_high, over), way_over) *
-                    lit_air(air.air, over_m, rise, cos_sun_zenith);
     vec3 haze = share_of_haze(air.air, path);
-    real way = 0.5 * (way_under + way_over);
-    vec3 unmirrored = mix(air.sun_lower, air.sun_higher, way) * mix(vec3(once.x), vec3(once.y), haze) +
-                      onwards * haze * mix(air.below_lower, air.below_higher, way);
-    added += before * (sky_under - slice * sky_over + (vec3(1.0) - slice) * unmirrored);
+    real way = 0.5 * (near_way + far_way);
+    vec3 unmirrored = mix(air.sun_lower, air.sun_higher, way) * mix(vec3(once.x), once.y * air.haze.albedo, haze) +
+                      air.haze.albedo * haze * parabola(below_lower, below_halfway, below_higher, way);
+    vec3 mirrored = mix(near_sky - slice * far_sky, far_sky - slice * near_sky, downwards);
+    added += before * (mirrored + (vec3(1.0) - slice) * unmirrored);
     before *= slice;
+    near_way = far_way;
+    near_sky = far_sky;
   }
   return path_transparency(air.air, low, high, s) * object + max(added, vec3(0.0));
 }

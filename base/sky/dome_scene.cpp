@@ -101,19 +101,19 @@ sky_text::PathAir text_of(const AirCoefficients& air) {
 }
 
 sky_text::AirBetween air_between(const SkyScene& scene) {
-  const LandLight& plain = scene.land_lower;
-  const double sun_height = scene.sun.z;
-  const glm::dvec3 ground =
-      sky_text::land_light(glm::dvec3(0.2), sun_height, 1.0, plain.sun, plain.sky);  // the reference atmosphere's
-  const sky_text::DomeSky lower = text_of(scene.lower), higher = text_of(scene.higher);
-  return {lower,
-          higher,
-          {scene.lower_m, scene.higher_m},
-          text_of(scene.air),
-          plain.sun,
-          scene.land_higher.sun,
-          sky_text::light_from_below(lower, ground, sun_height),
-          sky_text::light_from_below(higher, ground, sun_height)};
+  sky_text::AirBetween air{};
+  air.lower = text_of(scene.lower);
+  air.higher = text_of(scene.higher);
+  air.altitude_m = {scene.lower_m, scene.higher_m};
+  air.air = text_of(scene.air);
+  air.haze = scene.haze;
+  air.sun_lower = scene.land_lower.sun;
+  air.sun_higher = scene.land_higher.sun;
+  std::copy(scene.departures.begin(), scene.departures.end(), air.departures);
+  std::copy(scene.departures_sun.begin(), scene.departures_sun.end(), air.departures_sun);
+  std::copy(scene.below.begin(), scene.below.end(), air.below);
+  std::copy(scene.below_steep.begin(), scene.below_steep.end(), air.below_steep);
+  return air;
 }
 
 SkyPainter::SkyPainter(const SkyScene& scene) : scene_(scene), sky_(text_of(scene.sky)), between_(air_between(scene)) {}

@@ -2,6 +2,7 @@
 // picture from the same shader sources (gles/air/dome_renderer.hpp).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string_view>
 
@@ -56,6 +57,10 @@ struct SkyScene {
   double lower_m = 0.0, higher_m = 1.0;
   AirCoefficients air;
   LandLight land_lower, land_higher;  // at these altitudes
+  sky_text::HazeScattering haze{};
+  // Of the air between the two altitudes, as base/sky/dome.glsl says.
+  std::array<glm::dvec3, 4> departures{}, departures_sun{};
+  std::array<glm::dvec3, 3> below{}, below_steep{};
   bool aerial_perspective = true;
   sky_text::PerezSky perez{};  // for preetham1999
   sky_text::OlderAir older{};  // for the others

@@ -8,7 +8,9 @@
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/air/air_path.hpp"
 #include "estimator/air/scattering.hpp"
+#include "estimator/sky/air_on_the_way.hpp"
 #include "estimator/sky/dome.hpp"
+#include "estimator/sky/haze_scattering.hpp"
 #include "estimator/sky/sky_model.hpp"
 
 namespace kasumi {
@@ -64,6 +66,8 @@ LandLight land_light_at(double altitude_m, const DomeFunction& sky, const SkyReq
           glm::max(sky_sums(SkyPainter(there)).on_level_ground, 0.0)};
 }
 
+constexpr double kPlainAlbedo = 0.2;  // the reference atmosphere's
+
 // Eyes and cameras adapt incompletely to dusk: a tenth of the loss, in stops, stays visible.
 double exposure_for(double mean_luminance) {
   constexpr double kDay_cd_m2 = 5000.0, kShown = 0.42, kAdaptation = 0.9;
@@ -104,6 +108,16 @@ SkyScene sky_scene(const SkyRequest& request) {
   scene.air = air_coefficients(request.aerosol());
   scene.land_lower = land_light_at(scene.lower_m, scene.lower, request);
   scene.land_higher = land_light_at(scene.higher_m, scene.higher, request);
+  scene.haze = haze_scattering(request.aerosol().kind);
+  const auto sky_at = [&](double altitude_m) { return dome_in_srgb(altitude_m, request); };
+  const Departures departures = departures_on_the_way(scene, sky_at);
+  scene.departures = departures.even;
+  scene.departures_sun = departures.sun;
+  const glm::dvec3 plain =
+      sky_text::land_light(glm::dvec3(kPlainAlbedo), request.sun.z, 1.0, scene.land_lower.sun, scene.land_lower.sky);
+  const LightFromBelow below = light_from_below(scene, sky_at, plain);
+  scene.below = below.even;
+  scene.below_steep = below.steep;
   if (request.sun_disc)
     scene.sun_luminance = glm::max(
         xyz_to_linear_srgb() * glm::dvec3(dome_sun(request.altitude_m, request.aerosol(), request.sun).luminance), 0.0);

@@ -88,8 +88,9 @@ ClearForm::Terms ClearForm::at(const glm::vec3& direction) const {
   const float x = glm::dot(glm::vec2(direction), ahead_), y = direction.x * ahead_.y - direction.y * ahead_.x,
               z = direction.z, low = 0.2f / (z + 0.1f);
   const auto near = static_cast<float>(std::exp(-4.0 * gamma));  // the lower, the more air before the aureole
-  const std::array<float, kSlow> slow{low,   low * low, z, z * z, x,     x * z,   x * low, near * low,
-                                      x * x, x * x * x, y, y * z, x * y, y * low, near * z};
+  const std::array<float, kSlow> slow{
+      low,       low * low, z,     z * z, x,       x * z,      x * low,          x * x,
+      x * x * x, y,         y * z, x * y, y * low, near * low, near * low * low, near * z};
   std::ranges::copy(slow, terms.begin() + kRadial);
   return terms;
 }

@@ -19,7 +19,7 @@ class ClearForm {
  public:
   explicit ClearForm(const SunDirection& sun);
 
-  static constexpr std::size_t kRadial = 10, kSlow = 15, kTerms = kRadial + kSlow;
+  static constexpr std::size_t kRadial = 10, kSlow = 16, kTerms = kRadial + kSlow;
   using Terms = std::array<float, kTerms>;
   Terms at(const glm::vec3& direction) const;
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr Radians kGlare = from_degrees(2.0);    // around the sun: the lens's, no sky
 constexpr Radians kRing = from_degrees(6.0);     // the aureole from the glare to here tells whether the sun is covered
-constexpr Radians kMargin = from_degrees(4.0);   // around what differs: parts of a cloud agree by chance
+constexpr Radians kMargin = from_degrees(2.0);   // around what differs: a cloud's edges are as soft
 constexpr Radians kAround = from_degrees(60.0);  // the sky around the sun, which decides whether the form is trusted
 constexpr double kTrusted = 0.9;                 // of what looked clear there must agree; else clouds were fitted
 constexpr double kAnchored = 0.1;                // of the sky there looked clear: less says nothing
@@ -109,8 +109,10 @@ std::vector<LookedAt> places_of(const Looks& looks, const SkyGeometry& geometry,
 }
 
 struct Differences {
-  cv::Mat1b compared, differs;     // 1 or 0
+  cv::Mat1b compared;              // 1 or 0
+  cv::Mat1f by;                    // the difference over its limit; what is textured differs by much
   Share agreeing, still_agreeing;  // around the sun: of all; of what was clear
+  Share textured;
   bool trusted() const {
     const Share& share = still_agreeing.all > kAnchored * agreeing.all ? still_agreeing : agreeing;
     return share.value() >= kTrusted;
@@ -123,37 +125,52 @@ Differences differences(const Looks& looks, const SkyLight& light, const SkyPict
   constexpr float kScatters = 4.0f, kLeast = 0.03f, kMostLuminance = 0.12f, kMostColour = 0.10f;
   const float luminance_limit = std::clamp(kScatters * sky.luminance_scatter, kLeast, kMostLuminance);
   const float colour_limit = std::clamp(kScatters * sky.colour_scatter, kLeast, kMostColour);
+  constexpr float kTextured = 1e3f;  // whatever the limits
   const glm::dmat3& to_xyz = geometry.light_to_xyz;
   const glm::vec3 luminance_of{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y}, towards_sun(sun);
   const auto around = static_cast<float>(std::cos(kAround.value));
   const cv::Mat1b none(looks.known.size(), std::uint8_t{0});
-  Differences found{none.clone(), none.clone(), {}, {}};
+  Differences found{none.clone(), cv::Mat1f(looks.known.size(), 0.0f), {}, {}, {}};
+  cv::Mat1f& by = found.by;
   for (int y = 0; y < none.rows; ++y)
     for (int x = 0; x < none.cols; ++x) {
       const bool known = looks.known(y, x) != 0.0f;
       if (!known && light.use.at(x, y) != PixelUse::saturated) continue;
       const glm::vec3& direction = geometry.direction.at(x, y);
       const ClearForm::Terms terms = form.at(direction);
-      bool differs = false;
       if (known) {
-        const float luminance_step = looks.luminance_step(y, x);
-        differs = std::abs(looks.luminance(y, x) - sky.luminance_at(terms)) > luminance_limit + 0.6f * luminance_step ||
-                  std::abs(looks.colour(y, x) - sky.colour_at(terms)) > colour_limit + 0.6f * looks.colour_step(y, x) ||
-                  looks.texture(y, x) > rough + 0.3f * luminance_step;
+        const float step = looks.luminance_step(y, x);
+        by(y, x) = std::max(
+            std::abs(looks.luminance(y, x) - sky.luminance_at(terms)) / (luminance_limit + 0.6f * step),
+            std::abs(looks.colour(y, x) - sky.colour_at(terms)) / (colour_limit + 0.6f * looks.colour_step(y, x)));
+        const bool textured = looks.texture(y, x) > rough + 0.3f * step;
+        if (textured) by(y, x) = kTextured;
+        found.textured.count(textured);
       } else {
         // Saturated: it agrees if the form is as bright there or brighter.
+        constexpr float kDarker = 0.1f;
         const glm::vec3 least(camera.response.to_light(glm::dvec3(picture.encoded.at(x, y))));
         const float least_luminance = glm::dot(luminance_of, least * geometry.gain.at(x, y));
-        differs = sky.luminance_at(terms) < std::log(least_luminance) - 0.1f;
+        by(y, x) = (std::log(least_luminance) - sky.luminance_at(terms)) / kDarker;
       }
       found.compared(y, x) = 1;
-      found.differs(y, x) = differs ? 1 : 0;
       if (glm::dot(direction, towards_sun) < around) continue;
-      found.agreeing.count(!differs);
-      if (use.at(x, y) == PixelUse::clear) found.still_agreeing.count(!differs);
+      found.agreeing.count(by(y, x) <= 1.0f);
+      if (use.at(x, y) == PixelUse::clear) found.still_agreeing.count(by(y, x) <= 1.0f);
     }
-  cv::medianBlur(found.differs, found.differs, 5);  // without single ones: noise
   return found;
+}
+
+// Not 0 where nothing but clear air is seen. Where nearly all agrees, the rest is more likely the form's misfit than a
+// small and faint cloud; and a cloud without edges anywhere in the sky is none.
+cv::Mat1b agreeing(const Differences& found, bool edges_would_show) {
+  constexpr double kNearlyAllAgrees = 0.95, kNoEdges = 0.002;
+  const bool no_edges = edges_would_show && found.textured.value() < kNoEdges;
+  const double limit = no_edges ? 6.0 : found.agreeing.value() > kNearlyAllAgrees ? 2.5 : 1.0;
+  cv::Mat1b agrees;
+  cv::compare(found.by, limit, agrees, cv::CMP_LE);
+  cv::medianBlur(agrees, agrees, 5);  // without single ones: noise
+  return agrees;
 }
 
 // A closed layer of cloud is smooth, too. But it is neither blue anywhere nor so much brighter around the sun as haze,
@@ -188,12 +205,15 @@ OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Cam
   if (!sky) return own;
   const Differences found = differences(looks, light, picture, geometry, camera, use, sun, form, *sky, rough);
   if (!found.trusted()) return own;
+  const bool air = is_air(looks, form, *sky, sun);
+  constexpr float kNoisy = 0.04f;
+  const cv::Mat1b agrees = agreeing(found, air && rough < kNoisy);
 
   std::vector<float> solid_angles = some_of(looks, [&](int x, int y) { return geometry.solid_angle.at(x, y); });
   const double element = std::sqrt(static_cast<double>(median_in_place(solid_angles)));
   const auto margin = static_cast<float>(kMargin.value / element);
   cv::Mat1f apart;  // from what differs, in elements
-  cv::distanceTransform(1 - found.differs, apart, cv::DIST_L2, 3);
+  cv::distanceTransform(agrees, apart, cv::DIST_L2, 3);
   // A low sun's ring is partly below what is examined: then it reaches further up.
   const double below = std::max(0.0, zenith_angle(sun).value + kRing.value - limits.largest_zenith.value);
   const auto ring_begins = static_cast<float>(std::cos(kGlare.value)),
@@ -206,11 +226,10 @@ OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Cam
       PixelUse& as = own.use.at(x, y);
       if (found.compared(y, x) != 0 && apart(y, x) > margin && as != PixelUse::outside) as = PixelUse::clear;
       const float cosine = glm::dot(geometry.direction.at(x, y), towards_sun);
-      if (cosine < ring_begins && cosine > ring_ends) ring.count(found.compared(y, x) != 0 && found.differs(y, x) == 0);
+      if (cosine < ring_begins && cosine > ring_ends) ring.count(found.compared(y, x) != 0 && agrees(y, x) != 0);
     }
   constexpr double kCovered = 0.6, kUncovered = 0.95;  // shares of the ring
-  if (is_air(looks, form, *sky, sun))
-    own.uncovered_sun = std::clamp((ring.value() - kCovered) / (kUncovered - kCovered), 0.0, 1.0);
+  if (air) own.uncovered_sun = std::clamp((ring.value() - kCovered) / (kUncovered - kCovered), 0.0, 1.0);
   return own;
 }
 

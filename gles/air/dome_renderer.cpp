@@ -169,8 +169,13 @@ struct DomeRenderer::State {
     p.set("between.altitude_m", between.altitude_m);
     p.set("between.sun_lower", between.sun_lower);
     p.set("between.sun_higher", between.sun_higher);
-    p.set("between.below_lower", between.below_lower);
-    p.set("between.below_higher", between.below_higher);
+    p.set("between.haze.albedo", between.haze.albedo);
+    p.set("between.haze.asymmetry", between.haze.asymmetry);
+    p.set("between.haze.height", between.haze.height);
+    p.set("between.departures", scene.departures);
+    p.set("between.departures_sun", scene.departures_sun);
+    p.set("between.below", scene.below);
+    p.set("between.below_steep", scene.below_steep);
     set_older(p, "older_air", scene.older);
     p.set("observer_m", scene.altitude_m);
     p.set("air_share", scene.aerial_perspective ? 1.0 : 0.0);

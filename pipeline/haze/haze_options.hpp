@@ -30,8 +30,8 @@ struct HazeValues {
   std::optional<Turbidity> turbidity;
   double kappa_a = 0.0, kappa_s = 0.0;  // without a turbidity
   double lambda = 15.0;
-  std::optional<Aerosol> like;  // of a known aerosol: exponent and kind; T says how much of it
-  std::string name() const;     // "T4.00", "AOD0.300", "a0.25-s0.25": for files and sheets
+  std::optional<Aerosol> like = std::nullopt;  // of a known aerosol: exponent and kind; T says how much of it
+  std::string name() const;                    // "T4.00", "AOD0.300", "a0.25-s0.25": for files and sheets
 };
 
 struct HazeTask {

@@ -132,7 +132,7 @@ struct Stripes {
   Image<glm::vec3> seen(const AttenuationNodes& nodes, bool then) const {
     const auto& air = then ? target : source;
     Image<glm::vec3> light(depth.distance_m.width(), depth.distance_m.height());
-    const auto left = attenuation(haze_coefficients(nodes, ScatteringModel::morales2017, *air.turbidity),
+    const auto left = attenuation(haze_coefficients(nodes, ScatteringModel::morales2017, *air.state),
                                   optical_path(0.0, 0.0, 1500.0));
     for (int y = 0; y < light.height(); ++y)
       for (int x = 0; x < light.width(); ++x)

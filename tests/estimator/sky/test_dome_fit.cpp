@@ -61,8 +61,7 @@ INSTANTIATE_TEST_SUITE_P(Clouds, DomeFit, testing::Values(0.0, 0.3));
 
 TEST(DomeFit, SkiesOfTheSpectralAtmosphereAreFoundBetweenTheNodesOfTheTable) {
   for (const double turbidity : figure_cases<double>("turbidities", {8.2}, {2.0, 3.9, 8.2})) {
-    const reference::ReferenceSky atmosphere(
-        reference::spctral2_optics_of({.aerosol = aerosol_of(turbidity)}, 380.0, 40.0));
+    const reference::ReferenceSky atmosphere(reference::Air{.aerosol = aerosol_of(turbidity)}, 40.0);
     for (const double altitude_m : {400.0, 2200.0})
       for (const double sun_zenith_deg : {33.0, 68.0}) {
         const SunDirection sun = direction_from(from_degrees(sun_zenith_deg), from_degrees(0.0));

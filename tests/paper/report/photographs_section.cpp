@@ -124,7 +124,7 @@ Section photographs_section(const ReportOptions& options) {
     experiment.target = air_of(target, frame.visibility_m);
     const auto judged = judge_methods(experiment, 400.0);
     std::vector<std::string> row{fmt::format("{:.0f} m", frame.visibility_m),
-                                 fmt::format("{:.0f}", experiment.target.turbidity->value)};
+                                 fmt::format("{:.0f}", experiment.target.state->turbidity().value)};
     ContactSheet sheet;
     sheet.add(experiment.picture, "23 km, as taken");
     sheet.add(experiment.truth, fmt::format("{:.0f} m, as taken", frame.visibility_m));

@@ -266,7 +266,7 @@ TEST(SkyWatch, TheTurbidityOfAHighSiteMatchesTheDome) {
 TEST(SceneAir, AssumesAnOrdinaryClearDayUntilTheSkyIsKnown) {
   // Aerosol optical depths of clear days on land are .1 to .3 at 550 nm.
   Installation installation;
-  const auto supposed = [&] { return SceneAir(installation, {}).conditions({}).turbidity; };
+  const auto supposed = [&] { return SceneAir(installation, {}).conditions({}).air.turbidity(); };
   const auto depth = [](Turbidity turbidity) { return aerosol_optical_depth(turbidity, 550.0); };
   for (const double altitude_m : {100.0, 2200.0, 3000.0}) {
     installation.site.altitude_m = altitude_m;
@@ -275,7 +275,32 @@ TEST(SceneAir, AssumesAnOrdinaryClearDayUntilTheSkyIsKnown) {
   }
   SkyReport known;
   known.tracked.emplace().turbidity = Turbidity{2.6};
-  EXPECT_EQ(SceneAir(installation, {}).conditions(known).turbidity, Turbidity{2.6});
+  EXPECT_EQ(SceneAir(installation, {}).conditions(known).air, AirState(Turbidity{2.6}));
+}
+
+TEST(SceneAir, AKnownAerosolFadesWhatIsFarByItsOwnLaw) {
+  Installation installation;
+  installation.scene.width = installation.scene.height = 40;
+  const PixelBox box{10, 10, 20, 20};
+  const auto haze_of = [&](const SceneAirOptions& options) {
+    const SceneAir air(installation, options);
+    SkyReport report;
+    report.sun.source = SunSource::ephemeris;
+    report.sun.direction = direction_from(from_degrees(40.0), from_degrees(180.0));
+    return air.drawn_air(air.conditions(report), box).appearance.value().haze;
+  };
+  const auto usual = haze_of({});
+  EXPECT_GT(usual.mie_per_m[0].b, 1.2 * usual.mie_per_m[0].r) << "the papers' lambda^-2";
+  installation.surroundings.air = {0.6, std::nullopt, AerosolKind::dust};
+  const auto dust = haze_of({});
+  EXPECT_LT(dust.mie_per_m[0].b, dust.mie_per_m[0].r) << "dust takes a little more of the red";
+  EXPECT_NEAR(dust.mie_per_m[1].g, 0.6 / 1200.0, 0.03 * 0.6 / 1200.0);
+  // Asked for by name, the papers' law holds for the T of that dust.
+  const auto papers = haze_of({.scattering = ScatteringModel::morales2017});
+  EXPECT_NEAR(papers.mie_per_m[1].b / papers.mie_per_m[1].r, usual.mie_per_m[1].b / usual.mie_per_m[1].r, 1e-3);
+  installation.surroundings.sky_model = SiteSkyModel::preetham;
+  const auto preetham = haze_of({});
+  EXPECT_NEAR(preetham.mie_per_m[1].g, papers.mie_per_m[1].g, 1e-9);
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ class AerialPerspective : public testing::Test {
   }
 
   static reference::ReferenceSky atmosphere(double turbidity) {
-    return reference::ReferenceSky(reference::spctral2_optics_of({.aerosol = aerosol_of(turbidity)}, 380.0, 40.0));
+    return reference::ReferenceSky(reference::Air{.aerosol = aerosol_of(turbidity)}, 40.0);
   }
 };
 
@@ -80,10 +80,10 @@ TEST_F(AerialPerspective, MatchesTheSpectralAtmosphereFromThePlainAndFromTheMoun
     for (const Sun& sun : {Sun{40.0, 120.0}, {70.0, 60.0}, {70.0, 200.0}}) {
       const double error = mean_error(sky, kTurbidity, altitude_m, sun);
       mean += error / 3.0;
-      EXPECT_LE(error, 2.5) << "steps of 255; " << altitude_m << " m, sun " << sun.zenith_deg
+      EXPECT_LE(error, 1.5) << "steps of 255; " << altitude_m << " m, sun " << sun.zenith_deg
                             << " deg from the zenith, " << sun.azimuth_deg << " deg from the middle of the view";
     }
-    EXPECT_LE(mean, altitude_m > 0.0 ? 2.0 : 1.0) << "steps of 255, " << altitude_m << " m";
+    EXPECT_LE(mean, altitude_m > 0.0 ? 1.2 : 0.6) << "steps of 255, " << altitude_m << " m";
   }
 }
 
@@ -96,10 +96,10 @@ TEST_F(AerialPerspective, AlsoHoldsAtOtherAltitudesAndUnderOtherSunsAndAirs) {
       for (const Sun& sun : {Sun{25.0, 150.0}, {55.0, 0.0}, {75.0, 100.0}}) {
         const double error = mean_error(sky, turbidity, altitude_m, sun);
         mean += error / 6.0;
-        EXPECT_LE(error, 5.0) << "steps of 255; " << altitude_m << " m, T " << turbidity << ", sun " << sun.zenith_deg
+        EXPECT_LE(error, 2.5) << "steps of 255; " << altitude_m << " m, T " << turbidity << ", sun " << sun.zenith_deg
                               << " deg from the zenith";
       }
-    EXPECT_LE(mean, 3.0) << "steps of 255, T " << turbidity;
+    EXPECT_LE(mean, 1.8) << "steps of 255, T " << turbidity;
   }
 }
 
