@@ -1,4 +1,6 @@
 // A photograph under other air, against M Eq 25 and 26 for every pixel.
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -79,7 +81,8 @@ TEST(OtherAir, KnownDustTakesAllColoursNearlyAlike) {
   const glm::dvec3 from = camera.light_at({2, 4}, glm::dvec3(before.encoded.at(2, 4)));
   const glm::dvec3 share =
       (camera.light_at({2, 4}, glm::dvec3(after.encoded.at(2, 4))) - kAirlight) / (from - kAirlight);
-  EXPECT_NEAR(share.g, std::exp(-0.3 / 1200.0 * 4000.0), 0.01);
+  const double rise_m = 4000.0 * camera.direction_at({2, 4})->z;
+  EXPECT_NEAR(share.g, std::exp(-0.3 / 1200.0 * optical_path(0.0, rise_m, 4000.0).mie_m), 0.005);
   EXPECT_NEAR(share.r / share.b, 1.0, 0.06);
   EXPECT_LT(share.r, share.b) << "and a little more of the red";
   EXPECT_LE(largest_difference(under(after, dust(0.4), dust(0.1)), before), 1e-3) << "there and back";
