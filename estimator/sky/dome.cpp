@@ -14,9 +14,6 @@
 namespace kasumi {
 namespace {
 
-// Added to an optical depth before its logarithm is taken: with as much the haze's light equals the molecules', roughly.
-constexpr double kMolecules_aod = 0.05;
-
 // Lagrange's four points around a value of an axis.
 struct FourPoints {
   std::size_t first = 0;
@@ -37,6 +34,28 @@ FourPoints four_points(std::span<const double> axis, double value, Along along) 
   return four;
 }
 
+// Two parabolas through three points each, the one before and the one after the value, blended: a slope without kinks,
+// since estimates follow it.
+template <class Along>
+FourPoints two_parabolas(std::span<const double> axis, double value, Along along) {
+  FourPoints four = four_points(axis, value, along);
+  std::array<double, 4> x{};
+  for (std::size_t k = 0; k < 4; ++k) x[k] = along(axis[four.first + k]);
+  const double at = along(value), share = std::clamp((at - x[1]) / (x[2] - x[1]), 0.0, 1.0);
+  four.weight.fill(0.0);
+  for (std::size_t begin = 0; begin < 2; ++begin)
+    for (std::size_t k = begin; k < begin + 3; ++k) {
+      double weight = begin == 0 ? 1.0 - share : share;
+      for (std::size_t other = begin; other < begin + 3; ++other)
+        if (other != k) weight *= (at - x[other]) / (x[k] - x[other]);
+      four.weight[k] += weight;
+    }
+  return four;
+}
+
+// Added to an optical depth before its logarithm is taken: with as much the haze's light equals the molecules', roughly.
+constexpr double kMolecules_aod = 0.05;
+
 struct Place {
   double altitude_m, sun_zenith_deg;
 };
@@ -56,8 +75,8 @@ Row row_at(const Place& place, AerosolKind kind, double aod_550) {
   // Light decreases nearly as the air thins: its logarithm is closer to linear over this than over height.
   const FourPoints a =
       four_points(table.altitudes_m, place.altitude_m, [](double h) { return std::log1p(h / 4000.0); });
-  const FourPoints t = four_points(table.aods_550, std::clamp(aod_550, 0.0, table.aods_550.back()),
-                                   [](double aod) { return std::log(aod + kMolecules_aod); });
+  const FourPoints t = two_parabolas(table.aods_550, std::clamp(aod_550, 0.0, table.aods_550.back()),
+                                     [](double aod) { return std::log(aod + kMolecules_aod); });
   const FourPoints s = four_points(table.sun_zeniths_deg, place.sun_zenith_deg, [](double deg) { return deg; });
   const std::size_t altitudes = table.altitudes_m.size(), aods = table.aods_550.size(),
                     suns = table.sun_zeniths_deg.size(), of_kind = static_cast<std::size_t>(kind) * altitudes;

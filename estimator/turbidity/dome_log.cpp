@@ -26,8 +26,11 @@ DomeLog::DomeLog(double altitude_m, const SunDirection& sun, const std::optional
     highest_ = std::min(Turbidity{turbidity_of(haziest)}, kHighestTurbidity);
     shift_ = kShiftToNoAerosol;
   }
+  // A node more at each end, where there is such a dome: slopes at the ends are as exact as elsewhere.
+  const int beyond = like ? 0 : 1;
   first_ = std::log(lowest_.value - shift_);
-  step_ = (std::log(highest_.value - shift_) - first_) / (kNodes - 1);
+  step_ = (std::log(highest_.value - shift_) - first_) / (kNodes - 1 - 2 * beyond);
+  first_ -= beyond * step_;
   for (std::size_t k = 0; k < kNodes; ++k)
     domes_[k] = like ? dome(altitude_m, aerosol_of(node(k).value, like->angstrom_exponent, like->kind), sun)
                      : dome(altitude_m, node(k), sun);

@@ -20,12 +20,12 @@ class DomeLog {
   Turbidity lowest() const { return lowest_; }
   Turbidity highest() const { return highest_; }
 
-  // ln Y at one place of the sky, for T at nodes uniform in ln(T - shift) between the ends.
+  // ln Y at one place of the sky, for T at nodes uniform in ln(T - shift), a node more at either end where there is one.
   static constexpr std::size_t kNodes = 17;
   using Nodes = std::array<float, kNodes>;
   Nodes at(double cos_zenith, double cos_sun_distance) const;
 
-  // Cubics between the nodes (Catmull-Rom; quadratics at the ends), the same for all places: ln Y and its slope in T
+  // Cubics between the nodes (Catmull-Rom; quadratics at the last), the same for all places: ln Y and its slope in T
   // are sums over four nodes. The error is below .001 of ln Y.
   struct Between {
     std::size_t first = 0;
