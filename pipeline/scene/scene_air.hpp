@@ -16,10 +16,10 @@ namespace kasumi {
 
 struct SceneAirOptions {
   // Empty: the aerosol's own where it is known and the sky is the dome, else morales2017.
-  std::optional<ScatteringModel> scattering;
+  std::optional<ScatteringModel> scattering{};
   ZetaForm zeta = ZetaForm::full;
   bool aerial_perspective = true;                       // false: the "before" picture
-  std::optional<Turbidity> turbidity;                   // instead of the estimate from the sky
+  std::optional<Turbidity> turbidity{};                 // instead of the estimate from the sky
   Turbidity until_known{3.0};                           // until a sky frame is usable: an ordinary clear day
   Duration horizon_interval = std::chrono::seconds(1);  // between measurements of the horizon
 };

@@ -71,10 +71,10 @@ TEST(HazePicture, ForATurbidityItFadesAsTheAirDoes) {
   const auto measure = spectral_measure(generic_sensitivity());
   const auto nodes = attenuation_nodes(measure);
   constexpr double kFarthest_m = 12e3, kAltitude_m = 400.0;
-  const auto optics = haze_optics(nodes, ScatteringModel::morales2017, {4.0}, kAltitude_m, kFarthest_m, 15.0);
+  const auto optics = haze_optics(nodes, ScatteringModel::morales2017, Turbidity{4.0}, kAltitude_m, kFarthest_m, 15.0);
   for (const double range : {0.1, 0.5, 1.0}) {
     const auto left = optics.transmission(range);
-    const auto truth = attenuation_reference(measure, ScatteringModel::morales2017, {4.0},
+    const auto truth = attenuation_reference(measure, ScatteringModel::morales2017, Turbidity{4.0},
                                              optical_path(kAltitude_m, kAltitude_m, range * kFarthest_m));
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(left[c], truth[c], 3e-4);
     EXPECT_LT(left.b, left.r) << "the blue is scattered most";

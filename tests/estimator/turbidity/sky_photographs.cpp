@@ -19,8 +19,8 @@
 #include "base/units.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "fixtures/light/sensor.hpp"
-#include "fixtures/light/spectrum.hpp"
-#include "fixtures/light/sunlight.hpp"
+#include "fixtures/spectrum/spectrum.hpp"
+#include "fixtures/spectrum/sunlight.hpp"
 
 namespace kasumi::test {
 namespace {
