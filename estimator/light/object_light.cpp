@@ -57,6 +57,7 @@ Daylight::Daylight(const Camera& scene, const AirState& air, const SunDirection&
 
   if (!srgb) light_.albedo_to_channels = srgb_reflectance_to_channels(scene.sensitivity);
   light_.sun_direction = sun;
+  glow_by_ground(air.aerosol());
   const auto unit = options.measured ? unit_of(*options.measured) : std::nullopt;
   light_by_sun(scene.sensitivity, sensor_to_light, unit ? options.measured->sun_share : 1.0);
   light_by_sky(unit);
@@ -70,6 +71,18 @@ double Daylight::zenith_luminance() const {
   const double of_preetham =
       zenith_for(model_, clear_sky_lux(turbidity_, zenith_angle(sun_), options_.altitude_m, options_.ground_albedo));
   return share > 0.0 ? std::lerp(of_preetham, *model_.zenith_cd_m2(), share) : of_preetham;
+}
+
+void Daylight::glow_by_ground(const Aerosol& aerosol) {
+  if (is_overcast() || model_.dome_share() <= 0.0 || options_.ground_albedo == kDomeGroundAlbedo) return;
+  constexpr int kZeniths = 16, kAzimuths = 24;
+  glm::dvec3 lit = std::max(0.0, sun_.z) * *model_.sun_xyz();
+  for (int i = 0; i < kZeniths; ++i)  // even steps of cos^2 weigh the same on the ground
+    for (int j = 0; j < kAzimuths; ++j)
+      lit += sky_xyz(direction_from(Radians{std::acos(std::sqrt((i + 0.5) / kZeniths))},
+                                    Radians{(j + 0.5) * 2.0 * kPi / kAzimuths})) *
+             (kPi / (kZeniths * kAzimuths));
+  glow_.emplace(aerosol, options_.altitude_m, options_.ground_albedo, xyz_to_linear_srgb() * lit);
 }
 
 void Daylight::light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light,
@@ -146,7 +159,9 @@ glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
     constexpr double kD65x = 0.3127, kD65y = 0.3290;
     return xyz_of({zenith_cd_m2_ * (1.0 + 2.0 * view.z) / 3.0, kD65x, kD65y});
   }
-  return zenith_cd_m2_ * model_.relative_xyz(view);
+  const glm::dvec3 clear = zenith_cd_m2_ * model_.relative_xyz(view);
+  return glow_ ? glm::max(clear + model_.dome_share() * (srgb_to_xyz() * glow_->radiance(view.z)), glm::dvec3{0.0})
+               : clear;
 }
 
 glm::dvec3 Daylight::light_of(const glm::dvec3& xyz) const {

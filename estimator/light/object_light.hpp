@@ -12,6 +12,7 @@
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
 #include "estimator/light/clear_sky_light.hpp"
+#include "estimator/light/ground_glow.hpp"
 #include "estimator/sky/site_sky.hpp"
 #include "estimator/turbidity/measured_sky.hpp"
 
@@ -60,6 +61,7 @@ class Daylight {
   // Factor from the camera's XYZ to the model's cd m-2, from the cells where both see the same; empty when they are
   // too few. It includes the sky camera's exposure and white balance.
   std::optional<glm::dvec3> unit_of(const MeasuredSky& measured) const;
+  void glow_by_ground(const Aerosol& aerosol);  // before anything else reads the sky
   void light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double through_clouds);
   void light_by_sky(const std::optional<glm::dvec3>& unit);
   void light_by_ground();  // after sun and sky, whose light it reflects
@@ -69,6 +71,7 @@ class Daylight {
   Turbidity turbidity_;  // clamped to the models' range
   SiteSky model_;
   double zenith_cd_m2_ = 0.0;
+  std::optional<GroundGlow> glow_;  // where the dome has a share, over ground of another albedo than its own
   glm::dmat3 xyz_to_light_{1.0};
   LightOnObject light_;
   double sun_normal_lux_ = 0.0;

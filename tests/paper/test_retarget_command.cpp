@@ -109,6 +109,22 @@ TEST_F(RetargetCommand, MakesAFolderASheetAndAFilmOfSeveralAirs) {
   EXPECT_GE(sheet.width() * sheet.height(), 5 * 320 * 180) << "the source and four airs";
 }
 
+TEST_F(RetargetCommand, TakesAKnownAerosolByItsOpticalDepth) {
+  const auto outcome = run_kasumi(fmt::format(
+      "retarget {} --depth {} --source-aod 0.1 --aod 0.2:0.4:0.2,clear --aerosol dust --airlight .5,.6,.7 --out {}",
+      in_folder("source.png"), in_folder("depth.pfm"), in_folder("aods")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* name : {"source.clear.png", "source.AOD0.200.png", "source.AOD0.400.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "aods" / name)) << name;
+  const auto wrong = run_kasumi(
+      fmt::format("retarget {} --depth {} --source-aod 0.1 --source-turbidity 2 --aod 3 --turbidity 2 --out {}",
+                  in_folder("source.png"), in_folder("depth.pfm"), in_folder("never.png")));
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--aod 3: expected an optical depth of 0 to 1.8"));
+  EXPECT_THAT(wrong.err, HasSubstr("expected --turbidity or --aod"));
+  EXPECT_THAT(wrong.err, HasSubstr("expected one of --source-turbidity T, --source-aod"));
+}
+
 TEST_F(RetargetCommand, ReportsAllProblemsAtOnceAndWritesNothing) {
   const auto out = in_folder("never.png");
   const auto outcome = run_kasumi(fmt::format("retarget {} --depth {} --turbidity 99,2:1:1 --utc yesterday --out {}",

@@ -35,8 +35,9 @@ struct Budget {
 
 class Truth {
  public:
-  Truth(const Aerosol& aerosol, double sun_deg)
-      : sun_(at(sun_deg, 0.0)), sky_({.aerosol = aerosol}, 20.0, reference::suns_around_deg(90.0 - sun_deg)) {}
+  Truth(const Aerosol& aerosol, double sun_deg, double ground_albedo = 0.2)
+      : sun_(at(sun_deg, 0.0)),
+        sky_({.aerosol = aerosol, .ground_albedo = ground_albedo}, 20.0, reference::suns_around_deg(90.0 - sun_deg)) {}
 
   glm::dvec3 srgb(const std::vector<double>& light) const { return to_srgb_ * sky_.xyz_of(light); }
   glm::dvec3 light(const Direction& view) const { return srgb(sky_.radiance({0.0, view, sun_})); }
@@ -111,12 +112,12 @@ Camera srgb_camera() {
 // What the program makes of the same air.
 class Estimated {
  public:
-  Estimated(const AirState& air, double sun_deg)
+  Estimated(const AirState& air, double sun_deg, double ground_albedo = 0.2)
       : air_(air),
         sun_(at(sun_deg, 0.0)),
         model_(air.aerosol_known() ? ScatteringModel::aerosol : ScatteringModel::morales2017),
         sky_(SiteSkyModel::automatic, air, sun_, 0.0),
-        daylight_(camera_, air, sun_) {}
+        daylight_(camera_, air, sun_, {.ground_albedo = ground_albedo}) {}
 
   Budget budget(const Direction& view) const {
     Budget found;
@@ -231,6 +232,31 @@ TEST(AirTruthLight, TheEnergyBudgetUnderKnownAir) {
              worst_dome);
   EXPECT_LE(worst_dome, 2.0);
   EXPECT_GT(sum_preetham, 2.0 * sum_dome) << "else the way does not matter";
+}
+
+// The dome's table stands over ground of albedo .2; sand and snow light the sky from below.
+TEST(AirTruthLight, BrightGroundLightsTheSkyToo) {
+  fmt::print(
+      "\nground of other albedos: program / spectral atmosphere, sky on ground, wall, horizon, wall/horizon; in "
+      "brackets as over albedo .2\n");
+  for (const auto& [turbidity, kind] :
+       {std::pair{2.4, AerosolKind::continental}, {5.0, AerosolKind::continental}, {4.0, AerosolKind::dust}})
+    for (const double albedo : {0.05, 0.35, 0.8}) {
+      const Aerosol aerosol = aerosol_of(turbidity, natural_exponent(kind), kind);
+      const double sun_deg = 40.0;
+      const Truth truth(aerosol, sun_deg, albedo);
+      const Estimated with(aerosol, sun_deg, albedo), without(aerosol, sun_deg);
+      const Direction view = at(0.0, 110.0);
+      const Budget real = truth.budget(view), found = with.budget(view), plain = without.budget(view);
+      fmt::print("T {} {:12} albedo {:.2f}: {} | {} | {} ({}) | {} ({})\n", turbidity, name_of(kind), albedo,
+                 text_of(found.sky / real.sky), text_of(found.wall / real.wall), text_of(found.horizon / real.horizon),
+                 text_of(plain.horizon / real.horizon), text_of(found.wall / found.horizon * real.horizon / real.wall),
+                 text_of(found.wall / plain.horizon * real.horizon / real.wall));
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(found.sky[c] / real.sky[c], 1.0, 0.06);
+        EXPECT_NEAR(found.wall[c] / found.horizon[c] * real.horizon[c] / real.wall[c], 1.0, 0.12);
+      }
+    }
 }
 
 // What the program shows of a clear sky on low land, T given, against the spectral atmosphere of the same optical depth.

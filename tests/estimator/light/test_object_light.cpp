@@ -88,7 +88,7 @@ TEST(Daylight, AGreySphereIsLitAsByBruteForceOverSunSkyAndGround) {
 TEST(Daylight, TheSkyLightsTheLevelGroundAsTheClearSkyModelSays) {
   for (const double t : {2.0, 3.0, 6.0})
     for (const double zenith : {20.0, 50.0, 75.0}) {
-      const Daylight daylight(srgb_camera(), Turbidity{t}, at_deg(zenith, 180.0));
+      const Daylight daylight(srgb_camera(), Turbidity{t}, at_deg(zenith, 180.0), {.model = SiteSkyModel::preetham});
       const auto luminance = [&](const Direction& d) { return srgb_to_xyz() * (683.0 * daylight.airlight(d)); };
       const double expected = clear_sky_lux(Turbidity{t}, from_degrees(zenith), 0.0, 0.2);
       EXPECT_NEAR(gathered(cones_of(luminance), kUp).y / expected, 1.0, 5e-3) << t << " " << zenith;

@@ -1,4 +1,6 @@
 // A photograph under other air, against M Eq 25 and 26 for every pixel.
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +25,7 @@ Photograph colourful() {
   return photograph;
 }
 
-OtherAirOptions options_for(Turbidity source) {
+OtherAirOptions options_for(const AirState& source) {
   OtherAirOptions options;
   options.camera = plain_camera(kWidth, kHeight, from_degrees(40.0), Radians{0.0});
   options.source = source;
@@ -34,7 +36,7 @@ OtherAirOptions options_for(Turbidity source) {
   return options;
 }
 
-Photograph under(const Photograph& photograph, Turbidity source, const std::optional<Turbidity>& target) {
+Photograph under(const Photograph& photograph, const AirState& source, const std::optional<AirState>& target) {
   OtherAir air(options_for(source));
   const auto picture_set = air.set_picture(photograph, "picture");
   EXPECT_TRUE(picture_set) << picture_set.error().message;
@@ -68,6 +70,22 @@ TEST(OtherAir, ThickerAirBringsEachChannelTowardsTheAirlightByOneShare) {
   for (int c = 0; c < 3; ++c) EXPECT_TRUE(share[c] > 0.2 && share[c] < 0.95) << share[c];
   EXPECT_GT(share.r, share.b) << "air passes red light better";
   EXPECT_NEAR(share_at(6, 0).r, 1.0, 1e-3) << "the sky keeps its ratio to the light from infinity";
+}
+
+TEST(OtherAir, KnownDustTakesAllColoursNearlyAlike) {
+  const auto dust = [](double aod) {
+    return AirState(Aerosol{aod, natural_exponent(AerosolKind::dust), AerosolKind::dust});
+  };
+  const auto camera = options_for(dust(0.1)).camera;
+  const auto before = colourful(), after = under(before, dust(0.1), dust(0.4));
+  const glm::dvec3 from = camera.light_at({2, 4}, glm::dvec3(before.encoded.at(2, 4)));
+  const glm::dvec3 share =
+      (camera.light_at({2, 4}, glm::dvec3(after.encoded.at(2, 4))) - kAirlight) / (from - kAirlight);
+  const double rise_m = 4000.0 * camera.direction_at({2, 4})->z;
+  EXPECT_NEAR(share.g, std::exp(-0.3 / 1200.0 * optical_path(0.0, rise_m, 4000.0).mie_m), 0.005);
+  EXPECT_NEAR(share.r / share.b, 1.0, 0.06);
+  EXPECT_LT(share.r, share.b) << "and a little more of the red";
+  EXPECT_LE(largest_difference(under(after, dust(0.4), dust(0.1)), before), 1e-3) << "there and back";
 }
 
 TEST(OtherAir, ThereAndBackGivesTheOriginal) {

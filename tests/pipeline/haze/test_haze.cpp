@@ -143,6 +143,23 @@ TEST_F(HazeCommand, ASweepOfTurbiditiesBecomesPicturesAndASheet) {
   EXPECT_GT(thick.mean, thin.mean) << "40 m of it";
 }
 
+TEST_F(HazeCommand, AKnownAerosolIsGivenByItsOpticalDepth) {
+  const auto outcome = run_kasumi(
+      fmt::format("haze {} --depth {} --indoors --airlight .6,.7,.8 --aod 0.6:1.8:0.6 --aerosol maritime --out {}",
+                  in_folder("board.png"), in_folder("depth.pfm"), in_folder("aods")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* name : {"board.AOD0.600.png", "board.AOD1.200.png", "board.AOD1.800.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "aods" / name)) << name;
+  const auto wrong = run_kasumi(fmt::format("haze {} --depth {} --aod 3 --turbidity 4 --aerosol fog --out {}",
+                                            in_folder("board.png"), in_folder("depth.pfm"), in_folder("x.png")));
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("--aerosol"));
+  const auto both = run_kasumi(fmt::format("haze {} --depth {} --aod 3 --turbidity 4 --out {}", in_folder("board.png"),
+                                           in_folder("depth.pfm"), in_folder("x.png")));
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.err, AllOf(HasSubstr("--aod 3: expected an optical depth of 0 to 1.8"), HasSubstr("one of them")));
+}
+
 TEST_F(HazeCommand, ReportsAllProblemsAtOnce) {
   const auto outcome = run_kasumi(fmt::format("haze {} --disparity {} --turbidity 40,x --kappa-a .2 --out {}",
                                               in_folder("board.png"), in_folder("nothing.pfm"), in_folder("x.png")));

@@ -35,6 +35,28 @@ TEST(SkyCommand, DrawsEachProjectionWithAndWithoutAGpu) {
   }
 }
 
+TEST(SkyCommand, DrawsAGivenAerosol) {
+  const auto file = place("smoke.pfm"), plain = place("plain.pfm");
+  const std::string sky = "sky --projection fisheye --size 33x33 --sun-zenith-deg 50 --out ";
+  const auto done = run_kasumi(sky + file.string() + " --aod 0.6 --aerosol smoke");
+  ASSERT_EQ(done.code, 0) << done.err;
+  ASSERT_EQ(run_kasumi(sky + plain.string() + " --aod 0").code, 0);
+  const auto zenith = [](const std::filesystem::path& of) {
+    return cv::imread(of.string(), cv::IMREAD_UNCHANGED).at<cv::Vec3f>(16, 16);  // blue, green, red
+  };
+  SkyRequest request;
+  request.sun = direction_from(from_degrees(50.0), from_degrees(180.0));
+  request.like = Aerosol{0.0, natural_exponent(AerosolKind::smoke), AerosolKind::smoke};
+  request.turbidity = {turbidity_of({0.6, natural_exponent(AerosolKind::smoke), AerosolKind::smoke})};
+  const glm::dvec3 expected = SkyPainter(sky_scene(request)).sky({0.0, 0.0, 1.0});
+  EXPECT_NEAR(double{zenith(file)[1]} / expected.g, 1.0, 1e-4);
+  EXPECT_LT(zenith(plain)[2], 0.5F * zenith(file)[2]) << "molecules alone";
+  const auto wrong = run_kasumi(sky + file.string() + " --aod 3 --turbidity 2 --model nielsen2003");
+  EXPECT_EQ(wrong.code, 2);
+  for (const char* words : {"--aod 3: expected 0 to 1.8", "--turbidity and --aod: expected only one", "--model dome"})
+    EXPECT_THAT(wrong.err, HasSubstr(words));
+}
+
 TEST(SkyCommand, WritesTheRadiance) {
   const auto file = place("light.pfm");
   const auto done =
