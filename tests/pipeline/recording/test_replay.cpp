@@ -70,7 +70,7 @@ ReplaySummary played_under(const GivenAir& given, const std::filesystem::path& f
 }
 
 TEST(Replay, AGivenAirDrivesThePictureWhateverTheSkySays) {
-  const auto fixture = recorded(small("clear-noon", 2), "given-air");
+  const auto fixture = recorded(small("papers-noon", 2), "given-air");
   const auto by_option = test_folder("given-air-option"), by_key = test_folder("given-air-key"),
              usual = test_folder("given-air-usual");
   const GivenAir smoke{0.5, std::nullopt, AerosolKind::smoke};
@@ -97,7 +97,7 @@ TEST(Replay, AGivenAirDrivesThePictureWhateverTheSkySays) {
 }
 
 TEST(Replay, OfAGivenKindTheAmountIsFoundInTheSky) {
-  const auto fixture = recorded(small("clear-noon", 2), "given-kind");
+  const auto fixture = recorded(small("papers-noon", 2), "given-kind");
   const auto summary =
       played_under({std::nullopt, std::nullopt, AerosolKind::continental}, fixture, test_folder("given-kind-out"));
   EXPECT_FALSE(summary.given);
