@@ -334,7 +334,7 @@ TEST(Appliance, AirOfTheOtherSkyModelIsNotRestored) {
   {
     const auto rig = running({.name = "remember-other"});
     rig->appliance->status().finish();
-    replace_in(rig->folder / "state" / "turbidity.json", "preetham", "dome");
+    replace_in(rig->folder / "state" / "turbidity.json", "dome", "preetham");
   }
   Rig rig({.name = "remember-other",
            .utc = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h + 10min,

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 // A morning seen by a camera whose channels are bell curves at 600, 540 and 450 nm (the generic one), with trees around
 // it.
 std::filesystem::path morning(const std::filesystem::path& folder) {
-  auto recipe = fixtures::recipe_of("clear-noon").value();
+  auto recipe = fixtures::recipe_of("papers-noon").value();
   recipe.start_utc = Utc(std::chrono::sys_days(std::chrono::year{2026} / 10 / 19)) + std::chrono::hours(23);
   recipe.sky_frames = 6;
   recipe.sky_period_s = 2400.0;

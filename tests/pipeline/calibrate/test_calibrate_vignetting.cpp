@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 
 TEST(CalibrateVignetting, ARecordedDayRecoversTheLensItWasRenderedThrough) {
-  auto recipe = small("clear-noon", 7);
+  auto recipe = small("papers-noon", 7);
   recipe.turbidity = recipe.turbidity_end = 4.5;
   recipe.sky_size = 240;
   recipe.scene_frames = 1;

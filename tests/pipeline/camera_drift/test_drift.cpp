@@ -29,7 +29,7 @@ struct Day {
 constexpr Utc kNoon = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h;
 
 fixtures::Recipe day(std::uint64_t seed, double turbidity, double clouds) {
-  auto recipe = small("clear-noon", 3);
+  auto recipe = small("papers-noon", 3);
   recipe.seed = seed;
   recipe.start_utc = kNoon;
   recipe.turbidity = recipe.turbidity_end = turbidity;

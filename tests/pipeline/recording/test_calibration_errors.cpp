@@ -280,7 +280,7 @@ struct Effect {
 class Recording {
  public:
   Recording(const std::string& name, double turbidity, Utc start) : name_(name) {
-    auto recipe = small("clear-noon", 1);
+    auto recipe = small("papers-noon", 1);
     recipe.scene_width = kWidth_px;
     recipe.scene_height = 180;
     recipe.sky_size = 240;
