@@ -33,8 +33,8 @@ TEST(GivenAirKeys, EveryBadValueIsNamedWithWhatIsExpected) {
   std::string problems;
   read("aod_550 = 3\nangstrom_exponent = \"steep\"\naerosol = \"fog\"", &problems);
   EXPECT_THAT(problems, HasSubstr("aod_550 = 3: expected a number from 0 to 1.8, or \"auto\""));
-  EXPECT_THAT(problems, HasSubstr("angstrom_exponent = \"steep\": expected a number from -0.5 to 2.5, or \"auto\""));
-  EXPECT_THAT(problems, HasSubstr("aerosol = \"fog\": expected one of \"continental\""));
+  EXPECT_THAT(problems, HasSubstr("angstrom_exponent = 'steep': expected a number from -0.5 to 2.5, or \"auto\""));
+  EXPECT_THAT(problems, HasSubstr("aerosol = 'fog': expected one of \"continental\""));
   EXPECT_THAT(problems, HasSubstr("\"smoke\", or \"auto\""));
 }
 

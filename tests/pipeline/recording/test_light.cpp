@@ -281,6 +281,8 @@ TEST(SceneAir, AssumesAnOrdinaryClearDayUntilTheSkyIsKnown) {
 TEST(SceneAir, AKnownAerosolFadesWhatIsFarByItsOwnLaw) {
   Installation installation;
   installation.scene.width = installation.scene.height = 40;
+  installation.scene.lens = pinhole_lens({{30.0, 30.0}, {19.5, 19.5}, {}});
+  installation.scene.to_world = camera_to_world(Radians{0.0}, Radians{0.0}, Radians{0.0});
   const PixelBox box{10, 10, 20, 20};
   const auto haze_of = [&](const SceneAirOptions& options) {
     const SceneAir air(installation, options);
@@ -296,7 +298,9 @@ TEST(SceneAir, AKnownAerosolFadesWhatIsFarByItsOwnLaw) {
   EXPECT_LT(dust.mie_per_m[0].b, dust.mie_per_m[0].r) << "dust takes a little more of the red";
   EXPECT_NEAR(dust.mie_per_m[1].g, 0.6 / 1200.0, 0.03 * 0.6 / 1200.0);
   // Asked for by name, the papers' law holds for the T of that dust.
-  const auto papers = haze_of({.scattering = ScatteringModel::morales2017});
+  SceneAirOptions by_name;
+  by_name.scattering = ScatteringModel::morales2017;
+  const auto papers = haze_of(by_name);
   EXPECT_NEAR(papers.mie_per_m[1].b / papers.mie_per_m[1].r, usual.mie_per_m[1].b / usual.mie_per_m[1].r, 1e-3);
   installation.surroundings.sky_model = SiteSkyModel::preetham;
   const auto preetham = haze_of({});

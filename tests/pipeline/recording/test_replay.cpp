@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <sstream>
 
 #include "base/files.hpp"
 #include "pipeline/files/photograph_file.hpp"
@@ -73,7 +74,7 @@ TEST(Replay, AGivenAirDrivesThePictureWhateverTheSkySays) {
   const auto fixture = recorded(small("papers-noon", 2), "given-air");
   const auto by_option = test_folder("given-air-option"), by_key = test_folder("given-air-key"),
              usual = test_folder("given-air-usual");
-  const GivenAir smoke{0.5, std::nullopt, AerosolKind::smoke};
+  const GivenAir smoke{0.5, 1.6, AerosolKind::smoke};
   played(fixture, usual);
   const auto summary = played_under(smoke, fixture, by_option);
   EXPECT_EQ(summary.given, smoke.whole());
@@ -82,10 +83,14 @@ TEST(Replay, AGivenAirDrivesThePictureWhateverTheSkySays) {
   EXPECT_NEAR(summary.last->tracked->turbidity.value, turbidity_of(*smoke.whole()), 1e-9);
   EXPECT_TRUE(summary.last->tracked->trustworthy);
 
-  auto text = read_text_file(fixture / "fixture.toml").value();
-  const std::string site = "[site]\n";
-  ASSERT_NE(text.find(site), std::string::npos);
-  text.insert(text.find(site) + site.size(), "aod_550 = 0.5\naerosol = \"smoke\"\n");
+  // In the place of what the fixture itself says of its air.
+  std::istringstream lines(read_text_file(fixture / "fixture.toml").value());
+  std::string text;
+  for (std::string line; std::getline(lines, line);) {
+    const bool of_air = line.starts_with("aod_550") || line.starts_with("angstrom") || line.starts_with("aerosol");
+    if (!of_air) text += line + "\n";
+    if (line == "[site]") text += "aod_550 = 0.5\nangstrom_exponent = 1.6\naerosol = \"smoke\"\n";
+  }
   ASSERT_TRUE(write_text_file(fixture / "fixture.toml", text));
   EXPECT_EQ(played(fixture, by_key).given, smoke.whole());
   const auto picture = [](const std::filesystem::path& folder) {
