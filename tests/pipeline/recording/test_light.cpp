@@ -146,6 +146,7 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndBelowTheHorizon
   land.points = Image<fixtures::GroundPoint>(480 * fixtures::kRaysPerSide, 270 * fixtures::kRaysPerSide);
   Installation installation;
   installation.site.altitude_m = 980.0;
+  installation.surroundings.sky_model = SiteSkyModel::preetham;  // the world is
   installation.scene = made.camera;
   for (const double turbidity : {2.5, 5.0}) {
     fixtures::Weather weather;

@@ -102,7 +102,7 @@ TEST(Replay, AGivenAirDrivesThePictureWhateverTheSkySays) {
 }
 
 TEST(Replay, OfAGivenKindTheAmountIsFoundInTheSky) {
-  const auto fixture = recorded(small("papers-noon", 2), "given-kind");
+  const auto fixture = recorded(small("clear-noon", 2), "given-kind");
   const auto summary =
       played_under({std::nullopt, std::nullopt, AerosolKind::continental}, fixture, test_folder("given-kind-out"));
   EXPECT_FALSE(summary.given);
@@ -122,7 +122,9 @@ TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
 }
 
 TEST(Replay, ACoveredLensIsDistinguishedFromBadWeather) {
-  const auto fixture = recorded(small_scene("covered-lens", 2), "covered");
+  auto recipe = small_scene("covered-lens", 2);
+  recipe.world = fixtures::World::preetham;  // fitted by the dome it is called an overcast sky
+  const auto fixture = recorded(recipe, "covered");
   const auto summary = played(fixture, test_folder("covered-out"));
   EXPECT_EQ(summary.usable_sky_frames, 0u);
   ASSERT_TRUE(summary.last);
