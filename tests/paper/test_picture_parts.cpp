@@ -132,8 +132,8 @@ struct Stripes {
   Image<glm::vec3> seen(const AttenuationNodes& nodes, bool then) const {
     const auto& air = then ? target : source;
     Image<glm::vec3> light(depth.distance_m.width(), depth.distance_m.height());
-    const auto left = attenuation(haze_coefficients(nodes, ScatteringModel::morales2017, *air.state),
-                                  optical_path(0.0, 0.0, 1500.0));
+    const auto left =
+        attenuation(haze_coefficients(nodes, ScatteringModel::morales2017, *air.state), optical_path(0.0, 0.0, 1500.0));
     for (int y = 0; y < light.height(); ++y)
       for (int x = 0; x < light.width(); ++x)
         light.at(x, y) = glm::dvec3(air.of(x, y)) * (1.0 + left * (surface(x, then) - 1.0));

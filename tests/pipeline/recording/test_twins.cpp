@@ -1,7 +1,7 @@
 // Twins: a building that truly stands in the scene, drawn into the camera's picture by the slow spectral path (1 nm
-// steps, double precision, its own sky, sun, haze and shadows), and the same building as kasumi composites it. The
-// whole pipeline is compared: T as estimated from the sky camera's picture, the horizon as found in the scene camera's,
-// with its noise. In Preetham's world, where T can be found; test_air_truth_scenes goes to the physical one.
+// steps, double precision, its own sky, sun, haze and shadows, lit by the spectral atmosphere), and the same building as
+// kasumi composites it. The whole pipeline is compared: the aerosol's amount as found in the sky camera's picture, the
+// horizon as found in the scene camera's, with its noise.
 #include <cmath>
 #include <vector>
 
@@ -58,7 +58,7 @@ Difference between_twins(const fixtures::Recipe& recipe, const std::string& name
 }
 
 fixtures::Recipe twin(double distance_m, double turbidity, Utc start) {
-  auto recipe = small("papers-noon", 1);
+  auto recipe = small("clear-noon", 1);
   recipe.scene_width = 320;
   recipe.scene_height = 180;
   recipe.sky_size = 240;
