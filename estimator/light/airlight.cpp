@@ -52,8 +52,7 @@ glm::dvec3 zeta(ZetaForm form, const SiteSky& model, const Direction& direction,
                 const glm::dmat3& xyz_to_light) {
   if (const SkyModel* perez = model.preetham(); perez && form == ZetaForm::paper)
     return glm::dvec3{first_perez_factor(*perez, direction.z) / first_perez_factor(*perez, reference.z)};
-  return model_light(model, raised_to_horizon(direction), xyz_to_light) /
-         model_light(model, raised_to_horizon(reference), xyz_to_light);
+  return model_light(model, direction, xyz_to_light) / model_light(model, reference, xyz_to_light);
 }
 
 Airlight::Airlight(HorizonLight horizon, const SiteSky& sky, const glm::dmat3& light_to_xyz, ZetaForm form)

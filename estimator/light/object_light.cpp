@@ -159,7 +159,8 @@ glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
     constexpr double kD65x = 0.3127, kD65y = 0.3290;
     return xyz_of({zenith_cd_m2_ * (1.0 + 2.0 * view.z) / 3.0, kD65x, kD65y});
   }
-  const glm::dvec3 clear = zenith_cd_m2_ * model_.relative_xyz(view);
+  // A high site's horizon lies below the level, and the dome goes down to it.
+  const glm::dvec3 clear = zenith_cd_m2_ * model_.relative_xyz(direction);
   return glow_ ? glm::max(clear + model_.dome_share() * (srgb_to_xyz() * glow_->radiance(view.z)), glm::dvec3{0.0})
                : clear;
 }

@@ -40,7 +40,7 @@ class SiteSky {
   SiteSky(SiteSkyModel model, const AirState& air, const SunDirection& sun, double altitude_m);
 
   // Light of the sky, CIE XYZ in units of the zenith's luminance. Finite, >= 0; at and below the horizon that of the
-  // horizon.
+  // horizon: the level for Preetham's sky, the geometric horizon of the site's altitude for the dome.
   glm::dvec3 relative_xyz(const Direction& view) const;
   // 0: Preetham's alone; 1: the dome alone.
   double dome_share() const { return dome_share_; }

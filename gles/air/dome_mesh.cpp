@@ -10,7 +10,7 @@ namespace kasumi {
 namespace {
 
 constexpr int kFirstParts = 8;       // before any is halved
-constexpr double kClosest_px = 0.7;  // lines are never closer than this
+constexpr double kClosest_px = 0.5;  // lines are never closer than this; the horizon and the aureole need it
 constexpr double kProbeSpacing_px = 60.0;
 
 using Look = std::function<glm::dvec3(double along, double across)>;

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/matrix.hpp>
+
+#include "base/earth.hpp"
 #include "calib/colour/colorimetry.hpp"
+#include "estimator/light/finite_path.hpp"
 #include "pipeline/scene/for_gles.hpp"
 
 namespace kasumi {
@@ -43,6 +47,25 @@ void scale(HorizonLight& horizon, double factor) {
   for (auto& column : horizon.columns) column.light *= factor;
 }
 
+// Light from infinity times this gives M's (1 - Gamma) Linf the light that the air before the object truly adds.
+class AirBeforeObject {
+ public:
+  AirBeforeObject(const FinitePath& paths, const HazeCoefficients& haze, double altitude_m, double distance_m)
+      : paths_(paths), haze_(haze), altitude_m_(altitude_m), distance_m_(distance_m) {}
+
+  glm::dvec3 factor(const Direction& direction) const {
+    const double level = std::max(std::hypot(direction.x, direction.y), 1e-3), length_m = distance_m_ / level;
+    const double rise_m = length_m * direction.z + distance_m_ * distance_m_ / (2.0 * kEarthRadius_m);
+    return paths_.factor(direction, rise_m,
+                         attenuation(haze_, optical_path(altitude_m_, altitude_m_ + rise_m, length_m)));
+  }
+
+ private:
+  FinitePath paths_;
+  HazeCoefficients haze_;
+  double altitude_m_, distance_m_;
+};
+
 OpticalPath path_to(const Installation& installation) {
   const auto& place = installation.object.placement;
   const double altitude_m = installation.site.altitude_m;
@@ -62,6 +85,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       fog_(installation.surroundings.fog),
       blur_of_depth_1_px_(installation.surroundings.haze_blur_px),
       to_object_(path_to(installation)),
+      to_object_m_(std::hypot(installation.object.placement.east_m, installation.object.placement.north_m)),
       options_(options),
       measure_(spectral_measure(scene_)) {}
 
@@ -116,8 +140,10 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   ObjectAppearance appearance;
   appearance.haze = haze_for_gles(haze(conditions.air), altitude_m_, fog_);
   appearance.light = light_for_gles(daylight.on_object());
-  appearance.horizon = airlight_grid(
-      scene_, box, [&](const glm::dvec2&, const Direction& direction) { return daylight.airlight(direction); });
+  const auto before_object = air_before_object(conditions);
+  appearance.horizon = airlight_grid(scene_, box, [&](const glm::dvec2&, const Direction& direction) {
+    return daylight.airlight(direction) * before_object(direction);
+  });
   appearance.aerial_perspective = options_.aerial_perspective;
   appearance.shadows = shadows_;
   return appearance;
@@ -155,14 +181,27 @@ void SceneAir::update_horizon(const FrameMetadata& metadata, const PictureView& 
   horizon_ = blend(horizon_, measured_horizon, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
 }
 
+std::function<glm::dvec3(const Direction&)> SceneAir::air_before_object(const SceneConditions& conditions) const {
+  // Under a closed sky the light comes from all sides; fog is lit by what is near.
+  const bool even = conditions.sky == SkyCondition::overcast || fog_.extinction_per_m > 0.0;
+  const SiteSky sky(sky_model_, conditions.air, conditions.sun, altitude_m_);
+  if (even || sky.dome_share() <= 0.0) return [](const Direction&) { return glm::dvec3{1.0}; };
+  const FinitePath paths(sky, conditions.air, conditions.sun, altitude_m_, glm::inverse(scene_.light_to_xyz()));
+  const AirBeforeObject air(paths, haze(conditions.air), altitude_m_, to_object_m_);
+  return [air](const Direction& direction) { return air.factor(direction); };
+}
+
 AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {
+  const auto before_object = air_before_object(conditions);
   if (!horizon_.usable())
-    return airlight_grid(scene_, box, [](const glm::dvec2&, const Direction&) { return glm::dvec3{0.5}; });
+    return airlight_grid(scene_, box, [&](const glm::dvec2&, const Direction& direction) {
+      return glm::dvec3{0.5} * before_object(direction);
+    });
   const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.air, conditions.sun, altitude_m_),
                           scene_.light_to_xyz(), options_.zeta);
   return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
     // Back into the camera's own linear light, in which its pixels are compared and blended.
-    return airlight.from(direction) * scene_.white_balance * scene_.vignetting.at(pixel);
+    return airlight.from(direction) * before_object(direction) * scene_.white_balance * scene_.vignetting.at(pixel);
   });
 }
 

@@ -1,6 +1,7 @@
 // Today's air between the scene camera and the object: turns T and the visible horizon into what the renderer needs.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -67,6 +68,8 @@ class SceneAir {
   HazeCoefficients haze(const AirState& air) const;
   double haze_blur_px(const AirState& air) const;
   ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
+  // Factor on the light from infinity by direction, as the model has it and as measured alike (FinitePath).
+  std::function<glm::dvec3(const Direction&)> air_before_object(const SceneConditions& conditions) const;
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
   HorizonLight modelled(const SceneConditions& conditions, const PictureView& scene) const;
 
@@ -80,6 +83,7 @@ class SceneAir {
   FogLayer fog_;
   double blur_of_depth_1_px_;
   OpticalPath to_object_;
+  double to_object_m_;  // over the ground
   SceneAirOptions options_;
   SpectralMeasure measure_;
   // Of the air last asked for; the aerosol's move with its exponent.

