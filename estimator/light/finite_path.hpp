@@ -13,8 +13,7 @@
 namespace kasumi {
 
 // M Eq 12 takes Linf (1 - Gamma). Where air is the same at the same height, the air between two heights adds exactly
-// L(h0) - Gamma L(h1), L being the sky's light in the same direction (docs/sky.md, "The air before land"). This is the
-// one over the other.
+// L(h0) - Gamma L(h1), L being the sky's light in the same direction (docs/sky.md). This is the one over the other.
 class FinitePath {
  public:
   // xyz_to_light: inverse of Camera::light_to_xyz. `sky`: the site's, at altitude_m; where it is Preetham's, which knows
