@@ -175,9 +175,12 @@ TEST(AirTruthSun, StaysOnBeforeOtherCameras) {
        figure_cases("other cameras' skies", product_of({AerosolKind::smoke}, {0.3, 0.9}, {5.0, 52.0}),
                     product_of({AerosolKind::continental, AerosolKind::desert, AerosolKind::smoke, AerosolKind::urban},
                                {0.02, 0.3, 0.55, 0.9}, {5.0, 14.0, 38.0, 52.0, 75.0}))) {
+    // Where haze leaves less than a thousandth of its beam there is no sun to lose: here AOD .9 under a sun at 5 deg.
+    const bool hidden = c.aod / std::sin(from_degrees(c.sun_deg).value) > 7.0;
     const test::CloudlessSky sky = sky_of(c, 77.0);
     for (const bool disc : {true, false}) {
       ++n;
+      if (hidden) continue;
       const auto space = n % 2 ? Camera::ColourSpace::sensor : Camera::ColourSpace::srgb;
       const Camera camera = fisheye(std::array{200, 640, 400}[static_cast<std::size_t>(n) % 3], n % 2 == 0, space);
       const double brightest = std::array{2.0, 0.5, 0.95, 0.95}[static_cast<std::size_t>(n) % 4];
