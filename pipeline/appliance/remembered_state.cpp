@@ -47,11 +47,26 @@ std::vector<double> numbers(const Json& json, const char* key) {
 
 }  // namespace
 
+TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const SkyToFit& sky) {
+  if (!sky.aerosol) return {turbidity, sigma, utc, sky.model};
+  return {turbidity, sigma, utc, sky.model, std::string(name_of(sky.aerosol->kind)), sky.aerosol->angstrom_exponent};
+}
+
+bool TurbidityState::belongs_to(const SkyToFit& sky) const {
+  const TurbidityState now = turbidity_state(turbidity, sigma, utc, sky);
+  return sky_model == now.sky_model && aerosol == now.aerosol &&
+         std::abs(angstrom_exponent - now.angstrom_exponent) < 1e-6;
+}
+
 Result<> save(const TurbidityState& state, const std::filesystem::path& folder) {
-  const Json json = {{"turbidity", state.turbidity.value},
-                     {"sigma", state.sigma},
-                     {"utc", utc_text(state.utc)},
-                     {"sky_model", name_of(state.sky_model)}};
+  Json json = {{"turbidity", state.turbidity.value},
+               {"sigma", state.sigma},
+               {"utc", utc_text(state.utc)},
+               {"sky_model", name_of(state.sky_model)}};
+  if (!state.aerosol.empty()) {
+    json["aerosol"] = state.aerosol;
+    json["angstrom_exponent"] = state.angstrom_exponent;
+  }
   return write_text_file(turbidity_file(folder), json.dump(1) + "\n");
 }
 
@@ -71,7 +86,11 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
     const auto named = name.is_string() ? site_sky_model_named(name.get<std::string>()) : std::nullopt;
     model = named.value_or(SiteSkyModel::automatic);  // its name is always rejected below
   }
-  const TurbidityState state{{number("turbidity")}, number("sigma"), utc.value_or(Utc{}), model};
+  TurbidityState state{{number("turbidity")}, number("sigma"), utc.value_or(Utc{}), model};
+  if (json.is_object() && json.contains("aerosol") && json["aerosol"].is_string()) {
+    state.aerosol = json["aerosol"].get<std::string>();
+    state.angstrom_exponent = number("angstrom_exponent");
+  }
   const bool possible = utc && model != SiteSkyModel::automatic && state.turbidity.value > 1.0 &&
                         state.turbidity.value <= 2.0 * kHighestTurbidity.value && state.sigma >= 0.0 &&
                         std::isfinite(state.sigma);

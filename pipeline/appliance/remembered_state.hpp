@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
@@ -17,7 +18,16 @@ struct TurbidityState {
   double sigma = 0.0;
   Utc utc{};                                        // of the last estimate used
   SiteSkyModel sky_model = SiteSkyModel::preetham;  // the model T belongs to; never automatic
+  // Kind and exponent of the dome that was fitted, where they were given: T of another aerosol is another amount.
+  std::string aerosol{};  // empty: not given
+  double angstrom_exponent = 0.0;
+
+  // Whether T is what fitting this sky gives.
+  bool belongs_to(const SkyToFit& sky) const;
 };
+
+// Of a T estimated by fitting `sky`.
+TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const SkyToFit& sky);
 
 // folder/turbidity.json. Error: io.
 Result<> save(const TurbidityState& state, const std::filesystem::path& folder);

@@ -82,8 +82,8 @@ void SkyLoop::restore_air() {
   }
   const auto age = clock_.utc() - state->utc;
   if (age < Duration{0} || age > kMaxStoredAge) return;
-  // T of the other sky model is another quantity.
-  if (state->sky_model != content_->config.installation.sky_to_fit().model) return;
+  // T of the other sky model, or of another aerosol, is another quantity.
+  if (!state->belongs_to(content_->config.installation.sky_to_fit())) return;
   watch_.remember(state->turbidity, state->sigma, clock_.now() - age);
   spdlog::info("air: turbidity {:.2f} of {:.0f} minutes ago restored", state->turbidity.value, to_seconds(age) / 60);
 }

@@ -80,8 +80,8 @@ void StatusLoop::save_air() {
   // What is given needs no memory. Without a trusted clock its age would be unknown after a restart.
   const auto& installation = content_->config.installation;
   if (!folder || !tracked || installation.surroundings.air.whole() || !status_.sky.clock_trusted) return;
-  const TurbidityState state{tracked->target, tracked->sigma, status_.utc - tracked->age,
-                             installation.sky_to_fit().model};
+  const TurbidityState state =
+      turbidity_state(tracked->target, tracked->sigma, status_.utc - tracked->age, installation.sky_to_fit());
   log_outage(save(state, *folder), save_failing_, "state");
 }
 

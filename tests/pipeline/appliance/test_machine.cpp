@@ -257,6 +257,19 @@ TEST(TurbidityState, NonsenseOnDiskIsRejected) {
   }
 }
 
+TEST(TurbidityState, BelongsToTheAerosolThatWasFitted) {
+  const auto folder = test_output_folder() / "pipeline" / "state-aerosol";
+  std::filesystem::create_directories(folder);
+  const SkyToFit dust{SiteSkyModel::dome, 300.0, Aerosol{0.1, -0.12, AerosolKind::dust}};
+  ASSERT_TRUE(save(turbidity_state({14.9}, 0.7, Utc{}, dust), folder));
+  const auto kept = load_turbidity_state(folder);
+  ASSERT_TRUE(kept.has_value());
+  EXPECT_TRUE(kept->belongs_to(dust));
+  EXPECT_FALSE(kept->belongs_to({SiteSkyModel::dome, 300.0, Aerosol{0.1, 1.32, AerosolKind::continental}}));
+  EXPECT_FALSE(kept->belongs_to({SiteSkyModel::dome, 300.0, Aerosol{0.1, 0.3, AerosolKind::dust}}));
+  EXPECT_FALSE(kept->belongs_to({SiteSkyModel::dome, 300.0, std::nullopt}));
+}
+
 TEST(TurbidityState, KeepsTheSkyModelWhichIsPreethamInOldFiles) {
   const auto folder = test_output_folder() / "pipeline" / "state-model";
   std::filesystem::create_directories(folder);
