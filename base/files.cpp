@@ -1,36 +1,74 @@
 #include "base/files.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+#include <new>
 #include <system_error>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/unfinished_file.hpp"
 #include "base/unique_fd.hpp"
 
 namespace kasumi {
 
 namespace {
 
-std::filesystem::path temporary_name(const std::filesystem::path& path) {
-  auto name = path.filename();
-  auto stem = name.stem().string();
-  return path.parent_path() / fmt::format(".{}.{}.part{}", stem, ::getpid(), name.extension().string());
+constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // of a file that is read whole: none of ours is as large
+constexpr std::size_t kReadChunk = 1 << 16;               // of what does not tell its size: pipes, /proc
+
+// What a person can correct is bad input; the rest is the disk's, the memory's or the system's fault, and may pass.
+FaultKind kind_of(int error) {
+  switch (error) {
+    case ENOENT:
+    case ENOTDIR:
+    case EISDIR:
+    case EACCES:
+    case EPERM:
+    case ELOOP:
+    case ENAMETOOLONG:
+    case EINVAL: return FaultKind::bad_input;
+    default: return FaultKind::io;
+  }
+}
+
+tl::unexpected<Fault> cannot_read(const std::filesystem::path& path, int error) {
+  if (error == EISDIR) return fail(FaultKind::bad_input, "{}: is a folder, expected a file", path.string());
+  return fail(kind_of(error), "{}: cannot be read: {}", path.string(), std::strerror(error));
+}
+
+tl::unexpected<Fault> too_large(const std::filesystem::path& path) {
+  return fail(FaultKind::bad_input, "{}: larger than {} bytes, the most expected", path.string(), kMostBytes);
 }
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error))
-    return fail(FaultKind::bad_input, "{}: is a folder, expected a file", path.string());
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(FaultKind::bad_input, "{}: cannot be read: {}", path.string(), std::strerror(errno));
-  std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (file.bad()) return fail(FaultKind::io, "{}: reading failed: {}", path.string(), std::strerror(errno));
-  return bytes;
+// Not through a stream: its iterators throw where the disk cannot read, and hide why.
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path) try {
+  const UniqueFd fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!fd) return cannot_read(path, errno);
+  struct stat status {};
+  if (::fstat(fd.value(), &status) != 0) return cannot_read(path, errno);
+  if (S_ISDIR(status.st_mode)) return cannot_read(path, EISDIR);
+  const auto told = S_ISREG(status.st_mode) ? static_cast<std::uintmax_t>(status.st_size) : 0;
+  if (told > kMostBytes) return too_large(path);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(told) + 1);  // one more, to see the end
+  for (std::size_t done = 0;;) {
+    if (done > kMostBytes) return too_large(path);
+    if (done == bytes.size()) bytes.resize(std::max(2 * done, done + kReadChunk));
+    const auto n = ::read(fd.value(), bytes.data() + done, bytes.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return cannot_read(path, errno);
+    done += static_cast<std::size_t>(n);
+    if (n > 0) continue;
+    bytes.resize(done);
+    return bytes;
+  }
+} catch (const std::bad_alloc&) {
+  return cannot_read(path, ENOMEM);
 }
 
 Result<std::string> read_text_file(const std::filesystem::path& path) {
@@ -40,28 +78,18 @@ Result<std::string> read_text_file(const std::filesystem::path& path) {
 
 Result<> replace_file(const std::filesystem::path& path,
                       const std::function<Result<>(const std::filesystem::path&)>& write) {
-  const auto temporary = temporary_name(path);
-  std::error_code error;
-  if (auto written = write(temporary); !written) {
-    std::filesystem::remove(temporary, error);
+  const auto unfinished = unfinished_name(path);
+  if (auto written = write(unfinished); !written) {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
     return written;
   }
-  std::filesystem::rename(temporary, path, error);
-  if (error) {
-    const auto reason = error.message();
-    std::filesystem::remove(temporary, error);
-    return fail(FaultKind::io, "{}: cannot be written: {}", path.string(), reason);
-  }
-  // The rename must be on the disk too, because another file may refer to this name and must still find it after a
-  // power cut.
-  const auto folder = path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
-  if (const UniqueFd fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); fd) ::fsync(fd.value());
-  return {};
+  return finish_file(unfinished, path);
 }
 
 Result<> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
-  return replace_file(path, [&](const std::filesystem::path& temporary) -> Result<> {
-    const UniqueFd fd(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  return replace_file(path, [&](const std::filesystem::path& unfinished) -> Result<> {
+    const UniqueFd fd(::open(unfinished.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
     if (!fd) return fail(FaultKind::io, "{}: cannot be written: {}", path.string(), std::strerror(errno));
     for (std::size_t done = 0; done < bytes.size();) {
       const auto n = ::write(fd.value(), bytes.data() + done, bytes.size() - done);
@@ -69,9 +97,6 @@ Result<> write_file(const std::filesystem::path& path, std::span<const std::uint
       if (n < 0) return fail(FaultKind::io, "{}: writing failed: {}", path.string(), std::strerror(errno));
       done += static_cast<std::size_t>(n);
     }
-    // The data must be on the disk before the rename is, or a power cut leaves an empty file under the final name.
-    if (::fsync(fd.value()) != 0)
-      return fail(FaultKind::io, "{}: writing failed: {}", path.string(), std::strerror(errno));
     return {};
   });
 }

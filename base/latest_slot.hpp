@@ -14,9 +14,13 @@ class LatestSlot {
  public:
   // Replaces a value nobody has taken yet.
   void put(T value) {
-    const MutexLock lock(mutex_);
-    if (value_) ++dropped_;
-    value_ = std::move(value);
+    std::optional<T> replaced(std::move(value));
+    {
+      const MutexLock lock(mutex_);
+      value_.swap(replaced);
+      if (replaced) ++dropped_;
+    }
+    // The replaced value ends here, without the lock: a frame may go back to a driver, which takes its time.
   }
 
   // The newest value, once; empty when there is no new one.

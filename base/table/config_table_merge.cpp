@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "base/config_table_file.hpp"
+#include "base/table/config_table_file.hpp"
 
 namespace kasumi {
 namespace {

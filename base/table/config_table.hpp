@@ -30,6 +30,9 @@ class ConfigTable {
  public:
   // Fails when the file cannot be read or is not TOML (message with line and column).
   static Result<ConfigTable> read_file(const std::filesystem::path& path);
+  // Reads the copy of it, and the copies of all files it names, that lie below the folder `copies` by their whole names.
+  // Names in problems, and folders, stay those of the file itself.
+  static Result<ConfigTable> read_copy(const std::filesystem::path& path, const std::filesystem::path& copies);
   static Result<ConfigTable> parse(std::string_view text, const std::filesystem::path& name);
 
   bool has(std::string_view key) const;
@@ -84,6 +87,9 @@ class ConfigTable {
   void problem(std::string_view key, std::string_view expected) const;
   const std::filesystem::path& path() const;
   std::filesystem::path folder() const;
+
+  // Where the copy of a file lies below a folder of copies.
+  static std::filesystem::path place_of_copy(const std::filesystem::path& path, const std::filesystem::path& copies);
 
   // The keys read so far, in full ("sky.lens.focal_px"); for file names, also the path that was tried.
   std::set<std::string> keys_asked() const;

@@ -3,7 +3,7 @@
 
 #include <toml++/toml.h>
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 
 namespace kasumi {
 
@@ -14,6 +14,7 @@ struct ConfigTable::File {
   std::set<std::string> read;  // full keys that were read
   std::map<std::string, std::filesystem::path> files;
   std::map<std::string, std::filesystem::path> adopted;  // full keys, and the file each came from
+  std::filesystem::path copies;  // a folder in which named files are looked for first; empty: none
   bool missing_excused = false;
 };
 

@@ -1,12 +1,12 @@
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
 
-#include "base/config_table_file.hpp"
 #include "base/files.hpp"
+#include "base/table/config_table_file.hpp"
 
 namespace kasumi {
 
@@ -59,6 +59,19 @@ Result<ConfigTable> ConfigTable::read_file(const std::filesystem::path& path) {
   auto text = read_text_file(path);
   if (!text) return fail(text.error());
   return parse(*text, path);
+}
+
+std::filesystem::path ConfigTable::place_of_copy(const std::filesystem::path& path,
+                                                 const std::filesystem::path& copies) {
+  return copies / std::filesystem::absolute(path).lexically_normal().relative_path();
+}
+
+Result<ConfigTable> ConfigTable::read_copy(const std::filesystem::path& path, const std::filesystem::path& copies) {
+  const auto text = read_text_file(place_of_copy(path, copies));
+  if (!text) return fail(text.error());
+  auto table = parse(*text, path);
+  if (table) table->file_->copies = copies;
+  return table;
 }
 
 Result<ConfigTable> ConfigTable::parse(std::string_view text, const std::filesystem::path& name) {
@@ -197,7 +210,8 @@ std::vector<std::string> ConfigTable::keys() const {
 std::optional<double> ConfigTable::if_number(std::string_view key) const {
   file_->read.insert(full_key(key));
   const auto* node = node_->table->get(key);
-  return node && node->is_number() ? node->value<double>() : std::nullopt;
+  const auto value = node && node->is_number() ? node->value<double>() : std::nullopt;
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::optional<std::string> ConfigTable::if_text(std::string_view key) const {
@@ -243,8 +257,11 @@ std::filesystem::path ConfigTable::file(std::string_view key) const {
   const auto name = text(key);
   if (name.empty()) return {};
   auto path = origin_of(full_key(key)).parent_path() / name;
-  file_->files[full_key(key)] = path;
   std::error_code error;
+  if (!file_->copies.empty())
+    if (auto copy = place_of_copy(path, file_->copies); std::filesystem::is_regular_file(copy, error))
+      path = std::move(copy);
+  file_->files[full_key(key)] = path;
   if (!std::filesystem::is_regular_file(path, error))
     problem(key, fmt::format("an existing file (looked for {})", path.string()));
   return path;

@@ -1,0 +1,24 @@
+#include "base/lasting_file.hpp"
+
+#include "base/files.hpp"
+#include "base/unfinished_file.hpp"
+
+namespace kasumi {
+
+Result<bool> update_text_file(const std::filesystem::path& path, std::string_view text) {
+  if (const auto old = read_text_file(path); old && *old == text) return false;
+  if (auto written = write_text_file(path, text); !written) return fail(written.error());
+  return true;
+}
+
+Result<> create_folders(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  const auto above = folder.has_filename() ? folder.parent_path() : folder.parent_path().parent_path();
+  if (auto made = create_folders(above); !made) return made;
+  if (!std::filesystem::create_directory(folder, error) && error)
+    return fail(FaultKind::io, "{}: cannot be created: {}", folder.string(), error.message());
+  return write_through_names(above.empty() ? "." : above);
+}
+
+}  // namespace kasumi
