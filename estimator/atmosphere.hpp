@@ -1,9 +1,11 @@
 // What the estimator knows about today's air and passes to the renderer.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/aerosol.hpp"
 #include "base/clock.hpp"
@@ -36,20 +38,34 @@ class AirState {
   AirState() = default;
   AirState(Turbidity turbidity)  // NOLINT: T alone is the papers' air
       : turbidity_(turbidity), aerosol_(aerosol_of(turbidity.value)) {}
-  AirState(const Aerosol& aerosol, const AerosolCovariance& covariance = {})  // NOLINT: an aerosol is air
-      : turbidity_{turbidity_of(aerosol)}, aerosol_(aerosol), aerosol_known_(true), covariance_(covariance) {}
+  AirState(const Aerosol& aerosol, const AerosolCovariance& covariance = {},  // NOLINT: an aerosol is air
+           double near_ground = 1.0)
+      : turbidity_{turbidity_of(aerosol)},
+        aerosol_(aerosol),
+        aerosol_known_(true),
+        near_ground_(near_ground),
+        covariance_(covariance) {}
 
   Turbidity turbidity() const { return turbidity_; }
   bool aerosol_known() const { return aerosol_known_; }
   // Where it is not known: continental aerosol with the optical depth that T stands for.
   const Aerosol& aerosol() const { return aerosol_; }
   const AerosolCovariance& covariance() const { return covariance_; }
+  // Aerosol in the air between camera and object over what the column would have there, thinning as e^(-h/1200 m):
+  // landmarks see the one, the sky the other. 1 unless both were seen.
+  double near_ground() const { return near_ground_; }
+  AirState with_near_ground(double near_ground) const {
+    AirState air = *this;
+    air.near_ground_ = near_ground;
+    return air;
+  }
   friend bool operator==(const AirState&, const AirState&) = default;
 
  private:
   Turbidity turbidity_;
   Aerosol aerosol_ = aerosol_of(Turbidity{}.value);
   bool aerosol_known_ = false;
+  double near_ground_ = 1.0;
   AerosolCovariance covariance_;
 };
 
@@ -69,6 +85,23 @@ struct AirQuality {
 };
 AirQuality air_quality(const AirState& air, double altitude_m);
 
+// The aerosol of the whole column, and all that is not sure of it.
+struct FoundAerosol {
+  Aerosol aerosol;                                   // the mean; its kind is the likeliest
+  AerosolCovariance covariance;                      // the spread of kinds and sky models included
+  std::array<double, kAerosolKinds.size()> kinds{};  // probability of each; all 0: nothing is known of the kind
+  double papers_share = 0.0;                         // probability that the sky is Preetham's, to which T alone belongs
+};
+
+// What one model of the clear sky makes of a picture.
+struct SkyModelAnswer {
+  std::string name;  // "preetham", "dome, continental", "hosek"
+  Turbidity turbidity;
+  double aod_550 = 0.0;
+  double log_residual = 0.0;  // root mean square of ln(measured / model)
+  double weight = 0.0;        // its probability among the models
+};
+
 // The result for one sky picture.
 struct TurbidityEstimate {
   bool usable = false;
@@ -80,6 +113,9 @@ struct TurbidityEstimate {
   int samples = 0;              // used in the fit
   double log_residual = 0.0;    // root mean square of ln(measured/model) over the inliers
   SunDirection sun{0.0, 0.0, 1.0};
+  // Where several models were asked (SkyToFit::every_model); T and sigma then follow from the aerosol.
+  std::optional<FoundAerosol> found;
+  std::vector<SkyModelAnswer> models;  // the likeliest first
 };
 
 }  // namespace kasumi

@@ -84,10 +84,11 @@ double rayleigh_per_m(ScatteringModel model, double wavelength_nm, double altitu
 
 double mie_per_m(ScatteringModel model, double wavelength_nm, const AirState& air, double altitude_m) {
   if (model == ScatteringModel::aerosol)
-    return optical_depth(air.aerosol(), wavelength_nm) / kAerosolHeight_m * std::exp(-altitude_m / kAerosolHeight_m);
+    return air.near_ground() * optical_depth(air.aerosol(), wavelength_nm) / kAerosolHeight_m *
+           std::exp(-altitude_m / kAerosolHeight_m);
   const double wave_number = 2.0 * kPi / (wavelength_nm * 1e-9);
-  return 0.434 * concentration_and_fudge(model, wavelength_nm, air.turbidity().value) * kPi * wave_number *
-         wave_number * std::exp(-altitude_m / kMieScaleHeight_m);
+  return air.near_ground() * 0.434 * concentration_and_fudge(model, wavelength_nm, air.turbidity().value) * kPi *
+         wave_number * wave_number * std::exp(-altitude_m / kMieScaleHeight_m);
 }
 
 }  // namespace kasumi

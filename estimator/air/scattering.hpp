@@ -21,8 +21,9 @@ std::optional<ScatteringModel> scattering_model_named(std::string_view name);
 constexpr double kRayleighScaleHeight_m = 7994.0;
 constexpr double kMieScaleHeight_m = 1200.0;
 
-// Coefficients in 1/m. Wavelength in nm, altitude in metres above sea level. Turbidities for which a model's
-// concentration would be negative (below 1, or .995) give zero. The papers' models know the air's T alone.
+// Coefficients in 1/m of the air near the ground. Wavelength in nm, altitude in metres above sea level. Turbidities for
+// which a model's concentration would be negative (below 1, or .995) give zero. Of the aerosol the papers' models know
+// T alone; AirState::near_ground scales all of them.
 double rayleigh_per_m(ScatteringModel model, double wavelength_nm, double altitude_m = 0.0);  // M Eq 3, 15
 double mie_per_m(ScatteringModel model, double wavelength_nm, const AirState& air,
                  double altitude_m = 0.0);  // M Eq 4, 18

@@ -8,9 +8,7 @@
 #include "estimator/horizon/strips.hpp"
 
 namespace kasumi {
-namespace {
-
-// Pixels more than half a degree below the horizon are never sky; every 8th pixel decides for its block.
+// Every 8th pixel decides for its block.
 Image<std::uint8_t> below_horizon(const Camera& camera) {
   constexpr int kBlock = 8;
   constexpr double kBelow = 0.5 * kPi / 180.0;
@@ -25,8 +23,6 @@ Image<std::uint8_t> below_horizon(const Camera& camera) {
   }
   return mask;
 }
-
-}  // namespace
 
 HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, int columns) {
   HorizonLight horizon;

@@ -20,6 +20,9 @@ struct SceneSky {
   bool clipped_at(int x, int y) const;         // in any channel
 };
 
+// Not 0 where a pixel is more than half a degree below the horizon: never sky (segment_sky).
+Image<std::uint8_t> below_horizon(const Camera& camera);
+
 // Pixels of one strip near its lowest sky: columns x0..x1-1, rows top..edge.
 struct SkyStrip {
   int x0 = 0, x1 = 0;

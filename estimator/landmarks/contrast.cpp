@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kTrimmed = 0.1;       // of the pixels at either end: birds, wires, hot pixels
 constexpr double kIndependent = 0.25;  // of a box's pixels: demosaicing and JPEG correlate the noise
-constexpr double kHiddenShare = 0.02;  // of a box; beyond it the landmark is not used
 
 // Robust estimate of a box's light.
 struct BoxLight {
@@ -24,7 +23,7 @@ struct BoxLight {
   glm::dvec3 variance{0};  // of the mean, from the pixels' noise
   glm::dvec3 fall{0};      // d light / d row: the sky's gradient
   glm::dvec2 middle{0};
-  double clipped = 0.0, hidden = 0.0;  // shares
+  double clipped = 0.0;  // share of its pixels
 };
 
 bool inside(const PictureBox& box, const Camera& camera) {
@@ -40,15 +39,17 @@ double trimmed_mean(std::vector<double>& values) {
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const PictureBox& box, double pixel_noise) {
+BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const PictureBox& box, double pixel_noise,
+                  const std::optional<RidgeStrip>& ridge = {}) {
   BoxLight found;
   found.middle = {box.x + 0.5 * (box.width - 1), box.y + 0.5 * (box.height - 1)};
-  const double pixels = static_cast<double>(box.width) * box.height;
+  double clipped = 0.0;
   std::array<std::vector<double>, 3> light;
   glm::dvec3 slope{0}, by_row{0};
   double rows = 0.0;
   for (int y = box.y; y < box.y + box.height; ++y)
     for (int x = box.x; x < box.x + box.width; ++x) {
+      if (ridge && !ridge->contains(x, y)) continue;
       const glm::dvec3 value(encoded.at(x, y));
       const glm::dvec3 pixel = camera.light_at({x, y}, value);
       // light_at divides by vignetting and white balance; so does the noise.
@@ -57,9 +58,11 @@ BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const P
       by_row += row * pixel;
       rows += row * row;
       for (std::size_t c = 0; c < 3; ++c) light[c].push_back(pixel[static_cast<int>(c)]);
-      if (std::max({value.r, value.g, value.b}) >= kSaturatedBox) found.clipped += 1.0 / pixels;
-      if (!camera.mask.empty() && camera.mask.at(x, y) == 0) found.hidden += 1.0 / pixels;
+      if (std::max({value.r, value.g, value.b}) >= kSaturatedBox) clipped += 1.0;
     }
+  const auto pixels = static_cast<double>(light[0].size());
+  if (pixels == 0.0) return found;
+  found.clipped = clipped / pixels;
   for (std::size_t c = 0; c < 3; ++c) found.mean[static_cast<int>(c)] = trimmed_mean(light[c]);
   const glm::dvec3 noise = pixel_noise * slope / pixels;
   found.variance = noise * noise / std::max(1.0, kIndependent * pixels);
@@ -112,8 +115,7 @@ ContrastReading read_contrast(const Camera& camera, const Image<glm::vec3>& enco
     return reading;
   };
   if (!inside(landmark.surface, camera)) return refuse("it is outside the picture");
-  const auto surface = light_of(camera, encoded, landmark.surface, noise.pixel);
-  if (surface.hidden > kHiddenShare) return refuse("the camera's mask hides it");
+  const auto surface = light_of(camera, encoded, landmark.surface, noise.pixel, landmark.ridge);
   if (surface.clipped > noise.clipped_share) return refuse("it is brighter than full scale");
   const auto sky = sky_beside(camera, encoded, landmark, surface.middle, horizon, noise);
   if (!(std::min({sky.light.r, sky.light.g, sky.light.b}) > 0.0)) return refuse(sky.doubt);
@@ -123,7 +125,6 @@ ContrastReading read_contrast(const Camera& camera, const Image<glm::vec3>& enco
   if (landmark.against) {
     if (!inside(*landmark.against, camera)) return refuse("its background is outside the picture");
     const auto against = light_of(camera, encoded, *landmark.against, noise.pixel);
-    if (against.hidden > kHiddenShare) return refuse("the camera's mask hides its background");
     if (against.clipped > noise.clipped_share) return refuse("its background is brighter than full scale");
     reading.contrast = against.mean / sky.light - relative;
     variance += against.variance / (sky.light * sky.light) + of_sky * of_sky * reading.contrast * reading.contrast;
@@ -137,7 +138,28 @@ ContrastReading read_contrast(const Camera& camera, const Image<glm::vec3>& enco
   return reading;
 }
 
+// Of a line from left to right; beyond its ends nothing.
+std::optional<double> height_of(const std::vector<glm::dvec2>& line, double x) {
+  for (std::size_t i = 0; i + 1 < line.size(); ++i)
+    if (x >= line[i].x && x <= line[i + 1].x && line[i + 1].x > line[i].x)
+      return std::lerp(line[i].y, line[i + 1].y, (x - line[i].x) / (line[i + 1].x - line[i].x));
+  return std::nullopt;
+}
+
 }  // namespace
+
+bool RidgeStrip::contains(int x, int y) const {
+  const auto top = height_of(line, x);
+  return top && y > *top + 1.0 && y <= *top + 1.0 + height_px;
+}
+
+PictureBox RidgeStrip::bounds() const {
+  const auto [highest, lowest] = std::ranges::minmax(line, {}, &glm::dvec2::y);
+  const auto left = static_cast<int>(std::ceil(line.front().x)), right = static_cast<int>(std::floor(line.back().x));
+  const auto top = static_cast<int>(std::floor(highest.y)) + 1;
+  const auto bottom = static_cast<int>(std::floor(lowest.y + 1.0 + height_px));
+  return {left, top, right - left + 1, bottom - top + 1};
+}
 
 std::vector<ContrastReading> read_contrasts(const Camera& camera, const Image<glm::vec3>& encoded,
                                             const std::vector<ContrastLandmark>& landmarks, const HorizonLight& horizon,

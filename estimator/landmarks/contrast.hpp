@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "base/image.hpp"
@@ -17,6 +18,15 @@ struct PictureBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
+// A strip of pixels below a line from left to right: a hillside under its ridge.
+struct RidgeStrip {
+  std::vector<glm::dvec2> line;  // pixels; at least two points
+  double height_px = 0.0;
+  // The ridge's own pixel shows sky, too, and does not belong to it.
+  bool contains(int x, int y) const;
+  PictureBox bounds() const;
+};
+
 // Contrast, here and below: (light behind it - light of the surface) / light from infinity. Against the sky it is 1 - L
 // / Linf: .95 for a wood in the shade, .7 for a bright wall, negative where sunlit snow outshines the horizon.
 struct ContrastLandmark {
@@ -24,6 +34,7 @@ struct ContrastLandmark {
   double distance_m = 0.0;
   double rise_m = 0.0;                // of the surface above the camera
   PictureBox surface;                 // pixels that show nothing else
+  std::optional<RidgeStrip> ridge;    // of these only the ones in this strip; nothing: all
   std::optional<PictureBox> against;  // a neighbouring surface about as far away; nothing: the sky
   std::optional<PictureBox> sky;  // low sky next to it, the light from infinity; nothing: the picture's horizon there
   // Prior of its contrast without any air in front, before the first picture: mean and standard deviation. 1 - L / Linf
@@ -48,8 +59,8 @@ struct ContrastReading {
 };
 
 // One reading for each landmark, in order. `encoded`: the camera's values, 0..1, at its size. `horizon`: of the same
-// picture; only used for landmarks without a sky box. A landmark hidden by the camera's mask, outside the picture or
-// brighter than full scale is not usable.
+// picture; only used for landmarks without a sky box. A landmark outside the picture or brighter than full scale is not
+// usable. The camera's mask is not asked: it says what stands before the building, and a near wood may be a landmark.
 std::vector<ContrastReading> read_contrasts(const Camera& camera, const Image<glm::vec3>& encoded,
                                             const std::vector<ContrastLandmark>& landmarks,
                                             const HorizonLight& horizon = {}, const ContrastNoise& noise = {});

@@ -246,18 +246,4 @@ bool LandmarkExtinction::resume(const LearntContrasts& learnt) {
   return true;
 }
 
-std::vector<Extinction> extinction_of(const LandmarkExtinction& before,
-                                      const std::vector<std::vector<ContrastReading>>& pictures) {
-  constexpr std::size_t kMostParts = 16;
-  const auto parts = std::min(kMostParts, pictures.size());
-  std::vector<Extinction> found(pictures.size());
-  for (std::size_t part = 0; part < parts; ++part) {
-    auto learnt = before;
-    for (std::size_t i = 0; i < pictures.size(); ++i)
-      if (i % parts != part) learnt.learn(pictures[i]);
-    for (auto i = part; i < pictures.size(); i += parts) found[i] = learnt.estimate(pictures[i]);
-  }
-  return found;
-}
-
 }  // namespace kasumi

@@ -80,8 +80,4 @@ class LandmarkExtinction {
   std::vector<double> covariance_before_;  // before the first picture
 };
 
-// All pictures of one camera: the contrasts for each are learnt from the others.
-std::vector<Extinction> extinction_of(const LandmarkExtinction& before,
-                                      const std::vector<std::vector<ContrastReading>>& pictures);
-
 }  // namespace kasumi

@@ -8,6 +8,7 @@
 
 #include "base/picture.hpp"
 #include "base/statistics.hpp"
+#include "estimator/landmarks/daylight.hpp"
 
 namespace kasumi {
 namespace {
@@ -69,12 +70,16 @@ LandmarkWatch::LandmarkWatch(const Camera& camera, double altitude_m, std::vecto
       altitude_m_(altitude_m),
       model_(model),
       nodes_(attenuation_nodes(spectral_measure(camera))),
-      typical_path_m_(middle_path_m(landmarks_, altitude_m)) {
+      typical_path_m_(middle_path_m(landmarks_, altitude_m)),
+      colours_(camera, landmarks_, altitude_m, spread) {
   const auto clearest = model_extinction_per_m(nodes_, model, Turbidity{1.0}, altitude_m, typical_path_m_);
   for (int c = 0; c < 3; ++c) channels_.emplace_back(landmarks_, altitude_m, clearest[c], c, spread);
 }
 
-std::vector<ContrastReading> LandmarkWatch::read(const Camera& camera, const Image<glm::vec3>& encoded) const {
+std::vector<ContrastReading> LandmarkWatch::read(const Camera& camera, const Image<glm::vec3>& encoded,
+                                                 const std::optional<Direction>& sun) const {
+  if (const auto reason = why_not_daylight(look_for_daylight(encoded), sun); !reason.empty())
+    return std::vector<ContrastReading>(landmarks_.size(), {false, reason, {}, {}});
   HorizonLight horizon;
   if (std::any_of(landmarks_.begin(), landmarks_.end(), [](const auto& landmark) { return !landmark.sky; })) {
     const auto picture = eight_bits(encoded);
@@ -84,43 +89,55 @@ std::vector<ContrastReading> LandmarkWatch::read(const Camera& camera, const Ima
 }
 
 LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& readings) const {
-  return with_turbidity(
-      {channels_[0].estimate(readings), channels_[1].estimate(readings), channels_[2].estimate(readings)});
+  const auto green = channels_[1].estimate(readings);
+  return with_turbidity({channels_[0].estimate(readings), green, channels_[2].estimate(readings)},
+                        colours_.estimate(readings, green.left_out));
 }
 
 void LandmarkWatch::learn(const std::vector<ContrastReading>& readings) {
+  colours_.learn(readings, channels_[1].estimate(readings).left_out);
   for (auto& channel : channels_) channel.learn(readings);
 }
 
 void LandmarkWatch::forget(double share) {
   for (auto& channel : channels_) channel.forget(share);
+  colours_.forget(share);
 }
 
 std::vector<LearntContrasts> LandmarkWatch::learnt() const {
   std::vector<LearntContrasts> all;
   for (const auto& channel : channels_) all.push_back(channel.learnt());
+  all.push_back(colours_.learnt());
   return all;
 }
 
 bool LandmarkWatch::resume(const std::vector<LearntContrasts>& learnt) {
-  if (learnt.size() != channels_.size()) return false;
+  const bool older = learnt.size() == channels_.size();  // saved before colours were learnt jointly
+  if (!older && learnt.size() != channels_.size() + 1) return false;
   auto resumed = channels_;
   for (std::size_t c = 0; c < resumed.size(); ++c)
     if (!resumed[c].resume(learnt[c])) return false;
+  if (!older && !colours_.resume(learnt.back())) return false;
   channels_ = std::move(resumed);
   return true;
 }
 
 std::vector<LandmarkAir> LandmarkWatch::estimate_all(const std::vector<std::vector<ContrastReading>>& pictures) const {
-  std::array<std::vector<Extinction>, 3> of;
-  for (std::size_t c = 0; c < 3; ++c) of[c] = extinction_of(channels_[c], pictures);
-  std::vector<LandmarkAir> airs;
-  for (std::size_t i = 0; i < pictures.size(); ++i) airs.push_back(with_turbidity({of[0][i], of[1][i], of[2][i]}));
+  // Each with what the others have taught; of many pictures, a sixteenth at a time.
+  constexpr std::size_t kMostParts = 16;
+  const auto parts = std::min(kMostParts, pictures.size());
+  std::vector<LandmarkAir> airs(pictures.size());
+  for (std::size_t part = 0; part < parts; ++part) {
+    auto taught = *this;
+    for (std::size_t i = 0; i < pictures.size(); ++i)
+      if (i % parts != part) taught.learn(pictures[i]);
+    for (auto i = part; i < pictures.size(); i += parts) airs[i] = taught.estimate(pictures[i]);
+  }
   return airs;
 }
 
-LandmarkAir LandmarkWatch::with_turbidity(std::array<Extinction, 3> channels) const {
-  LandmarkAir air{std::move(channels), {}};
+LandmarkAir LandmarkWatch::with_turbidity(std::array<Extinction, 3> channels, PathAerosol aerosol) const {
+  LandmarkAir air{std::move(channels), {}, std::move(aerosol)};
   const auto& green = air.extinction();
   auto& found = air.turbidity;
   if (green.kind != ExtinctionKind::value) {

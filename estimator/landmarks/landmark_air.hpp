@@ -8,6 +8,7 @@
 
 #include "estimator/air/attenuation.hpp"
 #include "estimator/landmarks/extinction.hpp"
+#include "estimator/landmarks/path_aerosol.hpp"
 
 namespace kasumi {
 
@@ -33,6 +34,7 @@ struct LandmarkAir {
   double visibility_sigma_m() const;
   double optical_range_m() const;  // MOR, 2.996 / extinction; for a bound, the bound
   LandmarkTurbidity turbidity;
+  PathAerosol aerosol{};  // by all channels at once
 };
 
 // Comparison with the sky's T. The two are never averaged: two numbers, and how far apart they are.
@@ -54,13 +56,15 @@ class LandmarkWatch {
                 const ContrastSpread& spread = {}, ScatteringModel model = ScatteringModel::morales2017);
 
   const std::vector<ContrastLandmark>& landmarks() const { return landmarks_; }
-  // The horizon is measured if a landmark has no sky box.
-  std::vector<ContrastReading> read(const Camera& camera, const Image<glm::vec3>& encoded) const;
+  // The horizon is measured if a landmark has no sky box. Of pictures by night or in infrared light (daylight.hpp) none
+  // is usable. `sun`: where known.
+  std::vector<ContrastReading> read(const Camera& camera, const Image<glm::vec3>& encoded,
+                                    const std::optional<Direction>& sun = {}) const;
 
   LandmarkAir estimate(const std::vector<ContrastReading>& readings) const;
   void learn(const std::vector<ContrastReading>& readings);
   void forget(double share);
-  // For R, G, B. resume() takes all of them or none: false.
+  // For R, G, B, and for all colours jointly. resume() takes all of them or none: false.
   std::vector<LearntContrasts> learnt() const;
   bool resume(const std::vector<LearntContrasts>& learnt);
   // All pictures of one camera at once, each judged with the contrasts learnt from the others.
@@ -68,9 +72,10 @@ class LandmarkWatch {
 
   SkyComparison compare(const LandmarkAir& air, Turbidity sky, double sky_sigma) const;
   const LandmarkExtinction& channel(int c) const { return channels_[static_cast<std::size_t>(c)]; }
+  const LandmarkColours& colours() const { return colours_; }
 
  private:
-  LandmarkAir with_turbidity(std::array<Extinction, 3> channels) const;
+  LandmarkAir with_turbidity(std::array<Extinction, 3> channels, PathAerosol aerosol) const;
 
   std::vector<ContrastLandmark> landmarks_;
   double altitude_m_;
@@ -78,6 +83,7 @@ class LandmarkWatch {
   AttenuationNodes nodes_;
   double typical_path_m_;
   std::vector<LandmarkExtinction> channels_;
+  LandmarkColours colours_;
 };
 
 }  // namespace kasumi

@@ -12,7 +12,7 @@
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
 #include "estimator/light/clear_sky_light.hpp"
-#include "estimator/light/ground_glow.hpp"
+#include "estimator/sky/ground_glow.hpp"
 #include "estimator/sky/site_sky.hpp"
 #include "estimator/turbidity/measured_sky.hpp"
 

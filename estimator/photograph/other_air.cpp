@@ -176,6 +176,7 @@ UnderOtherAir OtherAir::under(const std::optional<AirState>& target) const {
   RetargetOptions retargeting;
   retargeting.scattering = scattering_;
   retargeting.largest_gain = options_.largest_gain;
+  retargeting.terms = options_.terms;
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
   if (options_.relight && options_.sun && middle)
     retargeting.relit = relighting(camera, options_.source, target, *options_.sun, *middle, options_.altitude_m);
@@ -185,6 +186,12 @@ UnderOtherAir OtherAir::under(const std::optional<AirState>& target) const {
   found.picture.quantum = quantum_;
   found.restored = std::move(made.restored);
   found.too_faint_fraction = made.too_faint_fraction;
+  if (!options_.terms) return found;
+  constexpr double kFine = 1.0 / 65535.0;
+  auto direct = std::move(made.light);
+  for (std::size_t i = 0; i < direct.elements().size(); ++i) direct.elements()[i] -= made.airlight.elements()[i];
+  found.airlight = Photograph{encoded_of(camera, made.airlight), {}, kFine};
+  found.direct = Photograph{encoded_of(camera, direct), {}, kFine};
   return found;
 }
 

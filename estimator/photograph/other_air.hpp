@@ -36,12 +36,15 @@ struct OtherAirOptions {
   bool relight = true;         // false: surfaces keep their light in units of the light from infinity, as in M Eq 25
   bool amplify_noise = false;  // treat noise as light of the scene
   double largest_gain = RetargetOptions{}.largest_gain;
+  bool terms = false;  // also give airlight and direct transmission apart
 };
 
 struct UnderOtherAir {
   Photograph picture;
   Image<std::uint8_t> restored;  // 255; 0 where the source was too faint
   double too_faint_fraction = 0.0;
+  // With `terms`, in 16 bits: in linear light they add up to the picture where it is not overexposed.
+  std::optional<Photograph> airlight{}, direct{};
 };
 
 // A camera for an ordinary photograph: no distortion, sRGB, facing north.

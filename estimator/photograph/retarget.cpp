@@ -67,7 +67,10 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
   const PicturePaths before(nodes, options.scattering, source.state), after(nodes, options.scattering, target.state);
   const LightUnderTarget relit(options);
   Retargeted result{Image<glm::vec3>(light.width(), light.height()),
-                    Image<std::uint8_t>(light.width(), light.height(), 255), 0.0};
+                    Image<std::uint8_t>(light.width(), light.height(), 255),
+                    0.0,
+                    {}};
+  if (options.terms) result.airlight = Image<glm::vec3>(light.width(), light.height());
   for (int y = 0; y < light.height(); ++y)
     for (int x = 0; x < light.width(); ++x) {
       const auto from = glm::max(glm::dvec3(source.of(x, y)), glm::dvec3{1e-9}), to = glm::dvec3(target.of(x, y));
@@ -99,7 +102,9 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
                            glm::sqrt(glm::max(signal, glm::dvec3{kDark}) / glm::max(clean, glm::dvec3{kDark}));
         made = signal + glm::clamp(made - signal, -noise, noise);
       }
-      result.light.at(x, y) = glm::max(made, glm::dvec3{0.0});
+      made = glm::max(made, glm::dvec3{0.0});
+      result.light.at(x, y) = made;
+      if (options.terms) result.airlight.at(x, y) = land ? glm::min(to * (1.0 - change.transmittance), made) : made;
     }
   result.too_faint_fraction /= std::max<double>(1.0, static_cast<double>(light.elements().size()));
   return result;

@@ -59,12 +59,16 @@ struct RetargetOptions {
   // nothing to restore: the pixel is changed only as far as the limit allows, some haze stays, and the pixel is masked.
   // The fainter it is the less it changes; from largest_gain squared on it stays unchanged, like the sky behind it.
   double largest_gain = 8.0;
+  bool terms = false;  // also give airlight and direct transmission apart
 };
 
 struct Retargeted {
   Image<glm::vec3> light;           // linear, in the target's scale; >= 0
   Image<std::uint8_t> restored;     // 255; 0 where the source was too faint
   double too_faint_fraction = 0.0;  // of the picture
+  // With `terms`: the part of `light` that the air scatters in, Linf_t (1 - Gamma_t), all of it in the sky, and never
+  // more than there is. The rest of `light` is direct transmission.
+  Image<glm::vec3> airlight{};
 };
 
 // `light`: linear, vignetting and white balance removed (Camera::light_at). All pictures of one size. I_t = Linf_t (1 -

@@ -101,9 +101,8 @@ Row row_at(const Place& place, AerosolKind kind, double aod_550) {
 // The optical depths at 550 nm with which the kind at its natural exponent has the aerosol's own depth at the
 // wavelength of each of linear sRGB's channels.
 glm::dvec3 channel_aods(const Aerosol& aerosol) {
-  constexpr glm::dvec3 wavelength_nm{640.0, 542.0, 441.0};
   const double tilt = natural_exponent(aerosol.kind) - aerosol.angstrom_exponent;
-  return aerosol.aod_550 * glm::pow(wavelength_nm / 550.0, glm::dvec3(tilt));
+  return aerosol.aod_550 * glm::pow(kDomeChannels_nm / 550.0, glm::dvec3(tilt));
 }
 
 bool is_natural(const Aerosol& aerosol) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
 
 #include "base/aerosol.hpp"
 #include "base/sky/dome_function.hpp"
@@ -15,6 +16,10 @@ constexpr double kHighestDomeAltitude_m = 30000.0;
 constexpr double kHighestDomeAod = 1.8;                 // at 550 nm
 constexpr Turbidity kHighestDomeTurbidity{10.0};        // to which T is fitted: an aod_550 of .90
 constexpr Radians kLowestDomeSun = from_degrees(92.0);  // zenith angle, without refraction
+
+// For an exponent that is not the kind's own each channel of linear sRGB is that of the sky whose aerosol has the asked
+// optical depth at this wavelength.
+constexpr glm::dvec3 kDomeChannels_nm{640.0, 542.0, 441.0};
 
 // All arguments are clamped to the table's range: altitude 0 .. 30 km, aod_550 0 .. 1.8, sun's zenith angle 0 .. 92 deg
 // (a lower sun gives the sky of 92 deg with the sun's direction lifted to it). Light: CIE XYZ, Y in cd/m2, at the

@@ -3,15 +3,19 @@
 // belongs to the model.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string_view>
 
 #include <glm/vec3.hpp>
 
+#include "estimator/given_air.hpp"
 #include "estimator/sky/dome.hpp"
 #include "estimator/sky/sky_model.hpp"
 
 namespace kasumi {
+
+class HosekSky;  // estimator/sky/hosek.hpp
 
 // automatic: the dome where the aerosol is known, and above kHighestPreethamSite_m; Preetham's elsewhere, with the dome
 // in its place under a low sun.
@@ -31,6 +35,11 @@ struct SkyToFit {
   double altitude_m = 0.0;  // of the observer; used by the dome
   // The dome's aerosol, of which only the amount is unknown; empty: the dome's usual one, T 1.7 to 10.
   std::optional<Aerosol> aerosol = std::nullopt;
+  // All models are asked and weighed (estimator/sky_fit), with what `known` gives of the aerosol; `model` and `aerosol`
+  // then say which of them was followed.
+  bool every_model = false;
+  GivenAir known = {};
+  std::shared_ptr<const HosekSky> hosek = nullptr;  // asked as well, or alone if not every_model; null: not asked
 };
 
 class SiteSky {

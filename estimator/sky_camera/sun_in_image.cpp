@@ -10,147 +10,220 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "estimator/turbidity/sky_samples.hpp"
+#include "base/square.hpp"
+#include "estimator/sky_camera/aureole_fit.hpp"
+#include "estimator/sky_camera/sky_slopes.hpp"
+#include "estimator/sky_camera/sun_core.hpp"
 
 namespace kasumi {
 
 namespace {
 
-constexpr int kFewElements = 6;    // a blob of no more has no meaningful shape
-constexpr double kRimReach = 0.6;  // of the saturated level: lower edge of the blob's soft rim
+constexpr double kWorthALook = 0.3;                  // confidence
+constexpr double kOfSharpDisc = 0.95;                // confidence
+constexpr double kSharpRim = 0.96;                   // of its level
+constexpr double kSmooth = 0.5, kBrightest = 0.4;    // of the sky around a sharp disc: explained, above
+constexpr Radians kLowestDisc = from_degrees(10.0);  // elevation of a sharp one
+constexpr int kLargestBlobs = 3, kMeetings = 3;
 
-float dimmest(const glm::vec3& encoded) {
-  return std::min({encoded.r, encoded.g, encoded.b});
-}
-
-// The share of an element that the blob covers, from its level: 1 where saturated, less on the rim.
-double cover_of(const glm::vec3& encoded, double saturated) {
-  return std::clamp((static_cast<double>(dimmest(encoded)) / saturated - kRimReach) / (1.0 - kRimReach), 0.0, 1.0);
-}
-
-struct Box {
-  int left, top, right, bottom;  // inclusive
-};
-
-struct Shape {
-  glm::dvec3 direction{0.0};
-  double solid_angle = 0.0;
-  double roundness = 1.0;  // smaller over larger axis
-};
-
-// Centre and axes on the sphere, rim included.
-Shape shape_of(const SkyPicture& picture, const SkyGeometry& geometry, const cv::Mat1i& labels, int label,
-               const Box& box, double saturated) {
-  constexpr int kMargin = 2;
-  struct Part {
-    glm::dvec3 direction;
-    double weight;
+// Where the sun may be: the middles of the largest clipped areas, and where the sky's slopes meet.
+std::vector<SunDirection> likely_places(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera) {
+  std::vector<SunDirection> places;
+  const auto add = [&](const glm::dvec2& place) {
+    const auto element = sky.picture_element(place);
+    if (const auto direction = camera.direction_at(picture.camera_pixel(element.x, element.y)))
+      places.push_back(*direction);
   };
-  std::vector<Part> parts;
-  Shape shape;
-  int elements = 0;
-  for (int y = std::max(0, box.top - kMargin); y <= std::min(labels.rows - 1, box.bottom + kMargin); ++y)
-    for (int x = std::max(0, box.left - kMargin); x <= std::min(labels.cols - 1, box.right + kMargin); ++x) {
-      const int here = labels(y, x);
-      if (geometry.solid_angle.at(x, y) <= 0.0f || (here != 0 && here != label)) continue;
-      const double weight =
-          cover_of(picture.encoded.at(x, y), saturated) * static_cast<double>(geometry.solid_angle.at(x, y));
-      if (weight <= 0.0) continue;
-      if (here == label) {
-        ++elements;
-        shape.solid_angle += static_cast<double>(geometry.solid_angle.at(x, y));
-      }
-      parts.push_back({glm::dvec3(geometry.direction.at(x, y)), weight});
-      shape.direction += weight * parts.back().direction;
-    }
-  shape.direction = glm::normalize(shape.direction);
-  if (elements <= kFewElements) return shape;
-  const glm::dvec3 pole = std::abs(shape.direction.z) < 0.9 ? glm::dvec3{0.0, 0.0, 1.0} : glm::dvec3{1.0, 0.0, 0.0};
-  const glm::dvec3 a = glm::normalize(glm::cross(shape.direction, pole)), b = glm::cross(shape.direction, a);
-  double aa = 0.0, ab = 0.0, bb = 0.0;
-  for (const Part& part : parts) {
-    const double u = glm::dot(part.direction, a), v = glm::dot(part.direction, b);
-    aa += part.weight * u * u;
-    ab += part.weight * u * v;
-    bb += part.weight * v * v;
-  }
-  const double mean = 0.5 * (aa + bb), half = std::hypot(0.5 * (aa - bb), ab);
-  shape.roundness = std::sqrt(std::max(0.0, mean - half) / (mean + half));
-  return shape;
+  cv::Mat1b clipped(sky.clipped.height(), sky.clipped.width());
+  for (int y = 0; y < clipped.rows; ++y)
+    for (int x = 0; x < clipped.cols; ++x) clipped(y, x) = sky.clipped.at(x, y);
+  cv::Mat1i labels, stats;
+  cv::Mat1d centroids;
+  const int count = cv::connectedComponentsWithStats(clipped, labels, stats, centroids, 8, CV_32S);
+  std::vector<int> order;
+  for (int label = 1; label < count; ++label) order.push_back(label);
+  const auto largest = std::min(order.size(), static_cast<std::size_t>(kLargestBlobs));
+  std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(largest), std::ranges::greater{},
+                            [&](int label) { return stats(label, cv::CC_STAT_AREA); });
+  for (std::size_t i = 0; i < largest; ++i) add({centroids(order[i], 0), centroids(order[i], 1)});
+  for (const glm::vec2& place : where_slopes_meet(sky, kMeetings)) add(glm::dvec2(place));
+  return places;
 }
 
-// How much brighter the sky is close around the blob than further away, in encoded levels: the sun has an aureole, a
-// reflection on the dome or in a window has none. 0..1.
-double aureole_of(const SkyPicture& picture, const SkyGeometry& geometry, const glm::dvec3& centre, double radius,
-                  double resolution) {
-  const glm::vec3 towards(centre);
-  const auto cosine = [](double angle) { return static_cast<float>(std::cos(angle)); };
-  const double rim = radius + 2.5 * resolution;
-  const float inner = cosine(rim), outer = cosine(rim + from_degrees(6.0).value);
-  const float far_inner = cosine(rim + from_degrees(25.0).value), far_outer = cosine(rim + from_degrees(40.0).value);
-  std::array<double, 2> sum{}, weight{};
-  for (int y = 0; y < picture.encoded.height(); ++y)
-    for (int x = 0; x < picture.encoded.width(); ++x) {
-      if (geometry.open.at(x, y) == 0) continue;
-      const float c = glm::dot(geometry.direction.at(x, y), towards);
-      const bool near = c < inner && c > outer, far = c < far_inner && c > far_outer;
-      if (!near && !far) continue;
-      const std::size_t ring = near ? 0 : 1;
-      const auto angle = static_cast<double>(geometry.solid_angle.at(x, y));
-      const glm::vec3& e = picture.encoded.at(x, y);
-      sum[ring] += angle * static_cast<double>(e.r + e.g + e.b) / 3.0;
-      weight[ring] += angle;
-    }
-  if (weight[0] <= 0.0 || weight[1] <= 0.0) return 0.0;
-  const double close = sum[0] / weight[0], away = sum[1] / weight[1];
-  return std::clamp((close / std::max(1e-3, away) - 1.0) / 0.3, 0.0, 1.0);
+// What both ways of looking say of one place.
+struct Looks {
+  AureoleFit aureole;
+  std::optional<SunCore> core;
+  Radians shift;  // of the aureole's centre if only its inner part is looked at
+  Radians apart;  // aureole's centre and core
+};
+
+// Variances [rad^2]. Beyond its aureole the sky is brighter on one side, towards the horizon or a cloud. That moves an
+// isophote of radius r by slope * r^2 / fall; the fit sees some of the slope, a spot's middle nothing of it.
+constexpr double kSlopeLeft = 0.7, kSlopeOfSky = 2.0;  // 1/rad
+constexpr double kLeastError = 0.003;                  // [rad]
+
+double variance_of(const AureoleFit& aureole) {
+  const double fall = std::clamp(aureole.fall, 0.05, 3.0);
+  return square(aureole.sigma.value) + square(kSlopeLeft * square(aureole.rim.value) / fall) + square(kLeastError);
+}
+double variance_of(const SunCore& core, const AureoleFit& aureole) {
+  const double fall = std::clamp(aureole.fall, 0.3, 3.0), radius = core.radius.value;
+  return square(kSlopeOfSky * square(radius) / fall) + square(0.2 * (1.0 - core.roundness) * radius) +
+         square(kLeastError);
+}
+// An isophote's middle moved back by what the sky's growth towards the horizon moves it.
+SunDirection unmoved(const SunCore& core, const AureoleFit& aureole) {
+  const SunDirection& at = core.direction;
+  const double sine = std::hypot(at.x, at.y);
+  if (sine < 1e-6) return at;
+  const double fall = std::clamp(aureole.fall, 0.3, 3.0);
+  const double slope = 0.6 * sine / (std::max(at.z, 0.0) + 0.1);
+  const double shift = std::min(slope * square(core.radius.value) / fall, core.radius.value);
+  return glm::normalize(at + shift * SunDirection{-at.x * at.z / sine, -at.y * at.z / sine, sine});
+}
+// In units of what they may differ by.
+double apart_of(const Looks& looks) {
+  return looks.apart.value / std::sqrt(variance_of(looks.aureole) + variance_of(*looks.core, looks.aureole));
+}
+bool cores_agree(const Looks& looks) {
+  return looks.core && looks.core->level > 0.3 && apart_of(looks) < 3.0;
+}
+
+// The mean of both centres by what each is worth.
+SunBlob blob_of(const Looks& looks, const SunDirection& aureole, const SunDirection& core) {
+  const AureoleFit& a = looks.aureole;
+  const double of_aureole = variance_of(a);
+  SunBlob blob;
+  blob.direction = aureole;
+  blob.radius = a.hole;
+  blob.sigma = Radians{std::sqrt(of_aureole)};
+  if (!cores_agree(looks)) return blob;
+  const double of_core = variance_of(*looks.core, a);
+  blob.direction = glm::normalize(aureole / of_aureole + core / of_core);
+  blob.radius = looks.core->radius;
+  blob.sigma = Radians{std::sqrt(1.0 / (1.0 / of_aureole + 1.0 / of_core))};
+  return blob;
+}
+SunBlob blob_of(const Looks& looks) {
+  return blob_of(looks, looks.aureole.centre, looks.core ? looks.core->direction : SunDirection{});
+}
+
+// The same without what a clear sky's growth towards the horizon moves either centre. Clouds follow no such rule, so that
+// it is for smooth surroundings only. What tells the sun from other bright places was learnt with the sky as it is.
+SunDirection without_horizon(const Looks& looks, const CoarseSky& sky, const SunBlob& blob) {
+  constexpr double kClear = 0.95;  // explained
+  const AureoleFit& a = looks.aureole;
+  if (a.explained < kClear || !cores_agree(looks)) return blob.direction;
+  const auto again = fit_aureole(sky, a.centre, {.less_horizon = true});
+  if (!again || angle_between(again->centre, a.centre) > 3.0 * blob.sigma) return blob.direction;
+  return blob_of(looks, again->centre, unmoved(*looks.core, a)).direction;
+}
+
+// What tells the sun's surroundings from others.
+using Signs = std::array<double, 10>;
+Signs signs_of(const Looks& looks) {
+  const AureoleFit& a = looks.aureole;
+  const auto ln = [](double x, double low, double high) { return std::log(std::clamp(x, low, high)); };
+  const bool agree = cores_agree(looks);
+  return {1.0,
+          a.explained,
+          ln(a.fall, 0.02, 4.0),
+          ln(a.rise, 0.02, 3.0),
+          0.1 * std::min(to_degrees(a.hole), 40.0),
+          agree ? std::exp(-0.5 * square(apart_of(looks))) : 0.0,
+          looks.core ? looks.core->level : 0.0,
+          std::clamp(a.above, -2.0, 4.0),
+          ln(a.clipped, 0.02, 1.0),
+          ln(to_degrees(looks.shift) + 0.1, 0.1, 5.0)};
+}
+
+// The probability that the sun is within 2 deg. Factors by logistic regression on generated pictures
+// (tests/estimator/sky_camera/sun_pictures, development).
+double confidence_of(const Signs& signs) {
+  constexpr Signs kFactors{-2.69, 1.92, 0.7, 0.26, 0.53, 2.08, 0.65, 0.3, 0.56, -0.48};
+  double sum = 0.0;
+  for (std::size_t k = 0; k < signs.size(); ++k) sum += kFactors[k] * signs[k];
+  return 1.0 / (1.0 + std::exp(-sum));
+}
+
+// Both looks at a place, or none.
+std::optional<Looks> look_at(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera,
+                             const SunDirection& place, const SunBlobOptions& options) {
+  const auto aureole = fit_aureole(sky, place);
+  if (!aureole || aureole->hole > options.largest_radius) return std::nullopt;
+  Looks looks{*aureole, std::nullopt, {}, {}};
+  looks.core = sun_core(picture, camera, aureole->centre, Radians{1.4 * aureole->hole.value + 0.08}, options.saturated);
+  if (looks.core) looks.apart = angle_between(looks.core->direction, aureole->centre);
+  if (confidence_of(signs_of(looks)) < kWorthALook) return looks;
+  const auto inner = fit_aureole(sky, aureole->centre, {0.4, from_degrees(5.0)});
+  looks.shift = inner ? angle_between(inner->centre, aureole->centre) : from_degrees(5.0);
+  return looks;
+}
+
+// A lens that hardly spreads its light leaves a small disc and no steep aureole, so that the sky around tells little of
+// its place; but nothing else is a round white spot in a sky that is smooth and brightest around it. Near the horizon
+// the sky is brightest everywhere, and walls and water are white.
+std::optional<SunBlob> sharp_disc(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera,
+                                  const SunDirection& place, const SunBlobOptions& options) {
+  const auto core = sun_core(picture, camera, place, from_degrees(4.0), options.saturated, kSharpRim);
+  if (!core || core->level < options.saturated || core->radius > from_degrees(2.5) || core->roundness < 0.65 ||
+      core->radius < from_degrees(0.5) || core->direction.z < std::sin(kLowestDisc.value))
+    return std::nullopt;
+  const auto around = fit_aureole(sky, core->direction, {1.0, from_degrees(10.0), true});
+  if (!around || around->explained < kSmooth || around->above < kBrightest) return std::nullopt;
+  SunBlob blob;
+  blob.direction = core->direction;
+  blob.radius = core->radius;
+  blob.confidence = kOfSharpDisc;
+  blob.sigma = Radians{std::sqrt(variance_of(*core, *around))};
+  return blob;
 }
 
 }  // namespace
 
 std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options) {
   if (picture.encoded.empty()) return std::nullopt;
-  const SkyGeometry geometry = sky_geometry(camera, picture);
-  cv::Mat1b saturated(picture.encoded.height(), picture.encoded.width(), std::uint8_t{0});
-  for (int y = 0; y < saturated.rows; ++y)
-    for (int x = 0; x < saturated.cols; ++x)
-      if (geometry.open.at(x, y) != 0 && static_cast<double>(dimmest(picture.encoded.at(x, y))) >= options.saturated)
-        saturated(y, x) = 1;
-  cv::Mat1i labels;
-  cv::Mat1i stats;
-  cv::Mat1d centroids;
-  const int count = cv::connectedComponentsWithStats(saturated, labels, stats, centroids, 8, CV_32S);
-
-  std::optional<SunBlob> best;
-  double runner_up = 0.0;
-  for (int label = 1; label < count; ++label) {
-    const Box box{stats(label, cv::CC_STAT_LEFT), stats(label, cv::CC_STAT_TOP),
-                  stats(label, cv::CC_STAT_LEFT) + stats(label, cv::CC_STAT_WIDTH) - 1,
-                  stats(label, cv::CC_STAT_TOP) + stats(label, cv::CC_STAT_HEIGHT) - 1};
-    const Shape shape = shape_of(picture, geometry, labels, label, box, options.saturated);
-    const double radius = std::sqrt(shape.solid_angle / kPi);
-    if (radius < options.smallest_radius.value || radius > options.largest_radius.value) continue;
-    const double resolution = std::sqrt(shape.solid_angle / stats(label, cv::CC_STAT_AREA));
-    // A wide blob is more likely a white cloud.
-    const double size = std::clamp(1.5 * (1.0 - radius / options.largest_radius.value), 0.0, 1.0);
-    const double score = shape.roundness * shape.roundness * size *
-                         (0.25 + 0.75 * aureole_of(picture, geometry, shape.direction, radius, resolution));
-    if (best && score <= best->confidence) {
-      runner_up = std::max(runner_up, score);
+  const CoarseSky sky = coarse_sky(picture, camera, options.saturated);
+  if (!(sky.resolution.value > 0.0)) return std::nullopt;
+  struct Found : SunBlob {
+    std::optional<Looks> looks;
+  };
+  std::vector<Found> blobs;
+  for (const SunDirection& place : likely_places(sky, picture, camera)) {
+    const bool known = std::ranges::any_of(blobs, [&](const Found& blob) {
+      return angle_between(blob.direction, place).value < blob.radius.value + from_degrees(3.0).value;
+    });
+    if (known) continue;
+    if (const auto disc = sharp_disc(sky, picture, camera, place, options)) {
+      blobs.push_back({*disc, std::nullopt});
       continue;
     }
-    if (best) runner_up = best->confidence;
-    const auto pixel = camera.pixel_of(shape.direction);
-    if (!pixel) continue;
-    best = SunBlob{shape.direction, *pixel, {radius}, score};
+    const auto looks = look_at(sky, picture, camera, place, options);
+    if (!looks) continue;
+    blobs.push_back({blob_of(*looks), looks});
+    blobs.back().confidence = confidence_of(signs_of(*looks));
   }
-  if (!best) return std::nullopt;
-  best->confidence *= 1.0 - 0.5 * runner_up / best->confidence;
-  return best->confidence >= options.least_confidence ? best : std::nullopt;
+  if (blobs.empty()) return std::nullopt;
+  Found best = *std::ranges::max_element(blobs, {}, &Found::confidence);
+  double rival = 0.0;
+  for (const SunBlob& blob : blobs)
+    if (angle_between(blob.direction, best.direction) > from_degrees(5.0)) rival = std::max(rival, blob.confidence);
+  best.confidence *= 1.0 - 0.5 * rival;
+  if (best.confidence < options.least_confidence || best.sigma > options.largest_sigma) return std::nullopt;
+  if (best.looks) best.direction = without_horizon(*best.looks, sky, best);
+  const auto pixel = camera.pixel_of(best.direction);
+  if (!pixel) return std::nullopt;
+  best.pixel = *pixel;
+  return best;
+}
+
+std::string how_sure(const SunBlob& blob) {
+  return fmt::format("+- {:.1f} deg, {:.0f} % sure", to_degrees(blob.sigma), 100.0 * blob.confidence);
 }
 
 SunCheck cross_check(const std::optional<SunDirection>& ephemeris, const std::optional<SunBlob>& blob,
-                     bool clock_trusted, Radians tolerance) {
+                     bool clock_trusted, bool looked, Radians tolerance) {
   SunCheck check;
   if (ephemeris && blob) {
     check.disagreement = angle_between(*ephemeris, blob->direction);
@@ -163,10 +236,12 @@ SunCheck cross_check(const std::optional<SunDirection>& ephemeris, const std::op
     check.source = SunSource::image;
     check.direction = blob->direction;
   }
-  const std::string apart = check.disagreement ? fmt::format("the sun in the image is {:.1f} deg from the ephemeris",
-                                                             to_degrees(*check.disagreement))
-                            : blob             ? std::string("there is no ephemeris to compare with")
-                                               : std::string("no sun is seen in the image");
+  const std::string apart =
+      check.disagreement ? fmt::format("the sun in the image is {:.1f} deg from the ephemeris ({})",
+                                       to_degrees(*check.disagreement), how_sure(*blob))
+      : blob             ? fmt::format("seen in the image ({}), there is no ephemeris to compare with", how_sure(*blob))
+      : looked           ? std::string("no sun is seen in the image")
+                         : std::string("there is no image to look for the sun in");
   switch (check.source) {
     case SunSource::ephemeris:
       check.message = check.disagreement && !check.agrees

@@ -1,5 +1,4 @@
-// The sun as the saturated blob of a sky picture: a check of the ephemeris, and the only source while the clock is not
-// trusted.
+// The sun in a sky picture: a check of the ephemeris, and the only source while the clock is not trusted.
 #pragma once
 
 #include <optional>
@@ -18,20 +17,25 @@ namespace kasumi {
 struct SunBlob {
   SunDirection direction{0.0, 0.0, 1.0};
   glm::dvec2 pixel{};       // of the camera's picture, sub-pixel
-  Radians radius;           // of a cap with the same solid angle
-  double confidence = 0.0;  // 0..1: roundness, contrast with its surroundings, lack of rivals
+  Radians radius;           // of a cap with the solid angle of what is clipped
+  double confidence = 0.0;  // 0..1: probability that the sun is within 2 deg of it
+  Radians sigma;            // standard deviation along either axis, if it is the sun
 };
 
 struct SunBlobOptions {
   double saturated = kSaturatedSun;  // encoded level that the dimmest channel must reach: the sun's core is white
-  Radians smallest_radius = from_degrees(0.1);  // the sun's own is 0.27 deg; a lens spreads it, never shrinks it
   Radians largest_radius = from_degrees(25.0);  // larger: a bright cloud, or an overexposed sky
-  double least_confidence = 0.3;
+  double least_confidence = 0.85;
+  Radians largest_sigma = from_degrees(1.75);
 };
 
-// The most sun-like saturated region above the horizon, or none. Reflections on the dome or on buildings score lower by
-// size, shape and a missing aureole.
+// Where two ways of looking at it agree: the centre of the sky around, which grows dimmer with the distance from the
+// sun, and the middle of its brightest spot. Empty where they do not, or where nothing looks like the sun's
+// surroundings: overcast, a cloud's white edge, a reflection, too long an exposure.
 std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options = {});
+
+// "+- 0.4 deg, 97 % sure"
+std::string how_sure(const SunBlob& blob);
 
 enum class SunSource { none, ephemeris, image };
 struct SunCheck {
@@ -44,7 +48,8 @@ struct SunCheck {
 
 // With a trusted clock the ephemeris is used (it is a thousand times more precise), and a disagreement points to the
 // camera's orientation. Otherwise the image is used; if the sun is not visible in it, its direction is unknown.
+// `looked`: whether there was an image to find it in.
 SunCheck cross_check(const std::optional<SunDirection>& ephemeris, const std::optional<SunBlob>& blob,
-                     bool clock_trusted, Radians tolerance = from_degrees(3.0));
+                     bool clock_trusted, bool looked = true, Radians tolerance = from_degrees(3.0));
 
 }  // namespace kasumi

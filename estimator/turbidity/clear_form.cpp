@@ -102,13 +102,11 @@ float ClearSkyByForm::colour_at(const ClearForm::Terms& terms) const {
   return sum_of(terms, colour);
 }
 
-std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places) {
-  constexpr float kWidest = 0.6f, kNarrowest = 0.10f;  // of ln Y
-  constexpr float kPerColour = 1.5f;                   // of ln R/B: colour is the surer sign
-  constexpr int kRounds = 9;
+std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& windows) {
+  constexpr float kPerColour = 1.5f;  // of ln R/B: colour is the surer sign
   ClearSkyByForm sky;
-  float window = kWidest;
-  for (int round = 0; round < kRounds; ++round) {
+  float window = windows.widest;
+  for (int round = 0; round < windows.rounds; ++round) {
     if (!solve_form(places, sky)) return std::nullopt;
     for (LookedAt& p : places) {
       const float dy = (p.luminance - sky.luminance_at(p.terms)) / window;
@@ -116,7 +114,7 @@ std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places) {
       const float u = std::max(0.0f, 1.0f - dy * dy - dc * dc);
       p.weight = u * u;
     }
-    window = std::max(kNarrowest, 0.75f * window);
+    window = std::max(windows.narrowest, 0.75f * window);
   }
   std::vector<float> dy, dc;
   for (const LookedAt& p : places) {

@@ -44,8 +44,14 @@ struct ClearSkyByForm {
   float colour_at(const ClearForm::Terms& terms) const;
 };
 
+// Half widths of the window, in ln Y: from what clouds differ by to what clear air does.
+struct ClearFormWindow {
+  float widest = 0.6f, narrowest = 0.10f;
+  int rounds = 9;
+};
+
 // The sky that most places agree on in luminance and colour at once: least squares with Tukey's weights, whose window
-// narrows from what clouds differ by to what clear air does. Empty when too few agree.
-std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places);
+// narrows. Empty when too few agree.
+std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& window = {});
 
 }  // namespace kasumi

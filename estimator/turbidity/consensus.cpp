@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
+#include "base/fast_log.hpp"
 #include "estimator/sky/sky_model.hpp"
-#include "estimator/turbidity/fast_log.hpp"
 
 namespace kasumi {
 
@@ -118,6 +118,34 @@ class Histogram {
   std::vector<int> bin_;
 };
 
+// What Perez' distribution needs of the samples for one T after another in equal steps, each T's column by column.
+// Pointers that share no memory: else compilers look at one sample at a time.
+struct PerezColumns {
+  std::size_t n;
+  const float* __restrict log_y, * __restrict per_cosine, * __restrict gamma, * __restrict cos2_gamma;
+};
+struct PerezWork {
+  float* __restrict gradation, * __restrict indicatrix, * __restrict next_gradation, * __restrict next_indicatrix;
+};
+
+inline void exponentials(std::size_t n, float factor, const float* __restrict from, float* __restrict to) {
+  for (std::size_t i = 0; i < n; ++i) to[i] = fast_exp(factor * from[i]);
+}
+
+// Residuals at this T; the exponentials then are those of the next.
+inline void residuals_and_on(float a, float c, float e, const PerezColumns& at, const PerezWork& work,
+                             float* __restrict residual) {
+  const float* __restrict log_y = at.log_y, * __restrict cos2 = at.cos2_gamma;
+  const float* __restrict next_gradation = work.next_gradation, * __restrict next_indicatrix = work.next_indicatrix;
+  float* __restrict gradation = work.gradation, * __restrict indicatrix = work.indicatrix;
+  for (std::size_t i = 0; i < at.n; ++i) {
+    const float f = (1.0f + a * gradation[i]) * (1.0f + c * indicatrix[i] + e * cos2[i]);
+    residual[i] = log_y[i] - fast_log(f);
+    gradation[i] *= next_gradation[i];
+    indicatrix[i] *= next_indicatrix[i];
+  }
+}
+
 class PerezSkies final : public Skies {
  public:
   explicit PerezSkies(std::span<const SkySample> samples)
@@ -134,32 +162,20 @@ class PerezSkies final : public Skies {
   void over_the_grid(const std::function<void(float)>& use) override {
     const std::size_t n = n_;
     const PerezCoefficients slope = perez_slopes(PerezQuantity::luminance);
-    std::vector<float> work(4 * n);
-    float *gradation = work.data(), *indicatrix = gradation + n, *next_gradation = indicatrix + n,
-          *next_indicatrix = next_gradation + n;
-    const float *per_cosine = per_cosine_.data(), *gamma = gamma_.data(), *cos2 = cos2_gamma_.data(),
-                *log_y = log_y_.data();
-    float* residual = residual_.data();
+    std::vector<float> space(4 * n);
+    const PerezWork work{space.data(), space.data() + n, space.data() + 2 * n, space.data() + 3 * n};
+    const PerezColumns at{n, log_y_.data(), per_cosine_.data(), gamma_.data(), cos2_gamma_.data()};
     for (const Run& run : kGrid) {
       const PerezCoefficients k0 = perez_coefficients(PerezQuantity::luminance, Turbidity{run.first});
-      const auto b = static_cast<float>(k0.b), d = static_cast<float>(k0.d);
-      const auto db = static_cast<float>(slope.b * run.step), dd = static_cast<float>(slope.d * run.step);
-      for (std::size_t i = 0; i < n; ++i) {
-        gradation[i] = fast_exp(b * per_cosine[i]);
-        indicatrix[i] = fast_exp(d * gamma[i]);
-        next_gradation[i] = fast_exp(db * per_cosine[i]);
-        next_indicatrix[i] = fast_exp(dd * gamma[i]);
-      }
+      exponentials(n, static_cast<float>(k0.b), at.per_cosine, work.gradation);
+      exponentials(n, static_cast<float>(k0.d), at.gamma, work.indicatrix);
+      exponentials(n, static_cast<float>(slope.b * run.step), at.per_cosine, work.next_gradation);
+      exponentials(n, static_cast<float>(slope.d * run.step), at.gamma, work.next_indicatrix);
       for (int j = 0; j < run.count; ++j) {
         const double t = run.first + j * run.step;
         const PerezCoefficients k = perez_coefficients(PerezQuantity::luminance, Turbidity{t});
-        const auto a = static_cast<float>(k.a), c = static_cast<float>(k.c), e = static_cast<float>(k.e);
-        for (std::size_t i = 0; i < n; ++i) {
-          const float f = (1.0f + a * gradation[i]) * (1.0f + c * indicatrix[i] + e * cos2[i]);
-          residual[i] = log_y[i] - fast_log(f);
-          gradation[i] *= next_gradation[i];
-          indicatrix[i] *= next_indicatrix[i];
-        }
+        residuals_and_on(static_cast<float>(k.a), static_cast<float>(k.c), static_cast<float>(k.e), at, work,
+                         residual_.data());
         use(static_cast<float>(t));
       }
     }

@@ -13,7 +13,7 @@
 
 #include "base/statistics.hpp"
 #include "estimator/turbidity/clear_form.hpp"
-#include "estimator/turbidity/element_maps.hpp"
+#include "estimator/turbidity/element_looks.hpp"
 
 namespace kasumi {
 
@@ -35,64 +35,7 @@ struct Share {
   double value() const { return all > 0.0 ? some / all : 0.0; }
 };
 
-// Relative step of light per step of the encoded value, by channel and level: how coarsely dark elements are quantised.
-class RelativeSteps {
- public:
-  RelativeSteps(const Response& response, double quantum) {
-    for (std::size_t i = 1; i < steps_.size(); ++i) {
-      const glm::dvec3 level{static_cast<double>(i) / kLast};
-      steps_[i] = glm::vec3(quantum * response.slope(level) / glm::max(response.to_light(level), glm::dvec3{1e-9}));
-    }
-    steps_[0] = steps_[1];
-  }
-  glm::vec3 at(const glm::vec3& encoded) const { return {step(encoded, 0), step(encoded, 1), step(encoded, 2)}; }
-
- private:
-  static constexpr int kLast = 255;
-  float step(const glm::vec3& encoded, int c) const {
-    return steps_[static_cast<std::size_t>(std::clamp(encoded[c], 0.0f, 1.0f) * kLast)][c];
-  }
-  std::array<glm::vec3, kLast + 1> steps_{};
-};
-
-// What is compared with the form, per element. Means over 3 x 3 elements: single ones are noisy.
-struct Looks {
-  cv::Mat1f known;  // 1, or 0: saturated, dark, not sky
-  cv::Mat1f luminance, colour, texture;
-  cv::Mat1f luminance_step, colour_step;  // of the quantisation
-};
-Looks looks_of(const SkyPicture& picture, const Camera& camera, const SkyLight& light) {
-  const RelativeSteps steps(camera.response, picture.quantum);
-  const cv::Mat1f none(light.use.height(), light.use.width(), 0.0f);
-  Looks looks{none.clone(), none.clone(), none.clone(), {}, none.clone(), none.clone()};
-  for (int y = 0; y < none.rows; ++y)
-    for (int x = 0; x < none.cols; ++x) {
-      if (light.use.at(x, y) != PixelUse::clear) continue;
-      const glm::vec3& channels = light.light.at(x, y);
-      const glm::vec3 step = steps.at(picture.encoded.at(x, y));
-      looks.known(y, x) = 1.0f;
-      looks.luminance(y, x) = light.log_luminance.at(x, y);
-      looks.colour(y, x) = std::log(channels.r / channels.b);
-      looks.luminance_step(y, x) = step.g;
-      looks.colour_step(y, x) = std::hypot(step.r, step.b);
-    }
-  looks.texture = texture_of(looks.luminance, looks.known);
-  looks.luminance = mean_over(looks.luminance, looks.known, 3);
-  looks.colour = mean_over(looks.colour, looks.known, 3);
-  return looks;
-}
-
-// Some quantity of the known elements, of every fourth.
-template <class Quantity>
-std::vector<float> some_of(const Looks& looks, const Quantity& quantity) {
-  std::vector<float> values;
-  for (int y = 0; y < looks.known.rows; y += 2)
-    for (int x = 0; x < looks.known.cols; x += 2)
-      if (looks.known(y, x) != 0.0f) values.push_back(quantity(x, y));
-  return values;
-}
-
-std::vector<LookedAt> places_of(const Looks& looks, const SkyGeometry& geometry, const Image<PixelUse>& use,
+std::vector<LookedAt> places_of(const ElementLooks& looks, const SkyGeometry& geometry, const Image<PixelUse>& use,
                                 const ClearForm& form, float rough) {
   constexpr double kPlaces = 4000.0;  // more add nothing
   constexpr float kPerhapsCloud = 0.3f;
@@ -118,7 +61,7 @@ struct Differences {
     return share.value() >= kTrusted;
   }
 };
-Differences differences(const Looks& looks, const SkyLight& light, const SkyPicture& picture,
+Differences differences(const ElementLooks& looks, const SkyLight& light, const SkyPicture& picture,
                         const SkyGeometry& geometry, const Camera& camera, const Image<PixelUse>& use,
                         const SunDirection& sun, const ClearForm& form, const ClearSkyByForm& sky, float rough) {
   // The form's own misfit, but no less than what a thin veil makes of it.
@@ -175,7 +118,7 @@ cv::Mat1b agreeing(const Differences& found, bool edges_would_show) {
 
 // A closed layer of cloud is smooth, too. But it is neither blue anywhere nor so much brighter around the sun as haze,
 // which scatters forwards, makes it.
-bool is_air(const Looks& looks, const ClearForm& form, const ClearSkyByForm& sky, const SunDirection& sun) {
+bool is_air(const ElementLooks& looks, const ClearForm& form, const ClearSkyByForm& sky, const SunDirection& sun) {
   constexpr float kBlue = -0.35f, kRise = 0.5f;  // ln R/B; ln Y
   if (quantile(some_of(looks, [&](int x, int y) { return looks.colour(y, x); }), 0.1) < kBlue) return true;
   const glm::dvec3 level = glm::cross(sun, glm::dvec3{0.0, 0.0, 1.0});
@@ -194,11 +137,10 @@ OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Cam
   SampleLimits limits;
   limits.least_sun_distance = kGlare;
   const SkyLight light = sky_light(picture, geometry, camera, sun, limits);
-  const Looks looks = looks_of(picture, camera, light);
-  std::vector<float> textures = some_of(looks, [&](int x, int y) { return looks.texture(y, x); });
-  constexpr std::size_t kFew = 200;
-  if (textures.size() < kFew) return own;
-  const float rough = std::max(0.02f, 5.0f * quantile_in_place(textures, 0.25));  // as CloudMaskOptions has it
+  const ElementLooks looks = looks_of(picture, camera, light);
+  constexpr int kFew = 800;
+  if (cv::sum(looks.known)[0] < kFew) return own;
+  const float rough = looks.rough(5.0, 0.02);  // as CloudMaskOptions has it
 
   const ClearForm form(sun);
   const auto sky = fit_clear_form(places_of(looks, geometry, use, form, rough));

@@ -27,6 +27,15 @@ constexpr double kWhitish = 8.0;
 constexpr double kUnexplained = 0.40, kUnexplainedWhitish = 0.20;
 constexpr double kSunVisible = 0.5;  // encoded: the least for the brightest part of the picture
 
+// Of a sky's look: ln R/B of clear air varies by more, or its bluest part is bluer.
+constexpr double kColourless = 0.25, kBlue = -0.35;
+constexpr double kRed = 0.2;                     // redder than any cloud by day: what shines through cloth or skin
+constexpr double kSmooth = 0.85, kUneven = 0.5;  // shares that agree with one smooth sky: surely clear air; not at all
+constexpr double kBroken = 0.5, kMostlyCovered = 0.8;
+constexpr double kOneSky = 0.03;     // residual of clear air alone; what clouds are taken for leaves more
+constexpr double kGapsFit = 0.06;    // of ln light
+constexpr double kFaultTold = 0.11;  // of ln light: what is nearer is used, with the doubt of the camera in its sigma
+
 // Median |ln Y - ln F - ln k|, ln k being the median of ln Y - ln F.
 double median_error(std::vector<double> residuals) {
   const double gain = median_in_place(residuals);
@@ -36,6 +45,14 @@ double median_error(std::vector<double> residuals) {
 
 Refusal refusal(SkyCondition sky, std::string reason) {
   return {sky, "rejected: " + std::move(reason)};
+}
+
+// Clear or partly cloudy, a sky is brightest around the sun, where no exposure that shows the rest leaves it dull.
+Refusal dull(double brightest) {
+  return refusal(SkyCondition::covered_lens,
+                 fmt::format("dull: nothing is brighter than {:.0f} % of full scale, not even around the sun: lens "
+                             "covered, or exposed far too short",
+                             100.0 * brightest));
 }
 
 }  // namespace
@@ -148,6 +165,10 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
                                      const RivalSkies& rivals, const EstimateOptions& options) {
   const double agreement = drawn > 0 ? static_cast<double>(fit.inliers) / drawn : 0.0;
   const double clouds = 100.0 * (1.0 - mask_clear);
+  // A dome fits a cloth worse than a grey sky does.
+  const bool papers = !options.sky.every_model && resolved(options.sky.model, options.sky.altitude_m,
+                                                           options.sky.aerosol.has_value()) == SiteSkyModel::preetham;
+  if (brightest < kSunVisible && !papers) return dull(brightest);
   // A sky that depends on elevation but not on the sun explains the picture better than any clear sky.
   if (drawn > 0 && rivals.clear > kGoodFit && rivals.grey < kGreySky && rivals.grey < kBetter * rivals.clear)
     return refusal(
@@ -155,12 +176,7 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
         fmt::format("overcast or fog: brightness depends on elevation alone within {:.1f} %, the best clear sky "
                     "within {:.1f} %",
                     100.0 * rivals.grey, 100.0 * rivals.clear));
-  // Clear or partly cloudy, a sky is brightest around the sun, where no exposure that shows the rest leaves it dull.
-  if (brightest < kSunVisible)
-    return refusal(SkyCondition::covered_lens,
-                   fmt::format("dull: nothing is brighter than {:.0f} % of full scale, not even around the sun: lens "
-                               "covered, or exposed far too short",
-                               100.0 * brightest));
+  if (brightest < kSunVisible) return dull(brightest);
   if (mask_clear < options.least_clear_fraction)
     return refusal(SkyCondition::overcast,
                    fmt::format("clear sky {:.0f} % < {:.0f} % (clouds {:.0f} %)", 100.0 * mask_clear,
@@ -193,6 +209,75 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
   if (fit.sigma > options.largest_relative_sigma * fit.turbidity.value)
     return refusal(SkyCondition::unknown, fmt::format("T {:.2f} is uncertain by {:.2f} > {:.0f} %", fit.turbidity.value,
                                                       fit.sigma, 100.0 * options.largest_relative_sigma));
+  return std::nullopt;
+}
+
+std::optional<Refusal> refuse_by_look(const SkyLook& look, double brightest) {
+  if (look.places < kFewestPlaces || look.colour_span > kColourless || look.bluest < kBlue) return std::nullopt;
+  if (brightest < kSunVisible && look.bluest > kRed)
+    return refusal(SkyCondition::covered_lens,
+                   fmt::format("dull and red: nothing is brighter than {:.0f} % of full scale, and red over blue is at "
+                               "least {:.2f}: lens covered",
+                               100.0 * brightest, std::exp(look.bluest)));
+  const double span = 100.0 * std::expm1(look.colour_span), least = 100.0 * std::expm1(kColourless);
+  // Clouds hide the sun, or are uneven; haze, glare and automatic white balance do neither.
+  if (look.sun_seen && look.smooth > kSmooth)
+    return refusal(SkyCondition::unknown,
+                   fmt::format("washed out: the sun is seen, but red over blue varies by {:.0f} % over the sky (clear "
+                               "air's by more than {:.0f} %): glare of the dome or lens, weak colours, or dense haze",
+                               span, least));
+  return refusal(
+      SkyCondition::overcast,
+      fmt::format("overcast: the sky is grey all over (red over blue varies by {:.0f} %, clear air's by more "
+                  "than {:.0f} %)",
+                  span, least));
+}
+
+namespace {
+
+// What shows between clouds is used where it is a clear sky beyond doubt.
+std::optional<Refusal> refuse_broken_clouds(const SkyLook& look, const SkyFit& gaps) {
+  if (look.places < kFewestPlaces || (gaps.solved && gaps.log_residual < kGapsFit)) return std::nullopt;
+  const SkyCondition sky = look.cover > kMostlyCovered ? SkyCondition::overcast : SkyCondition::partly_cloudy;
+  if (look.cover > kBroken)
+    return refusal(sky, fmt::format("broken clouds cover {:.0f} % of the sky", 100.0 * look.cover));
+  if (look.smooth < kUneven)
+    return refusal(sky, fmt::format("clouds: only {:.0f} % of the sky is as smooth as clear air", 100.0 * look.smooth));
+  return std::nullopt;
+}
+
+// A cloudless sky that no model explains: what of the camera does.
+std::optional<Refusal> refuse_by_fault(const FaultFinding& fault, const SkyFit& fit, const EstimateOptions& options) {
+  const bool known = fault.found && fault.log_residual > kFaultTold;
+  if (!known && !(std::max(fault.log_residual, fit.log_residual) > options.largest_log_residual)) return std::nullopt;
+  return refusal(SkyCondition::unknown, text_of(fault));
+}
+
+}  // namespace
+
+std::optional<Refusal> refuse_by_evidence(const SkyEvidence& evidence, const EstimateOptions& options) {
+  if (evidence.statistics.brightest < kSunVisible) return dull(evidence.statistics.brightest);
+  if (auto refused = refuse_broken_clouds(evidence.look, evidence.fit)) return refused;
+  if (evidence.fit.solved)
+    if (auto refused = refuse_by_fault(evidence.fault, evidence.fit, options)) return refused;
+  TurbiditySolution fit;
+  fit.solved = evidence.fit.solved;
+  fit.turbidity = evidence.fit.turbidity;
+  fit.sigma = evidence.fit.sigma_turbidity;
+  fit.log_residual = evidence.fit.log_residual;
+  fit.inliers = evidence.agreeing;
+  // An honest large sigma is better than no answer.
+  EstimateOptions wide = options;
+  wide.largest_relative_sigma = std::numeric_limits<double>::infinity();
+  if (auto refused = refuse_by_fit(fit, evidence.readings, evidence.air.clear_fraction, evidence.statistics.brightest,
+                                   evidence.rivals, wide)) {
+    if (refused->sky == SkyCondition::unknown && fit.solved && evidence.fault.found)
+      return refusal(SkyCondition::unknown, text_of(evidence.fault));
+    return refused;
+  }
+  if (fit.turbidity.value > kWhitish && evidence.look.sun_hidden)
+    return refusal(SkyCondition::overcast,
+                   fmt::format("overcast: no sun is seen through what would be haze of T {:.1f}", fit.turbidity.value));
   return std::nullopt;
 }
 

@@ -4,6 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "estimator/sky_fit/instrument_fault.hpp"
+#include "estimator/sky_fit/sky_fit.hpp"
+#include "estimator/turbidity/clear_air.hpp"
+#include "estimator/turbidity/sky_look.hpp"
 #include "estimator/turbidity/sky_samples.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 
@@ -41,5 +45,23 @@ RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolu
 // After the fit. `mask_clear`: the share of the sky left by the cloud mask; `brightest`: from SkyStatistics.
 std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
                                      const RivalSkies& rivals, const EstimateOptions& options);
+
+// Before any model is asked: a lens that is covered, or a sky without colour. `brightest`: from SkyStatistics.
+std::optional<Refusal> refuse_by_look(const SkyLook& look, double brightest);
+
+// All that a verdict goes by where every model of the sky was asked.
+struct SkyEvidence {
+  SkyLook look;
+  SkyStatistics statistics;
+  ClearAir air;  // as the sky's own form tells it, in the last round
+  SkyFit fit;
+  int readings = 0;     // the fit's
+  int agreeing = 0;     // of them, with the followed sky's luminance
+  double bluest = 0.0;  // ln R/B of the bluest tenth of the sky that was examined
+  RivalSkies rivals;    // the followed sky and a grey one
+  FaultFinding fault;   // of the camera; looked for where no sky is near
+};
+constexpr double kNearSky = 0.03;  // residual of a fit up to which no fault is looked for
+std::optional<Refusal> refuse_by_evidence(const SkyEvidence& evidence, const EstimateOptions& options);
 
 }  // namespace kasumi

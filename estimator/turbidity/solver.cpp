@@ -7,8 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "base/square.hpp"
 #include "estimator/turbidity/consensus.hpp"
-#include "estimator/turbidity/square.hpp"
 
 namespace kasumi {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/turbidity/square.hpp"
+#include "base/square.hpp"
 
 namespace kasumi {
 

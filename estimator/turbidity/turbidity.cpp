@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimator/turbidity/every_model.hpp"
 #include "estimator/turbidity/own_sky.hpp"
 #include "estimator/turbidity/sky_verdict.hpp"
 
@@ -42,6 +43,25 @@ SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirectio
   if (const auto refusal = refuse_by_light(statistics, sun)) {
     observation.use = std::move(sky.use);
     return refuse(*refusal);
+  }
+
+  if (observation.sky.every_model || observation.sky.hosek) {
+    const SkyLook look = options.mask_clouds ? look_of(picture, *geometry_, sky, sun) : SkyLook{};
+    if (const auto refusal = refuse_by_look(look, statistics.brightest)) {
+      std::ranges::replace(sky.use.elements(), PixelUse::clear, PixelUse::cloud);
+      observation.use = std::move(sky.use);
+      return refuse(*refusal);
+    }
+    SampleLimits nearer = options.limits;
+    nearer.least_sun_distance = std::min(nearer.least_sun_distance, kNearestToSun);
+    SkyEvidence evidence = observe_by_every_model(observation, sky_light(picture, *geometry_, camera_, sun, nearer),
+                                                  statistics, picture, *geometry_, camera_, options);
+    evidence.look = look;
+    if (look.places >= kFewestPlaces) estimate.clear_fraction = std::min(estimate.clear_fraction, look.smooth);
+    if (const auto refusal = refuse_by_evidence(evidence, options)) return refuse(*refusal);
+    estimate.usable = true;
+    estimate.sky = estimate.clear_fraction >= kClearSky ? SkyCondition::clear : SkyCondition::partly_cloudy;
+    return observation;
   }
 
   const FittedSky fitted(observation.sky, sun);
@@ -88,7 +108,8 @@ SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirectio
 std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyObservation& observation,
                                                 const Direction& through) {
   const TurbidityEstimate& estimate = observation.estimate;
-  const bool clouds_known = estimate.usable || estimate.sky == SkyCondition::overcast;
+  const bool clouds_known =
+      estimate.usable || estimate.sky == SkyCondition::overcast || estimate.sky == SkyCondition::partly_cloudy;
   if (!clouds_known || observation.use.width() != picture.encoded.width() ||
       observation.use.height() != picture.encoded.height())
     return std::nullopt;

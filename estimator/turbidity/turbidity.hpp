@@ -7,6 +7,7 @@
 
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
+#include "estimator/sky_fit/sky_reading.hpp"
 #include "estimator/turbidity/cloud_mask.hpp"
 #include "estimator/turbidity/measured_sky.hpp"
 #include "estimator/turbidity/sky_picture.hpp"
@@ -48,6 +49,7 @@ struct SkyObservation {
   std::vector<std::uint8_t> inlier;  // one per sample
   double log_gain = 0.0;             // ln(measured / model): model_i = log_gain + ln F(sample i; T)
   Image<PixelUse> use;               // of every element of the SkyPicture
+  std::vector<SkyReading> readings;  // of clear air, where every model was asked
 };
 
 // Keeps what depends on the camera alone, so that it is computed once for a stream of pictures. Not thread-safe.

@@ -1,7 +1,6 @@
-#include "estimator/light/ground_glow.hpp"
+#include "estimator/sky/ground_glow.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/common.hpp>
@@ -14,8 +13,6 @@
 namespace kasumi {
 namespace {
 
-constexpr std::array<double, 3> kChannels_nm{610.0, 550.0, 465.0};
-
 // The share of light from half a sphere, even, that aerosol scatters back into a direction: half of it along the
 // horizon, little overhead (as the air before land has it, docs/sky.md).
 double aerosol_back_share(double cosine) {
@@ -24,10 +21,11 @@ double aerosol_back_share(double cosine) {
 
 }  // namespace
 
-GroundGlow::GroundGlow(const Aerosol& aerosol, double altitude_m, double ground_albedo, const glm::dvec3& lit)
+GroundGlow::GroundGlow(const Aerosol& aerosol, double altitude_m, double ground_albedo, const glm::dvec3& lit,
+                       const glm::dvec3& channels_nm)
     : aerosol_albedo_(haze_scattering(aerosol.kind).albedo) {
   for (int c = 0; c < 3; ++c) {
-    const double nm = kChannels_nm[static_cast<std::size_t>(c)];
+    const double nm = channels_nm[c];
     molecules_[c] = molecular_optical_depth(nm) * std::exp(-altitude_m / kRayleighScaleHeight_m);
     aerosol_[c] = optical_depth(aerosol, nm) * std::exp(-altitude_m / kAerosolHeight_m);
   }

@@ -12,8 +12,11 @@ constexpr double kDomeGroundAlbedo = 0.2;
 
 class GroundGlow {
  public:
-  // `lit`: what falls on level ground under the dome as it is, in linear sRGB.
-  GroundGlow(const Aerosol& aerosol, double altitude_m, double ground_albedo, const glm::dvec3& lit);
+  static constexpr glm::dvec3 kChannels_nm{610.0, 550.0, 465.0};
+  // `lit`: what falls on level ground under the dome as it is, in linear sRGB. `channels_nm`: whose depths the channels
+  // have.
+  GroundGlow(const Aerosol& aerosol, double altitude_m, double ground_albedo, const glm::dvec3& lit,
+             const glm::dvec3& channels_nm = kChannels_nm);
 
   // What the sky has more (or less) than the dome's in a direction, by the cosine of its zenith angle; linear sRGB.
   glm::dvec3 radiance(double cos_zenith) const { return more_from_ground_ * sent_back(cos_zenith); }

@@ -1,0 +1,40 @@
+// Of which kind the aerosol is, and whose sky stands above, over time.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "base/clock.hpp"
+#include "estimator/atmosphere.hpp"
+
+namespace kasumi {
+
+// A model that errs, errs in the next picture as well: probabilities are averaged over time, never multiplied. What is
+// shown changes only when something else has become clearly likelier, since a visitor would see it go to and fro.
+class KindBelief {
+ public:
+  using Kinds = std::array<double, kAerosolKinds.size()>;
+
+  // What is given stays.
+  explicit KindBelief(std::optional<AerosolKind> given = {}) : given_(given) {}
+
+  // `by_sky`: of the sky above, or of the low sky alone, which is asked only while nobody sees the one above.
+  void observe(const FoundAerosol& found, bool by_sky, Instant when);
+  void remember(AerosolKind kind, bool papers_sky, Instant when);
+
+  AerosolKind shown() const;
+  bool papers_sky() const { return !given_ && papers_sky_; }
+  Kinds kinds(Instant when) const;  // sum 1; all alike where nothing is known
+  double papers_share() const { return given_ ? 0.0 : papers_share_; }
+
+ private:
+  std::optional<AerosolKind> given_;
+  std::optional<Instant> seen_;
+  std::optional<Instant> seen_above_;  // the sky above, last
+  Kinds kinds_{};
+  double papers_share_ = 0.0;
+  AerosolKind shown_ = AerosolKind::continental;
+  bool papers_sky_ = false;
+};
+
+}  // namespace kasumi

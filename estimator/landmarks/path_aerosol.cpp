@@ -1,0 +1,350 @@
+#include "estimator/landmarks/path_aerosol.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <glm/exponential.hpp>
+
+namespace kasumi {
+namespace {
+
+using ColourVector = Eigen::VectorXd;
+using ColourMatrix = Eigen::MatrixXd;
+
+// The likelihood is looked at on a grid of ln(extinction) and exponent, then on a finer one where it is high.
+constexpr double kClearestAerosol_per_m = 1e-6, kThickestAerosol_per_m = 0.3;
+constexpr double kLowestExponent = -0.5, kHighestExponent = 2.5;  // as may be given
+constexpr int kCoarseAmounts = 64, kCoarseExponents = 13, kFineAmounts = 41, kFineExponents = 21;
+constexpr double kFineRise = 18.0;      // of -2 ln likelihood: 4 sigma and a little
+constexpr double kBoundRise = 4.0;      // 2 sigma
+constexpr double kNodesExponent = 1.3;  // for which the nodes are made; others cost some 1e-3
+constexpr double kGreatestLearnt = 10.0;
+
+struct Steps {
+  double first, last;
+  int count;
+  double at(int k) const { return first + (last - first) * k / (count - 1); }
+};
+
+struct Cell {
+  double log_per_m, exponent, minus_two_log;
+};
+
+}  // namespace
+
+// Readings that are asked, flattened.
+struct LandmarkColours::Asked {
+  std::vector<std::size_t> landmarks;
+  ColourVector contrast, sigma, mean, lit;
+  ColourMatrix known;
+  double altitude_factor = 1.0;  // aerosol at sea level over that at the camera
+};
+
+// readings = haze * (contrast + change of its lighting) + noise; all normal.
+struct LandmarkColours::Model {
+  ColourVector haze, by_log_amount;  // and its derivative by ln(extinction)
+  ColourMatrix noise;
+};
+
+LandmarkColours::LandmarkColours(const Camera& camera, const std::vector<ContrastLandmark>& landmarks,
+                                 double altitude_m, const ContrastSpread& spread, const ColourSpread& colours)
+    : altitude_m_(altitude_m), spread_(spread), colours_(colours) {
+  const auto measure = spectral_measure(camera);
+  glm::dvec3 haze{0};
+  nodes_ = attenuation_nodes(measure, kNodesExponent);
+  double nm = measure.first_nm;
+  for (const auto& weight : measure.weight) haze += weight * std::pow(nm++, -kNodesExponent);
+  wavelength_nm_ = glm::pow(haze, glm::dvec3(-1.0 / kNodesExponent));
+  const std::size_t count = 3 * landmarks.size();
+  covariance_.resize(count * count);
+  for (const auto& landmark : landmarks) {
+    paths_.push_back(optical_path(altitude_m, altitude_m + landmark.rise_m, landmark.distance_m));
+    before_sky_.push_back(!landmark.against);
+  }
+  // The surface's own light in each channel, or a difference of two, in units of the horizon's.
+  const auto own = [&](std::size_t k) {
+    const double contrast = landmarks[k / 3].contrast;
+    return before_sky_[k / 3] ? std::max(0.02, 1.0 - contrast) * colours.dull[static_cast<int>(k % 3)] : contrast;
+  };
+  const auto scale = [&](std::size_t k) {
+    return landmarks[k / 3].contrast_sigma * (before_sky_[k / 3] ? colours.dull[static_cast<int>(k % 3)] : 1.0);
+  };
+  for (std::size_t k = 0; k < count; ++k) {
+    mean_.push_back(before_sky_[k / 3] ? 1.0 - own(k) : own(k));
+    for (std::size_t l = 0; l < count; ++l) {
+      const double together = k / 3 == l / 3 ? 1.0 : spread.known_together;
+      covariance_[k * count + l] = together * scale(k) * scale(l);
+      if (k % 3 == l % 3) covariance_[k * count + l] += together * colours.colour * colours.colour * own(k) * own(l);
+    }
+  }
+  covariance_before_ = covariance_;
+}
+
+LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>& readings,
+                                              std::span<const std::size_t> left_out) const {
+  Asked asked;
+  for (std::size_t i = 0; i < readings.size() && i < paths_.size(); ++i)
+    if (readings[i].usable && std::ranges::find(left_out, i) == left_out.end()) asked.landmarks.push_back(i);
+  const auto count = static_cast<Eigen::Index>(3 * asked.landmarks.size());
+  const auto all = mean_.size();
+  asked.contrast = asked.sigma = asked.mean = asked.lit = ColourVector(count);
+  asked.known = ColourMatrix(count, count);
+  asked.altitude_factor = std::exp(altitude_m_ / kMieScaleHeight_m);
+  const auto at = [&](Eigen::Index k) {
+    return 3 * asked.landmarks[static_cast<std::size_t>(k / 3)] + static_cast<std::size_t>(k % 3);
+  };
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto from = at(k);
+    const auto& reading = readings[from / 3];
+    const auto c = static_cast<int>(from % 3);
+    asked.contrast[k] = reading.contrast[c];
+    asked.sigma[k] = reading.sigma[c];
+    asked.mean[k] = mean_[from];
+    // Against the sky a surface's light varies in units of the sky's; between two surfaces their difference varies.
+    asked.lit[k] = before_sky_[from / 3] ? std::max(0.02, 1.0 - mean_[from]) : std::abs(mean_[from]);
+    for (Eigen::Index l = 0; l < count; ++l) asked.known(k, l) = covariance_[from * all + at(l)];
+  }
+  return asked;
+}
+
+LandmarkColours::Model LandmarkColours::model_under(double per_m, double angstrom_exponent, const Asked& asked) const {
+  const auto count = asked.contrast.size();
+  Model model{ColourVector(count), ColourVector(count), ColourMatrix(count, count)};
+  const Aerosol aerosol{per_m * asked.altitude_factor, angstrom_exponent, AerosolKind::continental};
+  std::array<glm::dvec3, kAttenuationNodes> molecules{}, haze{};
+  for (std::size_t n = 0; n < kAttenuationNodes; ++n)
+    for (int c = 0; c < 3; ++c) {
+      const double nm = nodes_.wavelength_nm[n][c];
+      molecules[n][c] = rayleigh_per_m(ScatteringModel::aerosol, nm);
+      haze[n][c] = optical_depth(aerosol, nm);
+    }
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto& path = paths_[asked.landmarks[static_cast<std::size_t>(k / 3)]];
+    const auto c = static_cast<int>(k % 3);
+    model.haze[k] = model.by_log_amount[k] = 0.0;
+    for (std::size_t n = 0; n < kAttenuationNodes; ++n) {
+      const double depth = haze[n][c] * path.mie_m;
+      const double left = nodes_.weight[n][c] * std::exp(-molecules[n][c] * path.rayleigh_m - depth);
+      model.haze[k] += left;
+      model.by_log_amount[k] -= depth * left;
+    }
+  }
+  const ColourVector lit = model.haze.cwiseProduct(asked.lit);
+  const ColourVector patchy = spread_.patchy * model.by_log_amount.cwiseProduct(asked.mean);
+  for (Eigen::Index k = 0; k < count; ++k)
+    for (Eigen::Index l = 0; l < count; ++l) {
+      const bool same_channel = k % 3 == l % 3, same_landmark = k / 3 == l / 3;
+      double noise =
+          spread_.lit_together * spread_.lit_together * lit[k] * lit[l] * (same_channel ? 1.0 : colours_.lit);
+      if (same_landmark) {
+        noise += spread_.lit_each * spread_.lit_each * lit[k] * lit[l] * (same_channel ? 1.0 : colours_.lit);
+        noise += patchy[k] * patchy[l];
+        noise += asked.sigma[k] * asked.sigma[l] * (same_channel ? 1.0 : colours_.read);
+      }
+      const auto one = asked.landmarks[static_cast<std::size_t>(k / 3)];
+      const auto other = asked.landmarks[static_cast<std::size_t>(l / 3)];
+      if (before_sky_[one] && before_sky_[other])
+        noise += colours_.airlight * colours_.airlight * (1.0 - model.haze[k]) * (1.0 - model.haze[l]) *
+                 (same_channel ? 1.0 : colours_.airlight_together);
+      model.noise(k, l) = noise;
+    }
+  return model;
+}
+
+double LandmarkColours::minus_two_log(double per_m, double angstrom_exponent, const Asked& asked) const {
+  const auto model = model_under(per_m, angstrom_exponent, asked);
+  const ColourMatrix all = model.haze.asDiagonal() * asked.known * model.haze.asDiagonal() + model.noise;
+  const Eigen::LLT<ColourMatrix> factor(all);
+  const ColourVector residual = asked.contrast - model.haze.cwiseProduct(asked.mean);
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum() + residual.dot(factor.solve(residual));
+}
+
+PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readings,
+                                      std::span<const std::size_t> left_out) const {
+  PathAerosol found;
+  const auto asked = this->asked(readings, left_out);
+  found.landmarks = static_cast<int>(asked.landmarks.size());
+  if (asked.landmarks.empty()) {
+    found.reason = readings.empty() ? "no landmarks" : "no landmark can be used: " + readings.front().reason;
+    return found;
+  }
+  const auto look = [&](const Steps& amounts, const Steps& exponents) {
+    std::vector<Cell> cells;
+    for (int k = 0; k < amounts.count; ++k)
+      for (int l = 0; l < exponents.count; ++l) {
+        const double log_per_m = amounts.at(k), exponent = exponents.at(l);
+        cells.push_back({log_per_m, exponent, minus_two_log(std::exp(log_per_m), exponent, asked)});
+      }
+    return cells;
+  };
+  const auto best_of = [](const std::vector<Cell>& cells) {
+    return std::ranges::min_element(cells, {}, &Cell::minus_two_log)->minus_two_log;
+  };
+  const Steps all{std::log(kClearestAerosol_per_m), std::log(kThickestAerosol_per_m), kCoarseAmounts};
+  const Steps exponents{kLowestExponent, kHighestExponent, kCoarseExponents};
+  const auto coarse = look(all, exponents);
+  const double low_enough = best_of(coarse) + kFineRise;
+  const double amount_step = all.at(1) - all.first, exponent_step = exponents.at(1) - exponents.first;
+  Steps near{all.last, all.first, kFineAmounts}, bent{exponents.last, exponents.first, kFineExponents};
+  for (const auto& cell : coarse) {
+    if (cell.minus_two_log > low_enough) continue;
+    near.first = std::min(near.first, cell.log_per_m - amount_step);
+    near.last = std::max(near.last, cell.log_per_m + amount_step);
+    bent.first = std::min(bent.first, cell.exponent - exponent_step);
+    bent.last = std::max(bent.last, cell.exponent + exponent_step);
+  }
+  near.first = std::max(near.first, all.first);
+  near.last = std::min(near.last, all.last);
+  bent.first = std::max(bent.first, exponents.first);
+  bent.last = std::min(bent.last, exponents.last);
+  const auto fine = look(near, bent);
+  const double best = best_of(fine);
+
+  // Moments under an even belief in extinction and exponent.
+  double weights = 0.0, amount = 0.0, exponent = 0.0, aa = 0.0, ae = 0.0, ee = 0.0;
+  double lowest = std::numeric_limits<double>::infinity(), highest = 0.0;
+  for (const auto& cell : fine) {
+    const double per_m = std::exp(cell.log_per_m);
+    const double weight = per_m * std::exp(-0.5 * (cell.minus_two_log - best));
+    weights += weight;
+    amount += weight * per_m;
+    exponent += weight * cell.exponent;
+    aa += weight * per_m * per_m;
+    ae += weight * per_m * cell.exponent;
+    ee += weight * cell.exponent * cell.exponent;
+    if (cell.minus_two_log > best + kBoundRise) continue;
+    lowest = std::min(lowest, per_m);
+    highest = std::max(highest, per_m);
+  }
+  found.per_m = amount / weights;
+  found.angstrom_exponent = exponent / weights;
+  found.covariance = {aa / weights - found.per_m * found.per_m, ae / weights - found.per_m * found.angstrom_exponent,
+                      ee / weights - found.angstrom_exponent * found.angstrom_exponent};
+  found.lowest_per_m = lowest;
+  found.highest_per_m = highest;
+  const double margin = 1.0 + 0.5 * amount_step;
+  const bool below = lowest > margin * kClearestAerosol_per_m, above = highest * margin < kThickestAerosol_per_m;
+  found.kind = below ? (above ? ExtinctionKind::value : ExtinctionKind::at_least)
+                     : (above ? ExtinctionKind::at_most : ExtinctionKind::nothing);
+  if (found.kind == ExtinctionKind::at_most) found.reason = "so little aerosol that the landmarks do not show it";
+  if (found.kind == ExtinctionKind::at_least) found.reason = "so much aerosol that the landmarks have gone";
+  if (found.kind == ExtinctionKind::nothing) found.reason = "the landmarks' contrasts are consistent with any air";
+  return found;
+}
+
+PathCovariance LandmarkColours::bound(const std::vector<ContrastReading>& readings, double per_m,
+                                      double angstrom_exponent) const {
+  const auto asked = this->asked(readings, {});
+  const auto here = model_under(per_m, angstrom_exponent, asked);
+  const Eigen::LLT<ColourMatrix> factor(here.haze.asDiagonal() * asked.known * here.haze.asDiagonal() + here.noise);
+  constexpr double kStep = 1e-3;
+  Eigen::MatrixX2d by(asked.contrast.size(), 2);
+  by.col(0) = here.by_log_amount.cwiseProduct(asked.mean) / per_m;
+  by.col(1) = (model_under(per_m, angstrom_exponent + kStep, asked).haze -
+               model_under(per_m, angstrom_exponent - kStep, asked).haze)
+                  .cwiseProduct(asked.mean) /
+              (2.0 * kStep);
+  const Eigen::Matrix2d information = by.transpose() * factor.solve(by);
+  const double determinant = information.determinant();
+  return {information(1, 1) / determinant, -information(0, 1) / determinant, information(0, 0) / determinant};
+}
+
+PathReading LandmarkColours::reading_of(const PathAerosol& found) const {
+  using Kind = PathReading::Channel::Kind;
+  PathReading reading;
+  const double exponent = found.angstrom_exponent, amount = found.kind == ExtinctionKind::at_most ? found.highest_per_m
+                                                            : found.kind == ExtinctionKind::at_least
+                                                                ? found.lowest_per_m
+                                                                : found.per_m;
+  const double relative = std::sqrt(found.covariance.per_m) / found.per_m;
+  const auto kind_of = [](ExtinctionKind kind) {
+    switch (kind) {
+      case ExtinctionKind::value: return Kind::value;
+      case ExtinctionKind::at_most: return Kind::at_most;
+      case ExtinctionKind::at_least: return Kind::at_least;
+      case ExtinctionKind::nothing: break;
+    }
+    return Kind::nothing;
+  };
+  // A straight line through ln(extinction) over ln(wavelength): what its slope is unsure of is each channel's own, the
+  // rest of its height is common to all.
+  std::array<double, 3> log_nm{};
+  for (std::size_t c = 0; c < 3; ++c) log_nm[c] = std::log(wavelength_nm_[static_cast<int>(c)] / 550.0);
+  const double middle = (log_nm[0] + log_nm[1] + log_nm[2]) / 3.0;
+  double spread = 0.0;
+  for (const double x : log_nm) spread += (x - middle) * (x - middle);
+  const double own = std::sqrt(found.covariance.exponent * spread);
+  const double height = relative * relative - 2.0 * middle * found.covariance.and_exponent / found.per_m +
+                        middle * middle * found.covariance.exponent;
+  const double shared = std::sqrt(std::max(0.0, height - own * own / 3.0));
+  double aerosol = 0.0, all = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    auto& channel = reading.channels[c];
+    channel.kind = kind_of(found.kind);
+    channel.wavelength_nm = wavelength_nm_[static_cast<int>(c)];
+    const double per_m = amount * std::exp(-exponent * log_nm[c]);
+    channel.per_m = per_m + rayleigh_per_m(ScatteringModel::aerosol, channel.wavelength_nm, altitude_m_);
+    channel.sigma_per_m = own * per_m;
+    aerosol += per_m;
+    all += channel.per_m;
+  }
+  reading.shared_sigma = shared * aerosol / all;
+  return reading;
+}
+
+void LandmarkColours::learn(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out) {
+  const auto found = estimate(readings, left_out);
+  if (found.landmarks == 0) return;
+  const auto asked = this->asked(readings, left_out);
+  auto model = model_under(found.per_m, found.angstrom_exponent, asked);
+  const auto count = static_cast<Eigen::Index>(mean_.size()), used = asked.contrast.size();
+  const ColourMatrix known = Eigen::Map<const ColourMatrix>(covariance_.data(), count, count);
+  ColourMatrix towards(count, used);
+  double longest = 0.0;
+  for (Eigen::Index k = 0; k < used; ++k) {
+    const auto landmark = asked.landmarks[static_cast<std::size_t>(k / 3)];
+    towards.col(k) = known.col(static_cast<Eigen::Index>(3 * landmark) + k % 3);
+    longest = std::max(longest, paths_[landmark].mie_m);
+  }
+  // No channel's extinction is known in this picture: nothing is learnt along its change.
+  const double unknown = 10.0 * std::max(found.per_m * asked.altitude_factor, 1.0 / longest);
+  for (int c = 0; c < 3; ++c) {
+    ColourVector along = ColourVector::Zero(used);
+    for (Eigen::Index k = c; k < used; k += 3)
+      along[k] = model.haze[k] * asked.mean[k] * paths_[asked.landmarks[static_cast<std::size_t>(k / 3)]].mie_m;
+    model.noise += unknown * unknown * along * along.transpose();
+  }
+  const Eigen::LLT<ColourMatrix> factor(model.haze.asDiagonal() * asked.known * model.haze.asDiagonal() + model.noise);
+  const ColourMatrix across = towards * model.haze.asDiagonal();
+  const ColourVector residual = asked.contrast - model.haze.cwiseProduct(asked.mean);
+  Eigen::Map<ColourVector> mean(mean_.data(), count);
+  mean = (mean + across * factor.solve(residual)).cwiseMin(1.0).eval();  // nothing is darker than black
+  const ColourMatrix left = known - across * factor.solve(across.transpose());
+  Eigen::Map<ColourMatrix>(covariance_.data(), count, count) = 0.5 * (left + left.transpose());
+}
+
+void LandmarkColours::forget(double share) {
+  for (std::size_t i = 0; i < covariance_.size(); ++i)
+    covariance_[i] += share * (covariance_before_[i] - covariance_[i]);
+}
+
+bool LandmarkColours::resume(const LearntContrasts& learnt) {
+  const auto count = mean_.size();
+  if (learnt.mean.size() != count || learnt.covariance.size() != count * count) return false;
+  const auto possible = [](double value) { return value >= -kGreatestLearnt && value <= 1.0; };
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (!std::ranges::all_of(learnt.mean, possible) || !std::ranges::all_of(learnt.covariance, finite)) return false;
+  const auto side = static_cast<Eigen::Index>(count);
+  const ColourMatrix covariance = Eigen::Map<const ColourMatrix>(learnt.covariance.data(), side, side);
+  if (!covariance.isApprox(covariance.transpose()) || Eigen::LLT<ColourMatrix>(covariance).info() != Eigen::Success)
+    return false;
+  mean_ = learnt.mean;
+  covariance_ = learnt.covariance;
+  return true;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,84 @@
+// The aerosol on the way to the landmarks by all three channels at once: how much of it, and how its extinction goes
+// with wavelength (docs/physics.md 11). What changes contrasts (light on the surfaces, patches of haze) changes all
+// channels alike, so colour is surer than each channel alone.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "estimator/air/attenuation.hpp"
+#include "estimator/fusion/air_observation.hpp"
+#include "estimator/landmarks/contrast.hpp"
+#include "estimator/landmarks/extinction.hpp"
+
+namespace kasumi {
+
+// How alike the channels are in what ContrastSpread and a landmark's contrast say of one.
+struct ColourSpread {
+  // A surface's light in units of the horizon's, over what its contrast says: leaves, soil, stone and brick reflect some
+  // .45 to .75 as much blue as red. For contrasts between two surfaces there is no such rule.
+  glm::dvec3 dull{1.1, 1.1, 0.7};
+  double colour = 0.3;             // one standard deviation of that, in each channel by itself
+  double lit = 0.9;                // correlation of changing light: the sun's colour is not the sky's
+  double read = 0.5;               // of errors of reading: the sky's are common, the pixels' are not
+  double airlight = 0.03;          // the air on the way is brighter or darker than the horizon by this share ...
+  double airlight_together = 0.7;  // ... in all channels alike up to this correlation
+};
+
+struct PathCovariance {
+  double per_m = 0.0;         // variance of extinction
+  double and_exponent = 0.0;  // covariance
+  double exponent = 0.0;      // variance
+};
+
+struct PathAerosol {
+  ExtinctionKind kind = ExtinctionKind::nothing;
+  std::string reason;                              // for people; empty for a value
+  double per_m = 0.0;                              // the aerosol's alone, at 550 nm and the camera's altitude
+  double angstrom_exponent = 0.0;                  // known only where its variance is well below 1
+  PathCovariance covariance;                       // of a normal distribution like the likelihood
+  double lowest_per_m = 0.0, highest_per_m = 0.0;  // 2 sigma, or the end of the range
+  int landmarks = 0;                               // that were used
+};
+
+// Belief about the contrasts without air, in all channels jointly. n landmarks; contrast 3 i + c is landmark i's in
+// channel c.
+class LandmarkColours {
+ public:
+  LandmarkColours(const Camera& camera, const std::vector<ContrastLandmark>& landmarks, double altitude_m,
+                  const ContrastSpread& spread = {}, const ColourSpread& colours = {});
+
+  // `left_out`: landmarks that are not asked.
+  PathAerosol estimate(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out = {}) const;
+  // The Cramer-Rao bound: no estimate from such readings is surer than this in that air.
+  PathCovariance bound(const std::vector<ContrastReading>& readings, double per_m, double angstrom_exponent) const;
+  // As an observer says it: of all the air, channel by channel; of a bound the bound.
+  PathReading reading_of(const PathAerosol& found) const;
+
+  // As LandmarkExtinction's.
+  void learn(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out = {});
+  void forget(double share);
+  LearntContrasts learnt() const { return {mean_, covariance_}; }
+  bool resume(const LearntContrasts& learnt);
+
+ private:
+  struct Model;
+  struct Asked;
+  Asked asked(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out) const;
+  Model model_under(double per_m, double angstrom_exponent, const Asked& asked) const;
+  double minus_two_log(double per_m, double angstrom_exponent, const Asked& asked) const;
+
+  AttenuationNodes nodes_;
+  glm::dvec3 wavelength_nm_{0};  // where haze is as thick as in the whole channel
+  double altitude_m_;
+  ContrastSpread spread_;
+  ColourSpread colours_;
+  std::vector<OpticalPath> paths_;
+  std::vector<bool> before_sky_;
+  std::vector<double> mean_, covariance_, covariance_before_;
+};
+
+}  // namespace kasumi

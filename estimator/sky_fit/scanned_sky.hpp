@@ -1,0 +1,31 @@
+// From a sky scanner's readings to the air above, or to the reason why they do not tell it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "estimator/atmosphere.hpp"
+#include "estimator/sky/site_sky.hpp"
+#include "estimator/sky_fit/sky_fit.hpp"
+#include "estimator/sky_fit/sky_reading.hpp"
+
+namespace kasumi {
+
+// Sky radiometers leave out what is nearer to the sun: the instrument's own glare, and the disc in its field of view.
+constexpr Radians kNearestScanToSun = from_degrees(10.0);
+// Land, trees and the thickest haze stand lower.
+constexpr Radians kLowestScan = from_degrees(5.0);  // elevation
+
+struct ScanEstimate {
+  TurbidityEstimate estimate;      // its samples: directions
+  SkyToFit sky;                    // the model to which T belongs
+  std::vector<std::uint8_t> used;  // by reading: it agrees with that model
+};
+
+// `sun`: high enough to tell something. Single bad directions and clouds are told from clear sky by what the likeliest
+// model leaves of them.
+ScanEstimate estimate_from_scan(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
+                                const InstrumentDoubt& scanner);
+
+}  // namespace kasumi

@@ -1,0 +1,19 @@
+// The air of a sky picture by every model of the sky (SkyToFit::every_model): what is clear air is told without
+// believing any of them, what they make of it is weighed in estimator/sky_fit.
+#pragma once
+
+#include "estimator/turbidity/sky_verdict.hpp"
+#include "estimator/turbidity/turbidity.hpp"
+
+namespace kasumi {
+
+// `sky`: of the picture, clouds not marked; afterwards they are (SkyObservation::use). Fills all of the observation but
+// what the verdict says.
+SkyEvidence observe_by_every_model(SkyObservation& observation, SkyLight sky, const SkyStatistics& statistics,
+                                   const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
+                                   const EstimateOptions& options);
+
+// The directions nearest to the sun that are asked.
+constexpr Radians kNearestToSun = from_degrees(4.0);
+
+}  // namespace kasumi

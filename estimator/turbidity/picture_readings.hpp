@@ -1,0 +1,25 @@
+// What a picture's clear elements tell of the sky's light and colour, as the fit takes it (estimator/sky_fit).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "estimator/sky_fit/sky_fit.hpp"
+#include "estimator/turbidity/sky_samples.hpp"
+
+namespace kasumi {
+
+struct SkyReadings {
+  std::vector<SkyReading> readings;
+  std::vector<glm::ivec2> elements;  // one per reading
+};
+
+// Means over the clear ones of 3 x 3 elements around each of `elements`; left out where a colour is not above 0.
+SkyReadings readings_at(std::span<const glm::ivec2> elements, const SkyPicture& picture, const SkyGeometry& geometry,
+                        const SkyLight& sky, const Camera& camera, const SunDirection& sun, const SampleLimits& limits);
+
+// What is not known of this camera: colours that were measured are surer than those of a camera that balances white by
+// itself, a lens whose vignetting was measured darkens as it should.
+InstrumentDoubt doubt_of(const Camera& camera);
+
+}  // namespace kasumi
