@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 
 namespace kasumi {
 

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/files.hpp"
-#include "base/toml_text.hpp"
+#include "base/table/toml_text.hpp"
 
 namespace kasumi {
 namespace {

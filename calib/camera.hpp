@@ -8,10 +8,10 @@
 #include <glm/mat3x3.hpp>
 
 #include "base/clock.hpp"
-#include "base/config_table.hpp"
 #include "base/geometry.hpp"
 #include "base/image.hpp"
 #include "base/picture.hpp"
+#include "base/table/config_table.hpp"
 #include "calib/colour/spectral_sensitivity.hpp"
 #include "calib/lens/lens.hpp"
 #include "calib/light/radiometry.hpp"

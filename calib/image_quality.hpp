@@ -1,7 +1,7 @@
 // Sharpness, noise and chroma resolution of a camera's pictures, which rendered objects have to match.
 #pragma once
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 
 namespace kasumi {
 

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/files.hpp"
+#include "base/picture_header.hpp"
 #include "calib/camera.hpp"
 #include "calib/lens/polynomial.hpp"
 
@@ -129,19 +130,20 @@ Image<std::uint8_t> read_mask(const ConfigTable& table, int width, int height) {
     table.problem("mask", fmt::format("a file that can be read ({})", bytes.error().message));
     return {};
   }
+  const auto header = picture_header(*bytes);
+  if (header && !header->is(width, height)) {
+    table.problem("mask", fmt::format("a PNG as large as the camera's pictures, {} x {} (it is {} x {})", width, height,
+                                      header->width, header->height));
+    return {};
+  }
   cv::Mat grey;
   try {
-    if (!bytes->empty()) grey = cv::imdecode(*bytes, cv::IMREAD_GRAYSCALE);
+    if (header) grey = cv::imdecode(*bytes, cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {
     grey.release();
   }
-  if (grey.empty() || grey.type() != CV_8UC1) {
+  if (grey.empty() || grey.type() != CV_8UC1 || grey.cols != width || grey.rows != height) {
     table.problem("mask", "a PNG");
-    return {};
-  }
-  if (grey.cols != width || grey.rows != height) {
-    table.problem("mask", fmt::format("a PNG as large as the camera's pictures, {} x {} (it is {} x {})", width, height,
-                                      grey.cols, grey.rows));
     return {};
   }
   Image<std::uint8_t> mask(width, height);

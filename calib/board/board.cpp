@@ -43,6 +43,7 @@ std::optional<BoardView> find_board(const Image<std::uint8_t>& grey, const Board
   std::vector<cv::Point2f> corners;
   if (!find_corners(picture, board, fast, corners)) return std::nullopt;
   BoardView view{std::move(name), {}, {}};
+  view.clear_m = 0.8 * board.square_m;
   for (int row = 0; row < board.rows; ++row)
     for (int column = 0; column < board.columns; ++column) {
       const auto& corner = corners[static_cast<std::size_t>(row * board.columns + column)];

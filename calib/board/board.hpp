@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,9 @@ struct BoardView {
   std::string name;                  // of the picture, for people
   std::vector<glm::dvec2> pixels;    // sub-pixel
   std::vector<glm::dvec2> on_board;  // the same corners in metres, in the board's plane
+  // To locate the corners again once the lens is known (refine_corners); null: they stay.
+  std::shared_ptr<const Image<std::uint8_t>> picture{};
+  double clear_m = 0.0;  // so far each way from a corner nothing is printed but its own four squares
 };
 
 // Cells along each side of a picture, in which coverage by the board is counted.

@@ -144,6 +144,7 @@ BoardCollector::Found BoardCollector::look(const Image<std::uint8_t>& grey, cons
   if (!adds(*seen_)) return Found::known;
   if (sharpness(grey, *seen_, square_m_of(board_)) < kSharp) return Found::blurred;
   take(*seen_);
+  views_.back().picture = std::make_shared<Image<std::uint8_t>>(grey);
   return Found::taken;
 }
 

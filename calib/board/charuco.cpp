@@ -117,6 +117,7 @@ std::optional<BoardView> find_charuco(const Image<std::uint8_t>& grey, const Cha
   // The lens is not known yet, so each corner is interpolated from the nearest markers and then refined.
   aruco::interpolateCornersCharuco(markers, ids, picture, layout, corners, corner_ids);
   BoardView view{std::move(name), {}, {}};
+  view.clear_m = 0.5 * (board.square_m - board.marker_m);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto& at = layout->chessboardCorners[static_cast<std::size_t>(corner_ids[i])];
     view.pixels.emplace_back(corners[i].x, corners[i].y);

@@ -93,7 +93,7 @@ Result<ImportedLens> from_storage(const cv::FileStorage& file, const std::string
 
 Result<ImportedLens> import_opencv(const std::filesystem::path& path) {
   const auto text = read_text_file(path);
-  if (!text) return fail(FaultKind::bad_input, "{}", text.error().message);
+  if (!text) return fail(text.error());
   const auto name = path.string();
   if (text->size() > kLargestFile)
     return fail(FaultKind::bad_input, "{}: {} bytes, expected a calibration of at most {}", name, text->size(),

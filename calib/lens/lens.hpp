@@ -12,8 +12,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "base/config_table.hpp"
 #include "base/result.hpp"
+#include "base/table/config_table.hpp"
 #include "base/units.hpp"
 
 namespace kasumi {

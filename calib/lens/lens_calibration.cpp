@@ -9,6 +9,7 @@
 
 #include "base/geometry.hpp"
 #include "base/statistics.hpp"
+#include "calib/board/corner_refinement.hpp"
 
 namespace kasumi {
 namespace {
@@ -32,11 +33,49 @@ struct CleanFit {
   std::vector<DroppedView> dropped;
 };
 
+// Beyond its farthest corner a lens is a guess, but good enough for a corner's surroundings.
+void locate_again(const LensDescription& lens, const BoardPose& pose, BoardView& view) {
+  auto wide = lens;
+  wide.largest_angle = std::min(lens.largest_angle + from_degrees(5.0), from_degrees(179.0));
+  refine_corners(view, [&, model = make_lens(wide)](const glm::dvec2& on_board) {
+    return model->project(pose.rotation * glm::dvec3(on_board, 0.0) + pose.translation_m);
+  });
+}
+
+double mean_distance_px(const std::vector<BoardView>& one, const std::vector<BoardView>& other) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i)
+    for (std::size_t k = 0; k < one[i].pixels.size(); ++k, ++count)
+      sum += glm::distance(one[i].pixels[k], other[i].pixels[k]);
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+// A finder locates corners near a fisheye's rim badly, and alike in all views, which bends the lens; only the lens tells
+// where they are: so both in turn, until they stay. The residuals are no judge of that, since a bent lens hides the
+// finder's errors, unless they grow much. Empty: it does not fit.
+std::optional<LensFit> fit_and_locate(LensFamily family, std::vector<BoardView>& views, int width, int height) {
+  constexpr int kMostRounds = 4;
+  constexpr double kStays_px = 0.01, kMuchWorse = 1.25;
+  auto fit = fit_lens(family, views, width, height);
+  for (int round = 0; fit && round < kMostRounds; ++round) {
+    auto again = views;
+    for (std::size_t i = 0; i < again.size(); ++i) locate_again(fit->lens, fit->views[i].pose, again[i]);
+    const double moved_px = mean_distance_px(again, views);
+    if (moved_px == 0.0) break;
+    auto better = fit_lens(family, again, width, height);
+    if (!better || better->rms_px > kMuchWorse * fit->rms_px) break;
+    views = std::move(again);
+    fit = std::move(better);
+    if (moved_px < kStays_px) break;
+  }
+  return fit;
+}
+
 std::optional<CleanFit> fit_without_outliers(LensFamily family, std::vector<BoardView> views, int width, int height) {
   const std::size_t fewest = std::max(kFewestViews, views.size() - views.size() / 3);
   std::vector<DroppedView> dropped;
   while (true) {
-    auto fit = fit_lens(family, views, width, height);
+    auto fit = fit_and_locate(family, views, width, height);
     if (!fit) return std::nullopt;
     const auto worst = views.size() > fewest ? outlier(*fit) : std::nullopt;
     if (!worst) return CleanFit{std::move(*fit), std::move(views), std::move(dropped)};

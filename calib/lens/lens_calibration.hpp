@@ -43,7 +43,8 @@ struct LensCalibrationOptions {
 
 constexpr std::size_t kFewestViews = 4;
 
-// A view is dropped when its rms is more than 3 x the others' median and more than 0.3 px above it, at most a third of
+// Corners are located again with the lens as it is known by then, where views have their picture, and only then a view
+// is dropped when its rms is more than 3 x the others' median and more than 0.3 px above it, at most a third of
 // them. Of models within 2 % of the best held-out error, the first in kLensFamilies is chosen. Errors (bad_input): too
 // few views; no model fits.
 Result<LensCalibration> calibrate_lens(std::vector<BoardView> views, int width, int height,

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/toml_text.hpp"
+#include "base/table/toml_text.hpp"
 
 namespace kasumi {
 namespace {

@@ -6,13 +6,15 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
+#include "base/picture_header.hpp"
 
 namespace kasumi {
 namespace {
 
+// Of a file whose header was read and found within bounds.
 cv::Mat decoded(const std::vector<std::uint8_t>& bytes) {
   try {
-    if (!bytes.empty()) return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
   }
   return {};
@@ -56,20 +58,21 @@ Image<float> read_distance_map(const ConfigTable& scene, int width, int height) 
     scene.problem("depth_map", fmt::format("a file that can be read ({})", bytes.error().message));
     return {};
   }
-  const cv::Mat map = decoded(*bytes);
+  const auto header = picture_header(*bytes);
+  if (header && !header->is(width, height)) {
+    scene.problem("depth_map", fmt::format("a map as large as the camera's pictures, {} x {} (it is {} x {})", width,
+                                           height, header->width, header->height));
+    return {};
+  }
+  const cv::Mat map = header ? decoded(*bytes) : cv::Mat();
   const bool in_metres = map.type() == CV_32FC1;
-  if (map.empty() || !(in_steps(map) || in_metres)) {
+  if (map.empty() || !(in_steps(map) || in_metres) || map.cols != width || map.rows != height) {
     scene.problem("depth_map", "a grey PNG of 16 bits, or a grey PFM of metres");
     return {};
   }
   if (in_steps(map) && !scene.has("depth_step_m"))
     scene.problem("depth_step_m", "the metres that a step of the PNG is");
   if (in_metres && scene.has("depth_step_m")) scene.problem("depth_step_m", "no such key: a PFM is in metres");
-  if (map.cols != width || map.rows != height) {
-    scene.problem("depth_map", fmt::format("a map as large as the camera's pictures, {} x {} (it is {} x {})", width,
-                                           height, map.cols, map.rows));
-    return {};
-  }
   auto distances_m = metres_of(map, step_m);
   if (const auto wrong = clean_distances(distances_m)) {
     scene.problem("depth_map", *wrong);
@@ -81,7 +84,11 @@ Image<float> read_distance_map(const ConfigTable& scene, int width, int height) 
 Result<Image<float>> read_distances(const std::filesystem::path& path, std::optional<double> step_m) {
   const auto bytes = read_file(path);
   if (!bytes) return fail(bytes.error());
-  const cv::Mat map = decoded(*bytes);
+  const auto header = picture_header(*bytes);
+  if (header)
+    if (auto bounded = check_size(*header, kPhotographLimits); !bounded)
+      return fail(FaultKind::bad_input, "{}: {}", path.string(), bounded.error().message);
+  const cv::Mat map = header ? decoded(*bytes) : cv::Mat();
   if (map.empty() || !(in_steps(map) || map.type() == CV_32FC1))
     return fail(FaultKind::bad_input, "{}: expected a depth map: a grey PNG of 16 bits, or a grey PFM or EXR of metres",
                 path.string());

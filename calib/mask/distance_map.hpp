@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/config_table.hpp"
 #include "base/image.hpp"
 #include "base/result.hpp"
+#include "base/table/config_table.hpp"
 
 namespace kasumi {
 

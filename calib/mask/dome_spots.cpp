@@ -50,16 +50,29 @@ Relief relief_of(const DomeFrame& frame, const Image<std::uint8_t>& usable) {
 
 }  // namespace
 
-DomeState find_spots(std::span<const DomeFrame> frames, const DomeFrame& reference, const Image<std::uint8_t>& usable) {
+DomeShade shade_of(const DomeFrame& frame, const Image<std::uint8_t>& usable) {
+  const auto relief = relief_of(frame, usable);
+  DomeShade shade{Image<std::uint8_t>(frame.width(), frame.height())};
+  for (int y = 0; y < frame.height(); ++y)
+    for (int x = 0; x < frame.width(); ++x) {
+      if (!usable.at(x, y) || relief.roughness.at<float>(y, x) > kMaxRoughness) continue;
+      const double dimming = 1.0 - std::exp(double{relief.light.at<float>(y, x)});
+      const long steps = std::lround(std::clamp(dimming / DomeShade::kStep, 0.0, double{DomeShade::kSteepest}));
+      shade.steps.at(x, y) = static_cast<std::uint8_t>(steps);
+    }
+  return shade;
+}
+
+DomeState find_spots(std::span<const DomeFrame> frames, const DomeShade& reference, const Image<std::uint8_t>& usable) {
   DomeState state;
   if (frames.size() < kMinFrames) return state;
   const int width = usable.width(), height = usable.height();
+  if (reference.steps.width() != width || reference.steps.height() != height) return state;
   std::vector<Relief> reliefs;
   for (const auto& frame : frames) {
     if (frame.width() != width || frame.height() != height) return state;
     reliefs.push_back(relief_of(frame, usable));
   }
-  const auto before = relief_of(reference, usable);
   cv::Mat often(height, width, CV_32F, cv::Scalar(0)), hue(height, width, CV_32F, cv::Scalar(0));
   Image<std::uint8_t> is_judged(width, height, 0);
   std::vector<float> all, values, hues;
@@ -95,8 +108,8 @@ DomeState find_spots(std::span<const DomeFrame> frames, const DomeFrame& referen
     for (int x = 0; x < width; ++x) {
       const float depth = often.at<float>(y, x);
       const bool bluer = hue.at<float>(y, x) < -least;
-      const bool was_so =
-          before.roughness.at<float>(y, x) <= kMaxRoughness && depth > before.light.at<float>(y, x) - least;
+      const int steps = reference.steps.at(x, y);
+      const bool was_so = steps > 0 && depth > static_cast<float>(std::log(1.0 - DomeShade::kStep * steps)) - least;
       if (is_judged.at(x, y) && depth < -least && !bluer && !was_so) dark.at<std::uint8_t>(y, x) = 255;
     }
   const int count = cv::connectedComponentsWithStats(dark, labels, stats, centres);

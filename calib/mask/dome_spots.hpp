@@ -25,10 +25,20 @@ struct DomeState {
   double least_dimming = 0.0;   // smallest dimming that would have been detected
 };
 
+// How much dimmer than its surroundings each part of a sky already was, where the sky about it was smooth; else 0. In
+// steps of 2 % of the light.
+struct DomeShade {
+  static constexpr int kSteepest = 35;
+  static constexpr double kStep = 0.02;
+  Image<std::uint8_t> steps;  // 0 to kSteepest
+};
+// `usable` as below.
+DomeShade shade_of(const DomeFrame& frame, const Image<std::uint8_t>& usable);
+
 // A spot is darker than its surroundings (some 11 deg about) by more than the noise and 8 % in four of five of those
 // frames in which the sky about it was smooth (four at least), not bluer than they are (a gap between clouds is), and
 // was not so in the reference. `usable`, of the frames' size: 0 near the sun, near obstructions, near the horizon. Of
 // fewer than 8 frames nothing is judged (looked_at is 0).
-DomeState find_spots(std::span<const DomeFrame> frames, const DomeFrame& reference, const Image<std::uint8_t>& usable);
+DomeState find_spots(std::span<const DomeFrame> frames, const DomeShade& reference, const Image<std::uint8_t>& usable);
 
 }  // namespace kasumi

@@ -4,8 +4,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "base/config_table.hpp"
 #include "base/files.hpp"
+#include "base/picture_header.hpp"
+#include "base/table/config_table.hpp"
 #include "calib/mask/scene_mask.hpp"
 
 namespace kasumi {
@@ -16,18 +17,19 @@ constexpr int kVivid = 96;  // of 255, how much a stroke's channel stands above 
 Result<Image<Stroke>> read_picture(const std::filesystem::path& path, int width, int height) {
   const auto bytes = read_file(path);
   if (!bytes) return fail(bytes.error());
+  const auto header = picture_header(*bytes);
+  if (header && !header->is(width, height))
+    return fail(FaultKind::bad_input, "{}: {} x {}, expected {} x {} like the picture the strokes are for",
+                path.string(), header->width, header->height, width, height);
   cv::Mat bgra;
   try {
-    if (!bytes->empty()) bgra = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED);
+    if (header) bgra = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     bgra.release();
   }
-  if (bgra.empty() || bgra.depth() != CV_8U || bgra.channels() < 3)
+  if (bgra.empty() || bgra.depth() != CV_8U || bgra.channels() < 3 || bgra.cols != width || bgra.rows != height)
     return fail(FaultKind::bad_input, "{}: expected a PNG of 8-bit colours with red, green or blue strokes",
                 path.string());
-  if (bgra.cols != width || bgra.rows != height)
-    return fail(FaultKind::bad_input, "{}: {} x {}, expected {} x {} like the picture the strokes are for",
-                path.string(), bgra.cols, bgra.rows, width, height);
   Image<Stroke> strokes(width, height, Stroke::none);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

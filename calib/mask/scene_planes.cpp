@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "base/config_table.hpp"
 #include "base/geometry.hpp"
+#include "base/table/config_table.hpp"
 
 namespace kasumi {
 

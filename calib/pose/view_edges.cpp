@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -24,6 +26,23 @@ constexpr double kMaxRoughness = 0.2;      // deviation of a side, over the step
 constexpr double kMinContrastKept = 0.15;  // of the contrast it had
 constexpr int kMinEdges = 12;
 constexpr double kDarkShare = 0.03;
+constexpr std::size_t kFewestDark = 20, kMostDark = 500;
+
+bool is_seen(const Lens& lens, const ShrunkView& view, int x, int y) {
+  return (view.usable.empty() || view.usable.at(x, y)) && lens.unproject(unshrunk(x, y, view.factor));
+}
+
+double mean_seen(const Lens& lens, const ShrunkView& view) {
+  double sum = 0.0;
+  std::size_t seen = 0;
+  for (int y = 0; y < view.light.height(); ++y)
+    for (int x = 0; x < view.light.width(); ++x)
+      if (is_seen(lens, view, x, y)) {
+        sum += double{view.light.at(x, y)};
+        ++seen;
+      }
+  return seen > 0 ? sum / static_cast<double>(seen) : 0.0;
+}
 
 double sample(const Image<float>& from, glm::dvec2 at) {
   const int x = static_cast<int>(at.x), y = static_cast<int>(at.y);
@@ -164,38 +183,44 @@ std::optional<EdgeChange> compare_edges(const Lens& lens, std::span<const ViewEd
   return change;
 }
 
-std::optional<Veil> compare_veil(const Lens& lens, const ShrunkView& reference, const ShrunkView& now,
-                                 const ViewTurn& turn) {
-  struct Place {
-    double then, now;
-  };
-  std::vector<Place> places;
-  double sum_then = 0.0, sum_now = 0.0;
-  const auto& light_then = reference.light;
-  for (int y = 0; y < light_then.height(); ++y)
-    for (int x = 0; x < light_then.width(); ++x) {
-      if (!reference.usable.empty() && !reference.usable.at(x, y)) continue;
-      const auto ray = lens.unproject(reference.pixel(x, y));
-      const auto pixel = ray ? lens.project(turned(turn, *ray)) : std::nullopt;
-      if (!pixel) continue;
-      const auto at = glm::ivec2(glm::round((*pixel + 0.5) / double(reference.factor) - 0.5));
-      if (!now.light.contains(at.x, at.y)) continue;
-      const double a = double{light_then.at(x, y)}, b = double{now.light.at(at.x, at.y)};
-      places.push_back({a, b});
-      sum_then += a;
-      sum_now += b;
-    }
-  const auto count = static_cast<std::size_t>(kDarkShare * static_cast<double>(places.size()));
-  if (count < 20 || !(sum_then > 0.0) || !(sum_now > 0.0)) return std::nullopt;
-  std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(count), places.end(),
-                   [](const Place& a, const Place& b) { return a.then < b.then; });
-  std::vector<double> then_dark, now_dark;
+std::optional<DarkPlaces> darkest_places(const Lens& lens, const ShrunkView& view) {
+  std::vector<std::pair<float, glm::ivec2>> all;
+  for (int y = 0; y < view.light.height(); ++y)
+    for (int x = 0; x < view.light.width(); ++x)
+      if (is_seen(lens, view, x, y)) all.emplace_back(view.light.at(x, y), glm::ivec2{x, y});
+  const auto count = static_cast<std::size_t>(kDarkShare * static_cast<double>(all.size()));
+  const double mean = mean_seen(lens, view);
+  if (count < kFewestDark || !(mean > 0.0)) return std::nullopt;
+  const auto last = all.begin() + static_cast<std::ptrdiff_t>(count);
+  std::nth_element(all.begin(), last, all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  all.erase(last, all.end());
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.second.y, a.second.x) < std::tie(b.second.y, b.second.x);
+  });
+  DarkPlaces dark;
+  std::vector<double> light;
+  const std::size_t apart = (count + kMostDark - 1) / kMostDark;
   for (std::size_t i = 0; i < count; ++i) {
-    then_dark.push_back(places[i].then);
-    now_dark.push_back(places[i].now);
+    light.push_back(double{all[i].first});
+    if (i % apart == 0) dark.places.push_back(all[i].second);
   }
-  const double size = static_cast<double>(places.size());
-  return Veil{median(then_dark) / (sum_then / size), median(now_dark) / (sum_now / size)};
+  dark.light = median(std::move(light)) / mean;
+  return dark;
+}
+
+std::optional<Veil> compare_veil(const Lens& lens, const DarkPlaces& reference, const ShrunkView& now,
+                                 const ViewTurn& turn) {
+  std::vector<double> light;
+  for (const auto& place : reference.places) {
+    const auto ray = lens.unproject(unshrunk(place.x, place.y, now.factor));
+    const auto pixel = ray ? lens.project(turned(turn, *ray)) : std::nullopt;
+    if (!pixel) continue;
+    const auto at = glm::ivec2(glm::round((*pixel + 0.5) / double(now.factor) - 0.5));
+    if (now.light.contains(at.x, at.y)) light.push_back(double{now.light.at(at.x, at.y)});
+  }
+  const double mean = mean_seen(lens, now);
+  if (light.size() < kFewestDark || !(mean > 0.0)) return std::nullopt;
+  return Veil{reference.light, median(std::move(light)) / mean};
 }
 
 }  // namespace kasumi

@@ -40,12 +40,20 @@ struct EdgeChange {
 std::optional<EdgeChange> compare_edges(const Lens& lens, std::span<const ViewEdge> reference, const ViewTurn& turn,
                                         const Image<float>& light);
 
-struct Veil {
-  double before = 0.0, now = 0.0;  // light of the darkest hundredths of the reference, over the picture's mean light
+// The darkest hundredths of a view (3 %, at most 500 of their elements).
+struct DarkPlaces {
+  std::vector<glm::ivec2> places;
+  double light = 0.0;  // theirs, over the view's mean light
 };
-// Of the places that were darkest then (3 %), wherever they are seen now. Air puts no light before what is near; a lens
-// that is fogged puts a share of all light everywhere. Empty: no place to compare.
-std::optional<Veil> compare_veil(const Lens& lens, const ShrunkView& reference, const ShrunkView& now,
+// Empty: the view is too small.
+std::optional<DarkPlaces> darkest_places(const Lens& lens, const ShrunkView& view);
+
+struct Veil {
+  double before = 0.0, now = 0.0;  // light of the places that were darkest in the reference, over the mean light
+};
+// Of those places, wherever they are seen now. Air puts no light before what is near; a lens that is fogged puts a share
+// of all light everywhere. Empty: too few of them are to be seen.
+std::optional<Veil> compare_veil(const Lens& lens, const DarkPlaces& reference, const ShrunkView& now,
                                  const ViewTurn& turn);
 
 }  // namespace kasumi

@@ -18,11 +18,10 @@
 namespace kasumi {
 namespace {
 
-constexpr int kWindow_px = 25;                // over which the pattern is relative to its mean and contrast
-constexpr double kMinPatternContrast = 0.02;  // of the mean: less is noise
+constexpr int kSmallest_px = 50;  // sides of a view that is compared
 constexpr std::array kBlur_px{6.0, 3.0, 1.2};
 constexpr int kIterations = 12;
-constexpr int kRim_px = 3, kBesideRim_px = 5;  // the pattern ends there, and its end does not move
+constexpr int kBesideRim_px = 5;  // the pattern ends there, and its end does not move
 constexpr int kPartsAcross = 16;
 constexpr double kMinPartCorrelation = 0.5;  // correlation within a part that is taken for the same
 constexpr double kMinAgreement = 0.25;
@@ -35,29 +34,11 @@ cv::Mat mat_of(const Image<float>& image) {
   return cv::Mat(image.height(), image.width(), CV_32F, const_cast<float*>(image.elements().data())).clone();
 }
 
-// Where the lens sees something: the rim of an image circle stays where it is whatever the camera does.
-cv::Mat seen_by(const Lens& lens, const ShrunkView& view) {
-  cv::Mat seen(view.light.height(), view.light.width(), CV_32F);
-  for (int y = 0; y < seen.rows; ++y)
-    for (int x = 0; x < seen.cols; ++x) seen.at<float>(y, x) = lens.unproject(view.pixel(x, y)) ? 1.0f : 0.0f;
-  cv::erode(seen, seen, {}, {-1, -1}, kRim_px, cv::BORDER_REPLICATE);
-  return seen;
-}
-
-// Relative to mean and contrast around, of what is seen. In linear light an edge stays where it is when its contrast
-// changes; in its logarithm it would move.
-cv::Mat pattern_of(const Image<float>& light, const cv::Mat& seen) {
-  const auto linear = mat_of(light);
-  const cv::Size window{kWindow_px, kWindow_px};
-  cv::Mat share, mean, square;
-  cv::blur(seen, share, window);
-  share += 1e-6f;
-  cv::blur(linear.mul(seen), mean, window);
-  mean /= share;
-  const cv::Mat deviation = (linear - mean).mul(seen);
-  cv::blur(deviation.mul(deviation), square, window);
-  cv::sqrt(square / share + kMinPatternContrast * kMinPatternContrast * mean.mul(mean) + 1e-12, square);
-  return deviation / square;
+cv::Mat mat_of(const Image<std::uint8_t>& image) {
+  const cv::Mat bytes(image.height(), image.width(), CV_8U, const_cast<std::uint8_t*>(image.elements().data()));
+  cv::Mat floats;
+  bytes.convertTo(floats, CV_32F, 1.0 / ViewLines::kStrongest);
+  return floats;
 }
 
 glm::dmat3 rotation(const glm::dvec3& turn) {
@@ -74,12 +55,12 @@ struct Point {
 
 class Comparison {
  public:
-  Comparison(const Lens& lens, const ShrunkView& reference, const ShrunkView& now)
+  Comparison(const Lens& lens, const ViewLines& reference, const ViewLines& now)
       : lens_(lens),
         view_(reference),
-        seen_(seen_by(lens, reference)),
-        reference_(pattern_of(reference.light, seen_)),
-        now_(pattern_of(now.light, seen_)) {
+        seen_(mat_of(seen_by(lens, reference.strength.width(), reference.strength.height(), reference.factor))),
+        reference_(mat_of(reference.strength)),
+        now_(mat_of(now.strength)) {
     choose_points();
   }
   bool enough() const { return points_.size() >= kMinPoints; }
@@ -136,7 +117,7 @@ class Comparison {
     for (int y = 2; y < slope.rows - 2; ++y)
       for (int x = 2 + y % 2; x < slope.cols - 2; x += 2) {
         if (!usable(x, y) || slope.at<float>(y, x) < least) continue;
-        const auto ray = lens_.unproject(view_.pixel(x, y));
+        const auto ray = lens_.unproject(pixel(x, y));
         if (ray) points_.push_back({glm::normalize(*ray), x, y, (y / side) * (kPartsAcross + 2) + x / side});
       }
     const auto axis = lens_.project({0.0, 0.0, 1.0}), off_axis = lens_.project({1e-3, 0.0, 1.0});
@@ -150,6 +131,7 @@ class Comparison {
     cv::Sobel(soft_now_, gradient_y_, CV_32F, 0, 1, 3, 0.125);
   }
 
+  glm::dvec2 pixel(double x, double y) const { return unshrunk(x, y, view_.factor); }
   // In elements of the shrunk picture.
   std::optional<glm::dvec2> place(const glm::dvec3& ray) const {
     const auto pixel = lens_.project(ray);
@@ -252,9 +234,9 @@ class Comparison {
       cv::Point best;
       cv::minMaxLoc(score, nullptr, nullptr, nullptr, &best);
       const glm::dvec2 middle{reference_.cols / 2.0, reference_.rows / 2.0};
-      const auto from = lens_.unproject(view_.pixel(middle.x, middle.y)),
+      const auto from = lens_.unproject(pixel(middle.x, middle.y)),
                  to = lens_.unproject(
-                     view_.pixel(middle.x + kCoarseFactor * (best.x - x), middle.y + kCoarseFactor * (best.y - y)));
+                     pixel(middle.x + kCoarseFactor * (best.x - x), middle.y + kCoarseFactor * (best.y - y)));
       if (from && to) candidates.push_back(glm::cross(glm::normalize(*from), glm::normalize(*to)));
     }
     for (int half_deg = -20; half_deg <= 20; ++half_deg)
@@ -294,7 +276,7 @@ class Comparison {
   }
 
   const Lens& lens_;
-  const ShrunkView& view_;
+  const ViewLines& view_;
   cv::Mat seen_, reference_, now_, soft_reference_, soft_now_, gradient_x_, gradient_y_;
   std::vector<Point> points_;
   double pixel_angle_ = 1e-3;
@@ -317,9 +299,9 @@ glm::dvec3 turned(const ViewTurn& turn, const glm::dvec3& ray) {
   return rotation(turn.turn) * ray;
 }
 
-std::optional<ViewTurn> find_turn(const Lens& lens, const ShrunkView& reference, const ShrunkView& now) {
-  if (reference.light.width() != now.light.width() || reference.light.height() != now.light.height() ||
-      reference.light.width() < 2 * kWindow_px || reference.light.height() < 2 * kWindow_px)
+std::optional<ViewTurn> find_turn(const Lens& lens, const ViewLines& reference, const ViewLines& now) {
+  const int width = reference.strength.width(), height = reference.strength.height();
+  if (width != now.strength.width() || height != now.strength.height() || width < kSmallest_px || height < kSmallest_px)
     return std::nullopt;
   Comparison comparison(lens, reference, now);
   if (!comparison.enough()) return std::nullopt;

@@ -6,19 +6,11 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
-#include "base/image.hpp"
 #include "base/units.hpp"
 #include "calib/lens/lens.hpp"
+#include "calib/pose/view_lines.hpp"
 
 namespace kasumi {
-
-// A camera's picture in linear light, shrunk by a whole factor (each element the mean of its pixels).
-struct ShrunkView {
-  Image<float> light;
-  int factor = 1;
-  Image<std::uint8_t> usable;  // 0: ignored (outside the image circle, open sky); empty: all usable
-  glm::dvec2 pixel(double x, double y) const { return (glm::dvec2{x, y} + 0.5) * double(factor) - 0.5; }
-};
 
 struct ViewTurn {
   // Rotation vector of the scene about the camera's axes, radians. Positive x: the scene moved up, the camera down;
@@ -34,11 +26,10 @@ struct ViewTurn {
 // Where a direction in the camera's frame appears after the turn.
 glm::dvec3 turned(const ViewTurn& turn, const glm::dvec3& ray);
 
-// Each part of the picture is normalised by its own mean and contrast, so that weather, light and exposure matter
-// little; parts that differ (clouds, people, shadows) are outliers. The rotation is about the camera's centre and all
-// three axes, through its own lens (robust Lucas-Kanade least squares from coarse to fine). For the covariance each
-// part of the picture is one observation, since the errors of neighbouring pixels are correlated. Empty: too little
-// structure in either picture, or nothing is unchanged.
-std::optional<ViewTurn> find_turn(const Lens& lens, const ShrunkView& reference, const ShrunkView& now);
+// By the lines of both pictures; parts that differ (clouds, people, shadows) are outliers. The rotation is about the
+// camera's centre and all three axes, through its own lens (robust Lucas-Kanade least squares from coarse to fine). For
+// the covariance each part of the picture is one observation, since the errors of neighbouring pixels are correlated.
+// Empty: too little structure in either picture, or nothing is unchanged.
+std::optional<ViewTurn> find_turn(const Lens& lens, const ViewLines& reference, const ViewLines& now);
 
 }  // namespace kasumi
