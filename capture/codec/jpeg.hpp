@@ -1,4 +1,4 @@
-// Decodes JPEG to its YUV planes.
+// Decodes JPEG to its YUV planes, and says whether one is whole.
 #pragma once
 
 #include <cstdint>
@@ -20,5 +20,9 @@ struct JpegPlanes {
 // JPEG, not the expected size, damaged or truncated pixels, progressive, arithmetic, CMYK or RGB, subsampling other
 // than 4:2:0, 4:2:2, 4:4:4 and grey.
 Result<JpegPlanes> decode_jpeg(std::span<const std::uint8_t> bytes, int width, int height);
+
+// Whether all pixels of a JPEG of any kind are there, which other decoders fill with grey in silence. A missing end
+// marker and bytes between segments are no damage, as above. Errors (bad_input): what is missing.
+Result<> check_jpeg(std::span<const std::uint8_t> bytes);
 
 }  // namespace kasumi

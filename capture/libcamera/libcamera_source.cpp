@@ -12,6 +12,7 @@
 #include <mutex>
 
 #include "base/unique_fd.hpp"
+#include "capture/driver_time.hpp"
 #include "capture/libcamera/setup.hpp"
 
 namespace kasumi {
@@ -21,20 +22,28 @@ namespace {
 // Frames after which the camera's automatic white balance has settled.
 constexpr std::uint64_t kSettled = 30;
 // With fewer buffers the camera drops frames, so frames are copied instead of lent.
-constexpr std::size_t kMinQueued = 2;
+constexpr int kMinQueued = 2;
+
+struct OnlyManager {
+  std::mutex mutex;
+  std::shared_ptr<libcamera::CameraManager> started;  // null: not yet
+};
+OnlyManager& only_manager() {
+  static OnlyManager only;
+  return only;
+}
 
 // libcamera allows one manager per process and does not restart reliably, so it lives as long as the process. It
 // follows hotplugging by itself.
 Result<std::shared_ptr<libcamera::CameraManager>> camera_manager() {
-  static std::mutex mutex;
-  static std::shared_ptr<libcamera::CameraManager> manager;
-  const std::lock_guard lock(mutex);
-  if (manager) return manager;
+  auto& only = only_manager();
+  const std::lock_guard lock(only.mutex);
+  if (only.started) return only.started;
   auto started = std::make_shared<libcamera::CameraManager>();
   if (const int answer = started->start(); answer != 0)
     return fail(FaultKind::unsupported, "libcamera does not start: {}", std::strerror(-answer));
-  manager = std::move(started);
-  return manager;
+  only.started = std::move(started);
+  return only.started;
 }
 
 // A frame buffer mapped into memory: each of its dma-bufs once, from its first byte.
@@ -138,7 +147,14 @@ class Session {
   // BLOCKS until a request is finished or the deadline passes. Older ones go back to the camera.
   Result<libcamera::Request*> newest(Instant deadline, const Clock& clock) {
     std::unique_lock lock(mutex_);
-    while (finished_.empty() && !gone_) {
+    while (!returned_.empty() || (finished_.empty() && !gone_)) {
+      if (!returned_.empty()) {
+        const auto returned = std::exchange(returned_, {});
+        lock.unlock();
+        for (auto* request : returned) requeue(request);
+        lock.lock();
+        continue;
+      }
       const auto left = deadline - clock.now();
       if (left <= Duration::zero()) return fail(FaultKind::timeout, "{}: no frame by the deadline", camera_->id());
       arrived_.wait_for(lock, left);
@@ -150,21 +166,26 @@ class Session {
     return finished.back();
   }
 
+  // By the source's thread; no lock is held over a call into the camera.
   void requeue(libcamera::Request* request) {
-    const std::lock_guard lock(mutex_);
-    if (!streaming_) return;
     request->reuse(libcamera::Request::ReuseBuffers);
     if (wanted_) request->controls().merge(*std::exchange(wanted_, std::nullopt));
-    if (camera_->queueRequest(request) == 0) ++queued_;
+    count_queued(1);
+    if (camera_->queueRequest(request) != 0) count_queued(-1);
+  }
+
+  // By a reader, in any thread: the source's thread queues it, since the camera may hang.
+  void give_back(libcamera::Request* request) {
+    const std::lock_guard lock(mutex_);
+    if (!streaming_) return;
+    returned_.push_back(request);
+    arrived_.notify_one();
   }
 
   // With the next request that goes to the camera.
-  void set(libcamera::ControlList controls) {
-    const std::lock_guard lock(mutex_);
-    wanted_ = std::move(controls);
-  }
+  void set(libcamera::ControlList controls) { wanted_ = std::move(controls); }
 
-  std::size_t queued() {
+  int queued() {
     const std::lock_guard lock(mutex_);
     return queued_;
   }
@@ -211,11 +232,15 @@ class Session {
     streaming_ = true;
     if (const int answer = camera_->start(&controls); answer != 0) return refuse("start", answer);
     for (const auto& request : requests_) {
+      count_queued(1);
       if (const int answer = camera_->queueRequest(request.get()); answer != 0) return refuse("queue", answer);
-      const std::lock_guard lock(mutex_);
-      ++queued_;
     }
     return {};
+  }
+
+  void count_queued(int change) {
+    const std::lock_guard lock(mutex_);
+    queued_ += change;
   }
 
   // Runs in libcamera's thread.
@@ -240,12 +265,13 @@ class Session {
   std::map<const libcamera::FrameBuffer*, std::shared_ptr<const Memory>> memories_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
   std::vector<std::string> notes_;
+  std::optional<libcamera::ControlList> wanted_;
 
   std::mutex mutex_;  // guards everything below
   std::condition_variable arrived_;
   std::vector<libcamera::Request*> finished_;  // oldest first
-  std::optional<libcamera::ControlList> wanted_;
-  std::size_t queued_ = 0;
+  std::vector<libcamera::Request*> returned_;  // by readers, not yet queued again
+  int queued_ = 0;
   bool streaming_ = false;
   bool gone_ = false;
 };
@@ -292,8 +318,8 @@ class LibcameraSource final : public CameraSource {
   FrameMetadata read_metadata(const libcamera::Request& request, const libcamera::FrameBuffer& buffer) {
     const auto& completed = buffer.metadata();
     FrameMetadata metadata;
-    metadata.captured_at = Instant{Duration{completed.timestamp}};
-    metadata.utc = clock_.utc() - (clock_.now() - metadata.captured_at);
+    metadata.captured_at = bounded_driver_time(std::uint64_t{completed.timestamp}, clock_.now());
+    metadata.utc = utc_of_capture(metadata.captured_at, clock_);
     metadata.sequence = completed.sequence;
     metadata.format = mode_.format;
     metadata.width = mode_.width;
@@ -340,7 +366,7 @@ class LibcameraSource final : public CameraSource {
       frame.payload.holder = std::shared_ptr<const void>(
           read.release(), [request, session = std::weak_ptr(session_)](const void* reading) {
             delete static_cast<const CpuRead*>(reading);
-            if (const auto alive = session.lock()) alive->requeue(request);
+            if (const auto alive = session.lock()) alive->give_back(request);
           });
       return true;
     }
@@ -374,6 +400,13 @@ Result<std::vector<LibcameraListing>> list_libcamera_cameras() {
   for (const auto& camera : (*manager)->cameras())
     list.push_back({camera->id(), camera->properties().get(libcamera::properties::Model).value_or("")});
   return list;
+}
+
+// Another thread may be starting the manager, which takes long: that is no reason to wait here.
+bool is_libcamera_camera_present(const std::string& camera) {
+  auto& only = only_manager();
+  const std::unique_lock lock(only.mutex, std::try_to_lock);
+  return lock.owns_lock() && only.started && only.started->get(camera) != nullptr;
 }
 
 Result<std::unique_ptr<CameraSource>> open_libcamera_source(const LibcameraOptions& options, Clock& clock) {

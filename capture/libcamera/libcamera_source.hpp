@@ -18,6 +18,9 @@ struct LibcameraOptions {
 // process at a time.
 Result<std::unique_ptr<CameraSource>> open_libcamera_source(const LibcameraOptions& options, Clock& clock);
 
+// Whether libcamera sees it now. Cheap: the manager follows hotplugging. false before the first opening.
+bool is_libcamera_camera_present(const std::string& camera);
+
 struct LibcameraListing {
   std::string id;
   std::string model;  // "imx477"

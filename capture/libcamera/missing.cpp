@@ -16,6 +16,10 @@ Result<std::vector<LibcameraListing>> list_libcamera_cameras() {
   return missing();
 }
 
+bool is_libcamera_camera_present(const std::string&) {
+  return false;
+}
+
 Result<std::unique_ptr<CameraSource>> open_libcamera_source(const LibcameraOptions&, Clock&) {
   return missing();
 }

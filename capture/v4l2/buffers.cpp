@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <utility>
 
 namespace kasumi {
 
@@ -46,7 +47,7 @@ V4l2Buffers::V4l2Buffers(std::unique_ptr<VideoDevice> device, const V4l2Layout& 
 
 V4l2Buffers::~V4l2Buffers() {
   stop();
-  for (auto& buffer : buffers_) unmap(buffer);
+  for (const auto& buffer : buffers_) unmap(buffer.planes);
   free_all();
 }
 
@@ -116,10 +117,21 @@ Result<> V4l2Buffers::queue(std::uint32_t index) {
   return {};
 }
 
+Result<> V4l2Buffers::queue_released() {
+  std::vector<std::uint32_t> released;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!streaming_) return fail(FaultKind::device, "the stream has been stopped");
+    released.swap(released_);
+  }
+  for (const auto index : released) buffers_[index].holder = Holder::source;
+  for (const auto index : released)
+    if (auto queued = queue(index); !queued) return queued;
+  return {};
+}
+
 Result<std::optional<V4l2Filled>> V4l2Buffers::take() {
-  const std::lock_guard lock(mutex_);
-  if (release_fault_) return fail(*release_fault_);
-  if (!streaming_) return fail(FaultKind::device, "the stream has been stopped");
+  if (auto queued = queue_released(); !queued) return fail(queued.error());
   Exchange answer(layout_, 0);
   if (const int error = device_->control(VIDIOC_DQBUF, &answer.buffer); error == EAGAIN)
     return std::optional<V4l2Filled>{};
@@ -152,19 +164,21 @@ Result<std::optional<V4l2Filled>> V4l2Buffers::take() {
 }
 
 Result<> V4l2Buffers::give_back(const V4l2Filled& filled) {
-  const std::lock_guard lock(mutex_);
   return queue(filled.index);
 }
 
+bool V4l2Buffers::any_lent() const {
+  return std::any_of(buffers_.begin(), buffers_.end(),
+                     [](const Buffer& buffer) { return buffer.holder == Holder::reader; });
+}
+
 bool V4l2Buffers::can_lend() const {
-  const std::lock_guard lock(mutex_);
   const auto with_driver = std::count_if(buffers_.begin(), buffers_.end(),
                                          [](const Buffer& buffer) { return buffer.holder == Holder::driver; });
   return !layout_.shared && static_cast<std::size_t>(with_driver) >= kDriverKeeps;
 }
 
 Payload V4l2Buffers::lend(const V4l2Filled& filled) {
-  const std::lock_guard lock(mutex_);
   auto& buffer = buffers_[filled.index];
   buffer.holder = Holder::reader;
   const auto& first = buffer.planes.front();
@@ -178,34 +192,34 @@ Payload V4l2Buffers::lend(const V4l2Filled& filled) {
 }
 
 void V4l2Buffers::release(std::uint32_t index) {
-  const std::lock_guard lock(mutex_);
-  buffers_[index].holder = Holder::source;
-  if (!streaming_) {
-    unmap(buffers_[index]);
-    return;
+  {
+    const std::lock_guard lock(mutex_);
+    released_.push_back(index);
+    if (streaming_) return;
   }
-  if (auto queued = queue(index); !queued) release_fault_ = queued.error();
+  unmap(std::exchange(buffers_[index].planes, {}));
 }
 
 void V4l2Buffers::stop() {
-  const std::lock_guard lock(mutex_);
-  if (streaming_) {
+  bool was_streaming = false;
+  {
+    const std::lock_guard lock(mutex_);
+    was_streaming = std::exchange(streaming_, false);
+    // Released from now on, a buffer is its reader's to unmap.
+    for (const auto index : std::exchange(released_, {})) buffers_[index].holder = Holder::source;
+  }
+  if (was_streaming) {
     int type = static_cast<int>(layout_.buffer_type);
     device_->control(VIDIOC_STREAMOFF, &type);  // fails on an unplugged device, but its memory is freed anyway
   }
-  streaming_ = false;
-  for (auto& buffer : buffers_) {
-    if (buffer.holder == Holder::reader) continue;
-    buffer.holder = Holder::source;
-    unmap(buffer);
-  }
+  for (auto& buffer : buffers_)
+    if (buffer.holder != Holder::reader) unmap(std::exchange(buffer.planes, {}));
   // Since 4.20 the kernel frees buffers that are still mapped, so the camera can be reopened at once.
   free_all();
 }
 
-void V4l2Buffers::unmap(Buffer& buffer) {
-  for (const auto& plane : buffer.planes) device_->unmap(plane.memory);
-  buffer.planes.clear();
+void V4l2Buffers::unmap(const std::vector<Mapped>& planes) {
+  for (const auto& plane : planes) device_->unmap(plane.memory);
 }
 
 void V4l2Buffers::free_all() {

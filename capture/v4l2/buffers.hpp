@@ -29,8 +29,9 @@ struct V4l2Filled {
   bool impossible = false;  // the driver claimed more bytes than there are, or another number of planes
 };
 
-// Frames may be released in any thread; everything else belongs to the source's thread. Shared by lent frames: memory
-// is unmapped and the device closed with the last of them.
+// Frames may be released in any thread, which only notes it: a driver that hangs must not take the reader along.
+// Everything else belongs to the source's thread, and every call that exchanges buffers is made there, without a lock.
+// Shared by lent frames: memory is unmapped and the device closed with the last of them.
 class V4l2Buffers : public std::enable_shared_from_this<V4l2Buffers> {
  public:
   // Requests, maps and queues all buffers and starts the stream. Undone if a step fails.
@@ -39,13 +40,15 @@ class V4l2Buffers : public std::enable_shared_from_this<V4l2Buffers> {
   ~V4l2Buffers();
 
   VideoDevice& device() { return *device_; }
-  // A filled buffer, or nothing. Each one must be given back or lent. If the layout is shared it may be a buffer that
+  // A filled buffer, or nothing; released ones go back to the driver first. Each one must be given back or lent. If the layout is shared it may be a buffer that
   // is already held, filled again.
   // Errors: device, disconnected; also when a released buffer could not be given back.
   Result<std::optional<V4l2Filled>> take();
   Result<> give_back(const V4l2Filled& filled);
   // Whether the driver keeps enough buffers not to drop frames.
   bool can_lend() const;
+  // Whether readers hold any: then call take() again soon.
+  bool any_lent() const;
   // The first plane's bytes in place; the driver gets the buffer back when the last holder releases it.
   Payload lend(const V4l2Filled& filled);
   // Ends the stream and frees all buffers that are not lent. take() fails from then on.
@@ -67,17 +70,19 @@ class V4l2Buffers : public std::enable_shared_from_this<V4l2Buffers> {
   Result<> allocate(int count);
   Result<> map(std::uint32_t index);
   Result<> queue(std::uint32_t index);
+  Result<> queue_released();
   void release(std::uint32_t index);
-  void unmap(Buffer& buffer);
+  void unmap(const std::vector<Mapped>& planes);
   void free_all();
 
   std::unique_ptr<VideoDevice> device_;
   const V4l2Layout layout_;
-  mutable std::mutex mutex_;  // guards everything below and the calls that exchange buffers
-  std::vector<Buffer> buffers_;
   bool allocated_ = false;
+  std::vector<Buffer> buffers_;  // while it streams, of the source's thread alone; then those lent, of their readers
+
+  std::mutex mutex_;  // guards everything below; never held over a call into the driver
   bool streaming_ = false;
-  std::optional<Fault> release_fault_;
+  std::vector<std::uint32_t> released_;  // by readers, not yet queued again
 };
 
 }  // namespace kasumi

@@ -4,19 +4,15 @@
 
 #include <algorithm>
 
+#include "capture/driver_time.hpp"
+
 namespace kasumi {
 
 namespace {
 
-// A timestamp older than this is not from this clock.
-constexpr Duration kOldest = std::chrono::seconds(60);
-
 Instant captured_at(const V4l2Filled& filled, Instant now) {
   if ((filled.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) return now;
-  constexpr std::int64_t kLargest = 1'000'000'000;  // seconds, so that nanoseconds cannot overflow
-  const auto seconds = std::clamp<std::int64_t>(filled.seconds, -kLargest, kLargest);
-  const auto microseconds = std::clamp<std::int64_t>(filled.microseconds, 0, 999'999);
-  return Instant{std::chrono::seconds(seconds) + std::chrono::microseconds(microseconds)};
+  return bounded_driver_time(filled.seconds, std::clamp<std::int64_t>(filled.microseconds, 0, 999'999) * 1000);
 }
 
 // Whether every memory plane is complete.
@@ -35,10 +31,8 @@ bool gathered_whole(const V4l2Filled& filled, PixelLayout layout, const FrameMet
 FrameMetadata v4l2_metadata(const V4l2Filled& filled, const CameraMode& mode, const V4l2Layout& layout,
                             const Clock& clock) {
   FrameMetadata metadata;
-  const auto now = clock.now();
-  metadata.captured_at = captured_at(filled, now);
-  const auto age = now - metadata.captured_at;
-  metadata.utc = clock.utc() - (age > Duration::zero() && age < kOldest ? age : Duration::zero());
+  metadata.captured_at = captured_at(filled, clock.now());
+  metadata.utc = utc_of_capture(metadata.captured_at, clock);
   metadata.sequence = filled.sequence;
   metadata.format = mode.format;
   metadata.width = mode.width;

@@ -21,6 +21,8 @@ constexpr int kSettledFrames = 30;
 constexpr Duration kSettled = std::chrono::seconds(2);
 // Between polls of a device that reports being readable but delivers nothing.
 constexpr Duration kRetryPause = std::chrono::milliseconds(1);
+// Between looks for released buffers, which some drivers need before they fill another.
+constexpr Duration kReleaseInterval = std::chrono::milliseconds(10);
 
 class V4l2Source final : public CameraSource {
  public:
@@ -61,6 +63,7 @@ class V4l2Source final : public CameraSource {
   }
 
   Result<> watch(Duration longest) {
+    if (buffers_->any_lent()) longest = std::min(longest, kReleaseInterval);
     const auto events = buffers_->device().wait(longest);
     if (events.event && watch_events_)
       if (auto fine = read_event(); !fine) return fine;
