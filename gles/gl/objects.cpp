@@ -112,6 +112,10 @@ Result<> check_gl(std::string_view what) {
   return fail(FaultKind::device, "{}: {}", what, reasons);
 }
 
+void finish_gl() {
+  glFinish();
+}
+
 Result<> check_framebuffer(std::string_view what) {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return check_gl(what);

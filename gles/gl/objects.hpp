@@ -61,6 +61,8 @@ void clamp_to_edge();
 
 // Fails, naming `what`, if GL has recorded errors since the last call; clears all of them.
 Result<> check_gl(std::string_view what);
+// BLOCKS until the GPU has done all that it was told.
+void finish_gl();
 // Checks the bound framebuffer. Errors: device, with GL's reason.
 Result<> check_framebuffer(std::string_view what);
 

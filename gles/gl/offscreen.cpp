@@ -94,13 +94,20 @@ Result<Image<Rgb8>> Offscreen::read() {
     core_function<BlitFramebuffer>("glBlitFramebuffer")(0, 0, width_, height_, 0, 0, width_, height_,
                                                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
   }
-  glBindFramebuffer(GL_FRAMEBUFFER, resolved_.name());
-  Image<glm::u8vec4> pixels(width_, height_);
+  return read_back({resolved_.name(), width_, height_, true});
+}
+
+Result<Image<Rgb8>> read_back(const DrawTarget& target) {
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  Image<glm::u8vec4> pixels(target.width, target.height);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, pixels.elements().data());
+  glReadPixels(0, 0, target.width, target.height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.elements().data());
   if (auto read = check_gl("reading the picture back"); !read) return fail(read.error());
-  Image<Rgb8> picture(width_, height_);
-  std::ranges::transform(pixels.elements(), picture.elements().begin(), [](glm::u8vec4 p) { return Rgb8(p); });
+  Image<Rgb8> picture(target.width, target.height);
+  for (int y = 0; y < target.height; ++y)
+    std::ranges::transform(pixels.row(y), pixels.row(y) + target.width,
+                           picture.row(target.top_row_first ? y : target.height - 1 - y),
+                           [](glm::u8vec4 p) { return Rgb8(p); });
   return picture;
 }
 

@@ -33,4 +33,7 @@ class Offscreen {
   GlTexture resolved_colour_;
 };
 
+// What has been drawn to a target so far, rows from the top. BLOCKS until it is drawn. Errors: device.
+Result<Image<Rgb8>> read_back(const DrawTarget& target);
+
 }  // namespace kasumi

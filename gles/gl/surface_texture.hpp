@@ -1,25 +1,16 @@
-// Textures of the model on the GPU, with mipmaps averaged in linear light.
+// Textures of the model on the GPU.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "base/result.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/objects.hpp"
-#include "gles/model/model.hpp"
+#include "gles/model/mip_levels.hpp"
 
 namespace kasumi {
-
-// Half the size each way (rounded down, at least 1): the mean of the texels under each new one. Colours are averaged in
-// linear light and weighted by alpha; data directly.
-Image<glm::u8vec4> halved(const Image<glm::u8vec4>& picture, bool data = false);
-
-// The share of a picture whose alpha, interpolated bilinearly, is at least `cutoff`.
-double share_above(const Image<glm::u8vec4>& picture, double cutoff, double alpha_scale = 1.0);
-
-// The lowest alpha cutoff of the masked materials that use this texture; empty: no such material.
-std::optional<double> cutoff_of(const Model& model, int texture);
 
 struct SurfaceTexture {
   GlTexture texture;
@@ -28,10 +19,30 @@ struct SurfaceTexture {
   std::size_t bytes = 0;  // on the GPU, with all levels
 };
 
-// Pictures beyond the driver's limit are halved until they fit; drivers without arbitrary texture sizes get powers of
-// two. Both are reported in notes. `cutoff`: see cutoff_of; the smaller levels then keep the picture's coverage
-// (Castano 2010), or a fence would vanish with distance.
-Result<SurfaceTexture> upload(const ModelTexture& texture, std::optional<double> cutoff, const GlInfo& info,
-                              bool force_encoded, std::vector<std::string>& notes);
+// Puts a texture with its smaller levels on the GPU, a few megabytes at a time. Pictures beyond the driver's limit are
+// halved until they fit; drivers without arbitrary texture sizes get powers of two. Both are reported in notes.
+class SurfaceTextureUpload {
+ public:
+  // `texture` must outlive it. `cutoff`: see cutoff_of(); used where the texture brings no smaller levels.
+  SurfaceTextureUpload(const ModelTexture& texture, std::optional<double> cutoff, const GlInfo& info,
+                       bool force_encoded, std::vector<std::string>& notes);
+  // true: it is whole. BLOCKS for seconds, once, where smaller levels must be made. Errors: device.
+  Result<bool> step();
+  SurfaceTexture take() { return std::move(made_); }
+
+ private:
+  const Image<glm::u8vec4>& level() const { return *levels_[level_]; }
+  void gather_levels(std::optional<double> cutoff, const GlInfo& info);
+  Result<> finish();
+
+  const ModelTexture& texture_;
+  std::vector<Image<glm::u8vec4>> own_;            // levels that the model does not have
+  std::vector<const Image<glm::u8vec4>*> levels_;  // the largest first
+  bool anisotropic_;
+  unsigned format_;
+  std::size_t level_ = 0;  // the next to be uploaded, from this row on
+  int row_ = 0;
+  SurfaceTexture made_;
+};
 
 }  // namespace kasumi

@@ -13,55 +13,9 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kMaxTriangles = 2048;  // per chunk: few enough for 16-bit indices
+constexpr std::size_t kSliceVertices = 100'000;  // some four megabytes
 
 }  // namespace
-
-// Renumbers the vertices of a chunk's triangles from 0.
-class GpuModel::Cutter {
- public:
-  explicit Cutter(std::size_t vertices) : places_(vertices, kNone) {}
-
-  // Whether the vertex is new to this chunk.
-  bool add(std::uint32_t vertex) {
-    const bool is_new = places_[vertex] == kNone;
-    if (is_new) {
-      places_[vertex] = static_cast<std::uint16_t>(met_.size());
-      met_.push_back(vertex);
-    }
-    indices_.push_back(places_[vertex]);
-    return is_new;
-  }
-  std::vector<std::uint16_t> take() {
-    for (const std::uint32_t vertex : met_) places_[vertex] = kNone;
-    met_.clear();
-    return std::exchange(indices_, {});
-  }
-
- private:
-  static constexpr std::uint16_t kNone = std::numeric_limits<std::uint16_t>::max();
-  static_assert(3 * kMaxTriangles < kNone);
-  std::vector<std::uint16_t> places_;
-  std::vector<std::uint32_t> met_;
-  std::vector<std::uint16_t> indices_;
-};
-
-// Splits in space, across the longest axis.
-std::pair<std::span<GpuModel::Triangle>, std::span<GpuModel::Triangle>> GpuModel::halved(
-    std::span<Triangle> triangles) {
-  glm::vec3 lowest = triangles.front().centre, highest = lowest;
-  for (const Triangle& triangle : triangles) {
-    lowest = glm::min(lowest, triangle.centre);
-    highest = glm::max(highest, triangle.centre);
-  }
-  const glm::vec3 extent = highest - lowest;
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const auto middle = triangles.begin() + static_cast<std::ptrdiff_t>(triangles.size() / 2);
-  std::ranges::nth_element(triangles, middle, {}, [axis](const Triangle& triangle) {
-    return std::tuple(triangle.centre[axis], triangle.part, triangle.first_index);
-  });
-  return {{triangles.begin(), middle}, {middle, triangles.end()}};
-}
 
 GpuModel::Chunk GpuModel::make_chunk(int material, std::span<const GpuVertex> vertices,
                                      std::vector<std::uint16_t> index_list) {
@@ -81,68 +35,64 @@ GpuModel::Chunk GpuModel::make_chunk(int material, std::span<const GpuVertex> ve
 
 Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool force_encoded_textures,
                                   std::vector<std::string>& notes) {
-  if (auto sound = check(model); !sound) return fail(sound.error());
-  GpuModel made;
-  made.materials_ = model.materials;
-  made.bounds_ = model.bounds();
-  made.bounds_with_ground_ = model.bounds_with_ground();
-  for (std::size_t i = 0; i < model.textures.size(); ++i) {
-    auto uploaded =
-        kasumi::upload(model.textures[i], cutoff_of(model, static_cast<int>(i)), info, force_encoded_textures, notes);
-    if (!uploaded) return fail(uploaded.error());
-    made.bytes_ += uploaded->bytes;
-    made.textures_.push_back(std::move(*uploaded));
+  auto upload = ModelUpload::begin(model, nullptr, info, force_encoded_textures, notes);
+  if (!upload) return fail(upload.error());
+  for (;;) {
+    const auto whole = upload->step();
+    if (!whole) return fail(whole.error());
+    if (*whole) return upload->take();
   }
-  made.add(model, model.parts, made.solid_);
-  made.add(model, model.ground, made.ground_);
-  made.add_see_through(model);
-  if (auto uploaded = check_gl("uploading the model"); !uploaded) return fail(uploaded.error());
-  return made;
 }
 
-// Parts with the same material are merged, because files have hundreds of parts and each draw call costs time. The
-// result is split in space, so that a tile of the picture draws only nearby chunks.
-void GpuModel::add(const Model& model, const std::vector<ModelPart>& parts, std::vector<Chunk>& chunks) {
-  const bool all = &parts == &model.ground;  // the ground is never see-through
-  std::vector<std::vector<Triangle>> by_material(model.materials.size());
-  std::vector<std::uint32_t> first_vertex;  // of each part, if all parts were concatenated
-  std::size_t vertices = 0;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const ModelPart& part = parts[p];
-    first_vertex.push_back(static_cast<std::uint32_t>(vertices));
-    vertices += part.vertices.size();
-    const auto material = static_cast<std::size_t>(part.material);
-    if (!all && model.materials[material].alpha == ModelMaterial::Alpha::blend) continue;
-    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
-      const auto at = [&](std::size_t j) { return part.vertices[part.indices[i + j]].position; };
-      by_material[material].push_back(
-          {static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(i), (at(0) + at(1) + at(2)) / 3.0f});
-    }
+Result<ModelUpload> ModelUpload::begin(const Model& model, std::shared_ptr<const ModelChunks> chunks,
+                                       const GlInfo& info, bool force_encoded_textures,
+                                       std::vector<std::string>& notes) {
+  if (auto sound = check(model); !sound) return fail(sound.error());
+  ModelUpload upload(model, info, notes);
+  upload.force_encoded_textures_ = force_encoded_textures;
+  upload.chunks_ = chunks ? std::move(chunks) : std::make_shared<const ModelChunks>(cut_model(model));
+  upload.made_.materials_ = model.materials;
+  upload.made_.bounds_ = model.bounds();
+  upload.made_.bounds_with_ground_ = model.bounds_with_ground();
+  return upload;
+}
+
+Result<bool> ModelUpload::texture_step() {
+  const std::size_t number = made_.textures_.size();
+  if (!texture_)
+    texture_ =
+        std::make_unique<SurfaceTextureUpload>(model_->textures[number], cutoff_of(*model_, static_cast<int>(number)),
+                                               *info_, force_encoded_textures_, *notes_);
+  const auto whole = texture_->step();
+  if (!whole || !*whole) return whole;
+  made_.textures_.push_back(texture_->take());
+  made_.bytes_ += made_.textures_.back().bytes;
+  texture_.reset();
+  return true;
+}
+
+Result<bool> ModelUpload::step() {
+  if (made_.textures_.size() < model_->textures.size()) {
+    if (const auto whole = texture_step(); !whole) return whole;
+    return false;
   }
-  Cutter cutter(vertices);
-  const std::function<void(int, std::span<Triangle>)> add_split = [&](int material, std::span<Triangle> triangles) {
-    if (triangles.empty()) return;
-    if (triangles.size() <= kMaxTriangles) {
-      std::vector<GpuVertex> corners;
-      for (const Triangle& triangle : triangles) {
-        const ModelPart& part = parts[triangle.part];
-        for (std::uint32_t j = 0; j < 3; ++j) {
-          const std::uint32_t index = part.indices[triangle.first_index + j];
-          if (cutter.add(first_vertex[triangle.part] + index)) corners.emplace_back(part.vertices[index]);
-        }
-      }
-      bytes_ += corners.size() * sizeof(GpuVertex) + triangles.size() * 3 * sizeof(std::uint16_t);
-      chunks.push_back(make_chunk(material, corners, cutter.take()));
-      return;
+  const auto upload = [this](const std::vector<ModelChunk>& from, std::size_t& next, std::vector<GpuModel::Chunk>& to) {
+    for (std::size_t vertices = 0; next < from.size() && vertices < kSliceVertices; ++next) {
+      vertices += from[next].vertices.size();
+      made_.add(from[next], to);
     }
-    const auto half = halved(triangles);
-    add_split(material, half.first);
-    add_split(material, half.second);
+    return next == from.size();
   };
-  for (std::size_t material = 0; material < by_material.size(); ++material) {
-    add_split(static_cast<int>(material), by_material[material]);
-    by_material[material] = {};
-  }
+  if (!upload(chunks_->solid, solid_, made_.solid_) || !upload(chunks_->ground, ground_, made_.ground_)) return false;
+  chunks_.reset();
+  made_.add_see_through(*model_);
+  if (auto uploaded = check_gl("uploading the model"); !uploaded) return fail(uploaded.error());
+  return true;
+}
+
+void GpuModel::add(const ModelChunk& chunk, std::vector<Chunk>& chunks) {
+  bytes_ += chunk.vertices.size() * sizeof(GpuVertex) + chunk.indices.size() * sizeof(std::uint16_t);
+  chunks.push_back(make_chunk(chunk.material, chunk.vertices, chunk.indices));
 }
 
 void GpuModel::add_see_through(const Model& model) {
@@ -187,11 +137,12 @@ void GpuModel::sort_see_through(const Projection& projection) {
     });
 
   see_through_.chunks.clear();
-  Cutter cutter(see_through_.vertices.size());
+  ChunkCutter cutter(see_through_.vertices.size());
   std::vector<GpuVertex> corners;
   for (std::size_t i = 0; i < triangles.size();) {
     const std::size_t first = i;
-    for (; i < triangles.size() && i - first < kMaxTriangles && triangles[i].material == triangles[first].material; ++i)
+    for (; i < triangles.size() && i - first < kMaxChunkTriangles && triangles[i].material == triangles[first].material;
+         ++i)
       for (const std::uint32_t corner : triangles[i].corners)
         if (cutter.add(corner)) corners.push_back(see_through_.vertices[corner]);
     see_through_.chunks.push_back(make_chunk(triangles[first].material, corners, cutter.take()));

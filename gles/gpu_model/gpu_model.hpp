@@ -5,15 +5,16 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "base/result.hpp"
 #include "gles/gl/objects.hpp"
 #include "gles/gl/surface_texture.hpp"
 #include "gles/gpu_model/gpu_material.hpp"
-#include "gles/gpu_model/gpu_vertex.hpp"
+#include "gles/gpu_model/model_chunks.hpp"
 #include "gles/gpu_model/programs.hpp"
 #include "gles/gpu_model/projection.hpp"
 #include "gles/model/model.hpp"
@@ -22,7 +23,7 @@ namespace kasumi {
 
 class GpuModel {
  public:
-  // Errors: bad_input (see check(Model)), device.
+  // BLOCKS until all of it is there; ModelUpload does it in pieces. Errors: bad_input (see check(Model)), device.
   static Result<GpuModel> upload(const Model& model, const GlInfo& info, bool force_encoded_textures,
                                  std::vector<std::string>& notes);
 
@@ -55,11 +56,6 @@ class GpuModel {
     std::vector<std::uint16_t> index_list;
     PixelBox box;
   };
-  struct Triangle {  // of the model being uploaded
-    std::uint32_t part = 0;
-    std::uint32_t first_index = 0;
-    glm::vec3 centre{};
-  };
   struct SeeThroughTriangle {
     int material = 0;
     std::uint32_t part = 0;
@@ -72,12 +68,11 @@ class GpuModel {
     std::vector<SeeThroughTriangle> triangles;
     std::vector<Chunk> chunks;
   };
-  class Cutter;
+  friend class ModelUpload;
 
-  void add(const Model& model, const std::vector<ModelPart>& parts, std::vector<Chunk>& chunks);
+  void add(const ModelChunk& chunk, std::vector<Chunk>& chunks);
   void add_see_through(const Model& model);
   void sort_see_through(const Projection& projection);
-  static std::pair<std::span<Triangle>, std::span<Triangle>> halved(std::span<Triangle> triangles);
   static Chunk make_chunk(int material, std::span<const GpuVertex> vertices, std::vector<std::uint16_t> index_list);
   static void begin_chunks(bool write_depth);
   static void end_chunks();
@@ -93,6 +88,31 @@ class GpuModel {
   ModelBounds bounds_;
   ModelBounds bounds_with_ground_;
   std::size_t bytes_ = 0;
+};
+
+// Puts a model on the GPU in pieces of a few megabytes, between which the thread may draw.
+class ModelUpload {
+ public:
+  // `model` and `notes` must outlive it; `chunks`: the model's; null: it is cut here. Errors: bad_input.
+  static Result<ModelUpload> begin(const Model& model, std::shared_ptr<const ModelChunks> chunks, const GlInfo& info,
+                                   bool force_encoded_textures, std::vector<std::string>& notes);
+  // true: it is whole. Errors: device.
+  Result<bool> step();
+  GpuModel take() { return std::move(made_); }
+
+ private:
+  ModelUpload(const Model& model, const GlInfo& info, std::vector<std::string>& notes)
+      : model_(&model), info_(&info), notes_(&notes) {}
+  Result<bool> texture_step();
+
+  const Model* model_;
+  const GlInfo* info_;
+  std::vector<std::string>* notes_;
+  bool force_encoded_textures_ = false;
+  std::shared_ptr<const ModelChunks> chunks_;
+  std::unique_ptr<SurfaceTextureUpload> texture_;  // the one under way
+  std::size_t solid_ = 0, ground_ = 0;             // chunks that are there
+  GpuModel made_;
 };
 
 }  // namespace kasumi

@@ -333,7 +333,7 @@ class SceneReader {
 Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits, std::string_view scene) {
   Model model;
   model.name = path.string();
-  const auto gltf = parse_gltf(path, limits, model.notes);
+  const auto gltf = parse_gltf(path, limits, model.notes, model.files);
   if (!gltf) return fail(gltf.error());
   if (auto read = SceneReader(*gltf, path.string(), limits, scene, model).read(); !read) return fail(read.error());
   if (auto sound = check(model); !sound) return fail(sound.error());

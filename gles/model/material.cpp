@@ -125,11 +125,13 @@ class TextureReader {
         fmt::format("{}: image {}{}", name_, texture.source, image.uri.empty() ? "" : " (" + image.uri + ")");
     if (image.image.empty())
       return fail(FaultKind::bad_input, "{}: missing: expected a PNG or JPEG within the model's folder", what);
-    auto pixels = decode_picture(image.image, limits_.texture_size);
-    if (!pixels) return fail(FaultKind::bad_input, "{}: {}", what, pixels.error().message);
-    pixels_ += pixels->elements().size();
+    const auto size = model_picture_size(image.image, limits_.texture_size);
+    if (!size) return fail(FaultKind::bad_input, "{}: {}", what, size.error().message);
+    pixels_ += static_cast<std::size_t>(size->width * size->height);
     if (pixels_ > limits_.texture_pixels)
       return fail(FaultKind::bad_input, "{}: textures of more than {} pixels together", name_, limits_.texture_pixels);
+    auto pixels = decode_picture(image.image, limits_.texture_size);
+    if (!pixels) return fail(FaultKind::bad_input, "{}: {}", what, pixels.error().message);
     ModelTexture made;
     made.pixels = std::move(*pixels);
     made.data = data;

@@ -70,8 +70,9 @@ struct ModelTexture {
   Image<glm::u8vec4> pixels;  // sRGB encoded with linear alpha, not premultiplied; data: unchanged
   TextureWrap wrap_s = TextureWrap::repeat;
   TextureWrap wrap_t = TextureWrap::repeat;
-  bool nearest = false;  // no filtering when magnified
-  bool data = false;     // roughness, normals and the like, not colours
+  bool nearest = false;                       // no filtering when magnified
+  bool data = false;                          // roughness, normals and the like, not colours
+  std::vector<Image<glm::u8vec4>> smaller{};  // its levels (mip_levels.hpp); empty: made when they are needed
 };
 
 struct ModelPart {  // triangles of one material
@@ -92,8 +93,9 @@ struct Model {
                                   // material's base colour is the real ground's
   std::vector<ModelMaterial> materials;
   std::vector<ModelTexture> textures;
-  std::vector<std::string> notes;   // what was left out or repaired, for the log
-  std::vector<std::string> scenes;  // names of all scenes in the file; "" where one has none
+  std::vector<std::string> notes;            // what was left out or repaired, for the log
+  std::vector<std::filesystem::path> files;  // it was read from these, its own first
+  std::vector<std::string> scenes;           // names of all scenes in the file; "" where one has none
 
   // Bounds of the object, without its ground.
   std::size_t triangle_count() const;

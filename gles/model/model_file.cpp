@@ -14,6 +14,9 @@ namespace fs = std::filesystem;
 struct Folder {
   fs::path root;  // canonical
   std::size_t largest_file;
+  fs::path given;                          // as it was named
+  std::vector<fs::path>* files;            // that were read
+  FaultKind fault = FaultKind::bad_input;  // io: a file could not be read
 
   bool holds(const std::string& name) const {
     std::error_code error;
@@ -32,7 +35,7 @@ std::string as_written(const std::string& name, void*) {
 }
 
 bool read_whole_file(std::vector<unsigned char>* bytes, std::string* error, const std::string& name, void* folder) {
-  const auto& allowed = *static_cast<const Folder*>(folder);
+  auto& allowed = *static_cast<Folder*>(folder);
   std::error_code size_error;
   if (!allowed.holds(name)) {
     *error = "not in the model's folder";
@@ -40,9 +43,11 @@ bool read_whole_file(std::vector<unsigned char>* bytes, std::string* error, cons
     *error = fmt::format("larger than {} bytes", allowed.largest_file);
   } else if (auto read = read_file(name)) {
     *bytes = std::move(*read);
+    allowed.files->push_back(allowed.given / fs::path(name).lexically_relative(allowed.root));
     return true;
   } else {
     *error = read.error().message;
+    if (read.error().kind == FaultKind::io) allowed.fault = FaultKind::io;
   }
   return false;
 }
@@ -70,7 +75,8 @@ std::string one_line(std::string text) {
 
 }  // namespace
 
-Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limits, std::vector<std::string>& notes) {
+Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limits, std::vector<std::string>& notes,
+                                   std::vector<std::filesystem::path>& files) {
   const std::string name = path.string();
   std::error_code size_error;
   const std::uintmax_t size = fs::file_size(path, size_error);
@@ -78,13 +84,14 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
     return fail(FaultKind::bad_input, "{}: {} bytes: expected {} at most", name, size, limits.file_bytes);
   const auto file = read_file(path);
   if (!file) return fail(file.error());
+  files.push_back(path);
   const auto json = gltf_json(*file, name);
   if (!json) return fail(json.error());
   if (auto sound = check_gltf_json(*json, name); !sound) return fail(sound.error());
 
   std::error_code folder_error;
   const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  Folder folder{fs::canonical(parent, folder_error), limits.file_bytes};
+  Folder folder{fs::canonical(parent, folder_error), limits.file_bytes, parent, &files};
   if (folder_error) return fail(FaultKind::io, "{}: {}", parent.string(), folder_error.message());
 
   tinygltf::Model gltf;
@@ -101,7 +108,7 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
   } catch (const std::exception& thrown) {
     error += thrown.what();
   }
-  if (!parsed) return fail(FaultKind::bad_input, "{}: {}", name, one_line(error.empty() ? warning : error));
+  if (!parsed) return fail(folder.fault, "{}: {}", name, one_line(error.empty() ? warning : error));
   if (!warning.empty()) notes.push_back(fmt::format("{}: {}", name, one_line(warning)));
   return gltf;
 }

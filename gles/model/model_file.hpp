@@ -11,9 +11,9 @@
 
 namespace kasumi {
 
-// Pictures stay encoded (Image::as_is); those missing or outside the folder are empty.
+// `files` gains every file that was read. Pictures stay encoded (Image::as_is); those missing or outside the folder are empty.
 // Errors: io, bad_input.
 Result<tinygltf::Model> parse_gltf(const std::filesystem::path& path, const ModelLimits& limits,
-                                   std::vector<std::string>& notes);
+                                   std::vector<std::string>& notes, std::vector<std::filesystem::path>& files);
 
 }  // namespace kasumi

@@ -34,17 +34,19 @@ int pixels_of(int samples) {
   return (5 * samples + 16) / 17;
 }
 
+}  // namespace
+
 // The buffers into which the tiles are drawn one after the other.
-struct Lattice {
+struct LayerLattice {
   LayerBuffer samples;
   GlRenderbuffer depth;
   std::optional<PointSpread> spread;  // empty: none
 
-  static Result<Lattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
+  static Result<LayerLattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
     constexpr std::string_view kName = "the buffer for anti-aliasing";
     auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, options.in_8_bits, info, kName);
     if (!samples) return fail(samples.error());
-    Lattice made{std::move(*samples), make_renderbuffer(), std::nullopt};
+    LayerLattice made{std::move(*samples), make_renderbuffer(), std::nullopt};
     glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
     glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), kLatticeSize, kLatticeSize);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
@@ -67,6 +69,8 @@ struct Lattice {
     glDisable(GL_SCISSOR_TEST);
   }
 };
+
+namespace {
 
 Defines object_defines(const ObjectLayer::Options& options, const Projection& projection) {
   Defines defines{"HAZE_PER_FRAGMENT"};
@@ -143,24 +147,32 @@ int ObjectLayer::margin_px(const ObjectDetail& detail) {
 Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
                                       const AirlightGrid& horizon, const Options& options, const GlInfo& info,
                                       Programs& programs, const std::function<void(const Program&)>& set_appearance) {
-  ObjectLayer layer;
-  layer.box_ = box;
-  layer.in_8_bits_ = options.in_8_bits;
-  layer.unit_ = options.in_8_bits ? options.unit : 1.0;
-  layer.filters_ = options.in_8_bits || info.es_major >= 3 || info.has("GL_OES_texture_half_float_linear");
-  auto buffer =
-      LayerBuffer::create(box.right - box.left, box.bottom - box.top, options.in_8_bits, info, "the object's layer");
-  if (!buffer) return fail(buffer.error());
-  layer.buffer_ = std::move(*buffer);
-  const auto lattice = Lattice::create(options, info, programs);
-  if (!lattice) return fail(lattice.error());
-  const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options));
-  if (!resolving) return fail(resolving.error());
+  auto drawing = LayerDrawing::begin(model, projection, box, horizon, options, info, programs, set_appearance);
+  if (!drawing) return fail(drawing.error());
+  for (;;) {
+    const auto whole = drawing->step();
+    if (!whole) return fail(whole.error());
+    if (*whole) return drawing->take();
+  }
+}
 
-  const Defines defines = object_defines(options, projection);
-  const DepthRange depth = depth_range(projection, model.bounds_with_ground());
-  for (const LayerTile& tile : tiles_of(box, spare_samples(options.detail), horizon)) {
-    lattice->clear(tile);
+struct LayerDrawing::State {
+  const GpuModel& model;
+  const Projection& projection;
+  AirlightGrid horizon;
+  ObjectLayer::Options options;
+  Programs& programs;
+  std::function<void(const Program&)> set_appearance;
+  ObjectLayer layer;
+  LayerLattice lattice;
+  const Program* resolving;
+  Defines defines;
+  DepthRange depth;
+  std::vector<LayerTile> tiles;
+  std::size_t drawn = 0;
+
+  Result<> draw(const LayerTile& tile) const {
+    lattice.clear(tile);
     // The picture's rows run downwards and the buffer's upwards: this mirroring reverses front and back faces.
     glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
     const auto set_uniforms = [&](const Program& program) {
@@ -172,13 +184,50 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
     };
     const PixelBox sampled = grown(tile.box(), pixels_of(tile.samples_around()));
     for (const auto part : drawn_parts(options))
-      if (auto drawn = model.draw(part, programs, defines, units_for_layer(), sampled, set_uniforms); !drawn)
-        return fail(drawn.error());
-    if (lattice->spread) lattice->spread->apply(lattice->samples, tile.width(), tile.height());
-    resolve(**resolving, lattice->samples, tile, layer.buffer_, box, projection.view);
+      if (auto done = model.draw(part, programs, defines, units_for_layer(), sampled, set_uniforms); !done) return done;
+    if (lattice.spread) lattice.spread->apply(lattice.samples, tile.width(), tile.height());
+    resolve(*resolving, lattice.samples, tile, layer.buffer_, layer.box_, projection.view);
+    return check_gl("drawing the object's layer");
   }
-  if (auto drawn = check_gl("drawing the object's layer"); !drawn) return fail(drawn.error());
-  return layer;
+};
+
+LayerDrawing::LayerDrawing(std::unique_ptr<State> state) : state_(std::move(state)) {}
+LayerDrawing::LayerDrawing(LayerDrawing&&) noexcept = default;
+LayerDrawing& LayerDrawing::operator=(LayerDrawing&&) noexcept = default;
+LayerDrawing::~LayerDrawing() = default;
+
+Result<LayerDrawing> LayerDrawing::begin(const GpuModel& model, const Projection& projection, const PixelBox& box,
+                                         const AirlightGrid& horizon, const ObjectLayer::Options& options,
+                                         const GlInfo& info, Programs& programs,
+                                         std::function<void(const Program&)> set_appearance) {
+  ObjectLayer layer;
+  layer.box_ = box;
+  layer.in_8_bits_ = options.in_8_bits;
+  layer.unit_ = options.in_8_bits ? options.unit : 1.0;
+  layer.filters_ = options.in_8_bits || info.es_major >= 3 || info.has("GL_OES_texture_half_float_linear");
+  auto buffer =
+      LayerBuffer::create(box.right - box.left, box.bottom - box.top, options.in_8_bits, info, "the object's layer");
+  if (!buffer) return fail(buffer.error());
+  layer.buffer_ = std::move(*buffer);
+  auto lattice = LayerLattice::create(options, info, programs);
+  if (!lattice) return fail(lattice.error());
+  const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options));
+  if (!resolving) return fail(resolving.error());
+  return LayerDrawing(std::make_unique<State>(State{
+      model, projection, horizon, options, programs, std::move(set_appearance), std::move(layer), std::move(*lattice),
+      *resolving, object_defines(options, projection), depth_range(projection, model.bounds_with_ground()),
+      tiles_of(box, spare_samples(options.detail), horizon)}));
+}
+
+Result<bool> LayerDrawing::step() {
+  State& s = *state_;
+  if (s.drawn < s.tiles.size())
+    if (auto drawn = s.draw(s.tiles[s.drawn++]); !drawn) return fail(drawn.error());
+  return s.drawn == s.tiles.size();
+}
+
+ObjectLayer LayerDrawing::take() {
+  return std::move(state_->layer);
 }
 
 void ObjectLayer::bind(const Program& program, bool smooth) const {

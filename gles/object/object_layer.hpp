@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include <glm/vec4.hpp>
 
@@ -34,7 +35,7 @@ class ObjectLayer {
   static int margin_px(const ObjectDetail& detail);
 
   // `horizon` is the sky model's, per pixel. `set_appearance` sets the uniforms of light and air. Requires the dither
-  // pattern in kDitherUnit. Errors: device.
+  // pattern in kDitherUnit. BLOCKS for all its tiles; LayerDrawing draws one at a time. Errors: device.
   static Result<ObjectLayer> draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
                                   const AirlightGrid& horizon, const Options& options, const GlInfo& info,
                                   Programs& programs, const std::function<void(const Program&)>& set_appearance);
@@ -46,12 +47,35 @@ class ObjectLayer {
   Result<Image<glm::vec4>> read() const;
 
  private:
+  friend class LayerDrawing;
   ObjectLayer() = default;
   PixelBox box_;
   bool in_8_bits_ = false;  // else half floats
   double unit_ = 1.0;
   bool filters_ = false;  // the driver can filter this texture format
   LayerBuffer buffer_;
+};
+
+// Draws a layer one tile at a time, between which the thread may draw something else.
+class LayerDrawing {
+ public:
+  // As ObjectLayer::draw(). All references, and what `options` points to, must outlive it. Errors: device.
+  static Result<LayerDrawing> begin(const GpuModel& model, const Projection& projection, const PixelBox& box,
+                                    const AirlightGrid& horizon, const ObjectLayer::Options& options,
+                                    const GlInfo& info, Programs& programs,
+                                    std::function<void(const Program&)> set_appearance);
+  LayerDrawing(LayerDrawing&&) noexcept;
+  LayerDrawing& operator=(LayerDrawing&&) noexcept;
+  ~LayerDrawing();
+
+  // true: it is whole. Requires the dither pattern and the foreground in their units. Errors: device.
+  Result<bool> step();
+  ObjectLayer take();
+
+ private:
+  struct State;
+  explicit LayerDrawing(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace kasumi

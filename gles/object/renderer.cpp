@@ -18,7 +18,28 @@
 #include "gles/picture/response_table.hpp"
 
 namespace kasumi {
+namespace {
+
+// Calls it until it says that it is done.
+template <class Step>
+Result<> until_done(Step step) {
+  for (;;) {
+    const auto done = step();
+    if (!done) return fail(done.error());
+    if (*done) return {};
+  }
+}
+
+}  // namespace
+
 struct Renderer::State {
+  // A layer under way.
+  struct UnfinishedLayer {
+    ObjectAppearance appearance;
+    std::optional<SunShadowDrawing> shadow;  // while the shadow is drawn
+    std::optional<LayerDrawing> drawing;     // afterwards
+  };
+
   State(const GlInfo& gl_info, const RendererOptions& given) : info(gl_info), options(given) {}
 
   const GlInfo& info;
@@ -40,6 +61,8 @@ struct Renderer::State {
   bool many_varyings = true;  // more than GLES 2 guarantees
   SunShadow::Options shadow_options;
   std::optional<SunShadow> shadow;  // as drawn last
+  std::optional<ModelUpload> unfinished_model;
+  std::optional<UnfinishedLayer> unfinished_layer;
   std::optional<ObjectLayer> layer;
   Composite composite;
   std::vector<std::string> notes;
@@ -50,6 +73,7 @@ struct Renderer::State {
   }
 
   void drop_layer() {
+    unfinished_layer.reset();
     layer.reset();
     composite.drop_layer();
   }
@@ -94,18 +118,58 @@ struct Renderer::State {
     return {};
   }
 
-  // Redraws the shadow when the sun, the pose or its size in the picture has changed; null if the sun casts none.
-  Result<const SunShadow*> shadow_under(const ObjectAppearance& appearance) {
-    if (!appearance.shadows || !shadows_work || appearance.light.sun_irradiance == glm::dvec3{0.0}) return nullptr;
+  bool casts_shadow(const ObjectAppearance& appearance) const {
+    return appearance.shadows && shadows_work && appearance.light.sun_irradiance != glm::dvec3{0.0};
+  }
+  // Of the shadow to be drawn; empty: the one at hand is right.
+  std::optional<SunFrame> new_shadow(const ObjectAppearance& appearance) const {
     const int texels = SunShadow::texels_for(*model, *projection, info, shadow_options);
     const SunFrame frame =
         make_sun_frame(model->bounds(), projection->model_to_world, appearance.light.sun_direction, texels);
-    if (shadow && shadow->frame() == frame) return &*shadow;
-    shadow.reset();
-    auto drawn = SunShadow::draw(*model, frame, shadow_options, info, programs);
-    if (!drawn) return fail(drawn.error());
-    shadow = std::move(*drawn);
+    if (shadow && shadow->frame() == frame) return std::nullopt;
+    return frame;
+  }
+  // Redraws the shadow when the sun, the pose or its size in the picture has changed; null if the sun casts none.
+  Result<const SunShadow*> shadow_under(const ObjectAppearance& appearance) {
+    if (!casts_shadow(appearance)) return nullptr;
+    if (const auto frame = new_shadow(appearance)) {
+      shadow.reset();
+      auto drawn = SunShadow::draw(*model, *frame, shadow_options, info, programs);
+      if (!drawn) return fail(drawn.error());
+      shadow = std::move(*drawn);
+    }
     return &*shadow;
+  }
+
+  void bind_for_layer() const {
+    glActiveTexture(GL_TEXTURE0 + kDitherUnit);
+    glBindTexture(GL_TEXTURE_2D, dither.name());
+    if (foreground) foreground->bind();
+  }
+  // The shadow is there.
+  Result<> begin_tiles(UnfinishedLayer& unfinished) {
+    const ObjectAppearance& appearance = unfinished.appearance;
+    if (auto lit = follow(appearance.light); !lit) return lit;
+    auto drawing = LayerDrawing::begin(
+        *model, *projection, box, appearance.horizon,
+        {layer_in_8_bits(), largest_n(appearance, sky, model->materials()), appearance.aerial_perspective,
+         foreground.has_value(), detail, scene_depth ? &*scene_depth : nullptr, scene_depth_unit,
+         casts_shadow(appearance) ? &*shadow : nullptr},
+        info, programs, [this, appearance](const Program& program) {
+          set_appearance(program, appearance);
+          sky.bind(program, units_for_layer().sky);
+        });
+    if (!drawing) return fail(drawing.error());
+    unfinished.drawing = std::move(*drawing);
+    return {};
+  }
+  Result<> finish_layer(ObjectLayer drawn) {
+    const auto texels = drawn.read();
+    if (!texels) return fail(texels.error());
+    composite.take(drawn, projection->view, *texels);
+    layer = std::move(drawn);
+    unfinished_layer.reset();
+    return check_gl("cutting the picture");
   }
 
   // The filtered surroundings follow the light.
@@ -150,15 +214,29 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
 }
 
 Result<> Renderer::set_model(const Model& model) {
-  auto uploaded = GpuModel::upload(model, state_->info, state_->options.force_encoded_textures, state_->notes);
-  if (!uploaded) return fail(uploaded.error());
-  const auto& materials = uploaded->materials();
-  if (!std::ranges::all_of(materials, [&](const auto& m) { return holds(state_->units_in_one_pass, m); }))
-    state_->notes.emplace_back("a moving view leaves out some pictures of the model: too few texture units");
-  state_->model = std::move(*uploaded);
-  state_->shadow.reset();
-  state_->look();
+  if (auto begun = begin_model(model); !begun) return begun;
+  return until_done([this] { return continue_model(); });
+}
+
+Result<> Renderer::begin_model(const Model& model, std::shared_ptr<const ModelChunks> chunks) {
+  State& s = *state_;
+  auto upload = ModelUpload::begin(model, std::move(chunks), s.info, s.options.force_encoded_textures, s.notes);
+  if (!upload) return fail(upload.error());
+  s.unfinished_model = std::move(*upload);
   return {};
+}
+
+Result<bool> Renderer::continue_model() {
+  State& s = *state_;
+  const auto whole = s.unfinished_model->step();
+  if (!whole || !*whole) return whole;
+  s.model = s.unfinished_model->take();
+  s.unfinished_model.reset();
+  if (!std::ranges::all_of(s.model->materials(), [&](const auto& m) { return holds(s.units_in_one_pass, m); }))
+    s.notes.emplace_back("a moving view leaves out some pictures of the model: too few texture units");
+  s.shadow.reset();
+  s.look();
+  return true;
 }
 
 Result<> Renderer::set_view(const SceneView& view, const glm::dmat4& model_to_world) {
@@ -226,6 +304,11 @@ PixelBox Renderer::object_box() const {
 }
 
 Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
+  if (auto begun = begin_layer(appearance); !begun) return begun;
+  return until_done([this] { return continue_layer(); });
+}
+
+Result<> Renderer::begin_layer(const ObjectAppearance& appearance) {
   State& s = *state_;
   if (auto ready = s.ready_for_object(); !ready) return ready;
   Problems problems;
@@ -234,26 +317,39 @@ Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
   s.drop_layer();
   if (s.box.empty()) return {};
 
-  const auto shadow = s.shadow_under(appearance);
-  if (!shadow) return fail(shadow.error());
-  if (auto lit = s.follow(appearance.light); !lit) return lit;
-  glActiveTexture(GL_TEXTURE0 + kDitherUnit);
-  glBindTexture(GL_TEXTURE_2D, s.dither.name());
-  if (s.foreground) s.foreground->bind();
-  auto layer = ObjectLayer::draw(
-      *s.model, *s.projection, s.box, appearance.horizon,
-      {s.layer_in_8_bits(), largest_n(appearance, s.sky, s.model->materials()), appearance.aerial_perspective,
-       s.foreground.has_value(), s.detail, s.scene_depth ? &*s.scene_depth : nullptr, s.scene_depth_unit, *shadow},
-      s.info, s.programs, [&](const Program& program) {
-        set_appearance(program, appearance);
-        s.sky.bind(program, units_for_layer().sky);
-      });
-  if (!layer) return fail(layer.error());
-  const auto texels = layer->read();
-  if (!texels) return fail(texels.error());
-  s.composite.take(*layer, s.projection->view, *texels);
-  s.layer = std::move(*layer);
-  return check_gl("cutting the picture");
+  State::UnfinishedLayer unfinished{appearance, std::nullopt, std::nullopt};
+  const auto frame = s.casts_shadow(appearance) ? s.new_shadow(appearance) : std::nullopt;
+  if (frame) {
+    s.shadow.reset();
+    auto drawing = SunShadowDrawing::begin(*s.model, *frame, s.shadow_options, s.info, s.programs);
+    if (!drawing) return fail(drawing.error());
+    unfinished.shadow = std::move(*drawing);
+  }
+  s.unfinished_layer = std::move(unfinished);
+  return {};
+}
+
+Result<bool> Renderer::continue_layer() {
+  State& s = *state_;
+  if (!s.unfinished_layer) return true;  // nothing to be seen of the object
+  State::UnfinishedLayer& unfinished = *s.unfinished_layer;
+  if (unfinished.shadow) {
+    const auto whole = unfinished.shadow->step();
+    if (!whole) return whole;
+    if (!*whole) return false;
+    s.shadow = unfinished.shadow->take();
+    unfinished.shadow.reset();
+    return false;
+  }
+  if (!unfinished.drawing) {
+    if (auto begun = s.begin_tiles(unfinished); !begun) return fail(begun.error());
+    return false;
+  }
+  s.bind_for_layer();
+  const auto whole = unfinished.drawing->step();
+  if (!whole || !*whole) return whole;
+  if (auto finished = s.finish_layer(unfinished.drawing->take()); !finished) return fail(finished.error());
+  return true;
 }
 
 Result<Image<glm::vec4>> Renderer::read_layer() {
@@ -270,6 +366,10 @@ Result<> Renderer::import_frame(const ExternalPicture& frame) {
   State& s = *state_;
   if (auto fits = s.fits_view(frame.width, frame.height); !fits) return fits;
   return s.camera.import_frame(frame, s.notes);
+}
+
+void Renderer::drop_camera_buffers() {
+  state_->camera.drop_buffers();
 }
 
 FrameCounts Renderer::frames() const {

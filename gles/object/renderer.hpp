@@ -31,6 +31,8 @@
 
 namespace kasumi {
 
+struct ModelChunks;
+
 class Renderer {
  public:
   // `context` must be current and outlive the renderer. Errors: device, unsupported (shaders, limits).
@@ -44,6 +46,11 @@ class Renderer {
   Result<> set_model(const Model& model);
   // model_to_world: model frame to world metres of the scene camera's site (see Placement).
   Result<> set_view(const SceneView& view, const glm::dmat4& model_to_world);
+  // set_model() in pieces of some milliseconds, between which other renderers of this context may draw. `model` must
+  // outlive them; `chunks`: the model's; null: it is cut here. After an error nothing more may be called.
+  Result<> begin_model(const Model& model, std::shared_ptr<const ModelChunks> chunks = nullptr);
+  Result<bool> continue_model();  // true: it is set
+
   // Scene camera's size; 0 where something stands in front of the object, 255 where nothing does, in between at soft
   // edges. An empty image: nothing stands in front.
   Result<> set_foreground(const Image<std::uint8_t>& mask);
@@ -66,6 +73,10 @@ class Renderer {
   // Draws the object into the cached layer. Needs a model and a view. Takes long (supersampling); the result stays
   // valid for every exposure, that is for every measured airlight.
   Result<> redraw_layer(const ObjectAppearance& appearance);
+  // The same in pieces of some milliseconds on a fast GPU: a map of the shadow, a tile of the layer.
+  Result<> begin_layer(const ObjectAppearance& appearance);
+  Result<bool> continue_layer();  // true: it is drawn
+
   // The cached layer: premultiplied N = rho Gamma + 1 - Gamma in rgb, coverage in a (physics 6), one element per pixel
   // of object_box(). For tests and masks.
   Result<Image<glm::vec4>> read_layer();
@@ -77,6 +88,9 @@ class Renderer {
   // it has been replaced on the display. Errors: unsupported (upload it instead; reported once in notes(), and
   // remembered for pictures of that kind), bad_input (planes beyond the buffer).
   Result<> import_frame(const ExternalPicture& frame);
+  // For when the camera is gone: its driver frees no memory that the GPU still holds. Upload a picture before that was
+  // imported last.
+  void drop_camera_buffers();
   FrameCounts frames() const;
 
   // The uploaded picture with the cached layer in it. `measured`: airlight in the camera's light, full scale = 1.

@@ -19,6 +19,8 @@ class CameraImport {
   // has been shown. Errors: unsupported (this driver or memory: upload instead), bad_input (planes beyond the buffer,
   // impossible sizes).
   Result<CameraTextures> import(const ExternalPicture& picture, const GlInfo& info);
+  // Gives all of the camera's memory back; imported textures are gone.
+  void drop() { imported_.clear(); }
 
  private:
   class Image {  // owns an EGLImage

@@ -46,6 +46,11 @@ Result<> CameraInput::import_frame(const ExternalPicture& frame, std::vector<std
   return {};
 }
 
+void CameraInput::drop_buffers() {
+  if (import_) import_->drop();
+  if (newest_.source != CameraTextures::Source::uploaded) newest_ = {};
+}
+
 Result<std::unique_ptr<ImageDevice>> CameraInput::open_image_device() const {
   if (info_.software && !options_.import_on_software)
     return fail(FaultKind::unsupported, "{} is software, which may crash on other drivers' memory", info_.renderer);

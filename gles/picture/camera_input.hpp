@@ -22,6 +22,9 @@ class CameraInput {
   Result<> upload(const PictureView& frame);
   Result<> import_frame(const ExternalPicture& frame, std::vector<std::string>& notes);
 
+  // Gives the camera's buffers back. A picture read in one of them is gone: upload it before.
+  void drop_buffers();
+
   const CameraTextures& newest() const { return newest_; }  // uploaded or imported
   FrameCounts frames() const { return frames_; }
 

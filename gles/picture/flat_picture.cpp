@@ -55,17 +55,28 @@ int FlatPicture::height() const {
   return state_->height;
 }
 
+FlatTexels flat_texels(const Image<Rgba8>& picture, int largest) {
+  Image<Rgba8> texels = picture;
+  while (texels.width() > largest || texels.height() > largest) texels = halved(texels);
+  return {premultiplied(std::move(texels)), picture.width(), picture.height()};
+}
+
 Result<FlatPicture> FlatPicture::create(GlContext& context, const Image<Rgba8>& picture) {
-  if (picture.empty()) return fail(FaultKind::bad_input, "a flat picture has no pixels");
+  return create(context, flat_texels(picture, context.info().max_texture_size));
+}
+
+Result<FlatPicture> FlatPicture::create(GlContext& context, const FlatTexels& given) {
+  const Image<Rgba8>& texels = given.premultiplied;
+  const GlInfo& info = context.info();
+  if (texels.empty()) return fail(FaultKind::bad_input, "a flat picture has no pixels");
+  if (texels.width() > info.max_texture_size || texels.height() > info.max_texture_size)
+    return fail(FaultKind::bad_input, "a flat picture of {} x {} pixels: this driver supports at most {}",
+                texels.width(), texels.height(), info.max_texture_size);
   auto program = Program::build({}, "flat.vert", "flat.frag");
   if (!program) return fail(program.error());
-  const GlInfo& info = context.info();
-  Image<Rgba8> texels = picture;
-  while (texels.width() > info.max_texture_size || texels.height() > info.max_texture_size) texels = halved(texels);
-  texels = premultiplied(std::move(texels));
 
-  auto state = std::make_unique<State>(
-      State{picture.width(), picture.height(), std::move(*program), make_texture(), make_buffer()});
+  auto state =
+      std::make_unique<State>(State{given.width, given.height, std::move(*program), make_texture(), make_buffer()});
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, state->texture.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);

@@ -23,10 +23,21 @@ struct FlatPlace {
   double height = 0.0;
 };
 
+// A flat picture's texels, made without GL: for a large one that takes a part of a second.
+struct FlatTexels {
+  Image<Rgba8> premultiplied;
+  int width = 0;  // of the picture, which may be larger
+  int height = 0;
+};
+// Halved until no side is longer than `largest`.
+FlatTexels flat_texels(const Image<Rgba8>& picture, int largest);
+
 class FlatPicture {
  public:
   // Uploads the picture (halved until it fits the driver's limit). Errors: bad_input (empty), device.
   static Result<FlatPicture> create(GlContext& context, const Image<Rgba8>& picture);
+  // Errors: bad_input (empty, or beyond the driver's limit), device.
+  static Result<FlatPicture> create(GlContext& context, const FlatTexels& texels);
   FlatPicture(FlatPicture&&) noexcept;
   FlatPicture& operator=(FlatPicture&&) noexcept;
   ~FlatPicture();

@@ -35,28 +35,6 @@ GlTexture make_maps(int side, bool packed, const GlInfo& info) {
   return texture;
 }
 
-// The maps' framebuffer with its attachments.
-struct Target {
-  GlFramebuffer framebuffer;
-  GlRenderbuffer depth;
-
-  static Result<Target> create(const GlTexture& maps, int side, bool packed, const GlInfo& info) {
-    Target made;
-    made.framebuffer = make_framebuffer();
-    glBindFramebuffer(GL_FRAMEBUFFER, made.framebuffer.name());
-    glFramebufferTexture2D(GL_FRAMEBUFFER, packed ? GL_COLOR_ATTACHMENT0 : GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D,
-                           maps.name(), 0);
-    if (packed) {
-      made.depth = make_renderbuffer();
-      glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
-      glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), side, side);
-      glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
-    }
-    if (auto complete = check_framebuffer("the maps of the sun's shadow"); !complete) return fail(complete.error());
-    return made;
-  }
-};
-
 void set_frame(const Program& program, const SunFrame& frame) {
   program.set("sun_from_model", frame.from_model);
   program.set("sun_spread", frame.spread);
@@ -120,27 +98,54 @@ int SunShadow::texels_for(const GpuModel& model, const Projection& projection, c
 
 Result<SunShadow> SunShadow::draw(const GpuModel& model, const SunFrame& frame, const Options& options,
                                   const GlInfo& info, Programs& programs) {
-  SunShadow made;
-  made.frame_ = frame;
-  made.options_ = options;
+  auto drawing = SunShadowDrawing::begin(model, frame, options, info, programs);
+  if (!drawing) return fail(drawing.error());
+  for (;;) {
+    const auto whole = drawing->step();
+    if (!whole) return fail(whole.error());
+    if (*whole) return drawing->take();
+  }
+}
+
+Result<SunShadowDrawing> SunShadowDrawing::begin(const GpuModel& model, const SunFrame& frame,
+                                                 const SunShadow::Options& options, const GlInfo& info,
+                                                 Programs& programs) {
+  SunShadowDrawing drawing(model, programs);
+  drawing.made_.frame_ = frame;
+  drawing.made_.options_ = options;
+  const int side = kMapsPerSide * frame.texels;
   glActiveTexture(GL_TEXTURE0 + kPlaneUnit);  // no other texture is in use here
-  made.maps_ = make_maps(kMapsPerSide * frame.texels, options.packed, info);
-  const auto target = Target::create(made.maps_, kMapsPerSide * frame.texels, options.packed, info);
-  if (!target) return fail(target.error());
+  drawing.made_.maps_ = make_maps(side, options.packed, info);
+  drawing.framebuffer_ = make_framebuffer();
+  glBindFramebuffer(GL_FRAMEBUFFER, drawing.framebuffer_.name());
+  glFramebufferTexture2D(GL_FRAMEBUFFER, options.packed ? GL_COLOR_ATTACHMENT0 : GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D,
+                         drawing.made_.maps_.name(), 0);
+  if (options.packed) {
+    drawing.depth_ = make_renderbuffer();
+    glBindRenderbuffer(GL_RENDERBUFFER, drawing.depth_.name());
+    glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), side, side);
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, drawing.depth_.name());
+  }
+  if (auto complete = check_framebuffer("the maps of the sun's shadow"); !complete) return fail(complete.error());
   glClearColor(1, 1, 1, 1);
   glDepthMask(GL_TRUE);
   glClear(GL_DEPTH_BUFFER_BIT | (options.packed ? GL_COLOR_BUFFER_BIT : 0u));
-  const Defines variant = options.packed ? Defines{"PACKED_DEPTH"} : Defines{};
-  for (int number = 0; number < kSunPoints; ++number) {
-    glViewport(number % kMapsPerSide * frame.texels, number / kMapsPerSide * frame.texels, frame.texels, frame.texels);
-    const auto drawn = model.draw_shadow(programs, variant, [&](const Program& program) {
-      set_frame(program, frame);
-      program.set("map_number", static_cast<double>(number));
-    });
-    if (!drawn) return fail(drawn.error());
-  }
-  if (auto drawn = check_gl("drawing the sun's shadow"); !drawn) return fail(drawn.error());
-  return made;
+  return drawing;
+}
+
+Result<bool> SunShadowDrawing::step() {
+  const SunFrame& frame = made_.frame_;
+  const int number = drawn_++;
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+  glViewport(number % kMapsPerSide * frame.texels, number / kMapsPerSide * frame.texels, frame.texels, frame.texels);
+  const auto drawn = model_->draw_shadow(*programs_, made_.options_.packed ? Defines{"PACKED_DEPTH"} : Defines{},
+                                         [&](const Program& program) {
+                                           set_frame(program, frame);
+                                           program.set("map_number", static_cast<double>(number));
+                                         });
+  if (!drawn) return fail(drawn.error());
+  if (auto sound = check_gl("drawing the sun's shadow"); !sound) return fail(sound.error());
+  return drawn_ == kSunPoints;
 }
 
 Defines SunShadow::defines() const {

@@ -43,7 +43,7 @@ class SunShadow {
   static int texels_for(const GpuModel& model, const Projection& projection, const GlInfo& info,
                         const Options& options);
 
-  // Errors: device (shaders, memory).
+  // BLOCKS for all its maps; SunShadowDrawing draws one at a time. Errors: device (shaders, memory).
   static Result<SunShadow> draw(const GpuModel& model, const SunFrame& frame, const Options& options,
                                 const GlInfo& info, Programs& programs);
 
@@ -54,10 +54,32 @@ class SunShadow {
   void bind(const Program& program, int unit) const;
 
  private:
+  friend class SunShadowDrawing;
   SunShadow() = default;
   SunFrame frame_;
   Options options_;
   GlTexture maps_;
+};
+
+// Draws a shadow one map at a time, between which the thread may draw something else.
+class SunShadowDrawing {
+ public:
+  // `model`, `info` and `programs` must outlive it. Errors: device.
+  static Result<SunShadowDrawing> begin(const GpuModel& model, const SunFrame& frame, const SunShadow::Options& options,
+                                        const GlInfo& info, Programs& programs);
+  // true: it is whole. Errors: device.
+  Result<bool> step();
+  SunShadow take() { return std::move(made_); }
+
+ private:
+  SunShadowDrawing(const GpuModel& model, Programs& programs) : model_(&model), programs_(&programs) {}
+
+  const GpuModel* model_;
+  Programs* programs_;
+  SunShadow made_;
+  GlFramebuffer framebuffer_;
+  GlRenderbuffer depth_;  // where the maps are packed into colours
+  int drawn_ = 0;
 };
 
 }  // namespace kasumi
