@@ -20,9 +20,12 @@ void add_retarget_command(CLI::App& app, Action& action);
 void add_sky_command(CLI::App& app, Action& action);
 void add_haze_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
+void add_compare_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
 void add_run_command(CLI::App& app, Action& action);
+void add_reload_command(CLI::App& app, Action& action);
 void add_record_command(CLI::App& app, Action& action);
+void add_snapshot_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);
 
 }  // namespace kasumi

@@ -3,9 +3,12 @@
 #pragma once
 
 #include "pipeline/appliance/check_loop.hpp"
+#include "pipeline/appliance/proving_loop.hpp"
+#include "pipeline/appliance/reload_loop.hpp"
 #include "pipeline/appliance/render_loop.hpp"
 #include "pipeline/appliance/scene_loop.hpp"
 #include "pipeline/appliance/sky_loop.hpp"
+#include "pipeline/appliance/snapshot_server.hpp"
 #include "pipeline/appliance/status_loop.hpp"
 #include "pipeline/appliance/visibility_loop.hpp"
 
@@ -17,6 +20,27 @@ struct ApplianceServices {
   Clock& clock;
   TimeWatch& time;
   Notifier& notifier;
+  ProvingOptions proving{};
+  ReloadLoop::Probes probes{};  // empty: the machine's own
+};
+
+// Passes everything on, and counts how often the render loop was alive.
+class CountingNotifier final : public Notifier {
+ public:
+  CountingNotifier(Notifier& to, std::atomic<std::uint64_t>& alive) : to_(to), alive_(alive) {}
+  void ready() override { to_.ready(); }
+  void status(const std::string& line) override { to_.status(line); }
+  void alive() override {
+    ++alive_;
+    to_.alive();
+  }
+  void extend_start(Duration by) override { to_.extend_start(by); }
+  void reloading() override { to_.reloading(); }
+  void stopping() override { to_.stopping(); }
+
+ private:
+  Notifier& to_;
+  std::atomic<std::uint64_t>& alive_;
 };
 
 class Appliance {
@@ -30,23 +54,25 @@ class Appliance {
   StatusLoop& status() { return status_; }
   CheckLoop& check() { return check_; }
   VisibilityLoop& visibility() { return visibility_; }
+  SnapshotServer& snapshot() { return snapshot_; }
+  Bell& snapshot_bell() { return mailboxes_.snapshot.bell; }
+  ProvingLoop& proving() { return proving_; }
+  ReloadLoop& reload() { return reload_; }
   Bell& render_bell() { return mailboxes_.render.bell; }
-
-  // Reads configuration and content again and hands them to the loops. When they are invalid, the old ones stay and
-  // every problem is logged and reported in the status. BLOCKS for the seconds that reading takes. Any thread, but only
-  // one at a time.
-  void reload();
+  Bell& reload_bell() { return mailboxes_.reload.bell; }
 
  private:
-  std::filesystem::path config_file_;
-  ApplianceServices services_;
   Mailboxes mailboxes_;
+  CountingNotifier notifier_;
   SceneLoop scene_;
   SkyLoop sky_;
   RenderLoop render_;
+  SnapshotServer snapshot_;
   StatusLoop status_;
   CheckLoop check_;
   VisibilityLoop visibility_;
+  ProvingLoop proving_;
+  ReloadLoop reload_;
 };
 
 }  // namespace kasumi

@@ -1,36 +1,17 @@
 #include "pipeline/appliance/camera_link.hpp"
 
-#include <algorithm>
-
 #include <spdlog/spdlog.h>
 
 namespace kasumi {
 
-namespace {
-
-// The deadlines are made for video; a slow camera gets the same tolerance in frames.
-ReconnectOptions reconnect_options(Duration interval) {
-  ReconnectOptions options;
-  const auto at_least = [](Duration& deadline, Duration least) { deadline = std::max(deadline, least); };
-  at_least(options.stall_deadline, interval * 5 / 2);
-  at_least(options.first_frame_deadline, interval * 5 / 2);
-  at_least(options.bad_frames_deadline, interval * 5);
-  at_least(options.condition_deadline, interval * 5);
-  return options;
-}
-
-}  // namespace
-
 CameraLink::CameraLink(CameraOpening opening, Clock& clock)
-    : clock_(clock),
-      opening_(std::move(opening)),
-      source_(reconnecting(opening_.opener, clock_, reconnect_options(opening_.frame_interval))) {}
+    : clock_(clock), opening_(std::move(opening)), source_(reconnecting(opening_, clock_)) {}
 
 void CameraLink::replace(CameraOpening opening) {
   source_.reset();  // a camera cannot be opened twice
   ++outages_;
   opening_ = std::move(opening);
-  source_ = reconnecting(opening_.opener, clock_, reconnect_options(opening_.frame_interval));
+  source_ = reconnecting(opening_, clock_);
   lost_ = waited_for_ = false;
   condition_ = PictureCondition::normal;
 }
@@ -69,7 +50,7 @@ void CameraLink::log_changes() {
 }
 
 CameraStatus CameraLink::status() const {
-  return {source_->health(), outages_, opening_.frame_interval};
+  return {source_->health(), outages_, opening_.frame_interval, clock_.now()};
 }
 
 }  // namespace kasumi

@@ -23,6 +23,7 @@ class CameraLink {
   void reject(std::string_view reason) { source_->reject(reason); }
   CameraHealth health() const { return source_->health(); }
   std::uint64_t outages() const { return outages_; }
+  Duration frame_interval() const { return opening_.frame_interval; }  // 0: unknown
   bool recorded() const { return opening_.recorded; }
   CameraStatus status() const;
 

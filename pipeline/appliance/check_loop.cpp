@@ -18,12 +18,16 @@ constexpr Duration kGatheringPollInterval = 200ms;  // for requested pictures
 std::optional<DriftReference> find_reference(const std::filesystem::path& installed, const std::filesystem::path& own,
                                              const Installation& installation) {
   for (const auto& stem : {installed, own}) {
-    auto reference = load_reference(stem);
+    auto reference = load_reference(stem, installation);
     if (reference && belongs_to(*reference, installation)) return std::move(*reference);
     if (!reference && reference.error().kind == FaultKind::bad_input)
       spdlog::warn("check: {}", reference.error().message);
   }
   return std::nullopt;
+}
+
+std::filesystem::path own_reference(const std::filesystem::path& state_folder) {
+  return state_folder / "calibration";
 }
 
 }  // namespace
@@ -32,10 +36,17 @@ CheckLoop::CheckLoop(ContentPtr content, std::filesystem::path config_file, Cloc
     : content_(std::move(content)), config_file_(std::move(config_file)), clock_(clock), mailboxes_(mailboxes) {}
 
 Instant CheckLoop::step() {
+  mailboxes_.check.pulse.turn(clock_.now(), kBehindBound);
   if (const auto content = mailboxes_.check.content.take()) {
     content_ = *content;
     frames_.reset();
     done_today_ = false;
+  }
+  if (content_->config.state_folder && !pictures_replaced_) {
+    pictures_replaced_ = true;
+    const auto own = own_reference(*content_->config.state_folder);
+    if (auto replaced = replace_kept_pictures(own, content_->config.installation); !replaced)
+      spdlog::warn("check: {}", replaced.error().message);
   }
   const auto& options = content_->config.check;
   const auto now = clock_.now();
@@ -80,7 +91,7 @@ void CheckLoop::judge() {
   const auto enough = std::size_t{kFewestCheckFrames};
   if (frames_->scene().size() < enough && frames_->sky().size() < enough)
     return publish("not checked: too few pictures arrived", std::nullopt, true);
-  const auto own = *content_->config.state_folder / "calibration";
+  const auto own = own_reference(*content_->config.state_folder);
   if (const auto reference = find_reference(reference_stem(installation, config_file_), own, installation)) {
     auto report = find_drift(*frames_, *reference, installation, now);
     auto summary = drift_summary(report);

@@ -29,6 +29,7 @@ class CheckLoop {
   std::optional<DriftFrames> frames_;  // while gathering
   Instant due_{};                      // for the next pictures
   bool done_today_ = false;            // checked; reset the next day
+  bool pictures_replaced_ = false;     // those that earlier versions kept
 };
 
 }  // namespace kasumi

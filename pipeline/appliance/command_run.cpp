@@ -1,11 +1,19 @@
 #include <cstdlib>
+#include <sstream>
 
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "capture/utc_text.hpp"
+#include "pipeline/appliance/safe_mode.hpp"
 #include "pipeline/appliance/threads.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/config/sighting.hpp"
+#include "pipeline/log_lines.hpp"
+#include "pipeline/machine/state_folder.hpp"
+#include "pipeline/machine/this_boot.hpp"
+#include "pipeline/stage/stage_making.hpp"
+#include "pipeline/start/kept_content.hpp"
 
 namespace kasumi {
 
@@ -27,22 +35,100 @@ std::optional<std::filesystem::path> status_file(const std::string& given) {
   return std::nullopt;
 }
 
-Result<int> run(const RunArguments& arguments) {
-  auto content = read_content(arguments.config);
-  if (!content) {
-    fmt::print(stderr, "kasumi: the configuration is invalid:\n{}\n", content.error().message);
+int refused(const Fault& fault) {
+  if (fault.kind == FaultKind::io) {  // may pass: it is tried again
+    print_error("the configuration cannot be read:\n" + fault.message);
+    return EXIT_FAILURE;
+  }
+  print_error("the configuration is invalid:\n" + fault.message);
+  return kBadConfiguration;
+}
+
+std::vector<std::string> problems_in(const std::string& message) {
+  std::vector<std::string> lines;
+  std::istringstream stream(message);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// What is configured; if that is refused or makes start after start fail, what worked last. Errors: those of the
+// configured content, when nothing was kept either.
+Result<ContentPtr> content_to_show(const std::filesystem::path& config, const StartLog& starts,
+                                   const std::filesystem::path& kept_folder) {
+  auto configured = read_content(config);
+  const bool suspect = configured && suspects_content(starts.record()) && !is_kept(**configured, kept_folder);
+  if (kept_folder.empty() || (configured && !suspect)) return configured;
+  auto problems = configured
+                      ? std::vector{fmt::format("{} starts in a row have failed with it", kStartsBeforeKeptContent)}
+                      : problems_in(configured.error().message);
+  auto kept = read_kept_content(config, kept_folder, problems);
+  if (!kept) {
+    spdlog::info("no earlier content to show instead: {}", kept.error().message);
+    return configured;
+  }
+  spdlog::error("the configured content is not used, shown is what worked until {}:",
+                utc_text(std::chrono::floor<std::chrono::seconds>((*kept)->instead->kept_utc)));
+  for (const auto& problem : problems) spdlog::error("  {}", problem);
+  return kept;
+}
+
+void log_sighting(const Content& content) {
+  const auto sighting = sight_object(content.config.installation, content.model.bounds());
+  spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.message);
+}
+
+// Draws it once where nobody sees it: what only GL refuses is found out like that, too.
+Result<int> check_drawing(const RunArguments& arguments, const ContentPtr& content) {
+  std::string renderer;
+  const auto drawn = try_drawing(content, prepare_stage(*content), renderer);
+  if (!drawn && renderer.empty())
+    print_error(fmt::format("whether it can be drawn is not known: {}", drawn.error().message));
+  if (!drawn && !renderer.empty()) {
+    print_error(fmt::format("the content cannot be drawn by {}:\n{}", renderer, drawn.error().message));
     return kBadConfiguration;
   }
-  const auto sighting = sight_object((*content)->config.installation, (*content)->model.bounds());
-  spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.message);
-  if (arguments.check) {
-    if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
-      fmt::print("{}\n", summary);
-    fmt::print("{}: configuration is valid\n", arguments.config);
+  fmt::print("{}: configuration is valid{}\n", arguments.config,
+             drawn ? fmt::format(", and drawn by {}", renderer) : std::string());
+  return 0;
+}
+
+Result<int> check(const RunArguments& arguments) {
+  const auto content = read_content(arguments.config);
+  if (!content) return refused(content.error());
+  log_sighting(**content);
+  if (const auto& folder = (*content)->config.state_folder) {
+    const auto remark = try_state_folder(*folder);
+    if (!remark) {
+      print_error(remark.error().message);
+      return remark.error().kind == FaultKind::bad_input ? kBadConfiguration : EXIT_FAILURE;
+    }
+    if (!remark->empty()) fmt::print("{}\n", *remark);
+  }
+  if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
+    fmt::print("{}\n", summary);
+  return check_drawing(arguments, *content);
+}
+
+Result<int> run(const RunArguments& arguments) {
+  const auto folders = service_folders();
+  const auto kept_folder = folders.state.empty() ? std::filesystem::path() : folders.state / "last-good";
+  StartLog starts(folders, boot_id(), since_boot_s());
+  if (starts.mode() != StartMode::whole) {
+    if (auto ended = run_safe_mode(arguments.config, starts, status_file(arguments.status)); !ended)
+      return fail(ended.error());
     return 0;
   }
-  const auto ended = run_appliance(arguments.config, std::move(*content),
-                                   {.file = status_file(arguments.status), .stats = arguments.stats});
+  starts.doing("reading configuration and content");
+  auto content = content_to_show(arguments.config, starts, kept_folder);
+  if (!content) {
+    if (content.error().kind != FaultKind::io) starts.ended();  // not a boot for nothing: a person reads why
+    return refused(content.error());
+  }
+  log_sighting(**content);
+  starts.doing("opening cameras and display");
+  StatusOptions status{.file = status_file(arguments.status), .stats = arguments.stats};
+  if (!folders.state.empty()) status.starts = &starts;
+  const auto ended = run_appliance(arguments.config, std::move(*content), std::move(status), starts, kept_folder);
   if (!ended) return fail(ended.error());
   return 0;
 }
@@ -59,8 +145,12 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_flag("--stats", arguments->stats,
                     "Log capture-to-flip latency, copies and drops every minute, and at "
                     "the end");
-  command->add_flag("--check", arguments->check, "Only read configuration and content, and report every problem");
-  command->callback([arguments, &action] { action = [arguments] { return run(*arguments); }; });
+  command->add_flag(
+      "--check", arguments->check,
+      "Only read configuration and content, try the state's folder, draw it once unseen, and report every problem");
+  command->callback([arguments, &action] {
+    action = [arguments] { return arguments->check ? check(*arguments) : run(*arguments); };
+  });
 }
 
 }  // namespace kasumi

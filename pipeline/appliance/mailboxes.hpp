@@ -1,4 +1,5 @@
-// Everything that passes between the appliance's loops: a mailbox for each. Nothing else is shared.
+// Everything that passes between the appliance's loops: a mailbox for each. Nothing else is shared. News carries when
+// it was told, since whoever told it may hang.
 #pragma once
 
 #include <array>
@@ -6,27 +7,36 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "base/bell.hpp"
 #include "base/latest_slot.hpp"
 #include "capture/reconnecting_source.hpp"
 #include "pipeline/config/content.hpp"
+#include "pipeline/loop/pulse.hpp"
 #include "pipeline/scene/scene_frame.hpp"
+#include "pipeline/scene/scene_watch.hpp"
 #include "pipeline/scene/sky_watch.hpp"
+#include "pipeline/snapshot/snapshot.hpp"
 
 namespace kasumi {
+
+struct PreparedStage;
 
 // A camera's state as its loop knows it.
 struct CameraStatus {
   CameraHealth health;
   std::uint64_t outages = 0;  // frames from before the last outage must be released
   Duration frame_interval{};  // 0: unknown
+  Instant told{};
 };
 
 struct SkyStatus {
   SkyReport report;
   bool up = false;  // the sky camera delivers pictures
   bool clock_trusted = false;
+  std::optional<RememberedAir> to_remember;  // over a restart; its utc is the machine's
+  Instant told{};                            // ages in the report are those of this instant
   bool sun_known() const { return report.sun.source != SunSource::none; }
 };
 
@@ -37,40 +47,88 @@ struct CheckPicture {
   bool time_known = false;  // metadata.utc is reliable enough for the sun's position
 };
 
-// The air as the sky camera measures it, for comparison.
+// The air as the sky camera alone measures it, for comparison.
 struct SkyAir {
   std::optional<TrackedTurbidity> turbidity;  // empty: unknown or not trustworthy
-  std::optional<SunDirection> sun;
+  SkyAbove above;
+  Instant told{};
 };
 
-// A loop's mailbox: what the others have posted since it last read it.
+// A loop's mailbox: what the others have posted since it last read it, and its sign of life for them.
 struct Mailbox {
+  explicit Mailbox(std::string_view loop) : pulse(loop) {}
   LatestSlot<ContentPtr> content;  // to be used from now on
+  Pulse pulse;
+};
+
+// New content, to be prepared on the display's GPU before anybody uses it. A later order replaces an earlier one.
+struct StageOrder {
+  std::uint64_t number = 0;
+  ContentPtr content;  // null: never mind
+  std::shared_ptr<const PreparedStage> prepared;
+};
+struct StageAnswer {
+  enum class Kind {
+    ready,       // it can be drawn, and is kept until the content arrives for use
+    refused,     // and `problem` says why
+    no_display,  // there is none to prepare it on
+  };
+  std::uint64_t number = 0;
+  Kind kind = Kind::ready;
+  std::string problem{};
 };
 
 struct SceneMailbox : Mailbox {
+  SceneMailbox() : Mailbox("scene") {}
   std::atomic<bool> check_wants_picture = false, visibility_wants_picture = false;  // the next that comes
+  std::atomic<int> show_one_of = 1;       // pictures, while the machine is too hot for all of them
+  std::atomic<std::uint64_t> spared = 0;  // pictures not shown for that
 };
 
 struct SkyMailbox : Mailbox {
+  SkyMailbox() : Mailbox("sky") {}
   std::atomic<bool> check_wants_picture = false;  // the next that comes
+  LatestSlot<SceneAirReading> scene_air;          // for the state of the air
 };
 
 struct RenderMailbox : Mailbox {
+  RenderMailbox() : Mailbox("render") {}
   LatestSlot<SceneFrame> frames;
   LatestSlot<CameraStatus> scene_camera;
   LatestSlot<SkyStatus> sky;
-  Bell bell;  // rung by whoever posts something that cannot wait
+  LatestSlot<StageOrder> order;
+  LatestSlot<SnapshotKind> snapshot;  // wanted
+  Bell bell;                          // rung by whoever posts something that cannot wait
+};
+
+struct ReloadMailbox {
+  LatestSlot<StageAnswer> answer;
+  Bell bell;
 };
 
 struct CheckMailbox : Mailbox {
+  CheckMailbox() : Mailbox("check") {}
   LatestSlot<CheckPicture> scene, sky;
   std::atomic<bool> clock_trusted = false;
 };
 
 struct VisibilityMailbox : Mailbox {
+  VisibilityMailbox() : Mailbox("visibility") {}
   LatestSlot<CheckPicture> scene;
   LatestSlot<SkyAir> sky;
+};
+
+// What is on the glass, for who asked.
+struct SnapshotMailbox {
+  LatestSlot<Snapshot> taken;
+  Bell bell;
+};
+
+// What shows that it goes on: counts that grow.
+struct ProvingMailbox : Mailbox {
+  ProvingMailbox() : Mailbox("proving") {}
+  std::atomic<std::uint64_t> alive = 0;           // the service manager was told so
+  std::atomic<std::uint64_t> scene_pictures = 0;  // shown
 };
 
 struct StatusMailbox;  // in status_mailbox.hpp, since its contents would make everyone include everything
@@ -79,13 +137,17 @@ struct Mailboxes {
   Mailboxes();
   ~Mailboxes();
   // Of every loop.
-  std::array<Mailbox*, 6> all();
+  std::array<Mailbox*, 7> all();
+  std::array<const Mailbox*, 7> all() const;
 
   SceneMailbox scene;
   SkyMailbox sky;
   RenderMailbox render;
   CheckMailbox check;
   VisibilityMailbox visibility;
+  SnapshotMailbox snapshot;
+  ProvingMailbox proving;
+  ReloadMailbox reload;
   const std::unique_ptr<StatusMailbox> status;
 };
 

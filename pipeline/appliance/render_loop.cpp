@@ -1,10 +1,12 @@
 #include "pipeline/appliance/render_loop.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include <spdlog/spdlog.h>
 
 #include "pipeline/config/messages.hpp"
+#include "pipeline/scene/aged_report.hpp"
 
 namespace kasumi {
 
@@ -12,10 +14,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kPollInterval = 100ms;  // for everything that is cheap to check
-constexpr Duration kRefreshInterval = 1s;  // an unchanged picture is shown again: it proves that the loop is alive
+constexpr Duration kPollInterval = 100ms;   // for everything that is cheap to check
+constexpr Duration kRefreshInterval = 1s;   // an unchanged picture is shown again: it proves that the loop is alive
+constexpr Duration kContentMessage = 2min;  // that earlier content is shown
 constexpr Duration kFadeStep = 33ms;
 constexpr Duration kRenderStatusInterval = 500ms;
+constexpr Duration kSkySilence = 2s;       // the sky's loop usually tells its news once a second
+constexpr Duration kHangRestart = 60s;     // a camera's loop hangs for so long: restart
+constexpr Duration kPreparingTime = 10ms;  // for a coming stage, after each look for a picture
+constexpr int kMostPreparingPieces = 16;   // the same by a clock that stands still
 
 std::optional<Trouble> trouble_of(PictureCondition condition) {
   switch (condition) {
@@ -38,6 +45,8 @@ std::optional<Message> message_of(Trouble trouble) {
     case Trouble::sky_lost: return Message::sky_camera_missing;
     case Trouble::time_unknown: return Message::no_clock;
     case Trouble::closed: return Message::closed;
+    case Trouble::safe_mode: return Message::safe_mode;
+    case Trouble::no_display: return std::nullopt;
   }
   return std::nullopt;
 }
@@ -56,10 +65,26 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       watchdog_(notifier),
       ladder_(content_->config.ladder),
       screen_(content_, devices, clock, watchdog_, status_.display),
+      started_(clock.now()),
+      snapshots_(mailboxes.snapshot),
       shown_at_(clock.now()),
-      minute_began_(clock.now()) {}
+      minute_began_(clock.now()),
+      hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
+              &mailboxes.proving.pulse, &mailboxes.status->pulse}) {}
 
-Instant RenderLoop::step() {
+// Nobody else can draw: whatever threw, the display is opened anew, and when that does not help the watchdog restarts.
+Instant RenderLoop::step() try { return take_step(); } catch (const std::exception& thrown) {
+  const auto why = fmt::format("drawing failed: {}", thrown.what());
+  if (screen_.is_open())
+    handle_screen_fault({FaultKind::device, why});
+  else
+    spdlog::error("display: {}", why);
+  return screen_.next_attempt(clock_.now() + kPollInterval);
+}
+
+Instant RenderLoop::take_step() {
+  mailboxes_.render.pulse.turn(clock_.now(), kPollInterval + kDrawingBound);
+  watch_loops();
   read_mailbox();
   adopt_content();
   if (!screen_.is_open() && screen_.try_open()) {
@@ -67,6 +92,7 @@ Instant RenderLoop::step() {
     picture_at_.reset();  // the new stage has no scene picture
   }
   update_rung();
+  if (!screen_.is_open() || is_closed()) snapshots_.give_none(snapshot_facts());
   if (screen_.is_open()) {
     record_flips();
     if (!turn_off_if_closed() && is_due(clock_.now())) present();
@@ -74,11 +100,21 @@ Instant RenderLoop::step() {
   } else {
     discard_frames();
   }
+  prepare_next_stage();
   publish();
   const auto now = clock_.now();
+  if (next_.is_unfinished()) return now;
   if (!screen_.is_open()) return screen_.next_attempt(now + kPollInterval);
   if (screen_.is_off()) return now + kPollInterval;
   return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kRefreshInterval, now + kPollInterval);
+}
+
+// Whether a restart would help nobody knows, but nothing else is left to try.
+void RenderLoop::watch_loops() {
+  const auto now = clock_.now();
+  hangs_.look(now);
+  const auto for_long = [&](const Mailbox& camera) { return camera.pulse.hung(now).value_or(0s) >= kHangRestart; };
+  watchdog_.withhold(for_long(mailboxes_.scene) || for_long(mailboxes_.sky));
 }
 
 void RenderLoop::adopt_content() {
@@ -88,7 +124,7 @@ void RenderLoop::adopt_content() {
   const bool is_seen = screen_.is_open() && status_.rung.still < 1.0 && !is_closed();
   if (!new_content_ || (is_seen && !waiting_)) return;
   const auto content = std::exchange(new_content_, nullptr);
-  if (auto adopted = screen_.adopt(content); !adopted) {
+  if (auto adopted = screen_.adopt(content, next_.take(content)); !adopted) {
     spdlog::error("the new content cannot be drawn, keeping the old content: {}", adopted.error().message);
     return;
   }
@@ -97,16 +133,54 @@ void RenderLoop::adopt_content() {
   shown_.reset();
 }
 
+void RenderLoop::answer(const std::optional<StageAnswer>& answer) {
+  if (!answer) return;
+  mailboxes_.reload.answer.put(*answer);
+  mailboxes_.reload.bell.ring();
+}
+
+// Pictures go first: what takes longer than a few milliseconds waits for the next step.
+void RenderLoop::prepare_next_stage() {
+  if (auto order = mailboxes_.render.order.take()) next_.order(std::move(*order));
+  if (!next_.is_unfinished()) return;
+  auto* display = screen_.display();
+  if (!display) return answer(next_.lose());
+  if (!display->context().make_current()) return;  // beginning the next picture says why
+  Rehearsal rehearsal{sky_.report, layout_};
+  if (target_size_) std::tie(rehearsal.target_width, rehearsal.target_height) = *target_size_;
+  const auto began = clock_.now();
+  for (int i = 0; i < kMostPreparingPieces && next_.is_unfinished(); ++i) {
+    answer(next_.work(display->context(), rehearsal));
+    if (clock_.now() - began >= kPreparingTime) break;
+  }
+}
+
 void RenderLoop::read_mailbox() {
-  if (auto sky = mailboxes_.render.sky.take()) sky_ = std::move(*sky);
+  read_sky();
   if (auto camera = mailboxes_.render.scene_camera.take()) {
-    if (camera->outages != camera_.outages) shown_.reset();  // redraw at once, so that the driver's buffer is released
+    if (camera->outages != camera_.outages) {
+      shown_.reset();  // redraw at once, so that the driver's buffer is released
+      camera_gone_ = true;
+    }
     if (camera->frame_interval != camera_.frame_interval)
       ladder_.adopt(patient_with(content_->config.ladder, camera->frame_interval));
     camera_ = std::move(*camera);
   }
   if (auto frame = mailboxes_.render.frames.take()) waiting_ = std::move(*frame);
+  if (const auto kind = mailboxes_.render.snapshot.take()) snapshots_.request(*kind, content_->config, clock_.now());
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
+}
+
+// While the sky's loop is silent, the sun moves on and the air grows older all the same.
+void RenderLoop::read_sky() {
+  const auto now = clock_.now();
+  if (auto sky = mailboxes_.render.sky.take()) {
+    sky_ = told_sky_ = std::move(*sky);
+    sky_as_of_ = sky_.told;
+  }
+  if (!sky_as_of_ || now - *sky_as_of_ < kSkySilence) return;
+  sky_.report = aged(told_sky_.report, now - told_sky_.told, content_->config.installation);
+  sky_as_of_ = now;
 }
 
 void RenderLoop::discard_frames() {
@@ -118,9 +192,10 @@ LadderInput RenderLoop::ladder_input() const {
   LadderInput input;
   if (picture_at_) input.picture_age = clock_.now() - *picture_at_;
   input.bad_scene_picture = trouble_of(camera_.health.condition);
-  input.sky_up = sky_.up;
+  input.sky_up = sky_.up && !mailboxes_.sky.pulse.hung(clock_.now());
   input.sun_known = sky_.sun_known();
   input.open = is_open();
+  input.display = screen_.is_open();
   return input;
 }
 
@@ -139,7 +214,27 @@ void RenderLoop::update_rung() {
 }
 
 Composition RenderLoop::composition() const {
-  return {status_.rung, visible_message()};
+  const auto told = snapshots_.words();
+  return {status_.rung, told.empty() ? visible_message() : told};
+}
+
+// All but the picture itself.
+Snapshot RenderLoop::snapshot_facts() const {
+  Snapshot facts;
+  facts.shown = screen_.is_open() ? name_of(status_.rung.shown) : "nothing";
+  facts.reason =
+      screen_.is_open() ? std::string(name_of(status_.rung.trouble)) : "no display: " + status_.display.cause;
+  facts.utc = clock_.utc();
+  facts.building = is_building_seen();
+  if (!screen_.is_open()) return facts;
+  for (const auto& text :
+       {status_.rung.still > 0.0 ? content_->config.still.caption : std::string(), composition().message})
+    if (!text.empty()) facts.words += (facts.words.empty() ? "" : " / ") + text;
+  return facts;
+}
+
+bool RenderLoop::is_building_seen() const {
+  return screen_.is_open() && screen_.stage().draws_object() && status_.rung.still < 1.0 && status_.rung.dark < 1.0;
 }
 
 // While the air is still known, visitors need not hear of a missing sky camera.
@@ -148,12 +243,16 @@ std::string RenderLoop::visible_message() const {
   const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
   const bool air_known = sky_.report.tracked && sky_.report.tracked->trustworthy;
+  // Whoever has just changed the content stands before the screen now, or never.
+  const bool tells_content = options.show_faults && content_->instead && clock_.now() - started_ < kContentMessage;
+  if (!message && tells_content) return std::string(message_text(Message::earlier_content, options.language));
   if (!options.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
   return std::string(message_text(*message, options.language));
 }
 
 bool RenderLoop::is_due(Instant now) const {
-  return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kRefreshInterval;
+  return waiting_ || !shown_ || *shown_ != composition() || now - shown_at_ >= kRefreshInterval ||
+         snapshots_.is_due(now);
 }
 
 void RenderLoop::handle_screen_fault(const Fault& fault) {
@@ -161,6 +260,7 @@ void RenderLoop::handle_screen_fault(const Fault& fault) {
     closed_ = true;
     return;
   }
+  answer(next_.lose());
   screen_.handle_fault(fault);
   status_.building_drawn = false;
   latency_.forget_pending();
@@ -187,6 +287,7 @@ void RenderLoop::present() {
   const auto target = screen_.begin();
   if (!target) return handle_screen_fault(target.error());
   if (!*target) return;
+  target_size_ = {(*target)->width, (*target)->height};
 
   read_mailbox();  // a newer frame may have arrived while waiting for the buffer
   // The still picture goes first: a driver may take long to compile the scene's shaders, and the screen must not be
@@ -194,30 +295,51 @@ void RenderLoop::present() {
   const bool unseen = screen_.nothing_shown() || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return handle_screen_fault(drawn.error());
+  if (snapshots_.is_due(clock_.now()))
+    if (auto taken = snapshots_.take(snapshot_facts(), **target); !taken) return handle_screen_fault(taken.error());
   const auto number = screen_.show(frame ? frame->holder : nullptr);
   if (!number) return handle_screen_fault(number.error());
 
-  status_.building_drawn = screen_.stage().draws_object() && status_.rung.still < 1.0 && status_.rung.dark < 1.0;
+  snapshots_.told(clock_.now());
+  status_.building_drawn = is_building_seen();
   ++status_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;
   ++status_.scene_frames;
+  layout_ = frame->picture.view().layout;
   latency_.shown(*number, frame->metadata.captured_at);
 }
 
 // Errors: device.
 Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   auto& stage = screen_.stage();
+  if (std::exchange(camera_gone_, false)) {
+    if (auto dropped = stage.drop_camera_buffers(); !dropped) return dropped;
+    ++status_.camera_buffers_dropped;
+  }
   const auto uploaded_before = stage.frames().uploaded;
   auto drawn = stage.draw_scene(frame, sky_.report, target);
-  if (drawn && frame) picture_at_ = clock_.now();
-  // A frame captured before the content changed has another size.
-  if (!drawn && drawn.error().kind == FaultKind::bad_input) drawn = stage.draw_scene(nullptr, sky_.report, target);
+  if (drawn && frame) {
+    picture_at_ = clock_.now();
+    refused_in_a_row_ = 0;
+    status_.draw_refused.clear();
+  }
+  if (!drawn && drawn.error().kind == FaultKind::bad_input) {
+    if (frame) refuse(drawn.error());
+    drawn = stage.draw_scene(nullptr, sky_.report, target);
+  }
   if (!drawn) return drawn;
   status_.uploads += stage.frames().uploaded - uploaded_before;
   update_rung();
   shown_ = composition();
   return stage.draw_over(*shown_, sky_.report, target);
+}
+
+// A single one was captured before the content changed, and has another size.
+void RenderLoop::refuse(const Fault& why) {
+  if (++refused_in_a_row_ < 2 || status_.draw_refused == why.message) return;
+  status_.draw_refused = why.message;
+  spdlog::warn("scene camera: its pictures cannot be drawn: {}", why.message);
 }
 
 void RenderLoop::record_flips() {
@@ -231,7 +353,10 @@ void RenderLoop::record_flips() {
 void RenderLoop::finish() {
   record_flips();
   waiting_.reset();
+  next_.lose();
   screen_.close();
+  status_.rung.shown = Shown::nothing;
+  status_.rung.trouble = Trouble::no_display;
   published_at_.reset();
   publish();
 }
@@ -240,12 +365,14 @@ void RenderLoop::publish() {
   const auto now = clock_.now();
   if (published_at_ && now - *published_at_ < kRenderStatusInterval) return;
   published_at_ = now;
+  status_.told = now;
   status_.frames_dropped = mailboxes_.render.frames.dropped();
   status_.latency = latency_.whole();
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
     status_.latency_minute = latency_.take_minute();
   }
+  mailboxes_.proving.scene_pictures = status_.scene_frames;
   mailboxes_.status->render.put(status_);
 }
 

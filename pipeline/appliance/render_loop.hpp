@@ -3,9 +3,13 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
+#include "pipeline/appliance/next_stage.hpp"
 #include "pipeline/appliance/screen.hpp"
+#include "pipeline/appliance/snapshot_desk.hpp"
 #include "pipeline/appliance/status_mailbox.hpp"
+#include "pipeline/loop/hang_watch.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
 
@@ -27,8 +31,13 @@ class RenderLoop {
   Display* display() { return screen_.display(); }
 
  private:
+  Instant take_step();
+  void watch_loops();
   void read_mailbox();
+  void read_sky();
   void adopt_content();
+  void prepare_next_stage();
+  void answer(const std::optional<StageAnswer>& answer);
   LadderInput ladder_input() const;
   void update_rung();
   bool is_open() const;
@@ -36,35 +45,47 @@ class RenderLoop {
   Composition composition() const;
   std::string visible_message() const;
   bool is_due(Instant now) const;
+  bool is_building_seen() const;
+  Snapshot snapshot_facts() const;
 
   void handle_screen_fault(const Fault& fault);
   bool turn_off_if_closed();
   void present();
   Result<> draw(const SceneFrame* frame, const DrawTarget& target);
+  void refuse(const Fault& why);
   void record_flips();
   void discard_frames();
   void publish();
 
   ContentPtr content_;
-  ContentPtr new_content_;  // not yet adopted; null: none
+  ContentPtr new_content_;                          // not yet adopted; null: none
+  PixelLayout layout_ = PixelLayout::rgb8;          // of the scene camera's last picture
+  std::optional<std::pair<int, int>> target_size_;  // of the display
   Clock& clock_;
   Mailboxes& mailboxes_;
   Watchdog watchdog_;
   Ladder ladder_;
   RenderStatus status_;
   Screen screen_;
+  NextStage next_;  // its GL objects belong to the screen's context
   bool closed_ = false;
+  const Instant started_;
 
   CameraStatus camera_;
-  SkyStatus sky_;
+  SkyStatus told_sky_, sky_;           // as it was told, and as it reads now
+  std::optional<Instant> sky_as_of_;   // empty: nothing was told yet
   std::optional<SceneFrame> waiting_;  // not yet drawn
+  bool camera_gone_ = false;           // the GPU still holds its buffers
   std::optional<Instant> picture_at_;  // when the last good scene picture came
+  int refused_in_a_row_ = 0;           // frames that could not be drawn
 
   LatencyWatch latency_;
+  SnapshotDesk snapshots_;
   std::optional<Composition> shown_;
   Instant shown_at_;
   std::optional<Instant> published_at_;
   Instant minute_began_;
+  HangWatch hangs_;  // the other loops
 };
 
 }  // namespace kasumi

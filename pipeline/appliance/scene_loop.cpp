@@ -1,5 +1,7 @@
 #include "pipeline/appliance/scene_loop.hpp"
 
+#include <utility>
+
 #include "pipeline/appliance/status_mailbox.hpp"
 
 namespace kasumi {
@@ -18,6 +20,7 @@ SceneLoop::SceneLoop(ContentPtr content, Devices& devices, Clock& clock, Mailbox
       camera_(devices.camera(CameraRole::scene, content_->config.scene_camera), clock) {}
 
 void SceneLoop::step(Instant deadline) {
+  mailboxes_.scene.pulse.turn(clock_.now(), deadline - clock_.now() + kWaitingBound);
   adopt_content();
   auto frame = camera_.next(deadline);
   if (frame && frame->metadata.status == FrameStatus::good) {
@@ -35,14 +38,31 @@ void SceneLoop::forward(Frame frame) {
   if (metadata.width != scene.width || metadata.height != scene.height)
     return camera_.reject(
         fmt::format("{}x{} instead of {}x{}", metadata.width, metadata.height, scene.width, scene.height));
+  if (is_spared()) return;
   auto picture = decode(frame, scene.yuv_encoding);
   if (!picture) return camera_.reject("damaged");
   if (mailboxes_.scene.check_wants_picture.exchange(false))
     mailboxes_.check.scene.put({metadata, to_rgb(picture->view()), false});
-  if (mailboxes_.scene.visibility_wants_picture.exchange(false))
+  // Of a covered or frozen camera landmarks would say what is not so.
+  const bool sees = camera_.health().condition == PictureCondition::normal;
+  if (sees && mailboxes_.scene.visibility_wants_picture.exchange(false))
     mailboxes_.visibility.scene.put({metadata, to_rgb(picture->view()), false});
   mailboxes_.render.frames.put({metadata, std::move(*picture), frame.payload.holder, camera_.outages()});
   mailboxes_.render.bell.ring();
+}
+
+// Of a machine that is too hot. The picture never becomes so old that it would be called held.
+bool SceneLoop::is_spared() {
+  const auto now = clock_.now();
+  const auto interval = now - std::exchange(arrived_at_, now);
+  const auto late = patient_with(content_->config.ladder, camera_.frame_interval()).late;
+  if (++spared_ < mailboxes_.scene.show_one_of && now - forwarded_at_ + interval < late) {
+    ++mailboxes_.scene.spared;
+    return true;
+  }
+  spared_ = 0;
+  forwarded_at_ = now;
+  return false;
 }
 
 void SceneLoop::adopt_content() {

@@ -14,6 +14,7 @@ class SceneLoop {
  private:
   void adopt_content();
   void forward(Frame frame);
+  bool is_spared();
   void publish();
 
   ContentPtr content_;
@@ -24,6 +25,8 @@ class SceneLoop {
   std::optional<Instant> published_at_;
   std::uint64_t published_outages_ = 0;
   PictureCondition published_condition_ = PictureCondition::normal;
+  Instant arrived_at_{}, forwarded_at_{};  // the last picture; the last that was not spared
+  int spared_ = 0;                         // since then
 };
 
 }  // namespace kasumi

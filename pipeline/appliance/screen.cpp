@@ -39,9 +39,9 @@ bool Screen::open() {
                        : fail(display.error());
   if (!stage) {
     status_.up = false;
-    status_.cause = stage.error().message;
+    status_.cause = (display ? "the content cannot be drawn: " : "") + stage.error().message;
     if (!display && display.error().kind == FaultKind::disconnected) watchdog_.display_missing(now);
-    if (!missing_logged_) spdlog::warn("display: not available: {}", stage.error().message);
+    if (!missing_logged_) spdlog::warn("display: not available: {}", status_.cause);
     missing_logged_ = true;
     return false;
   }
@@ -56,13 +56,17 @@ bool Screen::open() {
   return true;
 }
 
-Result<> Screen::adopt(const ContentPtr& content) {
+Result<> Screen::adopt(const ContentPtr& content, std::optional<Stage> stage) {
   const bool other_display = content->config.display != content_->config.display;
   if (open_ && !other_display) {
-    auto stage = Stage::create(open_->display->context(), content);
-    if (!stage) return fail(stage.error());
+    if (!stage) {
+      auto made = Stage::create(open_->display->context(), content);
+      if (!made) return fail(made.error());
+      stage = std::move(*made);
+    }
     open_->stage = std::move(*stage);
   }
+  stage.reset();  // before the context that it belongs to
   content_ = content;
   air_.reset();
   if (other_display) {

@@ -29,11 +29,15 @@ class Screen {
   // When to call try_open() again: no later than `poll` where hotplug events are reported.
   Instant next_attempt(Instant poll) const { return watch_ ? std::min(try_at_, poll) : try_at_; }
 
-  // Switches to new content and to the display that it names. Errors: those of Stage::create(); the old content stays.
-  Result<> adopt(const ContentPtr& content);
+  // Switches to new content and to the display that it names. `stage`: the content's, made under this display; empty:
+  // it is made now. Errors: those of Stage::create(); the old content stays.
+  Result<> adopt(const ContentPtr& content, std::optional<Stage> stage);
   // Closes the display after a fault; the next try_open() reopens it.
   void handle_fault(const Fault& fault);
-  void close() { open_.reset(); }
+  void close() {
+    open_.reset();
+    status_.up = false;
+  }
 
   // A buffer to draw into; empty: none is free yet. BLOCKS for at most a quarter of a second. Errors: those of
   // Display::begin(), but a timeout only when it persists.
@@ -49,6 +53,7 @@ class Screen {
   void stay_on() { open_->off = open_->stays_on = false; }  // the next picture turns it on
 
   Stage& stage() { return open_->stage; }
+  const Stage& stage() const { return open_->stage; }
   Display* display() { return open_ ? open_->display.get() : nullptr; }
 
  private:

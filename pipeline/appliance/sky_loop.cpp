@@ -2,8 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/appliance/remembered_state.hpp"
 #include "pipeline/appliance/status_mailbox.hpp"
+#include "pipeline/scene/aged_report.hpp"
+#include "pipeline/start/remembered_state.hpp"
 
 namespace kasumi {
 
@@ -15,7 +16,6 @@ constexpr Duration kObserveInterval = 1s;    // air changes in minutes
 constexpr Duration kSkyStatusInterval = 1s;  // while no frame comes
 constexpr Duration kHealthInterval = 500ms;
 constexpr Duration kFirstFrameTimeout = 2s;  // at the start, before a report without a frame
-constexpr Duration kSunHoldTime = 10min;     // it moves 2.5 degrees meanwhile
 constexpr Duration kMaxStoredAge = 2h;       // older air is not worth restoring
 
 }  // namespace
@@ -34,9 +34,11 @@ SkyLoop::SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& 
       started_(clock.now()) {}
 
 void SkyLoop::step(Instant deadline) {
+  mailboxes_.sky.pulse.turn(clock_.now(), deadline - clock_.now() + kWaitingBound);
   adopt_content();
   const auto sun_from = sun_source();
   restore_air();
+  if (const auto scene = mailboxes_.sky.scene_air.take()) watch_.observe(*scene);
   const auto frame = camera_.next(deadline);
   const bool good = frame && frame->metadata.status == FrameStatus::good;
   // A frozen picture shows an earlier sky under a sun that moves on.
@@ -52,7 +54,7 @@ void SkyLoop::adopt_content() {
   if (!content) return;
   const bool other_camera = (*content)->config.sky_camera != content_->config.sky_camera;
   content_ = *content;
-  trust_ = TimeTrust(content_->config.clock);
+  trust_.adopt(content_->config.clock);
   watch_ = SkyWatch(content_->config.installation, options_);
   air_restored_ = false;
   observed_at_.reset();
@@ -84,7 +86,10 @@ void SkyLoop::restore_air() {
   if (age < Duration{0} || age > kMaxStoredAge) return;
   // T of the other sky model, or of another aerosol, is another quantity.
   if (!state->belongs_to(content_->config.installation.sky_to_fit())) return;
-  watch_.remember(state->turbidity, state->sigma, clock_.now() - age);
+  if (state->air)
+    watch_.remember(*state->air, clock_.now() - age);
+  else
+    watch_.remember(state->turbidity, state->sigma, clock_.now() - age);
   spdlog::info("air: turbidity {:.2f} of {:.0f} minutes ago restored", state->turbidity.value, to_seconds(age) / 60);
 }
 
@@ -92,6 +97,7 @@ void SkyLoop::observe(const Frame& frame, SunSource sun_from) {
   const auto now = clock_.now();
   if (observed_at_ && now - *observed_at_ < kObserveInterval) return;
   observed_at_ = now;
+  mailboxes_.sky.pulse.turn(now, kComputingBound);
   recorded_utc_offset_ = camera_.recorded() ? frame.metadata.utc - clock_.utc() : Duration{0};
   auto report = watch_.observe(frame, now, sun_from);
   if (!report) {
@@ -110,7 +116,7 @@ void SkyLoop::hold_sun(SunCheck& sun) {
   const auto now = clock_.now();
   if (sun.source == SunSource::image)
     seen_sun_ = {sun, now};
-  else if (seen_sun_ && now - seen_sun_->at <= kSunHoldTime)
+  else if (seen_sun_ && now - seen_sun_->at <= kSunHold)
     sun = seen_sun_->sun;
 }
 
@@ -131,10 +137,11 @@ void SkyLoop::report_without_frame(SunSource sun_from) {
 
 void SkyLoop::publish(SkyReport report, bool up, SunSource sun_from) {
   published_at_ = clock_.now();
-  SkyStatus status{std::move(report), up, sun_from == SunSource::ephemeris};
-  const auto& tracked = status.report.tracked;
-  SkyAir air{tracked && tracked->trustworthy ? tracked : std::nullopt, std::nullopt};
-  if (status.sun_known()) air.sun = status.report.sun.direction;
+  SkyStatus status{std::move(report), up, sun_from == SunSource::ephemeris,
+                   watch_.to_remember(*published_at_, clock_.utc()), *published_at_};
+  const auto& by_sky = status.report.by_sky;
+  SkyAir air{by_sky && by_sky->trustworthy ? by_sky : std::nullopt, {{}, status.report.estimate.sky}, *published_at_};
+  if (status.sun_known()) air.above.sun = status.report.sun.direction;
   mailboxes_.visibility.sky.put(std::move(air));
   mailboxes_.status->sky.put(status);
   mailboxes_.render.sky.put(std::move(status));

@@ -7,6 +7,8 @@
 
 #include "capture/utc_text.hpp"
 #include "pipeline/camera_drift/drift_json.hpp"
+#include "pipeline/loop/hang_watch.hpp"
+#include "pipeline/scene/air_figures.hpp"
 
 namespace kasumi {
 
@@ -27,6 +29,7 @@ OrderedJson camera_json(const CameraStatus& status, Instant now) {
   json["down_s"] =
       !health.up && health.down_since ? OrderedJson(to_seconds(now - *health.down_since)) : OrderedJson(nullptr);
   json["last_good_age_s"] = health.last_good ? OrderedJson(to_seconds(now - *health.last_good)) : OrderedJson(nullptr);
+  json["told_age_s"] = status.told == Instant{} ? OrderedJson(nullptr) : OrderedJson(to_seconds(now - status.told));
   json["condition"] = name_of(health.condition);
   json["good_frames"] = health.good_frames;
   json["bad_frames"] = health.bad_frames;
@@ -50,6 +53,22 @@ OrderedJson camera_json(const CameraStatus& status, Instant now) {
                     {"gain", or_null(health.mode->gain)},
                     {"white_balance_k", or_null(health.mode->white_balance_k)},
                     {"notes", health.mode->notes}};
+  return json;
+}
+
+OrderedJson heat_json(const HeatStatus& heat) {
+  return {{"pictures_share", 1.0 / heat.show_one_of},
+          {"zone", heat.zone ? OrderedJson(heat.zone->name) : OrderedJson(nullptr)},
+          {"celsius", heat.zone ? OrderedJson(heat.zone->celsius) : OrderedJson(nullptr)},
+          {"throttled", heat.throttled},
+          {"spared", heat.spared}};
+}
+
+OrderedJson loops_json(const std::vector<LoopStatus>& loops) {
+  OrderedJson json = OrderedJson::object();
+  for (const auto& loop : loops)
+    json[loop.name] = {{"up", loop.silent && !loop.hung},
+                       {"silent_s", loop.silent ? OrderedJson(to_seconds(*loop.silent)) : OrderedJson(nullptr)}};
   return json;
 }
 
@@ -98,6 +117,62 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   return json;
 }
 
+OrderedJson start_json(const std::optional<StartRecord>& start) {
+  if (!start) return nullptr;
+  return {{"safe_mode", start->mode != StartMode::whole},
+          {"trial", start->trial},
+          {"failed_boots", start->failed_boots},
+          {"why", start->why}};
+}
+
+OrderedJson content_json(const Status& status) {
+  const auto reload = status.reload.value_or(ReloadStatus{});
+  const auto& instead = status.instead;
+  return {{"reloaded_utc", reload.ended ? OrderedJson(utc_text(*reload.ended)) : OrderedJson(nullptr)},
+          {"problems", OrderedJson(reload.problems)},
+          {"reload_began_s",
+           reload.began ? OrderedJson(to_seconds(reload.began->time_since_epoch())) : OrderedJson(nullptr)},
+          {"reloading", reload.doing.empty() ? OrderedJson(nullptr) : OrderedJson(reload.doing)},
+          {"last_good_utc", instead ? OrderedJson(utc_text(instead->kept_utc)) : OrderedJson(nullptr)},
+          {"refused", instead ? OrderedJson(instead->refused) : OrderedJson::array()}};
+}
+
+OrderedJson observer_json(const ObserverPart& part) {
+  return {{"by", name_of(part.by)},
+          {"share", part.share},
+          {"age_s", to_seconds(part.age)},
+          {"aod_550", part.aod_550},
+          {"sigma_aod_550", part.sigma_aod_550},
+          {"sigmas_apart", part.apart_sigmas}};
+}
+
+// What drives the picture, and who says so; null where T alone is followed.
+OrderedJson air_json(const std::optional<TrackedAir>& state) {
+  if (!state) return nullptr;
+  const Aerosol& aerosol = state->air.aerosol();
+  OrderedJson json;
+  json["text"] = state->text();
+  json["supposed"] = state->supposed;
+  json["trustworthy"] = state->trustworthy;
+  json["age_s"] = to_seconds(state->age);
+  json["turbidity"] = state->air.turbidity().value;
+  json["sigma"] = state->sigma_turbidity;
+  json["aod_550"] = aerosol.aod_550;
+  json["sigma_aod_550"] = aod_sigma(*state);
+  json["angstrom_exponent"] = aerosol.angstrom_exponent;
+  json["sigma_angstrom"] = angstrom_sigma(*state);
+  json["aerosol"] = name_of(aerosol.kind);
+  for (std::size_t i = 0; i < kAerosolKinds.size(); ++i)
+    json["kinds"][std::string(name_of(kAerosolKinds[i]))] = state->kinds[i];
+  json["followed"] = name_of(state->air.aerosol_known() ? SiteSkyModel::dome : SiteSkyModel::preetham);
+  json["papers_share"] = state->papers_share;
+  json["near_ground"] = state->air.near_ground();
+  json["sigma_log_near_ground"] = state->sigma_log_near_ground;
+  json["observers"] = OrderedJson::array();
+  for (const ObserverPart& part : state->observers) json["observers"].push_back(observer_json(part));
+  return json;
+}
+
 // From the driver's memory, and to the GPU.
 double copies_per_frame(const Status& status) {
   const auto& camera = status.scene_camera.health;
@@ -109,6 +184,15 @@ double copies_per_frame(const Status& status) {
 }
 
 }  // namespace
+
+std::string heat_text(const HeatStatus& heat) {
+  std::string text = heat.show_one_of == 1   ? "all pictures are shown"
+                     : heat.show_one_of == 2 ? "every second picture is shown"
+                                             : "every fourth picture is shown";
+  if (heat.zone) text += fmt::format(": {} at {:.0f} degrees", heat.zone->name, heat.zone->celsius);
+  if (heat.throttled) text += heat.zone ? ", the firmware throttles" : ": the firmware throttles";
+  return text;
+}
 
 std::string status_json(const Status& status) {
   const auto& rung = status.render.rung;
@@ -129,10 +213,13 @@ std::string status_json(const Status& status) {
   json["aod_550"] = air ? OrderedJson(air->aod_550) : OrderedJson(nullptr);
   json["angstrom_exponent"] = aerosol ? OrderedJson(aerosol->angstrom_exponent) : OrderedJson(nullptr);
   json["aerosol"] = aerosol ? OrderedJson(name_of(aerosol->kind)) : OrderedJson(nullptr);
+  json["air"] = air_json(status.sky.report.state);
   json["sky"] = name_of(status.sky.report.estimate.sky);
   json["sky_reason"] = status.sky.report.estimate.reason;
   json["sun"] = status.sky.report.sun.message;
   json["building_drawn"] = status.render.building_drawn;
+  const auto& refused = status.render.draw_refused;
+  json["draw_refused"] = refused.empty() ? OrderedJson(nullptr) : OrderedJson(refused);
   json["clock_trusted"] = status.sky.clock_trusted;
   json["recording"] = false;  // recording needs the cameras for itself: only `kasumi record` does it
   json["latency_ms"] = latency_json(status.render.latency);
@@ -140,10 +227,12 @@ std::string status_json(const Status& status) {
   json["copies_per_frame"] = copies_per_frame(status);
   json["frames_dropped"] = status.render.frames_dropped;
   json["pictures"] = status.render.pictures;
-  json["content"] = {{"reloaded_utc", status.reload ? OrderedJson(utc_text(status.reload->at)) : OrderedJson(nullptr)},
-                     {"problems", status.reload ? OrderedJson(status.reload->problems) : OrderedJson::array()}};
+  json["content"] = content_json(status);
+  json["start"] = start_json(status.start);
   json["check"] = status.check ? check_json(*status.check) : OrderedJson(nullptr);
   json["visibility"] = visibility_json(status.visibility);
+  json["loops"] = loops_json(status.loops);
+  json["heat"] = heat_json(status.heat);
   json["pid"] = ::getpid();
   json["since_utc"] = utc_text(status.since);
   json["utc"] = utc_text(status.utc);
@@ -154,10 +243,20 @@ std::string status_line(const Status& status) {
   const auto& rung = status.render.rung;
   std::string line(name_of(rung.shown));
   if (rung.trouble != Trouble::none) line += fmt::format(": {}", name_of(rung.trouble));
+  if (!status.render.draw_refused.empty()) line += fmt::format("; cannot be drawn: {}", status.render.draw_refused);
   if (!status.render.display.up) line += fmt::format("; no display: {}", status.render.display.cause);
+  if (status.heat.show_one_of > 1) line += "; too hot: " + heat_text(status.heat);
+  for (const auto& loop : status.loops)
+    if (loop.hung) line += fmt::format("; {} loop: {}", loop.name, hung_text(*loop.silent));
   if (const auto& tracked = status.sky.report.tracked)
     line += fmt::format("; T {:.2f} +- {:.2f}, {:.0f} s old", tracked->turbidity.value, tracked->sigma,
                         to_seconds(tracked->age));
+  if (const auto& state = status.sky.report.state; state && state->supposed) line += "; the air is supposed";
+  if (status.instead)
+    line += fmt::format("; the configured content is refused, shown is that of {}",
+                        utc_text(std::chrono::floor<std::chrono::seconds>(status.instead->kept_utc)));
+  if (status.start && status.start->mode != StartMode::whole && !status.start->why.empty())
+    line += "; " + status.start->why.back();
   return line;
 }
 

@@ -6,9 +6,26 @@
 #include <vector>
 
 #include "pipeline/appliance/status_mailbox.hpp"
+#include "pipeline/start/start_record.hpp"
 
 namespace kasumi {
 
+// A loop's sign of life.
+struct LoopStatus {
+  std::string name;                // "scene"
+  std::optional<Duration> silent;  // since its last turn; empty: it has not begun
+  bool hung = false;               // for longer than it may be
+};
+
+// The machine's heat, and what is spared for it.
+struct HeatStatus {
+  std::optional<ThermalZone> zone;  // nearest to its limits; empty: no sensor
+  bool throttled = false;           // slowed down by the firmware now
+  int show_one_of = 1;              // pictures
+  std::uint64_t spared = 0;         // pictures since the start
+};
+
+// As it is `now`, whenever its parts were told: a loop that hangs tells nothing.
 struct Status {
   Instant now{};
   Utc utc{};
@@ -16,11 +33,17 @@ struct Status {
   CameraStatus scene_camera, sky_camera;
   SkyStatus sky;
   RenderStatus render;
-  std::optional<ReloadStatus> reload;  // empty: never reloaded
-  std::optional<CheckStatus> check;    // empty: not checked since the start
+  std::optional<StartRecord> start;            // empty: not started by the service
+  std::optional<InsteadOfConfigured> instead;  // empty: the configured content is shown
+  std::optional<ReloadStatus> reload;          // empty: never reloaded
+  std::optional<CheckStatus> check;            // empty: not checked since the start
   VisibilityStatus visibility;
+  std::vector<LoopStatus> loops;
+  HeatStatus heat;
 };
 
+// "every second picture is shown: cpu-thermal at 83 degrees, the firmware throttles"
+std::string heat_text(const HeatStatus& heat);
 // JSON; docs/operating.md lists its keys.
 std::string status_json(const Status& status);
 // "live, T 2.41 +- 0.05, 25.0 pictures a second"

@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include "base/files.hpp"
-#include "pipeline/appliance/remembered_state.hpp"
+#include "pipeline/machine/heat.hpp"
+#include "pipeline/scene/aged_report.hpp"
+#include "pipeline/start/remembered_state.hpp"
 
 namespace kasumi {
 
@@ -12,6 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kStatsInterval = 1min;
+constexpr Duration kHeatInterval = 5s;  // a heat sink takes minutes
 
 // Logs once when writing begins to fail and once when it works again.
 void log_outage(const Result<>& written, bool& failing, std::string_view what) {
@@ -29,6 +32,7 @@ StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, 
       clock_(clock),
       notifier_(notifier),
       mailboxes_(mailboxes),
+      hangs_({&mailboxes.render.pulse}),
       saved_(clock.now()),
       stats_at_(clock.now()) {
   status_.since = clock.utc();
@@ -40,19 +44,81 @@ void StatusLoop::gather() {
   };
   StatusMailbox& mailbox = *mailboxes_.status;
   newest(mailbox.content, content_);
-  newest(mailbox.scene_camera, status_.scene_camera);
-  newest(mailbox.sky_camera, status_.sky_camera);
-  newest(mailbox.sky, status_.sky);
-  newest(mailbox.render, status_.render);
+  newest(mailbox.scene_camera, told_.scene_camera);
+  newest(mailbox.sky_camera, told_.sky_camera);
+  newest(mailbox.sky, told_.sky);
+  newest(mailbox.render, told_.render);
   newest(mailbox.reload, status_.reload);
   newest(mailbox.check, status_.check);
   newest(mailbox.visibility, status_.visibility);
+  if (options_.starts) status_.start = options_.starts->record();
+  status_.instead = content_->instead;
   status_.now = clock_.now();
   status_.utc = clock_.utc();
+  status_.heat.spared = mailboxes_.scene.spared;
+  status_.loops.clear();
+  for (const Mailbox* loop : std::as_const(mailboxes_).all())
+    status_.loops.push_back(
+        {std::string(loop->pulse.name()), loop->pulse.silent(status_.now), loop->pulse.hung(status_.now).has_value()});
+  status_.scene_camera = seen_from_here(told_.scene_camera, mailboxes_.scene.pulse);
+  status_.sky_camera = seen_from_here(told_.sky_camera, mailboxes_.sky.pulse);
+  age_sky();
+  judge_render();
+}
+
+// A camera whose loop hangs is down, whatever was told of it last.
+CameraStatus StatusLoop::seen_from_here(CameraStatus camera, const Pulse& loop) const {
+  const auto silent = loop.hung(status_.now);
+  if (!silent) return camera;
+  if (camera.health.up) camera.health.down_since = status_.now - *silent;
+  camera.health.up = false;
+  camera.health.cause = hung_text(*silent);
+  return camera;
+}
+
+void StatusLoop::age_sky() {
+  status_.sky = told_.sky;
+  if (told_.sky.told == Instant{}) return;
+  status_.sky.report = aged(told_.sky.report, status_.now - told_.sky.told, content_->config.installation);
+  const auto silent = mailboxes_.sky.pulse.hung(status_.now);
+  if (!silent) return;
+  status_.sky.up = false;
+  status_.sky.report.estimate.usable = false;
+  status_.sky.report.estimate.reason = "no picture of the sky: " + hung_text(*silent);
+}
+
+// While it hangs, its last picture stays on the display.
+void StatusLoop::judge_render() {
+  status_.render = told_.render;
+  hangs_.look(status_.now);
+  auto& rung = status_.render.rung;
+  if (mailboxes_.render.pulse.hung(status_.now) && (rung.shown == Shown::live || rung.shown == Shown::degraded))
+    rung.shown = Shown::held;
+}
+
+// Here, since a sensor may be slow to answer.
+void StatusLoop::govern_heat() {
+  const auto now = clock_.now();
+  if (heat_read_at_ && now - *heat_read_at_ < kHeatInterval) return;
+  heat_read_at_ = now;
+  const auto& options = content_->config.heat;
+  const auto zones = read_thermal_zones(options_.sys);
+  auto& heat = status_.heat;
+  heat.zone.reset();
+  if (const auto* zone = hottest(zones, options)) heat.zone = *zone;
+  heat.throttled = is_throttled(read_throttling_bits(options_.sys).value_or(0));
+  const int before = std::exchange(heat.show_one_of, heat_.step(now, zones, heat.throttled, options));
+  mailboxes_.scene.show_one_of = heat.show_one_of;
+  if (heat.show_one_of == before) return;
+  const auto words = heat_text(heat);
+  spdlog::log(heat.show_one_of > before ? spdlog::level::warn : spdlog::level::info, "heat: {}", words);
 }
 
 void StatusLoop::step() {
+  mailboxes_.status->pulse.turn(clock_.now(), kComputingBound);
+  govern_heat();
   gather();
+  spdlog::default_logger_raw()->flush();  // what was left out of the log and may be told now
   write_status();
   if (status_.now - saved_ >= options_.save_interval) save_air();
   if (options_.stats && status_.now - stats_at_ >= kStatsInterval) {
@@ -80,8 +146,9 @@ void StatusLoop::save_air() {
   // What is given needs no memory. Without a trusted clock its age would be unknown after a restart.
   const auto& installation = content_->config.installation;
   if (!folder || !tracked || installation.surroundings.air.whole() || !status_.sky.clock_trusted) return;
-  const TurbidityState state =
+  TurbidityState state =
       turbidity_state(tracked->target, tracked->sigma, status_.utc - tracked->age, installation.sky_to_fit());
+  state.air = status_.sky.to_remember;
   log_outage(save(state, *folder), save_failing_, "state");
 }
 

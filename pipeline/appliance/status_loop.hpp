@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "pipeline/appliance/status.hpp"
+#include "pipeline/loop/hang_watch.hpp"
 #include "pipeline/machine/notifier.hpp"
+#include "pipeline/start/start_log.hpp"
 
 namespace kasumi {
 
@@ -13,6 +15,8 @@ struct StatusOptions {
   std::optional<std::filesystem::path> file;         // status.json
   bool stats = false;                                // log latency and copies every minute
   Duration save_interval = std::chrono::minutes(5);  // of the air
+  const StartLog* starts = nullptr;                  // null: not started by the service
+  std::filesystem::path sys = "/sys";                // where the kernel says how hot it is
 };
 
 class StatusLoop {
@@ -33,7 +37,21 @@ class StatusLoop {
   Clock& clock_;
   Notifier& notifier_;
   Mailboxes& mailboxes_;
+  struct Told {  // as the other loops told it
+    CameraStatus scene_camera, sky_camera;
+    SkyStatus sky;
+    RenderStatus render;
+  };
+  CameraStatus seen_from_here(CameraStatus camera, const Pulse& loop) const;
+  void age_sky();
+  void judge_render();
+  void govern_heat();
+
+  Told told_;
   Status status_;
+  HeatGovernor heat_;
+  std::optional<Instant> heat_read_at_;
+  HangWatch hangs_;  // of the render loop, which watches the others
   std::string line_;
   bool write_failing_ = false, save_failing_ = false;  // already logged
   Instant saved_, stats_at_;

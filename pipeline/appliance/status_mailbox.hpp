@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "estimator/landmarks/landmark_air.hpp"
-#include "pipeline/appliance/latency.hpp"
 #include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/camera_drift/drift.hpp"
 #include "pipeline/config/ladder.hpp"
+#include "pipeline/loop/latency.hpp"
 
 namespace kasumi {
 
@@ -28,17 +28,22 @@ struct RenderStatus {
   DisplayStatus display;
   bool building_drawn = false;                   // in the picture shown last
   std::uint64_t pictures = 0;                    // shown
+  std::string draw_refused;                      // why the newest scene frames cannot be drawn; empty: they can
   std::uint64_t scene_frames = 0;                // of them, with a new frame from the scene camera
   std::uint64_t uploads = 0;                     // scene frames copied to the GPU by the CPU
+  std::uint64_t camera_buffers_dropped = 0;      // how often the GPU gave the buffers of a camera back that was gone
   std::uint64_t frames_dropped = 0;              // superseded before they were shown
   std::optional<LatencySummary> latency;         // since the start
   std::optional<LatencySummary> latency_minute;  // of the last whole minute
+  Instant told{};
 };
 
-// Result of the last reload.
+// The reload under way, or the last one.
 struct ReloadStatus {
-  Utc at{};
-  std::vector<std::string> problems;  // empty: the new content is in use
+  std::optional<Instant> began;       // the last one that ended
+  std::optional<Utc> ended;           // empty: none has ended yet
+  std::vector<std::string> problems;  // of the last one that ended; empty: its content is in use
+  std::string doing;                  // what the one under way does now; empty: none is
 };
 
 // Result of the last check of the calibration.
@@ -58,6 +63,7 @@ struct VisibilityStatus {
 };
 
 struct StatusMailbox : Mailbox {
+  StatusMailbox() : Mailbox("status") {}
   LatestSlot<CameraStatus> scene_camera, sky_camera;
   LatestSlot<SkyStatus> sky;
   LatestSlot<RenderStatus> render;

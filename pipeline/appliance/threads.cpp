@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <functional>
 #include <thread>
 
@@ -13,6 +15,9 @@
 #include <unistd.h>
 
 #include "pipeline/appliance/appliance.hpp"
+#include "pipeline/log_lines.hpp"
+#include "pipeline/loop/loop_guard.hpp"
+#include "pipeline/machine/time_watch.hpp"
 
 namespace kasumi {
 
@@ -50,6 +55,13 @@ std::thread start(const char* name, std::function<void()> run) {
   });
 }
 
+// Until `stop`; a step that throws is taken again after a pause.
+void keep_stepping(const char* name, Clock& clock, const Stop& stop, const std::function<void()>& step) {
+  LoopGuard guard(name, clock);
+  while (!stop.wanted())
+    if (!guard.run(step) && !stop.wanted()) clock.sleep_until(guard.again_at());
+}
+
 sigset_t our_signals() {
   sigset_t set;
   sigemptyset(&set);
@@ -57,12 +69,12 @@ sigset_t our_signals() {
   return set;
 }
 
-void wait_for_signals(Stop& stop, Bell& reload, Bell& ended) {
+void wait_for_signals(Stop& stop, ReloadLoop& reload, Bell& ended) {
   const auto set = our_signals();
   while (!stop.wanted()) {
     const timespec timeout{0, 200'000'000};
     const int signal = ::sigtimedwait(&set, nullptr, &timeout);
-    if (signal == SIGHUP) reload.ring();
+    if (signal == SIGHUP) reload.ask();
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }
   if (ended.wait_for(kShutdownDeadline)) return;
@@ -73,45 +85,56 @@ void wait_for_signals(Stop& stop, Bell& reload, Bell& ended) {
 
 }  // namespace
 
-Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr content, StatusOptions status) {
+Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr content, StatusOptions status,
+                       StartLog& starts, const std::filesystem::path& kept_folder) {
   const auto signals = our_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
+  static SystemClock log_clock;  // something may be logged after this function's clock has gone
+  bound_log(log_clock);
   SystemClock clock;
   const auto devices = machine_devices(clock);
-  const auto time = watch_kernel_time();
+  const auto runtime = service_folders().runtime;
+  const auto time = remember_trust(watch_time(), runtime.empty() ? runtime : runtime / "clock.json");
   const auto notifier = notify_systemd();
-  Appliance appliance(config_file, std::move(content), {*devices, clock, *time, *notifier}, std::move(status));
-  Bell reload, status_bell, check_bell, ended;
+  Appliance appliance(config_file, std::move(content), {*devices, clock, *time, *notifier, {&starts, kept_folder}},
+                      std::move(status));
+  Bell status_bell, check_bell, ended;
   Stop stop(clock, *notifier);
-  for (auto* bell : {&reload, &status_bell, &check_bell, &appliance.render_bell()}) stop.add(*bell);
+  for (auto* bell :
+       {&status_bell, &check_bell, &appliance.reload_bell(), &appliance.snapshot_bell(), &appliance.render_bell()})
+    stop.add(*bell);
 
-  auto guard = start("signals", [&] { wait_for_signals(stop, reload, ended); });
+  auto guard = start("signals", [&] { wait_for_signals(stop, appliance.reload(), ended); });
   std::vector<std::thread> loops;
   loops.push_back(start("scene", [&] {
-    while (!stop.wanted()) appliance.scene().step(clock.now() + kFrameTimeout);
+    keep_stepping("scene camera's loop", clock, stop, [&] { appliance.scene().step(clock.now() + kFrameTimeout); });
   }));
   loops.push_back(start("sky", [&] {
-    while (!stop.wanted()) appliance.sky().step(clock.now() + kFrameTimeout);
+    keep_stepping("sky camera's loop", clock, stop, [&] { appliance.sky().step(clock.now() + kFrameTimeout); });
   }));
   loops.push_back(start("reload", [&] {
-    while (!stop.wanted())
-      if (reload.wait_for(1h) && !stop.wanted()) appliance.reload();
+    keep_stepping("reload", clock, stop,
+                  [&] { appliance.reload_bell().wait_for(appliance.reload().step() - clock.now()); });
   }));
   loops.push_back(start("status", [&] {
-    while (!stop.wanted()) {
+    keep_stepping("status", clock, stop, [&] {
       appliance.status().step();
       status_bell.wait_for(1s);
-    }
+    });
   }));
   loops.push_back(start("check", [&] {
     // Lowest priority: it may take its time.
-    ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 19);
-    while (!stop.wanted()) {
-      const auto again = std::min(appliance.check().step(), appliance.visibility().step());
+    if (::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 19) != 0)
+      spdlog::warn("the daily check runs at the picture's own priority: {}", std::strerror(errno));
+    keep_stepping("check", clock, stop, [&] {
+      const auto again =
+          std::min({appliance.check().step(), appliance.visibility().step(), appliance.proving().step()});
       check_bell.wait_for(again - clock.now());
-    }
+    });
   }));
+  loops.push_back(
+      start("snapshot", [&] { keep_stepping("snapshot", clock, stop, [&] { appliance.snapshot().step(); }); }));
   auto& render = appliance.render();
   while (!stop.wanted()) {
     const auto again = render.step();
@@ -119,9 +142,10 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
     appliance.render_bell().wait_for(again - clock.now());
   }
 
+  starts.ended();
   for (auto& loop : loops) loop.join();
   render.finish();
-  appliance.status().finish();
+  LoopGuard("status", clock).run([&] { appliance.status().finish(); });
   ended.ring();
   guard.join();
   return {};

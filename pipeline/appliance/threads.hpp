@@ -9,6 +9,8 @@ namespace kasumi {
 
 // Runs until SIGTERM, SIGINT or the window is closed; SIGHUP reloads configuration and content. Call it before any
 // other thread exists, since it blocks the signals in all of them. Faults of cameras, displays and disks do not end it.
-Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr content, StatusOptions status);
+// `starts` hears what becomes of this start, and content that proves itself is kept in `kept_folder` (empty: nowhere).
+Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr content, StatusOptions status,
+                       StartLog& starts, const std::filesystem::path& kept_folder);
 
 }  // namespace kasumi

@@ -2,7 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/appliance/remembered_state.hpp"
+#include "pipeline/scene/aged_report.hpp"
+#include "pipeline/start/remembered_state.hpp"
 
 namespace kasumi {
 
@@ -11,19 +12,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kVisibilityPollInterval = 10s;  // for new content
-constexpr Duration kReadingInterval = 1min;        // air changes in minutes
 constexpr Duration kPictureWaitInterval = 200ms;   // for a requested picture
-constexpr Duration kLearnInterval = 30min;         // until surfaces are lit differently
-constexpr double kForgottenShare = 0.005;          // per reading, some twenty a day: a memory of ten days
 constexpr int kDisagreementsToReport = 5;          // readings in a row: a lorry in front of a landmark has left by then
-constexpr double kLowestSun = 0.087;               // sine of 5 degrees: below, land and horizon are lit differently
-
-Image<glm::vec3> encoded_of(const Image<Rgb8>& picture) {
-  Image<glm::vec3> encoded(picture.width(), picture.height());
-  for (std::size_t i = 0; i < encoded.elements().size(); ++i)
-    encoded.elements()[i] = glm::vec3(picture.elements()[i]) / 255.0F;
-  return encoded;
-}
 
 }  // namespace
 
@@ -35,35 +25,30 @@ VisibilityLoop::VisibilityLoop(ContentPtr content, Clock& clock, Mailboxes& mail
 void VisibilityLoop::adopt_content() {
   const auto& installation = content_->config.installation;
   watch_.reset();
-  learnt_.reset();
   disagreements_ = 0;
   reported_ = false;
-  if (installation.contrast_landmarks.empty()) return;
-  watch_.emplace(installation.scene, installation.site.altitude_m, installation.contrast_landmarks);
+  watch_.emplace(installation);
+  if (!watch_->any()) watch_.reset();
+  if (!watch_ || !watch_->has_landmarks()) return;
   const auto& folder = content_->config.state_folder;
   if (!folder) return;
-  const auto resumed = resume(*watch_, *folder);
+  const auto resumed = resume(watch_->landmarks(), *folder);
   if (!resumed)
     spdlog::warn("visibility: {}", resumed.error().message);
   else if (*resumed)
-    learnt_ = clock_.now();  // the saved state may already include the present light
+    watch_->has_learnt(clock_.now());  // the saved state may already include the present light
 }
 
-// Learns once per half hour, since the light hardly changes within it.
-void VisibilityLoop::learn(const std::vector<ContrastReading>& readings) {
-  const auto now = clock_.now();
-  if (learnt_ && now - *learnt_ < kLearnInterval) return;
-  learnt_ = now;
-  watch_->forget(kForgottenShare);
-  watch_->learn(readings);
+void VisibilityLoop::keep_what_was_learnt() {
   const auto& folder = content_->config.state_folder;
   if (!folder) return;
-  const auto saved = save(*watch_, *folder);
+  const auto saved = save(watch_->landmarks(), *folder);
   if (!saved && !save_failing_) spdlog::warn("visibility: {}", saved.error().message);
   save_failing_ = !saved;
 }
 
 Instant VisibilityLoop::step() {
+  mailboxes_.visibility.pulse.turn(clock_.now(), kBehindBound);
   if (const auto content = mailboxes_.visibility.content.take()) {
     content_ = *content;
     adopt_content();
@@ -72,10 +57,11 @@ Instant VisibilityLoop::step() {
   const auto now = clock_.now();
   if (!watch_) return now + kVisibilityPollInterval;
   if (auto sky = mailboxes_.visibility.sky.take()) sky_ = *sky;
+  if (now - sky_.told > kCloudsHold) sky_ = {};  // the sky's loop is silent
   if (const auto picture = mailboxes_.visibility.scene.take()) judge(*picture);
   if (now >= due_) {
     mailboxes_.scene.visibility_wants_picture = true;
-    due_ = now + kReadingInterval;
+    due_ = now + kSceneLookInterval;
   }
   return mailboxes_.scene.visibility_wants_picture ? now + kPictureWaitInterval : due_;
 }
@@ -84,17 +70,13 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
   const auto& installation = content_->config.installation;
   if (picture.picture.width() != installation.scene.width || picture.picture.height() != installation.scene.height)
     return;
-  VisibilityStatus status{clock_.utc(), {}, {}, {}};
-  if (sky_.sun && sky_.sun->z < kLowestSun) {
-    status.reason = "the sun is too low: land and horizon are lit differently";
-    return publish(std::move(status));
-  }
-  const auto readings = watch_->read(installation.scene, encoded_of(picture.picture));
-  status.air = watch_->estimate(readings);
-  status.reason = status.air->extinction().reason;
-  if (sky_.turbidity) status.sky = watch_->compare(*status.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
-  learn(readings);
-  publish(std::move(status));
+  auto look = watch_->look(view_of(picture.picture), clock_.now(), sky_.above);
+  VisibilityStatus status{clock_.utc(), std::move(look.landmarks), {}, std::move(look.reason)};
+  if (status.air && sky_.turbidity)
+    status.sky = watch_->landmarks().compare(*status.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
+  if (!look.air.empty()) mailboxes_.sky.scene_air.put(std::move(look.air));
+  if (look.learnt) keep_what_was_learnt();
+  if (watch_->has_landmarks()) publish(std::move(status));
 }
 
 // Logs once when a disagreement is established and once when it ends.

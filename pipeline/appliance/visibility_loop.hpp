@@ -1,11 +1,11 @@
-// Visibility from landmarks: about once a minute, compares the air in the scene camera's picture with the sky camera's
-// T. It reports only and changes nothing.
+// About once a minute, what the scene camera's picture says of the air: for the state of the air, which the sky's loop
+// keeps, and compared with what the sky camera says alone.
 #pragma once
 
 #include <optional>
 
-#include "estimator/landmarks/landmark_air.hpp"
 #include "pipeline/appliance/status_mailbox.hpp"
+#include "pipeline/scene/scene_watch.hpp"
 
 namespace kasumi {
 
@@ -19,16 +19,15 @@ class VisibilityLoop {
  private:
   void adopt_content();
   void judge(const CheckPicture& picture);
-  void learn(const std::vector<ContrastReading>& readings);
+  void keep_what_was_learnt();
   void publish(VisibilityStatus status);
 
   ContentPtr content_;
   Clock& clock_;
   Mailboxes& mailboxes_;
-  std::optional<LandmarkWatch> watch_;  // empty: no landmark has a distance
+  std::optional<SceneWatch> watch_;  // empty: a picture can say nothing
   SkyAir sky_;
   Instant due_{};
-  std::optional<Instant> learnt_;
   bool save_failing_ = false;  // already logged
   int disagreements_ = 0;      // looks in a row that disagreed with the sky
   bool reported_ = false;      // that they disagree

@@ -22,10 +22,14 @@ struct BenchRow {
 
 // Seconds of one call.
 double seconds_of(const std::function<void()>& work);
+// Of the quickest of several: what the machine does beside only adds to it.
+double least_seconds_of(const std::function<void()>& work, int times);
 // Runs a and b in turn, `pairs` times after one unmeasured pair, and gives the median of time(a) / time(b).
 double paired_ratio(const std::function<void()>& a, const std::function<void()>& b, int pairs);
 
 std::vector<BenchRow> bench_turbidity();
+// From a sky camera's picture to its air.
+std::vector<BenchRow> bench_sky_answer();
 std::vector<BenchRow> bench_air();
 
 }  // namespace kasumi

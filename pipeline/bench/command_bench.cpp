@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <memory>
 
 #include <CLI/CLI.hpp>
 
@@ -11,40 +12,47 @@ namespace kasumi {
 
 namespace {
 
-void print(const std::vector<BenchRow>& rows) {
+std::string goal_of(const BenchRow& row) {
+  return row.goal ? fmt::format("{} {:g}", row.at_most ? "<=" : ">=", *row.goal) : std::string();
+}
+
+void print(const std::vector<BenchRow>& rows, bool markdown) {
   for (const auto& row : rows) {
-    const auto goal = row.goal ? fmt::format("{} {:g}", row.at_most ? "<=" : ">=", *row.goal) : std::string();
-    fmt::print("{:<72} {:>10.4g} {:<10} {:<10} {}\n", row.name, row.value, row.unit, goal,
-               !row.goal       ? ""
-               : row.reached() ? "reached"
-                               : "MISSED");
+    const auto reached = !row.goal ? "" : row.reached() ? "reached" : "MISSED";
+    if (markdown)
+      fmt::print("| {} | {:.3g}{} | {}{} |\n", row.name.starts_with("  ") ? "... " + row.name.substr(2) : row.name,
+                 row.value, row.unit == "x" ? "" : " " + row.unit, goal_of(row), row.reached() ? "" : ": **missed**");
+    else
+      fmt::print("{:<72} {:>10.4g} {:<10} {:<10} {}\n", row.name, row.value, row.unit, goal_of(row), reached);
+    std::fflush(stdout);
   }
+}
+
+// Every part in turn; the first that cannot be measured ends it.
+Result<int> measure(bool markdown) {
+  if (markdown)
+    fmt::print("| | measured | goal |\n|---|---|---|\n");
+  else
+    fmt::print("{:<72} {:>10} {:<10} {:<10}\n", "", "measured", "", "goal");
+  print(bench_turbidity(), markdown);
+  print(bench_sky_answer(), markdown);
+  print(bench_air(), markdown);
+  for (const auto part : {+[] { return bench_gles(); }, +[] { return bench_layer(); }, +[] { return bench_dome(); },
+                          +[] { return bench_haze(); }}) {
+    const auto rows = part();
+    if (!rows) return fail(rows.error());
+    print(*rows, markdown);
+  }
+  return 0;
 }
 
 }  // namespace
 
 void add_bench_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("bench", "Cost of each part, as ratios of alternate measurements");
-  command->callback([&action] {
-    action = []() -> Result<int> {
-      fmt::print("{:<72} {:>10} {:<10} {:<10}\n", "", "measured", "", "goal");
-      print(bench_turbidity());
-      print(bench_air());
-      const auto gles = bench_gles();
-      if (!gles) return fail(gles.error());
-      print(*gles);
-      const auto layer = bench_layer();
-      if (!layer) return fail(layer.error());
-      print(*layer);
-      const auto dome = bench_dome();
-      if (!dome) return fail(dome.error());
-      print(*dome);
-      const auto haze = bench_haze();
-      if (!haze) return fail(haze.error());
-      print(*haze);
-      return 0;
-    };
-  });
+  auto markdown = std::make_shared<bool>(false);
+  command->add_flag("--markdown", *markdown, "As a table of Markdown, as docs/performance.md has it");
+  command->callback([&action, markdown] { action = [markdown] { return measure(*markdown); }; });
 }
 
 }  // namespace kasumi

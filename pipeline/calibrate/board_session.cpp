@@ -162,7 +162,7 @@ Result<std::unique_ptr<FrameSource>> open_configured(const std::string& config, 
       choice);
   auto devices = machine_devices(clock);
   auto opening = devices->camera(camera == "sky" ? CameraRole::sky : CameraRole::scene, choice);
-  auto source = reconnecting(std::move(opening.opener), clock);
+  auto source = reconnecting(std::move(opening), clock);
   return std::make_unique<OwningCamera>(std::move(devices), std::move(source));
 }
 

@@ -26,7 +26,8 @@ struct GatheredViews {
   std::string ended;  // why: "the picture is covered", "end of the recording", "stopped"
 };
 
-// Only the corners of each frame are kept; damaged frames are skipped, and a disconnected camera is waited for.
+// Of each frame with a new view of the board the corners are kept, and the picture until the lens is fitted, in memory;
+// nothing of the others. Damaged frames are skipped, and a disconnected camera is waited for.
 // Errors: of the source and of the window; bad_input (the picture size changes).
 Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, Clock& clock,
                                    const BoardSessionOptions& options);

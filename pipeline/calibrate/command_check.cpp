@@ -6,6 +6,7 @@
 #include "pipeline/camera_drift/drift_json.hpp"
 #include "pipeline/machine/running_appliance.hpp"
 #include "pipeline/machine/stop_signal.hpp"
+#include "pipeline/machine/time_watch.hpp"
 
 namespace kasumi {
 
@@ -50,7 +51,7 @@ Result<CheckedFrames> gather_cameras(const CheckArguments& arguments) {
   SystemClock clock;
   const auto devices = machine_devices(clock);
   TimeTrust trust(config.clock);
-  const bool time_known = trust.judge(watch_kernel_time()->read(), clock.utc()) == SunSource::ephemeris;
+  const bool time_known = trust.judge(watch_time()->read(), clock.utc()) == SunSource::ephemeris;
   if (!arguments.json) fmt::print("watching the cameras for {:.1f} minutes\n", arguments.minutes);
   auto frames =
       gather_live(config, *devices, clock, from_seconds(60.0 * arguments.minutes), time_known, stop_requested);
@@ -59,9 +60,19 @@ Result<CheckedFrames> gather_cameras(const CheckArguments& arguments) {
   return CheckedFrames{std::move(*frames), config.installation, stem, clock.utc()};
 }
 
+// A reference next to a file that does not exist would be a new one, and all would be well.
+Result<> find_calibration(const std::string& file) {
+  if (file.empty()) return {};
+  const auto root = ConfigTable::read_file(file);
+  if (!root) return fail(FaultKind::bad_input, "--calibration {}: expected a calibration file", root.error().message);
+  if (root->has("sky") || root->has("scene")) return {};
+  return fail(FaultKind::bad_input, "--calibration {}: expected a calibration file, with [sky] or [scene]", file);
+}
+
 Result<int> check(const CheckArguments& arguments) {
   if (arguments.recording.empty() == arguments.config.empty())
     return fail(FaultKind::bad_input, "expected a RECORDING, or --config kasumi.toml for the live cameras");
+  if (auto there = find_calibration(arguments.calibration); !there) return fail(there.error());
   auto checked = arguments.config.empty() ? gather_recording(arguments) : gather_cameras(arguments);
   if (!checked) return fail(checked.error());
   if (!arguments.calibration.empty()) checked->stem = std::filesystem::path(arguments.calibration).replace_extension();
@@ -74,7 +85,9 @@ Result<int> check(const CheckArguments& arguments) {
     return 0;
   };
   if (arguments.reference) return take("");
-  const auto reference = load_reference(checked->stem);
+  if (auto replaced = replace_kept_pictures(checked->stem, checked->installation); !replaced)
+    return fail(replaced.error());
+  const auto reference = load_reference(checked->stem, checked->installation);
   if (!reference && reference.error().kind == FaultKind::bad_input) return fail(reference.error());
   if (!reference) return take("there was no reference yet\n");
   if (!belongs_to(*reference, checked->installation))

@@ -82,6 +82,7 @@ Result<FoundViews> find_boards(const LensArguments& arguments, const AnyBoard& b
     }
     const auto name = std::filesystem::path(file).filename().string();
     if (auto view = find_any_board(grey, board, name)) {
+      view->picture = std::make_shared<Image<std::uint8_t>>(grey);
       fmt::print("  {}: {} corners\n", name, view->pixels.size());
       found.views.push_back(std::move(*view));
     } else {

@@ -7,9 +7,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "base/config_table.hpp"
 #include "base/files.hpp"
 #include "base/geometry.hpp"
+#include "base/table/config_table.hpp"
 #include "calib/calibration_file.hpp"
 #include "capture/utc_text.hpp"
 

@@ -24,7 +24,6 @@ constexpr double kBrightestVeilReference = 0.4;  // without a darker reference a
 constexpr double kMinExposure = 0.35;            // the sky's model itself is no surer
 constexpr std::size_t kFewestSuns = 3;
 constexpr Radians kSunAgreement = from_degrees(0.4), kMinSunScatter = from_degrees(0.05);
-constexpr Radians kNearSun = from_degrees(20.0), kLowForDome = from_degrees(20.0);
 
 DriftFinding undetermined(const char* camera, const char* what, std::string message) {
   return {camera, what, DriftState::undetermined, std::move(message), {}, {}, {}, {}};
@@ -120,15 +119,17 @@ std::vector<DriftFinding> judge_view(const View& view, const HazeChange& haze) {
   if (view.now.size() < std::size_t{kFewestCheckFrames})
     return {undetermined(view.name, "view", fmt::format("only {} pictures arrived", view.now.size()))};
   const auto still = median_of(view.now);
-  auto before = shrunk_view(view.before->small, view.camera);
-  const auto now = shrunk_view(shrunk(still, view.camera), view.camera);
+  const auto now = shrunk_view(still, view.camera, view.usable);
+  auto before = view.before->lines;
   before.usable = view.usable;
-  const auto turn = find_turn(*view.camera.lens, before, now);
+  const auto& lens = *view.camera.lens;
+  const auto turn = find_turn(lens, before, lines_of(lens, now));
   std::vector<DriftFinding> findings{judge_turn(view, turn)};
   if (!turn) return findings;
-  const auto change = compare_edges(*view.camera.lens, view.before->edges, *turn, light_of(still, view.camera));
+  const auto change = compare_edges(lens, view.before->edges, *turn, light_of(still, view.camera));
   findings.push_back(judge_focus(view.name, change));
-  findings.push_back(judge_lens(view.name, compare_veil(*view.camera.lens, before, now, *turn), change, haze));
+  const auto veil = compare_veil(lens, view.before->darkest, now, *turn);
+  findings.push_back(judge_lens(view.name, veil, change, haze));
   return findings;
 }
 
@@ -180,33 +181,12 @@ DriftFinding judge_sun(const std::vector<SunObservation>& all) {
                 angle_deg > alarm_deg ? "the camera has turned, or the clock is wrong: " + message : message);
 }
 
-// Open sky, away from the horizon, obstructions and all positions of the sun.
-Image<std::uint8_t> open_sky(const Camera& sky, const DomeFrame& dome, const std::vector<Direction>& suns) {
-  const int factor = std::max(1, sky.width / std::max(1, dome.width()));
-  Image<std::uint8_t> open(dome.width(), dome.height(), 0);
-  const auto clear = [&](int x, int y) {
-    if (sky.mask.empty()) return true;
-    const int cx = x * factor + factor / 2, cy = y * factor + factor / 2;
-    return sky.mask.contains(cx, cy) && sky.mask.at(cx, cy) != 0;
-  };
-  for (int y = 0; y < open.height(); ++y)
-    for (int x = 0; x < open.width(); ++x) {
-      const auto direction = sky.direction_at((glm::dvec2{x, y} + 0.5) * double(factor) - 0.5);
-      if (!direction || zenith_angle(*direction) > from_degrees(90.0) - kLowForDome) continue;
-      bool whole = true;
-      for (const auto& [dx, dy] : {std::pair{0, 0}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}})
-        whole = whole && clear(x + dx, y + dy);
-      for (const auto& sun : suns) whole = whole && angle_between(*direction, sun) > kNearSun;
-      open.at(x, y) = whole ? 255 : 0;
-    }
-  return open;
-}
-
 DriftFinding judge_dome(const DriftFrames& frames, const DriftReference& reference, const Camera& sky) {
   if (!reference.dome || frames.dome().empty()) return undetermined("sky", "dome", "no pictures of the sky to compare");
   auto suns = reference.suns;
   suns.insert(suns.end(), frames.sun_places().begin(), frames.sun_places().end());
-  const auto state = find_spots(frames.dome(), *reference.dome, open_sky(sky, *reference.dome, suns));
+  const auto& looks = frames.dome();
+  const auto state = find_spots(looks, *reference.dome, open_sky(sky, looks[0].width(), looks[0].height(), suns));
   if (!(state.looked_at > 0.0)) return undetermined("sky", "dome", "too little open sky is visible");
   double area = 0.0;
   for (const auto& spot : state.spots) area += spot.area;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/statistics.hpp"
 #include "estimator/sky/sky_model.hpp"
@@ -17,6 +18,7 @@ constexpr Radians kFarthestSun = from_degrees(15.0);  // from the ephemeris: any
 constexpr Radians kLargestSun = from_degrees(3.0);    // radius with glare: bright clouds are larger
 constexpr int kBesideObstruction_px = 6;              // of the shrunk picture
 constexpr Radians kLowSky = from_degrees(15.0);
+constexpr Radians kNearSun = from_degrees(20.0), kLowForDome = from_degrees(20.0);
 
 GreyPicture grey_of(const Image<Rgb8>& picture) {
   GreyPicture grey(picture.width(), picture.height());
@@ -82,23 +84,18 @@ Image<float> light_of(const GreyPicture& picture, const Camera& camera) {
   return linear;
 }
 
-GreyPicture shrunk(const GreyPicture& picture, const Camera& camera) {
+ShrunkView shrunk_view(const GreyPicture& picture, const Camera& camera, Image<std::uint8_t> usable) {
   const int factor = shrink_factor(camera);
   const auto light = light_of(picture, camera);
-  GreyPicture small(picture.width() / factor, picture.height() / factor);
-  for (int y = 0; y < small.height(); ++y)
-    for (int x = 0; x < small.width(); ++x) {
+  ShrunkView small{Image<float>(picture.width() / factor, picture.height() / factor), factor, std::move(usable)};
+  for (int y = 0; y < small.light.height(); ++y)
+    for (int x = 0; x < small.light.width(); ++x) {
       double sum = 0.0;
       for (int j = 0; j < factor; ++j)
         for (int i = 0; i < factor; ++i) sum += double{light.at(x * factor + i, y * factor + j)};
-      const double encoded = camera.response.to_encoded(glm::dvec3(sum / (factor * factor))).y;
-      small.at(x, y) = static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(encoded, 0.0, 1.0)));
+      small.light.at(x, y) = static_cast<float>(sum / (factor * factor));
     }
   return small;
-}
-
-ShrunkView shrunk_view(const GreyPicture& small, const Camera& camera) {
-  return {light_of(small, camera), shrink_factor(camera), {}};
 }
 
 Image<std::uint8_t> still_part_of_sky(const Camera& sky, int factor) {
@@ -120,6 +117,27 @@ Image<std::uint8_t> still_part_of_sky(const Camera& sky, int factor) {
       part.at(x, y) = near_obstruction ? 255 : 0;
     }
   return part;
+}
+
+Image<std::uint8_t> open_sky(const Camera& sky, int width, int height, const std::vector<Direction>& suns) {
+  const int factor = std::max(1, sky.width / std::max(1, width));
+  Image<std::uint8_t> open(width, height, 0);
+  const auto clear = [&](int x, int y) {
+    if (sky.mask.empty()) return true;
+    const int cx = x * factor + factor / 2, cy = y * factor + factor / 2;
+    return sky.mask.contains(cx, cy) && sky.mask.at(cx, cy) != 0;
+  };
+  for (int y = 0; y < open.height(); ++y)
+    for (int x = 0; x < open.width(); ++x) {
+      const auto direction = sky.direction_at((glm::dvec2{x, y} + 0.5) * double(factor) - 0.5);
+      if (!direction || zenith_angle(*direction) > from_degrees(90.0) - kLowForDome) continue;
+      bool whole = true;
+      for (const auto& [dx, dy] : {std::pair{0, 0}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}})
+        whole = whole && clear(x + dx, y + dy);
+      for (const auto& sun : suns) whole = whole && angle_between(*direction, sun) > kNearSun;
+      open.at(x, y) = whole ? 255 : 0;
+    }
+  return open;
 }
 
 DriftFrames::DriftFrames(const Installation& installation)

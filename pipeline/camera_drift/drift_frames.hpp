@@ -13,7 +13,7 @@ namespace kasumi {
 
 constexpr int kMostCheckFrames = 15;  // of each camera: the median removes what is visible in fewer than half of them
 constexpr int kFewestCheckFrames = 3;
-constexpr int kCheckSide_px = 480;  // longest side of the compared pictures and of the reference
+constexpr int kCheckSide_px = 480;  // longest side of the compared views
 constexpr int kDomeSide_px = 160;
 
 // A grey, encoded picture of the camera's own size.
@@ -23,12 +23,14 @@ GreyPicture median_of(const std::vector<GreyPicture>& pictures);
 std::optional<double> median_if_enough(std::vector<double> values);
 int shrink_factor(const Camera& camera);
 // Shrinks by that factor, averaging light; incomplete blocks at the right and bottom are dropped.
-GreyPicture shrunk(const GreyPicture& picture, const Camera& camera);
-ShrunkView shrunk_view(const GreyPicture& small, const Camera& camera);
+ShrunkView shrunk_view(const GreyPicture& picture, const Camera& camera, Image<std::uint8_t> usable);
 Image<float> light_of(const GreyPicture& picture, const Camera& camera);
 // Where the sky camera's picture shows static things: around the obstructions in its mask, or without a mask low above
 // the horizon. One element per block of `factor` pixels.
 Image<std::uint8_t> still_part_of_sky(const Camera& sky, int factor);
+
+// Of a picture of the dome so large: open sky, away from the horizon, obstructions and all positions of the sun.
+Image<std::uint8_t> open_sky(const Camera& sky, int width, int height, const std::vector<Direction>& suns);
 
 // One observation of the sun: its ephemeris, and its direction in the picture by the calibration.
 struct SunObservation {

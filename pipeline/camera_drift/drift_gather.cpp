@@ -12,7 +12,7 @@ constexpr Duration kFrameTimeout = std::chrono::milliseconds(200);
 // Keeps one camera streaming and keeps a picture of it now and then.
 void watch(CameraOpening opening, const Camera& camera, Clock& clock, Instant until, Duration apart,
            const std::function<bool()>& stop, const std::function<void(const Frame&, const PictureView&)>& keep) {
-  const auto source = reconnecting(std::move(opening.opener), clock);
+  const auto source = reconnecting(std::move(opening), clock);
   auto due = clock.now();
   while (clock.now() < until && !stop()) {
     const auto frame = source->next(std::min(until, clock.now() + kFrameTimeout));

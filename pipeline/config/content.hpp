@@ -1,6 +1,7 @@
 // What a kiosk shows: read completely before any of it is used.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,15 +13,37 @@
 
 namespace kasumi {
 
+// A file of the content as it was when it was read.
+struct ContentFile {
+  std::filesystem::path path;  // as it was named
+  std::uintmax_t bytes = 0;
+  std::int64_t changed_ns = 0;  // since the epoch of the file system's clock
+  friend bool operator==(const ContentFile&, const ContentFile&) = default;
+};
+// The file as it is now; empty: it cannot be found.
+std::optional<ContentFile> content_file(const std::filesystem::path& path);
+
+// Why this is not the content that is configured (pipeline/start/kept_content.hpp).
+struct InsteadOfConfigured {
+  Utc kept_utc{};                    // when it had been shown for long enough
+  std::vector<std::string> refused;  // what is wrong with the configured one
+};
+
 struct Content {
   RunConfig config;
-  Model model;                        // stays in memory: GL contexts come and go
-  std::optional<Image<Rgba8>> still;  // the curated picture; where it is transparent, the sky of the day shows
+  Model model;                                 // with its levels; stays in memory: GL contexts come and go
+  std::optional<Image<Rgba8>> still;           // the curated picture; where it is transparent, the sky of the day shows
+  std::vector<ContentFile> files;              // the configuration first, then all that it names
+  std::optional<InsteadOfConfigured> instead;  // empty: this is what is configured
 };
 using ContentPtr = std::shared_ptr<const Content>;
 
+// The curated picture. Errors: those of read_photograph().
+Result<Image<Rgba8>> read_still(const std::filesystem::path& file);
+
 // Reads configuration, calibration, model and curated picture, which BLOCKS for seconds. Errors (bad_input): all
 // problems of all files at once.
-Result<ContentPtr> read_content(const std::filesystem::path& config_file);
+// With `copies`, files are looked for there first, by their whole names below that folder.
+Result<ContentPtr> read_content(const std::filesystem::path& config_file, const std::filesystem::path& copies = {});
 
 }  // namespace kasumi

@@ -1,6 +1,7 @@
 #include "pipeline/config/descriptions.hpp"
 
 #include "calib/adopt_calibration.hpp"
+#include "calib/mask/distance_map.hpp"
 #include "pipeline/config/foreign_keys.hpp"
 #include "pipeline/config/landmarks.hpp"
 
@@ -25,19 +26,22 @@ Result<LandmarkFile> read_landmark_file(const std::filesystem::path& path, int w
   if (root->if_text("calibration")) adopt_calibration(*root);
   LandmarkFile found;
   std::optional<Site> site;
+  Image<float> distances_m;
   if (auto table = root->optional_table("site")) {
     site = read_site(*table);
     found.altitude_m = site->altitude_m;
   }
   if (auto table = root->optional_table("scene")) {
     found.scene = read_camera(*table, "scene");
+    distances_m = read_distance_map(*table, width, height);
     if (found.scene->width != width || found.scene->height != height)
       table->problem("width", fmt::format("{} x {}, as the picture is", width, height));
   }
-  found.landmarks = read_contrast_landmarks(*root, site, width, height);
+  found.landmarks =
+      read_contrast_landmarks(*root, site, {width, height, found.scene ? &*found.scene : nullptr, &distances_m});
   ignore_what_others_read(*root, {"site", "scene", "landmarks"});
   if (found.landmarks.empty())
-    root->problem("landmarks", "[[landmarks]] with region_px, and distance_m or a place and a [site]");
+    root->problem("landmarks", "[[landmarks]] with region_px or ridge_px, and distance_m or a place and a [site]");
   if (auto done = root->finish(); !done) return fail(done.error());
   return found;
 }

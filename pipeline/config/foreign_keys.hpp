@@ -4,7 +4,7 @@
 #include <set>
 #include <string_view>
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 
 namespace kasumi {
 

@@ -1,7 +1,7 @@
 // The keys of [site] that say what is known of the air: aod_550, angstrom_exponent, aerosol.
 #pragma once
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 #include "estimator/given_air.hpp"
 
 namespace kasumi {

@@ -36,7 +36,10 @@ Surroundings read_surroundings(const ConfigTable& table) {
 
 SkyToFit Installation::sky_to_fit() const {
   const auto model = resolved(surroundings.sky_model, site.altitude_m, surroundings.air.any());
-  return {model, site.altitude_m, model == SiteSkyModel::dome ? surroundings.air.to_be_found() : std::nullopt};
+  SkyToFit fit{model, site.altitude_m, model == SiteSkyModel::dome ? surroundings.air.to_be_found() : std::nullopt};
+  fit.every_model = surroundings.sky_model == SiteSkyModel::automatic;
+  fit.known = surroundings.air;
+  return fit;
 }
 
 Installation read_installation(const ConfigTable& root) {
@@ -54,8 +57,9 @@ Installation read_installation(const ConfigTable& root) {
                                 "\"pinhole\": the picture is drawn through a pinhole (with Brown's distortion)");
   installation.object = read_placement(root.table("object"), installation.site);
   installation.landmarks = read_landmarks(root, installation.site);
-  installation.contrast_landmarks =
-      read_contrast_landmarks(root, installation.site, installation.scene.width, installation.scene.height);
+  installation.contrast_landmarks = read_contrast_landmarks(
+      root, installation.site,
+      {installation.scene.width, installation.scene.height, &installation.scene, &installation.scene_distances_m});
   return installation;
 }
 

@@ -1,7 +1,7 @@
 // One kiosk: its site, its two cameras and the building it shows.
 #pragma once
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 #include "calib/adopt_calibration.hpp"
 #include "calib/camera.hpp"
 #include "calib/image_quality.hpp"
@@ -26,8 +26,9 @@ struct Surroundings {
   double ground_albedo = 0.2;    // of sunlight, mean over the visible: grass .2, sand .35, fresh snow .8
   double cloud_base_m = 2000.0;  // above the site: a cloud there may shade the object
   FogLayer fog;
-  SiteSkyModel sky_model = SiteSkyModel::automatic;  // model of the clear sky; automatic: by altitude
-  GivenAir air;                                      // what is known of it; the rest is found
+  // Model of the clear sky; automatic: all are asked and weighed, and the air found decides which is followed.
+  SiteSkyModel sky_model = SiteSkyModel::automatic;
+  GivenAir air;  // what is known of it; the rest is found
   // H's lambda: blur of what lies behind haze of optical depth 1, standard deviation in pixels; 0: none.
   double haze_blur_px = 0.0;
 };
@@ -45,7 +46,8 @@ struct Installation {
   std::vector<ContrastLandmark> contrast_landmarks;  // those used to measure visibility
   std::optional<AdoptedCalibration> calibration;     // the calibration file it builds on
 
-  // The model of the site's clear sky, with which T is estimated; never automatic.
+  // How the air is found in the sky camera's picture: by every model, or by the one that is asked for, which is never
+  // automatic.
   SkyToFit sky_to_fit() const;
 };
 

@@ -11,6 +11,7 @@ std::string_view name_of(Shown shown) {
     case Shown::degraded: return "degraded";
     case Shown::still: return "still";
     case Shown::dark: return "dark";
+    case Shown::nothing: return "nothing";
   }
   return "unknown";
 }
@@ -26,6 +27,8 @@ std::string_view name_of(Trouble trouble) {
     case Trouble::sky_lost: return "no picture from the sky camera: the air is held";
     case Trouble::time_unknown: return "the time is not known: no sun, no building";
     case Trouble::closed: return "closed";
+    case Trouble::safe_mode: return "safe mode: too many starts have failed";
+    case Trouble::no_display: return "no display";
   }
   return "unknown";
 }
@@ -76,7 +79,12 @@ Rung Ladder::step(Instant now, const LadderInput& input) {
                                              : Trouble::sky_lost;
   rung_.shown = shown;
   stepped_ = now;
-  return rung_;
+  if (input.display || shown == Shown::dark) return rung_;
+  // Fades and patience go on, so that a display that comes finds its place on the ladder.
+  auto unseen = rung_;
+  unseen.shown = Shown::nothing;
+  unseen.trouble = Trouble::no_display;
+  return unseen;
 }
 
 }  // namespace kasumi

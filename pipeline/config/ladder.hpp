@@ -1,4 +1,4 @@
-// What visitors see when something is wrong: live, held, degraded, still, dark. A pure state machine: inputs and time
+// What visitors see when something is wrong: live, held, degraded, still, dark; nothing where there is no display. A pure state machine: inputs and time
 // in, rung out.
 #pragma once
 
@@ -15,6 +15,7 @@ enum class Shown {
   degraded,  // the scene is live, but the air is out of date or the sun's position unknown
   still,     // the curated picture with its caption
   dark,      // closed, on purpose
+  nothing,   // there is no display
 };
 std::string_view name_of(Shown shown);
 
@@ -29,6 +30,8 @@ enum class Trouble {
   sky_lost,         // no picture comes from the sky camera: the last known air is used
   time_unknown,     // the sun's position is unknown, so no building is drawn
   closed,           // outside opening hours
+  safe_mode,        // three boots came to nothing: neither cameras nor scene are tried
+  no_display,
 };
 std::string_view name_of(Trouble trouble);
 
@@ -49,6 +52,7 @@ struct LadderInput {
   bool sky_up = false;
   bool sun_known = false;
   bool open = true;
+  bool display = true;  // there is one
 };
 
 struct Rung {

@@ -70,6 +70,27 @@ constexpr Translations translations_of(Message message) {
     case Message::recording:
       return {"Recording",          "Aufnahme läuft", "Enregistrement en cours", "Registrazione in corso",
               "Grabación en curso", "録画中"};
+    case Message::sharp_snapshot:
+      return {"A picture of what you see here is being sent to those who look after this kiosk.",
+              "Ein Bild dessen, was Sie hier sehen, geht gerade an die Betreuer dieser Station.",
+              "Une image de ce que vous voyez ici est envoyée aux responsables de cette borne.",
+              "Un’immagine di ciò che vedete qui viene inviata ai responsabili di questa postazione.",
+              "Se está enviando una imagen de lo que ve aquí a los responsables de este puesto.",
+              "この画面の画像を、この装置の管理者に送信しています。"};
+    case Message::safe_mode:
+      return {"The live view is out of order.\nWe are taking care of it.",
+              "Das Livebild ist gestört.\nWir kümmern uns darum.",
+              "La vue en direct est en panne.\nNous nous en occupons.",
+              "La vista dal vivo è fuori servizio.\nCe ne stiamo occupando.",
+              "La vista en directo está averiada.\nNos estamos ocupando de ello.",
+              "ライブ映像は現在ご覧いただけません。\nただいま対応しております。"};
+    case Message::earlier_content:
+      return {"The latest changes could not be used.\nThe exhibit is shown as it was before.",
+              "Die letzten Änderungen waren nicht brauchbar.\nGezeigt wird der Stand davor.",
+              "Les dernières modifications sont inutilisables.\nL’état précédent est affiché.",
+              "Le ultime modifiche non sono utilizzabili.\nViene mostrato lo stato precedente.",
+              "Los últimos cambios no se pueden utilizar.\nSe muestra el estado anterior.",
+              "最新の変更を適用できませんでした。\n変更前の状態で表示しています。"};
   }
   return {};
 }

@@ -26,6 +26,9 @@ enum class Message {
   no_clock,              // the sun's position is unknown, so no building is drawn
   closed,                // outside opening hours
   recording,
+  sharp_snapshot,   // a picture in which people may be recognised is about to leave the kiosk
+  safe_mode,        // only the still picture is shown until somebody has looked after it
+  earlier_content,  // for whoever has just changed it: the new content was refused
 };
 inline constexpr Message kMessages[] = {
     Message::starting,
@@ -37,6 +40,9 @@ inline constexpr Message kMessages[] = {
     Message::no_clock,
     Message::closed,
     Message::recording,
+    Message::sharp_snapshot,
+    Message::safe_mode,
+    Message::earlier_content,
 };
 
 // One or two sentences in UTF-8, each on its own line. Never empty.

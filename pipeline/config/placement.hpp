@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 #include "calib/camera.hpp"
 #include "gles/model/model.hpp"
 

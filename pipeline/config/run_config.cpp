@@ -176,24 +176,34 @@ LadderOptions read_ladder(const ConfigTable& table) {
   return ladder;
 }
 
+HeatOptions read_heat(const ConfigTable& table) {
+  constexpr Range kCelsius{20.0, 120.0};
+  HeatOptions heat;
+  heat.fewer_pictures = table.flag("fewer_pictures", heat.fewer_pictures);
+  heat.warm_celsius = optional_number(table, "warm_celsius", kCelsius);
+  heat.hot_celsius = optional_number(table, "hot_celsius", kCelsius);
+  heat.hysteresis_celsius = table.number("hysteresis_celsius", {0.5, 30.0}, heat.hysteresis_celsius);
+  heat.hold = from_seconds(table.number("hold_s", {1.0, 3600.0}, to_seconds(heat.hold)));
+  if (heat.warm_celsius && heat.hot_celsius && *heat.hot_celsius <= *heat.warm_celsius)
+    table.problem("hot_celsius", fmt::format("more than warm_celsius ({})", *heat.warm_celsius));
+  return heat;
+}
+
+// A missing optional table is read as an empty one.
+template <class Read>
+auto section(const ConfigTable& root, std::string_view key, Read read) {
+  const auto table = root.optional_table(key);
+  return read(table ? *table : *ConfigTable::parse("", root.path()));
+}
+
 }  // namespace
 
-RunConfig read_run_config(const ConfigTable& root) {
-  // A missing optional table is read as an empty one.
-  const auto section = [&](std::string_view key, auto read) {
-    const auto table = root.optional_table(key);
-    return read(table ? *table : *ConfigTable::parse("", root.path()));
-  };
-  RunConfig config;
-  config.installation = read_installation(root);
-  config.sky_camera = read_camera_options(root.table("sky").table("camera"), config.installation.sky);
-  config.scene_camera = read_camera_options(root.table("scene").table("camera"), config.installation.scene);
-  config.display = section("display", read_display);
-  config.overlay = section("display", [](const ConfigTable& table) { return table.flag("overlay", false); });
-  config.still = section("still", [](const ConfigTable& table) {
+void read_screen(const ConfigTable& root, RunConfig& config) {
+  config.display = section(root, "display", read_display);
+  config.still = section(root, "still", [](const ConfigTable& table) {
     return StillOptions{table.optional_file("picture"), table.text("caption", std::string())};
   });
-  config.messages = section("words", [](const ConfigTable& table) {
+  config.messages = section(root, "words", [](const ConfigTable& table) {
     MessageOptions options;
     const auto language = parse_language(table.text("language", std::string("en")));
     if (language)
@@ -204,11 +214,23 @@ RunConfig read_run_config(const ConfigTable& root) {
     options.show_faults = table.flag("show_faults", true);
     return options;
   });
-  config.clock = section("clock", read_clock);
-  config.opening = section("opening", read_opening);
-  config.check = section("check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
-  config.ladder = section("ladder", read_ladder);
-  config.state_folder = section("state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
+}
+
+RunConfig read_run_config(const ConfigTable& root) {
+  RunConfig config;
+  config.installation = read_installation(root);
+  config.sky_camera = read_camera_options(root.table("sky").table("camera"), config.installation.sky);
+  config.scene_camera = read_camera_options(root.table("scene").table("camera"), config.installation.scene);
+  read_screen(root, config);
+  config.overlay = section(root, "display", [](const ConfigTable& table) { return table.flag("overlay", false); });
+  config.clock = section(root, "clock", read_clock);
+  config.opening = section(root, "opening", read_opening);
+  config.check = section(root, "check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
+  config.ladder = section(root, "ladder", read_ladder);
+  config.heat = section(root, "heat", read_heat);
+  config.snapshot =
+      section(root, "snapshot", [](const ConfigTable& table) { return SnapshotOptions{table.flag("sharp", false)}; });
+  config.state_folder = section(root, "state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
     const auto folder = table.text("folder", std::string());
     if (folder.empty()) return std::nullopt;
     return table.folder() / folder;

@@ -6,10 +6,11 @@
 #include <string>
 #include <variant>
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 #include "capture/libcamera/libcamera_source.hpp"
 #include "capture/v4l2/v4l2_source.hpp"
 #include "gles/display/display.hpp"
+#include "pipeline/config/heat_governor.hpp"
 #include "pipeline/config/installation.hpp"
 #include "pipeline/config/ladder.hpp"
 #include "pipeline/config/messages.hpp"
@@ -41,6 +42,11 @@ struct CheckOptions {
   Duration length{};                  // of that time
 };
 
+// What `kasumi snapshot` may be given.
+struct SnapshotOptions {
+  bool sharp = false;  // pictures in which people can be recognised
+};
+
 struct RunConfig {
   Installation installation;
   CameraOptions sky_camera;
@@ -53,8 +59,13 @@ struct RunConfig {
   OpeningHours opening;
   CheckOptions check;
   LadderOptions ladder;
+  SnapshotOptions snapshot;
+  HeatOptions heat;
   std::optional<std::filesystem::path> state_folder;
 };
+
+// [display], [still] and [words] alone: what a screen needs to show anything.
+void read_screen(const ConfigTable& root, RunConfig& config);
 
 // Problems are collected in the root's file.
 RunConfig read_run_config(const ConfigTable& root);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "base/clock.hpp"
 #include "estimator/sky_camera/sun_in_image.hpp"
@@ -10,7 +9,7 @@
 namespace kasumi {
 
 enum class ClockPolicy {
-  synchronized,  // trusted once the kernel reports it as synchronized
+  synchronized,  // trusted once the machine reports it as synchronized
   trusted,       // always trusted: set by other means, or the cameras play a recording
   from_sky,      // as `synchronized`; until then the sky camera locates the sun
 };
@@ -19,18 +18,17 @@ struct ClockOptions {
   Utc earliest{};  // an earlier time is never trusted
 };
 
-// The kernel's state of its clock.
+// What the machine knows of its clock (pipeline/machine/time_watch.hpp).
 struct ClockState {
-  bool synchronized = false;  // adjtimex without STA_UNSYNC
+  bool synchronized = false;  // by a time server or the like
   std::uint64_t jumps = 0;    // how often it was set since watching began
+  bool remembered = false;    // it was synchronized in this boot before the program started, and has not been set since
 };
 class TimeWatch {
  public:
   virtual ~TimeWatch() = default;
   virtual ClockState read() = 0;  // does not block; one thread only
 };
-// Uses adjtimex and a timer that the kernel cancels when the clock is set.
-std::unique_ptr<TimeWatch> watch_kernel_time();
 
 class TimeTrust {
  public:
@@ -38,6 +36,8 @@ class TimeTrust {
   // Where to take the sun's position from now. Trust, once gained, lasts until somebody sets the clock: a machine cut
   // off from its time server drifts only by seconds a day.
   SunSource judge(const ClockState& state, Utc now);
+  // Other options from now on; trust that was gained stays.
+  void adopt(const ClockOptions& options) { options_ = options; }
 
  private:
   ClockOptions options_;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "capture/utc_text.hpp"
@@ -35,6 +37,15 @@ std::string list_of(const Json& counts) {
   for (const auto& [reason, count] : counts.items())
     text_list += fmt::format("{}{} {}", text_list.empty() ? "" : ", ", count.dump(), reason);
   return text_list;
+}
+
+// A list of texts, each on a line of its own.
+std::string list_below(const Json& lines) {
+  std::string below;
+  if (lines.is_array())
+    for (const auto& line : lines)
+      if (line.is_string()) below += "\n" + line.get<std::string>();
+  return below;
 }
 
 // Counts belong to the time of writing, not of reading.
@@ -99,6 +110,38 @@ void check_live_camera(const std::string& name, const CameraOptions& options, co
                   "check the lens: covered, blinded, or a camera that repeats one picture");
 }
 
+void check_loops(const Json& status, Findings& findings) {
+  const auto loops = part(status, "loops");
+  if (!loops.is_object() || loops.empty()) return;  // written by an older version
+  std::string hung;
+  double longest_s = 0.0;
+  for (const auto& [name, loop] : loops.items()) {
+    const double silent_s = number(loop, "silent_s");
+    if (flag(loop, "up") || silent_s == 0.0) continue;
+    hung += fmt::format("{}{} loop, silent for {:.0f} s", hung.empty() ? "" : "; ", name, silent_s);
+    longest_s = std::max(longest_s, silent_s);
+  }
+  auto& finding = hung.empty() ? findings.good("loops", "all turn")
+                               : findings.fail("loops", "hung: " + hung,
+                                               "a call into a driver or a disk does not return: dmesg | tail. For a "
+                                               "camera: cable, hub, power; after 60 s the service is restarted");
+  finding.values["longest_silence_s"] = longest_s;
+}
+
+void check_heat(const Json& status, Findings& findings) {
+  const auto heat = part(status, "heat");
+  const double share = number(heat, "pictures_share");
+  if (share == 0.0) return;  // written by an older version
+  const auto found = share >= 1.0
+                         ? std::string("all pictures are shown")
+                         : fmt::format("only {:.0f} % of the pictures are shown: {}{:.0f} degrees{}", 100.0 * share,
+                                       text(heat, "zone").empty() ? "" : text(heat, "zone") + " ",
+                                       number(heat, "celsius"), flag(heat, "throttled") ? ", throttled" : "");
+  auto& finding = share >= 1.0 ? findings.good("heat", found)
+                               : findings.warn("heat", found, "check fan, dust, sun on the case; a smaller mode");
+  finding.values = {{"pictures_share", share}, {"spared", number(heat, "spared")}};
+}
+
 void check_live_display(const Json& before, const Json& later, double seconds, Findings& findings) {
   if (!flag(later, "up")) {
     findings.fail("display.open", "no display: " + text(later, "cause"),
@@ -117,6 +160,30 @@ void check_live_display(const Json& before, const Json& later, double seconds, F
   finding.values = {{"flips_per_second", flips}, {"flip_timeouts", timeouts}, {"resets", resets}};
 }
 
+void check_live_air(const Json& status, Findings& findings) {
+  const auto air = part(status, "air");
+  const bool known = status.is_object() && status.contains("turbidity") && status["turbidity"].is_number();
+  const auto turbidity = fmt::format("turbidity {:.2f} +- {:.2f}, {:.0f} s old", number(status, "turbidity"),
+                                     number(status, "sigma"), number(status, "turbidity_age_s"));
+  const auto state = text(air, "text");
+  const auto found = known ? turbidity + (state.empty() ? "" : "; " + state) : state;
+  if (flag(air, "supposed"))
+    findings.warn(
+        "air", found,
+        "clear sky for a while, or landmarks of known distance (docs/operating.md): " + text(status, "sky_reason"));
+  else if (known)
+    findings.good("air", found).values = {{"turbidity", number(status, "turbidity")},
+                                          {"age_s", number(status, "turbidity_age_s")}};
+  else
+    findings.warn("air", "unknown yet: " + text(status, "sky_reason"),
+                  "the sky must be clear enough for a while; kasumi estimate");
+  const auto visibility = part(status, "visibility");
+  if (flag(visibility, "finding"))
+    findings.warn(
+        "air.observers", text(visibility, "words"),
+        "which is right? clean the sky camera's dome, look at the landmarks' boxes (kasumi replay --overlay)");
+}
+
 }  // namespace
 
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
@@ -129,15 +196,23 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
   } else {
     const auto shown = text(is, "shown"), reason = text(is, "reason");
     const auto found = fmt::format("pid {} shows: {}{}{}", later.pid, shown, reason.empty() ? "" : ", ", reason);
-    if (shown == "live" || shown == "dark")
+    if (const auto start = part(is, "start"); flag(start, "safe_mode"))
+      findings.fail("service", found + list_below(part(start, "why")),
+                    "docs/operating.md, \"When starts fail\": mend the cause, then sudo systemctl restart kasumi");
+    else if (shown == "live" || shown == "dark")
       findings.good("service", found);
     else
       findings.warn("service", found, "the checks below show why");
   }
+  check_loops(is, findings);
+  check_heat(is, findings);
   check_live_camera("scene_camera", config.scene_camera, part(was, "scene_camera"), part(is, "scene_camera"), seconds,
                     findings);
   check_live_camera("sky_camera", config.sky_camera, part(was, "sky_camera"), part(is, "sky_camera"), seconds,
                     findings);
+  if (const auto refused = text(is, "draw_refused"); !refused.empty())
+    findings.fail("display.picture", "the scene camera's pictures cannot be drawn: " + refused,
+                  "another size in [scene] and [scene.camera], or another driver: kasumi run --config FILE --check");
   check_live_display(part(was, "display"), part(is, "display"), seconds, findings);
 
   if (const auto latency = part(is, "latency_ms"); latency.is_object() && latency.contains("median")) {
@@ -145,14 +220,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
                                                          number(latency, "median"), number(latency, "p95")));
     finding.values = {{"median_ms", number(latency, "median")}, {"p95_ms", number(latency, "p95")}};
   }
-  if (!is.is_object() || !is.contains("turbidity") || !is["turbidity"].is_number())
-    findings.warn("air", "unknown yet: " + text(is, "sky_reason"),
-                  "the sky must be clear enough for a while; kasumi estimate");
-  else
-    findings
-        .good("air", fmt::format("turbidity {:.2f} +- {:.2f}, {:.0f} s old", number(is, "turbidity"),
-                                 number(is, "sigma"), number(is, "turbidity_age_s")))
-        .values = {{"turbidity", number(is, "turbidity")}, {"age_s", number(is, "turbidity_age_s")}};
+  check_live_air(is, findings);
   if (const auto check = part(is, "check"); check.is_object()) {
     const auto found = fmt::format("{} ({})", text(check, "summary"), text(check, "utc"));
     const auto well = part(check, "well");
@@ -163,6 +231,11 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
       findings.good("calibration.drift", found);
   }
   const auto content = part(is, "content");
+  if (const auto refused = part(content, "refused"); refused.is_array() && !refused.empty())
+    findings.fail("content.refused",
+                  "shown is what worked until " + text(content, "last_good_utc") +
+                      "; the configured content is refused:" + list_below(refused),
+                  "correct what is named; kasumi run --config FILE --check; then sudo systemctl reload kasumi");
   if (const auto problems = part(content, "problems"); problems.is_array() && !problems.empty())
     findings.warn("content.reload",
                   "the last reload was rejected, the old content is still in use: " + problems.front().dump(),

@@ -2,45 +2,23 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <sstream>
 
-#include "base/files.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/doctor/checks.hpp"
+#include "pipeline/machine/disk_probe.hpp"
+#include "pipeline/machine/heat.hpp"
 
 namespace kasumi {
 
 namespace {
 
-constexpr double kWarm_C = 75.0, kHot_C = 85.0;                 // where a zone states no limits of its own
 constexpr double kLowSpace_bytes = 1e9, kFullDisk_bytes = 2e8;  // bytes
 constexpr double kSlowWrite_s = 1.0;
 constexpr std::size_t kProbeBytes = 65536;
-
-struct Zone {
-  std::string name;
-  double celsius = 0.0;
-  double warm = kWarm_C;
-  double hot = kHot_C;
-};
-
-// At "critical" the kernel switches the machine off; 10 degrees below that counts as too hot.
-Zone read_zone(const std::filesystem::path& folder, double millidegrees) {
-  Zone zone{line_of(folder / "type"), millidegrees / 1000.0};
-  for (const auto& entry : entries_of(folder, "trip_point_")) {
-    const auto name = entry.filename().string();
-    if (!name.ends_with("_type")) continue;
-    const auto temperature = number_of(folder / (name.substr(0, name.size() - 5) + "_temp"));
-    if (!temperature || *temperature <= 0.0) continue;
-    const auto kind = line_of(entry);
-    if (kind == "critical") zone.hot = std::min(zone.hot, *temperature / 1000.0 - 10.0);
-    if (kind == "passive" || kind == "hot") zone.warm = std::min(zone.warm, *temperature / 1000.0);
-  }
-  zone.warm = std::min(zone.warm, zone.hot - 5.0);
-  return zone;
-}
 
 std::map<std::string, std::string> properties_of(const std::string& text) {
   std::map<std::string, std::string> properties;
@@ -92,6 +70,31 @@ void check_unit(const MachinePlaces& places, Findings& findings) {
     findings.good("watchdog.service", "a hanging render loop is restarted after " + watchdog);
 }
 
+void check_writing(const std::filesystem::path& folder, Findings& findings) {
+  const auto probe = probe_disk(folder, kProbeBytes);
+  const auto where = probe ? fmt::format("{}, as {}", folder.string(), probe->account) : std::string();
+  if (!probe)
+    findings.fail("disk.write", probe.error().message, "dmesg | tail");
+  else if (probe->hangs)
+    findings.fail("disk.write", fmt::format("{}: nothing was written in {:.0f} s", where, probe->seconds),
+                  "a failing or busy disk: dmesg | tail, iotop");
+  else if (probe->error == EACCES && ::geteuid() != 0)
+    findings.warn("disk.write", "not tried: this user may not write " + folder.string(), "run this with sudo");
+  else if (probe->error == EACCES)
+    findings.fail("disk.write", where + ": may not be written", "sudo chown -R kasumi:kasumi " + folder.string());
+  else if (probe->error != 0)
+    findings.fail("disk.write", fmt::format("{}: cannot be written: {}", where, std::strerror(probe->error)),
+                  "mount | grep ' / ' shows whether it is read-only, as with a failing memory card; dmesg | tail");
+  else if (probe->seconds > kSlowWrite_s)
+    findings
+        .warn("disk.write", fmt::format("64 kB took {:.1f} s", probe->seconds),
+              "a failing or busy disk: dmesg | tail, iotop")
+        .values["seconds"] = probe->seconds;
+  else
+    findings.good("disk.write", fmt::format("64 kB written to disk in {:.0f} ms", probe->seconds * 1e3))
+        .values["seconds"] = probe->seconds;
+}
+
 }  // namespace
 
 void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings) {
@@ -114,29 +117,25 @@ void check_clock(const ClockOptions& options, const ClockState& state, Utc now, 
 }
 
 void check_temperature(const MachinePlaces& places, Findings& findings) {
-  std::optional<Zone> closest;
-  for (const auto& folder : entries_of(places.sys / "class/thermal", "thermal_zone")) {
-    const auto millidegrees = number_of(folder / "temp");
-    if (!millidegrees || *millidegrees <= -40000.0) continue;
-    const auto zone = read_zone(folder, *millidegrees);
-    if (!closest || zone.hot - zone.celsius < closest->hot - closest->celsius) closest = zone;
-  }
+  const auto zones = read_thermal_zones(places.sys);
+  const auto* closest = hottest(zones, {});
   if (!closest) {
     findings.good("temperature", "this machine has no temperature sensor");
     return;
   }
   const auto found = fmt::format("{}: {:.0f} degrees", closest->name, closest->celsius);
   const char* advice = "check fan, dust, sun on the case; the machine throttles and then switches itself off";
-  auto& finding = closest->celsius >= closest->hot    ? findings.fail("temperature", found, advice)
-                  : closest->celsius >= closest->warm ? findings.warn("temperature", found, advice)
-                                                      : findings.good("temperature", found);
-  finding.values = {{"celsius", closest->celsius}, {"warm_celsius", closest->warm}, {"hot_celsius", closest->hot}};
+  auto& finding = closest->celsius >= closest->hot_celsius    ? findings.fail("temperature", found, advice)
+                  : closest->celsius >= closest->warm_celsius ? findings.warn("temperature", found, advice)
+                                                              : findings.good("temperature", found);
+  finding.values = {
+      {"celsius", closest->celsius}, {"warm_celsius", closest->warm_celsius}, {"hot_celsius", closest->hot_celsius}};
 }
 
 void check_throttling(const MachinePlaces& places, Findings& findings) {
   // Raspberry Pi's firmware: low bits for now, the same bits 16 higher for since boot.
-  if (auto text = line_of(places.sys / "devices/platform/soc/soc:firmware/get_throttled"); !text.empty()) {
-    const auto bits = std::strtoul(text.c_str(), nullptr, 16);
+  if (const auto reported = read_throttling_bits(places.sys)) {
+    const auto bits = *reported;
     constexpr std::array kMeanings{"the supply's voltage is too low", "the CPU frequency is capped", "throttled",
                                    "near the temperature limit"};
     std::string now, past;
@@ -176,7 +175,7 @@ void check_throttling(const MachinePlaces& places, Findings& findings) {
     findings.good("throttling", "none since boot").values["times"] = 0;
 }
 
-void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& findings) {
+void check_disk(const std::filesystem::path& folder, Findings& findings) {
   std::error_code error;
   const auto space = std::filesystem::space(folder, error);
   if (error) {
@@ -192,31 +191,14 @@ void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& fin
                                            : findings.good("disk.space", found);
   finding.values["free_bytes"] = free;
 
-  const auto probe = folder / ".doctor-probe";
-  const auto began = clock.now();
-  const auto written = write_file(probe, std::vector<std::uint8_t>(kProbeBytes, 0x5a));
-  const double seconds = to_seconds(clock.now() - began);
-  std::filesystem::remove(probe, error);
-  if (!written && ::access(folder.c_str(), W_OK) != 0 && errno == EACCES)
-    findings.warn("disk.write", "not tried: this user may not write " + folder.string(), "run this with sudo");
-  else if (!written)
-    findings.fail("disk.write", written.error().message,
-                  "mount | grep ' / ' shows whether it is read-only, as with a failing memory card; dmesg | tail");
-  else if (seconds > kSlowWrite_s)
-    findings
-        .warn("disk.write", fmt::format("64 kB took {:.1f} s", seconds), "a failing or busy disk: dmesg | tail, iotop")
-        .values["seconds"] = seconds;
-  else
-    findings.good("disk.write", fmt::format("64 kB written to disk in {:.0f} ms", seconds * 1e3)).values["seconds"] =
-        seconds;
+  check_writing(folder, findings);
 }
 
 void check_watchdogs(const MachinePlaces& places, Findings& findings) {
   check_unit(places, findings);
   const char* advice =
-      "RuntimeWatchdogSec=15 below [Manager] in /etc/systemd/system.conf.d/watchdog.conf, then reboot: a machine that "
-      "hangs "
-      "then reboots";
+      "the package kasumi-kiosk, or RuntimeWatchdogSec=15 below [Manager] in /etc/systemd/system.conf.d/watchdog.conf, "
+      "then reboot: a machine that hangs then reboots";
   const auto devices = entries_of(places.sys / "class/watchdog", "watchdog");
   if (devices.empty()) {
     findings.warn("watchdog.machine", "this machine has no hardware watchdog (or its driver is not loaded)",

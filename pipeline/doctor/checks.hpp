@@ -5,21 +5,16 @@
 
 #include "pipeline/config/content.hpp"
 #include "pipeline/doctor/doctor.hpp"
+#include "pipeline/machine/kernel_files.hpp"
 #include "pipeline/machine/running_appliance.hpp"
 
 namespace kasumi {
-
-// First line of a file in sysfs or procfs; empty when it cannot be read.
-std::string line_of(const std::filesystem::path& file);
-std::optional<double> number_of(const std::filesystem::path& file);
-// The folder's entries whose names start with `prefix`, sorted.
-std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder, std::string_view prefix);
 
 // check_machine.cpp
 void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings);
 void check_temperature(const MachinePlaces& places, Findings& findings);
 void check_throttling(const MachinePlaces& places, Findings& findings);
-void check_disk(const std::filesystem::path& folder, Clock& clock, Findings& findings);
+void check_disk(const std::filesystem::path& folder, Findings& findings);
 void check_watchdogs(const MachinePlaces& places, Findings& findings);
 
 // check_cameras.cpp

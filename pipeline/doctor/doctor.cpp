@@ -11,6 +11,7 @@
 #include "base/files.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/doctor/checks.hpp"
+#include "pipeline/machine/time_watch.hpp"
 
 namespace kasumi {
 
@@ -137,30 +138,6 @@ MachinePlaces this_machine() {
   return places;
 }
 
-std::string line_of(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line;
-}
-
-std::optional<double> number_of(const std::filesystem::path& file) {
-  const auto line = line_of(file);
-  char* end = nullptr;
-  const double value = std::strtod(line.c_str(), &end);
-  if (end == line.c_str()) return std::nullopt;
-  return value;
-}
-
-std::vector<std::filesystem::path> entries_of(const std::filesystem::path& folder, std::string_view prefix) {
-  std::vector<std::filesystem::path> found;
-  std::error_code error;
-  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (entry->path().filename().string().starts_with(prefix)) found.push_back(entry->path());
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
   Findings findings;
   const auto content = read_content(request.config);
@@ -192,11 +169,11 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
     check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);
     check_calibration("sky_camera", installation.sky, installation, clock.utc(), findings);
   }
-  check_clock(content ? (*content)->config.clock : ClockOptions{}, watch_kernel_time()->read(), clock.utc(), findings);
+  if (!content && running) check_running(request, RunConfig{}, *running, clock, findings);
+  check_clock(content ? (*content)->config.clock : ClockOptions{}, watch_time()->read(), clock.utc(), findings);
   check_temperature(places, findings);
   check_throttling(places, findings);
-  check_disk(content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state, clock,
-             findings);
+  check_disk(content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state, findings);
   check_watchdogs(places, findings);
   return findings;
 }

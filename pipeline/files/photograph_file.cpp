@@ -3,35 +3,53 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <span>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
+#include "base/picture_header.hpp"
+#include "capture/codec/jpeg.hpp"
 
 namespace kasumi {
 
 namespace {
 
-Result<cv::Mat> decode_file(const std::filesystem::path& path) {
+bool is_jpeg(std::span<const std::uint8_t> bytes) {
+  return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
+}
+
+Result<cv::Mat> decode_file(const std::filesystem::path& path, std::string* damage) {
   const auto bytes = read_file(path);
   if (!bytes) return fail(bytes.error());
+  const auto header = picture_header(*bytes);
+  if (header)
+    if (auto bounded = check_size(*header, kPhotographLimits); !bounded)
+      return fail(FaultKind::bad_input, "{}: {}", path.string(), bounded.error().message);
   cv::Mat image;
   try {
-    if (!bytes->empty()) image = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+    if (header) image = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception& error) {
     return fail(FaultKind::bad_input, "{}: not a picture that can be read: {}", path.string(), error.err);
   }
   if (image.empty())
     return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF or PNM)",
                 path.string());
+  // OpenCV makes grey of what is missing, without a word.
+  if (damage) damage->clear();
+  if (is_jpeg(*bytes))
+    if (const auto whole = check_jpeg(*bytes); !whole) {
+      if (!damage) return fail(FaultKind::bad_input, "{}: {}", path.string(), whole.error().message);
+      *damage = whole.error().message;
+    }
   return image;
 }
 
 }  // namespace
 
-Result<Photograph> read_photograph(const std::filesystem::path& path) {
-  auto image = decode_file(path);
+Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage) {
+  auto image = decode_file(path, damage);
   if (!image) return fail(image.error());
   cv::Mat rgb;
   switch (image->channels()) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "base/photograph.hpp"
 #include "base/result.hpp"
@@ -9,8 +10,9 @@
 namespace kasumi {
 
 // PNG, JPEG, TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G = B; orientation
-// tags are ignored, since calibrations refer to the stored pixels. Errors: bad_input.
-Result<Photograph> read_photograph(const std::filesystem::path& path);
+// tags are ignored, since calibrations refer to the stored pixels. Errors: bad_input. A JPEG of which a part is missing
+// is refused, unless `damage` is there to be told what is wrong with it (empty: nothing).
+Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage = nullptr);
 
 // By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). Written to a
 // temporary file and renamed. Errors: bad_input (another extension), io.

@@ -8,6 +8,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "base/files.hpp"
+#include "base/unfinished_file.hpp"
 
 namespace kasumi {
 
@@ -37,9 +38,7 @@ class PictureFolder final : public PictureSink {
 class FilmWriter final : public PictureSink {
  public:
   FilmWriter(std::filesystem::path file, double frames_per_second)
-      : file_(std::move(file)),
-        unfinished_(file_.parent_path() / fmt::format(".{}.part{}", file_.stem().string(), file_.extension().string())),
-        frames_per_second_(frames_per_second) {}
+      : file_(std::move(file)), unfinished_(unfinished_name(file_)), frames_per_second_(frames_per_second) {}
   ~FilmWriter() override {
     std::error_code ignored;
     writer_.release();
@@ -67,10 +66,7 @@ class FilmWriter final : public PictureSink {
     if (!writer_.isOpened())
       return fail(FaultKind::bad_input, "{}: no pictures, so no film was written", file_.string());
     writer_.release();
-    std::error_code error;
-    std::filesystem::rename(unfinished_, file_, error);
-    if (error) return fail(FaultKind::io, "{}: cannot be written: {}", file_.string(), error.message());
-    return {};
+    return finish_file(unfinished_, file_);
   }
 
  private:

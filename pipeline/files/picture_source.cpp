@@ -31,20 +31,22 @@ bool is_picture(const std::filesystem::path& path) {
 
 class PictureFiles final : public PictureSource {
  public:
-  PictureFiles(std::vector<std::filesystem::path> files, bool is_sequence)
-      : files_(std::move(files)), is_sequence_(is_sequence) {}
+  PictureFiles(std::vector<std::filesystem::path> files, bool is_sequence, bool allow_damaged)
+      : files_(std::move(files)), is_sequence_(is_sequence), allow_damaged_(allow_damaged) {}
   Result<std::optional<NamedPicture>> next() override {
     if (at_ == files_.size()) return std::nullopt;
     const auto& file = files_[at_++];
-    auto photograph = read_photograph(file);
+    NamedPicture picture{file.string(), file.stem().string(), {}, {}};
+    auto photograph = read_photograph(file, allow_damaged_ ? &picture.damage : nullptr);
     if (!photograph) return fail(photograph.error());
-    return NamedPicture{file.string(), file.stem().string(), std::move(*photograph)};
+    picture.photograph = std::move(*photograph);
+    return picture;
   }
   bool is_sequence() const override { return is_sequence_; }
 
  private:
   std::vector<std::filesystem::path> files_;
-  bool is_sequence_;
+  bool is_sequence_, allow_damaged_;
   std::size_t at_ = 0;
 };
 
@@ -98,19 +100,19 @@ Result<std::unique_ptr<PictureSource>> open_film_to_read(const std::filesystem::
   return std::make_unique<FilmReader>(path, std::move(capture));
 }
 
-Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& path) {
+Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& path, bool allow_damaged) {
   std::vector<std::filesystem::path> files;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(path, error))
     if (is_picture(entry.path())) files.push_back(entry.path());
   if (files.empty()) return fail(FaultKind::bad_input, "{}: expected a folder with pictures in it", path.string());
   std::sort(files.begin(), files.end());
-  return std::make_unique<PictureFiles>(std::move(files), true);
+  return std::make_unique<PictureFiles>(std::move(files), true, allow_damaged);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names) {
+Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names, bool allow_damaged) {
   std::error_code error;
   std::vector<std::filesystem::path> files(names.begin(), names.end());
   for (const auto& file : files) {
@@ -118,9 +120,9 @@ Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::stri
     if (!folder && !is_film(file)) continue;
     if (files.size() > 1)
       return fail(FaultKind::bad_input, "{}: expected no other picture with a film or a folder", file.string());
-    return folder ? open_folder(file) : open_film_to_read(file);
+    return folder ? open_folder(file, allow_damaged) : open_film_to_read(file);
   }
-  return std::make_unique<PictureFiles>(std::move(files), false);
+  return std::make_unique<PictureFiles>(std::move(files), false, allow_damaged);
 }
 
 }  // namespace kasumi

@@ -16,6 +16,7 @@ struct NamedPicture {
   std::string name;  // "land/hazy.png", "land/hazy.mp4, frame 12"
   std::string stem;  // "hazy", "hazy.frame-000012"
   Photograph photograph;
+  std::string damage;  // of a file, where that is allowed; empty: none
 };
 
 class PictureSource {
@@ -30,7 +31,8 @@ class PictureSource {
 };
 
 // Each of `names` a picture, a folder (its pictures by name) or a film (what this machine's FFmpeg reads: .mp4, .mov,
-// .mkv, .avi, .webm); a film or a folder must be the only one. Errors (bad_input): nothing there, an empty folder.
-Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names);
+// .mkv, .avi, .webm); a film or a folder must be the only one. Errors (bad_input): nothing there, an empty folder. `allow_damaged`:
+// of files, what is left of them; else next() refuses them.
+Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names, bool allow_damaged = false);
 
 }  // namespace kasumi

@@ -161,6 +161,8 @@ void add_haze_command(CLI::App& app, Action& action) {
   command->add_option("--scheme", options.scheme, "Blur scheme: ours (matched), or one of the paper's")
       ->check(CLI::IsMember({"matched", "explicit", "invariant"}))
       ->capture_default_str();
+  command->add_flag("--allow-damaged", options.allow_damaged,
+                    "Use what is left of a damaged picture, and say so; default: refuse it");
   command->add_flag("--cpu", a.on_cpu, "Compute on the CPU (the reference implementation)");
   command->add_flag("--live", a.live, "In a window, with keys that change the haze");
   command->add_option("--out", a.out, "Picture to write; a folder for several");

@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <sstream>
 
+#include <spdlog/spdlog.h>
+
 #include "calib/mask/distance_map.hpp"
 #include "estimator/photograph/other_air.hpp"
 
@@ -134,8 +136,10 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
   task.scattering = scattering_model_named(options.scattering)
                         .value_or(like ? ScatteringModel::aerosol : ScatteringModel::morales2017);
   task.altitude_m = options.altitude_m;
-  auto photograph = read_photograph(options.picture);
+  std::string damage;
+  auto photograph = read_photograph(options.picture, options.allow_damaged ? &damage : nullptr);
   if (!photograph) problems.add("{}", photograph.error().message);
+  if (!damage.empty()) spdlog::warn("{}: {}; what is left of it is used", options.picture, damage);
   auto range_m = read_range(options, problems);
   std::optional<SpectralSensitivity> sensitivity;
   if (!options.sensitivity.empty()) {

@@ -1,11 +1,13 @@
 #include "pipeline/machine/devices.hpp"
 
+#include <algorithm>
 #include <map>
 #include <mutex>
 
 #include <spdlog/spdlog.h>
 
 #include "gles/display/headless_display.hpp"
+#include "pipeline/machine/mode_log.hpp"
 #include "pipeline/machine/replay_camera.hpp"
 
 namespace kasumi {
@@ -40,16 +42,6 @@ Duration interval_of(const CameraRequest& request) {
   return request.frames_per_second > 0.0 ? from_seconds(1.0 / request.frames_per_second) : Duration{0};
 }
 
-// Logs what the driver made of the request, each time the camera is opened.
-Result<std::unique_ptr<FrameSource>> log_mode(const std::string& name, Result<std::unique_ptr<CameraSource>> source) {
-  if (!source) return fail(source.error());
-  const auto& mode = (*source)->mode();
-  spdlog::info("{}: {} ({}) at {}: {}x{} {} {:.3g} /s", name, mode.card, mode.driver, mode.place, mode.width,
-               mode.height, mode.format.text(), mode.frames_per_second);
-  for (const auto& note : mode.notes) spdlog::info("{}: {}", name, note);
-  return std::move(*source);
-}
-
 class MachineDevices final : public Devices {
  public:
   explicit MachineDevices(Clock& clock) : clock_(clock), recordings_(clock) {}
@@ -77,7 +69,7 @@ class MachineDevices final : public Devices {
     return {replay_camera(name, recording, clock_), median_interval(folder), true};
   }
   CameraOpening opening(const std::string& name, CameraRole, const V4l2Options& options) {
-    const auto open = [this, name, options] { return log_mode(name, open_v4l2_source(options, clock_)); };
+    const auto open = [this, options, log = ModeLog(name)]() mutable { return log(open_v4l2_source(options, clock_)); };
     const auto present = [device = options.device] {
       std::error_code error;
       return std::filesystem::exists(device, error);
@@ -85,8 +77,11 @@ class MachineDevices final : public Devices {
     return {{name, open, present}, interval_of(options.request), false};
   }
   CameraOpening opening(const std::string& name, CameraRole, const LibcameraOptions& options) {
-    const auto open = [this, name, options] { return log_mode(name, open_libcamera_source(options, clock_)); };
-    return {{name, open, {}}, interval_of(options.request), false};
+    const auto open = [this, options, log = ModeLog(name)]() mutable {
+      return log(open_libcamera_source(options, clock_));
+    };
+    const auto present = [camera = options.camera] { return is_libcamera_camera_present(camera); };
+    return {{name, open, present}, interval_of(options.request), false};
   }
 
   Result<std::unique_ptr<Display>> open(const KmsDisplayOptions& kms) { return open_kms_display(kms, clock_); }
@@ -104,6 +99,16 @@ class MachineDevices final : public Devices {
 };
 
 }  // namespace
+
+std::unique_ptr<ReconnectingSource> reconnecting(CameraOpening opening, Clock& clock) {
+  ReconnectOptions options;
+  const auto at_least = [](Duration& deadline, Duration least) { deadline = std::max(deadline, least); };
+  at_least(options.stall_deadline, opening.frame_interval * 5 / 2);
+  at_least(options.first_frame_deadline, opening.frame_interval * 5 / 2);
+  at_least(options.bad_frames_deadline, opening.frame_interval * 5);
+  at_least(options.condition_deadline, opening.frame_interval * 5);
+  return reconnecting(std::move(opening.opener), clock, options);
+}
 
 std::unique_ptr<Devices> machine_devices(Clock& clock) {
   return std::make_unique<MachineDevices>(clock);

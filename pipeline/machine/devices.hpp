@@ -18,6 +18,9 @@ struct CameraOpening {
   bool recorded = false;      // its UTC is the recording's, not the machine's
 };
 
+// Its deadlines are made for video; a slow camera gets the same patience in frames.
+std::unique_ptr<ReconnectingSource> reconnecting(CameraOpening opening, Clock& clock);
+
 class Devices {
  public:
   virtual ~Devices() = default;

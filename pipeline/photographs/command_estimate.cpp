@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <deque>
 #include <iostream>
 #include <thread>
 
@@ -10,7 +11,11 @@
 #include "pipeline/machine/ordered_jobs.hpp"
 #include "pipeline/photographs/estimate_answer.hpp"
 #include "pipeline/photographs/estimate_arguments.hpp"
+#include "pipeline/photographs/estimate_tally.hpp"
+#include "pipeline/photographs/estimated_response.hpp"
 #include "pipeline/photographs/fit_plot.hpp"
+#include "pipeline/photographs/found_air.hpp"
+#include "pipeline/photographs/scan_report.hpp"
 #include "pipeline/photographs/scene_visibility.hpp"
 
 namespace kasumi {
@@ -56,33 +61,74 @@ std::filesystem::path plot_path(const EstimateArguments& arguments, const std::f
 }
 
 struct Answer {
-  std::string text;   // for standard output
-  std::string error;  // for standard error
+  std::string text;     // for standard output
+  std::string error;    // for standard error
+  std::string useless;  // why nothing is known from it; empty: something is, or `error` says more
 };
 
 Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs, const SceneVisibilities* scenes,
                  const ImageJob& job) {
-  if (!job.problem.empty()) return {"", job.problem};
+  if (!job.problem.empty()) return {"", job.problem, ""};
   const auto report = photographs.estimate_from(job.file, job.utc);
-  if (!report) return {"", report.error().message};
+  if (!report) return {"", report.error().message, ""};
   const auto landmarks_text =
       job.scene ? landmarks_answer(*scenes, *job.scene, &*report, arguments.json) : std::string();
   Answer answer;
+  if (!report->look.estimate.usable && !(job.scene && job.scene->usable()))
+    answer.useless = why_useless(report->look.estimate);
   answer.text = arguments.json ? estimate_json(job.file, *report, landmarks_text)
                                : estimate_text(job.file, *report) + landmarks_text;
   if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
     const auto path = plot_path(arguments, job.file);
     const auto& estimate = report->look.estimate;
-    const auto title = estimate.usable ? fmt::format("{}: T = {:.3f} +- {:.3f}", job.file.filename().string(),
-                                                     estimate.turbidity.value, estimate.sigma)
-                                       : fmt::format("{}: {}", job.file.filename().string(), estimate.reason);
+    auto title = fmt::format("{}: {}", job.file.filename().string(), estimate.reason);
+    if (estimate.usable)
+      title = fmt::format("{}: T = {:.3f} +- {:.3f}, aerosol depth {:.3f} +- {:.3f}", job.file.filename().string(),
+                          estimate.turbidity.value, estimate.sigma, report->quality->aod_550,
+                          aerosol_sigmas(estimate, *report->air).aod_550);
     if (auto written = write_png(path, plot_fit(*report->picture, report->look, title)); !written)
       answer.error = written.error().message;
   }
   return answer;
 }
 
+int exit_code_of(const EstimateTally& tally, std::string_view what) {
+  if (const auto told = tally.told(what); !told.empty()) fmt::print(stderr, "kasumi: {}\n", told);
+  return tally.exit_code();
+}
+
+// Errors (bad_input): it cannot be made, or is a file.
+Result<> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && std::filesystem::is_directory(folder)) return {};
+  return fail(FaultKind::bad_input, "--plot-dir {}: expected a folder, or a place for a new one ({})", folder.string(),
+              error ? error.message() : "a file is there");
+}
+
+Result<int> estimate_scans(const EstimateArguments& arguments) {
+  const auto options = sky_photograph_options(arguments);
+  if (!options) return fail(options.error());
+  EstimateTally tally;
+  for (const std::filesystem::path file : arguments.scans) {
+    const auto report = report_on_scan(file, *options);
+    if (report)
+      fmt::print("{}", arguments.json ? estimate_json(file, report->answer, "") : estimate_text(file, report->answer));
+    std::fflush(stdout);
+    const std::string told = report ? report->note : report.error().message;
+    if (!told.empty()) fmt::print(stderr, "kasumi: {}{}\n", report ? file.string() + ": " : "", told);
+    if (!report)
+      tally.unread();
+    else if (const auto& estimate = report->answer.look.estimate; !estimate.usable)
+      tally.useless(why_useless(estimate));
+    else
+      tally.useful();
+  }
+  return exit_code_of(tally, "scan");
+}
+
 Result<int> estimate(const EstimateArguments& arguments) {
+  if (!arguments.scans.empty()) return estimate_scans(arguments);
   std::optional<SceneVisibilities> scenes;
   if (!arguments.scenes.empty()) {
     auto visibilities =
@@ -90,9 +136,12 @@ Result<int> estimate(const EstimateArguments& arguments) {
     if (!visibilities) return fail(visibilities.error());
     scenes = std::move(*visibilities);
     if (arguments.images.empty()) {
-      for (const auto& scene : scenes->pictures)
+      EstimateTally tally;
+      for (const auto& scene : scenes->pictures) {
         fmt::print("{}{}", landmarks_answer(*scenes, scene, nullptr, arguments.json), arguments.json ? "\n" : "");
-      return 0;
+        scene.usable() ? tally.useful() : tally.useless(scene.air.extinction().reason);
+      }
+      return exit_code_of(tally, "picture");
     }
     if (arguments.from_stdin() || scenes->pictures.size() != arguments.images.size())
       return fail(
@@ -100,11 +149,11 @@ Result<int> estimate(const EstimateArguments& arguments) {
           "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
           scenes->pictures.size(), arguments.from_stdin() ? 0 : arguments.images.size());
   }
-  const auto options = sky_photograph_options(arguments);
+  auto options = sky_photograph_options(arguments);
   if (!options) return fail(options.error());
 
   std::size_t given = 0;
-  const auto next = [&]() -> std::optional<ImageJob> {
+  const auto from_arguments_or_list = [&]() -> std::optional<ImageJob> {
     if (!arguments.from_stdin()) {
       if (given == arguments.images.size()) return std::nullopt;
       const auto at = given++;
@@ -114,6 +163,23 @@ Result<int> estimate(const EstimateArguments& arguments) {
       if (!line.empty()) return job_of(std::move(line));
     return std::nullopt;
   };
+  std::deque<ImageJob> known;  // beforehand, where the pictures' response is found from all of them
+  if (arguments.response_from_pictures()) {
+    std::vector<PhotographOfSky> taken;
+    while (auto job = from_arguments_or_list()) {
+      if (job->problem.empty()) taken.push_back({job->file, job->utc});
+      known.push_back(std::move(*job));
+    }
+    const auto tone = tone_curve_of(taken, *options);
+    if (!tone) return fail(FaultKind::bad_input, "--response estimate: {}", tone.error().message);
+    options->tone = *tone;
+  }
+  const auto next = [&]() -> std::optional<ImageJob> {
+    if (known.empty()) return arguments.response_from_pictures() ? std::nullopt : from_arguments_or_list();
+    const auto job = std::move(known.front());
+    known.pop_front();
+    return job;
+  };
 
   const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
   std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
@@ -121,7 +187,9 @@ Result<int> estimate(const EstimateArguments& arguments) {
   std::vector<SkyPhotographs> workers;
   for (std::size_t i = 0; i < threads; ++i) workers.emplace_back(*options);
 
-  bool all_read = true;
+  if (!arguments.plot_dir.empty())
+    if (auto made = make_folder(arguments.plot_dir); !made) return fail(made.error());
+  EstimateTally tally;
   run_in_order<ImageJob, Answer>(
       threads, next,
       [&](std::size_t worker, const ImageJob& job) {
@@ -130,11 +198,16 @@ Result<int> estimate(const EstimateArguments& arguments) {
       [&](const ImageJob&, const Answer& answer) {
         fmt::print("{}", answer.text);
         std::fflush(stdout);
-        if (answer.error.empty()) return;
-        fmt::print(stderr, "kasumi: {}\n", answer.error);
-        all_read = false;
+        if (!answer.error.empty()) {
+          fmt::print(stderr, "kasumi: {}\n", answer.error);
+          tally.unread();
+        } else if (!answer.useless.empty()) {
+          tally.useless(answer.useless);
+        } else {
+          tally.useful();
+        }
       });
-  return all_read ? 0 : 2;
+  return exit_code_of(tally, "picture");
 }
 
 }  // namespace

@@ -1,12 +1,14 @@
 #include <cstdlib>
 #include <memory>
 
+#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
 #include "pipeline/command.hpp"
 #include "pipeline/files/picture_source.hpp"
 #include "pipeline/photographs/retarget_outputs.hpp"
 #include "pipeline/photographs/retarget_task.hpp"
+#include "pipeline/photographs/sky_model_choice.hpp"
 
 namespace kasumi {
 namespace {
@@ -14,7 +16,7 @@ namespace {
 Result<int> retarget_pictures(const RetargetArguments& a) {
   // OpenCV reads EXR only when this variable is set.
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
-  const auto source = open_pictures(a.pictures);
+  const auto source = open_pictures(a.pictures, a.allow_damaged);
   if (!source) return fail(source.error());
   auto picture = (*source)->next();
   if (!picture) return fail(picture.error());
@@ -26,7 +28,8 @@ Result<int> retarget_pictures(const RetargetArguments& a) {
   if (!outputs) return fail(outputs.error());
   OtherAir air(std::move(task->setup));
   while (picture && *picture) {
-    auto& [name, stem, photograph] = **picture;
+    auto& [name, stem, photograph, damage] = **picture;
+    if (!damage.empty()) spdlog::warn("{}: {}; what is left of it is used", name, damage);
     outputs->as_taken(photograph);
     if (auto taken = air.set_picture(std::move(photograph), name); !taken) return fail(taken.error());
     for (std::size_t i = 0; i < task->targets.size(); ++i)
@@ -58,6 +61,8 @@ void add_retarget_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(0.0, kHighestGivenAod));
   add_aerosol_options(*command, a.aerosol);
   command->add_option("--sky", a.sky, "Estimate the source T from this picture of the sky, taken by [sky] of --camera");
+  command->add_option("--sky-model", a.sky_model, std::string(kSkyModelWords) + ". Default: auto; for --sky")
+      ->type_name("MODEL");
   command->add_option("--depth", a.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: sky");
   command->add_option("--depth-step-m", a.depth_step_m, "Metres per step of the PNG")->check(CLI::Range(1e-4, 1e3));
   command->add_option("--planes", a.planes, "Instead of --depth: TOML of ground and walls (docs/photographs.md)");
@@ -107,6 +112,11 @@ void add_retarget_command(CLI::App& app, Action& action) {
                    "Pixels that would need a larger gain keep some haze and are masked")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  command->add_flag(
+      "--terms", a.terms,
+      "Next to each picture its airlight and its direct transmission, which add up to it in linear light");
+  command->add_flag("--allow-damaged", a.allow_damaged,
+                    "Use what is left of damaged pictures, and say so; default: refuse them");
   command->add_option("--out", a.out, "Picture to write; a folder for several");
   command->add_option("--sheet", a.sheet, "All pictures side by side, as one PNG");
   command->add_option("--film", a.film, "All pictures as a film; from a film or folder, one film per target");

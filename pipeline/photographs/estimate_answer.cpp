@@ -1,10 +1,45 @@
 #include "pipeline/photographs/estimate_answer.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/photographs/found_air.hpp"
+#include "pipeline/photographs/sky_model_choice.hpp"
+
 namespace kasumi {
+namespace {
+
+// Hosek's sky knows no kinds.
+bool kind_known(const TurbidityEstimate& estimate) {
+  return !estimate.found || std::ranges::any_of(estimate.found->kinds, [](double share) { return share > 0.0; });
+}
+
+// "0.094 +- 0.012 at 550 nm, exponent 1.32 +- 0.20, continental"
+std::string aerosol_text(const SkyPhotographReport& report) {
+  const auto sigmas = aerosol_sigmas(report.look.estimate, *report.air);
+  std::string text =
+      fmt::format("  aerosol depth    {:.3f} +- {:.3f} at 550 nm", report.quality->aod_550, sigmas.aod_550);
+  if (const auto& aerosol = report.quality->aerosol) {
+    text += fmt::format(", exponent {:.2f}", aerosol->angstrom_exponent);
+    if (sigmas.angstrom_exponent) text += fmt::format(" +- {:.2f}", *sigmas.angstrom_exponent);
+    if (kind_known(report.look.estimate)) text += fmt::format(", {}", name_of(aerosol->kind));
+  }
+  return text + "\n";
+}
+
+// Who says so, and how much each is believed: "dome, continental 71 %; preetham 20 %".
+std::string models_text(const std::vector<SkyModelAnswer>& models) {
+  constexpr double kWorthTelling = 0.005;
+  std::string text;
+  for (const auto& model : models)
+    if (model.weight >= kWorthTelling)
+      text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : "; ", model.name, 100.0 * model.weight);
+  return text.empty() ? "" : "  by               " + text + "\n";
+}
+
+}  // namespace
 
 std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
                           const std::string& landmarks) {
@@ -28,31 +63,59 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
   json["clear_fraction"] = rounded(estimate.clear_fraction, 4);
   json["samples"] = estimate.samples;
   json["log_residual"] = rounded(estimate.log_residual, 5);
-  json["sky_model"] = name_of(report.look.sky.model);
+  json["sky_model"] = followed_model(report.look.sky);
   json["sun_zenith_deg"] = nullptr;
   json["sun_azimuth_deg"] = nullptr;
-  if (report.sun) {
-    json["sun_zenith_deg"] = rounded(to_degrees(zenith_angle(*report.sun)), 4);
-    json["sun_azimuth_deg"] = rounded(to_degrees(azimuth_angle(*report.sun)), 4);
+  if (report.sun.direction) {
+    json["sun_zenith_deg"] = rounded(to_degrees(zenith_angle(*report.sun.direction)), 4);
+    json["sun_azimuth_deg"] = rounded(to_degrees(azimuth_angle(*report.sun.direction)), 4);
   }
-  json["sun_from"] = report.sun_source;
-  json["aod_550"] = nullptr;
-  json["angstrom_exponent"] = nullptr;
-  json["aerosol"] = nullptr;
-  json["visibility_m"] = nullptr;
-  json["weather"] = nullptr;
-  if (report.air) {
-    json["aod_550"] = rounded(report.air->aod_550, 5);
-    if (const auto& aerosol = report.air->aerosol) {
+  json["sun_from"] = report.sun.told;
+  json["sun_seen"] = nullptr;
+  if (report.sun.seen) {
+    json["sun_seen"] = {{"zenith_deg", rounded(to_degrees(zenith_angle(*report.sun.seen_at)), 3)},
+                        {"azimuth_deg", rounded(to_degrees(azimuth_angle(*report.sun.seen_at)), 3)},
+                        {"sigma_deg", rounded(to_degrees(report.sun.seen->sigma), 3)},
+                        {"confidence", rounded(report.sun.seen->confidence, 4)},
+                        {"disagreement_deg", nullptr}};
+    if (report.sun.disagreement)
+      json["sun_seen"]["disagreement_deg"] = rounded(to_degrees(*report.sun.disagreement), 3);
+  }
+  json["orientation"] = nullptr;
+  json["azimuth_up_deg"] = nullptr;
+  if (report.picture) json["orientation"] = name_of(report.sun.orientation);
+  if (report.picture && report.circle) json["azimuth_up_deg"] = rounded(degrees_of_azimuth(report.sun.azimuth_up), 3);
+  json["damaged"] = nullptr;
+  if (!report.damage.empty()) json["damaged"] = report.damage;
+  for (const char* key :
+       {"aod_550", "sigma_aod_550", "angstrom_exponent", "sigma_angstrom", "aerosol", "visibility_m", "weather"})
+    json[key] = nullptr;
+  if (report.air && report.quality) {
+    const auto sigmas = aerosol_sigmas(estimate, *report.air);
+    json["aod_550"] = rounded(report.quality->aod_550, 5);
+    json["sigma_aod_550"] = rounded(sigmas.aod_550, 5);
+    if (const auto& aerosol = report.quality->aerosol) {
       json["angstrom_exponent"] = rounded(aerosol->angstrom_exponent, 3);
-      json["aerosol"] = name_of(aerosol->kind);
+      if (sigmas.angstrom_exponent) json["sigma_angstrom"] = rounded(*sigmas.angstrom_exponent, 3);
+      if (kind_known(estimate)) json["aerosol"] = name_of(aerosol->kind);
     }
-    json["visibility_m"] = rounded(report.air->visibility_m, 0);
-    json["weather"] = name_of(report.air->weather);
+    json["visibility_m"] = rounded(report.quality->visibility_m, 0);
+    json["weather"] = name_of(report.quality->weather);
   }
+  json["models"] = nlohmann::ordered_json::array();
+  for (const auto& model : estimate.models)
+    json["models"].push_back({{"name", model.name},
+                              {"turbidity", rounded(model.turbidity.value, 4)},
+                              {"aod_550", rounded(model.aod_550, 5)},
+                              {"log_residual", rounded(model.log_residual, 5)},
+                              {"weight", rounded(model.weight, 4)}});
   if (report.circle)
     json["circle"] = {rounded(report.circle->centre.x, 2), rounded(report.circle->centre.y, 2),
                       rounded(report.circle->radius_px, 2)};
+  if (report.tone) {
+    json["tone_exponent"] = rounded(report.tone->exponent, 4);
+    json["sigma_tone_exponent"] = rounded(report.tone->sigma, 4);
+  }
   if (!landmarks.empty()) json["landmarks"] = nlohmann::ordered_json::parse(landmarks);
   return json.dump() + "\n";
 }
@@ -60,29 +123,31 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
 std::string estimate_text(const std::filesystem::path& image, const SkyPhotographReport& report) {
   const auto& estimate = report.look.estimate;
   std::string text = image.string() + "\n";
-  if (estimate.usable && report.air) {
+  if (estimate.usable && report.air && report.quality) {
     text += fmt::format("  turbidity        {:.3f} +- {:.3f}{}\n", estimate.turbidity.value, estimate.sigma,
-                        report.look.sky.model == SiteSkyModel::dome
+                        followed_model(report.look.sky) == name_of(SiteSkyModel::dome)
                             ? fmt::format(" (of the dome, seen from {:.0f} m)", report.look.sky.altitude_m)
                             : "");
-    text += fmt::format("  aerosol depth    {:.3f} at 550 nm", report.air->aod_550);
-    if (const auto& aerosol = report.air->aerosol)
-      text += fmt::format(", exponent {:.2f}, {}", aerosol->angstrom_exponent, name_of(aerosol->kind));
-    text += "\n";
-    text += fmt::format("  visibility       {:.1f} km\n", report.air->visibility_m / 1000.0);
-    text += fmt::format("  weather          {}\n", name_of(report.air->weather));
+    text += aerosol_text(report) + models_text(estimate.models);
+    text += fmt::format("  visibility       {:.1f} km\n", report.quality->visibility_m / 1000.0);
+    text += fmt::format("  weather          {}\n", name_of(report.quality->weather));
   } else {
     text += fmt::format("  not usable       {}\n", estimate.reason);
   }
   text += fmt::format("  sky              {}, {:.0f} % of the samples are clear\n", name_of(estimate.sky),
                       100.0 * estimate.clear_fraction);
-  if (report.sun)
-    text += fmt::format("  sun              zenith {:.2f} deg, azimuth {:.2f} deg{}\n",
-                        to_degrees(zenith_angle(*report.sun)), to_degrees(azimuth_angle(*report.sun)),
-                        report.sun_source.empty() ? "" : " (" + report.sun_source + ")");
+  if (const auto& sun = report.sun.direction)
+    text += fmt::format("  sun              zenith {:.2f} deg, azimuth {:.2f} deg{}\n", to_degrees(zenith_angle(*sun)),
+                        to_degrees(azimuth_angle(*sun)), report.sun.told.empty() ? "" : " (" + report.sun.told + ")");
+  if (!report.sun.orientation_told.empty()) text += fmt::format("  orientation      {}\n", report.sun.orientation_told);
+  if (!report.damage.empty())
+    text += fmt::format("  damaged          {}; what is left of it was used\n", report.damage);
   if (estimate.usable)
     text += fmt::format("  fit              {} samples agree within {:.1f} % (rms)\n", estimate.samples,
                         100.0 * estimate.log_residual);
+  if (report.tone)
+    text += fmt::format("  tone curve       sRGB to the power {:.3f} +- {:.3f}, from {} pictures\n",
+                        report.tone->exponent, report.tone->sigma, report.tone->pictures);
   if (report.circle)
     text += fmt::format("  image circle     centre ({:.1f}, {:.1f}), radius {:.1f} px\n", report.circle->centre.x,
                         report.circle->centre.y, report.circle->radius_px);

@@ -5,6 +5,7 @@
 #include "calib/adopt_calibration.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/config/foreign_keys.hpp"
+#include "pipeline/photographs/sky_model_choice.hpp"
 
 namespace kasumi {
 
@@ -42,13 +43,25 @@ void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options,
         "and --lon (or a --calibration with [site]), or --sun-from-image");
 }
 
-SkyToFit sky_to_fit(const EstimateArguments& arguments, double altitude_m, Problems& problems) {
-  const auto like = arguments.aerosol.given().to_be_found();
-  const auto usual = like ? SiteSkyModel::dome : SiteSkyModel::preetham;
-  const auto model = resolved(site_sky_model_named(arguments.sky_model).value_or(usual), altitude_m, like.has_value());
-  if (like && model == SiteSkyModel::preetham)
-    problems.add("--aerosol, --angstrom: only the dome's sky knows an aerosol, expected --sky-model dome");
-  return {model, altitude_m, like};
+// The papers' method knows the papers' sky alone.
+SkyToFit chosen_sky(const EstimateArguments& arguments, double altitude_m, Problems& problems) {
+  const bool papers = arguments.method == "reference-pixel";
+  const bool any = arguments.sky_model.empty() || arguments.sky_model == "auto" || arguments.sky_model == "automatic";
+  const auto sky =
+      sky_to_fit(papers && any ? "preetham" : arguments.sky_model, altitude_m, arguments.aerosol.given(), problems);
+  if (papers && (sky.model != SiteSkyModel::preetham || sky.every_model || sky.hosek))
+    problems.add("--method reference-pixel: the papers' method needs the papers' sky, expected --sky-model preetham");
+  return sky;
+}
+
+// What only a picture has.
+void refuse_for_scans(const EstimateArguments& arguments, Problems& problems) {
+  if (!arguments.images.empty() || !arguments.scenes.empty())
+    problems.add("--scan: stands instead of pictures, expected none beside it");
+  if (arguments.sun_from_image)
+    problems.add("--sun-from-image: a scan is no picture, expected the sun's angles or a time");
+  if (arguments.method == "reference-pixel") problems.add("--method reference-pixel: is for pictures, not for --scan");
+  if (arguments.plot || !arguments.plot_dir.empty()) problems.add("--plot: is for pictures, not for --scan");
 }
 
 }  // namespace
@@ -66,15 +79,17 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
     else
       problems.add("--circle: radius {} px, expected more than 0", arguments.circle[2]);
   }
-  options.azimuth_up = from_degrees(arguments.azimuth_up_deg);
+  if (!arguments.scans.empty()) refuse_for_scans(arguments, problems);
+  if (arguments.response_from_pictures() && !arguments.calibration.empty())
+    problems.add("--response estimate: a --calibration has a response of its own");
+  if (arguments.azimuth_up_deg) options.azimuth_up = from_degrees(*arguments.azimuth_up_deg);
+  options.allow_damaged = arguments.allow_damaged;
   options.linear_response = arguments.response == "linear";
   read_sun(arguments, options, problems);
   options.estimate.method =
       arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
   const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m;
-  options.estimate.sky = sky_to_fit(arguments, altitude_m, problems);
-  if (options.estimate.method == EstimateMethod::reference_pixel && options.estimate.sky.model == SiteSkyModel::dome)
-    problems.add("--method reference-pixel: the papers' method needs the papers' sky, expected --sky-model preetham");
+  options.estimate.sky = chosen_sky(arguments, altitude_m, problems);
   options.estimate.samples = arguments.samples;
   options.estimate.seed = arguments.seed;
   if (!problems.empty()) return fail(problems.fault());
@@ -89,6 +104,11 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   auto* scene = command.add_option(
       "--scene", a.scenes,
       "Pictures of the scene camera, or a folder: visibility from --landmarks; alone or one for each of the sky");
+  command
+      .add_option("--scan", a.scans,
+                  "Instead of pictures: tables of a sky scanner, CSV of azimuth_deg, elevation_deg and L380 ... L780, "
+                  "or X, Y, Z, or luminance (docs/photographs.md)")
+      ->type_name("FILE.csv");
   command.add_option("--landmarks", a.landmarks, "TOML of [[landmarks]] at known distance (docs/operating.md)")
       ->check(CLI::ExistingFile)
       ->needs(scene);
@@ -107,11 +127,14 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       ->expected(3);
   command
       .add_option("--azimuth-up-deg", a.azimuth_up_deg,
-                  "Azimuth of the image's top; azimuth increases counter-clockwise")
-      ->check(CLI::Range(-360.0, 360.0))
-      ->capture_default_str();
-  command.add_option("--response", a.response, "Response curve of the pictures")
-      ->check(CLI::IsMember({"srgb", "linear"}))
+                  "Azimuth of the image's top; azimuth increases counter-clockwise. Default: where the sun in the "
+                  "picture puts it, else 0")
+      ->check(CLI::Range(-360.0, 360.0));
+  command
+      .add_option(
+          "--response", a.response,
+          "Response curve of the pictures; estimate: a power over sRGB from all of them together, of one camera")
+      ->check(CLI::IsMember({"srgb", "linear", "estimate"}))
       ->capture_default_str();
   command.add_option("--sun-zenith-deg", a.sun_zenith_deg, "Zenith angle of the sun")->check(CLI::Range(0.0, 180.0));
   command.add_option("--sun-azimuth-deg", a.sun_azimuth_deg, "Azimuth of the sun, clockwise from north")
@@ -123,15 +146,15 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       ->capture_default_str();
   command.add_option("--utc", a.utc, "When the picture was taken, like 2018-01-29T11:09:20Z");
   command.add_flag("--sun-from-image", a.sun_from_image, "Find the sun as the saturated blob in the picture");
+  command.add_flag("--allow-damaged", a.allow_damaged,
+                   "Use what is left of damaged pictures, and say so; default: refuse them");
   command.add_option("--method", a.method, "free-gain, or the papers' single reference pixel")
       ->check(CLI::IsMember({"free-gain", "reference-pixel"}))
       ->capture_default_str();
   command
       .add_option("--sky-model", a.sky_model,
-                  "The clear sky whose turbidity is found: the papers', or the dome seen from --altitude-m or the "
-                  "calibration's site (docs/sky.md); automatic: the dome above 1500 m. Default: preetham, or the dome "
-                  "with --aerosol or --angstrom")
-      ->check(CLI::IsMember({"preetham", "dome", "automatic"}));
+                  std::string(kSkyModelWords) + ". Default: auto; preetham with --method reference-pixel")
+      ->type_name("MODEL");
   add_aerosol_options(command, a.aerosol);
   command.add_option("--samples", a.samples, "Number of sky pixels to sample")
       ->check(CLI::Range(60, 100000))

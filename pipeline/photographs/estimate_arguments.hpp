@@ -18,19 +18,21 @@ namespace kasumi {
 struct EstimateArguments {
   std::vector<std::string> images;
   std::vector<std::string> scenes;  // of the scene camera
+  std::vector<std::string> scans;   // a sky scanner's tables, instead of pictures
   std::string landmarks;
   std::string calibration;
   std::string lens = "equidistant";
   double fov_deg = 180.0;
   std::vector<double> circle;
-  double azimuth_up_deg = 0.0;
+  std::optional<double> azimuth_up_deg;
   std::string response = "srgb";
   std::optional<double> sun_zenith_deg, sun_azimuth_deg, lat, lon;
   double altitude_m = 0.0;
   std::string utc;
   bool sun_from_image = false;
+  bool allow_damaged = false;
   std::string method = "free-gain";
-  std::string sky_model;  // empty: the papers', or the dome where the aerosol's kind or exponent is given
+  std::string sky_model;  // empty: auto, or preetham with the papers' method
   AirOptions aerosol;     // exponent and kind
   int samples = EstimateOptions{}.samples;
   std::uint64_t seed = 1;
@@ -39,7 +41,10 @@ struct EstimateArguments {
   std::string plot_dir;
   std::size_t jobs = 0;
 
-  bool from_stdin() const { return (images.empty() && scenes.empty()) || images == std::vector<std::string>{"-"}; }
+  bool response_from_pictures() const { return response == "estimate"; }
+  bool from_stdin() const {
+    return (images.empty() && scenes.empty() && scans.empty()) || images == std::vector<std::string>{"-"};
+  }
 };
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments);

@@ -2,10 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
+#include "calib/colour/colorimetry.hpp"
+#include "estimator/sky/hosek.hpp"
 #include "estimator/turbidity/fitted_sky.hpp"
+#include "pipeline/photographs/sky_model_choice.hpp"
 
 namespace kasumi {
 
@@ -44,17 +49,36 @@ struct Axis {
   double place(double value) const { return (value - lowest) / (highest - lowest); }
 };
 
+// ln of the followed model's luminance, in a unit of its own, by the cosine of the zenith angle and the sun's distance.
+std::function<double(double, double)> followed_sky(const SkyObservation& observation) {
+  const Turbidity turbidity = observation.estimate.turbidity;
+  const SunDirection& sun = observation.estimate.sun;
+  if (followed_model(observation.sky) == "hosek") {
+    const auto sky = observation.sky.hosek->sky(turbidity, kHosekGroundAlbedo, sun);
+    return [sky](double cos_zenith, double sun_distance) {
+      const auto light = sky.linear_srgb(cos_zenith, std::cos(sun_distance));
+      return std::log(std::max(1e-12, (srgb_to_xyz() * light).y));
+    };
+  }
+  return [turbidity, sky = FittedSky(observation.sky, sun)](double cos_zenith, double sun_distance) {
+    return sky.log_luminance(turbidity, cos_zenith, sun_distance);
+  };
+}
+
 // ln of luminance over the zenith's: modelled and measured.
 std::vector<cv::Point2d> points_of(const SkyObservation& observation) {
   std::vector<cv::Point2d> points;
-  const Turbidity turbidity = observation.estimate.turbidity;
-  const SunDirection& sun = observation.estimate.sun;
-  const FittedSky sky(observation.sky, sun);
-  const double zenith = sky.log_luminance(turbidity, 1.0, zenith_angle(sun).value);
-  for (const auto& sample : observation.samples) {
-    const double model = sky.log_luminance(turbidity, std::cos(double{sample.zenith}), double{sample.sun_distance});
-    points.emplace_back(model - zenith, double{sample.log_luminance} - observation.log_gain - zenith);
+  const auto sky = followed_sky(observation);
+  const double zenith = sky(1.0, zenith_angle(observation.estimate.sun).value);
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < observation.samples.size(); ++i) {
+    const auto& sample = observation.samples[i];
+    const double model = sky(std::cos(double{sample.zenith}), double{sample.sun_distance});
+    points.emplace_back(model - zenith, double{sample.log_luminance} - zenith);
+    if (i < observation.inlier.size() && observation.inlier[i]) gains.push_back(points.back().y - points.back().x);
   }
+  const double gain = gains.empty() ? observation.log_gain : median_in_place(gains);
+  for (auto& point : points) point.y -= gain;
   return points;
 }
 
@@ -84,7 +108,8 @@ void draw_fit(cv::Mat canvas, const SkyObservation& observation) {
   }
   cv::line(canvas, at(axis.lowest, axis.lowest), at(axis.highest, axis.highest), kInk, 1, cv::LINE_AA);
   for (std::size_t i = 0; i < points.size(); ++i)
-    cv::circle(canvas, at(points[i].x, points[i].y), 2, observation.inlier[i] ? kAgrees : kDisagrees, -1, cv::LINE_AA);
+    cv::circle(canvas, at(points[i].x, points[i].y), 2,
+               i < observation.inlier.size() && observation.inlier[i] ? kAgrees : kDisagrees, -1, cv::LINE_AA);
   cv::rectangle(canvas, cv::Rect(0, 0, kSide, kSide), kInk);
 }
 
@@ -97,7 +122,11 @@ Image<Rgb8> plot_fit(const SkyPicture& picture, const SkyObservation& observatio
   draw_sky(canvas(cv::Rect(kMargin, kTop, kSide, kSide)), picture, observation);
   draw_fit(canvas(cv::Rect(2 * kMargin + kSide, kTop, kSide, kSide)), observation);
   write(canvas, "green: samples that agree   red: that do not   blue tint: cloud", {kMargin, kTop + kSide + 25});
-  write(canvas, "luminance / zenith: measured (up) against model (right)", {2 * kMargin + kSide, kTop + kSide + 25});
+  const auto& sky = observation.sky;
+  const std::string model = fmt::format("{}{}{}", followed_model(sky), sky.aerosol ? ", " : "",
+                                        sky.aerosol ? name_of(sky.aerosol->kind) : "");
+  write(canvas, "luminance / zenith: measured (up) against " + model + " (right)",
+        {2 * kMargin + kSide, kTop + kSide + 25});
   return image;
 }
 

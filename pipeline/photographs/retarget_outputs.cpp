@@ -63,10 +63,13 @@ void RetargetOutputs::as_taken(const Photograph& photograph) {
 Result<> RetargetOutputs::put(const std::string& stem, std::size_t target, const UnderOtherAir& made) {
   if (!out_.empty()) {
     const auto place = path_of(stem, target);
-    auto mask = place;
-    mask.replace_extension(".restored.png");
+    const auto beside = [&](const char* ending) { return std::filesystem::path(place).replace_extension(ending); };
     if (auto done = write_photograph(place, made.picture); !done) return done;
-    if (auto done = write_mask(mask, made.restored); !done) return done;
+    if (auto done = write_mask(beside(".restored.png"), made.restored); !done) return done;
+    if (made.airlight)
+      if (auto done = write_photograph(beside(".airlight.png"), *made.airlight); !done) return done;
+    if (made.direct)
+      if (auto done = write_photograph(beside(".direct.png"), *made.direct); !done) return done;
     if (prints_)
       fmt::print("{}: {}, {:.1f} % too faint to restore\n", place.string(), name_of(targets_[target]),
                  100.0 * made.too_faint_fraction);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
 #include "calib/mask/distance_map.hpp"
@@ -11,6 +12,7 @@
 #include "estimator/sky/sun.hpp"
 #include "pipeline/config/descriptions.hpp"
 #include "pipeline/files/photograph_file.hpp"
+#include "pipeline/photographs/sky_model_choice.hpp"
 #include "pipeline/photographs/sky_photograph.hpp"
 
 namespace kasumi {
@@ -83,12 +85,16 @@ Result<AirState> source_air(const RetargetArguments& arguments, const CameraFile
   setup.calibrated = camera.sky;
   setup.site = camera.site;
   setup.utc = utc;
+  setup.allow_damaged = arguments.allow_damaged;
   if (!utc) setup.sun = sun;
   setup.sun_from_image = !utc && !sun;
-  if (const auto aerosol = like(arguments))
-    setup.estimate.sky = {SiteSkyModel::dome, camera.site ? camera.site->altitude_m : arguments.altitude_m, aerosol};
+  Problems problems;
+  setup.estimate.sky = sky_to_fit(arguments.sky_model, camera.site ? camera.site->altitude_m : arguments.altitude_m,
+                                  arguments.aerosol.given(), problems);
+  if (!problems.empty()) return fail(problems.fault());
   const auto report = SkyPhotographs(std::move(setup)).estimate_from(arguments.sky, utc);
   if (!report) return fail(report.error());
+  if (!report->damage.empty()) spdlog::warn("{}: {}; what is left of it is used", arguments.sky, report->damage);
   const auto& estimate = report->look.estimate;
   if (!estimate.usable)
     return fail(FaultKind::bad_input,
@@ -96,7 +102,9 @@ Result<AirState> source_air(const RetargetArguments& arguments, const CameraFile
                 "or --source-aod",
                 arguments.sky, estimate.reason);
   fmt::print("source: T {:.2f} +- {:.2f} from {}\n", estimate.turbidity.value, estimate.sigma, arguments.sky);
-  return air_of(estimate.turbidity, like(arguments), estimate.sigma);
+  if (report->air->aerosol_known()) fmt::print("source: {}\n", text_of(report->air->aerosol()));
+  // Where the targets are aerosols the source is one, too, if only one as usual with that T.
+  return report->air->aerosol_known() ? *report->air : air_of(estimate.turbidity, like(arguments), estimate.sigma);
 }
 
 std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
@@ -174,11 +182,16 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
     problems.add("expected one of --source-turbidity T, --source-aod, or --sky PICTURE to find it in");
   if (!a.target_airlight.empty() && !a.target_picture.empty())
     problems.add("--target-airlight and --target-picture: expected only one of them");
+  if (a.terms && a.out.empty()) problems.add("--terms: expected --out, which names where its pictures go");
   if (!problems.empty()) return fail(problems.fault());
 
   const auto source = source_air(a, file, utc, setup.sun);
   if (!source) return fail(source.error());
   setup.source = *source;
+  // Other amounts of what is in the air.
+  for (auto& target : task.targets)
+    if (target && source->aerosol_known() && !target->aerosol_known())
+      target = air_of(target->turbidity(), source->aerosol());
   setup.airlight = light_of(a.airlight);
   setup.target_airlight = light_of(a.target_airlight);
   setup.scattering = scattering_model_named(a.scattering);
@@ -186,6 +199,7 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
   setup.amplify_noise = a.amplify_noise;
   setup.same_exposure = a.same_exposure;
   setup.largest_gain = a.largest_gain;
+  setup.terms = a.terms;
   if (!a.target_picture.empty()) {
     const auto picture = read_photograph(a.target_picture);
     if (!picture) return fail(picture.error());

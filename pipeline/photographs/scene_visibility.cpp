@@ -103,6 +103,12 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
   json["extinction_sigma_per_m"] = per_channel(air, [](const auto& e) { return e.sigma_per_m; });
   json["extinction_lowest_per_m"] = per_channel(air, [](const auto& e) { return e.lowest_per_m; });
   json["extinction_highest_per_m"] = per_channel(air, [](const auto& e) { return e.highest_per_m; });
+  const auto& aerosol = air.aerosol;
+  const bool seen = aerosol.kind == ExtinctionKind::value;
+  json["aerosol_per_m"] = seen ? Json(rounded(aerosol.per_m, 4)) : Json(nullptr);
+  json["aerosol_sigma_per_m"] = seen ? Json(rounded(std::sqrt(aerosol.covariance.per_m), 3)) : Json(nullptr);
+  json["angstrom_exponent"] = seen ? Json(rounded(aerosol.angstrom_exponent, 3)) : Json(nullptr);
+  json["angstrom_sigma"] = seen ? Json(rounded(std::sqrt(aerosol.covariance.exponent), 2)) : Json(nullptr);
   const auto& turbidity = air.turbidity;
   json["turbidity"] = turbidity.turbidity ? Json(rounded(turbidity.turbidity->value, 4)) : Json(nullptr);
   json["turbidity_sigma"] = turbidity.turbidity ? Json(rounded(turbidity.sigma, 3)) : Json(nullptr);
@@ -152,6 +158,10 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
     text +=
         fmt::format("  extinction       R {:.3f}, G {:.3f}, B {:.3f} +- {:.3f} per km\n", 1e3 * air.channels[0].per_m,
                     1e3 * green.per_m, 1e3 * air.channels[2].per_m, 1e3 * green.sigma_per_m);
+    if (air.aerosol.kind == ExtinctionKind::value)
+      text += fmt::format("  of its aerosol   {:.3f} +- {:.3f} per km at 550 nm, exponent {:.1f} +- {:.1f}\n",
+                          1e3 * air.aerosol.per_m, 1e3 * std::sqrt(air.aerosol.covariance.per_m),
+                          air.aerosol.angstrom_exponent, std::sqrt(air.aerosol.covariance.exponent));
     if (air.turbidity.turbidity)
       text +=
           fmt::format("  that would be    T {:.2f} +- {:.2f}\n", air.turbidity.turbidity->value, air.turbidity.sigma);

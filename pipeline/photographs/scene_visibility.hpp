@@ -13,6 +13,8 @@ struct SceneVisibility {
   std::filesystem::path picture;
   std::vector<ContrastReading> readings;  // one for each landmark
   LandmarkAir air;
+
+  bool usable() const { return air.extinction().kind != ExtinctionKind::nothing; }  // a bound is of use, too
 };
 
 struct SceneVisibilities {

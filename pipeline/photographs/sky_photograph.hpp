@@ -8,9 +8,10 @@
 
 #include "calib/camera.hpp"
 #include "calib/mask/image_circle.hpp"
-#include "estimator/sky_camera/sun_in_image.hpp"
+#include "estimator/sky_fit/tone_curve.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "pipeline/files/photograph_file.hpp"
+#include "pipeline/photographs/photographed_sun.hpp"
 
 namespace kasumi {
 
@@ -22,12 +23,14 @@ struct SkyPhotographOptions {
   bool equisolid = false;  // else equidistant
   Radians field_of_view = from_degrees(180.0);
   std::optional<ImageCircle> circle;  // empty: detected in each picture
-  Radians azimuth_up{};
-  bool linear_response = false;  // else sRGB
+  std::optional<Radians> azimuth_up;  // empty: nobody said how the camera was turned
+  bool linear_response = false;       // else sRGB
+  std::optional<ToneCurve> tone;      // over sRGB
 
   std::optional<SunDirection> sun;  // given by angles
   std::optional<Utc> utc;           // of pictures without a time of their own
   bool sun_from_image = false;
+  bool allow_damaged = false;  // pictures: what is left of them is used
 
   EstimateOptions estimate;
 };
@@ -35,21 +38,25 @@ struct SkyPhotographOptions {
 struct SkyPhotographReport {
   SkyObservation look;
   std::optional<SkyPicture> picture;  // empty when no camera could be determined
-  std::optional<AirQuality> air;      // of a usable estimate
-  std::optional<SunDirection> sun;    // empty when it was not found
-  std::string sun_source;             // how that direction was determined
+  std::optional<AirState> air;        // of a usable estimate
+  std::optional<AirQuality> quality;  // of that air
+  PhotographedSun sun;                // its direction is empty when it was not found
+  std::string damage;                 // of the file, where that is allowed; empty: none
   std::optional<ImageCircle> circle;
+  std::optional<ToneCurve> tone;  // that was undone
 };
 
 // Estimates one picture after the other and keeps what depends only on the camera. Not thread-safe.
 class SkyPhotographs {
  public:
   explicit SkyPhotographs(SkyPhotographOptions options) : options_(std::move(options)) {}
-  // Errors: bad_input (unreadable picture, size other than the calibration's). A picture without usable sky is no
+  // Errors: bad_input (unreadable or damaged picture, size other than the calibration's). A picture without usable sky is no
   // error: its estimate gives the reason.
   Result<SkyPhotographReport> estimate_from(const std::filesystem::path& file, std::optional<Utc> utc);
 
  private:
+  double altitude_m() const;
+  SunGiven sun_given(const std::optional<Utc>& utc) const;
   Camera ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle) const;
 
   SkyPhotographOptions options_;

@@ -20,6 +20,7 @@ struct ReplayArguments {
   double turbidity = 0.0;
   AirOptions air;
   bool no_aerial_perspective = false;
+  bool terms = false;
   bool overlay = false;
   std::string scattering = "auto";
   std::string zeta = "full";
@@ -37,6 +38,7 @@ ReplayRequest request_of(const ReplayArguments& arguments) {
   request.air.scattering = scattering_model_named(arguments.scattering);
   request.given = arguments.air.given();
   request.air.zeta = *zeta_form_named(arguments.zeta);
+  request.terms = arguments.terms;
   request.overlay = arguments.overlay;
   return request;
 }
@@ -58,6 +60,9 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
                tracked.turbidity.value, tracked.sigma, summary.last->air->aod_550,
                summary.last->air->visibility_m / 1000.0, name_of(summary.last->air->weather));
     if (const auto& aerosol = summary.last->air->aerosol) fmt::print("air: {}\n", text_of(*aerosol));
+    if (const auto& state = summary.last->state) fmt::print("{}\n", state->text());
+  } else if (!request.air.turbidity && summary.last && summary.last->state) {
+    fmt::print("turbidity: unknown ({}); {}\n", summary.last->estimate.reason, summary.last->state->text());
   } else if (!request.air.turbidity) {
     fmt::print("turbidity: unknown; {:.1f} was assumed{}\n", request.air.until_known.value,
                summary.last ? " (" + summary.last->estimate.reason + ")" : "");
@@ -69,6 +74,13 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
   for (const auto& [reason, count] : summary.skipped) fmt::print("skipped: {} x {}\n", count, reason);
   for (const auto& note : summary.notes) spdlog::info("{}", note);
   if (request.out) fmt::print("written: {}\n", request.out->string());
+}
+
+std::string why_none(const ReplaySummary& summary) {
+  std::string why;
+  for (const auto& [reason, count] : summary.skipped)
+    if (reason.starts_with("scene camera")) why += fmt::format("{}{} x {}", why.empty() ? "" : "; ", count, reason);
+  return why.empty() ? "the scene camera's recording has no frame" : why;
 }
 
 }  // namespace
@@ -88,6 +100,8 @@ void add_replay_command(CLI::App& app, Action& action) {
   turbidity->excludes(command->get_option("--aod"));
   command->add_flag("--no-aerial-perspective", arguments->no_aerial_perspective,
                     "Draw the building as if there were no air in between");
+  command->add_flag("--terms", arguments->terms,
+                    "Next to each picture of a folder its airlight and its direct transmission, which add up to it");
   command->add_flag("--overlay", arguments->overlay,
                     "Draw a grid of directions, the horizon, the building's axes and the landmarks over the pictures");
   command
@@ -104,7 +118,8 @@ void add_replay_command(CLI::App& app, Action& action) {
       const auto summary = replay(request);
       if (!summary) return fail(summary.error());
       print(*summary, request);
-      return 0;
+      if (summary->pictures > 0 || summary->interrupted) return 0;
+      return fail(FaultKind::io, "{}: no picture was drawn: {}", request.fixture.string(), why_none(*summary));
     };
   });
 }

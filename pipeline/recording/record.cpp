@@ -57,7 +57,7 @@ class CameraRecorder {
  public:
   CameraRecorder(CameraRole role, CameraOpening opening, Recording& recording, Clock& clock, Duration every)
       : role_(role), recording_(recording), clock_(clock), every_(every), due_(clock.now()) {
-    source_ = reconnecting(std::move(opening.opener), clock);
+    source_ = reconnecting(std::move(opening), clock);
   }
 
   void run(Ending& ending, LatestSlot<Frame>& to_show) {

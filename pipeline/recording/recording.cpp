@@ -5,8 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/lasting_file.hpp"
 #include "capture/utc_text.hpp"
 #include "pipeline/config/run_config.hpp"
+#include "pipeline/machine/time_watch.hpp"
 
 namespace kasumi {
 
@@ -19,8 +21,7 @@ std::size_t index_of(CameraRole role) {
 Result<> keep_copy(const std::filesystem::path& from, const std::filesystem::path& to) {
   const auto bytes = read_file(from);
   if (!bytes) return fail(bytes.error());
-  std::error_code error;
-  std::filesystem::create_directories(to.parent_path(), error);
+  if (auto made = create_folders(to.parent_path()); !made) return made;
   return write_file(to, *bytes);
 }
 
@@ -65,42 +66,59 @@ Result<std::map<std::string, std::optional<std::string>>> copy_files(const Confi
   return changes;
 }
 
-std::string head_of(const std::filesystem::path& folder, Utc start, bool synchronized) {
+// A folder's name may contain any bytes, TOML only UTF-8 and no quotes.
+std::string plain(const std::string& name) {
+  std::string text;
+  for (const char c : name)
+    if (c >= ' ' && c <= '~' && c != '"' && c != '\\') text += c;
+  return text;
+}
+
+std::string head_of(const std::filesystem::path& folder, Utc start, const std::string& sources, bool synchronized) {
   const auto name = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
-  std::string quoted;  // a folder's name may contain any bytes, TOML only UTF-8
-  for (const char c : name.string())
-    if (c >= ' ' && c <= '~' && c != '"' && c != '\\') quoted += c;
+  auto quoted = plain(name.string());
   if (quoted.empty()) quoted = "recording";
   return fmt::format(
       "format = {}\nname = \"{}\"\nlicence = \"LicenseRef-not-stated\"\nprovenance = \"Recorded by kasumi record from "
-      "live cameras{}\"\nstart_utc = {}\n\n",
-      kFixtureFormat, quoted, synchronized ? "" : "; the machine's clock was not synchronized: utc may be wrong",
-      utc_text(start));
+      "{}{}\"\nstart_utc = {}\n\n",
+      kFixtureFormat, quoted, sources,
+      synchronized ? "" : "; the machine's clock was not synchronized: utc may be wrong", utc_text(start));
 }
 
 }  // namespace
+
+std::string sources_text(const RunConfig& config) {
+  const auto* sky = std::get_if<ReplayCamera>(&config.sky_camera);
+  const auto* scene = std::get_if<ReplayCamera>(&config.scene_camera);
+  if (!sky && !scene) return "live cameras";
+  const auto recording = [](const ReplayCamera& replay) {
+    return fmt::format("a recording ({})", plain(replay.fixture.lexically_normal().string()));
+  };
+  if (sky && scene && sky->fixture == scene->fixture) return recording(*sky);
+  return fmt::format("{} (sky) and {} (scene)", sky ? recording(*sky) : "a live camera",
+                     scene ? recording(*scene) : "a live camera");
+}
 
 Result<std::unique_ptr<Recording>> Recording::create(const std::filesystem::path& config_file,
                                                      const std::filesystem::path& folder, Utc start,
                                                      const RecordingLimits& limits) {
   const auto root = ConfigTable::read_file(config_file);
   if (!root) return fail(root.error());
-  read_run_config(*root);
+  const auto config = read_run_config(*root);
   if (auto whole = root->finish(); !whole) return fail(whole.error());
 
   std::error_code error;
   if (std::filesystem::exists(folder / "fixture.toml", error))
     return fail(FaultKind::bad_input, "{}: already contains a recording; expected a new folder", folder.string());
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail(FaultKind::io, "{}: cannot be created: {}", folder.string(), error.message());
+  if (auto made = create_folders(folder); !made) return fail(made.error());
 
   auto changes = copy_files(*root, folder);
   if (!changes) return fail(changes.error());
   (*changes)["sky.camera"] = std::nullopt;
   (*changes)["scene.camera"] = std::nullopt;
-  const bool synchronized = watch_kernel_time()->read().synchronized;
-  const auto text =
-      head_of(folder, start, synchronized) + root->copy_of({"site", "sky", "scene", "object", "landmarks"}, *changes);
+  const bool synchronized = watch_time()->read().synchronized;
+  const auto text = head_of(folder, start, sources_text(config), synchronized) +
+                    root->copy_of({"site", "sky", "scene", "object", "landmarks"}, *changes);
   if (auto written = write_text_file(folder / "fixture.toml", text); !written) return fail(written.error());
 
   // A live camera's frames all differ, and searching for equal ones would keep each in memory.

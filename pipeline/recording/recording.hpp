@@ -18,6 +18,9 @@ struct RecordingLimits {
   std::uint64_t keep_free = 500'000'000;     // bytes of the disk to keep free
 };
 
+// Where a recording's frames come from, for its description: "live cameras", "a recording (live/)", or both.
+std::string sources_text(const RunConfig& config);
+
 // Thread-safe.
 class Recording {
  public:

@@ -5,17 +5,22 @@
 #include <chrono>
 #include <thread>
 
+#include "base/files.hpp"
 #include "base/latest_slot.hpp"
 #include "base/statistics.hpp"
 #include "capture/fixture/replay_source.hpp"
+#include "estimator/sky/sun.hpp"
 #include "gles/display/window.hpp"
 #include "gles/gl/offscreen.hpp"
 #include "pipeline/config/fixture_file.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/machine/progress.hpp"
 #include "pipeline/machine/stop_signal.hpp"
+#include "pipeline/recording/air_curve.hpp"
+#include "pipeline/recording/light_terms.hpp"
 #include "pipeline/recording/turbidity_table.hpp"
 #include "pipeline/scene/compositor.hpp"
+#include "pipeline/scene/scene_watch.hpp"
 #include "pipeline/stage/overlay.hpp"
 
 namespace kasumi {
@@ -80,15 +85,31 @@ Result<ReplayOutput> open_output(const ReplayRequest& request, const Fixture& fi
   return output;
 }
 
+// A picture of the scene camera in which the air is looked for.
+struct Sight {
+  Instant when{};
+  Utc utc{};
+  Image<Rgb8> picture;
+};
+
+SkyAbove above_in(const SkyReport& report) {
+  const bool sun_known = report.sun.source != SunSource::none;
+  return {sun_known ? std::optional(report.sun.direction) : std::nullopt, report.estimate.sky};
+}
+
 // The state of one run and what each kind of frame does.
 class Run {
  public:
   Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, ReplayOutput output,
-      Compositor compositor)
+      Compositor compositor, std::optional<LightTerms> terms)
       : request_(request),
         output_(std::move(output)),
         compositor_(std::move(compositor)),
-        watch_(fixture.installation) {
+        terms_(std::move(terms)),
+        site_(fixture.installation.site),
+        watch_(fixture.installation),
+        scene_watch_(fixture.installation),
+        scene_encoding_(fixture.installation.scene.yuv_encoding) {
     if (request.overlay) overlay_.emplace(output_.context(), fixture.installation, model.bounds(), std::nullopt);
     summary_.fixture = fixture.info.name;
     summary_.gl_renderer = output_.context().info().renderer;
@@ -104,7 +125,12 @@ class Run {
         take_sky_frame(sources.sky->next(*sky_due + 1s));
         continue;
       }
-      if (auto shown = show(sources.scene->next(*scene_due + 1s)); !shown) return shown;
+      auto frame = sources.scene->next(*scene_due + 1s);
+      if (const auto sight = sight_due(frame)) {
+        look(*sight, above_in(latest_));
+        latest_ = watch_.with_air(std::move(latest_), sight->when);
+      }
+      if (auto shown = show(std::move(frame)); !shown) return shown;
       progress.advance(progress_detail());
     }
     while (sources.sky->due() && !over()) take_sky_frame(sources.sky->next(*sources.sky->due() + 1s));
@@ -115,10 +141,16 @@ class Run {
   Result<> play_in_real_time(FixtureSources& sources, Clock& clock) {
     Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
     LatestSlot<SkyReport> reports;
+    LatestSlot<Sight> sights;
     std::atomic<bool> stopping = false;
     std::thread sky([&] {
+      SkyAbove above;
       while (!stopping && sources.sky->due()) {
-        if (auto report = observe_sky(sources.sky->next(clock.now() + 500ms))) reports.put(std::move(*report));
+        if (const auto sight = sights.take()) look(*sight, above);
+        if (auto report = observe_sky(sources.sky->next(clock.now() + 500ms))) {
+          above = above_in(*report);
+          reports.put(std::move(*report));
+        }
       }
     });
     Result<> result;
@@ -127,6 +159,7 @@ class Run {
       if (auto report = reports.take()) latest_ = std::move(*report);
       if (!frame && frame.error().kind == FaultKind::timeout)
         continue;  // a gap: keep handling the window's events and hold the picture
+      if (auto sight = sight_due(frame)) sights.put(std::move(*sight));
       if (result = show(std::move(frame)); !result) break;
       progress.advance(progress_detail());
     }
@@ -142,6 +175,8 @@ class Run {
       if (auto finished = output_.sink->finish(); !finished) return fail(finished.error());
       const auto folder = is_film(*request_.out) ? request_.out->parent_path() : *request_.out;
       if (auto written = table_.write(folder / "turbidity.csv"); !written) return fail(written.error());
+      if (!curve_.empty())
+        if (auto written = write_text_file(folder / "air.svg", curve_.svg()); !written) return fail(written.error());
     }
     summary_.sky_frames = sky_frames_;
     summary_.usable_sky_frames = usable_sky_frames_;
@@ -157,14 +192,31 @@ class Run {
  private:
   bool over() {
     if (request_.frames && summary_.pictures >= *request_.frames) return true;
-    return stop_requested() || (output_.window && !output_.window->handle_events());
+    summary_.interrupted = stop_requested() || (output_.window && !output_.window->handle_events());
+    return summary_.interrupted;
   }
 
   std::string progress_detail() const {
     return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T unknown yet";
   }
 
-  // Touches only the sky's state, so it is safe in the sky's thread.
+  // The frame's picture, once in a minute of recorded time.
+  std::optional<Sight> sight_due(const Result<Frame>& frame) {
+    if (!frame || frame->metadata.status != FrameStatus::good || !scene_watch_.any()) return std::nullopt;
+    const auto when = frame->metadata.captured_at;
+    if (looked_at_ && when >= *looked_at_ && when - *looked_at_ < kSceneLookInterval) return std::nullopt;
+    const auto picture = decode(*frame, scene_encoding_);
+    if (!picture) return std::nullopt;
+    looked_at_ = when;
+    return Sight{when, frame->metadata.utc, to_rgb(picture->view())};
+  }
+
+  // This and observe_sky() touch only the state of the air, so they are safe in the sky's thread.
+  void look(const Sight& sight, const SkyAbove& above) {
+    watch_.observe(scene_watch_.look(view_of(sight.picture), sight.when, above).air);
+    if (const auto state = watch_.with_air({}, sight.when).state) curve_.add(sight.utc, *state);
+  }
+
   std::optional<SkyReport> observe_sky(Result<Frame> frame) {
     if (!frame) {
       if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
@@ -179,6 +231,7 @@ class Run {
       return std::nullopt;
     }
     table_.add(*report);
+    if (report->state) curve_.add(report->utc, *report->state);
     if (report->estimate.usable) ++usable_sky_frames_;
     return std::move(*report);
   }
@@ -193,9 +246,12 @@ class Run {
         ++summary_.skipped[fmt::format("scene camera: {}", name_of(frame.error().kind))];
       return {};
     }
+    place_sun(frame->metadata.utc);
     if (output_.offscreen) {
       if (auto drawn = compositor_.draw(*frame, latest_, output_.offscreen->target()); !drawn)
         return skip_or_fail(*frame, drawn.error());
+      if (terms_)
+        if (auto written = write_terms(*frame); !written) return written;
       if (auto drawn = draw_overlay(output_.offscreen->target()); !drawn) return drawn;
       auto picture = output_.offscreen->read();
       if (!picture) return fail(picture.error());
@@ -212,6 +268,20 @@ class Run {
     return {};
   }
 
+  Result<> write_terms(const Frame& frame) {
+    const auto picture = output_.offscreen->read();
+    if (!picture) return fail(picture.error());
+    return terms_->write(*request_.out, summary_.pictures, frame, latest_, *picture);
+  }
+
+  // Until the sky camera's first picture comes, the frame's own time tells the sun, as the sky's will.
+  void place_sun(Utc utc) {
+    if (latest_.picture) return;
+    latest_.sun.source = SunSource::ephemeris;
+    latest_.sun.direction = sun_position(utc, site_).direction;
+    latest_.sun.message = "by the recording's time";
+  }
+
   Result<> draw_overlay(const DrawTarget& target) { return overlay_ ? overlay_->draw(target) : Result<>{}; }
 
   Result<> skip_or_fail(const Frame& frame, const Fault& fault) {
@@ -224,9 +294,15 @@ class Run {
   const ReplayRequest& request_;
   ReplayOutput output_;
   Compositor compositor_;
+  std::optional<LightTerms> terms_;  // empty: not wanted
   std::optional<Overlay> overlay_;
+  Site site_;
   SkyWatch watch_;
+  SceneWatch scene_watch_;
+  YuvEncoding scene_encoding_;
+  std::optional<Instant> looked_at_;
   TurbidityTable table_;
+  AirCurve curve_;
   SkyReport latest_;
   ReplaySummary summary_;
   // Owned by the sky's thread, merged when it has ended.
@@ -239,6 +315,8 @@ class Run {
 
 Result<ReplaySummary> replay(const ReplayRequest& request) {
   const auto started = std::chrono::steady_clock::now();
+  if (request.terms && (!request.out || is_film(*request.out)))
+    return fail(FaultKind::bad_input, "--terms: expected --out FOLDER, in which two more pictures stand next to each");
   auto fixture = read_fixture(request.fixture);
   if (!fixture) return fail(fixture.error());
   auto& given = fixture->installation.surroundings.air;
@@ -259,7 +337,14 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   auto compositor = Compositor::create(output->context(), fixture->installation, *model, request.air);
   if (!compositor) return fail(compositor.error());
 
-  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor));
+  std::optional<LightTerms> terms;
+  if (request.terms) {
+    auto created = LightTerms::create(output->context(), fixture->installation, *model, request.air);
+    if (!created) return fail(created.error());
+    terms = std::move(*created);
+  }
+
+  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor), std::move(terms));
   auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources);
   if (!played) return fail(played.error());
   auto summary = run.finish();

@@ -21,12 +21,14 @@ struct ReplayRequest {
   std::optional<std::size_t> frames;  // stop after so many pictures
   SceneAirOptions air;
   GivenAir given = {};   // goes before what the fixture's [site] says of the air
+  bool terms = false;    // next to each picture of a folder its airlight and its direct transmission
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the pictures
 };
 
 struct ReplaySummary {
   std::string fixture;
   std::size_t pictures = 0;
+  bool interrupted = false;  // by a signal, or its window was closed
   std::size_t sky_frames = 0;
   std::size_t usable_sky_frames = 0;
   std::map<std::string, std::size_t> skipped;  // frames by reason

@@ -1,5 +1,9 @@
 #include "pipeline/scene/compositor.hpp"
 
+#include <array>
+#include <utility>
+#include <vector>
+
 #include <glm/geometric.hpp>
 
 #include "pipeline/scene/for_gles.hpp"
@@ -31,22 +35,52 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
 
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, const Model& model,
                                       SceneAir air, const RendererOptions& options) {
+  auto making = CompositorMaking::begin(context, installation, model, nullptr, std::move(air), options);
+  if (!making) return fail(making.error());
+  for (;;) {
+    const auto whole = making->step();
+    if (!whole) return fail(whole.error());
+    if (*whole) return making->take();
+  }
+}
+
+PreparedScene prepare_scene(const Installation& installation, const Model& model) {
+  return {cut_model(model), depth_for_gles(installation.scene, installation.scene_distances_m)};
+}
+
+Result<CompositorMaking> CompositorMaking::begin(GlContext& context, const Installation& installation,
+                                                 const Model& model, std::shared_ptr<const PreparedScene> prepared,
+                                                 SceneAir air, const RendererOptions& options) {
+  if (auto sound = check(model); !sound) return fail(sound.error());
+  if (!prepared) prepared = std::make_shared<const PreparedScene>(prepare_scene(installation, model));
   auto renderer = Renderer::create(context, options);
   if (!renderer) return fail(renderer.error());
-  if (auto set = renderer->set_model(model); !set) return fail(set.error());
+  const std::shared_ptr<const ModelChunks> chunks(prepared, &prepared->chunks);
+  if (auto begun = renderer->begin_model(model, chunks); !begun) return fail(begun.error());
+  return CompositorMaking(Compositor(std::move(*renderer), std::move(air), installation), installation, model,
+                          std::move(prepared));
+}
 
-  const auto to_world = model_to_world(installation.object.placement);
-  const auto bounds = model.bounds_with_ground();
+Result<bool> CompositorMaking::step() {
+  const auto whole = made_.renderer_.continue_model();
+  if (!whole || !*whole) return whole;
+  if (auto set = set_scene(); !set) return fail(set.error());
+  prepared_.reset();
+  return true;
+}
+
+Result<> CompositorMaking::set_scene() {
+  Renderer& renderer = made_.renderer_;
+  const Camera& scene = installation_->scene;
+  const auto to_world = model_to_world(installation_->object.placement);
+  const auto bounds = model_->bounds_with_ground();
   const glm::dvec3 lowest(bounds.lowest), highest(bounds.highest);
   const glm::dvec3 centre(to_world * glm::dvec4(0.5 * (lowest + highest), 1.0));
-  const double radius = 0.5 * glm::length(highest - lowest) * installation.object.placement.scale;
-  const auto view = view_for_gles(installation.scene, centre, radius);
-  if (auto set = renderer->set_view(view, to_world); !set) return fail(set.error());
-  if (auto set = renderer->set_foreground(installation.scene.mask); !set) return fail(set.error());
-  if (auto set = renderer->set_scene_depth(depth_for_gles(installation.scene, installation.scene_distances_m)); !set)
-    return fail(set.error());
-  if (auto set = renderer->set_response(response_for_gles(installation.scene.response)); !set) return fail(set.error());
-  return Compositor(std::move(*renderer), std::move(air), installation);
+  const double radius = 0.5 * glm::length(highest - lowest) * installation_->object.placement.scale;
+  if (auto set = renderer.set_view(view_for_gles(scene, centre, radius), to_world); !set) return set;
+  if (auto set = renderer.set_foreground(scene.mask); !set) return set;
+  if (auto set = renderer.set_scene_depth(prepared_->depth_m); !set) return set;
+  return renderer.set_response(response_for_gles(scene.response));
 }
 
 Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTarget& target) {
@@ -83,6 +117,40 @@ Result<> Compositor::update_detail(PixelLayout layout, double haze_blur_px) {
   return {};
 }
 
+Result<> Compositor::begin_layer(const SkyReport& sky, PixelLayout layout) {
+  const auto now = air_.conditions(sky);
+  if (auto fitted = update_detail(layout, now.haze_blur_px); !fitted) return fitted;
+  const auto air = air_.drawn_air(now, renderer_.object_box());
+  if (auto begun = renderer_.begin_layer(*air.appearance); !begun) return begun;
+  measured_ = air.measured;
+  unfinished_layer_ = now;
+  return {};
+}
+
+Result<bool> Compositor::continue_layer() {
+  const auto whole = renderer_.continue_layer();
+  if (!whole || !*whole) return whole;
+  layer_ = std::exchange(unfinished_layer_, std::nullopt);
+  ++layers_drawn_;
+  return true;
+}
+
+Result<> Compositor::rehearse(PixelLayout layout, const DrawTarget& target) {
+  PictureView grey{layout, encoding_, width_, height_, {}};
+  const auto planes = static_cast<std::size_t>(plane_count(layout));
+  std::array<std::vector<std::uint8_t>, 3> bytes;
+  for (std::size_t i = 0; i < planes; ++i) {
+    const auto size = plane_size(layout, width_, height_, static_cast<int>(i));
+    bytes[i].assign(size.row_bytes * static_cast<std::size_t>(size.rows), 128);
+    grey.planes[i] = {bytes[i].data(), size.row_bytes};
+  }
+  if (auto uploaded = renderer_.upload(grey); !uploaded) return uploaded;
+  noise_ = noise_for_gles(quality_, white_balance_, 1.0, 0);
+  auto drawn = show(target);
+  measured_.reset();
+  return drawn;
+}
+
 Result<> Compositor::draw_without_object(const DecodedPicture& picture, const DrawTarget& target) {
   if (auto taken = pass_to_gpu(picture); !taken) return taken;
   measured_.reset();
@@ -102,11 +170,21 @@ Result<> Compositor::pass_to_gpu(const DecodedPicture& picture) {
 
 Result<> Compositor::draw_again(const DrawTarget& target) {
   if (!drawn_) return fail(FaultKind::bad_input, "no frame of the scene camera has been drawn yet");
-  if (lent_) {
-    if (auto copied = renderer_.upload(lent_->view()); !copied) return copied;
-    lent_.reset();
-  }
+  if (auto copied = copy_lent(); !copied) return copied;
   return show(target);
+}
+
+Result<> Compositor::copy_lent() {
+  if (!lent_) return {};
+  if (auto copied = renderer_.upload(lent_->view()); !copied) return copied;
+  lent_.reset();
+  return {};
+}
+
+Result<> Compositor::drop_camera_buffers() {
+  if (auto copied = copy_lent(); !copied) return copied;
+  renderer_.drop_camera_buffers();
+  return {};
 }
 
 Result<> Compositor::show(const DrawTarget& target) {

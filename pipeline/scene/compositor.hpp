@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "gles/gl/context.hpp"
+#include "gles/gpu_model/model_chunks.hpp"
 #include "gles/object/renderer.hpp"
 #include "pipeline/scene/scene_air.hpp"
 
@@ -35,20 +36,35 @@ class Compositor {
   // device.
   Result<> draw_again(const DrawTarget& target);
 
+  // For when the camera is gone. The last picture is copied first, if it lies in one of its buffers. Errors: device.
+  Result<> drop_camera_buffers();
+  // Before the first frame: draws the building's layer under `sky` for pictures of that layout, in pieces between which
+  // others may draw. The first frame then needs none of its own, unless the sky is another by then. Errors: device.
+  Result<> begin_layer(const SkyReport& sky, PixelLayout layout);
+  Result<bool> continue_layer();  // true: it is drawn
+  // Draws that layer over a grey picture, so that every program is compiled and what cannot be drawn is known; leaves no
+  // trace in the air. Errors: device.
+  Result<> rehearse(PixelLayout layout, const DrawTarget& target);
+
   const SceneAir& air() const { return air_; }
   std::uint64_t layers_drawn() const { return layers_drawn_; }
   // How frames reached the GPU: copied, or read in the driver's buffers. Such a buffer stays in use until the next
-  // frame is drawn and the display has replaced the picture (Display::show() holds it), or until draw_again().
+  // frame is drawn and the display has replaced the picture (Display::show() holds it), or until draw_again(). The
+  // GPU holds those it has seen until drop_camera_buffers().
   FrameCounts frames() const { return renderer_.frames(); }
   const std::vector<std::string>& notes() const { return renderer_.notes(); }
 
  private:
+  friend class CompositorMaking;
   Compositor(Renderer renderer, SceneAir air, const Installation& installation)
       : renderer_(std::move(renderer)),
         air_(std::move(air)),
         encoding_(installation.scene.yuv_encoding),
         quality_(installation.scene_quality),
-        white_balance_(installation.scene.white_balance) {}
+        white_balance_(installation.scene.white_balance),
+        width_(installation.scene.width),
+        height_(installation.scene.height) {}
+  Result<> copy_lent();
   Result<> pass_to_gpu(const DecodedPicture& picture);
   Result<> update_detail(PixelLayout layout, double haze_blur_px);
   Result<> show(const DrawTarget& target);
@@ -58,13 +74,45 @@ class Compositor {
   YuvEncoding encoding_;
   ImageQuality quality_;
   glm::dvec3 white_balance_;
+  int width_, height_;  // of the camera's pictures
   ObjectDetail detail_;
   std::optional<SceneConditions> layer_;  // the air the cached layer was drawn under
+  std::optional<SceneConditions> unfinished_layer_;
   std::uint64_t layers_drawn_ = 0;
   bool drawn_ = false;
   std::optional<DecodedPicture> lent_;    // the picture drawn last, while it uses the driver's buffer
   SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // of the picture drawn last; empty: it has no building
+};
+
+// What a compositor needs beside the installation and takes long to compute, made without GL.
+struct PreparedScene {
+  ModelChunks chunks;
+  Image<float> depth_m;  // as depth_for_gles()
+};
+PreparedScene prepare_scene(const Installation& installation, const Model& model);
+
+// Makes a compositor in pieces of some milliseconds, between which others may draw under the same context.
+class CompositorMaking {
+ public:
+  // All references must outlive it; `prepared`: null: made here. Errors: as Compositor::create().
+  static Result<CompositorMaking> begin(GlContext& context, const Installation& installation, const Model& model,
+                                        std::shared_ptr<const PreparedScene> prepared, SceneAir air,
+                                        const RendererOptions& renderer = {});
+  // true: it is whole. Errors: as Compositor::create().
+  Result<bool> step();
+  Compositor take() { return std::move(made_); }
+
+ private:
+  CompositorMaking(Compositor made, const Installation& installation, const Model& model,
+                   std::shared_ptr<const PreparedScene> prepared)
+      : made_(std::move(made)), installation_(&installation), model_(&model), prepared_(std::move(prepared)) {}
+  Result<> set_scene();
+
+  Compositor made_;
+  const Installation* installation_;
+  const Model* model_;
+  std::shared_ptr<const PreparedScene> prepared_;
 };
 
 }  // namespace kasumi

@@ -27,6 +27,8 @@ constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of t
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
   if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
   if (now.measured && difference(*drawn.measured, *now.measured) > kMinSkyChange) return false;
+  if (std::abs(now.air.near_ground() - drawn.air.near_ground()) > kMinHazeChange * drawn.air.near_ground())
+    return false;
   if (now.air.aerosol_known() || drawn.air.aerosol_known()) {
     const Aerosol &aerosol = now.air.aerosol(), &aerosol_drawn = drawn.air.aerosol();
     return now.air.aerosol_known() == drawn.air.aerosol_known() && aerosol.kind == aerosol_drawn.kind &&
@@ -66,6 +68,13 @@ class AirBeforeObject {
   double altitude_m_, distance_m_;
 };
 
+// By so much that nothing is left of it; zero would leave the renderer without a scale.
+void darken(ObjectLight& light) {
+  constexpr double kBlack = 1e-6;
+  light.sun_irradiance *= kBlack;
+  for (glm::vec3& texel : light.around.radiance.elements()) texel *= static_cast<float>(kBlack);
+}
+
 OpticalPath path_to(const Installation& installation) {
   const auto& place = installation.object.placement;
   const double altitude_m = installation.site.altitude_m;
@@ -92,6 +101,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
 AirState SceneAir::air_under(const SkyReport& report) const {
   if (options_.turbidity) return air_of(*options_.turbidity, given_.to_be_found());
   if (const auto given = given_.whole()) return *given;
+  if (report.state) return report.state->air;
   return air_of(report.tracked ? report.tracked->turbidity : options_.until_known, given_.to_be_found(),
                 report.tracked ? report.tracked->sigma : 0.0);
 }
@@ -105,9 +115,10 @@ ScatteringModel SceneAir::scattering(const AirState& air) const {
 HazeCoefficients SceneAir::haze(const AirState& air) const {
   const auto model = scattering(air);
   const double exponent = air.aerosol().angstrom_exponent;
-  if (!nodes_ || nodes_->scattering != model ||
-      (model == ScatteringModel::aerosol && nodes_->angstrom_exponent != exponent))
-    nodes_ = {model, exponent, attenuation_nodes(measure_, model, air)};
+  const bool same =
+      nodes_ && nodes_->scattering == model &&
+      (model != ScatteringModel::aerosol || std::abs(nodes_->angstrom_exponent - exponent) <= kMinExponentChange);
+  if (!same) nodes_ = {model, exponent, attenuation_nodes(measure_, model, air)};
   return haze_coefficients(nodes_->nodes, model, air);
 }
 
@@ -140,6 +151,7 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   ObjectAppearance appearance;
   appearance.haze = haze_for_gles(haze(conditions.air), altitude_m_, fog_);
   appearance.light = light_for_gles(daylight.on_object());
+  if (options_.black_object) darken(appearance.light);
   const auto before_object = air_before_object(conditions);
   appearance.horizon = airlight_grid(scene_, box, [&](const glm::dvec2&, const Direction& direction) {
     return daylight.airlight(direction) * before_object(direction);

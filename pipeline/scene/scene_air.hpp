@@ -19,9 +19,12 @@ struct SceneAirOptions {
   // Empty: the aerosol's own where it is known and the sky is the dome, else morales2017.
   std::optional<ScatteringModel> scattering{};
   ZetaForm zeta = ZetaForm::full;
-  bool aerial_perspective = true;                       // false: the "before" picture
-  std::optional<Turbidity> turbidity{};                 // instead of the estimate from the sky
-  Turbidity until_known{3.0};                           // until a sky frame is usable: an ordinary clear day
+  bool aerial_perspective = true;        // false: the "before" picture
+  bool black_object = false;             // neither sun nor sky reach it: what is seen there is airlight
+  std::optional<Turbidity> turbidity{};  // instead of the air that was found
+  // Until a sky frame is usable, where T alone is followed: an ordinary clear day. The state of the air knows by itself
+  // what is usual.
+  Turbidity until_known{3.0};
   Duration horizon_interval = std::chrono::seconds(1);  // between measurements of the horizon
 };
 

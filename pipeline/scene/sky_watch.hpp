@@ -1,4 +1,4 @@
-// The sky camera's half of the pipeline: from its frames to today's air.
+// From the sky camera's frames, and from what the scene camera shows of the air, to today's air.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,24 @@
 
 #include "base/result.hpp"
 #include "capture/frame.hpp"
+#include "estimator/fusion/air_tracker.hpp"
 #include "estimator/sky_camera/sun_in_image.hpp"
 #include "estimator/turbidity/tracker.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "pipeline/config/installation.hpp"
+#include "pipeline/scene/scene_watch.hpp"
 
 namespace kasumi {
 
 // Result of one sky frame; the renderer uses the latest.
 struct SkyReport {
   Utc utc{};
-  TurbidityEstimate estimate;               // of this frame
-  std::optional<TrackedTurbidity> tracked;  // over time; empty until the first usable estimate
-  std::optional<AirQuality> air;            // of the tracked turbidity, or the given air's
+  TurbidityEstimate estimate;  // of this frame
+  std::optional<TrackedTurbidity>
+      tracked;                             // over time, of what drives the picture; empty while nobody has seen the air
+  std::optional<TrackedTurbidity> by_sky;  // over time, by the sky camera alone, for comparison
+  std::optional<TrackedAir> state;         // by all observers; empty: T alone is followed (sky_model = "preetham")
+  std::optional<AirQuality> air;           // of `tracked`, or the given air's
   SunCheck sun;
   std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: nothing beyond the model
   std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
@@ -47,14 +52,24 @@ class SkyWatch {
   // For a live frame that arrived at `when`. `sun_from`: where to take the sun's position from; with `none` nothing is
   // estimated.
   Result<SkyReport> observe(const Frame& frame, Instant when, SunSource sun_from);
+  // What the scene camera shows of the air: it drives the picture where the sky does not show it, too.
+  void observe(const SceneAirReading& scene);
+  // An earlier report with the air as it is known now.
+  SkyReport with_air(SkyReport report, Instant when) const;
   // While no frame comes: the last estimate, the tracked air at its present age, the sun's position at `utc`.
   SkyReport at(Instant when, Utc utc, SunSource sun_from) const;
-  // Restores what was known of the air at an earlier instant. No effect once there is an estimate.
+  // What of the air is worth keeping over a restart; empty while nobody has seen it, where it is given, and where T
+  // alone is followed.
+  std::optional<RememberedAir> to_remember(Instant when, Utc utc) const;
+  // Restores what was known at an earlier instant: the state, or the sky camera's T. No effect once it was seen again.
+  void remember(const RememberedAir& air, Instant when);
   void remember(Turbidity turbidity, double sigma, Instant when);
 
  private:
   SunCheck place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const;
   void estimate(const SkyPicture& picture, SkyReport& report);
+  FoundAerosol found_in(const TurbidityEstimate& estimate) const;
+  FoundAerosol of_site(FoundAerosol found) const;
   void add_air(SkyReport& report, Instant when) const;
 
   Site site_;
@@ -63,7 +78,8 @@ class SkyWatch {
   GivenAir given_;
   SkyWatchOptions options_;
   SkyObserver observer_;
-  TurbidityTracker tracker_;
+  TurbidityTracker tracker_;       // of the sky camera's T
+  std::optional<AirTracker> air_;  // of all observers; empty: T alone is followed
   TurbidityEstimate last_estimate_;
   std::shared_ptr<const MeasuredSky> last_measured_;  // of the same frame
   Instant last_observed_{};

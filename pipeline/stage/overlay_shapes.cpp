@@ -201,8 +201,8 @@ class Shapes {
     const glm::dvec3 tip{0.0, 0.0, -length};
     const std::array<std::array<glm::dvec3, 2>, 3> strokes{
         {{glm::dvec3{0.0}, tip}, {tip, tip + glm::dvec3{-barb, 0.0, barb}}, {tip, tip + glm::dvec3{barb, 0.0, barb}}}};
-    for (const auto& [from, to] : strokes)
-      add_line(OverlayLineKind::heading, 8, [&](double t) { return world(from + t * (to - from)); });
+    for (const auto& stroke : strokes)
+      add_line(OverlayLineKind::heading, 8, [&](double t) { return world(glm::mix(stroke[0], stroke[1], t)); });
   }
 
   void add_landmarks() {

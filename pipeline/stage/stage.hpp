@@ -10,6 +10,7 @@
 #include "pipeline/scene/scene_frame.hpp"
 #include "pipeline/stage/overlay.hpp"
 #include "pipeline/stage/still_picture.hpp"
+#include "pipeline/stage/words.hpp"
 
 namespace kasumi {
 
@@ -23,8 +24,8 @@ struct Composition {
 // Belongs to the thread of its GL context.
 class Stage {
  public:
-  // BLOCKS while model and pictures are uploaded. `air`: of an earlier stage of this content.
-  // Errors: bad_input (too large for this GL), device, unsupported.
+  // BLOCKS while model and pictures are uploaded; StageMaking does it in pieces. `air`: of an earlier stage of this
+  // content. Errors: bad_input (too large for this GL), device, unsupported.
   static Result<Stage> create(GlContext& context, ContentPtr content, std::optional<SceneAir> air = std::nullopt);
 
   // Draws the scene, from a new frame or (null) as it was drawn last. Errors: bad_input (the frame has another size:
@@ -32,6 +33,9 @@ class Stage {
   Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
   // Then draws what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
+
+  // For when the scene camera is gone. Errors: device.
+  Result<> drop_camera_buffers() { return compositor_.drop_camera_buffers(); }
 
   // Whether the scene drawn last includes the building.
   bool draws_object() const { return draws_object_; }
@@ -42,19 +46,14 @@ class Stage {
   const std::vector<std::string>& notes() const { return compositor_.notes(); }
 
  private:
-  struct DrawnText {
-    std::string text;
-    int target_width = 0;
-    std::optional<FlatPicture> picture;  // empty: it could not be drawn
-  };
+  friend class StageMaking;
+  static Result<Stage> assemble(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still);
   Stage(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still)
       : context_(&context),
         content_(std::move(content)),
         compositor_(std::move(compositor)),
         still_(std::move(still)) {}
   Result<> draw_overlay(const DrawTarget& target);
-  Result<> draw_text(DrawnText& drawn, const std::string& text, bool at_top, double opacity, const DrawTarget& target);
-  void update_text(DrawnText& drawn, const std::string& text, const DrawTarget& target);
 
   GlContext* context_;
   ContentPtr content_;
@@ -62,7 +61,7 @@ class Stage {
   std::optional<Overlay> overlay_;  // empty: not enabled
   StillPicture still_;
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
-  DrawnText caption_, trouble_;
+  Words caption_, trouble_;
   bool has_scene_ = false;
   bool draws_object_ = false;
 };

@@ -62,7 +62,7 @@ std::optional<StillSky> still_sky(const SkyReport& report) {
   return found;
 }
 
-Result<StillPicture> StillPicture::create(GlContext& context, const Content& content) {
+Result<StillPicture> StillPicture::create(GlContext& context, const Content& content, const FlatTexels* texels) {
   StillPicture still(context);
   still.scene_ = content.config.installation.scene;
   still.altitude_m_ = content.config.installation.site.altitude_m;
@@ -71,7 +71,9 @@ Result<StillPicture> StillPicture::create(GlContext& context, const Content& con
   if (!background) return fail(background.error());
   still.background_ = std::move(*background);
   if (!content.still) return still;
-  auto curated = FlatPicture::create(context, *content.still);
+  auto curated = texels && kLargestStill_px <= context.info().max_texture_size
+                     ? FlatPicture::create(context, *texels)
+                     : FlatPicture::create(context, *content.still);
   if (!curated) return fail(curated.error());
   still.curated_ = std::move(*curated);
   still.shows_sky_ = std::ranges::any_of(content.still->elements(), [](const Rgba8& pixel) { return pixel.a < 255; });

@@ -13,6 +13,8 @@ namespace kasumi {
 
 // Around and instead of a curated picture: a dusky grey that nobody mistakes for a black screen.
 constexpr Rgba8 kStillBackground{38, 44, 52, 255};
+// A longer side is halved: no screen shows more.
+constexpr int kLargestStill_px = 4096;
 
 // Parameters of its sky.
 struct StillSky {
@@ -25,8 +27,9 @@ std::optional<StillSky> still_sky(const SkyReport& report);
 
 class StillPicture {
  public:
-  // BLOCKS while the picture is uploaded. Errors: bad_input (too large for this GL), device.
-  static Result<StillPicture> create(GlContext& context, const Content& content);
+  // BLOCKS while the picture is uploaded. `texels`: the curated picture's, where it is known. Errors: bad_input (too
+  // large for this GL), device.
+  static Result<StillPicture> create(GlContext& context, const Content& content, const FlatTexels* texels = nullptr);
 
   // Blends it over the target's contents. The sky is redrawn when it has changed visibly: every few minutes. Errors:
   // device.

@@ -1,4 +1,4 @@
-#include "pipeline/appliance/remembered_state.hpp"
+#include "pipeline/start/remembered_state.hpp"
 
 #include <cmath>
 
@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/lasting_file.hpp"
 #include "capture/utc_text.hpp"
 
 namespace kasumi {
@@ -45,6 +46,46 @@ std::vector<double> numbers(const Json& json, const char* key) {
   return values;
 }
 
+Json json_of(const RememberedAir& air) {
+  return {{"aod_550", air.aerosol.aod_550},
+          {"sigma_aod_550", air.sigma_aod_550},
+          {"angstrom_exponent", air.aerosol.angstrom_exponent},
+          {"sigma_angstrom", air.sigma_angstrom},
+          {"aerosol", name_of(air.aerosol.kind)},
+          {"papers_sky", air.papers_sky},
+          {"near_ground", air.near_ground},
+          {"sigma_log_near_ground", air.sigma_log_near_ground}};
+}
+
+// Empty: damaged.
+std::optional<RememberedAir> remembered_air(const Json& json, Utc utc) {
+  const auto number = [&](const char* key) {
+    return json.is_object() && json.contains(key) && json[key].is_number() ? json[key].get<double>() : std::nan("");
+  };
+  if (!json.is_object() || !json.contains("aerosol") || !json["aerosol"].is_string()) return std::nullopt;
+  const auto kind = aerosol_kind_named(json["aerosol"].get<std::string>());
+  if (!kind || !json.contains("papers_sky") || !json["papers_sky"].is_boolean()) return std::nullopt;
+  RememberedAir air{{number("aod_550"), number("angstrom_exponent"), *kind},
+                    number("sigma_aod_550"),
+                    number("sigma_angstrom"),
+                    json["papers_sky"].get<bool>(),
+                    number("near_ground"),
+                    number("sigma_log_near_ground"),
+                    utc};
+  const bool possible = air.aerosol.aod_550 >= 0.0 && air.aerosol.aod_550 < 10.0 &&
+                        std::abs(air.aerosol.angstrom_exponent) < 5.0 && air.sigma_aod_550 >= 0.0 &&
+                        air.sigma_aod_550 < 10.0 && air.sigma_angstrom >= 0.0 && air.sigma_angstrom < 10.0 &&
+                        air.near_ground > 0.0 && air.near_ground < 1e3 && air.sigma_log_near_ground >= 0.0 &&
+                        air.sigma_log_near_ground < 10.0;
+  return possible ? std::optional(air) : std::nullopt;
+}
+
+// Between readings the state stays as it is; its time is known to a second or two.
+bool of_one_reading(const TurbidityState& a, const TurbidityState& b) {
+  return std::chrono::abs(a.utc - b.utc) < std::chrono::seconds(2) && a.sky_model == b.sky_model &&
+         a.aerosol == b.aerosol && a.angstrom_exponent == b.angstrom_exponent && a.air.has_value() == b.air.has_value();
+}
+
 }  // namespace
 
 TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const SkyToFit& sky) {
@@ -54,11 +95,14 @@ TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const
 
 bool TurbidityState::belongs_to(const SkyToFit& sky) const {
   const TurbidityState now = turbidity_state(turbidity, sigma, utc, sky);
-  return sky_model == now.sky_model && aerosol == now.aerosol &&
-         std::abs(angstrom_exponent - now.angstrom_exponent) < 1e-6;
+  const bool same_given = aerosol == now.aerosol && std::abs(angstrom_exponent - now.angstrom_exponent) < 1e-6;
+  // An optical depth means the same whatever model found it; T alone is another quantity.
+  const bool alone = sky.model == SiteSkyModel::preetham && !sky.every_model;
+  return same_given && (air ? !alone : sky_model == now.sky_model);
 }
 
 Result<> save(const TurbidityState& state, const std::filesystem::path& folder) {
+  if (const auto kept = load_turbidity_state(folder); kept && of_one_reading(*kept, state)) return {};
   Json json = {{"turbidity", state.turbidity.value},
                {"sigma", state.sigma},
                {"utc", utc_text(state.utc)},
@@ -67,12 +111,13 @@ Result<> save(const TurbidityState& state, const std::filesystem::path& folder) 
     json["aerosol"] = state.aerosol;
     json["angstrom_exponent"] = state.angstrom_exponent;
   }
+  if (state.air) json["air"] = json_of(*state.air);
   return write_text_file(turbidity_file(folder), json.dump(1) + "\n");
 }
 
 Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder) {
   const auto text = read_text_file(turbidity_file(folder));
-  if (!text) return fail(FaultKind::bad_input, "{}", text.error().message);
+  if (!text) return fail(text.error());
   const auto json = Json::parse(*text, nullptr, false);
   const auto number = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_number() ? json[key].get<double>() : std::nan("");
@@ -91,14 +136,16 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
     state.aerosol = json["aerosol"].get<std::string>();
     state.angstrom_exponent = number("angstrom_exponent");
   }
-  const bool possible = utc && model != SiteSkyModel::automatic && state.turbidity.value > 1.0 &&
-                        state.turbidity.value <= 2.0 * kHighestTurbidity.value && state.sigma >= 0.0 &&
-                        std::isfinite(state.sigma);
+  const bool has_air = json.is_object() && json.contains("air");
+  if (has_air) state.air = remembered_air(json["air"], state.utc);
+  const bool possible = utc && has_air == state.air.has_value() && model != SiteSkyModel::automatic &&
+                        state.turbidity.value > 1.0 && state.turbidity.value <= 2.0 * kHighestTurbidity.value &&
+                        state.sigma >= 0.0 && std::isfinite(state.sigma);
   if (!possible)
     return fail(
         FaultKind::bad_input,
         "{}: expected {{\"turbidity\": T > 1, \"sigma\": >= 0, \"utc\": \"...Z\", \"sky_model\": \"preetham\" or "
-        "\"dome\"}}",
+        "\"dome\", ...}}",
         turbidity_file(folder).string());
   return state;
 }
@@ -107,7 +154,9 @@ Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder) {
   Json json = {{"landmarks", identities_of(watch.landmarks())}};
   for (const auto& channel : watch.learnt())
     json["channels"].push_back({{"contrasts", channel.mean}, {"covariance", channel.covariance}});
-  return write_text_file(landmark_file(folder), json.dump(1) + "\n");
+  if (auto written = update_text_file(landmark_file(folder), json.dump(1) + "\n"); !written)
+    return fail(written.error());
+  return {};
 }
 
 Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
@@ -115,7 +164,7 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return false;
   const auto text = read_text_file(file);
-  if (!text) return fail(FaultKind::bad_input, "{}", text.error().message);
+  if (!text) return fail(text.error());
   const auto json = Json::parse(*text, nullptr, false);
   if (!json.is_object() || json.value("landmarks", Json()) != Json(identities_of(watch.landmarks())))
     return fail(FaultKind::bad_input, "{}: saved for other landmarks than configured; learning their contrasts again",

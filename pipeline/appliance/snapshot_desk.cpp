@@ -1,0 +1,50 @@
+#include "pipeline/appliance/snapshot_desk.hpp"
+
+#include "gles/gl/offscreen.hpp"
+
+namespace kasumi {
+
+void SnapshotDesk::request(SnapshotKind kind, const RunConfig& config, Instant now) {
+  if (kind == SnapshotKind::sharp && !config.snapshot.sharp) {
+    Snapshot refusal;
+    refusal.kind = kind;
+    refusal.refused = true;
+    return answer(std::move(refusal));
+  }
+  wanted_ = kind;
+  told_ = false;
+  words_.clear();
+  due_ = now;
+  if (kind != SnapshotKind::sharp) return;
+  words_ = message_text(Message::sharp_snapshot, config.messages.language);
+  due_ = Instant::max();
+}
+
+void SnapshotDesk::told(Instant now) {
+  if (!wanted_ || words_.empty() || told_) return;
+  told_ = true;
+  due_ = now + kTold;
+}
+
+Result<> SnapshotDesk::take(Snapshot about, const DrawTarget& target) {
+  auto picture = read_back(target);
+  if (!picture) return fail(picture.error());
+  about.picture = std::move(*picture);
+  about.screen_width = target.width;
+  about.screen_height = target.height;
+  answer(std::move(about));
+  return {};
+}
+
+void SnapshotDesk::give_none(Snapshot about) {
+  if (wanted_) answer(std::move(about));
+}
+
+void SnapshotDesk::answer(Snapshot snapshot) {
+  if (wanted_) snapshot.kind = *wanted_;
+  wanted_.reset();
+  answers_.taken.put(std::move(snapshot));
+  answers_.bell.ring();
+}
+
+}  // namespace kasumi

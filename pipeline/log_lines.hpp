@@ -1,0 +1,32 @@
+// What the program says on stderr, and to the journal with its priority (`journalctl -p warning`).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <spdlog/formatter.h>
+#include <spdlog/sinks/sink.h>
+
+#include "base/clock.hpp"
+
+namespace kasumi {
+
+// stderr is systemd's journal, as $JOURNAL_STREAM says.
+bool stderr_is_journal();
+
+// Logging goes to stderr from now on: "kasumi: warning: ...", for the journal with "<4>" before each line (sd-daemon(3)).
+void log_to_stderr();
+std::unique_ptr<spdlog::formatter> journal_formatter();
+
+// An error that ends the program, of one or more lines.
+void print_error(std::string_view text);
+
+// Passes on at most 20 lines at once about one thing (what stands before the first ": ") and then one in ten minutes,
+// which says how many were left out. The last one left out is told by flush() when its time has come, so that the newest
+// line says how it is now.
+std::shared_ptr<spdlog::sinks::sink> bounded_lines(std::shared_ptr<spdlog::sinks::sink> next, Clock& clock);
+// Bounds what is logged from now on. `clock` must outlive all logging.
+void bound_log(Clock& clock);
+
+}  // namespace kasumi

@@ -1,0 +1,48 @@
+// Where the sun is in a photograph of the sky: by what is given, by what is seen, and how both go together.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "calib/camera.hpp"
+#include "estimator/sky_camera/sun_in_image.hpp"
+
+namespace kasumi {
+
+// Where the top of a photograph that looks up points.
+enum class Orientation {
+  given,     // as the call or the calibration says
+  assumed,   // to the north: nothing was said, and the picture tells nothing else
+  from_sun,  // where the sun in the picture puts it
+};
+std::string_view name_of(Orientation orientation);  // "given", "assumed", "from the sun"
+
+struct SunGiven {
+  std::optional<SunDirection> direction;  // azimuth clockwise from north
+  std::string by;                         // how: "by time and place", "as given"
+  bool from_picture = false;              // follow the picture, whatever is given
+  bool orientation_known = false;         // else the picture's top is taken for north until the sun tells better
+  Radians azimuth_up{};                   // of the camera
+};
+
+struct PhotographedSun {
+  std::optional<SunDirection> direction;  // the sun's; azimuth clockwise from north as far as anybody knows
+  SunDirection in_camera{0.0, 0.0, 1.0};  // the same in the directions of `camera`, to go on with
+  std::optional<SunBlob> seen;            // in the picture, in the directions of `camera`
+  std::optional<SunDirection> seen_at;    // the same, clockwise from north
+  std::optional<Radians> disagreement;    // between both, with the orientation given or assumed at first
+  Orientation orientation = Orientation::given;
+  Radians azimuth_up{};          // that is followed
+  std::string told;              // how the sun is known
+  std::string orientation_told;  // empty: it was given, and nothing is wrong with it
+  std::string doubt;             // why an estimate may fail for the sun's sake; empty: for no such reason
+};
+
+double degrees_of_azimuth(Radians azimuth);  // 0 .. 360
+
+// Looks for the sun in the picture, always. What is given is followed, since time and place are a thousand times more
+// precise, unless `from_picture`. Where nobody said how the camera was turned, the sun that is seen tells it, if it
+// stands as high as the one given.
+PhotographedSun find_photographed_sun(const SkyPicture& picture, const Camera& camera, const SunGiven& given);
+
+}  // namespace kasumi

@@ -1,0 +1,27 @@
+// A line or two over the picture, for the people in front of it. Drawn anew only when text or screen change.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "gles/picture/flat_picture.hpp"
+
+namespace kasumi {
+
+class Words {
+ public:
+  // At the top or the bottom of the target, in its middle. Words that cannot be rendered are logged once and left out.
+  // Errors: device.
+  Result<> draw(GlContext& context, const std::string& text, const std::optional<std::filesystem::path>& font_file,
+                bool at_top, double opacity, const DrawTarget& target);
+
+ private:
+  void update(GlContext& context, const std::string& text, const std::optional<std::filesystem::path>& font_file,
+              const DrawTarget& target);
+  std::string text_;
+  int target_width_ = 0;
+  std::optional<FlatPicture> picture_;  // empty: no text, or it could not be rendered
+};
+
+}  // namespace kasumi

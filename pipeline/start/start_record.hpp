@@ -1,0 +1,47 @@
+// What the starts of the service came to, counted over boots, and how the next one is to be. Pure: no clock, no disk.
+// systemd restarts a service that ends, and after kStartsBeforeReboot starts within kStartWindow_s reboots the machine
+// (systemd/kasumi.service). When three boots have come to nothing another one will not help either: safe mode then
+// shows the still picture, and from time to time everything is tried again.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace kasumi {
+
+inline constexpr int kStartsBeforeReboot = 10;      // StartLimitBurst= of the unit
+inline constexpr double kStartWindow_s = 1200.0;    // StartLimitIntervalSec= of the unit
+inline constexpr int kFailedBootsBeforeSafe = 3;    // then safe mode
+inline constexpr int kStartsBeforeKeptContent = 5;  // failed starts, then those with the content that worked last
+
+enum class StartMode {
+  whole,  // cameras, air, building
+  safe,   // still picture and words: no cameras, nothing remembered, no shader cache
+  plain,  // safe mode failed as well: not even the still picture
+};
+
+struct StartRecord {
+  std::string boot;              // the kernel's id of the boot that it speaks of
+  std::vector<double> starts_s;  // after that boot: of its last starts, since it last came well
+  std::string doing;             // what the last start did when it was last heard of
+  bool shown = false;            // the display took pictures in this boot, or was known to be absent
+  bool well = false;             // in this boot it ran for as long as proves it
+  bool ended = false;            // the last start was ended on purpose
+  StartMode mode = StartMode::whole;
+  bool trial = false;            // the last start tried everything after safe mode
+  int trials = 0;                // since it last came well
+  int failed_boots = 0;          // one after the other
+  std::vector<std::string> why;  // a line for each of the last failed boots, for the operator
+};
+
+// Notes a start `since_boot_s` after the boot of that id, and says how it has to be.
+StartMode note_start(StartRecord& record, const std::string& boot, double since_boot_s);
+// It ran for as long as proves it. In safe mode this changes nothing but that its own starts are forgiven.
+void note_well(StartRecord& record);
+
+// How long safe mode lasts before everything is tried again: an hour, then 2, 4 .. 24.
+double safe_for_s(const StartRecord& record);
+// Whether starts with this content have failed so often in this boot that the content may be the cause.
+bool suspects_content(const StartRecord& record);
+
+}  // namespace kasumi
