@@ -1,8 +1,10 @@
-# `cmake --install BUILD` puts the appliance where its unit looks for it; `cpack` (in the build folder) makes a Debian package of
-# the same files. Tests and generators are not installed.
+# `cmake --install BUILD` puts the appliance where its unit looks for it; `cpack` (in the build folder) makes Debian packages: kasumi
+# of the same files, and kasumi-kiosk, which closes the machine it stands on. Tests and generators are not installed.
 set(doc share/doc/kasumi)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME kasumi)
 install(TARGETS kasumi RUNTIME DESTINATION bin)
 install(FILES systemd/kasumi.service DESTINATION lib/systemd/system)
+install(PROGRAMS systemd/wait-before-start DESTINATION lib/kasumi)
 install(FILES systemd/71-kasumi.rules DESTINATION lib/udev/rules.d)
 install(FILES systemd/kasumi.sysusers DESTINATION lib/sysusers.d RENAME kasumi.conf)
 install(FILES systemd/kasumi.toml DESTINATION ${doc}/examples)
@@ -13,18 +15,37 @@ install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
 # A demo without cameras: kasumi replay /usr/share/kasumi/demo --out demo
 install(DIRECTORY fixtures/demo DESTINATION share/kasumi)
 
+# Only by name (cmake --install BUILD --component kiosk), for it changes the whole machine.
+foreach(file system logind journald)
+  install(FILES systemd/kiosk/${file}.conf DESTINATION lib/systemd/${file}.conf.d RENAME 50-kasumi-kiosk.conf
+    COMPONENT kiosk EXCLUDE_FROM_ALL)
+endforeach()
+install(FILES systemd/kiosk/sysctl.conf DESTINATION lib/sysctl.d RENAME 60-kasumi-kiosk.conf COMPONENT kiosk EXCLUDE_FROM_ALL)
+install(FILES systemd/kiosk/72-kasumi-kiosk.rules DESTINATION lib/udev/rules.d COMPONENT kiosk EXCLUDE_FROM_ALL)
+install(FILES LICENSE DESTINATION share/doc/kasumi-kiosk RENAME copyright COMPONENT kiosk EXCLUDE_FROM_ALL)
+
 set(CPACK_GENERATOR DEB)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL kasumi kiosk)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_VENDOR "Kasumi")
 set(CPACK_PACKAGE_CONTACT "Kasumi <kasumi@localhost>")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_KASUMI_PACKAGE_NAME kasumi)
+set(CPACK_DEBIAN_KASUMI_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_KIOSK_PACKAGE_NAME kasumi-kiosk)
+set(CPACK_DEBIAN_KIOSK_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_KIOSK_DESCRIPTION "Kasumi in public: no keyboard, watchdogs, a bounded journal")
+set(CPACK_DEBIAN_KIOSK_PACKAGE_DEPENDS "kasumi (>= ${PROJECT_VERSION}), systemd, udev, procps")
+set(CPACK_DEBIAN_KIOSK_PACKAGE_CONTROL_EXTRA
+  ${PROJECT_SOURCE_DIR}/systemd/deb-kiosk/postinst ${PROJECT_SOURCE_DIR}/systemd/deb-kiosk/postrm)
 # Run-time dependencies that no linked library shows: the GL driver, fonts for the captions, the user account.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd, udev, libgl1-mesa-dri, fonts-dejavu-core")
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libcamera-ipa, v4l-utils, fonts-vlgothic")
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
+set(CPACK_DEBIAN_KASUMI_PACKAGE_DEPENDS "systemd, udev, libgl1-mesa-dri, fonts-dejavu-core")
+set(CPACK_DEBIAN_KASUMI_PACKAGE_RECOMMENDS "dbus, libcamera-ipa, v4l-utils, fonts-vlgothic")
+set(CPACK_DEBIAN_KASUMI_PACKAGE_SUGGESTS kasumi-kiosk)
+set(CPACK_DEBIAN_KASUMI_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/systemd/deb/postinst ${PROJECT_SOURCE_DIR}/systemd/deb/prerm ${PROJECT_SOURCE_DIR}/systemd/deb/postrm)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 include(CPack)
