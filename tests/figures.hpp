@@ -5,8 +5,11 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace kasumi {
 
@@ -21,6 +24,30 @@ template <class Case>
 std::vector<Case> figure_cases(const char* what, std::vector<Case> quarter, std::vector<Case> whole) {
   std::printf("figure of %zu of %zu %s\n", (whole_figures() ? whole : quarter).size(), whole.size(), what);
   return whole_figures() ? whole : quarter;
+}
+
+// A row of a table of docs/ that says `<!-- figures: TABLE by ... -->`: `./bootstrap figures` writes it there
+// (docs/rewrite-figures). Nothing of a quarter of the cases goes into a document.
+inline void figure_row(std::string_view table, const std::vector<std::string>& cells) {
+  if (!whole_figures()) return;
+  std::string row;
+  for (const auto& cell : cells) row += fmt::format(" {} |", cell);
+  fmt::print("figures of {} |{}\n", table, row);
+  std::fflush(stdout);
+}
+
+// A number as the documents write it: .073 for 0.0731 with three decimals, -.3.
+inline std::string figure_text(double value, int decimals) {
+  auto text = fmt::format("{:.{}f}", value, decimals);
+  const auto zero = text.find("0.");
+  if (zero == 0 || (zero == 1 && text[0] == '-')) text.erase(zero, 1);
+  return text;
+}
+
+// "1.4 to 2.6", or "1.4" where all are the same to that many decimals.
+inline std::string figure_range(double least, double most, int decimals) {
+  const auto from = figure_text(least, decimals), to = figure_text(most, decimals);
+  return from == to ? from : from + " to " + to;
 }
 
 }  // namespace kasumi

@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 
 namespace kasumi {
 namespace {
@@ -39,6 +39,14 @@ TEST(ConfigTable, ValuesThatAreNotFiniteNumbersAreRefused) {
     const auto root = ConfigTable::parse(text, "a.toml").value();
     root.number("a");
     EXPECT_FALSE(root.finish()) << text;
+  }
+  for (const char* text : {"a = nan", "a = -inf", "a = [nan]", "a = [1.0, nan]"}) {
+    const auto root = ConfigTable::parse(text, "a.toml").value();
+    EXPECT_EQ(root.if_number("a"), std::nullopt) << text;
+    root.integer("a");
+    root.numbers("a", 0);
+    ASSERT_FALSE(root.finish()) << text;
+    EXPECT_THAT(root.finish().error().message, testing::AllOf(HasSubstr("whole number"), HasSubstr("list of numbers")));
   }
 }
 

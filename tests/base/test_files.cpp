@@ -1,8 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <unistd.h>
 
 #include "base/files.hpp"
+#include "base/lasting_file.hpp"
+#include "base/unfinished_file.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -43,7 +49,67 @@ TEST(Files, AMissingFileIsNamed) {
 }
 
 TEST(Files, AFolderIsNotAFile) {
-  EXPECT_FALSE(read_file("/tmp"));
+  EXPECT_EQ(read_file("/tmp").error().message, "/tmp: is a folder, expected a file");
+}
+
+// A process's own memory at address 0 opens and cannot be read, like a bad sector.
+TEST(Files, WhatTheDiskCannotReadIsAFaultAndNoException) {
+  const auto result = read_text_file("/proc/self/mem");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().kind, FaultKind::io);
+  EXPECT_EQ(result.error().message, "/proc/self/mem: cannot be read: Input/output error");
+}
+
+TEST(Files, AFileTooLargeForMemoryIsRefusedUnread) {
+  const auto path = folder() / "large";
+  ASSERT_TRUE(write_text_file(path, ""));
+  std::filesystem::resize_file(path, std::uintmax_t{1} << 40);  // without a block on the disk
+  EXPECT_EQ(read_file(path).error().message, path.string() + ": larger than 1073741824 bytes, the most expected");
+}
+
+TEST(Files, WhatDoesNotTellItsSizeIsReadToTheEnd) {
+  EXPECT_NE(read_text_file("/proc/self/maps").value().find("[stack]"), std::string::npos);
+  EXPECT_EQ(read_file("/dev/null").value().size(), 0u);
+}
+
+TEST(Files, WhatAKilledProcessLeftIsSweptByTheFirstWhoWritesThere) {
+  const auto path = folder() / "swept";
+  std::filesystem::remove_all(path);
+  ASSERT_TRUE(create_folders(path));
+  const auto own = std::to_string(::getpid());  // of an earlier boot, in which it meant another process
+  for (const auto& name :
+       {std::string(".a.999999999.part.json"), std::string(".b.c.999999999.part"), "." + own + "." + own + ".part.mp4"})
+    std::ofstream(path / name) << "half";
+  const std::set<std::string> others{".a.1.part.json",  "a.999999999.part.json", ".a.part.json",
+                                     ".a.9x.part.json", ".a.999999999.partial",  ".999999999.part"};
+  for (const auto& name : others) std::ofstream(path / name) << "whole";
+  std::filesystem::create_directory(path / ".folder.999999999.part");
+  const auto names = [&] {
+    std::set<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(path)) found.insert(entry.path().filename());
+    return found;
+  };
+  auto expected = others;
+  expected.insert({".folder.999999999.part", "file"});
+  ASSERT_TRUE(write_text_file(path / "file", "text"));
+  EXPECT_EQ(names(), expected);
+
+  const auto under_way = unfinished_name(path / "film.mp4");
+  std::ofstream(under_way) << "half";
+  expected.insert(under_way.filename());
+  ASSERT_TRUE(write_text_file(path / "file", "other text"));
+  EXPECT_EQ(names(), expected) << "what this process is writing stays";
+}
+
+TEST(Files, ATextThatIsThereAlreadyIsNotWrittenAgain) {
+  const auto path = folder() / "same.txt";
+  std::filesystem::remove(path);
+  EXPECT_TRUE(update_text_file(path, "text").value());
+  const auto written = std::filesystem::last_write_time(path);
+  EXPECT_FALSE(update_text_file(path, "text").value());
+  EXPECT_EQ(std::filesystem::last_write_time(path), written);
+  for (const char* other : {"texts", "tex", "", "test"}) EXPECT_TRUE(update_text_file(path, other).value()) << other;
+  EXPECT_EQ(read_text_file(path).value(), "test");
 }
 
 }  // namespace

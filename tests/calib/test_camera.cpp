@@ -182,6 +182,15 @@ TEST(Camera, FilesThatAreNotPicturesAreRefusedAsMasks) {
   EXPECT_THAT(read(sky(kUp + "mask = 'empty.png'")).problems, HasSubstr("sky.mask = 'empty.png': expected a PNG"));
 }
 
+// Some hundred bytes that claim 196 million pixels.
+TEST(Camera, AMaskIsMeasuredBeforeItIsDecoded) {
+  ASSERT_TRUE(cv::imwrite((folder() / "huge.png").string(), cv::Mat(160, 200, CV_8UC1, cv::Scalar(255))));
+  auto bytes = read_file(folder() / "huge.png").value();
+  for (const std::size_t at : {18, 22}) std::tie(bytes[at], bytes[at + 1]) = std::tuple(0x36, 0xb0);
+  ASSERT_TRUE(write_file(folder() / "huge.png", bytes));
+  EXPECT_THAT(read(sky(kUp + "mask = 'huge.png'")).problems, HasSubstr("200 x 160 (it is 14000 x 14000)"));
+}
+
 TEST(Camera, AnOcamcalibFileOfAnotherPictureSizeIsRefused) {
   ASSERT_TRUE(write_text_file(folder() / "cam.txt", "3 -80 0 1e-3\n1 5\n79.5 99.5\n1 0 0\n320 400\n"));
   const std::string lens = "[sky.lens]\nmodel = 'scaramuzza'\nocamcalib = 'cam.txt'\n";

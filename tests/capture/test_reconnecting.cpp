@@ -411,6 +411,28 @@ TEST_F(Faults, ACameraThatFailsAtOnceEachTimeIsRetriedLessAndLessOften) {
   EXPECT_LE(time, 1300ms) << "it had stayed up, so the backoff starts over";
 }
 
+// A device that has just been plugged in is often not ready at once: waiting as long as for an absent one would break
+// the promise of three seconds.
+TEST_F(Faults, Row1AReplugBeginsTheWaitsAnew) {
+  run(5s);
+  for (const auto seed : {1u, 2u, 3u}) {
+    int not_ready = 0;
+    auto ready = opener(camera);
+    auto slow = ready;
+    slow.open = [&, ready]() -> Result<std::unique_ptr<FrameSource>> {
+      if (camera.plugged_in() && not_ready-- > 0) return fail(FaultKind::device, "device or resource busy");
+      return ready.open();
+    };
+    watch(slow, {.seed = seed});
+    run(5s);
+    camera.unplug();
+    run(5min);
+    not_ready = 1;
+    camera.plug_in();
+    print(1, "replugged, and busy at first", until_good(), 3s);
+  }
+}
+
 TEST_F(Faults, ACameraMissingAtTheStartIsReportedOnceAndAwaited) {
   camera.unplug();
   run(1min);

@@ -1,5 +1,5 @@
 // Any TOML file, read for every key a configuration may contain.
-#include "base/config_table.hpp"
+#include "base/table/config_table.hpp"
 #include "capture/fixture/fixture.hpp"
 #include "tests/fuzz/scratch.hpp"
 

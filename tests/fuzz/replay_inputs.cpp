@@ -1,18 +1,14 @@
 // Replaces libFuzzer's main: runs the given inputs (files or folders) once, so that seeds and past findings are tested
 // in every build.
 #include <cstdio>
-#include <fstream>
-#include <iterator>
-#include <vector>
 
+#include "base/files.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 namespace {
 
 void run(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
-  std::vector<std::uint8_t> input(bytes.begin(), bytes.end());
+  const auto input = kasumi::read_file(path).value();
   LLVMFuzzerTestOneInput(input.data(), input.size());
 }
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "base/files.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi::house {
@@ -36,8 +36,7 @@ inline Texts texts_ending_in(const std::set<std::string>& files, const std::vect
     bool wanted = false;
     for (const auto& ending : endings) wanted = wanted || name.ends_with(ending);
     if (!wanted) continue;
-    std::ifstream file(source_folder() / name);
-    texts[name] = std::string((std::istreambuf_iterator<char>(file)), {});
+    texts[name] = read_text_file(source_folder() / name).value();
   }
   return texts;
 }

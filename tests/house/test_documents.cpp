@@ -78,7 +78,7 @@ std::vector<std::string> never_linked(const Texts& documents, const std::set<std
   return found;
 }
 
-// Tables cannot be wrapped, nor can addresses.
+// Tables cannot be wrapped, nor can addresses and the markers of figures.
 std::vector<std::string> wide_lines(const std::string& name, const std::string& text) {
   std::vector<std::string> found;
   int number = 0;
@@ -86,8 +86,8 @@ std::vector<std::string> wide_lines(const std::string& name, const std::string& 
     ++number;
     int characters = 0;
     for (const char c : line) characters += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-    if (characters > kWidest && !line.starts_with("|") && line.find("://") == std::string::npos)
-      found.push_back(fmt::format("{}:{}: {} characters", name, number, characters));
+    const bool bound = line.starts_with("|") || line.starts_with("<!--") || line.find("://") != std::string::npos;
+    if (characters > kWidest && !bound) found.push_back(fmt::format("{}:{}: {} characters", name, number, characters));
   }
   return found;
 }

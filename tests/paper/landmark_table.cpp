@@ -5,19 +5,12 @@
 #include <fstream>
 #include <numeric>
 
+#include "estimator/landmarks/daylight.hpp"
 #include "pipeline/files/photograph_file.hpp"
 #include "pipeline/photographs/scene_visibility.hpp"
 
 namespace kasumi {
 namespace {
-
-// Night pictures are infrared, without any colour.
-bool is_colour(const Photograph& photograph) {
-  double off = 0.0;
-  for (const auto& pixel : photograph.encoded.elements())
-    off += static_cast<double>(std::abs(pixel.r - pixel.g) + std::abs(pixel.g - pixel.b));
-  return off / static_cast<double>(photograph.encoded.elements().size()) > 2.0 / 255.0;
-}
 
 // Ranks from 1; ties share their mean rank.
 std::vector<double> ranks_of(const std::vector<double>& values) {
@@ -59,7 +52,11 @@ Result<LandmarkTable> landmark_table(const std::filesystem::path& folder, const 
     LandmarkRow row;
     row.frame = name;
     row.measured_m = std::stod(line.substr(comma + 1));
-    if (is_colour(*photograph)) table.rows.push_back(std::move(row));
+    const auto reason = why_not_daylight(look_for_daylight(photograph->encoded));
+    if (reason.empty())
+      table.rows.push_back(std::move(row));
+    else
+      table.refused.push_back({name, reason});
   }
   std::sort(table.rows.begin(), table.rows.end(),
             [](const auto& one, const auto& other) { return one.measured_m < other.measured_m; });
@@ -67,12 +64,20 @@ Result<LandmarkTable> landmark_table(const std::filesystem::path& folder, const 
   for (const auto& row : table.rows) pictures.push_back(folder / row.frame);
   const auto scenes = read_scene_visibilities(pictures, landmarks);
   if (!scenes) return fail(scenes.error());
-  std::vector<double> ours, measured;
+  std::vector<double> ours, measured, best;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     auto& row = table.rows[i];
     const auto& air = scenes->pictures[i].air;
     row.optical_range_m = air.optical_range_m();
+    const double by_colours = air.aerosol.per_m + rayleigh_per_m(ScatteringModel::aerosol, 550.0);
+    row.colours_m = kMeteorologicalOpticalRange / by_colours;
+    row.colours_sigma_m = row.colours_m * std::sqrt(air.aerosol.covariance.per_m) / by_colours;
+    const double true_per_m = kMeteorologicalOpticalRange / row.measured_m;
+    const auto& readings = scenes->pictures[i].readings;
+    row.bound = std::sqrt(scenes->watch.colours().bound(readings, true_per_m, 0.0).per_m) / true_per_m;
+    row.tower = readings.front().contrast.g;
     measured.push_back(row.measured_m);
+    best.push_back(air.extinction().kind == ExtinctionKind::value ? row.measured_m : 1e9);
     switch (air.extinction().kind) {
       case ExtinctionKind::value:
         row.kind = "value";
@@ -97,6 +102,7 @@ Result<LandmarkTable> landmark_table(const std::filesystem::path& folder, const 
     }
   }
   table.spearman = spearman(ours, measured);
+  table.best_spearman = spearman(best, measured);
   return table;
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "estimator/photograph/retarget.hpp"
+#include "pipeline/comparison/similarity.hpp"
 #include "tests/paper/generated_scene.hpp"
-#include "tests/paper/similarity.hpp"
 
 namespace kasumi::paper {
 

@@ -172,6 +172,9 @@ TEST(Retarget, RetargetsAGeneratedSceneToThePapersAirs) {
     const auto found = between(target, made), kept = between(target, plain), none = between(target, untouched);
     fmt::print("| {} -> {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} % |\n", from, to, found.land, found.all,
                kept.land, none.land, 100.0 * found.masked);
+    figure_row("retargeted",
+               {fmt::format("{} to {}", from, to), figure_text(found.land, 2), figure_text(found.all, 2),
+                figure_text(kept.land, 2), figure_text(none.land, 2), figure_text(100.0 * found.masked, 1) + " %"});
     EXPECT_LE(found.land, 2.0) << from << " -> " << to;
     EXPECT_LE(found.all, 2.0) << from << " -> " << to;
     EXPECT_LT(found.land, none.land) << "it must be closer than the unchanged picture";

@@ -109,6 +109,33 @@ TEST_F(RetargetCommand, MakesAFolderASheetAndAFilmOfSeveralAirs) {
   EXPECT_GE(sheet.width() * sheet.height(), 5 * 320 * 180) << "the source and four airs";
 }
 
+TEST_F(RetargetCommand, WritesAirlightAndDirectTransmissionApart) {
+  const auto outcome =
+      run_kasumi(fmt::format("retarget {} --turbidity 2.94 --terms --out {}", known(), in_folder("whole.png")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto whole = read_photograph(folder / "whole.png").value(),
+             airlight = read_photograph(folder / "whole.airlight.png").value(),
+             direct = read_photograph(folder / "whole.direct.png").value();
+  EXPECT_LT(airlight.quantum, 1.0 / 60000.0) << "16 bits, so that the sum holds to the picture's own";
+  const auto srgb = Response::srgb();
+  double largest = 0.0;
+  glm::dvec3 of_airlight{0.0}, of_direct{0.0};
+  for (std::size_t i = 0; i < whole.encoded.elements().size(); ++i) {
+    const auto a = srgb.to_light(glm::dvec3(airlight.encoded.elements()[i])),
+               d = srgb.to_light(glm::dvec3(direct.encoded.elements()[i]));
+    of_airlight += a;
+    of_direct += d;
+    const auto off = 255.0 * glm::abs(srgb.to_encoded(glm::min(a + d, 1.0)) - glm::dvec3(whole.encoded.elements()[i]));
+    largest = std::max({largest, off.r, off.g, off.b});
+  }
+  EXPECT_LE(largest, 0.51) << "half a step of the picture's 8 bits";
+  for (int c = 0; c < 3; ++c) EXPECT_TRUE(of_airlight[c] > 0.0 && of_direct[c] > 0.0);
+  const auto nowhere =
+      run_kasumi(fmt::format("retarget {} --turbidity 2.94 --terms --sheet {}", known(), in_folder("never.png")));
+  EXPECT_EQ(nowhere.code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("--terms: expected --out"));
+}
+
 TEST_F(RetargetCommand, TakesAKnownAerosolByItsOpticalDepth) {
   const auto outcome = run_kasumi(fmt::format(
       "retarget {} --depth {} --source-aod 0.1 --aod 0.2:0.4:0.2,clear --aerosol dust --airlight .5,.6,.7 --out {}",

@@ -10,6 +10,7 @@
 
 #include "pipeline/files/photograph_file.hpp"
 #include "pipeline/recording/replay.hpp"
+#include "tests/figures.hpp"
 
 namespace kasumi {
 
@@ -23,9 +24,9 @@ inline ReplaySummary played(const std::filesystem::path& fixture, const std::fil
 }
 
 // Mean error of the building's pixels, in levels of 255, against the picture that the slow spectral path draws of the
-// same scene.
+// same scene. `table`: of a document, in which it is a row.
 inline double building_error(const std::filesystem::path& fixture, const std::filesystem::path& out,
-                             const std::string& name) {
+                             const std::string& name, const std::string& table = "") {
   const auto picture = read_photograph(out / "frame-000000.png").value();
   const auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
   const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
@@ -44,6 +45,9 @@ inline double building_error(const std::filesystem::path& fixture, const std::fi
   bias /= weight;
   fmt::print("{}: mean error over the building {:.2f}/255, bias R {:.2f} G {:.2f} B {:.2f}, {:.0f} pixels\n", name,
              error / weight, bias.r, bias.g, bias.b, weight);
+  if (!table.empty())
+    figure_row(table, {name, figure_text(error / weight, 1) + " / 255",
+                       figure_text(bias.r, 1) + ", " + figure_text(bias.g, 1) + ", " + figure_text(bias.b, 1)});
   return error / weight;
 }
 

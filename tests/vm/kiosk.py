@@ -79,7 +79,7 @@ def make_disk(build, folder):
             "--period", "0.5", "--truth-frames", "0", "--scene-format", encoding, "--out", ours / name)
         run(build / "kasumi", "replay", ours / name, "--out", folder / f"{name}-reference")
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")
-    shutil.copy(next((folder / "package").glob("*.deb")), content / "kasumi.deb")
+    shutil.copy(next((folder / "package").glob("kasumi_*.deb")), content / "kasumi.deb")
     for program in ("feed_loopback", *(DEVICE_TESTS if os.environ.get("KASUMI_VM_ALL") == "1" else ())):
         run("strip", "-o", ours / program, build / program)
     kasumi = content / "etc/kasumi"

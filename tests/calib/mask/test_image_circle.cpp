@@ -162,16 +162,19 @@ Image<Rgb8> loaded(const fs::path& path) {
 TEST(ImageCircle, ARealFisheyesCircleIsFoundWithinThreePixels) {
   const auto folder = kData / "sky/skycam-alpnach";
   if (!fs::exists(folder)) GTEST_SKIP() << "no sky pictures at " << folder;
-  for (const char* exposure : {"08", "09"}) {
-    const auto name = fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{}_image.png", exposure);
+  int found = 0;
+  for (int exposure = 0; exposure < 13; ++exposure) {
+    const auto name = fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure);
     const auto circle = find_image_circle(loaded(folder / name));
-    ASSERT_TRUE(circle) << exposure;
-    std::printf("exposure %s: centre (%.2f, %.2f), radius %.2f px\n", exposure, circle->centre.x, circle->centre.y,
-                circle->radius_px);
+    if (!circle) continue;
+    ++found;
+    std::printf("exposure %d: centre (%.2f, %.2f), radius %.2f px, sigma %.2f\n", exposure, circle->centre.x,
+                circle->centre.y, circle->radius_px, circle->sigma_px);
     EXPECT_NEAR(circle->centre.x, 149.6, 3.0) << exposure;
     EXPECT_NEAR(circle->centre.y, 140.7, 3.0) << exposure;
     EXPECT_NEAR(circle->radius_px, 133.0, 3.0) << exposure;
   }
+  EXPECT_GE(found, 3) << "of the brighter ones";
 }
 
 TEST(ImageCircle, ThereIsNoneInPhotographs) {

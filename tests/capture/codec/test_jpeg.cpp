@@ -3,6 +3,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "capture/codec/jpeg.hpp"
 #include "tests/capture/codec/exotic_jpeg.hpp"
 #include "tests/capture/known_frames.hpp"
 
@@ -146,6 +147,35 @@ TEST(Jpeg, JpegsThatNoCameraSendsAreRefusedByName) {
               }),
               HasSubstr("4 components"));
   EXPECT_THAT(message([](auto& info) { info.comp_info[0].h_samp_factor = 4; }), HasSubstr("sampling 4x2,1x1,1x1"));
+}
+
+// What other programs fill with grey in silence.
+TEST(Jpeg, AMissingPartIsNoticedOfAnyKindOfJpeg) {
+  const auto image = test_picture(160, 120);
+  cv::Mat bgr(120, 160, CV_8UC3);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      const auto& c = image.at(x, y);
+      bgr.at<cv::Vec3b>(y, x) = {c.b, c.g, c.r};
+    }
+  Bytes progressive, grey;
+  ASSERT_TRUE(cv::imencode(".jpg", bgr, progressive, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  cv::Mat one;
+  cv::extractChannel(bgr, one, 1);
+  ASSERT_TRUE(cv::imencode(".jpg", one, grey));
+  for (const auto& whole : {jpeg_of(160, 120), jpeg_of(160, 120, ChromaSubsampling::s444), progressive, grey}) {
+    EXPECT_TRUE(check_jpeg(whole)) << check_jpeg(whole).error().message;
+    for (const double share : {0.3, 0.5, 0.9, 0.98}) {
+      const Bytes cut(whole.begin(),
+                      whole.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(whole.size())));
+      EXPECT_FALSE(check_jpeg(cut)) << share;
+    }
+  }
+  Bytes unended = jpeg_of(160, 120);
+  unended.resize(unended.size() - 2);
+  EXPECT_TRUE(check_jpeg(unended)) << "some cameras write no end marker";
+  EXPECT_FALSE(check_jpeg(Bytes{}));
+  EXPECT_FALSE(check_jpeg(Bytes(3000, 'a')));
 }
 
 TEST(Jpeg, BytesThatAreNotAJpegAreRefused) {

@@ -106,6 +106,12 @@ TEST_F(LibcameraLive, AnImpossibleSizeIsRefusedWithTheSizesTheCameraOffers) {
   EXPECT_NE(refused.error().message.find("expected one of"), std::string::npos) << refused.error().message;
 }
 
+TEST_F(LibcameraLive, ACameraThatIsThereIsPresent) {
+  ASSERT_TRUE(open());
+  EXPECT_TRUE(is_libcamera_camera_present(options_.camera));
+  EXPECT_FALSE(is_libcamera_camera_present("no-such-camera"));
+}
+
 TEST(Libcamera, AnUnknownCameraIsReportedAsDisconnected) {
   SystemClock clock;
   const auto refused = open_libcamera_source({.camera = "no-such-camera", .request = {}}, clock);

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <future>
 #include <thread>
 
 #include "base/latest_slot.hpp"
@@ -216,6 +217,8 @@ TEST_F(V4l2, FramesStayInTheDriversBuffersUntilReleased) {
   *frame = Frame{};
   EXPECT_EQ(camera_->with_driver(), 5) << "the picture still holds the buffer";
   *picture = DecodedPicture{};
+  EXPECT_EQ(camera_->with_driver(), 5) << "a reader makes no call into the driver";
+  EXPECT_FALSE(next(*source, 0s));
   EXPECT_EQ(camera_->with_driver(), 6);
 }
 
@@ -250,6 +253,7 @@ TEST_F(V4l2, HoldingFramesDoesNotStarveTheCamera) {
   EXPECT_EQ(source->frames_copied(), 16u);
   for (std::uint32_t i = 0; i < 20; ++i) EXPECT_THAT(held[i].payload.bytes, testing::Each(i));
   held.clear();
+  EXPECT_FALSE(next(*source, 0s));
   EXPECT_EQ(camera_->with_driver(), 6);
 }
 
@@ -318,6 +322,62 @@ TEST_F(V4l2, FramesMayBeReleasedInAnotherThread) {
   slot.take();
   EXPECT_EQ(fast.mapped(), 0);
   EXPECT_EQ(fast.opened(), 0);
+}
+
+// A driver with a call that does not return.
+class StuckDevice final : public VideoDevice {
+ public:
+  struct Gate {
+    std::atomic<unsigned long> closed = 0;  // the request that does not return; 0: none
+    std::atomic<bool> inside = false;
+  };
+  StuckDevice(std::unique_ptr<VideoDevice> device, Gate& gate) : device_(std::move(device)), gate_(gate) {}
+  int control(unsigned long request, void* argument) override {
+    while (gate_.closed == request) {
+      gate_.inside = true;
+      std::this_thread::sleep_for(1ms);
+    }
+    return device_->control(request, argument);
+  }
+  VideoEvents wait(Duration longest) override { return device_->wait(longest); }
+  std::span<const std::uint8_t> map(std::size_t length, std::int64_t offset, int& error) override {
+    return device_->map(length, offset, error);
+  }
+  void unmap(std::span<const std::uint8_t> mapped) override { device_->unmap(mapped); }
+
+ private:
+  const std::unique_ptr<VideoDevice> device_;
+  Gate& gate_;
+};
+
+// The render thread releases frames: no driver may hold it up.
+TEST_F(V4l2, ADriverThatHangsDoesNotHoldUpWhoeverReleasesAFrame) {
+  for (const unsigned long request_that_hangs : {VIDIOC_STREAMOFF, VIDIOC_QBUF, VIDIOC_DQBUF, VIDIOC_REQBUFS}) {
+    SystemClock real;
+    FakeCamera fast({kNv12}, real);
+    fast.interval = 1ms;
+    StuckDevice::Gate gate;
+    auto source =
+        open_v4l2_source(std::make_unique<StuckDevice>(fast.open(), gate), {"/dev/v4l/by-id/fake", request()}, real)
+            .value();
+    auto first = source->next(real.now() + 5s), second = source->next(real.now() + 5s);
+    ASSERT_TRUE(first && second);
+    *first = Frame{};
+    gate.closed = request_that_hangs;
+    std::thread camera([&] {
+      const bool closes = request_that_hangs == VIDIOC_STREAMOFF || request_that_hangs == VIDIOC_REQBUFS;
+      if (!closes) (void)source->next(real.now() + 100ms);
+      source.reset();
+    });
+    while (!gate.inside) std::this_thread::sleep_for(1ms);
+    auto released = std::async(std::launch::async, [&] { *second = Frame{}; });
+    EXPECT_EQ(released.wait_for(2s), std::future_status::ready) << "request " << request_that_hangs;
+    gate.closed = 0;
+    camera.join();
+    released.wait();
+    EXPECT_EQ(fast.mapped(), 0);
+    EXPECT_EQ(fast.opened(), 0);
+  }
 }
 
 // --- teardown

@@ -7,6 +7,7 @@
 
 #include "estimator/air/attenuation.hpp"
 #include "tests/estimator/air/every_camera.hpp"
+#include "tests/figures.hpp"
 
 namespace kasumi {
 namespace {
@@ -67,6 +68,8 @@ TEST(AirTruthGamma, TwoNodesOfTheExponentKeepWithin3em4ForEveryCamera) {
   for (const auto& camera : every_camera()) {
     const Row row = row_of(spectral_measure(camera));
     print(camera.name, row, kGoal);
+    figure_row("given-light", {"transparency by two nodes, exponents -.2 to 2: " + camera.name,
+                               fmt::format("{:.1e}", row.own), fmt::format("{:.0e}", kGoal), "`test_air_truth_gamma`"});
     EXPECT_LE(row.own, kGoal) << camera.name;
   }
 }

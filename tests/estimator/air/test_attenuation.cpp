@@ -8,6 +8,7 @@
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/air/attenuation.hpp"
 #include "tests/estimator/air/every_camera.hpp"
+#include "tests/figures.hpp"
 
 namespace kasumi {
 namespace {
@@ -42,6 +43,7 @@ TEST(Attenuation, TwoNodesPerChannelKeepWithin3em4ForEveryCamera) {
   for (const auto& camera : every_camera()) {
     const double worst = worst_error(spectral_measure(camera), ScatteringModel::morales2017);
     fmt::print("{:40} q_c          worst error {:.1e}\n", camera.name, worst);
+    figure_row("attenuation", {camera.name, fmt::format("{:.1e}", worst)});
     EXPECT_LE(worst, 3e-4) << camera.name;
   }
 }

@@ -93,5 +93,24 @@ TEST(Weather, AMountainSeesFartherThroughTheSameTurbidity) {
   EXPECT_GT(air_quality(Turbidity{4.0}, 1500.0).visibility_m, 2.5 * air_quality(Turbidity{4.0}, 0.0).visibility_m);
 }
 
+TEST(Weather, AirNearTheGroundThickensThePathAndNotTheColumn) {
+  const Aerosol column{0.2, 1.0, AerosolKind::continental};
+  const AirState usual(column), thick = usual.with_near_ground(3.0);
+  EXPECT_EQ(AirState(column, {}, 1.0), usual);
+  EXPECT_EQ(AirState(column, {}, 3.0), thick);
+  for (const double nm : {450.0, 550.0, 650.0})
+    for (const double altitude_m : {0.0, 1500.0}) {
+      EXPECT_DOUBLE_EQ(mie_per_m(aerosol, nm, thick, altitude_m), 3.0 * mie_per_m(aerosol, nm, usual, altitude_m));
+      EXPECT_DOUBLE_EQ(mie_per_m(morales2017, nm, thick, altitude_m),
+                       3.0 * mie_per_m(morales2017, nm, usual, altitude_m));
+    }
+  const AirQuality quality = air_quality(thick, 0.0), without = air_quality(usual, 0.0);
+  EXPECT_EQ(quality.aod_550, without.aod_550);
+  EXPECT_EQ(quality.turbidity, without.turbidity);
+  const double molecules = rayleigh_per_m(aerosol, 550.0), haze = mie_per_m(aerosol, 550.0, usual);
+  EXPECT_NEAR(quality.visibility_m, 3.912 / (molecules + 3.0 * haze), 1e-6);
+  EXPECT_GT(quality.weather, without.weather);  // the class is of the air around the visitor
+}
+
 }  // namespace
 }  // namespace kasumi

@@ -83,12 +83,7 @@ struct SunPlace {
 };
 
 // As 8-bit values of a camera with noise.
-inline Image<glm::vec3> encoded_under(const GeneratedView& view, double turbidity, const SunPlace& sun,
-                                      std::uint64_t seed) {
-  fixtures::Weather weather;
-  weather.turbidity = turbidity;
-  weather.sun = direction_from(from_degrees(sun.zenith_deg), from_degrees(sun.azimuth_deg));
-  weather.altitude_m = kValley_m;
+inline Image<glm::vec3> encoded_in(const GeneratedView& view, const fixtures::Weather& weather, std::uint64_t seed) {
   const fixtures::Illumination illumination(weather);
   const auto light = fixtures::look_at_scene(illumination, view.camera.camera, view.geometry);
   auto exposure = fixtures::automatic_exposure(light, 0.97, 0.58);
@@ -98,6 +93,16 @@ inline Image<glm::vec3> encoded_under(const GeneratedView& view, double turbidit
   for (std::size_t i = 0; i < encoded.elements().size(); ++i)
     encoded.elements()[i] = glm::vec3(picture.elements()[i]) / 255.0F;
   return encoded;
+}
+
+// In Preetham's world.
+inline Image<glm::vec3> encoded_under(const GeneratedView& view, double turbidity, const SunPlace& sun,
+                                      std::uint64_t seed) {
+  fixtures::Weather weather;
+  weather.turbidity = turbidity;
+  weather.sun = direction_from(from_degrees(sun.zenith_deg), from_degrees(sun.azimuth_deg));
+  weather.altitude_m = kValley_m;
+  return encoded_in(view, weather, seed);
 }
 
 // From the generator's own physics at 1 nm: the channel's loss of light per metre on a level path.

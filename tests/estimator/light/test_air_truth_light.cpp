@@ -7,13 +7,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/colour_difference.hpp"
 #include "base/geometry.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/air/attenuation.hpp"
 #include "estimator/light/airlight.hpp"
 #include "estimator/light/object_light.hpp"
-#include "fixtures/atmosphere/colour_difference.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
+#include "tests/figures.hpp"
 
 namespace kasumi {
 namespace {
@@ -230,6 +231,10 @@ TEST(AirTruthLight, TheEnergyBudgetUnderKnownAir) {
   fmt::print("\nall: Preetham's {:.1f}, dome's {:.1f} of 255 (worst {:.1f}; goal 2)\n",
              sum_preetham / static_cast<double>(kCases.size()), sum_dome / static_cast<double>(kCases.size()),
              worst_dome);
+  figure_row("given-light",
+             {"walls and ground under sky and sun, .5 to 5 km, mean of all airs and suns; worst",
+              figure_text(sum_dome / static_cast<double>(kCases.size()), 1) + "; " + figure_text(worst_dome, 1), "2",
+              "`test_air_truth_light`"});
   EXPECT_LE(worst_dome, 2.0);
   EXPECT_GT(sum_preetham, 2.0 * sum_dome) << "else the way does not matter";
 }
@@ -283,10 +288,10 @@ TEST(AirTruthLight, SkiesOfALowSunHaveTheRightColours) {
       std::array<double, 2> difference{};
       for (const auto& light : lights) {
         const auto lab = [&](std::size_t i) {
-          return reference::lab_of(light[i] * static_cast<double>(lights.size()) / mean[i], 5.0);
+          return lab_of(light[i] * static_cast<double>(lights.size()) / mean[i], 5.0);
         };
         for (std::size_t i = 0; i < 2; ++i)
-          difference[i] += reference::ciede2000(lab(0), lab(i + 1)) / static_cast<double>(lights.size());
+          difference[i] += ciede2000(lab(0), lab(i + 1)) / static_cast<double>(lights.size());
       }
       fmt::print("  {:.1f}  {:4.0f}  {:5.2f}  {:5.2f}\n", turbidity, sun_deg, difference[1], difference[0]);
       sum += difference[0];
@@ -295,6 +300,8 @@ TEST(AirTruthLight, SkiesOfALowSunHaveTheRightColours) {
     }
   fmt::print("suns of 1 to 12 deg: Preetham's {:.2f}, the program's {:.2f} (goal 2)\n", sum_preetham / count,
              sum / count);
+  figure_row("given-light", {"sky under suns 1 to 12 deg high, CIEDE2000", figure_text(sum / count, 2), "2",
+                             "`test_air_truth_light`"});
   EXPECT_LE(sum / count, 2.0);
 }
 

@@ -94,6 +94,38 @@ TEST(OtherAir, ThereAndBackGivesTheOriginal) {
   EXPECT_LE(largest_difference(under(thicker, Turbidity{3.5}, Turbidity{2.0}), colourful()), 1e-4);
 }
 
+// M Fig 11: what the air scatters in, and what is left of the scene.
+TEST(OtherAir, ItsTermsAddUpToThePictureInLinearLight) {
+  auto options = options_for(Turbidity{2.0});
+  options.terms = true;
+  OtherAir air(options);
+  ASSERT_TRUE(air.set_picture(colourful(), "picture"));
+  const auto hazy = air.under(Turbidity{4.0}), clear = air.under(std::nullopt);
+  ASSERT_TRUE(hazy.airlight && hazy.direct && clear.airlight);
+  const auto light = [&](const Photograph& of, int x, int y) {
+    return options.camera.light_at({x, y}, glm::dvec3(of.encoded.at(x, y)));
+  };
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const auto airlight = light(*hazy.airlight, x, y), direct = light(*hazy.direct, x, y);
+      const auto whole = light(hazy.picture, x, y), without_air = light(clear.picture, x, y);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(airlight[c] + direct[c], whole[c], 1e-5) << x << ", " << y;
+        if (y == 0) {
+          EXPECT_NEAR(airlight[c], whole[c], 1e-5) << "the sky is all airlight";
+          continue;
+        }
+        EXPECT_GT(airlight[c], 0.05);
+        EXPECT_NEAR(direct[c], (1.0 - airlight[c] / kAirlight[c]) * without_air[c], 1e-4)
+            << "the scene without air, attenuated by what the airlight says";
+        EXPECT_NEAR(light(*clear.airlight, x, y)[c], 0.0, 1e-9);
+      }
+    }
+  OtherAir unasked(options_for(Turbidity{2.0}));
+  ASSERT_TRUE(unasked.set_picture(colourful(), "picture"));
+  EXPECT_FALSE(unasked.under(Turbidity{4.0}).airlight);
+}
+
 TEST(OtherAir, ReportsWhatCannotBeDone) {
   auto options = options_for(Turbidity{2.0});
   Photograph small;

@@ -106,6 +106,8 @@ struct Kept {
         "%-46s %3d pictures (%d say nothing of clouds), %4d headings: lost %d (by the model's clouds %d), "
         "dimmed %d, least clear cell around the sun %.2f\n",
         skies.c_str(), pictures, silent, headings, lost, lost_by_model, dimmed, least_clear);
+    std::fflush(stdout);
+    figure_row("given-sun", {skies, fmt::format("{}", headings), fmt::format("{}", lost), "0"});
   }
 };
 
@@ -270,6 +272,11 @@ struct Confusion {
     for (const auto& [name, table] : {std::pair{"by the model's clouds", by_model}, {"by the sky's own", own}})
       std::printf("%-26s %-22s off: found off %4d, on %4d; on: found on %4d, off %4d\n", skies.c_str(), name,
                   table[0][0], table[0][1], table[1][1], table[1][0]);
+    std::fflush(stdout);
+    const int headings = own[0][0] + own[0][1] + own[1][0] + own[1][1];
+    figure_row("given-sun",
+               {skies + ": on where it is off, or off where it is on", fmt::format("{}", headings),
+                fmt::format("{}", wrong(own)), fmt::format("{}: as by the model's clouds", wrong(by_model))});
   }
 };
 

@@ -61,6 +61,15 @@ TEST(CloudMask, FindsConnectedCloudsAndLeavesEnoughSkyBesideThem) {
       }
 }
 
+// Where only a fifth of the sky is left, what agrees best must still win over what is merely most: a wide cell of clouds.
+TEST(CloudMask, FindsMostSkiesOfWhichAFifthIsClear) {
+  int found = 0;
+  for (const double t : {2.0, 3.0, 4.0, 6.0})
+    for (const std::uint64_t seed : {11u, 12u, 13u})
+      found += mask({.turbidity = t, .cloud_cover = 0.8, .cloud_seed = seed}).cloud_found > 0.9;
+  EXPECT_GE(found, 8) << "of 12: whoever gives the rest less weight takes the clouds for the sky";
+}
+
 // A camera whose white balance is off by a third in red and blue shifts every colour by the same factor.
 TEST(CloudMask, DoesNotDependOnTheWhiteBalance) {
   Camera camera = test::upward_camera(300);

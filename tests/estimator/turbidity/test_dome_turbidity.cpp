@@ -10,6 +10,7 @@
 #include "estimator/sky/dome.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
+#include "tests/figures.hpp"
 
 namespace kasumi::test {
 namespace {
@@ -51,9 +52,11 @@ TEST(DomeTurbidity, TheEstimateRisesWithTheTrueAerosol) {
     for (const double sun_zenith_deg : {30.0, 45.0, 60.0, 75.0}) {
       fmt::print("{:3.0f} deg:", sun_zenith_deg);
       double before = 0.0;
+      std::vector<std::string> cells{fmt::format("{} m, {} deg", altitude_m, sun_zenith_deg)};
       for (const double turbidity : {1.7, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 10.0}) {
         const auto found = estimate_in(altitude_m, turbidity, sun_zenith_deg, camera);
         fmt::print("  {}{:.2f}", found.usable ? "" : "(no) ", found.turbidity.value);
+        cells.push_back(fmt::format(fmt::runtime(found.usable ? "{:.2f}" : "({:.2f})"), found.turbidity.value));
         if (!found.usable) continue;
         // Higher up there is too little aerosol left for Preetham's skies to resolve it.
         if (altitude_m == 0.0) {
@@ -64,6 +67,7 @@ TEST(DomeTurbidity, TheEstimateRisesWithTheTrueAerosol) {
         before = found.turbidity.value;
       }
       fmt::print("\n");
+      figure_row("two-turbidities", cells);
     }
   }
 }

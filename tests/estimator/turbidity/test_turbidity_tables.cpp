@@ -28,7 +28,12 @@ void print_head(const char* title) {
       "usable\n",
       title, kRepeats);
 }
-void print_row(int t, const Row& row) {
+void print_row(const char* table, int t, const Row& row) {
+  figure_row(table, {fmt::format("{}", t),
+                     fmt::format("{:.3f} +- ", test::kMoralesTable1[t - 2][0]) +
+                         figure_text(test::kMoralesTable1[t - 2][1], 3),
+                     fmt::format("{:.4f} +- ", row.mean) + figure_text(row.sigma, 4),
+                     figure_text(row.sigma / row.bound, 2), figure_text(row.worst, 3)});
   std::printf("  %d | %8.4f +- %6.4f | %8.4f +- %6.4f | %6.4f   %5.2f      | %6.4f | %6.4f | %d\n", t,
               test::kMoralesTable1[t - 2][0], test::kMoralesTable1[t - 2][1], row.mean, row.sigma, row.bound,
               row.sigma / row.bound, row.stated, row.worst, row.usable);
@@ -38,7 +43,7 @@ TEST(TurbidityTables, ClearSkiesAreUnbiasedAndAtTheBound) {
   print_head("clear skies");
   for (const int t : turbidities({4, 9})) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t)}, {});
-    print_row(t, row);
+    print_row("turbidity-clear", t, row);
     EXPECT_EQ(row.usable, kRepeats);
     EXPECT_LE(std::abs(row.mean - t), 0.005) << t;
     EXPECT_LE(row.sigma, 1.2 * row.bound) << t;
@@ -49,7 +54,7 @@ TEST(TurbidityTables, ThirtyPerCentCloudsCostLittle) {
   print_head("30 % clouds");
   for (const int t : turbidities({4, 8})) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t), .cloud_cover = 0.3, .cloud_seed = 5}, {});
-    print_row(t, row);
+    print_row("turbidity-clouds-30", t, row);
     EXPECT_EQ(row.usable, kRepeats);
     EXPECT_LE(std::abs(row.mean - t), 0.005) << t;
     EXPECT_LE(row.sigma, 1.4 * row.bound) << t;
@@ -60,7 +65,7 @@ TEST(TurbidityTables, FiftyPerCentConnectedCloudsCostATenthAtWorst) {
   print_head("50 % connected clouds");
   for (const int t : turbidities({7, 9})) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t), .cloud_cover = 0.5, .cloud_seed = 6}, {});
-    print_row(t, row);
+    print_row("turbidity-clouds-50", t, row);
     EXPECT_EQ(row.usable, kRepeats);
     EXPECT_LE(row.worst, 0.1) << t;
   }
@@ -76,6 +81,9 @@ TEST(TurbidityTables, AWrongSunCostsLessThanInMorales2014) {
     const double error = 100.0 * std::abs(row.mean - 2.0) / 2.0;
     std::printf("  %4.0f deg | %8.2f %%  | %2.0f %% | %.2f %% (%.4f +- %.4f, %d)\n", degrees, morales, zhao, error,
                 row.mean, row.sigma, row.usable);
+    figure_row("turbidity-wrong-sun",
+               {fmt::format("{:.0f} deg", degrees), figure_text(morales, 2) + " %", figure_text(error, 2) + " %",
+                fmt::format("{} of {}", kRepeats - row.usable, kRepeats)});
     EXPECT_LT(error, morales);
     EXPECT_GE(row.usable, 80);
   }
@@ -90,7 +98,7 @@ TEST(TurbidityTables, TheReferencePixelFormReproducesThePapersErrors) {
   options.reference.rounds = 12;
   for (const int t : turbidities({4, 9})) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t)}, options);
-    print_row(t, row);
+    print_row("turbidity-reference-pixel", t, row);
     EXPECT_GE(row.usable, 0.95 * kRepeats);
     EXPECT_LE(std::abs(row.mean - t), 0.06 * t);
     EXPECT_GT(row.sigma, row.bound) << "one reference pixel cannot be as good as a free gain";

@@ -25,6 +25,12 @@ void expect_refused(const TurbidityEstimate& estimate, SkyCondition sky, const s
   std::printf("%s\n", estimate.reason.c_str());
 }
 
+EstimateOptions every_model() {
+  EstimateOptions options;
+  options.sky.every_model = true;
+  return options;
+}
+
 TEST(Verdict, UsesAClearSky) {
   const TurbidityEstimate estimate = judge({.turbidity = 3.0});
   EXPECT_TRUE(estimate.usable) << estimate.reason;
@@ -154,6 +160,57 @@ TEST(Verdict, DoesNotTrustAClearSkyWhoseSunIsElsewhere) {
     EXPECT_FALSE(estimate.usable) << "T " << estimate.turbidity.value << ", residual " << estimate.log_residual;
     std::printf("%s\n", estimate.reason.c_str());
   }
+}
+
+// By all models of the sky.
+TEST(VerdictOfEveryModel, UsesAClearSky) {
+  for (const double turbidity : {2.2, 3.0, 6.0, 9.0}) {
+    const TurbidityEstimate estimate = judge({.turbidity = turbidity}, every_model());
+    EXPECT_TRUE(estimate.usable) << turbidity << ": " << estimate.reason;
+    EXPECT_EQ(estimate.sky, SkyCondition::clear) << turbidity;
+  }
+}
+
+TEST(VerdictOfEveryModel, UsesTheGapsOfAPartlyCloudySky) {
+  const TurbidityEstimate estimate = judge({.turbidity = 3.0, .cloud_cover = 0.5}, every_model());
+  EXPECT_TRUE(estimate.usable) << estimate.reason;
+  EXPECT_EQ(estimate.sky, SkyCondition::partly_cloudy);
+  EXPECT_NEAR(estimate.turbidity.value, 3.0, std::max(0.1, 3.0 * estimate.sigma));
+}
+
+TEST(VerdictOfEveryModel, RefusesOvercastSkiesAndFog) {
+  for (const double sun : {15.0, 58.4, 75.0}) {
+    expect_refused(
+        judge({.sun_zenith_deg = sun, .sun_disc = false, .weather = Weather::overcast, .exposure = 0.5}, every_model()),
+        SkyCondition::overcast, "overcast");
+    expect_refused(
+        judge({.sun_zenith_deg = sun, .sun_disc = false, .weather = Weather::fog, .exposure = 0.5}, every_model()),
+        SkyCondition::overcast, "overcast");
+  }
+}
+
+TEST(VerdictOfEveryModel, RefusesASkyFullOfBrokenClouds) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const TurbidityEstimate estimate =
+        judge({.turbidity = 3.0, .cloud_cover = 0.97, .cloud_seed = seed, .exposure = 0.5}, every_model());
+    EXPECT_FALSE(estimate.usable);
+    EXPECT_TRUE(estimate.sky == SkyCondition::overcast || estimate.sky == SkyCondition::partly_cloudy)
+        << estimate.reason;
+    std::printf("%s\n", estimate.reason.c_str());
+  }
+}
+
+TEST(VerdictOfEveryModel, NamesTheToneCurveOfACloudlessSky) {
+  const Camera linear = test::upward_camera(400, 180.0, Response::linear()), believed = test::upward_camera(400);
+  const test::RenderedSky rendered = test::render({.turbidity = 3.0, .exposure = 0.8}, linear);
+  const Image<Rgb8> image = rendered.to_8_bit();
+  expect_refused(estimate_turbidity(*sky_picture(view_of(image), believed), believed, rendered.sun, every_model()),
+                 SkyCondition::unknown, "tone curve");
+}
+
+TEST(VerdictOfEveryModel, NamesGlareOfACloudlessSky) {
+  expect_refused(judge({.turbidity = 2.5, .exposure = 0.5, .flare = 0.6}, every_model()), SkyCondition::unknown,
+                 "glare");
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ TEST_F(FlatPictures, LeaveTheSceneDrawnBeforeUnchanged) {
 }
 
 TEST_F(FlatPictures, RefuseInvalidPictures) {
-  EXPECT_EQ(FlatPicture::create(*context_, {}).error().kind, FaultKind::bad_input);
+  EXPECT_EQ(FlatPicture::create(*context_, Image<Rgba8>()).error().kind, FaultKind::bad_input);
   const FlatPicture flat = make(noise(4, 4));
   Offscreen offscreen = make_target(8, 8);
   DrawTarget nothing = offscreen.target();

@@ -112,13 +112,13 @@ Section classic_section(const ReportOptions& options) {
                 rows);
   section.figure("black_percent_added", blackest);
   section.finding(
-      Finding::reproduced,
-      fmt::format("dehazed and re-hazed by one path, with no more than {:.1f} % of a picture driven to black; "
-                  "by eye, when this was written: no halos along roofs, trees and towers, greys stay grey.",
+      blackest < 1.0 ? Finding::reproduced : Finding::differs,
+      fmt::format("dehazed and re-hazed by one path, which drives no more than {:.1f} % of a picture to black.",
                   blackest));
-  section.finding(Finding::differs,
-                  "what these pictures cannot show is whether the air is right: a white wall passes for haze, and no "
-                  "distance in them is measured. With measured distances see the generated scenes.");
+  section.say(
+      "What these pictures cannot show is whether the air is right: a white wall passes for haze, and no distance in "
+      "them "
+      "is measured. With measured distances see the generated scenes.");
   return section;
 }
 

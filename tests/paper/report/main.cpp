@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "tests/figures.hpp"
 #include "tests/paper/report/section.hpp"
 #include "tests/places.hpp"
 
@@ -20,9 +21,13 @@ int write(const std::filesystem::path& out, const ReportOptions& options) {
     fmt::print(stderr, "{}: {}\n", out.string(), error.message());
     return 1;
   }
-  const auto sections = all_sections(options, [](const Section& section) {
+  const auto sections = all_sections(options, [&options](const Section& section) {
     fmt::print("{}\n", section.title());
-    for (const auto& [finding, words] : section.findings()) fmt::print("  {}: {}\n", name_of(finding), words);
+    for (const auto& [finding, words] : section.findings()) {
+      fmt::print("  {}: {}\n", name_of(finding), words);
+      if (finding != Finding::skipped && !options.quick)
+        figure_row("papers-findings", {section.title(), std::string(name_of(finding)), words});
+    }
     std::fflush(stdout);
   });
   if (auto done = write_report(out, sections, options); !done) {

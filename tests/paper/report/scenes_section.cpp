@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/files/contact_sheet.hpp"
+#include "tests/figures.hpp"
 #include "tests/paper/methods.hpp"
 #include "tests/paper/report/section.hpp"
 
@@ -26,6 +27,11 @@ std::string text_of(const Judged& one) {
   return fmt::format("{:.4f} / {:.3f}", one.ssim, one.colour.combined());
 }
 
+// Pictures in which M as printed is not above a baseline.
+struct Lost {
+  int structure = 0, colour = 0;
+};
+
 bool baseline(Method method) {
   return method == Method::he || method == Method::zhu || method == Method::zhao;
 }
@@ -44,7 +50,7 @@ void show(Section& section, const Given& given, const Scene& source, const Exper
 }  // namespace
 
 Section scenes_section(const ReportOptions& options) {
-  Section section("scenes", "Other air on generated scenes: M Fig 12 and 13");
+  Section section("scenes", "Other air on generated scenes: M Fig 12 and 13, M14 Fig 8");
   section.say(
       "M's turbidities, T 1.9 made into 2.11, 2.54, 2.94 and 4.36, on generated scenes whose distances and true "
       "pictures "
@@ -59,7 +65,11 @@ Section scenes_section(const ReportOptions& options) {
       "in "
       "linear light, for each measure by itself: more than anybody could know. 'M as printed' keeps rho (Eq 25), "
       "Kasumi "
-      "lets the light on the land change with the air, sun and shade apart, and does not amplify noise.");
+      "lets the light on the land change with the air, sun and shade apart, and does not amplify noise. The scenes are "
+      "of "
+      "Preetham's world, whose haze is M's own: they show how well each method carries that haze over, not whether "
+      "real "
+      "air is so.");
   std::vector<Given> places{{"sun 40 deg high", {}},
                             {"sun 55 deg high", {.terrain = 5, .sun_zenith_deg = 35.0, .sun_azimuth_deg = 300.0}},
                             {"sun 25 deg high", {.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0}}};
@@ -72,7 +82,8 @@ Section scenes_section(const ReportOptions& options) {
   for (const Method method : kMethods)
     structure[method] =
         colours[method] = {.name = std::string(name_of(method)), .marks = true, .dashed = method == Method::untouched};
-  int won = 0, compared = 0;
+  int won = 0, compared = 0, pictures = 0;
+  std::map<Method, Lost> lost_by_printed;
   double least_colour_lead = 1.0, least_structure_lead = 1.0;
   std::string lost;
   for (const auto& given : places) {
@@ -85,7 +96,13 @@ Section scenes_section(const ReportOptions& options) {
       const auto experiment = experiment_of(source, kSourceTurbidity, target, turbidity);
       const auto judged = judge_methods(experiment);
       std::vector<std::string> row{fmt::format("{}", turbidity)};
+      const auto& printed = *std::ranges::find(judged, Method::morales, &Judged::method);
+      ++pictures;
       for (const auto& one : judged) {
+        if (baseline(one.method)) {
+          lost_by_printed[one.method].structure += !(printed.ssim > one.ssim);
+          lost_by_printed[one.method].colour += !(printed.colour.combined() > one.colour.combined());
+        }
         row.push_back(text_of(one));
         if (&given == &places.front()) {
           structure[one.method].points.emplace_back(turbidity, one.ssim);
@@ -104,6 +121,16 @@ Section scenes_section(const ReportOptions& options) {
       }
       row.push_back(fmt::format("{:.4f} / {:.3f}", ssim(again.picture, target.picture),
                                 hsv_correlation(again.picture, target.picture).combined()));
+      if (&given == &places.front()) {
+        std::vector<std::string> cells{row.front()};
+        const auto add = [&](double alike, double colour) {
+          cells.push_back(figure_text(alike, 4) + ", " + figure_text(colour, 3));
+        };
+        for (const auto& one : judged)
+          if (one.method != Method::untouched) add(one.ssim, one.colour.combined());
+        add(ssim(again.picture, target.picture), hsv_correlation(again.picture, target.picture).combined());
+        figure_row("papers-methods", cells);
+      }
       rows.push_back(std::move(row));
       if (turbidity > 4.0) show(section, given, source, experiment, judged, turbidity);
     }
@@ -123,19 +150,29 @@ Section scenes_section(const ReportOptions& options) {
   section.figure("won", won);
   section.figure("least_ssim_lead", least_structure_lead);
   section.figure("least_colour_lead", least_colour_lead);
+  // M's own words: above all three in both measures, but for He's SSIM at the least hazy of four.
+  int structure_lost = 0, colour_lost = 0;
+  std::string to_whom;
+  for (const auto& [method, of] : lost_by_printed) {
+    structure_lost += of.structure;
+    colour_lost += of.colour;
+    to_whom += fmt::format("{}{} in {} of {}", to_whom.empty() ? "" : ", ", name_of(method), of.structure, pictures);
+    section.figure(fmt::format("ssim_lost_by_printed_to_{}", name_of(method)), of.structure);
+  }
+  section.figure("colour_lost_by_printed", colour_lost);
   section.finding(
-      won == compared || least_colour_lead > 0.0 ? Finding::reproduced : Finding::differs,
-      fmt::format("Kasumi is above He, Zhu and Zhao in {} of {} comparisons, in colour by at least {:.3f}. M's "
-                  "own ranking (its Fig 13 is a picture without numbers): M above all three, but He above M in "
-                  "SSIM at T 2.11.",
-                  won, compared, least_colour_lead));
-  if (!lost.empty())
-    section.finding(
-        Finding::differs,
-        fmt::format(
-            "not above in SSIM: {}. Near the source's T noise is what differs; a haze chosen by the true picture "
-            "may come as near.",
-            lost));
+      4 * structure_lost <= pictures && colour_lost == 0 ? Finding::reproduced : Finding::differs,
+      fmt::format("M as printed (Eq 26) is not above in SSIM: {}; in colour in {} of {} comparisons. M says that it is "
+                  "above all three, but for He's SSIM at T 2.11 (its Fig 13 is a picture without numbers). "
+                  "The baselines have the haze that comes nearest to the true picture, which M's may not have had.",
+                  to_whom, colour_lost, 3 * pictures));
+  section.finding(
+      won == compared ? Finding::better : Finding::differs,
+      fmt::format(
+          "our extension, whose light on the land changes with the air and which does not amplify noise, is "
+          "above the three in {} of {} comparisons, in SSIM by at least {:.4f}, in colour by at least {:.3f}.{}",
+          won, compared, least_structure_lead, least_colour_lead,
+          lost.empty() ? "" : " Not above in SSIM: " + lost + "."));
   return section;
 }
 

@@ -81,8 +81,9 @@ void Section::finding(Finding finding, std::string_view words) {
 
 std::vector<Section> all_sections(const ReportOptions& options, const std::function<void(const Section&)>& done) {
   std::vector<Section> sections;
-  for (const auto make : {turbidity_section, scattering_section, scenes_section, photographs_section, classic_section,
-                          landmarks_section, haze_section, frame_rate_section}) {
+  for (const auto make : {turbidity_section, sky_pictures_section, scattering_section, terms_section, scenes_section,
+                          mixed_reality_section, photographs_section, classic_section, landmarks_section, haze_section,
+                          haze_pictures_section, report_u_section, frame_rate_section}) {
     sections.push_back(make(options));
     if (done) done(sections.back());
   }
@@ -97,7 +98,8 @@ Result<> write_report(const std::filesystem::path& folder, const std::vector<Sec
       "<body>\n<h1>The papers again</h1>\n"
       "<p>Tables and figures of the papers that Kasumi builds on, next to its own results, all computed by the command "
       "that wrote this page. M: Morales, Oishi, Ikeuchi 2017; M14: Morales et al. 2014; H: Hansard, Fast synthesis of "
-      "atmospheric image effects. Where a figure of theirs does not come out again, the page says so and why.</p>\n{}"
+      "atmospheric image effects; P: the poster of M14; U: the report of Universiti Teknologi Malaysia. Where a figure "
+      "of theirs does not come out again, the page says so and why.</p>\n{}"
       "<nav><ul>\n",
       kStyle,
       options.quick

@@ -55,14 +55,19 @@ Result<> write_report(const std::filesystem::path& folder, const std::vector<Sec
                       const ReportOptions& options);
 
 // The sections, in the order of the page.
-Section turbidity_section(const ReportOptions& options);    // M Table 1, M14 Table 1 and 2
-Section scattering_section(const ReportOptions& options);   // M Table 2, Fig 9 and 10, Eq 24
-Section scenes_section(const ReportOptions& options);       // M Fig 12 and 13, generated scenes
-Section photographs_section(const ReportOptions& options);  // the same on real material
-Section classic_section(const ReportOptions& options);      // hazy photographs without distances
-Section landmarks_section(const ReportOptions& options);    // visibility from landmarks
-Section haze_section(const ReportOptions& options);         // H Fig 2, 6, 7
-Section frame_rate_section(const ReportOptions& options);   // M Sect 7.3
+Section turbidity_section(const ReportOptions& options);      // M Table 1, M14 Table 1 and 2
+Section scattering_section(const ReportOptions& options);     // M Table 2, Fig 9 and 10, Eq 24
+Section sky_pictures_section(const ReportOptions& options);   // M Fig 7 and 8, M14 Fig 6
+Section terms_section(const ReportOptions& options);          // M Fig 11, M14 Fig 7
+Section mixed_reality_section(const ReportOptions& options);  // M Fig 1 and 14, M14 Fig 9, P Fig 1
+Section scenes_section(const ReportOptions& options);         // M Fig 12 and 13, generated scenes
+Section photographs_section(const ReportOptions& options);    // the same on real material
+Section classic_section(const ReportOptions& options);        // hazy photographs without distances
+Section landmarks_section(const ReportOptions& options);      // visibility from landmarks
+Section haze_section(const ReportOptions& options);           // H Fig 2, 6, 7
+Section haze_pictures_section(const ReportOptions& options);  // H Fig 1, 3, 4, 5
+Section report_u_section(const ReportOptions& options);       // U Table 3.1
+Section frame_rate_section(const ReportOptions& options);     // M Sect 7.3
 // All of them; `done` is called after each.
 std::vector<Section> all_sections(const ReportOptions& options, const std::function<void(const Section&)>& done = {});
 

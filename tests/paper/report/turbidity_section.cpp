@@ -60,7 +60,7 @@ Section turbidity_section(const ReportOptions& options) {
                               "the bound.",
                               worst_ours, worst_theirs, most_over_bound));
   section.finding(
-      Finding::differs,
+      eq8_bias > 0.04 ? Finding::reproduced : Finding::differs,
       fmt::format(
           "M Table 1's errors of up to 6 % do not come out of M's own equation on these skies: solved over the "
           "whole range of T the means are within {:.1f} %, and scatter {:.1f} to {:.1f} times the bound. A local "
@@ -69,10 +69,13 @@ Section turbidity_section(const ReportOptions& options) {
 
   std::vector<std::vector<std::string>> wrong_sun;
   bool all_below = true;
+  std::string errors;
   for (const auto& [degrees, morales, zhao] : test::kMorales2014Table2) {
     const auto row = estimate_often({.turbidity = 2.0}, {}, repeats, degrees);
     const double error = 100.0 * std::abs(row.mean - 2.0) / 2.0;
     all_below = all_below && error < morales;
+    errors +=
+        fmt::format("{}{:.2f} % at {:.0f} deg (M14: {:.2f})", errors.empty() ? "" : ", ", error, degrees, morales);
     wrong_sun.push_back({fmt::format("{:.0f} deg", degrees), fmt::format("{:.0f} %", zhao),
                          fmt::format("{:.2f} %", morales), fmt::format("{:.2f} %", error),
                          fmt::format("{} of {}", repeats - row.usable, repeats)});
@@ -81,8 +84,7 @@ Section turbidity_section(const ReportOptions& options) {
   section.say("M14 Table 2: the sun's direction given wrong, T = 2.");
   section.table({"sun off by", "Zhao 2012 (by M14)", "M14 Table 2", "Kasumi", "refused"}, wrong_sun);
   section.finding(all_below ? Finding::better : Finding::differs,
-                  all_below ? "a wrong sun costs less than in M14; a sky that fits no turbidity is refused."
-                            : "a wrong sun costs more than in M14.");
+                  fmt::format("a wrong sun costs {}, of the skies that are not refused.", errors));
   return section;
 }
 

@@ -1,20 +1,41 @@
 #include "tests/pipeline/appliance/faulty_display.hpp"
 
+#include <new>
+
 namespace kasumi {
 
 namespace {
 
+// A context with other limits.
+class FaultyContext final : public GlContext {
+ public:
+  FaultyContext(GlContext& context, const DisplayFaults& faults)
+      : context_(context), faults_(faults), info_(context.info()) {}
+  const GlInfo& info() const override {
+    info_.max_texture_size = faults_.largest_texture > 0 ? faults_.largest_texture : context_.info().max_texture_size;
+    return info_;
+  }
+  Result<> make_current() override { return context_.make_current(); }
+  Result<> check_alive() override { return context_.check_alive(); }
+
+ private:
+  GlContext& context_;
+  const DisplayFaults& faults_;
+  mutable GlInfo info_;
+};
+
 class FaultyDisplay final : public Display {
  public:
   FaultyDisplay(std::unique_ptr<HeadlessDisplay> display, DisplayFaults& faults)
-      : display_(std::move(display)), faults_(faults) {}
+      : display_(std::move(display)), context_(display_->context(), faults), faults_(faults) {}
   std::string description() const override { return display_->description(); }
-  GlContext& context() override { return display_->context(); }
+  GlContext& context() override { return context_; }
 
   Result<DrawTarget> begin(Instant deadline) override {
     if (faults_.unplugged) return fail(FaultKind::disconnected, "HDMI-A-1: disconnected");
     if (std::exchange(faults_.context_lost, false)) return fail(FaultKind::device, "the GL context is lost");
     if (faults_.busy) return fail(FaultKind::device, "page flip: EACCES");
+    if (faults_.throws) throw std::bad_alloc();
     if (faults_.stuck) return fail(FaultKind::timeout, "the flip does not complete");
     return display_->begin(deadline);
   }
@@ -40,6 +61,7 @@ class FaultyDisplay final : public Display {
 
  private:
   std::unique_ptr<HeadlessDisplay> display_;
+  FaultyContext context_;
   DisplayFaults& faults_;
   std::optional<Image<Rgb8>> seen_;
 };

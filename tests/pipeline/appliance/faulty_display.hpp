@@ -15,8 +15,10 @@ struct DisplayFaults {
   bool opening_mends = false;  // reopening ends `stuck`
   bool context_lost = false;   // once: the GPU was reset
   bool stays_on = false;       // it cannot be turned off
+  bool throws = false;         // no memory for drawing
   bool told = false;           // a pending hotplug event
   bool off = false;            // turned off, and no picture shown since
+  int largest_texture = 0;     // of GL; 0: the driver's
   int opened = 0;
   int tried = 0;                                    // attempts to open it
   std::optional<std::pair<int, int>> other_size{};  // of the mode it comes back with

@@ -13,6 +13,7 @@ class FaultySource final : public FrameSource {
   std::string description() const override { return source_->description(); }
 
   Result<Frame> next(Instant deadline) override {
+    faults_.trap.enter();
     if (faults_.unplugged || gone_) {
       gone_ = true;  // an unplugged device does not come back under the same descriptor
       return fail(FaultKind::disconnected, "{}: ENODEV", description());
@@ -49,6 +50,20 @@ void fill(Frame& frame, std::uint8_t value) {
 }
 
 }  // namespace
+
+void Trap::enter() {
+  std::unique_lock lock(mutex_);
+  if (!set_) return;
+  caught_ = true;
+  released_.wait(lock, [&] { return !set_; });
+  caught_ = false;
+}
+
+void Trap::let_go() {
+  const std::lock_guard lock(mutex_);
+  set_ = false;
+  released_.notify_all();
+}
 
 SourceOpener with_faults(SourceOpener opener, CameraFaults& faults, Clock& clock) {
   SourceOpener faulty;

@@ -158,18 +158,42 @@ Rig::Rig(RigOptions options)
     return;
   }
   devices.scene.gives = [this](std::uint32_t number) { given_at_[number % kSceneFrames] = clock.now(); };
-  appliance = std::make_unique<Appliance>(config, *content, ApplianceServices{devices, clock, time, notifier},
-                                          StatusOptions{folder / "status.json", false, 10s}, std::move(options.sky));
+  appliance = std::make_unique<Appliance>(
+      config, *content, ApplianceServices{devices, clock, time, notifier, {}, std::move(options.probes)},
+      StatusOptions{folder / "status.json", false, 10s, nullptr, folder / "sys"}, std::move(options.sky));
 }
 
-Rig::~Rig() = default;
+Rig::~Rig() {
+  let_go(devices.scene);
+  let_go(devices.sky);
+}
+
+void Rig::let_go(CameraFaults& camera) {
+  camera.trap.let_go();
+  auto& stuck = &camera == &devices.scene ? stuck_scene_ : stuck_sky_;
+  if (stuck.joinable()) stuck.join();
+}
+
+void Rig::turn(CameraFaults& camera, std::thread& stuck, const std::function<void()>& step) {
+  if (stuck.joinable()) return;
+  if (!camera.trap.is_set()) return step();
+  const auto ended = std::make_shared<std::atomic<bool>>(false);
+  stuck = std::thread([step, ended] {
+    step();
+    *ended = true;
+  });
+  while (!*ended && !camera.trap.caught()) std::this_thread::yield();
+  if (*ended) stuck.join();
+}
 
 void Rig::tick(Duration by) {
   clock.advance(by);
-  appliance->scene().step(clock.now());
-  appliance->sky().step(clock.now());
+  const auto deadline = clock.now();
+  turn(devices.scene, stuck_scene_, [this, deadline] { appliance->scene().step(deadline); });
+  turn(devices.sky, stuck_sky_, [this, deadline] { appliance->sky().step(deadline); });
   appliance->check().step();
   appliance->visibility().step();
+  appliance->reload().step();
   if (!render_hangs) appliance->render().step();
   if (told_ && clock.now() - *told_ < 500ms) return;
   told_ = clock.now();
@@ -217,6 +241,12 @@ void replace_in(const std::filesystem::path& file, const std::string& from, cons
   ASSERT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
   ASSERT_TRUE(write_text_file(file, text));
+}
+
+// The memory of a process at address 0: nothing is mapped there.
+void make_unreadable(const std::filesystem::path& file) {
+  std::filesystem::remove(file);
+  std::filesystem::create_symlink("/proc/self/mem", file);
 }
 
 std::unique_ptr<Rig> running(RigOptions options) {

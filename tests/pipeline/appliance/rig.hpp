@@ -1,11 +1,12 @@
 // A kiosk on the bench: real loops and drawing, a recording for the cameras, faults on demand and a manual clock. One
-// thread does everything, so that tests are deterministic.
+// thread does everything, so that tests are deterministic; only a loop whose camera hangs has one of its own.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/picture.hpp"
@@ -66,6 +67,7 @@ struct RigOptions {
   SkyWatchOptions sky{};
   bool keep_folder = false;  // keep what an earlier rig of that name left on disk
   DisplayFaults display{};
+  ReloadLoop::Probes probes{};
 };
 
 class Rig {
@@ -101,7 +103,10 @@ class Rig {
   // Age of the scene on the screen; empty when the screen shows something else.
   std::optional<Duration> age_on_screen();
 
-  void hang_up() { appliance->reload(); }  // SIGHUP
+  // Lets a camera's call return.
+  void let_go(CameraFaults& camera);
+
+  void hang_up() { appliance->reload().ask(); }  // SIGHUP
 
   std::filesystem::path folder, config;
   ManualClock clock;
@@ -113,12 +118,21 @@ class Rig {
 
  private:
   void tick(Duration by);
+  // One turn of a camera's loop. Once its camera's trap is set, in a thread of its own, which the rig leaves behind.
+  void turn(CameraFaults& camera, std::thread& stuck, const std::function<void()>& step);
+  std::thread stuck_scene_, stuck_sky_;
   std::optional<Instant> told_;
   std::vector<std::optional<Instant>> given_at_;  // by frame number: when the camera last delivered it
 };
 
 // Replaces `from` in a text file, which must contain it.
 void replace_in(const std::filesystem::path& file, const std::string& from, const std::string& to);
+
+// Puts a file there that opens, but that no read of can succeed (EIO), as on a bad sector.
+void make_unreadable(const std::filesystem::path& file);
+
+// A landmark in the bench's pictures, for kasumi.toml.
+constexpr const char* kAWood = "\n[[landmarks]]\nname = \"wood\"\ndistance_m = 3000\nregion_px = [20, 150, 40, 10]\n";
 
 // A rig whose picture is live under a known air.
 std::unique_ptr<Rig> running(RigOptions options);

@@ -2,12 +2,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
 #include "capture/fixture/fixture.hpp"
 #include "capture/fixture/replay_source.hpp"
 #include "pipeline/camera_drift/drift_reference.hpp"
+#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/files/picture_sink.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 #include "tests/pipeline/recorded.hpp"
 
@@ -61,7 +65,7 @@ TEST(DailyCheck, TheFirstTakesTheReferenceAndTheNextFindsNoDrift) {
   EXPECT_TRUE(check_status(rig).is_null());
   ASSERT_TRUE(check_again(rig));
   EXPECT_THAT(check_status(rig)["summary"].get<std::string>(), HasSubstr("reference from now on"));
-  EXPECT_TRUE(std::filesystem::exists(rig.folder / "state/calibration.check-scene.png"));
+  EXPECT_TRUE(std::filesystem::exists(rig.folder / "state/calibration.check.json"));
   EXPECT_EQ(rig.shown(), Shown::live) << "the picture goes on";
   const auto at = rig.status().check->at;
   EXPECT_FALSE(check_again(rig, at, 30)) << "once a day";
@@ -70,6 +74,31 @@ TEST(DailyCheck, TheFirstTakesTheReferenceAndTheNextFindsNoDrift) {
   const auto check = check_status(rig);
   EXPECT_EQ(check["well"], true) << check.dump(1);
   EXPECT_FALSE(check["findings"].empty());
+}
+
+// `recording` says no, and whoever opens a file of the state's folder sees nobody.
+TEST(DailyCheck, NoPictureIsLeftByADayWithTheCheck) {
+  Rig rig(checked("check-keeps-nothing"));
+  // As an earlier version left it.
+  const auto pictures = {"state/calibration.check-scene.png", "state/calibration.check-sky.png",
+                         "state/calibration.check-dome.png"};
+  for (const auto* picture : pictures)
+    ASSERT_TRUE(write_png(rig.folder / picture, Image<Rgb8>(8, 8, Rgb8{10, 20, 30})));
+  rig.advance(1s);
+  for (const auto* picture : pictures) EXPECT_FALSE(std::filesystem::exists(rig.folder / picture)) << picture;
+  ASSERT_TRUE(check_again(rig)) << "the reference";
+  const auto at = rig.status().check->at;
+  rig.advance(24h - (rig.clock.utc() - at), 2h);
+  ASSERT_TRUE(check_again(rig, at)) << "compared with, a day later";
+  ASSERT_TRUE(rig.status().check->report);
+  std::set<std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(rig.folder / "state")) {
+    files.insert(entry.path().filename().string());
+    EXPECT_FALSE(read_photograph(entry.path())) << entry.path() << " is a picture";
+  }
+  EXPECT_THAT(files, testing::IsSupersetOf({"calibration.check.json"}));
+  EXPECT_THAT(files, testing::Each(testing::EndsWith(".json")));
+  EXPECT_EQ(nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["recording"], false);
 }
 
 TEST(DailyCheck, ABumpedCameraIsReportedWithItsTurnAndThePictureGoesOn) {

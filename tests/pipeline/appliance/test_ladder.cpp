@@ -32,6 +32,26 @@ TEST_F(LadderTest, BeforeTheFirstPictureTheStillIsThereAtOnce) {
   EXPECT_EQ(rung.still, 1.0);
 }
 
+// Whatever is wrong at the start and however long it lasts: nothing shines through, neither the scene nor black.
+TEST_F(LadderTest, TheFirstStillIsOpaqueFromItsFirstPictureOn) {
+  for (const auto bad : {std::optional<Trouble>{}, std::optional{Trouble::scene_covered}})
+    for (const auto age : {std::optional<Duration>{}, std::optional<Duration>{10s}}) {
+      ladder = Ladder();
+      input.bad_scene_picture = bad;
+      for (Duration now = 0s; now < 3s; now += 33ms) {
+        const auto rung = at(now, age);
+        ASSERT_EQ(rung.shown, Shown::still);
+        ASSERT_EQ(rung.still, 1.0) << "at " << to_seconds(now) << " s";
+        ASSERT_EQ(rung.dark, 0.0);
+      }
+    }
+}
+
+TEST_F(LadderTest, ClosedAtTheStartItIsBlackAtOnce) {
+  input.open = false;
+  EXPECT_EQ(at(0s, std::nullopt).dark, 1.0) << "no still flashes up at night";
+}
+
 TEST_F(LadderTest, TheFirstPictureIsShownWithoutWaiting) {
   at(0s, std::nullopt);
   EXPECT_EQ(at(1s, 0ms).shown, Shown::live);

@@ -1,4 +1,4 @@
-#include "pipeline/appliance/latency.hpp"
+#include "pipeline/loop/latency.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,16 +6,21 @@
 #include <fstream>
 #include <random>
 #include <set>
+#include <sstream>
 #include <thread>
 
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/appliance/remembered_state.hpp"
+#include "capture/codec/encode.hpp"
+#include "pipeline/start/remembered_state.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -280,6 +285,66 @@ TEST(TurbidityState, KeepsTheSkyModelWhichIsPreethamInOldFiles) {
   EXPECT_EQ(load_turbidity_state(folder).value().sky_model, SiteSkyModel::preetham);
 }
 
+TEST(TurbidityState, KeepsTheWholeStateOfTheAir) {
+  const auto folder = test_output_folder() / "pipeline" / "state-air";
+  std::filesystem::create_directories(folder);
+  SkyToFit every_model{SiteSkyModel::preetham, 300.0};
+  every_model.every_model = true;
+  auto state = turbidity_state({4.1}, 0.3, Utc{1s}, every_model);
+  state.air = RememberedAir{{0.31, 0.4, AerosolKind::desert}, 0.02, 0.1, false, 1.7, 0.2, Utc{1s}};
+  ASSERT_TRUE(save(state, folder));
+  const auto kept = load_turbidity_state(folder).value();
+  EXPECT_EQ(kept.air, state.air);
+  EXPECT_TRUE(kept.belongs_to(every_model));
+  EXPECT_TRUE(kept.belongs_to({SiteSkyModel::dome, 300.0})) << "an optical depth means the same to both";
+  EXPECT_FALSE(kept.belongs_to({SiteSkyModel::preetham, 300.0})) << "where T alone is followed";
+
+  const auto text = read_text_file(folder / "turbidity.json").value();
+  for (const auto& [good, bad] : {std::pair{"0.31", "-0.31"}, std::pair{"\"desert\"", "\"sand\""},
+                                  std::pair{"1.7", "0.0"}, std::pair{"false", "0"}}) {
+    auto damaged = text;
+    ASSERT_NE(damaged.find(good), std::string::npos);
+    damaged.replace(damaged.find(good), std::string(good).size(), bad);
+    ASSERT_TRUE(write_text_file(folder / "turbidity.json", damaged));
+    EXPECT_FALSE(load_turbidity_state(folder)) << damaged;
+  }
+}
+
+// A closed sky, and a wood of known distance before the scene camera.
+TEST(Appliance, Row29UnderAClosedSkyLandmarksCarryTheAirAndWithoutItIsSupposed) {
+  SkyWatchOptions sky;
+  sky.estimator = [](const SkyPicture&, const SunDirection&) {
+    TurbidityEstimate estimate;
+    estimate.sky = SkyCondition::overcast;
+    estimate.reason = "overcast";
+    return estimate;
+  };
+  Rig nobody({.name = "supposed", .sky = sky});
+  nobody.advance(4s);
+  ASSERT_TRUE(nobody.status().sky.report.state);
+  EXPECT_TRUE(nobody.status().sky.report.state->supposed);
+  EXPECT_THAT(status_line(nobody.status()), testing::HasSubstr("the air is supposed"));
+  EXPECT_EQ(nlohmann::json::parse(status_json(nobody.status()))["air"]["supposed"], true);
+  EXPECT_TRUE(nlohmann::json::parse(status_json(nobody.status()))["turbidity"].is_null());
+
+  Rig rig({.name = "landmarks",
+           .more_config = "\n[[landmarks]]\nname = \"wood\"\ndistance_m = 3000\nregion_px = [20, 150, 40, 10]\n",
+           .sky = sky});
+  rig.advance(5s);
+  ASSERT_TRUE(rig.status().visibility.air) << rig.status().visibility.reason;
+  const auto& state = rig.status().sky.report.state;
+  EXPECT_FALSE(state->supposed) << state->text();
+  const auto json = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["air"];
+  EXPECT_EQ(json["observers"][0]["by"], "landmarks");
+  EXPECT_EQ(json["supposed"], false);
+  for (const char* key :
+       {"text", "trustworthy", "age_s", "turbidity", "sigma", "aod_550", "sigma_aod_550", "angstrom_exponent",
+        "sigma_angstrom", "aerosol", "kinds", "followed", "papers_share", "near_ground", "sigma_log_near_ground"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  for (const char* key : {"share", "age_s", "aod_550", "sigma_aod_550", "sigmas_apart"})
+    EXPECT_TRUE(json["observers"][0].contains(key)) << key;
+}
+
 class BrokenContent : public testing::TestWithParam<int> {};
 
 TEST_P(BrokenContent, Row23TheOldContentStaysAndEveryProblemIsReported) {
@@ -314,6 +379,13 @@ TEST_P(BrokenContent, Row23TheOldContentStaysAndEveryProblemIsReported) {
       replace_in(rig->config, "model = \"equidistant\"", "model = \"fisheye\"");
       expected = "sky.lens.model";
       break;
+    case 6: {  // a still picture that claims to be large; the display would need a thousandth of it
+      auto bytes = read_file(rig->folder / "still.png").value();
+      for (const std::size_t at : {18, 22}) std::tie(bytes[at], bytes[at + 1]) = std::tuple(0x27, 0x10);
+      ASSERT_TRUE(write_file(rig->folder / "still.png", bytes));
+      expected = "still.png: a PNG of 10000 x 10000 pixels: expected 1 .. 8192 each way";
+      break;
+    }
     default:  // gone
       std::filesystem::remove(rig->config);
       expected = "kasumi.toml";
@@ -331,7 +403,7 @@ TEST_P(BrokenContent, Row23TheOldContentStaysAndEveryProblemIsReported) {
   EXPECT_EQ(rig->notifier.reloads, 1);
   std::printf("23 broken content, kind %d %-28s old one runs on\n", GetParam(), "");
 }
-INSTANTIATE_TEST_SUITE_P(Kinds, BrokenContent, testing::Range(0, 7));
+INSTANTIATE_TEST_SUITE_P(Kinds, BrokenContent, testing::Range(0, 8));
 
 TEST(Appliance, ValidContentIsReloadedWithoutAGap) {
   const auto rig = running({.name = "reload"});
@@ -372,7 +444,7 @@ TEST(Appliance, TheStatusFileHasEveryDocumentedKey) {
   const auto json = nlohmann::json::parse(read_text_file(rig->folder / "status.json").value());
   for (const char* key :
        {"shown", "reason", "display", "scene_camera", "sky_camera", "turbidity", "sigma", "turbidity_age_s", "sky",
-        "clock_trusted", "recording", "latency_ms", "pictures", "pid", "since_utc"})
+        "clock_trusted", "recording", "air", "latency_ms", "pictures", "pid", "since_utc"})
     EXPECT_TRUE(json.contains(key)) << key;
   for (const char* key : {"up", "description", "flips", "flip_timeouts", "resets"})
     EXPECT_TRUE(json["display"].contains(key)) << key;
@@ -384,6 +456,79 @@ TEST(Appliance, TheStatusFileHasEveryDocumentedKey) {
   EXPECT_EQ(json["clock_trusted"], true);
   // The clock stands still while a picture is drawn: a frame is on the screen in the tick it arrived.
   EXPECT_LE(json["latency_ms"]["max"].get<double>(), 21.0);
+}
+
+// What no driver and no size check has stopped: the renderer refuses it, and says why.
+TEST(Appliance, APictureThatCannotBeDrawnIsNamedInStatusAndJournal) {
+  std::ostringstream said;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+  Rig rig({.name = "refused"});
+  Mailboxes mailboxes;
+  RenderLoop loop(read_content(rig.config).value(), rig.devices, rig.clock, rig.notifier, mailboxes);
+  const auto refused = [&] {
+    const auto frame = encode_frame(Image<Rgb8>(64, 48, Rgb8{90, 90, 90}), four_cc("RGB3")).value();
+    mailboxes.render.frames.put({frame.metadata, decode(frame, YuvEncoding::bt601_full).value(), nullptr, 0});
+    for (const auto step : {200ms, 0ms, 600ms}) {
+      rig.clock.advance(step);
+      loop.step();
+    }
+    return mailboxes.status->render.take().value().draw_refused;
+  };
+  EXPECT_EQ(refused(), "") << "one may be of the content before";
+  for (int i = 0; i < 5; ++i) EXPECT_THAT(refused(), HasSubstr("64 x 48"));
+  spdlog::set_default_logger(before);
+  const auto text = said.str();
+  const auto at = text.find("cannot be drawn");
+  ASSERT_NE(at, std::string::npos) << text;
+  EXPECT_EQ(text.find("cannot be drawn", at + 1), std::string::npos) << "once, not for every picture";
+}
+
+// As an installer calls it. The folder's owner is tried, not root.
+TEST(Appliance, RunCheckTriesTheStatesFolder) {
+  const auto folder = test_folder("appliance-check");
+  std::filesystem::remove_all(folder);
+  const auto config = write_config(folder);
+  const auto check = [&] { return run_kasumi(fmt::format("run --check --config {}", config.string())); };
+  EXPECT_EQ(check().code, 0) << check().err;
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "state")) << "nothing is left behind";
+
+  std::filesystem::remove(folder / "state");
+  auto outcome = check();
+  EXPECT_EQ(outcome.code, 78);
+  EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("[state] folder"), HasSubstr("install -d -o kasumi")));
+  ASSERT_TRUE(write_text_file(folder / "state", "a file"));
+  EXPECT_EQ(check().code, 78);
+  std::filesystem::remove(folder / "state");
+  std::filesystem::create_directory(folder / "state");
+  if (::geteuid() != 0) GTEST_SKIP() << "only root changes accounts";
+  ASSERT_EQ(::chown((folder / "state").c_str(), 65534, 65534), 0);
+  ASSERT_EQ(::chmod((folder / "state").c_str(), 0500), 0);
+  outcome = check();
+  EXPECT_EQ(outcome.code, 78) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("may not write"));
+  ASSERT_EQ(::chmod((folder / "state").c_str(), 0700), 0);
+  EXPECT_EQ(check().code, 0) << check().err;
+  replace_in(config, "folder = \"state\"", "folder = \"/proc/self/fd\"");
+  outcome = check();
+  EXPECT_EQ(outcome.code, 1) << "a disk, not the configuration: " << outcome.err;
+}
+
+// $JOURNAL_STREAM names the file that stderr is.
+TEST(Appliance, UnderSystemdEachLineHasItsPriority) {
+  const auto folder = test_folder("appliance-journal");
+  std::filesystem::create_directories(folder);
+  const auto said = folder / "stderr.txt";
+  const auto command =
+      fmt::format("rm -f {1}; touch {1}; JOURNAL_STREAM=$(stat -c %d:%i {1}) {0} run --config {2}/none.toml 2>>{1}",
+                  kasumi_program().string(), said.string(), folder.string());
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 78);
+  std::istringstream lines(read_text_file(said).value());
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) EXPECT_TRUE(line.starts_with("<3>")) << line;
+  EXPECT_GE(count, 2);
+  EXPECT_THAT(run_kasumi("run --config none.toml").err, testing::StartsWith("kasumi: "));
 }
 
 // `recording` says no; nothing on the disk may say otherwise.

@@ -2,27 +2,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <csignal>
-#include <thread>
-
-#include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <nlohmann/json.hpp>
 
-#include "base/files.hpp"
 #include "base/unique_fd.hpp"
-#include "tests/pipeline/appliance/rig.hpp"
-#include "tests/places.hpp"
+#include "pipeline/machine/this_boot.hpp"
+#include "pipeline/start/kept_content.hpp"
+#include "pipeline/start/start_log.hpp"
+#include "tests/pipeline/appliance/kiosk_process.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-using SteadyClock = std::chrono::steady_clock;
 
 // A service manager that only listens.
 class Listener {
@@ -49,71 +42,6 @@ class Listener {
   UniqueFd socket_;
   std::string heard_;
 };
-
-class Process {
- public:
-  Process(const std::filesystem::path& folder, std::vector<std::string> arguments, const std::string& notify = {})
-      : log_(folder / "log.txt") {
-    pid_ = ::fork();
-    if (pid_ != 0) return;
-    const int log = ::open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    ::dup2(log, STDERR_FILENO);
-    ::dup2(log, STDOUT_FILENO);
-    if (!notify.empty()) ::setenv("NOTIFY_SOCKET", notify.c_str(), 1);
-    ::setenv("RUNTIME_DIRECTORY", folder.c_str(), 1);
-    std::vector<char*> argv;
-    std::string program = kasumi_program().string();
-    argv.push_back(program.data());
-    for (auto& argument : arguments) argv.push_back(argument.data());
-    argv.push_back(nullptr);
-    ::execv(program.c_str(), argv.data());
-    ::_exit(127);
-  }
-  ~Process() {
-    if (pid_ <= 0) return;
-    ::kill(pid_, SIGKILL);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  void send(int signal) { ::kill(pid_, signal); }
-  // The exit code; empty when it does not end.
-  std::optional<int> wait(std::chrono::milliseconds longest) {
-    const auto deadline = SteadyClock::now() + longest;
-    int status = 0;
-    while (::waitpid(pid_, &status, WNOHANG) == 0) {
-      if (SteadyClock::now() > deadline) return std::nullopt;
-      std::this_thread::sleep_for(5ms);
-    }
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
-  }
-  std::string log() const { return read_text_file(log_).value_or(""); }
-
- private:
-  std::filesystem::path log_;
-  pid_t pid_ = -1;
-};
-
-template <class Condition>
-bool eventually(Condition condition, std::chrono::seconds longest = 60s) {
-  const auto deadline = SteadyClock::now() + longest;
-  while (!condition()) {
-    if (SteadyClock::now() > deadline) return false;
-    std::this_thread::sleep_for(20ms);
-  }
-  return true;
-}
-
-std::filesystem::path process_folder(const std::string& name) {
-  const auto folder = test_output_folder() / "pipeline" / ("process-" + name);
-  std::filesystem::remove_all(folder);
-  write_config(folder);
-  return folder;
-}
-
-nlohmann::json status_in(const std::filesystem::path& folder) {
-  const auto text = read_text_file(folder / "status.json");
-  return text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
-}
 
 // The thread sanitizer makes everything ten times slower: a step in progress at shutdown may then exceed the deadline
 // for stuck drivers and disks.
@@ -195,10 +123,153 @@ TEST(Process, ABadConfigurationIsExitCode78WithEveryProblem) {
   }
 }
 
+TEST(Process, Row31ContentThatCannotBeDrawnIsRefusedByTheCheckAndByTheReload) {
+  const auto folder = process_folder("reload");
+  const auto config = folder / "kasumi.toml";
+  const auto good = read_text_file(config).value();
+  Process kasumi(folder, {"run", "--config", config.string()});
+  ASSERT_TRUE(eventually([&] { return status_in(folder)["shown"] == "live"; })) << kasumi.log();
+  const auto reload = [&] {
+    const auto own = folder / "reload";
+    std::filesystem::create_directories(own);
+    Process command(own, {"reload", "--status", (folder / "status.json").string()});
+    const auto code = command.wait(60s);
+    return std::pair(code.value_or(-1), command.log());
+  };
+  EXPECT_THAT(reload(), testing::Pair(0, HasSubstr("reloaded")));
+
+  replace_in(config, "distortion = [-0.6,", "distortion = [-300.0,");
+  EXPECT_THAT(reload(), testing::Pair(1, HasSubstr("folds the picture")));
+  EXPECT_THAT(status_in(folder)["content"]["problems"].dump(), HasSubstr("folds the picture"));
+  EXPECT_EQ(status_in(folder)["shown"], "live");
+  Process check(process_folder("reload-check"), {"run", "--config", config.string(), "--check"});
+  EXPECT_EQ(check.wait(60s), 78);
+  EXPECT_THAT(check.log(), HasSubstr("folds the picture"));
+
+  ASSERT_TRUE(write_text_file(config, good));
+  EXPECT_THAT(reload(), testing::Pair(0, HasSubstr("reloaded")));
+  kasumi.send(SIGTERM);
+  EXPECT_EQ(kasumi.wait(kSlowedDown ? 60s : 20s), 0);
+  EXPECT_THAT(reload(), testing::Pair(1, HasSubstr("no appliance is running")));
+}
+
+// In the evening an edit is refused by a reload that nobody looks at, in the night the power is cut.
+TEST(Process, Row32ARefusedConfigurationStartsWithWhatWorkedLastAndSaysSo) {
+  const auto folder = process_folder("last-good"), state = folder / "state";
+  const auto config = folder / "kasumi.toml";
+  ASSERT_TRUE(keep_content(*read_content(config).value(), state / "last-good", Utc{}));
+  const auto text = read_text_file(config).value();
+  ASSERT_TRUE(write_text_file(config, text + "\nnonsense = 1\n"));
+  Process kasumi(folder, {"run", "--config", config.string()}, {}, state);
+  ASSERT_TRUE(eventually([&] {
+    const auto status = status_in(folder);
+    return status.is_object() && status["shown"] == "live" && status["building_drawn"] == true;
+  })) << kasumi.log();
+  EXPECT_THAT(status_in(folder)["content"]["refused"].dump(), HasSubstr("nonsense"));
+  EXPECT_THAT(status_in(folder)["content"]["last_good_utc"].dump(), HasSubstr("1970-01-01"));
+  EXPECT_THAT(kasumi.log(), HasSubstr("the configured content is not used, shown is what worked"));
+
+  ASSERT_TRUE(write_text_file(config, text));
+  kasumi.send(SIGHUP);
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["refused"].empty(); })) << kasumi.log();
+  EXPECT_TRUE(status_in(folder)["content"]["last_good_utc"].is_null());
+}
+
+TEST(Process, Row32WithNothingKeptARefusedConfigurationIsStill78) {
+  const auto folder = process_folder("nothing-kept");
+  ASSERT_TRUE(write_text_file(folder / "kasumi.toml", "nonsense = 1\n"));
+  Process kasumi(folder, {"run", "--config", (folder / "kasumi.toml").string()}, {}, folder / "state");
+  EXPECT_EQ(kasumi.wait(60s), 78) << kasumi.log();
+}
+
+// Content that is accepted and then kills the program, start after start.
+TEST(Process, Row32AfterFiveFailedStartsTheContentThatWorkedLastIsShown) {
+  const auto folder = process_folder("suspect"), state = folder / "state";
+  const auto config = folder / "kasumi.toml";
+  ASSERT_TRUE(keep_content(*read_content(config).value(), state / "last-good", Utc{}));
+  ASSERT_TRUE(write_text_file(config, read_text_file(config).value() + "\n# an edit\n"));
+  for (int start = 0; start < kStartsBeforeKeptContent; ++start)
+    StartLog({state, {}}, boot_id(), since_boot_s()).doing("drawing the new model");
+  Process kasumi(folder, {"run", "--config", config.string()}, {}, state);
+  ASSERT_TRUE(eventually([&] { return !status_in(folder)["content"]["refused"].empty(); })) << kasumi.log();
+  EXPECT_THAT(status_in(folder)["content"]["refused"].dump(), HasSubstr("starts in a row have failed"));
+}
+
+TEST(Process, Row34AfterThreeFailedBootsItIsSafeModeUntilSomebodyRestartsIt) {
+  const auto folder = process_folder("safe"), state = folder / "state";
+  for (const char* boot : {"a", "b", "c"}) StartLog({state, {}}, boot, 15.0).doing("opening cameras and display");
+  const std::vector<std::string> arguments{"run", "--config", (folder / "kasumi.toml").string()};
+  {
+    Listener manager(folder / "notify");
+    Process kasumi(folder, arguments, manager.path(), state);
+    ASSERT_TRUE(eventually([&] { return manager.heard().find("READY=1") != std::string::npos; })) << kasumi.log();
+    ASSERT_TRUE(eventually([&] { return status_in(folder)["display"]["up"] == true; })) << kasumi.log();
+    const auto status = status_in(folder);
+    EXPECT_EQ(status["shown"], "still");
+    EXPECT_EQ(status["start"]["safe_mode"], true);
+    EXPECT_THAT(status["start"]["why"].dump(), HasSubstr("opening cameras and display"));
+    EXPECT_EQ(status["scene_camera"]["opened"], 0);
+    EXPECT_THAT(kasumi.log(), HasSubstr("safe mode"));
+    EXPECT_THAT(kasumi.log(), HasSubstr("opening cameras and display"));
+    EXPECT_THAT(manager.heard(), HasSubstr("STATUS=still: safe mode"));
+    kasumi.send(SIGTERM);
+    EXPECT_EQ(kasumi.wait(20s), 0);
+  }
+  std::filesystem::remove(folder / "status.json");
+  Process trial(folder, arguments, {}, state);
+  ASSERT_TRUE(eventually([&] { return status_in(folder).is_object() && status_in(folder)["shown"] == "live"; }))
+      << trial.log();
+  EXPECT_EQ(status_in(folder)["start"]["trial"], true);
+}
+
 TEST(Process, CheckReportsAValidConfiguration) {
   const auto folder = process_folder("check");
   Process kasumi(folder, {"run", "--config", (folder / "kasumi.toml").string(), "--check"});
   EXPECT_EQ(kasumi.wait(60s), 0) << kasumi.log();
+}
+
+TEST(Process, ASnapshotIsGivenToWhoAsksOnThisMachine) {
+  const auto folder = process_folder("snapshot");
+  const auto ask = [&](const std::string& options) {
+    return run_kasumi(fmt::format("snapshot --folder {} {}", folder.string(), options));
+  };
+  const auto none = ask("");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_THAT(none.err, HasSubstr("no appliance runs here"));
+  EXPECT_THAT(none.err, HasSubstr("systemctl start kasumi"));
+
+  Process kasumi(folder, {"run", "--config", (folder / "kasumi.toml").string()});
+  ASSERT_TRUE(eventually([&] {
+    const auto status = status_in(folder);
+    return status.is_object() && status["shown"] == "live";
+  })) << kasumi.log();
+  const auto file = (folder / "now.png").string();
+  const auto blurred = ask("--out " + file);
+  ASSERT_EQ(blurred.code, 0) << blurred.err << kasumi.log();
+  EXPECT_THAT(blurred.out, HasSubstr("shown: live"));
+  EXPECT_THAT(blurred.out, HasSubstr("blurred to 32 x"));
+  EXPECT_EQ(read_file(file).value().at(1), 'P');
+  const auto piped = ask("--out -");
+  EXPECT_EQ(piped.out.substr(1, 3), "PNG") << "for ssh";
+  EXPECT_THAT(piped.err, HasSubstr("shown: live"));
+  const auto refused = ask("--sharp --out " + (folder / "sharp.png").string());
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("sharp = true under [snapshot]"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "sharp.png"));
+  EXPECT_EQ(ask("--out /nowhere/at/all.png").code, 1);
+
+  const auto text = read_text_file(folder / "kasumi.toml").value();
+  ASSERT_TRUE(write_text_file(folder / "kasumi.toml", text + "\n[snapshot]\nsharp = true\n"));
+  kasumi.send(SIGHUP);
+  ASSERT_TRUE(eventually([&] { return status_in(folder)["content"]["reloaded_utc"].is_string(); })) << kasumi.log();
+  ASSERT_TRUE(eventually([&] { return ask("--sharp --out " + (folder / "sharp.png").string()).code == 0; }))
+      << kasumi.log();
+  EXPECT_GT(std::filesystem::file_size(folder / "sharp.png"), 1000u);
+  EXPECT_THAT(kasumi.log(), HasSubstr("a sharp picture was sent"));
+
+  kasumi.send(SIGTERM);
+  ASSERT_EQ(kasumi.wait(60s), 0) << kasumi.log();
+  EXPECT_THAT(ask("").err, HasSubstr("no appliance runs here"));
 }
 
 }  // namespace

@@ -145,7 +145,8 @@ class VisibilityLoopTest : public testing::Test {
     installation.scene.width = kPictureWidth;
     installation.scene.height = kPictureHeight;
     const auto tables = ConfigTable::parse(landmarks, "kasumi.toml").value();
-    installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, kPictureWidth, kPictureHeight);
+    installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, {kPictureWidth, kPictureHeight});
+    installation.surroundings.sky_model = SiteSkyModel::preetham;  // whose T the squares are drawn under
     content->config.state_folder = std::move(state_folder);
     mailboxes.scene.visibility_wants_picture = false;
     loop.emplace(std::move(content), clock, mailboxes);
@@ -157,6 +158,7 @@ class VisibilityLoopTest : public testing::Test {
   }
   // Supplies one picture a minute, as the scene camera's loop does on request.
   void supply_picture(double turbidity) {
+    tell_sky();
     const auto again = loop->step();
     EXPECT_TRUE(mailboxes.scene.visibility_wants_picture.exchange(false)) << "a picture is requested";
     EXPECT_LE(again - clock.now(), 1s);
@@ -170,7 +172,14 @@ class VisibilityLoopTest : public testing::Test {
     TrackedTurbidity tracked;
     tracked.turbidity = Turbidity{turbidity};
     tracked.sigma = 0.1;
-    mailboxes.visibility.sky.put({tracked, SunDirection{0.0, std::sqrt(1.0 - height * height), height}});
+    sky_ = {tracked, {SunDirection{0.0, std::sqrt(1.0 - height * height), height}, SkyCondition::overcast}};
+    tell_sky();
+  }
+  // The sky's loop tells its news once a second.
+  void tell_sky() {
+    if (!sky_) return;
+    sky_->told = clock.now();
+    mailboxes.visibility.sky.put(*sky_);
   }
   nlohmann::json reported() {
     Status status;
@@ -181,6 +190,9 @@ class VisibilityLoopTest : public testing::Test {
   Mailboxes mailboxes;
   std::optional<VisibilityLoop> loop;
   VisibilityStatus latest;
+
+ private:
+  std::optional<SkyAir> sky_;
 };
 
 TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {
@@ -193,6 +205,20 @@ TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {
   EXPECT_EQ(json["agreement"], "agrees") << json.dump();
   EXPECT_EQ(json["finding"], false);
   EXPECT_EQ(json["landmarks"], kLandmarks);
+}
+
+TEST_F(VisibilityLoopTest, TellsTheSkysLoopWhatItReads) {
+  EXPECT_FALSE(mailboxes.sky.scene_air.take());
+  supply_picture(6.0);
+  const auto reading = mailboxes.sky.scene_air.take();
+  ASSERT_TRUE(reading && reading->path);
+  EXPECT_EQ(reading->when, clock.now() - 1min);
+  using Kind = PathReading::Channel::Kind;
+  for (const auto& channel : reading->path->channels) EXPECT_EQ(channel.kind, Kind::value);
+  EXPECT_GT(reading->path->channels[2].per_m, reading->path->channels[0].per_m) << "blue light loses more";
+  set_sky(3.0, 0.02);
+  supply_picture(6.0);
+  EXPECT_FALSE(mailboxes.sky.scene_air.take()) << "nothing is read under a low sun";
 }
 
 TEST_F(VisibilityLoopTest, ALastingDisagreementIsReportedUntilItEnds) {

@@ -11,6 +11,7 @@
 #include "capture/fixture/replay_source.hpp"
 #include "pipeline/camera_drift/drift.hpp"
 #include "pipeline/camera_drift/drift_gather.hpp"
+#include "pipeline/files/picture_sink.hpp"
 #include "tests/pipeline/calibrate/calibrating.hpp"
 #include "tests/places.hpp"
 
@@ -210,6 +211,7 @@ TEST(Drift, EachDisturbanceIsDetectedNamedAndMeasured) {
 // As a user calls it: on recordings, with the reference next to a file.
 TEST(Drift, TheCommandTakesAReferenceThenComparesAndSetsItsExitCode) {
   const auto stem = fresh_folder("drift-command") / "calibration";
+  ASSERT_TRUE(write_text_file(stem.string() + ".toml", "[scene]\n"));
   auto recipe = day(11, 2.5, 0.0);
   recipe.sky_frames = 3;
   recipe.sky_size = 120;
@@ -252,19 +254,53 @@ TEST(Drift, AReferenceIsReadBackUnchanged) {
   const auto taken = take_reference(gather_recorded(fixture).value(), fixture.installation, kNoon).value();
   const auto stem = fresh_folder("drift-reference") / "calibration";
   ASSERT_TRUE(save_reference(taken, stem));
-  const auto again = load_reference(stem);
+  const auto again = load_reference(stem, fixture.installation);
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_TRUE(belongs_to(*again, fixture.installation));
   ASSERT_TRUE(again->scene && taken.scene);
-  EXPECT_EQ(again->scene->small.elements(), taken.scene->small.elements());
+  EXPECT_EQ(again->scene->lines.strength.elements(), taken.scene->lines.strength.elements());
+  EXPECT_EQ(again->scene->darkest.places, taken.scene->darkest.places);
+  ASSERT_TRUE(again->dome && taken.dome);
+  EXPECT_EQ(again->dome->steps.elements(), taken.dome->steps.elements());
   EXPECT_EQ(again->scene->edges.size(), taken.scene->edges.size());
-  EXPECT_LE(std::max(again->scene->small.width(), again->scene->small.height()), 480) << "nobody is recognisable in it";
+  EXPECT_LE(std::max(again->scene->lines.strength.width(), again->scene->lines.strength.height()), 480);
   auto other = fixture.installation;
   other.scene.calibrated_utc = kNoon;
   EXPECT_FALSE(belongs_to(*again, other)) << "the cameras were calibrated again";
   ASSERT_TRUE(write_text_file(stem.string() + ".check.json", "{\"check_reference\": 7}\n"));
-  EXPECT_EQ(load_reference(stem).error().kind, FaultKind::bad_input);
-  EXPECT_EQ(load_reference(stem.string() + "-none").error().kind, FaultKind::io);
+  EXPECT_EQ(load_reference(stem, fixture.installation).error().kind, FaultKind::bad_input);
+  EXPECT_EQ(load_reference(stem.string() + "-none", fixture.installation).error().kind, FaultKind::io);
+}
+
+// Earlier versions kept pictures: what they showed is still compared with, and the pictures go.
+TEST(Drift, AReferenceWithPicturesBecomesOneWithout) {
+  const auto& installation = first_day().installation;
+  const auto frames = frames_of(first_day());
+  const auto stem = fresh_folder("drift-pictures") / "calibration";
+  ASSERT_TRUE(save_reference(reference(), stem));
+  const auto file = stem.string() + ".check.json";
+  auto json = nlohmann::json::parse(read_text_file(file).value());
+  json["check_reference"] = 1;
+  for (const char* key : {"scene_lines", "scene_darkest", "sky_lines", "sky_darkest", "dome_shade"}) json.erase(key);
+  ASSERT_TRUE(write_text_file(file, json.dump()));
+  const auto keep = [&](const char* name, const GreyPicture& still, const Camera& camera) {
+    ASSERT_EQ(shrink_factor(camera), 1);
+    Image<Rgb8> picture(still.width(), still.height());
+    for (std::size_t i = 0; i < still.elements().size(); ++i) picture.elements()[i] = Rgb8(still.elements()[i]);
+    ASSERT_TRUE(write_png(stem.string() + name, picture));
+  };
+  keep(".check-scene.png", median_of(frames.scene()), installation.scene);
+  keep(".check-sky.png", median_of(frames.sky()), installation.sky);
+  ASSERT_TRUE(replace_kept_pictures(stem, installation));
+  for (const auto& entry : std::filesystem::directory_iterator(stem.parent_path()))
+    EXPECT_EQ(entry.path().string(), file);
+  const auto made = load_reference(stem, installation);
+  ASSERT_TRUE(made) << made.error().message;
+  ASSERT_TRUE(made->scene && made->sky);
+  EXPECT_EQ(made->taken, reference().taken);
+  EXPECT_EQ(made->scene->lines.strength.elements(), reference().scene->lines.strength.elements());
+  EXPECT_EQ(made->sky->darkest.places, reference().sky->darkest.places);
+  EXPECT_EQ(made->scene->edges.size(), reference().scene->edges.size());
 }
 
 }  // namespace

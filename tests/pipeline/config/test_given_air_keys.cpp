@@ -50,11 +50,14 @@ TEST(GivenAirKeys, DecideTheSkyThatIsFitted) {
   Installation installation;
   installation.site.altitude_m = 300.0;
   EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::preetham);
+  EXPECT_TRUE(installation.sky_to_fit().every_model) << "all are asked";
   installation.surroundings.air.kind = AerosolKind::smoke;
   EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::dome);
   EXPECT_EQ(installation.sky_to_fit().aerosol->kind, AerosolKind::smoke);
+  EXPECT_EQ(installation.sky_to_fit().known, installation.surroundings.air);
   installation.surroundings.sky_model = SiteSkyModel::preetham;
   EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::preetham) << "asked for";
+  EXPECT_FALSE(installation.sky_to_fit().every_model);
   EXPECT_FALSE(installation.sky_to_fit().aerosol);
 }
 

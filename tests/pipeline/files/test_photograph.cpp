@@ -6,6 +6,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "pipeline/config/content.hpp"
 #include "pipeline/files/photograph_file.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "tests/places.hpp"
@@ -27,6 +28,43 @@ TEST(Photograph, EightBitsComeBackExactlyAndInTheRightChannelOrder) {
   ASSERT_TRUE(photograph);
   EXPECT_DOUBLE_EQ(photograph->quantum, 1.0 / 255.0);
   EXPECT_EQ(to_rgb8(*photograph).elements(), picture.elements());
+}
+
+// 25 kB that take three gigabytes when they are read.
+TEST(Photograph, APictureOfTooManyPixelsIsRefusedBeforeItIsDecoded) {
+  const auto file = folder() / "huge.png";
+  ASSERT_TRUE(cv::imwrite(file.string(), cv::Mat(14000, 14000, CV_8UC1, cv::Scalar(0)), {cv::IMWRITE_PNG_BILEVEL, 1}));
+  const auto refused = read_photograph(file);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
+  EXPECT_EQ(refused.error().message,
+            file.string() +
+                ": a PNG of 14000 x 14000 pixels: expected 1 .. 32768 each way and 160 million "
+                "at most");
+}
+
+// Whatever the format, half a file is no picture; of a JPEG what is left may be asked for.
+TEST(Photograph, HalfAFileIsRefused) {
+  cv::Mat noise(240, 320, CV_8UC3);
+  cv::randu(noise, 0, 255);
+  for (const std::string ending : {".jpg", ".png", ".tif", ".ppm"}) {
+    const auto whole = folder() / ("whole" + ending), half = folder() / ("half" + ending);
+    ASSERT_TRUE(cv::imwrite(whole.string(), noise));
+    ASSERT_TRUE(read_photograph(whole)) << ending;
+    std::filesystem::copy_file(whole, half, std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::resize_file(half, std::filesystem::file_size(whole) / 2);
+    const auto read = read_photograph(half);
+    ASSERT_FALSE(read) << ending;
+    EXPECT_EQ(read.error().kind, FaultKind::bad_input) << ending;
+    EXPECT_THAT(read.error().message, testing::HasSubstr(half.filename().string()));
+  }
+  std::string damage;
+  const auto rest = read_photograph(folder() / "half.jpg", &damage);
+  ASSERT_TRUE(rest) << rest.error().message;
+  EXPECT_THAT(damage, testing::HasSubstr("of 240 rows are whole"));
+  EXPECT_TRUE(read_still(folder() / "half.jpg")) << "half a still picture is better than a black screen";
+  ASSERT_TRUE(read_photograph(folder() / "whole.jpg", &damage));
+  EXPECT_EQ(damage, "");
 }
 
 TEST(Photograph, SixteenBitsKeepTheirDigits) {

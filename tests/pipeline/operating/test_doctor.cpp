@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/doctor/checks.hpp"
@@ -57,6 +58,20 @@ Finding found(const Findings& findings, const std::string& check) {
 }
 bool has(const Findings& findings, const std::string& check) {
   return std::any_of(findings.all().begin(), findings.all().end(), [&](const auto& f) { return f.check == check; });
+}
+
+TEST(DoctorAppliance, SafeModeAndRefusedContentAreFailuresThatSayWhy) {
+  const nlohmann::json status{
+      {"shown", "still"},
+      {"start", {{"safe_mode", true}, {"why", {"10 starts failed within 2 minutes, the last one while starting"}}}},
+      {"content", {{"refused", {"kasumi.toml: nonsense: unknown key"}}, {"last_good_utc", "2026-06-20T12:00:00Z"}}}};
+  Findings findings;
+  check_appliance({}, {4711, status.dump(), 0.2}, {4711, status.dump(), 0.2}, 3.0, findings);
+  EXPECT_EQ(found(findings, "service").grade, Grade::failure);
+  EXPECT_THAT(found(findings, "service").found, HasSubstr("10 starts failed"));
+  EXPECT_EQ(found(findings, "content.refused").grade, Grade::failure);
+  EXPECT_THAT(found(findings, "content.refused").found, HasSubstr("nonsense"));
+  EXPECT_THAT(found(findings, "content.refused").found, HasSubstr("2026-06-20"));
 }
 
 constexpr Utc kNow = std::chrono::sys_days{std::chrono::year{2026} / 6 / 21};
@@ -135,15 +150,44 @@ TEST(DoctorThrottling, CountsAPcsToo) {
 
 TEST(DoctorDisk, WritesToDiskAndLeavesNothingBehind) {
   Machine machine("disk");
-  SystemClock clock;
   Findings findings;
-  check_disk(machine.places.state, clock, findings);
+  check_disk(machine.places.state, findings);
   EXPECT_EQ(found(findings, "disk.write").grade, Grade::good);
   EXPECT_GT(found(findings, "disk.space").values["free_bytes"], 0.0);
   EXPECT_TRUE(std::filesystem::is_empty(machine.places.state));
   Findings missing;
-  check_disk(machine.places.state / "not-there", clock, missing);
+  check_disk(machine.places.state / "not-there", missing);
   EXPECT_EQ(found(missing, "disk.space").grade, Grade::failure);
+}
+
+// The folder is another account's, which root must not trust.
+TEST(DoctorDisk, WritesThroughNoPlantedLinkAndNotAsRoot) {
+  Machine machine("disk-links");
+  const auto victim = machine.places.state.parent_path() / "victim.txt";
+  ASSERT_TRUE(write_text_file(victim, "untouched"));
+  for (const auto& name : {std::string(".doctor-probe"), fmt::format("..doctor-probe.{}.part", ::getpid()),
+                           fmt::format(".doctor-probe.{}.part", ::getpid()), fmt::format(".probe.{}.part", ::getpid())})
+    std::filesystem::create_symlink(victim, machine.places.state / name);
+  Findings findings;
+  check_disk(machine.places.state, findings);
+  EXPECT_EQ(found(findings, "disk.write").grade, Grade::good) << found(findings, "disk.write").found;
+  EXPECT_EQ(read_text_file(victim).value(), "untouched");
+  int links = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(machine.places.state)) links += entry.is_symlink();
+  EXPECT_EQ(links, 4) << "nor was any replaced";
+
+  if (::geteuid() != 0) GTEST_SKIP() << "only root changes accounts";
+  constexpr uid_t kOther = 65534;
+  ASSERT_EQ(::chown(machine.places.state.c_str(), kOther, kOther), 0);
+  ASSERT_EQ(::chmod(machine.places.state.c_str(), 0500), 0);
+  Findings refused;
+  check_disk(machine.places.state, refused);
+  EXPECT_EQ(found(refused, "disk.write").grade, Grade::failure) << "as root it would have worked";
+  EXPECT_THAT(found(refused, "disk.write").found, HasSubstr("may not be written"));
+  ASSERT_EQ(::chmod(machine.places.state.c_str(), 0700), 0);
+  Findings allowed;
+  check_disk(machine.places.state, allowed);
+  EXPECT_EQ(found(allowed, "disk.write").grade, Grade::good) << found(allowed, "disk.write").found;
 }
 
 TEST(DoctorWatchdog, RequiresSystemdsAndTheMachines) {
@@ -382,6 +426,30 @@ TEST(DoctorAppliance, ReadsItsStatusTwiceAndComparesThem) {
   EXPECT_EQ(judged("air").grade, Grade::warning);
   age_s = 60.0;
   EXPECT_EQ(judged("service").grade, Grade::failure);
+}
+
+TEST(DoctorAppliance, SaysWhoSeesTheAirAndWhenItIsSupposed) {
+  auto status = healthy_status();
+  const auto judged = [&](const char* check) {
+    Findings findings;
+    check_appliance({}, {4711, status.dump(), 0.2}, {4711, status.dump(), 0.2}, 3.0, findings);
+    return has(findings, check) ? std::optional(found(findings, check)) : std::nullopt;
+  };
+  status["air"] = {{"supposed", false}, {"text", "aerosol .21 +- .03 by sky and landmarks"}};
+  EXPECT_EQ(judged("air")->grade, Grade::good);
+  EXPECT_THAT(judged("air")->found, HasSubstr("by sky and landmarks"));
+  EXPECT_FALSE(judged("air.observers"));
+  status["visibility"] = {{"finding", true}, {"words", "5.1 standard deviations apart"}};
+  ASSERT_TRUE(judged("air.observers"));
+  EXPECT_EQ(judged("air.observers")->grade, Grade::warning);
+  EXPECT_THAT(judged("air.observers")->found, HasSubstr("apart"));
+  status["air"] = {{"supposed", true}, {"text", "the air is supposed: aerosol .15, T 2.5"}};
+  EXPECT_EQ(judged("air")->grade, Grade::warning);
+  status["turbidity"] = nullptr;
+  EXPECT_EQ(judged("air")->grade, Grade::warning);
+  EXPECT_THAT(judged("air")->found, HasSubstr("supposed"));
+  status["air"] = 7;
+  EXPECT_EQ(judged("air")->grade, Grade::warning) << "a damaged status is harmless";
 }
 
 TEST(DoctorAppliance, ADamagedStatusIsHarmless) {

@@ -123,6 +123,42 @@ TEST(Record, AnOutageIsPartOfTheRecording) {
   EXPECT_GT(played->scene.good, 10) << "frames from before and after";
 }
 
+// A frame every 2.2 s, slower than the two seconds after which a camera of video is taken for stalled.
+TEST(Record, ASlowCameraIsNotTakenForLost) {
+  const auto folder = operating_folder("slow");
+  const auto config = write_kiosk(folder);
+  for (const char* camera : {"sky", "scene"}) {
+    std::filesystem::remove_all(folder / "live" / camera);
+    auto writer = FixtureWriter::create(folder / "live" / camera).value();
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(writer.append(kiosk_frame(44 * i, 90)));
+  }
+  auto request = request_in(folder, config);
+  request.length = 6s;
+  const auto summary = record_kiosk(request);
+  ASSERT_TRUE(summary) << summary.error().message;
+  for (const char* camera : {"sky", "scene"}) {
+    const auto rows = read_index(folder / "kept" / camera).value();
+    EXPECT_GE(rows.size(), 2u) << camera;
+    for (const auto& row : rows) EXPECT_FALSE(row.disconnected) << camera;
+  }
+  EXPECT_EQ(summary->scene.health.opened, 1u);
+}
+
+TEST(Record, SaysWhatItIsARecordingOf) {
+  const auto folder = operating_folder("provenance");
+  auto request = request_in(folder, write_kiosk(folder));
+  request.length = 300ms;
+  ASSERT_TRUE(record_kiosk(request));
+  const auto description = read_text_file(folder / "kept/fixture.toml").value();
+  EXPECT_THAT(description, HasSubstr("Recorded by kasumi record from a recording ("));
+  EXPECT_THAT(description, testing::Not(HasSubstr("live cameras")));
+  RunConfig live;
+  live.sky_camera = live.scene_camera = V4l2Options{};
+  EXPECT_EQ(sources_text(live), "live cameras");
+  live.sky_camera = ReplayCamera{"sky recording"};
+  EXPECT_EQ(sources_text(live), "a recording (sky recording) (sky) and a live camera (scene)");
+}
+
 TEST(Record, FramesAreThinnedToTheInterval) {
   const auto folder = operating_folder("every");
   auto request = request_in(folder, write_kiosk(folder));

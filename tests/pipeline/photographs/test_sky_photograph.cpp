@@ -35,22 +35,31 @@ TEST(SkyPhotograph, AGeneratedSkyGivesItsTurbidity) {
     ASSERT_TRUE(report) << report.error().message;
     ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
     EXPECT_NEAR(report->look.estimate.turbidity.value, turbidity, 0.1);
-    ASSERT_TRUE(report->air);
+    ASSERT_TRUE(report->quality);
     // Angstrom's beta from Preetham's formula at 550 nm.
-    EXPECT_NEAR(report->air->aod_550, (0.04608 * turbidity - 0.04586) * std::pow(0.55, -1.3), 0.02);
+    EXPECT_NEAR(report->quality->aod_550, (0.04608 * turbidity - 0.04586) * std::pow(0.55, -1.3), 0.02);
   }
 }
 
+// In clear air; in thicker air it is clipped too widely in these pictures to be told from a bright sky.
 TEST(SkyPhotograph, TheSunIsFoundInTheImageWhenAsked) {
-  fixtures::SkyRecipe recipe;
-  recipe.sun_azimuth = from_degrees(140.0);
-  auto options = sky_photograph_options(recipe);
-  options.sun.reset();
-  options.sun_from_image = true;
-  SkyPhotographs photographs(options);
-  const auto report = photographs.estimate_from(generated(recipe, "sun"), std::nullopt).value();
-  ASSERT_TRUE(report.sun) << report.look.estimate.reason;
-  EXPECT_LT(to_degrees(angle_between(*report.sun, direction_from(recipe.sun_zenith, recipe.sun_azimuth))), 0.5);
+  for (const auto world : {fixtures::World::preetham, fixtures::World::physical})
+    for (const double zenith_deg : {20.0, 40.0, 50.0}) {
+      fixtures::SkyRecipe recipe;
+      recipe.world = world;
+      recipe.turbidity = 2.0;
+      recipe.sun_zenith = from_degrees(zenith_deg);
+      recipe.sun_azimuth = from_degrees(140.0);
+      auto options = sky_photograph_options(recipe);
+      options.sun.reset();
+      options.sun_from_image = true;
+      SkyPhotographs photographs(options);
+      const auto report = photographs.estimate_from(generated(recipe, "sun"), std::nullopt).value();
+      ASSERT_TRUE(report.sun.direction) << report.look.estimate.reason;
+      EXPECT_LT(to_degrees(angle_between(*report.sun.direction, direction_from(recipe.sun_zenith, recipe.sun_azimuth))),
+                0.25);
+      EXPECT_NE(report.sun.told.find("% sure"), std::string::npos) << report.sun.told;
+    }
 }
 
 TEST(SkyPhotograph, WithoutACircleItIsFoundInThePicture) {
@@ -80,7 +89,8 @@ TEST(SkyPhotograph, TwoExposuresOfOneRealSkyAgree) {
   options.field_of_view = from_degrees(185.0);
   options.circle = ImageCircle{{149.6, 140.7}, 133.0};
   options.linear_response = true;
-  options.sun_from_image = true;
+  // Where exposures 1 to 7 show it. In these two it is clipped too widely to be found with certainty.
+  options.sun = direction_from(from_degrees(62.8), from_degrees(48.0));
   SkyPhotographs photographs(options);
   std::vector<TurbidityEstimate> estimates;
   for (const int exposure : {8, 9}) {

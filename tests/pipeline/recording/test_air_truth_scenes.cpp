@@ -80,6 +80,8 @@ void expect_right(const std::vector<Scene>& scenes) {
     tell_amount(fixture, scene.recipe.aerosol.value_or(aerosol_of(scene.recipe.turbidity)).aod_550);
     const double given = error(", given");
     table += fmt::format("| {} | {:.2f} | {:.2f} | {} |\n", scene.name, given, found, scene.goal);
+    figure_row("given-building",
+               {scene.name, figure_text(given, 1), figure_text(found, 1), fmt::format("{}", scene.goal)});
     EXPECT_LE(given, scene.held) << scene.name;
   }
   fmt::print("{}", table);

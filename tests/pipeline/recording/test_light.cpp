@@ -200,7 +200,7 @@ TEST(ObjectsLight, UnderAnOvercastSkyIsTheCloudsAloneAndCloseToTheSpectralRefere
   ASSERT_TRUE(summary->last && summary->last->measured);
   EXPECT_EQ(summary->last->measured->sun_share, 0.0);
   EXPECT_TRUE(summary->sighting.in_picture()) << summary->sighting.message;
-  EXPECT_LE(building_error(fixture, out, "overcast"), 4.0);
+  EXPECT_LE(building_error(fixture, out, "overcast", "pictures"), 4.0);
 
   // Between two pictures of a slow sky camera its clouds stay valid for a while.
   const auto read = read_fixture(fixture).value();

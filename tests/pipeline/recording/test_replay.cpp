@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -112,6 +113,77 @@ TEST(Replay, OfAGivenKindTheAmountIsFoundInTheSky) {
   EXPECT_GT(summary.last->air->aerosol->aod_550, 0.0);
 }
 
+// Neither the building nor, for edges may be a pixel wide, next to it.
+bool is_beside(const Image<glm::vec3>& coverage, int x, int y) {
+  for (int v = y - 1; v <= y + 1; ++v)
+    for (int u = x - 1; u <= x + 1; ++u)
+      if (coverage.contains(u, v) && coverage.at(u, v).r > 0.0F) return false;
+  return true;
+}
+
+// M Fig 11: airlight and direct transmission. What comes through is the building without air, attenuated alike all over
+// it, and what is scattered in is the complement of that.
+TEST(Replay, ItsTermsAddUpToThePictureInLinearLight) {
+  auto recipe = small("clear-noon", 1);
+  recipe.truth_frames = 1;
+  const auto fixture = recorded(recipe, "terms");
+  const auto out = test_folder("terms-out"), without_air = test_folder("terms-without-air");
+  ReplayRequest request;
+  request.fixture = fixture;
+  request.out = out;
+  request.terms = true;
+  const auto summary = replay(request);
+  ASSERT_TRUE(summary) << summary.error().message;
+  request.out = without_air;
+  request.terms = false;
+  request.air.aerial_perspective = false;
+  ASSERT_TRUE(replay(request));
+  const auto read = [](const std::filesystem::path& path) { return read_photograph(path).value().encoded; };
+  const auto whole = read(out / "frame-000000.png"), airlight = read(out / "frame-000000.airlight.png"),
+             direct = read(out / "frame-000000.direct.png"), bare = read(without_air / "frame-000000.png"),
+             coverage = read(fixture / "truth" / "coverage-000000.png");
+  const auto srgb = Response::srgb();
+  const auto light = [&](const Image<glm::vec3>& of, std::size_t i) {
+    return srgb.to_light(glm::dvec3(of.elements()[i]));
+  };
+  double largest = 0.0;
+  std::vector<double> passed, scattered;  // green, where the building is bright enough to tell
+  for (std::size_t i = 0; i < whole.elements().size(); ++i) {
+    const auto a = light(airlight, i), d = light(direct, i);
+    const auto off = glm::abs(srgb.to_encoded(a + d) - glm::dvec3(whole.elements()[i])) * 255.0;
+    largest = std::max({largest, off.r, off.g, off.b});
+    const int x = static_cast<int>(i) % whole.width(), y = static_cast<int>(i) / whole.width();
+    if (is_beside(coverage, x, y)) {
+      EXPECT_LE(a.g, 1e-3) << "the camera's own picture is not taken apart";
+    }
+    const auto without = light(bare, i);
+    if (coverage.elements()[i].r < 1.0F || without.g < 0.1 || without.g > 0.8) continue;
+    passed.push_back(d.g / without.g);
+    scattered.push_back(a.g);
+  }
+  EXPECT_LE(largest, 0.05) << "of a step of 255";
+  ASSERT_GE(passed.size(), 100u);
+  const auto spread = [](std::vector<double> values) {
+    std::ranges::sort(values);
+    const auto n = values.size();
+    return std::array{values[n / 2], values[9 * n / 10] - values[n / 10]};
+  };
+  const auto [gamma, gamma_spread] = spread(passed);
+  const auto [mean_airlight, airlight_spread] = spread(scattered);
+  fmt::print("green: {:.3f} passes (spread {:.3f}), airlight {:.3f} (spread {:.3f}), from infinity {:.3f}\n", gamma,
+             gamma_spread, mean_airlight, airlight_spread, mean_airlight / (1.0 - gamma));
+  EXPECT_GT(gamma, 0.3);
+  EXPECT_LT(gamma, 0.95);
+  EXPECT_LE(gamma_spread, 0.08 * gamma) << "of a building some kilometres away all is attenuated alike";
+  EXPECT_LE(airlight_spread, 0.1 * mean_airlight) << "whatever its colours";
+
+  request.out = out / "film.mp4";
+  request.terms = true;
+  const auto film = replay(request);
+  ASSERT_FALSE(film);
+  EXPECT_THAT(film.error().message, testing::HasSubstr("--terms: expected --out FOLDER"));
+}
+
 TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
   const auto fixture = recorded(small_scene("overcast", 2), "overcast");
   const auto summary = played(fixture, test_folder("overcast-out"));
@@ -122,9 +194,7 @@ TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
 }
 
 TEST(Replay, ACoveredLensIsDistinguishedFromBadWeather) {
-  auto recipe = small_scene("covered-lens", 2);
-  recipe.world = fixtures::World::preetham;  // fitted by the dome it is called an overcast sky
-  const auto fixture = recorded(recipe, "covered");
+  const auto fixture = recorded(small_scene("covered-lens", 2), "covered");
   const auto summary = played(fixture, test_folder("covered-out"));
   EXPECT_EQ(summary.usable_sky_frames, 0u);
   ASSERT_TRUE(summary.last);

@@ -97,7 +97,7 @@ TEST(ReplayTruth, TheBuildingsPixelsComeWithinTwoLevelsOfTheSpectralReference) {
     const auto fixture = recorded(recipe, std::string("composite-") + preset);
     const auto out = test_folder(std::string("composite-out-") + preset);
     played(fixture, out);
-    EXPECT_LE(building_error(fixture, out, preset), 2.0);
+    EXPECT_LE(building_error(fixture, out, preset, "pictures"), 2.0);
   }
 }
 
@@ -105,7 +105,7 @@ TEST(ReplayTruth, InTheDemoThinCloudsAtTheHorizonDoNotColourTheBuilding) {
   const std::filesystem::path fixture = source_folder() / "fixtures" / "demo";
   const auto out = test_folder("composite-out-demo");
   ASSERT_TRUE(replay({fixture, out, false, false, 1, {}}));
-  EXPECT_LE(building_error(fixture, out, "demo"), 2.2);
+  EXPECT_LE(building_error(fixture, out, "demo", "pictures"), 2.2);
 }
 
 }  // namespace

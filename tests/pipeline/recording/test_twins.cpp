@@ -3,6 +3,7 @@
 // kasumi composites it. The whole pipeline is compared: the aerosol's amount as found in the sky camera's picture, the
 // horizon as found in the scene camera's, with its noise.
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include <fmt/format.h>
@@ -69,12 +70,13 @@ fixtures::Recipe twin(double distance_m, double turbidity, Utc start) {
   return recipe;
 }
 
-void expect_like(const fixtures::Recipe& recipe, const std::string& name, const std::string& words) {
+Difference expect_like(const fixtures::Recipe& recipe, const std::string& name, const std::string& words) {
   const auto found = between_twins(recipe, name);
   fmt::print("| {} | {:.1f} | {:+.1f} {:+.1f} {:+.1f} |\n", words, found.mean, found.bias.r, found.bias.g,
              found.bias.b);
   EXPECT_GT(found.pixels, 150.0) << words << ": the building must be seen";
   EXPECT_LE(found.mean, 3.0) << words;
+  return found;
 }
 
 void expect_alike(const std::string& name, Utc start, const char* sun, const std::vector<Air>& worst) {
@@ -82,9 +84,16 @@ void expect_alike(const std::string& name, Utc start, const char* sun, const std
   for (const double distance_m : {200.0, 1000.0, 3500.0, 10e3})
     for (const double turbidity : {2.0, 4.0, 8.0}) all.push_back({distance_m, turbidity});
   fmt::print("| distance, T, sun | mean difference, of 255 | bias R, G, B |\n");
-  for (const Air& air : figure_cases("distances and airs", worst, all))
-    expect_like(twin(air.distance_m, air.turbidity, start), name,
-                fmt::format("{} km, T {}, {}", air.distance_m / 1000.0, air.turbidity, sun));
+  std::map<double, std::vector<std::string>> rows;
+  for (const Air& air : figure_cases("distances and airs", worst, all)) {
+    const auto found = expect_like(twin(air.distance_m, air.turbidity, start), name,
+                                   fmt::format("{} km, T {}, {}", air.distance_m / 1000.0, air.turbidity, sun));
+    rows[air.distance_m].push_back(figure_text(found.mean, 1));
+  }
+  for (auto& [distance_m, row] : rows) {
+    row.insert(row.begin(), {sun, fmt::format("{} km", distance_m / 1000.0)});
+    figure_row("twins", row);
+  }
 }
 
 TEST(Twins, AreIndistinguishableAtAllDistancesAndAirsUnderAHighSun) {
@@ -112,14 +121,19 @@ TEST(Twins, AreIndistinguishableAtOtherPlacesHoursAndAirs) {
       Other{2800.0, 7.1, at(11, 11, minutes(455)), 100.0, 28}, Other{2100.0, 5.3, at(5, 17, minutes(470)), 300.0, 22},
       Other{5200.0, 3.4, at(8, 9, minutes(290)), 150.0, 23},   Other{7300.0, 2.2, at(12, 24, minutes(150)), 200.0, 24},
       Other{1500.0, 6.4, at(1, 20, minutes(30)), 255.0, 25},   Other{850.0, 3.1, at(4, 9, minutes(530)), 340.0, 27}};
+  double least = 255.0, most = 0.0;
   for (const Other& other : figure_cases("places, hours and airs", {others[0], others[1]}, others)) {
     auto recipe = twin(other.distance_m, other.turbidity, other.start);
     recipe.outlook.heading_deg = other.heading_deg;
     recipe.seed = other.seed;
-    expect_like(
+    const auto found = expect_like(
         recipe, "twin-other",
         fmt::format("{} km, T {}, towards {} deg", other.distance_m / 1000.0, other.turbidity, other.heading_deg));
+    least = std::min(least, found.mean);
+    most = std::max(most, found.mean);
   }
+  figure_row("twins-elsewhere",
+             {fmt::format("{} other places, hours and airs", others.size()), figure_range(least, most, 1)});
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // A ball in front of the scene camera, drawn by the GPU under the estimator's sky, against that sky integrated
 // numerically: the light on its surface, and its reflection.
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include "estimator/light/object_light.hpp"
 #include "gles/object/renderer.hpp"
 #include "pipeline/scene/for_gles.hpp"
+#include "tests/figures.hpp"
 
 namespace kasumi {
 namespace {
@@ -153,6 +155,7 @@ TEST_F(Ball, OfGreyPlasterIsLitAsTheIntegralOverSunSkyAndGround) {
   constexpr double kAlbedo = 0.5;
   const ModelMaterial plaster{.name = "plaster", .base_colour = {kAlbedo, kAlbedo, kAlbedo, 1.0f}};
   ASSERT_TRUE(renderer_->set_model(ball(plaster)));
+  double least = 1.0, most = 0.0;
   for (const double turbidity : {2.0, 4.0, 8.0, 2.7})
     for (const double zenith : {20.0, 45.0, 60.0, 75.0, 85.0, 33.0, 82.0}) {
       const double azimuth = zenith < 50.0 ? 190.0 : zenith < 80.0 ? 265.0 : 20.0;
@@ -169,7 +172,12 @@ TEST_F(Ball, OfGreyPlasterIsLitAsTheIntegralOverSunSkyAndGround) {
       fmt::print("T {}, sun {} deg from the zenith at {} deg: worst {:.2f} %\n", turbidity, zenith, azimuth,
                  100.0 * worst);
       EXPECT_LE(worst, 0.02) << "T " << turbidity << ", sun " << zenith;
+      least = std::min(least, worst);
+      most = std::max(most, worst);
     }
+  figure_row("ball-plaster",
+             {"grey plaster under sun, sky and ground, T 2 to 8, sun 20 to 85 deg from the zenith: worst place",
+              figure_range(100.0 * least, 100.0 * most, 1) + " %"});
 }
 
 // Light that one reflection by GGX facets sends to the eye, and its fraction under uniform light (glTF 2.0, B.3; white
@@ -225,11 +233,15 @@ TEST_F(Ball, OfPolishedToMattMetalMirrorsTheSkyAsTheIntegralOverItsFacets) {
     const char* name;
     Radiance radiance;
     double most;  // mean deviation
+    const char* words;
   };
-  for (const Sky& sky : {Sky{"clear", noon, 0.025}, Sky{"low sun", evening, 0.06}, Sky{"clouds", clouds, 0.05}}) {
+  for (const Sky& sky : {Sky{"clear", noon, 0.025, "clear, sun at 40 deg"},
+                         Sky{"low sun", evening, 0.06, "clear, sun at 80 deg, no disc"},
+                         Sky{"clouds", clouds, 0.05, "heaps of cloud three times as bright as the sky"}}) {
     ObjectLight light;
     light.around = light_around_of(sky.radiance);
     const auto cones = cones_of(sky.radiance);
+    std::array<double, 3> least{1e9, 1e9, 1e9}, most{};  // mean, worst, level
     for (const double roughness : {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0}) {
       ModelMaterial metal{.name = "metal"};
       metal.metallic = 1.0f;
@@ -252,7 +264,14 @@ TEST_F(Ball, OfPolishedToMattMetalMirrorsTheSkyAsTheIntegralOverItsFacets) {
                  100.0 * deviation.mean, 100.0 * deviation.worst, level.g);
       EXPECT_LE(deviation.mean, sky.most) << sky.name << ", roughness " << roughness;
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(level[c], 1.0, 0.025) << sky.name << ", roughness " << roughness;
+      const std::array measured{100.0 * deviation.mean, 100.0 * deviation.worst, level.g};
+      for (std::size_t i = 0; i < measured.size(); ++i) {
+        least[i] = std::min(least[i], measured[i]);
+        most[i] = std::max(most[i], measured[i]);
+      }
     }
+    figure_row("ball-mirrors", {sky.words, figure_range(least[0], most[0], 1) + " %",
+                                figure_range(least[1], most[1], 0) + " %", figure_range(least[2], most[2], 3)});
   }
 }
 

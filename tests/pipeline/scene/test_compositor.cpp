@@ -134,6 +134,27 @@ TEST_F(Compositors, ShowAPictureAgainWithoutKeepingTheDriversBuffer) {
   EXPECT_EQ(compositor.frames().uploaded, 1u) << "one copy, however often it is shown";
 }
 
+// A driver frees no memory that the GPU has imported: a camera that is gone for hours, or one that needs its memory
+// again, must get it back at once.
+TEST_F(Compositors, GiveTheBuffersOfACameraBackThatIsGone) {
+  Buffer first(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  Buffer second(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 2);
+  bool first_returned = false, second_returned = false;
+  Compositor compositor = make(with_test_images());
+  drawn(compositor, lent(first, first_returned));
+  const auto before = drawn(compositor, lent(second, second_returned));
+  EXPECT_EQ(calls_.destroyed, 0);
+  EXPECT_TRUE(compositor.drop_camera_buffers());
+  EXPECT_EQ(static_cast<std::size_t>(calls_.destroyed), calls_.made.size()) << "no image holds the driver's memory";
+  EXPECT_TRUE(second_returned);
+  second.fill(17);
+  EXPECT_EQ(drawn_again(compositor).elements(), before.elements()) << "the last picture stays";
+  EXPECT_TRUE(compositor.drop_camera_buffers()) << "nothing is left to give back";
+  const auto after = drawn(compositor, lent(first, first_returned));
+  EXPECT_NE(after.elements(), before.elements()) << "the camera is back";
+  EXPECT_EQ(compositor.frames().imported, 3u);
+}
+
 TEST_F(Compositors, KeepTheLastPictureWhenOneOfAnotherSizeComes) {
   const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
   const Buffer small_buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth / 2, kHeight / 2, 0, 2);

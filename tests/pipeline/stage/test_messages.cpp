@@ -33,7 +33,7 @@ TEST(Messages, EveryLanguageHasItsOwnTextForEveryMessage) {
     }
     EXPECT_EQ(said.size(), std::size(kMessages)) << code_of(language) << ": two messages say the same";
   }
-  EXPECT_EQ(std::size(kMessages), static_cast<std::size_t>(Message::recording) + 1);
+  EXPECT_EQ(std::size(kMessages), static_cast<std::size_t>(Message::earlier_content) + 1);
 }
 
 TEST(Messages, LanguagesAreNamedByTheirCodes) {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/paper/similarity.hpp"
+#include "pipeline/comparison/similarity.hpp"
 
-namespace kasumi::paper {
+namespace kasumi {
 namespace {
 
 Image<Rgb8> grey(int width, int height, auto value) {
@@ -59,4 +59,4 @@ TEST(HsvCorrelation, OfTwoSingleColoursIsThatOfTwoOccupiedBins) {
 }
 
 }  // namespace
-}  // namespace kasumi::paper
+}  // namespace kasumi

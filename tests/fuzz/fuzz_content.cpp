@@ -1,0 +1,20 @@
+// A whole kiosk: kasumi.toml and the files it names, as one input (pack.hpp). What is accepted must be usable.
+#include "gles/model/model.hpp"
+#include "pipeline/config/content.hpp"
+#include "tests/fuzz/pack.hpp"
+#include "tests/fuzz/scratch.hpp"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace kasumi;
+  static const Scratch scratch;
+  unpack({data, size}, scratch);
+  const auto content = read_content(scratch.folder() / "kasumi.toml");
+  expect_value_or_sentence(content);
+  if (!content) return 0;
+  for (const Camera* camera : {&(*content)->config.installation.sky, &(*content)->config.installation.scene}) {
+    const auto direction = camera->direction_at({0.5 * camera->width, 0.5 * camera->height});
+    if (direction) camera->pixel_of(*direction);
+  }
+  if ((*content)->still && (*content)->still->empty()) std::abort();
+  return 0;
+}

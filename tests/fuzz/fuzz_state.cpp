@@ -1,0 +1,50 @@
+// What an appliance left on its disk for its next start. The first byte chooses the file.
+#include "pipeline/camera_drift/drift_reference.hpp"
+#include "pipeline/start/remembered_state.hpp"
+#include "tests/fuzz/scratch.hpp"
+
+namespace {
+
+// For which the seed was saved.
+kasumi::LandmarkWatch watch_of_one() {
+  using namespace kasumi;
+  Camera camera;
+  camera.width = 320;
+  camera.height = 180;
+  camera.lens = pinhole_lens({{600.0, 600.0}, {159.5, 89.5}, {}});
+  ContrastLandmark wood;
+  wood.name = "wood";
+  wood.distance_m = 3000.0;
+  wood.surface = {20, 150, 40, 10};
+  return {camera, 0.0, {wood}};
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace kasumi;
+  static const Scratch scratch;
+  if (size == 0) return 0;
+  const std::span<const std::uint8_t> rest(data + 1, size - 1);
+  switch (data[0]) {
+    case 't': {
+      scratch.file("turbidity.json", rest);
+      const auto state = load_turbidity_state(scratch.folder());
+      expect_value_or_sentence(state);
+      if (state && !(state->sigma >= 0.0)) std::abort();
+      break;
+    }
+    case 'l': {
+      scratch.file("landmarks.json", rest);
+      auto watch = watch_of_one();
+      expect_value_or_sentence(resume(watch, scratch.folder()));
+      break;
+    }
+    default: {
+      static const Installation installation;
+      scratch.file("site.check.json", rest);
+      expect_value_or_sentence(load_reference(scratch.folder() / "site", installation));
+    }
+  }
+  return 0;
+}

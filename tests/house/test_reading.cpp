@@ -1,0 +1,38 @@
+// How the repository's code reads what may be damaged.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/house/repository.hpp"
+
+namespace kasumi::house {
+namespace {
+
+// A stream's raw iterators throw where a disk cannot read a sector, in whatever thread that is; read_file() of
+// base/files.hpp says which file and why.
+TEST(Reading, NothingReadsThroughIteratorsThatThrow) {
+  const std::string forbidden = std::string("istreambuf_") + "iterator";
+  std::vector<std::string> found;
+  int files = 0;
+  for (const auto& [name, text] : texts_ending_in(repository_files(), {".cpp", ".hpp", ".h", ".in"})) {
+    ++files;
+    if (text.find(forbidden) != std::string::npos) found.push_back(name);
+  }
+  EXPECT_THAT(found, testing::IsEmpty());
+  EXPECT_GT(files, 500);
+}
+
+// A decoder takes the memory that a picture's header claims.
+TEST(Reading, NoPictureIsDecodedBeforeItsSizeIsKnown) {
+  std::vector<std::string> decoders, found;
+  for (const auto& [name, text] : texts_ending_in(repository_files(), {".cpp", ".hpp"})) {
+    if (name.starts_with("tests/") || name.starts_with("fixtures/")) continue;
+    if (text.find("imdecode(") == std::string::npos && text.find("imread(") == std::string::npos) continue;
+    decoders.push_back(name);
+    if (text.find("picture_header(") == std::string::npos) found.push_back(name);
+  }
+  EXPECT_THAT(found, testing::IsEmpty());
+  EXPECT_GE(decoders.size(), 5u);
+}
+
+}  // namespace
+}  // namespace kasumi::house

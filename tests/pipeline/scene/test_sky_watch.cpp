@@ -1,0 +1,241 @@
+// The state of the air as both cameras' pictures move it, and the air that the picture is then drawn under.
+#include <cmath>
+#include <memory>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calib/lens/lens.hpp"
+#include "capture/codec/encode.hpp"
+#include "estimator/air/scattering.hpp"
+#include "pipeline/scene/air_figures.hpp"
+#include "pipeline/scene/scene_air.hpp"
+#include "pipeline/scene/sky_watch.hpp"
+
+namespace kasumi {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr double kAltitude_m = 300.0;
+constexpr Instant kStart{1h};
+
+Installation site(SiteSkyModel model = SiteSkyModel::automatic) {
+  Installation installation;
+  installation.site.altitude_m = kAltitude_m;
+  installation.surroundings.sky_model = model;
+  installation.sky.width = installation.sky.height = 32;
+  installation.sky.lens = equidistant_lens({15.5, 15.5}, 10.0, from_degrees(90.0));
+  return installation;
+}
+
+TurbidityEstimate estimate_of(const FoundAerosol& found) {
+  TurbidityEstimate estimate;
+  estimate.usable = true;
+  estimate.sky = SkyCondition::clear;
+  estimate.turbidity = Turbidity{turbidity_of(found.aerosol)};
+  estimate.sigma = 0.1;
+  estimate.found = found;
+  return estimate;
+}
+
+FoundAerosol smoke(double aod_550) {
+  FoundAerosol found{{aod_550, 1.8, AerosolKind::smoke}, {4e-4, 0.0, 0.01}, {}, 0.0};
+  found.kinds[static_cast<std::size_t>(AerosolKind::smoke)] = 1.0;
+  return found;
+}
+
+TurbidityEstimate closed_sky() {
+  TurbidityEstimate estimate;
+  estimate.sky = SkyCondition::overcast;
+  estimate.reason = "overcast";
+  return estimate;
+}
+
+// Extinction of a column's aerosol, and of molecules, at the site.
+SceneAirReading path_through(const Aerosol& aerosol, Instant when, double relative_sigma = 0.05) {
+  PathReading path;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double wavelength_nm = std::array{610.0, 540.0, 460.0}[c];
+    const double per_m =
+        optical_depth(aerosol, wavelength_nm) / kAerosolHeight_m * std::exp(-kAltitude_m / kAerosolHeight_m) +
+        rayleigh_per_m(ScatteringModel::aerosol, wavelength_nm, kAltitude_m);
+    path.channels[c] = {PathReading::Channel::Kind::value, wavelength_nm, per_m, 0.3 * relative_sigma * per_m};
+  }
+  path.shared_sigma = relative_sigma;
+  return {when, path, std::nullopt};
+}
+
+// A watch whose sky camera sees what the test says.
+class SkyWatchTest : public testing::Test {
+ protected:
+  SkyWatch watch_over(const Installation& installation) {
+    SkyWatchOptions options;
+    options.estimator = [seen = seen](const SkyPicture&, const SunDirection& sun) {
+      auto estimate = *seen;
+      estimate.sun = sun;
+      return estimate;
+    };
+    return SkyWatch(installation, options);
+  }
+  SkyReport look(SkyWatch& watch, Instant when) {
+    auto frame = encode_frame(Image<Rgb8>(32, 32, Rgb8(90)), four_cc("RGB3")).value();
+    frame.metadata.utc = Utc{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21} + 3h};
+    return watch.observe(frame, when, SunSource::ephemeris).value();
+  }
+  AirState drawn_under(const Installation& installation, const SkyReport& report) {
+    return SceneAir(installation, {}).conditions(report).air;
+  }
+  std::shared_ptr<TurbidityEstimate> seen = std::make_shared<TurbidityEstimate>(closed_sky());
+};
+
+TEST_F(SkyWatchTest, WhileNobodySeesTheAirItIsSupposedAndSaidToBe) {
+  auto watch = watch_over(site());
+  const auto report = look(watch, kStart);
+  ASSERT_TRUE(report.state);
+  EXPECT_TRUE(report.state->supposed);
+  EXPECT_THAT(report.state->text(), HasSubstr("the air is supposed"));
+  EXPECT_FALSE(report.tracked) << "no T was found";
+  EXPECT_FALSE(report.air);
+  EXPECT_FALSE(watch.to_remember(kStart, report.utc));
+  EXPECT_EQ(observers_text(*report.state), "supposed");
+}
+
+TEST_F(SkyWatchTest, TheAerosolFoundDrivesThePicture) {
+  auto watch = watch_over(site());
+  *seen = estimate_of(smoke(0.5));
+  const auto report = look(watch, kStart);
+  ASSERT_TRUE(report.state && report.tracked && report.air);
+  const auto air = drawn_under(site(), report);
+  EXPECT_TRUE(air.aerosol_known());
+  EXPECT_NEAR(air.aerosol().aod_550, 0.5, 0.02);
+  EXPECT_EQ(air.aerosol().kind, AerosolKind::smoke);
+  EXPECT_NEAR(air.aerosol().angstrom_exponent, 1.8, 0.1);
+  EXPECT_EQ(report.tracked->turbidity, air.turbidity());
+  EXPECT_TRUE(report.tracked->trustworthy);
+  EXPECT_NEAR(report.air->aod_550, air.aerosol().aod_550, 1e-9);
+}
+
+TEST_F(SkyWatchTest, UnderThePapersSkyTAloneDrivesThePicture) {
+  auto watch = watch_over(site());
+  FoundAerosol found{aerosol_of(4.0), {1e-4, 0.0, 0.1}, {}, 0.97};
+  *seen = estimate_of(found);
+  const auto report = look(watch, kStart);
+  const auto air = drawn_under(site(), report);
+  EXPECT_FALSE(air.aerosol_known());
+  EXPECT_NEAR(air.turbidity().value, 4.0, 0.1);
+  EXPECT_GT(aod_sigma(*report.state), 0.0) << "what is not sure of T";
+}
+
+TEST_F(SkyWatchTest, OfAnAerosolKnownInPartThePapersSkyIsNotBelieved) {
+  auto installation = site();
+  installation.surroundings.air.kind = AerosolKind::maritime;
+  auto watch = watch_over(installation);
+  *seen = estimate_of({aerosol_of(4.0), {1e-4, 0.0, 0.1}, {}, 0.97});
+  const auto air = drawn_under(installation, look(watch, kStart));
+  EXPECT_TRUE(air.aerosol_known());
+  EXPECT_EQ(air.aerosol().kind, AerosolKind::maritime);
+}
+
+TEST_F(SkyWatchTest, LandmarksCarryThePictureUnderAClosedSky) {
+  auto watch = watch_over(site());
+  const Aerosol haze{0.6, 1.3, AerosolKind::continental};
+  watch.observe(path_through(haze, kStart));
+  const auto report = look(watch, kStart);
+  ASSERT_TRUE(report.state && report.tracked);
+  EXPECT_FALSE(report.state->supposed);
+  EXPECT_TRUE(report.tracked->trustworthy);
+  EXPECT_FALSE(report.by_sky) << "the sky camera said nothing";
+  const auto air = drawn_under(site(), report);
+  EXPECT_NEAR(air.aerosol().aod_550 * air.near_ground(), 0.6, 0.05);
+  EXPECT_THAT(observers_text(*report.state), HasSubstr("landmarks"));
+}
+
+TEST_F(SkyWatchTest, TheLowSkyOfTheSceneCameraIsAnObserver) {
+  auto watch = watch_over(site());
+  watch.observe({kStart, std::nullopt, ColumnReading{AirObserver::horizon, smoke(0.5)}});
+  const auto report = watch.at(kStart, Utc{}, SunSource::none);
+  EXPECT_FALSE(report.state->supposed);
+  EXPECT_THAT(observers_text(*report.state), HasSubstr("horizon"));
+}
+
+TEST_F(SkyWatchTest, AReadingBetweenTwoSkyFramesIsInTheNextPicture) {
+  auto watch = watch_over(site());
+  const auto before = look(watch, kStart);
+  watch.observe(path_through({0.6, 1.3, AerosolKind::continental}, kStart + 1s));
+  const auto after = watch.with_air(before, kStart + 1s);
+  EXPECT_FALSE(before.tracked);
+  ASSERT_TRUE(after.tracked);
+  EXPECT_EQ(after.utc, before.utc);
+  EXPECT_EQ(after.picture, before.picture);
+  EXPECT_EQ(after.estimate.reason, before.estimate.reason);
+}
+
+TEST_F(SkyWatchTest, WhatTheSkySaysAloneIsKeptForComparison) {
+  auto watch = watch_over(site());
+  *seen = estimate_of(smoke(0.2));
+  const double alone = look(watch, kStart).by_sky->turbidity.value;
+  for (int i = 0; i < 5; ++i) watch.observe(path_through({0.8, 1.8, AerosolKind::smoke}, kStart + i * 60s));
+  const auto report = watch.at(kStart + 5min, Utc{}, SunSource::none);
+  EXPECT_EQ(report.by_sky->turbidity.value, alone) << "the landmarks are not in it";
+  EXPECT_GT(std::abs(largest_disagreement_sigmas(*report.state)), 0.0);
+}
+
+TEST_F(SkyWatchTest, AskedForPreethamsSkyTAloneIsFollowedAsItWas) {
+  auto watch = watch_over(site(SiteSkyModel::preetham));
+  *seen = estimate_of(smoke(0.5));
+  watch.observe(path_through({1.5, 1.3, AerosolKind::continental}, kStart));
+  const auto report = look(watch, kStart);
+  EXPECT_FALSE(report.state);
+  ASSERT_TRUE(report.tracked);
+  EXPECT_EQ(report.tracked->turbidity, report.by_sky->turbidity);
+  TurbidityTracker alone;
+  alone.observe(*seen, kStart);
+  EXPECT_EQ(report.tracked->turbidity, alone.at(kStart)->turbidity) << "to the digit";
+  EXPECT_FALSE(drawn_under(site(SiteSkyModel::preetham), report).aerosol_known());
+}
+
+TEST_F(SkyWatchTest, AGivenAirIsDrawnWhateverIsSeen) {
+  auto installation = site();
+  installation.surroundings.air = {0.3, 1.0, AerosolKind::urban};
+  auto watch = watch_over(installation);
+  *seen = estimate_of(smoke(0.9));
+  const auto report = look(watch, kStart);
+  EXPECT_EQ(drawn_under(installation, report), AirState(Aerosol{0.3, 1.0, AerosolKind::urban}));
+  EXPECT_EQ(report.state->air.aerosol().aod_550, 0.3);
+  EXPECT_TRUE(report.tracked->trustworthy);
+}
+
+TEST_F(SkyWatchTest, TheWholeStateGoesOnAfterARestart) {
+  auto first = watch_over(site());
+  *seen = estimate_of(smoke(0.5));
+  for (int i = 0; i < 30; ++i) (void)look(first, kStart + i * 10s);
+  const auto kept = first.to_remember(kStart + 10min, Utc{2h});
+  ASSERT_TRUE(kept);
+  auto second = watch_over(site());
+  second.remember(*kept, kStart + 5min);
+  const auto before = first.at(kStart + 10min, Utc{}, SunSource::none).state.value(),
+             after = second.at(kStart + 10min, Utc{}, SunSource::none).state.value();
+  EXPECT_FALSE(after.supposed);
+  EXPECT_NEAR(after.believed.aerosol().aod_550, before.believed.aerosol().aod_550, 0.02);
+  EXPECT_EQ(after.air.aerosol().kind, AerosolKind::smoke);
+}
+
+TEST_F(SkyWatchTest, ATOfAnOldFileIsRememberedAsAir) {
+  auto watch = watch_over(site());
+  watch.remember(Turbidity{5.0}, 0.2, kStart);
+  const auto report = watch.at(kStart + 1min, Utc{}, SunSource::none);
+  ASSERT_TRUE(report.tracked);
+  EXPECT_NEAR(report.tracked->turbidity.value, 5.0, 0.5);
+  EXPECT_THAT(observers_text(*report.state), HasSubstr("remembered"));
+}
+
+TEST_F(SkyWatchTest, NonsenseIsNotRemembered) {
+  auto watch = watch_over(site());
+  watch.remember(Turbidity{std::nan("")}, 0.2, kStart);
+  EXPECT_TRUE(watch.at(kStart, Utc{}, SunSource::none).state->supposed);
+}
+
+}  // namespace
+}  // namespace kasumi
