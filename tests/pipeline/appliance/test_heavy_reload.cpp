@@ -4,7 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <numeric>
+#include <string>
 #include <thread>
+
+#include <unistd.h>
 
 #include "base/files.hpp"
 #include "capture/fixture/fixture.hpp"
@@ -18,7 +24,7 @@ namespace {
 
 constexpr Duration kCameraInterval = 33ms;
 constexpr Duration kLongestStandstill = 250ms;
-constexpr Duration kBusyMachine = 100ms;  // three frames late without any reload: others have the processors
+constexpr double kBusyMachine = .1;  // of the processors' time in other processes' hands
 
 // The recording's first scene frame, thirty times a second, with something that moves: it is not frozen.
 class SteadyCamera final : public FrameSource {
@@ -111,6 +117,29 @@ void write_heavy_model(const std::filesystem::path& file, int texels) {
   ASSERT_TRUE(write_file(file, fixtures::glb_of({node}, fixtures::GlbKind::exact, "test")));
 }
 
+// Processor time since boot, in ticks: what all processes and other machines on the same host took, and what this one did.
+struct ProcessorTime {
+  double all = 0, busy = 0, ours = 0;
+
+  static ProcessorTime now() {
+    ProcessorTime time;
+    std::array<double, 8> spent{};  // user, nice, system, idle, waiting for disks, interrupts, soft ones, stolen
+    std::ifstream stat("/proc/stat");
+    std::string cpu;
+    stat >> cpu;
+    for (auto& ticks : spent) stat >> ticks;
+    time.all = std::accumulate(spent.begin(), spent.end(), 0.0);
+    time.busy = time.all - spent[3] - spent[4];
+    time.ours = static_cast<double>(std::clock()) / CLOCKS_PER_SEC * static_cast<double>(::sysconf(_SC_CLK_TCK));
+    return time;
+  }
+};
+
+// The share of the processors that others had.
+double share_of_others(const ProcessorTime& began, const ProcessorTime& ended) {
+  return (ended.busy - began.busy - (ended.ours - began.ours)) / std::max(1.0, ended.all - began.all);
+}
+
 // The appliance with its real threads but the main one.
 class Running {
  public:
@@ -182,12 +211,14 @@ TEST(HeavyReload, Row36ThePictureNeverStandsStillForAQuarterOfASecond) {
   ASSERT_TRUE(running.appliance.render().status().building_drawn);
   std::filesystem::rename(folder / "heavy.glb", folder / "temple.glb");
 
-  Duration best = 1h, quietest = 1h;
+  Duration best = 1h;
+  double least_others = 1;
   for (int i = 0; i < 3 && best > kLongestStandstill; ++i) {
     const auto quiet_from = running.clock.now();
     running.run_for(1s);
     const auto quiet = running.longest_standstill(quiet_from);
     const auto asked = running.clock.now();
+    const auto began = ProcessorTime::now();
     running.appliance.reload().ask();
     const auto ended = [&] {
       const auto& status = running.reload_status();
@@ -199,17 +230,18 @@ TEST(HeavyReload, Row36ThePictureNeverStandsStillForAQuarterOfASecond) {
     ASSERT_TRUE(running.reload_status()->problems.empty()) << running.reload_status()->problems.front();
     running.run_for(1s);
     const auto standstill = running.longest_standstill(asked);
+    const double others = share_of_others(began, ProcessorTime::now());
     std::printf(
         "36 reload of eight textures of 4096 x 4096 in %.1f s: the picture stood still for %.3f s at most, "
-        "%.3f s before\n",
-        to_seconds(took), to_seconds(standstill), to_seconds(quiet));
+        "%.3f s before; other processes had %.0f %% of the machine\n",
+        to_seconds(took), to_seconds(standstill), to_seconds(quiet), 100 * others);
     std::fflush(stdout);
     best = std::min(best, standstill);
-    quietest = std::min(quietest, quiet);
+    least_others = std::min(least_others, others);
   }
-  if (best > kLongestStandstill && quietest > kBusyMachine)
-    GTEST_SKIP() << "the machine is too busy to tell: without a reload the picture stands still for "
-                 << to_seconds(quietest) << " s";
+  if (best > kLongestStandstill && least_others > kBusyMachine)
+    GTEST_SKIP() << fmt::format("the machine is too busy to tell: other processes had {:.0f} % of it",
+                                100 * least_others);
   EXPECT_TRUE(running.appliance.render().status().building_drawn);
   EXPECT_LE(best, kLongestStandstill);
 }
