@@ -5,6 +5,7 @@
 #include <cstring>
 #include <optional>
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -15,24 +16,38 @@ namespace {
 
 using SocketClock = std::chrono::steady_clock;
 
-Result<sockaddr_un> address_of(const std::filesystem::path& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  const auto text = path.string();
-  if (text.size() >= sizeof address.sun_path)
-    return fail(FaultKind::io, "{}: a socket's path has at most {} characters", text, sizeof address.sun_path - 1);
-  text.copy(address.sun_path, text.size());
-  return address;
-}
-
-UniqueFd local_stream() {
-  return UniqueFd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-}
-
 Fault socket_fault(const std::filesystem::path& path, int error) {
   const bool nobody = error == ENOENT || error == ENOTDIR || error == ECONNREFUSED;
   const auto kind = nobody ? FaultKind::disconnected : error == EAGAIN ? FaultKind::timeout : FaultKind::io;
   return {kind, fmt::format("{}: {}", path.string(), std::strerror(error))};
+}
+
+// A socket's address. The kernel takes 107 characters, so a longer path is named through its open folder.
+struct SocketAddress {
+  sockaddr_un address{};
+  UniqueFd folder;  // open while the address is used
+
+  const sockaddr* generic() const { return reinterpret_cast<const sockaddr*>(&address); }
+};
+
+// Errors: disconnected (no such folder), io.
+Result<SocketAddress> address_of(const std::filesystem::path& path) {
+  SocketAddress found;
+  found.address.sun_family = AF_UNIX;
+  auto text = path.string();
+  if (text.size() >= sizeof found.address.sun_path) {
+    found.folder = UniqueFd(::open(path.parent_path().c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+    if (!found.folder) return fail(socket_fault(path, errno));
+    text = fmt::format("/proc/self/fd/{}/{}", found.folder.value(), path.filename().string());
+  }
+  if (text.size() >= sizeof found.address.sun_path)
+    return fail(FaultKind::io, "{}: a socket's name has at most 80 characters", path.string());
+  text.copy(found.address.sun_path, text.size());
+  return found;
+}
+
+UniqueFd local_stream() {
+  return UniqueFd(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
 // Errors: timeout.
@@ -70,7 +85,7 @@ Result<UniqueFd> listen_at(const std::filesystem::path& path) {
   auto socket = local_stream();
   struct stat there {};
   if (::lstat(path.c_str(), &there) == 0 && S_ISSOCK(there.st_mode)) ::unlink(path.c_str());
-  if (!socket || ::bind(socket.value(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0 ||
+  if (!socket || ::bind(socket.value(), address->generic(), sizeof address->address) != 0 ||
       ::chmod(path.c_str(), 0660) != 0 || ::listen(socket.value(), 4) != 0)
     return fail(FaultKind::io, "{}", socket_fault(path, errno).message);
   return socket;
@@ -85,8 +100,7 @@ Result<UniqueFd> connect_to(const std::filesystem::path& path) {
   const auto address = address_of(path);
   if (!address) return fail(address.error());
   auto socket = local_stream();
-  if (socket && ::connect(socket.value(), reinterpret_cast<const sockaddr*>(&*address), sizeof *address) == 0)
-    return socket;
+  if (socket && ::connect(socket.value(), address->generic(), sizeof address->address) == 0) return socket;
   return fail(socket_fault(path, errno));
 }
 

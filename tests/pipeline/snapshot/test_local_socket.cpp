@@ -30,6 +30,22 @@ TEST(LocalSocket, NobodyThereIsToldApartFromNotAllowed) {
   EXPECT_EQ(connect_to(socket_path(std::string(200, 'x'))).error().kind, FaultKind::io);
 }
 
+TEST(LocalSocket, AFolderMayBeDeeperThanTheKernelsAddress) {
+  const auto folder = test_output_folder() / std::string(60, 'd') / std::string(60, 'e');
+  std::filesystem::create_directories(folder);
+  const auto path = folder / "deep.sock";
+  ASSERT_GT(path.string().size(), 107U);
+  {
+    const auto listening = listen_at(path);
+    ASSERT_TRUE(listening) << listening.error().message;
+    const auto caller = connect_to(path);
+    ASSERT_TRUE(caller) << caller.error().message;
+    EXPECT_TRUE(accept_within(*listening, 1s));
+  }
+  EXPECT_EQ(connect_to(path).error().kind, FaultKind::disconnected) << "an earlier process left it there";
+  EXPECT_EQ(connect_to(folder / "none" / "deep.sock").error().kind, FaultKind::disconnected);
+}
+
 TEST(LocalSocket, IsOnlyForItsAccountAndItsGroup) {
   const auto path = socket_path("mode");
   const auto listening = listen_at(path);
