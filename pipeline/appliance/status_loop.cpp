@@ -127,10 +127,14 @@ void StatusLoop::step() {
   }
 }
 
-void StatusLoop::finish() {
+void StatusLoop::keep() {
   gather();
   write_status();
   save_air();
+}
+
+void StatusLoop::finish() {
+  keep();
   if (options_.stats) spdlog::info("{}", stats_text(status_));
 }
 

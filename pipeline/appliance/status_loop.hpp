@@ -24,7 +24,8 @@ class StatusLoop {
   StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
   // BLOCKS for as long as the disk takes. Call it about once a second.
   void step();
-  void finish();  // writes and saves one last time
+  void keep();    // writes and saves what there is
+  void finish();  // the same, and the last statistics
   const Status& status() const { return status_; }
 
  private:

@@ -78,8 +78,8 @@ void wait_for_signals(Stop& stop, ReloadLoop& reload, Bell& ended) {
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }
   if (ended.wait_for(kShutdownDeadline)) return;
-  // A thread is stuck in a driver or a disk. Files are replaced atomically, so exiting now corrupts nothing.
-  spdlog::warn("a thread is stuck in a driver or a disk: exiting without it");
+  // Stuck in a driver or a disk, or a check on a busy machine. Files are replaced atomically, so exiting corrupts nothing.
+  spdlog::warn("a thread did not end within {:.1f} s: exiting without it", to_seconds(kShutdownDeadline));
   std::_Exit(EXIT_SUCCESS);
 }
 
@@ -122,6 +122,8 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
       appliance.status().step();
       status_bell.wait_for(1s);
     });
+    // At once, since the other threads may not end in time.
+    LoopGuard("status", clock).run([&] { appliance.status().keep(); });
   }));
   loops.push_back(start("check", [&] {
     // Lowest priority: it may take its time.

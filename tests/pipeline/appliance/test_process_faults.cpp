@@ -31,7 +31,8 @@ TEST(Process, Row37StateThatTheDiskCannotReadBeginsAnew) {
   EXPECT_THAT(kasumi.log(), HasSubstr("landmarks.json: cannot be read: Input/output error"));
   kasumi.send(SIGTERM);
   EXPECT_EQ(kasumi.wait(60s), 0) << kasumi.log();
-  EXPECT_TRUE(load_turbidity_state(folder / "state"));
+  EXPECT_TRUE(load_turbidity_state(folder / "state"))
+      << kasumi.log() << read_text_file(folder / "status.json").value_or("");
 }
 
 TEST(Process, Row37ContentThatTheDiskCannotReadIsKeptOutOnReloadAndTriedAgainAtTheStart) {
