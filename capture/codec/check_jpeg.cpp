@@ -28,6 +28,8 @@ class JpegChecker {
 
   JpegErrors errors_;
   jpeg_decompress_struct info_{};
+  std::vector<std::uint8_t> samples_;
+  JSAMPROW line_ = nullptr;
 };
 
 Result<> JpegChecker::check(std::span<const std::uint8_t> bytes) {
@@ -42,11 +44,10 @@ Result<> JpegChecker::check(std::span<const std::uint8_t> bytes) {
         jpeg_start_decompress(&info_);
       }))
     return damaged();
-  std::vector<std::uint8_t> samples(static_cast<std::size_t>(info_.output_width) *
-                                    static_cast<std::size_t>(info_.output_components));
-  JSAMPROW line = samples.data();
-  if (!errors_.guard([&] {
-        while (info_.output_scanline < info_.output_height) jpeg_read_scanlines(&info_, &line, 1);
+  samples_.resize(static_cast<std::size_t>(info_.output_width) * static_cast<std::size_t>(info_.output_components));
+  line_ = samples_.data();
+  if (!errors_.guard([this] {
+        while (info_.output_scanline < info_.output_height) jpeg_read_scanlines(&info_, &line_, 1);
         jpeg_finish_decompress(&info_);
       }))
     return damaged();

@@ -45,6 +45,7 @@ class Unexplained {
   // trusts in their smoothness leans on the finest differences between patches, which no model has right.
   template <class Columns>
   void whiten(int part, Columns& columns) const {
+    if (columns.cols() == 0) return;  // Eigen takes the address of the first value
     factors_[static_cast<std::size_t>(part)].matrixL().solveInPlace(columns);
   }
   // What whitened columns would vary and vary together by, if errors are as smooth as believed: A^T M A, M being the
