@@ -19,7 +19,8 @@ class Notifier {
   virtual void stopping() = 0;
 };
 
-// Uses sd_notify; without a service manager nothing happens. Any thread.
+// As $NOTIFY_SOCKET says; without a service manager nothing happens. Any thread, never waits: a manager that does not
+// read hears the newest message of each kind once it does.
 std::unique_ptr<Notifier> notify_systemd();
 
 }  // namespace kasumi

@@ -148,7 +148,7 @@ inline const Walls kLibraryDoors = {
     {"opencv2/aruco", {"calib/board/charuco.cpp"}},
     {"opencv2/calib3d", {"calib/board/board.cpp"}},
     {"spdlog/", {"pipeline/"}},
-    {"systemd/", {"pipeline/machine/notifier.cpp", "pipeline/machine/timedated.cpp"}},
+    {"systemd/", {"pipeline/machine/timedated.cpp"}},
     {"tiny_gltf.h", {"gles/model/"}},
     {"toml++/", {"base/table/"}},
     {"xf86drm", {"gles/display/kms_drm"}},
