@@ -83,7 +83,8 @@ Instant RenderLoop::step() try { return take_step(); } catch (const std::excepti
 }
 
 Instant RenderLoop::take_step() {
-  mailboxes_.render.pulse.turn(clock_.now(), kPollInterval + kDrawingBound);
+  turned_ = clock_.now();
+  mailboxes_.render.pulse.turn(turned_, kPollInterval + kDrawingBound);
   watch_loops();
   read_mailbox();
   adopt_content();
@@ -139,7 +140,8 @@ void RenderLoop::answer(const std::optional<StageAnswer>& answer) {
   mailboxes_.reload.bell.ring();
 }
 
-// Pictures go first: what takes longer than a few milliseconds waits for the next step.
+// Pictures go first: what takes longer than a few milliseconds, or than the picture itself where drawing is slow, waits
+// for the next step.
 void RenderLoop::prepare_next_stage() {
   if (auto order = mailboxes_.render.order.take()) next_.order(std::move(*order));
   if (!next_.is_unfinished()) return;
@@ -149,9 +151,11 @@ void RenderLoop::prepare_next_stage() {
   Rehearsal rehearsal{sky_.report, layout_};
   if (target_size_) std::tie(rehearsal.target_width, rehearsal.target_height) = *target_size_;
   const auto began = clock_.now();
-  for (int i = 0; i < kMostPreparingPieces && next_.is_unfinished(); ++i) {
+  const Duration longest = std::max<Duration>(kPreparingTime, began - turned_);
+  for (int i = 1; next_.is_unfinished(); ++i) {
     answer(next_.work(display->context(), rehearsal));
-    if (clock_.now() - began >= kPreparingTime) break;
+    const Duration taken = clock_.now() - began;
+    if (taken >= longest || (taken <= Duration::zero() && i >= kMostPreparingPieces)) break;
   }
 }
 

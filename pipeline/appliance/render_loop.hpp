@@ -82,6 +82,7 @@ class RenderLoop {
   LatencyWatch latency_;
   SnapshotDesk snapshots_;
   std::optional<Composition> shown_;
+  Instant turned_;  // when the present step began
   Instant shown_at_;
   std::optional<Instant> published_at_;
   Instant minute_began_;
