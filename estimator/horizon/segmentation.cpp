@@ -26,6 +26,17 @@ struct Working {
   cv::Mat never_sky;               // 8U
 };
 
+// OpenCV makes its tables for Lab at the first use, without a lock (4.6): threads that meet there each make them, and all
+// but the last are lost.
+void make_lab_tables() {
+  static const bool made = [] {
+    cv::Mat pixel(1, 1, CV_32FC3, cv::Scalar::all(0.5));
+    cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
+    return true;
+  }();
+  static_cast<void>(made);
+}
+
 Working prepare(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky) {
   // OpenCV does not write through this header; the const_cast is needed because cv::Mat has no const form.
   const cv::Mat full(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.row(0)));
@@ -35,6 +46,7 @@ Working prepare(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky
   Working w;
   cv::resize(full, w.rgb, size, 0, 0, cv::INTER_AREA);
   cv::medianBlur(w.rgb, w.rgb, 5);
+  make_lab_tables();
   cv::Mat lab;
   w.rgb.convertTo(lab, CV_32F, 1.0 / 255.0);
   cv::cvtColor(lab, lab, cv::COLOR_RGB2Lab);
