@@ -10,6 +10,9 @@ import time
 from machine import Machine
 
 FIXTURE_STARTS_UTC = "2026-10-20T00:50:00"  # the preset "fine-morning"
+# Of scene and screen: small, because software GL draws them on an emulated processor, but one that QEMU can describe (its EDID has
+# no vertical sync below 200 lines) and vimc can deliver (multiples of 6 only).
+SIZE = 384, 216
 SCENE_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-scene"\n'
 SKY_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-sky"\n'
 VIMC = 'source = "libcamera"\ncamera = "platform/vimc.0 Sensor B"\n'
@@ -50,11 +53,12 @@ WantedBy=multi-user.target
 """
 
 
-def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", patience=1.0, scene_width=640):
+def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", patience=1.0, scene_size=SIZE):
     """A fixture's cameras and building as kasumi.toml, with live cameras instead of recorded ones."""
     described = (fixture / "fixture.toml").read_text()
-    if scene_width != 640:
-        described = described.replace("width = 640\n", f"width = {scene_width}\n").replace('mask = "scene-mask.png"\n', "")
+    if scene_size != SIZE:
+        size = "width = {}\nheight = {}\n"
+        described = described.replace(size.format(*SIZE), size.format(*scene_size)).replace('mask = "scene-mask.png"\n', "")
     return (described[described.index("[site]"):]
             + f"\n[sky.camera]\n{sky}\n[scene.camera]\n{scene}\n"
             + f'[clock]\npolicy = "{clock}"\n[state]\nfolder = "/var/lib/kasumi"\n'
@@ -75,7 +79,7 @@ def make_disk(build, folder):
         subprocess.run([str(part) for part in command], check=True, stdout=subprocess.DEVNULL, timeout=300)
 
     for name, encoding, frames in (("fixture", "MJPG", 10), ("fixture-yuyv", "YUYV", 2)):
-        run(build / "kasumi-generate-fixture", "fine-morning", "--scene-size", "640x360", "--sky-size", "320", "--frames", frames,
+        run(build / "kasumi-generate-fixture", "fine-morning", "--scene-size", "{}x{}".format(*SIZE), "--sky-size", "320", "--frames", frames,
             "--period", "0.5", "--truth-frames", "0", "--scene-format", encoding, "--out", ours / name)
         run(build / "kasumi", "replay", ours / name, "--out", folder / f"{name}-reference")
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")
@@ -98,7 +102,7 @@ def make_disk(build, folder):
 
 class Kiosk(Machine):
     def __init__(self, image, disk, folder, **options):
-        super().__init__(image, folder, extra_disk=disk, utc=FIXTURE_STARTS_UTC, **options)
+        super().__init__(image, folder, extra_disk=disk, size=SIZE, utc=FIXTURE_STARTS_UTC, **options)
         self.fixture = disk.parent / "content/opt/kasumi-vm/fixture"
 
     def install(self):

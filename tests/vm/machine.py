@@ -115,7 +115,7 @@ def runs(image, acceleration):
 
 
 class Machine:
-    def __init__(self, image, folder, extra_disk=None, width=640, height=360, utc=None):
+    def __init__(self, image, folder, size, extra_disk=None, utc=None):
         """`image`: what image/build printed. `folder`: for sockets, logs and pictures. `extra_disk`: a file that the guest
         sees as /dev/vdb. `utc`: what its clock says at the start, like 2026-10-20T00:50:00."""
         self.folder = pathlib.Path(folder)
@@ -130,7 +130,7 @@ class Machine:
             " no_timer_check",  # on a busy host the kernel's timer check may fail and panic
             # Every machine starts from the same disk; its writes survive power cuts and are discarded with the machine.
             "-drive", f"file={image}/disk.img,if=virtio,format=raw,snapshot=on",
-            "-device", f"virtio-gpu-pci,id=gpu,xres={width},yres={height}", "-vnc", f"unix:{self.socket_of('vnc')}",
+            "-device", f"virtio-gpu-pci,id=gpu,xres={size[0]},yres={size[1]}", "-vnc", f"unix:{self.socket_of('vnc')}",
             "-device", "i6300esb", "-action", "watchdog=reset",
             "-serial", f"file:{self.folder}/console.log",
             "-device", "virtio-serial", "-device", "virtserialport,chardev=agent,name=org.qemu.guest_agent.0",

@@ -11,15 +11,11 @@ def read(path):
 
 
 def psnr_db(picture, references):
-    """Against the nearest of the references, because it is random which of the recorded frames is on the screen."""
+    """Against the nearest of the references, because it is random which of the recorded frames is on the screen; 0 if it is of
+    another size."""
     screen = read(picture)
-    likeness = []
-    for path in references:
-        reference = read(path)
-        if reference.shape != screen.shape:
-            raise AssertionError(f"{picture} is {screen.shape[1]}x{screen.shape[0]}, {path} {reference.shape[1]}x{reference.shape[0]}")
-        likeness.append(cv2.PSNR(screen, reference))
-    return max(likeness)
+    likeness = [cv2.PSNR(screen, reference) for reference in map(read, references) if reference.shape == screen.shape]
+    return max(likeness, default=0.0)
 
 
 def brightness(picture):

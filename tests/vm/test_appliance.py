@@ -97,14 +97,16 @@ class LiveKiosk(unittest.TestCase):
     def assert_same_process(self):
         self.assertEqual(self.kiosk.unit("MainPID")["MainPID"], self.process_before, "the program was restarted")
 
-    def assert_screen_as_computed(self, name, fixture="fixture"):
-        """The screen matches the picture rendered without a screen, pixel for pixel except for rounding."""
+    def assert_screen_as_computed(self, name, fixture="fixture", not_this=None):
+        """The screen comes to match the picture rendered without a screen, pixel for pixel except for rounding, and differs from
+        the screenshot `not_this`. The next picture may be seconds away on an emulated processor, and after a snapshot is loaded
+        QEMU shows the whole buffer, of another size, until then."""
         references = sorted((setup.folder / f"disk/{fixture}-reference").glob("*.png"))
-        best = 0.0
-        for attempt in range(5):  # a screenshot may be taken between two pictures
-            best = max(best, pictures.psnr_db(self.kiosk.photograph(f"{self._testMethodName}-{name}"), references))
-            if best >= LEAST_PSNR_DB:
-                break
+        best, deadline = 0.0, time.monotonic() + 10 * self.kiosk.slowness
+        while best < LEAST_PSNR_DB and time.monotonic() < deadline:
+            screen = self.kiosk.photograph(f"{self._testMethodName}-{name}")
+            if not_this is None or screen.read_bytes() != not_this:
+                best = max(best, pictures.psnr_db(screen, references))
             time.sleep(0.5)
         print(f"PSNR {best:.1f} dB ... ", end="", flush=True)
         self.assertGreaterEqual(best, LEAST_PSNR_DB)
@@ -177,7 +179,7 @@ class FixtureFrames(LiveKiosk):
         """The display is unplugged and comes back with another size."""
         monitor = self.kiosk.monitor()
         self.addCleanup(monitor.socket.close)
-        monitor.plug(640, 360)
+        monitor.plug(*kiosk.SIZE)
         monitor.unplug()
         self.kiosk.wait_status("the display is reported as down", lambda status: not status["display"]["up"])
         monitor.plug(800, 600)
@@ -217,13 +219,13 @@ class FixtureFrames(LiveKiosk):
         self.recovered(time.monotonic() - started, 120)
 
     def test_21_disk_full(self):
-        """Not one byte can be written: nothing changes on the screen."""
+        """Not one byte can be written: the pictures on the screen go on."""
         in_its_world = f"nsenter -t {self.process_before} -m sh -c"
         folders = "/var/lib/kasumi /run/kasumi /var/cache/kasumi /tmp"
         self.kiosk.run(f"{in_its_world} 'for folder in {folders}; do mount -t tmpfs -o size=16k,mode=0777 full $folder &&"
                        " ! cat /dev/zero > $folder/filler || exit 1; done'")
-        time.sleep(5)
         self.assert_screen_as_computed("full")
+        self.assert_screen_as_computed("still-full", not_this=(self.kiosk.folder / f"{self._testMethodName}-full.ppm").read_bytes())
         self.kiosk.run(f"{in_its_world} 'umount {folders}'")
         started = time.monotonic()
         self.kiosk.wait_new_picture()
@@ -269,7 +271,7 @@ class TestDriver(LiveKiosk):
     @classmethod
     def prepare(cls):
         cls.kiosk.run("modprobe vivid && udevadm settle")
-        cls.kiosk.configure(scene=kiosk.VIVID)
+        cls.kiosk.configure(scene=kiosk.VIVID, scene_size=(320, 180))  # among the few that vivid has
         return True
 
     def control(self, text):
@@ -370,7 +372,7 @@ class Libcamera(LiveKiosk):
     @classmethod
     def prepare(cls):
         cls.kiosk.run("modprobe vimc && udevadm settle")
-        cls.kiosk.configure(scene=kiosk.VIMC, scene_width=636)  # vimc: multiples of 6 only
+        cls.kiosk.configure(scene=kiosk.VIMC)
         return True
 
     def test_00_is_live(self):
