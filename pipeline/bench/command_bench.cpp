@@ -1,8 +1,10 @@
 #include <cstdio>
 #include <memory>
 
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "gles/display/display_listing.hpp"
 #include "pipeline/bench/bench.hpp"
 #include "pipeline/bench/gles.hpp"
 #include "pipeline/bench/haze.hpp"
@@ -28,6 +30,22 @@ void print(const std::vector<BenchRow>& rows, bool markdown) {
   }
 }
 
+// Whether the kiosk's pictures need the GPU at all on this machine's displays.
+void print_planes() {
+  const auto cards = list_displays();
+  if (cards.empty()) fmt::print("planes: no graphics card with a display: the GPU composes each picture\n");
+  for (const auto& card : cards) {
+    if (!card.plane_formats.empty())
+      fmt::print("planes: {} ({}) lays the building over pictures in {} by itself\n", card.path, card.driver,
+                 fmt::join(card.plane_formats, ", "));
+    else
+      fmt::print("planes: {} ({}): the GPU composes each picture: {}\n", card.path, card.driver,
+                 !card.problem.empty()     ? card.problem
+                 : !card.no_planes.empty() ? card.no_planes
+                                           : "no display is connected");
+  }
+}
+
 // Every part in turn; the first that cannot be measured ends it.
 Result<int> measure(bool markdown) {
   if (markdown)
@@ -43,6 +61,7 @@ Result<int> measure(bool markdown) {
     if (!rows) return fail(rows.error());
     print(*rows, markdown);
   }
+  if (!markdown) print_planes();
   return 0;
 }
 

@@ -59,7 +59,6 @@ Result<PlanePicture> BuildingPlanes::next(Compositor& compositor, Display& displ
     if (auto drawn = compositor.draw_for_plane(buffer.buffer->target()); !drawn) return fail(drawn.error());
     buffer.look = look;
     buffer.drawn = now;
-    ++drawn_;
   }
   picture.building = buffer.buffer;
   picture.left = seen.left, picture.top = seen.top, picture.right = seen.right, picture.bottom = seen.bottom;

@@ -3,7 +3,7 @@
 // comes and the building has changed.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -19,7 +19,6 @@ class BuildingPlanes {
   // The building over the picture that the compositor took last; none where it is not to be seen. The display must have
   // shown the one before last. Errors: unsupported (no such buffers), device.
   Result<PlanePicture> next(Compositor& compositor, Display& display, Instant now);
-  std::uint64_t drawn() const { return drawn_; }  // buffers, so far
 
  private:
   struct Buffer {
@@ -30,7 +29,6 @@ class BuildingPlanes {
   std::vector<Buffer> buffers_;
   std::size_t at_ = 0;  // given last
   int width_ = 0, height_ = 0;
-  std::uint64_t drawn_ = 0;
 };
 
 }  // namespace kasumi

@@ -458,6 +458,19 @@ TEST_F(KmsRig, ListsCardsWithoutBecomingMaster) {
   EXPECT_EQ(card_.open_devices, 0);
 }
 
+TEST_F(KmsRig, ListsWhatTheDisplayMayLayABuildingOver) {
+  EXPECT_THAT(list_displays(*system_)[0].plane_formats, ElementsAre("XR24"));
+  card_.planes[0].formats.push_back(drm_format("NV12"));
+  EXPECT_THAT(list_displays(*system_)[0].plane_formats, ElementsAre("XR24")) << "it cannot be told to convert";
+  card_.planes[0].encodings = {YuvEncoding::bt709_limited};
+  EXPECT_THAT(list_displays(*system_)[0].plane_formats, ElementsAre("XR24", "NV12"));
+  EXPECT_EQ(list_displays(*system_)[0].no_planes, "");
+  card_.planes.resize(1);  // virtio_gpu
+  EXPECT_EQ(list_displays(*system_)[0].no_planes, "the display has no overlay plane");
+  card_.has_atomic = false;
+  EXPECT_THAT(list_displays(*system_)[0].no_planes, HasSubstr("no atomic commits"));
+}
+
 TEST_F(KmsRig, MeasuresItsFlips) {
   switch_on();
   const auto timing = measure_flips(*display_, clock_, 20);

@@ -2,6 +2,8 @@
 // and without a flash on the way there and back.
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -67,6 +69,27 @@ TEST(Planes, ShowThePictureThatTheGpuWouldCompose) {
   EXPECT_LT(with->status().render.uploads, uploads + 10)
       << "the GPU sees the camera's picture only to draw the building";
   EXPECT_EQ(with->status().render.scene_frames, without->status().render.scene_frames);
+}
+
+// Six buildings take turns, each with noise of its own; few of them are drawn anew.
+TEST(Planes, CarryTheCamerasNoise) {
+  auto options = lent("planes-noise");
+  options.more_config = "\n[scene.noise]\nfull_scale_electrons = 500\nread_electrons = 3\n";
+  const auto rig = running_on_planes(options);
+  ASSERT_EQ(planes(*rig), "on");
+  const auto uploads = rig->status().render.uploads;
+  constexpr int kPictures = 24;
+  std::set<std::vector<std::uint8_t>> buildings;
+  for (int i = 0; i < kPictures; ++i) {
+    rig->advance(kSceneInterval);
+    const auto picture = rig->picture();
+    std::vector<std::uint8_t> below_the_number;  // nothing but the building changes there
+    for (int y = 20; y < picture.height(); ++y)
+      for (int x = 0; x < picture.width(); ++x) below_the_number.push_back(picture.at(x, y).g);
+    buildings.insert(std::move(below_the_number));
+  }
+  EXPECT_GE(buildings.size(), 6u);
+  EXPECT_LE(rig->status().render.uploads - uploads, kPictures * 3 / 4) << "each is drawn every two seconds";
 }
 
 TEST(Planes, GiveWayToWhateverLiesOverTheScene) {
