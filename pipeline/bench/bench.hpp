@@ -16,8 +16,8 @@ struct BenchRow {
   double value = 0.0;
   std::string unit = "x";
   std::optional<double> goal;  // none: for information only
-  bool at_most = true;         // the goal is an upper bound; else a lower one
-  bool reached() const { return !goal || (at_most ? value <= *goal : value >= *goal); }
+  bool less_is_better = true;  // and a goal is an upper bound; else a lower one
+  bool reached() const { return !goal || (less_is_better ? value <= *goal : value >= *goal); }
 };
 
 // Seconds of one call.

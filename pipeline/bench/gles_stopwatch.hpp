@@ -14,6 +14,10 @@ class Stopwatch {
   double ratio(A a, B b, int pairs = 31) {
     return paired_ratio([&] { finish(a()); }, [&] { finish(b()); }, pairs);
   }
+  template <class A>
+  double least_seconds(A a, int times) {
+    return least_seconds_of([&] { finish(a()); }, times);
+  }
   const Result<>& result() const { return result_; }
 
  private:
