@@ -11,6 +11,7 @@
 #include "pipeline/bench/gles.hpp"
 #include "pipeline/bench/growth.hpp"
 #include "pipeline/bench/haze.hpp"
+#include "pipeline/bench/peers.hpp"
 #include "pipeline/bench/recorded_run.hpp"
 #include "pipeline/command.hpp"
 
@@ -21,7 +22,7 @@ namespace {
 struct BenchArguments {
   bool markdown = false;
   std::vector<std::string> only;
-  std::string json, against, growth;
+  std::string json, against, growth, peers;
 };
 
 struct Part {
@@ -140,8 +141,17 @@ Result<int> measure_growth(const std::filesystem::path& folder, bool markdown) {
   return 0;
 }
 
+Result<int> measure_peers(const std::string& fixture, bool markdown) {
+  const auto peers = bench_peers(fixture);
+  if (!peers) return fail(peers.error());
+  Table(markdown, true).add(peers->rows);
+  for (const auto& why : peers->skipped) fmt::print(stderr, "SKIPPED {}\n", why);
+  return 0;
+}
+
 Result<int> bench(const BenchArguments& arguments, const std::string& version) {
   if (!arguments.growth.empty()) return measure_growth(arguments.growth, arguments.markdown);
+  if (!arguments.peers.empty()) return measure_peers(arguments.peers, arguments.markdown);
   std::optional<RecordedRun> before;
   if (!arguments.against.empty()) {
     auto read = read_recorded_run(arguments.against);
@@ -182,6 +192,9 @@ void add_bench_command(CLI::App& app, Action& action) {
   command->add_option("--growth", arguments->growth,
                       "Instead: how pictures a second and memory change with triangles, textures, the picture's size "
                       "and buildings, as growth.csv and growth.svg in this folder");
+  command->add_option("--peers", arguments->peers,
+                      "Instead: processor time of a picture beside GStreamer's and mpv's, playing the JPEG frames of "
+                      "this fixture's scene camera in a window");
   const std::string version = app.version();
   command->callback([&action, arguments, version] { action = [=] { return bench(*arguments, version); }; });
 }

@@ -11,8 +11,8 @@
 namespace kasumi {
 
 struct GrowthCost {
-  double picture_ms = 0.0;  // upload and cached composite, the quickest of several
-  double over_blit = 0.0;   // cached composite / plain blit of that size, in turn
+  double picture_ms = 0.0;  // NV12 upload and cached composite, the quickest of several
+  double over_blit = 0.0;   // cached composite of an RGBA picture / plain blit of it, in turn
   double redraw_ms = 0.0;   // the layer, shadows included
   double model_mib = 0.0;   // on the GPU
   double peak_mib = 0.0;    // of the process: with software GL the GPU's memory is in it

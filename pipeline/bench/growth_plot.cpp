@@ -35,7 +35,8 @@ LogAxis axis_over(double least, double most, double from, double to) {
 
 std::string mark_text(double value) {
   if (value >= 1e6) return fmt::format("{:g} M", value / 1e6);
-  return value >= 1e4 ? fmt::format("{:g} k", value / 1e3) : fmt::format("{:.4g}", value);
+  if (value >= 1e4) return fmt::format("{:g} k", value / 1e3);
+  return value >= 100 ? fmt::format("{:.0f}", value) : fmt::format("{:.2g}", value);
 }
 
 std::string panel(const GrowthCurve& curve, double x, double y) {
@@ -48,7 +49,7 @@ std::string panel(const GrowthCurve& curve, double x, double y) {
   if (curve.points.empty() || !(least > 0.0)) return {};
   const double right = x + kPanelWidth - 12, bottom = y + kPanelHeight - kBelow;
   const LogAxis across = axis_over(curve.points.front().at, curve.points.back().at, x + kLeft, right);
-  const LogAxis up = axis_over(least, most, bottom, y + kAbove);
+  const LogAxis up = axis_over(std::pow(10.0, std::floor(std::log10(least))), most, bottom, y + kAbove);
   std::string svg =
       fmt::format("<text x='{:.0f}' y='{:.0f}' font-weight='bold'>over {}</text>\n", x + kLeft, y + 18, curve.over);
   for (double decade = std::ceil(up.lowest); decade <= up.highest; ++decade) {

@@ -17,6 +17,12 @@ using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+std::filesystem::path bench_folder() {
+  const auto folder = test_folder("bench");
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
 RecordedRun run_of(double composite, double points_per_s, double memory_mib) {
   return {"1.0.0",
           "a processor",
@@ -69,7 +75,7 @@ TEST(RecordedRun, TheBetterOfTwoMeasurementsIsKept) {
 }
 
 TEST(RecordedRun, IsReadAsItWasWritten) {
-  const auto file = test_folder("bench") / "run.json";
+  const auto file = bench_folder() / "run.json";
   const RecordedRun run = run_of(1.25, 2.2, 30.0);
   ASSERT_TRUE(write_text_file(file, json_of(run)));
   const auto read = read_recorded_run(file);
@@ -78,7 +84,7 @@ TEST(RecordedRun, IsReadAsItWasWritten) {
 }
 
 TEST(RecordedRun, AllProblemsOfAFileAreNamed) {
-  const auto file = test_folder("bench") / "bad.json";
+  const auto file = bench_folder() / "bad.json";
   ASSERT_TRUE(write_text_file(
       file, R"({"kasumi": 1, "processor": "p", "renderer": "r", "rows": [7, {"name": "a", "unit": "x", "value": "1",
                "less_is_better": true, "goal": null}, {"name": "a", "unit": "x", "value": 1, "less_is_better": 1}]})"));
@@ -92,7 +98,7 @@ TEST(RecordedRun, AllProblemsOfAFileAreNamed) {
 }
 
 TEST(BenchCommand, TellsWhatGotSlower) {
-  const auto file = test_folder("bench") / "air.json";
+  const auto file = bench_folder() / "air.json";
   const auto first = run_kasumi(fmt::format("bench --only air --json {}", file.string()));
   ASSERT_EQ(first.code, 0) << first.err;
   auto recorded = read_recorded_run(file);
