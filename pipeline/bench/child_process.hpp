@@ -16,12 +16,13 @@ struct ChildCost {
   double processor_s = 0.0;  // of the program and of those it waited for
   double wall_s = 0.0;
   int exit_code = -1;
+  std::string last_words;  // the last line that it wrote to standard error
 };
 
 // Whether the program can be found along PATH.
 bool is_installed(const std::string& program);
 
-// Runs a program, its output thrown away, and waits for it; after `at_most` it is killed. Errors: io (not started),
+// Runs a program, its standard output thrown away, and waits for it; after `at_most` it is killed. Errors: io (not started),
 // timeout.
 Result<ChildCost> run_child(const std::vector<std::string>& command, Duration at_most);
 

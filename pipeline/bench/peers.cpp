@@ -63,8 +63,8 @@ Result<> lay_out(const fs::path& fixture, const fs::path& work) {
     for (const auto& entry : fs::directory_iterator(fixture))
       if (entry.is_regular_file()) fs::create_symlink(fs::absolute(entry.path()), work / entry.path().filename());
     fs::copy_file(fixture / "sky" / sky->front().payload, work / "sky" / sky->front().payload);
-    for (std::size_t i = 0; i < scene->size(); ++i) {
-      const auto file = fs::absolute(fixture / "scene" / (*scene)[i].payload);
+    for (std::size_t i = 0; i < std::size_t{kMany}; ++i) {
+      const auto file = fs::absolute(fixture / "scene" / (*scene)[i % scene->size()].payload);
       fs::create_symlink(file, work / fmt::format("{:06}.jpg", i));
       fs::copy_file(file, work / "scene" / file.filename(),
                     fs::copy_options::skip_existing);  // links are refused there
@@ -92,7 +92,7 @@ std::vector<Player> players(const fs::path& work) {
                                        "-q",
                                        "multifilesrc",
                                        fmt::format("location={}/%06d.jpg", work.string()),
-                                       "loop=true",
+
                                        fmt::format("num-buffers={}", pictures),
                                        "caps=image/jpeg,framerate=30/1",
                                        "!",
@@ -113,7 +113,8 @@ std::vector<Player> players(const fs::path& work) {
                                     "--untimed",
                                     "--no-audio",
                                     "--vo=gpu",
-                                    "--loop-file=inf",
+                                    "--gpu-sw=yes",
+
                                     "--mf-fps=30",
                                     fmt::format("--frames={}", pictures),
                                     fmt::format("mf://{}/0*.jpg", work.string())};
@@ -138,7 +139,8 @@ struct PlayerCost {
 Result<double> processor_s(const Player& player, int pictures) {
   const auto cost = run_child(player.command(pictures), kAtMost);
   if (!cost) return fail(cost.error());
-  if (cost->exit_code != 0) return fail(FaultKind::device, "{}: exit code {}", player.name, cost->exit_code);
+  if (cost->exit_code != 0)
+    return fail(FaultKind::device, "{}: exit code {}: {}", player.name, cost->exit_code, cost->last_words);
   return cost->processor_s;
 }
 
