@@ -22,6 +22,8 @@ struct BenchRow {
 
 // Seconds of one call.
 double seconds_of(const std::function<void()>& work);
+// The same of processor time, of all threads of this process: other programs' load does not count.
+double processor_seconds_of(const std::function<void()>& work);
 // Of the quickest of several: what the machine does beside only adds to it.
 double least_seconds_of(const std::function<void()>& work, int times);
 // Runs a and b in turn, `pairs` times after one unmeasured pair, and gives the median of time(a) / time(b).

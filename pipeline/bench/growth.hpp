@@ -10,6 +10,7 @@
 
 namespace kasumi {
 
+// With software GL times are the processor's, of all threads; with a GPU the clock's.
 struct GrowthCost {
   double picture_ms = 0.0;  // NV12 upload and cached composite, the quickest of several
   double over_blit = 0.0;   // cached composite of an RGBA picture / plain blit of it, in turn
