@@ -8,7 +8,13 @@ Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, cons
       scene_(content, services.devices, services.clock, mailboxes_),
       sky_(content, services.devices, services.clock, services.time, mailboxes_, std::move(sky)),
       render_(content, services.devices, services.clock, notifier_, mailboxes_),
-      snapshot_(status.file ? std::optional(status.file->parent_path()) : std::nullopt, mailboxes_),
+      snapshot_(
+          status.file ? std::optional(status.file->parent_path()) : std::nullopt,
+          [this](SnapshotKind kind) {
+            mailboxes_.render.snapshot.put(kind);
+            mailboxes_.render.bell.ring();
+          },
+          mailboxes_.snapshot),
       status_(content, std::move(status), services.clock, services.notifier, mailboxes_),
       check_(content, config_file, services.clock, mailboxes_),
       visibility_(content, services.clock, mailboxes_),
