@@ -7,7 +7,7 @@
 
 namespace {
 
-constexpr std::ptrdiff_t kLongestText = 200;  // bytes: more lines only take longer
+constexpr std::ptrdiff_t kLongestText = 100;  // bytes: more lines only take longer
 
 }  // namespace
 

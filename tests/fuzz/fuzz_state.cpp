@@ -35,7 +35,8 @@ void kasumi::try_input(std::span<const std::uint8_t> input) {
     }
     case 'l': {
       scratch.file("landmarks.json", rest);
-      auto watch = watch_of_one();
+      static const LandmarkWatch fresh = watch_of_one();
+      LandmarkWatch watch = fresh;
       expect_value_or_sentence(resume(watch, scratch.folder()));
       break;
     }
