@@ -30,6 +30,7 @@ class JpegChecker {
   jpeg_decompress_struct info_{};
   std::vector<std::uint8_t> samples_;
   JSAMPROW line_ = nullptr;
+  bool several_scans_ = false;
 };
 
 Result<> JpegChecker::check(std::span<const std::uint8_t> bytes) {
@@ -42,6 +43,7 @@ Result<> JpegChecker::check(std::span<const std::uint8_t> bytes) {
         info_.scale_denom = 8;
         info_.out_color_space = info_.jpeg_color_space;
         jpeg_start_decompress(&info_);
+        several_scans_ = jpeg_has_multiple_scans(&info_) != 0;
       }))
     return damaged();
   samples_.resize(static_cast<std::size_t>(info_.output_width) * static_cast<std::size_t>(info_.output_components));
@@ -55,7 +57,7 @@ Result<> JpegChecker::check(std::span<const std::uint8_t> bytes) {
   // without one; of several scans the last are missing then.
   const auto* at = info_.src->next_input_byte;
   const bool inside = at >= bytes.data() && at <= bytes.data() + bytes.size();
-  if (!inside && jpeg_has_multiple_scans(&info_))
+  if (!inside && several_scans_)
     return fail(FaultKind::bad_input, "damaged JPEG: its finer scans are missing");
   return {};
 }

@@ -21,16 +21,14 @@ void read_table(std::string_view text, const kasumi::Scratch& scratch) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace kasumi;
+void kasumi::try_input(std::span<const std::uint8_t> input) {
   static const Scratch scratch;
-  if (size == 0) return 0;
-  const std::span<const std::uint8_t> rest(data + 1, size - 1);
-  switch (data[0]) {
+  if (input.empty()) return;
+  const auto rest = input.subspan(1);
+  switch (input[0]) {
     case 'j': expect_value_or_sentence(read_spectral_sensitivity(scratch.file("camera.json", rest))); break;
     case 'c': expect_value_or_sentence(read_spectral_sensitivity(scratch.file("camera.csv", rest))); break;
     case 'o': expect_value_or_sentence(read_ocamcalib(scratch.file("calib_results.txt", rest))); break;
     default: read_table({reinterpret_cast<const char*>(rest.data()), rest.size()}, scratch);
   }
-  return 0;
 }

@@ -5,14 +5,13 @@
 #include "capture/fixture/replay_source.hpp"
 #include "tests/fuzz/scratch.hpp"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace kasumi;
+void kasumi::try_input(std::span<const std::uint8_t> input) {
   static const Scratch scratch;
   static const auto payload = scratch.file("a.yuyv", std::array<std::uint8_t, 64>{});
-  scratch.file("index.csv", {data, size});
+  scratch.file("index.csv", input);
   const auto rows = read_index(scratch.folder());
   expect_value_or_sentence(rows);
-  if (!rows) return 0;
+  if (!rows) return;
   FastForwardClock clock{Utc{}};
   const auto source = open_replay(scratch.folder(), clock);
   expect_value_or_sentence(source);
@@ -24,5 +23,4 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     expect_value_or_sentence(picture);
     if (picture && frame->metadata.width * std::int64_t{frame->metadata.height} < 4096) to_rgb(picture->view());
   }
-  return 0;
 }

@@ -16,17 +16,15 @@ void read_size(std::span<const std::uint8_t> jpeg, int& width, int& height) {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace kasumi;
+void kasumi::try_input(std::span<const std::uint8_t> input) {
   Frame frame;
   frame.metadata.format = kMjpg;
   frame.metadata.width = frame.metadata.height = 16;
-  read_size({data, size}, frame.metadata.width, frame.metadata.height);
-  if (std::int64_t{frame.metadata.width} * frame.metadata.height > 1 << 20) return 0;  // slow, and nothing new
-  frame.metadata.bytes_used = static_cast<std::uint32_t>(size);
-  frame.payload.bytes = {data, size};
+  read_size(input, frame.metadata.width, frame.metadata.height);
+  if (std::int64_t{frame.metadata.width} * frame.metadata.height > 1 << 20) return;  // slow, and nothing new
+  frame.metadata.bytes_used = static_cast<std::uint32_t>(input.size());
+  frame.payload.bytes = input;
   const auto picture = decode(frame, YuvEncoding::bt601_full);
   expect_value_or_sentence(picture);
   if (picture) to_rgb(picture->view());
-  return 0;
 }

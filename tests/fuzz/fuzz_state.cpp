@@ -21,12 +21,11 @@ kasumi::LandmarkWatch watch_of_one() {
 
 }  // namespace
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace kasumi;
+void kasumi::try_input(std::span<const std::uint8_t> input) {
   static const Scratch scratch;
-  if (size == 0) return 0;
-  const std::span<const std::uint8_t> rest(data + 1, size - 1);
-  switch (data[0]) {
+  if (input.empty()) return;
+  const auto rest = input.subspan(1);
+  switch (input[0]) {
     case 't': {
       scratch.file("turbidity.json", rest);
       const auto state = load_turbidity_state(scratch.folder());
@@ -36,7 +35,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
     case 'l': {
       scratch.file("landmarks.json", rest);
-      auto watch = watch_of_one();
+      static const LandmarkWatch fresh = watch_of_one();
+      LandmarkWatch watch = fresh;
       expect_value_or_sentence(resume(watch, scratch.folder()));
       break;
     }
@@ -46,5 +46,4 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       expect_value_or_sentence(load_reference(scratch.folder() / "site", installation));
     }
   }
-  return 0;
 }

@@ -3,11 +3,10 @@
 #include "capture/fixture/fixture.hpp"
 #include "tests/fuzz/scratch.hpp"
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace kasumi;
-  const auto root = ConfigTable::parse({reinterpret_cast<const char*>(data), size}, "fuzzed.toml");
+void kasumi::try_input(std::span<const std::uint8_t> input) {
+  const auto root = ConfigTable::parse({reinterpret_cast<const char*>(input.data()), input.size()}, "fuzzed.toml");
   expect_value_or_sentence(root);
-  if (!root) return 0;
+  if (!root) return;
   read_fixture_info(*root);
   for (const auto& table : {root->table("site"), root->table("sky"), root->table("object")}) {
     table.number("number", {0.0, 10.0});
@@ -22,5 +21,4 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     for (const auto& each : table.tables("tables")) each.number("number");
   }
   expect_value_or_sentence(root->finish());
-  return 0;
 }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "tests/fuzz/scratch.hpp"
+#include "tests/fuzz/small_picture.hpp"
 
 namespace kasumi {
 
@@ -26,7 +27,8 @@ inline void unpack(std::span<const std::uint8_t> input, const Scratch& scratch) 
     auto next = text.find("\n@@ ", line_end);
     const auto end = next == std::string_view::npos ? text.size() : next;
     if (std::ranges::find(kPackedNames, name) != kPackedNames.end())
-      scratch.file(std::string(name), input.subspan(line_end + 1, end - line_end - 1));
+      if (const auto bytes = input.subspan(line_end + 1, end - line_end - 1); !holds_large_picture(bytes))
+        scratch.file(std::string(name), bytes);
     at = next == std::string_view::npos ? next : next + 1;
   }
 }

@@ -43,6 +43,9 @@ void expect_value_or_sentence(const Answer& answer) {
   if (!answer && answer.error().message.empty()) std::abort();
 }
 
+// A target's, which one_input.cpp calls for every input.
+void try_input(std::span<const std::uint8_t> input);
+
 }  // namespace kasumi
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

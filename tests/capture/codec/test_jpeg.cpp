@@ -171,6 +171,10 @@ TEST(Jpeg, AMissingPartIsNoticedOfAnyKindOfJpeg) {
       EXPECT_FALSE(check_jpeg(cut)) << share;
     }
   }
+  progressive.resize(progressive.size() - 2);  // it may have had more
+  const auto coarse = check_jpeg(progressive);
+  ASSERT_FALSE(coarse);
+  EXPECT_THAT(coarse.error().message, HasSubstr("its finer scans are missing"));
   Bytes unended = jpeg_of(160, 120);
   unended.resize(unended.size() - 2);
   EXPECT_TRUE(check_jpeg(unended)) << "some cameras write no end marker";

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pipeline/start/remembered_state.hpp"
+#include "tests/pipeline/appliance/journal.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 
 namespace kasumi {
@@ -51,6 +52,25 @@ TEST(Appliance, Row1SceneCameraUnpluggedAndReplugged) {
   EXPECT_EQ(rig->shown(), Shown::still);
   rig->devices.scene.unplugged = false;
   EXPECT_TRUE(rig->recover("1 scene camera unplugged, replugged", 3s));
+}
+
+// It came while a picture was being drawn; its buffer is the driver's, which has gone.
+TEST(Appliance, Row1AFrameFromBeforeTheOutageIsNotShownAfterIt) {
+  const auto rig = running({.name = "row1-before"});
+  const auto shown = frame_number(rig->picture());
+  ASSERT_TRUE(shown);
+  const auto frames = rig->status().scene_camera.health.good_frames;
+  rig->render_hangs = true;
+  rig->advance(2 * kSceneInterval);
+  ASSERT_GT(rig->status().scene_camera.health.good_frames, frames);
+  rig->devices.scene.unplugged = true;
+  rig->advance(100ms);
+  ASSERT_FALSE(rig->status().scene_camera.health.up);
+  rig->render_hangs = false;
+  for (int i = 0; i < 5; ++i) {
+    rig->advance(Rig::kTick);
+    EXPECT_EQ(frame_number(rig->picture()), shown);
+  }
 }
 
 TEST(Appliance, Row2UnpluggingTheSkyCameraChangesOnlyTheAgeOfTheAir) {
@@ -218,6 +238,45 @@ TEST_P(BlindCamera, Row12AfterHalfAMinuteTheStillIsShownUntilThePictureIsNormalA
   EXPECT_TRUE(rig->recover(fmt::format("12 {}", blind.name), 3s));
 }
 INSTANTIATE_TEST_SUITE_P(Ways, BlindCamera, testing::Values(0, 1, 2));
+
+// An earlier sky would be read under a sun that has moved on.
+TEST(Appliance, AFrozenSkyIsNotEstimatedUntilItMovesAgain) {
+  auto estimates = std::make_shared<int>(0);
+  SkyWatchOptions sky;
+  sky.estimator = [estimates](const SkyPicture&, const SunDirection&) {
+    ++*estimates;
+    TurbidityEstimate estimate;
+    estimate.usable = true;
+    estimate.sky = SkyCondition::clear;
+    estimate.turbidity = {3.0};
+    estimate.sigma = 0.05;
+    return estimate;
+  };
+  const auto rig = running({.name = "frozen-sky", .sky = sky});
+  const Journal journal;
+  // Looks at its condition and estimates are due once a second each: opened anew, they are not due together.
+  rig->devices.sky.unplugged = true;
+  rig->advance(400ms);
+  rig->devices.sky.unplugged = false;
+  rig->advance(3s);
+  rig->devices.sky.spoil = freeze();
+  ASSERT_TRUE(rig->advance_until([&] { return journal.count("sky camera: picture is frozen") == 1; }, 40s));
+  const int before = *estimates;
+  rig->advance(3s);
+  EXPECT_EQ(*estimates, before);
+  const auto& status = rig->status();
+  EXPECT_FALSE(status.sky.up);
+  EXPECT_FALSE(status.sky.report.estimate.usable);
+  EXPECT_EQ(status.sky.report.estimate.reason, "no picture of the sky: frozen");
+  EXPECT_GE(status.sky.report.tracked->age, 2s);
+  EXPECT_EQ(rig->trouble(), Trouble::sky_lost);
+  EXPECT_EQ(rig->shown(), Shown::degraded);
+
+  rig->devices.sky.spoil = {};
+  ASSERT_TRUE(rig->advance_until([&] { return journal.count("sky camera: picture normal again") == 1; }, 3s));
+  EXPECT_EQ(*estimates, before + 1) << "with the first picture that moves";
+  EXPECT_TRUE(rig->advance_until([&] { return rig->trouble() == Trouble::none; }, 2s));
+}
 
 // What a bird, rain or glare does to an estimate: one look that says something else.
 TEST(Appliance, Row13ASingleOutlierChangesNothing) {
