@@ -337,8 +337,7 @@ std::string RenderLoop::against_planes(const SceneFrame* frame) const {
   if (content_->config.overlay) return "the overlay is shown";
   if (auto over = lies_over(composition()); !over.empty()) return over;
   if (camera_gone_) return "the scene camera is gone";
-  if (!frame) return planes.is_on() ? "" : planes.state();
-  return frame->picture.dma_buf() ? "" : "the camera's pictures do not lie in buffers that a display can read";
+  return frame || planes.is_on() ? "" : planes.state();
 }
 
 // Errors: device, disconnected.
@@ -346,6 +345,12 @@ Result<PlaneMode::Attempt> RenderLoop::try_planes(const SceneFrame* frame, const
   if (auto why = against_planes(frame); !why.empty()) {
     screen_.planes().compose(std::move(why));
     return PlaneMode::Attempt{};
+  }
+  if (frame && !frame->picture.dma_buf()) {  // a camera that runs short of buffers copies some
+    const auto tried =
+        screen_.planes().leave_out("the camera's pictures do not lie in buffers that a display can read");
+    if (tried.outcome == PlaneMode::Outcome::left_out) good_picture_came();
+    return tried;
   }
   auto& stage = screen_.stage();
   const auto uploaded_before = stage.frames().uploaded;

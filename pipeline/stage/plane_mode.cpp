@@ -8,13 +8,13 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kMostRefused = 3;
+constexpr int kMostLeftOut = 2;  // in a row
 
 }  // namespace
 
 void PlaneMode::compose(std::string why) {
   last_.reset();
-  refused_ = 0;
+  left_out_ = 0;
   if (!given_up_) state_ = std::move(why);
 }
 
@@ -24,12 +24,18 @@ void PlaneMode::give_up(std::string why) {
   given_up_ = true;
 }
 
+PlaneMode::Attempt PlaneMode::leave_out(std::string why) {
+  if (is_on() && left_out_++ < kMostLeftOut) return {Outcome::left_out};
+  compose(std::move(why));
+  return {};
+}
+
 Result<PlaneMode::Attempt> PlaneMode::show(Display& display, PlanePicture picture, std::shared_ptr<const void> holder) {
   const auto number = display.show_planes(picture, holder);
   if (number) {
     if (!is_on()) spdlog::info("display: pictures are on planes of its own");
     last_ = Last{std::move(picture), std::move(holder)};
-    refused_ = 0;
+    left_out_ = 0;
     state_ = "on";
     return Attempt{Outcome::shown, *number};
   }
@@ -39,9 +45,9 @@ Result<PlaneMode::Attempt> PlaneMode::show(Display& display, PlanePicture pictur
     return Attempt{};
   }
   if (why.kind != FaultKind::unsupported) return fail(why);
-  if (is_on() && ++refused_ < kMostRefused) return Attempt{Outcome::left_out};
-  give_up(why.message);
-  return Attempt{};
+  const auto attempt = leave_out(why.message);
+  if (attempt.outcome == Outcome::compose) give_up(why.message);
+  return attempt;
 }
 
 }  // namespace kasumi

@@ -16,7 +16,7 @@ class PlaneMode {
   enum class Outcome {
     compose,   // it must go through the GPU
     shown,     // as `number`
-    left_out,  // the display refused it for once: the one before stays
+    left_out,  // the one before stays
   };
   struct Attempt {
     Outcome outcome = Outcome::compose;
@@ -27,6 +27,9 @@ class PlaneMode {
   void compose(std::string why);
   // The same for good.
   void give_up(std::string why);
+  // This picture cannot go onto planes: once or twice in a row it is left out, since changing the way for one picture
+  // would be seen; then pictures go through the GPU for now.
+  Attempt leave_out(std::string why);
   // Once the display has refused a few, or the first, pictures go through the GPU for good. Errors: those of
   // Display::show().
   Result<Attempt> show(Display& display, PlanePicture picture, std::shared_ptr<const void> holder);
@@ -44,7 +47,7 @@ class PlaneMode {
   };
   std::optional<Last> last_;  // empty: it went through the GPU
   bool given_up_ = false;
-  int refused_ = 0;  // in a row
+  int left_out_ = 0;  // in a row
   std::string state_ = "no picture yet";
 };
 

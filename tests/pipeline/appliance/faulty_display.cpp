@@ -61,6 +61,7 @@ class FaultyDisplay final : public Display {
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced) override {
     seen_.reset();
     faults_.off = false;
+    ++faults_.composed;
     return display_->show(std::move(until_replaced));
   }
   // Blends as display controllers do: premultiplied, encoded.

@@ -121,6 +121,7 @@ TEST(Planes, LeaveOutARefusedPicture) {
   const auto rig = running_on_planes(lent("planes-refused"));
   const auto pictures = rig->status().render.pictures;
   const auto before = rig->picture();
+  const int composed = rig->devices.display.composed;
   rig->devices.display.refused_planes = 2;
   rig->advance(kSceneInterval);
   EXPECT_TRUE(std::ranges::equal(rig->picture().elements(), before.elements())) << "what is shown stays";
@@ -128,7 +129,26 @@ TEST(Planes, LeaveOutARefusedPicture) {
   rig->advance(2 * kSceneInterval);
   EXPECT_EQ(planes(*rig), "on");
   EXPECT_GT(rig->status().render.pictures, pictures);
+  EXPECT_EQ(rig->devices.display.composed, composed) << "never the other way for one picture";
   EXPECT_EQ(rig->status().render.display.resets, 0u);
+}
+
+// A camera that runs short of buffers copies a picture.
+TEST(Planes, LeaveOutAPictureThatWasCopied) {
+  const auto rig = running_on_planes(lent("planes-short"));
+  const int composed = rig->devices.display.composed;
+  int copied = 0;
+  rig->devices.scene.spoil = [&, in_a_buffer = lend()](Frame& frame) {
+    if (frame.metadata.sequence % 5 == 0)
+      ++copied;
+    else
+      in_a_buffer(frame);
+  };
+  rig->advance(4s);
+  EXPECT_GE(copied, 3);
+  EXPECT_EQ(rig->devices.display.composed, composed);
+  EXPECT_EQ(planes(*rig), "on");
+  EXPECT_EQ(rig->shown(), Shown::live);
 }
 
 TEST(Planes, AreGivenUpUntilTheContentIsReloaded) {
