@@ -255,8 +255,10 @@ TEST(Appliance, AFrozenSkyIsNotEstimatedUntilItMovesAgain) {
   const auto rig = running({.name = "frozen-sky", .sky = sky});
   const Journal journal;
   // Looks at its condition and estimates are due once a second each: opened anew, they are not due together.
+  const int first = *estimates;
+  ASSERT_TRUE(rig->advance_until([&] { return *estimates > first; }, 2s));
   rig->devices.sky.unplugged = true;
-  rig->advance(400ms);
+  rig->advance(200ms);
   rig->devices.sky.unplugged = false;
   rig->advance(3s);
   rig->devices.sky.spoil = freeze();
