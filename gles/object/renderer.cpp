@@ -98,6 +98,15 @@ struct Renderer::State {
     return fits_view(picture.width, picture.height);
   }
 
+  Result<> ready_for_layer(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) const {
+    if (auto ready = ready_for_frame(target); !ready) return ready;
+    Problems problems;
+    check(measured, "measured airlight", false, problems);
+    check(noise, problems);
+    if (!problems.empty()) return fail(problems.fault());
+    return {};
+  }
+
   Result<> fits_view(int width, int height) const {
     if (!projection || (width == projection->view.width && height == projection->view.height)) return {};
     return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", width, height,
@@ -387,14 +396,30 @@ Result<> Renderer::draw_background(const DrawTarget& target) {
 Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
   State& s = *state_;
   if (!s.layer) return draw_background(target);
-  if (auto ready = s.ready_for_frame(target); !ready) return ready;
-  Problems problems;
-  check(measured, "measured airlight", false, problems);
-  check(noise, problems);
-  if (!problems.empty()) return fail(problems.fault());
+  if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
+}
+
+Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
+  State& s = *state_;
+  const PixelBox& box = s.box;
+  if (!s.layer || target.width != box.right - box.left || target.height != box.bottom - box.top ||
+      !target.top_row_first)
+    return fail(FaultKind::bad_input, "a plane of {} x {} pixels: the object's box is of {} x {}", target.width,
+                target.height, box.right - box.left, box.bottom - box.top);
+  if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  const PictureOnTarget shown(box, s.camera.newest().width, s.camera.newest().height);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT);
+  glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
+  return s.composite.draw_for_plane(s.programs, s.frame(), shown, *s.layer, measured, noise);
+}
+
+PixelBox Renderer::drawn_box() const {
+  return state_->composite.covered();
 }
 
 Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured,

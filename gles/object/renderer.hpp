@@ -98,6 +98,13 @@ class Renderer {
   // without it pass unchanged. Errors: bad_input (grid, noise), device.
   Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
 
+  // For a display that lays one picture over another by itself: the object alone, premultiplied and encoded, which over
+  // the uploaded picture gives what draw() gives. `target` is the object_box()'s, top row first; it is transparent
+  // outside drawn_box(). Needs a layer. Errors: as draw().
+  Result<> draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
+  // The pixels that the layer changes; empty: none, or no layer.
+  PixelBox drawn_box() const;
+
   // One pass without a layer, for a view that moves every frame: object first, then the picture behind it. Edges are
   // smoothed only by the target's multisampling; noise, set_detail and set_scene_depth have no effect. The target needs
   // a depth buffer.

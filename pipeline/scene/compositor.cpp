@@ -92,8 +92,15 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
   if (auto taken = pass_to_gpu(picture); !taken) return taken;
-  const auto now = air_.observe(metadata, picture.view(), sky);
-  if (auto fitted = update_detail(picture.view().layout, now.haze_blur_px); !fitted) return fitted;
+  if (auto followed = follow(metadata, picture.view(), sky); !followed) return followed;
+  drawn_ = true;
+  return show(target);
+}
+
+// The air that the frame is drawn under, and the building's layer.
+Result<> Compositor::follow(const FrameMetadata& metadata, const PictureView& picture, const SkyReport& sky) {
+  const auto now = air_.observe(metadata, picture, sky);
+  if (auto fitted = update_detail(picture.layout, now.haze_blur_px); !fitted) return fitted;
   noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
 
   const auto air = air_.drawn_air(now, renderer_.object_box(), layer_ ? &*layer_ : nullptr);
@@ -103,8 +110,41 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
     ++layers_drawn_;
   }
   measured_ = air.measured;
+  return {};
+}
+
+Result<> Compositor::take(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky) {
+  if (auto lent = lend(picture); !lent) return lent;
+  return follow(metadata, picture.view(), sky);
+}
+
+Result<> Compositor::take_without_object(const DecodedPicture& picture) {
+  measured_.reset();
+  return lend(picture);
+}
+
+Result<> Compositor::lend(const DecodedPicture& picture) {
+  const auto& view = picture.view();
+  if (view.width != width_ || view.height != height_)
+    return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", view.width,
+                view.height, width_, height_);
+  if (!picture.dma_buf()) return fail(FaultKind::bad_input, "the camera's picture is not in a driver's buffer");
+  lent_ = picture;
+  lent_to_gpu_ = false;
+  camera_buffer_ = external(view, *picture.dma_buf());
   drawn_ = true;
-  return show(target);
+  return {};
+}
+
+std::optional<BuildingLook> Compositor::look() const {
+  if (!measured_) return std::nullopt;
+  return BuildingLook{layers_drawn_, *measured_, noise_};
+}
+
+Result<> Compositor::draw_for_plane(const DrawTarget& target) {
+  if (lent_ && !lent_to_gpu_)
+    if (auto passed = pass_to_gpu(DecodedPicture(*lent_)); !passed) return passed;
+  return renderer_.draw_for_plane(*measured_, target, noise_);
 }
 
 // Rarely does anything: the layout is known from the first frame on, and the air changes within hours.
@@ -161,6 +201,7 @@ Result<> Compositor::draw_without_object(const DecodedPicture& picture, const Dr
 Result<> Compositor::pass_to_gpu(const DecodedPicture& picture) {
   if (picture.dma_buf() && renderer_.import_frame(external(picture.view(), *picture.dma_buf()))) {
     lent_ = picture;
+    lent_to_gpu_ = true;
     return {};
   }
   if (auto uploaded = renderer_.upload(picture.view()); !uploaded) return uploaded;

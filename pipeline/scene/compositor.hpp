@@ -11,6 +11,13 @@
 
 namespace kasumi {
 
+// What the drawn building depends on, besides its background.
+struct BuildingLook {
+  std::uint64_t layer = 0;  // as Compositor::layers_drawn() counts
+  AirlightGrid measured;
+  SensorNoise noise;
+};
+
 // Belongs to the thread of its GL context. When that context is lost, a new compositor with the same model
 // and the old one's air() continues seamlessly.
 class Compositor {
@@ -31,6 +38,16 @@ class Compositor {
                 const DrawTarget& target);
   // Draws the camera's picture alone, while the sun's position is unknown.
   Result<> draw_without_object(const DecodedPicture& picture, const DrawTarget& target);
+  // For a display that lays the building over the camera's picture by itself: as draw() and draw_without_object(), but
+  // the frame, which must be in a driver's buffer, is only taken. draw_again() draws it. Errors: as draw().
+  Result<> take(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
+  Result<> take_without_object(const DecodedPicture& picture);
+  const ExternalPicture& camera_buffer() const { return camera_buffer_; }  // of the frame taken last
+  std::optional<BuildingLook> look() const;                                // of the same; empty: it has no building
+  PixelBox object_box() const { return renderer_.object_box(); }
+  PixelBox drawn_box() const { return renderer_.drawn_box(); }
+  // As Renderer::draw_for_plane(), over that frame. Needs a look.
+  Result<> draw_for_plane(const DrawTarget& target);
   // Draws the last picture again, for a display that keeps running while the camera is gone. A picture that still lies
   // in the driver's buffer is copied first, which releases the buffer. Errors: bad_input (nothing has been drawn yet),
   // device.
@@ -65,6 +82,8 @@ class Compositor {
         width_(installation.scene.width),
         height_(installation.scene.height) {}
   Result<> copy_lent();
+  Result<> lend(const DecodedPicture& picture);
+  Result<> follow(const FrameMetadata& metadata, const PictureView& picture, const SkyReport& sky);
   Result<> pass_to_gpu(const DecodedPicture& picture);
   Result<> update_detail(PixelLayout layout, double haze_blur_px);
   Result<> show(const DrawTarget& target);
@@ -80,7 +99,9 @@ class Compositor {
   std::optional<SceneConditions> unfinished_layer_;
   std::uint64_t layers_drawn_ = 0;
   bool drawn_ = false;
-  std::optional<DecodedPicture> lent_;    // the picture drawn last, while it uses the driver's buffer
+  std::optional<DecodedPicture> lent_;  // the picture drawn or taken last, while it uses the driver's buffer
+  bool lent_to_gpu_ = false;            // else only taken
+  ExternalPicture camera_buffer_;
   SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // of the picture drawn last; empty: it has no building
 };

@@ -47,6 +47,15 @@ Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const 
   return {};
 }
 
+Result<> Stage::take_scene(const SceneFrame& frame, const SkyReport& sky) {
+  const bool sun_known = sky.sun.source != SunSource::none;
+  auto taken =
+      sun_known ? compositor_.take(frame.metadata, frame.picture, sky) : compositor_.take_without_object(frame.picture);
+  has_scene_ = has_scene_ || taken;
+  if (taken) draws_object_ = sun_known;
+  return taken;
+}
+
 // An overlay that cannot be drawn is dropped, and the picture goes on without it.
 Result<> Stage::draw_overlay(const DrawTarget& target) {
   if (!overlay_ || !has_scene_) return {};

@@ -53,6 +53,7 @@ std::function<void(Frame&)> freeze();         // the first frame's bytes again a
 void cover(Frame& frame);                     // black
 void white_out(Frame& frame);                 // white
 void halve_size(Frame& frame);                // as if another mode had been negotiated
+std::function<void(Frame&)> lend();           // no fault: in a buffer that others can read, as drivers export them
 std::function<void(Frame&)> run_backwards();  // timestamps that jump back, sequence numbers with gaps
 
 }  // namespace kasumi
