@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <optional>
 
 #include "gles/gl/gl.hpp"
@@ -178,7 +179,31 @@ struct Renderer::State {
     composite.take(drawn, projection->view, *texels);
     layer = std::move(drawn);
     unfinished_layer.reset();
+    shadow.reset();  // its maps are large, and the sun moves on
     return check_gl("cutting the picture");
+  }
+
+  // Of the unfinished layer. true: it is whole.
+  Result<bool> next_piece() {
+    if (!unfinished_layer) return true;  // nothing to be seen of the object
+    UnfinishedLayer& unfinished = *unfinished_layer;
+    if (unfinished.shadow) {
+      const auto whole = unfinished.shadow->step();
+      if (!whole) return whole;
+      if (!*whole) return false;
+      shadow = unfinished.shadow->take();
+      unfinished.shadow.reset();
+      return false;
+    }
+    if (!unfinished.drawing) {
+      if (auto begun = begin_tiles(unfinished); !begun) return fail(begun.error());
+      return false;
+    }
+    bind_for_layer();
+    const auto whole = unfinished.drawing->step();
+    if (!whole || !*whole) return whole;
+    if (auto finished = finish_layer(unfinished.drawing->take()); !finished) return fail(finished.error());
+    return true;
   }
 
   // The filtered surroundings follow the light.
@@ -323,8 +348,11 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance) {
   Problems problems;
   check(appearance, problems);
   if (!problems.empty()) return fail(problems.fault());
-  s.drop_layer();
-  if (s.box.empty()) return {};
+  s.unfinished_layer.reset();
+  if (s.box.empty()) {
+    s.drop_layer();
+    return {};
+  }
 
   State::UnfinishedLayer unfinished{appearance, std::nullopt, std::nullopt};
   const auto frame = s.casts_shadow(appearance) ? s.new_shadow(appearance) : std::nullopt;
@@ -338,27 +366,14 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance) {
   return {};
 }
 
-Result<bool> Renderer::continue_layer() {
-  State& s = *state_;
-  if (!s.unfinished_layer) return true;  // nothing to be seen of the object
-  State::UnfinishedLayer& unfinished = *s.unfinished_layer;
-  if (unfinished.shadow) {
-    const auto whole = unfinished.shadow->step();
-    if (!whole) return whole;
-    if (!*whole) return false;
-    s.shadow = unfinished.shadow->take();
-    unfinished.shadow.reset();
-    return false;
+Result<bool> Renderer::continue_layer(Duration at_most) {
+  const auto began = std::chrono::steady_clock::now();
+  for (;;) {
+    const auto whole = state_->next_piece();
+    if (!whole || *whole || at_most <= Duration::zero()) return whole;
+    glFinish();  // what the GPU still has to do would delay the picture all the same
+    if (std::chrono::steady_clock::now() - began >= at_most) return false;
   }
-  if (!unfinished.drawing) {
-    if (auto begun = s.begin_tiles(unfinished); !begun) return fail(begun.error());
-    return false;
-  }
-  s.bind_for_layer();
-  const auto whole = unfinished.drawing->step();
-  if (!whole || !*whole) return whole;
-  if (auto finished = s.finish_layer(unfinished.drawing->take()); !finished) return fail(finished.error());
-  return true;
 }
 
 Result<Image<glm::vec4>> Renderer::read_layer() {

@@ -77,7 +77,7 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       shown_at_(clock.now()),
       minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
-              &mailboxes.proving.pulse, &mailboxes.status->pulse}) {}
+              &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.status->pulse}) {}
 
 // Nobody else can draw: whatever threw, the display is opened anew, and when that does not help the watchdog restarts.
 Instant RenderLoop::step() try { return take_step(); } catch (const std::exception& thrown) {
@@ -178,6 +178,8 @@ void RenderLoop::read_mailbox() {
     camera_ = std::move(*camera);
   }
   if (auto frame = mailboxes_.render.frames.take()) waiting_ = std::move(*frame);
+  if (const auto horizon = mailboxes_.render.horizon.take(); horizon && screen_.is_open())
+    screen_.stage().adopt(*horizon);
   if (const auto kind = mailboxes_.render.snapshot.take()) snapshots_.request(*kind, content_->config, clock_.now());
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
 }
@@ -323,6 +325,10 @@ void RenderLoop::present() {
   ++status_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;
+  if (auto question = screen_.stage().take_question()) {
+    mailboxes_.horizon.question.put(std::move(*question));
+    mailboxes_.horizon.bell.ring();
+  }
   ++status_.scene_frames;
   layout_ = frame->picture.view().layout;
   latency_.shown(*number, frame->metadata.captured_at);

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "gles/gl/context.hpp"
 #include "gles/gpu_model/model_chunks.hpp"
@@ -63,6 +64,13 @@ class Compositor {
   // trace in the air. Errors: device.
   Result<> rehearse(PixelLayout layout, const DrawTarget& target);
 
+  // From now on a picture waits for nothing that takes long: the layer is redrawn in slices, a few milliseconds a
+  // picture, while the old one is shown; somebody else measures the horizon, once this compositor has seen one.
+  void go_live() { live_ = true; }
+  // To be answered; once for each.
+  std::optional<HorizonQuestion> take_question() { return std::exchange(question_, std::nullopt); }
+  void adopt(const HorizonAnswer& answer) { air_.adopt(answer); }
+
   const SceneAir& air() const { return air_; }
   std::uint64_t layers_drawn() const { return layers_drawn_; }
   // How frames reached the GPU: copied, or read in the driver's buffers. Such a buffer stays in use until the next
@@ -83,8 +91,12 @@ class Compositor {
         height_(installation.scene.height) {}
   Result<> copy_lent();
   Result<> lend(const DecodedPicture& picture);
-  Result<> follow(const FrameMetadata& metadata, const PictureView& picture, const SkyReport& sky);
+  Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
   Result<> pass_to_gpu(const DecodedPicture& picture);
+  SceneConditions observe(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
+  Result<> update_layer(const SceneConditions& now);
+  Result<> begin_layer(const SceneConditions& now, const DrawnAir& air);
+  Result<bool> continue_layer(Duration at_most);
   Result<> update_detail(PixelLayout layout, double haze_blur_px);
   Result<> show(const DrawTarget& target);
 
@@ -99,8 +111,10 @@ class Compositor {
   std::optional<SceneConditions> unfinished_layer_;
   std::uint64_t layers_drawn_ = 0;
   bool drawn_ = false;
-  std::optional<DecodedPicture> lent_;  // the picture drawn or taken last, while it uses the driver's buffer
-  bool lent_to_gpu_ = false;            // else only taken
+  bool live_ = false;
+  std::optional<HorizonQuestion> question_;  // not yet taken
+  std::optional<DecodedPicture> lent_;       // the picture drawn or taken last, while it uses the driver's buffer
+  bool lent_to_gpu_ = false;                 // else only taken
   ExternalPicture camera_buffer_;
   SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // of the picture drawn last; empty: it has no building

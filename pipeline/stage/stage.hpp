@@ -42,6 +42,10 @@ class Stage {
   // Then draws what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
 
+  // What somebody else is to measure in a scene drawn lately, and what came of it.
+  std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
+  void adopt(const HorizonAnswer& answer) { compositor_.adopt(answer); }
+
   // For when the scene camera is gone. Errors: device.
   Result<> drop_camera_buffers() { return compositor_.drop_camera_buffers(); }
 
