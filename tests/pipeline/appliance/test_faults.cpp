@@ -53,19 +53,19 @@ TEST(Appliance, Row1SceneCameraUnpluggedAndReplugged) {
   EXPECT_TRUE(rig->recover("1 scene camera unplugged, replugged", 3s));
 }
 
-// It came while a picture was being drawn; its buffer is the driver's, which has gone.
+// It came while the display was busy; its buffer is the driver's, which has gone.
 TEST(Appliance, Row1AFrameFromBeforeTheOutageIsNotShownAfterIt) {
   const auto rig = running({.name = "row1-before"});
   const auto shown = frame_number(rig->picture());
   ASSERT_TRUE(shown);
   const auto frames = rig->status().scene_camera.health.good_frames;
-  rig->render_hangs = true;
+  rig->devices.display.stuck = true;
   rig->advance(2 * kSceneInterval);
   ASSERT_GT(rig->status().scene_camera.health.good_frames, frames);
   rig->devices.scene.unplugged = true;
   rig->advance(100ms);
   ASSERT_FALSE(rig->status().scene_camera.health.up);
-  rig->render_hangs = false;
+  rig->devices.display.stuck = false;
   for (int i = 0; i < 5; ++i) {
     rig->advance(Rig::kTick);
     EXPECT_EQ(frame_number(rig->picture()), shown);
