@@ -1,5 +1,8 @@
 #include "base/result.hpp"
 
+#include <algorithm>
+#include <unordered_set>
+
 namespace kasumi {
 
 std::string_view name_of(FaultKind kind) {
@@ -15,8 +18,23 @@ std::string_view name_of(FaultKind kind) {
   return "unknown";
 }
 
+// Each line once: what several readers of a file need, each of them misses. Lines that another line announces ("... can
+// be read:") stay with it.
 Fault Problems::fault() const {
-  return Fault{FaultKind::bad_input, fmt::format("{}", fmt::join(lines_, "\n"))};
+  std::unordered_set<std::string_view> told;
+  std::vector<std::string_view> lines;
+  for (const std::string_view problem : lines_) {
+    bool announced = false;
+    for (std::size_t from = 0; from <= problem.size();) {
+      const auto end = std::min(problem.find('\n', from), problem.size());
+      const auto line = problem.substr(from, end - from);
+      const bool is_new = told.insert(line).second;
+      if (is_new || announced) lines.push_back(line);
+      announced = announced || (is_new && line.ends_with(':'));
+      from = end + 1;
+    }
+  }
+  return Fault{FaultKind::bad_input, fmt::format("{}", fmt::join(lines, "\n"))};
 }
 
 }  // namespace kasumi

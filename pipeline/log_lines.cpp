@@ -14,14 +14,14 @@
 namespace kasumi {
 namespace {
 
-constexpr int kErrorPriority = 3;
+constexpr int kErrorPriority = 3, kInfoPriority = 6;
 
 int priority_of(spdlog::level::level_enum level) {
   switch (level) {
     case spdlog::level::critical: return 2;
     case spdlog::level::err: return kErrorPriority;
     case spdlog::level::warn: return 4;
-    case spdlog::level::info: return 6;
+    case spdlog::level::info: return kInfoPriority;
     default: return 7;
   }
 }
@@ -34,6 +34,23 @@ void append_with_priority(std::string_view text, int priority, std::string& out)
     out += fmt::format("<{}>{}\n", priority, text.substr(from, to - from));
     from = to + 1;
   }
+}
+
+bool is_journal(int descriptor) {
+  const char* stream = std::getenv("JOURNAL_STREAM");
+  struct stat status {};
+  return stream && ::fstat(descriptor, &status) == 0 &&
+         stream ==
+             fmt::format("{}:{}", static_cast<std::uint64_t>(status.st_dev), static_cast<std::uint64_t>(status.st_ino));
+}
+
+void print(std::string_view text, std::FILE* to, bool journal, int priority) {
+  std::string lines(text);
+  if (journal) {
+    lines.clear();
+    append_with_priority(text, priority, lines);
+  }
+  std::fwrite(lines.data(), 1, lines.size(), to);
 }
 
 class JournalFormatter final : public spdlog::formatter {
@@ -52,11 +69,11 @@ class JournalFormatter final : public spdlog::formatter {
 }  // namespace
 
 bool stderr_is_journal() {
-  const char* stream = std::getenv("JOURNAL_STREAM");
-  struct stat status {};
-  return stream && ::fstat(STDERR_FILENO, &status) == 0 &&
-         stream ==
-             fmt::format("{}:{}", static_cast<std::uint64_t>(status.st_dev), static_cast<std::uint64_t>(status.st_ino));
+  return is_journal(STDERR_FILENO);
+}
+
+bool stdout_is_journal() {
+  return is_journal(STDOUT_FILENO);
 }
 
 void log_to_stderr() {
@@ -71,13 +88,15 @@ std::unique_ptr<spdlog::formatter> journal_formatter() {
 }
 
 void print_error(std::string_view text) {
-  auto line = fmt::format("kasumi: {}\n", text);
-  if (stderr_is_journal()) {
-    std::string lines;
-    append_with_priority(line, kErrorPriority, lines);
-    line = std::move(lines);
-  }
-  std::fwrite(line.data(), 1, line.size(), stderr);
+  print_refusal(fmt::format("kasumi: {}\n", text));
+}
+
+void print_refusal(std::string_view text) {
+  print(text, stderr, stderr_is_journal(), kErrorPriority);
+}
+
+void print_success(std::string_view text) {
+  print(fmt::format("{}\n", text), stdout, stdout_is_journal(), kInfoPriority);
 }
 
 }  // namespace kasumi

@@ -14,13 +14,19 @@ namespace kasumi {
 
 // stderr is systemd's journal, as $JOURNAL_STREAM says.
 bool stderr_is_journal();
+bool stdout_is_journal();
 
 // Logging goes to stderr from now on: "kasumi: warning: ...", for the journal with "<4>" before each line (sd-daemon(3)).
 void log_to_stderr();
 std::unique_ptr<spdlog::formatter> journal_formatter();
 
-// An error that ends the program, of one or more lines.
+// An error that ends the program, of one or more lines. The unit takes lines without a priority for warnings: libraries
+// write such.
 void print_error(std::string_view text);
+// The same without "kasumi: " before it, as the command line's parser words it.
+void print_refusal(std::string_view text);
+// What went well, on stdout.
+void print_success(std::string_view text);
 
 // Passes on at most 20 lines at once about one thing (what stands before the first ": ") and then one in ten minutes,
 // which says how many were left out. The last one left out is told by flush() when its time has come, so that the newest

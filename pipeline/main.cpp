@@ -1,5 +1,8 @@
 // kasumi <command>: docs/architecture.md shows a frame's way through the program.
+#include <cstdlib>
 #include <exception>
+#include <iostream>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -16,9 +19,30 @@ int exit_code(const kasumi::Fault& fault) {
   return fault.kind == kasumi::FaultKind::bad_input ? kBadInput : kFailed;
 }
 
+// Thrown where nobody catches it, as in a library's thread.
+[[noreturn]] void say_why_and_abort() {
+  try {
+    if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
+    kasumi::print_error("unexpected: terminated");
+  } catch (const std::exception& error) {
+    kasumi::print_error(fmt::format("unexpected: {}", error.what()));
+  } catch (...) {
+    kasumi::print_error("unexpected: unknown exception");
+  }
+  std::abort();
+}
+
+int parse_error(const CLI::App& app, const CLI::ParseError& error) {
+  std::ostringstream refusal;
+  const int code = app.exit(error, std::cout, refusal);
+  kasumi::print_refusal(refusal.str());
+  return code == 0 ? 0 : kBadInput;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
+  std::set_terminate(say_why_and_abort);
   kasumi::log_to_stderr();
 
   kasumi::Action action;
@@ -27,7 +51,7 @@ int main(int argc, char** argv) try {
   try {
     app->parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app->exit(error) == 0 ? 0 : kBadInput;
+    return parse_error(*app, error);
   }
 
   const auto done = action();

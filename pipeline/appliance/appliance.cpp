@@ -1,6 +1,25 @@
 #include "pipeline/appliance/appliance.hpp"
 
+#include "pipeline/machine/camera_rest.hpp"
+
 namespace kasumi {
+
+namespace {
+
+CameraRest rest_of(const StartRecord& starts, const std::string& camera) {
+  const double lasts_s = rest_s(starts, camera);
+  if (lasts_s <= 0.0) return {};
+  const int times = starts.hung_openings.at(camera);
+  return {from_seconds(lasts_s),
+          fmt::format("left alone for {:.0f} min: its opening hung {}", lasts_s / 60.0,
+                      times > 1 ? fmt::format("{} times in a row", times) : "at the last start")};
+}
+
+}  // namespace
+
+std::unique_ptr<Devices> resting(Devices& devices, const StartRecord& starts, Clock& clock) {
+  return resting(devices, rest_of(starts, "scene"), rest_of(starts, "sky"), clock);
+}
 
 Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, const ApplianceServices& services,
                      StatusOptions status, SkyWatchOptions sky)
@@ -8,7 +27,13 @@ Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, cons
       scene_(content, services.devices, services.clock, mailboxes_),
       sky_(content, services.devices, services.clock, services.time, mailboxes_, std::move(sky)),
       render_(content, services.devices, services.clock, notifier_, mailboxes_),
-      snapshot_(status.file ? std::optional(status.file->parent_path()) : std::nullopt, mailboxes_),
+      snapshot_(
+          status.file ? std::optional(status.file->parent_path()) : std::nullopt,
+          [this](SnapshotKind kind) {
+            mailboxes_.render.snapshot.put(kind);
+            mailboxes_.render.bell.ring();
+          },
+          mailboxes_.snapshot),
       status_(content, std::move(status), services.clock, services.notifier, mailboxes_),
       check_(content, config_file, services.clock, mailboxes_),
       visibility_(content, services.clock, mailboxes_),

@@ -24,6 +24,9 @@ struct ApplianceServices {
   ReloadLoop::Probes probes{};  // empty: the machine's own
 };
 
+// Whose cameras rest that hung at the starts before this one. `devices` and `clock` must outlive it.
+std::unique_ptr<Devices> resting(Devices& devices, const StartRecord& starts, Clock& clock);
+
 // Passes everything on, and counts how often the render loop was alive.
 class CountingNotifier final : public Notifier {
  public:

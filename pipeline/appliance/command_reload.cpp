@@ -7,6 +7,7 @@
 
 #include "base/files.hpp"
 #include "pipeline/command.hpp"
+#include "pipeline/log_lines.hpp"
 #include "pipeline/machine/running_appliance.hpp"
 
 namespace kasumi {
@@ -56,11 +57,10 @@ Result<int> reload(const ReloadArguments& arguments) {
     const auto problems = problems_since(asked, now->status);
     if (!problems) continue;
     if (problems->empty()) {
-      fmt::print("reloaded\n");
+      print_success("reloaded");
       return 0;
     }
-    fmt::print(stderr, "kasumi: the new content is refused, the old stays:\n");
-    for (const auto& problem : *problems) fmt::print(stderr, "  {}\n", problem);
+    print_error(fmt::format("the new content is refused, the old stays:\n  {}", fmt::join(*problems, "\n  ")));
     return 1;
   }
   return fail(FaultKind::timeout, "no answer within {:g} s; `content` of {} will have it", arguments.seconds,

@@ -1,13 +1,16 @@
 #include "pipeline/appliance/safe_mode.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
+#include <thread>
 
 #include <spdlog/spdlog.h>
 
 #include "base/files.hpp"
 #include "pipeline/config/messages.hpp"
+#include "pipeline/loop/loop_guard.hpp"
 #include "pipeline/start/safe_content.hpp"
 
 namespace kasumi {
@@ -37,7 +40,10 @@ SafeMode::SafeMode(ContentPtr content, Devices& devices, Clock& clock, Notifier&
       watchdog_(notifier),
       began_(clock.now()),
       lasts_(from_seconds(safe_for_s(starts.record()))),
-      try_at_(clock.now()) {
+      try_at_(clock.now()),
+      server_(
+          status_file_ ? std::optional(status_file_->parent_path()) : std::nullopt,
+          [this](SnapshotKind kind) { wanted_.put(kind); }, answers_) {
   status_.since = clock.utc();
   status_.start = starts.record();
   status_.render.rung = {Shown::still, Trouble::safe_mode, 1.0, 0.0};
@@ -84,16 +90,37 @@ Result<> SafeMode::show() {
   auto& context = open_->display->context();
   const auto& config = content_->config;
   const auto& font = config.messages.font_file;
-  const std::string message(config.messages.show_faults ? message_text(Message::safe_mode, config.messages.language)
-                                                        : "");
+  auto message = this->message();
   clear_to(*target, glm::vec3(kStillBackground) / 255.0f);
   if (auto drawn = open_->still.draw(*target, {}, 1.0); !drawn) return drawn;
   if (auto drawn = open_->caption.draw(context, config.still.caption, font, false, 1.0, *target); !drawn) return drawn;
   if (auto drawn = open_->message.draw(context, message, font, true, 1.0, *target); !drawn) return drawn;
+  if (desk_.is_due(clock_.now()))
+    if (auto taken = desk_.take(snapshot_facts(), *target); !taken) return taken;
   if (auto number = open_->display->show(); !number) return fail(number.error());
   ++status_.render.pictures;
   shown_at_ = clock_.now();
+  shown_message_ = std::move(message);
+  desk_.told(*shown_at_);
   return {};
+}
+
+std::string SafeMode::message() const {
+  const auto& options = content_->config.messages;
+  if (auto told = desk_.words(); !told.empty()) return told;
+  return std::string(options.show_faults ? message_text(Message::safe_mode, options.language) : "");
+}
+
+// All but the picture itself.
+Snapshot SafeMode::snapshot_facts() const {
+  Snapshot facts;
+  facts.shown = open_ ? name_of(Shown::still) : "nothing";
+  facts.reason = open_ ? std::string(name_of(Trouble::safe_mode)) : "no display: " + status_.render.display.cause;
+  facts.utc = clock_.utc();
+  if (!open_) return facts;
+  for (const auto& text : {content_->config.still.caption, message()})
+    if (!text.empty()) facts.words += (facts.words.empty() ? "" : " / ") + text;
+  return facts;
 }
 
 void SafeMode::prove() {
@@ -113,8 +140,11 @@ void SafeMode::write_status() {
 
 Instant SafeMode::step() {
   if (!open_) try_open();
+  if (const auto kind = wanted_.take()) desk_.request(*kind, content_->config, clock_.now());
+  if (!open_) desk_.give_none(snapshot_facts());
   if (open_) {
-    const bool due = !shown_at_ || clock_.now() - *shown_at_ >= kRedrawInterval;
+    const bool due = !shown_at_ || clock_.now() - *shown_at_ >= kRedrawInterval || message() != shown_message_ ||
+                     desk_.is_due(clock_.now());
     if (auto shown = due ? show() : Result<>(); !shown) {
       spdlog::warn("display: lost: {}", shown.error().message);
       ++status_.render.display.resets;
@@ -160,6 +190,12 @@ Result<> run_safe_mode(const std::filesystem::path& config_file, StartLog& start
   SafeMode mode(read_safe_content(config_file, record.mode), *devices, clock, *notifier, starts,
                 std::move(status_file));
   starts.doing("showing the still picture in safe mode");
+  std::atomic<bool> ending = false;
+  std::thread snapshots([&] {
+    LoopGuard guard("snapshot", clock);
+    while (!ending)
+      if (!guard.run([&] { mode.snapshot().step(); }) && !ending) clock.sleep_until(guard.again_at());
+  });
   for (bool wanted = true; wanted;) {
     const auto again = mode.step();
     const auto pause = std::clamp<Duration>(again - clock.now(), 1ms, kLongestSleep);
@@ -169,6 +205,10 @@ Result<> run_safe_mode(const std::filesystem::path& config_file, StartLog& start
   }
   notifier->stopping();
   starts.ended();
+  ending = true;
+  clock.interrupt();
+  mode.snapshot_bell().ring();
+  snapshots.join();
   mode.finish();
   return {};
 }

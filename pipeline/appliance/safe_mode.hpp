@@ -1,11 +1,14 @@
 // Safe mode: the still picture and words, when boot after boot has come to nothing. Not the appliance: no cameras, no
-// scene, no state, none of its loops and threads; whatever made it fail is left alone.
+// scene, no state, none of its loops; whatever made it fail is left alone. It answers `kasumi snapshot`, since whoever
+// is to mend it may sit far away.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "pipeline/appliance/snapshot_desk.hpp"
+#include "pipeline/appliance/snapshot_server.hpp"
 #include "pipeline/appliance/status_loop.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
@@ -15,7 +18,7 @@
 
 namespace kasumi {
 
-// Belongs to one thread.
+// Belongs to one thread, but for snapshot(), which has one of its own.
 class SafeMode {
  public:
   // All references must outlive it.
@@ -30,6 +33,8 @@ class SafeMode {
   bool is_over() const { return clock_.now() - began_ >= lasts_; }
   const Status& status() const { return status_; }
   Display* display() { return open_ ? open_->display.get() : nullptr; }
+  SnapshotServer& snapshot() { return server_; }
+  Bell& snapshot_bell() { return answers_.bell; }
 
  private:
   struct Open {
@@ -39,6 +44,8 @@ class SafeMode {
   };
   void try_open();
   Result<> show();
+  std::string message() const;
+  Snapshot snapshot_facts() const;
   void prove();
   void write_status();
 
@@ -56,6 +63,12 @@ class SafeMode {
   Instant try_at_;
   std::optional<Instant> shown_at_, timeouts_since_, status_at_;
   bool proven_ = false;
+
+  LatestSlot<SnapshotKind> wanted_;
+  SnapshotMailbox answers_;
+  SnapshotDesk desk_{answers_};
+  SnapshotServer server_;
+  std::string shown_message_;
 };
 
 // Runs it until SIGTERM or SIGINT; SIGHUP, or its time, ends it so that the service manager starts everything again.

@@ -20,8 +20,9 @@ constexpr std::size_t kLongestRequest = 16;
 
 }  // namespace
 
-SnapshotServer::SnapshotServer(const std::optional<std::filesystem::path>& folder, Mailboxes& mailboxes)
-    : mailboxes_(mailboxes) {
+SnapshotServer::SnapshotServer(const std::optional<std::filesystem::path>& folder,
+                               std::function<void(SnapshotKind)> ask, SnapshotMailbox& answers)
+    : ask_(std::move(ask)), answers_(answers) {
   if (!folder) return;
   path_ = *folder / kSnapshotSocket;
   if (auto listening = listen_at(path_))
@@ -45,12 +46,11 @@ void SnapshotServer::answer(const UniqueFd& caller) {
   const auto kind = line ? parse_snapshot_request(*line) : fail(line.error());
   if (!kind) return;
   // Of a caller who was given up.
-  mailboxes_.snapshot.bell.wait_for({});
-  mailboxes_.snapshot.taken.take();
-  mailboxes_.render.snapshot.put(*kind);
-  mailboxes_.render.bell.ring();
-  if (!mailboxes_.snapshot.bell.wait_for(kPictureWait)) spdlog::warn("snapshot: the picture did not come in time");
-  auto snapshot = mailboxes_.snapshot.taken.take();
+  answers_.bell.wait_for({});
+  answers_.taken.take();
+  ask_(*kind);
+  if (!answers_.bell.wait_for(kPictureWait)) spdlog::warn("snapshot: the picture did not come in time");
+  auto snapshot = answers_.taken.take();
   if (!snapshot || snapshot->kind != *kind) return;
   // Nothing sharp leaves the process unless it was asked for and allowed.
   if (snapshot->kind != SnapshotKind::sharp) snapshot->picture = blurred_beyond_recognition(snapshot->picture);

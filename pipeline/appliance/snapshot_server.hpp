@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 
 #include "base/unique_fd.hpp"
 #include "pipeline/appliance/mailboxes.hpp"
@@ -12,7 +14,9 @@ namespace kasumi {
 class SnapshotServer {
  public:
   // `folder`: where the socket is made. Without it, or where it cannot be made, which is logged, nobody is answered.
-  SnapshotServer(const std::optional<std::filesystem::path>& folder, Mailboxes& mailboxes);
+  // `ask` asks who draws, who puts the answer into `answers`.
+  SnapshotServer(const std::optional<std::filesystem::path>& folder, std::function<void(SnapshotKind)> ask,
+                 SnapshotMailbox& answers);
   ~SnapshotServer();
   SnapshotServer(const SnapshotServer&) = delete;
   SnapshotServer& operator=(const SnapshotServer&) = delete;
@@ -24,7 +28,8 @@ class SnapshotServer {
  private:
   void answer(const UniqueFd& caller);
 
-  Mailboxes& mailboxes_;
+  std::function<void(SnapshotKind)> ask_;
+  SnapshotMailbox& answers_;
   std::filesystem::path path_;
   UniqueFd listening_;
 };

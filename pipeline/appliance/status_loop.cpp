@@ -1,5 +1,7 @@
 #include "pipeline/appliance/status_loop.hpp"
 
+#include <utility>
+
 #include <spdlog/spdlog.h>
 
 #include "base/files.hpp"
@@ -15,6 +17,9 @@ using namespace std::chrono_literals;
 
 constexpr Duration kStatsInterval = 1min;
 constexpr Duration kHeatInterval = 5s;  // a heat sink takes minutes
+// An opening that takes so long hangs. The watchdog ends the program half a minute later at the earliest, and a disk may
+// be slow.
+constexpr Duration kOpeningHangs = 30s;
 
 // Logs once when writing begins to fail and once when it works again.
 void log_outage(const Result<>& written, bool& failing, std::string_view what) {
@@ -76,6 +81,21 @@ CameraStatus StatusLoop::seen_from_here(CameraStatus camera, const Pulse& loop) 
   return camera;
 }
 
+// Here, since it goes to the disk. A camera whose loop hangs while it was not up hangs in its opening, or before its
+// first picture.
+void StatusLoop::watch_openings() {
+  if (!options_.starts) return;
+  const auto watch = [&](const char* camera, const CameraHealth& health, const Pulse& loop, bool& told) {
+    const auto silent = loop.hung(status_.now);
+    if (!silent && health.up) options_.starts->opened(camera);
+    if (!silent) told = false;
+    if (!silent || *silent < kOpeningHangs || health.up || std::exchange(told, true)) return;
+    options_.starts->opening_hangs(camera);
+  };
+  watch("scene", told_.scene_camera.health, mailboxes_.scene.pulse, scene_opening_told_);
+  watch("sky", told_.sky_camera.health, mailboxes_.sky.pulse, sky_opening_told_);
+}
+
 void StatusLoop::age_sky() {
   status_.sky = told_.sky;
   if (told_.sky.told == Instant{}) return;
@@ -118,6 +138,7 @@ void StatusLoop::step() {
   mailboxes_.status->pulse.turn(clock_.now(), kComputingBound);
   govern_heat();
   gather();
+  watch_openings();
   spdlog::default_logger_raw()->flush();  // what was left out of the log and may be told now
   write_status();
   if (status_.now - saved_ >= options_.save_interval) save_air();

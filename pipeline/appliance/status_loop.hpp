@@ -15,7 +15,7 @@ struct StatusOptions {
   std::optional<std::filesystem::path> file;         // status.json
   bool stats = false;                                // log latency and copies every minute
   Duration save_interval = std::chrono::minutes(5);  // of the air
-  const StartLog* starts = nullptr;                  // null: not started by the service
+  StartLog* starts = nullptr;                        // null: not started by the service
   std::filesystem::path sys = "/sys";                // where the kernel says how hot it is
 };
 
@@ -44,11 +44,13 @@ class StatusLoop {
     RenderStatus render;
   };
   CameraStatus seen_from_here(CameraStatus camera, const Pulse& loop) const;
+  void watch_openings();
   void age_sky();
   void judge_render();
   void govern_heat();
 
   Told told_;
+  bool scene_opening_told_ = false, sky_opening_told_ = false;  // that it hangs
   Status status_;
   HeatGovernor heat_;
   std::optional<Instant> heat_read_at_;

@@ -93,7 +93,8 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   static SystemClock log_clock;  // something may be logged after this function's clock has gone
   bound_log(log_clock);
   SystemClock clock;
-  const auto devices = machine_devices(clock);
+  const auto machine = machine_devices(clock);
+  const auto devices = resting(*machine, starts.record(), clock);
   const auto runtime = service_folders().runtime;
   const auto time = remember_trust(watch_time(), runtime.empty() ? runtime : runtime / "clock.json");
   const auto notifier = notify_systemd();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <limits>
 
 #include <glm/common.hpp>
@@ -69,6 +70,12 @@ double seconds_of(const std::function<void()>& work) {
   const auto started = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+}
+
+double processor_seconds_of(const std::function<void()>& work) {
+  const auto started = std::clock();
+  work();
+  return static_cast<double>(std::clock() - started) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
 double least_seconds_of(const std::function<void()>& work, int times) {

@@ -16,12 +16,14 @@ struct BenchRow {
   double value = 0.0;
   std::string unit = "x";
   std::optional<double> goal;  // none: for information only
-  bool at_most = true;         // the goal is an upper bound; else a lower one
-  bool reached() const { return !goal || (at_most ? value <= *goal : value >= *goal); }
+  bool less_is_better = true;  // and a goal is an upper bound; else a lower one
+  bool reached() const { return !goal || (less_is_better ? value <= *goal : value >= *goal); }
 };
 
 // Seconds of one call.
 double seconds_of(const std::function<void()>& work);
+// The same of processor time, of all threads of this process: other programs' load does not count.
+double processor_seconds_of(const std::function<void()>& work);
 // Of the quickest of several: what the machine does beside only adds to it.
 double least_seconds_of(const std::function<void()>& work, int times);
 // Runs a and b in turn, `pairs` times after one unmeasured pair, and gives the median of time(a) / time(b).

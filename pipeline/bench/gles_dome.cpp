@@ -72,8 +72,8 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
 
   Stopwatch watch;
   std::vector<BenchRow> rows;
-  const auto add = [&](std::string name, double value, std::optional<double> goal = {}, bool at_most = true) {
-    rows.push_back({.name = std::move(name), .value = value, .goal = goal, .at_most = at_most});
+  const auto add = [&](std::string name, double value, std::optional<double> goal = {}, bool less_is_better = true) {
+    rows.push_back({.name = std::move(name), .value = value, .goal = goal, .less_is_better = less_is_better});
   };
   const auto mesh = skies[0].mesh_size();
   add(fmt::format("the sky's dome, full HD, {} x {} places / plain blit", mesh.columns, mesh.rows),
@@ -84,9 +84,9 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
     add(fmt::format("{} in each pixel, as published / our dome", name_of(kKinds[i])),
         watch.ratio(draw(i, DomeDetail::per_fragment), ours, few_pairs), 1.0, false);
     add(fmt::format("  {} on a mesh as ours is drawn / our dome", name_of(kKinds[i])),
-        watch.ratio(draw(i, DomeDetail::per_vertex), ours, few_pairs));
+        watch.ratio(draw(i, DomeDetail::per_vertex), ours, few_pairs), {}, false);
     add(fmt::format("  {} in each pixel / our dome in each pixel", name_of(kKinds[i])),
-        watch.ratio(draw(i, DomeDetail::per_fragment), draw(0, DomeDetail::per_fragment), few_pairs));
+        watch.ratio(draw(i, DomeDetail::per_fragment), draw(0, DomeDetail::per_fragment), few_pairs), {}, false);
   }
   if (!watch.result()) return fail(watch.result().error());
   return rows;

@@ -67,7 +67,7 @@ Result<std::vector<BenchRow>> bench_layer() {
   if (!offscreen) return fail(offscreen.error());
   const DrawTarget target = offscreen->target();
 
-  const Model large = make_bench_facade(7);
+  const Model large = make_bench_facade({.triangles = 930'000});
   auto plain = showing(**context, scene, scene.facade);
   auto glossy = showing(**context, scene, glazed(scene.facade));
   auto spread =

@@ -15,20 +15,19 @@
 namespace kasumi {
 namespace {
 
-constexpr int kWidth = 1920, kHeight = 1080;
 constexpr double kDistance_m = 3500.0;
-constexpr double kMetresPerPixel = 0.125;
-constexpr double kFacadeWidth_m = 0.5 * kWidth * kMetresPerPixel, kFacadeHeight_m = 0.5 * kHeight * kMetresPerPixel;
+constexpr double kSeenWidth_m = 240.0, kSeenHeight_m = 135.0;  // by the camera, there
+constexpr double kFacadeWidth_m = 0.5 * kSeenWidth_m, kFacadeHeight_m = 0.5 * kSeenHeight_m;
 
 std::uint8_t byte(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
 }
 
-ModelTexture masonry(std::mt19937_64& random) {
-  constexpr int kSize = 512, kCourse = 32;
-  ModelTexture texture{.pixels = Image<glm::u8vec4>(kSize, kSize)};
-  for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x) {
+ModelTexture masonry(int side, std::mt19937_64& random) {
+  constexpr int kCourse = 32;
+  ModelTexture texture{.pixels = Image<glm::u8vec4>(side, side)};
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
       const int shifted = x + (y / kCourse % 2) * kCourse;
       const bool joint = y % kCourse < 2 || shifted % (2 * kCourse) < 2;
       const double grain = 24.0 * (static_cast<double>(random() % 1024) / 1024.0 - 0.5);
@@ -38,13 +37,16 @@ ModelTexture masonry(std::mt19937_64& random) {
   return texture;
 }
 
-// A facade in the x-y plane facing +z, its bottom centre at the origin: a grid of cells, left out where the
-// openings are and above the gable.
-Model make_facade(double width_m, double height_m, int finer, std::mt19937_64& random) {
-  const int columns = 150 * finer, rows = 80 * finer;
+// A facade in the x-y plane facing +z, from x = left_m: a grid of cells, left out where the openings are and above the
+// gable.
+ModelPart make_facade(double left_m, double width_m, double height_m, int triangles) {
+  constexpr int kColumns = 150, kRows = 80, kTriangles = 19'000;  // the openings are drawn on this grid
+  const double finer = std::sqrt(static_cast<double>(triangles) / kTriangles);
+  const int columns = std::max(1, static_cast<int>(std::lround(kColumns * finer)));
+  const int rows = std::max(1, static_cast<int>(std::lround(kRows * finer)));
   ModelPart part;
   const auto place = [&](int i, int j) {
-    const double x = width_m * (double(i) / columns - 0.5), y = height_m * j / rows;
+    const double x = left_m + width_m * i / columns, y = height_m * j / rows;
     return glm::dvec3{x, y, 0.4 * std::sin(0.9 * x) * std::cos(0.7 * y)};
   };
   for (int j = 0; j <= rows; ++j)
@@ -56,7 +58,7 @@ Model make_facade(double width_m, double height_m, int finer, std::mt19937_64& r
   const auto at = [=](int i, int j) { return static_cast<std::uint32_t>(j * (columns + 1) + i); };
   const auto stands = [=](int i, int j) {
     const double gable = rows - 0.27 * std::abs(i + 0.5 - 0.5 * columns);
-    const int across = i / finer % 25, up = j / finer % 27;
+    const int across = i * kColumns / columns % 25, up = j * kRows / rows % 27;
     const bool opening = across >= 9 && across < 16 && up >= 6 && up < 18 - std::abs(across - 12);
     return j < gable && !opening;
   };
@@ -65,44 +67,54 @@ Model make_facade(double width_m, double height_m, int finer, std::mt19937_64& r
       if (stands(i, j))
         part.indices.insert(part.indices.end(),
                             {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+  return part;
+}
+
+// All facades together are as wide and high as one alone.
+Model make_facades(const BenchSize& size, std::mt19937_64& random) {
   Model model;
   model.name = "facade";
-  model.materials.push_back({.name = "masonry", .texture = 0});
-  model.textures.push_back(masonry(random));
-  model.parts.push_back(std::move(part));
+  const double width_m = kFacadeWidth_m / size.buildings;
+  for (int i = 0; i < size.buildings; ++i) {
+    model.materials.push_back({.name = "masonry", .texture = i});
+    model.textures.push_back(masonry(size.texture_side, random));
+    model.parts.push_back(
+        make_facade(width_m * i - 0.5 * kFacadeWidth_m, width_m, kFacadeHeight_m, size.triangles / size.buildings));
+    model.parts.back().material = i;
+  }
   return model;
 }
 
 // Camera looks north, level.
-SceneView view_north() {
+SceneView view_north(int width, int height) {
   SceneView view;
-  view.width = kWidth;
-  view.height = kHeight;
-  view.focal_px = glm::dvec2{kDistance_m / kMetresPerPixel};
-  view.centre_px = {0.5 * (kWidth - 1), 0.5 * (kHeight - 1)};
+  view.width = width;
+  view.height = height;
+  view.focal_px = glm::dvec2{kDistance_m / kSeenWidth_m * width};
+  view.centre_px = {0.5 * (width - 1), 0.5 * (height - 1)};
   view.world_to_camera = glm::dmat4{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {0, 0, 0, 1}};
   view.near_m = 0.5 * kDistance_m;
   view.far_m = 2.0 * kDistance_m;
   return view;
 }
 
-AirlightGrid airlight(const glm::dvec3& level) {
-  AirlightGrid grid{.first_px = {-0.5, -0.5}, .last_px = {kWidth - 0.5, kHeight - 0.5}};
+AirlightGrid airlight(const glm::dvec3& level, const BenchSize& size) {
+  AirlightGrid grid{.first_px = {-0.5, -0.5}, .last_px = {size.width - 0.5, size.height - 0.5}};
   for (std::size_t i = 0; i < grid.light.size(); ++i)
     grid.light[i] = level * (1.0 + 0.01 * double(i % AirlightGrid::kColumns));
   return grid;
 }
 
-BenchFrame make_frame(std::mt19937_64& random) {
+BenchFrame make_frame(int width, int height, std::mt19937_64& random) {
   BenchFrame frame;
-  frame.pixels = Image<glm::u8vec4>(kWidth, kHeight);
-  frame.luma.resize(std::size_t{kWidth} * kHeight);
-  frame.chroma.assign(std::size_t{kWidth} * kHeight / 2, 128);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      const double level = 210.0 - 0.08 * y + 6.0 * (static_cast<double>(random() % 1024) / 1024.0 - 0.5);
+  frame.pixels = Image<glm::u8vec4>(width, height);
+  frame.luma.reserve(static_cast<std::size_t>(width) * height);
+  frame.chroma.assign(static_cast<std::size_t>(width) * height / 2, 128);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double level = 210.0 - 86.4 * y / height + 6.0 * (static_cast<double>(random() % 1024) / 1024.0 - 0.5);
       frame.pixels.at(x, y) = glm::u8vec4{glm::u8vec3{byte(level)}, 255};
-      frame.luma[static_cast<std::size_t>(y * kWidth + x)] = byte(level);
+      frame.luma.push_back(byte(level));
     }
   return frame;
 }
@@ -111,24 +123,25 @@ BenchFrame make_frame(std::mt19937_64& random) {
 
 PictureView BenchFrame::rgba() const {
   return {.layout = PixelLayout::rgba8,
-          .width = kWidth,
-          .height = kHeight,
-          .planes = {Plane{&pixels.elements().data()->x, 4 * std::size_t{kWidth}}}};
+          .width = pixels.width(),
+          .height = pixels.height(),
+          .planes = {Plane{&pixels.elements().data()->x, 4 * static_cast<std::size_t>(pixels.width())}}};
 }
 
 PictureView BenchFrame::nv12() const {
   return {.layout = PixelLayout::nv12,
-          .width = kWidth,
-          .height = kHeight,
-          .planes = {Plane{luma.data(), kWidth}, Plane{chroma.data(), kWidth}}};
+          .width = pixels.width(),
+          .height = pixels.height(),
+          .planes = {Plane{luma.data(), static_cast<std::size_t>(pixels.width())},
+                     Plane{chroma.data(), static_cast<std::size_t>(pixels.width())}}};
 }
 
-BenchScene make_bench_scene() {
+BenchScene make_bench_scene(const BenchSize& size) {
   std::mt19937_64 random(1);
   BenchScene scene;
-  scene.facade = make_facade(kFacadeWidth_m, kFacadeHeight_m, 1, random);
+  scene.facade = make_facades(size, random);
   scene.model_to_world = model_to_world({.north_m = kDistance_m, .up_m = -0.5 * kFacadeHeight_m});
-  scene.view = view_north();
+  scene.view = view_north(size.width, size.height);
 
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   scene.appearance.haze = haze_for_gles(haze_coefficients(nodes, ScatteringModel::morales2017, kBenchTurbidity), 50.0);
@@ -137,15 +150,15 @@ BenchScene make_bench_scene() {
   scene.appearance.light.around = light_around_of([](const Direction& d) {
     return glm::dvec3{0.048, 0.058, 0.084} + d.z * glm::dvec3{0.047, 0.058, 0.082};
   });
-  scene.appearance.horizon = airlight({0.3, 0.32, 0.36});
-  scene.measured = airlight({0.55, 0.6, 0.68});
-  scene.frame = make_frame(random);
+  scene.appearance.horizon = airlight({0.3, 0.32, 0.36}, size);
+  scene.measured = airlight({0.55, 0.6, 0.68}, size);
+  scene.frame = make_frame(size.width, size.height, random);
   return scene;
 }
 
-Model make_bench_facade(int finer) {
+Model make_bench_facade(const BenchSize& size) {
   std::mt19937_64 random(1);
-  return make_facade(kFacadeWidth_m, kFacadeHeight_m, finer, random);
+  return make_facades(size, random);
 }
 
 }  // namespace kasumi

@@ -27,7 +27,7 @@ struct BenchFrame {
 };
 
 struct BenchScene {
-  Model facade;  // 20 000 triangles, arched openings and a gable: its edge is as long as a building's
+  Model facade;  // arched openings and a gable: its edge is as long as a building's
   glm::dmat4 model_to_world{1.0};
   SceneView view;
   ObjectAppearance appearance;
@@ -35,8 +35,15 @@ struct BenchScene {
   BenchFrame frame;
 };
 
-BenchScene make_bench_scene();
-// The same facade of finer cells, `finer` each way: 7 make a million triangles.
-Model make_bench_facade(int finer);
+struct BenchSize {
+  int width = 1920, height = 1080;
+  int triangles = 19'000;  // about as many, of all buildings together
+  int buildings = 1;       // side by side, each with a texture of its own
+  int texture_side = 512;  // pixels
+};
+
+BenchScene make_bench_scene(const BenchSize& size = {});
+// The same facade alone.
+Model make_bench_facade(const BenchSize& size);
 
 }  // namespace kasumi

@@ -1,7 +1,6 @@
 #include "pipeline/bench/haze.hpp"
 
 #include <cmath>
-#include <ctime>
 #include <functional>
 
 #include <opencv2/imgproc.hpp>
@@ -30,13 +29,6 @@ struct Wall {
       for (int x = 0; x < width; ++x) light.at(x, y) = glm::vec3((x / 8 + y / 8) % 2 == 0 ? 0.8F : 0.2F);
   }
 };
-
-// CPU time of this process only, so that other load does not count. Both schemes are single-threaded.
-double processor_seconds_of(const std::function<void()>& work) {
-  const auto started = std::clock();
-  work();
-  return static_cast<double>(std::clock() - started) / static_cast<double>(CLOCKS_PER_SEC);
-}
 
 std::vector<BenchRow> on_cpu() {
   const Wall wall(1600, 1120);

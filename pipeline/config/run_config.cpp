@@ -214,6 +214,8 @@ void read_screen(const ConfigTable& root, RunConfig& config) {
     options.show_faults = table.flag("show_faults", true);
     return options;
   });
+  config.snapshot =
+      section(root, "snapshot", [](const ConfigTable& table) { return SnapshotOptions{table.flag("sharp", false)}; });
 }
 
 RunConfig read_run_config(const ConfigTable& root) {
@@ -228,8 +230,6 @@ RunConfig read_run_config(const ConfigTable& root) {
   config.check = section(root, "check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
   config.ladder = section(root, "ladder", read_ladder);
   config.heat = section(root, "heat", read_heat);
-  config.snapshot =
-      section(root, "snapshot", [](const ConfigTable& table) { return SnapshotOptions{table.flag("sharp", false)}; });
   config.state_folder = section(root, "state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
     const auto folder = table.text("folder", std::string());
     if (folder.empty()) return std::nullopt;

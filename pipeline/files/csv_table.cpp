@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <unordered_map>
 
 #include "base/files.hpp"
 
@@ -38,12 +39,15 @@ std::string shown(const std::string& cell) {
 }
 
 void check_names(const std::string& file, const std::vector<std::string>& names, Problems& problems) {
+  std::unordered_map<std::string_view, std::size_t> columns;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i].empty()) problems.add("{}:1: column {} has no name", file, i + 1);
-    const auto first = std::find(names.begin(), names.end(), names[i]) - names.begin();
-    if (!names[i].empty() && static_cast<std::size_t>(first) < i)
+    if (names[i].empty()) {
+      problems.add("{}:1: column {} has no name", file, i + 1);
+      continue;
+    }
+    if (const auto [first, is_new] = columns.emplace(names[i], i); !is_new)
       problems.add("{}:1: column {} is '{}' again, as column {} is: expected each once", file, i + 1, shown(names[i]),
-                   first + 1);
+                   first->second + 1);
   }
 }
 
@@ -97,11 +101,8 @@ std::optional<double> CsvTable::number(std::size_t row, std::size_t column, doub
   const auto [end, error] = std::from_chars(from, cell.data() + cell.size(), value);
   const bool whole = error == std::errc() && end == cell.data() + cell.size() && !cell.empty();
   if (whole && value >= least && value <= most) return value;
-  const std::string range = most < std::numeric_limits<double>::max()
-                                ? fmt::format("a number from {} to {}", least, most)
-                                : fmt::format("a number of at least {}", least);
-  problems.add("{}:{}: column {} ({}): '{}': expected {}", file_.string(), line(row), column + 1, names_[column],
-               shown(cell), range);
+  problems.add("{}:{}: column {} ({}): '{}': expected a number from {:g} to {:g}", file_.string(), line(row),
+               column + 1, names_[column], shown(cell), least, most);
   return std::nullopt;
 }
 

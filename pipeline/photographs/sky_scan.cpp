@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <limits>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kFewestDirections = 20;
 constexpr std::size_t kMostProblems = 40;
-constexpr double kNoLimit = std::numeric_limits<double>::max();
+constexpr double kMostLight = 1e15;  // in any unit; sums of it stay finite
 // A colour can be told from a spectrum that covers most of what the eye sees, in steps that no absorption hides in.
 constexpr double kFirstNeeded_nm = 440.0, kLastNeeded_nm = 660.0, kWidestStep_nm = 40.0;
 // One reading's own error beside its scale, which all share.
@@ -36,7 +36,8 @@ std::optional<double> wavelength_of(const std::string& name) {
   if (!name.starts_with('L')) return std::nullopt;
   double nm = 0.0;
   const auto [end, error] = std::from_chars(name.data() + 1, name.data() + name.size(), nm);
-  return error == std::errc() && end == name.data() + name.size() ? std::optional(nm) : std::nullopt;
+  const bool whole = error == std::errc() && end == name.data() + name.size() && std::isfinite(nm);
+  return whole ? std::optional(nm) : std::nullopt;
 }
 
 // A spectrum is a straight line between its wavelengths and level beyond them; its colour is linear in its values.
@@ -138,7 +139,7 @@ Result<SkyScan> read_sky_scan(const std::filesystem::path& path) {
     glm::dvec3 xyz{0.0};
     bool whole = az && el;
     for (std::size_t i = 0; i < light->columns.size(); ++i) {
-      const auto value = table.number(row, light->columns[i], 0.0, kNoLimit, problems);
+      const auto value = table.number(row, light->columns[i], 0.0, kMostLight, problems);
       whole = whole && value;
       if (value) xyz += *value * light->weights[i];
     }

@@ -30,6 +30,9 @@ constexpr std::array kFonts{
 constexpr std::size_t kMostCharacters = 4000;
 constexpr double kMinHeight = 6.0, kMostHeight = 512.0;
 constexpr int kMostWidth = 16384;
+// A font may claim glyphs of any size, and each pixel of one takes memory. The widest of usual fonts, a whole sentence
+// in one character (U+FDFD), has a dozen.
+constexpr double kLargestGlyph_em = 16.0;
 
 constexpr glm::dvec3 kTextColour{247, 246, 241};
 constexpr glm::dvec3 kBackground{17, 19, 23};
@@ -78,9 +81,9 @@ class Fonts {
     return {faces_.front().get(), 0};
   }
 
-  // Calls put(glyph, x) with the pen position before each glyph; returns the final pen position.
+  // Calls put(glyph, extent) for each glyph, from pen position to pen position.
   template <class Put>
-  double walk(std::u32string_view line, Put put) const {
+  void walk(std::u32string_view line, Put put) const {
     double pen = 0.0;
     Glyph before;
     for (const char32_t character : line) {
@@ -88,16 +91,15 @@ class Fonts {
       FT_Vector kerning{};
       if (before.face == now.face && FT_HAS_KERNING(now.face))
         FT_Get_Kerning(now.face, before.index, now.index, FT_KERNING_UNFITTED, &kerning);
-      pen += from_26_6(kerning.x);
-      put(now, pen);
+      const double from = pen + from_26_6(kerning.x);
       // 16.16 fixed point, not rounded to whole pixels
       FT_Fixed advance = 0;
       if (FT_Load_Glyph(now.face, now.index, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP) == 0)
         advance = now.face->glyph->linearHoriAdvance;
-      pen += static_cast<double>(advance) / 65536.0;
+      pen = from + static_cast<double>(advance) / 65536.0;
+      put(now, GlyphExtent{from, pen});
       before = now;
     }
-    return pen;
   }
 
   double em_px() const { return em_px_; }
@@ -128,11 +130,17 @@ class Fonts {
   double em_px_ = 0.0;
 };
 
-// Adds a glyph's coverage to each pixel.
-void add_glyph(Image<float>& coverage, const Glyph& glyph, double x, double baseline) {
+bool is_larger(const FT_Outline& outline, double largest_px) {
+  FT_BBox box{};
+  FT_Outline_Get_CBox(&outline, &box);
+  return from_26_6(box.xMax - box.xMin) > largest_px || from_26_6(box.yMax - box.yMin) > largest_px;
+}
+
+// Adds a glyph's coverage to each pixel; one that is larger than that is left out.
+void add_glyph(Image<float>& coverage, const Glyph& glyph, double x, double baseline, double largest_px) {
   if (FT_Load_Glyph(glyph.face, glyph.index, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP) != 0) return;
   const FT_GlyphSlot slot = glyph.face->glyph;
-  if (slot->format != FT_GLYPH_FORMAT_OUTLINE) return;
+  if (slot->format != FT_GLYPH_FORMAT_OUTLINE || is_larger(slot->outline, largest_px)) return;
   const double left = std::floor(x);
   FT_Outline_Translate(&slot->outline, static_cast<FT_Pos>(std::lround((x - left) * 64.0)), 0);
   if (FT_Render_Glyph(slot, FT_RENDER_MODE_NORMAL) != 0) return;
@@ -180,10 +188,14 @@ Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& s
   const auto fonts = Fonts::open(style);
   if (!fonts) return fail(fonts.error());
 
-  const auto nothing = [](const Glyph&, double) {};
-  const auto width_of = [&](std::u32string_view line) { return fonts->walk(line, nothing); };
+  const auto extents_of = [&](std::u32string_view line) {
+    std::vector<GlyphExtent> extents;
+    fonts->walk(line, [&](const Glyph&, const GlyphExtent& extent) { extents.push_back(extent); });
+    return extents;
+  };
+  const auto width_of = [&](std::u32string_view line) { return line.empty() ? 0.0 : extents_of(line).back().to; };
   const double side = 0.6 * fonts->em_px(), above = 0.35 * fonts->em_px();
-  const auto lines = break_lines(*characters, std::max(style.largest_width_px - 2.0 * side, 1.0), width_of);
+  const auto lines = break_lines(*characters, std::max(style.largest_width_px - 2.0 * side, 1.0), extents_of);
   double widest = 0.0;
   for (const auto& line : lines) widest = std::max(widest, width_of(line));
 
@@ -196,7 +208,9 @@ Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& s
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const double baseline = std::round(first_baseline + static_cast<double>(i) * style.height_px);
     const double left = 0.5 * (width - width_of(lines[i]));
-    fonts->walk(lines[i], [&](const Glyph& glyph, double x) { add_glyph(coverage, glyph, left + x, baseline); });
+    fonts->walk(lines[i], [&](const Glyph& glyph, const GlyphExtent& extent) {
+      add_glyph(coverage, glyph, left + extent.from, baseline, kLargestGlyph_em * fonts->em_px());
+    });
   }
 
   Image<Rgba8> picture(width, height);

@@ -27,46 +27,69 @@ bool may_break_between(char32_t before, char32_t after) {
   return is_without_spaces(before) || is_without_spaces(after);
 }
 
-std::u32string_view trimmed(std::u32string_view text) {
-  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
-  return text;
+struct Line {
+  std::size_t from = 0, to = 0;  // characters
+};
+
+// Text between two line feeds, measured once.
+class Paragraph {
+ public:
+  Paragraph(std::u32string_view text, const ExtentsOf& extents_of) : text_(text), extents_(extents_of(text)) {}
+
+  // The narrowest lines of the number that it takes, since a last line of one word reads badly.
+  std::vector<Line> balanced(double largest) const;
+  std::u32string_view text(const Line& line) const { return text_.substr(line.from, line.to - line.from); }
+
+ private:
+  double width(const Line& line) const {
+    return line.to > line.from ? extents_[line.to - 1].to - extents_[line.from].from : 0.0;
+  }
+  std::vector<Line> filled(double largest) const;
+  Line first_line(std::size_t from, double largest) const;
+  std::size_t after_spaces(std::size_t at) const {
+    while (at < text_.size() && is_space(text_[at])) ++at;
+    return at;
+  }
+
+  std::u32string_view text_;
+  std::vector<GlyphExtent> extents_;
+};
+
+// As much as fits, from a character that is no space; a single character where nothing does.
+Line Paragraph::first_line(std::size_t from, double largest) const {
+  Line fits{from, from + 1}, whole{from, from};
+  std::size_t last = from;  // what follows are spaces
+  for (std::size_t at = from + 1; at <= text_.size(); ++at) {
+    if (!is_space(text_[at - 1])) last = at;
+    if (width({from, last}) > largest) break;
+    fits.to = last;
+    if (at == text_.size() || may_break_between(text_[at - 1], text_[at])) whole.to = last;
+  }
+  return whole.to > from ? whole : fits;
 }
 
 // Greedy: each line takes as much as fits.
-std::vector<std::u32string_view> filled(std::u32string_view rest, double largest, const WidthOf& width_of) {
-  std::vector<std::u32string_view> lines;
-  for (rest = trimmed(rest); !rest.empty(); rest = trimmed(rest)) {
-    std::size_t end = 0, forced = 1;
-    for (std::size_t at = 1; at <= rest.size(); ++at) {
-      const bool fits = width_of(trimmed(rest.substr(0, at))) <= largest;
-      if (fits) forced = at;
-      if (at < rest.size() && !may_break_between(rest[at - 1], rest[at])) continue;
-      if (!fits) break;
-      end = at;
-    }
-    if (end == 0) end = forced;
-    lines.push_back(trimmed(rest.substr(0, end)));
-    rest.remove_prefix(end);
-  }
+std::vector<Line> Paragraph::filled(double largest) const {
+  std::vector<Line> lines;
+  for (auto from = after_spaces(0); from < text_.size(); from = after_spaces(lines.back().to))
+    lines.push_back(first_line(from, largest));
   if (lines.empty()) lines.emplace_back();
   return lines;
 }
 
-// The narrowest lines of the same number, since a last line of one word reads badly.
-std::vector<std::u32string_view> balanced(std::u32string_view paragraph, double largest, const WidthOf& width_of) {
-  auto lines = filled(paragraph, largest, width_of);
+std::vector<Line> Paragraph::balanced(double largest) const {
+  auto lines = filled(largest);
   if (lines.size() < 2) return lines;
   double too_narrow = 0.0, wide_enough = largest;
   for (int i = 0; i < 12; ++i) {
-    const double width = 0.5 * (too_narrow + wide_enough);
-    auto narrower = filled(paragraph, width, width_of);
-    const bool fits = std::ranges::all_of(narrower, [&](std::u32string_view line) { return width_of(line) <= width; });
+    const double tried = 0.5 * (too_narrow + wide_enough);
+    auto narrower = filled(tried);
+    const bool fits = std::ranges::all_of(narrower, [&](const Line& line) { return width(line) <= tried; });
     if (fits && narrower.size() <= lines.size()) {
-      wide_enough = width;
+      wide_enough = tried;
       lines = std::move(narrower);
     } else {
-      too_narrow = width;
+      too_narrow = tried;
     }
   }
   return lines;
@@ -99,11 +122,12 @@ Result<std::u32string> characters_of(std::string_view utf8) {
   return text;
 }
 
-std::vector<std::u32string> break_lines(std::u32string_view text, double largest, const WidthOf& width_of) {
+std::vector<std::u32string> break_lines(std::u32string_view text, double largest, const ExtentsOf& extents_of) {
   std::vector<std::u32string> lines;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t end = std::min(text.find(U'\n', at), text.size());
-    for (const auto line : balanced(text.substr(at, end - at), largest, width_of)) lines.emplace_back(line);
+    const Paragraph paragraph(text.substr(at, end - at), extents_of);
+    for (const auto& line : paragraph.balanced(largest)) lines.emplace_back(paragraph.text(line));
     at = end + 1;
   }
   return lines;

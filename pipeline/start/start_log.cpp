@@ -1,5 +1,6 @@
 #include "pipeline/start/start_log.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -36,7 +37,9 @@ std::string json_text(const StartRecord& record) {
               {"trial", record.trial},
               {"trials", record.trials},
               {"failed_boots", record.failed_boots},
-              {"why", record.why}}
+              {"why", record.why},
+              {"unasked", record.unasked},
+              {"hung_openings", record.hung_openings}}
              .dump(1, ' ', false, Json::error_handler_t::replace) +
          "\n";
 }
@@ -61,6 +64,11 @@ StartRecord record_in(const std::string& text) {
     if (start.is_number() && std::isfinite(start.get<double>())) record.starts_s.push_back(start.get<double>());
   for (const auto& line : json.value("why", Json::array()))
     if (line.is_string()) record.why.push_back(line.get<std::string>());
+  read("unasked", &Json::is_boolean, record.unasked);
+  const auto hung = json.value("hung_openings", Json::object());
+  for (const auto& [camera, times] : hung.items())
+    if (times.is_number_unsigned())
+      record.hung_openings[camera] = static_cast<int>(std::min<std::uint64_t>(times.get<std::uint64_t>(), 1000));
   for (const auto mode : {StartMode::whole, StartMode::safe, StartMode::plain})
     if (json.value("mode", Json()) == kModes[static_cast<std::size_t>(mode)]) record.mode = mode;
   return record;
@@ -109,6 +117,14 @@ void StartLog::well() {
 
 void StartLog::ended() {
   change([](StartRecord& record) { record.ended = true; });
+}
+
+void StartLog::opening_hangs(const std::string& camera) {
+  change([&](StartRecord& record) { note_hung_opening(record, camera); });
+}
+
+void StartLog::opened(const std::string& camera) {
+  if (record().hung_openings.contains(camera)) change([&](StartRecord& record) { note_opened(record, camera); });
 }
 
 }  // namespace kasumi

@@ -33,6 +33,9 @@ class StartLog {
   void shown();  // the display takes pictures, or is known to be absent
   void well();   // also lets the unit's next failures be counted from the beginning
   void ended();  // on purpose
+  // Its opening hangs. BLOCKS until that is on the disk, which is before the watchdog ends the program.
+  void opening_hangs(const std::string& camera);
+  void opened(const std::string& camera);  // pictures come of it
 
  private:
   template <class Change>

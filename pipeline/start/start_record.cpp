@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@ namespace kasumi {
 namespace {
 
 constexpr double kFirstSafe_s = 3600.0, kLongestSafe_s = 24 * 3600.0;
+constexpr double kFirstRest_s = 60.0, kLongestRest_s = 3600.0;
 constexpr std::size_t kMostReasons = 3;
 
 bool reached_start_limit(const StartRecord& record) {
@@ -46,6 +48,7 @@ void begin_boot(StartRecord& record, const std::string& boot) {
 }  // namespace
 
 StartMode note_start(StartRecord& record, const std::string& boot, double since_boot_s) {
+  record.unasked = record.boot == boot && !record.ended;
   if (record.boot != boot) begin_boot(record, boot);
   record.starts_s.push_back(since_boot_s);
   if (record.starts_s.size() > kStartsBeforeReboot) record.starts_s.erase(record.starts_s.begin());
@@ -73,12 +76,29 @@ void note_well(StartRecord& record) {
   record.why.clear();
 }
 
+void note_hung_opening(StartRecord& record, const std::string& camera) {
+  ++record.hung_openings[camera];
+}
+
+void note_opened(StartRecord& record, const std::string& camera) {
+  record.hung_openings.erase(camera);
+}
+
+double rest_s(const StartRecord& record, const std::string& camera) {
+  const auto hung = record.hung_openings.find(camera);
+  if (!record.unasked || hung == record.hung_openings.end() || hung->second < 1) return 0.0;
+  return std::min(kLongestRest_s, std::ldexp(kFirstRest_s, std::min(hung->second - 1, 10)));
+}
+
 double safe_for_s(const StartRecord& record) {
   return std::min(kLongestSafe_s, std::ldexp(kFirstSafe_s, std::min(record.trials, 10)));
 }
 
 bool suspects_content(const StartRecord& record) {
-  return record.mode == StartMode::whole && record.starts_s.size() > kStartsBeforeKeptContent;
+  const auto add = [](std::size_t sum, const auto& hung) { return sum + static_cast<std::size_t>(hung.second); };
+  const auto& hung = record.hung_openings;
+  const auto of_cameras = std::accumulate(hung.begin(), hung.end(), std::size_t{0}, add);
+  return record.mode == StartMode::whole && record.starts_s.size() > kStartsBeforeKeptContent + of_cameras;
 }
 
 }  // namespace kasumi

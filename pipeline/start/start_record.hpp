@@ -4,6 +4,7 @@
 // shows the still picture, and from time to time everything is tried again.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -32,12 +33,21 @@ struct StartRecord {
   int trials = 0;                // since it last came well
   int failed_boots = 0;          // one after the other
   std::vector<std::string> why;  // a line for each of the last failed boots, for the operator
+  bool unasked = false;          // the last start followed one of the same boot that nobody had ended
+  // Openings that hung, one after the other, by camera: the watchdog ends the program for each.
+  std::map<std::string, int> hung_openings;
 };
 
 // Notes a start `since_boot_s` after the boot of that id, and says how it has to be.
 StartMode note_start(StartRecord& record, const std::string& boot, double since_boot_s);
 // It ran for as long as proves it. In safe mode this changes nothing but that its own starts are forgiven.
 void note_well(StartRecord& record);
+
+void note_hung_opening(StartRecord& record, const std::string& camera);
+void note_opened(StartRecord& record, const std::string& camera);
+// How long this start leaves the camera alone, so that the picture is not interrupted again at once: 1, 2, 4 .. 60
+// minutes. 0 where a person or a boot may have mended it.
+double rest_s(const StartRecord& record, const std::string& camera);
 
 // How long safe mode lasts before everything is tried again: an hour, then 2, 4 .. 24.
 double safe_for_s(const StartRecord& record);

@@ -34,6 +34,40 @@ TEST(ConfigTable, AMissingTableIsOneProblemNotOnePerKey) {
   EXPECT_EQ(result.error().message, "a.toml: lens is missing: expected a table [lens]");
 }
 
+TEST(ConfigTable, WhatSeveralReadersMissIsToldOnce) {
+  const auto root = ConfigTable::parse("width = -1\nheight = -1\n", "a.toml").value();
+  for (int reader = 0; reader < 3; ++reader) {
+    root.table("site");
+    root.number("width", {0, 10});
+    root.number("height", {0, 10});
+  }
+  const auto result = root.finish();
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().message,
+            "a.toml: site is missing: expected a table [site]\na.toml: width = -1: expected a number from 0 to 10\n"
+            "a.toml: height = -1: expected a number from 0 to 10");
+}
+
+TEST(Problems, AreToldOnceEachInTheirOrder) {
+  Problems of_sky, of_scene, all;
+  of_sky.add("a.toml: site is missing");
+  of_sky.add("a.toml: sky is missing");
+  of_scene.add("a.toml: site is missing");
+  of_scene.add("a.toml: scene is missing");
+  all.add("{}", of_sky.fault().message);
+  all.add("{}", of_scene.fault().message);
+  EXPECT_EQ(all.fault().message, "a.toml: site is missing\na.toml: sky is missing\na.toml: scene is missing");
+}
+
+TEST(Problems, WhatALineAnnouncesStaysWithIt) {
+  Problems problems;
+  for (const char* camera : {"sky", "scene", "sky"})
+    problems.add("{}.sensitivity: expected one that can be read:\nb.csv: line 3", camera);
+  EXPECT_EQ(problems.fault().message,
+            "sky.sensitivity: expected one that can be read:\nb.csv: line 3\n"
+            "scene.sensitivity: expected one that can be read:\nb.csv: line 3");
+}
+
 TEST(ConfigTable, ValuesThatAreNotFiniteNumbersAreRefused) {
   for (const char* text : {"a = nan", "a = inf", "a = '1'", "a = true", "a = [1]"}) {
     const auto root = ConfigTable::parse(text, "a.toml").value();

@@ -158,9 +158,10 @@ Rig::Rig(RigOptions options)
     return;
   }
   devices.scene.gives = [this](std::uint32_t number) { given_at_[number % kSceneFrames] = clock.now(); };
+  rested = resting(devices, options.starts ? options.starts->record() : StartRecord{}, clock);
   appliance = std::make_unique<Appliance>(
-      config, *content, ApplianceServices{devices, clock, time, notifier, {}, std::move(options.probes)},
-      StatusOptions{folder / "status.json", false, 10s, nullptr, folder / "sys"}, std::move(options.sky));
+      config, *content, ApplianceServices{*rested, clock, time, notifier, {}, std::move(options.probes)},
+      StatusOptions{folder / "status.json", false, 10s, options.starts, folder / "sys"}, std::move(options.sky));
 }
 
 Rig::~Rig() {

@@ -68,6 +68,7 @@ struct RigOptions {
   bool keep_folder = false;  // keep what an earlier rig of that name left on disk
   DisplayFaults display{};
   ReloadLoop::Probes probes{};
+  StartLog* starts = nullptr;
 };
 
 class Rig {
@@ -113,6 +114,7 @@ class Rig {
   FakeTime time;
   FakeNotifier notifier;
   BenchDevices devices;
+  std::unique_ptr<Devices> rested;  // as the program opens them
   std::unique_ptr<Appliance> appliance;
   bool render_hangs = false;
 

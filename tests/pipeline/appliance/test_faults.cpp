@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pipeline/start/remembered_state.hpp"
+#include "tests/pipeline/appliance/journal.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 
 namespace kasumi {
@@ -237,6 +238,47 @@ TEST_P(BlindCamera, Row12AfterHalfAMinuteTheStillIsShownUntilThePictureIsNormalA
   EXPECT_TRUE(rig->recover(fmt::format("12 {}", blind.name), 3s));
 }
 INSTANTIATE_TEST_SUITE_P(Ways, BlindCamera, testing::Values(0, 1, 2));
+
+// An earlier sky would be read under a sun that has moved on.
+TEST(Appliance, AFrozenSkyIsNotEstimatedUntilItMovesAgain) {
+  auto estimates = std::make_shared<int>(0);
+  SkyWatchOptions sky;
+  sky.estimator = [estimates](const SkyPicture&, const SunDirection&) {
+    ++*estimates;
+    TurbidityEstimate estimate;
+    estimate.usable = true;
+    estimate.sky = SkyCondition::clear;
+    estimate.turbidity = {3.0};
+    estimate.sigma = 0.05;
+    return estimate;
+  };
+  const auto rig = running({.name = "frozen-sky", .sky = sky});
+  const Journal journal;
+  // Looks at its condition and estimates are due once a second each: opened anew, they are not due together.
+  const int first = *estimates;
+  ASSERT_TRUE(rig->advance_until([&] { return *estimates > first; }, 2s));
+  rig->devices.sky.unplugged = true;
+  rig->advance(200ms);
+  rig->devices.sky.unplugged = false;
+  rig->advance(3s);
+  rig->devices.sky.spoil = freeze();
+  ASSERT_TRUE(rig->advance_until([&] { return journal.count("sky camera: picture is frozen") == 1; }, 40s));
+  const int before = *estimates;
+  rig->advance(3s);
+  EXPECT_EQ(*estimates, before);
+  const auto& status = rig->status();
+  EXPECT_FALSE(status.sky.up);
+  EXPECT_FALSE(status.sky.report.estimate.usable);
+  EXPECT_EQ(status.sky.report.estimate.reason, "no picture of the sky: frozen");
+  EXPECT_GE(status.sky.report.tracked->age, 2s);
+  EXPECT_EQ(rig->trouble(), Trouble::sky_lost);
+  EXPECT_EQ(rig->shown(), Shown::degraded);
+
+  rig->devices.sky.spoil = {};
+  ASSERT_TRUE(rig->advance_until([&] { return journal.count("sky camera: picture normal again") == 1; }, 3s));
+  EXPECT_EQ(*estimates, before + 1) << "with the first picture that moves";
+  EXPECT_TRUE(rig->advance_until([&] { return rig->trouble() == Trouble::none; }, 2s));
+}
 
 // What a bird, rain or glare does to an estimate: one look that says something else.
 TEST(Appliance, Row13ASingleOutlierChangesNothing) {

@@ -2,16 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include <sstream>
-
 #include "base/files.hpp"
 #include "pipeline/doctor/checks.hpp"
+#include "tests/pipeline/appliance/journal.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
+#include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
 namespace {
@@ -33,28 +31,16 @@ Finding doctor_says(const Rig& rig, const std::string& check) {
   return {};
 }
 
-// What is logged while it lives.
-class Journal {
- public:
-  Journal() : before_(spdlog::default_logger()) {
-    spdlog::set_default_logger(
-        std::make_shared<spdlog::logger>("journal", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
-  }
-  ~Journal() { spdlog::set_default_logger(before_); }
-  std::string text() const { return text_.str(); }
-  int count(const std::string& words) const {
-    const auto all = text();
-    int found = 0;
-    for (std::size_t at = 0; (at = all.find(words, at)) != std::string::npos; ++at) ++found;
-    return found;
-  }
+constexpr Duration kLongStep = 1s;  // of the clock, where nothing quick happens: each step draws a picture
 
- private:
-  std::ostringstream text_;
-  std::shared_ptr<spdlog::logger> before_;
-};
-
-constexpr Duration kLongStep = 200ms;  // of the clock, where nothing quick happens
+// A rig whose picture is live, in few steps.
+std::unique_ptr<Rig> live(RigOptions options) {
+  auto rig = std::make_unique<Rig>(std::move(options));
+  rig->advance(4s, 200ms);
+  EXPECT_EQ(rig->shown(), Shown::live) << name_of(rig->trouble());
+  EXPECT_TRUE(rig->status().sky.report.tracked) << rig->status().sky.report.estimate.reason;
+  return rig;
+}
 
 // Lets the camera's next call hang.
 void hang(Rig& rig, CameraFaults& camera) {
@@ -63,7 +49,7 @@ void hang(Rig& rig, CameraFaults& camera) {
 }
 
 TEST(Appliance, Row30AHungSkyCameraIsAsIfItWereGone) {
-  const auto rig = running({.name = "row30-sky"});
+  const auto rig = live({.name = "row30-sky"});
   const Journal journal;
   const auto air = rig->status().sky.report.tracked->turbidity.value;
   const auto sun = rig->status().sky.report.sun.direction;
@@ -91,7 +77,7 @@ TEST(Appliance, Row30AHungSkyCameraIsAsIfItWereGone) {
   EXPECT_THAT(rig->notifier.lines.back(), HasSubstr("sky loop: hung"));
   EXPECT_EQ(journal.count("sky loop: hung"), 1) << journal.text();
 
-  rig->advance(150s, 500ms);
+  rig->advance(150s, 3s);
   const auto& later = rig->status().sky.report.sun;
   EXPECT_EQ(later.source, SunSource::ephemeris);
   const double moved_deg =
@@ -108,7 +94,7 @@ TEST(Appliance, Row30AHungSkyCameraIsAsIfItWereGone) {
 }
 
 TEST(Appliance, Row30AHungSceneCameraIsAsIfItWereGone) {
-  const auto rig = running({.name = "row30-scene"});
+  const auto rig = live({.name = "row30-scene"});
   const Journal journal;
   hang(*rig, rig->devices.scene);
   rig->advance(1s);
@@ -131,18 +117,18 @@ TEST(Appliance, Row30AHungSceneCameraIsAsIfItWereGone) {
 
 TEST(Appliance, Row30AfterAMinuteTheWatchdogIsNoLongerFed) {
   for (const bool scene : {false, true}) {
-    const auto rig = running({.name = scene ? "row30-watchdog-scene" : "row30-watchdog-sky"});
+    const auto rig = live({.name = scene ? "row30-watchdog-scene" : "row30-watchdog-sky"});
     auto& camera = scene ? rig->devices.scene : rig->devices.sky;
     hang(*rig, camera);
     auto alives = rig->notifier.alives;
     rig->advance(59s, kLongStep);
     EXPECT_GE(rig->notifier.alives, alives + 55) << "it may yet return";
-    rig->advance(2s);
+    rig->advance(2s, kLongStep);
     alives = rig->notifier.alives;
     rig->advance(20s, kLongStep);
     EXPECT_EQ(rig->notifier.alives, alives) << "the service manager restarts the service";
     rig->let_go(camera);
-    rig->advance(5s);
+    rig->advance(5s, kLongStep);
     EXPECT_GE(rig->notifier.alives, alives + 3) << "it returned before the service manager acted";
   }
 }
@@ -150,7 +136,7 @@ TEST(Appliance, Row30AfterAMinuteTheWatchdogIsNoLongerFed) {
 // As a television that is switched off while a camera's driver hangs.
 TEST(Appliance, Row30TheWatchdogIsWithheldWithoutADisplayAsWell) {
   Rig rig({.name = "row30-no-display", .display = {.unplugged = true}});
-  rig.advance(2s);
+  rig.advance(2s, 200ms);
   hang(rig, rig.devices.scene);
   rig.advance(62s, kLongStep);
   const auto alives = rig.notifier.alives, extensions = rig.notifier.extensions;
@@ -160,8 +146,41 @@ TEST(Appliance, Row30TheWatchdogIsWithheldWithoutADisplayAsWell) {
   rig.let_go(rig.devices.scene);
 }
 
+// The watchdog ends the program after each, and the next start leaves that camera alone for a while.
+TEST(Appliance, Row30ACameraThatHangsAtEveryOpeningRestsOverRestarts) {
+  const auto state = test_folder("row30-starts");
+  std::filesystem::remove_all(state);
+  std::filesystem::create_directories(state);
+  int times = 0;
+  for (const auto rest : {0min, 1min, 2min}) {
+    StartLog starts({state, {}}, "boot", 15.0);
+    Rig rig({.name = "row30-starts", .starts = &starts});
+    rig.devices.scene.trap.set();
+    if (rest > 0min) {
+      rig.advance(3s, kLongStep);
+      EXPECT_EQ(rig.shown(), Shown::still);
+      EXPECT_TRUE(rig.status().sky_camera.health.up) << "the other one is not left alone";
+      EXPECT_THAT(rig.status().scene_camera.health.cause,
+                  HasSubstr(fmt::format("left alone for {} min: its opening hung", rest.count())));
+      rig.clock.advance(rest - 10s);
+      rig.advance(5s, kLongStep);
+      EXPECT_EQ(rig.devices.scene.opened, 0);
+    }
+    ASSERT_TRUE(rig.advance_until([&] { return rig.devices.scene.trap.caught(); }, 30s)) << "it is tried again";
+    const auto on_disk = [&] {
+      return nlohmann::json::parse(read_text_file(state / "starts.json").value())["hung_openings"].value("scene", 0);
+    };
+    rig.advance(29s, kLongStep);
+    EXPECT_EQ(on_disk(), times) << "it may be slow";
+    const auto alives = rig.notifier.alives;
+    rig.advance(3s, kLongStep);
+    EXPECT_GT(rig.notifier.alives, alives) << "it is on the disk before the watchdog bites";
+    EXPECT_EQ(on_disk(), ++times);
+  }
+}
+
 TEST(Appliance, Row30ARenderLoopThatHangsIsToldByTheStatus) {
-  const auto rig = running({.name = "row30-render"});
+  const auto rig = live({.name = "row30-render"});
   const Journal journal;
   rig->render_hangs = true;
   rig->advance(15s, kLongStep);
@@ -172,11 +191,11 @@ TEST(Appliance, Row30ARenderLoopThatHangsIsToldByTheStatus) {
 }
 
 TEST(Appliance, Row15NothingIsCalledLiveWithoutADisplay) {
-  const auto rig = running({.name = "row15-shown"});
+  const auto rig = live({.name = "row15-shown"});
   const Journal journal;
   rig->devices.display.unplugged = true;
   rig->devices.display.context_lost = true;
-  rig->advance(3s);
+  rig->advance(3s, 200ms);
   const auto json = status_json_of(*rig);
   EXPECT_EQ(json["display"]["up"], false);
   EXPECT_EQ(json["shown"], "nothing");

@@ -515,20 +515,31 @@ TEST(Appliance, RunCheckTriesTheStatesFolder) {
   EXPECT_EQ(outcome.code, 1) << "a disk, not the configuration: " << outcome.err;
 }
 
-// $JOURNAL_STREAM names the file that stderr is.
+// $JOURNAL_STREAM names the file that stdout and stderr are. What has no priority is a library's.
 TEST(Appliance, UnderSystemdEachLineHasItsPriority) {
   const auto folder = test_folder("appliance-journal");
   std::filesystem::create_directories(folder);
-  const auto said = folder / "stderr.txt";
-  const auto command =
-      fmt::format("rm -f {1}; touch {1}; JOURNAL_STREAM=$(stat -c %d:%i {1}) {0} run --config {2}/none.toml 2>>{1}",
-                  kasumi_program().string(), said.string(), folder.string());
-  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 78);
-  std::istringstream lines(read_text_file(said).value());
-  int count = 0;
-  for (std::string line; std::getline(lines, line); ++count) EXPECT_TRUE(line.starts_with("<3>")) << line;
-  EXPECT_GE(count, 2);
-  EXPECT_THAT(run_kasumi("run --config none.toml").err, testing::StartsWith("kasumi: "));
+  const auto said = folder / "said.txt";
+  const auto lines_of = [&](const std::string& arguments, int code) {
+    const auto command = fmt::format("rm -f {1}; touch {1}; JOURNAL_STREAM=$(stat -c %d:%i {1}) {0} {2} >>{1} 2>&1",
+                                     kasumi_program().string(), said.string(), arguments);
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), code) << arguments;
+    std::istringstream text(read_text_file(said).value());
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    return lines;
+  };
+  using testing::Each, testing::SizeIs, testing::StartsWith, testing::Ge;
+  const auto none = lines_of(fmt::format("run --config {}/none.toml", folder.string()), 78);
+  EXPECT_THAT(none, SizeIs(Ge(2u)));
+  EXPECT_THAT(none, Each(StartsWith("<3>")));
+  for (const char* wrong : {"run", "run --confg kasumi.toml", "reload --status /nowhere/status.json"}) {
+    const auto lines = lines_of(wrong, std::string(wrong).starts_with("reload") ? 1 : 2);
+    EXPECT_THAT(lines, SizeIs(Ge(1u))) << wrong;
+    EXPECT_THAT(lines, Each(StartsWith("<3>"))) << wrong;
+  }
+  EXPECT_THAT(run_kasumi("run --config none.toml").err, StartsWith("kasumi: "));
+  EXPECT_THAT(run_kasumi("run").err, StartsWith("--config is required")) << "by hand nothing stands before it";
 }
 
 // `recording` says no; nothing on the disk may say otherwise.

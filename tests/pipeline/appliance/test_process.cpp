@@ -178,6 +178,9 @@ TEST(Process, Row34AfterThreeFailedBootsItIsSafeModeUntilSomebodyRestartsIt) {
     EXPECT_THAT(kasumi.log(), HasSubstr("safe mode"));
     EXPECT_THAT(kasumi.log(), HasSubstr("opening cameras and display"));
     EXPECT_THAT(manager.heard(), HasSubstr("STATUS=still: safe mode"));
+    const auto snapshot = run_kasumi(fmt::format("snapshot --folder {0} --out {0}/safe.png", folder.string()));
+    EXPECT_EQ(snapshot.code, 0) << snapshot.err;
+    EXPECT_THAT(snapshot.out, HasSubstr("shown: still: safe mode"));
     kasumi.send(SIGTERM);
     EXPECT_EQ(kasumi.wait(20s), 0);
   }

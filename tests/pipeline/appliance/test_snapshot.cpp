@@ -9,6 +9,7 @@
 #include "pipeline/snapshot/blurred_picture.hpp"
 #include "pipeline/snapshot/local_socket.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
+#include "tests/pipeline/appliance/safe_rig.hpp"
 
 namespace kasumi {
 namespace {
@@ -16,13 +17,32 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+// Whoever is asked, and what turns its clock.
+struct Asked {
+  Asked(Rig& rig)
+      : server(rig.appliance->snapshot()),
+        bell(rig.appliance->snapshot_bell()),
+        folder(rig.folder),
+        turn([&rig] { rig.advance(Rig::kTick); }) {}
+  Asked(SafeRig& rig)
+      : server(rig.safe->snapshot()),
+        bell(rig.safe->snapshot_bell()),
+        folder(rig.folder),
+        turn([&rig] { rig.advance(Rig::kTick); }) {}
+
+  SnapshotServer& server;
+  Bell& bell;
+  std::filesystem::path folder;
+  std::function<void()> turn;
+};
+
 // Somebody who asks, while the appliance's snapshot thread runs beside the test's.
 class Asking {
  public:
-  Asking(Rig& rig, SnapshotKind kind)
-      : rig_(rig),
+  Asking(Asked asked, SnapshotKind kind)
+      : asked_(std::move(asked)),
         serves_([this] {
-          while (!done_) rig_.appliance->snapshot().step();
+          while (!done_) asked_.server.step();
         }),
         asks_([this, kind] {
           answer_ = ask(kind);
@@ -30,7 +50,7 @@ class Asking {
         }) {}
   ~Asking() {
     done_ = true;
-    rig_.appliance->snapshot_bell().ring();
+    asked_.bell.ring();
     asks_.join();
     serves_.join();
   }
@@ -38,13 +58,13 @@ class Asking {
   // Turns the clock until the answer is here.
   Result<Snapshot> wait() {
     const auto until = std::chrono::steady_clock::now() + 60s;
-    while (!done_ && std::chrono::steady_clock::now() < until) rig_.advance(Rig::kTick);
+    while (!done_ && std::chrono::steady_clock::now() < until) asked_.turn();
     return done_ ? answer_ : fail(FaultKind::timeout, "no answer");
   }
 
  private:
   Result<Snapshot> ask(SnapshotKind kind) const {
-    const auto socket = connect_to(rig_.folder / kSnapshotSocket);
+    const auto socket = connect_to(asked_.folder / kSnapshotSocket);
     if (!socket) return fail(socket.error());
     if (auto sent = write_within(*socket, snapshot_request_line(kind), 5s); !sent) return fail(sent.error());
     const auto line = read_line_within(*socket, 10000, 30s);
@@ -57,7 +77,7 @@ class Asking {
     return std::move(header->snapshot);
   }
 
-  Rig& rig_;
+  Asked asked_;
   std::atomic<bool> done_ = false;
   Result<Snapshot> answer_ = fail(FaultKind::timeout, "not yet");
   std::thread serves_, asks_;
@@ -104,6 +124,49 @@ TEST(Snapshot, OfTheStillPictureSaysWhyAndItsWords) {
   EXPECT_THAT(snapshot->words, HasSubstr("The view returns in a moment."));
   EXPECT_THAT(snapshot->words, HasSubstr("No picture is coming from the camera."));
   EXPECT_FALSE(snapshot->building);
+}
+
+TEST(Snapshot, Row34SafeModeAnswersAsWell) {
+  SafeRig rig("snapshot");
+  rig.start();
+  rig.advance(2s);
+  const auto before = read_picture(*rig.safe->display());
+  ASSERT_TRUE(before);
+  const auto snapshot = Asking(rig, SnapshotKind::blurred).wait();
+  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  EXPECT_EQ(snapshot->shown, "still");
+  EXPECT_THAT(snapshot->reason, HasSubstr("safe mode"));
+  EXPECT_THAT(snapshot->words, HasSubstr("The view returns in a moment."));
+  EXPECT_FALSE(snapshot->building);
+  EXPECT_LE(mean_difference(snapshot->picture, blurred_beyond_recognition(*before)), 3.0);
+  const auto sharp = Asking(rig, SnapshotKind::sharp).wait();
+  ASSERT_TRUE(sharp) << sharp.error().message;
+  EXPECT_TRUE(sharp->refused);
+
+  rig.devices.display.unplugged = true;
+  rig.devices.display.context_lost = true;
+  rig.advance(3s);
+  const auto none = Asking(rig, SnapshotKind::blurred).wait();
+  ASSERT_TRUE(none) << none.error().message;
+  EXPECT_EQ(none->shown, "nothing");
+  EXPECT_THAT(none->reason, HasSubstr("no display"));
+  EXPECT_TRUE(none->picture.empty());
+}
+
+TEST(Snapshot, Row34SafeModeTellsVisitorsBeforeASharpOne) {
+  SafeRig rig("snapshot-sharp");
+  ASSERT_TRUE(write_text_file(rig.config, read_text_file(rig.config).value() + "\n[snapshot]\nsharp = true\n"));
+  rig.start();
+  rig.advance(2s);
+  const auto before = upper_quarter(read_picture(*rig.safe->display()).value());
+  const auto began = rig.clock.now();
+  const auto snapshot = Asking(rig, SnapshotKind::sharp).wait();
+  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  EXPECT_GE(rig.clock.now() - began, SnapshotDesk::kTold);
+  EXPECT_EQ(snapshot->picture.width(), snapshot->screen_width);
+  EXPECT_GT(mean_difference(upper_quarter(snapshot->picture), before), 1.0) << "the picture itself says so";
+  rig.advance(2s);
+  EXPECT_LE(mean_difference(upper_quarter(read_picture(*rig.safe->display()).value()), before), 0.1);
 }
 
 TEST(Snapshot, SharpIsRefusedUnlessTheConfigurationAllowsIt) {

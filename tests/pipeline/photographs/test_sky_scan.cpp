@@ -1,6 +1,7 @@
 // A sky scanner's table in place of a picture: what is read of it, what is refused, and what the real command answers.
 #include "pipeline/photographs/sky_scan.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -170,7 +171,8 @@ INSTANTIATE_TEST_SUITE_P(
         Damage{"half", "1010", "10e", ":12: column 3 (X): '10e': expected a number"},
         Damage{"nan", "1010", "nan", ":12: column 3 (X): 'nan'"},
         Damage{"infinite", "1010", "inf", ":12: column 3 (X): 'inf'"},
-        Damage{"negative", "1010", "-1010", ":12: column 3 (X): '-1010': expected a number of at least 0"},
+        Damage{"negative", "1010", "-1010", ":12: column 3 (X): '-1010': expected a number from 0 to 1e+15"},
+        Damage{"overflow", "1010", "1.7e308", ":12: column 3 (X): '1.7e308': expected a number from 0 to 1e+15"},
         Damage{"empty", "1010", "", ":12: column 3 (X): ''"},
         Damage{"below", "45,30", "45,-3", ":5: column 2 (elevation_deg): '-3': expected a number from 0 to 90"},
         Damage{"above", "45,30", "45,93", ":5: column 2 (elevation_deg): '93'"},
@@ -217,6 +219,37 @@ TEST(SkyScanTable, AMillionProblemsAreNotAllTold) {
   ASSERT_FALSE(scan);
   EXPECT_THAT(scan.error().message, HasSubstr("... and 1460 more"));
   EXPECT_THAT(scan.error().message, Not(HasSubstr("garbage.csv:60:")));
+}
+
+TEST(SkyScanTable, TheLargestValuesGiveFiniteLight) {
+  std::string text = "azimuth_deg,elevation_deg,X,Y,Z\n";
+  for (int i = 0; i < 24; ++i) text += fmt::format("{},30,1e15,1e15,1e15\n", 15 * i);
+  const auto scan = read_sky_scan(written("largest", text));
+  ASSERT_TRUE(scan) << scan.error().message;
+  for (const auto& reading : scan->readings)
+    for (const int i : {0, 1, 2}) EXPECT_TRUE(std::isfinite(reading.light[i]));
+}
+
+TEST(SkyScanTable, AWavelengthIsAFiniteNumber) {
+  std::string text = "azimuth_deg,elevation_deg,luminance,Lnan,Linf,L-inf,L1e999\n";
+  for (int i = 0; i < 24; ++i) text += fmt::format("{},30,1000,1,1,1,1\n", 15 * i);
+  const auto scan = read_sky_scan(written("wavelengths", text));
+  ASSERT_TRUE(scan) << scan.error().message;
+  EXPECT_EQ(scan->note, "not used: columns Lnan, Linf, L-inf, L1e999");
+}
+
+// Each name is looked up, not compared with all before it: a table of 200,000 columns took two minutes.
+TEST(SkyScanTable, ManyColumnsAreReadInTheTimeTheyTake) {
+  std::string text = "azimuth_deg,elevation_deg,luminance";
+  for (int i = 0; i < 200000; ++i) text += fmt::format(",c{}", i);
+  text += ",c7\n";
+  Problems problems;
+  const auto file = written("columns", text);
+  const auto began = std::chrono::steady_clock::now();
+  const auto table = CsvTable::read(file, problems);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
+  EXPECT_EQ(table.names().size(), 200004u);
+  EXPECT_THAT(problems.fault().message, HasSubstr("columns.csv:1: column 200004 is 'c7' again, as column 11 is"));
 }
 
 // Whatever becomes of a table, it is read or refused with a reason.

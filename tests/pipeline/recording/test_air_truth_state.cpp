@@ -87,12 +87,31 @@ double aod_sigma_of(const TrackedAir& state) {
   return std::sqrt(state.air.covariance().aod_550);
 }
 
+// Where a recording has two pictures, it is the second whose truth is known.
+void take_last_picture(const std::filesystem::path& out) {
+  if (std::filesystem::exists(out / "frame-000001.png"))
+    std::filesystem::rename(out / "frame-000001.png", out / "frame-000000.png");
+}
+
+ReplaySummary played_to_the_last(const std::filesystem::path& fixture, const std::filesystem::path& out) {
+  const auto summary = played(fixture, out);
+  take_last_picture(out);
+  return summary;
+}
+
+bool play_under(const Aerosol& aerosol, const std::filesystem::path& fixture, const std::filesystem::path& out) {
+  ReplayRequest request{fixture, out, false, false, std::nullopt, {}};
+  request.given = {aerosol.aod_550, aerosol.angstrom_exponent, aerosol.kind};
+  const auto told = replay(request);
+  EXPECT_TRUE(told);
+  take_last_picture(out);
+  return told.has_value();
+}
+
 // By how much the building changes, in levels of 255, when it is drawn under another air.
 double change_under(const std::filesystem::path& fixture, const std::filesystem::path& found, const Aerosol& aerosol) {
   const auto out = test_folder("air-state-other");
-  ReplayRequest request{fixture, out, false, false, std::nullopt, {}};
-  request.given = {aerosol.aod_550, aerosol.angstrom_exponent, aerosol.kind};
-  EXPECT_TRUE(replay(request));
+  if (!play_under(aerosol, fixture, out)) return 0.0;
   const auto a = read_photograph(found / "frame-000000.png").value();
   const auto b = read_photograph(out / "frame-000000.png").value();
   const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
@@ -129,11 +148,8 @@ std::string text_of(const std::vector<ObserverPart>& observers) {
 
 // With the air given as it is: what is left then is not the air's.
 double error_when_given(const std::filesystem::path& fixture, const Aerosol& truth, const std::string& name) {
-  ReplayRequest request{fixture, test_folder("air-state-told"), false, false, std::nullopt, {}};
-  request.given = {truth.aod_550, truth.angstrom_exponent, truth.kind};
-  const auto told = replay(request);
-  EXPECT_TRUE(told);
-  return told ? building_error(fixture, *request.out, name + ", given") : 255.0;
+  const auto out = test_folder("air-state-told");
+  return play_under(truth, fixture, out) ? building_error(fixture, out, name + ", given") : 255.0;
 }
 
 void expect_right(const std::vector<Scene>& scenes) {
@@ -260,26 +276,30 @@ TEST(AirTruthState, LandmarksThatWereSeenUnderAClearSkyCarryItOn) {
   const std::vector<CloudsCome> all{
       {"T 4", 4.0, 1, true, 3}, {"T 8", 8.0, 1, true, 3}, {"T 2.4", 2.4, 5, true, 3}, {"T 6", 6.0, 9, true, 3}};
   std::string table =
-      "| closed sky, three landmarks, an hour after the clear sky | building's error, of 255 | goal | AOD: true | "
-      "found "
-      "|\n|---|---|---|---|---|\n";
+      "| closed sky, three landmarks, an hour after the clear sky | building's error, of 255 | with the air given | "
+      "one "
+      "sigma of the air | goal | AOD: true | found |\n|---|---|---|---|---|---|---|\n";
   for (const CloudsCome& scene : figure_cases("clouds before landmarks", {all[0]}, all)) {
     const auto fixture = clouds_come(scene);
     const auto out = test_folder("air-state-out");
-    const auto summary = played(fixture, out);
+    const auto summary = played_to_the_last(fixture, out);
     ASSERT_TRUE(summary.last && summary.last->state);
     const TrackedAir& state = *summary.last->state;
-    // The picture under clouds is the second.
-    std::filesystem::copy_file(out / "frame-000001.png", out / "frame-000000.png",
-                               std::filesystem::copy_options::overwrite_existing);
+    const Aerosol truth = aerosol_of(scene.turbidity);
     const double error = building_error(fixture, out, scene.name), goal = scene.turbidity > 4.0 ? 5.0 : 3.0;
-    // In the clearest, edges and noise alone leave 2.9 with the air given.
-    const double held = scene.turbidity < 3.0 ? kHeldInClearAir : goal;
-    table += fmt::format("| {} | {:.2f} | {} | {:.3f} | {:.3f} +- {:.3f}, {} |\n", scene.name, error, goal,
-                         aerosol_of(scene.turbidity).aod_550, state.air.aerosol().aod_550, aod_sigma_of(state),
+    const double given = error_when_given(fixture, truth, scene.name), one_sigma = one_sigma_of(fixture, out, state);
+    // In the thinnest haze the goal is out of reach: edges and noise alone leave nearly all of it when the air is given,
+    // and the landmarks' contrasts, which are not known better than to .05, leave as much again for one sigma of the
+    // air. There the error is held to what these two say.
+    const bool out_of_reach = scene.turbidity < 3.0;
+    const double held = out_of_reach ? given + one_sigma : goal;
+    table += fmt::format("| {} | {:.2f} | {:.2f} | {:.2f} | {} | {:.3f} | {:.3f} +- {:.3f}, {} |\n", scene.name, error,
+                         given, one_sigma, goal, truth.aod_550, state.air.aerosol().aod_550, aod_sigma_of(state),
                          state.text());
-    figure_row("found-building", {scene.name + ", closed sky, three landmarks, an hour after a clear one",
-                                  figure_text(error, 1), fmt::format("{}", goal), "`test_air_truth_state`"});
+    figure_row("found-building",
+               {scene.name + ", closed sky, three landmarks, an hour after a clear one", figure_text(error, 1),
+                fmt::format("{}{}", goal, out_of_reach ? "; held to " + figure_text(held, 1) : std::string()),
+                "`test_air_truth_state`"});
     EXPECT_LE(error, held) << scene.name;
   }
   fmt::print("{}", table);

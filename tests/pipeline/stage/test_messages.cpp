@@ -1,4 +1,5 @@
 // Messages on the picture: their texts, line breaking and rendering.
+#include <chrono>
 #include <filesystem>
 #include <set>
 
@@ -6,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/files.hpp"
 #include "pipeline/config/messages.hpp"
 #include "pipeline/stage/caption.hpp"
 #include "pipeline/stage/text_breaking.hpp"
@@ -56,8 +58,11 @@ TEST(TextBreaking, ReadsUtf8AndNothingElse) {
   EXPECT_THAT(characters_of("caf\xE9").error().message, HasSubstr("byte 3"));
 }
 
-double count(std::u32string_view line) {
-  return static_cast<double>(line.size());
+// Every character is as wide as any.
+std::vector<GlyphExtent> count(std::u32string_view line) {
+  std::vector<GlyphExtent> extents;
+  for (double at = 0.0; extents.size() < line.size(); ++at) extents.push_back({at, at + 1.0});
+  return extents;
 }
 
 TEST(TextBreaking, EndsLinesAtSpacesAndLineFeeds) {
@@ -93,6 +98,27 @@ TEST(TextBreaking, BreaksJapaneseBetweenCharactersButNotBeforeItsMarks) {
       EXPECT_TRUE(line.size() == 1 || line.back() != U'「') << width;
     }
   EXPECT_THAT(break_lines(U"あいうえお", 3, count), ElementsAre(U"あいう", U"えお"));
+}
+
+// Words, no word at all, only spaces, a language without spaces: on lines of one character and of many.
+TEST(TextBreaking, LongTextIsMeasuredOnce) {
+  std::u32string words, one_word(20000, U'x'), spaces = U"x" + std::u32string(20000, U' ') + U"x", japanese;
+  while (words.size() < 20000) words += U"castle ";
+  while (japanese.size() < 20000) japanese += U"遠くに、霞む。";
+  for (const auto& text : {words, one_word, spaces, japanese})
+    for (const double width : {1.0, 40.0, 30000.0}) {
+      std::size_t measured = 0;
+      const auto began = std::chrono::steady_clock::now();
+      const auto lines = break_lines(text, width, [&](std::u32string_view line) {
+        measured += line.size();
+        return count(line);
+      });
+      EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+      EXPECT_EQ(measured, text.size());
+      std::size_t longest = 0;
+      for (const auto& line : lines) longest = std::max(longest, line.size());
+      EXPECT_LE(static_cast<double>(longest), width);
+    }
 }
 
 class Captions : public testing::Test {
@@ -188,6 +214,48 @@ TEST_F(Captions, RejectInvalidTextAndFonts) {
   EXPECT_EQ(no_font.error().kind, FaultKind::bad_input);
   EXPECT_THAT(no_font.error().message, HasSubstr("README.md"));
   EXPECT_EQ(draw_caption("x", {.font_file = "no/such/font.ttf"}).error().kind, FaultKind::bad_input);
+}
+
+TEST_F(Captions, OfThousandsOfCharactersAreDrawnInTheTimeTheyTake) {
+  const auto began = std::chrono::steady_clock::now();
+  std::string long_text, long_word(4000, 'x');
+  while (long_text.size() < 12000) long_text += "\u971e";  // 4000 characters of 3 bytes
+  for (const auto& text : {long_text, long_word}) EXPECT_LE(draw(text, {.height_px = 20}).width(), 1200);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
+  const auto longer = draw_caption(std::string(20000, 'x'), {});
+  ASSERT_FALSE(longer);
+  EXPECT_THAT(longer.error().message, HasSubstr("20000 characters: expected 4000 at most"));
+}
+
+// DejaVu Sans whose em is said to have 16 units, not 2048: its H would be 22,000 pixels tall and take half a gigabyte.
+TEST_F(Captions, AFontsGiantGlyphsAreLeftOut) {
+  const std::filesystem::path installed = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  auto bytes = read_file(installed);
+  if (!bytes) GTEST_SKIP() << bytes.error().message;
+  const auto number = [&](std::size_t at, int count) {
+    std::size_t value = 0;
+    for (int i = 0; i < count; ++i) value = value << 8u | (*bytes)[at + static_cast<std::size_t>(i)];
+    return value;
+  };
+  const std::size_t tables = number(4, 2);
+  for (std::size_t i = 0; i < tables; ++i) {
+    const std::size_t entry = 12 + 16 * i;
+    if (std::string(bytes->begin() + static_cast<std::ptrdiff_t>(entry),
+                    bytes->begin() + static_cast<std::ptrdiff_t>(entry + 4)) != "head")
+      continue;
+    const auto units_per_em = number(entry + 8, 4) + 18;  // OpenType 1.9, "head"
+    ASSERT_EQ(number(units_per_em, 2), 2048u);
+    (*bytes)[units_per_em] = 0;
+    (*bytes)[units_per_em + 1] = 16;
+  }
+  std::filesystem::create_directories(test_output_folder());
+  const auto hostile = test_output_folder() / "giant.ttf";
+  ASSERT_TRUE(write_file(hostile, *bytes));
+  const CaptionStyle style{.font_file = hostile, .height_px = 512};
+  const auto [first, last] = columns_with_words(draw("H", style));
+  EXPECT_GT(first, last) << "nothing is drawn of it";
+  const auto of_usual = columns_with_words(draw("H", {.font_file = installed, .height_px = 512}));
+  EXPECT_LT(of_usual.first, of_usual.second);
 }
 
 // For visual inspection: every message in every language over a grey sky.

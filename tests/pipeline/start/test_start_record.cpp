@@ -123,6 +123,62 @@ TEST(StartRecord, AfterFiveFailedStartsTheContentIsSuspected) {
   EXPECT_TRUE(suspects_content(record));
 }
 
+// Starts of one boot, each of which the watchdog ended since that camera's opening hung.
+std::vector<double> rests_in_minutes(StartRecord& record, int starts) {
+  std::vector<double> minutes;
+  for (int start = 0; start < starts; ++start) {
+    note_start(record, "a", 4000.0 * start);
+    minutes.push_back(rest_s(record, "sky") / 60.0);
+    note_hung_opening(record, "sky");
+  }
+  return minutes;
+}
+
+TEST(StartRecord, Row30ACameraThatHangsAtEveryOpeningRestsLongerAndLonger) {
+  StartRecord record;
+  EXPECT_THAT(rests_in_minutes(record, 10), ElementsAre(0, 1, 2, 4, 8, 16, 32, 60, 60, 60));
+  EXPECT_EQ(rest_s(record, "scene"), 0.0) << "the other one is well";
+  note_start(record, "a", 50000.0);
+  note_opened(record, "sky");
+  note_start(record, "a", 51000.0);
+  EXPECT_EQ(rest_s(record, "sky"), 0.0) << "it came after all";
+}
+
+TEST(StartRecord, Row30WhereAPersonOrABootMayHaveMendedACameraItIsTriedAtOnce) {
+  StartRecord record;
+  rests_in_minutes(record, 3);
+  record.ended = true;  // systemctl restart
+  note_start(record, "a", 9000.0);
+  EXPECT_EQ(rest_s(record, "sky"), 0.0);
+  note_hung_opening(record, "sky");
+  note_start(record, "a", 9100.0);
+  EXPECT_EQ(rest_s(record, "sky"), 480.0) << "it was not mended";
+  note_start(record, "b", 15.0);
+  EXPECT_EQ(rest_s(record, "sky"), 0.0) << "without power it forgets";
+  note_start(record, "b", 100.0);
+  EXPECT_EQ(rest_s(record, "sky"), 480.0);
+}
+
+// What a camera does is not the content's fault, and its restarts are too rare for a reboot.
+TEST(StartRecord, Row30ACameraThatHangsIsNoReasonForOtherContentOrAReboot) {
+  constexpr double kUntilTheWatchdogEndsIt_s = 60.0 + 20.0 + 1.0;
+  StartRecord record;
+  double now_s = 15.0;
+  std::vector<double> starts_s;
+  for (int start = 0; start < 12; ++start) {
+    note_start(record, "a", now_s);
+    starts_s.push_back(now_s);
+    record.shown = true;
+    EXPECT_FALSE(suspects_content(record)) << start;
+    now_s += rest_s(record, "scene") + kUntilTheWatchdogEndsIt_s;
+    note_hung_opening(record, "scene");
+  }
+  for (std::size_t i = kStartsBeforeReboot; i <= starts_s.size(); ++i)
+    EXPECT_GT(starts_s[i - 1] - starts_s[i - kStartsBeforeReboot], kStartWindow_s);
+  note_start(record, "b", 15.0);
+  EXPECT_EQ(record.failed_boots, 0);
+}
+
 std::filesystem::path log_folder(const std::string& name) {
   const auto folder = test_output_folder() / "pipeline" / ("start-log-" + name);
   std::filesystem::remove_all(folder);
@@ -140,6 +196,19 @@ TEST(StartLog, CountsOverProcessesAndBoots) {
   EXPECT_THAT(last.record().why, testing::Each(HasSubstr("reading the content")));
 }
 
+TEST(StartLog, Row30RemembersOverProcessesWhatHung) {
+  const ServiceFolders folders{log_folder("hung"), {}};
+  for (int start = 0; start < 3; ++start) {
+    StartLog log(folders, "a", 100.0 * start);
+    EXPECT_EQ(log.record().hung_openings.count("sky"), start > 0 ? 1u : 0u);
+    log.opening_hangs("sky");
+  }
+  StartLog log(folders, "a", 400.0);
+  EXPECT_EQ(rest_s(log.record(), "sky"), 240.0);
+  log.opened("sky");
+  EXPECT_EQ(rest_s(StartLog(folders, "a", 500.0).record(), "sky"), 0.0);
+}
+
 TEST(StartLog, WellLetsTheUnitCountFromTheBeginning) {
   const ServiceFolders folders{log_folder("well"), log_folder("well-run")};
   ASSERT_TRUE(write_text_file(folders.runtime / "starts", "7\n"));
@@ -152,7 +221,8 @@ TEST(StartLog, WellLetsTheUnitCountFromTheBeginning) {
 
 TEST(StartLog, ADamagedRecordOrDiskKeepsNothingFromBeingShown) {
   const ServiceFolders folders{log_folder("damaged"), {}};
-  for (const char* text : {"", "[", "{\"failed_boots\": -9, \"starts_s\": \"x\", \"why\": [3], \"mode\": 4}", "[1]"}) {
+  for (const char* text : {"", "[", "{\"failed_boots\": -9, \"starts_s\": \"x\", \"why\": [3], \"mode\": 4}", "[1]",
+                           "{\"hung_openings\": 7}", "{\"hung_openings\": {\"sky\": -1, \"scene\": \"x\"}}"}) {
     ASSERT_TRUE(write_text_file(folders.state / "starts.json", text));
     EXPECT_EQ(StartLog(folders, "a", 12.0).mode(), StartMode::whole) << text;
   }

@@ -1,0 +1,202 @@
+#include "pipeline/bench/peers.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+
+#include "base/files.hpp"
+#include "base/statistics.hpp"
+#include "capture/fixture/fixture.hpp"
+#include "pipeline/bench/child_process.hpp"
+
+namespace kasumi {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+constexpr int kFew = 20, kMany = 220, kRounds = 3;
+constexpr Duration kAtMost = std::chrono::minutes(3);
+
+struct Player {
+  std::string name;
+  std::string program;  // must be installed
+  std::function<std::vector<std::string>(int pictures)> command;
+};
+
+class WorkFolder {
+ public:
+  WorkFolder() {
+    std::string name = (fs::temp_directory_path() / "kasumi-peers-XXXXXX").string();
+    if (::mkdtemp(name.data())) path_ = name;
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  ~WorkFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+// The fixture's frames at 30 a second, over and over, with one picture of the sky; and the same frames as 000000.jpg ...
+Result<> lay_out(const fs::path& fixture, const fs::path& work) {
+  auto scene = read_index(fixture / "scene");
+  if (!scene) return fail(scene.error());
+  const auto sky = read_index(fixture / "sky");
+  if (!sky) return fail(sky.error());
+  std::erase_if(*scene, [](const IndexRow& row) { return row.disconnected || row.payload.empty(); });
+  if (scene->empty() || sky->empty())
+    return fail(FaultKind::bad_input, "{}: has no frames: expected some of both cameras", fixture.string());
+  for (const auto& row : *scene)
+    if (row.metadata.format != kMjpg)
+      return fail(FaultKind::bad_input, "{}: scene/index.csv, line {}: {}: expected frames in MJPG", fixture.string(),
+                  row.line, row.metadata.format.text());
+  try {
+    fs::create_directories(work / "scene");
+    fs::create_directories(work / "sky");
+    for (const auto& entry : fs::directory_iterator(fixture))
+      if (entry.is_regular_file()) fs::create_symlink(fs::absolute(entry.path()), work / entry.path().filename());
+    fs::copy_file(fixture / "sky" / sky->front().payload, work / "sky" / sky->front().payload);
+    for (std::size_t i = 0; i < std::size_t{kMany}; ++i) {
+      const auto file = fs::absolute(fixture / "scene" / (*scene)[i % scene->size()].payload);
+      fs::create_symlink(file, work / fmt::format("{:06}.jpg", i));
+      fs::copy_file(file, work / "scene" / file.filename(),
+                    fs::copy_options::skip_existing);  // links are refused there
+    }
+  } catch (const fs::filesystem_error& error) {
+    return fail(FaultKind::io, "{}", error.what());
+  }
+  const auto header = std::string(kIndexHeader) + "\n";
+  std::string rows = header;
+  for (int i = 0; i < kMany; ++i) {
+    IndexRow row = (*scene)[static_cast<std::size_t>(i) % scene->size()];
+    row.metadata.captured_at = scene->front().metadata.captured_at + i * milliseconds(33);
+    row.metadata.utc = scene->front().metadata.utc + i * milliseconds(33);
+    row.metadata.sequence = static_cast<std::uint32_t>(i);
+    rows += index_line(row) + "\n";
+  }
+  if (auto written = write_text_file(work / "scene" / "index.csv", rows); !written) return written;
+  return write_text_file(work / "sky" / "index.csv", header + index_line(sky->front()) + "\n");
+}
+
+std::vector<Player> players(const fs::path& work) {
+  const auto gstreamer = [work](std::vector<std::string> sink) {
+    return [work, sink = std::move(sink)](int pictures) {
+      std::vector<std::string> command{"gst-launch-1.0",
+                                       "-q",
+                                       "multifilesrc",
+                                       fmt::format("location={}/%06d.jpg", work.string()),
+
+                                       fmt::format("num-buffers={}", pictures),
+                                       "caps=image/jpeg,framerate=30/1",
+                                       "!",
+                                       "jpegdec",
+                                       "!"};
+      command.insert(command.end(), sink.begin(), sink.end());
+      return command;
+    };
+  };
+  const auto ours = [work](int pictures) {
+    return std::vector<std::string>{"/proc/self/exe", "replay",   work.string(),
+                                    "--window",       "--frames", std::to_string(pictures)};
+  };
+  const auto mpv = [work](int pictures) {
+    return std::vector<std::string>{"mpv",
+                                    "--no-config",
+                                    "--really-quiet",
+                                    "--untimed",
+                                    "--no-audio",
+                                    "--vo=gpu",
+                                    "--gpu-sw=yes",
+
+                                    "--mf-fps=30",
+                                    fmt::format("--frames={}", pictures),
+                                    fmt::format("mf://{}/0*.jpg", work.string())};
+  };
+  return {{"kasumi with building and air", "", ours},
+          {"gst jpegdec ! glupload ! glcolorconvert ! glimagesink", "gst-launch-1.0",
+           gstreamer({"glupload", "!", "glcolorconvert", "!", "glimagesink", "sync=false"})},
+          {"gst jpegdec ! glupload ! glcolorconvert ! fakesink", "gst-launch-1.0",
+           gstreamer({"glupload", "!", "glcolorconvert", "!", "fakesink"})},
+          {"gst jpegdec ! videoconvert ! ximagesink", "gst-launch-1.0",
+           gstreamer({"videoconvert", "!", "ximagesink", "sync=false"})},
+          {"gst jpegdec ! videoconvert ! kmssink", "gst-launch-1.0",
+           gstreamer({"videoconvert", "!", "kmssink", "sync=false"})},
+          {"mpv --vo=gpu", "mpv", mpv}};
+}
+
+struct PlayerCost {
+  std::vector<double> picture_ms;  // of processor time
+  std::vector<double> first_s;     // start, one picture, end
+};
+
+Result<double> processor_s(const Player& player, int pictures) {
+  const auto cost = run_child(player.command(pictures), kAtMost);
+  if (!cost) return fail(cost.error());
+  if (cost->exit_code != 0)
+    return fail(FaultKind::device, "{}: exit code {}: {}", player.name, cost->exit_code, cost->last_words);
+  return cost->processor_s;
+}
+
+Result<> play(const Player& player, PlayerCost& cost) {
+  const auto few = processor_s(player, kFew), many = processor_s(player, kMany);
+  if (!few) return fail(few.error());
+  if (!many) return fail(many.error());
+  cost.picture_ms.push_back(1e3 * (*many - *few) / (kMany - kFew));
+  const auto first = run_child(player.command(1), kAtMost);
+  if (!first) return fail(first.error());
+  cost.first_s.push_back(first->wall_s);
+  return {};
+}
+
+}  // namespace
+
+Result<PeerRows> bench_peers(const fs::path& fixture) {
+  const WorkFolder work;
+  if (work.path().empty()) return fail(FaultKind::io, "no temporary folder can be made");
+  if (auto laid = lay_out(fixture, work.path()); !laid) return fail(laid.error());
+  std::optional<VirtualDesktop> desktop;
+  if (!std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY")) {
+    auto started = VirtualDesktop::start(1920, 1080);
+    if (!started) return fail(started.error());
+    desktop.emplace(std::move(*started));
+  }
+
+  PeerRows result;
+  std::vector<Player> all = players(work.path());
+  std::vector<PlayerCost> costs(all.size());
+  std::vector<bool> plays(all.size(), true);
+  for (int round = 0; round < kRounds; ++round)
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (!plays[i]) continue;
+      const bool here = all[i].program.empty() || is_installed(all[i].program);
+      const auto played =
+          here ? play(all[i], costs[i]) : Result<>(fail(FaultKind::unsupported, "{}: not installed", all[i].name));
+      if (played) continue;
+      if (i == 0) return fail(played.error());
+      plays[i] = false;
+      result.skipped.push_back(played.error().message);
+    }
+  const auto row = [&](std::string name, double value, std::string unit, std::optional<double> goal = {}) {
+    result.rows.push_back({.name = std::move(name), .value = value, .unit = std::move(unit), .goal = goal});
+  };
+  const double ours = median(costs[0].picture_ms);
+  for (std::size_t i = 1; i < all.size(); ++i)
+    if (plays[i])
+      row(fmt::format("processor time of a picture, ours / {}", all[i].name), ours / median(costs[i].picture_ms), "x",
+          i == 1 ? std::optional(0.45) : std::nullopt);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (plays[i]) row(fmt::format("  {}", all[i].name), median(costs[i].picture_ms), "ms");
+  row("from start to the end after one picture, ours", median(costs[0].first_s), "s", 1.0);
+  for (std::size_t i = 1; i < all.size(); ++i)
+    if (plays[i]) row(fmt::format("  {}, start to end", all[i].name), median(costs[i].first_s), "s");
+  return result;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,20 @@
+// Cameras that are left alone for a while after a start: those whose opening hung at the starts before it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "pipeline/machine/devices.hpp"
+
+namespace kasumi {
+
+struct CameraRest {
+  Duration lasts{};  // 0: none
+  std::string why;   // the cause that its health tells meanwhile
+};
+
+// `devices` whose cameras rest from now on, each at its first opening alone: not those of a configuration that is
+// loaded later. Whoever unplugs a camera ends its rest. Both must outlive it.
+std::unique_ptr<Devices> resting(Devices& devices, const CameraRest& scene, const CameraRest& sky, Clock& clock);
+
+}  // namespace kasumi
