@@ -390,6 +390,17 @@ TEST(Appliance, Row24WithPolicyFromSkyTheSunIsLocatedInThePicture) {
   EXPECT_NEAR(rig.status().sky.report.tracked->turbidity.value, 2.5, 0.25) << "the generator's";
 }
 
+TEST(Appliance, Row24CloudsOverTheSunDoNotTakeTheBuildingAway) {
+  Rig rig({.name = "row24-clouds", .clock_policy = "from_sky", .utc = k1970});
+  rig.advance(6s);
+  ASSERT_EQ(rig.shown(), Shown::live);
+  rig.devices.sky.spoil = cloud_over;
+  rig.advance(5min, 5s);
+  EXPECT_TRUE(rig.status().sky.sun_known()) << "as it was last seen";
+  rig.advance(6min, 5s);
+  EXPECT_FALSE(rig.status().sky.sun_known()) << "after ten minutes it stands elsewhere";
+}
+
 TEST(Appliance, TheAirIsRestoredAfterARestart) {
   {
     const auto rig = running({.name = "remember"});
@@ -404,6 +415,19 @@ TEST(Appliance, TheAirIsRestoredAfterARestart) {
   ASSERT_TRUE(rig.status().sky.report.tracked);
   EXPECT_NEAR(rig.status().sky.report.tracked->turbidity.value, 2.5, 0.25);
   EXPECT_NEAR(to_seconds(rig.status().sky.report.tracked->age), 600.0, 10.0);
+}
+
+TEST(Appliance, AirOfMoreThanTwoHoursAgoIsNotRestored) {
+  {
+    const auto rig = running({.name = "remember-long"});
+    rig->appliance->status().finish();
+  }
+  Rig rig({.name = "remember-long",
+           .utc = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h + 2h + 10min,
+           .keep_folder = true});
+  rig.devices.sky.unplugged = true;
+  rig.advance(4s);
+  EXPECT_FALSE(rig.status().sky.report.tracked);
 }
 
 TEST(Appliance, AirOfTheOtherSkyModelIsNotRestored) {
