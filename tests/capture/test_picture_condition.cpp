@@ -96,6 +96,7 @@ TEST_F(Conditions, ACleanSkyThatRepeatsForAWhileIsNotFrozen) {
   for (int i = 0; i < 4; ++i) {
     repeats = true;
     run(25s);
+    EXPECT_EQ(condition(), PictureCondition::normal);
     repeats = false;
     run(2s);
     EXPECT_EQ(condition(), PictureCondition::normal);

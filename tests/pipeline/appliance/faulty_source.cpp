@@ -124,6 +124,12 @@ void white_out(Frame& frame) {
   fill(frame, 255);
 }
 
+void cloud_over(Frame& frame) {
+  std::vector<std::uint8_t> bytes(frame.payload.bytes.begin(), frame.payload.bytes.end());
+  for (auto& byte : bytes) byte = std::min<std::uint8_t>(byte, 110);
+  give(frame, std::move(bytes));
+}
+
 void halve_size(Frame& frame) {
   frame.metadata.width /= 2;
   frame.metadata.height /= 2;

@@ -54,19 +54,19 @@ TEST(Appliance, Row1SceneCameraUnpluggedAndReplugged) {
   EXPECT_TRUE(rig->recover("1 scene camera unplugged, replugged", 3s));
 }
 
-// It came while a picture was being drawn; its buffer is the driver's, which has gone.
+// It came while the display was busy; its buffer is the driver's, which has gone.
 TEST(Appliance, Row1AFrameFromBeforeTheOutageIsNotShownAfterIt) {
   const auto rig = running({.name = "row1-before"});
   const auto shown = frame_number(rig->picture());
   ASSERT_TRUE(shown);
   const auto frames = rig->status().scene_camera.health.good_frames;
-  rig->render_hangs = true;
+  rig->devices.display.stuck = true;
   rig->advance(2 * kSceneInterval);
   ASSERT_GT(rig->status().scene_camera.health.good_frames, frames);
   rig->devices.scene.unplugged = true;
   rig->advance(100ms);
   ASSERT_FALSE(rig->status().scene_camera.health.up);
-  rig->render_hangs = false;
+  rig->devices.display.stuck = false;
   for (int i = 0; i < 5; ++i) {
     rig->advance(Rig::kTick);
     EXPECT_EQ(frame_number(rig->picture()), shown);
@@ -390,6 +390,17 @@ TEST(Appliance, Row24WithPolicyFromSkyTheSunIsLocatedInThePicture) {
   EXPECT_NEAR(rig.status().sky.report.tracked->turbidity.value, 2.5, 0.25) << "the generator's";
 }
 
+TEST(Appliance, Row24CloudsOverTheSunDoNotTakeTheBuildingAway) {
+  Rig rig({.name = "row24-clouds", .clock_policy = "from_sky", .utc = k1970});
+  rig.advance(6s);
+  ASSERT_EQ(rig.shown(), Shown::live);
+  rig.devices.sky.spoil = cloud_over;
+  rig.advance(5min, 5s);
+  EXPECT_TRUE(rig.status().sky.sun_known()) << "as it was last seen";
+  rig.advance(6min, 5s);
+  EXPECT_FALSE(rig.status().sky.sun_known()) << "after ten minutes it stands elsewhere";
+}
+
 TEST(Appliance, TheAirIsRestoredAfterARestart) {
   {
     const auto rig = running({.name = "remember"});
@@ -404,6 +415,19 @@ TEST(Appliance, TheAirIsRestoredAfterARestart) {
   ASSERT_TRUE(rig.status().sky.report.tracked);
   EXPECT_NEAR(rig.status().sky.report.tracked->turbidity.value, 2.5, 0.25);
   EXPECT_NEAR(to_seconds(rig.status().sky.report.tracked->age), 600.0, 10.0);
+}
+
+TEST(Appliance, AirOfMoreThanTwoHoursAgoIsNotRestored) {
+  {
+    const auto rig = running({.name = "remember-long"});
+    rig->appliance->status().finish();
+  }
+  Rig rig({.name = "remember-long",
+           .utc = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h + 2h + 10min,
+           .keep_folder = true});
+  rig.devices.sky.unplugged = true;
+  rig.advance(4s);
+  EXPECT_FALSE(rig.status().sky.report.tracked);
 }
 
 TEST(Appliance, AirOfTheOtherSkyModelIsNotRestored) {
