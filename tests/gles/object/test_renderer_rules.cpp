@@ -176,8 +176,8 @@ TEST_F(RendererRules, TheOldLayerIsShownUntilTheNewOneIsWhole) {
   ASSERT_OK(renderer.begin_layer(scene.appearance));
   int pieces = 0;
   for (auto whole = renderer.continue_layer(); whole && !*whole; whole = renderer.continue_layer()) {
-    EXPECT_EQ(picture(), before) << "after piece " << ++pieces;
-    ASSERT_LT(pieces, 1000);
+    ASSERT_LT(++pieces, 1000);
+    EXPECT_EQ(picture(), before) << "after piece " << pieces;
   }
   EXPECT_GT(pieces, 16) << "the shadow's maps, at least";
   const auto after = picture();

@@ -244,7 +244,7 @@ TEST_F(Compositors, LiveOnesRedrawALayerOverSeveralPictures) {
   live.go_live();
   drawn(live, frame);
   EXPECT_EQ(live.layers_drawn(), 1u) << "the first, without which there is no building";
-  report_.sun.direction = SunDirection{0.3, -0.5, 0.8};
+  report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
   drawn(live, frame);
   EXPECT_EQ(live.layers_drawn(), 1u);
   int pictures = 1;
