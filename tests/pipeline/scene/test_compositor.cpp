@@ -242,7 +242,7 @@ TEST_F(Compositors, LiveOnesRedrawALayerOverSeveralPictures) {
   const Frame frame = copied(lent(buffer, returned));
   Compositor live = make(), at_once = make();
   live.go_live();
-  drawn(live, frame);
+  for (auto* compositor : {&live, &at_once}) drawn(*compositor, frame);
   EXPECT_EQ(live.layers_drawn(), 1u) << "the first, without which there is no building";
   report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
   drawn(live, frame);
