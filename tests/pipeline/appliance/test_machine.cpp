@@ -300,8 +300,9 @@ TEST(TurbidityState, KeepsTheWholeStateOfTheAir) {
   EXPECT_FALSE(kept.belongs_to({SiteSkyModel::preetham, 300.0})) << "where T alone is followed";
 
   const auto text = read_text_file(folder / "turbidity.json").value();
-  for (const auto& [good, bad] : {std::pair{"0.31", "-0.31"}, std::pair{"\"desert\"", "\"sand\""},
-                                  std::pair{"1.7", "0.0"}, std::pair{"false", "0"}}) {
+  for (const auto& [good, bad] :
+       {std::pair{"0.31", "-0.31"}, std::pair{"0.31", "31.0"}, std::pair{"\"desert\"", "\"sand\""},
+        std::pair{"1.7", "0.0"}, std::pair{"false", "0"}}) {
     auto damaged = text;
     ASSERT_NE(damaged.find(good), std::string::npos);
     damaged.replace(damaged.find(good), std::string(good).size(), bad);
