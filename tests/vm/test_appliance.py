@@ -27,6 +27,8 @@ class Setup:
 
 setup = None  # set by `run`
 LEAST_PSNR_DB = 40.0
+HELD_S = 2.0  # the longest an old picture is shown
+REPORT_S = 1.5  # the status is written every second, and read a moment later
 
 
 # Skipped unless all tests are requested.
@@ -36,14 +38,16 @@ long = unittest.skipUnless(os.environ.get("KASUMI_VM_ALL") == "1", "only by `./b
 @functools.cache
 def live_kiosk():
     """One machine for all tests: booted, with Kasumi installed and live on the fixture's frames for both cameras."""
+    began = time.monotonic()
     disk = kiosk.make_disk(setup.build, setup.folder / "disk")
     machine = Kiosk(setup.image, disk, setup.folder / "machine")
     unittest.addModuleCleanup(machine.stop)
-    print(f"booted after {machine.boot_s:.0f} s, {machine.slowness:.0f} times slower than a real machine ... ", end="", flush=True)
+    print(f"booted in {machine.boot_s:.1f} s ... ", end="", flush=True)
     machine.install()
-    machine.ready_s = machine.start_kasumi(timeout_s=60)
-    print(f"READY after {machine.ready_s:.0f} s ... ", end="", flush=True)
-    print(f"live after {machine.ready_s + machine.wait_shown('live', timeout_s=60):.0f} s", flush=True)
+    ready_s = machine.start_kasumi()
+    print(f"READY in {ready_s:.1f} s ... ", end="", flush=True)
+    live_s = ready_s + machine.wait_shown("live", timeout_s=60)
+    print(f"live in {live_s:.1f} s of the machine's time; by the host's clock {time.monotonic() - began:.0f} s", flush=True)
     machine.run("sync")
     machine.keep("live")
     return machine
@@ -57,8 +61,8 @@ class LiveKiosk(unittest.TestCase):
         cls.kiosk = live_kiosk()
         cls.kiosk.return_to("live")
         if cls.prepare():
-            cls.kiosk.start_kasumi(timeout_s=60)
-            cls.kiosk.wait_shown("live", timeout_s=60)
+            cls.kiosk.start_kasumi()
+            cls.kiosk.wait_shown("live")
             cls.kiosk.keep(cls.__name__)
             cls.moment = cls.__name__
         else:
@@ -69,16 +73,10 @@ class LiveKiosk(unittest.TestCase):
         """Configures other cameras; returns whether it did."""
         return False
 
-    def run(self, result=None):
-        self.may_try_again = True
-        super().run(result)
-        if not self.may_try_again:
-            super().run(result)
-
     def setUp(self):
         self.began = time.monotonic()
         self.kiosk.return_to(self.moment)
-        self.kiosk.wait_shown("live", timeout_s=60)
+        self.kiosk.wait_shown("live")
         self.process_before = self.kiosk.unit("MainPID")["MainPID"]
 
     def tearDown(self):
@@ -90,9 +88,8 @@ class LiveKiosk(unittest.TestCase):
 
     def recovered(self, seconds, limit_s):
         """Prints the recovery time and checks it against the row's limit."""
-        allowed = limit_s * self.kiosk.slowness
-        print(f"recovered in {seconds:.1f} s (allowed {allowed:.0f} s) ... ", end="", flush=True)
-        self.assertLessEqual(seconds, allowed)
+        print(f"recovered in {seconds:.1f} s (allowed {limit_s} s) ... ", end="", flush=True)
+        self.assertLessEqual(seconds, limit_s)
 
     def assert_same_process(self):
         self.assertEqual(self.kiosk.unit("MainPID")["MainPID"], self.process_before, "the program was restarted")
@@ -102,8 +99,8 @@ class LiveKiosk(unittest.TestCase):
         the screenshot `not_this`; returns the screenshot. The next picture may be seconds away on an emulated processor, and after
         a snapshot is loaded QEMU shows the whole buffer, of another size, until then."""
         references = sorted((setup.folder / f"disk/{fixture}-reference").glob("*.png"))
-        best, deadline = 0.0, time.monotonic() + 10 * self.kiosk.slowness
-        while best < LEAST_PSNR_DB and time.monotonic() < deadline:
+        best, deadline = 0.0, self.kiosk.clock() + 10
+        while best < LEAST_PSNR_DB and self.kiosk.clock() < deadline:
             screen = self.kiosk.photograph(f"{self._testMethodName}-{name}")
             if not_this is None or screen.read_bytes() != not_this:
                 best = max(best, pictures.psnr_db(screen, references))
@@ -112,10 +109,18 @@ class LiveKiosk(unittest.TestCase):
         self.assertGreaterEqual(best, LEAST_PSNR_DB, f"{screen}, against {references[0].parent}")
         return screen.read_bytes()
 
-    def assert_lost(self):
-        """A lost scene camera as a visitor sees it: held at most 2 s, then the still picture; never black."""
-        self.kiosk.wait_shown("still")
-        self.assertGreater(pictures.brightness(self.kiosk.photograph(f"{self._testMethodName}-still")), 3.0)
+    def assert_lost(self, since):
+        """A scene camera lost at the moment `since`, as a visitor sees it: held at most 2 s, then the still picture; never black."""
+        darkest = 255.0
+        while True:
+            shown = self.kiosk.status().get("shown")
+            took_s = self.kiosk.clock() - since
+            darkest = min(darkest, pictures.brightness(self.kiosk.photograph(f"{self._testMethodName}-still")))
+            if shown == "still" or took_s > HELD_S + REPORT_S:
+                break
+        print(f"still after {took_s:.1f} s ... ", end="", flush=True)
+        self.assertEqual(shown, "still", f"after {took_s:.1f} s")
+        self.assertGreater(darkest, 3.0)
 
 
 class FixtureFrames(LiveKiosk):
@@ -139,8 +144,8 @@ class FixtureFrames(LiveKiosk):
     @long
     def test_00_capture_to_flip(self):
         """From the driver's timestamp to the flip, as `run --stats` prints it."""
-        self.kiosk.wait_status("some pictures", lambda status: (status["latency_ms"] or {"pictures": 0})["pictures"] >= 10, timeout_s=60)
-        self.kiosk.run("systemctl stop kasumi", timeout_s=60)
+        self.kiosk.wait_status("some pictures", lambda status: (status["latency_ms"] or {"pictures": 0})["pictures"] >= 10)
+        self.kiosk.run("systemctl stop kasumi")
         for line in re.findall(r"(?:pictures|copies per frame|capture to flip): .*", self.kiosk.journal())[-3:]:
             print(f"{line} ... ", end="", flush=True)
         self.assertRegex(line, r"capture to flip: median .* ms, 95 % .* ms, longest .* ms, of \d+ pictures")
@@ -151,27 +156,32 @@ class FixtureFrames(LiveKiosk):
         self.kiosk.wait_status("turbidity known", lambda status: status["turbidity"] and status["building_drawn"])
         self.kiosk.run("systemctl stop feed@sky")
         self.kiosk.wait_status("the sky camera is reported as down", lambda status: not status["sky_camera"]["up"])
+        frames = self.kiosk.status()["sky_camera"]["good_frames"]
         self.kiosk.wait_status("the turbidity ages", lambda status: status["turbidity_age_s"] > 3.0)
         self.kiosk.wait_shown("degraded")
         self.assert_screen_as_computed("without-sky")
+        self.assertEqual(self.kiosk.status()["sky_camera"]["good_frames"], frames, "frames of a camera that is gone")
+        started = self.kiosk.clock()
         self.kiosk.run("systemctl start feed@sky")
-        started = time.monotonic()
         self.kiosk.wait_status("the sky camera is back", lambda status: status["sky_camera"]["up"])
-        self.recovered(time.monotonic() - started, 3)
+        self.recovered(self.kiosk.clock() - started, 3)
         self.kiosk.wait_shown("live")
         self.assert_same_process()
 
     @long
     def test_10_format_changes(self):
         """The scene camera comes back with another format: the picture stays right."""
-        before = self.kiosk.status()["scene_camera"]["format"]
+        before = self.kiosk.status()["scene_camera"]
+        started = self.kiosk.clock()
         self.kiosk.run("systemctl stop feed@scene && mount --bind /opt/kasumi-vm/fixture-yuyv/scene /opt/kasumi-vm/fixture/scene")
-        self.assert_lost()
+        self.assert_lost(started)
+        started = self.kiosk.clock()
         self.kiosk.run("systemctl start feed@scene")
-        started = time.monotonic()
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 15)
-        self.assertNotEqual(self.kiosk.status()["scene_camera"]["format"], before)
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock() - started, 15)
+        after = self.kiosk.status()["scene_camera"]
+        self.assertNotEqual(after["format"], before["format"])
+        self.assertEqual(after["mode_changes"], before["mode_changes"] + 1)
         self.assert_screen_as_computed("yuyv", "fixture-yuyv")
         self.assert_same_process()
 
@@ -184,11 +194,11 @@ class FixtureFrames(LiveKiosk):
         monitor.unplug()
         self.kiosk.wait_status("the display is reported as down", lambda status: not status["display"]["up"])
         monitor.plug(800, 600)
-        started = time.monotonic()
+        started = self.kiosk.clock()
         self.kiosk.wait_status("the display is back", lambda status: status["display"]["up"])
-        self.kiosk.wait_shown("live", timeout_s=60)
+        self.kiosk.wait_shown("live")
         # All shaders are recompiled: slow under emulation, but never slower than from the start to the first picture.
-        self.recovered(time.monotonic() - started, max(3.0, self.kiosk.ready_s / self.kiosk.slowness))
+        self.recovered(self.kiosk.clock() - started, 3)
         screen = pictures.read(self.kiosk.photograph(f"{self._testMethodName}-back"))
         self.assertEqual(screen.shape[:2], (600, 800))
         self.assertGreater(float(screen.mean()), 20.0)
@@ -196,31 +206,28 @@ class FixtureFrames(LiveKiosk):
 
     def test_18_program_hangs(self):
         """The program hangs: systemd's watchdog restarts it, after the unit's own 20 s."""
-        pid = self.process_before
-        self.kiosk.run(f"kill -STOP {pid}; rm -f /etc/systemd/system/kasumi.service.d/emulated.conf; systemctl daemon-reload")
-        started = time.monotonic()
-        self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (pid, "0"), 60)
-        print(f"restarted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
-        self.kiosk.write("/run/systemd/system/kasumi.service.d/emulated.conf", kiosk.EMULATED)
-        self.kiosk.run("systemctl daemon-reload")
-        self.kiosk.wait_status("live again", lambda status: status["shown"] == "live" and str(status["pid"]) != pid, 60)
-        self.recovered(time.monotonic() - started, 25)
+        started = self.kiosk.clock()
+        self.kiosk.run(f"kill -STOP {self.process_before}")
+        self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (self.process_before, "0"), 25)
+        print(f"restarted after {self.kiosk.clock() - started:.1f} s ... ", end="", flush=True)
+        self.kiosk.wait_status("live again", lambda status: status["shown"] == "live" and str(status["pid"]) != self.process_before, 60)
+        self.recovered(self.kiosk.clock() - started, 25)
         self.assertRegex(self.kiosk.journal(), "Watchdog timeout")
 
     @long
     def test_19_crash_loop(self):
-        """A program that keeps crashing is restarted, and finally the machine is rebooted."""
-        self.kiosk.write("/run/systemd/system/kasumi.service.d/impatient.conf", "[Unit]\nStartLimitBurst=4")
-        self.kiosk.run("systemctl daemon-reload; systemd-run -q /bin/sh -c 'while :; do systemctl kill -s KILL kasumi; sleep 1; done'")
-        started = time.monotonic()
-        self.kiosk.wait_for_reboot(timeout_s=60)
-        print(f"the machine rebooted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
+        """A program that keeps crashing is restarted ten times, later and later; then the machine is rebooted, and it is counted."""
+        self.kiosk.run("systemd-run -q /bin/sh -c 'while :; do systemctl kill -s KILL --kill-whom=main kasumi; sleep 1; done'")
+        print(f"the machine rebooted after {self.kiosk.wait_for_reboot(timeout_s=300)} s ... ", end="", flush=True)
         self.kiosk.wait_for_boot()
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 120)
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock(), 60)
+        start = self.kiosk.status()["start"]
+        self.assertEqual((start["failed_boots"], start["safe_mode"]), (1, False))
+        self.assertRegex(start["why"][0], "^10 starts failed within . minutes")
 
     def test_21_disk_full(self):
-        """Not one byte can be written: the pictures on the screen go on."""
+        """Not one byte can be written: the pictures on the screen go on, and the status once there is room."""
         in_its_world = f"nsenter -t {self.process_before} -m sh -c"
         folders = "/var/lib/kasumi /run/kasumi /var/cache/kasumi /tmp"
         self.kiosk.run(f"{in_its_world} 'for folder in {folders}; do mount -t tmpfs -o size=16k,mode=0777 full $folder &&"
@@ -228,10 +235,10 @@ class FixtureFrames(LiveKiosk):
         screen = None
         for picture in range(3):  # one shown before the disk was full, one then under way, one begun after
             screen = self.assert_screen_as_computed(f"full-{picture}", not_this=screen)
+        started = self.kiosk.clock()
         self.kiosk.run(f"{in_its_world} 'umount {folders}'")
-        started = time.monotonic()
         self.kiosk.wait_new_picture()
-        self.recovered(time.monotonic() - started, 5)
+        self.recovered(self.kiosk.clock() - started, 5)
         self.kiosk.wait_shown("live")
         self.assert_same_process()
 
@@ -239,31 +246,30 @@ class FixtureFrames(LiveKiosk):
     def test_22_power_cut(self):
         """A power cut during operation: after the boot the picture comes back by itself."""
         self.kiosk.cut_power()
-        started = time.monotonic()
         self.kiosk.wait_for_boot()
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 60)
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock(), 60)
         self.assert_screen_as_computed("after-boot")
         self.assertNotRegex(self.kiosk.journal(), "refused|state:")
 
     def test_24_clock_at_1970(self):
         """The clock is at 1970: live, but without the building until the time is trusted."""
         self.kiosk.configure(clock="synchronized")
-        self.kiosk.run("systemctl stop kasumi; rm -rf /var/lib/kasumi/*; date -s 1970-01-02", timeout_s=60)
-        self.kiosk.start_kasumi(timeout_s=60)
-        self.kiosk.wait_shown("degraded", timeout_s=60)
+        self.kiosk.run("systemctl stop kasumi; rm -rf /var/lib/kasumi/*; date -s 1970-01-02")
+        self.kiosk.start_kasumi()
+        self.kiosk.wait_shown("degraded")
         status = self.kiosk.status()
         self.assertFalse(status["clock_trusted"])
         self.assertFalse(status["building_drawn"])
+        started = self.kiosk.clock()
         # As an NTP daemon does: sets the time and the kernel's synchronised status (adjtimex: ADJ_MAXERROR, ADJ_STATUS).
         self.kiosk.run(f"date -u -s {kiosk.FIXTURE_STARTS_UTC} && "
                        "perl -e '$time = pack(\"I\", 0x14) . \"\\0\" x 204; syscall(159, $time) >= 0 or die $!'")
-        started = time.monotonic()
         self.kiosk.wait_status("the time is trusted", lambda status: status["clock_trusted"])
-        print(f"trusted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
-        self.kiosk.wait_status("the building", lambda status: status["building_drawn"], timeout_s=60)
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 10)
+        print(f"trusted after {self.kiosk.clock() - started:.1f} s ... ", end="", flush=True)
+        self.kiosk.wait_status("the building", lambda status: status["building_drawn"])
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock() - started, 10)
         self.assert_screen_as_computed("in-step")
 
 
@@ -281,35 +287,35 @@ class TestDriver(LiveKiosk):
 
     def wait_recovered(self, started, limit_s, cause=None):
         """Live again after an outage whose cause the journal names."""
-        self.kiosk.wait_new_picture(timeout_s=60)
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, limit_s)
+        self.kiosk.wait_new_picture()
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock() - started, limit_s)
         if cause:
             self.assertRegex(self.kiosk.journal(), cause)
         self.assert_same_process()
 
     def test_01_scene_camera_unplugged(self):
         """The scene camera is unplugged, and plugged in again."""
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind", timeout_s=60)
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind")
         self.assert_lost()
         self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle")
-        self.wait_recovered(time.monotonic(), 3)
+        self.wait_recovered(self.kiosk.clock(), 3)
 
     @long
     def test_01_scene_camera_disconnects(self):
         """The scene camera reports its removal, and comes back once nobody holds it open."""
         self.control("disconnect=1")
-        self.wait_recovered(time.monotonic(), 5)
+        self.wait_recovered(self.kiosk.clock(), 5)
 
     @long
     def test_03_device_numbers_swapped(self):
         """The scene camera comes back under another number: another has taken its place."""
         before = self.kiosk.run("readlink -f /dev/v4l/by-id/vivid-000")
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind", timeout_s=60)
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind")
         self.assert_lost()
         self.kiosk.run("modprobe vimc && udevadm settle && echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle",
-                       timeout_s=60)
-        started = time.monotonic()
+                       )
+        started = self.kiosk.clock()
         after = self.kiosk.run("readlink -f /dev/v4l/by-id/vivid-000")
         print(f"{before} is now {after} ... ", end="", flush=True)
         self.assertNotEqual(after, before)
@@ -320,7 +326,7 @@ class TestDriver(LiveKiosk):
         """REQBUFS, QBUF and STREAMON fail, one after the other."""
         for control in ("inject_vidioc_reqbufs_error", "inject_vidioc_qbuf_error", "inject_vidioc_streamon_error"):
             self.control(f"{control}=1,inject_fatal_streaming_error=1")
-            started = time.monotonic()
+            started = self.kiosk.clock()
             self.wait_recovered(started, 8)
 
     @long
@@ -330,29 +336,29 @@ class TestDriver(LiveKiosk):
         self.assert_lost()
         time.sleep(6)
         self.control("percentage_of_dropped_buffers=0")
-        self.wait_recovered(time.monotonic(), 15)
+        self.wait_recovered(self.kiosk.clock(), 15)
 
     def test_06_stall(self):
         """Frames stop coming in mid-stream."""
         self.control("percentage_of_dropped_buffers=100")
-        started = time.monotonic()
+        started = self.kiosk.clock()
         self.kiosk.wait_status("the stall is noticed", lambda status: not status["scene_camera"]["up"])
-        print(f"noticed in {time.monotonic() - started:.1f} s ... ", end="")
+        print(f"noticed in {self.kiosk.clock() - started:.1f} s ... ", end="")
         self.assert_lost()
         self.control("percentage_of_dropped_buffers=0")
-        self.wait_recovered(time.monotonic(), 15, "stall")
+        self.wait_recovered(self.kiosk.clock(), 15, "stall")
 
     @long
     def test_07_fatal_queue_error(self):
         """The buffer queue fails permanently and is rebuilt."""
         self.control("inject_fatal_streaming_error=1")
-        self.wait_recovered(time.monotonic(), 2)
+        self.wait_recovered(self.kiosk.clock(), 2)
 
     @long
     def test_08_frame_flagged_as_error(self):
         """One frame is flagged as broken: it is counted and not shown."""
         self.control("inject_v4l2_buf_flag_error=1")
-        started = time.monotonic()
+        started = self.kiosk.clock()
         self.kiosk.wait_status("counted", lambda status: status["scene_camera"]["bad_frames"].get("flagged"))
         self.wait_recovered(started, 2)
         self.assertEqual(self.kiosk.status()["scene_camera"]["reopened"], {})
@@ -361,10 +367,10 @@ class TestDriver(LiveKiosk):
     def test_11_counters_wrap(self):
         """Sequence numbers and timestamps wrap around without a visible effect."""
         self.control("wrap_sequence_number=1,wrap_timestamp=2")
-        started = time.monotonic()
+        started = self.kiosk.clock()
         self.wait_recovered(started, 2)
         time.sleep(5)
-        self.wait_recovered(time.monotonic(), 2)
+        self.wait_recovered(self.kiosk.clock(), 2)
 
 
 @long
@@ -391,8 +397,8 @@ class DeviceTests(LiveKiosk):
     """The device tests that are skipped elsewhere, on the machine's cameras and display."""
 
     def run_program(self, command, least):
-        self.kiosk.run("systemctl stop kasumi", timeout_s=60)
-        said = self.kiosk.run(f"cd /opt/kasumi-vm && {command} 2>&1 || true", timeout_s=60)
+        self.kiosk.run("systemctl stop kasumi")
+        said = self.kiosk.run(f"cd /opt/kasumi-vm && {command} 2>&1 || true")
         (self.kiosk.folder / f"{self._testMethodName}.log").write_text(said)
         passed = re.search(r"\[  PASSED  \] (\d+) test", said)
         print(f"{passed.group(1) if passed else 'none'} passed ... ", end="", flush=True)
