@@ -46,8 +46,9 @@ def live_kiosk():
     machine.install()
     ready_s = machine.start_kasumi()
     print(f"READY in {ready_s:.1f} s ... ", end="", flush=True)
-    live_s = ready_s + machine.wait_shown("live", timeout_s=60)
+    live_s = ready_s + machine.wait_shown("live")
     print(f"live in {live_s:.1f} s of the machine's time; by the host's clock {time.monotonic() - began:.0f} s", flush=True)
+    machine.wait_settled()
     machine.run("sync")
     machine.keep("live")
     return machine
@@ -63,6 +64,7 @@ class LiveKiosk(unittest.TestCase):
         if cls.prepare():
             cls.kiosk.start_kasumi()
             cls.kiosk.wait_shown("live")
+            cls.kiosk.wait_settled()
             cls.kiosk.keep(cls.__name__)
             cls.moment = cls.__name__
         else:
@@ -77,7 +79,8 @@ class LiveKiosk(unittest.TestCase):
         self.began = time.monotonic()
         self.kiosk.return_to(self.moment)
         self.kiosk.wait_shown("live")
-        self.process_before = self.kiosk.unit("MainPID")["MainPID"]
+        before = self.kiosk.status()
+        self.process_before, self.camera_before = str(before["pid"]), before["scene_camera"]
 
     def tearDown(self):
         name = self._testMethodName
@@ -87,9 +90,9 @@ class LiveKiosk(unittest.TestCase):
         print(f"the test took {time.monotonic() - self.began:.0f} s ... ", end="", flush=True)
 
     def recovered(self, seconds, limit_s):
-        """Prints the recovery time and checks it against the row's limit."""
+        """Prints the recovery time and checks it against the row's limit, as the status tells it: up to REPORT_S late."""
         print(f"recovered in {seconds:.1f} s (allowed {limit_s} s) ... ", end="", flush=True)
-        self.assertLessEqual(seconds, limit_s)
+        self.assertLessEqual(seconds, limit_s + REPORT_S)
 
     def assert_same_process(self):
         self.assertEqual(self.kiosk.unit("MainPID")["MainPID"], self.process_before, "the program was restarted")
@@ -142,8 +145,8 @@ class FixtureFrames(LiveKiosk):
         self.assert_screen_as_computed("live")
 
     @long
-    def test_00_capture_to_flip(self):
-        """From the driver's timestamp to the flip, as `run --stats` prints it."""
+    def test_00_stats_tell_capture_to_flip(self):
+        """`run --stats` tells how long it took from the driver's timestamp to the flip."""
         self.kiosk.wait_status("some pictures", lambda status: (status["latency_ms"] or {"pictures": 0})["pictures"] >= 10)
         self.kiosk.run("systemctl stop kasumi")
         for line in re.findall(r"(?:pictures|copies per frame|capture to flip): .*", self.kiosk.journal())[-3:]:
@@ -171,7 +174,6 @@ class FixtureFrames(LiveKiosk):
     @long
     def test_10_format_changes(self):
         """The scene camera comes back with another format: the picture stays right."""
-        before = self.kiosk.status()["scene_camera"]
         started = self.kiosk.clock()
         self.kiosk.run("systemctl stop feed@scene && mount --bind /opt/kasumi-vm/fixture-yuyv/scene /opt/kasumi-vm/fixture/scene")
         self.assert_lost(started)
@@ -180,8 +182,8 @@ class FixtureFrames(LiveKiosk):
         self.kiosk.wait_shown("live")
         self.recovered(self.kiosk.clock() - started, 15)
         after = self.kiosk.status()["scene_camera"]
-        self.assertNotEqual(after["format"], before["format"])
-        self.assertEqual(after["mode_changes"], before["mode_changes"] + 1)
+        self.assertNotEqual(after["format"], self.camera_before["format"])
+        self.assertEqual(after["mode_changes"], self.camera_before["mode_changes"] + 1)
         self.assert_screen_as_computed("yuyv", "fixture-yuyv")
         self.assert_same_process()
 
@@ -285,92 +287,116 @@ class TestDriver(LiveKiosk):
     def control(self, text):
         self.kiosk.run(f"v4l2-ctl -d /dev/v4l/by-id/vivid-000 -c {text}")
 
-    def wait_recovered(self, started, limit_s, cause=None):
-        """Live again after an outage whose cause the journal names."""
+    def wait_recovered(self, since, limit_s, closed_by=None):
+        """Live again on new pictures, by the same process; before that the camera had to be opened again, because of `closed_by`."""
+        if closed_by:
+            times = self.camera_before["reopened"].get(closed_by, 0)
+            self.kiosk.wait_status(f"opened again: {closed_by}", lambda status: status["scene_camera"]["reopened"].get(closed_by, 0) > times)
         self.kiosk.wait_new_picture()
         self.kiosk.wait_shown("live")
-        self.recovered(self.kiosk.clock() - started, limit_s)
-        if cause:
-            self.assertRegex(self.kiosk.journal(), cause)
+        self.recovered(self.kiosk.clock() - since, limit_s)
         self.assert_same_process()
+
+    def unplug(self):
+        since = self.kiosk.clock()
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind")
+        self.assert_lost(since)
+        self.assertEqual(self.kiosk.status()["scene_camera"]["cause"], "unplugged")
+
+    def plug(self):
+        """Returns when."""
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle")
+        return self.kiosk.clock()
 
     def test_01_scene_camera_unplugged(self):
         """The scene camera is unplugged, and plugged in again."""
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind")
-        self.assert_lost()
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle")
-        self.wait_recovered(self.kiosk.clock(), 3)
+        self.unplug()
+        self.wait_recovered(self.plug(), 3, "unplugged")
 
     @long
     def test_01_scene_camera_disconnects(self):
         """The scene camera reports its removal, and comes back once nobody holds it open."""
+        since = self.kiosk.clock()
         self.control("disconnect=1")
-        self.wait_recovered(self.kiosk.clock(), 5)
+        self.wait_recovered(since, 5, "unplugged")
 
     @long
     def test_03_device_numbers_swapped(self):
-        """The scene camera comes back under another number: another has taken its place."""
+        """The scene camera comes back under another number, since another camera has taken its place: it is found by its name."""
         before = self.kiosk.run("readlink -f /dev/v4l/by-id/vivid-000")
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind")
-        self.assert_lost()
-        self.kiosk.run("modprobe vimc && udevadm settle && echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle",
-                       )
-        started = self.kiosk.clock()
+        self.unplug()
+        self.kiosk.run("modprobe vimc && udevadm settle")
+        plugged = self.plug()
+        self.wait_recovered(plugged, 3, "unplugged")
         after = self.kiosk.run("readlink -f /dev/v4l/by-id/vivid-000")
         print(f"{before} is now {after} ... ", end="", flush=True)
         self.assertNotEqual(after, before)
-        self.wait_recovered(started, 3)
+        self.assertTrue(self.kiosk.holds(f"test -e {before}"), "nothing has taken its place")
+        self.assertEqual(self.kiosk.status()["scene_camera"]["mode"]["driver"], "vivid")
 
     @long
     def test_04_buffers_and_stream_refused(self):
-        """REQBUFS, QBUF and STREAMON fail, one after the other."""
-        for control in ("inject_vidioc_reqbufs_error", "inject_vidioc_qbuf_error", "inject_vidioc_streamon_error"):
-            self.control(f"{control}=1,inject_fatal_streaming_error=1")
-            started = self.kiosk.clock()
-            self.wait_recovered(started, 8)
+        """REQBUFS, QBUF and STREAMON fail, one after the other: told, and tried again."""
+        for ioctl in ("REQBUFS", "QBUF", "STREAMON"):
+            self.camera_before = self.kiosk.status()["scene_camera"]
+            since = self.kiosk.clock()
+            self.control(f"inject_vidioc_{ioctl.lower()}_error=1,inject_fatal_streaming_error=1")
+            self.kiosk.wait_status(f"refused: {ioctl}", lambda status: f"VIDIOC_{ioctl}" in status["scene_camera"]["cause"])
+            self.wait_recovered(since, 6, "fatal")
+            self.kiosk.run("sleep 5")  # longer than it waited for the last try, so that the waits begin anew
 
     @long
     def test_05_no_first_frame(self):
-        """The stream starts and no frame ever comes."""
+        """The stream starts and no frame ever comes: it is opened again and again."""
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=100,inject_fatal_streaming_error=1")
-        self.assert_lost()
-        time.sleep(6)
+        self.assert_lost(since)
+        self.kiosk.wait_status("opened again", lambda status: status["scene_camera"]["reopened"].get("first frame"), timeout_s=10)
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=0")
-        self.wait_recovered(self.kiosk.clock(), 15)
+        self.wait_recovered(since, 4)
 
     def test_06_stall(self):
         """Frames stop coming in mid-stream."""
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=100")
-        started = self.kiosk.clock()
-        self.kiosk.wait_status("the stall is noticed", lambda status: not status["scene_camera"]["up"])
-        print(f"noticed in {self.kiosk.clock() - started:.1f} s ... ", end="")
-        self.assert_lost()
+        self.kiosk.wait_status("the stall is noticed", lambda status: not status["scene_camera"]["up"], timeout_s=2 + REPORT_S)
+        print(f"noticed in {self.kiosk.clock() - since:.1f} s ... ", end="")
+        self.assert_lost(since)
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=0")
-        self.wait_recovered(self.kiosk.clock(), 15, "stall")
+        self.wait_recovered(since, 5, "stall")
+        self.assertRegex(self.kiosk.journal(), "stall")
 
     @long
     def test_07_fatal_queue_error(self):
         """The buffer queue fails permanently and is rebuilt."""
+        since = self.kiosk.clock()
         self.control("inject_fatal_streaming_error=1")
-        self.wait_recovered(self.kiosk.clock(), 2)
+        self.wait_recovered(since, 2, "fatal")
 
     @long
     def test_08_frame_flagged_as_error(self):
         """One frame is flagged as broken: it is counted and not shown."""
+        since = self.kiosk.clock()
         self.control("inject_v4l2_buf_flag_error=1")
-        started = self.kiosk.clock()
         self.kiosk.wait_status("counted", lambda status: status["scene_camera"]["bad_frames"].get("flagged"))
-        self.wait_recovered(started, 2)
-        self.assertEqual(self.kiosk.status()["scene_camera"]["reopened"], {})
+        self.wait_recovered(since, 2)
+        after = self.kiosk.status()["scene_camera"]
+        self.assertEqual((after["bad_frames"], after["reopened"]), ({"flagged": 1}, {}))
 
     @long
     def test_11_counters_wrap(self):
-        """Sequence numbers and timestamps wrap around without a visible effect."""
+        """Sequence numbers and timestamps wrap around: no gap is counted, no frame is lost."""
         self.control("wrap_sequence_number=1,wrap_timestamp=2")
-        started = self.kiosk.clock()
-        self.wait_recovered(started, 2)
-        time.sleep(5)
-        self.wait_recovered(self.kiosk.clock(), 2)
+        since = self.kiosk.clock()
+        for _ in range(3):
+            self.wait_recovered(since, 2)
+            self.kiosk.run("sleep 2")
+            since = self.kiosk.clock()
+        after = self.kiosk.status()["scene_camera"]
+        print(f"sequence_gaps {after['sequence_gaps']}, backwards {after['backwards']} ... ", end="", flush=True)
+        self.assertEqual(after["reopened"], {})
 
 
 @long
