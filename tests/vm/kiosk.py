@@ -33,6 +33,13 @@ STATISTICS = """\
 ExecStart=
 ExecStart=/usr/bin/kasumi run --config /etc/kasumi/kasumi.toml --stats
 """
+# A program that crashes as it starts, but not in safe mode.
+CRASH = """\
+[Service]
+ExecStart=/bin/sh -c 'while sleep .3; do grep -q mode.*whole /var/lib/kasumi/starts.json && systemctl kill -s KILL --kill-whom=main kasumi; done'
+[Install]
+WantedBy=multi-user.target
+"""
 FEEDER = """\
 [Service]
 ExecStart=/opt/kasumi-vm/feed_loopback /opt/kasumi-vm/fixture/%i /dev/v4l/by-id/kasumi-%i

@@ -27,6 +27,8 @@ class Setup:
 
 setup = None  # set by `run`
 LEAST_PSNR_DB = 40.0
+CONFIG, STATE = "/etc/kasumi/kasumi.toml", "/var/lib/kasumi"
+BOOT_TO_LIVE_S = 60  # row 22, from the start of the kernel
 HELD_S = 2.0  # the longest an old picture is shown
 REPORT_S = 1.5  # the status is written every second, and read a moment later
 
@@ -223,7 +225,7 @@ class FixtureFrames(LiveKiosk):
         print(f"the machine rebooted after {self.kiosk.wait_for_reboot(timeout_s=300)} s ... ", end="", flush=True)
         self.kiosk.wait_for_boot()
         self.kiosk.wait_shown("live")
-        self.recovered(self.kiosk.clock(), 60)
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
         start = self.kiosk.status()["start"]
         self.assertEqual((start["failed_boots"], start["safe_mode"]), (1, False))
         self.assertRegex(start["why"][0], "^10 starts failed within . minutes")
@@ -250,9 +252,29 @@ class FixtureFrames(LiveKiosk):
         self.kiosk.cut_power()
         self.kiosk.wait_for_boot()
         self.kiosk.wait_shown("live")
-        self.recovered(self.kiosk.clock(), 60)
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
         self.assert_screen_as_computed("after-boot")
         self.assertNotRegex(self.kiosk.journal(), "refused|state:")
+
+    @long
+    def test_23_reload_adopts_good_content_and_refuses_broken(self):
+        """`systemctl reload`: good content is adopted; broken content makes it fail, is told, and the picture goes on."""
+        good = self.kiosk.read(CONFIG).decode()
+        self.kiosk.write(CONFIG, good + '[opening]\nevery_day = "closed"\n')
+        self.kiosk.run("systemctl reload kasumi")
+        self.kiosk.wait_shown("dark", timeout_s=2 + REPORT_S)
+        self.kiosk.write(CONFIG, good)
+        self.kiosk.run("systemctl reload kasumi")
+        self.kiosk.wait_shown("live", timeout_s=2 + REPORT_S)
+        self.kiosk.write(CONFIG, good + '[opening]\nevery_day = "closed"\n[still]\n')
+        self.assertFalse(self.kiosk.holds("systemctl reload kasumi"))
+        self.kiosk.wait_status("refused", lambda status: status["content"]["problems"])
+        self.assertRegex(self.kiosk.journal(), "refused")
+        screen = self.assert_screen_as_computed("refused")
+        self.assert_screen_as_computed("goes-on", not_this=screen)
+        self.assertEqual(self.kiosk.status()["shown"], "live")
+        self.assertEqual(self.kiosk.unit("ActiveState")["ActiveState"], "active")
+        self.assert_same_process()
 
     def test_24_clock_at_1970(self):
         """The clock is at 1970: live, but without the building until the time is trusted."""
@@ -273,6 +295,46 @@ class FixtureFrames(LiveKiosk):
         self.kiosk.wait_shown("live")
         self.recovered(self.kiosk.clock() - started, 10)
         self.assert_screen_as_computed("in-step")
+
+    @long
+    def test_32_refused_edit_and_a_power_cut(self):
+        """The content has been shown for ten minutes; an edit that is refused, and a power cut: it is shown again, and told."""
+        self.kiosk.wait_until("the content is kept", f"test -e {STATE}/last-good", timeout_s=11 * 60)
+        self.kiosk.run(f"echo 'nonsense = [' >> {CONFIG}; sync")
+        self.kiosk.cut_power()
+        self.kiosk.wait_for_boot()
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
+        content = self.kiosk.status()["content"]
+        self.assertRegex(" ".join(content["refused"]), CONFIG)
+        self.assertTrue(content["last_good_utc"])
+        self.assertRegex(self.kiosk.unit("StatusText")["StatusText"], "the configured content is refused")
+        self.assertRegex(self.kiosk.journal(), "the configured content is not used")
+
+    @long
+    def test_34_safe_mode_after_three_boots_without_a_picture(self):
+        """Starts that fail, three boots long: then the still picture and words, and why."""
+        # The program is killed as it starts, unless in safe mode. Three starts a boot, so that none has to wait for the next.
+        self.kiosk.write("/etc/systemd/system/kasumi.service.d/impatient.conf", "[Unit]\nStartLimitBurst=3")
+        self.kiosk.write("/etc/systemd/system/crash.service", kiosk.CRASH)
+        self.kiosk.run("systemctl enable crash; sync")
+        self.kiosk.cut_power()
+        for _ in range(3):
+            print(f"the machine rebooted after {self.kiosk.wait_for_reboot(timeout_s=60)} s ... ", end="", flush=True)
+        self.kiosk.wait_for_boot()
+        self.kiosk.wait_shown("still")
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
+        status = self.kiosk.status()
+        self.assertRegex(status["reason"], "safe mode")
+        self.assertTrue(status["display"]["up"])
+        self.assertEqual((status["start"]["safe_mode"], status["start"]["failed_boots"]), (True, 3))
+        for why in status["start"]["why"]:
+            self.assertRegex(why, "^ended without a picture at start [123], while ")
+        self.assertEqual(len(status["start"]["why"]), 3)
+        self.assertRegex(self.kiosk.unit("StatusText")["StatusText"], "ended without a picture")
+        screen = self.kiosk.photograph(f"{self._testMethodName}-safe")
+        self.assertGreater(pictures.brightness(screen), 3.0)
+        self.assertGreater(pictures.contrast(screen), 3.0, "no words")
 
 
 class TestDriver(LiveKiosk):
@@ -415,7 +477,9 @@ class Libcamera(LiveKiosk):
         self.kiosk.wait_shown("live")
         camera = self.kiosk.status()["scene_camera"]
         print(f"{camera['mode']['card']}, {camera['format']} {camera['width']}x{camera['height']} ... ", end="", flush=True)
-        self.assertGreater(pictures.brightness(self.kiosk.photograph("libcamera")), 20.0)
+        screen = self.kiosk.photograph("libcamera")
+        self.assertGreater(pictures.brightness(screen), 20.0)
+        self.assertGreater(pictures.contrast(screen), 20.0, "not the camera's bars")
 
 
 @long
