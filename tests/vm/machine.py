@@ -128,6 +128,7 @@ class Machine:
         self.folder = pathlib.Path(folder)
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
+        self.emulated = accelerator(str(image)) == EMULATION
         arguments = [
             "qemu-system-x86_64", *accelerator(str(image)), "-machine", "q35", "-m", "2048", "-nodefaults", "-no-user-config",
             "-kernel", f"{image}/vmlinuz", "-initrd", f"{image}/initrd.img",

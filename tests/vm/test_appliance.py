@@ -29,6 +29,7 @@ setup = None  # set by `run`
 LEAST_PSNR_DB = 40.0
 CONFIG, STATE = "/etc/kasumi/kasumi.toml", "/var/lib/kasumi"
 BOOT_TO_LIVE_S = 60  # row 22, from the start of the kernel
+SOFTWARE_START_S = 8  # the first picture by software GL on one core of 1e9 instructions a second, more than by a GPU
 HELD_S = 2.0  # the longest an old picture is shown
 REPORT_S = 1.5  # the status is written every second, and read a moment later
 
@@ -212,10 +213,10 @@ class FixtureFrames(LiveKiosk):
         """The program hangs: systemd's watchdog restarts it, after the unit's own 20 s."""
         started = self.kiosk.clock()
         self.kiosk.run(f"kill -STOP {self.process_before}")
-        self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (self.process_before, "0"), 25)
+        self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (self.process_before, "0"), 22)
         print(f"restarted after {self.kiosk.clock() - started:.1f} s ... ", end="", flush=True)
         self.kiosk.wait_status("live again", lambda status: status["shown"] == "live" and str(status["pid"]) != self.process_before, 60)
-        self.recovered(self.kiosk.clock() - started, 25)
+        self.recovered(self.kiosk.clock() - started, 25 + (SOFTWARE_START_S if self.kiosk.emulated else 0))
         self.assertRegex(self.kiosk.journal(), "Watchdog timeout")
 
     @long
