@@ -17,7 +17,7 @@ import time
 ANSWER_S = 300  # longest time for an answer from QEMU or the guest's agent, by the host's clock
 HANG_S = 900  # a command that lasts longer by the host's clock hangs; limits are by the guest's clock
 SLOWEST = 60  # times slower than its own clock: such a machine is useless
-POLL_S = 0.1
+POLL_S = 0.2  # of the guest's time, since looking costs an emulated processor some of it
 # An emulated processor executes 1e9 instructions a second of the guest's time, however long that takes: its clock counts them. One
 # core only: the count belongs to one thread. Without AVX, software GL compiles its shaders in half the time.
 EMULATION = ("-accel", "tcg,thread=single,tb-size=512", "-cpu", "max,avx=off,avx2=off,fma=off,f16c=off", "-smp", "1",
@@ -128,6 +128,7 @@ class Machine:
         self.folder = pathlib.Path(folder)
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
+        self.pace = 1.0  # host's seconds for one of the guest's
         self.emulated = accelerator(str(image)) == EMULATION
         arguments = [
             "qemu-system-x86_64", *accelerator(str(image)), "-machine", "q35", "-m", "2048", "-nodefaults", "-no-user-config",
@@ -202,11 +203,12 @@ class Machine:
     def run(self, command, check=True):
         """Runs a shell command in the guest as root and returns its output, standard error included."""
         pid = self.agent.ask("guest-exec", path="/bin/sh", arg=["-c", f"exec 2>&1\n{command}"], **{"capture-output": True})["pid"]
-        started = time.monotonic()
+        started, pause_s = time.monotonic(), POLL_S / 10
         while not (status := self.agent.ask("guest-exec-status", pid=pid))["exited"]:
             if time.monotonic() - started > HANG_S:
                 raise TimeoutError(f"in the guest, still running after {HANG_S} s: {command}")
-            time.sleep(POLL_S)
+            time.sleep(pause_s * self.pace)
+            pause_s = min(1.5 * pause_s, POLL_S)
         output = base64.b64decode(status.get("out-data", "")).decode(errors="replace").strip()
         if check and status.get("exitcode", -1) != 0:
             raise AssertionError(f"in the guest, exit code {status.get('exitcode')}: {command}\n{output}")
@@ -231,13 +233,22 @@ class Machine:
     def wait_until(self, what, condition, timeout_s):
         """BLOCKS until `condition` (a shell command, or a function) holds; returns the seconds it took by the guest's clock."""
         started, began = self.clock(), time.monotonic()
+        seen, seen_at = started, began
         while not (condition() if callable(condition) else self.holds(condition)):
-            if self.clock() - started > timeout_s:
+            now, now_at = self.clock(), time.monotonic()
+            if now - started > timeout_s:
                 raise AssertionError(f"not within {timeout_s} s: {what}")
-            if time.monotonic() - began > HANG_S + SLOWEST * timeout_s:
-                raise TimeoutError(f"the machine hangs: {self.clock() - started:.1f} s in {time.monotonic() - began:.0f} s, {what}")
-            time.sleep(POLL_S)
+            if now_at - began > HANG_S + SLOWEST * timeout_s:
+                raise TimeoutError(f"the machine hangs: {now - started:.1f} s in {now_at - began:.0f} s, {what}")
+            if now > seen:
+                self.pace = min(max((now_at - seen_at) / (now - seen), 1.0), SLOWEST)
+            seen, seen_at = now, now_at
+            self.pause()
         return self.clock() - started
+
+    def pause(self):
+        """BLOCKS for a moment of the guest's time, as quick as it was when it was last waited for."""
+        time.sleep(POLL_S * self.pace)
 
     def photograph(self, name):
         """A screenshot, as a PPM file."""
@@ -276,7 +287,7 @@ class Machine:
             for news in self.qmp.events():
                 if news["event"] == "RESET" and news["data"]["reason"] == "guest-reset":
                     return took_s
-            time.sleep(POLL_S)
+            time.sleep(POLL_S)  # QEMU is asked, not the guest
         raise AssertionError(f"not within {timeout_s} s: the machine reboots itself")
 
     def stop(self):
