@@ -29,7 +29,7 @@ setup = None  # set by `run`
 LEAST_PSNR_DB = 40.0
 CONFIG, STATE = "/etc/kasumi/kasumi.toml", "/var/lib/kasumi"
 BOOT_TO_LIVE_S = 60  # row 22, from the start of the kernel
-SOFTWARE_START_S = 8  # the first picture by software GL on one core of 1e9 instructions a second, more than by a GPU
+EMULATED_FIRST_PICTURE_S = 8  # software GL prepares its shaders on one core of 1e9 instructions a second; added to what needs them
 HELD_S = 2.0  # the longest an old picture is shown
 REPORT_S = 1.5  # the status is written every second, and read a moment later
 
@@ -68,6 +68,7 @@ class LiveKiosk(unittest.TestCase):
             cls.kiosk.start_kasumi()
             cls.kiosk.wait_shown("live", timeout_s=60)
             cls.kiosk.wait_settled()
+            cls.warm_up()
             cls.kiosk.keep(cls.__name__)
             cls.moment = cls.__name__
         else:
@@ -78,11 +79,16 @@ class LiveKiosk(unittest.TestCase):
         """Configures other cameras; returns whether it did."""
         return False
 
+    @classmethod
+    def warm_up(cls):
+        """Has shown what its tests make the kiosk show."""
+
     def setUp(self):
         self.began = time.monotonic()
         self.kiosk.return_to(self.moment)
         self.kiosk.wait_shown("live")
         before = self.kiosk.status()
+        self.first_picture_s = EMULATED_FIRST_PICTURE_S if self.kiosk.emulated else 0
         self.process_before, self.camera_before = str(before["pid"]), before["scene_camera"]
 
     def tearDown(self):
@@ -182,7 +188,7 @@ class FixtureFrames(LiveKiosk):
         started = self.kiosk.clock()
         self.kiosk.run("systemctl start feed@scene")
         self.kiosk.wait_shown("live")
-        self.recovered(self.kiosk.clock() - started, 15)
+        self.recovered(self.kiosk.clock() - started, 5 + self.first_picture_s)
         after = self.kiosk.status()["scene_camera"]
         self.assertNotEqual(after["format"], self.camera_before["format"])
         self.assertEqual(after["mode_changes"], self.camera_before["mode_changes"] + 1)
@@ -201,8 +207,7 @@ class FixtureFrames(LiveKiosk):
         started = self.kiosk.clock()
         self.kiosk.wait_status("the display is back", lambda status: status["display"]["up"])
         self.kiosk.wait_shown("live")
-        # All shaders are recompiled: slow under emulation, but never slower than from the start to the first picture.
-        self.recovered(self.kiosk.clock() - started, 3)
+        self.recovered(self.kiosk.clock() - started, 3 + self.first_picture_s)
         screen = pictures.read(self.kiosk.photograph(f"{self._testMethodName}-back"))
         self.assertEqual(screen.shape[:2], (600, 800))
         self.assertGreater(float(screen.mean()), 20.0)
@@ -215,7 +220,7 @@ class FixtureFrames(LiveKiosk):
         self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (self.process_before, "0"), 22)
         print(f"restarted after {self.kiosk.clock() - started:.1f} s ... ", end="", flush=True)
         self.kiosk.wait_status("live again", lambda status: status["shown"] == "live" and str(status["pid"]) != self.process_before, 60)
-        self.recovered(self.kiosk.clock() - started, 25 + (SOFTWARE_START_S if self.kiosk.emulated else 0))
+        self.recovered(self.kiosk.clock() - started, 25 + self.first_picture_s)
         self.assertRegex(self.kiosk.journal(), "Watchdog timeout")
 
     @long
@@ -291,9 +296,11 @@ class FixtureFrames(LiveKiosk):
                        "perl -e '$time = pack(\"I\", 0x14) . \"\\0\" x 204; syscall(159, $time) >= 0 or die $!'")
         self.kiosk.wait_status("the time is trusted", lambda status: status["clock_trusted"])
         print(f"trusted after {self.kiosk.clock() - started:.1f} s ... ", end="", flush=True)
+        self.assertLessEqual(self.kiosk.clock() - started, 10 + REPORT_S, "systemd-timedated is asked every 10 s")
+        started = self.kiosk.clock()
         self.kiosk.wait_status("the building", lambda status: status["building_drawn"])
         self.kiosk.wait_shown("live")
-        self.recovered(self.kiosk.clock() - started, 10)
+        self.recovered(self.kiosk.clock() - started, 3 + self.first_picture_s)
         self.assert_screen_as_computed("in-step")
 
     @long
@@ -347,8 +354,17 @@ class TestDriver(LiveKiosk):
         cls.kiosk.configure(scene=kiosk.VIVID, scene_size=(320, 180))  # among the few that vivid has
         return True
 
-    def control(self, text):
-        self.kiosk.run(f"v4l2-ctl -d /dev/v4l/by-id/vivid-000 -c {text}")
+    @classmethod
+    def warm_up(cls):
+        cls.control("percentage_of_dropped_buffers=100")
+        cls.kiosk.wait_shown("still")
+        cls.control("percentage_of_dropped_buffers=0")
+        cls.kiosk.wait_shown("live")
+        cls.kiosk.run("sleep 5")  # longer than it waited before it opened the camera again, so that the waits begin anew
+
+    @classmethod
+    def control(cls, text):
+        cls.kiosk.run(f"v4l2-ctl -d /dev/v4l/by-id/vivid-000 -c {text}")
 
     def wait_recovered(self, since, limit_s, closed_by=None):
         """Live again on new pictures, by the same process; before that the camera had to be opened again, because of `closed_by`."""
@@ -414,7 +430,7 @@ class TestDriver(LiveKiosk):
         since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=100,inject_fatal_streaming_error=1")
         self.assert_lost(since)
-        self.kiosk.wait_status("opened again", lambda status: status["scene_camera"]["reopened"].get("first frame"), timeout_s=10)
+        self.kiosk.wait_status("opened again", lambda status: "first frame" in status["scene_camera"]["reopened"], timeout_s=10)
         since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=0")
         self.wait_recovered(since, 4)
@@ -446,7 +462,8 @@ class TestDriver(LiveKiosk):
         self.kiosk.wait_status("counted", lambda status: status["scene_camera"]["bad_frames"].get("flagged"))
         self.wait_recovered(since, 2)
         after = self.kiosk.status()["scene_camera"]
-        self.assertEqual((after["bad_frames"], after["reopened"]), ({"flagged": 1}, {}))
+        self.assertEqual(after["bad_frames"], {"flagged": 1})
+        self.assertEqual(after["reopened"], self.camera_before["reopened"])
 
     @long
     def test_11_counters_wrap(self):
@@ -459,7 +476,7 @@ class TestDriver(LiveKiosk):
             since = self.kiosk.clock()
         after = self.kiosk.status()["scene_camera"]
         print(f"sequence_gaps {after['sequence_gaps']}, backwards {after['backwards']} ... ", end="", flush=True)
-        self.assertEqual(after["reopened"], {})
+        self.assertEqual(after["reopened"], self.camera_before["reopened"])
 
 
 @long
