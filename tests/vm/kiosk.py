@@ -5,7 +5,6 @@ import os
 import re
 import shutil
 import subprocess
-import time
 
 from machine import Machine
 
@@ -34,12 +33,12 @@ STATISTICS = """\
 ExecStart=
 ExecStart=/usr/bin/kasumi run --config /etc/kasumi/kasumi.toml --stats
 """
-# Software GL compiles its shaders for each picture format, which takes minutes under emulation on a busy host.
-EMULATED = """\
+# A program that crashes as it starts, but not in safe mode.
+CRASH = """\
 [Service]
-TimeoutStartSec=600
-TimeoutStopSec=60
-WatchdogSec=300
+ExecStart=/bin/sh -c 'while sleep .3; do grep -q mode.*whole /var/lib/kasumi/starts.json && systemctl kill -s KILL --kill-whom=main kasumi; done'
+[Install]
+WantedBy=multi-user.target
 """
 FEEDER = """\
 [Service]
@@ -53,7 +52,7 @@ WantedBy=multi-user.target
 """
 
 
-def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", patience=1.0, scene_size=SIZE):
+def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", scene_size=SIZE):
     """A fixture's cameras and building as kasumi.toml, with live cameras instead of recorded ones."""
     described = (fixture / "fixture.toml").read_text()
     if scene_size != SIZE:
@@ -62,7 +61,6 @@ def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="truste
     return (described[described.index("[site]"):]
             + f"\n[sky.camera]\n{sky}\n[scene.camera]\n{scene}\n"
             + f'[clock]\npolicy = "{clock}"\n[state]\nfolder = "/var/lib/kasumi"\n'
-            + f"[ladder]\nheld_s = {2 * patience:.1f}\nlate_s = {0.5 * patience:.1f}\n"
             + '[still]\ncaption = "The view returns in a moment."\n')
 
 
@@ -82,6 +80,9 @@ def make_disk(build, folder):
         run(build / "kasumi-generate-fixture", "fine-morning", "--scene-size", "{}x{}".format(*SIZE), "--sky-size", "320", "--frames", frames,
             "--period", "0.5", "--truth-frames", "0", "--scene-format", encoding, "--out", ours / name)
         run(build / "kasumi", "replay", ours / name, "--out", folder / f"{name}-reference")
+    index = fixture / "sky/index.csv"  # every second picture: estimates are half the work of an emulated processor
+    lines = index.read_text().splitlines(keepends=True)
+    index.write_text("".join(lines[:1] + lines[1::2]))
     run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")
     shutil.copy(next((folder / "package").glob("kasumi_*.deb")), content / "kasumi.deb")
     for program in ("feed_loopback", *(DEVICE_TESTS if os.environ.get("KASUMI_VM_ALL") == "1" else ())):
@@ -106,23 +107,21 @@ class Kiosk(Machine):
         self.fixture = disk.parent / "content/opt/kasumi-vm/fixture"
 
     def install(self):
-        self.run("mount -o ro /dev/vdb /mnt && dpkg -i /mnt/kasumi.deb", timeout_s=60)
+        self.run("mount -o ro /dev/vdb /mnt && dpkg -i /mnt/kasumi.deb")
         self.run("cp -a /mnt/opt /mnt/etc / && chown -R root:root /opt /etc/kasumi && umount /mnt"
                  " && udevadm control --reload && systemctl daemon-reload && modprobe v4l2loopback && udevadm settle")
         self.run("systemctl enable --now feed@sky feed@scene")
         self.configure()
-        if self.emulated:
-            self.write("/etc/systemd/system/kasumi.service.d/emulated.conf", EMULATED)
         self.run("systemctl daemon-reload && systemctl enable kasumi")
 
-    def start_kasumi(self, timeout_s=60):
-        """BLOCKS until systemd has received READY. Returns the seconds it took."""
-        started = time.monotonic()
-        self.run("systemctl restart kasumi || { journalctl -u kasumi -b --no-pager | tail -n 40; false; }", timeout_s=timeout_s)
-        return time.monotonic() - started
+    def start_kasumi(self):
+        """BLOCKS until systemd has received READY. Returns the seconds it took by the guest's clock."""
+        started = self.clock()
+        self.run("systemctl restart kasumi || { journalctl -u kasumi -b --no-pager | tail -n 40; false; }")
+        return self.clock() - started
 
     def configure(self, **choices):
-        self.write("/etc/kasumi/kasumi.toml", configuration(self.fixture, patience=15 if self.emulated else 1, **choices))
+        self.write("/etc/kasumi/kasumi.toml", configuration(self.fixture, **choices))
 
     def write(self, path, text):
         self.run(f"mkdir -p $(dirname {path}) && cat > {path} <<'END'\n{text}\nEND")
@@ -145,6 +144,12 @@ class Kiosk(Machine):
         """BLOCKS until a new frame of the scene camera has arrived."""
         before = self.status().get("scene_camera", {}).get("good_frames", 0)
         self.wait_status("a new picture", lambda status: status["scene_camera"]["good_frames"] > before, timeout_s)
+
+    def wait_settled(self):
+        """BLOCKS until all that is drawn has been drawn a few times: software GL compiles its shaders at the first."""
+        self.wait_status("the building", lambda status: status["turbidity"] and status["building_drawn"])
+        pictures = self.status()["pictures"]
+        self.wait_status("a few pictures", lambda status: status["pictures"] >= pictures + 5)
 
     def unit(self, *properties):
         """Properties of kasumi.service as systemd reports them."""

@@ -21,3 +21,8 @@ def psnr_db(picture, references):
 def brightness(picture):
     """Mean of all channels, 0 to 255."""
     return float(read(picture).mean())
+
+
+def contrast(picture):
+    """Standard deviation of its brightness: 0 of an empty screen."""
+    return float(cv2.cvtColor(read(picture), cv2.COLOR_BGR2GRAY).std())

@@ -27,6 +27,11 @@ class Setup:
 
 setup = None  # set by `run`
 LEAST_PSNR_DB = 40.0
+CONFIG, STATE = "/etc/kasumi/kasumi.toml", "/var/lib/kasumi"
+BOOT_TO_LIVE_S = 60  # row 22, from the start of the kernel
+EMULATED_FIRST_PICTURE_S = 8  # software GL prepares its shaders on one core of 1e9 instructions a second; added to what needs them
+HELD_S = 2.0  # the longest an old picture is shown
+REPORT_S = 1.5  # the status is written every second, and read a moment later
 
 
 # Skipped unless all tests are requested.
@@ -36,14 +41,17 @@ long = unittest.skipUnless(os.environ.get("KASUMI_VM_ALL") == "1", "only by `./b
 @functools.cache
 def live_kiosk():
     """One machine for all tests: booted, with Kasumi installed and live on the fixture's frames for both cameras."""
+    began = time.monotonic()
     disk = kiosk.make_disk(setup.build, setup.folder / "disk")
     machine = Kiosk(setup.image, disk, setup.folder / "machine")
     unittest.addModuleCleanup(machine.stop)
-    print(f"booted after {machine.boot_s:.0f} s, {machine.slowness:.0f} times slower than a real machine ... ", end="", flush=True)
+    print(f"booted in {machine.boot_s:.1f} s ... ", end="", flush=True)
     machine.install()
-    machine.ready_s = machine.start_kasumi(timeout_s=60)
-    print(f"READY after {machine.ready_s:.0f} s ... ", end="", flush=True)
-    print(f"live after {machine.ready_s + machine.wait_shown('live', timeout_s=60):.0f} s", flush=True)
+    ready_s = machine.start_kasumi()
+    print(f"READY in {ready_s:.1f} s ... ", end="", flush=True)
+    live_s = ready_s + machine.wait_shown("live", timeout_s=60)  # its first pictures: software GL compiles its shaders
+    print(f"live in {live_s:.1f} s of the machine's time; by the host's clock {time.monotonic() - began:.0f} s", flush=True)
+    machine.wait_settled()
     machine.run("sync")
     machine.keep("live")
     return machine
@@ -57,8 +65,10 @@ class LiveKiosk(unittest.TestCase):
         cls.kiosk = live_kiosk()
         cls.kiosk.return_to("live")
         if cls.prepare():
-            cls.kiosk.start_kasumi(timeout_s=60)
+            cls.kiosk.start_kasumi()
             cls.kiosk.wait_shown("live", timeout_s=60)
+            cls.kiosk.wait_settled()
+            cls.warm_up()
             cls.kiosk.keep(cls.__name__)
             cls.moment = cls.__name__
         else:
@@ -69,17 +79,17 @@ class LiveKiosk(unittest.TestCase):
         """Configures other cameras; returns whether it did."""
         return False
 
-    def run(self, result=None):
-        self.may_try_again = True
-        super().run(result)
-        if not self.may_try_again:
-            super().run(result)
+    @classmethod
+    def warm_up(cls):
+        """Has shown what its tests make the kiosk show."""
 
     def setUp(self):
         self.began = time.monotonic()
         self.kiosk.return_to(self.moment)
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.process_before = self.kiosk.unit("MainPID")["MainPID"]
+        self.kiosk.wait_shown("live")
+        before = self.kiosk.status()
+        self.first_picture_s = EMULATED_FIRST_PICTURE_S if self.kiosk.emulated else 0
+        self.process_before, self.camera_before = str(before["pid"]), before["scene_camera"]
 
     def tearDown(self):
         name = self._testMethodName
@@ -89,10 +99,9 @@ class LiveKiosk(unittest.TestCase):
         print(f"the test took {time.monotonic() - self.began:.0f} s ... ", end="", flush=True)
 
     def recovered(self, seconds, limit_s):
-        """Prints the recovery time and checks it against the row's limit."""
-        allowed = limit_s * self.kiosk.slowness
-        print(f"recovered in {seconds:.1f} s (allowed {allowed:.0f} s) ... ", end="", flush=True)
-        self.assertLessEqual(seconds, allowed)
+        """Prints the recovery time and checks it against the row's limit, as the status tells it: up to REPORT_S late."""
+        print(f"recovered in {seconds:.1f} s (allowed {limit_s} s) ... ", end="", flush=True)
+        self.assertLessEqual(seconds, limit_s + REPORT_S)
 
     def assert_same_process(self):
         self.assertEqual(self.kiosk.unit("MainPID")["MainPID"], self.process_before, "the program was restarted")
@@ -102,20 +111,27 @@ class LiveKiosk(unittest.TestCase):
         the screenshot `not_this`; returns the screenshot. The next picture may be seconds away on an emulated processor, and after
         a snapshot is loaded QEMU shows the whole buffer, of another size, until then."""
         references = sorted((setup.folder / f"disk/{fixture}-reference").glob("*.png"))
-        best, deadline = 0.0, time.monotonic() + 10 * self.kiosk.slowness
-        while best < LEAST_PSNR_DB and time.monotonic() < deadline:
+        best, deadline = 0.0, self.kiosk.clock() + 10
+        while best < LEAST_PSNR_DB and self.kiosk.clock() < deadline:
             screen = self.kiosk.photograph(f"{self._testMethodName}-{name}")
             if not_this is None or screen.read_bytes() != not_this:
                 best = max(best, pictures.psnr_db(screen, references))
-            time.sleep(0.5)
+            self.kiosk.pause()
         print(f"PSNR {best:.1f} dB ... ", end="", flush=True)
         self.assertGreaterEqual(best, LEAST_PSNR_DB, f"{screen}, against {references[0].parent}")
         return screen.read_bytes()
 
-    def assert_lost(self):
-        """A lost scene camera as a visitor sees it: held at most 2 s, then the still picture; never black."""
-        self.kiosk.wait_shown("still")
-        self.assertGreater(pictures.brightness(self.kiosk.photograph(f"{self._testMethodName}-still")), 3.0)
+    def assert_lost(self, since):
+        """A scene camera lost at the moment `since`, as a visitor sees it: held at most 2 s, then the still picture; never black."""
+        darkest = []
+
+        def is_still():
+            darkest.append(pictures.brightness(self.kiosk.photograph(f"{self._testMethodName}-still")))
+            return self.kiosk.status().get("shown") == "still"
+
+        self.kiosk.wait_until("the still picture", is_still, since + HELD_S + REPORT_S - self.kiosk.clock())
+        print(f"still after {self.kiosk.clock() - since:.1f} s ... ", end="", flush=True)
+        self.assertGreater(min(darkest), 3.0)
 
 
 class FixtureFrames(LiveKiosk):
@@ -137,10 +153,10 @@ class FixtureFrames(LiveKiosk):
         self.assert_screen_as_computed("live")
 
     @long
-    def test_00_capture_to_flip(self):
-        """From the driver's timestamp to the flip, as `run --stats` prints it."""
-        self.kiosk.wait_status("some pictures", lambda status: (status["latency_ms"] or {"pictures": 0})["pictures"] >= 10, timeout_s=60)
-        self.kiosk.run("systemctl stop kasumi", timeout_s=60)
+    def test_00_stats_tell_capture_to_flip(self):
+        """`run --stats` tells how long it took from the driver's timestamp to the flip."""
+        self.kiosk.wait_status("some pictures", lambda status: (status["latency_ms"] or {"pictures": 0})["pictures"] >= 10)
+        self.kiosk.run("systemctl stop kasumi")
         for line in re.findall(r"(?:pictures|copies per frame|capture to flip): .*", self.kiosk.journal())[-3:]:
             print(f"{line} ... ", end="", flush=True)
         self.assertRegex(line, r"capture to flip: median .* ms, 95 % .* ms, longest .* ms, of \d+ pictures")
@@ -151,27 +167,31 @@ class FixtureFrames(LiveKiosk):
         self.kiosk.wait_status("turbidity known", lambda status: status["turbidity"] and status["building_drawn"])
         self.kiosk.run("systemctl stop feed@sky")
         self.kiosk.wait_status("the sky camera is reported as down", lambda status: not status["sky_camera"]["up"])
+        frames = self.kiosk.status()["sky_camera"]["good_frames"]
         self.kiosk.wait_status("the turbidity ages", lambda status: status["turbidity_age_s"] > 3.0)
         self.kiosk.wait_shown("degraded")
         self.assert_screen_as_computed("without-sky")
+        self.assertEqual(self.kiosk.status()["sky_camera"]["good_frames"], frames, "frames of a camera that is gone")
+        started = self.kiosk.clock()
         self.kiosk.run("systemctl start feed@sky")
-        started = time.monotonic()
         self.kiosk.wait_status("the sky camera is back", lambda status: status["sky_camera"]["up"])
-        self.recovered(time.monotonic() - started, 3)
+        self.recovered(self.kiosk.clock() - started, 3)
         self.kiosk.wait_shown("live")
         self.assert_same_process()
 
     @long
     def test_10_format_changes(self):
         """The scene camera comes back with another format: the picture stays right."""
-        before = self.kiosk.status()["scene_camera"]["format"]
+        started = self.kiosk.clock()
         self.kiosk.run("systemctl stop feed@scene && mount --bind /opt/kasumi-vm/fixture-yuyv/scene /opt/kasumi-vm/fixture/scene")
-        self.assert_lost()
+        self.assert_lost(started)
+        started = self.kiosk.clock()
         self.kiosk.run("systemctl start feed@scene")
-        started = time.monotonic()
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 15)
-        self.assertNotEqual(self.kiosk.status()["scene_camera"]["format"], before)
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock() - started, 5 + self.first_picture_s)
+        after = self.kiosk.status()["scene_camera"]
+        self.assertNotEqual(after["format"], self.camera_before["format"])
+        self.assertEqual(after["mode_changes"], self.camera_before["mode_changes"] + 1)
         self.assert_screen_as_computed("yuyv", "fixture-yuyv")
         self.assert_same_process()
 
@@ -184,11 +204,10 @@ class FixtureFrames(LiveKiosk):
         monitor.unplug()
         self.kiosk.wait_status("the display is reported as down", lambda status: not status["display"]["up"])
         monitor.plug(800, 600)
-        started = time.monotonic()
+        started = self.kiosk.clock()
         self.kiosk.wait_status("the display is back", lambda status: status["display"]["up"])
-        self.kiosk.wait_shown("live", timeout_s=60)
-        # All shaders are recompiled: slow under emulation, but never slower than from the start to the first picture.
-        self.recovered(time.monotonic() - started, max(3.0, self.kiosk.ready_s / self.kiosk.slowness))
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock() - started, 3 + self.first_picture_s)
         screen = pictures.read(self.kiosk.photograph(f"{self._testMethodName}-back"))
         self.assertEqual(screen.shape[:2], (600, 800))
         self.assertGreater(float(screen.mean()), 20.0)
@@ -196,31 +215,28 @@ class FixtureFrames(LiveKiosk):
 
     def test_18_program_hangs(self):
         """The program hangs: systemd's watchdog restarts it, after the unit's own 20 s."""
-        pid = self.process_before
-        self.kiosk.run(f"kill -STOP {pid}; rm -f /etc/systemd/system/kasumi.service.d/emulated.conf; systemctl daemon-reload")
-        started = time.monotonic()
-        self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (pid, "0"), 60)
-        print(f"restarted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
-        self.kiosk.write("/run/systemd/system/kasumi.service.d/emulated.conf", kiosk.EMULATED)
-        self.kiosk.run("systemctl daemon-reload")
-        self.kiosk.wait_status("live again", lambda status: status["shown"] == "live" and str(status["pid"]) != pid, 60)
-        self.recovered(time.monotonic() - started, 25)
+        started = self.kiosk.clock()
+        self.kiosk.run(f"kill -STOP {self.process_before}")
+        self.kiosk.wait_until("a new process", lambda: self.kiosk.unit("MainPID")["MainPID"] not in (self.process_before, "0"), 22)
+        print(f"restarted after {self.kiosk.clock() - started:.1f} s ... ", end="", flush=True)
+        self.kiosk.wait_status("live again", lambda status: status["shown"] == "live" and str(status["pid"]) != self.process_before, 60)
+        self.recovered(self.kiosk.clock() - started, 25 + self.first_picture_s)
         self.assertRegex(self.kiosk.journal(), "Watchdog timeout")
 
     @long
     def test_19_crash_loop(self):
-        """A program that keeps crashing is restarted, and finally the machine is rebooted."""
-        self.kiosk.write("/run/systemd/system/kasumi.service.d/impatient.conf", "[Unit]\nStartLimitBurst=4")
-        self.kiosk.run("systemctl daemon-reload; systemd-run -q /bin/sh -c 'while :; do systemctl kill -s KILL kasumi; sleep 1; done'")
-        started = time.monotonic()
-        self.kiosk.wait_for_reboot(timeout_s=60)
-        print(f"the machine rebooted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
+        """A program that keeps crashing is restarted ten times, later and later; then the machine is rebooted, and it is counted."""
+        self.kiosk.run("systemd-run -q /bin/sh -c 'while :; do systemctl kill -s KILL --kill-whom=main kasumi; sleep 1; done'")
+        print(f"the machine rebooted after {self.kiosk.wait_for_reboot(timeout_s=300)} s ... ", end="", flush=True)
         self.kiosk.wait_for_boot()
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 120)
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
+        start = self.kiosk.status()["start"]
+        self.assertEqual((start["failed_boots"], start["safe_mode"]), (1, False))
+        self.assertRegex(start["why"][0], "^10 starts failed within . minutes")
 
     def test_21_disk_full(self):
-        """Not one byte can be written: the pictures on the screen go on."""
+        """Not one byte can be written: the pictures on the screen go on, and the status once there is room."""
         in_its_world = f"nsenter -t {self.process_before} -m sh -c"
         folders = "/var/lib/kasumi /run/kasumi /var/cache/kasumi /tmp"
         self.kiosk.run(f"{in_its_world} 'for folder in {folders}; do mount -t tmpfs -o size=16k,mode=0777 full $folder &&"
@@ -228,10 +244,10 @@ class FixtureFrames(LiveKiosk):
         screen = None
         for picture in range(3):  # one shown before the disk was full, one then under way, one begun after
             screen = self.assert_screen_as_computed(f"full-{picture}", not_this=screen)
+        started = self.kiosk.clock()
         self.kiosk.run(f"{in_its_world} 'umount {folders}'")
-        started = time.monotonic()
         self.kiosk.wait_new_picture()
-        self.recovered(time.monotonic() - started, 5)
+        self.recovered(self.kiosk.clock() - started, 5)
         self.kiosk.wait_shown("live")
         self.assert_same_process()
 
@@ -239,32 +255,94 @@ class FixtureFrames(LiveKiosk):
     def test_22_power_cut(self):
         """A power cut during operation: after the boot the picture comes back by itself."""
         self.kiosk.cut_power()
-        started = time.monotonic()
         self.kiosk.wait_for_boot()
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 60)
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
         self.assert_screen_as_computed("after-boot")
         self.assertNotRegex(self.kiosk.journal(), "refused|state:")
+
+    @long
+    def test_23_reload_adopts_good_content_and_refuses_broken(self):
+        """`systemctl reload`: good content is adopted; broken content makes it fail, is told, and the picture goes on."""
+        good = self.kiosk.read(CONFIG).decode()
+        self.kiosk.write(CONFIG, good + '[opening]\nevery_day = "closed"\n')
+        self.kiosk.run("systemctl reload kasumi")
+        self.kiosk.wait_shown("dark", timeout_s=2 + REPORT_S)
+        self.kiosk.write(CONFIG, good)
+        self.kiosk.run("systemctl reload kasumi")
+        self.kiosk.wait_shown("live", timeout_s=2 + REPORT_S)
+        self.kiosk.write(CONFIG, good + '[opening]\nevery_day = "closed"\n[still]\n')
+        self.assertFalse(self.kiosk.holds("systemctl reload kasumi"))
+        self.kiosk.wait_status("refused", lambda status: status["content"]["problems"])
+        self.assertRegex(self.kiosk.journal(), "refused")
+        screen = self.assert_screen_as_computed("refused")
+        self.assert_screen_as_computed("goes-on", not_this=screen)
+        self.assertEqual(self.kiosk.status()["shown"], "live")
+        self.assertEqual(self.kiosk.unit("ActiveState")["ActiveState"], "active")
+        self.assert_same_process()
 
     def test_24_clock_at_1970(self):
         """The clock is at 1970: live, but without the building until the time is trusted."""
         self.kiosk.configure(clock="synchronized")
-        self.kiosk.run("systemctl stop kasumi; rm -rf /var/lib/kasumi/*; date -s 1970-01-02", timeout_s=60)
-        self.kiosk.start_kasumi(timeout_s=60)
-        self.kiosk.wait_shown("degraded", timeout_s=60)
+        self.kiosk.run("systemctl stop kasumi; rm -rf /var/lib/kasumi/*; date -s 1970-01-02")
+        self.kiosk.start_kasumi()
+        self.kiosk.wait_shown("degraded")
         status = self.kiosk.status()
         self.assertFalse(status["clock_trusted"])
         self.assertFalse(status["building_drawn"])
+        started = self.kiosk.clock()
         # As an NTP daemon does: sets the time and the kernel's synchronised status (adjtimex: ADJ_MAXERROR, ADJ_STATUS).
         self.kiosk.run(f"date -u -s {kiosk.FIXTURE_STARTS_UTC} && "
                        "perl -e '$time = pack(\"I\", 0x14) . \"\\0\" x 204; syscall(159, $time) >= 0 or die $!'")
-        started = time.monotonic()
         self.kiosk.wait_status("the time is trusted", lambda status: status["clock_trusted"])
-        print(f"trusted after {time.monotonic() - started:.1f} s ... ", end="", flush=True)
-        self.kiosk.wait_status("the building", lambda status: status["building_drawn"], timeout_s=60)
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, 10)
+        print(f"trusted after {self.kiosk.clock() - started:.1f} s ... ", end="", flush=True)
+        self.assertLessEqual(self.kiosk.clock() - started, 10 + REPORT_S, "systemd-timedated is asked every 10 s")
+        started = self.kiosk.clock()
+        self.kiosk.wait_status("the building", lambda status: status["building_drawn"])
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock() - started, 3 + self.first_picture_s)
         self.assert_screen_as_computed("in-step")
+
+    @long
+    def test_32_refused_edit_and_a_power_cut(self):
+        """The content has been shown for ten minutes; an edit that is refused, and a power cut: it is shown again, and told."""
+        self.kiosk.run("systemctl stop feed@sky")  # its estimates are most of the work of an emulated processor
+        self.kiosk.wait_until("the content is kept", f"test -e {STATE}/last-good", timeout_s=11 * 60)
+        self.kiosk.run(f"echo 'nonsense = [' >> {CONFIG}; sync")
+        self.kiosk.cut_power()
+        self.kiosk.wait_for_boot()
+        self.kiosk.wait_shown("live", timeout_s=BOOT_TO_LIVE_S)
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
+        content = self.kiosk.status()["content"]
+        self.assertRegex(" ".join(content["refused"]), CONFIG)
+        self.assertTrue(content["last_good_utc"])
+        self.assertRegex(self.kiosk.unit("StatusText")["StatusText"], "the configured content is refused")
+        self.assertRegex(self.kiosk.journal(), "the configured content is not used")
+
+    @long
+    def test_34_safe_mode_after_three_boots_without_a_picture(self):
+        """Starts that fail, three boots long: then the still picture and words, and why."""
+        # The program is killed as it starts, unless in safe mode. Three starts a boot, so that none has to wait for the next.
+        self.kiosk.write("/etc/systemd/system/kasumi.service.d/impatient.conf", "[Unit]\nStartLimitBurst=3")
+        self.kiosk.write("/etc/systemd/system/crash.service", kiosk.CRASH)
+        self.kiosk.run("systemctl enable crash; sync")
+        self.kiosk.cut_power()
+        for _ in range(3):
+            print(f"the machine rebooted after {self.kiosk.wait_for_reboot(timeout_s=60)} s ... ", end="", flush=True)
+        self.kiosk.wait_for_boot()
+        self.kiosk.wait_shown("still")
+        self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
+        status = self.kiosk.status()
+        self.assertRegex(status["reason"], "safe mode")
+        self.assertTrue(status["display"]["up"])
+        self.assertEqual((status["start"]["safe_mode"], status["start"]["failed_boots"]), (True, 3))
+        for why in status["start"]["why"]:
+            self.assertRegex(why, "^ended without a picture at start [123], while ")
+        self.assertEqual(len(status["start"]["why"]), 3)
+        self.assertRegex(self.kiosk.unit("StatusText")["StatusText"], "ended without a picture")
+        screen = self.kiosk.photograph(f"{self._testMethodName}-safe")
+        self.assertGreater(pictures.brightness(screen), 3.0)
+        self.assertGreater(pictures.contrast(screen), 3.0, "no words")
 
 
 class TestDriver(LiveKiosk):
@@ -276,95 +354,129 @@ class TestDriver(LiveKiosk):
         cls.kiosk.configure(scene=kiosk.VIVID, scene_size=(320, 180))  # among the few that vivid has
         return True
 
-    def control(self, text):
-        self.kiosk.run(f"v4l2-ctl -d /dev/v4l/by-id/vivid-000 -c {text}")
+    @classmethod
+    def warm_up(cls):
+        cls.control("percentage_of_dropped_buffers=100")
+        cls.kiosk.wait_shown("still")
+        cls.control("percentage_of_dropped_buffers=0")
+        cls.kiosk.wait_shown("live")
+        cls.kiosk.run("sleep 5")  # longer than it waited before it opened the camera again, so that the waits begin anew
 
-    def wait_recovered(self, started, limit_s, cause=None):
-        """Live again after an outage whose cause the journal names."""
-        self.kiosk.wait_new_picture(timeout_s=60)
-        self.kiosk.wait_shown("live", timeout_s=60)
-        self.recovered(time.monotonic() - started, limit_s)
-        if cause:
-            self.assertRegex(self.kiosk.journal(), cause)
+    @classmethod
+    def control(cls, text):
+        cls.kiosk.run(f"v4l2-ctl -d /dev/v4l/by-id/vivid-000 -c {text}")
+
+    def wait_recovered(self, since, limit_s, closed_by=None):
+        """Live again on new pictures, by the same process; before that the camera had to be opened again, because of `closed_by`."""
+        if closed_by:
+            times = self.camera_before["reopened"].get(closed_by, 0)
+            self.kiosk.wait_status(f"opened again: {closed_by}", lambda status: status["scene_camera"]["reopened"].get(closed_by, 0) > times)
+        self.kiosk.wait_new_picture()
+        self.kiosk.wait_shown("live")
+        self.recovered(self.kiosk.clock() - since, limit_s)
         self.assert_same_process()
+
+    def unplug(self):
+        since = self.kiosk.clock()
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind")
+        self.assert_lost(since)
+        self.assertEqual(self.kiosk.status()["scene_camera"]["cause"], "unplugged")
+
+    def plug(self):
+        """Returns when."""
+        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle")
+        return self.kiosk.clock()
 
     def test_01_scene_camera_unplugged(self):
         """The scene camera is unplugged, and plugged in again."""
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind", timeout_s=60)
-        self.assert_lost()
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle")
-        self.wait_recovered(time.monotonic(), 3)
+        self.unplug()
+        self.wait_recovered(self.plug(), 3, "unplugged")
 
     @long
     def test_01_scene_camera_disconnects(self):
         """The scene camera reports its removal, and comes back once nobody holds it open."""
+        since = self.kiosk.clock()
         self.control("disconnect=1")
-        self.wait_recovered(time.monotonic(), 5)
+        self.wait_recovered(since, 5, "unplugged")
 
     @long
     def test_03_device_numbers_swapped(self):
-        """The scene camera comes back under another number: another has taken its place."""
+        """The scene camera comes back under another number, since another camera has taken its place: it is found by its name."""
         before = self.kiosk.run("readlink -f /dev/v4l/by-id/vivid-000")
-        self.kiosk.run("echo vivid.0 > /sys/bus/platform/drivers/vivid/unbind", timeout_s=60)
-        self.assert_lost()
-        self.kiosk.run("modprobe vimc && udevadm settle && echo vivid.0 > /sys/bus/platform/drivers/vivid/bind && udevadm settle",
-                       timeout_s=60)
-        started = time.monotonic()
+        self.unplug()
+        self.kiosk.run("modprobe vimc && udevadm settle")
+        plugged = self.plug()
+        self.wait_recovered(plugged, 3, "unplugged")
         after = self.kiosk.run("readlink -f /dev/v4l/by-id/vivid-000")
         print(f"{before} is now {after} ... ", end="", flush=True)
         self.assertNotEqual(after, before)
-        self.wait_recovered(started, 3)
+        self.assertTrue(self.kiosk.holds(f"test -e {before}"), "nothing has taken its place")
+        self.assertEqual(self.kiosk.status()["scene_camera"]["mode"]["driver"], "vivid")
 
     @long
     def test_04_buffers_and_stream_refused(self):
-        """REQBUFS, QBUF and STREAMON fail, one after the other."""
-        for control in ("inject_vidioc_reqbufs_error", "inject_vidioc_qbuf_error", "inject_vidioc_streamon_error"):
-            self.control(f"{control}=1,inject_fatal_streaming_error=1")
-            started = time.monotonic()
-            self.wait_recovered(started, 8)
+        """REQBUFS, QBUF and STREAMON fail, one after the other: told, and tried again."""
+        for ioctl in ("REQBUFS", "QBUF", "STREAMON"):
+            self.camera_before = self.kiosk.status()["scene_camera"]
+            since = self.kiosk.clock()
+            self.control(f"inject_vidioc_{ioctl.lower()}_error=1,inject_fatal_streaming_error=1")
+            self.kiosk.wait_status(f"refused: {ioctl}", lambda status: f"VIDIOC_{ioctl}" in status["scene_camera"]["cause"])
+            self.wait_recovered(since, 6, "fatal")
+            self.kiosk.run("sleep 5")  # longer than it waited for the last try, so that the waits begin anew
 
     @long
     def test_05_no_first_frame(self):
-        """The stream starts and no frame ever comes."""
+        """The stream starts and no frame ever comes: it is opened again and again."""
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=100,inject_fatal_streaming_error=1")
-        self.assert_lost()
-        time.sleep(6)
+        self.assert_lost(since)
+        self.kiosk.wait_status("opened again", lambda status: "first frame" in status["scene_camera"]["reopened"], timeout_s=10)
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=0")
-        self.wait_recovered(time.monotonic(), 15)
+        self.wait_recovered(since, 4)
 
     def test_06_stall(self):
         """Frames stop coming in mid-stream."""
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=100")
-        started = time.monotonic()
-        self.kiosk.wait_status("the stall is noticed", lambda status: not status["scene_camera"]["up"])
-        print(f"noticed in {time.monotonic() - started:.1f} s ... ", end="")
-        self.assert_lost()
+        self.kiosk.wait_status("the stall is noticed", lambda status: not status["scene_camera"]["up"], timeout_s=2 + REPORT_S)
+        print(f"noticed in {self.kiosk.clock() - since:.1f} s ... ", end="")
+        self.assert_lost(since)
+        since = self.kiosk.clock()
         self.control("percentage_of_dropped_buffers=0")
-        self.wait_recovered(time.monotonic(), 15, "stall")
+        self.wait_recovered(since, 5, "stall")
+        self.assertRegex(self.kiosk.journal(), "stall")
 
     @long
     def test_07_fatal_queue_error(self):
         """The buffer queue fails permanently and is rebuilt."""
+        since = self.kiosk.clock()
         self.control("inject_fatal_streaming_error=1")
-        self.wait_recovered(time.monotonic(), 2)
+        self.wait_recovered(since, 2, "fatal")
 
     @long
     def test_08_frame_flagged_as_error(self):
         """One frame is flagged as broken: it is counted and not shown."""
+        since = self.kiosk.clock()
         self.control("inject_v4l2_buf_flag_error=1")
-        started = time.monotonic()
         self.kiosk.wait_status("counted", lambda status: status["scene_camera"]["bad_frames"].get("flagged"))
-        self.wait_recovered(started, 2)
-        self.assertEqual(self.kiosk.status()["scene_camera"]["reopened"], {})
+        self.wait_recovered(since, 2)
+        after = self.kiosk.status()["scene_camera"]
+        self.assertEqual(after["bad_frames"], {"flagged": 1})
+        self.assertEqual(after["reopened"], self.camera_before["reopened"])
 
     @long
     def test_11_counters_wrap(self):
-        """Sequence numbers and timestamps wrap around without a visible effect."""
+        """Sequence numbers and timestamps wrap around: no gap is counted, no frame is lost."""
         self.control("wrap_sequence_number=1,wrap_timestamp=2")
-        started = time.monotonic()
-        self.wait_recovered(started, 2)
-        time.sleep(5)
-        self.wait_recovered(time.monotonic(), 2)
+        since = self.kiosk.clock()
+        for _ in range(3):
+            self.wait_recovered(since, 2)
+            self.kiosk.run("sleep 2")
+            since = self.kiosk.clock()
+        after = self.kiosk.status()["scene_camera"]
+        print(f"sequence_gaps {after['sequence_gaps']}, backwards {after['backwards']} ... ", end="", flush=True)
+        self.assertEqual(after["reopened"], self.camera_before["reopened"])
 
 
 @long
@@ -383,7 +495,9 @@ class Libcamera(LiveKiosk):
         self.kiosk.wait_shown("live")
         camera = self.kiosk.status()["scene_camera"]
         print(f"{camera['mode']['card']}, {camera['format']} {camera['width']}x{camera['height']} ... ", end="", flush=True)
-        self.assertGreater(pictures.brightness(self.kiosk.photograph("libcamera")), 20.0)
+        screen = self.kiosk.photograph("libcamera")
+        self.assertGreater(pictures.brightness(screen), 20.0)
+        self.assertGreater(pictures.contrast(screen), 20.0, "not the camera's bars")
 
 
 @long
@@ -391,8 +505,8 @@ class DeviceTests(LiveKiosk):
     """The device tests that are skipped elsewhere, on the machine's cameras and display."""
 
     def run_program(self, command, least):
-        self.kiosk.run("systemctl stop kasumi", timeout_s=60)
-        said = self.kiosk.run(f"cd /opt/kasumi-vm && {command} 2>&1 || true", timeout_s=60)
+        self.kiosk.run("systemctl stop kasumi")
+        said = self.kiosk.run(f"cd /opt/kasumi-vm && {command} 2>&1 || true")
         (self.kiosk.folder / f"{self._testMethodName}.log").write_text(said)
         passed = re.search(r"\[  PASSED  \] (\d+) test", said)
         print(f"{passed.group(1) if passed else 'none'} passed ... ", end="", flush=True)
