@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <glm/geometric.hpp>
 
@@ -122,6 +123,24 @@ Image<Rgb8> to_rgb(const PictureView& picture) {
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) image.at(x, y) = pixel(picture, matrix, x, y);
   return image;
+}
+
+CopiedPicture::CopiedPicture(const PictureView& picture) : view_(picture) {
+  std::size_t whole = 0;
+  const auto planes = static_cast<std::size_t>(plane_count(picture.layout));
+  const auto size_of = [&](std::size_t plane) {
+    return plane_size(picture.layout, picture.width, picture.height, static_cast<int>(plane));
+  };
+  for (std::size_t i = 0; i < planes; ++i) whole += size_of(i).row_bytes * static_cast<std::size_t>(size_of(i).rows);
+  auto bytes = std::make_shared<std::vector<std::uint8_t>>(whole);
+  std::uint8_t* to = bytes->data();
+  for (std::size_t i = 0; i < planes; ++i) {
+    const auto size = size_of(i);
+    view_.planes[i] = {to, size.row_bytes};
+    for (int y = 0; y < size.rows; ++y, to += size.row_bytes)
+      std::memcpy(to, picture.planes[i].data + static_cast<std::size_t>(y) * picture.planes[i].stride, size.row_bytes);
+  }
+  bytes_ = std::move(bytes);
 }
 
 PictureView view_of(const Image<Rgb8>& image) {

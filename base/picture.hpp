@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string_view>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -65,6 +67,17 @@ YuvToRgb yuv_to_rgb(YuvEncoding encoding);
 Rgb8 rgb_at(const PictureView& picture, int x, int y);
 // The whole picture, chroma from the nearest sample.
 Image<Rgb8> to_rgb(const PictureView& picture);
+
+// A picture of its own planes: for whoever reads it after its driver has its buffer back.
+class CopiedPicture {
+ public:
+  explicit CopiedPicture(const PictureView& picture);
+  const PictureView& view() const { return view_; }
+
+ private:
+  PictureView view_;
+  std::shared_ptr<const std::vector<std::uint8_t>> bytes_;  // copies of this object share them
+};
 
 // A view of an RGB image, which must outlive it.
 PictureView view_of(const Image<Rgb8>& image);

@@ -57,8 +57,7 @@ Result<> JpegChecker::check(std::span<const std::uint8_t> bytes) {
   // without one; of several scans the last are missing then.
   const auto* at = info_.src->next_input_byte;
   const bool inside = at >= bytes.data() && at <= bytes.data() + bytes.size();
-  if (!inside && several_scans_)
-    return fail(FaultKind::bad_input, "damaged JPEG: its finer scans are missing");
+  if (!inside && several_scans_) return fail(FaultKind::bad_input, "damaged JPEG: its finer scans are missing");
   return {};
 }
 

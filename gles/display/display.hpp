@@ -9,6 +9,7 @@
 #include "base/result.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/target.hpp"
+#include "gles/picture/external_picture.hpp"
 
 namespace kasumi {
 
@@ -25,6 +26,22 @@ struct DisplayCounts {
   std::uint64_t modesets = 0;       // including the first
 };
 
+// Premultiplied encoded values, which the display lays over the camera's picture without a GPU.
+class PlaneBuffer {
+ public:
+  virtual ~PlaneBuffer() = default;
+  virtual DrawTarget target() const = 0;
+  virtual std::uint32_t framebuffer() const = 0;  // the card's number for it
+};
+
+// The camera's buffer on one of the display's planes, a part of another buffer on the one above.
+struct PlanePicture {
+  ExternalPicture camera;                         // of the screen's size
+  std::shared_ptr<const PlaneBuffer> building{};  // null: only the camera's picture
+  int left = 0, top = 0, right = 0, bottom = 0;   // the part of the screen
+  int source_left = 0, source_top = 0;            // where that part begins in the buffer
+};
+
 class Display {
  public:
   virtual ~Display() = default;
@@ -39,6 +56,16 @@ class Display {
   // Queues what was drawn since begin() for the display's next refresh and returns its number. `until_replaced` is kept
   // until the flip that replaces this picture has completed. Errors: disconnected, device.
   virtual Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced = nullptr) = 0;
+  // The same, on planes of the display's own instead of what was drawn since begin(), which stays to be drawn over. The
+  // camera's buffer must keep its picture as `until_replaced` is kept. Errors: unsupported (the display refuses it, with
+  // its reason; what it shows stays), timeout (the mode is to be set first, by an ordinary picture), and as show().
+  virtual Result<std::uint64_t> show_planes(const PlanePicture&, std::shared_ptr<const void> = nullptr) {
+    return fail(FaultKind::unsupported, "{} has no planes of its own", description());
+  }
+  // A buffer for show_planes(), to be gone before the display is. Errors: unsupported, device.
+  virtual Result<std::shared_ptr<PlaneBuffer>> make_plane_buffer(int, int) {
+    return fail(FaultKind::unsupported, "{} has no planes of its own", description());
+  }
   // The flips that completed since the last call, oldest first. Does not block.
   virtual std::vector<Flip> take_flips() = 0;
   virtual DisplayCounts counts() const { return {}; }

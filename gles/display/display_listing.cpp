@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "base/statistics.hpp"
+#include "gles/display/kms_plane_choice.hpp"
 #include "gles/display/kms_system.hpp"
 #include "gles/gl/gl.hpp"
 
@@ -35,6 +37,42 @@ ListedConnector listed(const KmsConnector& connector) {
   return made;
 }
 
+// YUV counts where the planes can be told to convert any kind of it.
+Result<> takes(const std::vector<KmsPlane>& planes, std::uint32_t primary, PixelLayout layout) {
+  if (!is_yuv(layout)) {
+    const auto pairs = choose_planes(planes, primary, drm_format_of(layout), std::nullopt);
+    return pairs ? Result<>() : fail(pairs.error());
+  }
+  for (const auto encoding :
+       {YuvEncoding::bt601_full, YuvEncoding::bt601_limited, YuvEncoding::bt709_full, YuvEncoding::bt709_limited})
+    if (choose_planes(planes, primary, drm_format_of(layout), encoding)) return {};
+  return fail(FaultKind::unsupported, "no plane converts {}", name_of(layout));
+}
+
+void list_planes(KmsDevice& device, const std::vector<KmsConnector>& connectors, ListedCard& card) {
+  const auto shown = std::ranges::find_if(connectors, [](const KmsConnector& connector) {
+    return connector.connection == KmsConnection::connected && !connector.modes.empty();
+  });
+  if (shown == connectors.end()) return;
+  const auto pipe = device.find_pipe(*shown, shown->modes.front());
+  const auto planes = pipe ? device.planes(*pipe) : fail(pipe.error());
+  if (!device.has_atomic())
+    card.no_planes = "the driver has no atomic commits";
+  else if (!planes)
+    card.no_planes = planes.error().what;
+  if (!card.no_planes.empty()) return;
+  for (const auto layout :
+       {PixelLayout::bgra8, PixelLayout::rgba8, PixelLayout::bgr8, PixelLayout::rgb8, PixelLayout::nv12,
+        PixelLayout::i420, PixelLayout::i422, PixelLayout::yuyv, PixelLayout::uyvy}) {
+    const auto taken = takes(*planes, pipe->plane, layout);
+    if (taken)
+      card.plane_formats.push_back(drm_format_text(drm_format_of(layout)));
+    else if (card.no_planes.empty())
+      card.no_planes = taken.error().message;
+  }
+  if (!card.plane_formats.empty()) card.no_planes.clear();
+}
+
 }  // namespace
 
 std::vector<ListedCard> list_displays(KmsSystem& system) {
@@ -50,10 +88,12 @@ std::vector<ListedCard> list_displays(KmsSystem& system) {
       (*device)->drop_master();
       card.driver = (*device)->driver();
       card.atomic = (*device)->has_atomic();
-      if (const auto connectors = (*device)->connectors(); !connectors)
+      if (const auto connectors = (*device)->connectors(); !connectors) {
         card.problem = connectors.error().what;
-      else
+      } else {
         std::ranges::transform(*connectors, std::back_inserter(card.connectors), listed);
+        list_planes(**device, *connectors, card);
+      }
     }
     cards.push_back(std::move(card));
   }

@@ -27,6 +27,9 @@ struct ListedCard {
   std::string users;    // "kasumi (pid 411) is master"; empty: nobody, or this user may not see it
   std::string problem;  // why the card could not be queried; then the fields above may be empty
   std::vector<ListedConnector> connectors;
+  std::vector<std::string> plane_formats;  // of a camera's pictures that the first connected display may lay a building
+                                           // over by itself: "XR24", "NV12"
+  std::string no_planes;                   // why there are none; empty: there are some, or no display is connected
 };
 
 // Every card that drives displays, or might. Does not disturb what is shown; BLOCKS for some 10 ms per connector.

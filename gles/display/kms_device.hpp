@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -12,6 +13,8 @@
 #include <tl/expected.hpp>
 
 #include "base/clock.hpp"
+#include "base/picture.hpp"
+#include "gles/picture/drm_format.hpp"
 
 namespace kasumi {
 
@@ -62,14 +65,16 @@ struct KmsPipe {
   KmsMode mode;
 };
 
-// A buffer in the card's memory.
+// A buffer in the card's memory, or in memory that it can read.
 struct KmsBuffer {
   int width = 0;
   int height = 0;
+  std::uint32_t format = drm_format("XR24");
   std::uint64_t modifier = 0;  // meaningful when has_modifier
   bool has_modifier = false;
   int planes = 1;  // 1 .. 4
   std::array<std::uint32_t, 4> handle{};
+  int dma_buf = -1;  // of another driver, instead of handles; used only while the framebuffer is added
   std::array<std::uint32_t, 4> stride{};
   std::array<std::uint32_t, 4> offset{};
 };
@@ -79,12 +84,49 @@ struct KmsFrame {
   std::uint64_t number = 0;  // returned with the event
 };
 
+// What scans out a framebuffer over or under others.
+struct KmsPlane {
+  enum class Kind { primary, overlay, cursor };
+  struct Zpos {  // the higher one lies above
+    std::uint64_t now = 0, least = 0, most = 0;
+    bool fixed = false;
+  };
+  std::uint32_t id = 0;
+  Kind kind = Kind::overlay;
+  bool free = true;                    // no other CRTC uses it
+  std::vector<std::uint32_t> formats;  // drm_format()
+  std::optional<Zpos> zpos;            // empty: the driver does not say
+  std::optional<bool> premultiplied;   // whether it can blend so; empty: the driver does not say
+  std::vector<YuvEncoding> encodings;  // that it can be told to convert
+};
+
+struct KmsRectangle {  // pixels
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+  friend bool operator==(const KmsRectangle&, const KmsRectangle&) = default;
+};
+
+// What one plane shows, unscaled.
+struct KmsPlaneState {
+  std::uint32_t plane = 0;
+  std::uint32_t framebuffer = 0;  // 0: nothing
+  KmsRectangle source{};          // of the framebuffer
+  int x = 0;                      // of its top left corner on the screen
+  int y = 0;
+  std::optional<std::uint64_t> zpos{};    // empty: as it is
+  std::optional<YuvEncoding> encoding{};  // empty: not YUV
+  bool blends = false;                    // premultiplied, over what lies below
+};
+
 struct KmsEvent {
   std::uint64_t number = 0;
   Instant at{};  // CLOCK_MONOTONIC
 };
 
 enum class KmsWait { for_the_hardware, no };
+enum class KmsTrial { only_ask, no };
 
 class KmsDevice {
  public:
@@ -106,13 +148,19 @@ class KmsDevice {
   // A CRTC and its primary plane for the connector: those that drive it now, else free ones if there are any.
   virtual KmsResult<KmsPipe> find_pipe(const KmsConnector& connector, const KmsMode& mode) = 0;
 
-  // XRGB8888. Owned by KmsFramebuffer.
+  // Those that can show something on the pipe's CRTC.
+  virtual KmsResult<std::vector<KmsPlane>> planes(const KmsPipe& pipe) = 0;
+
+  // Owned by KmsFramebuffer.
   virtual KmsResult<std::uint32_t> add_framebuffer(const KmsBuffer& buffer) = 0;
   virtual void remove_framebuffer(std::uint32_t framebuffer) = 0;
 
   // Atomic commits; each sends an event when the picture is on screen. commit_mode may do a full modeset.
   virtual KmsResult<> commit_mode(const KmsPipe& pipe, const KmsFrame& frame, KmsWait wait) = 0;
   virtual KmsResult<> commit_flip(const KmsPipe& pipe, const KmsFrame& frame) = 0;
+  // All at once, without a modeset; planes that are not named stay as they are.
+  virtual KmsResult<> commit_planes(const KmsPipe& pipe, std::span<const KmsPlaneState> planes, std::uint64_t number,
+                                    KmsTrial trial) = 0;
   // The legacy calls. set_crtc BLOCKS until the picture is on screen and sends no event; page_flip sends one.
   virtual KmsResult<> set_crtc(const KmsPipe& pipe, const KmsFrame& frame) = 0;
   virtual KmsResult<> page_flip(const KmsPipe& pipe, const KmsFrame& frame) = 0;

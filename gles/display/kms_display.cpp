@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "gles/display/kms_camera_buffers.hpp"
 #include "gles/display/kms_choice.hpp"
 #include "gles/display/kms_flips.hpp"
+#include "gles/display/kms_plane_choice.hpp"
 #include "gles/display/kms_system.hpp"
 #include "gles/gl/gl.hpp"
 
@@ -27,11 +30,12 @@ class KmsDisplay final : public Display {
       : system_(std::move(system)),
         device_(std::move(opened.device)),
         connector_(std::move(opened.connector)),
-        mode_(pipe.mode),
+        pipe_(pipe),
         scanout_(std::move(scanout)),
         watch_(std::move(watch)),
         clock_(clock),
-        mode_is_instead_(options.width > 0 && (mode_.width != options.width || mode_.height != options.height)),
+        mode_is_instead_(options.width > 0 && (pipe.mode.width != options.width || pipe.mode.height != options.height)),
+        cameras_(*device_),
         flips_(*device_, pipe, options.atomic && device_->has_atomic(), options.flip_deadline, clock),
         next_check_(clock.now() + kCheckInterval) {
     device_->remember(pipe);
@@ -46,8 +50,8 @@ class KmsDisplay final : public Display {
   }
 
   std::string description() const override {
-    return fmt::format("{} ({}) {} {}{}, {}, {}", device_->path(), device_->driver(), connector_.name, mode_.text(),
-                       mode_is_instead_ ? " (the mode asked for is not offered)" : "",
+    return fmt::format("{} ({}) {} {}{}, {}, {}", device_->path(), device_->driver(), connector_.name,
+                       pipe_.mode.text(), mode_is_instead_ ? " (the mode asked for is not offered)" : "",
                        flips_.atomic() ? "atomic" : "legacy", scanout_->context().info().renderer);
   }
   GlContext& context() override { return scanout_->context(); }
@@ -70,9 +74,42 @@ class KmsDisplay final : public Display {
     auto picture = scanout_->finish();
     if (!picture) return fail(picture.error());
     const std::uint64_t number = ++number_;
-    if (auto sent = flips_.submit({number, std::move(*picture), std::move(until_replaced)}); !sent)
+    if (auto sent = flips_.submit({number, std::move(*picture), {}, std::move(until_replaced)}); !sent)
+      return fail(named(sent.error()));
+    cameras_.drop();
+    return number;
+  }
+
+  Result<std::uint64_t> show_planes(const PlanePicture& picture, std::shared_ptr<const void> until_replaced) override {
+    if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
+    const ExternalPicture& camera = picture.camera;
+    if (camera.width != pipe_.mode.width || camera.height != pipe_.mode.height)
+      return fail(FaultKind::unsupported,
+                  "the camera's pictures of {} x {} pixels are not of the screen's size, {} x {}", camera.width,
+                  camera.height, pipe_.mode.width, pipe_.mode.height);
+    if (camera.layout == PixelLayout::grey8) return fail(FaultKind::unsupported, "planes do not show grey pictures");
+    const auto framebuffer = cameras_.import(camera);
+    if (!framebuffer) return fail(framebuffer.error());
+    const PlaneKind kind{camera.layout, camera.encoding, picture.building != nullptr};
+    if (!pair_ || kind_ != kind) {
+      auto chosen = choose_pair(picture, **framebuffer);
+      if (!chosen) return fail(named(chosen.error()));
+      pair_ = *chosen;
+      kind_ = kind;
+    }
+    if (context().info().software)
+      glFinish();  // as in show()
+    else
+      glFlush();
+    const std::uint64_t number = ++number_;
+    const auto kept = std::make_shared<std::array<std::shared_ptr<const void>, 3>>(
+        std::array<std::shared_ptr<const void>, 3>{std::move(until_replaced), picture.building, *framebuffer});
+    if (auto sent = flips_.submit_planes({number, nullptr, states(*pair_, picture, **framebuffer), kept}); !sent)
       return fail(named(sent.error()));
     return number;
+  }
+  Result<std::shared_ptr<PlaneBuffer>> make_plane_buffer(int width, int height) override {
+    return scanout_->make_plane_buffer(width, height);
   }
 
   std::vector<Flip> take_flips() override {
@@ -88,6 +125,48 @@ class KmsDisplay final : public Display {
   }
 
  private:
+  struct PlaneKind {
+    PixelLayout layout{};
+    YuvEncoding encoding{};
+    bool building = false;
+    friend bool operator==(const PlaneKind&, const PlaneKind&) = default;
+  };
+
+  static std::optional<YuvEncoding> encoding_of(const ExternalPicture& camera) {
+    return is_yuv(camera.layout) ? std::optional(camera.encoding) : std::nullopt;
+  }
+  static std::vector<KmsPlaneState> states(const KmsPlanePair& pair, const PlanePicture& picture,
+                                           const KmsFramebuffer& camera) {
+    KmsPlaneState below{pair.camera, camera.id(), {0, 0, picture.camera.width, picture.camera.height}};
+    below.zpos = pair.camera_zpos;
+    below.encoding = encoding_of(picture.camera);
+    KmsPlaneState above{.plane = pair.building};
+    if (picture.building) {
+      above.framebuffer = picture.building->framebuffer();
+      above.source = {picture.source_left, picture.source_top, picture.right - picture.left,
+                      picture.bottom - picture.top};
+      above.x = picture.left;
+      above.y = picture.top;
+      above.zpos = pair.building_zpos;
+      above.blends = true;
+    }
+    return {below, above};
+  }
+  // The first pair of planes that the driver takes.
+  Result<KmsPlanePair> choose_pair(const PlanePicture& picture, const KmsFramebuffer& camera) {
+    const auto planes = device_->planes(pipe_);
+    if (!planes) return fail(FaultKind::unsupported, "{}", planes.error().what);
+    const auto pairs =
+        choose_planes(*planes, pipe_.plane, drm_format_of(picture.camera.layout), encoding_of(picture.camera));
+    if (!pairs) return fail(pairs.error());
+    Result<> asked;
+    for (const KmsPlanePair& pair : *pairs) {
+      asked = flips_.ask_for_planes(states(pair, picture, camera));
+      if (asked) return pair;
+    }
+    return fail(asked.error());
+  }
+
   // Adds which process is DRM master now.
   Fault named(Fault fault) const {
     if (fault.kind != FaultKind::device || device_->is_master()) return fault;
@@ -120,8 +199,8 @@ class KmsDisplay final : public Display {
       return fail(FaultKind::disconnected, "the display at {} now lists no modes (is it off?)", connector_.name);
     if (found->identity != connector_.identity)
       return fail(FaultKind::disconnected, "another display was plugged into {}", connector_.name);
-    if (std::ranges::none_of(found->modes, [&](const KmsMode& mode) { return mode.same_timing(mode_); }))
-      return fail(FaultKind::disconnected, "the display at {} no longer offers {}", connector_.name, mode_.text());
+    if (std::ranges::none_of(found->modes, [&](const KmsMode& mode) { return mode.same_timing(pipe_.mode); }))
+      return fail(FaultKind::disconnected, "the display at {} no longer offers {}", connector_.name, pipe_.mode.text());
     if (found->link_bad) flips_.set_mode_again();
     return {};
   }
@@ -129,11 +208,14 @@ class KmsDisplay final : public Display {
   std::shared_ptr<KmsSystem> system_;
   std::unique_ptr<KmsDevice> device_;
   KmsConnector connector_;
-  KmsMode mode_;
+  KmsPipe pipe_;
   std::unique_ptr<Scanout> scanout_;
   std::unique_ptr<DisplayWatch> watch_;
   Clock& clock_;
   bool mode_is_instead_;
+  KmsCameraBuffers cameras_;
+  std::optional<KmsPlanePair> pair_;  // that the driver takes for pictures of this kind
+  PlaneKind kind_;
   KmsFlips flips_;  // declared after the scanout, so that its pictures are freed first
   std::uint64_t number_ = 0;
   Instant next_check_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 
@@ -36,10 +37,20 @@ tl::unexpected<KmsError> drm_error(fmt::format_string<Args...> what, Args&&... a
 struct DrmProperty {
   std::uint32_t id = 0;
   std::uint64_t value = 0;
+  std::map<std::string, std::uint64_t, std::less<>> choices{};  // of an enumeration
+  std::uint64_t least = 0, most = 0;                            // of a range
+  bool fixed = false;
 };
 // By name; empty where the object has none. `type` is DRM_MODE_OBJECT_PLANE and the like.
 using DrmProperties = std::map<std::string, DrmProperty, std::less<>>;
 DrmProperties drm_properties(int fd, std::uint32_t object, std::uint32_t type);
+
+// The names that the kernel gives the ways to read YUV.
+struct DrmYuvNames {
+  const char* encoding;
+  const char* range;
+};
+DrmYuvNames drm_yuv_names(YuvEncoding encoding);
 
 // The commits of kms_device.hpp as atomic requests of object properties.
 class DrmAtomic {
@@ -47,6 +58,8 @@ class DrmAtomic {
   explicit DrmAtomic(int fd) : fd_(fd) {}
   KmsResult<> commit_mode(const std::string& path, const KmsPipe& pipe, const KmsFrame& frame, KmsWait wait);
   KmsResult<> commit_flip(const std::string& path, const KmsPipe& pipe, const KmsFrame& frame);
+  KmsResult<> commit_planes(const std::string& path, const KmsPipe& pipe, std::span<const KmsPlaneState> planes,
+                            std::uint64_t number, KmsTrial trial);
   KmsResult<> commit_off(const std::string& path, const KmsPipe& pipe);
 
  private:

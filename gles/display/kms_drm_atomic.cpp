@@ -13,9 +13,26 @@ DrmProperties drm_properties(int fd, std::uint32_t object, std::uint32_t type) {
     const CPtr<drmModePropertyRes, drmModeFreeProperty> property(drmModeGetProperty(fd, all->props[i]));
     if (property == nullptr) continue;
     const std::string name(property->name, strnlen(property->name, sizeof property->name));
-    found[name] = {property->prop_id, all->prop_values[i]};
+    DrmProperty& made = found[name];
+    made.id = property->prop_id;
+    made.value = all->prop_values[i];
+    made.fixed = (property->flags & DRM_MODE_PROP_IMMUTABLE) != 0;
+    for (int choice = 0; choice < property->count_enums; ++choice) {
+      const drm_mode_property_enum& one = property->enums[choice];
+      made.choices[std::string(one.name, strnlen(one.name, sizeof one.name))] = one.value;
+    }
+    if (drm_property_type_is(property.get(), DRM_MODE_PROP_RANGE) && property->count_values == 2) {
+      made.least = property->values[0];
+      made.most = property->values[1];
+    }
   }
   return found;
+}
+
+DrmYuvNames drm_yuv_names(YuvEncoding encoding) {
+  const bool is_601 = encoding == YuvEncoding::bt601_full || encoding == YuvEncoding::bt601_limited;
+  const bool is_full = encoding == YuvEncoding::bt601_full || encoding == YuvEncoding::bt709_full;
+  return {is_601 ? "ITU-R BT.601 YCbCr" : "ITU-R BT.709 YCbCr", is_full ? "YCbCr full range" : "YCbCr limited range"};
 }
 
 const DrmProperties& DrmAtomic::properties(std::uint32_t object, std::uint32_t type) {
@@ -42,6 +59,34 @@ class DrmAtomic::Request {
   }
   void set_if_there(std::uint32_t object, std::uint32_t type, const char* name, std::uint64_t value) {
     if (atomic_.properties(object, type).contains(name)) set(object, type, name, value);
+  }
+  // One of an enumeration's choices, where the driver has that property.
+  void choose(std::uint32_t plane, const char* name, const char* choice) {
+    const DrmProperties& properties = atomic_.properties(plane, DRM_MODE_OBJECT_PLANE);
+    const auto property = properties.find(name);
+    if (property == properties.end() || property->second.fixed) return;
+    const auto value = property->second.choices.find(choice);
+    if (value == property->second.choices.end())
+      complete_ = false;
+    else
+      set(plane, DRM_MODE_OBJECT_PLANE, name, value->second);
+  }
+  void show(std::uint32_t crtc, const KmsPlaneState& state) {
+    const auto set_plane = [&](const char* name, std::uint64_t value) {
+      set(state.plane, DRM_MODE_OBJECT_PLANE, name, value);
+    };
+    const auto wide = [](int pixels) { return static_cast<std::uint64_t>(pixels); };
+    set_plane("FB_ID", state.framebuffer);
+    set_plane("CRTC_ID", crtc);
+    set_plane("SRC_X", wide(state.source.x) << 16);  // 16.16 fixed point
+    set_plane("SRC_Y", wide(state.source.y) << 16);
+    set_plane("SRC_W", wide(state.source.width) << 16);
+    set_plane("SRC_H", wide(state.source.height) << 16);
+    set_plane("CRTC_X", wide(state.x));
+    set_plane("CRTC_Y", wide(state.y));
+    set_plane("CRTC_W", wide(state.source.width));
+    set_plane("CRTC_H", wide(state.source.height));
+    set_if_there(state.plane, DRM_MODE_OBJECT_PLANE, "rotation", DRM_MODE_ROTATE_0);
   }
   void set_mode(std::uint32_t crtc, const KmsMode& mode) {
     if (drmModeCreatePropertyBlob(atomic_.fd_, mode.timing.data(), mode.timing.size(), &mode_blob_) != 0)
@@ -93,21 +138,7 @@ KmsResult<> DrmAtomic::commit_mode(const std::string& path, const KmsPipe& pipe,
   request.set_mode(pipe.crtc, pipe.mode);
   request.set(pipe.crtc, DRM_MODE_OBJECT_CRTC, "ACTIVE", 1);
 
-  const auto set_plane = [&](const char* name, std::uint64_t value) {
-    request.set(pipe.plane, DRM_MODE_OBJECT_PLANE, name, value);
-  };
-  const auto width = static_cast<std::uint64_t>(pipe.mode.width), height = static_cast<std::uint64_t>(pipe.mode.height);
-  set_plane("FB_ID", frame.framebuffer);
-  set_plane("CRTC_ID", pipe.crtc);
-  set_plane("SRC_X", 0);
-  set_plane("SRC_Y", 0);
-  set_plane("SRC_W", width << 16);  // 16.16 fixed point
-  set_plane("SRC_H", height << 16);
-  set_plane("CRTC_X", 0);
-  set_plane("CRTC_Y", 0);
-  set_plane("CRTC_W", width);
-  set_plane("CRTC_H", height);
-  request.set_if_there(pipe.plane, DRM_MODE_OBJECT_PLANE, "rotation", DRM_MODE_ROTATE_0);
+  request.show(pipe.crtc, {pipe.plane, frame.framebuffer, {0, 0, pipe.mode.width, pipe.mode.height}});
 
   return request.commit(
       path, "setting the mode",
@@ -119,6 +150,29 @@ KmsResult<> DrmAtomic::commit_flip(const std::string& path, const KmsPipe& pipe,
   Request request(*this);
   request.set(pipe.plane, DRM_MODE_OBJECT_PLANE, "FB_ID", frame.framebuffer);
   return request.commit(path, "page flip", DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, frame.number);
+}
+
+KmsResult<> DrmAtomic::commit_planes(const std::string& path, const KmsPipe& pipe,
+                                     std::span<const KmsPlaneState> planes, std::uint64_t number, KmsTrial trial) {
+  Request request(*this);
+  for (const KmsPlaneState& state : planes) {
+    if (state.framebuffer == 0) {
+      request.show_nothing(state.plane);
+      continue;
+    }
+    request.show(pipe.crtc, state);
+    request.set_if_there(state.plane, DRM_MODE_OBJECT_PLANE, "alpha", 0xffff);
+    if (state.blends) request.choose(state.plane, "pixel blend mode", "Pre-multiplied");
+    if (state.zpos) request.set(state.plane, DRM_MODE_OBJECT_PLANE, "zpos", *state.zpos);
+    if (state.encoding) {
+      const auto names = drm_yuv_names(*state.encoding);
+      request.choose(state.plane, "COLOR_ENCODING", names.encoding);
+      request.choose(state.plane, "COLOR_RANGE", names.range);
+    }
+  }
+  const bool asks = trial == KmsTrial::only_ask;
+  return request.commit(path, asks ? "asking for planes" : "showing planes",
+                        asks ? DRM_MODE_ATOMIC_TEST_ONLY : DRM_MODE_ATOMIC_NONBLOCK | DRM_MODE_PAGE_FLIP_EVENT, number);
 }
 
 KmsResult<> DrmAtomic::commit_off(const std::string& path, const KmsPipe& pipe) {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <span>
 
 #include <drm_fourcc.h>
@@ -150,29 +151,39 @@ class DrmDevice final : public KmsDevice {
     return drm_error("finding a CRTC of {} for {}", path_, connector.name);
   }
 
-  KmsResult<std::uint32_t> add_framebuffer(const KmsBuffer& buffer) override {
-    std::uint32_t id = 0;
-    const auto width = static_cast<std::uint32_t>(buffer.width), height = static_cast<std::uint32_t>(buffer.height);
-    if (has_modifiers_ && buffer.has_modifier) {
-      std::array<std::uint64_t, 4> modifiers{};
-      for (int i = 0; i < buffer.planes; ++i) modifiers[static_cast<std::size_t>(i)] = buffer.modifier;
-      if (drmModeAddFB2WithModifiers(fd_.value(), width, height, DRM_FORMAT_XRGB8888, buffer.handle.data(),
-                                     buffer.stride.data(), buffer.offset.data(), modifiers.data(), &id,
-                                     DRM_MODE_FB_MODIFIERS) == 0)
-        return id;
+  KmsResult<std::vector<KmsPlane>> planes(const KmsPipe& pipe) override {
+    const DrmResources resources(drmModeGetResources(fd_.value()));
+    const DrmPlanes all(drmModeGetPlaneResources(fd_.value()));
+    if (resources == nullptr || all == nullptr) return drm_error("listing the planes of {}", path_);
+    const std::span crtcs(resources->crtcs, resources->count_crtcs);
+    const auto index = std::ranges::find(crtcs, pipe.crtc) - crtcs.begin();
+    std::vector<KmsPlane> found;
+    for (const std::uint32_t id : std::span(all->planes, all->count_planes)) {
+      const DrmPlane raw(drmModeGetPlane(fd_.value(), id));
+      if (raw == nullptr || index >= 32 || (raw->possible_crtcs >> index & 1u) == 0) continue;
+      found.push_back(described(*raw, pipe.crtc));
     }
-    if (drmModeAddFB2(fd_.value(), width, height, DRM_FORMAT_XRGB8888, buffer.handle.data(), buffer.stride.data(),
-                      buffer.offset.data(), &id, 0) != 0)
-      return drm_error("adding a framebuffer of {}x{} to {}", width, height, path_);
-    return id;
+    return found;
   }
-  void remove_framebuffer(std::uint32_t framebuffer) override { drmModeRmFB(fd_.value(), framebuffer); }
+
+  KmsResult<std::uint32_t> add_framebuffer(const KmsBuffer& buffer) override {
+    if (buffer.dma_buf >= 0) return add_foreign(buffer);
+    return add_framebuffer(fd_.value(), buffer);
+  }
+  void remove_framebuffer(std::uint32_t framebuffer) override {
+    const bool foreign = foreign_.erase(framebuffer) > 0;
+    drmModeRmFB(foreign ? foreign_fd_.value() : fd_.value(), framebuffer);
+  }
 
   KmsResult<> commit_mode(const KmsPipe& pipe, const KmsFrame& frame, KmsWait wait) override {
     return atomic_.commit_mode(path_, pipe, frame, wait);
   }
   KmsResult<> commit_flip(const KmsPipe& pipe, const KmsFrame& frame) override {
     return atomic_.commit_flip(path_, pipe, frame);
+  }
+  KmsResult<> commit_planes(const KmsPipe& pipe, std::span<const KmsPlaneState> planes, std::uint64_t number,
+                            KmsTrial trial) override {
+    return atomic_.commit_planes(path_, pipe, planes, number, trial);
   }
   KmsResult<> set_crtc(const KmsPipe& pipe, const KmsFrame& frame) override {
     std::uint32_t connector = pipe.connector;
@@ -261,6 +272,66 @@ class DrmDevice final : public KmsDevice {
     return found;
   }
 
+  KmsPlane described(const drmModePlane& raw, std::uint32_t crtc) const {
+    KmsPlane plane;
+    plane.id = raw.plane_id;
+    plane.free = raw.crtc_id == 0 || raw.crtc_id == crtc;
+    plane.formats.assign(raw.formats, raw.formats + raw.count_formats);
+    const auto properties = drm_properties(fd_.value(), plane.id, DRM_MODE_OBJECT_PLANE);
+    const auto find = [&](const char* name) {
+      const auto place = properties.find(name);
+      return place == properties.end() ? nullptr : &place->second;
+    };
+    if (const auto* type = find("type"))
+      plane.kind = type->value == DRM_PLANE_TYPE_PRIMARY  ? KmsPlane::Kind::primary
+                   : type->value == DRM_PLANE_TYPE_CURSOR ? KmsPlane::Kind::cursor
+                                                          : KmsPlane::Kind::overlay;
+    if (const auto* zpos = find("zpos")) plane.zpos = KmsPlane::Zpos{zpos->value, zpos->least, zpos->most, zpos->fixed};
+    if (const auto* blend = find("pixel blend mode")) plane.premultiplied = blend->choices.contains("Pre-multiplied");
+    const auto *encoding = find("COLOR_ENCODING"), *range = find("COLOR_RANGE");
+    if (encoding == nullptr || range == nullptr) return plane;
+    for (const auto one :
+         {YuvEncoding::bt601_full, YuvEncoding::bt601_limited, YuvEncoding::bt709_full, YuvEncoding::bt709_limited}) {
+      const auto names = drm_yuv_names(one);
+      if (encoding->choices.contains(names.encoding) && range->choices.contains(names.range))
+        plane.encodings.push_back(one);
+    }
+    return plane;
+  }
+
+  KmsResult<std::uint32_t> add_framebuffer(int fd, const KmsBuffer& buffer) const {
+    std::uint32_t id = 0;
+    const auto width = static_cast<std::uint32_t>(buffer.width), height = static_cast<std::uint32_t>(buffer.height);
+    if (has_modifiers_ && buffer.has_modifier) {
+      std::array<std::uint64_t, 4> modifiers{};
+      for (int i = 0; i < buffer.planes; ++i) modifiers[static_cast<std::size_t>(i)] = buffer.modifier;
+      if (drmModeAddFB2WithModifiers(fd, width, height, buffer.format, buffer.handle.data(), buffer.stride.data(),
+                                     buffer.offset.data(), modifiers.data(), &id, DRM_MODE_FB_MODIFIERS) == 0)
+        return id;
+    }
+    if (drmModeAddFB2(fd, width, height, buffer.format, buffer.handle.data(), buffer.stride.data(),
+                      buffer.offset.data(), &id, 0) != 0)
+      return drm_error("adding a framebuffer of {}x{} ({}) to {}", width, height, drm_format_text(buffer.format),
+                       path_);
+    return id;
+  }
+
+  // Handles are counted per opening of the card, but not per import, and GBM closes those that it shares: other
+  // drivers' buffers get an opening of their own. The framebuffer keeps the buffer.
+  KmsResult<std::uint32_t> add_foreign(const KmsBuffer& buffer) {
+    if (!foreign_fd_) foreign_fd_ = UniqueFd(open(path_.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+    if (!foreign_fd_) return drm_error("opening {} for the camera's buffers", path_);
+    std::uint32_t handle = 0;
+    if (drmPrimeFDToHandle(foreign_fd_.value(), buffer.dma_buf, &handle) != 0)
+      return drm_error("importing the camera's buffer into {}", path_);
+    KmsBuffer imported = buffer;
+    std::fill_n(imported.handle.begin(), imported.planes, handle);
+    auto id = add_framebuffer(foreign_fd_.value(), imported);
+    drmCloseBufferHandle(foreign_fd_.value(), handle);
+    if (id) foreign_.insert(*id);
+    return id;
+  }
+
   static std::vector<KmsEvent> events_in(std::span<const std::uint8_t> bytes) {
     std::vector<KmsEvent> events;
     while (bytes.size() >= sizeof(drm_event)) {
@@ -280,6 +351,8 @@ class DrmDevice final : public KmsDevice {
 
   std::string path_;
   UniqueFd fd_;
+  UniqueFd foreign_fd_;              // the card opened again, for the buffers of other drivers
+  std::set<std::uint32_t> foreign_;  // framebuffers of these
   std::string driver_;
   std::string sysfs_name_;  // "card0"
   DrmAtomic atomic_;

@@ -44,11 +44,57 @@ Result<> KmsFlips::submit(KmsPicture picture) {
   return commit();
 }
 
+Result<> KmsFlips::ready_for_planes() const {
+  if (!atomic_) return fail(FaultKind::unsupported, "{} has no atomic commits", device_.path());
+  if (overdue_) return fail(FaultKind::unsupported, "a picture on planes never reached the display");
+  if (sets_mode_) return fail(FaultKind::timeout, "the display's mode is not set yet");
+  return {};
+}
+
+Result<> KmsFlips::ask_for_planes(const std::vector<KmsPlaneState>& planes) {
+  if (auto ready = ready_for_planes(); !ready) return ready;
+  const auto asked = device_.commit_planes(pipe_, with_others_off(planes), 0, KmsTrial::only_ask);
+  if (!asked) return fail(FaultKind::unsupported, "{}", asked.error().what);
+  return {};
+}
+
+Result<> KmsFlips::submit_planes(KmsPicture picture) {
+  if (auto ready = ready_for_planes(); !ready) return ready;
+  pending_ = std::move(picture);
+  given_at_ = sent_at_ = clock_.now();
+  return commit_planes();
+}
+
+std::vector<KmsPlaneState> KmsFlips::with_others_off(std::vector<KmsPlaneState> planes) const {
+  for (const KmsPlaneState& before : planes_)
+    if (std::ranges::find(planes, before.plane, &KmsPlaneState::plane) == planes.end())
+      planes.push_back({.plane = before.plane});
+  return planes;
+}
+
+Result<> KmsFlips::commit_planes() {
+  const auto handed = device_.commit_planes(pipe_, with_others_off(pending_->planes), pending_->number, KmsTrial::no);
+  if (handed) {
+    planes_ = pending_->planes;
+    given_at_ = clock_.now();
+    queued_ = std::exchange(pending_, std::nullopt);
+    return {};
+  }
+  const std::errc code = handed.error().code;
+  if (is_temporary(code)) return {};
+  pending_.reset();
+  if (is_denied(code) || is_gone(code)) return refused(handed.error());
+  return fail(FaultKind::unsupported, "{}", handed.error().what);
+}
+
 Result<> KmsFlips::advance() {
   if (auto taken = take_events(Duration::zero()); !taken) return taken;
   if (auto recovered = recover_overdue_flip(); !recovered) return recovered;
-  if (pending_) return commit();
-  return {};
+  if (!pending_) return {};
+  if (pending_->planes.empty()) return commit();
+  const auto committed = commit_planes();
+  if (!committed && committed.error().kind != FaultKind::unsupported) return committed;
+  return {};  // a refused one is left out: whoever submits the next learns of it
 }
 
 Result<> KmsFlips::take_events(Duration at_most) {
@@ -70,6 +116,7 @@ void KmsFlips::complete(std::optional<KmsPicture>& picture, Instant at) {
   const bool believed = at >= sent_at_ - kTimestampTolerance && at <= now + kTimestampTolerance;
   record_.add(picture->number, believed ? at : now);
   std::optional<KmsPicture> replaced = std::exchange(active_, std::exchange(picture, std::nullopt));
+  overdue_.reset();
   recovering_ = false;
 }
 
@@ -84,6 +131,7 @@ Result<> KmsFlips::recover_overdue_flip() {
   sets_mode_ = true;
   given_at_ = clock_.now();
   if (queued_) pending_ = std::exchange(queued_, std::nullopt);
+  if (!pending_->planes.empty()) overdue_ = std::exchange(pending_, std::nullopt);  // an ordinary one sets the mode
   return {};
 }
 
@@ -91,6 +139,10 @@ KmsResult<> KmsFlips::hand_over(const KmsFrame& frame) {
   if (atomic_ && sets_mode_)
     // Later modesets do not wait, because a stuck driver could block indefinitely.
     return device_.commit_mode(pipe_, frame, shown_once_ ? KmsWait::no : KmsWait::for_the_hardware);
+  if (atomic_ && !planes_.empty()) {
+    const KmsPlaneState whole{pipe_.plane, frame.framebuffer, {0, 0, pipe_.mode.width, pipe_.mode.height}};
+    return device_.commit_planes(pipe_, with_others_off({whole}), frame.number, KmsTrial::no);
+  }
   if (atomic_) return device_.commit_flip(pipe_, frame);
   if (sets_mode_) return device_.set_crtc(pipe_, frame);
   return device_.page_flip(pipe_, frame);
@@ -102,6 +154,7 @@ Result<> KmsFlips::commit() {
     const auto handed = hand_over({pending_->scanout->framebuffer(), pending_->number});
     if (handed) {
       sets_mode_ = false;
+      planes_.clear();
       shown_once_ = true;
       given_at_ = clock_.now();  // setting a mode can take the driver long
       if (setting_mode) ++modesets_;

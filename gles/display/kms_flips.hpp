@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
@@ -18,7 +19,8 @@ namespace kasumi {
 
 struct KmsPicture {
   std::uint64_t number = 0;
-  std::unique_ptr<ScanoutPicture> scanout;
+  std::unique_ptr<ScanoutPicture> scanout;  // null: it is on planes
+  std::vector<KmsPlaneState> planes{};
   std::shared_ptr<const void> until_replaced;
 };
 
@@ -32,6 +34,12 @@ class KmsFlips {
   Result<> settle(Instant deadline);
   // Sends a picture to the display. Requires that settle() succeeded. Errors: disconnected, device.
   Result<> submit(KmsPicture picture);
+  // Whether the driver would show it so. Errors: timeout (the mode is to be set first, by an ordinary picture),
+  // unsupported (with the driver's reason).
+  Result<> ask_for_planes(const std::vector<KmsPlaneState>& planes);
+  // submit() for a picture on planes; planes that the one before used otherwise show nothing. Errors: also those of
+  // ask_for_planes(); then the picture before stays.
+  Result<> submit_planes(KmsPicture picture);
   // Processes events and timeouts. Does not block. Errors: as submit().
   Result<> advance();
   // BLOCKS until the display sleeps; the next picture wakes it. Requires that no picture is pending or queued. Errors:
@@ -48,7 +56,10 @@ class KmsFlips {
 
  private:
   Result<> take_events(Duration at_most);
+  Result<> ready_for_planes() const;
+  std::vector<KmsPlaneState> with_others_off(std::vector<KmsPlaneState> planes) const;
   Result<> commit();
+  Result<> commit_planes();
   KmsResult<> hand_over(const KmsFrame& frame);
   Result<> refused(const KmsError& error);
   Result<> recover_overdue_flip();
@@ -63,6 +74,8 @@ class KmsFlips {
   std::optional<KmsPicture> pending_;
   std::optional<KmsPicture> queued_;
   std::optional<KmsPicture> active_;
+  std::optional<KmsPicture> overdue_;  // on planes: the display may still read it
+  std::vector<KmsPlaneState> planes_;  // as committed last; empty: by an ordinary picture
   Instant given_at_{};       // when submitted, given to the driver, or recovery began; the flip deadline counts from it
   Instant sent_at_{};        // when submitted
   bool sets_mode_ = true;    // the next commit sets the mode

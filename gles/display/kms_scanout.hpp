@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/result.hpp"
+#include "gles/display/display.hpp"
 #include "gles/display/kms_device.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/target.hpp"
@@ -27,6 +28,8 @@ class Scanout {
   // Ends the picture drawn since the last call. GL may still be drawing it, but finishes before the card shows it. All
   // pictures must be destroyed before the scanout. Error: device.
   virtual Result<std::unique_ptr<ScanoutPicture>> finish() = 0;
+  // ARGB8888, for a plane above another. Errors: unsupported, device.
+  virtual Result<std::shared_ptr<PlaneBuffer>> make_plane_buffer(int width, int height) = 0;
 };
 
 // Through GBM and EGL, XRGB8888. The device must outlive the scanout. Errors: unsupported, device.

@@ -9,6 +9,8 @@
 #include "base/c_ptr.hpp"
 #include "gles/display/kms_scanout.hpp"
 #include "gles/gl/egl.hpp"
+#include "gles/gl/gl.hpp"
+#include "gles/gl/objects.hpp"
 
 namespace kasumi {
 namespace {
@@ -17,6 +19,7 @@ constexpr std::uint64_t kNoModifier = 0x00ffffffffffffffu;  // DRM_FORMAT_MOD_IN
 
 using GbmDevice = CPtr<gbm_device, gbm_device_destroy>;
 using GbmSurface = CPtr<gbm_surface, gbm_surface_destroy>;
+using GbmBuffer = CPtr<gbm_bo, gbm_bo_destroy>;
 
 // EGL identifies displays by the GBM device's address, so the display must be terminated before a new device can reuse
 // the address. It is not shared, so terminating it is safe.
@@ -87,10 +90,11 @@ class GbmPicture final : public ScanoutPicture {
   std::uint32_t framebuffer_;
 };
 
-KmsBuffer describe(gbm_bo* buffer) {
+KmsBuffer describe(gbm_bo* buffer, std::uint32_t format) {
   KmsBuffer made;
   made.width = static_cast<int>(gbm_bo_get_width(buffer));
   made.height = static_cast<int>(gbm_bo_get_height(buffer));
+  made.format = format;
   made.modifier = gbm_bo_get_modifier(buffer);
   made.has_modifier = made.modifier != kNoModifier;
   made.planes = std::clamp(gbm_bo_get_plane_count(buffer), 1, 4);
@@ -102,6 +106,57 @@ KmsBuffer describe(gbm_bo* buffer) {
   }
   return made;
 }
+
+class EglImage {  // owns an EGLImage of a GBM buffer
+ public:
+  EglImage(EGLDisplay display, gbm_bo* buffer)
+      : display_(display),
+        image_(function<PFNEGLCREATEIMAGEKHRPROC>("eglCreateImageKHR")(
+            display, EGL_NO_CONTEXT, EGL_NATIVE_PIXMAP_KHR, reinterpret_cast<EGLClientBuffer>(buffer), nullptr)) {}
+  EglImage(EglImage&& other) noexcept
+      : display_(other.display_), image_(std::exchange(other.image_, EGL_NO_IMAGE_KHR)) {}
+  EglImage& operator=(EglImage&&) = delete;
+  EglImage(const EglImage&) = delete;
+  EglImage& operator=(const EglImage&) = delete;
+  ~EglImage() {
+    if (image_ != EGL_NO_IMAGE_KHR) function<PFNEGLDESTROYIMAGEKHRPROC>("eglDestroyImageKHR")(display_, image_);
+  }
+  bool show_in_bound_texture() const {
+    if (image_ == EGL_NO_IMAGE_KHR) return false;
+    function<PFNGLEGLIMAGETARGETTEXTURE2DOESPROC>("glEGLImageTargetTexture2DOES")(GL_TEXTURE_2D, image_);
+    return true;
+  }
+
+ private:
+  template <class Function>
+  static Function function(const char* name) {
+    return reinterpret_cast<Function>(eglGetProcAddress(name));
+  }
+  EGLDisplay display_;
+  EGLImageKHR image_;
+};
+
+class GbmPlaneBuffer final : public PlaneBuffer {
+ public:
+  GbmPlaneBuffer(GbmBuffer buffer, EglImage image, GlTexture texture, GlFramebuffer drawn, KmsFramebuffer shown,
+                 DrawTarget target)
+      : buffer_(std::move(buffer)),
+        image_(std::move(image)),
+        texture_(std::move(texture)),
+        drawn_(std::move(drawn)),
+        shown_(std::move(shown)),
+        target_(target) {}
+  DrawTarget target() const override { return target_; }
+  std::uint32_t framebuffer() const override { return shown_.id(); }
+
+ private:
+  GbmBuffer buffer_;
+  EglImage image_;
+  GlTexture texture_;
+  GlFramebuffer drawn_;
+  KmsFramebuffer shown_;
+  DrawTarget target_;
+};
 
 class GbmScanout final : public Scanout {
  public:
@@ -127,7 +182,7 @@ class GbmScanout final : public Scanout {
     // GBM cycles through a few buffers; a framebuffer is kept as long as its buffer.
     auto* framebuffer = static_cast<KmsFramebuffer*>(gbm_bo_get_user_data(buffer));
     if (framebuffer == nullptr) {
-      auto added = KmsFramebuffer::add(device_, describe(buffer));
+      auto added = KmsFramebuffer::add(device_, describe(buffer, GBM_FORMAT_XRGB8888));
       if (!added) {
         gbm_surface_release_buffer(surface_.get(), buffer);
         return fail(FaultKind::device, "{}", added.error().what);
@@ -139,6 +194,32 @@ class GbmScanout final : public Scanout {
       });
     }
     return std::make_unique<GbmPicture>(surface_.get(), buffer, framebuffer->id());
+  }
+
+  Result<std::shared_ptr<PlaneBuffer>> make_plane_buffer(int width, int height) override {
+    if (!egl_offers(eglQueryString(egl_.get(), EGL_EXTENSIONS), "EGL_KHR_image_pixmap") ||
+        !context_->info().has("GL_OES_EGL_image"))
+      return fail(FaultKind::unsupported, "GL cannot draw into buffers for planes");
+    GbmBuffer buffer(gbm_bo_create(gbm_.get(), static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height),
+                                   GBM_FORMAT_ARGB8888, GBM_BO_USE_SCANOUT | GBM_BO_USE_RENDERING));
+    if (buffer == nullptr)
+      return fail(FaultKind::unsupported, "GBM makes no buffer of {}x{} pixels for a plane", width, height);
+    auto shown = KmsFramebuffer::add(device_, describe(buffer.get(), GBM_FORMAT_ARGB8888));
+    if (!shown) return fail(FaultKind::unsupported, "{}", shown.error().what);
+    EglImage image(egl_.get(), buffer.get());
+    auto texture = make_texture();
+    glBindTexture(GL_TEXTURE_2D, texture.name());
+    set_filter(TextureFilter::nearest);
+    if (!image.show_in_bound_texture())
+      return fail(FaultKind::unsupported, "GL cannot draw into buffers for planes: {}", egl_reason());
+    auto drawn = make_framebuffer();
+    glBindFramebuffer(GL_FRAMEBUFFER, drawn.name());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(), 0);
+    if (auto whole = check_framebuffer("a buffer for a plane"); !whole)
+      return fail(FaultKind::unsupported, "{}", whole.error().message);
+    const DrawTarget target{drawn.name(), width, height, true};
+    return std::make_shared<GbmPlaneBuffer>(std::move(buffer), std::move(image), std::move(texture), std::move(drawn),
+                                            std::move(*shown), target);
   }
 
  private:

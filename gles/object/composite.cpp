@@ -1,5 +1,7 @@
 #include "gles/object/composite.hpp"
 
+#include <algorithm>
+
 #include "gles/gl/gl.hpp"
 #include "gles/gl/patterns.hpp"
 #include "gles/gl/texture_units.hpp"
@@ -7,15 +9,40 @@
 
 namespace kasumi {
 
+namespace {
+
+glm::dmat3 to_clip(double w, double h, double up) {
+  return glm::dmat3({2.0 / w, 0.0, 0.0}, {0.0, up * 2.0 / h, 0.0}, {1.0 / w - 1.0, up * (1.0 / h - 1.0), 1.0});
+}
+
+// The smallest box, in pixels of the picture, that holds every pixel with something of the object.
+PixelBox box_of(const Image<float>& coverage, const PixelBox& all) {
+  PixelBox box{all.right, all.bottom, all.left, all.top};
+  for (int y = 0; y < coverage.height(); ++y)
+    for (int x = 0; x < coverage.width(); ++x) {
+      if (coverage.at(x, y) <= 0.0f) continue;
+      box.left = std::min(box.left, all.left + x);
+      box.right = std::max(box.right, all.left + x + 1);
+      box.top = std::min(box.top, all.top + y);
+      box.bottom = std::max(box.bottom, all.top + y + 1);
+    }
+  return box.empty() ? PixelBox{} : box;
+}
+
+}  // namespace
+
 PictureOnTarget::PictureOnTarget(const DrawTarget& target, int width, int height)
     : box(letterbox(target, width, height)) {
-  const double w = width, h = height, up = target.top_row_first ? 1.0 : -1.0;
+  const double up = target.top_row_first ? 1.0 : -1.0;
   same_size = box.width == width && box.height == height;
-  pixel_to_clip = glm::dmat3({2.0 / w, 0.0, 0.0}, {0.0, up * 2.0 / h, 0.0}, {1.0 / w - 1.0, up * (1.0 / h - 1.0), 1.0});
+  pixel_to_clip = to_clip(width, height, up);
   const double bw = box.width, bh = box.height;
   fragment_to_picture = glm::dmat3({1.0 / bw, 0.0, 0.0}, {0.0, up / bh, 0.0},
                                    {-box.x / bw, target.top_row_first ? -box.y / bh : 1.0 + box.y / bh, 1.0});
 }
+
+PictureOnTarget::PictureOnTarget(const PixelBox& part, int width, int height)
+    : box{-part.left, -part.top, width, height}, pixel_to_clip(to_clip(width, height, 1.0)) {}
 
 void PictureOnTarget::begin(const DrawTarget& target, bool with_depth) const {
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
@@ -38,6 +65,7 @@ void CameraFrame::bind(const Program& program, const PictureOnTarget& shown) con
 void Composite::take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels) {
   Image<float> coverage(texels.width(), texels.height());
   for (std::size_t i = 0; i < coverage.elements().size(); ++i) coverage.elements()[i] = texels.elements()[i].a;
+  covered_ = box_of(coverage, layer.box());
   rectangles_ = cut_picture(view.width, view.height, layer.box(), coverage);
   mesh_.reset();
 }
@@ -73,30 +101,42 @@ Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& fra
   return check_gl("drawing the camera's picture");
 }
 
+// Areas that do not need the camera or its response share one variant.
+Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& programs, const CameraFrame& frame,
+                              const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
+                              const SensorNoise& noise) {
+  const PictureMesh& mesh = mesh_for(measured);
+  if (mesh.empty(area)) return {};
+  if (area != PictureArea::covered) defines.merge(frame.camera.defines());
+  if (area == PictureArea::covered) defines = {"COVERED", "LAYOUT_RGB"};
+  if (area == PictureArea::edge) defines.insert("EDGE");
+  if (area != PictureArea::plain) defines.insert(frame.response.define());
+  if (area != PictureArea::plain && !noise.none()) defines.insert("NOISE");
+  const auto program = programs.find(ProgramKind::picture, defines);
+  if (!program) return fail(program.error());
+  (*program)->use();
+  frame.bind(**program, shown);
+  if (area != PictureArea::plain) {
+    layer.bind(**program, !shown.same_size);
+    set_airlight(**program, "measured", measured);
+    if (!noise.none()) bind_noise(**program, noise, !shown.same_size);
+  }
+  mesh.draw(area);
+  return {};
+}
+
 Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
                          const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise) {
-  const PictureMesh& mesh = mesh_for(measured);
-  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge}) {
-    if (mesh.empty(area)) continue;
-    // Areas that do not need the camera or its response share one variant.
-    Defines defines;
-    if (area != PictureArea::covered) defines.merge(frame.camera.defines());
-    if (area == PictureArea::covered) defines.insert({"COVERED", "LAYOUT_RGB"});
-    if (area == PictureArea::edge) defines.insert("EDGE");
-    if (area != PictureArea::plain) defines.insert(frame.response.define());
-    if (area != PictureArea::plain && !noise.none()) defines.insert("NOISE");
-    const auto program = programs.find(ProgramKind::picture, defines);
-    if (!program) return fail(program.error());
-    (*program)->use();
-    frame.bind(**program, shown);
-    if (area != PictureArea::plain) {
-      layer.bind(**program, !shown.same_size);
-      set_airlight(**program, "measured", measured);
-      if (!noise.none()) bind_noise(**program, noise, !shown.same_size);
-    }
-    mesh.draw(area);
-  }
+  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
+    if (auto drawn = draw_area(area, {}, programs, frame, shown, layer, measured, noise); !drawn) return drawn;
   return check_gl("drawing the picture");
+}
+
+Result<> Composite::draw_for_plane(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+                                   const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise) {
+  for (const PictureArea area : {PictureArea::covered, PictureArea::edge})
+    if (auto drawn = draw_area(area, {"PLANE"}, programs, frame, shown, layer, measured, noise); !drawn) return drawn;
+  return check_gl("drawing the building for a plane");
 }
 
 }  // namespace kasumi

@@ -21,6 +21,8 @@ struct PictureOnTarget {
   glm::dmat3 fragment_to_picture{1.0};
 
   PictureOnTarget(const DrawTarget& target, int width, int height);
+  // Of a part of the picture only, pixel by pixel, top row first.
+  PictureOnTarget(const PixelBox& part, int width, int height);
   // Binds the target and fills the area outside the picture with black.
   void begin(const DrawTarget& target, bool with_depth) const;
 };
@@ -38,16 +40,27 @@ class Composite {
  public:
   // The layer's coverage, 0..1; cuts the picture again.
   void take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels);
-  void drop_layer() { mesh_.reset(); }
+  void drop_layer() {
+    mesh_.reset();
+    covered_ = {};
+  }
+  PixelBox covered() const { return covered_; }  // the pixels that the layer changes lie in it
 
   Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
   Result<> draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
                 const AirlightGrid& measured, const SensorNoise& noise);
+  // Only the layer, as the display lays it over the camera's picture of `frame`.
+  Result<> draw_for_plane(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+                          const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise);
 
  private:
+  Result<> draw_area(PictureArea area, Defines defines, Programs& programs, const CameraFrame& frame,
+                     const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
+                     const SensorNoise& noise);
   const PictureMesh& mesh_for(const AirlightGrid& grid);
   void bind_noise(const Program& program, const SensorNoise& noise, bool smooth);
 
+  PixelBox covered_;
   PictureRectangles rectangles_;      // of the camera's picture around and under the layer
   std::optional<PictureMesh> mesh_;   // of these rectangles, cut at the lines of a grid of airlight
   AirlightGrid mesh_grid_;            // that grid

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <optional>
 
 #include "gles/gl/gl.hpp"
@@ -98,6 +99,15 @@ struct Renderer::State {
     return fits_view(picture.width, picture.height);
   }
 
+  Result<> ready_for_layer(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) const {
+    if (auto ready = ready_for_frame(target); !ready) return ready;
+    Problems problems;
+    check(measured, "measured airlight", false, problems);
+    check(noise, problems);
+    if (!problems.empty()) return fail(problems.fault());
+    return {};
+  }
+
   Result<> fits_view(int width, int height) const {
     if (!projection || (width == projection->view.width && height == projection->view.height)) return {};
     return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", width, height,
@@ -169,7 +179,31 @@ struct Renderer::State {
     composite.take(drawn, projection->view, *texels);
     layer = std::move(drawn);
     unfinished_layer.reset();
+    shadow.reset();  // its maps are large, and the sun moves on
     return check_gl("cutting the picture");
+  }
+
+  // Of the unfinished layer. true: it is whole.
+  Result<bool> next_piece() {
+    if (!unfinished_layer) return true;  // nothing to be seen of the object
+    UnfinishedLayer& unfinished = *unfinished_layer;
+    if (unfinished.shadow) {
+      const auto whole = unfinished.shadow->step();
+      if (!whole) return whole;
+      if (!*whole) return false;
+      shadow = unfinished.shadow->take();
+      unfinished.shadow.reset();
+      return false;
+    }
+    if (!unfinished.drawing) {
+      if (auto begun = begin_tiles(unfinished); !begun) return fail(begun.error());
+      return false;
+    }
+    bind_for_layer();
+    const auto whole = unfinished.drawing->step();
+    if (!whole || !*whole) return whole;
+    if (auto finished = finish_layer(unfinished.drawing->take()); !finished) return fail(finished.error());
+    return true;
   }
 
   // The filtered surroundings follow the light.
@@ -314,8 +348,11 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance) {
   Problems problems;
   check(appearance, problems);
   if (!problems.empty()) return fail(problems.fault());
-  s.drop_layer();
-  if (s.box.empty()) return {};
+  s.unfinished_layer.reset();
+  if (s.box.empty()) {
+    s.drop_layer();
+    return {};
+  }
 
   State::UnfinishedLayer unfinished{appearance, std::nullopt, std::nullopt};
   const auto frame = s.casts_shadow(appearance) ? s.new_shadow(appearance) : std::nullopt;
@@ -329,27 +366,14 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance) {
   return {};
 }
 
-Result<bool> Renderer::continue_layer() {
-  State& s = *state_;
-  if (!s.unfinished_layer) return true;  // nothing to be seen of the object
-  State::UnfinishedLayer& unfinished = *s.unfinished_layer;
-  if (unfinished.shadow) {
-    const auto whole = unfinished.shadow->step();
-    if (!whole) return whole;
-    if (!*whole) return false;
-    s.shadow = unfinished.shadow->take();
-    unfinished.shadow.reset();
-    return false;
+Result<bool> Renderer::continue_layer(Duration at_most) {
+  const auto began = std::chrono::steady_clock::now();
+  for (;;) {
+    const auto whole = state_->next_piece();
+    if (!whole || *whole || at_most <= Duration::zero()) return whole;
+    glFinish();  // what the GPU still has to do would delay the picture all the same
+    if (std::chrono::steady_clock::now() - began >= at_most) return false;
   }
-  if (!unfinished.drawing) {
-    if (auto begun = s.begin_tiles(unfinished); !begun) return fail(begun.error());
-    return false;
-  }
-  s.bind_for_layer();
-  const auto whole = unfinished.drawing->step();
-  if (!whole || !*whole) return whole;
-  if (auto finished = s.finish_layer(unfinished.drawing->take()); !finished) return fail(finished.error());
-  return true;
 }
 
 Result<Image<glm::vec4>> Renderer::read_layer() {
@@ -387,14 +411,30 @@ Result<> Renderer::draw_background(const DrawTarget& target) {
 Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
   State& s = *state_;
   if (!s.layer) return draw_background(target);
-  if (auto ready = s.ready_for_frame(target); !ready) return ready;
-  Problems problems;
-  check(measured, "measured airlight", false, problems);
-  check(noise, problems);
-  if (!problems.empty()) return fail(problems.fault());
+  if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
+}
+
+Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
+  State& s = *state_;
+  const PixelBox& box = s.box;
+  if (!s.layer || target.width != box.right - box.left || target.height != box.bottom - box.top ||
+      !target.top_row_first)
+    return fail(FaultKind::bad_input, "a plane of {} x {} pixels: the object's box is of {} x {}", target.width,
+                target.height, box.right - box.left, box.bottom - box.top);
+  if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  const PictureOnTarget shown(box, s.camera.newest().width, s.camera.newest().height);
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT);
+  glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
+  return s.composite.draw_for_plane(s.programs, s.frame(), shown, *s.layer, measured, noise);
+}
+
+PixelBox Renderer::drawn_box() const {
+  return state_->composite.covered();
 }
 
 Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured,

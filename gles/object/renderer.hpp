@@ -20,6 +20,7 @@
 
 #include <glm/mat4x4.hpp>
 
+#include "base/clock.hpp"
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
@@ -73,9 +74,11 @@ class Renderer {
   // Draws the object into the cached layer. Needs a model and a view. Takes long (supersampling); the result stays
   // valid for every exposure, that is for every measured airlight.
   Result<> redraw_layer(const ObjectAppearance& appearance);
-  // The same in pieces of some milliseconds on a fast GPU: a map of the shadow, a tile of the layer.
+  // The same in pieces of some milliseconds on a fast GPU: a map of the shadow, a tile of the layer. draw() shows the
+  // layer of before until the new one is whole.
   Result<> begin_layer(const ObjectAppearance& appearance);
-  Result<bool> continue_layer();  // true: it is drawn
+  // Draws pieces for this long, waiting for the GPU, and one at least. true: the layer is drawn.
+  Result<bool> continue_layer(Duration at_most = {});
 
   // The cached layer: premultiplied N = rho Gamma + 1 - Gamma in rgb, coverage in a (physics 6), one element per pixel
   // of object_box(). For tests and masks.
@@ -97,6 +100,13 @@ class Renderer {
   // Without a layer (no model, nothing redrawn yet): the camera's picture alone. The object gets `noise`, pixels
   // without it pass unchanged. Errors: bad_input (grid, noise), device.
   Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
+
+  // For a display that lays one picture over another by itself: the object alone, premultiplied and encoded, which over
+  // the uploaded picture gives what draw() gives. `target` is the object_box()'s, top row first; it is transparent
+  // outside drawn_box(). Needs a layer. Errors: as draw().
+  Result<> draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
+  // The pixels that the layer changes; empty: none, or no layer.
+  PixelBox drawn_box() const;
 
   // One pass without a layer, for a view that moves every frame: object first, then the picture behind it. Edges are
   // smoothed only by the target's multisampling; noise, set_detail and set_scene_depth have no effect. The target needs

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "gles/gl/gl.hpp"
+#include "gles/picture/drm_format.hpp"
 
 namespace kasumi {
 namespace {
@@ -12,13 +13,8 @@ namespace {
 // Buffers unused for this many pictures belong to an earlier opening of the camera.
 constexpr std::uint64_t kForgottenAfter = 32;
 
-constexpr std::uint32_t drm(const char (&code)[5]) {
-  std::uint32_t format = 0;
-  for (unsigned i = 0; i < 4; ++i) format |= static_cast<std::uint32_t>(static_cast<unsigned char>(code[i])) << (8 * i);
-  return format;
-}
-// Named from the highest bits down: AB24 lies in memory as R G B A.
-constexpr std::uint32_t kR8 = drm("R8  "), kRg8 = drm("GR88"), kRgba8 = drm("AB24"), kRgb8 = drm("BG24");
+constexpr std::uint32_t kR8 = drm_format("R8  "), kRg8 = drm_format("GR88"), kRgba8 = drm_format("AB24"),
+                        kRgb8 = drm_format("BG24");
 
 ImageRequest plane_request(const ExternalPicture& p, int plane) {
   const PlaneSize size = plane_size(p.layout, p.width, p.height, plane);
@@ -42,40 +38,11 @@ ImageRequest plane_request(const ExternalPicture& p, int plane) {
   return {kR8, bytes, size.rows, p.fd, rows};
 }
 
-std::uint32_t external_format(PixelLayout layout) {
-  switch (layout) {
-    case PixelLayout::rgb8: return drm("BG24");
-    case PixelLayout::bgr8: return drm("RG24");
-    case PixelLayout::rgba8: return drm("XB24");
-    case PixelLayout::bgra8: return drm("XR24");
-    case PixelLayout::grey8: return kR8;  // never requested, because it would be shown red
-    case PixelLayout::yuyv: return drm("YUYV");
-    case PixelLayout::uyvy: return drm("UYVY");
-    case PixelLayout::nv12: return drm("NV12");
-    case PixelLayout::i420: return drm("YU12");
-    case PixelLayout::i422: return drm("YU16");
-    case PixelLayout::i444: return drm("YU24");
-  }
-  return 0;
-}
-
-bool is_yuv(PixelLayout layout) {
-  switch (layout) {
-    case PixelLayout::yuyv:
-    case PixelLayout::uyvy:
-    case PixelLayout::nv12:
-    case PixelLayout::i420:
-    case PixelLayout::i422:
-    case PixelLayout::i444: return true;
-    default: return false;
-  }
-}
-
 std::vector<ImageRequest> requests(CameraTextures::Source source, const ExternalPicture& p) {
   const auto planes = static_cast<std::size_t>(plane_count(p.layout));
   if (source == CameraTextures::Source::external) {
     const std::optional<YuvEncoding> encoding = is_yuv(p.layout) ? std::optional(p.encoding) : std::nullopt;
-    return {{external_format(p.layout),
+    return {{drm_format_of(p.layout),
              p.width,
              p.height,
              p.fd,
@@ -106,12 +73,6 @@ Result<> check(const ExternalPicture& p, const GlInfo& info) {
   }
   if (!problems.empty()) return fail(problems.fault());
   return {};
-}
-
-// The fd is not compared, because it may be another duplicate for the same buffer.
-bool same_place(const ExternalPicture& a, const ExternalPicture& b) {
-  return a.buffer == b.buffer && a.layout == b.layout && a.encoding == b.encoding && a.width == b.width &&
-         a.height == b.height && a.planes == b.planes;
 }
 
 }  // namespace

@@ -24,4 +24,10 @@ struct ExternalPicture {
   std::array<ExternalPlane, 3> planes{};
 };
 
+// The fd is not compared, because it may be another duplicate for the same buffer.
+inline bool same_place(const ExternalPicture& a, const ExternalPicture& b) {
+  return a.buffer == b.buffer && a.layout == b.layout && a.encoding == b.encoding && a.width == b.width &&
+         a.height == b.height && a.planes == b.planes;
+}
+
 }  // namespace kasumi

@@ -7,6 +7,7 @@
 #include "gles/gl/egl.hpp"
 #include "gles/gl/gl.hpp"
 #include "gles/gl/objects.hpp"
+#include "gles/picture/drm_format.hpp"
 
 namespace kasumi {
 namespace {
@@ -24,12 +25,6 @@ constexpr std::array kPlanes{
     PlaneAttributes{EGL_DMA_BUF_PLANE2_FD_EXT, EGL_DMA_BUF_PLANE2_OFFSET_EXT, EGL_DMA_BUF_PLANE2_PITCH_EXT,
                     EGL_DMA_BUF_PLANE2_MODIFIER_LO_EXT, EGL_DMA_BUF_PLANE2_MODIFIER_HI_EXT},
 };
-
-std::string text_of(std::uint32_t drm_format) {
-  std::string text;
-  for (unsigned shift = 0; shift < 32; shift += 8) text += static_cast<char>((drm_format >> shift) & 0xFFu);
-  return text;
-}
 
 class EglImageDevice final : public ImageDevice {
  public:
@@ -49,14 +44,15 @@ class EglImageDevice final : public ImageDevice {
     if (!tells_modifiers()) return {};
     const auto formats = known_formats();
     if (std::ranges::find(formats, static_cast<EGLint>(drm_format)) == formats.end())
-      return fail(FaultKind::unsupported, "the driver does not import {}", text_of(drm_format));
+      return fail(FaultKind::unsupported, "the driver does not import {}", drm_format_text(drm_format));
     const auto ways = ways_of(drm_format);
     if (ways.empty()) return {};
     const auto linear = std::ranges::find(ways, kLinear, &Way::modifier);
     if (linear == ways.end())
-      return fail(FaultKind::unsupported, "the driver does not import linear {}", text_of(drm_format));
+      return fail(FaultKind::unsupported, "the driver does not import linear {}", drm_format_text(drm_format));
     if (sampling == ImageSampling::plain && linear->external_only)
-      return fail(FaultKind::unsupported, "the driver imports {} for external sampling only", text_of(drm_format));
+      return fail(FaultKind::unsupported, "the driver imports {} for external sampling only",
+                  drm_format_text(drm_format));
     return {};
   }
 
@@ -88,7 +84,7 @@ class EglImageDevice final : public ImageDevice {
     const EGLImageKHR image =
         calls_.create(display_, EGL_NO_CONTEXT, EGL_LINUX_DMA_BUF_EXT, nullptr, attributes.data());
     if (image == EGL_NO_IMAGE_KHR)
-      return fail(FaultKind::unsupported, "the driver refuses {} of {} x {}: {}", text_of(request.drm_format),
+      return fail(FaultKind::unsupported, "the driver refuses {} of {} x {}: {}", drm_format_text(request.drm_format),
                   request.width, request.height, egl_reason());
     return image;
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/appliance/check_loop.hpp"
+#include "pipeline/appliance/horizon_loop.hpp"
 #include "pipeline/appliance/proving_loop.hpp"
 #include "pipeline/appliance/reload_loop.hpp"
 #include "pipeline/appliance/render_loop.hpp"
@@ -54,6 +55,7 @@ class Appliance {
   SceneLoop& scene() { return scene_; }
   SkyLoop& sky() { return sky_; }
   RenderLoop& render() { return render_; }
+  HorizonLoop& horizon() { return horizon_; }
   StatusLoop& status() { return status_; }
   CheckLoop& check() { return check_; }
   VisibilityLoop& visibility() { return visibility_; }
@@ -61,6 +63,7 @@ class Appliance {
   Bell& snapshot_bell() { return mailboxes_.snapshot.bell; }
   ProvingLoop& proving() { return proving_; }
   ReloadLoop& reload() { return reload_; }
+  Bell& horizon_bell() { return mailboxes_.horizon.bell; }
   Bell& render_bell() { return mailboxes_.render.bell; }
   Bell& reload_bell() { return mailboxes_.reload.bell; }
 
@@ -70,6 +73,7 @@ class Appliance {
   SceneLoop scene_;
   SkyLoop sky_;
   RenderLoop render_;
+  HorizonLoop horizon_;
   SnapshotServer snapshot_;
   StatusLoop status_;
   CheckLoop check_;

@@ -14,6 +14,7 @@
 #include "capture/reconnecting_source.hpp"
 #include "pipeline/config/content.hpp"
 #include "pipeline/loop/pulse.hpp"
+#include "pipeline/scene/horizon_observer.hpp"
 #include "pipeline/scene/scene_frame.hpp"
 #include "pipeline/scene/scene_watch.hpp"
 #include "pipeline/scene/sky_watch.hpp"
@@ -98,7 +99,14 @@ struct RenderMailbox : Mailbox {
   LatestSlot<SkyStatus> sky;
   LatestSlot<StageOrder> order;
   LatestSlot<SnapshotKind> snapshot;  // wanted
-  Bell bell;                          // rung by whoever posts something that cannot wait
+  LatestSlot<HorizonAnswer> horizon;
+  Bell bell;  // rung by whoever posts something that cannot wait
+};
+
+struct HorizonMailbox : Mailbox {
+  HorizonMailbox() : Mailbox("horizon") {}
+  LatestSlot<HorizonQuestion> question;
+  Bell bell;
 };
 
 struct ReloadMailbox {
@@ -137,12 +145,13 @@ struct Mailboxes {
   Mailboxes();
   ~Mailboxes();
   // Of every loop.
-  std::array<Mailbox*, 7> all();
-  std::array<const Mailbox*, 7> all() const;
+  std::array<Mailbox*, 8> all();
+  std::array<const Mailbox*, 8> all() const;
 
   SceneMailbox scene;
   SkyMailbox sky;
   RenderMailbox render;
+  HorizonMailbox horizon;
   CheckMailbox check;
   VisibilityMailbox visibility;
   SnapshotMailbox snapshot;

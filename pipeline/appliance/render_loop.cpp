@@ -51,6 +51,13 @@ std::optional<Message> message_of(Trouble trouble) {
   return std::nullopt;
 }
 
+// What is drawn over the scene, so that planes alone cannot show it; empty: nothing is.
+std::string lies_over(const Composition& composition) {
+  if (composition.rung.dark > 0.0) return "the screen is dark";
+  if (composition.rung.still > 0.0) return "the still picture is shown";
+  return composition.message.empty() ? "" : "words are shown";
+}
+
 bool is_fading(const Rung& rung) {
   const auto between = [](double opacity) { return opacity > 0.0 && opacity < 1.0; };
   return between(rung.still) || between(rung.dark);
@@ -70,7 +77,7 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       shown_at_(clock.now()),
       minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
-              &mailboxes.proving.pulse, &mailboxes.status->pulse}) {}
+              &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.status->pulse}) {}
 
 // Nobody else can draw: whatever threw, the display is opened anew, and when that does not help the watchdog restarts.
 Instant RenderLoop::step() try { return take_step(); } catch (const std::exception& thrown) {
@@ -171,6 +178,8 @@ void RenderLoop::read_mailbox() {
     camera_ = std::move(*camera);
   }
   if (auto frame = mailboxes_.render.frames.take()) waiting_ = std::move(*frame);
+  if (const auto horizon = mailboxes_.render.horizon.take(); horizon && screen_.is_open())
+    screen_.stage().adopt(*horizon);
   if (const auto kind = mailboxes_.render.snapshot.take()) snapshots_.request(*kind, content_->config, clock_.now());
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
 }
@@ -298,10 +307,17 @@ void RenderLoop::present() {
   // black meanwhile.
   const bool unseen = screen_.nothing_shown() || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
-  if (auto drawn = draw(frame ? &*frame : nullptr, **target); !drawn) return handle_screen_fault(drawn.error());
-  if (snapshots_.is_due(clock_.now()))
-    if (auto taken = snapshots_.take(snapshot_facts(), **target); !taken) return handle_screen_fault(taken.error());
-  const auto number = screen_.show(frame ? frame->holder : nullptr);
+  const auto* newest = frame ? &*frame : nullptr;
+  const auto holder = frame ? frame->holder : nullptr;
+  bool taken = false;  // the frame, without drawing it
+  const auto tried = try_planes(newest, **target, taken);
+  if (!tried) return handle_screen_fault(tried.error());
+  if (tried->outcome == PlaneMode::Outcome::left_out) {
+    shown_at_ = clock_.now();
+    return;
+  }
+  auto number = tried->outcome == PlaneMode::Outcome::shown ? Result<std::uint64_t>(tried->number)
+                                                            : compose(taken ? nullptr : newest, **target, holder);
   if (!number) return handle_screen_fault(number.error());
 
   snapshots_.told(clock_.now());
@@ -309,9 +325,75 @@ void RenderLoop::present() {
   ++status_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;
+  if (auto question = screen_.stage().take_question()) {
+    mailboxes_.horizon.question.put(std::move(*question));
+    mailboxes_.horizon.bell.ring();
+  }
   ++status_.scene_frames;
   layout_ = frame->picture.view().layout;
   latency_.shown(*number, frame->metadata.captured_at);
+}
+
+// Why the next picture cannot go onto the display's planes; empty: it may. `frame`: null: the scene as it is.
+std::string RenderLoop::against_planes(const SceneFrame* frame) const {
+  const auto& planes = screen_.planes();
+  if (!content_->config.planes) return "turned off in the configuration";
+  if (planes.given_up()) return planes.state();
+  if (screen_.nothing_shown()) return "no picture yet";
+  if (content_->config.overlay) return "the overlay is shown";
+  if (auto over = lies_over(composition()); !over.empty()) return over;
+  if (camera_gone_) return "the scene camera is gone";
+  return frame || planes.is_on() ? "" : planes.state();
+}
+
+// Errors: device, disconnected.
+Result<PlaneMode::Attempt> RenderLoop::try_planes(const SceneFrame* frame, const DrawTarget& target, bool& taken) {
+  if (auto why = against_planes(frame); !why.empty()) {
+    screen_.planes().compose(std::move(why));
+    return PlaneMode::Attempt{};
+  }
+  if (frame && !frame->picture.dma_buf()) {  // a camera that runs short of buffers copies some
+    const auto tried =
+        screen_.planes().leave_out("the camera's pictures do not lie in buffers that a display can read");
+    if (tried.outcome == PlaneMode::Outcome::left_out) good_picture_came();
+    return tried;
+  }
+  auto& stage = screen_.stage();
+  const auto uploaded_before = stage.frames().uploaded;
+  if (frame) {
+    if (auto took = stage.take_scene(*frame, sky_.report); !took) {
+      if (took.error().kind != FaultKind::bad_input) return fail(took.error());
+      screen_.planes().compose(took.error().message);
+      return PlaneMode::Attempt{};
+    }
+    taken = true;
+    good_picture_came();
+  }
+  if (snapshots_.is_due(clock_.now())) {  // as the GPU would compose it
+    if (auto drawn = stage.draw_scene(nullptr, sky_.report, target); !drawn) return fail(drawn.error());
+    if (auto read = snapshots_.take(snapshot_facts(), target); !read) return fail(read.error());
+  }
+  const auto tried = frame ? screen_.show_on_planes(frame->holder) : screen_.show_planes_again();
+  status_.uploads += stage.frames().uploaded - uploaded_before;
+  if (!tried || tried->outcome != PlaneMode::Outcome::shown) return tried;
+  update_rung();
+  if (lies_over(composition()).empty()) shown_ = composition();  // else it is due at once
+  return tried;
+}
+
+// Through the GPU. Errors: device, disconnected.
+Result<std::uint64_t> RenderLoop::compose(const SceneFrame* frame, const DrawTarget& target,
+                                          std::shared_ptr<const void> until_replaced) {
+  if (auto drawn = draw(frame, target); !drawn) return fail(drawn.error());
+  if (snapshots_.is_due(clock_.now()))
+    if (auto taken = snapshots_.take(snapshot_facts(), target); !taken) return fail(taken.error());
+  return screen_.show(std::move(until_replaced));
+}
+
+void RenderLoop::good_picture_came() {
+  picture_at_ = clock_.now();
+  refused_in_a_row_ = 0;
+  status_.draw_refused.clear();
 }
 
 // Errors: device.
@@ -323,11 +405,7 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   }
   const auto uploaded_before = stage.frames().uploaded;
   auto drawn = stage.draw_scene(frame, sky_.report, target);
-  if (drawn && frame) {
-    picture_at_ = clock_.now();
-    refused_in_a_row_ = 0;
-    status_.draw_refused.clear();
-  }
+  if (drawn && frame) good_picture_came();
   if (!drawn && drawn.error().kind == FaultKind::bad_input) {
     if (frame) refuse(drawn.error());
     drawn = stage.draw_scene(nullptr, sky_.report, target);
@@ -372,6 +450,7 @@ void RenderLoop::publish() {
   status_.told = now;
   status_.frames_dropped = mailboxes_.render.frames.dropped();
   status_.latency = latency_.whole();
+  status_.display.planes = screen_.is_open() ? screen_.planes().state() : "";
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
     status_.latency_minute = latency_.take_minute();

@@ -51,6 +51,11 @@ class RenderLoop {
   void handle_screen_fault(const Fault& fault);
   bool turn_off_if_closed();
   void present();
+  std::string against_planes(const SceneFrame* frame) const;
+  Result<PlaneMode::Attempt> try_planes(const SceneFrame* frame, const DrawTarget& target, bool& taken);
+  Result<std::uint64_t> compose(const SceneFrame* frame, const DrawTarget& target,
+                                std::shared_ptr<const void> until_replaced);
+  void good_picture_came();
   Result<> draw(const SceneFrame* frame, const DrawTarget& target);
   void refuse(const Fault& why);
   void record_flips();

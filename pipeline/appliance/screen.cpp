@@ -51,7 +51,7 @@ bool Screen::open() {
   status_.up = true;
   status_.description = (*display)->description();
   status_.cause.clear();
-  open_ = Open{std::move(*display), std::move(*stage)};
+  open_ = Open{std::move(*display), std::move(*stage), {}};
   timeouts_since_.reset();
   return true;
 }
@@ -64,6 +64,7 @@ Result<> Screen::adopt(const ContentPtr& content, std::optional<Stage> stage) {
       if (!made) return fail(made.error());
       stage = std::move(*made);
     }
+    open_->planes = {};
     open_->stage = std::move(*stage);
   }
   stage.reset();  // before the context that it belongs to
@@ -106,6 +107,15 @@ Result<std::uint64_t> Screen::show(std::shared_ptr<const void> until_replaced) {
   auto number = open_->display->show(std::move(until_replaced));
   if (number) open_->dark = false;
   return number;
+}
+
+Result<PlaneMode::Attempt> Screen::show_on_planes(std::shared_ptr<const void> until_replaced) {
+  auto& planes = open_->planes;
+  auto picture = open_->stage.scene_for_planes(*open_->display, clock_.now());
+  if (picture) return planes.show(*open_->display, std::move(*picture), std::move(until_replaced));
+  if (picture.error().kind != FaultKind::unsupported) return fail(picture.error());
+  planes.give_up(picture.error().message);
+  return PlaneMode::Attempt{};
 }
 
 std::vector<Flip> Screen::take_flips() {

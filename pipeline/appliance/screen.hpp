@@ -10,6 +10,7 @@
 #include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
+#include "pipeline/stage/plane_mode.hpp"
 #include "pipeline/stage/stage.hpp"
 
 namespace kasumi {
@@ -44,6 +45,11 @@ class Screen {
   Result<std::optional<DrawTarget>> begin();
   // Errors: those of Display::show(), or device when the GL context is lost.
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced);
+  // Without the GPU: the frame that the stage took last. Errors: those of show().
+  Result<PlaneMode::Attempt> show_on_planes(std::shared_ptr<const void> until_replaced);
+  Result<PlaneMode::Attempt> show_planes_again() { return open_->planes.show_again(*open_->display); }
+  PlaneMode& planes() { return open_->planes; }
+  const PlaneMode& planes() const { return open_->planes; }
   std::vector<Flip> take_flips();
   bool nothing_shown() const { return open_->dark; }
 
@@ -59,7 +65,8 @@ class Screen {
  private:
   struct Open {
     std::unique_ptr<Display> display;
-    Stage stage;  // its GL objects belong to the display's context
+    Stage stage;       // its GL objects belong to the display's context
+    PlaneMode planes;  // of this display and this stage
     bool dark = true;
     bool off = false;
     bool stays_on = false;  // it cannot be turned off

@@ -21,6 +21,7 @@ struct DisplayStatus {
   std::uint64_t flips = 0;
   std::uint64_t flip_timeouts = 0;
   std::uint64_t resets = 0;  // how often it was reopened
+  std::string planes;        // "on": pictures go onto planes of its own; else why not
 };
 
 struct RenderStatus {

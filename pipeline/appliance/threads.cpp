@@ -102,8 +102,8 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
                       std::move(status));
   Bell status_bell, check_bell, ended;
   Stop stop(clock, *notifier);
-  for (auto* bell :
-       {&status_bell, &check_bell, &appliance.reload_bell(), &appliance.snapshot_bell(), &appliance.render_bell()})
+  for (auto* bell : {&status_bell, &check_bell, &appliance.horizon_bell(), &appliance.reload_bell(),
+                     &appliance.snapshot_bell(), &appliance.render_bell()})
     stop.add(*bell);
 
   auto guard = start("signals", [&] { wait_for_signals(stop, appliance.reload(), ended); });
@@ -113,6 +113,10 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   }));
   loops.push_back(start("sky", [&] {
     keep_stepping("sky camera's loop", clock, stop, [&] { appliance.sky().step(clock.now() + kFrameTimeout); });
+  }));
+  loops.push_back(start("horizon", [&] {
+    keep_stepping("horizon", clock, stop,
+                  [&] { appliance.horizon_bell().wait_for(appliance.horizon().step() - clock.now()); });
   }));
   loops.push_back(start("reload", [&] {
     keep_stepping("reload", clock, stop,

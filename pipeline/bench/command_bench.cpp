@@ -3,9 +3,11 @@
 #include <fstream>
 #include <memory>
 
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
+#include "gles/display/display_listing.hpp"
 #include "gles/gl/context.hpp"
 #include "pipeline/bench/bench.hpp"
 #include "pipeline/bench/gles.hpp"
@@ -83,6 +85,22 @@ std::string processor_name() {
     if (const auto colon = line.find(": "); line.starts_with("model name") && colon != std::string::npos)
       return line.substr(colon + 2);
   return "unknown";
+}
+
+// Whether the kiosk's pictures need the GPU at all on this machine's displays.
+void print_planes() {
+  const auto cards = list_displays();
+  if (cards.empty()) fmt::print("planes: no graphics card with a display: the GPU composes each picture\n");
+  for (const auto& card : cards) {
+    if (!card.plane_formats.empty())
+      fmt::print("planes: {} ({}) lays the building over pictures in {} by itself\n", card.path, card.driver,
+                 fmt::join(card.plane_formats, ", "));
+    else
+      fmt::print("planes: {} ({}): the GPU composes each picture: {}\n", card.path, card.driver,
+                 !card.problem.empty()     ? card.problem
+                 : !card.no_planes.empty() ? card.no_planes
+                                           : "no display is connected");
+  }
 }
 
 std::string renderer_name() {
@@ -169,6 +187,7 @@ Result<int> bench(const BenchArguments& arguments, const std::string& version) {
     first_rows.emplace_back(&part, run.rows.size());
     run.rows.insert(run.rows.end(), rows->begin(), rows->end());
   }
+  if (arguments.only.empty() && !arguments.markdown && arguments.json != "-") print_planes();
   const auto code = before ? compare(run, *before, arguments.against, first_rows) : Result<int>(0);
   if (!code) return code;
   if (arguments.json == "-")

@@ -67,6 +67,10 @@ Result<std::vector<BenchRow>> bench_gles() {
   for (const auto* layout : {&papers, &papers_81})
     if (!*layout) return fail(layout->error());
 
+  const PixelBox box = renderer->object_box();
+  auto plane = Offscreen::create(info, box.right - box.left, box.bottom - box.top);
+  if (!plane) return fail(plane.error());
+
   ObjectAppearance airless = scene.appearance;
   airless.aerial_perspective = false;
   const auto pass = [&](const Result<ScreenPass>& which) { return [&] { return which->draw(target); }; };
@@ -82,6 +86,7 @@ Result<std::vector<BenchRow>> bench_gles() {
   const auto blit = pass(blit_pass);
   const auto cached = [&] { return renderer->draw(scene.measured, target); };
   const auto background = [&] { return renderer->draw_background(target); };
+  const auto for_plane = [&] { return renderer->draw_for_plane(scene.measured, plane->target()); };
   const auto by_vertex = moving(scene.appearance, HazeDetail::per_vertex);
   const auto by_fragment = moving(scene.appearance, HazeDetail::per_fragment);
   const auto without_air = moving(airless, HazeDetail::per_vertex);
@@ -97,6 +102,7 @@ Result<std::vector<BenchRow>> bench_gles() {
                   shares->covered),
       watch.ratio(cached, blit), 1.20);
   add("  the camera's picture alone / plain blit", watch.ratio(background, blit));
+  add("  the building drawn for a plane of the display's / plain blit", watch.ratio(for_plane, blit));
   add("one pass, aerial perspective per vertex / without", watch.ratio(by_vertex, without_air), 1.08);
   add("one pass, aerial perspective per fragment / without", watch.ratio(by_fragment, without_air), 1.20);
   add("  one pass per vertex / plain blit", watch.ratio(by_vertex, blit));

@@ -224,6 +224,9 @@ RunConfig read_run_config(const ConfigTable& root) {
   config.sky_camera = read_camera_options(root.table("sky").table("camera"), config.installation.sky);
   config.scene_camera = read_camera_options(root.table("scene").table("camera"), config.installation.scene);
   read_screen(root, config);
+  config.planes = section(root, "display", [](const ConfigTable& table) {
+    return table.choice("planes", {"auto", "off"}, std::string("auto")) == "auto";
+  });
   config.overlay = section(root, "display", [](const ConfigTable& table) { return table.flag("overlay", false); });
   config.clock = section(root, "clock", read_clock);
   config.opening = section(root, "opening", read_opening);

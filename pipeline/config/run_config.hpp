@@ -52,6 +52,7 @@ struct RunConfig {
   CameraOptions sky_camera;
   CameraOptions scene_camera;
   DisplayOptions display;
+  bool planes = true;    // the camera's picture may go onto a plane of the display's own
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
   StillOptions still;
   MessageOptions messages;

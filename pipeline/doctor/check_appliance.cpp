@@ -149,6 +149,10 @@ void check_live_display(const Json& before, const Json& later, double seconds, F
     return;
   }
   findings.good("display.open", text(later, "description"));
+  if (const auto planes = text(later, "planes"); planes == "on")
+    findings.good("display.planes", "the building lies on a plane of its own over the camera's picture");
+  else if (!planes.empty())
+    findings.good("display.planes", "the GPU composes each picture: " + planes);
   const double flips = (number(later, "flips") - number(before, "flips")) / seconds;
   const double timeouts = number(later, "flip_timeouts"), resets = number(later, "resets");
   const auto found = fmt::format("{:.1f} pictures a second; {:.0f} late flips, reopened {:.0f} times since the start",

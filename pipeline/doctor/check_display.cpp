@@ -51,6 +51,11 @@ void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOpti
       findings.good("display.master", fmt::format("{}: no other user visible to this account", card.path));
     else
       findings.good("display.master", fmt::format("{}: {}", card.path, card.users));
+    if (!card.plane_formats.empty())
+      findings.good("display.planes", fmt::format("{}: the building can lie on a plane of its own over pictures in {}",
+                                                  card.path, list_of(card.plane_formats)));
+    else if (!card.no_planes.empty())
+      findings.good("display.planes", fmt::format("{}: the GPU composes each picture: {}", card.path, card.no_planes));
     for (const auto& connector : card.connectors) {
       there += (there.empty() ? "" : ", ") + text_of(connector);
       const bool asked =

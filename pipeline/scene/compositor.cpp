@@ -12,6 +12,9 @@ namespace kasumi {
 
 namespace {
 
+// Of a picture's time, for a layer that is being redrawn.
+constexpr Duration kSlice = std::chrono::milliseconds(4);
+
 ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
   ExternalPicture picture{memory.fd, memory.buffer, view.layout, view.encoding, view.width, view.height, {}};
   for (std::size_t i = 0; i < static_cast<std::size_t>(plane_count(view.layout)); ++i)
@@ -92,19 +95,78 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
   if (auto taken = pass_to_gpu(picture); !taken) return taken;
-  const auto now = air_.observe(metadata, picture.view(), sky);
-  if (auto fitted = update_detail(picture.view().layout, now.haze_blur_px); !fitted) return fitted;
-  noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
-
-  const auto air = air_.drawn_air(now, renderer_.object_box(), layer_ ? &*layer_ : nullptr);
-  if (air.appearance) {
-    if (auto drawn = renderer_.redraw_layer(*air.appearance); !drawn) return drawn;
-    layer_ = now;
-    ++layers_drawn_;
-  }
-  measured_ = air.measured;
+  if (auto followed = follow(metadata, picture, sky); !followed) return followed;
   drawn_ = true;
   return show(target);
+}
+
+// The air that the frame is drawn under, and the building's layer.
+Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky) {
+  const auto now = observe(metadata, picture, sky);
+  if (auto fitted = update_detail(picture.view().layout, now.haze_blur_px); !fitted) return fitted;
+  noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
+  return update_layer(now);
+}
+
+SceneConditions Compositor::observe(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                    const SkyReport& sky) {
+  if (!live_ || !air_.horizon().usable()) return air_.observe(metadata, picture.view(), sky);
+  auto now = air_.conditions(sky);
+  air_.follow_exposure(metadata);
+  if (air_.horizon_is_due(metadata)) {
+    air_.asked(metadata);
+    question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now};
+  }
+  return now;
+}
+
+Result<> Compositor::update_layer(const SceneConditions& now) {
+  const auto* drawn_under = unfinished_layer_ ? &now : layer_ ? &*layer_ : nullptr;
+  const auto air = air_.drawn_air(now, renderer_.object_box(), drawn_under);
+  measured_ = air.measured;
+  if (air.appearance)
+    if (auto begun = begin_layer(now, air); !begun) return begun;
+  if (!unfinished_layer_) return {};
+  const bool shows_another = live_ && layer_;
+  for (;;) {
+    const auto whole = continue_layer(shows_another ? kSlice : Duration::zero());
+    if (!whole) return fail(whole.error());
+    if (*whole || shows_another) return {};
+  }
+}
+
+Result<> Compositor::take(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky) {
+  if (auto lent = lend(picture); !lent) return lent;
+  return follow(metadata, picture, sky);
+}
+
+Result<> Compositor::take_without_object(const DecodedPicture& picture) {
+  measured_.reset();
+  return lend(picture);
+}
+
+Result<> Compositor::lend(const DecodedPicture& picture) {
+  const auto& view = picture.view();
+  if (view.width != width_ || view.height != height_)
+    return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", view.width,
+                view.height, width_, height_);
+  if (!picture.dma_buf()) return fail(FaultKind::bad_input, "the camera's picture is not in a driver's buffer");
+  lent_ = picture;
+  lent_to_gpu_ = false;
+  camera_buffer_ = external(view, *picture.dma_buf());
+  drawn_ = true;
+  return {};
+}
+
+std::optional<BuildingLook> Compositor::look() const {
+  if (!measured_) return std::nullopt;
+  return BuildingLook{layers_drawn_, *measured_, noise_};
+}
+
+Result<> Compositor::draw_for_plane(const DrawTarget& target) {
+  if (lent_ && !lent_to_gpu_)
+    if (auto passed = pass_to_gpu(DecodedPicture(*lent_)); !passed) return passed;
+  return renderer_.draw_for_plane(*measured_, target, noise_);
 }
 
 // Rarely does anything: the layout is known from the first frame on, and the air changes within hours.
@@ -114,6 +176,7 @@ Result<> Compositor::update_detail(PixelLayout layout, double haze_blur_px) {
   if (auto set = renderer_.set_detail(detail); !set) return set;
   detail_ = detail;
   layer_.reset();
+  unfinished_layer_.reset();
   return {};
 }
 
@@ -121,14 +184,24 @@ Result<> Compositor::begin_layer(const SkyReport& sky, PixelLayout layout) {
   const auto now = air_.conditions(sky);
   if (auto fitted = update_detail(layout, now.haze_blur_px); !fitted) return fitted;
   const auto air = air_.drawn_air(now, renderer_.object_box());
-  if (auto begun = renderer_.begin_layer(*air.appearance); !begun) return begun;
   measured_ = air.measured;
+  return begin_layer(now, air);
+}
+
+Result<> Compositor::begin_layer(const SceneConditions& now, const DrawnAir& air) {
+  unfinished_layer_.reset();
+  if (auto begun = renderer_.begin_layer(*air.appearance); !begun) return begun;
   unfinished_layer_ = now;
   return {};
 }
 
 Result<bool> Compositor::continue_layer() {
-  const auto whole = renderer_.continue_layer();
+  return continue_layer(Duration::zero());
+}
+
+Result<bool> Compositor::continue_layer(Duration at_most) {
+  const auto whole = renderer_.continue_layer(at_most);
+  if (!whole) unfinished_layer_.reset();
   if (!whole || !*whole) return whole;
   layer_ = std::exchange(unfinished_layer_, std::nullopt);
   ++layers_drawn_;
@@ -161,6 +234,7 @@ Result<> Compositor::draw_without_object(const DecodedPicture& picture, const Dr
 Result<> Compositor::pass_to_gpu(const DecodedPicture& picture) {
   if (picture.dma_buf() && renderer_.import_frame(external(picture.view(), *picture.dma_buf()))) {
     lent_ = picture;
+    lent_to_gpu_ = true;
     return {};
   }
   if (auto uploaded = renderer_.upload(picture.view()); !uploaded) return uploaded;

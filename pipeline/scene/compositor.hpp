@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "gles/gl/context.hpp"
 #include "gles/gpu_model/model_chunks.hpp"
@@ -10,6 +11,13 @@
 #include "pipeline/scene/scene_air.hpp"
 
 namespace kasumi {
+
+// What the drawn building depends on, besides its background.
+struct BuildingLook {
+  std::uint64_t layer = 0;  // as Compositor::layers_drawn() counts
+  AirlightGrid measured;
+  SensorNoise noise;
+};
 
 // Belongs to the thread of its GL context. When that context is lost, a new compositor with the same model
 // and the old one's air() continues seamlessly.
@@ -31,6 +39,16 @@ class Compositor {
                 const DrawTarget& target);
   // Draws the camera's picture alone, while the sun's position is unknown.
   Result<> draw_without_object(const DecodedPicture& picture, const DrawTarget& target);
+  // For a display that lays the building over the camera's picture by itself: as draw() and draw_without_object(), but
+  // the frame, which must be in a driver's buffer, is only taken. draw_again() draws it. Errors: as draw().
+  Result<> take(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
+  Result<> take_without_object(const DecodedPicture& picture);
+  const ExternalPicture& camera_buffer() const { return camera_buffer_; }  // of the frame taken last
+  std::optional<BuildingLook> look() const;                                // of the same; empty: it has no building
+  PixelBox object_box() const { return renderer_.object_box(); }
+  PixelBox drawn_box() const { return renderer_.drawn_box(); }
+  // As Renderer::draw_for_plane(), over that frame. Needs a look.
+  Result<> draw_for_plane(const DrawTarget& target);
   // Draws the last picture again, for a display that keeps running while the camera is gone. A picture that still lies
   // in the driver's buffer is copied first, which releases the buffer. Errors: bad_input (nothing has been drawn yet),
   // device.
@@ -45,6 +63,13 @@ class Compositor {
   // Draws that layer over a grey picture, so that every program is compiled and what cannot be drawn is known; leaves no
   // trace in the air. Errors: device.
   Result<> rehearse(PixelLayout layout, const DrawTarget& target);
+
+  // From now on a picture waits for nothing that takes long: the layer is redrawn in slices, a few milliseconds a
+  // picture, while the old one is shown; somebody else measures the horizon, once this compositor has seen one.
+  void go_live() { live_ = true; }
+  // To be answered; once for each.
+  std::optional<HorizonQuestion> take_question() { return std::exchange(question_, std::nullopt); }
+  void adopt(const HorizonAnswer& answer) { air_.adopt(answer); }
 
   const SceneAir& air() const { return air_; }
   std::uint64_t layers_drawn() const { return layers_drawn_; }
@@ -65,7 +90,13 @@ class Compositor {
         width_(installation.scene.width),
         height_(installation.scene.height) {}
   Result<> copy_lent();
+  Result<> lend(const DecodedPicture& picture);
+  Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
   Result<> pass_to_gpu(const DecodedPicture& picture);
+  SceneConditions observe(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
+  Result<> update_layer(const SceneConditions& now);
+  Result<> begin_layer(const SceneConditions& now, const DrawnAir& air);
+  Result<bool> continue_layer(Duration at_most);
   Result<> update_detail(PixelLayout layout, double haze_blur_px);
   Result<> show(const DrawTarget& target);
 
@@ -80,7 +111,11 @@ class Compositor {
   std::optional<SceneConditions> unfinished_layer_;
   std::uint64_t layers_drawn_ = 0;
   bool drawn_ = false;
-  std::optional<DecodedPicture> lent_;    // the picture drawn last, while it uses the driver's buffer
+  bool live_ = false;
+  std::optional<HorizonQuestion> question_;  // not yet taken
+  std::optional<DecodedPicture> lent_;       // the picture drawn or taken last, while it uses the driver's buffer
+  bool lent_to_gpu_ = false;                 // else only taken
+  ExternalPicture camera_buffer_;
   SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // of the picture drawn last; empty: it has no building
 };

@@ -84,8 +84,8 @@ OpticalPath path_to(const Installation& installation) {
 }  // namespace
 
 SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
-    : scene_(installation.scene),
-      sky_(installation.sky),
+    : observer_(std::make_shared<const HorizonObserver>(
+          installation.scene, installation.sky, installation.surroundings.sky_model, installation.site.altitude_m)),
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
       shadows_(installation.object.shadows),
@@ -96,7 +96,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       to_object_(path_to(installation)),
       to_object_m_(std::hypot(installation.object.placement.east_m, installation.object.placement.north_m)),
       options_(options),
-      measure_(spectral_measure(scene_)) {}
+      measure_(spectral_measure(installation.scene)) {}
 
 AirState SceneAir::air_under(const SkyReport& report) const {
   if (options_.turbidity) return air_of(*options_.turbidity, given_.to_be_found());
@@ -146,14 +146,14 @@ DrawnAir SceneAir::drawn_air(const SceneConditions& now, const PixelBox& box, co
 }
 
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
-  const Daylight daylight(scene_, conditions.air, conditions.sun,
+  const Daylight daylight(scene(), conditions.air, conditions.sun,
                           {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get()});
   ObjectAppearance appearance;
   appearance.haze = haze_for_gles(haze(conditions.air), altitude_m_, fog_);
   appearance.light = light_for_gles(daylight.on_object());
   if (options_.black_object) darken(appearance.light);
   const auto before_object = air_before_object(conditions);
-  appearance.horizon = airlight_grid(scene_, box, [&](const glm::dvec2&, const Direction& direction) {
+  appearance.horizon = airlight_grid(scene(), box, [&](const glm::dvec2&, const Direction& direction) {
     return daylight.airlight(direction) * before_object(direction);
   });
   appearance.aerial_perspective = options_.aerial_perspective;
@@ -167,30 +167,35 @@ double SceneAir::haze_blur_px(const AirState& air) const {
   return blur_of_depth_1_px_ * std::sqrt(-std::log(left));
 }
 
-HorizonLight SceneAir::modelled(const SceneConditions& conditions, const PictureView& scene) const {
-  if (conditions.sky == SkyCondition::overcast) {
-    const glm::dvec3 grey = srgb_to_xyz() * glm::dvec3{1.0};
-    return horizon_from_model([&](const Direction&) { return grey; }, scene_, scene);
-  }
-  const SiteSky sky(sky_model_, conditions.air, conditions.sun, altitude_m_);
-  return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
+void SceneAir::follow_exposure(const FrameMetadata& metadata) {
+  const auto exposure = exposure_of(metadata);
+  if (exposure && exposure_) scale(horizon_, *exposure / *exposure_);
+  exposure_ = exposure;
+}
+
+bool SceneAir::horizon_is_due(const FrameMetadata& metadata) const {
+  const auto& last = horizon_asked_at_ ? horizon_asked_at_ : horizon_seen_at_;
+  return !last || metadata.captured_at < *last || metadata.captured_at - *last >= options_.horizon_interval;
 }
 
 void SceneAir::update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
                               const SceneConditions* conditions) {
-  const auto exposure = exposure_of(metadata);
-  if (exposure && exposure_) scale(horizon_, *exposure / *exposure_);
-  exposure_ = exposure;
-  const bool backwards = horizon_seen_at_ && metadata.captured_at < *horizon_seen_at_;
-  if (horizon_seen_at_ && !backwards && metadata.captured_at - *horizon_seen_at_ < options_.horizon_interval) return;
+  follow_exposure(metadata);
+  if (horizon_is_due(metadata)) adopt(observer_->observe(scene, sky_picture, conditions), metadata);
+}
+
+void SceneAir::adopt(const HorizonAnswer& answer) {
+  if (answer.observer != observer_) return;
+  auto seen = answer.seen;
+  const auto then = exposure_of(answer.metadata);
+  if (then && exposure_) scale(seen, *exposure_ / *then);  // the camera has moved on
+  adopt(std::move(seen), answer.metadata);
+}
+
+void SceneAir::adopt(HorizonLight seen, const FrameMetadata& metadata) {
   const double since_s = !horizon_seen_at_ ? 0.0 : std::abs(to_seconds(metadata.captured_at - *horizon_seen_at_));
   horizon_seen_at_ = metadata.captured_at;
-
-  auto measured_horizon = measure_horizon(scene_, scene);
-  if (!measured_horizon.usable() && sky_picture)
-    measured_horizon = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
-  if (!measured_horizon.usable() && conditions) measured_horizon = modelled(*conditions, scene);
-  horizon_ = blend(horizon_, measured_horizon, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
+  horizon_ = blend(horizon_, seen, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
 }
 
 std::function<glm::dvec3(const Direction&)> SceneAir::air_before_object(const SceneConditions& conditions) const {
@@ -198,7 +203,7 @@ std::function<glm::dvec3(const Direction&)> SceneAir::air_before_object(const Sc
   const bool even = conditions.sky == SkyCondition::overcast || fog_.extinction_per_m > 0.0;
   const SiteSky sky(sky_model_, conditions.air, conditions.sun, altitude_m_);
   if (even || sky.dome_share() <= 0.0) return [](const Direction&) { return glm::dvec3{1.0}; };
-  const FinitePath paths(sky, conditions.air, conditions.sun, altitude_m_, glm::inverse(scene_.light_to_xyz()));
+  const FinitePath paths(sky, conditions.air, conditions.sun, altitude_m_, glm::inverse(scene().light_to_xyz()));
   const AirBeforeObject air(paths, haze(conditions.air), altitude_m_, to_object_m_);
   return [air](const Direction& direction) { return air.factor(direction); };
 }
@@ -206,14 +211,14 @@ std::function<glm::dvec3(const Direction&)> SceneAir::air_before_object(const Sc
 AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {
   const auto before_object = air_before_object(conditions);
   if (!horizon_.usable())
-    return airlight_grid(scene_, box, [&](const glm::dvec2&, const Direction& direction) {
+    return airlight_grid(scene(), box, [&](const glm::dvec2&, const Direction& direction) {
       return glm::dvec3{0.5} * before_object(direction);
     });
   const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.air, conditions.sun, altitude_m_),
-                          scene_.light_to_xyz(), options_.zeta);
-  return airlight_grid(scene_, box, [&](const glm::dvec2& pixel, const Direction& direction) {
+                          scene().light_to_xyz(), options_.zeta);
+  return airlight_grid(scene(), box, [&](const glm::dvec2& pixel, const Direction& direction) {
     // Back into the camera's own linear light, in which its pixels are compared and blended.
-    return airlight.from(direction) * before_object(direction) * scene_.white_balance * scene_.vignetting.at(pixel);
+    return airlight.from(direction) * before_object(direction) * scene().white_balance * scene().vignetting.at(pixel);
   });
 }
 

@@ -11,7 +11,8 @@
 #include "estimator/light/airlight.hpp"
 #include "estimator/light/object_light.hpp"
 #include "gles/scene.hpp"
-#include "pipeline/scene/sky_watch.hpp"
+#include "pipeline/scene/horizon_observer.hpp"
+#include "pipeline/scene/scene_conditions.hpp"
 
 namespace kasumi {
 
@@ -26,17 +27,6 @@ struct SceneAirOptions {
   // what is usual.
   Turbidity until_known{3.0};
   Duration horizon_interval = std::chrono::seconds(1);  // between measurements of the horizon
-};
-
-// The air a picture is drawn under.
-struct SceneConditions {
-  AirState air;
-  SunDirection sun{0, 0, 1};
-  SkyCondition sky = SkyCondition::unknown;
-  std::shared_ptr<const MeasuredSky> measured;  // the clouds; null: the sky model alone
-  // Blur of the object by the haze in front of it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
-  // deviation in pixels. The fog of a valley is not counted.
-  double haze_blur_px = 0.0;
 };
 
 // All that the renderer needs to draw one frame.
@@ -63,6 +53,13 @@ class SceneAir {
   // `conditions`: for a model of the sky when neither picture shows any; may be null. Part of observe().
   void update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
                       const SceneConditions* conditions = nullptr);
+  // observe() and update_horizon() in parts, where somebody else measures: conditions() and follow_exposure() with each
+  // frame; a frame to be measured is asked for by horizon_is_due() and asked(), and adopted whenever it comes.
+  void follow_exposure(const FrameMetadata& metadata);
+  bool horizon_is_due(const FrameMetadata& metadata) const;
+  void asked(const FrameMetadata& metadata) { horizon_asked_at_ = metadata.captured_at; }
+  void adopt(const HorizonAnswer& answer);  // one to another observer is left
+  const std::shared_ptr<const HorizonObserver>& observer() const { return observer_; }
   const HorizonLight& horizon() const { return horizon_; }
 
  private:
@@ -74,10 +71,10 @@ class SceneAir {
   // Factor on the light from infinity by direction, as the model has it and as measured alike (FinitePath).
   std::function<glm::dvec3(const Direction&)> air_before_object(const SceneConditions& conditions) const;
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
-  HorizonLight modelled(const SceneConditions& conditions, const PictureView& scene) const;
+  void adopt(HorizonLight seen, const FrameMetadata& metadata);
+  const Camera& scene() const { return observer_->scene(); }
 
-  Camera scene_;
-  Camera sky_;
+  std::shared_ptr<const HorizonObserver> observer_;
   double altitude_m_;
   double ground_albedo_;
   bool shadows_;
@@ -97,7 +94,7 @@ class SceneAir {
   };
   mutable std::optional<Nodes> nodes_;
   HorizonLight horizon_;
-  std::optional<Instant> horizon_seen_at_;
+  std::optional<Instant> horizon_seen_at_, horizon_asked_at_;
   std::optional<double> exposure_;  // of the last frame: seconds times gain
 };
 

@@ -24,6 +24,7 @@ Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optiona
 
 Result<Stage> Stage::assemble(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still) {
   Stage stage(context, content, std::move(compositor), std::move(still));
+  stage.compositor_.go_live();
   if (content->config.overlay)
     stage.overlay_.emplace(context, content->config.installation, content->model.bounds(),
                            content->config.messages.font_file);
@@ -45,6 +46,15 @@ Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const 
   if (has_scene_) return compositor_.draw_again(target);
   clear_to(target, glm::vec3(kStillBackground) / 255.0f);
   return {};
+}
+
+Result<> Stage::take_scene(const SceneFrame& frame, const SkyReport& sky) {
+  const bool sun_known = sky.sun.source != SunSource::none;
+  auto taken =
+      sun_known ? compositor_.take(frame.metadata, frame.picture, sky) : compositor_.take_without_object(frame.picture);
+  has_scene_ = has_scene_ || taken;
+  if (taken) draws_object_ = sun_known;
+  return taken;
 }
 
 // An overlay that cannot be drawn is dropped, and the picture goes on without it.

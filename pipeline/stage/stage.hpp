@@ -6,6 +6,7 @@
 
 #include "pipeline/config/content.hpp"
 #include "pipeline/config/ladder.hpp"
+#include "pipeline/scene/building_planes.hpp"
 #include "pipeline/scene/compositor.hpp"
 #include "pipeline/scene/scene_frame.hpp"
 #include "pipeline/stage/overlay.hpp"
@@ -31,8 +32,19 @@ class Stage {
   // Draws the scene, from a new frame or (null) as it was drawn last. Errors: bad_input (the frame has another size:
   // nothing was drawn), device.
   Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
+  // For a display that lays the building over the camera's picture by itself: takes a frame that lies in a driver's
+  // buffer instead of drawing it, and gives the picture for Display::show_planes(). Errors: unsupported (the display has
+  // no such buffers), and as draw_scene(); the frame is taken unless it is bad_input.
+  Result<> take_scene(const SceneFrame& frame, const SkyReport& sky);
+  Result<PlanePicture> scene_for_planes(Display& display, Instant now) {
+    return buildings_.next(compositor_, display, now);
+  }
   // Then draws what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
+
+  // What somebody else is to measure in a scene drawn lately, and what came of it.
+  std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
+  void adopt(const HorizonAnswer& answer) { compositor_.adopt(answer); }
 
   // For when the scene camera is gone. Errors: device.
   Result<> drop_camera_buffers() { return compositor_.drop_camera_buffers(); }
@@ -59,6 +71,7 @@ class Stage {
   ContentPtr content_;
   Compositor compositor_;
   std::optional<Overlay> overlay_;  // empty: not enabled
+  BuildingPlanes buildings_;
   StillPicture still_;
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
   Words caption_, trouble_;

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "base/picture.hpp"
@@ -52,6 +54,24 @@ TEST(Picture, PackedAndPlanarLayoutsOfTheSameSamplesAgree) {
             i420.elements());
   EXPECT_EQ(to_rgb({PixelLayout::uyvy, e, 4, 2, {Plane{uyvy.data(), 8}, Plane{}, Plane{}}}).elements(),
             i420.elements());
+}
+
+TEST(Picture, ACopyOutlivesWhatItIsOf) {
+  for (const auto layout : {PixelLayout::rgb8, PixelLayout::yuyv, PixelLayout::nv12, PixelLayout::i420}) {
+    constexpr int kWidth = 6, kHeight = 5;
+    constexpr std::size_t kStride = 32;  // wider than a row
+    std::vector<std::uint8_t> bytes(3 * kStride * kHeight);
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(37 * i);
+    PictureView view{layout, YuvEncoding::bt601_full, kWidth, kHeight, {}};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(plane_count(layout)); ++i)
+      view.planes[i] = {bytes.data() + i * kStride * kHeight, kStride};
+    const auto seen = to_rgb(view);
+    std::optional<CopiedPicture> first(view);
+    const CopiedPicture copy = *first;
+    first.reset();
+    std::ranges::fill(bytes, std::uint8_t{0});
+    EXPECT_EQ(to_rgb(copy.view()).elements(), seen.elements()) << name_of(layout);
+  }
 }
 
 TEST(Picture, ChromaPlanesOfOddSizesAreRoundedUp) {

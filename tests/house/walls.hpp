@@ -46,7 +46,7 @@ inline const Walls kMayInclude = {
 
     {"gles", {"base"}},
     {"gles/air", {"gles/gl"}},
-    {"gles/display", {"gles/gl"}},
+    {"gles/display", {"gles/gl", "gles/picture"}},
     {"gles/gl", {"gles/model"}},
     {"gles/gpu_model", {"gles", "gles/gl", "gles/model"}},
     {"gles/light", {"gles", "gles/gl", "gles/model"}},

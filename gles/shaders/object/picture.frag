@@ -1,9 +1,11 @@
 // The camera's picture, with Linf N over it in linear light where the layer covers it fully (COVERED) or partly (EDGE).
+// PLANE: only what is to be laid over the camera's picture by the display.
 #include "dither.glsl"
 #include "layer.glsl"
 #include "response.glsl"
 #include "camera_picture.glsl"
 #include "noise.glsl"
+#include "plane.glsl"
 
 #if !defined(COVERED)
 varying vec2 v_picture;
@@ -30,11 +32,17 @@ void main() {
   vec4 object = texture2D(layer, v_layer);
   vec3 root = v_airlight_root * object.rgb;
   float coverage = coverage_in(object.a);
-  vec3 light = light_of(clamp(behind, 0.0, 1.0)) * (1.0 - coverage) + root * root;
+  vec3 own = root * root;
+  vec3 light = light_of(clamp(behind, 0.0, 1.0)) * (1.0 - coverage) + own;
 #if defined(NOISE)
   light = noisy(light, coverage);
 #endif
+#if defined(PLANE)
+  gl_FragColor =
+      object.a > 0.0 ? for_plane(behind, encoded(light) + dither(v_pixel) / 255.0, own, coverage) : vec4(0.0);
+#else
   gl_FragColor = vec4(object.a > 0.0 ? encoded(light) + dither(v_pixel) / 255.0 : behind, 1.0);
+#endif
 #else
   gl_FragColor = vec4(camera_at(v_picture), 1.0);
 #endif

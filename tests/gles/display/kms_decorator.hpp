@@ -26,6 +26,7 @@ class DecoratedDevice final : public KmsDevice {
   KmsResult<KmsPipe> find_pipe(const KmsConnector& connector, const KmsMode& mode) override {
     return real_->find_pipe(connector, mode);
   }
+  KmsResult<std::vector<KmsPlane>> planes(const KmsPipe& pipe) override { return real_->planes(pipe); }
   KmsResult<std::uint32_t> add_framebuffer(const KmsBuffer& buffer) override { return real_->add_framebuffer(buffer); }
   void remove_framebuffer(std::uint32_t framebuffer) override { real_->remove_framebuffer(framebuffer); }
   KmsResult<> commit_mode(const KmsPipe& pipe, const KmsFrame& frame, KmsWait wait) override {
@@ -33,6 +34,10 @@ class DecoratedDevice final : public KmsDevice {
   }
   KmsResult<> commit_flip(const KmsPipe& pipe, const KmsFrame& frame) override {
     return real_->commit_flip(pipe, frame);
+  }
+  KmsResult<> commit_planes(const KmsPipe& pipe, std::span<const KmsPlaneState> planes, std::uint64_t number,
+                            KmsTrial trial) override {
+    return real_->commit_planes(pipe, planes, number, trial);
   }
   KmsResult<> set_crtc(const KmsPipe& pipe, const KmsFrame& frame) override { return real_->set_crtc(pipe, frame); }
   KmsResult<> page_flip(const KmsPipe& pipe, const KmsFrame& frame) override { return real_->page_flip(pipe, frame); }

@@ -42,6 +42,14 @@ inline KmsConnector fake_connector(std::uint32_t id, std::string name, std::vect
   return connector;
 }
 
+inline KmsPlane fake_plane(std::uint32_t id, KmsPlane::Kind kind) {
+  KmsPlane plane;
+  plane.id = id;
+  plane.kind = kind;
+  plane.formats = {drm_format("XR24"), drm_format("AR24")};
+  return plane;
+}
+
 // The state of a card independent of any program that opens it: what is plugged in, who is master, which faults it has.
 struct FakeCard {
   explicit FakeCard(ManualClock& manual) : clock(manual) {}
@@ -52,6 +60,8 @@ struct FakeCard {
   std::vector<KmsConnector> connectors{
       fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true), fake_mode(64, 48, 50), fake_mode(32, 24, 60)})};
   Duration refresh = std::chrono::nanoseconds(16'666'667);
+  std::vector<KmsPlane> planes{fake_plane(50, KmsPlane::Kind::primary), fake_plane(51, KmsPlane::Kind::overlay)};
+  int most_overlay_pixels = 1 << 20;  // beyond that the card's memory is too slow (ENOSPC)
 
   // Faults: how many of the next calls fail this way; applied in this order.
   int lost_events = 0;
@@ -61,6 +71,7 @@ struct FakeCard {
   bool stuck = false;                          // the driver accepts a flip, never completes it and is busy from then on
   bool master_elsewhere = false;
   bool gl_lost = false;
+  bool no_import = false;   // of other drivers' buffers
   Duration event_offset{};  // what the driver's timestamps are wrong by
 
   // What happened.
@@ -69,9 +80,10 @@ struct FakeCard {
   bool asleep = false;                      // turned off, and no mode set since
   int open_devices = 0;
   int probes = 0;
-  std::set<std::uint32_t> framebuffers;
-  std::set<std::uint32_t> locked;  // framebuffers whose buffers are in use
-  bool changed = false;            // since the watch was last read
+  std::map<std::uint32_t, KmsBuffer> framebuffers;
+  std::map<std::uint32_t, KmsPlaneState> shown;  // on planes, by their number; empty: the picture that fills the screen
+  std::set<std::uint32_t> locked;                // framebuffers whose buffers are in use
+  bool changed = false;                          // since the watch was last read
 
   void plug(const KmsConnector& connector) {
     connectors = {connector};
@@ -122,9 +134,11 @@ class FakeDevice final : public KmsDevice {
   KmsResult<KmsPipe> find_pipe(const KmsConnector& connector, const KmsMode& mode) override {
     return KmsPipe{connector.id, 40, 50, mode};
   }
-  KmsResult<std::uint32_t> add_framebuffer(const KmsBuffer&) override {
+  KmsResult<std::vector<KmsPlane>> planes(const KmsPipe&) override { return card_.planes; }
+  KmsResult<std::uint32_t> add_framebuffer(const KmsBuffer& buffer) override {
+    if (buffer.dma_buf >= 0 && card_.no_import) return error(std::errc::invalid_argument, "importing");
     const std::uint32_t id = next_framebuffer_++;
-    card_.framebuffers.insert(id);
+    card_.framebuffers.emplace(id, buffer);
     return id;
   }
   void remove_framebuffer(std::uint32_t framebuffer) override {
@@ -140,7 +154,9 @@ class FakeDevice final : public KmsDevice {
       return error(code, "setting the mode");
     }
     auto queued = queue(frame, "setting the mode");
-    if (queued) card_.asleep = false;
+    if (!queued) return queued;
+    card_.asleep = false;
+    card_.shown.clear();
     return queued;
   }
   KmsResult<> commit_flip(const KmsPipe&, const KmsFrame& frame) override {
@@ -148,6 +164,24 @@ class FakeDevice final : public KmsDevice {
     if (card_.asleep)
       return error(std::errc::invalid_argument, "page flip");  // as the kernel does: the CRTC is not active
     return queue(frame, "page flip");
+  }
+  KmsResult<> commit_planes(const KmsPipe&, std::span<const KmsPlaneState> planes, std::uint64_t number,
+                            KmsTrial trial) override {
+    const std::string what = trial == KmsTrial::only_ask ? "ask_for_planes" : "commit_planes";
+    card_.calls.emplace_back(what);
+    auto shown = card_.shown;
+    for (const KmsPlaneState& state : planes) {
+      if (state.framebuffer == 0)
+        shown.erase(state.plane);
+      else
+        shown[state.plane] = state;
+    }
+    if (card_.asleep) return error(std::errc::invalid_argument, what);
+    if (auto whole = check_planes(shown, what); !whole) return whole;
+    if (trial == KmsTrial::only_ask) return {};
+    auto queued = queue({planes[0].framebuffer, number}, what);
+    if (queued) card_.shown = shown;
+    return queued;
   }
   KmsResult<> set_crtc(const KmsPipe&, const KmsFrame& frame) override {
     card_.calls.emplace_back("set_crtc");
@@ -193,6 +227,23 @@ class FakeDevice final : public KmsDevice {
  private:
   static tl::unexpected<KmsError> error(std::errc code, const std::string& what) {
     return tl::unexpected<KmsError>(KmsError{code, what + ": " + std::make_error_code(code).message()});
+  }
+  // As the kernel and its drivers do.
+  KmsResult<> check_planes(const std::map<std::uint32_t, KmsPlaneState>& shown, const std::string& what) const {
+    int overlay_pixels = 0;
+    for (const auto& [id, state] : shown) {
+      const auto plane = std::ranges::find(card_.planes, id, &KmsPlane::id);
+      const auto buffer = card_.framebuffers.find(state.framebuffer);
+      if (plane == card_.planes.end() || buffer == card_.framebuffers.end())
+        return error(std::errc::no_such_file_or_directory, what);
+      if (std::ranges::find(plane->formats, buffer->second.format) == plane->formats.end())
+        return error(std::errc::invalid_argument, what);
+      if (state.zpos && (!plane->zpos || plane->zpos->fixed || *state.zpos > plane->zpos->most))
+        return error(std::errc::invalid_argument, what);
+      if (plane->kind == KmsPlane::Kind::overlay) overlay_pixels += state.source.width * state.source.height;
+    }
+    if (overlay_pixels > card_.most_overlay_pixels) return error(std::errc::no_space_on_device, what);
+    return {};
   }
   KmsResult<> next_refusal(const std::string& what) {
     if (!card_.present) return error(std::errc::no_such_device, what);
@@ -249,12 +300,20 @@ class FakeScanout final : public Scanout {
   FakeScanout(std::unique_ptr<GlContext> context, Offscreen picture, KmsDevice& device, FakeCard& card)
       : context_(std::make_unique<LosableContext>(std::move(context), card)),
         picture_(std::move(picture)),
+        device_(device),
         card_(card) {
     for (int i = 0; i < 3; ++i) framebuffers_.push_back(std::move(*KmsFramebuffer::add(device, {})));
   }
   GlContext& context() override { return *context_; }
   bool has_free_buffer() const override { return card_.locked.size() < framebuffers_.size(); }
   DrawTarget target() const override { return picture_.target(); }
+  Result<std::shared_ptr<PlaneBuffer>> make_plane_buffer(int width, int height) override {
+    auto picture = Offscreen::create(context_->info(), width, height);
+    if (!picture) return fail(picture.error());
+    KmsBuffer buffer;
+    buffer.format = drm_format("AR24");
+    return std::make_shared<Plane>(std::move(*picture), std::move(*KmsFramebuffer::add(device_, buffer)));
+  }
   Result<std::unique_ptr<ScanoutPicture>> finish() override {
     for (const KmsFramebuffer& framebuffer : framebuffers_)
       if (!card_.locked.contains(framebuffer.id())) return std::make_unique<Picture>(card_, framebuffer.id());
@@ -277,8 +336,20 @@ class FakeScanout final : public Scanout {
     std::uint32_t framebuffer_;
   };
 
+  class Plane final : public PlaneBuffer {
+   public:
+    Plane(Offscreen picture, KmsFramebuffer shown) : picture_(std::move(picture)), shown_(std::move(shown)) {}
+    DrawTarget target() const override { return picture_.target(); }
+    std::uint32_t framebuffer() const override { return shown_.id(); }
+
+   private:
+    Offscreen picture_;
+    KmsFramebuffer shown_;
+  };
+
   std::unique_ptr<GlContext> context_;
   Offscreen picture_;
+  KmsDevice& device_;
   FakeCard& card_;
   std::vector<KmsFramebuffer> framebuffers_;
 };

@@ -2,8 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/gles/display/display_helpers.hpp"
-#include "tests/gles/display/kms_fake.hpp"
+#include "tests/gles/display/kms_rig.hpp"
 
 namespace kasumi {
 namespace {
@@ -17,65 +16,6 @@ using testing::HasSubstr;
 double ms(Duration duration) {
   return 1e3 * to_seconds(duration);
 }
-
-// The visitor's screen and the program that draws on it.
-class KmsRig : public testing::Test {
- protected:
-  void SetUp() override {
-    if (auto context = open_headless_context(); !context) GTEST_SKIP() << context.error().message;
-  }
-  Result<std::unique_ptr<Display>> open() { return open_kms_display(options_, clock_, system_); }
-  void switch_on() {
-    auto opened = open();
-    ASSERT_TRUE(opened.has_value()) << opened.error().message;
-    display_ = std::move(*opened);
-  }
-  Result<std::uint64_t> show(std::shared_ptr<const void> holder = nullptr) {
-    if (const auto target = display_->begin(clock_.now() + 50ms); !target) return fail(target.error());
-    return display_->show(std::move(holder));
-  }
-  // Shows pictures until the display reports that it must be reopened, for ten seconds at most.
-  Result<std::uint64_t> show_until_refused() {
-    const Instant start = clock_.now();
-    Result<std::uint64_t> shown = 0u;
-    while ((shown || shown.error().kind == FaultKind::timeout) && clock_.now() < start + 10s) shown = show();
-    if (shown) return fail(FaultKind::bad_input, "the display never reported a fault");
-    return shown;
-  }
-  // Shows pictures, reopening the display as the appliance does, until one is on the screen; returns how long that
-  // took. `pause` is the appliance's poll interval while there is no display.
-  Duration recover(Duration pause = 500ms) {
-    const Instant start = clock_.now();
-    while (clock_.now() < start + 60s) {
-      if (!display_) {
-        auto opened = open();
-        if (opened)
-          display_ = std::move(*opened);
-        else
-          clock_.advance(pause);
-        continue;
-      }
-      const auto shown = show();
-      if (!shown && shown.error().kind != FaultKind::timeout) {
-        causes_.push_back(shown.error());
-        display_.reset();
-        continue;
-      }
-      (void)display_->begin(clock_.now() + 50ms);
-      for (const Flip& flip : display_->take_flips())
-        if (flip.at > start) return flip.at - start;
-    }
-    ADD_FAILURE() << "no picture within a minute";
-    return 60s;
-  }
-
-  ManualClock clock_{kNoon};
-  FakeCard card_{clock_};
-  std::shared_ptr<FakeSystem> system_ = std::make_shared<FakeSystem>(card_);
-  KmsDisplayOptions options_;
-  std::unique_ptr<Display> display_;
-  std::vector<Fault> causes_;
-};
 
 TEST_F(KmsRig, SetsTheModeOnceAndFlipsFromThenOn) {
   switch_on();
@@ -516,6 +456,19 @@ TEST_F(KmsRig, ListsCardsWithoutBecomingMaster) {
   EXPECT_EQ(cards[0].connectors[0].modes.size(), 3u);
   EXPECT_EQ(card_.count("drop_master"), 1);
   EXPECT_EQ(card_.open_devices, 0);
+}
+
+TEST_F(KmsRig, ListsWhatTheDisplayMayLayABuildingOver) {
+  EXPECT_THAT(list_displays(*system_)[0].plane_formats, ElementsAre("XR24"));
+  card_.planes[0].formats.push_back(drm_format("NV12"));
+  EXPECT_THAT(list_displays(*system_)[0].plane_formats, ElementsAre("XR24")) << "it cannot be told to convert";
+  card_.planes[0].encodings = {YuvEncoding::bt709_limited};
+  EXPECT_THAT(list_displays(*system_)[0].plane_formats, ElementsAre("XR24", "NV12"));
+  EXPECT_EQ(list_displays(*system_)[0].no_planes, "");
+  card_.planes.resize(1);  // virtio_gpu
+  EXPECT_EQ(list_displays(*system_)[0].no_planes, "the display has no overlay plane");
+  card_.has_atomic = false;
+  EXPECT_THAT(list_displays(*system_)[0].no_planes, HasSubstr("no atomic commits"));
 }
 
 TEST_F(KmsRig, MeasuresItsFlips) {

@@ -165,6 +165,28 @@ TEST_F(RendererRules, RedrawsTheLayerOnlyOnRequest) {
   EXPECT_NE(draw(renderer, scene.measured, view_of(camera)).elements(), afternoon_picture.elements());
 }
 
+TEST_F(RendererRules, TheOldLayerIsShownUntilTheNewOneIsWhole) {
+  ReferenceScene scene = box_scene();
+  const Image<Rgb8> camera = landscape(160, 120);
+  Renderer renderer = make_renderer();
+  load(renderer, scene);
+  const auto picture = [&] { return draw(renderer, scene.measured, view_of(camera)).elements(); };
+  const auto before = picture();
+  scene.appearance.light.sun_direction = glm::normalize(glm::dvec3{0.5, -0.4, 0.6});
+  ASSERT_OK(renderer.begin_layer(scene.appearance));
+  int pieces = 0;
+  for (auto whole = renderer.continue_layer(); whole && !*whole; whole = renderer.continue_layer()) {
+    ASSERT_LT(++pieces, 1000);
+    EXPECT_EQ(picture(), before) << "after piece " << pieces;
+  }
+  EXPECT_GT(pieces, 16) << "the shadow's maps, at least";
+  const auto after = picture();
+  EXPECT_NE(after, before);
+  Renderer at_once = make_renderer();
+  load(at_once, scene);
+  EXPECT_EQ(draw(at_once, scene.measured, view_of(camera)).elements(), after);
+}
+
 TEST_F(RendererRules, DrawsALayerLargerThanOneTile) {
   // Seams between tiles of the supersampling would show as edges in a plain wall.
   ReferenceScene scene = wall();

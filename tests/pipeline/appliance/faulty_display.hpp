@@ -18,6 +18,10 @@ struct DisplayFaults {
   bool throws = false;         // no memory for drawing
   bool told = false;           // a pending hotplug event
   bool off = false;            // turned off, and no picture shown since
+  bool planes = false;         // it has two of its own
+  int refused_planes = 0;      // so many of the next pictures on them are refused
+  int on_planes = 0;           // pictures that were shown on them
+  int composed = 0;            // pictures that were not
   int largest_texture = 0;     // of GL; 0: the driver's
   int opened = 0;
   int tried = 0;                                    // attempts to open it

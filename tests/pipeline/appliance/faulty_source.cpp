@@ -1,6 +1,11 @@
 #include "tests/pipeline/appliance/faulty_source.hpp"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
+
+#include "base/unique_fd.hpp"
 
 namespace kasumi {
 
@@ -131,6 +136,17 @@ void halve_size(Frame& frame) {
   frame.metadata.stride /= 2;
   const auto bytes = frame.payload.bytes.first(frame.payload.bytes.size() / 4);
   give(frame, {bytes.begin(), bytes.end()});
+}
+
+std::function<void(Frame&)> lend() {
+  return [](Frame& frame) {
+    auto memory = std::make_shared<UniqueFd>(memfd_create("camera", MFD_CLOEXEC));
+    const auto bytes = frame.payload.bytes;
+    if (write(memory->value(), bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) return;
+    frame.payload.dma_buf = DmaBuf{memory->value(), 0, new_buffer_number()};
+    frame.payload.holder = std::make_shared<const std::pair<std::shared_ptr<UniqueFd>, std::shared_ptr<const void>>>(
+        memory, frame.payload.holder);
+  };
 }
 
 std::function<void(Frame&)> run_backwards() {

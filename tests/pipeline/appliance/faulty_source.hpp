@@ -54,6 +54,7 @@ void cover(Frame& frame);                     // black
 void white_out(Frame& frame);                 // white
 void cloud_over(Frame& frame);                // nothing is bright, the sun neither
 void halve_size(Frame& frame);                // as if another mode had been negotiated
+std::function<void(Frame&)> lend();           // no fault: in a buffer that others can read, as drivers export them
 std::function<void(Frame&)> run_backwards();  // timestamps that jump back, sequence numbers with gaps
 
 }  // namespace kasumi

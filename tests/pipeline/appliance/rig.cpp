@@ -196,6 +196,7 @@ void Rig::tick(Duration by) {
   appliance->visibility().step();
   appliance->reload().step();
   if (!render_hangs) appliance->render().step();
+  appliance->horizon().step();
   if (told_ && clock.now() - *told_ < 500ms) return;
   told_ = clock.now();
   appliance->status().step();

@@ -447,7 +447,7 @@ TEST(Appliance, TheStatusFileHasEveryDocumentedKey) {
        {"shown", "reason", "display", "scene_camera", "sky_camera", "turbidity", "sigma", "turbidity_age_s", "sky",
         "clock_trusted", "recording", "air", "latency_ms", "pictures", "pid", "since_utc"})
     EXPECT_TRUE(json.contains(key)) << key;
-  for (const char* key : {"up", "description", "flips", "flip_timeouts", "resets"})
+  for (const char* key : {"up", "description", "flips", "flip_timeouts", "resets", "planes"})
     EXPECT_TRUE(json["display"].contains(key)) << key;
   for (const char* camera : {"scene_camera", "sky_camera"})
     for (const char* key : {"up", "cause", "good_frames", "bad_frames", "reopened", "sequence_gaps", "backwards",

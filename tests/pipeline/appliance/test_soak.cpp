@@ -184,8 +184,9 @@ class Quiet {
   spdlog::level::level_enum before_ = spdlog::get_level();
 };
 
-// One small object lost with every picture is more than this; seen: 6.
-constexpr double kMostBytesPerPicture = 40.0;
+// What may be lost: 1 MB in a day of pictures, and what the allocator and the driver differ by between two moments.
+constexpr double kMostBytesPerPicture = 1e6 / (24.0 * 3600.0 * 25.0);
+constexpr double kMostBytesBetween = 16e3;
 
 TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
   const char* longer = std::getenv("KASUMI_SOAK_MINUTES");
@@ -207,6 +208,7 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
   const auto& pictures = rig.appliance->render().status().pictures;
   const auto watch = [&] {
     rig.advance(Rig::kTick);
+    rig.notifier.lines.clear();
     // Measured without a display and thus without GL, whose driver's use varies by 13 MB.
     if (!rig.appliance->render().display())
       memory.push_back({to_seconds(rig.clock.now() - began) / 60.0, heap_bytes(), pictures});
@@ -224,7 +226,10 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
   std::map<std::string, Recovered> recovered;
   const auto minute = [&] { return to_seconds(rig.clock.now() - began) / 60.0; };
 
+  // What is noted here must not look like a leak.
   memory.reserve(static_cast<std::size_t>(minutes * 1000.0));
+  resident.reserve(static_cast<std::size_t>(minutes * 60.0));
+  files.reserve(static_cast<std::size_t>(minutes * 60.0));
   std::vector<std::size_t> order;
   while (minute() < minutes) {
     if (order.empty()) {  // each kind once before any comes again
@@ -262,12 +267,13 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
   const double file_slope = slope(files);
   const auto early = least(memory, lasted / 6.0, lasted * 7.0 / 12.0);
   const auto late = least(memory, lasted * 7.0 / 12.0, lasted + 1.0);
-  const double bytes_per_picture =
-      (late.heap_bytes - early.heap_bytes) / (static_cast<double>(late.pictures) - static_cast<double>(early.pictures));
+  const double between = static_cast<double>(late.pictures) - static_cast<double>(early.pictures);
+  const double lost = late.heap_bytes - early.heap_bytes;
+  const double most = kMostBytesBetween + kMostBytesPerPicture * between;
   std::printf("%.1f minutes, %llu pictures, %d contexts; oldest picture seen %.2f s\n", lasted,
               static_cast<unsigned long long>(pictures), rig.devices.display.opened, oldest);
-  std::printf("heap in use without a display %.3f MB, later %.3f MB: %+.1f bytes a picture\n", early.heap_bytes / 1e6,
-              late.heap_bytes / 1e6, bytes_per_picture);
+  std::printf("heap in use without a display %.3f MB, %.0f pictures later %+.1f kB, allowed %.1f kB\n",
+              early.heap_bytes / 1e6, between, lost / 1e3, most / 1e3);
   std::printf("resident memory %.1f MB at first, %.1f MB at the end; descriptors %.0f, %.0f, %+.3f a minute\n",
               resident.front().second, resident.back().second, files.front().second, files.back().second, file_slope);
   EXPECT_LE(oldest, 2.05) << oldest_in;
@@ -275,8 +281,8 @@ TEST(Soak, EveryFaultIsRecoveredNothingLeaksAndNoPictureIsOld) {
     EXPECT_EQ(recovered.size(), list.size()) << "each fault at least once";
   }
   if (kMemoryTells && minutes >= 12.0) {
-    ASSERT_GT(late.pictures, early.pictures);
-    EXPECT_LE(bytes_per_picture, kMostBytesPerPicture);
+    ASSERT_GT(between, 0.0);
+    EXPECT_LE(lost, most);
   } else {
     std::printf("memory is not judged under the address sanitizer, nor by less than 12 minutes\n");
   }

@@ -354,6 +354,20 @@ TEST(DoctorDisplay, NamesConnectorModeAndWhoHoldsTheScreen) {
   EXPECT_EQ(found(none, "display.card").grade, Grade::failure);
 }
 
+TEST(DoctorDisplay, TellsWhetherPicturesNeedTheGpu) {
+  auto listed = card();
+  const auto judged = [&] {
+    Findings findings;
+    check_connectors({listed}, {}, findings);
+    return found(findings, "display.planes");
+  };
+  listed.no_planes = "the display has no overlay plane";
+  EXPECT_EQ(judged().found, "/dev/dri/card0: the GPU composes each picture: the display has no overlay plane");
+  EXPECT_EQ(judged().grade, Grade::good);
+  listed.plane_formats = {"XR24", "NV12"};
+  EXPECT_THAT(judged().found, HasSubstr("over pictures in XR24, NV12"));
+}
+
 TEST(DoctorDisplay, WarnsOfSoftwareGl) {
   GlInfo info;
   info.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";

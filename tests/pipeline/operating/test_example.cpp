@@ -80,6 +80,7 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.scene_camera, b.scene_camera);
   EXPECT_EQ(a.display, b.display);
   EXPECT_EQ(a.overlay, b.overlay);
+  EXPECT_EQ(a.planes, b.planes);
   EXPECT_EQ(a.still.caption, b.still.caption);
   EXPECT_EQ(a.messages.language, b.messages.language);
   EXPECT_EQ(a.messages.show_faults, b.messages.show_faults);

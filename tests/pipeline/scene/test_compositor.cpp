@@ -235,5 +235,65 @@ TEST_F(Compositors, Row17AreRestoredFromMemoryWhenTheContextIsLost) {
              cpu_s);
 }
 
+// A kiosk's picture never waits for a whole layer.
+TEST_F(Compositors, LiveOnesRedrawALayerOverSeveralPictures) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  const Frame frame = copied(lent(buffer, returned));
+  Compositor live = make(), at_once = make();
+  live.go_live();
+  for (auto* compositor : {&live, &at_once}) drawn(*compositor, frame);
+  EXPECT_EQ(live.layers_drawn(), 1u) << "the first, without which there is no building";
+  report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
+  drawn(live, frame);
+  EXPECT_EQ(live.layers_drawn(), 1u);
+  int pictures = 1;
+  while (live.layers_drawn() < 2 && pictures < 500) drawn(live, frame), ++pictures;
+  EXPECT_GT(pictures, 2);
+  EXPECT_EQ(live.layers_drawn(), 2u);
+  EXPECT_EQ(drawn(live, frame).elements(), drawn(at_once, frame).elements());
+}
+
+TEST_F(Compositors, LiveOnesLetSomebodyElseMeasureTheHorizon) {
+  const Buffer first(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  Buffer second(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  second.fill(90);
+  bool returned = false, second_returned = false;
+  Compositor live = make(with_test_images()), at_once = make();
+  live.go_live();
+  Frame frame = lent(first, returned), later = lent(second, second_returned);
+  later.metadata.captured_at += std::chrono::seconds(2);
+  const auto later_copy = copied(later);
+  for (auto* compositor : {&live, &at_once}) drawn(*compositor, copied(frame));
+  EXPECT_FALSE(live.take_question()) << "the first picture needs its own";
+
+  const auto waiting = drawn(live, later);
+  const auto question = live.take_question();
+  ASSERT_TRUE(question);
+  EXPECT_FALSE(live.take_question());
+  const auto expected = drawn(at_once, later_copy);
+  EXPECT_NE(waiting.elements(), expected.elements()) << "nothing was measured yet";
+  later = {};
+  drawn(live, copied(frame));
+  EXPECT_TRUE(second_returned) << "the question has a copy";
+  second.fill(200);
+  live.adopt(answer(*question));
+  EXPECT_EQ(drawn(live, later_copy).elements(), expected.elements());
+}
+
+TEST_F(Compositors, LiveOnesLeaveWhatWasMeasuredForOthers) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  const Frame frame = copied(lent(buffer, returned));
+  Compositor live = make(), other = make();
+  live.go_live();
+  const auto before = drawn(live, frame);
+  HorizonAnswer strange{other.air().observer(), frame.metadata, live.air().horizon()};
+  ASSERT_FALSE(strange.seen.columns.empty());
+  for (auto& column : strange.seen.columns) column.light *= 3.0;
+  live.adopt(strange);
+  EXPECT_EQ(drawn(live, frame).elements(), before.elements());
+}
+
 }  // namespace
 }  // namespace kasumi

@@ -1,0 +1,30 @@
+#include "pipeline/scene/horizon_observer.hpp"
+
+#include "calib/colour/colorimetry.hpp"
+
+namespace kasumi {
+
+HorizonLight HorizonObserver::observe(const PictureView& scene, const PictureView* sky_picture,
+                                      const SceneConditions* conditions) const {
+  auto seen = measure_horizon(scene_, scene);
+  if (!seen.usable() && sky_picture) seen = horizon_from_sky_camera(sky_, *sky_picture, scene_, scene);
+  if (!seen.usable() && conditions) seen = modelled(*conditions, scene);
+  return seen;
+}
+
+HorizonLight HorizonObserver::modelled(const SceneConditions& conditions, const PictureView& scene) const {
+  if (conditions.sky == SkyCondition::overcast) {
+    const glm::dvec3 grey = srgb_to_xyz() * glm::dvec3{1.0};
+    return horizon_from_model([&](const Direction&) { return grey; }, scene_, scene);
+  }
+  const SiteSky sky(sky_model_, conditions.air, conditions.sun, altitude_m_);
+  return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
+}
+
+HorizonAnswer answer(const HorizonQuestion& question) {
+  const auto* sky = question.sky_picture ? &question.sky_picture->view() : nullptr;
+  return {question.observer, question.metadata,
+          question.observer->observe(question.picture.view(), sky, &question.conditions)};
+}
+
+}  // namespace kasumi

@@ -1,0 +1,51 @@
+// The horizon's light behind the building. Measuring it takes longer than drawing a picture, so it can be done apart:
+// by anybody, in any thread.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "base/picture.hpp"
+#include "calib/camera.hpp"
+#include "capture/frame.hpp"
+#include "estimator/horizon/horizon.hpp"
+#include "estimator/sky/site_sky.hpp"
+#include "pipeline/scene/scene_conditions.hpp"
+
+namespace kasumi {
+
+class HorizonObserver {
+ public:
+  HorizonObserver(Camera scene, Camera sky, SiteSkyModel sky_model, double altitude_m)
+      : scene_(std::move(scene)), sky_(std::move(sky)), sky_model_(sky_model), altitude_m_(altitude_m) {}
+
+  const Camera& scene() const { return scene_; }
+  // As the scene camera's picture shows it; where that shows no sky, by the sky camera's latest (`sky_picture`; may be
+  // null), and at last by a model of the sky under `conditions` (may be null).
+  HorizonLight observe(const PictureView& scene, const PictureView* sky_picture,
+                       const SceneConditions* conditions) const;
+
+ private:
+  HorizonLight modelled(const SceneConditions& conditions, const PictureView& scene) const;
+
+  Camera scene_, sky_;
+  SiteSkyModel sky_model_;
+  double altitude_m_;
+};
+
+// What whoever draws asks of whoever measures.
+struct HorizonQuestion {
+  std::shared_ptr<const HorizonObserver> observer;
+  FrameMetadata metadata;
+  CopiedPicture picture;
+  std::shared_ptr<const DecodedPicture> sky_picture;  // may be null
+  SceneConditions conditions;
+};
+struct HorizonAnswer {
+  std::shared_ptr<const HorizonObserver> observer;  // that was asked
+  FrameMetadata metadata;                           // of the picture
+  HorizonLight seen;
+};
+HorizonAnswer answer(const HorizonQuestion& question);
+
+}  // namespace kasumi

@@ -1,0 +1,22 @@
+// What a picture is drawn under.
+#pragma once
+
+#include <memory>
+
+#include "estimator/atmosphere.hpp"
+#include "pipeline/scene/sky_watch.hpp"
+
+namespace kasumi {
+
+// The air a picture is drawn under.
+struct SceneConditions {
+  AirState air;
+  SunDirection sun{0, 0, 1};
+  SkyCondition sky = SkyCondition::unknown;
+  std::shared_ptr<const MeasuredSky> measured;  // the clouds; null: the sky model alone
+  // Blur of the object by the haze in front of it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
+  // deviation in pixels. The fog of a valley is not counted.
+  double haze_blur_px = 0.0;
+};
+
+}  // namespace kasumi
