@@ -24,6 +24,7 @@ void add_compare_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
 void add_run_command(CLI::App& app, Action& action);
 void add_reload_command(CLI::App& app, Action& action);
+void add_content_command(CLI::App& app, Action& action);
 void add_record_command(CLI::App& app, Action& action);
 void add_snapshot_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);

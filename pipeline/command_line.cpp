@@ -11,6 +11,7 @@ std::unique_ptr<CLI::App> command_line(Action& action) {
   app->require_subcommand(1);
   add_run_command(*app, action);
   add_reload_command(*app, action);
+  add_content_command(*app, action);
   add_record_command(*app, action);
   add_snapshot_command(*app, action);
   add_doctor_command(*app, action);

@@ -21,8 +21,8 @@ std::unique_ptr<Devices> resting(Devices& devices, const StartRecord& starts, Cl
   return resting(devices, rest_of(starts, "scene"), rest_of(starts, "sky"), clock);
 }
 
-Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, const ApplianceServices& services,
-                     StatusOptions status, SkyWatchOptions sky)
+Appliance::Appliance(ContentPlace place, ContentPtr content, const ApplianceServices& services, StatusOptions status,
+                     SkyWatchOptions sky)
     : notifier_(services.notifier, mailboxes_.proving.alive),
       scene_(content, services.devices, services.clock, mailboxes_),
       sky_(content, services.devices, services.clock, services.time, mailboxes_, std::move(sky)),
@@ -35,10 +35,10 @@ Appliance::Appliance(std::filesystem::path config_file, ContentPtr content, cons
             mailboxes_.render.bell.ring();
           },
           mailboxes_.snapshot),
+      proving_(content, services.proving, {place, status.file, [this] { reload_.ask(); }}, services.clock, mailboxes_),
       status_(content, std::move(status), services.clock, services.notifier, mailboxes_),
-      check_(content, config_file, services.clock, mailboxes_),
+      check_(content, services.clock, mailboxes_),
       visibility_(content, services.clock, mailboxes_),
-      proving_(std::move(content), services.proving, services.clock, mailboxes_),
-      reload_(std::move(config_file), services.clock, services.notifier, mailboxes_, services.probes) {}
+      reload_(std::move(place), services.clock, services.notifier, mailboxes_, services.probes) {}
 
 }  // namespace kasumi

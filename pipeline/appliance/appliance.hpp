@@ -49,8 +49,8 @@ class CountingNotifier final : public Notifier {
 
 class Appliance {
  public:
-  Appliance(std::filesystem::path config_file, ContentPtr content, const ApplianceServices& services,
-            StatusOptions status, SkyWatchOptions sky = {});
+  Appliance(ContentPlace place, ContentPtr content, const ApplianceServices& services, StatusOptions status,
+            SkyWatchOptions sky = {});
 
   SceneLoop& scene() { return scene_; }
   SkyLoop& sky() { return sky_; }
@@ -75,10 +75,10 @@ class Appliance {
   RenderLoop render_;
   HorizonLoop horizon_;
   SnapshotServer snapshot_;
+  ProvingLoop proving_;
   StatusLoop status_;
   CheckLoop check_;
   VisibilityLoop visibility_;
-  ProvingLoop proving_;
   ReloadLoop reload_;
 };
 

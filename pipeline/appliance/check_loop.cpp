@@ -32,8 +32,8 @@ std::filesystem::path own_reference(const std::filesystem::path& state_folder) {
 
 }  // namespace
 
-CheckLoop::CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Mailboxes& mailboxes)
-    : content_(std::move(content)), config_file_(std::move(config_file)), clock_(clock), mailboxes_(mailboxes) {}
+CheckLoop::CheckLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes)
+    : content_(std::move(content)), clock_(clock), mailboxes_(mailboxes) {}
 
 Instant CheckLoop::step() {
   mailboxes_.check.pulse.turn(clock_.now(), kBehindBound);
@@ -92,7 +92,8 @@ void CheckLoop::judge() {
   if (frames_->scene().size() < enough && frames_->sky().size() < enough)
     return publish("not checked: too few pictures arrived", std::nullopt, true);
   const auto own = own_reference(*content_->config.state_folder);
-  if (const auto reference = find_reference(reference_stem(installation, config_file_), own, installation)) {
+  if (const auto reference =
+          find_reference(reference_stem(installation, content_->files.front().path), own, installation)) {
     auto report = find_drift(*frames_, *reference, installation, now);
     auto summary = drift_summary(report);
     const bool steady = report.steady();

@@ -12,7 +12,7 @@ namespace kasumi {
 
 class CheckLoop {
  public:
-  CheckLoop(ContentPtr content, std::filesystem::path config_file, Clock& clock, Mailboxes& mailboxes);
+  CheckLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes);
   // Requests pictures from the cameras' loops and judges them once there are enough, which BLOCKS for seconds: run
   // it in a thread of its own. Returns when to be called again.
   Instant step();
@@ -23,7 +23,6 @@ class CheckLoop {
   void publish(std::string summary, std::optional<DriftReport> report, bool warn);
 
   ContentPtr content_;
-  std::filesystem::path config_file_;
   Clock& clock_;
   Mailboxes& mailboxes_;
   std::optional<DriftFrames> frames_;  // while gathering

@@ -1,19 +1,17 @@
 #include <cstdlib>
-#include <sstream>
 
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
-#include "capture/utc_text.hpp"
 #include "pipeline/appliance/safe_mode.hpp"
 #include "pipeline/appliance/threads.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/config/sighting.hpp"
+#include "pipeline/content/content_at_start.hpp"
 #include "pipeline/log_lines.hpp"
 #include "pipeline/machine/state_folder.hpp"
 #include "pipeline/machine/this_boot.hpp"
 #include "pipeline/stage/stage_making.hpp"
-#include "pipeline/start/kept_content.hpp"
 
 namespace kasumi {
 
@@ -23,6 +21,7 @@ constexpr int kBadConfiguration = 78;  // EX_CONFIG: the unit does not restart i
 
 struct RunArguments {
   std::string config;
+  std::string content;
   std::string status;
   bool stats = false;
   bool check = false;
@@ -42,34 +41,6 @@ int refused(const Fault& fault) {
   }
   print_error("the configuration is invalid:\n" + fault.message);
   return kBadConfiguration;
-}
-
-std::vector<std::string> problems_in(const std::string& message) {
-  std::vector<std::string> lines;
-  std::istringstream stream(message);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-// What is configured; if that is refused or makes start after start fail, what worked last. Errors: those of the
-// configured content, when nothing was kept either.
-Result<ContentPtr> content_to_show(const std::filesystem::path& config, const StartLog& starts,
-                                   const std::filesystem::path& kept_folder) {
-  auto configured = read_content(config);
-  const bool suspect = configured && suspects_content(starts.record()) && !is_kept(**configured, kept_folder);
-  if (kept_folder.empty() || (configured && !suspect)) return configured;
-  auto problems = configured
-                      ? std::vector{fmt::format("{} starts in a row have failed with it", kStartsBeforeKeptContent)}
-                      : problems_in(configured.error().message);
-  auto kept = read_kept_content(config, kept_folder, problems);
-  if (!kept) {
-    spdlog::info("no earlier content to show instead: {}", kept.error().message);
-    return configured;
-  }
-  spdlog::error("the configured content is not used, shown is what worked until {}:",
-                utc_text(std::chrono::floor<std::chrono::seconds>((*kept)->instead->kept_utc)));
-  for (const auto& problem : problems) spdlog::error("  {}", problem);
-  return kept;
 }
 
 void log_sighting(const Content& content) {
@@ -93,7 +64,7 @@ Result<int> check_drawing(const RunArguments& arguments, const ContentPtr& conte
 }
 
 Result<int> check(const RunArguments& arguments) {
-  const auto content = read_content(arguments.config);
+  const auto content = read_content(arguments.config);  // what was set up by hand: a bundle was checked when packed
   if (!content) return refused(content.error());
   log_sighting(**content);
   if (const auto& folder = (*content)->config.state_folder) {
@@ -112,14 +83,15 @@ Result<int> check(const RunArguments& arguments) {
 Result<int> run(const RunArguments& arguments) {
   const auto folders = service_folders();
   const auto kept_folder = folders.state.empty() ? std::filesystem::path() : folders.state / "last-good";
+  const ContentPlace place{arguments.config, Generations(arguments.content)};
   StartLog starts(folders, boot_id(), since_boot_s());
   if (starts.mode() != StartMode::whole) {
-    if (auto ended = run_safe_mode(arguments.config, starts, status_file(arguments.status)); !ended)
+    if (auto ended = run_safe_mode(place.configuration(), starts, status_file(arguments.status)); !ended)
       return fail(ended.error());
     return 0;
   }
   starts.doing("reading configuration and content");
-  auto content = content_to_show(arguments.config, starts, kept_folder);
+  auto content = content_at_start(place, starts, kept_folder, SystemClock().utc());
   if (!content) {
     if (content.error().kind != FaultKind::io) starts.ended();  // not a boot for nothing: a person reads why
     return refused(content.error());
@@ -128,7 +100,7 @@ Result<int> run(const RunArguments& arguments) {
   starts.doing("opening cameras and display");
   StatusOptions status{.file = status_file(arguments.status), .stats = arguments.stats};
   if (!folders.state.empty()) status.starts = &starts;
-  const auto ended = run_appliance(arguments.config, std::move(*content), std::move(status), starts, kept_folder);
+  const auto ended = run_appliance(place, std::move(*content), std::move(status), starts, kept_folder);
   if (!ended) return fail(ended.error());
   return 0;
 }
@@ -139,6 +111,8 @@ void add_run_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("run", "Run the kiosk: two live cameras, a display, until SIGTERM");
   auto arguments = std::make_shared<RunArguments>();
   command->add_option("--config", arguments->config, "kasumi.toml")->required();
+  command->add_option("--content", arguments->content,
+                      "Where `kasumi content` keeps its generations: the current one goes before --config");
   command->add_option("--status", arguments->status,
                       "Write the status to FILE every second (default: "
                       "$RUNTIME_DIRECTORY/status.json)");

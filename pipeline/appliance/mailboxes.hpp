@@ -137,6 +137,8 @@ struct ProvingMailbox : Mailbox {
   ProvingMailbox() : Mailbox("proving") {}
   std::atomic<std::uint64_t> alive = 0;           // the service manager was told so
   std::atomic<std::uint64_t> scene_pictures = 0;  // shown
+  std::atomic<std::uint64_t> scene_frames = 0;    // whole, of the camera
+  std::atomic<bool> closed = false;               // nothing is shown, on purpose
 };
 
 struct StatusMailbox;  // in status_mailbox.hpp, since its contents would make everyone include everything

@@ -1,11 +1,12 @@
-// Whether this start has come well: ten minutes of pictures forgive the failures before it, and let the content that
-// was shown be kept for a day on which another one is refused.
+// Whether this start has come well: ten minutes of pictures forgive the failures before it, end the probation of new
+// content, and let content that was set up by hand be kept for a day on which another one is refused.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 
 #include "pipeline/appliance/mailboxes.hpp"
+#include "pipeline/content/probation.hpp"
 #include "pipeline/start/start_log.hpp"
 
 namespace kasumi {
@@ -15,9 +16,16 @@ struct ProvingOptions {
   std::filesystem::path kept_folder;  // of the content; empty: none is kept
 };
 
+// Where content comes from, and what judges it.
+struct ProvingPlaces {
+  ContentPlace content;
+  std::optional<std::filesystem::path> status_file;  // which the doctor reads; empty: it is not asked
+  std::function<void()> reload;
+};
+
 class ProvingLoop {
  public:
-  ProvingLoop(ContentPtr content, ProvingOptions options, Clock& clock, Mailboxes& mailboxes);
+  ProvingLoop(ContentPtr content, ProvingOptions options, ProvingPlaces places, Clock& clock, Mailboxes& mailboxes);
   // Returns when to be called again. BLOCKS for as long as the disk takes to keep the content.
   Instant step();
 
@@ -29,13 +37,17 @@ class ProvingLoop {
     bool advance(std::uint64_t count, Duration by);
   };
   void keep();
+  Probation::FailingChecks ask_doctor(Duration passed);
 
   ContentPtr content_;
   ProvingOptions options_;
+  std::optional<std::filesystem::path> status_file_;
   Clock& clock_;
   Mailboxes& mailboxes_;
+  Probation probation_;
+  std::string status_before_;
   Instant stepped_;
-  Proof alive_, scene_;
+  Proof alive_, scene_, camera_;
   bool shown_ = false, well_ = false;
   Instant keep_at_{};
   bool kept_ = false, keeping_failed_ = false;

@@ -47,13 +47,8 @@ Result<> try_drawing_here(const ContentPtr& content, const std::shared_ptr<const
 
 }  // namespace
 
-ReloadLoop::ReloadLoop(std::filesystem::path config_file, Clock& clock, Notifier& notifier, Mailboxes& mailboxes,
-                       Probes probes)
-    : config_file_(std::move(config_file)),
-      clock_(clock),
-      notifier_(notifier),
-      mailboxes_(mailboxes),
-      probes_(std::move(probes)) {
+ReloadLoop::ReloadLoop(ContentPlace place, Clock& clock, Notifier& notifier, Mailboxes& mailboxes, Probes probes)
+    : place_(std::move(place)), clock_(clock), notifier_(notifier), mailboxes_(mailboxes), probes_(std::move(probes)) {
   if (!probes_.try_drawing) probes_.try_drawing = try_drawing_here;
   if (!probes_.memory_left) probes_.memory_left = [] { return memory_left(); };
 }
@@ -74,6 +69,7 @@ void ReloadLoop::begin() {
   notifier_.reloading();
   publish("reading");
   try {
+    config_file_ = place_.configuration();
     auto content = read_content(config_file_);
     if (!content) return refuse(content.error().message);
     if (auto fits = fits_beside_the_old(**content, probes_.memory_left()); !fits) return refuse(fits.error().message);

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "pipeline/appliance/status_mailbox.hpp"
+#include "pipeline/content/generations.hpp"
 #include "pipeline/machine/notifier.hpp"
 
 namespace kasumi {
@@ -25,7 +26,7 @@ class ReloadLoop {
     TryDrawing try_drawing;
     MemoryLeft memory_left;
   };
-  ReloadLoop(std::filesystem::path config_file, Clock& clock, Notifier& notifier, Mailboxes& mailboxes, Probes probes);
+  ReloadLoop(ContentPlace place, Clock& clock, Notifier& notifier, Mailboxes& mailboxes, Probes probes);
 
   // Any thread. While one is under way another follows it.
   void ask();
@@ -41,7 +42,8 @@ class ReloadLoop {
   void end(std::vector<std::string> problems);
   void publish(std::string doing);
 
-  std::filesystem::path config_file_;
+  ContentPlace place_;
+  std::filesystem::path config_file_;  // of the reload under way or the last one
   Clock& clock_;
   Notifier& notifier_;
   Mailboxes& mailboxes_;

@@ -456,6 +456,7 @@ void RenderLoop::publish() {
     status_.latency_minute = latency_.take_minute();
   }
   mailboxes_.proving.scene_pictures = status_.scene_frames;
+  mailboxes_.proving.closed = status_.rung.shown == Shown::dark;
   mailboxes_.status->render.put(status_);
 }
 

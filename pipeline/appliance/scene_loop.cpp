@@ -41,6 +41,7 @@ void SceneLoop::forward(Frame frame) {
   if (is_spared()) return;
   auto picture = decode(frame, scene.yuv_encoding);
   if (!picture) return camera_.reject("damaged");
+  ++mailboxes_.proving.scene_frames;
   if (mailboxes_.scene.check_wants_picture.exchange(false))
     mailboxes_.check.scene.put({metadata, to_rgb(picture->view()), false});
   // Of a covered or frozen camera landmarks would say what is not so.

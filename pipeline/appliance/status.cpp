@@ -126,6 +126,30 @@ OrderedJson start_json(const std::optional<StartRecord>& start) {
           {"why", start->why}};
 }
 
+OrderedJson generation_json(const Status& status) {
+  const auto& shown = status.probation.shown;
+  if (!shown) return nullptr;
+  const auto second = [](Utc utc) { return OrderedJson(utc_text(std::chrono::floor<std::chrono::seconds>(utc))); };
+  const bool probation = shown->on_probation();
+  return {{"id", shown->id},
+          {"name", shown->manifest.name},
+          {"created_utc", second(shown->manifest.created)},
+          {"installed_utc", second(shown->installed)},
+          {"signed_by", shown->signed_by.empty() ? OrderedJson(nullptr) : OrderedJson(shown->signed_by)},
+          {"proven_utc", shown->proven ? second(*shown->proven) : OrderedJson(nullptr)},
+          {"probation_left_s", probation ? OrderedJson(to_seconds(status.probation.left)) : OrderedJson(nullptr)},
+          {"probation_until_utc",
+           probation ? second(status.probation.told + status.probation.left) : OrderedJson(nullptr)}};
+}
+
+OrderedJson went_back_json(const std::optional<Generation>& generation) {
+  if (!generation) return nullptr;
+  return {{"id", generation->id},
+          {"name", generation->manifest.name},
+          {"utc", utc_text(std::chrono::floor<std::chrono::seconds>(generation->went_back->utc))},
+          {"why", generation->went_back->why}};
+}
+
 OrderedJson content_json(const Status& status) {
   const auto reload = status.reload.value_or(ReloadStatus{});
   const auto& instead = status.instead;
@@ -135,7 +159,9 @@ OrderedJson content_json(const Status& status) {
            reload.began ? OrderedJson(to_seconds(reload.began->time_since_epoch())) : OrderedJson(nullptr)},
           {"reloading", reload.doing.empty() ? OrderedJson(nullptr) : OrderedJson(reload.doing)},
           {"last_good_utc", instead ? OrderedJson(utc_text(instead->kept_utc)) : OrderedJson(nullptr)},
-          {"refused", instead ? OrderedJson(instead->refused) : OrderedJson::array()}};
+          {"refused", instead ? OrderedJson(instead->refused) : OrderedJson::array()},
+          {"generation", generation_json(status)},
+          {"went_back", went_back_json(status.probation.went_back)}};
 }
 
 OrderedJson observer_json(const ObserverPart& part) {

@@ -35,8 +35,9 @@ struct Status {
   RenderStatus render;
   std::optional<StartRecord> start;            // empty: not started by the service
   std::optional<InsteadOfConfigured> instead;  // empty: the configured content is shown
-  std::optional<ReloadStatus> reload;          // empty: never reloaded
-  std::optional<CheckStatus> check;            // empty: not checked since the start
+  ProbationStatus probation;
+  std::optional<ReloadStatus> reload;  // empty: never reloaded
+  std::optional<CheckStatus> check;    // empty: not checked since the start
   VisibilityStatus visibility;
   std::vector<LoopStatus> loops;
   HeatStatus heat;

@@ -56,6 +56,7 @@ void StatusLoop::gather() {
   newest(mailbox.reload, status_.reload);
   newest(mailbox.check, status_.check);
   newest(mailbox.visibility, status_.visibility);
+  newest(mailbox.probation, status_.probation);
   if (options_.starts) status_.start = options_.starts->record();
   status_.instead = content_->instead;
   status_.now = clock_.now();

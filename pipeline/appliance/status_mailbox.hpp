@@ -10,6 +10,7 @@
 #include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/camera_drift/drift.hpp"
 #include "pipeline/config/ladder.hpp"
+#include "pipeline/content/probation.hpp"
 #include "pipeline/loop/latency.hpp"
 
 namespace kasumi {
@@ -71,6 +72,7 @@ struct StatusMailbox : Mailbox {
   LatestSlot<ReloadStatus> reload;
   LatestSlot<CheckStatus> check;
   LatestSlot<VisibilityStatus> visibility;
+  LatestSlot<ProbationStatus> probation;
 };
 
 }  // namespace kasumi

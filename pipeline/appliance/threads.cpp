@@ -85,8 +85,8 @@ void wait_for_signals(Stop& stop, ReloadLoop& reload, Bell& ended) {
 
 }  // namespace
 
-Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr content, StatusOptions status,
-                       StartLog& starts, const std::filesystem::path& kept_folder) {
+Result<> run_appliance(const ContentPlace& place, ContentPtr content, StatusOptions status, StartLog& starts,
+                       const std::filesystem::path& kept_folder) {
   const auto signals = our_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
@@ -98,7 +98,7 @@ Result<> run_appliance(const std::filesystem::path& config_file, ContentPtr cont
   const auto runtime = service_folders().runtime;
   const auto time = remember_trust(watch_time(), runtime.empty() ? runtime : runtime / "clock.json");
   const auto notifier = notify_systemd();
-  Appliance appliance(config_file, std::move(content), {*devices, clock, *time, *notifier, {&starts, kept_folder}},
+  Appliance appliance(place, std::move(content), {*devices, clock, *time, *notifier, {&starts, kept_folder}},
                       std::move(status));
   Bell status_bell, check_bell, ended;
   Stop stop(clock, *notifier);

@@ -142,7 +142,7 @@ void check_heat(const Json& status, Findings& findings) {
   finding.values = {{"pictures_share", share}, {"spared", number(heat, "spared")}};
 }
 
-void check_live_display(const Json& before, const Json& later, double seconds, Findings& findings) {
+void check_live_display(const Json& before, const Json& later, bool closed, double seconds, Findings& findings) {
   if (!flag(later, "up")) {
     findings.fail("display.open", "no display: " + text(later, "cause"),
                   "is the screen on? cable? another program using it? the appliance reopens it by itself");
@@ -155,12 +155,13 @@ void check_live_display(const Json& before, const Json& later, double seconds, F
     findings.good("display.planes", "the GPU composes each picture: " + planes);
   const double flips = (number(later, "flips") - number(before, "flips")) / seconds;
   const double timeouts = number(later, "flip_timeouts"), resets = number(later, "resets");
-  const auto found = fmt::format("{:.1f} pictures a second; {:.0f} late flips, reopened {:.0f} times since the start",
-                                 flips, timeouts, resets);
-  auto& finding = flips <= 0.0   ? findings.fail("display.flips", found,
-                                                 "journalctl -u kasumi -p warning; sudo systemctl restart kasumi")
-                  : timeouts > 0 ? findings.warn("display.flips", found, "cable and converter; dmesg | grep drm")
-                                 : findings.good("display.flips", found);
+  const auto found = (closed ? std::string("closed") : fmt::format("{:.1f} pictures a second", flips)) +
+                     fmt::format("; {:.0f} late flips, reopened {:.0f} times since the start", timeouts, resets);
+  auto& finding =
+      flips <= 0.0 && !closed
+          ? findings.fail("display.flips", found, "journalctl -u kasumi -p warning; sudo systemctl restart kasumi")
+      : timeouts > 0 ? findings.warn("display.flips", found, "cable and converter; dmesg | grep drm")
+                     : findings.good("display.flips", found);
   finding.values = {{"flips_per_second", flips}, {"flip_timeouts", timeouts}, {"resets", resets}};
 }
 
@@ -217,7 +218,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
   if (const auto refused = text(is, "draw_refused"); !refused.empty())
     findings.fail("display.picture", "the scene camera's pictures cannot be drawn: " + refused,
                   "another size in [scene] and [scene.camera], or another driver: kasumi run --config FILE --check");
-  check_live_display(part(was, "display"), part(is, "display"), seconds, findings);
+  check_live_display(part(was, "display"), part(is, "display"), text(is, "shown") == "dark", seconds, findings);
 
   if (const auto latency = part(is, "latency_ms"); latency.is_object() && latency.contains("median")) {
     auto& finding = findings.good("latency", fmt::format("capture to screen {:.0f} ms, 95 % within {:.0f} ms",

@@ -10,6 +10,7 @@
 
 #include "base/files.hpp"
 #include "capture/utc_text.hpp"
+#include "pipeline/content/bundle.hpp"
 #include "pipeline/doctor/checks.hpp"
 #include "pipeline/machine/time_watch.hpp"
 
@@ -41,6 +42,25 @@ void check_content(const Content& content, Findings& findings) {
     findings.warn("content.still",
                   "no still picture: while a camera is unavailable, visitors see the sky over plain land",
                   "set [still] picture to a photograph of the view");
+}
+
+// What lies on the disk; what becomes of it on the screen is the running appliance's to say.
+void check_generation(const Generations& generations, Findings& findings) {
+  const auto current = generations.current();
+  if (const auto all = generations.all(); !all.empty() && all.front().went_back)
+    findings.warn("content.went_back",
+                  fmt::format("{} ({}), installed last, went back {}: {}", all.front().manifest.name, all.front().id,
+                              utc_text(std::chrono::floor<std::chrono::seconds>(all.front().went_back->utc)),
+                              all.front().went_back->why),
+                  "correct it where it was made; docs/content.md");
+  if (!current) return;
+  const auto name =
+      fmt::format("{} ({}){}", current->manifest.name, current->id, current->on_probation() ? ", on probation" : "");
+  if (const auto whole = check_unpacked(generations.folder_of(*current), current->manifest); !whole)
+    findings.fail("content.generation", name + ": damaged: " + whole.error().message,
+                  "install its bundle again, or sudo kasumi content rollback; sudo kasumi doctor says how the disk is");
+  else
+    findings.good("content.generation", name + ", whole");
 }
 
 void check_calibration(const char* name, const Camera& camera, const Installation& installation, Utc now,
@@ -140,9 +160,10 @@ MachinePlaces this_machine() {
 
 Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
   Findings findings;
-  const auto content = read_content(request.config);
+  const auto config_file = ContentPlace{request.config, request.generations}.configuration();
+  const auto content = read_content(config_file);
   if (content)
-    findings.good("configuration", request.config.string());
+    findings.good("configuration", config_file.string());
   else
     findings.fail("configuration", content.error().message, "fix the keys named; kasumi run --config FILE --check");
 
@@ -165,6 +186,7 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
       check_display(config, devices, clock, findings);
     }
     check_content(**content, findings);
+    check_generation(request.generations, findings);
     const auto& installation = config.installation;
     check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);
     check_calibration("sky_camera", installation.sky, installation, clock.utc(), findings);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gles/display/display_listing.hpp"
+#include "pipeline/content/generations.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/running_appliance.hpp"
 
@@ -51,7 +52,8 @@ struct MachinePlaces {
 MachinePlaces this_machine();
 
 struct DoctorRequest {
-  std::filesystem::path config;
+  std::filesystem::path config;              // set up by hand
+  Generations generations{{}};               // the current one goes before it
   Duration watch = std::chrono::seconds(3);  // how long frames and flips are counted
   MachinePlaces places = this_machine();
 };

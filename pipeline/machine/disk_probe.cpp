@@ -8,43 +8,17 @@
 #include <vector>
 
 #include <fcntl.h>
-#include <grp.h>
 #include <poll.h>
-#include <pwd.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/unique_fd.hpp"
+#include "pipeline/machine/account.hpp"
 
 namespace kasumi {
 namespace {
-
-constexpr const char* kServiceAccount = "kasumi";
-
-struct Account {
-  uid_t user = 0;
-  gid_t group = 0;
-  bool other = false;  // than ours: to be changed to
-  std::string name;
-};
-
-Account account_for(const struct stat& folder) {
-  Account account{::geteuid(), ::getegid(), false, {}};
-  if (account.user == 0) {
-    account.user = folder.st_uid;
-    account.group = folder.st_gid;
-    if (const auto* service = account.user == 0 ? ::getpwnam(kServiceAccount) : nullptr) {
-      account.user = service->pw_uid;
-      account.group = service->pw_gid;
-    }
-    account.other = account.user != 0;
-  }
-  const auto* entry = ::getpwuid(account.user);
-  account.name = entry ? entry->pw_name : fmt::format("user {}", account.user);
-  return account;
-}
 
 struct Outcome {
   int error = 0;
@@ -68,9 +42,7 @@ int write_through(int file, const std::vector<std::uint8_t>& bytes) {
 
 // In a child of a process with threads: system calls only.
 Outcome write_and_remove(int folder, const char* name, const Account& account, const std::vector<std::uint8_t>& bytes) {
-  if (account.other && (::setgroups(0, nullptr) != 0 || ::setresgid(account.group, account.group, account.group) != 0 ||
-                        ::setresuid(account.user, account.user, account.user) != 0))
-    return {errno, 0.0};
+  if (account.other && !change_to(account)) return {errno, 0.0};
   const double began = now_s();
   const int file = ::openat(folder, name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (file < 0) return {errno, 0.0};

@@ -1,0 +1,248 @@
+#include <cstdio>
+#include <iostream>
+
+#include <termios.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+
+#include "base/files.hpp"
+#include "capture/utc_text.hpp"
+#include "pipeline/command.hpp"
+#include "pipeline/content/install.hpp"
+#include "pipeline/content/packing.hpp"
+#include "pipeline/log_lines.hpp"
+#include "pipeline/machine/account.hpp"
+#include "pipeline/machine/ask_to_reload.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr Duration kLongestReload = std::chrono::seconds(120);
+
+struct ContentArguments {
+  std::string folder = kServiceContent, keys = "/etc/kasumi/keys", status, config = "/etc/kasumi/kasumi.toml";
+  std::string path;  // of a bundle, or digits of a generation
+  std::string out, name, secret_key, password_file;
+  bool unsigned_too = false, again = false, newer = false;
+};
+
+std::string second_of(Utc utc) {
+  return utc_text(std::chrono::floor<std::chrono::seconds>(utc));
+}
+
+// From the terminal, unseen.
+Result<std::string> ask_password(const std::string& key) {
+  termios before{};
+  if (::tcgetattr(STDIN_FILENO, &before) != 0)
+    return fail(FaultKind::bad_input,
+                "{}: the key has a password: expected a terminal to ask for it, or "
+                "--password-file",
+                key);
+  std::fprintf(stderr, "Password of %s: ", key.c_str());
+  auto unseen = before;
+  unseen.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+  ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &unseen);
+  std::string word;
+  std::getline(std::cin, word);
+  ::tcsetattr(STDIN_FILENO, TCSAFLUSH, &before);
+  std::fprintf(stderr, "\n");
+  return word;
+}
+
+Result<std::string> password_in(const std::string& file) {
+  auto word = read_text_file(file);
+  if (word)
+    while (word->ends_with('\n') || word->ends_with('\r')) word->pop_back();
+  return word;
+}
+
+Result<int> pack_content(const ContentArguments& arguments) {
+  PackRequest request{arguments.path, arguments.out, arguments.name, SystemClock().utc(), std::nullopt, {}};
+  if (request.name.empty()) request.name = std::filesystem::path(arguments.out).stem().string();
+  if (!arguments.secret_key.empty()) request.secret_key = arguments.secret_key;
+  request.password = [&arguments] {
+    return arguments.password_file.empty() ? ask_password(arguments.secret_key) : password_in(arguments.password_file);
+  };
+  const auto packed = pack(request);
+  if (!packed) return fail(packed.error());
+  for (const auto& remark : packed->remarks) fmt::print("{}\n", remark);
+  fmt::print("{}: {} files, {:.1f} MB, {}{}{}\n", arguments.out, packed->manifest.files.size(),
+             1e-6 * static_cast<double>(packed->manifest.bytes()), packed->id,
+             packed->renderer.empty() ? "" : fmt::format(", drawn by {}", packed->renderer),
+             request.secret_key ? "" : "; not signed: a kiosk takes it with --unsigned alone");
+  return 0;
+}
+
+// The appliance, if one runs, shows what the link leads to now. What it refuses goes back at once.
+Result<int> put_on_screen(const ContentArguments& arguments, const Generations& generations,
+                          const Generation* generation) {
+  const auto file = arguments.status.empty() ? usual_status_file() : std::filesystem::path(arguments.status);
+  const auto problems = ask_to_reload(file, kLongestReload);
+  if (!problems && problems.error().kind == FaultKind::disconnected) {
+    fmt::print("{}; the next start shows it\n", problems.error().message);
+    return 0;
+  }
+  if (!problems) return fail(problems.error());
+  if (problems->empty()) {
+    fmt::print("shown now{}\n", generation && generation->on_probation()
+                                    ? ", on probation: after ten minutes of pictures it is kept, else it goes back"
+                                    : "");
+    return 0;
+  }
+  if (generation)
+    if (auto gone = generations.go_back(generation->id, SystemClock().utc(), problems->front()); !gone)
+      print_error(gone.error().message);
+  print_error(fmt::format("the new content is refused, the old stays:\n  {}", fmt::join(*problems, "\n  ")));
+  return 1;
+}
+
+Result<int> install_content(const ContentArguments& arguments) {
+  const InstallRules rules{arguments.keys, arguments.unsigned_too, arguments.again, arguments.newer};
+  const auto trusted = open_trusted(arguments.path, rules);
+  if (!trusted) return fail(trusted.error());
+  if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
+  const Generations generations(arguments.folder);
+  const auto installed = install(*trusted, generations, rules, SystemClock().utc());
+  if (!installed) return fail(installed.error());
+  const auto& generation = installed->generation;
+  fmt::print("{} ({}), made {}, {}: {}\n", generation.manifest.name, generation.id,
+             second_of(generation.manifest.created),
+             trusted->signature.by.empty() ? "not signed" : "signed by " + trusted->signature.by,
+             installed->left_alone.empty() ? "installed" : installed->left_alone);
+  if (!installed->left_alone.empty()) return 0;
+  const auto now = generations.find(generation.id);
+  return put_on_screen(arguments, generations, now ? &*now : nullptr);
+}
+
+std::string state_of(const Generation& generation) {
+  if (generation.went_back)
+    return fmt::format("went back {}: {}", second_of(generation.went_back->utc), generation.went_back->why);
+  if (generation.proven) return fmt::format("proven {}", second_of(*generation.proven));
+  return "on probation";
+}
+
+Result<int> list_content(const ContentArguments& arguments) {
+  const Generations generations(arguments.folder);
+  const auto current = generations.current();
+  for (const auto& each : generations.all())
+    fmt::print("{} {}  {}  installed {}  {}  {}: {}\n", current && current->id == each.id ? '*' : ' ', each.id,
+               second_of(each.manifest.created), second_of(each.installed),
+               each.signed_by.empty() ? "not signed" : "by " + each.signed_by, each.manifest.name, state_of(each));
+  fmt::print("{} {}: set up by hand\n", current ? ' ' : '*', arguments.config);
+  return 0;
+}
+
+Result<int> roll_back(const ContentArguments& arguments) {
+  const Generations generations(arguments.folder);
+  const auto current = generations.current();
+  if (!arguments.path.empty()) {
+    const auto to = generations.find(arguments.path);
+    if (!to) return fail(to.error());
+    if (auto whole = check_unpacked(generations.folder_of(*to), to->manifest); !whole) return fail(whole.error());
+    if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
+    if (auto shown = generations.show(&to->id); !shown) return fail(shown.error());
+    fmt::print("{} ({})\n", to->manifest.name, to->id);
+    const auto now = generations.find(to->id);
+    return put_on_screen(arguments, generations, now ? &*now : nullptr);
+  }
+  if (!current) return fail(FaultKind::bad_input, "{}: no generation is shown", arguments.folder);
+  const auto before = generations.before(current->id);
+  std::error_code error;
+  if (!before && !std::filesystem::exists(arguments.config, error))
+    return fail(FaultKind::bad_input, "{} ({}): there is nothing to go back to: neither a proven generation nor {}",
+                current->manifest.name, current->id, arguments.config);
+  if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
+  if (auto gone = generations.go_back(current->id, SystemClock().utc(), "by hand"); !gone) return fail(gone.error());
+  fmt::print("{} ({}) goes back to {}\n", current->manifest.name, current->id,
+             before ? fmt::format("{} ({})", before->manifest.name, before->id) : arguments.config);
+  return put_on_screen(arguments, generations, nullptr);
+}
+
+Result<int> verify_bundle(const ContentArguments& arguments) {
+  const auto trusted = open_trusted(arguments.path, {arguments.keys, arguments.unsigned_too, false, false});
+  if (!trusted) return fail(trusted.error());
+  if (auto whole = check_files(trusted->bundle); !whole) return fail(whole.error());
+  const auto& manifest = trusted->bundle.manifest;
+  fmt::print("{} ({}), made {}: {} files, {:.1f} MB, all as its manifest names them; {}\n", manifest.name,
+             trusted->bundle.id(), second_of(manifest.created), manifest.files.size(),
+             1e-6 * static_cast<double>(manifest.bytes()),
+             trusted->signature.by.empty()
+                 ? std::string("not signed")
+                 : fmt::format("signed by {} ({})", trusted->signature.by, trusted->signature.comment));
+  return 0;
+}
+
+// What lies on this machine.
+Result<int> verify_generations(const ContentArguments& arguments) {
+  const Generations generations(arguments.folder);
+  Problems problems;
+  for (const auto& each : generations.all()) {
+    const auto whole = check_unpacked(generations.folder_of(each), each.manifest);
+    fmt::print("{} {}: {}\n", each.id, each.manifest.name, whole ? "whole" : "damaged");
+    if (!whole) problems.add("{}", whole.error().message);
+  }
+  if (!problems.empty()) return fail(problems.fault());
+  return 0;
+}
+
+Result<int> verify_content(const ContentArguments& arguments) {
+  return arguments.path.empty() ? verify_generations(arguments) : verify_bundle(arguments);
+}
+
+}  // namespace
+
+void add_content_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand(
+      "content", "Content in bundles: made and signed on a desk, installed on a kiosk, taken back where it fails");
+  command->require_subcommand(1);
+  const auto arguments = std::make_shared<ContentArguments>();
+  const auto add = [&](const char* name, const char* words, Result<int> (*run)(const ContentArguments&)) {
+    auto* sub = command->add_subcommand(name, words);
+    sub->callback([arguments, run, &action] { action = [arguments, run] { return run(*arguments); }; });
+    return sub;
+  };
+  const auto with_store = [&](CLI::App* sub) {
+    sub->add_option("--content", arguments->folder, "Where the generations lie")->capture_default_str();
+    return sub;
+  };
+  const auto with_keys = [&](CLI::App* sub) {
+    sub->add_option("--keys", arguments->keys, "Folder of the public keys that are trusted, *.pub of minisign's")
+        ->capture_default_str();
+    sub->add_flag("--unsigned", arguments->unsigned_too, "Also one that is not signed");
+    return sub;
+  };
+  const auto with_status = [&](CLI::App* sub) {
+    sub->add_option("--status", arguments->status,
+                    "The kiosk's status file (default: $RUNTIME_DIRECTORY/status.json, else /run/kasumi/status.json)");
+    return sub;
+  };
+  const auto with_config = [&](CLI::App* sub) {
+    sub->add_option("--config", arguments->config, "The configuration set up by hand, shown where there is no other")
+        ->capture_default_str();
+    return sub;
+  };
+
+  auto* packing = add("pack", "Check a configuration with all it names, and pack it into one file", pack_content);
+  packing->add_option("CONFIG", arguments->path, "kasumi.toml; all it names lies next to it or below")->required();
+  packing->add_option("--out", arguments->out, "The bundle, NAME.kasumi")->required();
+  packing->add_option("--name", arguments->name, "For people (default: the file's)");
+  packing->add_option("--key", arguments->secret_key, "Sign it: a secret key of minisign's");
+  packing->add_option("--password-file", arguments->password_file, "The key's password (default: it is asked for)");
+
+  auto* installing = with_status(with_keys(with_store(
+      add("install", "Install a bundle beside the old content and show it, on probation", install_content))));
+  installing->add_option("BUNDLE", arguments->path, "A bundle, or a folder: the one in it that was made last")
+      ->required();
+  installing->add_flag("--again", arguments->again, "Even what went back before");
+  installing->add_flag("--newer", arguments->newer,
+                       "Leave alone what is not newer than the content shown now, or went back before");
+
+  with_config(with_store(add("list", "The generations on this machine", list_content)));
+  with_config(with_status(with_store(add("rollback", "Show the content before this again, or another", roll_back))))
+      ->add_option("GENERATION", arguments->path, "One of the list, by the first digits of its id");
+  with_keys(with_store(add("verify", "Compare a bundle, or all generations here, with their hashes", verify_content)))
+      ->add_option("BUNDLE", arguments->path, "A bundle, or a folder (default: the generations on this machine)");
+}
+
+}  // namespace kasumi

@@ -1,0 +1,145 @@
+#include "pipeline/content/install.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include <sys/statvfs.h>
+
+#include "base/lasting_file.hpp"
+#include "capture/utc_text.hpp"
+#include "pipeline/config/content.hpp"
+
+namespace kasumi {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostBundles = 100;                     // of a folder
+constexpr std::uint64_t kLeftFree = std::uint64_t{64} << 20;  // for state, status, the journal
+
+std::string day_of(Utc utc) {
+  return utc_text(std::chrono::floor<std::chrono::seconds>(utc));
+}
+
+Result<Trusted> open_trusted_file(const fs::path& path, const InstallRules& rules, const std::vector<PublicKey>& keys) {
+  auto bundle = look_into(path);
+  if (!bundle) return fail(bundle.error());
+  if (bundle->signature.empty() && rules.unsigned_too) return Trusted{std::move(*bundle), {}};
+  if (keys.empty())
+    return fail(FaultKind::bad_input, "{}: no key is trusted here: expected public keys of minisign's, {}/NAME.pub",
+                path.string(), rules.keys.string());
+  auto by = verify_signature(bundle->manifest_text, bundle->signature, keys);
+  if (!by) return fail(by.error().kind, "{}: {}", path.string(), by.error().message);
+  return Trusted{std::move(*bundle), std::move(*by)};
+}
+
+Result<Trusted> open_newest(const fs::path& folder, const InstallRules& rules, const std::vector<PublicKey>& keys) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != end(entry); entry.increment(error))
+    if (entry->path().extension() == kBundleExtension && !entry->path().filename().string().starts_with('.'))
+      files.push_back(entry->path());
+  if (error) return fail(FaultKind::io, "{}: cannot be read: {}", folder.string(), error.message());
+  std::ranges::sort(files);
+  if (files.size() > kMostBundles) files.resize(kMostBundles);
+  std::optional<Trusted> newest;
+  Problems problems;
+  for (const auto& file : files) {
+    auto opened = open_trusted_file(file, rules, keys);
+    if (!opened)
+      problems.add("{}", opened.error().message);
+    else if (!newest || opened->bundle.manifest.created > newest->bundle.manifest.created)
+      newest = std::move(*opened);
+  }
+  if (newest) return std::move(*newest);
+  if (files.empty()) problems.add("{}: no bundle in it: expected NAME{}", folder.string(), kBundleExtension);
+  return fail(problems.fault());
+}
+
+Result<> fits_on_disk(const fs::path& folder, std::uint64_t bytes) {
+  struct statvfs disk {};
+  if (::statvfs(folder.c_str(), &disk) != 0)
+    return fail(FaultKind::io, "{}: {}", folder.string(), std::strerror(errno));
+  const auto left = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+  if (bytes + kLeftFree <= left) return {};
+  return fail(FaultKind::io, "{}: {} MB are free, and {} MB are needed: kasumi content list, docs/content.md",
+              folder.string(), left >> 20, (bytes + kLeftFree) >> 20);
+}
+
+// What is said of files is said of the bundle's, not of where they lie meanwhile.
+std::string named_in_bundle(std::string text, const fs::path& folder, const fs::path& bundle) {
+  const auto from = folder.string() + "/", to = bundle.filename().string() + ": ";
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+// It is not in the way of the next one.
+tl::unexpected<Fault> give_up(const fs::path& folder, Fault fault) {
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  return fail(std::move(fault));
+}
+
+Result<> unpack_beside(const Trusted& trusted, const Generations& generations, const Generation& generation) {
+  const auto& bundle = trusted.bundle;
+  if (auto made = create_folders(generations.folder()); !made) return made;
+  if (auto fits = fits_on_disk(generations.folder(), bundle.manifest.bytes()); !fits) return fits;
+  const auto folder = generations.new_folder();
+  if (!folder) return fail(folder.error());
+  if (auto unpacked = unpack(bundle, *folder); !unpacked) return give_up(*folder, unpacked.error());
+  if (const auto content = read_content(*folder / bundle.manifest.configuration); !content)
+    return give_up(*folder,
+                   Fault{content.error().kind, named_in_bundle(content.error().message, *folder, bundle.path)});
+  if (auto added = generations.add(*folder, generation); !added) return give_up(*folder, added.error());
+  return {};
+}
+
+// Empty: it may be installed. `known`: as it is on this machine already.
+Result<std::string> reason_to_leave_alone(const Generation& next, const std::optional<Generation>& known,
+                                          const std::optional<Generation>& current, const InstallRules& rules) {
+  if (current && current->id == next.id) return "it is shown already";
+  if (known && known->went_back && !rules.again) {
+    const auto why = fmt::format("it was shown before and went back on {}: {}", day_of(known->went_back->utc),
+                                 known->went_back->why);
+    if (rules.newer_only) return why;
+    return fail(FaultKind::bad_input, "{} ({}): {}; --again tries it once more", next.manifest.name, next.id, why);
+  }
+  if (rules.newer_only && current && next.manifest.created <= current->manifest.created)
+    return fmt::format("it is of {}, not newer than the one that is shown, of {}", day_of(next.manifest.created),
+                       day_of(current->manifest.created));
+  return std::string();
+}
+
+}  // namespace
+
+Result<Trusted> open_trusted(const fs::path& path, const InstallRules& rules) {
+  const auto keys = read_public_keys(rules.keys);
+  if (!keys) return fail(keys.error());
+  std::error_code error;
+  return fs::is_directory(path, error) ? open_newest(path, rules, *keys) : open_trusted_file(path, rules, *keys);
+}
+
+Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now) {
+  Generation next{.id = trusted.bundle.id(),
+                  .manifest = trusted.bundle.manifest,
+                  .installed = now,
+                  .signed_by = trusted.signature.by};
+  const auto known = generations.find(next.id);
+  const auto there = known ? std::optional(*known) : std::nullopt;
+  const auto leave = reason_to_leave_alone(next, there, generations.current(), rules);
+  if (!leave) return fail(leave.error());
+  if (!leave->empty()) return Installed{there.value_or(next), *leave};
+  const bool whole = there && check_unpacked(generations.folder_of(next), next.manifest);
+  if (there && !whole)
+    if (auto removed = generations.remove(next.id); !removed) return fail(removed.error());
+  if (!whole)
+    if (auto unpacked = unpack_beside(trusted, generations, next); !unpacked) return fail(unpacked.error());
+  if (auto shown = generations.show(&next.id); !shown) return fail(shown.error());
+  generations.prune();
+  return Installed{whole ? *there : next, {}};
+}
+
+}  // namespace kasumi

@@ -1,0 +1,34 @@
+// From a bundle to the generation that is shown next.
+#pragma once
+
+#include "pipeline/content/bundle.hpp"
+#include "pipeline/content/generations.hpp"
+#include "pipeline/content/signature.hpp"
+
+namespace kasumi {
+
+struct InstallRules {
+  std::filesystem::path keys;  // a folder of public keys that are trusted
+  bool unsigned_too = false;
+  bool again = false;       // what went back before may be tried once more
+  bool newer_only = false;  // what is not newer than the content shown now, or went back before, is left alone
+};
+
+// A bundle whose signature is known; empty `by`: it is not signed, which the rules allow.
+struct Trusted {
+  Bundle bundle;
+  Signed signature;
+};
+// Of a file, or of the bundle in a folder that was made last. Errors: bad_input (not a bundle, not trusted; of a folder
+// what is wrong with each, or that it holds none), io.
+Result<Trusted> open_trusted(const std::filesystem::path& path, const InstallRules& rules);
+
+struct Installed {
+  Generation generation;
+  std::string left_alone;  // why nothing was changed; empty: it is shown next
+};
+// Unpacks it beside the others, reads the whole content as a start would, and only then replaces the link. A power cut
+// leaves the old content or the new. Errors: bad_input (all problems of the content, or it went back before), io.
+Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now);
+
+}  // namespace kasumi
