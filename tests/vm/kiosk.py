@@ -33,10 +33,11 @@ STATISTICS = """\
 ExecStart=
 ExecStart=/usr/bin/kasumi run --config /etc/kasumi/kasumi.toml --stats
 """
-# A program that crashes as it starts, but not in safe mode.
+# A program that crashes as it starts, but not in safe mode: once it has noted this start, which wait-before-start begins.
 CRASH = """\
 [Service]
-ExecStart=/bin/sh -c 'while sleep .3; do grep -q mode.*whole /var/lib/kasumi/starts.json && systemctl kill -s KILL --kill-whom=main kasumi; done'
+ExecStart=/bin/sh -c 'while sleep .3; do test /var/lib/kasumi/starts.json -nt /run/kasumi/starts && \\
+  grep -q mode.*whole /var/lib/kasumi/starts.json && systemctl kill -s KILL --kill-whom=main kasumi; done'
 [Install]
 WantedBy=multi-user.target
 """
