@@ -500,6 +500,44 @@ class Libcamera(LiveKiosk):
 
 
 @long
+class Planes(LiveKiosk):
+    """The scene camera's buffer lies on one plane of the display's, the building on the one above: vivid and vkms, drivers without
+    hardware. The screen's picture cannot be read while it is the appliance's: DeviceTests.test_planes compares it."""
+
+    @classmethod
+    def prepare(cls):
+        cls.kiosk.run("modprobe vivid && modprobe vkms && udevadm settle")
+        cls.kiosk.configure(scene=kiosk.VIVID_FOR_PLANES, scene_size=kiosk.PLANES_SIZE, display=kiosk.VKMS)
+        return True
+
+    @classmethod
+    def warm_up(cls):
+        cls.wait_on_planes()
+
+    @classmethod
+    def wait_on_planes(cls):
+        cls.kiosk.wait_status("on planes", lambda status: status["display"]["planes"] == "on")
+
+    def planes(self):
+        """The kernel's planes that show something: format, size and place of each."""
+        state = self.kiosk.run("cat /sys/kernel/debug/dri/*/state")  # of virtio-gpu, too, which shows the console
+        shown = [part for part in re.split(r"(?m)^(?=\S)", state) if part.startswith("plane[") and not re.search(r"\tfb=0\n", part)]
+        return [(re.search(r"format=(\S+)", part).group(1), re.search(r"crtc-pos=(\S+)", part).group(1)) for part in shown]
+
+    def test_00_is_live(self):
+        """Camera and building are on planes of their own in the kernel, and the pictures go on."""
+        before = self.kiosk.status()
+        planes = self.planes()
+        print(f"{before['display']['description']}: {planes} ... ", end="", flush=True)
+        self.assertIn(("XR24", "640x480+0+0"), planes)
+        self.assertEqual([format for format, _ in planes].count("AR24"), 1)
+        self.kiosk.wait_status("fifty pictures", lambda status: status["pictures"] >= before["pictures"] + 50)
+        after = self.kiosk.status()
+        self.assertEqual((after["shown"], after["display"]["planes"]), ("live", "on"))
+        self.assertEqual(after["display"]["resets"], before["display"]["resets"])
+
+
+@long
 class DeviceTests(LiveKiosk):
     """The device tests that are skipped elsewhere, on the machine's cameras and display."""
 
@@ -529,3 +567,10 @@ class DeviceTests(LiveKiosk):
     def test_import(self):
         """Kernel memory imported as a picture of the renderer."""
         self.run_program("KASUMI_TEST_IMPORT=1 ./test_gles --gtest_filter='CameraImports.ReadAReal*'", least=1)
+
+    def test_planes(self):
+        """vkms composes camera and building on its planes, and gives the picture back: it is the GPU's."""
+        self.kiosk.run("modprobe vkms && udevadm settle")
+        self.run_program("./test_kms --gtest_filter='KmsWriteback*'", least=1)
+        for line in re.findall("planes against.*", (self.kiosk.folder / "test_planes.log").read_text()):
+            print(f"{line} ... ", end="", flush=True)
