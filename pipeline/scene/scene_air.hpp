@@ -38,6 +38,9 @@ struct DrawnAir {
   AirlightGrid measured;
 };
 
+// Whether a layer drawn under the one looks the same under the other.
+bool look_alike(const SceneConditions& now, const SceneConditions& drawn);
+
 class SceneAir {
  public:
   SceneAir(const Installation& installation, SceneAirOptions options);
@@ -47,6 +50,9 @@ class SceneAir {
   SceneConditions observe(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky);
   // `box`: where the object appears. `layer`: the conditions its layer was drawn under; null: there is none.
   DrawnAir drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer = nullptr) const;
+  // Its parts.
+  ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
+  AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
 
   // Measures the horizon in a scene frame, at most once per horizon_interval of recorded time; in between it follows
   // the camera's exposure. `sky_picture`: the sky camera's latest, for scenes that show no sky; may be null.
@@ -67,10 +73,8 @@ class SceneAir {
   ScatteringModel scattering(const AirState& air) const;
   HazeCoefficients haze(const AirState& air) const;
   double haze_blur_px(const AirState& air) const;
-  ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
   // Factor on the light from infinity by direction, as the model has it and as measured alike (FinitePath).
   std::function<glm::dvec3(const Direction&)> air_before_object(const SceneConditions& conditions) const;
-  AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
   void adopt(HorizonLight seen, const FrameMetadata& metadata);
   const Camera& scene() const { return observer_->scene(); }
 
