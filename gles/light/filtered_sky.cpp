@@ -80,6 +80,7 @@ class Mirror {
         touched.clear();
         ends_.push_back(taps_.size());
       }
+    taps_.shrink_to_fit();
   }
 
   Image<glm::vec3> of(const Image<glm::vec3>& radiance) const {

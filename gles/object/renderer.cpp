@@ -401,8 +401,10 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance, const WithLay
 Result<bool> Renderer::continue_layer(const std::function<bool()>& time_is_left) {
   for (;;) {
     const auto whole = state_->next_piece();
+    // What the GPU still has to do would delay the picture all the same. Software GL keeps the memory of as much work
+    // as was ever waiting for it, textures included.
+    if (time_is_left || state_->info.software) glFinish();
     if (!whole || *whole || !time_is_left) return whole;
-    glFinish();  // what the GPU still has to do would delay the picture all the same
     if (!time_is_left()) return false;
   }
 }
