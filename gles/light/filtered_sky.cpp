@@ -181,6 +181,10 @@ Image<glm::vec3> matt_of(const LightAround& around) {
 
 }  // namespace
 
+void prepare_filters() {
+  (void)mirrors();
+}
+
 FilteredSky filter_sky(const LightAround& around, bool with_mirrors) {
   FilteredSky sky;
   sky.matt = matt_of(around);

@@ -29,7 +29,17 @@ Image<glm::u8vec4> bytes_of(const Image<glm::vec3>& light, float unit) {
   return bytes;
 }
 
+const Image<glm::u8vec4>& table() {
+  static const auto made = reflection_table();
+  return made;
+}
+
 }  // namespace
+
+void prepare_sky_squares() {
+  prepare_filters();
+  (void)table();
+}
 
 SkySquares sky_squares(const LightAround& around, bool with_mirrors) {
   const FilteredSky sky = filter_sky(around, with_mirrors);
@@ -37,8 +47,7 @@ SkySquares sky_squares(const LightAround& around, bool with_mirrors) {
   SkySquares made;
   made.squares.resize(SkySquares::kCount);
   if (with_mirrors) {
-    static const auto table = reflection_table();  // depends on nothing
-    made.squares[SkySquares::kTable] = table;
+    made.squares[SkySquares::kTable] = table();
     for (std::size_t level = 0; level < sky.mirrors.size(); ++level)
       made.squares[SkySquares::kFirstMirror + level] = bytes_of(sky.mirrors[level], unit_of(radiance));
   }

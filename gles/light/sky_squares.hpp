@@ -25,5 +25,7 @@ struct SkySquares {
 };
 // `with_mirrors`: for models that reflect.
 SkySquares sky_squares(const LightAround& around, bool with_mirrors);
+// What takes long the first time, and depends on nothing; on any thread, beside whatever else there is to do.
+void prepare_sky_squares();
 
 }  // namespace kasumi

@@ -1,5 +1,6 @@
 #include "pipeline/scene/compositor.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -59,10 +60,13 @@ Result<CompositorMaking> CompositorMaking::begin(GlContext& context, const Insta
   if (!prepared) prepared = std::make_shared<const PreparedScene>(prepare_scene(installation, model));
   auto renderer = Renderer::create(context, options);
   if (!renderer) return fail(renderer.error());
+  const bool reflects = std::ranges::any_of(model.materials, &ModelMaterial::reflects);
+  auto filters = reflects ? std::async(std::launch::async, prepare_sky_squares) : std::future<void>();
   const std::shared_ptr<const ModelChunks> chunks(prepared, &prepared->chunks);
   if (auto begun = renderer->begin_model(model, chunks); !begun) return fail(begun.error());
-  return CompositorMaking(Compositor(std::move(*renderer), std::move(air), installation), installation, model,
-                          std::move(prepared));
+  Compositor made(std::move(*renderer), std::move(air), installation);
+  made.filters_ = std::move(filters);
+  return CompositorMaking(std::move(made), installation, model, std::move(prepared));
 }
 
 Result<bool> CompositorMaking::step() {
@@ -101,32 +105,37 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   return show(target);
 }
 
-// The air that the frame is drawn under, and the building's layer.
+// The air that the frame is drawn under, and the building's layer, which does not need the horizon as it is seen.
 Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky) {
-  const auto now = observe(metadata, picture, sky);
+  const auto now = air_.conditions(sky);
+  air_.follow_exposure(metadata);
+  auto horizon = measure_horizon(metadata, picture, sky, now);
   const auto wanted = detail_for_gles(quality_, picture.view().layout, now.haze_blur_px);
   noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
-  return clock_ && layer_ ? update_layer_in_slices(metadata, now, wanted) : update_layer_at_once(now, wanted);
+  auto updated = clock_ && layer_ ? update_layer_in_slices(metadata, now, wanted) : update_layer_at_once(now, wanted);
+  if (horizon.valid()) air_.adopt(horizon.get());
+  measured_ = air_.measured(now, renderer_.object_box());
+  return updated;
 }
 
-SceneConditions Compositor::observe(const FrameMetadata& metadata, const DecodedPicture& picture,
-                                    const SkyReport& sky) {
-  if (!clock_ || !air_.horizon().usable()) return air_.observe(metadata, picture.view(), sky);
-  auto now = air_.conditions(sky);
-  air_.follow_exposure(metadata);
-  if (air_.horizon_is_due(metadata)) {
-    air_.asked(metadata);
-    question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now};
-  }
-  return now;
+// Beside the drawing; once it is live, by somebody else.
+std::future<HorizonAnswer> Compositor::measure_horizon(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                                       const SkyReport& sky, const SceneConditions& now) {
+  if (!air_.horizon_is_due(metadata)) return {};
+  if (!clock_ || !air_.horizon().usable())
+    return std::async(std::launch::async, [&metadata, &picture, &now, sky = sky.picture, observer = air_.observer()] {
+      const auto* above = sky ? &sky->view() : nullptr;
+      return HorizonAnswer{observer, metadata, observer->observe(picture.view(), above, &now)};
+    });
+  air_.asked(metadata);
+  question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now};
+  return {};
 }
 
 Result<> Compositor::update_layer_at_once(const SceneConditions& now, const ObjectDetail& wanted) {
   if (auto fitted = update_detail(wanted); !fitted) return fitted;
-  const auto air = air_.drawn_air(now, renderer_.object_box(), layer_ ? &*layer_ : nullptr);
-  measured_ = air.measured;
-  if (air.appearance && !unfinished_layer_)
-    if (auto begun = begin_layer(now, *air.appearance); !begun) return begun;
+  if (!unfinished_layer_ && !(layer_ && look_alike(now, *layer_)))
+    if (auto begun = begin_layer(now, air_.appearance(now, renderer_.object_box())); !begun) return begun;
   while (unfinished_layer_)
     if (const auto whole = continue_layer(); !whole) return fail(whole.error());
   return {};
@@ -152,7 +161,6 @@ Result<> Compositor::update_layer_in_slices(const FrameMetadata& metadata, const
     layer_question_ = LayerQuestion{air, now, wanted, renderer_.object_box(wanted), renderer_.reflects()};
     asked_layer_ = AskedLayer{air, metadata.captured_at};
   }
-  measured_ = air_.measured(now, renderer_.object_box());
   return {};
 }
 
@@ -209,9 +217,8 @@ Result<> Compositor::update_detail(const ObjectDetail& wanted) {
 Result<> Compositor::begin_layer(const SkyReport& sky, PixelLayout layout) {
   const auto now = air_.conditions(sky);
   if (auto fitted = update_detail(detail_for_gles(quality_, layout, now.haze_blur_px)); !fitted) return fitted;
-  const auto air = air_.drawn_air(now, renderer_.object_box());
-  measured_ = air.measured;
-  return begin_layer(now, *air.appearance);
+  measured_ = air_.measured(now, renderer_.object_box());
+  return begin_layer(now, air_.appearance(now, renderer_.object_box()));
 }
 
 Result<> Compositor::begin_layer(const SceneConditions& now, const ObjectAppearance& appearance,

@@ -1,14 +1,15 @@
 // The scene camera's half of the pipeline: frames and today's air in, pictures with the building out.
 #pragma once
 
+#include <future>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gpu_model/model_chunks.hpp"
 #include "gles/object/renderer.hpp"
-#include "base/clock.hpp"
 #include "pipeline/scene/layer_light.hpp"
 #include "pipeline/scene/scene_air.hpp"
 
@@ -98,7 +99,8 @@ class Compositor {
   Result<> lend(const DecodedPicture& picture);
   Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
   Result<> pass_to_gpu(const DecodedPicture& picture);
-  SceneConditions observe(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
+  std::future<HorizonAnswer> measure_horizon(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                             const SkyReport& sky, const SceneConditions& now);
   Result<> update_layer_at_once(const SceneConditions& now, const ObjectDetail& wanted);
   Result<> update_layer_in_slices(const FrameMetadata& metadata, const SceneConditions& now,
                                   const ObjectDetail& wanted);
@@ -107,6 +109,7 @@ class Compositor {
   Result<> update_detail(const ObjectDetail& wanted);
   Result<> show(const DrawTarget& target);
 
+  std::future<void> filters_;  // of the sky, on their way
   Renderer renderer_;
   SceneAir air_;
   YuvEncoding encoding_;
@@ -128,11 +131,11 @@ class Compositor {
     std::shared_ptr<const SceneAir> air;  // of the question
     Instant at;                           // when its picture was captured
   };
-  std::optional<AskedLayer> asked_layer_;  // not yet answered
+  std::optional<AskedLayer> asked_layer_;        // not yet answered
   std::optional<LayerQuestion> layer_question_;  // not yet taken
   std::optional<LayerAnswer> layer_answer_;      // not yet begun
-  std::optional<DecodedPicture> lent_;       // the picture drawn or taken last, while it uses the driver's buffer
-  bool lent_to_gpu_ = false;                 // else only taken
+  std::optional<DecodedPicture> lent_;           // the picture drawn or taken last, while it uses the driver's buffer
+  bool lent_to_gpu_ = false;                     // else only taken
   ExternalPicture camera_buffer_;
   SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // of the picture drawn last; empty: it has no building

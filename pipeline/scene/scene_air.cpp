@@ -132,19 +132,6 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   return conditions;
 }
 
-SceneConditions SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky) {
-  auto now = conditions(sky);
-  update_horizon(metadata, scene, sky.picture ? &sky.picture->view() : nullptr, &now);
-  return now;
-}
-
-DrawnAir SceneAir::drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer) const {
-  DrawnAir air;
-  if (!layer || !look_alike(now, *layer)) air.appearance = appearance(now, box);
-  air.measured = measured(now, box);
-  return air;
-}
-
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
   const Daylight daylight(scene(), conditions.air, conditions.sun,
                           {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get()});
@@ -176,12 +163,6 @@ void SceneAir::follow_exposure(const FrameMetadata& metadata) {
 bool SceneAir::horizon_is_due(const FrameMetadata& metadata) const {
   const auto& last = horizon_asked_at_ ? horizon_asked_at_ : horizon_seen_at_;
   return !last || metadata.captured_at < *last || metadata.captured_at - *last >= options_.horizon_interval;
-}
-
-void SceneAir::update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
-                              const SceneConditions* conditions) {
-  follow_exposure(metadata);
-  if (horizon_is_due(metadata)) adopt(observer_->observe(scene, sky_picture, conditions), metadata);
 }
 
 void SceneAir::adopt(const HorizonAnswer& answer) {
