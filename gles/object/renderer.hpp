@@ -15,12 +15,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
 
-#include "base/clock.hpp"
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
@@ -33,6 +34,13 @@
 namespace kasumi {
 
 struct ModelChunks;
+struct SkySquares;
+
+// What comes with a new layer, besides its light and air.
+struct WithLayer {
+  std::optional<ObjectDetail> detail{};     // from when the layer is whole; empty: as it is
+  std::shared_ptr<const SkySquares> sky{};  // sky_squares() of its light; null: computed in begin_layer()
+};
 
 class Renderer {
  public:
@@ -70,15 +78,17 @@ class Renderer {
 
   // Where the object can appear; empty when it is out of the picture. The grids of airlight need to be valid only here.
   PixelBox object_box() const;
+  PixelBox object_box(const ObjectDetail& detail) const;  // and where it could with this one
+  bool reflects() const;                                  // the model does: sky_squares() are needed with mirrors
 
   // Draws the object into the cached layer. Needs a model and a view. Takes long (supersampling); the result stays
   // valid for every exposure, that is for every measured airlight.
   Result<> redraw_layer(const ObjectAppearance& appearance);
   // The same in pieces of some milliseconds on a fast GPU: a map of the shadow, a tile of the layer. draw() shows the
   // layer of before until the new one is whole.
-  Result<> begin_layer(const ObjectAppearance& appearance);
-  // Draws pieces for this long, waiting for the GPU, and one at least. true: the layer is drawn.
-  Result<bool> continue_layer(Duration at_most = {});
+  Result<> begin_layer(const ObjectAppearance& appearance, const WithLayer& with = {});
+  // Draws a piece, and further ones as long as `time_is_left`, waiting for the GPU after each. true: the layer is drawn.
+  Result<bool> continue_layer(const std::function<bool()>& time_is_left = {});
 
   // The cached layer: premultiplied N = rho Gamma + 1 - Gamma in rgb, coverage in a (physics 6), one element per pixel
   // of object_box(). For tests and masks.
