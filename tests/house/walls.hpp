@@ -16,6 +16,7 @@ inline const Walls kMayInclude = {
     {"base", {}},
     {"base/sky", {"base"}},
     {"base/table", {"base"}},
+    {"base/words", {"base"}},
 
     {"calib", {"base", "calib/colour", "calib/lens", "calib/light"}},
     {"calib/board", {}},
