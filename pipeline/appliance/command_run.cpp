@@ -6,7 +6,7 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/appliance/safe_mode.hpp"
 #include "pipeline/appliance/threads.hpp"
 #include "pipeline/command.hpp"

@@ -10,8 +10,8 @@
 #include "base/files.hpp"
 #include "base/geometry.hpp"
 #include "base/table/config_table.hpp"
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
-#include "capture/utc_text.hpp"
 
 namespace kasumi {
 
