@@ -19,7 +19,7 @@ struct HazeOptions {
   HazeRangeOptions range;
   std::optional<int> outline_reach_px;  // left out: a hundredth of the picture's width
   bool indoors = false, allow_damaged = false;
-  bool cut_outlines = false;  // no light crosses an outline
+  bool cut_outlines = false;                                // no light crosses an outline
   std::vector<std::string> turbidities, aods, scatterings;  // numbers, or FROM:TO:STEP
   AirOptions aerosol;                                       // exponent and kind
   std::optional<double> kappa_a;
