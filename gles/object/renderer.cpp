@@ -11,6 +11,7 @@
 #include "gles/light/airlight_grid.hpp"
 #include "gles/light/appearance.hpp"
 #include "gles/light/sky_atlas.hpp"
+#include "gles/object/camera_processing.hpp"
 #include "gles/object/composite.hpp"
 #include "gles/object/foreground.hpp"
 #include "gles/object/object_layer.hpp"
@@ -30,6 +31,8 @@ void check(const ObjectDetail& detail, Problems& problems) {
   if (!shared(detail.chroma_columns) || !shared(detail.chroma_rows))
     problems.add("detail: a colour for {} x {} pixels: expected 1 or 2 each way", detail.chroma_columns,
                  detail.chroma_rows);
+  if (!(detail.sharpening >= 0.0 && detail.sharpening <= kStrongestSharpening))
+    problems.add("detail: sharpening by {}: expected 0 .. {}", detail.sharpening, kStrongestSharpening);
 }
 
 // Calls it until it says that it is done.
@@ -81,6 +84,8 @@ struct Renderer::State {
   std::optional<UnfinishedLayer> unfinished_layer;
   std::optional<ObjectLayer> layer;
   Composite composite;
+  std::shared_ptr<const JpegSteps> jpeg;  // of the newest picture
+  std::optional<CameraProcessing> processing;
   std::vector<std::string> notes;
 
   bool layer_in_8_bits() const {
@@ -125,6 +130,40 @@ struct Renderer::State {
     check(noise, problems);
     if (!problems.empty()) return fail(problems.fault());
     return {};
+  }
+
+  ProcessingOptions wanted_processing() const {
+    ProcessingOptions wanted{detail.sharpening, detail.jpeg_blocks ? jpeg : nullptr, {1, 1}};
+    if (!info.highp_fragments) wanted.jpeg.reset();
+    const PixelLayout layout = camera.newest().layout;
+    if (layout == PixelLayout::i420) wanted.shared_pixels = {2, 2};
+    if (layout == PixelLayout::i422) wanted.shared_pixels = {2, 1};
+    return wanted;
+  }
+  // The composite around the object as the camera would have processed it; null: it does nothing to its pictures.
+  Result<const CameraProcessing*> process(const AirlightGrid& measured, const SensorNoise& noise) {
+    const PixelBox& changed = composite.covered();
+    const auto wanted = wanted_processing();
+    if (wanted.none() || changed.empty()) return nullptr;
+    const glm::ivec2 size{camera.newest().width, camera.newest().height};
+    if (!processing || !processing->is_for(changed, size, wanted)) {
+      processing.reset();
+      auto made = CameraProcessing::create(changed, size, wanted, info);
+      if (!made) return fail(made.error());
+      processing = std::move(*made);
+    }
+    const PictureOnTarget part(processing->part(), size.x, size.y);
+    const auto whole_view = [&] { glViewport(part.box.x, part.box.y, part.box.width, part.box.height); };
+    const auto draw_camera = [&] {
+      whole_view();
+      return composite.draw_camera_alone(programs, frame(), part);
+    };
+    const auto draw_composite = [&] {
+      whole_view();
+      return composite.draw_with_coverage(programs, frame(), part, *layer, measured, noise);
+    };
+    if (auto done = processing->apply(programs, draw_camera, draw_composite); !done) return fail(done.error());
+    return &*processing;
   }
 
   Result<> fits_view(int width, int height) const {
@@ -414,14 +453,16 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
   return state_->layer->read();
 }
 
-Result<> Renderer::upload(const PictureView& frame) {
+Result<> Renderer::upload(const PictureView& frame, std::shared_ptr<const JpegSteps> jpeg) {
   if (auto fits = state_->fits_view(frame.width, frame.height); !fits) return fits;
+  state_->jpeg = std::move(jpeg);
   return state_->camera.upload(frame);
 }
 
 Result<> Renderer::import_frame(const ExternalPicture& frame) {
   State& s = *state_;
   if (auto fits = s.fits_view(frame.width, frame.height); !fits) return fits;
+  s.jpeg.reset();
   return s.camera.import_frame(frame, s.notes);
 }
 
@@ -445,9 +486,11 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   State& s = *state_;
   if (!s.layer) return draw_background(target);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  const auto processed = s.process(measured, noise);
+  if (!processed) return fail(processed.error());
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
-  return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
+  return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
 }
 
 Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
@@ -458,12 +501,14 @@ Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget
     return fail(FaultKind::bad_input, "a plane of {} x {} pixels: the object's box is of {} x {}", target.width,
                 target.height, box.right - box.left, box.bottom - box.top);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  const auto processed = s.process(measured, noise);
+  if (!processed) return fail(processed.error());
   const PictureOnTarget shown(box, s.camera.newest().width, s.camera.newest().height);
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);
   glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
-  return s.composite.draw_for_plane(s.programs, s.frame(), shown, *s.layer, measured, noise);
+  return s.composite.draw_for_plane(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
 }
 
 PixelBox Renderer::drawn_box() const {

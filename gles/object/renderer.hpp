@@ -23,6 +23,7 @@
 #include <glm/mat4x4.hpp>
 
 #include "base/image.hpp"
+#include "base/jpeg_steps.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
 #include "gles/gl/context.hpp"
@@ -67,7 +68,8 @@ class Renderer {
   // where unknown: parts of the object behind it are not drawn. An empty image: no surfaces. Not used on drivers with
   // only the eight texture units of GLES 2; notes() reports it.
   Result<> set_scene_depth(const Image<float>& depth_m);
-  // The camera's blur; none by default. The object's box grows by its spread.
+  // The camera's blur, sharpening and JPEG blocks; none by default. The object's box grows by its spread. Blocks need
+  // high precision in fragment shaders, and the JPEG's steps with each uploaded picture.
   Result<> set_detail(const ObjectDetail& detail);
 
   // The scene camera's response. Does not make the layer stale.
@@ -96,7 +98,8 @@ class Renderer {
 
   // The camera's picture, of the view's size (others are refused with bad_input, keeping the last one). Its planes are
   // not needed after this returns.
-  Result<> upload(const PictureView& frame);
+  // `jpeg`: of the JPEG that it was decoded from; null: none.
+  Result<> upload(const PictureView& frame, std::shared_ptr<const JpegSteps> jpeg = nullptr);
   // The same without a copy: the GPU reads the driver's buffer, which must keep the picture until the frame drawn from
   // it has been replaced on the display. Errors: unsupported (upload it instead; reported once in notes(), and
   // remembered for pictures of that kind), bad_input (planes beyond the buffer).

@@ -253,7 +253,9 @@ Result<> Compositor::rehearse(PixelLayout layout, const DrawTarget& target) {
     bytes[i].assign(size.row_bytes * static_cast<std::size_t>(size.rows), 128);
     grey.planes[i] = {bytes[i].data(), size.row_bytes};
   }
-  if (auto uploaded = renderer_.upload(grey); !uploaded) return uploaded;
+  if (auto uploaded = renderer_.upload(grey, detail_.jpeg_blocks ? std::make_shared<const JpegSteps>() : nullptr);
+      !uploaded)
+    return uploaded;
   noise_ = noise_for_gles(quality_, white_balance_, 1.0, 0);
   auto drawn = show(target);
   measured_.reset();
@@ -273,7 +275,7 @@ Result<> Compositor::pass_to_gpu(const DecodedPicture& picture) {
     lent_to_gpu_ = true;
     return {};
   }
-  if (auto uploaded = renderer_.upload(picture.view()); !uploaded) return uploaded;
+  if (auto uploaded = renderer_.upload(picture.view(), picture.jpeg_steps()); !uploaded) return uploaded;
   lent_.reset();
   return {};
 }
@@ -286,7 +288,7 @@ Result<> Compositor::draw_again(const DrawTarget& target) {
 
 Result<> Compositor::copy_lent() {
   if (!lent_) return {};
-  if (auto copied = renderer_.upload(lent_->view()); !copied) return copied;
+  if (auto copied = renderer_.upload(lent_->view(), lent_->jpeg_steps()); !copied) return copied;
   lent_.reset();
   return {};
 }
