@@ -8,7 +8,7 @@ Result<Program> build(ProgramKind kind, const Defines& defines) {
     case ProgramKind::object: return Program::build(defines, "object.vert", "object.frag");
     case ProgramKind::ground: return Program::build(defines, "object.vert", "ground.frag");
     case ProgramKind::sun_map: return Program::build(defines, "sun_map.vert", "sun_map.frag");
-    case ProgramKind::spread: return Program::build(defines, "resolve.vert", "spread.frag");
+    case ProgramKind::spread: return Program::build(defines, "square.vert", "spread.frag");
     case ProgramKind::resolve: return Program::build(defines, "resolve.vert", "resolve.frag");
     case ProgramKind::picture: return Program::build(defines, "picture.vert", "picture.frag");
   }
