@@ -289,7 +289,8 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   auto state = std::make_unique<State>(context.info(), options);
   state->dither = make_dither_pattern();
   state->units_in_one_pass = units_beside_camera(textures);
-  state->scene_depth_unit = textures > kSceneDepthUnit ? static_cast<int>(kSceneDepthUnit) : -1;
+  const bool compares_depths = textures > kSceneDepthUnit && state->info.highp_fragments;
+  state->scene_depth_unit = compares_depths ? static_cast<int>(kSceneDepthUnit) : -1;
   GLint varyings = 0;
   glGetIntegerv(GL_MAX_VARYING_VECTORS, &varyings);
   state->many_varyings = varyings > 8;
@@ -302,7 +303,7 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   state->response = std::move(*response);
   if (!state->info.highp_fragments)
     state->notes.emplace_back(
-        "fragment shaders compute in medium precision: distances beyond 60 km and fine dithering suffer");
+        "fragment shaders compute in 16 bits: glints of mapped materials are up to 12 of 255 off, dithering is coarse");
   if (state->layer_in_8_bits()) state->notes.emplace_back("the object's layer is kept in 8 bits (square roots)");
   if (auto made = check_gl("creating the renderer"); !made) return fail(made.error());
   return Renderer(std::move(state));
@@ -359,7 +360,8 @@ Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
   s.scene_depth.reset();
   if (depth_m.empty()) return {};
   if (s.scene_depth_unit < 0) {
-    s.notes.push_back(fmt::format("the depth map is not used: {} has too few texture units", s.info.renderer));
+    s.notes.push_back(fmt::format("the depth map is not used: {} has too few texture units or too little precision",
+                                  s.info.renderer));
     return {};
   }
   auto made = SceneDepth::upload(depth_m, s.info);
