@@ -1,5 +1,6 @@
-# `cmake --install BUILD` puts the appliance where its unit looks for it; `cpack` (in the build folder) makes Debian packages: kasumi
-# of the same files, and kasumi-kiosk, which closes the machine it stands on. Tests and generators are not installed.
+# `cmake --install BUILD` puts the appliance and its reporter where their units look for them; `cpack` (in the build folder) makes Debian
+# packages: kasumi and kasumi-report of the same files, and kasumi-kiosk, which closes the machine it stands on. Tests and generators
+# are not installed.
 set(doc share/doc/kasumi)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME kasumi)
 install(TARGETS kasumi RUNTIME DESTINATION bin)
@@ -16,6 +17,13 @@ install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
 # A demo without cameras: kasumi replay /usr/share/kasumi/demo --out demo
 install(DIRECTORY fixtures/demo DESTINATION share/kasumi)
 
+# A program of its own, which may be left out: it speaks to the network.
+install(TARGETS kasumi-report RUNTIME DESTINATION bin COMPONENT report)
+install(FILES systemd/kasumi-report.service DESTINATION lib/systemd/system COMPONENT report)
+install(FILES systemd/report.toml DESTINATION share/doc/kasumi-report/examples COMPONENT report)
+install(FILES systemd/report/kasumi.rules.yml systemd/report/grafana-dashboard.json DESTINATION share/kasumi/report COMPONENT report)
+install(FILES LICENSE DESTINATION share/doc/kasumi-report RENAME copyright COMPONENT report)
+
 # Only by name (cmake --install BUILD --component kiosk), for it changes the whole machine.
 foreach(file system logind journald)
   install(FILES systemd/kiosk/${file}.conf DESTINATION lib/systemd/${file}.conf.d RENAME 50-kasumi-kiosk.conf
@@ -27,7 +35,7 @@ install(FILES LICENSE DESTINATION share/doc/kasumi-kiosk RENAME copyright COMPON
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL kasumi kiosk)
+set(CPACK_COMPONENTS_ALL kasumi kiosk report)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_VENDOR "Kasumi")
 set(CPACK_PACKAGE_CONTACT "Kasumi <kasumi@localhost>")
@@ -42,10 +50,18 @@ set(CPACK_DEBIAN_KIOSK_DESCRIPTION "Kasumi in public: no keyboard, watchdogs, a 
 set(CPACK_DEBIAN_KIOSK_PACKAGE_DEPENDS "kasumi (>= ${PROJECT_VERSION}), systemd, udev, procps")
 set(CPACK_DEBIAN_KIOSK_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/systemd/deb-kiosk/postinst ${PROJECT_SOURCE_DIR}/systemd/deb-kiosk/postrm)
+set(CPACK_DEBIAN_REPORT_PACKAGE_NAME kasumi-report)
+set(CPACK_DEBIAN_REPORT_PACKAGE_SECTION net)
+set(CPACK_DEBIAN_REPORT_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_REPORT_DESCRIPTION "Kasumi's reporter: tells the network how the kiosk is, where configured")
+# kasumi makes the group that may ask for pictures.
+set(CPACK_DEBIAN_REPORT_PACKAGE_DEPENDS "kasumi (>= ${PROJECT_VERSION}), systemd")
+set(CPACK_DEBIAN_REPORT_PACKAGE_CONTROL_EXTRA
+  ${PROJECT_SOURCE_DIR}/systemd/deb-report/postinst ${PROJECT_SOURCE_DIR}/systemd/deb-report/prerm ${PROJECT_SOURCE_DIR}/systemd/deb-report/postrm)
 # Run-time dependencies that no linked library shows: the GL driver, fonts for the captions, the user account.
 set(CPACK_DEBIAN_KASUMI_PACKAGE_DEPENDS "systemd, udev, libgl1-mesa-dri, fonts-dejavu-core")
 set(CPACK_DEBIAN_KASUMI_PACKAGE_RECOMMENDS "dbus, libcamera-ipa, v4l-utils, fonts-vlgothic")
-set(CPACK_DEBIAN_KASUMI_PACKAGE_SUGGESTS kasumi-kiosk)
+set(CPACK_DEBIAN_KASUMI_PACKAGE_SUGGESTS "kasumi-kiosk, kasumi-report")
 set(CPACK_DEBIAN_KASUMI_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/systemd/deb/postinst ${PROJECT_SOURCE_DIR}/systemd/deb/prerm ${PROJECT_SOURCE_DIR}/systemd/deb/postrm)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)

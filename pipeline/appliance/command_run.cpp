@@ -1,8 +1,11 @@
+#include <malloc.h>
+
 #include <cstdlib>
 
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "pipeline/appliance/safe_mode.hpp"
 #include "pipeline/appliance/threads.hpp"
 #include "pipeline/command.hpp"
@@ -81,6 +84,9 @@ Result<int> check(const RunArguments& arguments) {
 }
 
 Result<int> run(const RunArguments& arguments) {
+  // Pictures go back to the kernel when they are given back. By default the bound grows with them up to 32 MiB, and each
+  // thread keeps the largest it ever had.
+  ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
   const auto folders = service_folders();
   const auto kept_folder = folders.state.empty() ? std::filesystem::path() : folders.state / "last-good";
   const ContentPlace place{arguments.config, Generations(arguments.content)};

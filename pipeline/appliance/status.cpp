@@ -5,7 +5,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/camera_drift/drift_json.hpp"
 #include "pipeline/loop/hang_watch.hpp"
 #include "pipeline/scene/air_figures.hpp"

@@ -57,7 +57,7 @@ class StatusLoop {
   HangWatch hangs_;  // of the render loop, which watches the others
   std::string line_;
   bool write_failing_ = false, save_failing_ = false;  // already logged
-  Instant saved_, stats_at_;
+  Instant saved_, stats_at_, trim_at_;
 };
 
 }  // namespace kasumi

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/sky_camera/sky_sensitivity.hpp"
 #include "pipeline/calibrate/calibrated_camera.hpp"

@@ -3,10 +3,10 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/lens/import_lens.hpp"
 #include "calib/lens/lens_calibration.hpp"
-#include "capture/utc_text.hpp"
 #include "pipeline/calibrate/board_options.hpp"
 #include "pipeline/calibrate/board_session.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"

@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/mask/scene_mask.hpp"
 #include "calib/mask/sky_mask.hpp"
-#include "capture/utc_text.hpp"
 #include "pipeline/calibrate/calibrated_camera.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"

@@ -2,7 +2,7 @@
 
 #include "base/clock.hpp"
 #include "base/files.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibration_report/report.hpp"
 

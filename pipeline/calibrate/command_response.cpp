@@ -5,9 +5,9 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/light/exposure_stack.hpp"
-#include "capture/utc_text.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
 #include "pipeline/calibration_report/plots.hpp"

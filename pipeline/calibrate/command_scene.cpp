@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
-#include "capture/utc_text.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
 #include "pipeline/calibration_report/plots.hpp"

@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/adopt_calibration.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/mask/image_circle.hpp"
 #include "calib/pose/sky_orientation.hpp"
-#include "capture/utc_text.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/sky_camera/sun_in_image.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"

@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
-#include "capture/utc_text.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/sky_camera/sky_vignetting.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"

@@ -4,7 +4,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "estimator/sky/sun.hpp"
 #include "pipeline/config/placement.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 
 namespace kasumi {
 

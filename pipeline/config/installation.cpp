@@ -2,8 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include "base/utc_text.hpp"
 #include "calib/mask/distance_map.hpp"
-#include "capture/utc_text.hpp"
 #include "gles/scene.hpp"
 #include "pipeline/config/given_air_keys.hpp"
 

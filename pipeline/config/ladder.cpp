@@ -4,35 +4,6 @@
 
 namespace kasumi {
 
-std::string_view name_of(Shown shown) {
-  switch (shown) {
-    case Shown::live: return "live";
-    case Shown::held: return "held";
-    case Shown::degraded: return "degraded";
-    case Shown::still: return "still";
-    case Shown::dark: return "dark";
-    case Shown::nothing: return "nothing";
-  }
-  return "unknown";
-}
-
-std::string_view name_of(Trouble trouble) {
-  switch (trouble) {
-    case Trouble::none: return "";
-    case Trouble::starting: return "starting: no picture from the scene camera yet";
-    case Trouble::scene_lost: return "no picture from the scene camera";
-    case Trouble::scene_frozen: return "the scene camera's picture is frozen";
-    case Trouble::scene_covered: return "the scene camera is covered";
-    case Trouble::scene_white_out: return "the scene camera sees nothing but white";
-    case Trouble::sky_lost: return "no picture from the sky camera: the air is held";
-    case Trouble::time_unknown: return "the time is not known: no sun, no building";
-    case Trouble::closed: return "closed";
-    case Trouble::safe_mode: return "safe mode: too many starts have failed";
-    case Trouble::no_display: return "no display";
-  }
-  return "unknown";
-}
-
 LadderOptions patient_with(LadderOptions options, Duration frame_interval) {
   options.held = std::max(options.held, frame_interval * 5 / 2);
   options.late = std::max(options.late, frame_interval * 3 / 2);

@@ -3,37 +3,11 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 
 #include "base/clock.hpp"
+#include "base/words/rung.hpp"
 
 namespace kasumi {
-
-enum class Shown {
-  live,      // the scene, with the building under today's air
-  held,      // the last good picture, briefly
-  degraded,  // the scene is live, but the air is out of date or the sun's position unknown
-  still,     // the curated picture with its caption
-  dark,      // closed, on purpose
-  nothing,   // there is no display
-};
-std::string_view name_of(Shown shown);
-
-// Why it is not `live`.
-enum class Trouble {
-  none,
-  starting,         // no picture has come yet since the start
-  scene_lost,       // no picture comes from the scene camera
-  scene_frozen,     // always the same picture
-  scene_covered,    // something lies over the lens
-  scene_white_out,  // overexposed: all white
-  sky_lost,         // no picture comes from the sky camera: the last known air is used
-  time_unknown,     // the sun's position is unknown, so no building is drawn
-  closed,           // outside opening hours
-  safe_mode,        // three boots came to nothing: neither cameras nor scene are tried
-  no_display,
-};
-std::string_view name_of(Trouble trouble);
 
 struct LadderOptions {
   Duration held = std::chrono::seconds(2);           // the longest an old picture is shown

@@ -1,15 +1,11 @@
 #include "pipeline/config/messages.hpp"
 
-#include <array>
-
 namespace kasumi {
 namespace {
 
 struct Translations {
   std::string_view english, german, french, italian, spanish, japanese;
 };
-
-constexpr std::array kCodes{"en", "de", "fr", "it", "es", "ja"};
 
 // French writes a narrow no-break space before its double punctuation marks.
 constexpr Translations translations_of(Message message) {
@@ -96,16 +92,6 @@ constexpr Translations translations_of(Message message) {
 }
 
 }  // namespace
-
-Result<Language> parse_language(std::string_view code) {
-  for (const Language language : kLanguages)
-    if (code == code_of(language)) return language;
-  return fail(FaultKind::bad_input, "language \"{}\": expected one of {}", code, fmt::join(kCodes, ", "));
-}
-
-std::string_view code_of(Language language) {
-  return kCodes[static_cast<std::size_t>(language)];
-}
 
 std::string_view message_text(Message message, Language language) {
   const Translations texts = translations_of(message);

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/content/install.hpp"
 #include "pipeline/content/packing.hpp"

@@ -4,7 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/start/kept_content.hpp"
 
 namespace kasumi {

@@ -15,7 +15,7 @@
 #include "base/lasting_file.hpp"
 #include "base/unfinished_file.hpp"
 #include "base/unique_fd.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 
 namespace kasumi {
 

@@ -7,7 +7,7 @@
 #include <sys/statvfs.h>
 
 #include "base/lasting_file.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/config/content.hpp"
 
 namespace kasumi {

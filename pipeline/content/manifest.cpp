@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/content/digest.hpp"
 
 namespace kasumi {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/files.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/config/content.hpp"
 #include "pipeline/content/digest.hpp"
 #include "pipeline/content/signature.hpp"

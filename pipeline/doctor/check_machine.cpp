@@ -7,7 +7,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/doctor/checks.hpp"
 #include "pipeline/machine/disk_probe.hpp"
 #include "pipeline/machine/heat.hpp"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/content/bundle.hpp"
 #include "pipeline/doctor/checks.hpp"
 #include "pipeline/machine/time_watch.hpp"

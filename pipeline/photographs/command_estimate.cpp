@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/machine/ordered_jobs.hpp"

@@ -2,8 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/adopt_calibration.hpp"
-#include "capture/utc_text.hpp"
 #include "pipeline/config/foreign_keys.hpp"
 #include "pipeline/photographs/sky_model_choice.hpp"
 

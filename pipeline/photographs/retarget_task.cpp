@@ -6,9 +6,9 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/mask/distance_map.hpp"
 #include "calib/mask/scene_planes.hpp"
-#include "capture/utc_text.hpp"
 #include "estimator/sky/sun.hpp"
 #include "pipeline/config/descriptions.hpp"
 #include "pipeline/files/photograph_file.hpp"

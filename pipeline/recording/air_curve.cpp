@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/scene/air_figures.hpp"
 
 namespace kasumi {

@@ -6,7 +6,7 @@
 
 #include "base/files.hpp"
 #include "base/lasting_file.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/config/run_config.hpp"
 #include "pipeline/machine/time_watch.hpp"
 

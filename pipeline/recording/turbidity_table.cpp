@@ -1,7 +1,7 @@
 #include "pipeline/recording/turbidity_table.hpp"
 
 #include "base/files.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/scene/air_figures.hpp"
 
 namespace kasumi {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "estimator/sky/dome.hpp"
 #include "estimator/sky/sun.hpp"
 

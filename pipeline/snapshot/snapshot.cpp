@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 
 namespace kasumi {
 namespace {

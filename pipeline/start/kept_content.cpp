@@ -6,7 +6,7 @@
 
 #include "base/files.hpp"
 #include "base/table/config_table.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 
 namespace kasumi {
 

@@ -8,7 +8,7 @@
 
 #include "base/files.hpp"
 #include "base/lasting_file.hpp"
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 
 namespace kasumi {
 

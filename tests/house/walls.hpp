@@ -16,6 +16,7 @@ inline const Walls kMayInclude = {
     {"base", {}},
     {"base/sky", {"base"}},
     {"base/table", {"base"}},
+    {"base/words", {"base"}},
 
     {"calib", {"base", "calib/colour", "calib/lens", "calib/light"}},
     {"calib/board", {}},
@@ -55,7 +56,9 @@ inline const Walls kMayInclude = {
     {"gles/picture", {"gles", "gles/gl"}},
     {"gles/shadow", {"gles/gl", "gles/gpu_model"}},
 
-    {"pipeline", {"base", "calib", "capture", "estimator", "gles"}},
+    {"history", {"base"}},
+
+    {"pipeline", {"base", "calib", "capture", "estimator", "gles", "history"}},
     {"pipeline/appliance",
      {"pipeline", "pipeline/camera_drift", "pipeline/config", "pipeline/content", "pipeline/doctor", "pipeline/loop",
       "pipeline/machine", "pipeline/scene", "pipeline/snapshot", "pipeline/stage", "pipeline/start"}},
@@ -73,6 +76,7 @@ inline const Walls kMayInclude = {
     {"pipeline/haze", {"pipeline", "pipeline/files", "pipeline/scene", "pipeline/stage"}},
     {"pipeline/loop", {}},
     {"pipeline/machine", {"pipeline/config"}},
+    {"pipeline/past", {"pipeline"}},
     {"pipeline/photographs", {"pipeline", "pipeline/config", "pipeline/files", "pipeline/machine"}},
     {"pipeline/recording",
      {"pipeline", "pipeline/config", "pipeline/files", "pipeline/machine", "pipeline/scene", "pipeline/stage"}},
@@ -81,6 +85,11 @@ inline const Walls kMayInclude = {
     {"pipeline/snapshot", {"pipeline"}},
     {"pipeline/stage", {"pipeline/config", "pipeline/scene"}},
     {"pipeline/start", {"pipeline/config"}},
+
+    {"report", {"base", "history", "report/channels", "report/page", "report/status"}},
+    {"report/channels", {"report/status"}},
+    {"report/page", {"report/status"}},
+    {"report/status", {}},
 
     {"fixtures", {"base", "calib", "capture", "fixtures/generator", "fixtures/model", "fixtures/temple"}},
     {"fixtures/aerosol", {}},
@@ -100,8 +109,9 @@ inline const Walls kMayInclude = {
 
 // The sub-rooms of pipeline that each serve one purpose of the program: none includes another, but for the pairs named.
 inline const std::set<std::string> kVerticals = {
-    "pipeline/appliance", "pipeline/bench", "pipeline/calibrate", "pipeline/camera_drift", "pipeline/comparison",
-    "pipeline/doctor",    "pipeline/haze",  "pipeline/sky",       "pipeline/photographs",  "pipeline/recording",
+    "pipeline/appliance",  "pipeline/bench",       "pipeline/calibrate", "pipeline/camera_drift",
+    "pipeline/comparison", "pipeline/doctor",      "pipeline/haze",      "pipeline/past",
+    "pipeline/sky",        "pipeline/photographs", "pipeline/recording",
 };
 inline const Walls kVerticalsMayInclude = {
     {"pipeline/appliance", {"pipeline/camera_drift", "pipeline/doctor"}},
@@ -114,7 +124,8 @@ inline const Walls kLibraryDoors = {
     {"CLI/",
      {"base/finite_options.cpp", "pipeline/air_options.cpp", "pipeline/command_line.cpp", "pipeline/main.cpp",
       "pipeline/*/command_", "pipeline/calibrate/board_options.cpp", "pipeline/photographs/estimate_arguments.cpp",
-      "pipeline/photographs/retarget_task.cpp", "fixtures/*main.cpp", "fixtures/atmosphere/draw_ozone.cpp"}},
+      "pipeline/photographs/retarget_task.cpp", "report/main.cpp", "fixtures/*main.cpp",
+      "fixtures/atmosphere/draw_ozone.cpp"}},
     {"EGL/", {"gles/gl/"}},
     {"Eigen/",
      {"calib/", "estimator/horizon/", "estimator/landmarks/", "estimator/sky_", "fixtures/atmosphere/",
@@ -133,10 +144,8 @@ inline const Walls kLibraryDoors = {
     {"libudev.h", {"gles/display/kms_udev.cpp"}},
     {"linux/v4l2-controls.h", {"capture/v4l2/"}},
     {"linux/videodev2.h", {"capture/v4l2/"}},
-    {"nlohmann/",
-     {"calib/colour/", "gles/model/", "pipeline/appliance/", "pipeline/bench/", "pipeline/camera_drift/",
-      "pipeline/comparison/", "pipeline/content/", "pipeline/doctor/", "pipeline/machine/", "pipeline/photographs/",
-      "pipeline/recording/", "pipeline/snapshot/", "pipeline/start/", "fixtures/"}},
+    {"microhttpd.h", {"report/page/http_server.cpp"}},
+    {"nlohmann/", {"calib/colour/", "gles/model/", "pipeline/", "report/status/", "fixtures/"}},
     {"opencv2/", {"calib/board/",          "calib/lens/import_lens.cpp",
                   "calib/mask/",           "calib/pose/",
                   "calib/read_camera.cpp", "estimator/haze/",
@@ -151,7 +160,7 @@ inline const Walls kLibraryDoors = {
     {"opencv2/calib3d", {"calib/board/board.cpp"}},
     {"sodium", {"pipeline/content/"}},
     {"spdlog/", {"pipeline/"}},
-    {"systemd/", {"pipeline/machine/timedated.cpp"}},
+    {"systemd/", {"pipeline/machine/timedated.cpp", "report/main.cpp"}},
     {"tiny_gltf.h", {"gles/model/"}},
     {"toml++/", {"base/table/"}},
     {"xf86drm", {"gles/display/kms_drm"}},

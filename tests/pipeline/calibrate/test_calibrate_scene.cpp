@@ -4,8 +4,8 @@
 
 #include <random>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
-#include "capture/utc_text.hpp"
 #include "fixtures/spectrum/sunlight.hpp"
 #include "pipeline/config/placement.hpp"
 #include "pipeline/files/picture_sink.hpp"

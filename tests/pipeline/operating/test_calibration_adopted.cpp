@@ -7,8 +7,8 @@
 
 #include <sys/wait.h>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
-#include "capture/utc_text.hpp"
 #include "pipeline/config/content.hpp"
 #include "pipeline/config/fixture_file.hpp"
 #include "pipeline/recording/recording.hpp"

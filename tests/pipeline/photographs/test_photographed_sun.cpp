@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/photographs/sky_photograph.hpp"
 #include "tests/pipeline/recorded.hpp"

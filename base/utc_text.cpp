@@ -1,4 +1,4 @@
-#include "capture/utc_text.hpp"
+#include "base/utc_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,38 @@
+// One minute of a kiosk's life, as a line of text.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/clock.hpp"
+#include "base/words/rung.hpp"
+
+namespace kasumi {
+
+// What is not known is empty.
+struct HistoryLine {
+  std::uint32_t number = 0;  // of the line, from 1 on: they count minutes that were written, whatever the clock said
+  std::chrono::sys_time<std::chrono::minutes> utc{};
+  Shown shown = Shown::live;        // the worst of the minute
+  Trouble trouble = Trouble::none;  // with it
+  int hidden_s = 0;                 // so long visitors did not see the live picture, 0..60
+  std::optional<double> turbidity, sigma_turbidity;
+  std::optional<double> aod_550, sigma_aod_550;
+  std::optional<double> air_age_min;             // since somebody saw the air
+  std::optional<double> scene_age_s, sky_age_s;  // since the cameras' last good picture
+  std::optional<double> latency_95_ms;
+  std::optional<double> celsius;
+  std::optional<double> pictures_share;  // 0..1
+  bool building = false, clock_trusted = false, air_supposed = false;
+  friend bool operator==(const HistoryLine&, const HistoryLine&) = default;
+};
+
+// With its line end. Numbers have 3 or 4 digits, blanks fill it up, and a checksum tells a line that a power cut tore.
+constexpr std::size_t kHistoryLineBytes = 104;
+std::string history_text(const HistoryLine& line);
+// Empty: torn, blank or foreign.
+std::optional<HistoryLine> parse_history(std::string_view text);
+
+}  // namespace kasumi

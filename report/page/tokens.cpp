@@ -1,0 +1,130 @@
+#include "report/page/tokens.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+#include <crypt.h>
+#include <sys/random.h>
+
+namespace kasumi::report {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t kLongestToken = 128;
+constexpr int kGuessesPerSecond = 5;
+
+// No shorter for the first difference, so that time tells nothing.
+bool are_equal(std::string_view a, std::string_view b) {
+  if (a.size() != b.size()) return false;
+  unsigned difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
+  return difference == 0;
+}
+
+// Empty: the method is not known.
+std::string hashed(const std::string& token, const std::string& setting) {
+  const auto data = std::make_unique<crypt_data>();
+  const char* hash = ::crypt_rn(token.c_str(), setting.c_str(), data.get(), sizeof *data);
+  return hash && hash[0] != '*' ? hash : "";
+}
+
+// RFC 4648; what is no base64 ends it.
+std::string from_base64(std::string_view text) {
+  std::string bytes;
+  unsigned bits = 0, held = 0;
+  for (const char c : text) {
+    const unsigned value = c >= 'A' && c <= 'Z'   ? static_cast<unsigned>(c - 'A')
+                           : c >= 'a' && c <= 'z' ? static_cast<unsigned>(c - 'a') + 26
+                           : c >= '0' && c <= '9' ? static_cast<unsigned>(c - '0') + 52
+                           : c == '+'             ? 62u
+                           : c == '/'             ? 63u
+                                                  : 64u;
+    if (value == 64u) break;
+    bits = bits << 6 | value;
+    held += 6;
+    if (held < 8) continue;
+    held -= 8;
+    bytes += static_cast<char>(bits >> held & 0xffu);
+  }
+  return bytes;
+}
+
+std::string token_of(std::string_view authorization) {
+  constexpr std::string_view kBearer = "Bearer ", kBasic = "Basic ";
+  if (authorization.starts_with(kBearer)) return std::string(authorization.substr(kBearer.size()));
+  if (!authorization.starts_with(kBasic)) return {};
+  const auto both = from_base64(authorization.substr(kBasic.size()));
+  const auto colon = both.find(':');
+  return colon == std::string::npos ? std::string() : both.substr(colon + 1);
+}
+
+}  // namespace
+
+std::string_view name_of(Admission admission) {
+  switch (admission) {
+    case Admission::admitted: return "admitted";
+    case Admission::none: return "no token";
+    case Admission::wrong: return "wrong token";
+    case Admission::expired: return "expired token";
+    case Admission::too_many: return "too many guesses";
+  }
+  return "unknown";
+}
+
+bool is_usable_hash(const std::string& hash) {
+  return hash.starts_with('$') && !hashed("x", hash).empty();
+}
+
+bool Tokens::may_look() {
+  const auto now = clock_.now();
+  if (now - window_ >= 1s) {
+    window_ = now;
+    looked_ = 0;
+  }
+  return looked_++ < kGuessesPerSecond;
+}
+
+bool Tokens::is_valid(const TokenOptions& option) const {
+  return !option.until || clock_.utc() < *option.until;
+}
+
+Admission Tokens::admit(std::string_view authorization) {
+  const auto token = token_of(authorization);
+  if (token.empty()) return authorization.empty() ? Admission::none : Admission::wrong;
+  if (token.size() > kLongestToken) return Admission::wrong;
+  for (const auto& known : known_)
+    if (are_equal(known.token, token))
+      return is_valid(options_[known.option]) ? Admission::admitted : Admission::expired;
+  if (!may_look()) return Admission::too_many;
+  // All of them, whichever it is.
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < options_.size(); ++i)
+    if (are_equal(hashed(token, options_[i].hash), options_[i].hash)) found = i;
+  if (!found) return Admission::wrong;
+  known_.push_back({token, *found});
+  return is_valid(options_[*found]) ? Admission::admitted : Admission::expired;
+}
+
+Result<NewToken> new_token() {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz234567";
+  std::array<unsigned char, 26> random;
+  if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
+    return fail(FaultKind::io, "no random numbers: {}", std::strerror(errno));
+  NewToken made;
+  for (const unsigned char byte : random) made.token += kLetters[byte % kLetters.size()];
+  std::array<char, CRYPT_GENSALT_OUTPUT_SIZE> setting;
+  // The lowest cost takes 1 MB and a millisecond; slow hashes are for what people think up.
+  if (!::crypt_gensalt_rn("$y$", 1, nullptr, 0, setting.data(), static_cast<int>(setting.size())))
+    return fail(FaultKind::io, "no salt: {}", std::strerror(errno));
+  made.hash = hashed(made.token, setting.data());
+  if (made.hash.empty()) return fail(FaultKind::io, "crypt() of this machine does not know yescrypt");
+  return made;
+}
+
+}  // namespace kasumi::report

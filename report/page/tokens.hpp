@@ -1,0 +1,61 @@
+// Who may see the page: tokens, of which only hashes are kept.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/clock.hpp"
+#include "base/result.hpp"
+
+namespace kasumi::report {
+
+struct TokenOptions {
+  std::string name;          // of whom or what it is for
+  std::string hash;          // crypt(5): "$y$..." or another method of this machine's crypt()
+  std::optional<Utc> until;  // valid so long; empty: for ever
+};
+
+enum class Admission {
+  admitted,
+  none,  // no token was given
+  wrong,
+  expired,   // it was right once
+  too_many,  // more guesses a second than are looked at
+};
+std::string_view name_of(Admission admission);
+
+// Whether crypt() of this machine knows the hash's method.
+bool is_usable_hash(const std::string& hash);
+
+class Tokens {
+ public:
+  Tokens(std::vector<TokenOptions> options, Clock& clock) : options_(std::move(options)), clock_(clock) {}
+  bool empty() const { return options_.empty(); }
+  // The token of an Authorization header: "Bearer TOKEN", or "Basic ..." with the token as password, which browsers ask
+  // for. A token that was admitted is known again without the cost of its hash. Compares in constant time.
+  Admission admit(std::string_view authorization);
+
+ private:
+  struct Known {
+    std::string token;
+    std::size_t option;
+  };
+  bool may_look();
+  bool is_valid(const TokenOptions& option) const;
+
+  std::vector<TokenOptions> options_;
+  Clock& clock_;
+  std::vector<Known> known_;
+  Instant window_{};
+  int looked_ = 0;  // at guesses, in the window
+};
+
+// 130 random bits as 26 letters and digits, and their hash, cheap to check since nobody can guess them. Errors: io.
+struct NewToken {
+  std::string token, hash;
+};
+Result<NewToken> new_token();
+
+}  // namespace kasumi::report

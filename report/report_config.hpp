@@ -1,0 +1,39 @@
+// report.toml: what may be told, and to whom.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/table/config_table.hpp"
+#include "base/words/language.hpp"
+#include "report/page/tokens.hpp"
+
+namespace kasumi::report {
+
+struct HttpOptions {
+  std::string address = "127.0.0.1";
+  int port = 8750;
+  std::vector<std::string> names;    // of hosts by which peers may call it; numbers and localhost always
+  std::vector<TokenOptions> tokens;  // empty: whoever reaches it may read
+};
+
+struct TextfileOptions {
+  std::filesystem::path file;
+};
+
+struct ReportConfig {
+  std::filesystem::path status;  // the appliance's
+  std::filesystem::path state;   // its folder, whose disk is watched
+  std::string name;              // of the kiosk
+  Language language = Language::english;
+  std::optional<HttpOptions> http;
+  std::optional<TextfileOptions> textfile;
+};
+
+// Errors (bad_input): all problems at once, with file, key, value and what was expected.
+Result<ReportConfig> read_report_config(const std::filesystem::path& file);
+ReportConfig read_report_config(const ConfigTable& root);
+
+}  // namespace kasumi::report

@@ -1,0 +1,115 @@
+#include "report/reporter.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "base/files.hpp"
+
+namespace kasumi::report {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kLook = 1s;
+constexpr Duration kTurn = 250ms;
+constexpr Duration kTextfile = 15s;  // node_exporter is asked about as often
+
+// A page elsewhere must not read ours through a name of its own that leads here (DNS rebinding): numbers and localhost
+// cannot be such.
+bool is_own_name(std::string host, const std::vector<std::string>& names) {
+  if (host.starts_with('[')) return true;
+  host = host.substr(0, host.find(':'));
+  const bool number = !host.empty() && host.find_first_not_of("0123456789.") == std::string::npos;
+  return number || host == "localhost" || std::ranges::find(names, host) != names.end();
+}
+
+}  // namespace
+
+Reporter::Reporter(ReportConfig config, Clock& clock)
+    : config_(std::move(config)),
+      clock_(clock),
+      watch_(config_.status, clock),
+      tokens_(config_.http ? config_.http->tokens : std::vector<TokenOptions>(), clock) {}
+
+Result<std::unique_ptr<Reporter>> Reporter::start(ReportConfig config, Clock& clock) {
+  std::unique_ptr<Reporter> reporter(new Reporter(std::move(config), clock));
+  if (const auto& http = reporter->config_.http) {
+    auto server = HttpServer::listen(http->address, http->port, clock,
+                                     [of = reporter.get()](const Request& request) { return of->answer(request); });
+    if (!server) return fail(server.error());
+    reporter->server_ = std::move(*server);
+  }
+  reporter->look();
+  return reporter;
+}
+
+void Reporter::turn() {
+  if (server_)
+    server_->turn(kTurn);
+  else
+    std::this_thread::sleep_for(kTurn);
+  const auto now = clock_.now();
+  if (!looked_at_ || now - *looked_at_ >= kLook) look();
+}
+
+void Reporter::look() {
+  looked_at_ = clock_.now();
+  heard_ = watch_.look();
+  if (config_.textfile && (!textfile_at_ || *looked_at_ - *textfile_at_ >= kTextfile)) write_textfile();
+}
+
+void Reporter::write_textfile() {
+  textfile_at_ = clock_.now();
+  const auto written = write_text_file(config_.textfile->file, metrics());
+  if (!written && !textfile_failing_) fmt::print(stderr, "<4>textfile: {}\n", written.error().message);
+  textfile_failing_ = !written;
+}
+
+std::string Reporter::metrics() const {
+  OwnFigures own;
+  own.resident_bytes = own_resident_bytes();
+  if (server_) {
+    own.answered = server_->answered();
+    own.refused = server_->refused();
+  }
+  for (const auto& [why, count] : turned_away_) own.refused[why] += count;
+  return metrics_text(heard_, disk_figures(config_.state), own);
+}
+
+Answer Reporter::answer(const Request& request) {
+  if (!tokens_.empty()) {
+    const auto admission = tokens_.admit(request.authorization);
+    if (admission == Admission::admitted) return answer_admitted(request);
+    ++turned_away_[std::string(name_of(admission))];
+    if (admission == Admission::too_many) {
+      auto later = plain_answer(429, "Too many guesses. Try again in a second.\n");
+      later.headers = {{"Retry-After", "1"}};
+      return later;
+    }
+    auto refusal = plain_answer(401, fmt::format("Expected a token: {}.\n", name_of(admission)));
+    refusal.headers = {{"WWW-Authenticate",
+                        "Basic realm=\"Kasumi: leave the name empty, the password is the token\", charset=\"UTF-8\""}};
+    return refusal;
+  }
+  if (!is_own_name(request.host, config_.http->names)) {
+    ++turned_away_["foreign name"];
+    return plain_answer(421, "This is not the host you asked for.\n");
+  }
+  return answer_admitted(request);
+}
+
+Answer Reporter::answer_admitted(const Request& request) {
+  if (request.path == "/metrics") {
+    auto answer = plain_answer(200, metrics());
+    answer.type = "text/plain; version=0.0.4; charset=utf-8";
+    return answer;
+  }
+  return plain_answer(404, "There is nothing here.\n");
+}
+
+std::string Reporter::line() const {
+  return fmt::format("visitors: {}", name_of(diagnose(heard_).sight));
+}
+
+}  // namespace kasumi::report

@@ -1,0 +1,43 @@
+// The reporter: looks at the kiosk's status once a second and tells it wherever it was configured to.
+#pragma once
+
+#include <optional>
+
+#include "report/channels/metrics.hpp"
+#include "report/page/http_server.hpp"
+#include "report/report_config.hpp"
+
+namespace kasumi::report {
+
+class Reporter {
+ public:
+  // Errors (bad_input): an address or port that cannot be listened at.
+  static Result<std::unique_ptr<Reporter>> start(ReportConfig config, Clock& clock);
+
+  // BLOCKS for at most a quarter of a second.
+  void turn();
+  const Heard& heard() const { return heard_; }
+  // Where a port 0 ended up; 0: no port is open.
+  int port() const { return server_ ? server_->port() : 0; }
+  std::string line() const;  // for `systemctl status`
+
+ private:
+  Reporter(ReportConfig config, Clock& clock);
+  void look();
+  Answer answer(const Request& request);
+  Answer answer_admitted(const Request& request);
+  std::string metrics() const;
+  void write_textfile();
+
+  ReportConfig config_;
+  Clock& clock_;
+  StatusWatch watch_;
+  Heard heard_;
+  Tokens tokens_;
+  std::map<std::string, std::uint64_t> turned_away_;  // by why
+  std::optional<HttpServer> server_;
+  std::optional<Instant> looked_at_, textfile_at_;
+  bool textfile_failing_ = false;
+};
+
+}  // namespace kasumi::report

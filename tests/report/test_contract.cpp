@@ -1,0 +1,83 @@
+// The appliance writes, the reporter reads: that both mean the same, and that the reporter misses nothing it needs.
+#include <gmock/gmock.h>
+
+#include "base/utc_text.hpp"
+#include "pipeline/appliance/status.hpp"
+#include "report/status/diagnosis.hpp"
+
+namespace kasumi {
+namespace {
+
+using report::Ill, report::Sight;
+
+// At nine on a day; live, with what a test adds.
+Status some_status() {
+  Status status;
+  status.now = Instant{} + std::chrono::hours(3);
+  status.utc = *parse_utc("2026-06-21T09:00:00Z");
+  status.since = *parse_utc("2026-06-21T06:00:00Z");
+  status.render.rung.shown = Shown::live;
+  status.render.rung.trouble = Trouble::none;
+  status.render.building_drawn = true;
+  status.render.display.up = true;
+  status.scene_camera.health.up = status.sky_camera.health.up = true;
+  status.sky.clock_trusted = true;
+  return status;
+}
+
+report::ToldStatus told(const Status& status) {
+  return report::parse_status(status_json(status)).value();
+}
+
+report::Diagnosis diagnosis_of(const Status& status) {
+  return report::diagnose({report::Contact::heard, told(status), {}, {}});
+}
+
+TEST(ReportContract, EveryRungArrives) {
+  for (const Shown shown : kAllShown)
+    for (const Trouble trouble : kAllTroubles) {
+      auto status = some_status();
+      status.render.rung.shown = shown;
+      status.render.rung.trouble = trouble;
+      EXPECT_EQ(told(status).shown, shown);
+      EXPECT_EQ(told(status).trouble, trouble) << name_of(trouble);
+      EXPECT_NE(diagnosis_of(status).sight, Sight::unknown);
+    }
+}
+
+TEST(ReportContract, AKioskInGoodHealthHasNoSymptom) {
+  EXPECT_EQ(diagnosis_of(some_status()).sight, Sight::live);
+  EXPECT_THAT(diagnosis_of(some_status()).symptoms, testing::IsEmpty());
+}
+
+TEST(ReportContract, WhatIsMeasuredArrives) {
+  auto status = some_status();
+  status.scene_camera.health.up = false;
+  status.scene_camera.health.cause = "unplugged";
+  status.scene_camera.health.down_since = status.now - std::chrono::seconds(90);
+  status.scene_camera.health.bad_frames["short"] = 3;
+  status.scene_camera.health.reopened["stall"] = 2;
+  status.render.latency_minute = LatencySummary{.median_ms = 61.0, .p95_ms = 80.0, .max_ms = 99.0, .pictures = 1500};
+  status.heat.zone = ThermalZone{.name = "cpu", .celsius = 88.0};
+  status.heat.show_one_of = 2;
+  status.loops.push_back({"scene", std::chrono::seconds(9), true});
+  status.instead.emplace();
+  status.instead->refused = {"model: no such file"};
+  const auto seen = told(status);
+  EXPECT_EQ(seen.scene_camera.cause, "unplugged");
+  EXPECT_EQ(seen.scene_camera.down_s, 90.0);
+  EXPECT_EQ(seen.scene_camera.bad_frames, 3.0);
+  EXPECT_EQ(seen.scene_camera.reopened, 2.0);
+  EXPECT_EQ(seen.latency_median_ms, 61.0);
+  EXPECT_EQ(seen.celsius, 88.0);
+  EXPECT_EQ(seen.pictures_share, 0.5);
+  EXPECT_THAT(seen.hung_loops, testing::ElementsAre("scene"));
+  EXPECT_THAT(seen.refused, testing::ElementsAre("model: no such file"));
+  EXPECT_EQ(seen.since, status.since);
+  std::vector<Ill> ills;
+  for (const auto& symptom : diagnosis_of(status).symptoms) ills.push_back(symptom.ill);
+  EXPECT_THAT(ills, testing::ElementsAre(Ill::scene_lost, Ill::hung, Ill::content_refused, Ill::hot));
+}
+
+}  // namespace
+}  // namespace kasumi

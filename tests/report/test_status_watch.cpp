@@ -1,0 +1,84 @@
+// status.json as it lies on a disk: absent, silent, or not what it should be.
+#include <gmock/gmock.h>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/files.hpp"
+#include "tests/places.hpp"
+#include "tests/report/told.hpp"
+
+namespace kasumi::report {
+namespace {
+
+using namespace std::chrono_literals;
+
+class StatusWatches : public testing::Test {
+ protected:
+  StatusWatches() {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+  }
+  const std::filesystem::path folder = test_output_folder() / "status-watch";
+  const std::filesystem::path file = folder / "status.json";
+  ManualClock clock{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21}};
+  StatusWatch watch{file, clock};
+
+  void write(const std::string& text) { ASSERT_TRUE(write_text_file(file, text)); }
+};
+
+TEST_F(StatusWatches, AFileThatChangesIsHeard) {
+  EXPECT_EQ(watch.look().contact, Contact::absent);
+  for (int second = 0; second < 60; ++second) {
+    write(changed(kGoodStatus, "9000", std::to_string(9000 + second)));
+    clock.advance(1s);
+    ASSERT_EQ(watch.look().contact, Contact::heard) << second;
+  }
+  std::filesystem::remove(file);
+  EXPECT_EQ(watch.look().contact, Contact::absent);
+}
+
+TEST_F(StatusWatches, AFileThatStaysTheSameIsSilence) {
+  write(kGoodStatus);
+  EXPECT_EQ(watch.look().contact, Contact::heard);
+  clock.advance(kSilent);
+  EXPECT_EQ(watch.look().contact, Contact::heard);
+  clock.advance(1s);
+  const auto heard = watch.look();
+  EXPECT_EQ(heard.contact, Contact::silent);
+  EXPECT_FALSE(heard.status) << "what is old is not shown as if it were so now";
+  write(changed(kGoodStatus, "9000", "9001"));
+  EXPECT_EQ(watch.look().contact, Contact::heard);
+}
+
+// What lies in the kiosk's folder is the kiosk's choice: it must lead nowhere else, and hold nobody up.
+TEST_F(StatusWatches, LinksPipesFoldersAndGiantsAreRefused) {
+  write(kGoodStatus);
+  const auto real = folder / "real.json";
+  std::filesystem::rename(file, real);
+  std::filesystem::create_symlink(real, file);
+  EXPECT_EQ(watch.look().contact, Contact::unreadable);
+  std::filesystem::remove(file);
+
+  ASSERT_EQ(::mkfifo(file.c_str(), 0644), 0);
+  EXPECT_EQ(watch.look().contact, Contact::unreadable) << "and it did not wait for a writer";
+  std::filesystem::remove(file);
+
+  std::filesystem::create_directory(file);
+  EXPECT_EQ(watch.look().contact, Contact::unreadable);
+  std::filesystem::remove(file);
+
+  std::filesystem::create_symlink("/dev/zero", file);
+  EXPECT_EQ(watch.look().contact, Contact::unreadable);
+  std::filesystem::remove(file);
+
+  write("{}");
+  ASSERT_EQ(::truncate(file.c_str(), off_t{1} << 40), 0);  // a hole: takes no room
+  const auto heard = watch.look();
+  EXPECT_EQ(heard.contact, Contact::unreadable);
+  EXPECT_THAT(heard.why, testing::HasSubstr("larger than"));
+}
+
+}  // namespace
+}  // namespace kasumi::report
