@@ -4,8 +4,7 @@
 set(doc share/doc/kasumi)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME kasumi)
 install(TARGETS kasumi RUNTIME DESTINATION bin)
-install(FILES systemd/kasumi.service systemd/kasumi-content.service systemd/kasumi-content.path systemd/kasumi-stick@.service
-  DESTINATION lib/systemd/system)
+install(FILES systemd/kasumi.service DESTINATION lib/systemd/system)
 install(PROGRAMS systemd/wait-before-start DESTINATION lib/kasumi)
 install(FILES systemd/71-kasumi.rules DESTINATION lib/udev/rules.d)
 install(FILES systemd/kasumi.sysusers DESTINATION lib/sysusers.d RENAME kasumi.conf)
