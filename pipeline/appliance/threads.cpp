@@ -100,9 +100,9 @@ Result<> run_appliance(const ContentPlace& place, ContentPtr content, StatusOpti
   const auto notifier = notify_systemd();
   Appliance appliance(place, std::move(content), {*devices, clock, *time, *notifier, {&starts, kept_folder}},
                       std::move(status));
-  Bell status_bell, check_bell, ended;
+  Bell status_bell, check_bell, proving_bell, ended;
   Stop stop(clock, *notifier);
-  for (auto* bell : {&status_bell, &check_bell, &appliance.horizon_bell(), &appliance.reload_bell(),
+  for (auto* bell : {&status_bell, &check_bell, &proving_bell, &appliance.horizon_bell(), &appliance.reload_bell(),
                      &appliance.snapshot_bell(), &appliance.render_bell()})
     stop.add(*bell);
 
@@ -135,10 +135,13 @@ Result<> run_appliance(const ContentPlace& place, ContentPtr content, StatusOpti
     if (::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), 19) != 0)
       spdlog::warn("the daily check runs at the picture's own priority: {}", std::strerror(errno));
     keep_stepping("check", clock, stop, [&] {
-      const auto again =
-          std::min({appliance.check().step(), appliance.visibility().step(), appliance.proving().step()});
+      const auto again = std::min(appliance.check().step(), appliance.visibility().step());
       check_bell.wait_for(again - clock.now());
     });
+  }));
+  // Not beside the check: on a busy machine that thread stands still for minutes, and so would a probation.
+  loops.push_back(start("proving", [&] {
+    keep_stepping("proving", clock, stop, [&] { proving_bell.wait_for(appliance.proving().step() - clock.now()); });
   }));
   loops.push_back(
       start("snapshot", [&] { keep_stepping("snapshot", clock, stop, [&] { appliance.snapshot().step(); }); }));

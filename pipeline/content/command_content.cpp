@@ -18,12 +18,11 @@ namespace kasumi {
 
 namespace {
 
-constexpr Duration kLongestReload = std::chrono::seconds(120);
-
 struct ContentArguments {
   std::string folder = kServiceContent, keys = "/etc/kasumi/keys", status, config = "/etc/kasumi/kasumi.toml";
   std::string path;  // of a bundle, or digits of a generation
   std::string out, name, secret_key, password_file;
+  double seconds = 120.0;  // a slow GPU with a heavy model
   bool unsigned_too = false, again = false, newer = false;
 };
 
@@ -78,11 +77,16 @@ Result<int> pack_content(const ContentArguments& arguments) {
 Result<int> put_on_screen(const ContentArguments& arguments, const Generations& generations,
                           const Generation* generation) {
   const auto file = arguments.status.empty() ? usual_status_file() : std::filesystem::path(arguments.status);
-  const auto problems = ask_to_reload(file, kLongestReload);
+  const auto problems = ask_to_reload(file, from_seconds(arguments.seconds));
   if (!problems && problems.error().kind == FaultKind::disconnected) {
     fmt::print("{}; the next start shows it\n", problems.error().message);
     return 0;
   }
+  if (!problems && problems.error().kind == FaultKind::timeout)
+    return fail(FaultKind::timeout,
+                "it has not been shown within {:g} s: the kiosk shows it once it is prepared, or keeps the old content "
+                "and says why in `content` of {}",
+                arguments.seconds, file.string());
   if (!problems) return fail(problems.error());
   if (problems->empty()) {
     fmt::print("shown now{}\n", generation && generation->on_probation()
@@ -215,6 +219,7 @@ void add_content_command(CLI::App& app, Action& action) {
   const auto with_status = [&](CLI::App* sub) {
     sub->add_option("--status", arguments->status,
                     "The kiosk's status file (default: $RUNTIME_DIRECTORY/status.json, else /run/kasumi/status.json)");
+    sub->add_option("--seconds", arguments->seconds, "How long to wait for its answer")->capture_default_str();
     return sub;
   };
   const auto with_config = [&](CLI::App* sub) {

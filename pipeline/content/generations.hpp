@@ -40,7 +40,8 @@ struct Generation {
 class Generations {
  public:
   // An empty folder: there are none, ever.
-  explicit Generations(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit Generations(const std::filesystem::path& folder)
+      : folder_(folder.has_filename() ? folder : folder.parent_path()) {}  // "folder/" is "folder"
 
   const std::filesystem::path& folder() const { return folder_; }
   // The newest installation first. What is damaged beyond recognition is left out.

@@ -42,7 +42,8 @@ void Probation::step(Duration passed, bool pictures, const FailingChecks& failin
   tell(now);
   const auto& shown = status_.shown;
   if (!shown || shown->proven) return;
-  if (shown->went_back) {  // it is still shown: the content before was refused, or is being prepared
+  if (shown->went_back) {    // it is still shown: the content before was refused, or is being prepared
+    waited_ = lasted_ = {};  // if it is tried once more
     if (!ask_again_) ask_again_ = kAskAgain;
     if ((*ask_again_ -= passed) > Duration{}) return;
     ask_again_ = kAskAgain;
@@ -50,6 +51,7 @@ void Probation::step(Duration passed, bool pictures, const FailingChecks& failin
   }
   waited_ += passed;
   if (pictures) lasted_ += passed;
+  status_.left = std::max(Duration{}, kProbation - lasted_);
   const auto against = held_against(failing);
   if (lasted_ >= kProbation && against.empty()) return prove(now);
   if (waited_ < kPatience || stuck_) return;

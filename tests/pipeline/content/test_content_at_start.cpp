@@ -44,7 +44,8 @@ struct Starting : testing::Test {
   }
   std::string caption() { return start()->config.still.caption; }
   void damage(const std::string& id) {
-    ASSERT_TRUE(write_text_file(folder / "content" / id / "kasumi.toml", "nonsense = 1\n"));
+    const auto file = folder / "content" / id / "kasumi.toml";
+    ASSERT_TRUE(write_text_file(file, "nonsense = 1\n" + read_text_file(file).value()));
   }
   fs::path folder, by_hand;
   Generations generations;
@@ -109,7 +110,7 @@ TEST_F(Starting, TheFirstGenerationGoesBackToWhatWasSetUpByHand) {
 
 TEST_F(Starting, AndToTheCopiesOfThatIfItIsRefusedToo) {
   ASSERT_TRUE(keep_content(*read_content(by_hand).value(), folder / "last-good", kMonday));
-  ASSERT_TRUE(write_text_file(by_hand, "nonsense = 2\n"));
+  ASSERT_TRUE(write_text_file(by_hand, "nonsense = 2\n" + read_text_file(by_hand).value()));
   damage(install("Spring", kMonday));
   const auto content = start();
   EXPECT_EQ(content->config.still.caption, "The view returns in a moment.");

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
 #include "tests/pipeline/appliance/kiosk_process.hpp"
 #include "tests/pipeline/content/desk.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
@@ -12,6 +14,15 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
+
+// Of a thread of that process, by its name; 99: there is none.
+int nice_of(pid_t process, const std::string& name) {
+  std::error_code error;
+  for (const auto& task : fs::directory_iterator(fmt::format("/proc/{}/task", process), error))
+    if (read_text_file(task.path() / "comm").value_or("") == name + "\n")
+      return ::getpriority(PRIO_PROCESS, static_cast<id_t>(std::stoi(task.path().filename().string())));
+  return 99;
+}
 
 struct Carried : testing::Test {
   void SetUp() override {
@@ -105,6 +116,7 @@ TEST_F(Carried, Row22ARunningKioskShowsItOnProbation) {
   EXPECT_TRUE(eventually([&] { return content()["generation"].is_object(); })) << kiosk.log();
   EXPECT_EQ(content()["generation"]["name"], "Spring");
   EXPECT_EQ(content()["generation"]["signed_by"], "curator");
+  EXPECT_EQ(nice_of(status_in(folder / "run")["pid"], "proving"), 0) << "a busy machine must not stop a probation";
   ASSERT_EQ(install("Summer").code, 0);
   EXPECT_TRUE(eventually([&] { return content()["generation"]["name"] == "Summer"; })) << kiosk.log();
   const auto back =
@@ -117,6 +129,26 @@ TEST_F(Carried, Row22ARunningKioskShowsItOnProbation) {
   EXPECT_THAT(spring, AllOf(HasSubstr("Summer: went back"), HasSubstr("* /etc/kasumi/kasumi.toml")));
   kiosk.send(SIGTERM);
   EXPECT_EQ(kiosk.wait(20s), 0);
+}
+
+// Installed it is; what becomes of it on the screen nobody knows yet.
+TEST_F(Carried, AKioskThatDoesNotAnswerInTimeIsNotSaidToHaveRefused) {
+  ASSERT_EQ(pack("Spring", key()).code, 0);
+  const auto by_hand = write_desk(folder / "etc");
+  fs::create_directories(folder / "run");
+  Process kiosk(folder / "run", {"run", "--config", by_hand.string(), "--content", (folder / "content").string()}, {},
+                folder / "state");
+  ASSERT_TRUE(eventually([&] { return status_in(folder / "run")["shown"] == "live"; })) << kiosk.log();
+  kiosk.send(SIGSTOP);
+  const auto slow = install("Spring", "--seconds 0.5");
+  EXPECT_EQ(slow.code, 1);
+  EXPECT_THAT(slow.out, HasSubstr("signed by curator: installed"));
+  EXPECT_THAT(slow.err, AllOf(HasSubstr("not been shown within 0.5 s: the kiosk shows it once it is prepared"),
+                              HasSubstr("status.json")));
+  kiosk.send(SIGCONT);
+  EXPECT_TRUE(eventually([&] { return status_in(folder / "run")["content"]["generation"].is_object(); }))
+      << kiosk.log();
+  EXPECT_FALSE(Generations(folder / "content").current()->went_back);
 }
 
 }  // namespace

@@ -69,6 +69,15 @@ TEST_F(Shelf, TheLinkAloneDecides) {
   EXPECT_EQ(shown(), "by hand");
 }
 
+TEST_F(Shelf, ASlashAtTheEndOfItsNameChangesNothing) {
+  const auto spring = install("Spring", kMonday);
+  const Generations named((folder / "content").string() + "/");
+  const auto shown_now = named.of(named.config_of(*named.current()));
+  ASSERT_TRUE(shown_now);
+  EXPECT_EQ(shown_now->id, spring);
+  EXPECT_TRUE(generations.of(named.config_of(*named.current())));
+}
+
 TEST_F(Shelf, GoesBackToWhatWasProvenLast) {
   const auto spring = install("Spring", kMonday);
   EXPECT_TRUE(generations.current()->on_probation());

@@ -115,6 +115,20 @@ TEST_F(OnProbation, IfTheScreenDoesNotTakeTheOldContentItIsAskedAgain) {
   EXPECT_EQ(reloads, 3);
 }
 
+// It is still on the screen, since the old content was refused, when somebody installs it once more.
+TEST_F(OnProbation, TriedOnceMoreItHasHalfAnHourAgain) {
+  pass(4min, true);
+  pass(27min, false);
+  ASSERT_EQ(shown(), "Spring");
+  ASSERT_TRUE(generations.show(&summer));
+  show(summer);
+  pass(9min, true);
+  EXPECT_EQ(shown(), "Summer");
+  EXPECT_TRUE(generations.current()->on_probation()) << "the pictures of before do not count";
+  pass(2min, true);
+  EXPECT_TRUE(generations.current()->proven);
+}
+
 // The whole appliance, on a recording.
 struct KioskRig : Rig {
   explicit KioskRig(const std::string& name, const std::string& more = {})
@@ -129,9 +143,9 @@ struct KioskRig : Rig {
                                             StatusOptions{folder / "status.json", false, 10s, nullptr, folder / "sys"});
   }
   void install(const std::string& name, const std::string& from, const std::string& to) {
-    const auto config = write_desk(desk / name);
-    if (!from.empty()) replace_in(config, from, to);
-    const auto done = install_file(packed(config, name, clock.utc()), generations, clock.utc());
+    const auto made = write_desk(desk / name);
+    if (!from.empty()) replace_in(made, from, to);
+    const auto done = install_file(packed(made, name, clock.utc()), generations, clock.utc());
     ASSERT_TRUE(done) << done.error().message;
   }
   void pass(Duration by) {
