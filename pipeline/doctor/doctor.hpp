@@ -53,9 +53,9 @@ MachinePlaces this_machine();
 
 struct DoctorRequest {
   std::filesystem::path config;              // set up by hand
-  Generations generations{{}};               // the current one goes before it
   Duration watch = std::chrono::seconds(3);  // how long frames and flips are counted
   MachinePlaces places = this_machine();
+  Generations generations{{}};  // the current one goes before `config`
 };
 
 // BLOCKS for some seconds. While the appliance runs, its cameras and display are not opened; its status file is read
