@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/light/edge_fit.hpp"
 #include "calib/light/stream_noise.hpp"
-#include "capture/utc_text.hpp"
 #include "pipeline/calibrate/calibrated_camera.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
