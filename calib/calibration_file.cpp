@@ -70,6 +70,11 @@ std::string head_of(const CalibrationStep& step, bool has_response) {
   if (step.white_balance)
     text += fmt::format("white_balance = {}\n",
                         list({step.white_balance->r, step.white_balance->g, step.white_balance->b}));
+  if (step.focus) {
+    text += fmt::format("point_spread_px = {}\nsharpening = {}\n", toml_number(step.focus->point_spread_px),
+                        toml_number(step.focus->sharpening));
+    if (step.focus->jpeg) text += "shared_chroma = true\njpeg_blocks = true\n";
+  }
   if (step.mask) text += fmt::format("mask = {}\n", toml_string(*step.mask));
   if (!step.calibrated_utc.empty()) text += fmt::format("calibrated_utc = {}\n", step.calibrated_utc);
   return text;
@@ -124,6 +129,8 @@ Result<Old> read_old(const std::filesystem::path& path, const CalibrationStep& s
     if (step.white_balance) drop("white_balance");
     if (step.mask) drop("mask");
     if (step.noise) drop("noise");
+    if (step.focus)
+      for (const char* key : {"point_spread_px", "sharpening", "shared_chroma", "jpeg_blocks"}) drop(key);
     if (step.to_world)
       for (const char* key : {"azimuth_up_deg", "heading_deg", "pitch_deg", "roll_deg"}) drop(key);
     for (const auto& measured : step.measured) drop("measured." + measured.what);

@@ -54,6 +54,13 @@ struct CalibrationStep {
     double read_electrons = 0.0;
   };
   std::optional<Noise> noise;
+  // How its lens blurs, its processor sharpens and its stream is coded; of the scene camera alone, too.
+  struct Focus {
+    double point_spread_px = 0.0;
+    double sharpening = 0.0;
+    bool jpeg = false;
+  };
+  std::optional<Focus> focus;
   std::optional<Site> site;    // only where the file has none
   std::string calibrated_utc;  // ISO 8601; becomes [CAMERA] calibrated_utc
   std::vector<Measured> measured;

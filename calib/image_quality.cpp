@@ -3,10 +3,12 @@
 namespace kasumi {
 
 ImageQuality read_image_quality(const ConfigTable& scene) {
-  constexpr Range kSpread_px{0.0, 3.0}, kElectrons{0.0, 1e7};
+  constexpr Range kSpread_px{0.0, 3.0}, kSharpening{0.0, 3.0}, kElectrons{0.0, 1e7};
   ImageQuality quality;
   quality.point_spread_px = scene.number("point_spread_px", kSpread_px, quality.point_spread_px);
   quality.shared_chroma = scene.flag("shared_chroma", quality.shared_chroma);
+  quality.sharpening = scene.number("sharpening", kSharpening, quality.sharpening);
+  quality.jpeg_blocks = scene.flag("jpeg_blocks", quality.jpeg_blocks);
   const auto noise = scene.optional_table("noise");
   if (!noise) return quality;
   quality.full_scale_electrons = noise->number("full_scale_electrons", kElectrons, quality.full_scale_electrons);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "base/jpeg_steps.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
 #include "capture/payload.hpp"
@@ -79,6 +80,8 @@ struct Frame {
 class DecodedPicture {
  public:
   const PictureView& view() const { return view_; }
+  // Null: the frame was no JPEG.
+  const std::shared_ptr<const JpegSteps>& jpeg_steps() const { return jpeg_steps_; }
   // The picture as a GPU can import it, where it is seen in a driver's buffer.
   const std::optional<DmaBuf>& dma_buf() const { return keep_.dma_buf; }
 
@@ -86,6 +89,7 @@ class DecodedPicture {
   friend Result<DecodedPicture> decode(const Frame& frame, YuvEncoding encoding);
   PictureView view_;
   Payload keep_;
+  std::shared_ptr<const JpegSteps> jpeg_steps_;
 };
 
 // `encoding` says what the YUV of uncompressed formats means; JPEG is always bt601_full.

@@ -95,9 +95,12 @@ struct ObjectDetail {
   double point_spread_px = 0.0;  // standard deviation of a Gaussian, pixels of the camera's picture; 0: none
   int chroma_columns = 1;        // pixels per chroma sample, from the picture's corner: 2 x 2 for
   int chroma_rows = 1;           // 4:2:0, 2 x 1 for 4:2:2
+  double sharpening = 0.0;       // 0 .. kStrongestSharpening; see CameraProcessing
+  bool jpeg_blocks = false;      // round the object's pixels as the camera's JPEG rounds its own
   friend bool operator==(const ObjectDetail&, const ObjectDetail&) = default;
 };
 constexpr double kWidestPointSpread_px = 3.0;
+constexpr double kStrongestSharpening = 3.0;
 
 // The camera's noise: the variance of linear light L (full scale = 1) is shot L + read^2, per channel.
 struct SensorNoise {

@@ -42,6 +42,7 @@ Result<DecodedPicture> decode(const Frame& frame, YuvEncoding encoding) {
   if (!planes) return fail(planes.error());
   picture.view_ = planes->view;
   picture.keep_.holder = std::move(planes->samples);
+  picture.jpeg_steps_ = std::make_shared<const JpegSteps>(planes->steps);
   return picture;
 }
 

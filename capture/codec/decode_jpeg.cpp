@@ -22,6 +22,7 @@ class JpegReader {
 
   Result<PixelLayout> layout() const;
   std::optional<std::string_view> foreign();
+  JpegSteps steps() const;
   void read_planes(const PictureView& view, std::uint8_t* samples);
   tl::unexpected<Fault> damaged() const { return fail(FaultKind::bad_input, "damaged JPEG: {}", errors_.message()); }
 
@@ -58,6 +59,18 @@ std::optional<std::string_view> JpegReader::foreign() {
   return std::nullopt;
 }
 
+// Of the first plane, and of the second: cameras quantise both colour differences alike.
+JpegSteps JpegReader::steps() const {
+  JpegSteps found;
+  const auto take = [&](int component, std::array<std::uint16_t, 64>& steps) {
+    const auto* table = info_.comp_info[component].quant_table;
+    for (std::size_t i = 0; table && i < steps.size(); ++i) steps[i] = static_cast<std::uint16_t>(table->quantval[i]);
+  };
+  take(0, found.luma);
+  take(info_.num_components > 1 ? 1 : 0, found.chroma);
+  return found;
+}
+
 Result<JpegPlanes> JpegReader::read(std::span<const std::uint8_t> bytes, int width, int height) {
   if (!errors_.guard([&] {
         jpeg_create_decompress(&info_);
@@ -72,7 +85,7 @@ Result<JpegPlanes> JpegReader::read(std::span<const std::uint8_t> bytes, int wid
   const auto found = layout();
   if (!found) return fail(found.error());
 
-  JpegPlanes planes{{*found, YuvEncoding::bt601_full, width, height, {}}, nullptr};
+  JpegPlanes planes{{*found, YuvEncoding::bt601_full, width, height, {}}, nullptr, {}};
   if (!errors_.guard([&] {
         info_.raw_data_out = TRUE;
         info_.dct_method = JDCT_ISLOW;
@@ -96,6 +109,7 @@ Result<JpegPlanes> JpegReader::read(std::span<const std::uint8_t> bytes, int wid
   for (std::size_t i = 0; i < static_cast<std::size_t>(info_.num_components); ++i)
     planes.view.planes[i].data = samples->data() + offsets[i];
   if (!errors_.guard([&] { read_planes(planes.view, samples->data()); })) return damaged();
+  planes.steps = steps();
   planes.samples = std::move(samples);
   return planes;
 }

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/jpeg_steps.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
 
@@ -14,6 +15,7 @@ namespace kasumi {
 struct JpegPlanes {
   PictureView view;  // i420, i422, i444 or grey8; bt601_full
   std::shared_ptr<const std::vector<std::uint8_t>> samples;
+  JpegSteps steps;
 };
 
 // Accepts what cameras send: missing Huffman tables, bytes between segments, no end marker. Errors (bad_input): not a

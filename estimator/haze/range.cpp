@@ -6,6 +6,8 @@
 #include <glm/vec2.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "estimator/haze/outlines.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -17,6 +19,8 @@ Result<> check(const HazeRangeOptions& options) {
     problems.add("range of the sky {}: expected more than 1, at most 10", options.sky_range);
   if (options.margin_px < 0 || options.margin_px > 200)
     problems.add("margin of {} px: expected 0 to 200", options.margin_px);
+  if (options.outline_reach_px < 0 || options.outline_reach_px > 64)
+    problems.add("reach of outlines {} px: expected 0 to 64", options.outline_reach_px);
   if (!problems.empty()) return fail(problems.fault());
   return {};
 }
@@ -32,8 +36,12 @@ double over_relaxation(int margin_px) {
 
 }  // namespace
 
-Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOptions& options) {
+Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOptions& options,
+                                const Image<glm::vec3>& picture) {
   if (auto fine = check(options); !fine) return fail(fine.error());
+  if (options.outline_reach_px > 0 && (picture.width() != range_m.width() || picture.height() != range_m.height()))
+    return fail(FaultKind::bad_input, "a picture of {} x {}: expected {} x {}, the size of the range map",
+                picture.width(), picture.height(), range_m.width(), range_m.height());
   const int width = range_m.width(), height = range_m.height();
   HazeRange made;
   if (!range_m.empty()) made.farthest_m = *std::ranges::max_element(range_m.elements());
@@ -71,6 +79,11 @@ Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOpti
     label = hole;
   }
   fill_holes(made.range, labels, made.holes);
+  if (options.outline_reach_px > 0) {
+    move_outlines_to_edges(picture, made.range, options.outline_reach_px);
+    for (std::size_t i = 0; i < labels.elements().size(); ++i)
+      made.sky.elements()[i] = made.range.elements()[i] > 1.0F ? 255 : 0;
+  }
   // Computed before the margin hides where the scene ends.
   made.steps_along_row = range_steps_along_row(made.range);
   made.steps_down_column = range_steps_down_column(made.range);

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include <glm/vec3.hpp>
+
 #include "base/image.hpp"
 #include "base/result.hpp"
 
@@ -13,8 +15,9 @@ struct HazeRangeOptions {
   // An undefined region with at least this share of the picture is sky (H: "the largest connected components"); smaller
   // ones are holes. 1: all are holes, as indoors.
   double smallest_sky_share = 0.02;
-  double sky_range = 1.25;  // S_max, in farthest ranges; > 1
-  int margin_px = 8;        // mu, on the sky's side
+  double sky_range = 1.25;   // S_max, in farthest ranges; > 1
+  int margin_px = 8;         // mu, on the sky's side
+  int outline_reach_px = 0;  // how far outlines may lie from the picture's edges, to which they are moved; 0: they stay
 };
 
 struct HazeRange {
@@ -33,7 +36,9 @@ constexpr float kRangeStepTurn = 8.0F;  // e^8: a step from 1 m to 3 km is not m
 
 // `range_m`: metres along the line of sight; 0 is undefined. Deterministic. Errors: bad_input (nothing measured,
 // options out of their ranges).
-Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOptions& options = {});
+// `picture`: encoded, of the same size; not needed where outlines stay.
+Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOptions& options = {},
+                                const Image<glm::vec3>& picture = {});
 
 // The parts, for tests and for maps that need only some of them.
 // Fills regions of zeros in `range`, each with the plane in space (linear in 1 / range) that most of its border agrees

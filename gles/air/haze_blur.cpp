@@ -41,7 +41,7 @@ GlTexture packed_texture(int width, int height, First first, Second second) {
 }
 
 Result<> add(std::vector<Program>& programs, const Defines& defines, std::string_view fragment) {
-  auto made = Program::build(defines, "resolve.vert", fragment);
+  auto made = Program::build(defines, "square.vert", fragment);
   if (!made) return fail(made.error());
   programs.push_back(std::move(*made));
   return {};

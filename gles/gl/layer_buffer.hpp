@@ -15,7 +15,7 @@ struct LayerBuffer {
   static Result<LayerBuffer> create(int width, int height, bool in_8_bits, const GlInfo& info, std::string_view what);
 };
 
-// Fills the viewport, for programs with resolve.vert.
+// Fills the viewport, for programs with square.vert or resolve.vert.
 void draw_square();
 
 }  // namespace kasumi

@@ -10,8 +10,15 @@
 namespace kasumi {
 namespace {
 
+// HIGH: for samplers whose 11 bits, GLES 2's default for them, are too few.
 constexpr std::string_view kFragmentPrecision =
-    "#ifdef GL_FRAGMENT_PRECISION_HIGH\nprecision highp float;\n#else\nprecision mediump float;\n#endif\n";
+    "#ifdef GL_FRAGMENT_PRECISION_HIGH\n"
+    "#define HIGH highp\n"
+    "precision highp float;\n"
+    "#else\n"
+    "#define HIGH mediump\n"
+    "precision mediump float;\n"
+    "#endif\n";
 
 Result<std::string> assemble(const Defines& defines, std::string_view preamble, std::string_view file) {
   const std::string_view body = shader_text(file);

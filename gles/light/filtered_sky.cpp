@@ -80,6 +80,7 @@ class Mirror {
         touched.clear();
         ends_.push_back(taps_.size());
       }
+    taps_.shrink_to_fit();
   }
 
   Image<glm::vec3> of(const Image<glm::vec3>& radiance) const {
@@ -179,6 +180,10 @@ Image<glm::vec3> matt_of(const LightAround& around) {
 }
 
 }  // namespace
+
+void prepare_filters() {
+  (void)mirrors();
+}
 
 FilteredSky filter_sky(const LightAround& around, bool with_mirrors) {
   FilteredSky sky;

@@ -21,6 +21,8 @@ struct FilteredSky {
 };
 // Without mirrors, for models that do not reflect, those maps stay empty.
 FilteredSky filter_sky(const LightAround& around, bool with_mirrors);
+// The mirrors' weights, which filter_sky() otherwise computes when it is first called.
+void prepare_filters();
 
 // Light encoded in bytes so that textures can be filtered: light = unit (rgb a)^2. Accurate to 1 % in channels with at
 // least a tenth of the brightest.

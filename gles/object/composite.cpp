@@ -104,14 +104,16 @@ Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& fra
 // Areas that do not need the camera or its response share one variant.
 Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& programs, const CameraFrame& frame,
                               const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
-                              const SensorNoise& noise) {
+                              const SensorNoise& noise, const CameraProcessing* processing) {
   const PictureMesh& mesh = mesh_for(measured);
   if (mesh.empty(area)) return {};
   if (area != PictureArea::covered) defines.merge(frame.camera.defines());
   if (area == PictureArea::covered) defines = {"COVERED", "LAYOUT_RGB"};
   if (area == PictureArea::edge) defines.insert("EDGE");
   if (area != PictureArea::plain) defines.insert(frame.response.define());
-  if (area != PictureArea::plain && !noise.none()) defines.insert("NOISE");
+  const bool noisy = !noise.none() && !processing;
+  if (area != PictureArea::plain && noisy) defines.insert("NOISE");
+  if (area != PictureArea::plain && processing) defines.insert("PROCESSED");
   const auto program = programs.find(ProgramKind::picture, defines);
   if (!program) return fail(program.error());
   (*program)->use();
@@ -119,23 +121,37 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
   if (area != PictureArea::plain) {
     layer.bind(**program, !shown.same_size);
     set_airlight(**program, "measured", measured);
-    if (!noise.none()) bind_noise(**program, noise, !shown.same_size);
+    if (noisy) bind_noise(**program, noise, !shown.same_size);
+    if (processing) processing->bind(**program, !shown.same_size);
   }
   mesh.draw(area);
   return {};
 }
 
 Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
-                         const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise) {
+                         const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
+                         const CameraProcessing* processing) {
   for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
-    if (auto drawn = draw_area(area, {}, programs, frame, shown, layer, measured, noise); !drawn) return drawn;
+    if (auto drawn = draw_area(area, {}, programs, frame, shown, layer, measured, noise, processing); !drawn)
+      return drawn;
   return check_gl("drawing the picture");
 }
 
+Result<> Composite::draw_with_coverage(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+                                       const ObjectLayer& layer, const AirlightGrid& measured,
+                                       const SensorNoise& noise) {
+  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
+    if (auto drawn = draw_area(area, {"COVERAGE"}, programs, frame, shown, layer, measured, noise, nullptr); !drawn)
+      return drawn;
+  return check_gl("drawing the picture for its processing");
+}
+
 Result<> Composite::draw_for_plane(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
-                                   const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise) {
+                                   const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
+                                   const CameraProcessing* processing) {
   for (const PictureArea area : {PictureArea::covered, PictureArea::edge})
-    if (auto drawn = draw_area(area, {"PLANE"}, programs, frame, shown, layer, measured, noise); !drawn) return drawn;
+    if (auto drawn = draw_area(area, {"PLANE"}, programs, frame, shown, layer, measured, noise, processing); !drawn)
+      return drawn;
   return check_gl("drawing the building for a plane");
 }
 

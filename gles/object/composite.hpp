@@ -6,6 +6,7 @@
 #include <glm/mat3x3.hpp>
 
 #include "gles/gl/target.hpp"
+#include "gles/object/camera_processing.hpp"
 #include "gles/object/object_layer.hpp"
 #include "gles/picture/camera_textures.hpp"
 #include "gles/picture/picture_mesh.hpp"
@@ -47,16 +48,21 @@ class Composite {
   PixelBox covered() const { return covered_; }  // the pixels that the layer changes lie in it
 
   Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
+  // `processing`, already applied, stands for layer, airlight and noise; null: none.
   Result<> draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
-                const AirlightGrid& measured, const SensorNoise& noise);
+                const AirlightGrid& measured, const SensorNoise& noise, const CameraProcessing* processing = nullptr);
+  // The same with the object's share of each pixel in alpha.
+  Result<> draw_with_coverage(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+                              const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise);
   // Only the layer, as the display lays it over the camera's picture of `frame`.
   Result<> draw_for_plane(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
-                          const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise);
+                          const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
+                          const CameraProcessing* processing = nullptr);
 
  private:
   Result<> draw_area(PictureArea area, Defines defines, Programs& programs, const CameraFrame& frame,
                      const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
-                     const SensorNoise& noise);
+                     const SensorNoise& noise, const CameraProcessing* processing);
   const PictureMesh& mesh_for(const AirlightGrid& grid);
   void bind_noise(const Program& program, const SensorNoise& noise, bool smooth);
 

@@ -122,8 +122,11 @@ void resolve(const Program& program, const LayerBuffer& samples, const LayerTile
   std::ranges::transform(kLatticeOffsets, offsets.begin(), [](const auto& o) { return glm::dvec2{o[0], o[1]}; });
   const PixelBox& pixels = tile.box();
   glBindFramebuffer(GL_FRAMEBUFFER, layer.framebuffer.name());
-  glViewport(pixels.left - box.left, pixels.top - box.top, pixels.right - pixels.left, pixels.bottom - pixels.top);
+  const glm::ivec2 first{pixels.left - box.left, pixels.top - box.top};
+  const glm::ivec2 size{pixels.right - pixels.left, pixels.bottom - pixels.top};
+  glViewport(first.x, first.y, size.x, size.y);
   program.use();
+  program.set("viewport", glm::dvec4(first, 0.5 * glm::dvec2(size)));
   glActiveTexture(GL_TEXTURE0 + kLayerUnit);
   glBindTexture(GL_TEXTURE_2D, samples.texture.name());
   program.set("samples", kLayerUnit);

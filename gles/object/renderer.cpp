@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <optional>
 
 #include "gles/gl/gl.hpp"
@@ -12,6 +11,7 @@
 #include "gles/light/airlight_grid.hpp"
 #include "gles/light/appearance.hpp"
 #include "gles/light/sky_atlas.hpp"
+#include "gles/object/camera_processing.hpp"
 #include "gles/object/composite.hpp"
 #include "gles/object/foreground.hpp"
 #include "gles/object/object_layer.hpp"
@@ -20,6 +20,20 @@
 
 namespace kasumi {
 namespace {
+
+// The coarsest that a layer may have.
+constexpr ObjectDetail kCoarsestDetail{kWidestPointSpread_px, 2, 2};
+
+void check(const ObjectDetail& detail, Problems& problems) {
+  if (!(detail.point_spread_px >= 0.0 && detail.point_spread_px <= kWidestPointSpread_px))
+    problems.add("detail: a point spread of {} px: expected 0 .. {}", detail.point_spread_px, kWidestPointSpread_px);
+  const auto shared = [](int pixels) { return pixels == 1 || pixels == 2; };
+  if (!shared(detail.chroma_columns) || !shared(detail.chroma_rows))
+    problems.add("detail: a colour for {} x {} pixels: expected 1 or 2 each way", detail.chroma_columns,
+                 detail.chroma_rows);
+  if (!(detail.sharpening >= 0.0 && detail.sharpening <= kStrongestSharpening))
+    problems.add("detail: sharpening by {}: expected 0 .. {}", detail.sharpening, kStrongestSharpening);
+}
 
 // Calls it until it says that it is done.
 template <class Step>
@@ -37,6 +51,9 @@ struct Renderer::State {
   // A layer under way.
   struct UnfinishedLayer {
     ObjectAppearance appearance;
+    std::shared_ptr<const SkySquares> sky;  // may be null
+    ObjectDetail detail;
+    PixelBox box;
     std::optional<SunShadowDrawing> shadow;  // while the shadow is drawn
     std::optional<LayerDrawing> drawing;     // afterwards
   };
@@ -54,7 +71,8 @@ struct Renderer::State {
   SurfaceUnits units_in_one_pass;
   std::optional<Projection> projection;
   ObjectDetail detail;
-  PixelBox box;  // of the object
+  PixelBox outline;  // of the object without any blur
+  PixelBox box;      // of the object with its detail
   std::optional<Foreground> foreground;
   std::optional<SceneDepth> scene_depth;
   int scene_depth_unit = -1;
@@ -66,6 +84,8 @@ struct Renderer::State {
   std::optional<UnfinishedLayer> unfinished_layer;
   std::optional<ObjectLayer> layer;
   Composite composite;
+  std::shared_ptr<const JpegSteps> jpeg;  // of the newest picture
+  std::optional<CameraProcessing> processing;
   std::vector<std::string> notes;
 
   bool layer_in_8_bits() const {
@@ -81,11 +101,15 @@ struct Renderer::State {
 
   void look() {
     drop_layer();
-    box = {};
+    box = outline = {};
     if (!model || !projection) return;
-    const int margin = ObjectLayer::margin_px(detail);
-    projection->margin_px = margin;
-    box = cut_to_picture(grown(model->look_from(*projection), margin), projection->view);
+    projection->margin_px = ObjectLayer::margin_px(kCoarsestDetail);  // whatever the detail will be
+    outline = model->look_from(*projection);
+    box = box_with(detail);
+  }
+  PixelBox box_with(const ObjectDetail& blurred) const {
+    if (outline.empty()) return {};
+    return cut_to_picture(grown(outline, ObjectLayer::margin_px(blurred)), projection->view);
   }
 
   CameraFrame frame() const { return {camera.newest(), *response, dither}; }
@@ -106,6 +130,40 @@ struct Renderer::State {
     check(noise, problems);
     if (!problems.empty()) return fail(problems.fault());
     return {};
+  }
+
+  ProcessingOptions wanted_processing() const {
+    ProcessingOptions wanted{detail.sharpening, detail.jpeg_blocks ? jpeg : nullptr, {1, 1}};
+    if (!info.highp_fragments) wanted.jpeg.reset();
+    const PixelLayout layout = camera.newest().layout;
+    if (layout == PixelLayout::i420) wanted.shared_pixels = {2, 2};
+    if (layout == PixelLayout::i422) wanted.shared_pixels = {2, 1};
+    return wanted;
+  }
+  // The composite around the object as the camera would have processed it; null: it does nothing to its pictures.
+  Result<const CameraProcessing*> process(const AirlightGrid& measured, const SensorNoise& noise) {
+    const PixelBox& changed = composite.covered();
+    const auto wanted = wanted_processing();
+    if (wanted.none() || changed.empty()) return nullptr;
+    const glm::ivec2 size{camera.newest().width, camera.newest().height};
+    if (!processing || !processing->is_for(changed, size, wanted)) {
+      processing.reset();
+      auto made = CameraProcessing::create(changed, size, wanted, info);
+      if (!made) return fail(made.error());
+      processing = std::move(*made);
+    }
+    const PictureOnTarget part(processing->part(), size.x, size.y);
+    const auto whole_view = [&] { glViewport(part.box.x, part.box.y, part.box.width, part.box.height); };
+    const auto draw_camera = [&] {
+      whole_view();
+      return composite.draw_camera_alone(programs, frame(), part);
+    };
+    const auto draw_composite = [&] {
+      whole_view();
+      return composite.draw_with_coverage(programs, frame(), part, *layer, measured, noise);
+    };
+    if (auto done = processing->apply(programs, draw_camera, draw_composite); !done) return fail(done.error());
+    return &*processing;
   }
 
   Result<> fits_view(int width, int height) const {
@@ -159,11 +217,11 @@ struct Renderer::State {
   // The shadow is there.
   Result<> begin_tiles(UnfinishedLayer& unfinished) {
     const ObjectAppearance& appearance = unfinished.appearance;
-    if (auto lit = follow(appearance.light); !lit) return lit;
+    if (auto lit = follow(appearance.light, unfinished.sky.get()); !lit) return lit;
     auto drawing = LayerDrawing::begin(
-        *model, *projection, box, appearance.horizon,
+        *model, *projection, unfinished.box, appearance.horizon,
         {layer_in_8_bits(), largest_n(appearance, sky, model->materials()), appearance.aerial_perspective,
-         foreground.has_value(), detail, scene_depth ? &*scene_depth : nullptr, scene_depth_unit,
+         foreground.has_value(), unfinished.detail, scene_depth ? &*scene_depth : nullptr, scene_depth_unit,
          casts_shadow(appearance) ? &*shadow : nullptr},
         info, programs, [this, appearance](const Program& program) {
           set_appearance(program, appearance);
@@ -178,6 +236,8 @@ struct Renderer::State {
     if (!texels) return fail(texels.error());
     composite.take(drawn, projection->view, *texels);
     layer = std::move(drawn);
+    detail = unfinished_layer->detail;
+    box = unfinished_layer->box;
     unfinished_layer.reset();
     shadow.reset();  // its maps are large, and the sun moves on
     return check_gl("cutting the picture");
@@ -207,9 +267,10 @@ struct Renderer::State {
   }
 
   // The filtered surroundings follow the light.
-  Result<> follow(const ObjectLight& light) {
-    return sky.update(light.around, std::ranges::any_of(model->materials(), &ModelMaterial::reflects));
+  Result<> follow(const ObjectLight& light, const SkySquares* prepared = nullptr) {
+    return sky.update(light.around, reflects(), prepared);
   }
+  bool reflects() const { return std::ranges::any_of(model->materials(), &ModelMaterial::reflects); }
 };
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -228,7 +289,8 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   auto state = std::make_unique<State>(context.info(), options);
   state->dither = make_dither_pattern();
   state->units_in_one_pass = units_beside_camera(textures);
-  state->scene_depth_unit = textures > kSceneDepthUnit ? static_cast<int>(kSceneDepthUnit) : -1;
+  const bool compares_depths = textures > kSceneDepthUnit && state->info.highp_fragments;
+  state->scene_depth_unit = compares_depths ? static_cast<int>(kSceneDepthUnit) : -1;
   GLint varyings = 0;
   glGetIntegerv(GL_MAX_VARYING_VECTORS, &varyings);
   state->many_varyings = varyings > 8;
@@ -241,7 +303,7 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   state->response = std::move(*response);
   if (!state->info.highp_fragments)
     state->notes.emplace_back(
-        "fragment shaders compute in medium precision: distances beyond 60 km and fine dithering suffer");
+        "fragment shaders compute in 16 bits: glints of mapped materials are up to 12 of 255 off, dithering is coarse");
   if (state->layer_in_8_bits()) state->notes.emplace_back("the object's layer is kept in 8 bits (square roots)");
   if (auto made = check_gl("creating the renderer"); !made) return fail(made.error());
   return Renderer(std::move(state));
@@ -298,7 +360,8 @@ Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
   s.scene_depth.reset();
   if (depth_m.empty()) return {};
   if (s.scene_depth_unit < 0) {
-    s.notes.push_back(fmt::format("the depth map is not used: {} has too few texture units", s.info.renderer));
+    s.notes.push_back(fmt::format("the depth map is not used: {} has too few texture units or too little precision",
+                                  s.info.renderer));
     return {};
   }
   auto made = SceneDepth::upload(depth_m, s.info);
@@ -309,16 +372,13 @@ Result<> Renderer::set_scene_depth(const Image<float>& depth_m) {
 
 Result<> Renderer::set_detail(const ObjectDetail& detail) {
   Problems problems;
-  if (!(detail.point_spread_px >= 0.0 && detail.point_spread_px <= kWidestPointSpread_px))
-    problems.add("detail: a point spread of {} px: expected 0 .. {}", detail.point_spread_px, kWidestPointSpread_px);
-  const auto shared = [](int pixels) { return pixels == 1 || pixels == 2; };
-  if (!shared(detail.chroma_columns) || !shared(detail.chroma_rows))
-    problems.add("detail: a colour for {} x {} pixels: expected 1 or 2 each way", detail.chroma_columns,
-                 detail.chroma_rows);
+  check(detail, problems);
   if (!problems.empty()) return fail(problems.fault());
-  if (detail == state_->detail) return {};
-  state_->detail = detail;
-  state_->look();
+  State& s = *state_;
+  if (detail == s.detail) return {};
+  s.detail = detail;
+  s.drop_layer();
+  s.box = s.box_with(detail);
   return {};
 }
 
@@ -337,24 +397,37 @@ PixelBox Renderer::object_box() const {
   return state_->box;
 }
 
+PixelBox Renderer::object_box(const ObjectDetail& detail) const {
+  return state_->box_with(detail);
+}
+
+bool Renderer::reflects() const {
+  return state_->model && state_->reflects();
+}
+
 Result<> Renderer::redraw_layer(const ObjectAppearance& appearance) {
   if (auto begun = begin_layer(appearance); !begun) return begun;
   return until_done([this] { return continue_layer(); });
 }
 
-Result<> Renderer::begin_layer(const ObjectAppearance& appearance) {
+Result<> Renderer::begin_layer(const ObjectAppearance& appearance, const WithLayer& with) {
   State& s = *state_;
   if (auto ready = s.ready_for_object(); !ready) return ready;
   Problems problems;
   check(appearance, problems);
+  const ObjectDetail detail = with.detail.value_or(s.detail);
+  check(detail, problems);
   if (!problems.empty()) return fail(problems.fault());
   s.unfinished_layer.reset();
-  if (s.box.empty()) {
+  const PixelBox box = s.box_with(detail);
+  if (box.empty()) {
     s.drop_layer();
+    s.detail = detail;
+    s.box = {};
     return {};
   }
 
-  State::UnfinishedLayer unfinished{appearance, std::nullopt, std::nullopt};
+  State::UnfinishedLayer unfinished{appearance, with.sky, detail, box, std::nullopt, std::nullopt};
   const auto frame = s.casts_shadow(appearance) ? s.new_shadow(appearance) : std::nullopt;
   if (frame) {
     s.shadow.reset();
@@ -366,13 +439,14 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance) {
   return {};
 }
 
-Result<bool> Renderer::continue_layer(Duration at_most) {
-  const auto began = std::chrono::steady_clock::now();
+Result<bool> Renderer::continue_layer(const std::function<bool()>& time_is_left) {
   for (;;) {
     const auto whole = state_->next_piece();
-    if (!whole || *whole || at_most <= Duration::zero()) return whole;
-    glFinish();  // what the GPU still has to do would delay the picture all the same
-    if (std::chrono::steady_clock::now() - began >= at_most) return false;
+    // What the GPU still has to do would delay the picture all the same. Software GL keeps the memory of as much work
+    // as was ever waiting for it, textures included.
+    if (time_is_left || state_->info.software) glFinish();
+    if (!whole || *whole || !time_is_left) return whole;
+    if (!time_is_left()) return false;
   }
 }
 
@@ -381,14 +455,16 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
   return state_->layer->read();
 }
 
-Result<> Renderer::upload(const PictureView& frame) {
+Result<> Renderer::upload(const PictureView& frame, std::shared_ptr<const JpegSteps> jpeg) {
   if (auto fits = state_->fits_view(frame.width, frame.height); !fits) return fits;
+  state_->jpeg = std::move(jpeg);
   return state_->camera.upload(frame);
 }
 
 Result<> Renderer::import_frame(const ExternalPicture& frame) {
   State& s = *state_;
   if (auto fits = s.fits_view(frame.width, frame.height); !fits) return fits;
+  s.jpeg.reset();
   return s.camera.import_frame(frame, s.notes);
 }
 
@@ -412,9 +488,11 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   State& s = *state_;
   if (!s.layer) return draw_background(target);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  const auto processed = s.process(measured, noise);
+  if (!processed) return fail(processed.error());
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
-  return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise);
+  return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
 }
 
 Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
@@ -425,12 +503,14 @@ Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget
     return fail(FaultKind::bad_input, "a plane of {} x {} pixels: the object's box is of {} x {}", target.width,
                 target.height, box.right - box.left, box.bottom - box.top);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  const auto processed = s.process(measured, noise);
+  if (!processed) return fail(processed.error());
   const PictureOnTarget shown(box, s.camera.newest().width, s.camera.newest().height);
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);
   glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
-  return s.composite.draw_for_plane(s.programs, s.frame(), shown, *s.layer, measured, noise);
+  return s.composite.draw_for_plane(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
 }
 
 PixelBox Renderer::drawn_box() const {

@@ -15,13 +15,15 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
 
-#include "base/clock.hpp"
 #include "base/image.hpp"
+#include "base/jpeg_steps.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
 #include "gles/gl/context.hpp"
@@ -33,6 +35,13 @@
 namespace kasumi {
 
 struct ModelChunks;
+struct SkySquares;
+
+// What comes with a new layer, besides its light and air.
+struct WithLayer {
+  std::optional<ObjectDetail> detail{};     // from when the layer is whole; empty: as it is
+  std::shared_ptr<const SkySquares> sky{};  // sky_squares() of its light; null: computed in begin_layer()
+};
 
 class Renderer {
  public:
@@ -59,7 +68,8 @@ class Renderer {
   // where unknown: parts of the object behind it are not drawn. An empty image: no surfaces. Not used on drivers with
   // only the eight texture units of GLES 2; notes() reports it.
   Result<> set_scene_depth(const Image<float>& depth_m);
-  // The camera's blur; none by default. The object's box grows by its spread.
+  // The camera's blur, sharpening and JPEG blocks; none by default. The object's box grows by its spread. Blocks need
+  // high precision in fragment shaders, and the JPEG's steps with each uploaded picture.
   Result<> set_detail(const ObjectDetail& detail);
 
   // The scene camera's response. Does not make the layer stale.
@@ -70,15 +80,17 @@ class Renderer {
 
   // Where the object can appear; empty when it is out of the picture. The grids of airlight need to be valid only here.
   PixelBox object_box() const;
+  PixelBox object_box(const ObjectDetail& detail) const;  // and where it could with this one
+  bool reflects() const;                                  // the model does: sky_squares() are needed with mirrors
 
   // Draws the object into the cached layer. Needs a model and a view. Takes long (supersampling); the result stays
   // valid for every exposure, that is for every measured airlight.
   Result<> redraw_layer(const ObjectAppearance& appearance);
   // The same in pieces of some milliseconds on a fast GPU: a map of the shadow, a tile of the layer. draw() shows the
   // layer of before until the new one is whole.
-  Result<> begin_layer(const ObjectAppearance& appearance);
-  // Draws pieces for this long, waiting for the GPU, and one at least. true: the layer is drawn.
-  Result<bool> continue_layer(Duration at_most = {});
+  Result<> begin_layer(const ObjectAppearance& appearance, const WithLayer& with = {});
+  // Draws a piece, and further ones as long as `time_is_left`, waiting for the GPU after each. true: the layer is drawn.
+  Result<bool> continue_layer(const std::function<bool()>& time_is_left = {});
 
   // The cached layer: premultiplied N = rho Gamma + 1 - Gamma in rgb, coverage in a (physics 6), one element per pixel
   // of object_box(). For tests and masks.
@@ -86,7 +98,8 @@ class Renderer {
 
   // The camera's picture, of the view's size (others are refused with bad_input, keeping the last one). Its planes are
   // not needed after this returns.
-  Result<> upload(const PictureView& frame);
+  // `jpeg`: of the JPEG that it was decoded from; null: none.
+  Result<> upload(const PictureView& frame, std::shared_ptr<const JpegSteps> jpeg = nullptr);
   // The same without a copy: the GPU reads the driver's buffer, which must keep the picture until the frame drawn from
   // it has been replaced on the display. Errors: unsupported (upload it instead; reported once in notes(), and
   // remembered for pictures of that kind), bad_input (planes beyond the buffer).

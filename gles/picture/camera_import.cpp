@@ -107,7 +107,9 @@ Result<CameraTextures> CameraImport::import(const ExternalPicture& picture, cons
   }
   if (known == imported_.end()) {
     if (auto whole = check(picture, info); !whole) return fail(whole.error());
-    auto made = import_as(CameraTextures::Source::imported, picture);
+    const bool readable = info.highp_fragments || !CameraTextures::needs_high_precision(picture.layout);
+    auto made = readable ? import_as(CameraTextures::Source::imported, picture)
+                         : fail(FaultKind::unsupported, "{} needs shaders of high precision", name_of(picture.layout));
     if (!made) {
       auto external = import_as(CameraTextures::Source::external, picture);
       if (!external) return fail(FaultKind::unsupported, "{}; {}", made.error().message, external.error().message);

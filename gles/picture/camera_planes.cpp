@@ -24,6 +24,8 @@ Result<CameraTextures> CameraPlanes::upload(const PictureView& picture, const Gl
   }
   if (!problems.empty()) return fail(problems.fault());
 
+  if (!info.highp_fragments && CameraTextures::needs_high_precision(picture.layout))
+    return upload(apart(picture), info);
   CameraTextures textures{
       CameraTextures::Source::uploaded, picture.layout, picture.encoding, picture.width, picture.height, {}};
   for (int i = 0; i < plane_count(picture.layout); ++i) {
@@ -32,6 +34,29 @@ Result<CameraTextures> CameraPlanes::upload(const PictureView& picture, const Gl
   }
   if (auto uploaded = check_gl("uploading the camera's picture"); !uploaded) return fail(uploaded.error());
   return textures;
+}
+
+// Pairs of pixels as three planes.
+PictureView CameraPlanes::apart(const PictureView& picture) {
+  const std::size_t pairs = static_cast<std::size_t>(picture.width + 1) / 2;
+  const auto rows = static_cast<std::size_t>(picture.height);
+  apart_.resize(4 * pairs * rows);
+  std::uint8_t* y = apart_.data();
+  std::uint8_t* u = y + 2 * pairs * rows;
+  std::uint8_t* v = u + pairs * rows;
+  const std::size_t y_at = picture.layout == PixelLayout::yuyv ? 0 : 1, u_at = 1 - y_at;
+  const PictureView planes{
+      PixelLayout::i422, picture.encoding, picture.width, picture.height, {{{y, 2 * pairs}, {u, pairs}, {v, pairs}}}};
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::uint8_t* bytes = picture.planes[0].data + row * picture.planes[0].stride;
+    for (std::size_t pair = 0; pair < pairs; ++pair, bytes += 4) {
+      *y++ = bytes[y_at];
+      *y++ = bytes[y_at + 2];
+      *u++ = bytes[u_at];
+      *v++ = bytes[u_at + 2];
+    }
+  }
+  return planes;
 }
 
 CameraPlanes::Texels CameraPlanes::texels_of(const PictureView& picture, int plane) {

@@ -30,6 +30,9 @@ class CameraPlanes {
 
   std::array<GlTexture, 3> textures_;
   std::array<Texels, 3> held_;
+  PictureView apart(const PictureView& picture);
+
+  std::vector<std::uint8_t> apart_;   // planes of a picture that the shader cannot take apart
   std::vector<std::uint8_t> packed_;  // rows without gaps, for drivers that cannot skip them
 };
 

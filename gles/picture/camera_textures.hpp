@@ -23,6 +23,10 @@ struct CameraTextures {
 
   bool empty() const { return width == 0; }
   int count() const;
+  // Whether its shader finds each pixel's own byte by computing with the pixel's column: beyond 16 bits.
+  static bool needs_high_precision(PixelLayout layout) {
+    return layout == PixelLayout::yuyv || layout == PixelLayout::uyvy;
+  }
   // The defines for camera_picture.glsl.
   Defines defines() const;
   // Binds to texture units 0 .. 2 and sets the uniforms of camera_picture.glsl. smooth: filtered, for scaling.

@@ -1,7 +1,6 @@
 #include "gles/shadow/sun_shadow.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -16,20 +15,30 @@ namespace {
 
 constexpr int kMapsPerSide = 4;
 static_assert(kMapsPerSide * kMapsPerSide == kSunPoints);
-constexpr int kMinTexels = 256, kMaxTexels = 1024;
+constexpr int kMinTexels = 256, kMaxTexels = 1024, kStep_texels = 64;
 constexpr double kBorder_texels = 3.0;   // margin around the object
 constexpr double kDepthBorder = 0.01;    // depth margin in front and behind
 constexpr double kStepOff_texels = 0.6;  // see sun_shadow.glsl
 constexpr double kSteepest = 60.0;       // tangent: a sun 1 degree above a surface lights it by a sixtieth
 
-GlTexture make_maps(int side, bool packed, const GlInfo& info) {
+constexpr double kMargin_texels = 0.05;  // of depth, when two are compared
+
+// A step of 16 bits must be well below what depths are compared by.
+bool enough_in_16_bits(const SunFrame& frame) {
+  return kMargin_texels * frame.texel_m / frame.depth_m >= 2.0 / 65536.0;
+}
+
+GlTexture make_maps(const SunFrame& frame, bool packed, const GlInfo& info) {
+  const int side = kMapsPerSide * frame.texels;
+  const bool short_depth = enough_in_16_bits(frame);
+  const auto sized = short_depth ? GL_DEPTH_COMPONENT16 : GL_DEPTH_COMPONENT24_OES;
   GlTexture texture = make_texture();
   glBindTexture(GL_TEXTURE_2D, texture.name());
   if (packed)
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, side, side, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   else
-    glTexImage2D(GL_TEXTURE_2D, 0, info.es_major >= 3 ? GL_DEPTH_COMPONENT24_OES : GL_DEPTH_COMPONENT, side, side, 0,
-                 GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+    glTexImage2D(GL_TEXTURE_2D, 0, info.es_major >= 3 ? sized : GL_DEPTH_COMPONENT, side, side, 0, GL_DEPTH_COMPONENT,
+                 short_depth ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT, nullptr);
   set_filter(TextureFilter::nearest);
   clamp_to_edge();
   return texture;
@@ -92,8 +101,8 @@ int SunShadow::texels_for(const GpuModel& model, const Projection& projection, c
       depth_range(projection, model.bounds()).near_m / std::max(projection.view.focal_px.x, projection.view.focal_px.y);
   int most = options.packed ? kMaxTexels / 2 : kMaxTexels;
   while (kMapsPerSide * most > info.max_texture_size) most /= 2;
-  const double wanted = std::clamp(across_m / pixel_m, 1.0, 1.0 * kMaxTexels);
-  return std::min(most, std::max(kMinTexels, static_cast<int>(std::bit_ceil(static_cast<unsigned>(wanted)))));
+  const double wanted = std::clamp(across_m / pixel_m, 1.0 * kMinTexels, 1.0 * kMaxTexels);
+  return std::min(most, kStep_texels * static_cast<int>(std::ceil(wanted / kStep_texels)));
 }
 
 Result<SunShadow> SunShadow::draw(const GpuModel& model, const SunFrame& frame, const Options& options,
@@ -113,9 +122,8 @@ Result<SunShadowDrawing> SunShadowDrawing::begin(const GpuModel& model, const Su
   SunShadowDrawing drawing(model, programs);
   drawing.made_.frame_ = frame;
   drawing.made_.options_ = options;
-  const int side = kMapsPerSide * frame.texels;
   glActiveTexture(GL_TEXTURE0 + kPlaneUnit);  // no other texture is in use here
-  drawing.made_.maps_ = make_maps(side, options.packed, info);
+  drawing.made_.maps_ = make_maps(frame, options.packed, info);
   drawing.framebuffer_ = make_framebuffer();
   glBindFramebuffer(GL_FRAMEBUFFER, drawing.framebuffer_.name());
   glFramebufferTexture2D(GL_FRAMEBUFFER, options.packed ? GL_COLOR_ATTACHMENT0 : GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D,
@@ -123,6 +131,7 @@ Result<SunShadowDrawing> SunShadowDrawing::begin(const GpuModel& model, const Su
   if (options.packed) {
     drawing.depth_ = make_renderbuffer();
     glBindRenderbuffer(GL_RENDERBUFFER, drawing.depth_.name());
+    const int side = kMapsPerSide * frame.texels;
     glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), side, side);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, drawing.depth_.name());
   }
@@ -164,7 +173,7 @@ void SunShadow::bind(const Program& program, int unit) const {
   program.set("sun_from_normal", frame_.from_normal);
   program.set("step_off_m", kStepOff_texels * frame_.texel_m);
   program.set("steepest", kSteepest * frame_.texel_m / frame_.depth_m);
-  program.set("depth_margin", 0.05 * frame_.texel_m / frame_.depth_m);
+  program.set("depth_margin", kMargin_texels * frame_.texel_m / frame_.depth_m);
 }
 
 }  // namespace kasumi

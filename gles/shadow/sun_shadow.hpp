@@ -38,8 +38,9 @@ class SunShadow {
   };
   // The options that this driver supports.
   static Options options_for(const GlInfo& info, const Options& asked);
-  // The size of a map at which no texel appears larger than a pixel: a power of two, 256 .. 1024, halved to fit the
-  // driver's limits and once more if depth is packed, which takes twice the memory (8 instead of 4 bytes per texel).
+  // The size of a map at which no texel appears larger than a pixel: a multiple of 64, 256 .. 1024; at most a half or a
+  // quarter of that to fit the driver's limits, and half if depth is packed, which takes 8 bytes per texel instead of 2
+  // (of 4 where the object is so deep that 16 bits of depth are too few).
   static int texels_for(const GpuModel& model, const Projection& projection, const GlInfo& info,
                         const Options& options);
 

@@ -15,6 +15,7 @@
 #include "pipeline/config/content.hpp"
 #include "pipeline/loop/pulse.hpp"
 #include "pipeline/scene/horizon_observer.hpp"
+#include "pipeline/scene/layer_light.hpp"
 #include "pipeline/scene/scene_frame.hpp"
 #include "pipeline/scene/scene_watch.hpp"
 #include "pipeline/scene/sky_watch.hpp"
@@ -100,12 +101,14 @@ struct RenderMailbox : Mailbox {
   LatestSlot<StageOrder> order;
   LatestSlot<SnapshotKind> snapshot;  // wanted
   LatestSlot<HorizonAnswer> horizon;
+  LatestSlot<LayerAnswer> layer;
   Bell bell;  // rung by whoever posts something that cannot wait
 };
 
 struct HorizonMailbox : Mailbox {
   HorizonMailbox() : Mailbox("horizon") {}
   LatestSlot<HorizonQuestion> question;
+  LatestSlot<LayerQuestion> layer_question;
   Bell bell;
 };
 

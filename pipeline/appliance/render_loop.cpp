@@ -180,6 +180,7 @@ void RenderLoop::read_mailbox() {
   if (auto frame = mailboxes_.render.frames.take()) waiting_ = std::move(*frame);
   if (const auto horizon = mailboxes_.render.horizon.take(); horizon && screen_.is_open())
     screen_.stage().adopt(*horizon);
+  if (auto layer = mailboxes_.render.layer.take(); layer && screen_.is_open()) screen_.stage().adopt(std::move(*layer));
   if (const auto kind = mailboxes_.render.snapshot.take()) snapshots_.request(*kind, content_->config, clock_.now());
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
 }
@@ -327,6 +328,10 @@ void RenderLoop::present() {
   if (!frame) return;
   if (auto question = screen_.stage().take_question()) {
     mailboxes_.horizon.question.put(std::move(*question));
+    mailboxes_.horizon.bell.ring();
+  }
+  if (auto question = screen_.stage().take_layer_question()) {
+    mailboxes_.horizon.layer_question.put(std::move(*question));
     mailboxes_.horizon.bell.ring();
   }
   ++status_.scene_frames;

@@ -48,6 +48,7 @@ bool Screen::open() {
   missing_logged_ = false;
   spdlog::info("display: {}, {}", (*display)->description(), (*display)->context().info().renderer);
   for (const auto& note : stage->notes()) spdlog::info("display: {}", note);
+  stage->go_live(clock_);
   status_.up = true;
   status_.description = (*display)->description();
   status_.cause.clear();
@@ -66,6 +67,7 @@ Result<> Screen::adopt(const ContentPtr& content, std::optional<Stage> stage) {
     }
     open_->planes = {};
     open_->stage = std::move(*stage);
+    open_->stage.go_live(clock_);
   }
   stage.reset();  // before the context that it belongs to
   content_ = content;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <malloc.h>
+
 #include <spdlog/spdlog.h>
 
 #include "base/files.hpp"
@@ -16,6 +18,9 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kStatsInterval = 1min;
+// What reading the content and compiling shaders took and gave back lies in pieces between what is still in use: 23 of
+// the demo's 159 MB.
+constexpr Duration kFirstTrim = 20s, kTrimInterval = 1min;
 constexpr Duration kHeatInterval = 5s;  // a heat sink takes minutes
 // An opening that takes so long hangs. The watchdog ends the program half a minute later at the earliest, and a disk may
 // be slow.
@@ -39,7 +44,8 @@ StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, 
       mailboxes_(mailboxes),
       hangs_({&mailboxes.render.pulse}),
       saved_(clock.now()),
-      stats_at_(clock.now()) {
+      stats_at_(clock.now()),
+      trim_at_(clock.now() + kFirstTrim) {
   status_.since = clock.utc();
 }
 
@@ -143,6 +149,10 @@ void StatusLoop::step() {
   write_status();
   keep_history();
   if (status_.now - saved_ >= options_.save_interval) save_air();
+  if (status_.now >= trim_at_) {
+    trim_at_ = status_.now + kTrimInterval;
+    ::malloc_trim(0);
+  }
   if (options_.stats && status_.now - stats_at_ >= kStatsInterval) {
     stats_at_ = status_.now;
     spdlog::info("{}", stats_text(status_));

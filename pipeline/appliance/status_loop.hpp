@@ -67,7 +67,7 @@ class StatusLoop {
   };
   std::optional<OpenHistory> history_;
   std::optional<Instant> history_tried_;  // when it failed last
-  Instant saved_, stats_at_;
+  Instant saved_, stats_at_, trim_at_;
 };
 
 }  // namespace kasumi

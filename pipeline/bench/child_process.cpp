@@ -18,8 +18,6 @@
 #include <filesystem>
 #include <sstream>
 
-#include "base/unique_fd.hpp"
-
 extern char** environ;
 
 namespace kasumi {
@@ -94,6 +92,38 @@ Result<ChildCost> run_child(const std::vector<std::string>& command, Duration at
   cost.last_words = last_line_of(errors.value());
   cost.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return cost;
+}
+
+Result<Child> Child::start(const std::vector<std::string>& command) {
+  UniqueFd errors(::memfd_create("errors", MFD_CLOEXEC));
+  const auto child = spawn(command, -1, errors.value());
+  if (!child) return fail(child.error());
+  return Child(*child, std::move(errors));
+}
+
+Child::~Child() {
+  if (pid_ == 0) return;
+  ::kill(pid_, SIGKILL);
+  ::waitpid(pid_, nullptr, 0);
+}
+
+bool Child::is_running() const {
+  siginfo_t ended{};
+  return ::waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0;
+}
+
+std::string Child::last_words() const {
+  return last_line_of(errors_.value());
+}
+
+WorkFolder::WorkFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "kasumi-bench-XXXXXX").string();
+  if (::mkdtemp(name.data())) path_ = name;
+}
+
+WorkFolder::~WorkFolder() {
+  std::error_code ignored;
+  if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
 }
 
 Result<VirtualDesktop> VirtualDesktop::start(int width, int height) {

@@ -13,6 +13,7 @@
 #include "pipeline/bench/gles.hpp"
 #include "pipeline/bench/growth.hpp"
 #include "pipeline/bench/haze.hpp"
+#include "pipeline/bench/kiosk_memory.hpp"
 #include "pipeline/bench/peers.hpp"
 #include "pipeline/bench/recorded_run.hpp"
 #include "pipeline/command.hpp"
@@ -24,7 +25,7 @@ namespace {
 struct BenchArguments {
   bool markdown = false;
   std::vector<std::string> only;
-  std::string json, against, growth, peers;
+  std::string json, against, growth, memory, peers;
 };
 
 struct Part {
@@ -167,8 +168,16 @@ Result<int> measure_peers(const std::string& fixture, bool markdown) {
   return 0;
 }
 
+Result<int> measure_memory(const std::string& fixture, bool markdown) {
+  const auto rows = bench_memory(fixture);
+  if (!rows) return fail(rows.error());
+  Table(markdown, true).add(*rows);
+  return 0;
+}
+
 Result<int> bench(const BenchArguments& arguments, const std::string& version) {
   if (!arguments.growth.empty()) return measure_growth(arguments.growth, arguments.markdown);
+  if (!arguments.memory.empty()) return measure_memory(arguments.memory, arguments.markdown);
   if (!arguments.peers.empty()) return measure_peers(arguments.peers, arguments.markdown);
   std::optional<RecordedRun> before;
   if (!arguments.against.empty()) {
@@ -211,6 +220,8 @@ void add_bench_command(CLI::App& app, Action& action) {
   command->add_option("--growth", arguments->growth,
                       "Instead: how pictures a second and memory change with triangles, textures, the picture's size "
                       "and buildings, as growth.csv and growth.svg in this folder");
+  command->add_option("--memory", arguments->memory,
+                      "Instead: memory of a kiosk that runs on this fixture, on an unseen screen of full HD");
   command->add_option("--peers", arguments->peers,
                       "Instead: processor time of a picture beside GStreamer's and mpv's, playing the JPEG frames of "
                       "this fixture's scene camera in a window");

@@ -1,7 +1,5 @@
 #include "pipeline/bench/peers.hpp"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <cstdlib>
 #include <functional>
@@ -24,24 +22,6 @@ struct Player {
   std::string name;
   std::string program;  // must be installed
   std::function<std::vector<std::string>(int pictures)> command;
-};
-
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::string name = (fs::temp_directory_path() / "kasumi-peers-XXXXXX").string();
-    if (::mkdtemp(name.data())) path_ = name;
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  ~WorkFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 // The fixture's frames at 30 a second, over and over, with one picture of the sky; and the same frames as 000000.jpg ...

@@ -12,6 +12,7 @@ void add_calibrate_command(CLI::App& app, Action& action) {
   add_calibrate_sky(*command, action);
   add_calibrate_scene(*command, action);
   add_calibrate_response(*command, action);
+  add_calibrate_focus(*command, action);
   add_calibrate_check(*command, action);
   add_calibrate_colour(*command, action);
   add_calibrate_mask(*command, action);

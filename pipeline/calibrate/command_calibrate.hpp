@@ -10,6 +10,7 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action);
 void add_calibrate_sky(CLI::App& calibrate_command, Action& action);
 void add_calibrate_scene(CLI::App& calibrate_command, Action& action);
 void add_calibrate_response(CLI::App& calibrate_command, Action& action);
+void add_calibrate_focus(CLI::App& calibrate_command, Action& action);
 void add_calibrate_check(CLI::App& calibrate_command, Action& action);
 void add_calibrate_colour(CLI::App& calibrate_command, Action& action);
 void add_calibrate_mask(CLI::App& calibrate_command, Action& action);

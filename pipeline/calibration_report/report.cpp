@@ -42,6 +42,8 @@ constexpr std::array kLabels{
     NamedKey{"held_out_steps", "error of unseen pixels, steps of 8 bits"},
     NamedKey{"full_scale_electrons", "electrons at full scale"},
     NamedKey{"read_electrons", "read noise"},
+    NamedKey{"edges", "edges used"},
+    NamedKey{"point_spread_px", "point spread"},
     NamedKey{"hot_pixels", "hot pixels"},
     NamedKey{"residual", "residuals (rms), of the light"},
     NamedKey{"refraction", "coefficient of refraction"},

@@ -20,7 +20,9 @@ const std::map<std::string_view, std::vector<std::string_view>>& shared_tables()
        {"ground_albedo", "cloud_base_m", "fog", "sky_model", "haze_blur_px", "aod_550", "angstrom_exponent",
         "aerosol"}},
       {"sky", {"camera"}},
-      {"scene", {"camera", "point_spread_px", "shared_chroma", "noise", "depth_map", "depth_step_m"}},
+      {"scene",
+       {"camera", "point_spread_px", "sharpening", "shared_chroma", "jpeg_blocks", "noise", "depth_map",
+        "depth_step_m"}},
       {"landmarks", {"name", "latitude_deg", "longitude_deg", "altitude_m"}}};
   return kTables;
 }

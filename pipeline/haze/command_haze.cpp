@@ -120,6 +120,13 @@ void add_haze_command(CLI::App& app, Action& action) {
   command->add_option("--margin-px", options.range.margin_px, "Width of the transition from the scene to the sky")
       ->check(CLI::Range(0, 200))
       ->capture_default_str();
+  command
+      ->add_option("--outline-reach-px", options.outline_reach_px,
+                   "How far outlines of the distances may lie from the picture's edges, to which they are moved; 0: "
+                   "they stay; default: a hundredth of the width")
+      ->check(CLI::Range(0, 64));
+  command->add_flag("--cut-outlines", options.cut_outlines,
+                    "Let no light cross an outline: things keep razor edges however far they are");
   command->add_option("--turbidity", options.turbidities, "T of the haze: 8, or FROM:TO:STEP; several with commas")
       ->delimiter(',');
   command

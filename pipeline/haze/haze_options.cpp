@@ -157,12 +157,21 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
   if (range_m) {
     auto range_options = options.range;
     if (options.indoors) range_options.smallest_sky_share = 1.0;
-    auto prepared = prepare_range(*range_m, range_options);
+    range_options.outline_reach_px =
+        options.outline_reach_px.value_or(std::clamp(static_cast<int>(std::lround(0.01 * range_m->width())), 3, 64));
+    const bool comparable = photograph && photograph->encoded.width() == range_m->width() &&
+                            photograph->encoded.height() == range_m->height();
+    if (!comparable) range_options.outline_reach_px = 0;
+    auto prepared = prepare_range(*range_m, range_options, comparable ? photograph->encoded : Image<glm::vec3>());
     if (prepared)
       task.range = std::move(*prepared);
     else
       problems.add("{}", prepared.error().message);
   }
+  // What is near is as blurred as its own way through the haze makes it, its outline too.
+  if (!options.cut_outlines)
+    task.range.steps_along_row = task.range.steps_down_column =
+        Image<float>(task.range.range.width(), task.range.range.height());
   if (photograph) {
     task.camera = plain_camera(photograph->encoded.width(), photograph->encoded.height(),
                                from_degrees(options.field_of_view_deg), from_degrees(options.pitch_deg));

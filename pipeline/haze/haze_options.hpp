@@ -17,7 +17,9 @@ struct HazeOptions {
   std::optional<double> depth_step_m, disparity_scale;  // the latter: metres times pixels
   double disparity_offset_px = 0.0, altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
   HazeRangeOptions range;
+  std::optional<int> outline_reach_px;  // left out: a hundredth of the picture's width
   bool indoors = false, allow_damaged = false;
+  bool cut_outlines = false;                                // no light crosses an outline
   std::vector<std::string> turbidities, aods, scatterings;  // numbers, or FROM:TO:STEP
   AirOptions aerosol;                                       // exponent and kind
   std::optional<double> kappa_a;

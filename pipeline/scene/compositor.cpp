@@ -1,5 +1,6 @@
 #include "pipeline/scene/compositor.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@ namespace {
 
 // Of a picture's time, for a layer that is being redrawn.
 constexpr Duration kSlice = std::chrono::milliseconds(4);
+constexpr Duration kAnswerBound = std::chrono::seconds(20);  // whoever was asked has died of the question
 
 ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
   ExternalPicture picture{memory.fd, memory.buffer, view.layout, view.encoding, view.width, view.height, {}};
@@ -58,10 +60,13 @@ Result<CompositorMaking> CompositorMaking::begin(GlContext& context, const Insta
   if (!prepared) prepared = std::make_shared<const PreparedScene>(prepare_scene(installation, model));
   auto renderer = Renderer::create(context, options);
   if (!renderer) return fail(renderer.error());
+  const bool reflects = std::ranges::any_of(model.materials, &ModelMaterial::reflects);
+  auto filters = reflects ? std::async(std::launch::async, prepare_sky_squares) : std::future<void>();
   const std::shared_ptr<const ModelChunks> chunks(prepared, &prepared->chunks);
   if (auto begun = renderer->begin_model(model, chunks); !begun) return fail(begun.error());
-  return CompositorMaking(Compositor(std::move(*renderer), std::move(air), installation), installation, model,
-                          std::move(prepared));
+  Compositor made(std::move(*renderer), std::move(air), installation);
+  made.filters_ = std::move(filters);
+  return CompositorMaking(std::move(made), installation, model, std::move(prepared));
 }
 
 Result<bool> CompositorMaking::step() {
@@ -100,39 +105,69 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   return show(target);
 }
 
-// The air that the frame is drawn under, and the building's layer.
+// The air that the frame is drawn under, and the building's layer, which does not need the horizon as it is seen.
 Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky) {
-  const auto now = observe(metadata, picture, sky);
-  if (auto fitted = update_detail(picture.view().layout, now.haze_blur_px); !fitted) return fitted;
-  noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
-  return update_layer(now);
-}
-
-SceneConditions Compositor::observe(const FrameMetadata& metadata, const DecodedPicture& picture,
-                                    const SkyReport& sky) {
-  if (!live_ || !air_.horizon().usable()) return air_.observe(metadata, picture.view(), sky);
-  auto now = air_.conditions(sky);
+  const auto now = air_.conditions(sky);
   air_.follow_exposure(metadata);
-  if (air_.horizon_is_due(metadata)) {
-    air_.asked(metadata);
-    question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now};
-  }
-  return now;
+  auto horizon = measure_horizon(metadata, picture, sky, now);
+  const auto wanted = detail_for_gles(quality_, picture.view().layout, now.haze_blur_px);
+  noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
+  auto updated = clock_ && layer_ ? update_layer_in_slices(metadata, now, wanted) : update_layer_at_once(now, wanted);
+  if (horizon.valid()) air_.adopt(horizon.get());
+  measured_ = air_.measured(now, renderer_.object_box());
+  return updated;
 }
 
-Result<> Compositor::update_layer(const SceneConditions& now) {
-  const auto* drawn_under = unfinished_layer_ ? &now : layer_ ? &*layer_ : nullptr;
-  const auto air = air_.drawn_air(now, renderer_.object_box(), drawn_under);
-  measured_ = air.measured;
-  if (air.appearance)
-    if (auto begun = begin_layer(now, air); !begun) return begun;
-  if (!unfinished_layer_) return {};
-  const bool shows_another = live_ && layer_;
-  for (;;) {
-    const auto whole = continue_layer(shows_another ? kSlice : Duration::zero());
-    if (!whole) return fail(whole.error());
-    if (*whole || shows_another) return {};
+// Beside the drawing; once it is live, by somebody else.
+std::future<HorizonAnswer> Compositor::measure_horizon(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                                       const SkyReport& sky, const SceneConditions& now) {
+  if (!air_.horizon_is_due(metadata)) return {};
+  if (!clock_ || !air_.horizon().usable())
+    return std::async(std::launch::async, [&metadata, &picture, &now, sky = sky.picture, observer = air_.observer()] {
+      const auto* above = sky ? &sky->view() : nullptr;
+      return HorizonAnswer{observer, metadata, observer->observe(picture.view(), above, &now)};
+    });
+  air_.asked(metadata);
+  question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now};
+  return {};
+}
+
+Result<> Compositor::update_layer_at_once(const SceneConditions& now, const ObjectDetail& wanted) {
+  if (auto fitted = update_detail(wanted); !fitted) return fitted;
+  if (!unfinished_layer_ && !(layer_ && look_alike(now, *layer_)))
+    if (auto begun = begin_layer(now, air_.appearance(now, renderer_.object_box())); !begun) return begun;
+  while (unfinished_layer_)
+    if (const auto whole = continue_layer(); !whole) return fail(whole.error());
+  return {};
+}
+
+// One layer at a time: asked for, answered, drawn, and then the next that is due.
+Result<> Compositor::update_layer_in_slices(const FrameMetadata& metadata, const SceneConditions& now,
+                                            const ObjectDetail& wanted) {
+  const auto age = asked_layer_ ? metadata.captured_at - asked_layer_->at : Duration::zero();
+  if (age > kAnswerBound || age < Duration::zero()) asked_layer_.reset();
+  if (!unfinished_layer_ && layer_answer_) {
+    const auto answer = std::exchange(layer_answer_, std::nullopt);
+    if (auto begun = begin_layer(answer->conditions, answer->appearance, {answer->detail, answer->sky}); !begun)
+      return begun;
   }
+  if (unfinished_layer_) {
+    const auto began = clock_->now();
+    if (const auto whole = continue_layer([&] { return clock_->now() - began < kSlice; }); !whole)
+      return fail(whole.error());
+  }
+  if (!unfinished_layer_ && !asked_layer_ && (wanted != detail_ || !look_alike(now, *layer_))) {
+    const auto air = std::make_shared<const SceneAir>(air_);
+    layer_question_ = LayerQuestion{air, now, wanted, renderer_.object_box(wanted), renderer_.reflects()};
+    asked_layer_ = AskedLayer{air, metadata.captured_at};
+  }
+  return {};
+}
+
+void Compositor::adopt(LayerAnswer answer) {
+  if (!asked_layer_ || answer.air != asked_layer_->air) return;
+  asked_layer_.reset();
+  layer_answer_ = std::move(answer);
 }
 
 Result<> Compositor::take(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky) {
@@ -170,11 +205,10 @@ Result<> Compositor::draw_for_plane(const DrawTarget& target) {
 }
 
 // Rarely does anything: the layout is known from the first frame on, and the air changes within hours.
-Result<> Compositor::update_detail(PixelLayout layout, double haze_blur_px) {
-  const auto detail = detail_for_gles(quality_, layout, haze_blur_px);
-  if (detail == detail_) return {};
-  if (auto set = renderer_.set_detail(detail); !set) return set;
-  detail_ = detail;
+Result<> Compositor::update_detail(const ObjectDetail& wanted) {
+  if (wanted == detail_) return {};
+  if (auto set = renderer_.set_detail(wanted); !set) return set;
+  detail_ = wanted;
   layer_.reset();
   unfinished_layer_.reset();
   return {};
@@ -182,28 +216,30 @@ Result<> Compositor::update_detail(PixelLayout layout, double haze_blur_px) {
 
 Result<> Compositor::begin_layer(const SkyReport& sky, PixelLayout layout) {
   const auto now = air_.conditions(sky);
-  if (auto fitted = update_detail(layout, now.haze_blur_px); !fitted) return fitted;
-  const auto air = air_.drawn_air(now, renderer_.object_box());
-  measured_ = air.measured;
-  return begin_layer(now, air);
+  if (auto fitted = update_detail(detail_for_gles(quality_, layout, now.haze_blur_px)); !fitted) return fitted;
+  measured_ = air_.measured(now, renderer_.object_box());
+  return begin_layer(now, air_.appearance(now, renderer_.object_box()));
 }
 
-Result<> Compositor::begin_layer(const SceneConditions& now, const DrawnAir& air) {
+Result<> Compositor::begin_layer(const SceneConditions& now, const ObjectAppearance& appearance,
+                                 const WithLayer& with) {
   unfinished_layer_.reset();
-  if (auto begun = renderer_.begin_layer(*air.appearance); !begun) return begun;
-  unfinished_layer_ = now;
+  if (auto begun = renderer_.begin_layer(appearance, with); !begun) return begun;
+  unfinished_layer_ = UnfinishedLayer{now, with.detail.value_or(detail_)};
   return {};
 }
 
 Result<bool> Compositor::continue_layer() {
-  return continue_layer(Duration::zero());
+  return continue_layer({});
 }
 
-Result<bool> Compositor::continue_layer(Duration at_most) {
-  const auto whole = renderer_.continue_layer(at_most);
+Result<bool> Compositor::continue_layer(const std::function<bool()>& time_is_left) {
+  const auto whole = renderer_.continue_layer(time_is_left);
   if (!whole) unfinished_layer_.reset();
   if (!whole || !*whole) return whole;
-  layer_ = std::exchange(unfinished_layer_, std::nullopt);
+  layer_ = unfinished_layer_->conditions;
+  detail_ = unfinished_layer_->detail;
+  unfinished_layer_.reset();
   ++layers_drawn_;
   return true;
 }
@@ -217,7 +253,9 @@ Result<> Compositor::rehearse(PixelLayout layout, const DrawTarget& target) {
     bytes[i].assign(size.row_bytes * static_cast<std::size_t>(size.rows), 128);
     grey.planes[i] = {bytes[i].data(), size.row_bytes};
   }
-  if (auto uploaded = renderer_.upload(grey); !uploaded) return uploaded;
+  if (auto uploaded = renderer_.upload(grey, detail_.jpeg_blocks ? std::make_shared<const JpegSteps>() : nullptr);
+      !uploaded)
+    return uploaded;
   noise_ = noise_for_gles(quality_, white_balance_, 1.0, 0);
   auto drawn = show(target);
   measured_.reset();
@@ -237,7 +275,7 @@ Result<> Compositor::pass_to_gpu(const DecodedPicture& picture) {
     lent_to_gpu_ = true;
     return {};
   }
-  if (auto uploaded = renderer_.upload(picture.view()); !uploaded) return uploaded;
+  if (auto uploaded = renderer_.upload(picture.view(), picture.jpeg_steps()); !uploaded) return uploaded;
   lent_.reset();
   return {};
 }
@@ -250,7 +288,7 @@ Result<> Compositor::draw_again(const DrawTarget& target) {
 
 Result<> Compositor::copy_lent() {
   if (!lent_) return {};
-  if (auto copied = renderer_.upload(lent_->view()); !copied) return copied;
+  if (auto copied = renderer_.upload(lent_->view(), lent_->jpeg_steps()); !copied) return copied;
   lent_.reset();
   return {};
 }

@@ -1,13 +1,16 @@
 // The scene camera's half of the pipeline: frames and today's air in, pictures with the building out.
 #pragma once
 
+#include <future>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gpu_model/model_chunks.hpp"
 #include "gles/object/renderer.hpp"
+#include "pipeline/scene/layer_light.hpp"
 #include "pipeline/scene/scene_air.hpp"
 
 namespace kasumi {
@@ -64,12 +67,15 @@ class Compositor {
   // trace in the air. Errors: device.
   Result<> rehearse(PixelLayout layout, const DrawTarget& target);
 
-  // From now on a picture waits for nothing that takes long: the layer is redrawn in slices, a few milliseconds a
-  // picture, while the old one is shown; somebody else measures the horizon, once this compositor has seen one.
-  void go_live() { live_ = true; }
+  // From now on a picture waits for nothing that takes long, but the first for what it cannot do without: the layer is
+  // redrawn in slices, a few milliseconds of `clock` a picture, while the old one is shown; somebody else measures the
+  // horizon, and computes light and air of the layer. `clock` must outlive it.
+  void go_live(const Clock& clock) { clock_ = &clock; }
   // To be answered; once for each.
   std::optional<HorizonQuestion> take_question() { return std::exchange(question_, std::nullopt); }
+  std::optional<LayerQuestion> take_layer_question() { return std::exchange(layer_question_, std::nullopt); }
   void adopt(const HorizonAnswer& answer) { air_.adopt(answer); }
+  void adopt(LayerAnswer answer);  // one to another question than the last is left
 
   const SceneAir& air() const { return air_; }
   std::uint64_t layers_drawn() const { return layers_drawn_; }
@@ -93,13 +99,17 @@ class Compositor {
   Result<> lend(const DecodedPicture& picture);
   Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
   Result<> pass_to_gpu(const DecodedPicture& picture);
-  SceneConditions observe(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
-  Result<> update_layer(const SceneConditions& now);
-  Result<> begin_layer(const SceneConditions& now, const DrawnAir& air);
-  Result<bool> continue_layer(Duration at_most);
-  Result<> update_detail(PixelLayout layout, double haze_blur_px);
+  std::future<HorizonAnswer> measure_horizon(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                             const SkyReport& sky, const SceneConditions& now);
+  Result<> update_layer_at_once(const SceneConditions& now, const ObjectDetail& wanted);
+  Result<> update_layer_in_slices(const FrameMetadata& metadata, const SceneConditions& now,
+                                  const ObjectDetail& wanted);
+  Result<> begin_layer(const SceneConditions& now, const ObjectAppearance& appearance, const WithLayer& with = {});
+  Result<bool> continue_layer(const std::function<bool()>& time_is_left);
+  Result<> update_detail(const ObjectDetail& wanted);
   Result<> show(const DrawTarget& target);
 
+  std::future<void> filters_;  // of the sky, on their way
   Renderer renderer_;
   SceneAir air_;
   YuvEncoding encoding_;
@@ -108,13 +118,24 @@ class Compositor {
   int width_, height_;  // of the camera's pictures
   ObjectDetail detail_;
   std::optional<SceneConditions> layer_;  // the air the cached layer was drawn under
-  std::optional<SceneConditions> unfinished_layer_;
+  struct UnfinishedLayer {
+    SceneConditions conditions;
+    ObjectDetail detail;
+  };
+  std::optional<UnfinishedLayer> unfinished_layer_;
   std::uint64_t layers_drawn_ = 0;
   bool drawn_ = false;
-  bool live_ = false;
+  const Clock* clock_ = nullptr;             // live; null: everything is done at once
   std::optional<HorizonQuestion> question_;  // not yet taken
-  std::optional<DecodedPicture> lent_;       // the picture drawn or taken last, while it uses the driver's buffer
-  bool lent_to_gpu_ = false;                 // else only taken
+  struct AskedLayer {
+    std::shared_ptr<const SceneAir> air;  // of the question
+    Instant at;                           // when its picture was captured
+  };
+  std::optional<AskedLayer> asked_layer_;        // not yet answered
+  std::optional<LayerQuestion> layer_question_;  // not yet taken
+  std::optional<LayerAnswer> layer_answer_;      // not yet begun
+  std::optional<DecodedPicture> lent_;           // the picture drawn or taken last, while it uses the driver's buffer
+  bool lent_to_gpu_ = false;                     // else only taken
   ExternalPicture camera_buffer_;
   SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // of the picture drawn last; empty: it has no building

@@ -75,6 +75,8 @@ ObjectDetail detail_for_gles(const ImageQuality& quality, PixelLayout layout, do
     detail.point_spread_px =
         std::clamp(kStep_px * std::round(std::hypot(quality.point_spread_px, haze_blur_px) / kStep_px),
                    quality.point_spread_px, kWidestPointSpread_px);
+  detail.sharpening = quality.sharpening;
+  detail.jpeg_blocks = quality.jpeg_blocks;
   if (!quality.shared_chroma) return detail;
   switch (layout) {
     case PixelLayout::nv12:

@@ -24,22 +24,6 @@ constexpr double kMinExponentChange = 0.02;  // half a percent of haze, between 
 constexpr Radians kMinSunMove = from_degrees(0.1);
 constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 
-bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
-  if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
-  if (now.measured && difference(*drawn.measured, *now.measured) > kMinSkyChange) return false;
-  if (std::abs(now.air.near_ground() - drawn.air.near_ground()) > kMinHazeChange * drawn.air.near_ground())
-    return false;
-  if (now.air.aerosol_known() || drawn.air.aerosol_known()) {
-    const Aerosol &aerosol = now.air.aerosol(), &aerosol_drawn = drawn.air.aerosol();
-    return now.air.aerosol_known() == drawn.air.aerosol_known() && aerosol.kind == aerosol_drawn.kind &&
-           std::abs(aerosol.angstrom_exponent - aerosol_drawn.angstrom_exponent) <= kMinExponentChange &&
-           std::abs(aerosol.aod_550 - aerosol_drawn.aod_550) <= kMinHazeChange * aerosol_drawn.aod_550 &&
-           angle_between(now.sun, drawn.sun) <= kMinSunMove;
-  }
-  const double haze = now.air.turbidity().value - 1.0, haze_drawn = drawn.air.turbidity().value - 1.0;
-  return std::abs(haze - haze_drawn) <= kMinHazeChange * haze_drawn && angle_between(now.sun, drawn.sun) <= kMinSunMove;
-}
-
 std::optional<double> exposure_of(const FrameMetadata& metadata) {
   if (!metadata.exposure_s || *metadata.exposure_s <= 0) return std::nullopt;
   return *metadata.exposure_s * metadata.gain.value_or(1.0);
@@ -82,6 +66,22 @@ OpticalPath path_to(const Installation& installation) {
 }
 
 }  // namespace
+
+bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
+  if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
+  if (now.measured && difference(*drawn.measured, *now.measured) > kMinSkyChange) return false;
+  if (std::abs(now.air.near_ground() - drawn.air.near_ground()) > kMinHazeChange * drawn.air.near_ground())
+    return false;
+  if (now.air.aerosol_known() || drawn.air.aerosol_known()) {
+    const Aerosol &aerosol = now.air.aerosol(), &aerosol_drawn = drawn.air.aerosol();
+    return now.air.aerosol_known() == drawn.air.aerosol_known() && aerosol.kind == aerosol_drawn.kind &&
+           std::abs(aerosol.angstrom_exponent - aerosol_drawn.angstrom_exponent) <= kMinExponentChange &&
+           std::abs(aerosol.aod_550 - aerosol_drawn.aod_550) <= kMinHazeChange * aerosol_drawn.aod_550 &&
+           angle_between(now.sun, drawn.sun) <= kMinSunMove;
+  }
+  const double haze = now.air.turbidity().value - 1.0, haze_drawn = drawn.air.turbidity().value - 1.0;
+  return std::abs(haze - haze_drawn) <= kMinHazeChange * haze_drawn && angle_between(now.sun, drawn.sun) <= kMinSunMove;
+}
 
 SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
     : observer_(std::make_shared<const HorizonObserver>(
@@ -132,19 +132,6 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   return conditions;
 }
 
-SceneConditions SceneAir::observe(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky) {
-  auto now = conditions(sky);
-  update_horizon(metadata, scene, sky.picture ? &sky.picture->view() : nullptr, &now);
-  return now;
-}
-
-DrawnAir SceneAir::drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer) const {
-  DrawnAir air;
-  if (!layer || !look_alike(now, *layer)) air.appearance = appearance(now, box);
-  air.measured = measured(now, box);
-  return air;
-}
-
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
   const Daylight daylight(scene(), conditions.air, conditions.sun,
                           {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get()});
@@ -176,12 +163,6 @@ void SceneAir::follow_exposure(const FrameMetadata& metadata) {
 bool SceneAir::horizon_is_due(const FrameMetadata& metadata) const {
   const auto& last = horizon_asked_at_ ? horizon_asked_at_ : horizon_seen_at_;
   return !last || metadata.captured_at < *last || metadata.captured_at - *last >= options_.horizon_interval;
-}
-
-void SceneAir::update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
-                              const SceneConditions* conditions) {
-  follow_exposure(metadata);
-  if (horizon_is_due(metadata)) adopt(observer_->observe(scene, sky_picture, conditions), metadata);
 }
 
 void SceneAir::adopt(const HorizonAnswer& answer) {

@@ -29,32 +29,21 @@ struct SceneAirOptions {
   Duration horizon_interval = std::chrono::seconds(1);  // between measurements of the horizon
 };
 
-// All that the renderer needs to draw one frame.
-struct DrawnAir {
-  // Haze, light and the model's horizon over the object's part of the picture. Empty: the cached layer looks the same
-  // under the present air.
-  std::optional<ObjectAppearance> appearance;
-  // Measured light from infinity in the scene camera's linear light; a plain grey of 0.5 while no horizon is known.
-  AirlightGrid measured;
-};
+// Whether a layer drawn under the one looks the same under the other.
+bool look_alike(const SceneConditions& now, const SceneConditions& drawn);
 
 class SceneAir {
  public:
   SceneAir(const Installation& installation, SceneAirOptions options);
 
   SceneConditions conditions(const SkyReport& report) const;
-  // Updates the horizon from a scene frame and the sky's report; returns the conditions to draw the frame under.
-  SceneConditions observe(const FrameMetadata& metadata, const PictureView& scene, const SkyReport& sky);
-  // `box`: where the object appears. `layer`: the conditions its layer was drawn under; null: there is none.
-  DrawnAir drawn_air(const SceneConditions& now, const PixelBox& box, const SceneConditions* layer = nullptr) const;
+  // Haze, light and the model's horizon over the object's part of the picture. `box`: where the object appears.
+  ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
+  // Measured light from infinity in the scene camera's linear light; a plain grey of 0.5 while no horizon is known.
+  AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
 
-  // Measures the horizon in a scene frame, at most once per horizon_interval of recorded time; in between it follows
-  // the camera's exposure. `sky_picture`: the sky camera's latest, for scenes that show no sky; may be null.
-  // `conditions`: for a model of the sky when neither picture shows any; may be null. Part of observe().
-  void update_horizon(const FrameMetadata& metadata, const PictureView& scene, const PictureView* sky_picture,
-                      const SceneConditions* conditions = nullptr);
-  // observe() and update_horizon() in parts, where somebody else measures: conditions() and follow_exposure() with each
-  // frame; a frame to be measured is asked for by horizon_is_due() and asked(), and adopted whenever it comes.
+  // With each frame. The horizon follows the camera's exposure; it is measured again, by whoever has the time, once per
+  // horizon_interval of recorded time: a frame is asked for by horizon_is_due() and asked(), and adopted when it comes.
   void follow_exposure(const FrameMetadata& metadata);
   bool horizon_is_due(const FrameMetadata& metadata) const;
   void asked(const FrameMetadata& metadata) { horizon_asked_at_ = metadata.captured_at; }
@@ -67,10 +56,8 @@ class SceneAir {
   ScatteringModel scattering(const AirState& air) const;
   HazeCoefficients haze(const AirState& air) const;
   double haze_blur_px(const AirState& air) const;
-  ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
   // Factor on the light from infinity by direction, as the model has it and as measured alike (FinitePath).
   std::function<glm::dvec3(const Direction&)> air_before_object(const SceneConditions& conditions) const;
-  AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
   void adopt(HorizonLight seen, const FrameMetadata& metadata);
   const Camera& scene() const { return observer_->scene(); }
 

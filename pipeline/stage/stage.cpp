@@ -24,7 +24,6 @@ Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optiona
 
 Result<Stage> Stage::assemble(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still) {
   Stage stage(context, content, std::move(compositor), std::move(still));
-  stage.compositor_.go_live();
   if (content->config.overlay)
     stage.overlay_.emplace(context, content->config.installation, content->model.bounds(),
                            content->config.messages.font_file);

@@ -29,6 +29,8 @@ class Stage {
   // content. Errors: bad_input (too large for this GL), device, unsupported.
   static Result<Stage> create(GlContext& context, ContentPtr content, std::optional<SceneAir> air = std::nullopt);
 
+  void go_live(const Clock& clock) { compositor_.go_live(clock); }
+
   // Draws the scene, from a new frame or (null) as it was drawn last. Errors: bad_input (the frame has another size:
   // nothing was drawn), device.
   Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
@@ -44,7 +46,9 @@ class Stage {
 
   // What somebody else is to measure in a scene drawn lately, and what came of it.
   std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
+  std::optional<LayerQuestion> take_layer_question() { return compositor_.take_layer_question(); }
   void adopt(const HorizonAnswer& answer) { compositor_.adopt(answer); }
+  void adopt(LayerAnswer answer) { compositor_.adopt(std::move(answer)); }
 
   // For when the scene camera is gone. Errors: device.
   Result<> drop_camera_buffers() { return compositor_.drop_camera_buffers(); }

@@ -19,25 +19,38 @@ namespace kasumi {
 
 namespace power_cut {
 
-enum class What { create, write, cut, sync, rename, remove, folder };
+enum class What { create, write, cut, sync, rename, remove, folder, link };
 
 struct Call {
   What what;
   std::string path;    // below the folder; "" is the folder itself
-  std::string other;   // rename: the new path
+  std::string other;   // rename: the new path; link: what it leads to
   std::size_t at = 0;  // write: its place; cut: the new length
   std::vector<char> bytes{};
 };
 
-struct File {
-  bool folder = false;
-  std::string now, on_disk;
+// A file, a link, or a folder with the names in it: as programs see it, and as it is on the disk.
+struct Node {
+  enum class Kind { file, folder, link } kind = Kind::file;
+  std::string now{}, on_disk{};  // contents; of a link where it leads
+  std::map<std::string, std::shared_ptr<Node>> names{}, names_on_disk{};
 };
-using Names = std::map<std::string, std::shared_ptr<File>>;
+using NodePtr = std::shared_ptr<Node>;
 
 inline std::string above(const std::string& path) {
   const auto slash = path.rfind('/');
   return slash == std::string::npos ? "" : path.substr(0, slash);
+}
+inline std::string last(const std::string& path) {
+  return path.substr(path.rfind('/') + 1);  // npos + 1 is 0
+}
+
+inline NodePtr find(const NodePtr& root, const std::string& path) {
+  if (path.empty()) return root;
+  const auto folder = find(root, above(path));
+  if (!folder) return nullptr;
+  const auto found = folder->names.find(last(path));
+  return found == folder->names.end() ? nullptr : found->second;
 }
 
 }  // namespace power_cut
@@ -46,7 +59,7 @@ using namespace power_cut;
 
 struct PowerCut::Notes {
   std::filesystem::path folder;
-  Names before;
+  NodePtr before;
   mutable std::mutex mutex;
   std::vector<Call> calls;
 
@@ -94,18 +107,81 @@ int opened(const char* path, int flags, int fd) {
   return fd;
 }
 
-// Of `names`, those directly in the folder.
-Names in_folder(const Names& names, const std::string& folder) {
-  Names found;
-  for (const auto& [path, file] : names)
-    if (above(path) == folder) found.emplace(path, file);
-  return found;
+// What lies there, as it is on the disk.
+NodePtr read_tree(const std::filesystem::path& folder) {
+  const auto node = std::make_shared<Node>(Node{Node::Kind::folder});
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    auto& at = node->names[entry.path().filename().string()];
+    if (entry.is_symlink())
+      at = std::make_shared<Node>(Node{Node::Kind::link, std::filesystem::read_symlink(entry.path()).string()});
+    else if (entry.is_directory())
+      at = read_tree(entry.path());
+    else
+      at = std::make_shared<Node>(Node{Node::Kind::file, read_text_file(entry.path()).value()});
+    at->on_disk = at->now;
+  }
+  node->names_on_disk = node->names;
+  return node;
 }
 
-void move_name(Names& names, const std::string& from, const std::string& to) {
-  if (const auto found = names.find(from); found != names.end()) {
-    names[to] = found->second;
-    names.erase(from);
+NodePtr copy_of(const NodePtr& node, std::map<NodePtr, NodePtr>& copies) {
+  auto& copy = copies[node];
+  if (copy) return copy;
+  copy = std::make_shared<Node>(*node);
+  for (auto& [name, child] : copy->names) child = copy_of(child, copies);
+  for (auto& [name, child] : copy->names_on_disk) child = copy_of(child, copies);
+  return copy;
+}
+
+void make(const NodePtr& root, const Call& call, Node node) {
+  if (const auto folder = find(root, above(call.path)); folder && !folder->names.contains(last(call.path)))
+    folder->names[last(call.path)] = std::make_shared<Node>(std::move(node));
+}
+
+// As POSIX has it: the node moves with all that is in it, on the disk once the folders' names are.
+void move_node(const NodePtr& root, const std::string& from, const std::string& to) {
+  const auto old_folder = find(root, above(from)), new_folder = find(root, above(to));
+  const auto node = find(root, from);
+  if (!node || !new_folder) return;
+  old_folder->names.erase(last(from));
+  new_folder->names[last(to)] = node;
+}
+
+void happen(const NodePtr& root, const Call& call) {
+  const auto node = find(root, call.path);
+  switch (call.what) {
+    case What::create: return make(root, call, {Node::Kind::file});
+    case What::folder: return make(root, call, {Node::Kind::folder});
+    case What::link: return make(root, call, {Node::Kind::link, call.other, call.other});
+    case What::rename: return move_node(root, call.path, call.other);
+    case What::remove:
+      if (node) find(root, above(call.path))->names.erase(last(call.path));
+      return;
+    case What::write:
+      if (!node) return;
+      if (node->now.size() < call.at + call.bytes.size()) node->now.resize(call.at + call.bytes.size());
+      node->now.replace(call.at, call.bytes.size(), call.bytes.data(), call.bytes.size());
+      return;
+    case What::cut:
+      if (node) node->now.resize(call.at);
+      return;
+    case What::sync:
+      if (!node) return;
+      node->on_disk = node->now;
+      node->names_on_disk = node->names;
+  }
+}
+
+void put(const Node& folder, bool names, bool contents, const std::filesystem::path& to) {
+  std::filesystem::create_directories(to);
+  for (const auto& [name, node] : names ? folder.names : folder.names_on_disk) {
+    const auto& bytes = contents ? node->now : node->on_disk;
+    if (node->kind == Node::Kind::folder)
+      put(*node, names, contents, to / name);
+    else if (node->kind == Node::Kind::link)
+      std::filesystem::create_symlink(bytes, to / name);
+    else
+      std::ofstream(to / name, std::ios::binary) << bytes;
   }
 }
 
@@ -113,11 +189,7 @@ void move_name(Names& names, const std::string& from, const std::string& to) {
 
 PowerCut::PowerCut(std::filesystem::path folder) : notes_(std::make_unique<Notes>()) {
   notes_->folder = std::filesystem::absolute(folder).lexically_normal();
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(notes_->folder)) {
-    auto file = std::make_shared<File>(File{entry.is_directory(), "", ""});
-    if (!file->folder) file->now = file->on_disk = read_text_file(entry.path()).value();
-    notes_->before[*notes_->inside(entry.path())] = file;
-  }
+  notes_->before = read_tree(notes_->folder);
   watching = notes_.get();
 }
 
@@ -131,47 +203,13 @@ std::size_t PowerCut::calls() const {
 }
 
 void PowerCut::lay_out(std::size_t count, Left left, const std::filesystem::path& to) const {
-  Names seen, on_disk;
-  for (const auto& [path, file] : notes_->before) seen[path] = on_disk[path] = std::make_shared<File>(*file);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Call& call = notes_->calls[i];
-    const auto file = seen.find(call.path);
-    switch (call.what) {
-      case What::create:
-      case What::folder:
-        if (file == seen.end()) seen[call.path] = std::make_shared<File>(File{call.what == What::folder, "", ""});
-        break;
-      case What::write:
-        if (file == seen.end()) break;
-        if (file->second->now.size() < call.at + call.bytes.size())
-          file->second->now.resize(call.at + call.bytes.size());
-        file->second->now.replace(call.at, call.bytes.size(), call.bytes.data(), call.bytes.size());
-        break;
-      case What::cut:
-        if (file != seen.end()) file->second->now.resize(call.at);
-        break;
-      case What::sync:
-        if (call.path.empty() || (file != seen.end() && file->second->folder)) {
-          for (const auto& [path, was] : in_folder(on_disk, call.path)) on_disk.erase(path);
-          on_disk.merge(in_folder(seen, call.path));
-        } else if (file != seen.end()) {
-          file->second->on_disk = file->second->now;
-        }
-        break;
-      case What::rename: move_name(seen, call.path, call.other); break;
-      case What::remove: seen.erase(call.path); break;
-    }
-  }
+  std::map<NodePtr, NodePtr> copies;
+  const auto root = copy_of(notes_->before, copies);
+  for (std::size_t i = 0; i < count; ++i) happen(root, notes_->calls[i]);
   std::filesystem::remove_all(to);
-  std::filesystem::create_directories(to);
   const bool names = left == Left::names || left == Left::names_and_contents;
   const bool contents = left == Left::contents || left == Left::names_and_contents;
-  for (const auto& [path, file] : names ? seen : on_disk) {  // a folder comes before what is in it
-    if (file->folder)
-      std::filesystem::create_directory(to / path);
-    else if (std::filesystem::is_directory((to / path).parent_path()))  // else its folder was lost
-      std::ofstream(to / path, std::ios::binary) << (contents ? file->now : file->on_disk);
-  }
+  put(*root, names, contents, to);
 }
 
 }  // namespace kasumi
@@ -240,5 +278,14 @@ extern "C" int mkdir(const char* path, mode_t mode) noexcept {
   static const auto real = kasumi::next<int(const char*, mode_t)>("mkdir");
   const int done = real(path, mode);
   if (done == 0) kasumi::note(What::folder, std::filesystem::path(path));
+  return done;
+}
+
+extern "C" int symlink(const char* target, const char* path) noexcept {
+  static const auto real = kasumi::next<int(const char*, const char*)>("symlink");
+  const int done = real(target, path);
+  if (done == 0)
+    if (auto* notes = kasumi::watching.load())
+      if (const auto name = notes->inside(std::filesystem::path(path))) notes->note({What::link, *name, target, 0, {}});
   return done;
 }

@@ -26,15 +26,20 @@ TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndNoiseless) {
   EXPECT_EQ(quality.full_scale_electrons, 0.0);
   EXPECT_EQ(quality.read_electrons, 0.0);
   EXPECT_FALSE(quality.shared_chroma);
+  EXPECT_EQ(quality.sharpening, 0.0);
+  EXPECT_FALSE(quality.jpeg_blocks);
 }
 
 TEST(ImageQualityKeys, AreReadAsWritten) {
   const auto [quality, problems] = read_quality(
-      "point_spread_px = 0.55\nshared_chroma = true\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = "
+      "point_spread_px = 0.55\nsharpening = 0.9\nshared_chroma = true\njpeg_blocks = "
+      "true\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = "
       "4\n");
   EXPECT_EQ(problems, "");
   EXPECT_EQ(quality.point_spread_px, 0.55);
   EXPECT_TRUE(quality.shared_chroma);
+  EXPECT_EQ(quality.sharpening, 0.9);
+  EXPECT_TRUE(quality.jpeg_blocks);
   EXPECT_EQ(quality.full_scale_electrons, 9000.0);
   EXPECT_EQ(quality.read_electrons, 4.0);
 }

@@ -16,6 +16,10 @@ SCENE_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-scene"\n'
 SKY_LOOPBACK = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/kasumi-sky"\n'
 VIMC = 'source = "libcamera"\ncamera = "platform/vimc.0 Sensor B"\n'
 VIVID = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/vivid-000"\nformat = "YUYV"\nframes_per_second = 5\n'
+# Camera and display of the same size, in a format that both know: among the few that vivid has, and the modes of vkms.
+PLANES_SIZE = 640, 480
+VIVID_FOR_PLANES = 'source = "v4l2"\ndevice = "/dev/v4l/by-id/vivid-000"\nformat = "XR24"\nframes_per_second = 25\n'
+VKMS = 'device = "/dev/dri/by-path/platform-vkms-card"\nmode = "640x480"\n'
 
 # Kernel test drivers have no serial number and no unique bus path, so their stable names come from their card names.
 UDEV_RULES = """\
@@ -26,6 +30,7 @@ SUBSYSTEM=="video4linux", ATTR{name}=="vivid-000-vid-cap", SYMLINK+="v4l/by-id/v
 DRIVERS = """\
 options v4l2loopback devices=2 exclusive_caps=1,1 card_label=kasumi-scene,kasumi-sky
 options vivid n_devs=1 node_types=0x1 input_types=0x0
+options vkms enable_overlay=1
 """
 DEVICE_TESTS = ("test_v4l2_live", "test_libcamera_live", "test_kms", "test_gles")
 STATISTICS = """\
@@ -33,10 +38,11 @@ STATISTICS = """\
 ExecStart=
 ExecStart=/usr/bin/kasumi run --config /etc/kasumi/kasumi.toml --stats
 """
-# A program that crashes as it starts, but not in safe mode.
+# A program that crashes as it starts, but not in safe mode: once it has noted this start, which wait-before-start begins.
 CRASH = """\
 [Service]
-ExecStart=/bin/sh -c 'while sleep .3; do grep -q mode.*whole /var/lib/kasumi/starts.json && systemctl kill -s KILL --kill-whom=main kasumi; done'
+ExecStart=/bin/sh -c 'while sleep .3; do test /var/lib/kasumi/starts.json -nt /run/kasumi/starts && \\
+  grep -q mode.*whole /var/lib/kasumi/starts.json && systemctl kill -s KILL --kill-whom=main kasumi; done'
 [Install]
 WantedBy=multi-user.target
 """
@@ -52,7 +58,7 @@ WantedBy=multi-user.target
 """
 
 
-def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", scene_size=SIZE):
+def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="trusted", scene_size=SIZE, display=""):
     """A fixture's cameras and building as kasumi.toml, with live cameras instead of recorded ones."""
     described = (fixture / "fixture.toml").read_text()
     if scene_size != SIZE:
@@ -60,6 +66,7 @@ def configuration(fixture, scene=SCENE_LOOPBACK, sky=SKY_LOOPBACK, clock="truste
         described = described.replace(size.format(*SIZE), size.format(*scene_size)).replace('mask = "scene-mask.png"\n', "")
     return (described[described.index("[site]"):]
             + f"\n[sky.camera]\n{sky}\n[scene.camera]\n{scene}\n"
+            + f"\n[display]\n{display}"
             + f'[clock]\npolicy = "{clock}"\n[state]\nfolder = "/var/lib/kasumi"\n'
             + '[still]\ncaption = "The view returns in a moment."\n')
 

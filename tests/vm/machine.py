@@ -16,6 +16,7 @@ import time
 
 ANSWER_S = 300  # longest time for an answer from QEMU or the guest's agent, by the host's clock
 HANG_S = 900  # a command that lasts longer by the host's clock hangs; limits are by the guest's clock
+FIRMWARE_S = 2  # within this time after a reset the firmware resets the machine once more, as it finds that it ran before
 SLOWEST = 60  # times slower than its own clock: such a machine is useless
 POLL_S = 0.2  # of the guest's time, since looking costs an emulated processor some of it
 # An emulated processor executes 1e9 instructions a second of the guest's time, however long that takes: its clock counts them. One
@@ -230,7 +231,7 @@ class Machine:
         """Whether a command in the guest succeeds."""
         return self.run(f"({command}) >/dev/null && echo yes", check=False).endswith("yes")
 
-    def wait_until(self, what, condition, timeout_s):
+    def wait_until(self, what, condition, timeout_s, every_s=POLL_S):
         """BLOCKS until `condition` (a shell command, or a function) holds; returns the seconds it took by the guest's clock."""
         started, began = self.clock(), time.monotonic()
         seen, seen_at = started, began
@@ -243,12 +244,12 @@ class Machine:
             if now > seen:
                 self.pace = min(max((now_at - seen_at) / (now - seen), 1.0), SLOWEST)
             seen, seen_at = now, now_at
-            self.pause()
+            self.pause(every_s)
         return self.clock() - started
 
-    def pause(self):
+    def pause(self, moment_s=POLL_S):
         """BLOCKS for a moment of the guest's time, as quick as it was when it was last waited for."""
-        time.sleep(POLL_S * self.pace)
+        time.sleep(moment_s * self.pace)
 
     def photograph(self, name):
         """A screenshot, as a PPM file."""
@@ -285,7 +286,7 @@ class Machine:
         started, began = self.real_time_clock(), time.monotonic()
         while (took_s := self.real_time_clock() - started) <= timeout_s and time.monotonic() - began < HANG_S + SLOWEST * timeout_s:
             for news in self.qmp.events():
-                if news["event"] == "RESET" and news["data"]["reason"] == "guest-reset":
+                if news["event"] == "RESET" and news["data"]["reason"] == "guest-reset" and took_s > FIRMWARE_S:
                     return took_s
             time.sleep(POLL_S)  # QEMU is asked, not the guest
         raise AssertionError(f"not within {timeout_s} s: the machine reboots itself")

@@ -23,11 +23,12 @@ vec3 sun_lobe(vec3 n, vec3 eye, float across, float roughness, vec3 f0, vec3 f90
   if (towards <= 0.0) return vec3(0.0);
   vec3 facet = normalize(eye + sun_direction);
   float nh = clamp(dot(n, facet), 0.0, 1.0);
+  vec3 aside = cross(n, facet);  // its square is 1 - nh^2, without the loss of digits
   float a2 = pow(roughness, 4.0) + kSunDisc;
-  float spread = 1.0 - nh * nh + nh * nh * a2;
+  float spread = dot(aside, aside) + nh * nh * a2;
   float hidden = towards * sqrt(across * across * (1.0 - a2) + a2) + across * sqrt(towards * towards * (1.0 - a2) + a2);
   float edge = pow(1.0 - clamp(dot(eye, facet), 0.0, 1.0), 5.0);
-  return (f0 + (f90 - f0) * edge) * (a2 / (spread * spread) * 0.5 / hidden);
+  return (f0 + (f90 - f0) * edge) * (a2 / spread / spread * 0.5 / hidden);
 }
 
 // Light from multiple reflections between facets (Fdez-Aguera 2019). `once`: light reflected a single time; `all`: the

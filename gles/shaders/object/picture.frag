@@ -1,5 +1,6 @@
 // The camera's picture, with Linf N over it in linear light where the layer covers it fully (COVERED) or partly (EDGE).
-// PLANE: only what is to be laid over the camera's picture by the display.
+// PROCESSED: as the camera's processing left it (camera_processing.cpp). COVERAGE: the
+// object's share of each pixel in alpha. PLANE: only what is to be laid over the camera's picture by the display.
 #include "dither.glsl"
 #include "layer.glsl"
 #include "response.glsl"
@@ -14,13 +15,19 @@ varying vec2 v_picture;
 uniform sampler2D layer;
 varying vec2 v_layer;
 varying vec3 v_airlight_root;
+#if defined(PROCESSED)
+uniform sampler2D processed;
+varying vec2 v_processed;
+#endif
 #endif
 #if defined(EDGE)
 varying vec2 v_pixel;
 #endif
 
 void main() {
-#if defined(COVERED)
+#if defined(COVERED) && defined(PROCESSED)
+  gl_FragColor = vec4(texture2D(processed, v_processed).rgb, 1.0);
+#elif defined(COVERED)
   vec4 object = texture2D(layer, v_layer);
   vec3 root = v_airlight_root * object.rgb;
 #if defined(NOISE)
@@ -30,19 +37,31 @@ void main() {
 #elif defined(EDGE)
   vec3 behind = camera_at(v_picture);
   vec4 object = texture2D(layer, v_layer);
-  vec3 root = v_airlight_root * object.rgb;
   float coverage = coverage_in(object.a);
+#if defined(PLANE) || !defined(PROCESSED)
+  vec3 root = v_airlight_root * object.rgb;
   vec3 own = root * root;
+#endif
+#if defined(PROCESSED)
+  vec3 shown = texture2D(processed, v_processed).rgb;
+#else
   vec3 light = light_of(clamp(behind, 0.0, 1.0)) * (1.0 - coverage) + own;
 #if defined(NOISE)
   light = noisy(light, coverage);
 #endif
-#if defined(PLANE)
-  gl_FragColor =
-      object.a > 0.0 ? for_plane(behind, encoded(light) + dither(v_pixel) / 255.0, own, coverage) : vec4(0.0);
-#else
-  gl_FragColor = vec4(object.a > 0.0 ? encoded(light) + dither(v_pixel) / 255.0 : behind, 1.0);
+  vec3 shown = encoded(light) + dither(v_pixel) / 255.0;
 #endif
+#if defined(PLANE)
+  gl_FragColor = object.a > 0.0 ? for_plane(behind, shown, own, coverage) : vec4(0.0);
+#else
+#if defined(COVERAGE)
+  gl_FragColor = vec4(object.a > 0.0 ? shown : behind, coverage);
+#else
+  gl_FragColor = vec4(object.a > 0.0 ? shown : behind, 1.0);
+#endif
+#endif
+#elif defined(COVERAGE)
+  gl_FragColor = vec4(camera_at(v_picture), 0.0);
 #else
   gl_FragColor = vec4(camera_at(v_picture), 1.0);
 #endif

@@ -18,6 +18,10 @@ varying vec2 v_noise;
 #endif
 varying vec2 v_layer;
 varying vec3 v_airlight_root;  // square root, of the layer's unit
+#if defined(PROCESSED)
+uniform vec4 processed_place;  // left, top, 1 / width, 1 / height
+varying vec2 v_processed;
+#endif
 #endif
 #if defined(EDGE)
 varying vec2 v_pixel;
@@ -30,6 +34,9 @@ void main() {
 #endif
 #if defined(COVERED) || defined(EDGE)
   v_layer = (position - layer_place.xy) * layer_place.zw;
+#if defined(PROCESSED)
+  v_processed = (position - processed_place.xy) * processed_place.zw;
+#endif
 #if defined(NOISE)
   v_noise = (position + noise_place.xy) * noise_place.z;
 #endif

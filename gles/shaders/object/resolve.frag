@@ -4,13 +4,13 @@
 #include "layer.glsl"
 
 uniform sampler2D samples;
-uniform mat3 fragment_to_sample;  // gl_FragCoord to texture coordinates of the pixel's central sample
+varying vec2 v_centre;            // texture coordinates of the pixel's central sample
 uniform vec2 sample_step;         // one texel
 uniform vec2 offsets[17];
 uniform vec2 first_pixel;         // the picture's pixel at gl_FragCoord 0.5
 #if defined(FOREGROUND)
 uniform sampler2D foreground;
-uniform mat3 fragment_to_picture;
+varying vec2 v_picture;
 #endif
 
 // The mean of the pixel whose central sample has the texture coordinates `centre`.
@@ -41,13 +41,12 @@ vec4 with_shared_chroma(vec4 mean, vec2 centre) {
 #endif
 
 void main() {
-  vec2 centre = (fragment_to_sample * vec3(gl_FragCoord.xy, 1.0)).xy;
-  vec4 mean = mean_around(centre);
+  vec4 mean = mean_around(v_centre);
 #if defined(CHROMA_COLUMNS)
-  mean = with_shared_chroma(mean, centre);
+  mean = with_shared_chroma(mean, v_centre);
 #endif
 #if defined(FOREGROUND)
-  mean *= texture2D(foreground, (fragment_to_picture * vec3(gl_FragCoord.xy, 1.0)).xy).r;
+  mean *= texture2D(foreground, v_picture).r;
 #endif
   vec2 pixel = gl_FragCoord.xy + first_pixel;
   vec3 root = sqrt(mean.rgb);

@@ -20,7 +20,7 @@ uniform vec2 metal_and_roughness;
 uniform sampler2D roughness_map;
 #endif
 #if defined(NORMAL_MAP)
-uniform sampler2D normal_map;
+uniform HIGH sampler2D normal_map;  // small tilts matter to mirrors
 uniform float normal_scale;
 uniform float handedness;  // of model to world
 varying vec4 v_tangent;

@@ -26,7 +26,8 @@ float in_table(float at, float row) {
   float place = clamp(at, 0.0, 1.0) * (response_entries - 1.0);
   float entry = min(floor(place), response_entries - 2.0);
   vec4 texel = texture2D(response_table, vec2((entry + 0.5) / response_entries, (row + 0.5) / 8.0));
-  vec2 ends = (texel.xz * 65280.0 + texel.yw * 255.0) / 65535.0;
+  // Constants as decimals: 65535 is infinite in 16 bits.
+  vec2 ends = texel.xz * 0.996108949 + texel.yw * 0.003891051;
   return mix(ends.x, ends.y, place - entry);
 }
 vec3 encoded_root(vec3 root) { return vec3(in_table(root.r, 4.0), in_table(root.g, 5.0), in_table(root.b, 6.0)); }

@@ -63,6 +63,25 @@ TEST(Jpeg, HighQualityReproducesTheEncodedPicture) {
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb_at(picture->view(), x, y)[c], image.at(x, y)[c], 3);
 }
 
+TEST(Jpeg, ItsStepsAreThoseOfItsTables) {
+  // ITU-T T.81 K.1 and K.2 at libjpeg's quality 50: as printed; at 25, twice as much, at 100, 1.
+  const auto steps_of = [](int quality, ChromaSubsampling subsampling) {
+    const auto bytes = encode_jpeg(Image<Rgb8>(33, 17, Rgb8(90)), quality, subsampling).value();
+    return decode_jpeg(bytes, 33, 17).value().steps;
+  };
+  const auto half = steps_of(50, ChromaSubsampling::s420), quarter = steps_of(25, ChromaSubsampling::s444);
+  const std::array<std::uint16_t, 8> luma{16, 11, 10, 16, 24, 40, 51, 61}, chroma{17, 18, 24, 47, 99, 99, 99, 99};
+  for (std::size_t i = 0; i < 8; ++i) {
+    EXPECT_EQ(half.luma[i], luma[i]) << "the first row, not the first column";
+    EXPECT_EQ(half.chroma[i], chroma[i]);
+    EXPECT_EQ(quarter.luma[i], 2 * luma[i]);
+  }
+  EXPECT_EQ(half.luma[63], 99);
+  EXPECT_EQ(steps_of(100, ChromaSubsampling::s422).luma[40], 1);
+  const auto grey = steps_of(50, ChromaSubsampling::grey);
+  EXPECT_EQ(grey.chroma, grey.luma);
+}
+
 TEST(Jpeg, SamplingFactorsWithACommonMultipleAreReduced) {
   const auto image = test_picture(37, 29);
   const auto odd_422 = exotic_jpeg(image, [](jpeg_compress_struct& info) {  // as ffmpeg writes 4:2:2

@@ -488,6 +488,25 @@ TEST(RunningAppliance, IsFoundOnlyWhileItsProcessLives) {
   EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc));
 }
 
+TEST(RunningAppliance, IsFoundWhereProcHidesItIfSystemdNamesIt) {
+  Machine machine("hidden");
+  auto status = healthy_status();
+  status["pid"] = ::getpid();  // lives
+  machine.run_appliance(status);
+  const auto named = [&](int pid) {
+    ::setenv("MAINPID", std::to_string(pid).c_str(), 1);
+    const bool is_found = find_running_appliance(machine.places.status_file, machine.places.proc).has_value();
+    ::unsetenv("MAINPID");
+    return is_found;
+  };
+  EXPECT_FALSE(find_running_appliance(machine.places.status_file, machine.places.proc));
+  EXPECT_TRUE(named(::getpid()));
+  EXPECT_FALSE(named(::getppid())) << "another one is its main process";
+  status["pid"] = 1 << 23;  // more than the kernel gives
+  machine.run_appliance(status);
+  EXPECT_FALSE(named(1 << 23)) << "it has ended";
+}
+
 TEST(Doctor, ExaminesAStoppedKioskByOpeningItsDevices) {
   Machine machine("kiosk");
   const auto config = write_kiosk(operating_folder("examined"));

@@ -97,6 +97,8 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.installation.scene.direction_at({5.0, 7.0}), b.installation.scene.direction_at({5.0, 7.0}));
   EXPECT_EQ(a.installation.scene_quality.point_spread_px, b.installation.scene_quality.point_spread_px);
   EXPECT_EQ(a.installation.scene_quality.shared_chroma, b.installation.scene_quality.shared_chroma);
+  EXPECT_EQ(a.installation.scene_quality.sharpening, b.installation.scene_quality.sharpening);
+  EXPECT_EQ(a.installation.scene_quality.jpeg_blocks, b.installation.scene_quality.jpeg_blocks);
   EXPECT_EQ(a.installation.object.placement.heading, b.installation.object.placement.heading);
   EXPECT_EQ(a.installation.object.placement.scale, b.installation.object.placement.scale);
   EXPECT_EQ(a.installation.surroundings.ground_albedo, b.installation.surroundings.ground_albedo);

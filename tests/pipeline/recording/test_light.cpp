@@ -52,9 +52,24 @@ double through_density(double length_m, double altitude_m, double rise_m, double
   return length_m * start * (std::abs(x) < 1e-9 ? 1.0 : -std::expm1(-x) / x);
 }
 
+struct DrawnAir {
+  ObjectAppearance appearance;
+  AirlightGrid measured;
+};
+DrawnAir drawn_air(const SceneAir& air, const SceneConditions& conditions, const PixelBox& box) {
+  return {air.appearance(conditions, box), air.measured(conditions, box)};
+}
+
+// As a camera's next frame, in which the horizon is measured.
+void see_horizon(SceneAir& air, const FrameMetadata& metadata, const Image<Rgb8>& picture) {
+  air.follow_exposure(metadata);
+  if (air.horizon_is_due(metadata))
+    air.adopt({air.observer(), metadata, air.observer()->observe(view_of(picture), nullptr, nullptr)});
+}
+
 // The renderer's result for a white surface (gles/shaders), on the CPU: rho Gamma + 1 - Gamma over the measured light.
 glm::dvec3 drawn(const DrawnAir& air, const glm::dvec2& pixel, const glm::dvec3& place, const glm::dvec3& normal) {
-  const ObjectAppearance& appearance = air.appearance.value();
+  const ObjectAppearance& appearance = air.appearance;
   const ObjectLight& light = appearance.light;
   const glm::dvec3 irradiance_here =
       std::max(0.0, glm::dot(normal, light.sun_direction)) * light.sun_irradiance + irradiance(light.around, normal);
@@ -107,12 +122,12 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) 
       metadata.exposure_s = exposure.exposure_s;
       metadata.gain = exposure.gain;
       if (stops != 0.0) {
-        air.update_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+        see_horizon(air, metadata, fixtures::expose(light, camera, exposure));
         exposure.exposure_s *= std::exp2(stops);
         metadata.exposure_s = exposure.exposure_s;
         metadata.captured_at += std::chrono::seconds(2);
       }
-      air.update_horizon(metadata, view_of(fixtures::expose(light, camera, exposure)), nullptr);
+      see_horizon(air, metadata, fixtures::expose(light, camera, exposure));
 
       const fixtures::Building patch(board(), {place.x, place.y, place.z, 0.0});
       const auto seen = fixtures::look_at_building(patch, day, camera, land);
@@ -121,7 +136,7 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) 
                               exposure.exposure_s * exposure.gain;
 
       ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
-      const glm::dvec3 rendered = drawn(air.drawn_air(conditions, box), pixel, place, {0.0, -1.0, 0.0});
+      const glm::dvec3 rendered = drawn(drawn_air(air, conditions, box), pixel, place, {0.0, -1.0, 0.0});
       ratios.push_back(rendered / real);
       fmt::print("{} K, {:+.0f} EV: rendered / real {:.4f} {:.4f} {:.4f}\n", kelvin, stops, ratios.back().r,
                  ratios.back().g, ratios.back().b);
@@ -159,11 +174,11 @@ TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndBelowTheHorizon
     exposure.seed = 11;
     const double scale = fixtures::kResponsivity * exposure.exposure_s * exposure.gain;
     SceneAir air(installation, {});
-    air.update_horizon({}, view_of(fixtures::expose(light, made.camera, exposure)), nullptr);
+    see_horizon(air, {}, fixtures::expose(light, made.camera, exposure));
     ASSERT_TRUE(air.horizon().usable()) << air.horizon().reason;
     const SceneConditions conditions{Turbidity{turbidity}, weather.sun, SkyCondition::clear, nullptr};
     const PixelBox box{20, 100, 460, 180};
-    const auto over = air.drawn_air(conditions, box);
+    const auto over = drawn_air(air, conditions, box);
 
     std::array<double, 2> real_green{}, drawn_green{};
     for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
@@ -290,7 +305,7 @@ TEST(SceneAir, AKnownAerosolFadesWhatIsFarByItsOwnLaw) {
     SkyReport report;
     report.sun.source = SunSource::ephemeris;
     report.sun.direction = direction_from(from_degrees(40.0), from_degrees(180.0));
-    return air.drawn_air(air.conditions(report), box).appearance.value().haze;
+    return air.appearance(air.conditions(report), box).haze;
   };
   const auto usual = haze_of({});
   EXPECT_GT(usual.mie_per_m[0].b, 1.2 * usual.mie_per_m[0].r) << "the papers' lambda^-2";

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/clock.hpp"
 #include "gles/gl/offscreen.hpp"
 #include "pipeline/config/fixture_file.hpp"
 #include "pipeline/scene/compositor.hpp"
@@ -21,6 +22,18 @@ constexpr int kWidth = 480, kHeight = 270;
     auto&& kasumi_result = (result);                                                            \
     ASSERT_TRUE(kasumi_result.has_value()) << #result << ": " << kasumi_result.error().message; \
   } while (false)
+
+// Goes on by three milliseconds with each look: two looks are more than a slice.
+class GoingClock final : public Clock {
+ public:
+  Instant now() const override { return now_ += std::chrono::milliseconds(3); }
+  Utc utc() const override { return {}; }
+  void sleep_until(Instant) override {}
+  void interrupt() override {}
+
+ private:
+  mutable Instant now_{};
+};
 
 class Compositors : public testing::Test {
  protected:
@@ -235,23 +248,86 @@ TEST_F(Compositors, Row17AreRestoredFromMemoryWhenTheContextIsLost) {
              cpu_s);
 }
 
-// A kiosk's picture never waits for a whole layer.
+// A kiosk's picture never waits for a whole layer, nor for what it is drawn under.
 TEST_F(Compositors, LiveOnesRedrawALayerOverSeveralPictures) {
   const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
   bool returned = false;
   const Frame frame = copied(lent(buffer, returned));
+  GoingClock clock;
   Compositor live = make(), at_once = make();
-  live.go_live();
+  live.go_live(clock);
   for (auto* compositor : {&live, &at_once}) drawn(*compositor, frame);
   EXPECT_EQ(live.layers_drawn(), 1u) << "the first, without which there is no building";
+  EXPECT_FALSE(live.take_layer_question());
   report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
-  drawn(live, frame);
+  const auto before = drawn(live, frame);
+  const auto question = live.take_layer_question();
+  ASSERT_TRUE(question);
+  for (int i = 0; i < 3; ++i) drawn(live, frame);
+  EXPECT_FALSE(live.take_layer_question()) << "one at a time";
+  live.adopt(answer(*question));
+  EXPECT_EQ(drawn(live, frame).elements(), before.elements());
   EXPECT_EQ(live.layers_drawn(), 1u);
   int pictures = 1;
   while (live.layers_drawn() < 2 && pictures < 500) drawn(live, frame), ++pictures;
-  EXPECT_GT(pictures, 2);
+  EXPECT_GT(pictures, 10) << "the shadow's maps take two slices or more";
   EXPECT_EQ(live.layers_drawn(), 2u);
   EXPECT_EQ(drawn(live, frame).elements(), drawn(at_once, frame).elements());
+  EXPECT_FALSE(live.take_layer_question());
+}
+
+TEST_F(Compositors, LiveOnesChangeTheirDetailTheSameWay) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  installation_.scene_quality.point_spread_px = 1.0;
+  installation_.scene_quality.shared_chroma = true;
+  const Frame with_shared_colour = copied(lent(buffer, returned));
+  Frame frame = with_shared_colour;
+  frame.metadata.format = four_cc("RGB3");
+  frame.metadata.stride = 3 * kWidth;
+  frame.payload = payload_of(std::vector<std::uint8_t>(std::size_t{3} * kWidth * kHeight, 90));
+  frame.metadata.bytes_used = static_cast<std::uint32_t>(frame.payload.bytes.size());
+  ManualClock clock({});
+  Compositor live = make(), at_once = make();
+  live.go_live(clock);
+  for (auto* compositor : {&live, &at_once}) drawn(*compositor, with_shared_colour);
+  drawn(live, frame);
+  EXPECT_EQ(live.layers_drawn(), 1u);
+  const auto question = live.take_layer_question();
+  ASSERT_TRUE(question);
+  live.adopt(answer(*question));
+  const auto after = drawn(live, frame);
+  EXPECT_EQ(live.layers_drawn(), 2u) << "by a clock that stands still, in one slice";
+  EXPECT_EQ(after.elements(), drawn(at_once, frame).elements());
+  EXPECT_EQ(live.object_box().left, at_once.object_box().left);
+}
+
+// Whoever was asked may have died of the question.
+TEST_F(Compositors, LiveOnesAskForALayerAgain) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  Frame frame = copied(lent(buffer, returned));
+  ManualClock clock({});
+  Compositor live = make();
+  live.go_live(clock);
+  drawn(live, frame);
+  report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
+  drawn(live, frame);
+  const auto lost = live.take_layer_question();
+  ASSERT_TRUE(lost);
+  frame.metadata.captured_at += std::chrono::seconds(10);
+  drawn(live, frame);
+  EXPECT_FALSE(live.take_layer_question());
+  frame.metadata.captured_at += std::chrono::seconds(11);
+  drawn(live, frame);
+  const auto again = live.take_layer_question();
+  ASSERT_TRUE(again);
+  live.adopt(answer(*lost));
+  drawn(live, frame);
+  EXPECT_EQ(live.layers_drawn(), 1u) << "an answer to an earlier question";
+  live.adopt(answer(*again));
+  drawn(live, frame);
+  EXPECT_EQ(live.layers_drawn(), 2u);
 }
 
 TEST_F(Compositors, LiveOnesLetSomebodyElseMeasureTheHorizon) {
@@ -260,7 +336,8 @@ TEST_F(Compositors, LiveOnesLetSomebodyElseMeasureTheHorizon) {
   second.fill(90);
   bool returned = false, second_returned = false;
   Compositor live = make(with_test_images()), at_once = make();
-  live.go_live();
+  ManualClock clock({});
+  live.go_live(clock);
   Frame frame = lent(first, returned), later = lent(second, second_returned);
   later.metadata.captured_at += std::chrono::seconds(2);
   const auto later_copy = copied(later);
@@ -286,7 +363,8 @@ TEST_F(Compositors, LiveOnesLeaveWhatWasMeasuredForOthers) {
   bool returned = false;
   const Frame frame = copied(lent(buffer, returned));
   Compositor live = make(), other = make();
-  live.go_live();
+  ManualClock clock({});
+  live.go_live(clock);
   const auto before = drawn(live, frame);
   HorizonAnswer strange{other.air().observer(), frame.metadata, live.air().horizon()};
   ASSERT_FALSE(strange.seen.columns.empty());

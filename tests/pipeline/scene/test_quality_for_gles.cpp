@@ -23,6 +23,13 @@ TEST(QualityForGles, ChromaIsSharedAsInTheLayout) {
   EXPECT_EQ(pixels(PixelLayout::nv12, false), std::pair(1, 1));
 }
 
+TEST(QualityForGles, SharpeningAndBlocksReachTheRenderer) {
+  const auto detail = detail_for_gles({.sharpening = 0.7, .jpeg_blocks = true}, PixelLayout::i420);
+  EXPECT_EQ(detail.sharpening, 0.7);
+  EXPECT_TRUE(detail.jpeg_blocks);
+  EXPECT_EQ(detail_for_gles({}, PixelLayout::i420), ObjectDetail{});
+}
+
 TEST(QualityForGles, HazeAddsToTheCamerasOwnBlurInQuartersOfAPixel) {
   const auto spread = [](double own_px, double haze_px) {
     return detail_for_gles({.point_spread_px = own_px}, PixelLayout::rgb8, haze_px).point_spread_px;

@@ -1,0 +1,188 @@
+// The object's pixels go the way of the camera's own: against libjpeg, which decodes what it encoded of the very
+// composite, and against sharpening by its formula.
+#include <cmath>
+
+#include "capture/codec/encode.hpp"
+#include "capture/codec/jpeg.hpp"
+#include "tests/figures.hpp"
+#include "tests/gles/scenes.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr int kWide = 168, kTall = 120;  // no multiple of 16 either way
+
+class CameraProcessingOfObject : public GlesTest {
+ protected:
+  static ReferenceScene scene() {
+    ReferenceScene made = box_scene();
+    made.view = view_north(kWide, kTall, made.view.focal_px.x);
+    made.measured = measured_airlight(made.view);
+    return made;
+  }
+  static JpegPlanes through_jpeg(const Image<Rgb8>& picture, int quality, ChromaSubsampling subsampling) {
+    const auto bytes = encode_jpeg(picture, quality, subsampling).value();
+    return decode_jpeg(bytes, picture.width(), picture.height()).value();
+  }
+  Image<Rgb8> composite(const JpegPlanes& camera, const ObjectDetail& detail, const RendererOptions& options = {}) {
+    Renderer renderer = make_renderer(options);
+    EXPECT_TRUE(renderer.set_detail(detail));
+    load(renderer, scene());
+    covered_ = renderer.read_layer().value();
+    box_ = renderer.object_box();
+    return drawn(renderer, camera);
+  }
+  Image<Rgb8> drawn(Renderer& renderer, const JpegPlanes& camera) {
+    Offscreen target = make_target(kWide, kTall);
+    EXPECT_TRUE(renderer.upload(camera.view, std::make_shared<const JpegSteps>(camera.steps)));
+    EXPECT_TRUE(renderer.draw(scene().measured, target.target()));
+    return target.read().value();
+  }
+  float coverage(int x, int y) const {
+    const bool inside = x >= box_.left && x < box_.right && y >= box_.top && y < box_.bottom;
+    return inside ? covered_.at(x - box_.left, y - box_.top).a : 0.0F;
+  }
+  struct Off {
+    double mean = 0.0;
+    int worst = 0, pixels = 0;
+  };
+  // Over the object's pixels and channels, in steps.
+  Off between(const Image<Rgb8>& one, const Image<Rgb8>& other) const {
+    Off off;
+    for (int y = 0; y < kTall; ++y)
+      for (int x = 0; x < kWide; ++x) {
+        if (coverage(x, y) <= 0.0F) continue;
+        ++off.pixels;
+        for (int c = 0; c < 3; ++c) {
+          const int step = std::abs(one.at(x, y)[c] - other.at(x, y)[c]);
+          off.mean += step / 3.0;
+          off.worst = std::max(off.worst, step);
+        }
+      }
+    off.mean /= std::max(off.pixels, 1);
+    return off;
+  }
+  // `own`: drawn without processing, for the GPU's conversion to RGB may be a step off the CPU's.
+  void expect_untouched_elsewhere(const Image<Rgb8>& picture, const Image<Rgb8>& own) const {
+    int seen = 0;
+    for (int y = 0; y < kTall; ++y)
+      for (int x = 0; x < kWide; ++x) {
+        if (coverage(x, y) > 0.0F) continue;
+        ++seen;
+        ASSERT_EQ(picture.at(x, y), own.at(x, y)) << x << ", " << y;
+      }
+    EXPECT_GT(seen, 1000);
+  }
+
+  Image<glm::vec4> covered_;
+  PixelBox box_;
+};
+
+TEST_F(CameraProcessingOfObject, BlocksAreRoundedAsLibjpegRoundsThem) {
+  for (const auto& [subsampling, name] : {std::pair{ChromaSubsampling::s420, "4:2:0"},
+                                          {ChromaSubsampling::s422, "4:2:2"},
+                                          {ChromaSubsampling::s444, "4:4:4"}})
+    for (const int quality : {95, 85, 60, 30}) {
+      const auto camera = through_jpeg(landscape(kWide, kTall), quality, subsampling);
+      const auto plain = composite(camera, {.point_spread_px = 0.6});
+      const auto expected = to_rgb(through_jpeg(plain, quality, subsampling).view);
+      const auto blocks = composite(camera, {.point_spread_px = 0.6, .jpeg_blocks = true});
+      const auto without = between(plain, expected), with = between(blocks, expected);
+      fmt::print("JPEG {} {}: libjpeg's blocks missed by {:.2f} of 255 without, by {:.2f} (at worst {}) with\n",
+                 quality, name, without.mean, with.mean, with.worst);
+      EXPECT_GT(with.pixels, 1000);
+      EXPECT_LE(with.mean, 0.35) << quality << " " << name;
+      EXPECT_LE(with.mean, 0.5 * without.mean) << quality << " " << name;
+      expect_untouched_elsewhere(blocks, plain);
+    }
+}
+
+TEST_F(CameraProcessingOfObject, TheStepsAreThoseOfEachPicture) {
+  Renderer renderer = make_renderer();
+  ASSERT_OK(renderer.set_detail({.jpeg_blocks = true}));
+  load(renderer, scene());
+  covered_ = renderer.read_layer().value();
+  box_ = renderer.object_box();
+  for (const int quality : {90, 40, 90}) {
+    const auto camera = through_jpeg(landscape(kWide, kTall), quality, ChromaSubsampling::s420);
+    const auto changing = drawn(renderer, camera);
+    const auto box = box_;
+    EXPECT_EQ(changing.elements(), composite(camera, {.jpeg_blocks = true}).elements()) << quality;
+    EXPECT_EQ(box_, box);
+  }
+}
+
+TEST_F(CameraProcessingOfObject, APictureThatIsNoJpegHasNoBlocks) {
+  const auto camera = landscape(kWide, kTall);
+  Renderer plain = make_renderer(), asked = make_renderer();
+  ASSERT_OK(asked.set_detail({.jpeg_blocks = true}));
+  for (Renderer* renderer : {&plain, &asked}) load(*renderer, scene());
+  EXPECT_EQ(draw(plain, scene().measured, view_of(camera)).elements(),
+            draw(asked, scene().measured, view_of(camera)).elements());
+}
+
+TEST_F(CameraProcessingOfObject, WhatIsSeenOfTheObjectIsSharpenedAndTheRestNotTwice) {
+  constexpr double kAmount = 0.9;
+  // Detail of its own, which must not show through the object.
+  auto land = landscape(kWide, kTall);
+  for (int y = 0; y < kTall; ++y)
+    for (int x = 0; x < kWide; ++x)
+      for (int c = 0; c < 3; ++c)
+        land.at(x, y)[c] =
+            static_cast<std::uint8_t>(std::clamp(land.at(x, y)[c] + ((x + y) % 2 == 0 ? 25 : -25), 0, 255));
+  const auto camera = through_jpeg(land, 100, ChromaSubsampling::s444);
+  const auto own = to_rgb(camera.view);
+  const auto plain = composite(camera, {.point_spread_px = 0.6});
+  const auto sharp = composite(camera, {.point_spread_px = 0.6, .sharpening = kAmount});
+  const auto detail = [](const Image<Rgb8>& picture, int x, int y) {
+    const auto luma = [&](int u, int v) {
+      return glm::dot(glm::dvec3(0.299, 0.587, 0.114),
+                      glm::dvec3(picture.at(std::clamp(u, 0, kWide - 1), std::clamp(v, 0, kTall - 1))));
+    };
+    double around = 0.0;
+    for (int v = -1; v <= 1; ++v)
+      for (int u = -1; u <= 1; ++u) around += (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * luma(x + u, y + v);
+    return luma(x, y) - around;
+  };
+  double worst = 0.0, most = 0.0;
+  for (int y = 0; y < kTall; ++y)
+    for (int x = 0; x < kWide; ++x) {
+      if (coverage(x, y) <= 0.0F) continue;
+      const double more = kAmount * (detail(plain, x, y) - (1.0 - coverage(x, y)) * detail(own, x, y));
+      most = std::max(most, std::abs(more));
+      for (int c = 0; c < 3; ++c)
+        worst = std::max(worst, std::abs(std::clamp(plain.at(x, y)[c] + more, 0.0, 255.0) - sharp.at(x, y)[c]));
+    }
+  EXPECT_LE(worst, 1.6) << "of 255: rounding";
+  EXPECT_GT(most, 8.0) << "an edge must be seen";
+  expect_untouched_elsewhere(sharp, plain);
+}
+
+TEST_F(CameraProcessingOfObject, OnAPlaneOfTheDisplaysItIsTheSame) {
+  const auto camera = through_jpeg(landscape(kWide, kTall), 70, ChromaSubsampling::s420);
+  Renderer renderer = make_renderer();
+  ASSERT_OK(renderer.set_detail({.point_spread_px = 0.6, .sharpening = 0.9, .jpeg_blocks = true}));
+  load(renderer, scene());
+  covered_ = renderer.read_layer().value();
+  box_ = renderer.object_box();
+  const auto whole = drawn(renderer, camera);
+  Offscreen target = make_target(box_.right - box_.left, box_.bottom - box_.top);
+  ASSERT_OK(renderer.draw_for_plane(scene().measured, target.target()));
+  const auto plane = target.read().value();
+  int seen = 0;
+  for (int y = 0; y < plane.height(); ++y)
+    for (int x = 0; x < plane.width(); ++x) {
+      if (coverage(box_.left + x, box_.top + y) < 1.0F) continue;
+      ++seen;
+      ASSERT_EQ(plane.at(x, y), whole.at(box_.left + x, box_.top + y)) << x << ", " << y;
+    }
+  EXPECT_GT(seen, 1000);
+}
+
+TEST_F(CameraProcessingOfObject, ImpossibleSharpeningIsRefused) {
+  Renderer renderer = make_renderer();
+  for (const double amount : {-0.1, 3.1, std::nan("")}) EXPECT_FALSE(renderer.set_detail({.sharpening = amount}));
+}
+
+}  // namespace
+}  // namespace kasumi
