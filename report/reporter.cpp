@@ -1,9 +1,12 @@
 #include "report/reporter.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <thread>
 
 #include "base/files.hpp"
+#include "history/history_ring.hpp"
+#include "report/page/state_page.hpp"
 
 namespace kasumi::report {
 
@@ -13,6 +16,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration kLook = 1s;
 constexpr Duration kTurn = 250ms;
+constexpr Duration kHistory = 20s;   // a line is added each minute
 constexpr Duration kTextfile = 15s;  // node_exporter is asked about as often
 
 // A page elsewhere must not read ours through a name of its own that leads here (DNS rebinding): numbers and localhost
@@ -22,6 +26,13 @@ bool is_own_name(std::string host, const std::vector<std::string>& names) {
   host = host.substr(0, host.find(':'));
   const bool number = !host.empty() && host.find_first_not_of("0123456789.") == std::string::npos;
   return number || host == "localhost" || std::ranges::find(names, host) != names.end();
+}
+
+std::chrono::minutes ahead_of_utc() {
+  const auto now = std::time(nullptr);
+  std::tm wall{};
+  ::localtime_r(&now, &wall);
+  return std::chrono::minutes{wall.tm_gmtoff / 60};
 }
 
 }  // namespace
@@ -105,7 +116,29 @@ Answer Reporter::answer_admitted(const Request& request) {
     answer.type = "text/plain; version=0.0.4; charset=utf-8";
     return answer;
   }
+  if (request.path == "/") return page(request);
+  if (request.path == "/style.css")
+    return {200, "text/css; charset=utf-8", std::make_shared<const std::string>(page_style()), {}};
   return plain_answer(404, "There is nothing here.\n");
+}
+
+Answer Reporter::page(const Request& request) {
+  const auto now = clock_.now();
+  if (!history_at_ || now - *history_at_ >= kHistory) {
+    history_at_ = now;
+    const auto text = read_distrusted_file(config_.state / kHistoryFile, kHistoryBytes);
+    history_ = text ? history_lines(*text) : std::vector<HistoryLine>();
+    // What is drawn is the last day.
+    constexpr std::size_t kKept = 2 * 24 * 60;
+    if (history_.size() > kKept) history_.erase(history_.begin(), history_.end() - kKept);
+    history_.shrink_to_fit();
+  }
+  const auto language = wanted_language(request.language, request.accept_language, config_.language);
+  auto html = state_page({config_.name, heard_, history_, clock_.utc(), ahead_of_utc()}, language);
+  return {200,
+          "text/html; charset=utf-8",
+          std::make_shared<const std::string>(std::move(html)),
+          {{"Vary", "Accept-Language"}}};
 }
 
 std::string Reporter::line() const {

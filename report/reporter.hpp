@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "history/history_line.hpp"
 #include "report/channels/metrics.hpp"
 #include "report/page/http_server.hpp"
 #include "report/report_config.hpp"
@@ -27,6 +28,7 @@ class Reporter {
   Answer answer(const Request& request);
   Answer answer_admitted(const Request& request);
   std::string metrics() const;
+  Answer page(const Request& request);
   void write_textfile();
 
   ReportConfig config_;
@@ -35,6 +37,8 @@ class Reporter {
   Heard heard_;
   Tokens tokens_;
   std::map<std::string, std::uint64_t> turned_away_;  // by why
+  std::vector<HistoryLine> history_;                  // as it was read last
+  std::optional<Instant> history_at_;
   std::optional<HttpServer> server_;
   std::optional<Instant> looked_at_, textfile_at_;
   bool textfile_failing_ = false;

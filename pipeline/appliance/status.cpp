@@ -287,6 +287,35 @@ std::string status_line(const Status& status) {
   return line;
 }
 
+HistoryLine history_line(const Status& status) {
+  HistoryLine line;
+  line.utc = std::chrono::floor<std::chrono::minutes>(status.utc);
+  line.shown = status.render.rung.shown;
+  line.trouble = status.render.rung.trouble;
+  if (const auto& tracked = status.sky.report.tracked) {
+    line.turbidity = tracked->turbidity.value;
+    line.sigma_turbidity = tracked->sigma;
+    line.air_age_min = to_seconds(tracked->age) / 60.0;
+  }
+  if (const auto& air = status.sky.report.air) line.aod_550 = air->aod_550;
+  if (const auto& state = status.sky.report.state) {
+    line.sigma_aod_550 = aod_sigma(*state);
+    line.air_age_min = to_seconds(state->age) / 60.0;
+    line.air_supposed = state->supposed;
+  }
+  const auto age_s = [&](const CameraHealth& health) {
+    return health.last_good ? std::optional(to_seconds(status.now - *health.last_good)) : std::nullopt;
+  };
+  line.scene_age_s = age_s(status.scene_camera.health);
+  line.sky_age_s = age_s(status.sky_camera.health);
+  if (const auto& latency = status.render.latency_minute) line.latency_95_ms = latency->p95_ms;
+  if (status.heat.zone) line.celsius = status.heat.zone->celsius;
+  line.pictures_share = 1.0 / status.heat.show_one_of;
+  line.building = status.render.building_drawn;
+  line.clock_trusted = status.sky.clock_trusted;
+  return line;
+}
+
 std::string stats_text(const Status& status) {
   const auto& render = status.render;
   std::string text =

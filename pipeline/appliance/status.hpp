@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "history/history_line.hpp"
 #include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/start/start_record.hpp"
 
@@ -49,6 +50,8 @@ std::string heat_text(const HeatStatus& heat);
 std::string status_json(const Status& status);
 // "live, T 2.41 +- 0.05, 25.0 pictures a second"
 std::string status_line(const Status& status);
+// What `kasumi history` is to know of this second.
+HistoryLine history_line(const Status& status);
 // Several lines for a person: latency, copies, drops.
 std::string stats_text(const Status& status);
 

@@ -148,6 +148,7 @@ void StatusLoop::step() {
   watch_openings();
   spdlog::default_logger_raw()->flush();  // what was left out of the log and may be told now
   write_status();
+  keep_history();
   if (status_.now - saved_ >= options_.save_interval) save_air();
   if (status_.now >= trim_at_) {
     trim_at_ = status_.now + kTrimInterval;
@@ -173,6 +174,30 @@ void StatusLoop::finish() {
 void StatusLoop::write_status() {
   if (auto line = status_line(status_); line != line_) notifier_.status(line_ = std::move(line));
   if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), write_failing_, "status");
+}
+
+// A disk that refuses is asked again as often as for the air.
+void StatusLoop::keep_history() {
+  const auto& folder = content_->config.state_folder;
+  const auto minute = minute_.add(history_line(status_), status_.now);
+  if (!folder || !minute) return;
+  const auto file = *folder / kHistoryFile;
+  if (history_ && history_->file != file) history_.reset();
+  if (!history_ && history_tried_ && status_.now - *history_tried_ < options_.save_interval) return;
+  Result<> kept;
+  if (!history_) {
+    auto ring = HistoryRing::open(file);
+    if (ring)
+      history_.emplace(OpenHistory{file, std::move(*ring)});
+    else
+      kept = fail(ring.error());
+  }
+  if (history_) kept = history_->ring.append(*minute);
+  if (!kept) {
+    history_.reset();
+    history_tried_ = status_.now;
+  }
+  log_outage(kept, history_failing_, "history");
 }
 
 void StatusLoop::save_air() {

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <optional>
 
+#include "history/history_minute.hpp"
+#include "history/history_ring.hpp"
 #include "pipeline/appliance/status.hpp"
 #include "pipeline/loop/hang_watch.hpp"
 #include "pipeline/machine/notifier.hpp"
@@ -32,6 +34,7 @@ class StatusLoop {
   void gather();
   void write_status();
   void save_air();
+  void keep_history();
 
   ContentPtr content_;
   StatusOptions options_;
@@ -56,7 +59,14 @@ class StatusLoop {
   std::optional<Instant> heat_read_at_;
   HangWatch hangs_;  // of the render loop, which watches the others
   std::string line_;
-  bool write_failing_ = false, save_failing_ = false;  // already logged
+  bool write_failing_ = false, save_failing_ = false, history_failing_ = false;  // already logged
+  HistoryMinute minute_;
+  struct OpenHistory {
+    std::filesystem::path file;
+    HistoryRing ring;
+  };
+  std::optional<OpenHistory> history_;
+  std::optional<Instant> history_tried_;  // when it failed last
   Instant saved_, stats_at_, trim_at_;
 };
 

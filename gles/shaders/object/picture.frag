@@ -49,7 +49,8 @@ void main() {
 #if defined(NOISE)
   light = noisy(light, coverage);
 #endif
-  vec3 shown = encoded(light) + dither(v_pixel) / 255.0;
+// Written where it is used: drivers then round a plane's opaque pixels as they do the picture's.
+#define shown (encoded(light) + dither(v_pixel) / 255.0)
 #endif
 #if defined(PLANE)
   gl_FragColor = object.a > 0.0 ? for_plane(behind, shown, own, coverage) : vec4(0.0);

@@ -1,0 +1,225 @@
+#include "report/page/state_page.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "history/history_plot.hpp"
+#include "report/page/page_words.hpp"
+#include "report/status/symptom_words.hpp"
+
+namespace kasumi::report {
+
+namespace {
+
+using std::chrono::minutes;
+
+constexpr PageWords kWords;
+constexpr minutes kDay{24 * 60};
+constexpr std::size_t kMostSpells = 40;
+constexpr std::string_view kNames[] = {"English", "Deutsch", "Français", "Italiano", "Español", "日本語"};
+
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) switch (c) {
+      case '&': safe += "&amp;"; break;
+      case '<': safe += "&lt;"; break;
+      case '>': safe += "&gt;"; break;
+      case '"': safe += "&quot;"; break;
+      case '\'': safe += "&#39;"; break;
+      default: safe += c;
+    }
+  return safe;
+}
+
+std::string wall_time(UtcMinute utc, minutes wall) {
+  const auto local = utc + wall;
+  const auto day = std::chrono::floor<std::chrono::days>(local);
+  const std::chrono::year_month_day date{day};
+  const auto of_day = local - day;
+  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), of_day / minutes{60},
+                     (of_day % minutes{60}).count());
+}
+
+// What a rung meant for visitors, as the page words it now.
+Sight sight_of_spell(const Spell& spell) {
+  switch (spell.shown) {
+    case Shown::live: return Sight::live;
+    case Shown::held: return Sight::held;
+    case Shown::degraded: return spell.trouble == Trouble::time_unknown ? Sight::no_building : Sight::earlier_air;
+    case Shown::still: return spell.trouble == Trouble::safe_mode ? Sight::out_of_order : Sight::still;
+    case Shown::dark: return Sight::closed;
+    case Shown::nothing: return Sight::nothing;
+  }
+  return Sight::unknown;
+}
+
+class Writer {
+ public:
+  explicit Writer(Language language) : language_(language) {}
+  std::string_view in(const Translated& words) const { return words.in(language_); }
+  void add(std::string_view html) { html_ += html; }
+  template <class... Arguments>
+  void add(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    html_ += fmt::format(format, std::forward<Arguments>(arguments)...);
+  }
+  void figure(const Translated& what, const std::string& value) {
+    if (!value.empty()) add("<div><dt>{}</dt><dd>{}</dd></div>\n", in(what), escaped(value));
+  }
+  const std::string& html() const { return html_; }
+  Language language() const { return language_; }
+
+ private:
+  Language language_;
+  std::string html_;
+};
+
+std::string with_sigma(const std::optional<double>& value, const std::optional<double>& sigma, int decimals) {
+  if (!value) return {};
+  auto text = fmt::format("{:.{}f}", *value, decimals);
+  if (sigma) text += fmt::format(" ± {:.{}f}", *sigma, decimals);
+  return text;
+}
+
+void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
+  page.add("<section aria-labelledby=\"wrong\">\n<h2 id=\"wrong\">{}</h2>\n", page.in(kWords.wrong));
+  if (diagnosis.symptoms.empty()) page.add("<p>{}</p>\n", page.in(kWords.nothing_wrong));
+  if (!diagnosis.symptoms.empty()) page.add("<ul class=\"symptoms\">\n");
+  for (const auto& symptom : diagnosis.symptoms) {
+    const auto words = symptom_words(symptom.ill, page.language());
+    page.add("<li><strong>{}</strong> {}", escaped(words.what), escaped(words.what_to_do));
+    if (!symptom.detail.empty()) page.add("<br><span lang=\"en\">{}</span>", escaped(symptom.detail));
+    page.add("<br><code lang=\"en\">{}</code></li>\n", escaped(command_for(symptom.ill)));
+  }
+  if (!diagnosis.symptoms.empty()) page.add("</ul>\n");
+  page.add("</section>\n");
+}
+
+void write_figures(const ToldStatus& told, minutes wall, Writer& page) {
+  page.add("<section aria-labelledby=\"figures\">\n<h2 id=\"figures\">{}</h2>\n<dl>\n", page.in(kWords.figures));
+  const auto camera = [&](const ToldCamera& of) {
+    auto text = std::string(page.in(of.up ? kWords.works : kWords.fails));
+    if (of.up && of.width_px && of.height_px)
+      text += fmt::format(", {:.0f} × {:.0f} {}", *of.width_px, *of.height_px, of.format);
+    return of.up ? text : text + (of.cause.empty() ? "" : ": " + of.cause);
+  };
+  page.figure(kWords.turbidity, with_sigma(told.turbidity, told.sigma_turbidity, 2));
+  page.figure(kWords.aod, with_sigma(told.aod_550, told.sigma_aod_550, 3));
+  if (told.visibility_m)
+    page.figure(
+        kWords.visibility,
+        with_sigma(*told.visibility_m / 1000.0,
+                   told.sigma_visibility_m ? std::optional(*told.sigma_visibility_m / 1000.0) : std::nullopt, 0) +
+            " km");
+  page.figure(kWords.scene, camera(told.scene_camera));
+  page.figure(kWords.sky, camera(told.sky_camera));
+  if (told.latency_median_ms)
+    page.figure(kWords.latency,
+                fmt::format("{:.0f} ms; 95 %: {:.0f} ms", *told.latency_median_ms, told.latency_95_ms.value_or(0.0)));
+  if (told.celsius) page.figure(kWords.temperature, fmt::format("{:.0f} °C", *told.celsius));
+  page.figure(kWords.content, std::string(page.in(told.refused.empty() ? kWords.as_configured : kWords.earlier)));
+  if (told.since) page.figure(kWords.running, wall_time(std::chrono::floor<minutes>(*told.since), wall));
+  page.add("</dl>\n</section>\n");
+}
+
+void write_day(const StatePage& of, Writer& page) {
+  const auto now = std::chrono::floor<minutes>(of.now);
+  std::vector<HistoryLine> day;
+  for (const auto& line : of.history)
+    if (line.utc > now - kDay && line.utc <= now) day.push_back(line);
+  page.add("<section aria-labelledby=\"day\">\n<h2 id=\"day\">{}</h2>\n", page.in(kWords.day));
+  if (day.empty()) {
+    page.add("<p>{}</p>\n</section>\n", page.in(kWords.no_history));
+    return;
+  }
+  const PlotWords words{page.in(kWords.plot), page.in(kWords.strip), "T", page.in(kWords.aod),
+                        page.in(kWords.no_figures)};
+  page.add("<div class=\"plot\">{}</div>\n", history_plot(day, now - kDay, now, of.wall, words));
+  page.add(
+      "<table>\n<thead><tr><th scope=\"col\">{}</th><th scope=\"col\">{}</th><th "
+      "scope=\"col\">{}</th></tr></thead>\n<tbody>\n",
+      page.in(kWords.from), page.in(kWords.to), page.in(kWords.seen));
+  const auto spells = spells_of(day);
+  const std::size_t first = spells.size() > kMostSpells ? spells.size() - kMostSpells : 0;
+  for (std::size_t i = spells.size(); i-- > first;) {
+    const auto& spell = spells[i];
+    const auto seen = spell.told ? sight_text(sight_of_spell(spell), page.language()) : page.in(kWords.off);
+    page.add("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", wall_time(spell.from, of.wall).substr(11),
+             wall_time(spell.to, of.wall).substr(11), escaped(seen));
+  }
+  page.add("</tbody>\n</table>\n</section>\n");
+}
+
+}  // namespace
+
+Language wanted_language(std::string_view asked, std::string_view accept_language, Language fallback) {
+  if (const auto language = parse_language(asked)) return *language;
+  while (!accept_language.empty()) {
+    const auto end = std::min(accept_language.find(','), accept_language.size());
+    auto tag = accept_language.substr(0, end);
+    tag.remove_prefix(std::min(tag.find_first_not_of(' '), tag.size()));
+    if (const auto language = parse_language(tag.substr(0, 2))) return *language;
+    accept_language.remove_prefix(std::min(end + 1, accept_language.size()));
+  }
+  return fallback;
+}
+
+std::string state_page(const StatePage& of, Language language) {
+  Writer page(language);
+  const auto diagnosis = diagnose(of.heard);
+  const auto state = page.in(kWords.state);
+  page.add(
+      "<!DOCTYPE html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}: {}</title>\n"
+      "<link rel=\"stylesheet\" href=\"style.css\">\n</head>\n<body>\n",
+      code_of(language), escaped(of.name), escaped(sight_text(diagnosis.sight, language)));
+  page.add("<header>\n<h1>{} <span>{}</span></h1>\n<nav aria-label=\"{}\">\n<ul>\n", escaped(of.name), state,
+           page.in(kWords.language));
+  for (const Language other : kLanguages)
+    page.add("<li><a href=\"?language={0}\" lang=\"{0}\" hreflang=\"{0}\"{1}>{2}</a></li>\n", code_of(other),
+             other == language ? " aria-current=\"true\"" : "", kNames[static_cast<std::size_t>(other)]);
+  page.add("</ul>\n</nav>\n</header>\n<main>\n");
+  page.add("<section class=\"{}\" aria-labelledby=\"seen\">\n<h2 id=\"seen\">{}</h2>\n<p class=\"sight\">{}</p>\n",
+           is_well(diagnosis.sight) ? "well" : "ill", page.in(kWords.seen),
+           escaped(sight_text(diagnosis.sight, language)));
+  page.add("<p>{} {} · <a href=\"?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
+           wall_time(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
+  write_symptoms(diagnosis, page);
+  if (of.heard.status) write_figures(*of.heard.status, of.wall, page);
+  write_day(of, page);
+  page.add("</main>\n</body>\n</html>\n");
+  return page.html();
+}
+
+std::string_view page_style() {
+  return R"(:root{color-scheme:light}
+*{box-sizing:border-box}
+body{margin:0;font:1.05rem/1.5 system-ui,"DejaVu Sans","Noto Sans CJK JP",VL-Gothic,sans-serif;color:#1b1b1b;background:#f2f3f5}
+header,main{max-width:48rem;margin:0 auto;padding:0 1rem}
+h1{font-size:1.5rem;margin:1rem 0 .25rem}
+h1 span{font-weight:400;color:#4a4a4a}
+h2{font-size:1.1rem;margin:0 0 .5rem}
+nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.25rem;margin:0 0 1rem;padding:0}
+nav a{display:block;padding:.4rem .6rem;min-height:2.5rem}
+nav a[aria-current]{background:#1b1b1b;color:#fff;text-decoration:none}
+a{color:#0b4a86}
+a:focus-visible{outline:3px solid #b35900;outline-offset:2px}
+section{background:#fff;border:1px solid #c9c9c9;border-left:.5rem solid #6b6b6b;padding:1rem;margin:0 0 1rem}
+section.well{border-left-color:#2f7d4f}
+section.ill{border-left-color:#a3122b}
+.sight{font-size:1.35rem;font-weight:600;margin:0 0 .5rem}
+p{margin:.25rem 0}
+.symptoms{margin:0;padding:0;list-style:none}
+.symptoms li{margin:0 0 1rem}
+code{background:#ececec;padding:.1rem .3rem;overflow-wrap:anywhere}
+dl{margin:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(13rem,1fr));gap:.75rem}
+dt{color:#4a4a4a}
+dd{margin:0;font-weight:600;overflow-wrap:anywhere}
+.plot svg{width:100%;height:auto}
+table{border-collapse:collapse;width:100%;margin-top:1rem}
+th,td{text-align:left;vertical-align:top;padding:.35rem .75rem .35rem 0;border-top:1px solid #c9c9c9}
+)";
+}
+
+}  // namespace kasumi::report

@@ -1,0 +1,163 @@
+// The state page: what it says, that nothing told by the kiosk can act in it, and how a browser and a screen reader take it.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/utc_text.hpp"
+#include "history/history_ring.hpp"
+#include "report/page/state_page.hpp"
+#include "report/status/symptom_words.hpp"
+#include "tests/report/running_reporter.hpp"
+
+namespace kasumi::report {
+namespace {
+
+using std::chrono::minutes;
+using testing::HasSubstr, testing::Not;
+
+// A day until `now` with ten minutes without a camera in it, and air that clears.
+std::vector<HistoryLine> day_until(Utc now) {
+  std::vector<HistoryLine> lines;
+  for (int i = 0; i < 1400; ++i) {
+    HistoryLine line;
+    line.number = static_cast<std::uint32_t>(i + 1);
+    line.utc = std::chrono::floor<minutes>(now) - minutes{1400 - i};
+    const bool away = i >= 900 && i < 910, night = i < 200;
+    line.shown = night ? Shown::dark : away ? Shown::still : Shown::live;
+    line.trouble = night ? Trouble::closed : away ? Trouble::scene_lost : Trouble::none;
+    if (i > 250) {
+      line.turbidity = 4.0 - 0.001 * i;
+      line.sigma_turbidity = 0.2;
+      line.aod_550 = 0.3 - 0.0001 * i;
+      line.sigma_aod_550 = 0.02;
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+StatePage page_of(const std::string& status) {
+  const auto now = *parse_utc("2026-06-21T12:00:00Z");
+  return {"Hill", heard_of(status), day_until(now), now, minutes{120}};
+}
+
+const std::string kDark = changed(
+    changed(kGoodStatus, "\"live\", \"reason\": \"\"", "\"still\", \"reason\": \"no picture from the scene camera\""),
+    "\"scene_camera\": {\"up\": true, \"cause\": \"\"", "\"scene_camera\": {\"up\": false, \"cause\": \"unplugged\"");
+
+TEST(StatePages, SayWhatIsWrongAndWhatToDo) {
+  for (const Language language : kLanguages) {
+    const auto html = state_page(page_of(kDark), language);
+    EXPECT_THAT(html, HasSubstr(fmt::format("<html lang=\"{}\">", code_of(language))));
+    EXPECT_THAT(html, HasSubstr(std::string(sight_text(Sight::still, language))));
+    EXPECT_THAT(html, HasSubstr("unplugged"));
+    EXPECT_THAT(html, HasSubstr("2.41 ± 0.05"));
+    EXPECT_THAT(html, HasSubstr("0.120 ± 0.010"));
+    EXPECT_THAT(html, HasSubstr("<polyline"));
+  }
+  const auto german = state_page(page_of(kDark), Language::german);
+  EXPECT_THAT(german, HasSubstr("Kabel, Hub und Strom prüfen."));
+  EXPECT_THAT(german, HasSubstr("<td>05:40</td><td>05:49</td><td>Besucher sehen das Standbild.</td>"));
+  EXPECT_THAT(state_page(page_of(kGoodStatus), Language::english), HasSubstr("Nothing is wrong."));
+}
+
+TEST(StatePages, OfASilentKioskClaimNothing) {
+  auto page = page_of(kGoodStatus);
+  page.heard = {Contact::silent, std::nullopt, "/run/kasumi/status.json: not written for 20 s", {}};
+  const auto html = state_page(page, Language::english);
+  EXPECT_THAT(html, HasSubstr("What visitors see is not known."));
+  EXPECT_THAT(html, Not(HasSubstr("2.41")));
+}
+
+TEST(StatePages, NothingThatTheKioskTellsActsInIt) {
+  const auto evil = changed(kDark, "unplugged", "<script>alert(1)</script>' onload=\\\"x\\\" &amp;");
+  auto page = page_of(evil);
+  page.name = "<img src=x>";
+  const auto html = state_page(page, Language::english);
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, Not(HasSubstr("<img")));
+  EXPECT_THAT(html, HasSubstr("&lt;script&gt;alert(1)&lt;/script&gt;&#39; onload=&quot;x&quot; &amp;amp;"));
+}
+
+TEST(StatePages, SpeakTheLanguageThatIsAskedFor) {
+  EXPECT_EQ(wanted_language("ja", "de", Language::french), Language::japanese);
+  EXPECT_EQ(wanted_language("", "pt-BR, de-CH;q=0.8, en", Language::french), Language::german);
+  EXPECT_EQ(wanted_language("xx", "", Language::french), Language::french);
+  EXPECT_EQ(wanted_language("", std::string(10000, ','), Language::italian), Language::italian);
+}
+
+// A reporter with a day behind it, by the machine's clock.
+std::unique_ptr<RunningReporter> with_a_day(const std::string& name) {
+  auto reporter = std::make_unique<RunningReporter>(name);
+  auto ring = HistoryRing::open(reporter->folder / kHistoryFile);
+  EXPECT_TRUE(ring);
+  auto text = read_text_file(reporter->folder / kHistoryFile).value();
+  for (const auto& line : day_until(std::chrono::system_clock::now()))
+    text.replace((1 + line.number % kHistoryLines) * kHistoryLineBytes, kHistoryLineBytes, history_text(line));
+  EXPECT_TRUE(write_text_file(reporter->folder / kHistoryFile, text));
+  reporter->tell(kDark);
+  EXPECT_TRUE(within(10, [&] { return reporter->get("/").find("unplugged") != std::string::npos; }));
+  return reporter;
+}
+
+TEST(StatePages, AreServedWithTheirStyleAndNoScript) {
+  const auto reporter = with_a_day("page");
+  const auto page = reporter->get("/", "Accept-Language: fr\r\n");
+  EXPECT_THAT(page, HasSubstr("Content-Type: text/html; charset=utf-8"));
+  EXPECT_THAT(page, HasSubstr("Content-Security-Policy: default-src 'none'"));
+  EXPECT_THAT(page, HasSubstr("<html lang=\"fr\">"));
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, Not(HasSubstr("Set-Cookie")));
+  EXPECT_THAT(page, Not(HasSubstr("style=\"")));
+  EXPECT_THAT(page, Not(HasSubstr("https://")));
+  EXPECT_THAT(reporter->get("/style.css"), HasSubstr("text/css"));
+  EXPECT_LT(reporter->child().memory_kb(), 20 * 1024);
+}
+
+// In a real browser, at a telephone's width, with axe-core's rules for WCAG 2.2 AA.
+TEST(StatePages, ABrowserFindsThemAccessibleAndNarrowEnough) {
+  const auto axe = source_folder() / "build/browser/node_modules/axe-core/axe.min.js";
+  if (!is_installed("chromium")) GTEST_SKIP() << "chromium is not installed";
+  if (!std::filesystem::exists(axe)) GTEST_SKIP() << "axe-core is not there: ./bootstrap browser";
+  const auto reporter = with_a_day("browser");
+  for (const Language language : kLanguages) {
+    // An appliance that goes on telling.
+    reporter->tell(
+        changed(kDark, "\"pictures\": 9000", fmt::format("\"pictures\": {}", 9001 + static_cast<int>(language))));
+    EXPECT_TRUE(within(10, [&] { return reporter->get("/").find("unplugged") != std::string::npos; }));
+    // The page as it is served, its style within, and the rules beside it.
+    auto html = reporter->get(fmt::format("/?language={}", code_of(language)));
+    html.erase(0, html.find("\r\n\r\n") + 4);
+    html =
+        changed(html, "<link rel=\"stylesheet\" href=\"style.css\">", fmt::format("<style>{}</style>", page_style()));
+    html = changed(
+        html, "</body>",
+        fmt::format(
+            "<script src=\"file://{}\"></script><script>axe.run(document, {{runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa', "
+            "'wcag22aa', "
+            "'best-practice']}}).then(r => {{ document.documentElement.innerHTML = '<pre>RESULT' + "
+            "JSON.stringify({{passes: r.passes.length, "
+            "wide: document.documentElement.scrollWidth - innerWidth, violations: r.violations.map(v => v.id + ': ' + "
+            "v.nodes.map(n => n.target).join(' '))}}) + 'END</pre>'; }});</script></body>",
+            axe.string()));
+    const auto file = reporter->folder / "page.html";
+    ASSERT_TRUE(write_text_file(file, html));
+    const auto command = fmt::format(
+        "timeout 60 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking "
+        "--disable-component-update --disable-sync --allow-file-access-from-files --user-data-dir={0}/profile "
+        "--window-size=500,900 "
+        "--virtual-time-budget=10000 --dump-dom file://{0}/page.html > {0}/dom.html 2> {0}/browser.log",
+        reporter->folder.string());
+    ASSERT_EQ(std::system(command.c_str()), 0) << read_text_file(reporter->folder / "browser.log").value_or("");
+    const auto dom = read_text_file(reporter->folder / "dom.html").value();
+    const auto from = dom.find("RESULT"), to = dom.find("END</pre>");
+    ASSERT_NE(from, std::string::npos) << dom.substr(0, 400);
+    const auto result = nlohmann::json::parse(dom.substr(from + 6, to - from - 6));
+    EXPECT_GT(result["passes"], 20) << "the rules did not run";
+    EXPECT_EQ(result["violations"].dump(), "[]") << code_of(language);
+    EXPECT_LE(result["wide"], 0) << "it must not scroll sideways";
+  }
+}
+
+}  // namespace
+}  // namespace kasumi::report
