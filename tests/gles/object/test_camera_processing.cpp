@@ -148,7 +148,7 @@ TEST_F(CameraProcessingOfObject, WhatIsSeenOfTheObjectIsSharpenedAndTheRestNotTw
   for (int y = 0; y < kTall; ++y)
     for (int x = 0; x < kWide; ++x) {
       if (coverage(x, y) <= 0.0F) continue;
-      const double more = kAmount * (detail(plain, x, y) - (1.0 - coverage(x, y)) * detail(own, x, y));
+      const double more = kAmount * (detail(plain, x, y) - (1.0 - double{coverage(x, y)}) * detail(own, x, y));
       most = std::max(most, std::abs(more));
       for (int c = 0; c < 3; ++c)
         worst = std::max(worst, std::abs(std::clamp(plain.at(x, y)[c] + more, 0.0, 255.0) - sharp.at(x, y)[c]));
