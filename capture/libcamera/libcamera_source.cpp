@@ -13,6 +13,7 @@
 
 #include "base/unique_fd.hpp"
 #include "capture/driver_time.hpp"
+#include "capture/libcamera/last_task.hpp"
 #include "capture/libcamera/setup.hpp"
 
 namespace kasumi {
@@ -116,32 +117,34 @@ class CpuRead {
 };
 
 // A streaming camera. Lent frames share it, to return their buffer or to find that the camera has stopped.
-class Session {
+class Session : public std::enable_shared_from_this<Session> {
  public:
   static Result<std::shared_ptr<Session>> start(std::shared_ptr<libcamera::Camera> camera,
                                                 const LibcameraOptions& options) {
     auto session = std::shared_ptr<Session>(new Session(std::move(camera), options.request));
-    if (auto begun = session->begin(); !begun) return fail(begun.error());
+    if (auto begun = session->begin(); !begun) {
+      session->stop();
+      return fail(begun.error());
+    }
     return session;
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
-  ~Session() { stop(); }
+  ~Session() = default;
 
-  // Stops and releases the camera; frames still lent keep only their memory.
+  // Stops and releases the camera, once; frames still lent keep only their memory.
   void stop() {
     if (!acquired_) return;
     {
       const std::lock_guard lock(mutex_);
       streaming_ = false;
     }
-    camera_->stop();  // cancels queued requests, which calls request_completed
-    camera_->requestCompleted.disconnect(this);
-    camera_->disconnected.disconnect(this);
-    requests_.clear();
-    allocator_.reset();
-    camera_->release();
-    acquired_ = false;
+    camera_->stop();  // cancels queued requests, which calls request_completed; does nothing once it is unplugged
+    if (queued() == 0) return let_go();
+    // Unplugged, of which libcamera 0.0.3 tells for USB cameras only; stopping another that is gone ends the program, by
+    // an assertion in PipelineHandler::stop(). The camera's thread may still use the requests that were not given back,
+    // until the camera itself is gone: so it is that thread which frees both, between two of its tasks.
+    run_after_queued_tasks(*camera_, [session = shared_from_this()] { session->let_go(); });
   }
 
   // BLOCKS until a request is finished or the deadline passes. Older ones go back to the camera.
@@ -196,6 +199,19 @@ class Session {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  // The requests before the buffers they name, and both before the camera. In the camera's thread, the last reference
+  // to the camera deletes it at once.
+  void let_go() {
+    camera_->requestCompleted.disconnect(this);
+    camera_->disconnected.disconnect(this);
+    requests_.clear();
+    allocator_.reset();
+    configuration_.reset();
+    camera_->release();
+    camera_.reset();
+    acquired_ = false;
+  }
+
   Session(std::shared_ptr<libcamera::Camera> camera, const CameraRequest& request)
       : camera_(std::move(camera)), request_(request) {}
 

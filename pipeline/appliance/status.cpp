@@ -80,10 +80,12 @@ OrderedJson display_json(const DisplayStatus& display) {
 
 OrderedJson latency_json(const std::optional<LatencySummary>& latency) {
   if (!latency) return nullptr;
-  return {{"median", latency->median_ms},
-          {"p95", latency->p95_ms},
-          {"max", latency->max_ms},
-          {"pictures", latency->pictures}};
+  const auto ms = [&](double value) { return latency->pictures > 0 ? OrderedJson(value) : OrderedJson(); };
+  return {{"median", ms(latency->median_ms)},
+          {"p95", ms(latency->p95_ms)},
+          {"max", ms(latency->max_ms)},
+          {"pictures", latency->pictures},
+          {"negative", latency->negative}};
 }
 
 OrderedJson check_json(const CheckStatus& check) {
@@ -322,9 +324,12 @@ std::string stats_text(const Status& status) {
       fmt::format("pictures: {} shown, {} of them new frames; frames dropped: {}, by the driver: {}\n", render.pictures,
                   render.scene_frames, render.frames_dropped, status.scene_camera.health.sequence_gaps);
   text += fmt::format("copies per frame: {:.2f}\n", copies_per_frame(status));
-  if (const auto& latency = render.latency)
+  if (const auto& latency = render.latency) {
     text += fmt::format("capture to flip: median {:.1f} ms, 95 % {:.1f} ms, longest {:.1f} ms, of {} pictures\n",
                         latency->median_ms, latency->p95_ms, latency->max_ms, latency->pictures);
+    if (latency->negative > 0)
+      text += fmt::format("stamped by the camera after their flip: {} pictures\n", latency->negative);
+  }
   return text;
 }
 

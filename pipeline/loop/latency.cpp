@@ -14,7 +14,11 @@ constexpr std::size_t kMostPending = 64;  // pictures whose flip never came
 }  // namespace
 
 void LatencyHistogram::add(Duration latency) {
-  const double ms = std::max(0.0, 1e3 * to_seconds(latency));
+  if (latency < Duration::zero()) {
+    ++negative_;
+    return;
+  }
+  const double ms = 1e3 * to_seconds(latency);
   const double bin = ms < kFirstBin_ms ? 0.0 : 1.0 + kBinsPerE * std::log(ms / kFirstBin_ms);
   ++bins_[static_cast<std::size_t>(std::min(bin, kBins - 1.0))];
   ++count_;
@@ -33,8 +37,8 @@ double LatencyHistogram::quantile_ms(double share) const {
 }
 
 std::optional<LatencySummary> LatencyHistogram::summary() const {
-  if (count_ == 0) return std::nullopt;
-  return LatencySummary{quantile_ms(0.5), quantile_ms(0.95), max_ms_, count_};
+  if (count_ + negative_ == 0) return std::nullopt;
+  return LatencySummary{quantile_ms(0.5), quantile_ms(0.95), max_ms_, count_, negative_};
 }
 
 void LatencyWatch::shown(std::uint64_t picture, Instant captured_at) {

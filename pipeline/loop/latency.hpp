@@ -11,10 +11,11 @@
 namespace kasumi {
 
 struct LatencySummary {
-  double median_ms = 0.0;
+  double median_ms = 0.0;  // 0 when there are no `pictures`
   double p95_ms = 0.0;
   double max_ms = 0.0;
-  std::uint64_t pictures = 0;
+  std::uint64_t pictures = 0;  // measured
+  std::uint64_t negative = 0;  // further ones, whose camera stamp lies after their flip: nothing is known of them
 };
 
 // A histogram whose bins each are 1 % wider than the one before, from .1 ms to hours: constant memory over months and
@@ -29,6 +30,7 @@ class LatencyHistogram {
   double quantile_ms(double share) const;
   std::array<std::uint32_t, kBins> bins_{};
   std::uint64_t count_ = 0;
+  std::uint64_t negative_ = 0;
   double max_ms_ = 0.0;
 };
 

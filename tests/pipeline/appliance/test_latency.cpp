@@ -42,11 +42,23 @@ TEST(Latency, QuantilesAreTrueToHalfAPercentFromMillisecondsToMinutes) {
 TEST(Latency, TheShortestAndTheLongestHaveTheirPlace) {
   LatencyHistogram histogram;
   EXPECT_FALSE(histogram.summary());
-  for (const Duration latency : {Duration{-5ms}, Duration{0}, Duration{1000h}}) histogram.add(latency);
+  for (const Duration latency : {Duration{0}, Duration{0}, Duration{1000h}}) histogram.add(latency);
   const auto summary = histogram.summary();
   ASSERT_TRUE(summary);
   EXPECT_LE(summary->median_ms, 0.1);
   EXPECT_DOUBLE_EQ(summary->max_ms, 3.6e9);
+}
+
+TEST(Latency, PicturesStampedAfterTheirFlipAreCountedApart) {
+  LatencyHistogram histogram;
+  histogram.add(-5ms);
+  ASSERT_TRUE(histogram.summary());
+  EXPECT_EQ(histogram.summary()->pictures, 0u);
+  EXPECT_EQ(histogram.summary()->negative, 1u);
+  for (const Duration latency : {Duration{-1ms}, Duration{30ms}, Duration{-1ns}}) histogram.add(latency);
+  EXPECT_EQ(histogram.summary()->pictures, 1u);
+  EXPECT_EQ(histogram.summary()->negative, 3u);
+  EXPECT_NEAR(histogram.summary()->median_ms, 30.0, 0.2);
 }
 
 TEST(Latency, APictureCountsFromItsFrameToItsOwnFlip) {
