@@ -1,6 +1,7 @@
 // A recording replayed to the end, and how close its pictures are to the truth.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -23,12 +24,31 @@ inline ReplaySummary played(const std::filesystem::path& fixture, const std::fil
   return *summary;
 }
 
+// Each pixel as the mean of the `side` x `side` pixels around it that lie in the picture.
+template <class Pixel>
+Image<Pixel> means_over(const Image<Pixel>& image, int side) {
+  if (side <= 1) return image;
+  Image<Pixel> means(image.width(), image.height());
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      Pixel sum{0.0F};
+      int met = 0;
+      for (int v = std::max(0, y - side / 2); v <= std::min(image.height() - 1, y + side / 2); ++v)
+        for (int u = std::max(0, x - side / 2); u <= std::min(image.width() - 1, x + side / 2); ++u, ++met)
+          sum += image.at(u, v);
+      means.at(x, y) = sum / static_cast<float>(met);
+    }
+  return means;
+}
+
 // Mean error of the building's pixels, in levels of 255, against the picture that the slow spectral path draws of the
-// same scene. `table`: of a document, in which it is a row.
+// same scene. `table`: of a document, in which it is a row. `mean_over_px`: compared are means over so many pixels each
+// way, for a camera whose noise and JPEG are drawn, too.
 inline double building_error(const std::filesystem::path& fixture, const std::filesystem::path& out,
-                             const std::string& name, const std::string& table = "") {
-  const auto picture = read_photograph(out / "frame-000000.png").value();
-  const auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
+                             const std::string& name, const std::string& table = "", int mean_over_px = 1) {
+  auto picture = read_photograph(out / "frame-000000.png").value();
+  auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
+  for (auto* shown : {&picture, &truth}) shown->encoded = means_over(shown->encoded, mean_over_px);
   const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
   double error = 0.0, weight = 0.0;
   glm::dvec3 bias{};
