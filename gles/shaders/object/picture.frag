@@ -42,14 +42,14 @@ void main() {
   vec3 root = v_airlight_root * object.rgb;
   vec3 own = root * root;
 #endif
+// `shown` is written where it is used: drivers then round open pixels and a plane's opaque ones as the picture's.
 #if defined(PROCESSED)
-  vec3 shown = texture2D(processed, v_processed).rgb;
+#define shown texture2D(processed, v_processed).rgb
 #else
   vec3 light = light_of(clamp(behind, 0.0, 1.0)) * (1.0 - coverage) + own;
 #if defined(NOISE)
   light = noisy(light, coverage);
 #endif
-// Written where it is used: drivers then round a plane's opaque pixels as they do the picture's.
 #define shown (encoded(light) + dither(v_pixel) / 255.0)
 #endif
 #if defined(PLANE)
