@@ -26,6 +26,7 @@ struct RendererOptions {
   bool force_encoded_textures = false;  // decode sRGB after filtering even if the driver has sRGB textures
   bool force_packed_shadows = false;    // shadow map depth in bytes even if the driver has depth textures
   bool force_smooth_shadows = false;    // shadow slopes from normals even if the driver has face derivatives
+  bool force_promised_units = false;    // no more texture units than GLES 2 promises while the picture is drawn
   bool import_on_software = false;      // also import with software GL, which may crash on mapping the memory
   std::function<Result<std::unique_ptr<ImageDevice>>(const GlInfo&)> image_device{};  // instead of EGL's, for tests
 };

@@ -27,7 +27,8 @@ enum Attribute : unsigned {
   kTexturePlace = 2,
   kColour = 3,
   kSecondPlace = 4,
-  kTangent = 5
+  kTangent = 5,
+  kTaps = kNormal,  // .. + 3, shared: what the camera's picture is read by has no surface
 };
 
 class Program {

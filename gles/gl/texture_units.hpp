@@ -16,6 +16,7 @@ enum TextureUnit : int {
 
   // Beyond the guaranteed units: drivers with fewer do without these features.
   kMoreSurfaceUnit = 8,                // .. 11: a material's other pictures, while the camera's are bound
+  kMatteUnit = kMoreSurfaceUnit,       // shared: used with the camera's picture, where no surface is drawn
   kSceneDepthUnit = kMoreSurfaceUnit,  // shared: used for the layer, which is drawn without the camera's picture
   kShadowUnit = 12,
 };

@@ -29,6 +29,14 @@ PixelBox box_of(const Image<float>& coverage, const PixelBox& all) {
   return box.empty() ? PixelBox{} : box;
 }
 
+// A texture unit that this picture leaves free; < 0: none.
+int unit_for_nodes(const CameraFrame& frame, bool noise_unit_is_free) {
+  if (frame.spare_unit >= 0) return frame.spare_unit;
+  if (noise_unit_is_free) return kNoiseUnit;
+  if (frame.response.define() != "RESPONSE_TABLE") return kResponseUnit;
+  return frame.camera.count() < 3 ? kPlaneUnit + 2 : -1;
+}
+
 }  // namespace
 
 PictureOnTarget::PictureOnTarget(const DrawTarget& target, int width, int height)
@@ -62,10 +70,19 @@ void CameraFrame::bind(const Program& program, const PictureOnTarget& shown) con
   program.set("pixel_to_clip", shown.pixel_to_clip);
 }
 
-void Composite::take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels) {
+void Composite::take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels,
+                     const Foreground* foreground) {
   Image<float> coverage(texels.width(), texels.height());
   for (std::size_t i = 0; i < coverage.elements().size(); ++i) coverage.elements()[i] = texels.elements()[i].a;
   covered_ = box_of(coverage, layer.box());
+  is_left_open_ = false;
+  if (foreground)
+    for (int y = 0; y < coverage.height(); ++y)
+      for (int x = 0; x < coverage.width(); ++x) {
+        if (coverage.at(x, y) <= 0.0f || !foreground->is_mixed(layer.box().left + x, layer.box().top + y)) continue;
+        is_left_open_ = true;
+        coverage.at(x, y) *= 0.5f;
+      }
   rectangles_ = cut_picture(view.width, view.height, layer.box(), coverage);
   mesh_.reset();
 }
@@ -114,6 +131,12 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
   const bool noisy = !noise.none() && !processing;
   if (area != PictureArea::plain && noisy) defines.insert("NOISE");
   if (area != PictureArea::plain && processing) defines.insert("PROCESSED");
+  const bool matte = area == PictureArea::edge && frame.foreground;
+  // Before the processing as after it, or the two would not agree on what the leaves cover.
+  const bool noise_unit_is_free = noise.none() && !processing && !defines.contains("COVERAGE");
+  const int nodes_unit = matte && frame.matte ? unit_for_nodes(frame, noise_unit_is_free) : -1;
+  if (matte) defines.insert("MATTE");
+  if (nodes_unit >= 0) defines.insert("MATTE_NODES");
   const auto program = programs.find(ProgramKind::picture, defines);
   if (!program) return fail(program.error());
   (*program)->use();
@@ -124,6 +147,11 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
     if (noisy) bind_noise(**program, noise, !shown.same_size);
     if (processing) processing->bind(**program, !shown.same_size);
   }
+  if (matte) {
+    frame.foreground->bind();
+    (*program)->set("foreground", kForegroundUnit);
+  }
+  if (nodes_unit >= 0) frame.matte->bind(**program, nodes_unit, frame.camera.width, frame.camera.height);
   mesh.draw(area);
   return {};
 }

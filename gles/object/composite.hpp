@@ -7,6 +7,8 @@
 
 #include "gles/gl/target.hpp"
 #include "gles/object/camera_processing.hpp"
+#include "gles/object/foreground.hpp"
+#include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
 #include "gles/picture/camera_textures.hpp"
 #include "gles/picture/picture_mesh.hpp"
@@ -33,19 +35,25 @@ struct CameraFrame {
   const CameraTextures& camera;
   const ResponseOnGpu& response;
   const GlTexture& dither;
+  const Foreground* foreground = nullptr;  // null: it leaves no pixel of the object open
+  const Matte* matte = nullptr;            // null: such pixels are mixed as the mask says
+  int spare_unit = -1;                     // beyond those that GLES 2 promises; < 0: the driver has none
   void bind(const Program& program, const PictureOnTarget& shown) const;
 };
 
 // The picture's cutting and the noise, which stay the same between frames.
 class Composite {
  public:
-  // The layer's coverage, 0..1; cuts the picture again.
-  void take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels);
+  // The layer's coverage, 0..1; cuts the picture again. Pixels that the foreground leaves open are edges.
+  void take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels,
+            const Foreground* foreground);
   void drop_layer() {
     mesh_.reset();
     covered_ = {};
+    is_left_open_ = false;
   }
-  PixelBox covered() const { return covered_; }  // the pixels that the layer changes lie in it
+  PixelBox covered() const { return covered_; }        // the pixels that the layer changes lie in it
+  bool is_left_open() const { return is_left_open_; }  // in some of them, by the foreground
 
   Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
   // `processing`, already applied, stands for layer, airlight and noise; null: none.
@@ -67,6 +75,7 @@ class Composite {
   void bind_noise(const Program& program, const SensorNoise& noise, bool smooth);
 
   PixelBox covered_;
+  bool is_left_open_ = false;
   PictureRectangles rectangles_;      // of the camera's picture around and under the layer
   std::optional<PictureMesh> mesh_;   // of these rectangles, cut at the lines of a grid of airlight
   AirlightGrid mesh_grid_;            // that grid

@@ -18,13 +18,15 @@ class Foreground {
   // supports), device.
   static Result<Foreground> upload(const Image<std::uint8_t>& mask, const GlInfo& info);
 
-  glm::ivec2 size() const { return size_; }
+  glm::ivec2 size() const { return {mask_.width(), mask_.height()}; }
   void bind() const;  // to kForegroundUnit
+  const Image<std::uint8_t>& mask() const { return mask_; }
+  bool is_mixed(int x, int y) const { return mask_.at(x, y) != 0 && mask_.at(x, y) != 255; }
 
  private:
   Foreground() = default;
-  GlTexture texture_;
-  glm::ivec2 size_{};
+  GlTexture texture_;  // the mask; alpha: how far its mixed pixels are to be believed
+  Image<std::uint8_t> mask_;
 };
 
 }  // namespace kasumi

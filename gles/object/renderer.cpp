@@ -14,6 +14,7 @@
 #include "gles/object/camera_processing.hpp"
 #include "gles/object/composite.hpp"
 #include "gles/object/foreground.hpp"
+#include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
 #include "gles/picture/camera_input.hpp"
 #include "gles/picture/response_table.hpp"
@@ -74,6 +75,8 @@ struct Renderer::State {
   PixelBox outline;  // of the object without any blur
   PixelBox box;      // of the object with its detail
   std::optional<Foreground> foreground;
+  std::optional<Matte> matte;  // where the foreground leaves pixels of the object's box open
+  int spare_unit = -1;
   std::optional<SceneDepth> scene_depth;
   int scene_depth_unit = -1;
   bool shadows_work = true;
@@ -101,6 +104,7 @@ struct Renderer::State {
 
   void look() {
     drop_layer();
+    matte.reset();
     box = outline = {};
     if (!model || !projection) return;
     projection->margin_px = ObjectLayer::margin_px(kCoarsestDetail);  // whatever the detail will be
@@ -112,7 +116,28 @@ struct Renderer::State {
     return cut_to_picture(grown(outline, ObjectLayer::margin_px(blurred)), projection->view);
   }
 
-  CameraFrame frame() const { return {camera.newest(), *response, dither}; }
+  // Of the pixels in which the foreground leaves the object open, if there are any.
+  Result<> find_matte() {
+    if (matte || !composite.is_left_open() || !info.highp_fragments) return {};
+    const int most = std::min(info.max_texture_size, 2048);
+    const PixelBox largest = box_with(kCoarsestDetail);  // so that it stays while the detail changes
+    const MatteNodes nodes = matte_nodes(foreground->mask(), largest, most / 2, most);
+    if (nodes.empty()) return {};
+    auto made = Matte::create(nodes);
+    if (!made) return fail(made.error());
+    matte = std::move(*made);
+    return {};
+  }
+  Result<> follow_matte() {
+    if (!matte || !composite.is_left_open()) return {};
+    return matte->follow(programs, camera.newest(), *response, dither);
+  }
+
+  CameraFrame frame() const {
+    const bool open = composite.is_left_open();
+    return {camera.newest(), *response, dither, open ? &*foreground : nullptr, open && matte ? &*matte : nullptr,
+            spare_unit};
+  }
 
   Result<> ready_for_frame(const DrawTarget& target) const {
     const CameraTextures& picture = camera.newest();
@@ -234,7 +259,8 @@ struct Renderer::State {
   Result<> finish_layer(ObjectLayer drawn) {
     const auto texels = drawn.read();
     if (!texels) return fail(texels.error());
-    composite.take(drawn, projection->view, *texels);
+    composite.take(drawn, projection->view, *texels, foreground ? &*foreground : nullptr);
+    if (auto found = find_matte(); !found) return found;
     layer = std::move(drawn);
     detail = unfinished_layer->detail;
     box = unfinished_layer->box;
@@ -289,6 +315,7 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   auto state = std::make_unique<State>(context.info(), options);
   state->dither = make_dither_pattern();
   state->units_in_one_pass = units_beside_camera(textures);
+  if (textures > kMatteUnit && !options.force_promised_units) state->spare_unit = kMatteUnit;
   const bool compares_depths = textures > kSceneDepthUnit && state->info.highp_fragments;
   state->scene_depth_unit = compares_depths ? static_cast<int>(kSceneDepthUnit) : -1;
   GLint varyings = 0;
@@ -347,6 +374,7 @@ Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask) {
   State& s = *state_;
   s.drop_layer();
   s.foreground.reset();
+  s.matte.reset();
   if (mask.empty()) return {};
   auto made = Foreground::upload(mask, s.info);
   if (!made) return fail(made.error());
@@ -451,8 +479,15 @@ Result<bool> Renderer::continue_layer(const std::function<bool()>& time_is_left)
 }
 
 Result<Image<glm::vec4>> Renderer::read_layer() {
-  if (!state_->layer) return Image<glm::vec4>();
-  return state_->layer->read();
+  const State& s = *state_;
+  if (!s.layer) return Image<glm::vec4>();
+  const PixelBox& box = s.layer->box();
+  auto texels = s.layer->read();
+  if (texels && s.foreground)
+    for (int y = 0; y < texels->height(); ++y)
+      for (int x = 0; x < texels->width(); ++x)
+        texels->at(x, y) *= static_cast<float>(s.foreground->mask().at(box.left + x, box.top + y)) / 255.0f;
+  return texels;
 }
 
 Result<> Renderer::upload(const PictureView& frame, std::shared_ptr<const JpegSteps> jpeg) {
@@ -488,6 +523,7 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   State& s = *state_;
   if (!s.layer) return draw_background(target);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  if (auto followed = s.follow_matte(); !followed) return followed;
   const auto processed = s.process(measured, noise);
   if (!processed) return fail(processed.error());
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
@@ -503,6 +539,7 @@ Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget
     return fail(FaultKind::bad_input, "a plane of {} x {} pixels: the object's box is of {} x {}", target.width,
                 target.height, box.right - box.left, box.bottom - box.top);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  if (auto followed = s.follow_matte(); !followed) return followed;
   const auto processed = s.process(measured, noise);
   if (!processed) return fail(processed.error());
   const PictureOnTarget shown(box, s.camera.newest().width, s.camera.newest().height);
@@ -515,6 +552,10 @@ Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget
 
 PixelBox Renderer::drawn_box() const {
   return state_->composite.covered();
+}
+
+bool Renderer::has_matte() const {
+  return state_->composite.is_left_open();
 }
 
 Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured,

@@ -61,8 +61,9 @@ class Renderer {
   Result<> begin_model(const Model& model, std::shared_ptr<const ModelChunks> chunks = nullptr);
   Result<bool> continue_model();  // true: it is set
 
-  // Scene camera's size; 0 where something stands in front of the object, 255 where nothing does, in between at soft
-  // edges. An empty image: nothing stands in front.
+  // Scene camera's size; 0 where something stands in front of the object, 255 where nothing does, in between where it
+  // covers a part of the pixel, or sways: how much of it is found in every picture (physics 13). An empty image:
+  // nothing stands in front.
   Result<> set_foreground(const Image<std::uint8_t>& mask);
   // Scene camera's size: the planar depth (along the optical axis, metres) of the real surface that each pixel sees, 0
   // where unknown: parts of the object behind it are not drawn. An empty image: no surfaces. Not used on drivers with
@@ -115,15 +116,17 @@ class Renderer {
   Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
 
   // For a display that lays one picture over another by itself: the object alone, premultiplied and encoded, which over
-  // the uploaded picture gives what draw() gives. `target` is the object_box()'s, top row first; it is transparent
-  // outside drawn_box(). Needs a layer. Errors: as draw().
+  // the uploaded picture gives what draw() gives, and over a later one follows its light but not its leaves. `target`
+  // is the object_box()'s, top row first; it is transparent outside drawn_box(). Needs a layer. Errors: as draw().
   Result<> draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
   // The pixels that the layer changes; empty: none, or no layer.
   PixelBox drawn_box() const;
+  // The foreground leaves pixels of the object open: what is to be seen of it changes with every picture.
+  bool has_matte() const;
 
   // One pass without a layer, for a view that moves every frame: object first, then the picture behind it. Edges are
-  // smoothed only by the target's multisampling; noise, set_detail and set_scene_depth have no effect. The target needs
-  // a depth buffer.
+  // smoothed only by the target's multisampling; noise, set_detail and set_scene_depth have no effect, and the
+  // foreground is mixed as its mask says. The target needs a depth buffer.
   // Airlight and horizon are evaluated at vertices. See-through surfaces are blended in encoded values, since the
   // background is already drawn. Inside surfaces the result is within 2/255 of draw().
   Result<> draw_moving(const ObjectAppearance& appearance, const AirlightGrid& measured, const DrawTarget& target,

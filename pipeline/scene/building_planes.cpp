@@ -44,10 +44,11 @@ Result<PlanePicture> BuildingPlanes::next(Compositor& compositor, Display& displ
     width_ = width;
     height_ = height;
   }
+  const Duration longest = compositor.has_matte() ? Duration::zero() : kLongestLook;  // leaves move
   const auto is_stale = [&](const Buffer& buffer) {
-    return !buffer.look || differs(*buffer.look, *look) || now - buffer.drawn > kLongestLook;
+    return !buffer.look || differs(*buffer.look, *look) || now - buffer.drawn > longest;
   };
-  if (!look->noise.none() || is_stale(buffers_[at_ % count])) at_ = (at_ + 1) % count;
+  if (!look->noise.none() || compositor.has_matte() || is_stale(buffers_[at_ % count])) at_ = (at_ + 1) % count;
   Buffer& buffer = buffers_[at_];
   if (!buffer.buffer) {
     auto made = display.make_plane_buffer(width, height);

@@ -50,6 +50,7 @@ class Compositor {
   std::optional<BuildingLook> look() const;                                // of the same; empty: it has no building
   PixelBox object_box() const { return renderer_.object_box(); }
   PixelBox drawn_box() const { return renderer_.drawn_box(); }
+  bool has_matte() const { return renderer_.has_matte(); }
   // As Renderer::draw_for_plane(), over that frame. Needs a look.
   Result<> draw_for_plane(const DrawTarget& target);
   // Draws the last picture again, for a display that keeps running while the camera is gone. A picture that still lies

@@ -99,6 +99,7 @@ inline const Walls kMayInclude = {
      {"fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
       "fixtures/spectrum", "fixtures/temple"}},
     {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/spectrum"}},
+    {"fixtures/leaves", {"fixtures/noise"}},
     {"fixtures/light", {"fixtures/aerosol", "fixtures/atmosphere", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/model", {}},
     {"fixtures/noise", {}},

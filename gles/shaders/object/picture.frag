@@ -1,10 +1,14 @@
 // The camera's picture, with Linf N over it in linear light where the layer covers it fully (COVERED) or partly (EDGE).
 // PROCESSED: as the camera's processing left it (camera_processing.cpp). COVERAGE: the
 // object's share of each pixel in alpha. PLANE: only what is to be laid over the camera's picture by the display.
+#if defined(MATTE_NODES)
+precision highp sampler2D;  // small differences of the picture's values are solved for
+#endif
 #include "dither.glsl"
 #include "layer.glsl"
 #include "response.glsl"
 #include "camera_picture.glsl"
+#include "matte.glsl"
 #include "noise.glsl"
 #include "plane.glsl"
 
@@ -24,6 +28,10 @@ varying vec2 v_processed;
 varying vec2 v_pixel;
 #endif
 
+#if defined(MATTE)
+const float kLeastCoverage = 0.0005;  // below it the camera's picture passes unchanged
+#endif
+
 void main() {
 #if defined(COVERED) && defined(PROCESSED)
   gl_FragColor = vec4(texture2D(processed, v_processed).rgb, 1.0);
@@ -38,28 +46,34 @@ void main() {
   vec3 behind = camera_at(v_picture);
   vec4 object = texture2D(layer, v_layer);
   float coverage = coverage_in(object.a);
-#if defined(PLANE) || !defined(PROCESSED)
   vec3 root = v_airlight_root * object.rgb;
   vec3 own = root * root;
+  vec3 light = light_of(clamp(behind, 0.0, 1.0));
+#if defined(MATTE)
+  Matte matte = matte_at(v_picture, light);
+  own *= matte.open_share;
+  light = max(light + own - coverage * matte.behind, 0.0);
+  coverage *= matte.open_share;
+  bool changes = coverage > kLeastCoverage;
+#else
+  light = light * (1.0 - coverage) + own;
+  bool changes = object.a > 0.0;
 #endif
 // `shown` is written where it is used: drivers then round open pixels and a plane's opaque ones as the picture's.
 #if defined(PROCESSED)
 #define shown texture2D(processed, v_processed).rgb
 #else
-  vec3 light = light_of(clamp(behind, 0.0, 1.0)) * (1.0 - coverage) + own;
 #if defined(NOISE)
   light = noisy(light, coverage);
 #endif
 #define shown (encoded(light) + dither(v_pixel) / 255.0)
 #endif
 #if defined(PLANE)
-  gl_FragColor = object.a > 0.0 ? for_plane(behind, shown, own, coverage) : vec4(0.0);
+  gl_FragColor = changes ? for_plane(behind, shown, own, coverage) : vec4(0.0);
+#elif defined(COVERAGE)
+  gl_FragColor = vec4(changes ? shown : behind, coverage);
 #else
-#if defined(COVERAGE)
-  gl_FragColor = vec4(object.a > 0.0 ? shown : behind, coverage);
-#else
-  gl_FragColor = vec4(object.a > 0.0 ? shown : behind, 1.0);
-#endif
+  gl_FragColor = vec4(changes ? shown : behind, 1.0);
 #endif
 #elif defined(COVERAGE)
   gl_FragColor = vec4(camera_at(v_picture), 0.0);

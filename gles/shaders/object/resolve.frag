@@ -1,5 +1,5 @@
 // Resolves the rotated lattice of samples to pixels: the mean of the 17 samples in each pixel (object_layer.cpp), with
-// chroma at the camera's resolution and the foreground masked out.
+// chroma at the camera's resolution and what the foreground covers wholly left out.
 #include "dither.glsl"
 #include "layer.glsl"
 
@@ -46,7 +46,8 @@ void main() {
   mean = with_shared_chroma(mean, v_centre);
 #endif
 #if defined(FOREGROUND)
-  mean *= texture2D(foreground, v_picture).r;
+  // Where it covers a part of the pixel, picture.frag finds out which (matte.glsl).
+  mean *= sign(texture2D(foreground, v_picture).r);
 #endif
   vec2 pixel = gl_FragCoord.xy + first_pixel;
   vec3 root = sqrt(mean.rgb);

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "tests/gles/object/reference_matte.hpp"
 #include "tests/gles/object/reference_shading.hpp"
 #include "tests/gles/shadow/reference_shadow.hpp"
 
@@ -416,9 +417,16 @@ ReferencePicture before_picture(ReferencePicture picture, const ReferenceScene& 
       const glm::dvec4& object = picture.layer.at(x, y);
       const glm::dvec3& taken = picture.taken.at(x, y);
       const glm::dvec3 airlight = bilinear(scene.measured, {x, y});
+      const double by_mask = scene.mask.empty() ? 1.0 : scene.mask.at(x, y) / 255.0;
+      std::optional<ReferenceMatte> matte;
+      if (!scene.by_mask && by_mask > 0.0 && by_mask < 1.0 && object.a > 0.0)
+        matte = reference_matte(scene, camera, x, y);
       for (int c = 0; c < 3; ++c) {
         const double code = camera.at(x, y)[c] / 255.0;
-        const double light = reference_light(scene.response, c, code) * (1.0 - taken[c]) + airlight[c] * object[c];
+        double light = reference_light(scene.response, c, code) * (1.0 - taken[c]) + airlight[c] * object[c];
+        if (matte)  // the layer is the mask's share of the whole
+          light = reference_light(scene.response, c, code) +
+                  (airlight[c] * object[c] * matte->open_share - taken[c] * matte->behind[c]) / by_mask;
         picture.encoded.at(x, y)[c] = 255.0 * (object.a > 0.0 ? reference_code(scene.response, c, light) : code);
       }
     }

@@ -19,6 +19,7 @@ struct ReferenceScene {
   AirlightGrid measured;
   ResponseCurve response;
   Image<std::uint8_t> mask;  // empty: nothing in front
+  bool by_mask = false;      // mix what the mask leaves open by its share, as a moving view does
   Image<float> depth_m;      // of the real scene, along the optical axis, 0 where there is none; empty: none anywhere
 };
 

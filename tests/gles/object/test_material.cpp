@@ -169,6 +169,7 @@ TEST_F(MaterialAgainstReference, AMovingViewShowsTheSameMaterials) {
   glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &units);
   if (units < 12) GTEST_SKIP() << info().renderer << " has " << units << " texture units";
   ReferenceScene scene = dressed_box();
+  scene.by_mask = true;
   scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x) scene.mask.at(x, y) = static_cast<std::uint8_t>(std::clamp((x - 50) * 4, 0, 255));

@@ -71,6 +71,7 @@ class PlaneOfTheBuilding : public GlesTest {
     EXPECT_TRUE(renderer.draw(scene.measured, target.target(), noise));
     const auto picture = target.read().value();
     const PixelBox box = renderer.object_box();
+    const bool same = then.elements() == now.elements();
     Difference found;
     double squares = 0.0;
     for (int y = 0; y < plane.height(); ++y)
@@ -79,6 +80,9 @@ class PlaneOfTheBuilding : public GlesTest {
         const Rgb8 want = picture.at(box.left + x, box.top + y), is = over(above, now.at(box.left + x, box.top + y));
         for (int c = 0; c < 3; ++c) {
           EXPECT_LE(above[c], above.a) << "premultiplied, at " << x << ", " << y;
+          // Leaves that move are drawn again with every picture.
+          const auto mask = scene.mask.empty() ? 255 : scene.mask.at(box.left + x, box.top + y);
+          if (mask != 0 && mask != 255 && !same) continue;
           const int off = std::abs(int{want[c]} - int{is[c]});
           squares += off * off;
           int& worst = above.a == 255 ? found.opaque : found.edge;

@@ -149,12 +149,20 @@ TEST_F(Precision, OfTheLayerAndItsComposite) {
     add(pictures, "plain", plain);
     add(pictures, "noise", plain, {}, {}, {glm::dvec3{0.0005}, glm::dvec3{0.003}, 5});
     add(pictures, "point spread", plain, {}, {1.2, 2, 2});
-    add(pictures, "foreground", with_foreground(plain));
+    ReferenceScene mixed = with_foreground(plain);  // by the mask, which is sure of no pixel behind
+    for (auto& share : mixed.mask.elements()) share = std::min<std::uint8_t>(share, 254);
+    add(pictures, "foreground", mixed);
     ReferenceScene linear = plain;
     linear.response.kind = ResponseCurve::Kind::linear;
     add(pictures, "linear response", linear);
     add(pictures, "response table", with_table(plain));
   });
+}
+
+// Without high precision it is mixed by the mask, not solved.
+TEST_F(Precision, OfAForegroundThatIsSolved) {
+  expect_alike(
+      [&](Pictures& pictures) { add(pictures, "solved foreground", with_foreground(far_corner(box_scene()))); }, 255);
 }
 
 // Two dithers, of the layer and of the picture, and the coarser one that 16 bits leave of the first.

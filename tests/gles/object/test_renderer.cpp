@@ -104,7 +104,7 @@ TEST_F(RendererAgainstReference, ShowsTheForegroundThroughASoftMask) {
   scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 80; ++x) scene.mask.at(x, y) = static_cast<std::uint8_t>(std::max(0, (x - 60) * 255 / 20));
-  expect_same_with(scene, {{}, {.force_rgba8 = true}});
+  expect_same_with(scene, {{}, {.force_rgba8 = true}}, 48.0);  // its nodes have 8 bits
 }
 
 TEST_F(RendererAgainstReference, ClipsAnObjectAtThePicturesBorder) {
@@ -232,6 +232,7 @@ TEST_F(RendererAgainstReference, DrawsAMovingViewInOnePass) {
 
 TEST_F(RendererAgainstReference, DrawsAMovingViewBehindAForegroundAndWithoutAir) {
   ReferenceScene scene = box_scene();
+  scene.by_mask = true;
   scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x) scene.mask.at(x, y) = static_cast<std::uint8_t>(std::clamp((x - 50) * 4, 0, 255));

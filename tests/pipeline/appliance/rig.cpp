@@ -157,6 +157,12 @@ Rig::Rig(RigOptions options)
     ADD_FAILURE() << content.error().message;
     return;
   }
+  if (options.no_leaves) {
+    auto cut = std::make_shared<Content>(**content);
+    for (auto& share : cut->config.installation.scene.mask.elements())
+      if (share > 0) share = 255;
+    *content = std::move(cut);
+  }
   devices.scene.gives = [this](std::uint32_t number) { given_at_[number % kSceneFrames] = clock.now(); };
   rested = resting(devices, options.starts ? options.starts->record() : StartRecord{}, clock);
   appliance = std::make_unique<Appliance>(

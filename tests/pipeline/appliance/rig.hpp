@@ -63,6 +63,7 @@ struct RigOptions {
   std::string name = "rig";  // of its folder
   std::string clock_policy = "trusted";
   std::string more_config{};  // at the end of kasumi.toml
+  bool no_leaves = false;     // what the scene's mask leaves open in part is free
   std::optional<Utc> utc{};   // the machine's time at the start; empty: the recording's
   SkyWatchOptions sky{};
   bool keep_folder = false;  // keep what an earlier rig of that name left on disk

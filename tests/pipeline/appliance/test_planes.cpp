@@ -22,6 +22,7 @@ const std::string& planes(const Rig& rig) {
 RigOptions lent(const std::string& name, bool has_planes = true) {
   RigOptions options{.name = name};
   options.display.planes = has_planes;
+  options.no_leaves = true;
   return options;
 }
 
@@ -72,6 +73,19 @@ TEST(Planes, ShowThePictureThatTheGpuWouldCompose) {
 }
 
 // Six buildings take turns, each with noise of its own; few of them are drawn anew.
+// Which of them cover the building, is to be seen in each picture alone.
+TEST(Planes, FollowLeavesThatMayMove) {
+  auto leafy = lent("planes-leaves");
+  leafy.no_leaves = false;
+  const auto rig = running_on_planes(leafy);
+  ASSERT_EQ(planes(*rig), "on");
+  const auto uploads = rig->status().render.uploads;
+  const int shown = rig->devices.display.on_planes;
+  for (int i = 0; i < 10; ++i) rig->advance(kSceneInterval);
+  EXPECT_GE(rig->devices.display.on_planes, shown + 10);
+  EXPECT_GE(rig->status().render.uploads, uploads + 10);
+}
+
 TEST(Planes, CarryTheCamerasNoise) {
   auto options = lent("planes-noise");
   options.more_config = "\n[scene.noise]\nfull_scale_electrons = 500\nread_electrons = 3\n";

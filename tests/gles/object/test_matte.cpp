@@ -1,0 +1,269 @@
+// Leaves before the building: the pixels that the mask leaves open, against a reference on the CPU and against twins in
+// which the leaves' coverage is known.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "fixtures/leaves/leaves.hpp"
+#include "gles/object/matte_nodes.hpp"
+#include "tests/figures.hpp"
+#include "tests/gles/scenes.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 270;
+
+// What the demo's camera sees, from this pixel on.
+Image<Rgb8> land(int left, int top) {
+  const auto path = source_folder() / "fixtures/demo/scene/frame-000000.jpg";
+  const cv::Mat picture = cv::imread(path.string());
+  if (picture.empty()) throw std::runtime_error("cannot read " + path.string());
+  Image<Rgb8> part(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const auto& pixel = picture.at<cv::Vec3b>(top + y, left + x);
+      part.at(x, y) = {pixel[2], pixel[1], pixel[0]};
+    }
+  return part;
+}
+
+std::vector<double> minutes() {
+  std::vector<double> seconds;
+  for (int i = 0; i < 60; ++i) seconds.push_back(0.37 * i);
+  return seconds;
+}
+
+// Of the pixels that the mask leaves open and the building reaches, over a clip; steps of 255.
+struct BandErrors {
+  static constexpr int kPatch = 32;
+  double sum = 0.0;
+  int pixels = 0;
+  Image<double> bias{kWidth / kPatch + 1, kHeight / kPatch + 1, 0.0}, count = bias;
+
+  void add(int x, int y, Rgb8 is, Rgb8 should) {
+    ++pixels;
+    count.at(x / kPatch, y / kPatch) += 1.0;
+    for (int c = 0; c < 3; ++c) {
+      const double miss = double(is[c]) - should[c];
+      sum += std::abs(miss) / 3.0;
+      bias.at(x / kPatch, y / kPatch) += miss / 3.0;
+    }
+  }
+  double mean_error() const { return sum / std::max(1, pixels); }
+  // The brightest patch: too bright by so much in the mean over its pixels and the clip.
+  double halo() const {
+    double brightest = 0.0;
+    for (std::size_t i = 0; i < bias.elements().size(); ++i)
+      if (count.elements()[i] >= 40.0) brightest = std::max(brightest, bias.elements()[i] / count.elements()[i]);
+    return brightest;
+  }
+};
+
+class MatteOfLeaves : public GlesTest {
+ protected:
+  // A wall of pale and dark squares with windows through which the land is seen, in the middle of the picture.
+  static ReferenceScene scene() {
+    ReferenceScene made;
+    made.view = view_north(kWidth, kHeight, 2400);
+    made.model = box_model(260, 170, 60, 6);
+    ModelTexture texture = soft_texture(64);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x)
+        texture.pixels.at(x, y) =
+            (x / 8 + y / 8) % 2 ? glm::u8vec4{200, 150, 120, 255} : glm::u8vec4{235, 225, 205, 255};
+    made.model.textures.push_back(texture);
+    made.model.materials[0].texture = static_cast<int>(made.model.textures.size()) - 1;
+    made.model_to_world = model_to_world({0, 1500, -80, from_degrees(20), 1.0});
+    made.appearance = afternoon(made.view);
+    made.measured = measured_airlight(made.view);
+    return made;
+  }
+  static fixtures::BoughSettings bough(double sway_px, std::uint64_t seed, double light) {
+    return {.width = kWidth,
+            .height = kHeight,
+            .root_px = {-60, 60},
+            .tip_px = {310, 180},
+            .spread_px = 110,
+            .leaves = 2400,
+            .leaf_px = 10,
+            .sway_px = sway_px,
+            .light = glm::dvec3{light},
+            .seed = seed};
+  }
+
+  // As it was done before: in linear light by the mask alone.
+  static Rgb8 mix(const ResponseCurve& response, Rgb8 camera, Rgb8 with, double share) {
+    Rgb8 pixel;
+    for (int c = 0; c < 3; ++c) {
+      const double light = std::lerp(reference_light(response, c, camera[c] / 255.0),
+                                     reference_light(response, c, with[c] / 255.0), share);
+      pixel[c] = static_cast<std::uint8_t>(std::lround(255.0 * reference_code(response, c, light)));
+    }
+    return pixel;
+  }
+
+  // As a camera does it: encoded Y + amount (Y - its binomial mean over 3 x 3 pixels).
+  static Image<Rgb8> sharpened(const Image<Rgb8>& picture, double amount) {
+    const auto luma = [&](int x, int y) {
+      return glm::dot(glm::dvec3(0.299, 0.587, 0.114),
+                      glm::dvec3(picture.at(std::clamp(x, 0, kWidth - 1), std::clamp(y, 0, kHeight - 1))));
+    };
+    Image<Rgb8> sharp(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        double more = luma(x, y);
+        for (int v = -1; v <= 1; ++v)
+          for (int u = -1; u <= 1; ++u) more -= (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * luma(x + u, y + v);
+        for (int c = 0; c < 3; ++c)
+          sharp.at(x, y)[c] =
+              static_cast<std::uint8_t>(std::lround(std::clamp(picture.at(x, y)[c] + amount * more, 0.0, 255.0)));
+      }
+    return sharp;
+  }
+
+  // The picture with the leaves in it, as drawn and as it should be.
+  void compare(Renderer& renderer, const ReferenceScene& scene, const Image<Rgb8>& back, const Image<Rgb8>& with,
+               const Image<glm::vec4>& leaves, BandErrors& found, BandErrors& mixed, const char* name = nullptr,
+               double sharpening = 0.0) {
+    const auto camera = sharpened(fixtures::put_before(back, leaves), sharpening);
+    const auto truth = sharpened(fixtures::put_before(with, leaves), sharpening);
+    const auto drawn = draw(renderer, scene.measured, view_of(camera));
+    if (name)
+      for (const auto& [what, picture] : {std::pair{"camera", &camera}, {"drawn", &drawn}, {"truth", &truth}})
+        save_png(*picture, test_output_folder() / fmt::format("{}-{}.png", name, what));
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const auto mask = scene.mask.at(x, y);
+        const bool open = mask != 0 && mask != 255, building = back.at(x, y) != with.at(x, y);
+        if (open && building) {
+          found.add(x, y, drawn.at(x, y), truth.at(x, y));
+          mixed.add(x, y, mix(scene.response, camera.at(x, y), with.at(x, y), mask / 255.0), truth.at(x, y));
+        }
+        // Bit for bit, where all is in front or no building is there.
+        if (mask == 0 || (open && !building)) {
+          ASSERT_EQ(drawn.at(x, y), camera.at(x, y)) << x << ", " << y;
+        }
+      }
+  }
+};
+
+TEST_F(MatteOfLeaves, IsTheCpusOnEveryPath) {
+  ReferenceScene scene = MatteOfLeaves::scene();
+  const fixtures::Bough bough(MatteOfLeaves::bough(6.0, 1, 1.0));
+  scene.mask = fixtures::mask_of(bough, minutes());
+  const auto camera = fixtures::put_before(land(420, 180), bough.at(1.3));
+  const auto reference = render_reference(scene, camera, turned_lattice());
+  for (const RendererOptions& options :
+       {RendererOptions{}, RendererOptions{.force_rgba8 = true}, RendererOptions{.force_promised_units = true}}) {
+    Renderer renderer = make_renderer(options);
+    load(renderer, scene);
+    const auto drawn = draw(renderer, scene.measured, view_of(camera));
+    expect_like(drawn, reference, 47.0);
+    int beyond = 0, open = 0;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        if (scene.mask.at(x, y) == 0 || scene.mask.at(x, y) == 255 || reference.layer.at(x, y).a <= 0.0) continue;
+        ++open;
+        const glm::dvec3 miss = glm::abs(glm::dvec3(drawn.at(x, y)) - reference.encoded.at(x, y));
+        if (std::max({miss.r, miss.g, miss.b}) > 2.0) ++beyond;
+      }
+    EXPECT_GT(open, 5000);
+    EXPECT_LE(beyond, open / 100) << "of " << open;
+  }
+}
+
+TEST_F(MatteOfLeaves, LooksAsIfTheBuildingStoodBehindThem) {
+  struct Case {
+    const char* what;
+    double sway_px;
+    double light;
+    int left, top;
+  };
+  // Sky and hills behind; leaves in the sun and against the light.
+  const std::vector<Case> cases{{"at rest", 0.0, 1.0, 420, 180},
+                                {"at rest, dark", 0.0, 0.4, 420, 180},
+                                {"swaying 3 px", 3.0, 1.0, 420, 180},
+                                {"swaying 6 px", 6.0, 1.0, 420, 180},
+                                {"swaying 6 px, dark", 6.0, 0.4, 420, 180},
+                                {"swaying 6 px, low hills", 6.0, 1.0, 620, 120},
+                                {"swaying 10 px", 10.0, 1.0, 420, 180}};
+  for (const Case& a_case : cases) {
+    ReferenceScene scene = MatteOfLeaves::scene();
+    const fixtures::Bough bough(MatteOfLeaves::bough(a_case.sway_px, 3, a_case.light));
+    const auto back = land(a_case.left, a_case.top);
+    Renderer renderer = make_renderer();
+    load(renderer, scene);
+    const auto with = draw(renderer, scene.measured, view_of(back));
+    scene.mask = fixtures::mask_of(bough, a_case.sway_px > 0.0 ? minutes() : std::vector<double>{0.0});
+    load(renderer, scene);
+    BandErrors found, mixed;
+    const int frames = a_case.sway_px > 0.0 ? 6 : 1;
+    for (int i = 0; i < frames; ++i)
+      compare(renderer, scene, back, with, bough.at(0.61 * i), found, mixed, i == 0 ? a_case.what : nullptr);
+    fmt::print("{}: {} pixels, mean error {:.2f}, halo {:.2f}\n", a_case.what, found.pixels, found.mean_error(),
+               found.halo());
+    figure_row("leaves", {a_case.what, figure_text(found.mean_error(), 1), figure_text(found.halo(), 1),
+                          figure_text(mixed.mean_error(), 0), figure_text(mixed.halo(), 0)});
+    EXPECT_GT(found.pixels, 700);
+    EXPECT_GE(mixed.mean_error(), 2.0 * found.mean_error()) << a_case.what;
+    EXPECT_LE(found.mean_error(), 2.0) << a_case.what;
+    EXPECT_LE(found.halo(), 2.5) << a_case.what;
+  }
+}
+
+TEST_F(MatteOfLeaves, LooksSoToACameraThatSharpens) {
+  constexpr double kAmount = 0.9;
+  for (const double sway_px : {0.0, 6.0})
+    for (const RendererOptions& options : {RendererOptions{}, RendererOptions{.force_promised_units = true}}) {
+      const std::string what = fmt::format("sharpened, swaying {} px{}", sway_px,
+                                           options.force_promised_units ? ", eight texture units" : "");
+      ReferenceScene scene = MatteOfLeaves::scene();
+      const fixtures::Bough bough(MatteOfLeaves::bough(sway_px, 3, 1.0));
+      const auto back = land(420, 180);
+      Renderer renderer = make_renderer(options);
+      load(renderer, scene);
+      const auto with = draw(renderer, scene.measured, view_of(back));
+      scene.mask = fixtures::mask_of(bough, sway_px > 0.0 ? minutes() : std::vector<double>{0.0});
+      ASSERT_OK(renderer.set_detail({.sharpening = kAmount}));
+      load(renderer, scene);
+      BandErrors found, mixed;
+      const int frames = sway_px > 0.0 ? 6 : 1;
+      for (int i = 0; i < frames; ++i)
+        compare(renderer, scene, back, with, bough.at(0.61 * i), found, mixed, i == 0 ? what.c_str() : nullptr,
+                kAmount);
+      fmt::print("{}: {} pixels, mean error {:.2f}, halo {:.2f}; by the mask {:.2f}, {:.2f}\n", what, found.pixels,
+                 found.mean_error(), found.halo(), mixed.mean_error(), mixed.halo());
+      EXPECT_GT(found.pixels, 700);
+      EXPECT_GE(mixed.mean_error(), 2.0 * found.mean_error()) << what;
+    }
+}
+
+TEST_F(MatteOfLeaves, FollowsALayerThatIsDrawnWithAnotherDetail) {
+  ReferenceScene scene = MatteOfLeaves::scene();
+  const fixtures::Bough bough(MatteOfLeaves::bough(6.0, 1, 1.0));
+  scene.mask = fixtures::mask_of(bough, minutes());
+  const auto camera = fixtures::put_before(land(420, 180), bough.at(1.3));
+  const ObjectDetail hazy{.point_spread_px = 2.5};
+  Renderer renderer = make_renderer(), fresh = make_renderer();
+  load(renderer, scene);
+  const auto box = renderer.object_box();
+  draw(renderer, scene.measured, view_of(camera));
+  ASSERT_OK(renderer.begin_layer(scene.appearance, {.detail = hazy}));
+  for (bool whole = false; !whole;) {
+    const auto step = renderer.continue_layer([] { return false; });
+    ASSERT_OK(step);
+    whole = *step;
+  }
+  EXPECT_NE(renderer.object_box(), box);
+  ASSERT_OK(fresh.set_detail(hazy));
+  load(fresh, scene);
+  EXPECT_EQ(draw(renderer, scene.measured, view_of(camera)).elements(),
+            draw(fresh, scene.measured, view_of(camera)).elements());
+}
+
+}  // namespace
+}  // namespace kasumi
