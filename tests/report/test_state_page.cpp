@@ -111,7 +111,9 @@ TEST(StatePages, AreServedWithTheirStyleAndNoScript) {
   EXPECT_THAT(page, Not(HasSubstr("style=\"")));
   EXPECT_THAT(page, Not(HasSubstr("https://")));
   EXPECT_THAT(reporter->get("/style.css"), HasSubstr("text/css"));
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   EXPECT_LT(reporter->child().memory_kb(), 20 * 1024);
+#endif
 }
 
 // In a real browser, at a telephone's width, with axe-core's rules for WCAG 2.2 AA.

@@ -43,7 +43,8 @@ std::string command_of(const std::string& line) {
   static const std::regex kCommand(R"((?:sudo )?(?:-u \w+ )?(?:build/)?kasumi ([a-z]+)( [a-z]+)?(?: .*)?)");
   std::smatch parts;
   if (!std::regex_match(line, parts, kCommand)) return "";
-  return parts[1] == "calibrate" ? parts[1].str() + parts[2].str() : parts[1].str();
+  const bool has_commands = parts[1] == "calibrate" || parts[1] == "content";
+  return has_commands ? parts[1].str() + parts[2].str() : parts[1].str();
 }
 
 // Output of `kasumi COMMAND --help`, run once each.
