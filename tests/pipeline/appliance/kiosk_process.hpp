@@ -8,6 +8,7 @@
 #include <thread>
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
@@ -29,6 +30,15 @@ constexpr int kSlowness = 3;
 #else
 constexpr int kSlowness = 1;
 #endif
+
+// The nice value of that process's thread of that name; empty: it has none.
+inline std::optional<int> nice_of(pid_t process, const std::string& thread) {
+  std::error_code error;
+  for (const auto& task : std::filesystem::directory_iterator(fmt::format("/proc/{}/task", process), error))
+    if (read_text_file(task.path() / "comm").value_or("") == thread + "\n")
+      return ::getpriority(PRIO_PROCESS, static_cast<id_t>(std::stoi(task.path().filename().string())));
+  return std::nullopt;
+}
 
 class Process {
  public:

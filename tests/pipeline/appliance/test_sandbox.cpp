@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <map>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include <fcntl.h>
@@ -21,7 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "tests/pipeline/appliance/rig.hpp"
+#include "tests/pipeline/appliance/kiosk_process.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -94,20 +93,6 @@ void refuse(const std::set<unsigned>& calls) {
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   if (::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) != 0) ::_exit(126);
-}
-
-// The nice value of the process's thread of that name.
-std::optional<int> nice_of(pid_t pid, const std::string& thread) {
-  std::error_code error;
-  for (const auto& task : std::filesystem::directory_iterator(fmt::format("/proc/{}/task", pid), error)) {
-    if (read_text_file(task.path() / "comm").value_or("") != thread + "\n") continue;
-    const auto stat = read_text_file(task.path() / "stat").value_or("");
-    std::istringstream fields(stat.substr(std::min(stat.size(), stat.rfind(')') + 1)));
-    std::string field;
-    for (int number = 3; number <= 19; ++number) fields >> field;
-    return std::atoi(field.c_str());
-  }
-  return std::nullopt;
 }
 
 TEST(Sandbox, TheDailyCheckStepsBehindAllOthersAndThePictureIsLive) {
