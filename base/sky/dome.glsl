@@ -43,6 +43,17 @@ FUNCTION vec3 sun_disc_light(vec3 mean_luminance, real off) {
 // not light: in linear light a thousandth of the disc would outshine the sky and its edge would be aliased.
 FUNCTION real sun_coverage(real off, real blur) { return 1.0 - clamp((off - 1.0) / (2.0 * blur) + 0.5, 0.0, 1.0); }
 
+// What the lens scatters of the sun around it: a tenth of what an eye does by the CIE's general disability glare equation
+// (CIE 146, 10 / angle^3 + 5 / angle^2 in degrees, per steradian). chord: length of the difference of the two directions.
+const real kLensOfEye = 0.1;
+const real kSunDisc_sr = 6.797e-5;
+const real kSunRadius_deg = 0.2665;
+const real kDegrees = 57.295780;
+FUNCTION vec3 sun_glare(vec3 mean_luminance, real chord) {
+  real inverse = 1.0 / max(kDegrees * chord, kSunRadius_deg);
+  return mean_luminance * (kSunDisc_sr * kLensOfEye * inverse * inverse * (10.0 * inverse + 5.0));
+}
+
 const real kInversePi = 0.31830989;
 const real kAlbedoAround = 0.2;  // of the ground that lights upright land
 

@@ -144,8 +144,8 @@ glm::dvec3 SkyPainter::sky_and_sun(const Direction& view, double pixel_rad) cons
 glm::dvec3 SkyPainter::shown_sky_and_sun(const Direction& view, double pixel_rad) const {
   const Disc sun = disc(view, pixel_rad);
   const glm::dvec3 behind = sky(view);
-  if (sun.coverage <= 0.0) return shown(behind);
-  return glm::mix(shown(behind), shown(behind + sun.light), sun.coverage);
+  if (sun.coverage <= 0.0) return shown(behind, view);
+  return glm::mix(shown(behind, view), shown(behind + sun.light, view), sun.coverage);
 }
 
 glm::dvec3 SkyPainter::land(const glm::dvec3& place, double land_altitude_m, const glm::dvec3& normal,
@@ -175,6 +175,10 @@ glm::dvec3 SkyPainter::through_air(const glm::dvec3& light, const glm::dvec3& pl
 
 glm::dvec3 SkyPainter::shown(const glm::dvec3& light) const {
   return sky_text::srgb_encoded(sky_text::tone_mapped(light, scene_.exposure));
+}
+
+glm::dvec3 SkyPainter::shown(const glm::dvec3& light, const Direction& view) const {
+  return shown(light + sky_text::sun_glare(scene_.sun_luminance, glm::length(view - scene_.sun)));
 }
 
 }  // namespace kasumi

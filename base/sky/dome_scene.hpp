@@ -84,8 +84,9 @@ class SkyPainter {
                   const glm::dvec3& albedo) const;
   // An object of known radiance seen through the air.
   glm::dvec3 through_air(const glm::dvec3& light, const glm::dvec3& place, double object_altitude_m) const;
-  // Encoded sRGB, 0 .. 1.
+  // Encoded sRGB, 0 .. 1, without and with what the lens scatters of the sun towards `view`.
   glm::dvec3 shown(const glm::dvec3& light) const;
+  glm::dvec3 shown(const glm::dvec3& light, const Direction& view) const;
 
  private:
   struct Disc {

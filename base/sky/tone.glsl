@@ -13,11 +13,13 @@ FUNCTION real kept_saturation(real needed) {
   return needed > knee ? reached / needed : 1.0;
 }
 
-// Maps any light to linear 0 .. 1. The luminance is mapped by 1 - exp(-x); colours near or outside the gamut boundary
+// Maps any light to linear 0 .. 1. The luminance is mapped by 1 - (1 + x / 2)^-2, whose shoulder is long enough for the
+// light around the sun: twenty times what is shown as .5 is still not white. Colours near or outside the gamut boundary
 // are desaturated towards the grey of their luminance, which keeps both luminance and dominant wavelength.
 FUNCTION vec3 tone_mapped(vec3 light, real exposure) {
   real luminance = max(luminance_of(light), 1e-12);
-  real left = exp(-exposure * luminance);
+  real left = 1.0 / (1.0 + 0.5 * exposure * luminance);
+  left *= left;
   real shown = 1.0 - left;
   vec3 from_grey = light / luminance - vec3(1.0);
   vec3 needed = max(from_grey * (shown / max(left, 1e-30)), -from_grey);

@@ -68,14 +68,13 @@ LandLight land_light_at(double altitude_m, const DomeFunction& sky, const SkyReq
 
 constexpr double kPlainAlbedo = 0.2;  // the reference atmosphere's
 
-// Eyes and cameras adapt incompletely to dusk: a tenth of the loss, in stops, stays visible.
+}  // namespace
+
 double exposure_for(double mean_luminance) {
-  constexpr double kDay_cd_m2 = 5000.0, kShown = 0.42, kAdaptation = 0.9;
+  constexpr double kDay_cd_m2 = 5000.0, kShown = 0.8, kAdaptation = 0.9;
   const double relative = std::max(mean_luminance, 1e-4) / kDay_cd_m2;
   return kShown / (kDay_cd_m2 * std::pow(relative, kAdaptation));
 }
-
-}  // namespace
 
 SkySums sky_sums(const SkyPainter& painter) {
   constexpr int kRings = 24, kSectors = 48;

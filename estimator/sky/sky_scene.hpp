@@ -22,6 +22,9 @@ struct SkyRequest {
   Aerosol aerosol() const { return air_of(turbidity, like).aerosol(); }
 };
 
+// Per cd/m2. Eyes and cameras adapt incompletely to dusk: a tenth of the loss, in stops, stays visible.
+double exposure_for(double mean_luminance);
+
 // Exposed as the eye would: nearly, but not completely, adapted to the mean of the sky. Costs some milliseconds.
 SkyScene sky_scene(const SkyRequest& request);
 

@@ -61,7 +61,8 @@ std::vector<double> probe_places(double size, std::optional<double> sun) {
 DomeMesh make_dome_mesh(const SkyView& view, const SkyPainter& painter, const Direction& sun, double tolerance) {
   const glm::dvec2 middle = 0.5 * glm::dvec2(view.width, view.height) - 0.5;
   const auto shown_at = [&](double x, double y) {
-    return painter.shown(painter.sky(direction_of(view, middle + glm::dvec2(x, y))));
+    const Direction there = direction_of(view, middle + glm::dvec2(x, y));
+    return painter.shown(painter.sky(there), there);
   };
   const auto sun_pixel = pixel_of(view, sun);
   std::optional<double> sun_x, sun_y;

@@ -132,6 +132,7 @@ struct DomeRenderer::State {
     program.set("circle_px", 0.5 * kPi * view.focal_px);
     program.set("exposure", scene.exposure);
     program.set("sun", scene.sun);
+    program.set("sun_luminance", scene.sun_luminance);
     set_perez(program, scene.perez);
     set_older(program, "older", scene.older);
     set_sky(program, "sky", scene.sky);
@@ -152,7 +153,6 @@ struct DomeRenderer::State {
     begin(**program, target);
     (*program)->set("sun_radius", double{kDomeSunRadius_rad});
     (*program)->set("blur", 0.5 * pixel_rad / double{kDomeSunRadius_rad});
-    (*program)->set("sun_luminance", scene.sun_luminance);
     sun->draw();
     return {};
   }

@@ -29,12 +29,13 @@ SkyView view_of(const SkyCamera& camera) {
 
 std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, bool mountains) {
   if (camera.projection == SkyProjection::fisheye) return std::nullopt;
-  constexpr double kHighestPeak_m = 3600.0;
+  constexpr double kHighestPeak_m = 3600.0, kHighestHill_m = 120.0;
+  const Radians pitch = from_degrees(camera.pitch_deg);
   // A full circle has its seam behind the camera.
   double half = kPi - 1e-4;
   if (camera.projection == SkyProjection::perspective) {
     const double steepest =
-        std::abs(from_degrees(camera.pitch_deg).value) +
+        std::abs(pitch.value) +
         std::atan(std::tan(0.5 * from_degrees(camera.field_of_view_deg).value) * camera.height / camera.width);
     const double across = 0.5 * from_degrees(camera.field_of_view_deg).value;
     if (steepest < 1.0) half = std::min(half, 1.15 * std::atan(std::tan(across) / std::cos(steepest)) + 0.02);
@@ -45,10 +46,19 @@ std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, b
   view.to = heading + Radians{half};
   view.mountains = mountains;
   view.columns = std::clamp(camera.width, 200, 2000);
-  view.rings = mountains ? 640 : 160;
-  view.nearest_m = 1.0;
+  view.rings = mountains ? 400 : 120;
+  view.eyes_m = observer_m - synthetic_height_m({0.0, 0.0}, mountains);
+  // As far down as the picture's lower edge.
+  const double below = camera.projection == SkyProjection::perspective
+                           ? std::atan(0.5 * camera.height / view_of(camera).focal_px) - pitch.value
+                           : 0.5 * kPi;
+  view.steepest = Radians{std::clamp(below + 0.02, 0.02, 0.5 * kPi)};
+  view.row = Radians{1.0 / view_of(camera).focal_px};
+  // Land there may be higher than the plain.
+  const double over_land_m = std::max(view.eyes_m - (mountains ? 1000.0 : kHighestHill_m), 0.1 * view.eyes_m);
+  view.nearest_m = over_land_m / std::tan(std::min(view.steepest.value, 1.5));
   const auto to_horizon = [](double h) { return std::sqrt(2.0 * kEarthRadius_m * std::max(h, 1.0)); };
-  view.farthest_m = 1.02 * (to_horizon(observer_m) + (mountains ? to_horizon(0.5 * kHighestPeak_m) : 0.0));
+  view.farthest_m = 1.02 * (to_horizon(observer_m) + to_horizon(0.5 * (mountains ? kHighestPeak_m : kHighestHill_m)));
   return LandAround{make_synthetic_land(view), view.from, view.to};
 }
 
@@ -57,6 +67,29 @@ SkyRequest standing_on_land(const SkyCamera& camera, SkyRequest sky) {
   if (camera.projection != SkyProjection::fisheye)
     sky.altitude_m = std::max(sky.altitude_m, synthetic_height_m({0.0, 0.0}) + kEyes_m);
   return sky;
+}
+
+SkyScene scene_seen(const SkyCamera& camera, const SkyRequest& sky, const LandAround* land) {
+  constexpr int kColumns = 24, kRows = 16;
+  SkyScene scene = sky_scene(sky);
+  std::optional<LandRayCaster> sight;
+  if (land) sight.emplace(land->land, land->from, land->to);
+  if (sight && sight->along(scene.sun, scene.altitude_m)) scene.sun_luminance = glm::dvec3(0.0);
+  if (sky.exposure) return scene;
+  const SkyView view = view_of(camera);
+  const SkyPainter painter(scene);
+  double log_sum = 0.0, shares = 0.0;
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const glm::dvec2 pixel((column + 0.5) / kColumns * view.width - 0.5, (row + 0.5) / kRows * view.height - 0.5);
+      const double share = seen_share(view, pixel);
+      log_sum += share * std::log(std::max(sky_text::luminance_of(sky_light_at(view, painter, scene.altitude_m,
+                                                                               sight ? &*sight : nullptr, pixel)),
+                                           1e-6));
+      shares += share;
+    }
+  scene.exposure = exposure_for(std::exp(log_sum / shares)) * std::exp2(sky.exposure_ev);
+  return scene;
 }
 
 Result<SkyDrawing> SkyDrawing::by_gpu() {

@@ -35,6 +35,10 @@ std::optional<LandAround> land_for(const SkyCamera& camera, double observer_m, b
 // Keeps the observer at least 25 m above the plain wherever land is drawn.
 SkyRequest standing_on_land(const SkyCamera& camera, SkyRequest sky);
 
+// The sky as a camera shows it that meters on its own picture, unless an exposure is asked for. A sun behind the land
+// shines into no lens. land: null for none.
+SkyScene scene_seen(const SkyCamera& camera, const SkyRequest& sky, const LandAround* land);
+
 class SkyDrawing {
  public:
   // Errors: unsupported (no GL here: --cpu needs none), device.

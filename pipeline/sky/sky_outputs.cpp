@@ -16,7 +16,8 @@ namespace {
 Result<Image<Rgb8>> draw_one(SkyDrawing& drawing, const SkyCamera& camera, const SkyRequest& asked, bool mountains) {
   const SkyRequest sky = standing_on_land(camera, asked);
   const auto land = land_for(camera, sky.altitude_m, mountains);
-  return drawing.draw(view_of(camera), sky_scene(sky), land ? &*land : nullptr);
+  const LandAround* around = land ? &*land : nullptr;
+  return drawing.draw(view_of(camera), scene_seen(camera, sky, around), around);
 }
 
 Result<> write_out(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
@@ -38,7 +39,9 @@ Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing&
   // One exposure for all, so that the sheet shows which is brighter.
   SkyRequest first = task.sky;
   first.exposure_ev = 0.0;
-  const double exposure = sky_scene(first).exposure;
+  first = standing_on_land(task.camera, first);
+  const auto first_land = land_for(task.camera, first.altitude_m, task.mountains);
+  const double exposure = scene_seen(task.camera, first, first_land ? &*first_land : nullptr).exposure;
   for (const double altitude_m : task.altitudes_m)
     for (const double t : task.turbidities) {
       SkyRequest sky = task.sky;
@@ -84,7 +87,8 @@ Result<> write_day(const SkyOptions& options, const SkyTask& task, SkyDrawing& d
   const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
   for (const SunDirection& sun : suns) {
     sky.sun = sun;
-    const auto picture = drawing.draw(view_of(task.camera), sky_scene(sky), land ? &*land : nullptr);
+    const LandAround* around = land ? &*land : nullptr;
+    const auto picture = drawing.draw(view_of(task.camera), scene_seen(task.camera, sky, around), around);
     if (!picture) return fail(picture.error());
     if (auto put = (*sink)->put(*picture); !put) return put;
   }

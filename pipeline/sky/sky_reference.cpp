@@ -55,8 +55,15 @@ glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double o
   const Direction direction = direction_of(view, pixel);
   if (land)
     if (const auto hit = land->along(direction, observer_m))
-      return painter.shown(painter.land(hit->place, hit->altitude_m, hit->normal, hit->albedo));
+      return painter.shown(painter.land(hit->place, hit->altitude_m, hit->normal, hit->albedo), direction);
   return painter.shown_sky_and_sun(direction, pixel_rad(view));
+}
+
+glm::dvec3 sky_light_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
+                        const glm::dvec2& pixel) {
+  const Direction direction = direction_of(view, pixel);
+  const auto hit = land ? land->along(direction, observer_m) : std::nullopt;
+  return hit ? painter.land(hit->place, hit->altitude_m, hit->normal, hit->albedo) : painter.sky(direction);
 }
 
 Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land) {

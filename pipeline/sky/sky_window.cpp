@@ -95,7 +95,8 @@ Result<> show_sky_window(const SkyTask& task) {
         if (auto set = dome->set_land(land ? land->land : DomeLand{}); !set) return set;
         land_of = now;
       }
-      if (auto set = dome->set(view_of(c), sky_scene(standing_on_land(c, shown.sky))); !set) return set;
+      const auto scene = scene_seen(c, standing_on_land(c, shown.sky), land ? &*land : nullptr);
+      if (auto set = dome->set(view_of(c), scene); !set) return set;
       auto caption = FlatPicture::create(**window, drawn_bar(shown.caption(), kHelp));
       if (!caption) return fail(caption.error());
       bar.emplace(std::move(*caption));

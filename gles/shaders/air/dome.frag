@@ -14,7 +14,8 @@ uniform float circle_px;
 
 void main() {
 #if defined(PER_FRAGMENT)
-  vec3 colour = shown(sky_light(view_of(v_place)));
+  vec3 view = view_of(v_place);
+  vec3 colour = shown(sky_light(view), view);
 #else
   vec3 colour = v_shown;
 #endif

@@ -15,7 +15,8 @@ varying vec3 v_shown;
 void main() {
   v_place = position;
 #if !defined(PER_FRAGMENT)
-  v_shown = shown(sky_light(view_of(position)));
+  vec3 view = view_of(position);
+  v_shown = shown(sky_light(view), view);
 #endif
   gl_Position = vec4(position * place_to_clip, 0.0, 1.0);
 }

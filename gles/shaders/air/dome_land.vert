@@ -11,6 +11,7 @@ uniform float air_share;  // 0: without air
 uniform vec3 sky_lower;
 uniform vec3 sky_higher;
 uniform vec3 sun;
+uniform vec3 sun_luminance;
 uniform float exposure;
 varying vec2 v_place;
 varying vec3 v_shown;
@@ -28,7 +29,7 @@ void main() {
 #else
   vec3 seen = object_through_air(between, light, observer_m, colour.a, range_m, dot(view, sun), sun.z);
 #endif
-  v_shown = srgb_encoded(tone_mapped(mix(light, seen, air_share), exposure));
+  v_shown = srgb_encoded(tone_mapped(mix(light, seen, air_share) + sun_glare(sun_luminance, length(view - sun)), exposure));
   gl_Position = clip_of(view);
   v_place = gl_Position.xy / (max(gl_Position.w, 0.001) * place_to_clip);
 }

@@ -2,6 +2,7 @@
 #include "sky_text.glsl"
 
 uniform vec3 sun;
+uniform vec3 sun_luminance;
 uniform float exposure;
 #if defined(PREETHAM)
 uniform PerezSky perez;
@@ -23,4 +24,6 @@ vec3 sky_light(vec3 view) {
 #endif
 }
 
-vec3 shown(vec3 light) { return srgb_encoded(tone_mapped(light, exposure)); }
+vec3 shown(vec3 light, vec3 view) {
+  return srgb_encoded(tone_mapped(light + sun_glare(sun_luminance, length(view - sun)), exposure));
+}

@@ -5,7 +5,6 @@
 attribute vec2 position;  // radius as a fraction of the disc's (2: outside the edge); angle around the middle
 uniform float sun_radius;
 uniform float blur;  // half a pixel, in radii
-uniform vec3 sun_luminance;
 varying vec2 v_place;
 varying vec3 v_shown;
 
@@ -15,7 +14,7 @@ void main() {
   bool beyond = position.x > 1.5;
   float off = beyond ? 1.0 + blur : position.x * max(1.0 - blur, 0.0);
   vec3 view = normalize(sun + off * sun_radius * (cos(position.y) * side + sin(position.y) * up));
-  v_shown = shown(sky_light(view) + (beyond ? vec3(0.0) : sun_disc_light(sun_luminance, off)));
+  v_shown = shown(sky_light(view) + (beyond ? vec3(0.0) : sun_disc_light(sun_luminance, off)), view);
   gl_Position = clip_of(view);
   v_place = gl_Position.xy / (max(gl_Position.w, 0.001) * place_to_clip);
 }

@@ -8,6 +8,7 @@
 
 #include "base/earth.hpp"
 #include "base/sky/dome_scene.hpp"
+#include "base/sky/sun_disc.hpp"
 
 namespace kasumi {
 namespace {
@@ -28,9 +29,24 @@ std::vector<glm::dvec3> many_lights() {
   return lights;
 }
 
-TEST(ToneMapping, ShowsOneMinusExpOfTheLuminanceForEveryColour) {
+double shown_luminance(double exposed) {
+  return 1.0 - std::pow(1.0 + exposed / 2.0, -2.0);
+}
+
+TEST(ToneMapping, RollsTheLuminanceOfEveryColourOff) {
   for (const auto& light : many_lights())
-    EXPECT_NEAR(luminance_of(tone_mapped(light, 1e-4)), 1.0 - std::exp(-1e-4 * luminance_of(light)), 1e-9);
+    EXPECT_NEAR(luminance_of(tone_mapped(light, 1e-4)), shown_luminance(1e-4 * luminance_of(light)), 1e-9);
+}
+
+// A tenth of CIE 146's veiling luminance for an eye: at 1 deg 15 cd/m2 per lux, at 10 deg .06.
+TEST(SunGlare, IsATenthOfAnEyes) {
+  const double lux = 1e5, luminance = lux / 6.797e-5;
+  const auto at = [&](double degrees) {
+    return sky_text::sun_glare(glm::dvec3(luminance), 2.0 * std::sin(0.5 * from_degrees(degrees).value)).g;
+  };
+  EXPECT_NEAR(at(1.0), 0.1 * 15.0 * lux, 0.001 * lux);
+  EXPECT_NEAR(at(10.0), 0.1 * 0.06 * lux, 0.001 * 0.06 * lux);
+  EXPECT_EQ(at(0.0), at(0.1)) << "inside the disc";
 }
 
 TEST(ToneMapping, MapsEveryColourIntoTheGamutWithoutClipping) {
@@ -63,7 +79,7 @@ TEST(ToneMapping, KeepsDistinctColoursDistinct) {
   for (double reach = 0.0; reach < 40.0; reach += 0.25) {
     const glm::dvec3 from_grey(1.0, 0.0, -0.2126 / 0.0722);
     const double out = glm::length(tone_mapped(3000.0 * (glm::dvec3(1.0) + reach * from_grey), 1e-4) -
-                                   glm::dvec3(1.0 - std::exp(-0.3)));
+                                   glm::dvec3(shown_luminance(0.3)));
     EXPECT_GT(out, before);
     before = out;
   }
@@ -152,6 +168,8 @@ TEST(SkyText, HasTheNumbersOfTheHeaders) {
   EXPECT_EQ(sky_text::kEarthRadius_m, kEarthRadius_m);
   EXPECT_EQ(sky_text::kAngles, kDomeAngles);
   EXPECT_EQ(sky_text::kPowers, kDomePowers);
+  EXPECT_EQ(sky_text::kSunDisc_sr, kSunDisc_sr);
+  EXPECT_DOUBLE_EQ(from_degrees(sky_text::kSunRadius_deg).value, kSunRadius.value);
 }
 
 TEST(AirPath, GrowsWithItsLengthAndNeverTurnsNegative) {

@@ -179,6 +179,7 @@ TEST(TheDome, IsBlueOverheadUnderALowSun) {
 
 TEST(MadeLand, IsHitFromAboveWhereItsPointsAre) {
   SkyCamera camera = small_camera(SkyProjection::perspective);
+  camera.pitch_deg = -20.0;
   const auto land = land_for(camera, 3000.0, true);
   ASSERT_TRUE(land.has_value());
   const LandRayCaster sight(land->land, land->from, land->to);
@@ -189,6 +190,80 @@ TEST(MadeLand, IsHitFromAboveWhereItsPointsAre) {
   EXPECT_NEAR(hit->altitude_m, ground, 8.0);
   EXPECT_NEAR(std::hypot(hit->place.x, hit->place.y), (3000.0 - ground) * std::tan(from_degrees(60.0).value), 20.0);
   EXPECT_FALSE(sight.along({0.0, 0.0, 1.0}, 3000.0).has_value());
+}
+
+// Share of the picture that is white in all channels.
+double burnt_out(const Image<Rgb8>& picture) {
+  const auto white = std::ranges::count_if(picture.elements(), [](const Rgb8& pixel) {
+    return std::min({pixel.r, pixel.g, pixel.b}) >= 250;
+  });
+  return static_cast<double>(white) / static_cast<double>(picture.elements().size());
+}
+
+TEST(SeenScene, HasASunWithinItsGlowAndNoWhiteHalves) {
+  SkyCamera camera = small_camera(SkyProjection::perspective);
+  for (const double turbidity : {2.0, 3.0, 6.0, 9.0})
+    for (const double zenith_deg : {65.0, 75.0, 85.0}) {
+      if (turbidity > 5.0 && zenith_deg > 80.0) continue;  // haze hides it
+      const SkyRequest sky = standing_on_land(camera, sky_under(turbidity, zenith_deg));
+      const auto picture =
+          SkyDrawing::by_cpu().draw(view_of(camera), scene_seen(camera, sky, nullptr), nullptr).value();
+      EXPECT_LT(burnt_out(picture), 0.01) << "T " << turbidity << ", sun " << zenith_deg << " deg from the zenith";
+      const auto sun = pixel_of(view_of(camera), sky.sun);
+      const auto at = [&](double off) { return picture.at(static_cast<int>(sun->x + off), static_cast<int>(sun->y)); };
+      EXPECT_GE(at(0.0).g, 245) << "the disc, T " << turbidity << ", " << zenith_deg;
+      EXPECT_GT(at(0.0).g, at(25.0).g);
+      EXPECT_GT(at(25.0).g, at(75.0).g);
+    }
+}
+
+TEST(SeenScene, MetersOnItsOwnPictureAndTakesAGivenExposure) {
+  SkyCamera camera = small_camera(SkyProjection::perspective);
+  for (const double heading_deg : {8.0, 188.0}) {  // into the sun and away from it
+    camera.heading_deg = heading_deg;
+    const SkyRequest sky = standing_on_land(camera, sky_under(4.0, 70.0));
+    const auto picture = SkyDrawing::by_cpu().draw(view_of(camera), scene_seen(camera, sky, nullptr), nullptr).value();
+    double sum = 0.0;
+    for (const Rgb8& pixel : picture.elements()) sum += pixel.g;
+    EXPECT_NEAR(sum / static_cast<double>(picture.elements().size()), 185.0, 20.0) << heading_deg;
+  }
+  SkyRequest given = sky_under(4.0, 70.0);
+  given.exposure = 3e-5;
+  EXPECT_EQ(scene_seen(camera, given, nullptr).exposure, 3e-5);
+}
+
+TEST(SeenScene, HasNoGlareOfASunBehindMountains) {
+  SkyCamera camera = small_camera(SkyProjection::perspective);
+  SkyRequest sky = standing_on_land(camera, sky_under(2.0, 89.0));
+  const auto land = land_for(camera, sky.altitude_m, true);
+  ASSERT_TRUE(land.has_value());
+  EXPECT_EQ(scene_seen(camera, sky, &*land).sun_luminance, glm::dvec3(0.0));
+  EXPECT_GT(scene_seen(camera, sky, nullptr).sun_luminance.g, 0.0);
+}
+
+TEST(MadeLand, FadesIntoTheSkyAtTheHorizonInHaze) {
+  SkyCamera camera = small_camera(SkyProjection::perspective);
+  camera.pitch_deg = 2.0;
+  for (const double azimuth_deg : {8.0, 98.0, 188.0}) {
+    camera.heading_deg = azimuth_deg;
+    const SkyRequest sky = standing_on_land(camera, sky_under(6.0, 60.0));
+    const auto land = land_for(camera, sky.altitude_m, false);
+    const LandRayCaster sight(land->land, land->from, land->to);
+    const SkyScene scene = scene_seen(camera, sky, &*land);
+    const SkyView view = view_of(camera);
+    const SkyPainter painter(scene);
+    for (int x = 20; x < camera.width; x += 40)
+      for (int y = 1; y < camera.height; ++y) {
+        const auto hit = sight.along(direction_of(view, {x, y}), scene.altitude_m);
+        if (!hit || glm::length(hit->place) > 40e3) continue;
+        if (glm::length(hit->place) < 12e3) break;
+        const auto shown = [&](int row) {
+          return 255.0 * sky_shown_at(view, painter, scene.altitude_m, &sight, {x, row});
+        };
+        EXPECT_LT(glm::length(shown(y) - shown(y - 1)), 9.0) << azimuth_deg << " deg, column " << x;
+        break;
+      }
+  }
 }
 
 TEST(SkyWindow, PutsTheSunWhereThePointerIs) {
