@@ -180,6 +180,12 @@ const std::vector<GpuModel::Chunk>& GpuModel::chunks_of(Which which) const {
   return solid_;
 }
 
+PixelBox GpuModel::box_within(Which which, const PixelBox& window, int margin_px) const {
+  PixelBox all;
+  for (const Chunk& chunk : chunks_of(which)) all = united(all, common(grown(chunk.box, margin_px), window));
+  return all;
+}
+
 Result<> GpuModel::draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
                         const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const {
   const bool blended = which == Which::blended, ground = which == Which::ground;

@@ -37,9 +37,12 @@ class GpuModel {
   // Finds each chunk's pixels and sorts see-through triangles, farthest first. Returns the bounding box of all.
   PixelBox look_from(const Projection& projection);
 
+  enum class Which { solid, blended, ground };
+  // The box around those pixels of `window` that are at most `margin_px` from the box of a chunk of this kind.
+  PixelBox box_within(Which which, const PixelBox& window, int margin_px) const;
+
   // Draws the solid or the see-through chunks that touch `window` (all when it is empty) with the object program under
   // `variant`, or those of the ground with the ground program; `set_uniforms` gets each program once it is in use.
-  enum class Which { solid, blended, ground };
   Result<> draw(Which which, Programs& programs, const Defines& variant, const SurfaceUnits& units,
                 const PixelBox& window, const std::function<void(const Program&)>& set_uniforms) const;
   // Draws the shadow casters with the sun map's program: solid chunks, both sides, with masked materials cut out.

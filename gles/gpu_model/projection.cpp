@@ -179,15 +179,19 @@ PixelBox grown(const PixelBox& box, int px) {
 }
 
 PixelBox cut_to_picture(const PixelBox& box, const SceneView& view) {
-  const PixelBox inside{std::max(box.left, 0), std::max(box.top, 0), std::min(box.right, view.width),
-                        std::min(box.bottom, view.height)};
-  return inside.empty() ? PixelBox{} : inside;
+  return common(box, {0, 0, view.width, view.height});
 }
 
 PixelBox united(const PixelBox& a, const PixelBox& b) {
   if (a.empty()) return b;
   if (b.empty()) return a;
   return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right), std::max(a.bottom, b.bottom)};
+}
+
+PixelBox common(const PixelBox& a, const PixelBox& b) {
+  const PixelBox both{std::max(a.left, b.left), std::max(a.top, b.top), std::min(a.right, b.right),
+                      std::min(a.bottom, b.bottom)};
+  return both.empty() ? PixelBox{} : both;
 }
 
 bool overlap(const PixelBox& a, const PixelBox& b) {

@@ -42,6 +42,7 @@ PixelBox box_of(const Projection& projection, std::span<const glm::vec3> positio
 PixelBox grown(const PixelBox& box, int px);  // on every side; an empty box stays empty
 PixelBox cut_to_picture(const PixelBox& box, const SceneView& view);
 PixelBox united(const PixelBox& a, const PixelBox& b);
+PixelBox common(const PixelBox& a, const PixelBox& b);
 bool overlap(const PixelBox& a, const PixelBox& b);
 
 // Near and far planes as tight around the model as the view allows, so that a 16-bit depth buffer suffices.

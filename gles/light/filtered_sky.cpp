@@ -140,9 +140,9 @@ const std::vector<Mirror>& mirrors() {
   return made;
 }
 
-// Irradiance / pi for eight normals at a time, which compilers vectorise.
+// Irradiance / pi for 32 normals at a time: a loop short enough to be unrolled is not vectorised for NEON.
 Image<glm::vec3> matt_of(const LightAround& around) {
-  constexpr int kLanes = 8, kSize = FilteredSky::kSize;
+  constexpr int kLanes = 32, kSize = FilteredSky::kSize;
   using Lanes = std::array<float, kLanes>;
   struct Source {
     float x, y, z, weight, r, g, b;

@@ -36,6 +36,13 @@ int pixels_of(int samples) {
 
 }  // namespace
 
+// A tile, and the box of its pixels that the model can reach. The others stay empty, and nothing is spent on their
+// samples.
+struct ReachedTile {
+  LayerTile tile;
+  PixelBox reached;
+};
+
 // The buffers into which the tiles are drawn one after the other.
 struct LayerLattice {
   LayerBuffer samples;
@@ -59,14 +66,11 @@ struct LayerLattice {
     return made;
   }
 
-  void clear(const LayerTile& tile) const {
+  void clear() const {
     glBindFramebuffer(GL_FRAMEBUFFER, samples.framebuffer.name());
     glViewport(0, 0, kLatticeSize, kLatticeSize);
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(0, 0, tile.width(), tile.height());
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    glDisable(GL_SCISSOR_TEST);
   }
 };
 
@@ -99,6 +103,30 @@ std::vector<GpuModel::Which> drawn_parts(const ObjectLayer::Options& options) {
   if (options.shadow) return {GpuModel::Which::solid, GpuModel::Which::ground, GpuModel::Which::blended};
   return {GpuModel::Which::solid, GpuModel::Which::blended};
 }
+
+std::vector<ReachedTile> tiles_reached(const GpuModel& model, const PixelBox& box, const AirlightGrid& horizon,
+                                       const ObjectLayer::Options& options) {
+  std::vector<ReachedTile> tiles;
+  for (const LayerTile& tile : tiles_of(box, spare_samples(options.detail), horizon)) {
+    PixelBox reached;
+    for (const auto part : drawn_parts(options))
+      reached = united(reached, model.box_within(part, tile.box(), pixels_of(tile.samples_around())));
+    if (!reached.empty()) tiles.push_back({tile, reached});
+  }
+  return tiles;
+}
+
+// Limits drawing to a rectangle of the target.
+class Scissor {
+ public:
+  Scissor(const glm::ivec2& first, const glm::ivec2& size) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(first.x, first.y, size.x, size.y);
+  }
+  Scissor(const Scissor&) = delete;
+  Scissor& operator=(const Scissor&) = delete;
+  ~Scissor() { glDisable(GL_SCISSOR_TEST); }
+};
 
 void set_tile(const Program& program, const LayerTile& tile, const AirlightGrid& horizon,
               const ObjectLayer::Options& options) {
@@ -171,11 +199,15 @@ struct LayerDrawing::State {
   const Program* resolving;
   Defines defines;
   DepthRange depth;
-  std::vector<LayerTile> tiles;
+  std::vector<ReachedTile> tiles;
   std::size_t drawn = 0;
 
-  Result<> draw(const LayerTile& tile) const {
-    lattice.clear(tile);
+  // The tile's samples, as far as the reached pixels need them.
+  Result<> draw_samples(const ReachedTile& part) const {
+    const LayerTile& tile = part.tile;
+    const LayerTile needed(part.reached, spare_samples(options.detail));
+    const Scissor scissor(needed.first_sample() - tile.first_sample(), {needed.width(), needed.height()});
+    lattice.clear();
     // The picture's rows run downwards and the buffer's upwards: this mirroring reverses front and back faces.
     glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
     const auto set_uniforms = [&](const Program& program) {
@@ -185,11 +217,20 @@ struct LayerDrawing::State {
       program.set("dither_pattern", kDitherUnit);
       set_appearance(program);
     };
-    const PixelBox sampled = grown(tile.box(), pixels_of(tile.samples_around()));
-    for (const auto part : drawn_parts(options))
-      if (auto done = model.draw(part, programs, defines, units_for_layer(), sampled, set_uniforms); !done) return done;
+    const PixelBox sampled = grown(part.reached, pixels_of(tile.samples_around()));
+    for (const auto which : drawn_parts(options))
+      if (auto done = model.draw(which, programs, defines, units_for_layer(), sampled, set_uniforms); !done)
+        return done;
     if (lattice.spread) lattice.spread->apply(lattice.samples, tile.width(), tile.height());
-    resolve(*resolving, lattice.samples, tile, layer.buffer_, layer.box_, projection.view);
+    return {};
+  }
+
+  Result<> draw(const ReachedTile& part) const {
+    if (auto done = draw_samples(part); !done) return done;
+    const PixelBox &reached = part.reached, &box = layer.box_;
+    const Scissor scissor({reached.left - box.left, reached.top - box.top},
+                          {reached.right - reached.left, reached.bottom - reached.top});
+    resolve(*resolving, lattice.samples, part.tile, layer.buffer_, box, projection.view);
     return check_gl("drawing the object's layer");
   }
 };
@@ -212,14 +253,16 @@ Result<LayerDrawing> LayerDrawing::begin(const GpuModel& model, const Projection
       LayerBuffer::create(box.right - box.left, box.bottom - box.top, options.in_8_bits, info, "the object's layer");
   if (!buffer) return fail(buffer.error());
   layer.buffer_ = std::move(*buffer);
+  glClearColor(0, 0, 0, 0);
+  glClear(GL_COLOR_BUFFER_BIT);  // into the buffer just created
   auto lattice = LayerLattice::create(options, info, programs);
   if (!lattice) return fail(lattice.error());
   const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options));
   if (!resolving) return fail(resolving.error());
-  return LayerDrawing(std::make_unique<State>(State{
-      model, projection, horizon, options, programs, std::move(set_appearance), std::move(layer), std::move(*lattice),
-      *resolving, object_defines(options, projection), depth_range(projection, model.bounds_with_ground()),
-      tiles_of(box, spare_samples(options.detail), horizon)}));
+  return LayerDrawing(std::make_unique<State>(
+      State{model, projection, horizon, options, programs, std::move(set_appearance), std::move(layer),
+            std::move(*lattice), *resolving, object_defines(options, projection),
+            depth_range(projection, model.bounds_with_ground()), tiles_reached(model, box, horizon, options)}));
 }
 
 Result<bool> LayerDrawing::step() {

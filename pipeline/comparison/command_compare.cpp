@@ -54,11 +54,11 @@ std::string text_of(const ComparedPictures& is) {
       "HSV correlation  {:.4f} (hue {:.4f}, saturation {:.4f}, value {:.4f})\n"
       "PSNR             {}\n"
       "CIEDE2000        {:.3f} in the mean, {:.3f} at 95 %, {:.3f} at most\n"
-      "mean error       {:.3f} of 255\n",
+      "error            {:.3f} of 255 in the mean, {:.3f} at most\n",
       is.errors.pixels, is.ssim ? fmt::format("{:.5f}", *is.ssim) : "none: no window of 11 x 11 pixels counts",
       is.hsv.combined(), is.hsv.hue, is.hsv.saturation, is.hsv.value,
       is.errors.psnr_db ? fmt::format("{:.2f} dB", *is.errors.psnr_db) : "without end: the pictures are equal",
-      difference.mean, difference.at_95_percent, difference.largest, is.errors.mean_absolute);
+      difference.mean, difference.at_95_percent, difference.largest, is.errors.mean_absolute, is.errors.largest);
 }
 
 std::string json_of(const ComparedPictures& is, const CompareArguments& arguments) {
@@ -81,7 +81,8 @@ std::string json_of(const ComparedPictures& is, const CompareArguments& argument
       {"psnr_db", or_null(is.errors.psnr_db)},
       {"ciede2000",
        {{"mean", difference.mean}, {"at_95_percent", difference.at_95_percent}, {"largest", difference.largest}}},
-      {"mean_error", is.errors.mean_absolute}};
+      {"mean_error", is.errors.mean_absolute},
+      {"largest_error", is.errors.largest}};
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -45,6 +45,7 @@ PixelErrors pixel_errors(const Image<glm::vec3>& one, const Image<glm::vec3>& ot
   for (std::size_t i = 0; i < a.size(); ++i) {
     const glm::dvec3 d = glm::dvec3(a[i]) - glm::dvec3(b[i]);
     absolute += std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+    errors.largest = std::max({errors.largest, 255.0 * std::abs(d.x), 255.0 * std::abs(d.y), 255.0 * std::abs(d.z)});
     square += glm::dot(d, d);
   }
   errors.mean_absolute = 255.0 * absolute / (3.0 * n);

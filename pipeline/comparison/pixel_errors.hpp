@@ -11,6 +11,7 @@ namespace kasumi {
 struct PixelErrors {
   std::size_t pixels = 0;         // that count
   double mean_absolute = 0.0;     // of all channels, in steps of 1 / 255
+  double largest = 0.0;           // of any channel, in steps of 1 / 255
   std::optional<double> psnr_db;  // of the mean square of all channels, against the white of the file; nothing: equal
   struct {
     double mean = 0.0, at_95_percent = 0.0, largest = 0.0;

@@ -213,6 +213,34 @@ TEST_F(Detail, HasNoSeamsWhenLargerThanOneTile) {
   }
 }
 
+TEST_F(Detail, WhatLiesFarApartIsDrawnAsEachAlone) {
+  const auto boards = [&](bool left, bool right) {
+    ReferenceScene scene = board(0.0, 0.0);
+    scene.view = view_north(560, 260, kFocal_px);
+    scene.measured = measured_airlight(scene.view);
+    scene.model.materials.push_back({.name = "grey", .base_colour = {0.2f, 0.3f, 0.5f, 1.0f}});
+    scene.model.parts.clear();
+    const auto add = [&](double from_px, double to_px, double top_px, double bottom_px, int material) {
+      const glm::dvec2 centre = scene.view.centre_px;
+      scene.model.parts.push_back(
+          box_part({(from_px - centre.x) * kMetresPerPixel, (centre.y - bottom_px) * kMetresPerPixel, -0.005},
+                   {(to_px - centre.x) * kMetresPerPixel, (centre.y - top_px) * kMetresPerPixel, 0.005}, 1));
+      scene.model.parts.back().material = material;
+    };
+    if (left) add(20.3, 47.8, 13.2, 71.9, 0);
+    if (right) add(431.6, 520.1, 180.4, 243.7, 1);
+    return layer_of(scene, {.point_spread_px = 1.5, .chroma_columns = 2, .chroma_rows = 2});
+  };
+  const auto both = boards(true, true), left = boards(true, false), right = boards(false, true);
+  EXPECT_EQ(both.at(280, 130), glm::dvec4{0.0});
+  const double area = (47.8 - 20.3) * (71.9 - 13.2) + (520.1 - 431.6) * (243.7 - 180.4);
+  EXPECT_NEAR(sum_of(both).a, area, 0.002 * area) << "pixels covered";
+  for (int y = 0; y < 260; ++y)
+    for (int x = 0; x < 560; ++x)
+      for (int c = 0; c < 4; ++c)
+        ASSERT_NEAR(both.at(x, y)[c], left.at(x, y)[c] + right.at(x, y)[c], 0.001) << x << ", " << y;
+}
+
 // Stripes of two colours, each as wide as a pixel, on a board that covers a part of the picture.
 class SharedChroma : public Detail {
  protected:

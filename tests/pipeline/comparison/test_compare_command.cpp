@@ -44,6 +44,7 @@ TEST_F(CompareCommand, SaysHowAlikeTwoPicturesAre) {
   EXPECT_EQ(json["pixels"], 1200);
   EXPECT_FALSE(json["equal"]);
   EXPECT_NEAR(json["mean_error"].get<double>(), 1.0, 1e-4) << "6 steps of one channel of three in half the picture";
+  EXPECT_NEAR(json["largest_error"].get<double>(), 6.0, 1e-3);
   EXPECT_NEAR(json["psnr_db"].get<double>(), 10.0 * std::log10(255.0 * 255.0 / 6.0), 1e-3);
   EXPECT_GT(json["ssim"].get<double>(), 0.99);
   for (const char* key : {"mean", "at_95_percent", "largest"}) EXPECT_GT(json["ciede2000"][key], 0.0) << key;
