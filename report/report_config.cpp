@@ -1,11 +1,17 @@
 #include "report/report_config.hpp"
 
+#include <algorithm>
+
 #include <arpa/inet.h>
+#include <unistd.h>
+
+#include "base/files.hpp"
 
 namespace kasumi::report {
 
 namespace {
 
+constexpr std::size_t kLongestSecret = 1000;
 constexpr std::size_t kMostTokens = 8;  // each costs a hash when a guess is looked at
 
 bool is_loopback(const std::string& address) {
@@ -44,6 +50,59 @@ HttpOptions read_http(const ConfigTable& table) {
   return http;
 }
 
+// A secret in a file of its own: one line, which is all of it.
+std::string read_secret(const ConfigTable& table, std::string_view key) {
+  const auto file = table.optional_file(key);
+  std::error_code error;
+  if (!file || !std::filesystem::is_regular_file(*file, error)) return {};
+  auto text = read_text_file(*file);
+  if (!text) {
+    table.problem(key, fmt::format("a file that can be read ({})", text.error().message));
+    return {};
+  }
+  while (text->ends_with('\n') || text->ends_with('\r')) text->pop_back();
+  const bool several = std::ranges::any_of(*text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  if (text->empty() || text->size() > kLongestSecret || several) {
+    table.problem(key, "a file of one line, the password");
+    return {};
+  }
+  return *text;
+}
+
+// Letters, digits and lines of this machine's name.
+std::string machine_name() {
+  char name[256] = {};
+  if (::gethostname(name, sizeof name - 1) != 0) return "kiosk";
+  std::string plain;
+  for (const char c : std::string_view(name))
+    plain += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' ? c : '_';
+  return plain.empty() ? "kiosk" : plain;
+}
+
+bool is_one_word(std::string_view text) {
+  return !text.empty() &&
+         std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > 0x20 && c != 0x7f; });
+}
+
+MqttOptions read_mqtt(const ConfigTable& table) {
+  MqttOptions mqtt;
+  mqtt.host = table.text("host");
+  if (!mqtt.host.empty() && !is_one_word(mqtt.host)) table.problem("host", "a name or an address");
+  mqtt.tls = table.flag("tls", mqtt.tls);
+  mqtt.port = table.integer("port", {1, 65535}, mqtt.tls ? 8883 : 1883);
+  if (const auto file = table.optional_file("ca_file")) mqtt.ca_file = file->string();
+  mqtt.user = table.text("user", std::string());
+  mqtt.password = read_secret(table, "password_file");
+  if (table.has("password_file") && mqtt.user.empty()) table.problem("user", "the user whose password it is");
+  mqtt.topic = table.text("topic", "kasumi/" + machine_name());
+  if (!is_topic(mqtt.topic)) table.problem("topic", "words with / between them, without +, # and $ at their beginning");
+  mqtt.discovery = table.text("discovery", mqtt.discovery);
+  if (!mqtt.discovery.empty() && !is_topic(mqtt.discovery))
+    table.problem("discovery", "Home Assistant's prefix, such as \"homeassistant\", or \"\"");
+  mqtt.every = std::chrono::seconds(table.integer("every_s", {1, 3600}, 60));
+  return mqtt;
+}
+
 }  // namespace
 
 ReportConfig read_report_config(const ConfigTable& root) {
@@ -63,6 +122,7 @@ ReportConfig read_report_config(const ConfigTable& root) {
     if (config.textfile->file.extension() != ".prom")
       textfile->problem("file", "a file that ends in .prom, which is what node_exporter reads");
   }
+  if (const auto mqtt = root.optional_table("mqtt")) config.mqtt = read_mqtt(*mqtt);
   return config;
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/table/config_table.hpp"
 #include "base/words/language.hpp"
+#include "report/channels/mqtt_channel.hpp"
 #include "report/page/tokens.hpp"
 
 namespace kasumi::report {
@@ -30,6 +31,7 @@ struct ReportConfig {
   Language language = Language::english;
   std::optional<HttpOptions> http;
   std::optional<TextfileOptions> textfile;
+  std::optional<MqttOptions> mqtt;
 };
 
 // Errors (bad_input): all problems at once, with file, key, value and what was expected.

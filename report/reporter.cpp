@@ -51,6 +51,8 @@ Result<std::unique_ptr<Reporter>> Reporter::start(ReportConfig config, Clock& cl
     if (!server) return fail(server.error());
     reporter->server_ = std::move(*server);
   }
+  if (const auto& mqtt = reporter->config_.mqtt)
+    reporter->mqtt_ = std::make_unique<MqttChannel>(*mqtt, reporter->config_.name, reporter->config_.language, clock);
   reporter->look();
   return reporter;
 }
@@ -67,6 +69,7 @@ void Reporter::turn() {
 void Reporter::look() {
   looked_at_ = clock_.now();
   heard_ = watch_.look();
+  if (mqtt_) mqtt_->tell(heard_);
   if (config_.textfile && (!textfile_at_ || *looked_at_ - *textfile_at_ >= kTextfile)) write_textfile();
 }
 
@@ -84,6 +87,7 @@ std::string Reporter::metrics() const {
     own.answered = server_->answered();
     own.refused = server_->refused();
   }
+  if (mqtt_) own.mqtt_connected = mqtt_->connected();
   for (const auto& [why, count] : turned_away_) own.refused[why] += count;
   return metrics_text(heard_, disk_figures(config_.state), own);
 }

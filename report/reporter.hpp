@@ -5,6 +5,7 @@
 
 #include "history/history_line.hpp"
 #include "report/channels/metrics.hpp"
+#include "report/channels/mqtt_channel.hpp"
 #include "report/page/http_server.hpp"
 #include "report/report_config.hpp"
 
@@ -40,6 +41,7 @@ class Reporter {
   std::vector<HistoryLine> history_;                  // as it was read last
   std::optional<Instant> history_at_;
   std::optional<HttpServer> server_;
+  std::unique_ptr<MqttChannel> mqtt_;
   std::optional<Instant> looked_at_, textfile_at_;
   bool textfile_failing_ = false;
 };

@@ -171,6 +171,7 @@ std::string metrics_text(const Heard& heard, const std::optional<DiskFigures>& d
   for (const auto& [code, count] : own.answered) text.value({{"code", code}}, static_cast<double>(count));
   text.head("report_refused_total", "counter", "Peers that were refused or cut off, by reason.");
   for (const auto& [why, count] : own.refused) text.value({{"why", why}}, static_cast<double>(count));
+  text.gauge("report_mqtt_connected", as_number(own.mqtt_connected), "Whether the MQTT broker takes what we tell.");
   text.gauge("report_resident_memory_bytes", own.resident_bytes, "Memory of the reporter itself.");
   return text.text();
 }

@@ -15,6 +15,7 @@ struct OwnFigures {
   std::map<std::string, std::uint64_t> answered;  // requests by status code
   std::map<std::string, std::uint64_t> refused;   // peers by reason
   std::optional<double> resident_bytes;
+  std::optional<bool> mqtt_connected;
 };
 
 // Of the disk on which the appliance keeps its state.
