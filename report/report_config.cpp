@@ -11,7 +11,7 @@ namespace kasumi::report {
 
 namespace {
 
-constexpr std::size_t kLongestSecret = 1000;
+constexpr std::size_t kLongestSecret = 1000, kMostAddresses = 16;
 constexpr std::size_t kMostTokens = 8;  // each costs a hash when a guess is looked at
 
 bool is_loopback(const std::string& address) {
@@ -103,6 +103,32 @@ MqttOptions read_mqtt(const ConfigTable& table) {
   return mqtt;
 }
 
+MailOptions read_mail(const ConfigTable& table) {
+  MailOptions mail;
+  mail.to = table.texts("to");
+  if (mail.to.empty() || mail.to.size() > kMostAddresses || !std::ranges::all_of(mail.to, is_mail_address))
+    table.problem("to", fmt::format("1 to {} addresses like \"me@example.org\"", kMostAddresses));
+  mail.from = table.text("from", std::string());
+  if (!mail.from.empty() && !is_mail_address(mail.from)) table.problem("from", "an address like \"me@example.org\"");
+  if (table.has("command")) mail.command = table.texts("command");
+  if (mail.command.empty() || !mail.command[0].starts_with('/'))
+    table.problem("command",
+                  "a program's whole name and its arguments, such as [\"/usr/sbin/sendmail\", \"-i\", \"-t\"]");
+  mail.pause = std::chrono::minutes(table.integer("pause_min", {1, 1440}, 15));
+  mail.memory_file = table.text("memory_file", mail.memory_file);
+  return mail;
+}
+
+SignOfLifeOptions read_sign_of_life(const ConfigTable& table) {
+  SignOfLifeOptions sign;
+  sign.url = table.text("url");
+  if (!sign.url.empty() && !is_web_address(sign.url))
+    table.problem("url", "an address like \"https://example.org/ping\"");
+  sign.every = std::chrono::minutes(table.integer("every_min", {1, 1440}, 5));
+  if (const auto file = table.optional_file("ca_file")) sign.ca_file = file->string();
+  return sign;
+}
+
 }  // namespace
 
 ReportConfig read_report_config(const ConfigTable& root) {
@@ -123,6 +149,8 @@ ReportConfig read_report_config(const ConfigTable& root) {
       textfile->problem("file", "a file that ends in .prom, which is what node_exporter reads");
   }
   if (const auto mqtt = root.optional_table("mqtt")) config.mqtt = read_mqtt(*mqtt);
+  if (const auto mail = root.optional_table("mail")) config.mail = read_mail(*mail);
+  if (const auto sign = root.optional_table("sign_of_life")) config.sign_of_life = read_sign_of_life(*sign);
   return config;
 }
 

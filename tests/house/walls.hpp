@@ -135,6 +135,7 @@ inline const Walls kLibraryDoors = {
     {"SDL", {"gles/display/window.cpp"}},
     {"archive", {"pipeline/content/"}},
     {"ceres/", {"calib/lens/", "calib/pose/", "estimator/air/attenuation_nodes.cpp", "fixtures/atmosphere/"}},
+    {"curl/", {"report/channels/sign_of_life.cpp"}},
     {"date/", {"pipeline/config/opening_hours.cpp"}},
     {"drm", {"gles/display/kms_drm"}},
     {"erfa", {"estimator/sky/sun.cpp"}},

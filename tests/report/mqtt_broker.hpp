@@ -1,19 +1,9 @@
 // A real mosquitto on a port of its own, and whoever listens to it.
 #pragma once
 
-#include "base/c_ptr.hpp"
 #include "tests/report/running_reporter.hpp"
 
 namespace kasumi::report {
-
-// The output of a command, which must not take longer than its own limits.
-inline std::string said_by(const std::string& command) {
-  std::string all;
-  const CPtr<FILE, ::pclose> pipe(::popen((command + " 2>&1").c_str(), "r"));
-  char buffer[4096];
-  for (std::size_t n; pipe && (n = std::fread(buffer, 1, sizeof buffer, pipe.get())) > 0;) all.append(buffer, n);
-  return all;
-}
 
 constexpr const char* kMosquitto = "/usr/sbin/mosquitto";
 

@@ -4,16 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "report/channels/mqtt_messages.hpp"
+#include "tests/report/certificates.hpp"
 #include "tests/report/mqtt_broker.hpp"
 
 namespace kasumi::report {
 namespace {
 
 using testing::HasSubstr, testing::Not;
-
-const std::string kLost = changed(
-    changed(kGoodStatus, "\"live\", \"reason\": \"\"", "\"still\", \"reason\": \"no picture from the scene camera\""),
-    "\"scene_camera\": {\"up\": true", "\"scene_camera\": {\"up\": false");
 
 int lines_with(const std::string& text, const std::string& part) {
   int count = 0;
@@ -39,7 +36,7 @@ TEST(MqttMessages, SayWhatVisitorsSeeAndWhatIsWrong) {
   EXPECT_EQ(well["turbidity"], 2.41);
   EXPECT_EQ(well["visibility_m"], 32000.0);
   EXPECT_EQ(well["temperature_celsius"], 51.5);
-  const auto lost = json_of(mqtt_state(heard_of(kLost), Language::german));
+  const auto lost = json_of(mqtt_state(heard_of(kLostStatus), Language::german));
   EXPECT_EQ(lost["well"], false);
   EXPECT_EQ(lost["scene_camera"], false);
   EXPECT_EQ(lost["symptoms"][0], "scene-lost");
@@ -53,7 +50,7 @@ TEST(MqttMessages, SayWhatVisitorsSeeAndWhatIsWrong) {
 
 // Whatever a hostile status holds is text within JSON.
 TEST(MqttMessages, AreJsonWhateverTheKioskSays) {
-  const auto hostile = changed(kLost, "\"cause\": \"\"", R"("cause": "\"}, {{ x }}\u0000\ud83d\ude00")");
+  const auto hostile = changed(kLostStatus, "\"cause\": \"\"", R"("cause": "\"}, {{ x }}\u0000\ud83d\ude00")");
   EXPECT_TRUE(nlohmann::json::accept(mqtt_state(heard_of(hostile), Language::japanese)));
 }
 
@@ -103,7 +100,7 @@ TEST_F(Mqtt, StateArrivesAndIsThereForALateSubscriber) {
   EXPECT_EQ(state()["sight"], "live");
   EXPECT_EQ(json_of(broker.retained("homeassistant/binary_sensor/kasumi_hill/well/config"))["device_class"], "problem");
   // What visitors see is told at once, not with the figures.
-  reporter.tell(kLost);
+  reporter.tell(kLostStatus);
   EXPECT_TRUE(within(10, [&] { return state()["sight"] == "still"; }));
   EXPECT_EQ(state()["symptoms"][0], "scene-lost");
   EXPECT_THAT(reporter.metrics(), HasSubstr("kasumi_report_mqtt_connected 1\n"));
@@ -136,7 +133,7 @@ TEST_F(Mqtt, ABrokerThatComesBackIsToldAgain) {
   EXPECT_TRUE(within(30, [&] { return sees("live"); })) << "what has not changed is told, too";
   broker.stop();
   EXPECT_TRUE(within(10, is_away));
-  reporter.tell(kLost);
+  reporter.tell(kLostStatus);
   std::this_thread::sleep_for(std::chrono::seconds(5));  // several tries
   broker.start();
   EXPECT_TRUE(within(30, [&] { return sees("still"); }));
@@ -176,27 +173,14 @@ TEST_F(Mqtt, AWrongPasswordIsToldOnceInPlainWords) {
 TEST_F(Mqtt, TlsTrustsTheGivenAuthorityAndNobodyElse) {
   if (!is_installed("openssl")) GTEST_SKIP() << "openssl is not installed";
   const auto folder = report_folder("mqtt-tls-broker");
-  const auto run = [&](const std::string& command) {
-    const auto said = said_by(fmt::format("cd {} && {} && echo well", folder.string(), command));
-    ASSERT_TRUE(said.ends_with("well\n")) << said;
-  };
-  const std::string key = "-newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes";
-  for (const auto* ca : {"ca", "stranger"})
-    run(fmt::format("openssl req -x509 {0} -days 2 -subj /CN={1} -keyout {1}.key -out {1}.pem", key, ca));
-  for (const auto& [name, is] : {std::pair{"broker", "IP:127.0.0.1"}, {"other", "DNS:other.example"}}) {
-    run(fmt::format("openssl req {0} -subj /CN={1} -keyout {1}.key -out {1}.csr", key, name));
-    run(
-        fmt::format("printf 'subjectAltName={1}' >{0}.ext && openssl x509 -req -in {0}.csr -CA ca.pem -CAkey ca.key "
-                    "-CAcreateserial -days 2 -extfile {0}.ext -out {0}.pem",
-                    name, is));
-  }
+  make_certificates(folder);
   const auto broker_of = [&](const std::string& name) {
     return fmt::format("allow_anonymous true\ncertfile {0}/{1}.pem\nkeyfile {0}/{1}.key", folder.string(), name);
   };
   const auto trusting = [&](const std::string& ca) {
     return fmt::format("ca_file = \"{}/{}.pem\"", folder.string(), ca);
   };
-  const MqttBroker broker(folder, broker_of("broker"));
+  const MqttBroker broker(folder, broker_of("own"));
   const auto as_ca = fmt::format("--cafile {}/ca.pem", folder.string());
   {
     RunningReporter reporter("mqtt-tls", {}, mqtt_table(broker, trusting("ca")));
@@ -239,7 +223,7 @@ TEST_F(Mqtt, ABrokerThatSaysNothingCostsNothing) {
     const double before_kb = reporter.child().memory_kb();
     double longest_s = 0.0;
     for (int i = 0; i < 40; ++i) {
-      reporter.tell(i % 2 ? kLost : kGoodStatus);  // news each time
+      reporter.tell(i % 2 ? kLostStatus : kGoodStatus);  // news each time
       const auto began = std::chrono::steady_clock::now();
       EXPECT_THAT(reporter.metrics(), HasSubstr("kasumi_report_mqtt_connected 0\n"));
       longest_s = std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());

@@ -34,7 +34,7 @@ std::string everything(std::string text) {
 TEST(ReportConfigs, TheExampleOpensNothing) {
   const auto config = read(example());
   ASSERT_TRUE(config) << config.error().message;
-  EXPECT_FALSE(config->http || config->textfile || config->mqtt);
+  EXPECT_FALSE(config->http || config->textfile || config->mqtt || config->mail || config->sign_of_life);
 }
 
 TEST(ReportConfigs, TheExampleSpelledOutIsAcceptedAndItsDefaultsAreTrue) {
@@ -45,7 +45,7 @@ TEST(ReportConfigs, TheExampleSpelledOutIsAcceptedAndItsDefaultsAreTrue) {
   const auto config = read(everything(example()), folder);
   ASSERT_TRUE(config) << config.error().message;
   const HttpOptions plain;
-  ASSERT_TRUE(config->http && config->textfile && config->mqtt);
+  ASSERT_TRUE(config->http && config->textfile && config->mqtt && config->mail && config->sign_of_life);
   EXPECT_EQ(config->http->address, plain.address);
   EXPECT_EQ(config->http->port, plain.port);
   const auto mqtt = read("[mqtt]\nhost = \"x\"\n")->mqtt;
@@ -54,6 +54,11 @@ TEST(ReportConfigs, TheExampleSpelledOutIsAcceptedAndItsDefaultsAreTrue) {
   EXPECT_EQ(config->mqtt->discovery, mqtt->discovery);
   EXPECT_EQ(config->mqtt->every, mqtt->every);
   EXPECT_EQ(config->mqtt->password, "secret");
+  const auto mail = read("[mail]\nto = [\"me@example.org\"]\n")->mail;
+  EXPECT_EQ(config->mail->command, mail->command);
+  EXPECT_EQ(config->mail->pause, mail->pause);
+  EXPECT_EQ(config->mail->memory_file, mail->memory_file);
+  EXPECT_EQ(config->sign_of_life->every, read("[sign_of_life]\nurl = \"https://x\"\n")->sign_of_life->every);
   EXPECT_EQ(config->status, read("")->status);
   EXPECT_EQ(config->state, read("")->state);
 }
@@ -95,6 +100,18 @@ TEST(ReportConfigs, AnMqttPasswordIsOneLineOfAFile) {
   EXPECT_THAT(read("[mqtt]\nhost = \"broker\"\npassword = \"x\"\n").error().message, HasSubstr("mqtt.password"));
   EXPECT_THAT(read("[mqtt]\nhost = \"a b\"\ntopic = \"#\"\ndiscovery = \"+\"\n").error().message,
               testing::AllOf(HasSubstr("mqtt.host"), HasSubstr("mqtt.topic"), HasSubstr("mqtt.discovery")));
+}
+
+TEST(ReportConfigs, MailAndSignOfLifeGoWhereTheyCan) {
+  const auto config = read(
+      "[mail]\nto = [\"me\"]\nfrom = \"a@b\\nBcc: c@d\"\ncommand = [\"sendmail\"]\npause_min = 0\n"
+      "[sign_of_life]\nurl = \"file:///etc/passwd\"\nevery_min = 0\n");
+  ASSERT_FALSE(config);
+  for (const auto* part :
+       {"mail.to", "mail.from", "mail.command", "mail.pause_min", "sign_of_life.url", "sign_of_life.every_min"})
+    EXPECT_THAT(config.error().message, HasSubstr(part));
+  EXPECT_FALSE(read("[mail]\n"));
+  EXPECT_FALSE(read("[sign_of_life]\n"));
 }
 
 TEST(ReportConfigs, TheWholeNetworkMayOnlyReadWithAToken) {
