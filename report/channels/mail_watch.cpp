@@ -32,12 +32,12 @@ Duration patience_with(std::optional<Ill> ill) {
   constexpr Duration kShort = 45s;
   if (!ill) return kShort;
   switch (*ill) {
-    case Ill::starting: return 3min;
+    case Ill::starting:
+    case Ill::clock_unset: return 3min;
     // By night nobody sees the air.
     case Ill::air_supposed:
     case Ill::observers_disagree: return 24h;
     case Ill::sky_lost:
-    case Ill::clock_unset:
     case Ill::hot:
     case Ill::hung: return 10min;
     default: return kShort;
@@ -93,20 +93,23 @@ Duration MailWatch::pause() const {
 void MailWatch::look(const Heard& heard) {
   const auto diagnosis = diagnose(heard);
   sight_ = diagnosis.sight;
-  follow(diagnosis, heard.status ? heard.status->reason : std::string());
+  follow(diagnosis, heard);
   leave_what_is_over();
   if (clock_.now() < quiet_until_ && !failing_ && has_news()) waited_ = true;
 }
 
-void MailWatch::follow(const Diagnosis& diagnosis, const std::string& reason) {
+void MailWatch::follow(const Diagnosis& diagnosis, const Heard& heard) {
   const auto now = clock_.now();
   const auto utc = clock_.utc();
   auto symptoms = diagnosis.symptoms;
   std::map<std::optional<Ill>, std::string> seen;
   for (auto& symptom : symptoms) seen.emplace(symptom.ill, std::move(symptom.detail));
+  const auto trouble = heard.status ? heard.status->trouble : std::nullopt;
   const bool explained =
+      (trouble && *trouble != Trouble::none && *trouble != Trouble::closed) ||
       std::ranges::any_of(diagnosis.symptoms, [](const Symptom& symptom) { return hides_the_picture(symptom.ill); });
-  if (!is_well(diagnosis.sight) && !explained) seen.emplace(std::nullopt, reason);
+  if (!is_well(diagnosis.sight) && !explained)
+    seen.emplace(std::nullopt, heard.status ? heard.status->reason : std::string());
   for (auto& [ill, followed] : followed_)
     if (!seen.contains(ill)) followed.there = false;
   for (auto& [ill, detail] : seen) {

@@ -68,7 +68,7 @@ class MailWatch {
     bool there = false;  // at the last look
   };
   bool has_news() const;
-  void follow(const Diagnosis& diagnosis, const std::string& reason);
+  void follow(const Diagnosis& diagnosis, const Heard& heard);
   void leave_what_is_over();
 
   Duration pause_;

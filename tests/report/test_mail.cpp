@@ -137,6 +137,22 @@ TEST(MailWatch, ATroubleWithoutAKnownReasonIsToldToo) {
   EXPECT_EQ(parse_mail_memory(text_of(me.watch.memory())), me.watch.memory());
 }
 
+// It hides the building, not the picture.
+TEST(MailWatch, AClockThatIsNotSetIsOneTrouble) {
+  Operator me;
+  auto text = changed(kGoodStatus, "\"live\", \"reason\": \"\"",
+                      fmt::format("\"degraded\", \"reason\": \"{}\"", name_of(Trouble::time_unknown)));
+  text = changed(changed(text, "\"building_drawn\": true", "\"building_drawn\": false"), "\"clock_trusted\": true",
+                 "\"clock_trusted\": false");
+  me.sees(heard_of(text), 2min);
+  EXPECT_TRUE(me.mails.empty()) << "a network that comes up sets it";
+  me.sees(heard_of(text), 2min);
+  ASSERT_EQ(me.mails.size(), 1u);
+  EXPECT_EQ(me.mails[0].sight, Sight::no_building);
+  ASSERT_EQ(me.mails[0].wrong.size(), 1u);
+  EXPECT_EQ(me.mails[0].wrong[0].ill, Ill::clock_unset);
+}
+
 TEST(MailWatch, MemoryThatIsBrokenIsNone) {
   EXPECT_EQ(parse_mail_memory(""), MailMemory());
   EXPECT_EQ(parse_mail_memory("told\nmailed yesterday\nheld_back 99999999999\n\n\xff told scene-lost\nno"),
