@@ -53,8 +53,9 @@ set(CPACK_DEBIAN_REPORT_PACKAGE_NAME kasumi-report)
 set(CPACK_DEBIAN_REPORT_PACKAGE_SECTION net)
 set(CPACK_DEBIAN_REPORT_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_REPORT_DESCRIPTION "Kasumi's reporter: tells the network how the kiosk is, where configured")
-# kasumi makes the group that may ask for pictures.
 set(CPACK_DEBIAN_REPORT_PACKAGE_DEPENDS "kasumi (>= ${PROJECT_VERSION}), systemd")
+set(CPACK_DEBIAN_REPORT_PACKAGE_RECOMMENDS "ca-certificates")
+set(CPACK_DEBIAN_REPORT_PACKAGE_SUGGESTS "msmtp-mta")
 set(CPACK_DEBIAN_REPORT_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/systemd/deb-report/postinst ${PROJECT_SOURCE_DIR}/systemd/deb-report/prerm ${PROJECT_SOURCE_DIR}/systemd/deb-report/postrm)
 # Run-time dependencies that no linked library shows: the GL driver, fonts for the captions, the user account.

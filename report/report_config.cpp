@@ -1,11 +1,17 @@
 #include "report/report_config.hpp"
 
+#include <algorithm>
+
 #include <arpa/inet.h>
+#include <unistd.h>
+
+#include "base/files.hpp"
 
 namespace kasumi::report {
 
 namespace {
 
+constexpr std::size_t kLongestSecret = 1000, kMostAddresses = 16;
 constexpr std::size_t kMostTokens = 8;  // each costs a hash when a guess is looked at
 
 bool is_loopback(const std::string& address) {
@@ -44,6 +50,85 @@ HttpOptions read_http(const ConfigTable& table) {
   return http;
 }
 
+// A secret in a file of its own: one line, which is all of it.
+std::string read_secret(const ConfigTable& table, std::string_view key) {
+  const auto file = table.optional_file(key);
+  std::error_code error;
+  if (!file || !std::filesystem::is_regular_file(*file, error)) return {};
+  auto text = read_text_file(*file);
+  if (!text) {
+    table.problem(key, fmt::format("a file that can be read ({})", text.error().message));
+    return {};
+  }
+  while (text->ends_with('\n') || text->ends_with('\r')) text->pop_back();
+  const bool several = std::ranges::any_of(*text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  if (text->empty() || text->size() > kLongestSecret || several) {
+    table.problem(key, "a file of one line, the password");
+    return {};
+  }
+  return *text;
+}
+
+// Letters, digits and lines of this machine's name.
+std::string machine_name() {
+  char name[256] = {};
+  if (::gethostname(name, sizeof name - 1) != 0) return "kiosk";
+  std::string plain;
+  for (const char c : std::string_view(name))
+    plain += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '.' ? c : '_';
+  return plain.empty() ? "kiosk" : plain;
+}
+
+bool is_one_word(std::string_view text) {
+  return !text.empty() &&
+         std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > 0x20 && c != 0x7f; });
+}
+
+MqttOptions read_mqtt(const ConfigTable& table) {
+  MqttOptions mqtt;
+  mqtt.host = table.text("host");
+  if (!mqtt.host.empty() && !is_one_word(mqtt.host)) table.problem("host", "a name or an address");
+  mqtt.tls = table.flag("tls", mqtt.tls);
+  mqtt.port = table.integer("port", {1, 65535}, mqtt.tls ? 8883 : 1883);
+  if (const auto file = table.optional_file("ca_file")) mqtt.ca_file = file->string();
+  mqtt.user = table.text("user", std::string());
+  mqtt.password = read_secret(table, "password_file");
+  if (table.has("password_file") && mqtt.user.empty()) table.problem("user", "the user whose password it is");
+  mqtt.topic = table.text("topic", "kasumi/" + machine_name());
+  if (!is_topic(mqtt.topic)) table.problem("topic", "words with / between them, without +, # and $ at their beginning");
+  mqtt.discovery = table.text("discovery", mqtt.discovery);
+  if (!mqtt.discovery.empty() && !is_topic(mqtt.discovery))
+    table.problem("discovery", "Home Assistant's prefix, such as \"homeassistant\", or \"\"");
+  mqtt.every = std::chrono::seconds(table.integer("every_s", {1, 3600}, 60));
+  return mqtt;
+}
+
+MailOptions read_mail(const ConfigTable& table) {
+  MailOptions mail;
+  mail.to = table.texts("to");
+  if (mail.to.empty() || mail.to.size() > kMostAddresses || !std::ranges::all_of(mail.to, is_mail_address))
+    table.problem("to", fmt::format("1 to {} addresses like \"me@example.org\"", kMostAddresses));
+  mail.from = table.text("from", std::string());
+  if (!mail.from.empty() && !is_mail_address(mail.from)) table.problem("from", "an address like \"me@example.org\"");
+  if (table.has("command")) mail.command = table.texts("command");
+  if (mail.command.empty() || !mail.command[0].starts_with('/'))
+    table.problem("command",
+                  "a program's whole name and its arguments, such as [\"/usr/sbin/sendmail\", \"-i\", \"-t\"]");
+  mail.pause = std::chrono::minutes(table.integer("pause_min", {1, 1440}, 15));
+  mail.memory_file = table.text("memory_file", mail.memory_file);
+  return mail;
+}
+
+SignOfLifeOptions read_sign_of_life(const ConfigTable& table) {
+  SignOfLifeOptions sign;
+  sign.url = table.text("url");
+  if (!sign.url.empty() && !is_web_address(sign.url))
+    table.problem("url", "an address like \"https://example.org/ping\"");
+  sign.every = std::chrono::minutes(table.integer("every_min", {1, 1440}, 5));
+  if (const auto file = table.optional_file("ca_file")) sign.ca_file = file->string();
+  return sign;
+}
+
 }  // namespace
 
 ReportConfig read_report_config(const ConfigTable& root) {
@@ -63,6 +148,9 @@ ReportConfig read_report_config(const ConfigTable& root) {
     if (config.textfile->file.extension() != ".prom")
       textfile->problem("file", "a file that ends in .prom, which is what node_exporter reads");
   }
+  if (const auto mqtt = root.optional_table("mqtt")) config.mqtt = read_mqtt(*mqtt);
+  if (const auto mail = root.optional_table("mail")) config.mail = read_mail(*mail);
+  if (const auto sign = root.optional_table("sign_of_life")) config.sign_of_life = read_sign_of_life(*sign);
   return config;
 }
 

@@ -8,6 +8,9 @@
 
 #include "base/table/config_table.hpp"
 #include "base/words/language.hpp"
+#include "report/channels/mail_text.hpp"
+#include "report/channels/mqtt_channel.hpp"
+#include "report/channels/sign_of_life.hpp"
 #include "report/page/tokens.hpp"
 
 namespace kasumi::report {
@@ -30,6 +33,9 @@ struct ReportConfig {
   Language language = Language::english;
   std::optional<HttpOptions> http;
   std::optional<TextfileOptions> textfile;
+  std::optional<MqttOptions> mqtt;
+  std::optional<MailOptions> mail;
+  std::optional<SignOfLifeOptions> sign_of_life;
 };
 
 // Errors (bad_input): all problems at once, with file, key, value and what was expected.

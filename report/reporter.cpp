@@ -1,11 +1,11 @@
 #include "report/reporter.hpp"
 
-#include <algorithm>
 #include <ctime>
 #include <thread>
 
 #include "base/files.hpp"
 #include "history/history_ring.hpp"
+#include "report/page/own_name.hpp"
 #include "report/page/state_page.hpp"
 
 namespace kasumi::report {
@@ -18,15 +18,6 @@ constexpr Duration kLook = 1s;
 constexpr Duration kTurn = 250ms;
 constexpr Duration kHistory = 20s;   // a line is added each minute
 constexpr Duration kTextfile = 15s;  // node_exporter is asked about as often
-
-// A page elsewhere must not read ours through a name of its own that leads here (DNS rebinding): numbers and localhost
-// cannot be such.
-bool is_own_name(std::string host, const std::vector<std::string>& names) {
-  if (host.starts_with('[')) return true;
-  host = host.substr(0, host.find(':'));
-  const bool number = !host.empty() && host.find_first_not_of("0123456789.") == std::string::npos;
-  return number || host == "localhost" || std::ranges::find(names, host) != names.end();
-}
 
 std::chrono::minutes ahead_of_utc() {
   const auto now = std::time(nullptr);
@@ -51,6 +42,12 @@ Result<std::unique_ptr<Reporter>> Reporter::start(ReportConfig config, Clock& cl
     if (!server) return fail(server.error());
     reporter->server_ = std::move(*server);
   }
+  if (const auto& mqtt = reporter->config_.mqtt)
+    reporter->mqtt_ = std::make_unique<MqttChannel>(*mqtt, reporter->config_.name, reporter->config_.language, clock);
+  if (const auto& mail = reporter->config_.mail)
+    reporter->mail_ = std::make_unique<MailChannel>(*mail, reporter->config_.name, reporter->config_.language, clock);
+  if (const auto& sign = reporter->config_.sign_of_life)
+    reporter->sign_of_life_ = std::make_unique<SignOfLife>(*sign, clock);
   reporter->look();
   return reporter;
 }
@@ -60,6 +57,7 @@ void Reporter::turn() {
     server_->turn(kTurn);
   else
     std::this_thread::sleep_for(kTurn);
+  if (sign_of_life_) sign_of_life_->turn();
   const auto now = clock_.now();
   if (!looked_at_ || now - *looked_at_ >= kLook) look();
 }
@@ -67,6 +65,9 @@ void Reporter::turn() {
 void Reporter::look() {
   looked_at_ = clock_.now();
   heard_ = watch_.look();
+  if (mqtt_) mqtt_->tell(heard_);
+  if (mail_) mail_->tell(heard_);
+  if (sign_of_life_) sign_of_life_->tell(heard_);
   if (config_.textfile && (!textfile_at_ || *looked_at_ - *textfile_at_ >= kTextfile)) write_textfile();
 }
 
@@ -84,6 +85,9 @@ std::string Reporter::metrics() const {
     own.answered = server_->answered();
     own.refused = server_->refused();
   }
+  if (mail_) own.mails = OwnFigures::Tries{mail_->sent(), mail_->failed()};
+  if (sign_of_life_) own.signs_of_life = OwnFigures::Tries{sign_of_life_->given(), sign_of_life_->failed()};
+  if (mqtt_) own.mqtt_connected = mqtt_->connected();
   for (const auto& [why, count] : turned_away_) own.refused[why] += count;
   return metrics_text(heard_, disk_figures(config_.state), own);
 }

@@ -4,7 +4,10 @@
 #include <optional>
 
 #include "history/history_line.hpp"
+#include "report/channels/mail_channel.hpp"
 #include "report/channels/metrics.hpp"
+#include "report/channels/mqtt_channel.hpp"
+#include "report/channels/sign_of_life.hpp"
 #include "report/page/http_server.hpp"
 #include "report/report_config.hpp"
 
@@ -40,6 +43,9 @@ class Reporter {
   std::vector<HistoryLine> history_;                  // as it was read last
   std::optional<Instant> history_at_;
   std::optional<HttpServer> server_;
+  std::unique_ptr<MqttChannel> mqtt_;
+  std::unique_ptr<MailChannel> mail_;
+  std::unique_ptr<SignOfLife> sign_of_life_;
   std::optional<Instant> looked_at_, textfile_at_;
   bool textfile_failing_ = false;
 };

@@ -128,6 +128,14 @@ void tell_status(const ToldStatus& told, MetricsText& text) {
   tell_drift(told, text);
 }
 
+void tell_tries(const std::optional<OwnFigures::Tries>& tries, std::string_view name, std::string_view help,
+                MetricsText& text) {
+  if (!tries) return;
+  text.head(name, "counter", help);
+  text.value({{"outcome", "done"}}, static_cast<double>(tries->done));
+  text.value({{"outcome", "failed"}}, static_cast<double>(tries->failed));
+}
+
 }  // namespace
 
 std::optional<DiskFigures> disk_figures(const std::string& folder) {
@@ -171,6 +179,9 @@ std::string metrics_text(const Heard& heard, const std::optional<DiskFigures>& d
   for (const auto& [code, count] : own.answered) text.value({{"code", code}}, static_cast<double>(count));
   text.head("report_refused_total", "counter", "Peers that were refused or cut off, by reason.");
   for (const auto& [why, count] : own.refused) text.value({{"why", why}}, static_cast<double>(count));
+  text.gauge("report_mqtt_connected", as_number(own.mqtt_connected), "Whether the MQTT broker takes what we tell.");
+  tell_tries(own.mails, "report_mails_total", "Mails, by what came of them.", text);
+  tell_tries(own.signs_of_life, "report_signs_of_life_total", "Signs of life, by what came of them.", text);
   text.gauge("report_resident_memory_bytes", own.resident_bytes, "Memory of the reporter itself.");
   return text.text();
 }

@@ -15,6 +15,11 @@ struct OwnFigures {
   std::map<std::string, std::uint64_t> answered;  // requests by status code
   std::map<std::string, std::uint64_t> refused;   // peers by reason
   std::optional<double> resident_bytes;
+  std::optional<bool> mqtt_connected;
+  struct Tries {
+    std::uint64_t done = 0, failed = 0;
+  };
+  std::optional<Tries> mails, signs_of_life;
 };
 
 // Of the disk on which the appliance keeps its state.

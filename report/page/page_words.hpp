@@ -1,20 +1,12 @@
 // The words of the state page.
 #pragma once
 
-#include "report/status/translated.hpp"
+#include "report/status/figure_words.hpp"
 
 namespace kasumi::report {
 
-struct PageWords {
+struct PageWords : FigureWords {
   Translated state{"State", "Zustand", "État", "Stato", "Estado", "状態"};
-  Translated seen{"What visitors see",           "Was Besucher sehen",
-                  "Ce que voient les visiteurs", "Che cosa vedono i visitatori",
-                  "Lo que ven los visitantes",   "来場者に見えているもの"};
-  Translated wrong{"What is wrong, and what to do",  "Was fehlt, und was zu tun ist",
-                   "Ce qui ne va pas, et que faire", "Che cosa non va, e che cosa fare",
-                   "Qué falla y qué hacer",          "問題と対処"};
-  Translated nothing_wrong{"Nothing is wrong.", "Es fehlt nichts.", "Tout va bien.",
-                           "Va tutto bene.",    "Todo va bien.",    "問題はありません。"};
   Translated day{"The last 24 hours", "Die letzten 24 Stunden", "Les dernières 24 heures",
                  "Le ultime 24 ore",  "Las últimas 24 horas",   "過去24時間"};
   Translated no_history{"No history is kept.",          "Es wird kein Verlauf geführt.", "Aucun historique n’est tenu.",
@@ -30,24 +22,12 @@ struct PageWords {
       "過去24時間に来場者が見たもの、混濁係数Tとエアロゾル光学的厚さ。表の内容と同じです"};
   Translated strip{"visitors saw",          "Besucher sahen",  "les visiteurs ont vu", "i visitatori hanno visto",
                    "los visitantes vieron", "来場者が見たもの"};
-  Translated aod{"optical depth at 550 nm",  "optische Dicke bei 550 nm", "épaisseur optique à 550 nm",
-                 "spessore ottico a 550 nm", "espesor óptico a 550 nm",   "光学的厚さ (550 nm)"};
   Translated no_figures{"no figures", "keine Werte", "pas de valeurs", "nessun valore", "sin valores", "値なし"};
   Translated from{"from", "von", "de", "dalle", "desde", "開始"}, to{"to", "bis", "à", "alle", "hasta", "終了"};
   Translated figures{"Figures", "Werte", "Valeurs", "Valori", "Valores", "測定値"};
-  Translated turbidity{"Turbidity T", "Trübung T", "Turbidité T", "Torbidità T", "Turbiedad T", "混濁係数 T"};
-  Translated visibility{"Visibility", "Sichtweite", "Visibilité", "Visibilità", "Visibilidad", "視程"};
-  Translated scene{"Scene camera",           "Szenenkamera",        "Caméra de la scène",
-                   "Telecamera della scena", "Cámara de la escena", "風景カメラ"};
-  Translated sky{"Sky camera",           "Himmelskamera",    "Caméra du ciel",
-                 "Telecamera del cielo", "Cámara del cielo", "空のカメラ"};
   Translated works{"works", "arbeitet", "fonctionne", "funziona", "funciona", "正常"};
   Translated fails{"sends no picture",   "liefert kein Bild", "n’envoie pas d’image",
                    "non invia immagini", "no envía imagen",   "映像なし"};
-  Translated latency{"Camera to screen",           "Kamera bis Bildschirm",
-                     "De la caméra à l’écran",     "Dalla telecamera allo schermo",
-                     "De la cámara a la pantalla", "カメラから画面まで"};
-  Translated temperature{"Temperature", "Temperatur", "Température", "Temperatura", "Temperatura", "温度"};
   Translated content{"Content", "Inhalt", "Contenu", "Contenuto", "Contenido", "内容"};
   Translated as_configured{"as configured",    "wie eingestellt",      "comme configuré",
                            "come configurato", "según lo configurado", "設定どおり"};

@@ -55,6 +55,26 @@ std::string from_base64(std::string_view text) {
   return bytes;
 }
 
+// Whether its method is set to take longer than a second or more than 16 MB: a guess at a token costs as much,
+// and nobody is served meanwhile.
+bool is_costly(const std::string& hash) {
+  constexpr std::size_t kLongestHash = 256;
+  if (hash.size() > kLongestHash) return true;
+  // crypt(5): the logarithm of the cost, as a digit of "./0-9A-Za-z".
+  const auto exceeds = [&](std::size_t at, char most) { return hash.size() > at && hash[at] > most; };
+  if (hash.starts_with("$y$")) return !hash.starts_with("$y$j") || exceeds(4, '9');
+  if (hash.starts_with("$gy$")) return !hash.starts_with("$gy$j") || exceeds(5, '9');
+  if (hash.starts_with("$7$")) return exceeds(3, 'C');
+  if (hash.starts_with("$2")) return exceeds(4, '0') && hash.compare(4, 2, "12") > 0;
+  // Counts of rounds.
+  std::size_t digits = 0, most = 0;
+  const auto end = hash.find('$', 1);
+  const auto rounds = end == std::string::npos ? end : hash.find('$', end + 1);
+  for (const char c : std::string_view(hash).substr(0, rounds))
+    most = std::max(most, digits = (c >= '0' && c <= '9') ? digits + 1 : 0);
+  return most > 6;
+}
+
 std::string token_of(std::string_view authorization) {
   constexpr std::string_view kBearer = "Bearer ", kBasic = "Basic ";
   if (authorization.starts_with(kBearer)) return std::string(authorization.substr(kBearer.size()));
@@ -78,7 +98,7 @@ std::string_view name_of(Admission admission) {
 }
 
 bool is_usable_hash(const std::string& hash) {
-  return hash.starts_with('$') && !hashed("x", hash).empty();
+  return !is_costly(hash) && hash.starts_with('$') && !hashed("x", hash).empty();
 }
 
 bool Tokens::may_look() {

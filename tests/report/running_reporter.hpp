@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/c_ptr.hpp"
 #include "base/files.hpp"
 #include "base/unique_fd.hpp"
 #include "tests/places.hpp"
@@ -154,6 +155,15 @@ class RunningReporter {
  private:
   std::optional<Child> child_;
 };
+
+// The output of a command, which must not take longer than its own limits.
+inline std::string said_by(const std::string& command) {
+  std::string all;
+  const CPtr<FILE, ::pclose> pipe(::popen((command + " 2>&1").c_str(), "r"));
+  char buffer[4096];
+  for (std::size_t n; pipe && (n = std::fread(buffer, 1, sizeof buffer, pipe.get())) > 0;) all.append(buffer, n);
+  return all;
+}
 
 inline bool is_installed(const std::string& program) {
   return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;

@@ -6,15 +6,15 @@
 #include "base/files.hpp"
 #include "report/report_config.hpp"
 #include "tests/places.hpp"
-#include "tests/report/told.hpp"
+#include "tests/report/running_reporter.hpp"
 
 namespace kasumi::report {
 namespace {
 
 using testing::HasSubstr;
 
-Result<ReportConfig> read(const std::string& text) {
-  const auto root = ConfigTable::parse(text, "report.toml").value();
+Result<ReportConfig> read(const std::string& text, const std::filesystem::path& folder = {}) {
+  const auto root = ConfigTable::parse(text, folder / "report.toml").value();
   auto config = read_report_config(root);
   if (auto whole = root.finish(); !whole) return fail(whole.error());
   return config;
@@ -24,26 +24,41 @@ std::string example() {
   return read_text_file(source_folder() / "systemd/report.toml").value();
 }
 
-// With every key that has a default spelled out, and every optional one in use.
+// With every key that has a default spelled out, and every optional one in use. Files lie beside it.
 std::string everything(std::string text) {
   text = std::regex_replace(text, std::regex(R"((^|\n)#([a-z0-9_]+ = ))"), "$1$2");
+  text = std::regex_replace(text, std::regex("/etc/kasumi/"), "");
   return std::regex_replace(text, std::regex(R"((^|\n)# ((?:\[\[?[a-z_.]+\]\]?)|(?:[a-z0-9_]+ = )))"), "$1$2");
 }
 
 TEST(ReportConfigs, TheExampleOpensNothing) {
   const auto config = read(example());
   ASSERT_TRUE(config) << config.error().message;
-  EXPECT_FALSE(config->http || config->textfile);
+  EXPECT_FALSE(config->http || config->textfile || config->mqtt || config->mail || config->sign_of_life);
 }
 
 TEST(ReportConfigs, TheExampleSpelledOutIsAcceptedAndItsDefaultsAreTrue) {
   ASSERT_NE(everything(example()), example());
-  const auto config = read(everything(example()));
+  const auto folder = report_folder("example");
+  ASSERT_TRUE(write_text_file(folder / "mqtt-password", "secret\n"));
+  ASSERT_TRUE(write_text_file(folder / "broker-ca.pem", ""));
+  const auto config = read(everything(example()), folder);
   ASSERT_TRUE(config) << config.error().message;
   const HttpOptions plain;
-  ASSERT_TRUE(config->http && config->textfile);
+  ASSERT_TRUE(config->http && config->textfile && config->mqtt && config->mail && config->sign_of_life);
   EXPECT_EQ(config->http->address, plain.address);
   EXPECT_EQ(config->http->port, plain.port);
+  const auto mqtt = read("[mqtt]\nhost = \"x\"\n")->mqtt;
+  EXPECT_EQ(config->mqtt->port, mqtt->port);
+  EXPECT_EQ(config->mqtt->tls, mqtt->tls);
+  EXPECT_EQ(config->mqtt->discovery, mqtt->discovery);
+  EXPECT_EQ(config->mqtt->every, mqtt->every);
+  EXPECT_EQ(config->mqtt->password, "secret");
+  const auto mail = read("[mail]\nto = [\"me@example.org\"]\n")->mail;
+  EXPECT_EQ(config->mail->command, mail->command);
+  EXPECT_EQ(config->mail->pause, mail->pause);
+  EXPECT_EQ(config->mail->memory_file, mail->memory_file);
+  EXPECT_EQ(config->sign_of_life->every, read("[sign_of_life]\nurl = \"https://x\"\n")->sign_of_life->every);
   EXPECT_EQ(config->status, read("")->status);
   EXPECT_EQ(config->state, read("")->state);
 }
@@ -66,6 +81,37 @@ TEST(ReportConfigs, AllProblemsAreToldAtOnce) {
   EXPECT_EQ(config.error().kind, FaultKind::bad_input);
   for (const auto* part : {"kiosk.language", "http.address", "http.port", "http.prot", "hash", "textfile.file"})
     EXPECT_THAT(config.error().message, HasSubstr(part));
+}
+
+TEST(ReportConfigs, AnMqttPasswordIsOneLineOfAFile) {
+  const auto folder = report_folder("password");
+  const auto with = [&](const std::string& text) {
+    EXPECT_TRUE(write_text_file(folder / "password", text));
+    return read("[mqtt]\nhost = \"broker\"\nuser = \"hill\"\npassword_file = \"password\"\n", folder);
+  };
+  EXPECT_EQ(with("a b \n")->mqtt->password, "a b ");
+  for (const auto& bad : {std::string(), std::string("\n"), std::string("a\nb\n"), std::string(2000, 'x')}) {
+    const auto config = with(bad);
+    ASSERT_FALSE(config);
+    EXPECT_THAT(config.error().message, HasSubstr("mqtt.password_file"));
+    EXPECT_THAT(config.error().message, testing::Not(HasSubstr("a\nb")));
+  }
+  // Not in the configuration itself, which is copied and sent about.
+  EXPECT_THAT(read("[mqtt]\nhost = \"broker\"\npassword = \"x\"\n").error().message, HasSubstr("mqtt.password"));
+  EXPECT_THAT(read("[mqtt]\nhost = \"a b\"\ntopic = \"#\"\ndiscovery = \"+\"\n").error().message,
+              testing::AllOf(HasSubstr("mqtt.host"), HasSubstr("mqtt.topic"), HasSubstr("mqtt.discovery")));
+}
+
+TEST(ReportConfigs, MailAndSignOfLifeGoWhereTheyCan) {
+  const auto config = read(
+      "[mail]\nto = [\"me\"]\nfrom = \"a@b\\nBcc: c@d\"\ncommand = [\"sendmail\"]\npause_min = 0\n"
+      "[sign_of_life]\nurl = \"file:///etc/passwd\"\nevery_min = 0\n");
+  ASSERT_FALSE(config);
+  for (const auto* part :
+       {"mail.to", "mail.from", "mail.command", "mail.pause_min", "sign_of_life.url", "sign_of_life.every_min"})
+    EXPECT_THAT(config.error().message, HasSubstr(part));
+  EXPECT_FALSE(read("[mail]\n"));
+  EXPECT_FALSE(read("[sign_of_life]\n"));
 }
 
 TEST(ReportConfigs, TheWholeNetworkMayOnlyReadWithAToken) {

@@ -78,7 +78,10 @@ TEST(NewTokens, AreLongDifferentAndKeptAsYescrypt) {
   EXPECT_EQ(token.token.size(), 26U);
   EXPECT_TRUE(token.hash.starts_with("$y$")) << token.hash;
   EXPECT_TRUE(is_usable_hash(token.hash));
-  for (const auto* hash : {"", "secret", "$", "$y$", "$0$abc", "*0", "$nosuch$salt$hash"})
+  for (const auto* hash : {"", "secret", "$", "$y$", "$0$abc", "*0", "$nosuch$salt$hash",
+                           // Those would take minutes, or all memory.
+                           "$y$jZT$salt$hash", "$2b$31$abcdefghijklmnopqrstuu", "$6$rounds=99999999$salt$hash",
+                           "$sha1$99999999$salt$hash", "$7$ZU....salt$hash"})
     EXPECT_FALSE(is_usable_hash(hash)) << hash;
 }
 

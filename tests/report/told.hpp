@@ -40,10 +40,17 @@ inline std::string changed(std::string text, const std::string& what, const std:
   return at == std::string::npos ? text : text.replace(at, what.size(), by);
 }
 
+// Its scene camera is unplugged: visitors see the still picture.
+inline const std::string kLostStatus = changed(
+    changed(kGoodStatus, "\"live\", \"reason\": \"\"", "\"still\", \"reason\": \"no picture from the scene camera\""),
+    "\"scene_camera\": {\"up\": true, \"cause\": \"\"", "\"scene_camera\": {\"up\": false, \"cause\": \"unplugged\"");
+
 inline Heard heard_of(const std::string& text) {
   auto status = parse_status(text);
   EXPECT_TRUE(status) << status.error().message;
   return {Contact::heard, status ? std::optional(*status) : std::nullopt, {}, {}};
 }
+
+inline const Heard kWellKiosk = heard_of(kGoodStatus), kLostKiosk = heard_of(kLostStatus);
 
 }  // namespace kasumi::report

@@ -1,0 +1,209 @@
+#include "report/channels/mqtt_channel.hpp"
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <future>
+#include <thread>
+
+#include <mosquitto.h>
+
+#include "base/c_ptr.hpp"
+#include "base/latest_slot.hpp"
+#include "report/status/diagnosis.hpp"
+
+namespace kasumi::report {
+
+namespace {
+
+using namespace std::chrono_literals;
+using Steady = std::chrono::steady_clock;
+
+constexpr auto kLoop = 200ms;     // how soon a new state, or the end, is noticed
+constexpr auto kFarewell = 2s;    // for saying that the reporter goes
+constexpr auto kStop = 3s;        // for the thread's end; one that hangs in a name's look-up is left behind
+constexpr auto kSettled = 60s;    // a connection that lasted so long ends the doubling of waits
+constexpr int kKeepalive_s = 30;  // the broker tells the last will after one and a half of it
+constexpr int kAtLeastOnce = 1;
+
+using Client = CPtr<mosquitto, mosquitto_destroy>;
+
+}  // namespace
+
+// Shared with the thread, which may outlive the channel by the time of a name's look-up.
+class MqttChannel::Talk {
+ public:
+  Talk(MqttOptions options, std::vector<MqttMessage> greeting, MqttPatience patience)
+      : options_(std::move(options)), greeting_(std::move(greeting)), patience_(patience) {}
+
+  void put(std::string state) { states_.put(std::move(state)); }
+  bool connected() const { return connected_; }
+  void stop() { stopped_ = true; }
+
+  void live() {
+    auto wait = patience_.first_wait;
+    while (!stopped_) {
+      const auto began = Steady::now();
+      converse();
+      connected_ = false;
+      if (Steady::now() - began > kSettled) wait = patience_.first_wait;
+      for (const auto end = Steady::now() + wait; !stopped_ && Steady::now() < end;) std::this_thread::sleep_for(kLoop);
+      wait = std::min(wait * 2, patience_.longest_wait);
+    }
+  }
+
+ private:
+  // One connection, from beginning to end.
+  struct Conversation {
+    std::optional<int> answer;  // of the broker to our greeting
+    int unconfirmed = 0;        // messages
+    std::string library_said;   // its last complaint
+  };
+
+  void converse() {
+    Conversation now;
+    const Client client(mosquitto_new(identity().c_str(), true, &now));
+    if (!client) return tell_once("no memory");
+    const auto begun = prepare(*client);
+    if (begun != MOSQ_ERR_SUCCESS) return tell_once(why(begun, now));
+    auto heard_at = Steady::now();
+    std::optional<Steady::time_point> leaving;
+    std::optional<std::string> state = last_;
+    bool greeted = false;
+    while (true) {
+      const int unconfirmed = now.unconfirmed;
+      const int rc = mosquitto_loop(client.get(), static_cast<int>(std::chrono::milliseconds(kLoop).count()), 1);
+      if (now.answer && *now.answer != 0) return tell_once(refusal(*now.answer));
+      if (rc != MOSQ_ERR_SUCCESS) return leaving ? void() : tell_once(why(rc, now));
+      if (now.unconfirmed < unconfirmed || (now.answer && now.unconfirmed == 0)) heard_at = Steady::now();
+      if (Steady::now() - heard_at > patience_.silence) return leaving ? void() : tell_once("it does not answer");
+      if (!now.answer) {
+        if (stopped_) return;
+        continue;
+      }
+      if (!greeted) {
+        greeted = true;
+        connected_ = true;
+        tell_that_it_works();
+        for (const auto& message : greeting_) publish(*client, now, message.topic, message.payload);
+        publish(*client, now, options_.topic + std::string(kAvailableTopic), kOnline);
+      }
+      if (auto newer = states_.take()) state = last_ = std::move(newer);
+      // One after the other: a broker that is slow to confirm gets the newest, not all.
+      if (state && now.unconfirmed == 0) {
+        publish(*client, now, options_.topic + std::string(kStateTopic), *state);
+        state.reset();
+      }
+      if (stopped_ && !leaving) {
+        leaving = Steady::now() + kFarewell;
+        publish(*client, now, options_.topic + std::string(kAvailableTopic), kOffline);
+      }
+      if (leaving && (now.unconfirmed == 0 || Steady::now() > *leaving)) {
+        mosquitto_disconnect(client.get());
+        return;
+      }
+    }
+  }
+
+  int prepare(mosquitto& client) {
+    mosquitto_connect_callback_set(
+        &client, [](mosquitto*, void* now, int answer) { static_cast<Conversation*>(now)->answer = answer; });
+    mosquitto_publish_callback_set(&client,
+                                   [](mosquitto*, void* now, int) { --static_cast<Conversation*>(now)->unconfirmed; });
+    mosquitto_log_callback_set(&client, [](mosquitto*, void* now, int level, const char* text) {
+      if (level == MOSQ_LOG_ERR && text) static_cast<Conversation*>(now)->library_said = text;
+    });
+    const auto available = options_.topic + std::string(kAvailableTopic);
+    int rc = mosquitto_will_set(&client, available.c_str(), static_cast<int>(kOffline.size()), kOffline.data(),
+                                kAtLeastOnce, true);
+    if (rc == MOSQ_ERR_SUCCESS && !options_.user.empty())
+      rc = mosquitto_username_pw_set(&client, options_.user.c_str(), options_.password.c_str());
+    if (rc == MOSQ_ERR_SUCCESS && options_.tls) {
+      const bool own = !options_.ca_file.empty();
+      rc = mosquitto_tls_set(&client, own ? options_.ca_file.c_str() : nullptr, own ? nullptr : "/etc/ssl/certs",
+                             nullptr, nullptr, nullptr);
+    }
+    if (rc != MOSQ_ERR_SUCCESS) return rc;
+    return mosquitto_connect_async(&client, options_.host.c_str(), options_.port, kKeepalive_s);
+  }
+
+  void publish(mosquitto& client, Conversation& now, const std::string& topic, std::string_view payload) {
+    const int rc = mosquitto_publish(&client, nullptr, topic.c_str(), static_cast<int>(payload.size()), payload.data(),
+                                     kAtLeastOnce, true);
+    if (rc == MOSQ_ERR_SUCCESS) ++now.unconfirmed;
+  }
+
+  // The same for every connection of this kiosk, so that a broker ends one that only seems to live.
+  std::string identity() const { return "kasumi-report:" + options_.topic; }
+
+  std::string refusal(int answer) const {
+    constexpr int kBadPassword = 4, kNotAllowed = 5;
+    if (answer != kBadPassword && answer != kNotAllowed)
+      return fmt::format("it refuses us: {}", mosquitto_connack_string(answer));
+    if (options_.user.empty()) return "it asks for a user and a password: mqtt.user, mqtt.password_file";
+    return fmt::format("it refuses the user \"{}\": wrong user or password (mqtt.user, mqtt.password_file)",
+                       options_.user);
+  }
+
+  static std::string why(int rc, const Conversation& now) {
+    if (rc == MOSQ_ERR_ERRNO) return std::strerror(errno);
+    std::string text = mosquitto_strerror(rc);
+    if (!now.library_said.empty()) text += fmt::format(" ({})", now.library_said);
+    return text;
+  }
+
+  // The log has one line for each change, however often it is tried.
+  void tell_once(const std::string& problem) {
+    if (problem == problem_) return;
+    problem_ = problem;
+    fmt::print(stderr, "<4>mqtt: {} port {}: {}\n", options_.host, options_.port, problem);
+  }
+  void tell_that_it_works() {
+    if (!std::exchange(problem_, {}).empty())
+      fmt::print(stderr, "<5>mqtt: {} port {}: connected\n", options_.host, options_.port);
+  }
+
+  const MqttOptions options_;
+  const std::vector<MqttMessage> greeting_;
+  const MqttPatience patience_;
+  LatestSlot<std::string> states_;
+  std::atomic<bool> connected_ = false, stopped_ = false;
+  // The thread's own.
+  std::optional<std::string> last_;  // state
+  std::string problem_;
+};
+
+MqttChannel::MqttChannel(MqttOptions options, const std::string& name, Language language, Clock& clock,
+                         MqttPatience patience)
+    : language_(language), every_(options.every), clock_(clock) {
+  static const int ready = mosquitto_lib_init();  // never undone: a thread may be left behind
+  (void)ready;
+  auto greeting = options.discovery.empty() ? std::vector<MqttMessage>()
+                                            : discovery_messages(options.discovery, options.topic, name, language);
+  talk_ = std::make_shared<Talk>(std::move(options), std::move(greeting), patience);
+  std::packaged_task<void()> task([talk = talk_] { talk->live(); });
+  ended_ = task.get_future();
+  std::thread(std::move(task)).detach();
+}
+
+MqttChannel::~MqttChannel() {
+  talk_->stop();
+  ended_.wait_for(kStop);
+}
+
+void MqttChannel::tell(const Heard& heard) {
+  const auto diagnosis = diagnose(heard);
+  std::string news(name_of(diagnosis.sight));
+  for (const auto& symptom : diagnosis.symptoms) news += fmt::format(" {}", name_of(symptom.ill));
+  const auto now = clock_.now();
+  if (told_at_ && news == told_ && now - *told_at_ < every_) return;
+  told_ = std::move(news);
+  told_at_ = now;
+  talk_->put(mqtt_state(heard, language_));
+}
+
+bool MqttChannel::connected() const {
+  return talk_->connected();
+}
+
+}  // namespace kasumi::report

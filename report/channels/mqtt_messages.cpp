@@ -1,0 +1,142 @@
+#include "report/channels/mqtt_messages.hpp"
+
+#include <optional>
+
+#include <nlohmann/json.hpp>
+
+#include "report/status/diagnosis.hpp"
+#include "report/status/figure_words.hpp"
+#include "report/status/symptom_words.hpp"
+
+namespace kasumi::report {
+
+namespace {
+
+using Message = nlohmann::ordered_json;
+
+constexpr std::size_t kMostTopicBytes = 128;
+constexpr FigureWords kFigureWords;
+
+template <class T>
+Message or_null(const std::optional<T>& value) {
+  return value ? Message(*value) : Message();
+}
+
+std::string text_of(const Message& message) {
+  return message.dump(-1, ' ', false, Message::error_handler_t::replace);
+}
+
+// Letters, digits and lines: what Home Assistant takes in a topic and an entity's name.
+std::string identifier(std::string_view text) {
+  std::string id;
+  for (const char c : text) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    id += plain ? c : '_';
+  }
+  return id;
+}
+
+struct Entity {
+  std::string_view component;  // "sensor" or "binary_sensor"
+  std::string_view key;        // of the state
+  Translated name;
+  std::string_view device_class, unit;
+  bool diagnostic = true;  // for who looks after it
+};
+
+const Entity kEntities[] = {
+    {"binary_sensor", "well", kFigureWords.picture, "problem", "", false},
+    {"sensor", "seen", kFigureWords.seen, "", "", false},
+    {"sensor", "wrong", kFigureWords.wrong, "", "", false},
+    {"sensor", "turbidity", kFigureWords.turbidity, "", "1", false},
+    {"sensor", "aod_550", kFigureWords.aod, "", "1", false},
+    {"sensor", "visibility_m", kFigureWords.visibility, "distance", "m", false},
+    {"binary_sensor", "scene_camera", kFigureWords.scene, "connectivity", ""},
+    {"binary_sensor", "sky_camera", kFigureWords.sky, "connectivity", ""},
+    {"sensor", "latency_ms", kFigureWords.latency, "duration", "ms"},
+    {"sensor", "temperature_celsius", kFigureWords.temperature, "temperature", "°C"},
+};
+
+Message entity_message(const Entity& entity, const std::string& topic, const std::string& id, Language language) {
+  const auto state = topic + std::string(kStateTopic);
+  Message message{{"name", entity.name.in(language)},
+                  {"unique_id", id + "_" + std::string(entity.key)},
+                  {"object_id", id + "_" + std::string(entity.key)},
+                  {"state_topic", state},
+                  {"availability_topic", topic + std::string(kAvailableTopic)}};
+  if (entity.component == "binary_sensor") {
+    // A "problem" is on where the kiosk is not well. A camera that nobody tells of is unknown.
+    const bool is_problem = entity.device_class == "problem";
+    message["value_template"] = fmt::format("{{{{ {{True: '{}', False: '{}'}}.get(value_json.{}, 'None') }}}}",
+                                            is_problem ? "OFF" : "ON", is_problem ? "ON" : "OFF", entity.key);
+    if (is_problem) message["json_attributes_topic"] = state;
+  } else {
+    // A state of Home Assistant has 255 characters at most.
+    message["value_template"] = entity.unit.empty() ? fmt::format("{{{{ value_json.{}[:250] }}}}", entity.key)
+                                                    : fmt::format("{{{{ value_json.{} }}}}", entity.key);
+    if (!entity.unit.empty()) {
+      message["state_class"] = "measurement";
+      if (entity.unit != "1") message["unit_of_measurement"] = entity.unit;
+    }
+  }
+  if (!entity.device_class.empty()) message["device_class"] = entity.device_class;
+  if (entity.diagnostic) message["entity_category"] = "diagnostic";
+  return message;
+}
+
+}  // namespace
+
+bool is_topic(std::string_view text) {
+  if (text.empty() || text.size() > kMostTopicBytes || text.front() == '$') return false;
+  if (text.front() == '/' || text.back() == '/' || text.find("//") != std::string_view::npos) return false;
+  for (const char c : text)
+    if (c == '+' || c == '#' || static_cast<unsigned char>(c) < 0x21 || c == 0x7f) return false;
+  return true;
+}
+
+std::string mqtt_state(const Heard& heard, Language language) {
+  const auto diagnosis = diagnose(heard);
+  std::string wrong;
+  auto symptoms = Message::array();
+  for (const auto& symptom : diagnosis.symptoms) {
+    symptoms.push_back(name_of(symptom.ill));
+    if (!wrong.empty()) wrong += ' ';
+    wrong += symptom_words(symptom.ill, language).what;
+    if (!symptom.detail.empty()) wrong += fmt::format(" ({})", symptom.detail);
+  }
+  if (wrong.empty()) wrong = kFigureWords.nothing_wrong.in(language);
+  const ToldStatus none;
+  const auto& told = heard.status ? *heard.status : none;
+  const auto camera = [&](const ToldCamera& is) { return heard.status ? Message(is.up) : Message(); };
+  return text_of({{"sight", name_of(diagnosis.sight)},
+                  {"well", is_well(diagnosis.sight)},
+                  {"seen", sight_text(diagnosis.sight, language)},
+                  {"wrong", wrong},
+                  {"symptoms", symptoms},
+                  {"scene_camera", camera(told.scene_camera)},
+                  {"sky_camera", camera(told.sky_camera)},
+                  {"clock_trusted", or_null(told.clock_trusted)},
+                  {"turbidity", or_null(told.turbidity)},
+                  {"sigma_turbidity", or_null(told.sigma_turbidity)},
+                  {"aod_550", or_null(told.aod_550)},
+                  {"sigma_aod_550", or_null(told.sigma_aod_550)},
+                  {"air_age_s", or_null(told.air_age_s)},
+                  {"visibility_m", or_null(told.visibility_m)},
+                  {"latency_ms", or_null(told.latency_median_ms)},
+                  {"temperature_celsius", or_null(told.celsius)}});
+}
+
+std::vector<MqttMessage> discovery_messages(const std::string& prefix, const std::string& topic,
+                                            const std::string& name, Language language) {
+  const auto id = identifier(topic);
+  const Message device{{"identifiers", {id}}, {"name", name}, {"manufacturer", "Kasumi"}};
+  std::vector<MqttMessage> messages;
+  for (const auto& entity : kEntities) {
+    auto message = entity_message(entity, topic, id, language);
+    message["device"] = device;
+    messages.push_back({fmt::format("{}/{}/{}/{}/config", prefix, entity.component, id, entity.key), text_of(message)});
+  }
+  return messages;
+}
+
+}  // namespace kasumi::report
