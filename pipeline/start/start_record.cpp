@@ -20,7 +20,8 @@ bool reached_start_limit(const StartRecord& record) {
          starts.back() - starts[starts.size() - kStartsBeforeReboot] <= kStartWindow_s;
 }
 
-// A power cut while visitors saw a picture is no failure.
+// A power cut while visitors saw a picture is no failure. Starts that end before they are noted are not counted, so a
+// crash loop need not reach the limit here, although it has for systemd.
 bool has_failed(const StartRecord& record) {
   return !record.boot.empty() && !record.ended && !record.well && (reached_start_limit(record) || !record.shown);
 }
@@ -42,7 +43,6 @@ void begin_boot(StartRecord& record, const std::string& boot) {
   }
   record.boot = boot;
   record.starts_s.clear();
-  record.shown = record.well = false;
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ StartMode note_start(StartRecord& record, const std::string& boot, double since_
   // Whoever ended safe mode, or a trial after it, has had a hand in it: a person, or safe mode whose time was up.
   const bool asked_for = record.ended && (record.mode != StartMode::whole || record.trial);
   record.doing = "starting";
-  record.ended = record.well = false;
+  record.ended = record.well = record.shown = false;
   if (record.failed_boots < kFailedBootsBeforeSafe)
     record.mode = StartMode::whole;
   else if (asked_for)

@@ -25,7 +25,7 @@ struct StartRecord {
   std::string boot;              // the kernel's id of the boot that it speaks of
   std::vector<double> starts_s;  // after that boot: of its last starts, since it last came well
   std::string doing;             // what the last start did when it was last heard of
-  bool shown = false;            // the display took pictures in this boot, or was known to be absent
+  bool shown = false;            // since the last start the display took pictures, or was known to be absent
   bool well = false;             // in this boot it ran for as long as proves it
   bool ended = false;            // the last start was ended on purpose
   StartMode mode = StartMode::whole;

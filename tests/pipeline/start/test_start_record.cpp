@@ -56,6 +56,18 @@ TEST(StartRecord, APowerCutUnderAPictureIsNoFailure) {
   EXPECT_EQ(record.failed_boots, 0);
 }
 
+// It began well; then each start died, some as early as in the loader, where nobody could note them.
+TEST(StartRecord, Row19ACrashLoopIsAFailureEvenIfPicturesWereShownBeforeAndNotAllStartsAreKnown) {
+  StartRecord record;
+  note_start(record, "a", 15.0);
+  record.shown = true;
+  note_start(record, "a", 60.0);
+  note_start(record, "a", 90.0);
+  note_start(record, "b", 15.0);
+  EXPECT_EQ(record.failed_boots, 1);
+  EXPECT_THAT(record.why, ElementsAre(HasSubstr("ended without a picture at start 3")));
+}
+
 TEST(StartRecord, CrashesThatAreTooRareForARebootAreNoFailedBoot) {
   StartRecord record;
   for (const char* boot : {"a", "b", "c", "d"}) {
