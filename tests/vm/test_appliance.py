@@ -182,6 +182,10 @@ class FixtureFrames(LiveKiosk):
     @long
     def test_10_format_changes(self):
         """The scene camera comes back with another format: the picture stays right."""
+        self.kiosk.run("systemctl stop feed@scene")  # software GL prepares its shaders for the still picture over the held one
+        self.kiosk.wait_shown("still")
+        self.kiosk.run("systemctl start feed@scene")
+        self.kiosk.wait_shown("live")
         started = self.kiosk.clock()
         self.kiosk.run("systemctl stop feed@scene && mount --bind /opt/kasumi-vm/fixture-yuyv/scene /opt/kasumi-vm/fixture/scene")
         self.assert_lost(started)
