@@ -203,17 +203,17 @@ class FixtureFrames(LiveKiosk):
     def test_15_display_unplugged_another_mode_on_return(self):
         """The display is unplugged and comes back with another size."""
         monitor = self.kiosk.monitor()
-        self.addCleanup(monitor.socket.close)
+        self.addCleanup(monitor.leave, *kiosk.SIZE)
         monitor.plug(*kiosk.SIZE)
         monitor.unplug()
         self.kiosk.wait_status("the display is reported as down", lambda status: not status["display"]["up"])
-        monitor.plug(800, 600)
+        monitor.plug(480, 360)
         started = self.kiosk.clock()
         self.kiosk.wait_status("the display is back", lambda status: status["display"]["up"])
         self.kiosk.wait_shown("live")
         self.recovered(self.kiosk.clock() - started, 3 + self.first_picture_s)
         screen = pictures.read(self.kiosk.photograph(f"{self._testMethodName}-back"))
-        self.assertEqual(screen.shape[:2], (600, 800))
+        self.assertEqual(screen.shape[:2], (360, 480))
         self.assertGreater(float(screen.mean()), 20.0)
         self.assert_same_process()
 
