@@ -77,6 +77,7 @@ class Monitor:
 
     def __init__(self, path):
         self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.settimeout(ANSWER_S)
         self.socket.connect(str(path))
         self.socket.recv(12)
         self.socket.sendall(b"RFB 003.008\n")
@@ -92,6 +93,14 @@ class Monitor:
 
     def unplug(self):
         self.plug(0, 0)
+
+    def leave(self, width, height):
+        """Leaves a display of this size plugged in, for the tests to come: no snapshot tells QEMU which it was. BLOCKS until it is."""
+        self.plug(width, height)
+        self.socket.shutdown(socket.SHUT_WR)
+        while self.socket.recv(4096):  # QEMU hangs up once it has done all that it was asked
+            pass
+        self.socket.close()
 
 
 @functools.cache

@@ -203,17 +203,17 @@ class FixtureFrames(LiveKiosk):
     def test_15_display_unplugged_another_mode_on_return(self):
         """The display is unplugged and comes back with another size."""
         monitor = self.kiosk.monitor()
-        self.addCleanup(monitor.socket.close)
+        self.addCleanup(monitor.leave, *kiosk.SIZE)
         monitor.plug(*kiosk.SIZE)
         monitor.unplug()
         self.kiosk.wait_status("the display is reported as down", lambda status: not status["display"]["up"])
-        monitor.plug(800, 600)
+        monitor.plug(480, 360)
         started = self.kiosk.clock()
         self.kiosk.wait_status("the display is back", lambda status: status["display"]["up"])
         self.kiosk.wait_shown("live")
         self.recovered(self.kiosk.clock() - started, 3 + self.first_picture_s)
         screen = pictures.read(self.kiosk.photograph(f"{self._testMethodName}-back"))
-        self.assertEqual(screen.shape[:2], (600, 800))
+        self.assertEqual(screen.shape[:2], (360, 480))
         self.assertGreater(float(screen.mean()), 20.0)
         self.assert_same_process()
 
@@ -230,14 +230,16 @@ class FixtureFrames(LiveKiosk):
     @long
     def test_19_crash_loop(self):
         """A program that keeps crashing is restarted ten times, later and later; then the machine is rebooted, and it is counted."""
-        self.kiosk.run("systemd-run -q /bin/sh -c 'while :; do systemctl kill -s KILL --kill-whom=main kasumi; sleep 1; done'")
+        # Every 3 s: that is before its first picture, but after the loader, which takes more than a second of an emulated processor.
+        self.kiosk.run("systemd-run -q /bin/sh -c 'while :; do systemctl kill -s KILL --kill-whom=main kasumi; sleep 3; done'")
         print(f"the machine rebooted after {self.kiosk.wait_for_reboot(timeout_s=300)} s ... ", end="", flush=True)
         self.kiosk.wait_for_boot()
         self.kiosk.wait_shown("live")
         self.recovered(self.kiosk.clock(), BOOT_TO_LIVE_S)
         start = self.kiosk.status()["start"]
         self.assertEqual((start["failed_boots"], start["safe_mode"]), (1, False))
-        self.assertRegex(start["why"][0], "^10 starts failed within . minutes")
+        print(f"{start['why'][0]} ... ", end="", flush=True)  # which of the two depends on how many were killed before they were noted
+        self.assertRegex(start["why"][0], r"^10 starts failed within . minutes|^ended without a picture at start \d")
 
     def test_21_disk_full(self):
         """Not one byte can be written: the pictures on the screen go on, and the status once there is room."""
