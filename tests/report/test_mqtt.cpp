@@ -119,7 +119,7 @@ TEST_F(Mqtt, TheLastWillIsToldWhenTheReporterIsKilled) {
   EXPECT_EQ(json_of(broker.retained("kasumi/hill/state"))["sight"], "live") << "as it was known last";
 }
 
-TEST_F(Mqtt, ABrokerThatComesBackIsToldAgain) {
+TEST_F(Mqtt, Row27ABrokerThatComesBackIsToldAgain) {
   MqttBroker broker(report_folder("mqtt-back-broker"));  // which keeps nothing on a disk
   RunningReporter reporter("mqtt-back", {}, mqtt_table(broker, "tls = false\nevery_s = 3600"));
   const auto is_away = [&] { return reporter.metrics().find("kasumi_report_mqtt_connected 0\n") != std::string::npos; };
@@ -206,7 +206,7 @@ TEST_F(Mqtt, TlsTrustsTheGivenAuthorityAndNobodyElse) {
 }
 
 // A port where somebody listens and never says a word; and one that never even connects.
-TEST_F(Mqtt, ABrokerThatSaysNothingCostsNothing) {
+TEST_F(Mqtt, Row27ABrokerThatSaysNothingCostsNothing) {
   const UniqueFd silent(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   sockaddr_in address{};
   address.sin_family = AF_INET;
