@@ -183,12 +183,15 @@ MqttChannel::MqttChannel(MqttOptions options, const std::string& name, Language 
   talk_ = std::make_shared<Talk>(std::move(options), std::move(greeting), patience);
   std::packaged_task<void()> task([talk = talk_] { talk->live(); });
   ended_ = task.get_future();
-  std::thread(std::move(task)).detach();
+  thread_ = std::thread(std::move(task));
 }
 
 MqttChannel::~MqttChannel() {
   talk_->stop();
-  ended_.wait_for(kStop);
+  if (ended_.wait_for(kStop) == std::future_status::ready)
+    thread_.join();
+  else
+    thread_.detach();
 }
 
 void MqttChannel::tell(const Heard& heard) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "base/clock.hpp"
 #include "base/words/language.hpp"
@@ -53,6 +54,7 @@ class MqttChannel {
   std::optional<Instant> told_at_;
   std::shared_ptr<Talk> talk_;
   std::future<void> ended_;
+  std::thread thread_;
 };
 
 }  // namespace kasumi::report
