@@ -9,19 +9,26 @@ install(PROGRAMS systemd/wait-before-start DESTINATION lib/kasumi)
 install(FILES systemd/71-kasumi.rules DESTINATION lib/udev/rules.d)
 install(FILES systemd/kasumi.sysusers DESTINATION lib/sysusers.d RENAME kasumi.conf)
 install(FILES systemd/kasumi.toml DESTINATION ${doc}/examples)
+install(FILES ${manual}/kasumi.1.gz DESTINATION share/man/man1)
+install(FILES ${manual}/kasumi.toml.5.gz DESTINATION share/man/man5)
+install(FILES ${manual}/kasumi.bash DESTINATION share/bash-completion/completions RENAME kasumi)
 # Laid out as in the repository, so that links between the documents work.
 install(FILES README.md CHANGELOG.md DESTINATION ${doc})
 install(DIRECTORY docs DESTINATION ${doc} FILES_MATCHING PATTERN "*.md" PATTERN "*.jpg")
-install(FILES LICENSE DESTINATION ${doc} RENAME copyright)
+install(FILES systemd/deb/copyright DESTINATION ${doc})
+install(FILES systemd/deb/lintian-overrides DESTINATION share/lintian/overrides RENAME kasumi)
 # A demo without cameras: kasumi replay /usr/share/kasumi/demo --out demo
 install(DIRECTORY fixtures/demo DESTINATION share/kasumi)
 
 # A program of its own, which may be left out: it speaks to the network.
 install(TARGETS kasumi-report RUNTIME DESTINATION bin COMPONENT report)
 install(FILES systemd/kasumi-report.service DESTINATION lib/systemd/system COMPONENT report)
+install(FILES ${manual}/kasumi-report.1.gz DESTINATION share/man/man1 COMPONENT report)
+install(FILES ${manual}/kasumi-report.bash DESTINATION share/bash-completion/completions RENAME kasumi-report COMPONENT report)
 install(FILES systemd/report.toml DESTINATION share/doc/kasumi-report/examples COMPONENT report)
 install(FILES systemd/report/kasumi.rules.yml systemd/report/grafana-dashboard.json DESTINATION share/kasumi/report COMPONENT report)
-install(FILES LICENSE DESTINATION share/doc/kasumi-report RENAME copyright COMPONENT report)
+install(FILES systemd/deb/copyright DESTINATION share/doc/kasumi-report COMPONENT report)
+install(FILES systemd/deb-report/lintian-overrides DESTINATION share/lintian/overrides RENAME kasumi-report COMPONENT report)
 
 # Only by name (cmake --install BUILD --component kiosk), for it changes the whole machine.
 foreach(file system logind journald)
@@ -30,29 +37,52 @@ foreach(file system logind journald)
 endforeach()
 install(FILES systemd/kiosk/sysctl.conf DESTINATION lib/sysctl.d RENAME 60-kasumi-kiosk.conf COMPONENT kiosk EXCLUDE_FROM_ALL)
 install(FILES systemd/kiosk/72-kasumi-kiosk.rules DESTINATION lib/udev/rules.d COMPONENT kiosk EXCLUDE_FROM_ALL)
-install(FILES LICENSE DESTINATION share/doc/kasumi-kiosk RENAME copyright COMPONENT kiosk EXCLUDE_FROM_ALL)
+install(FILES systemd/deb/copyright DESTINATION share/doc/kasumi-kiosk COMPONENT kiosk EXCLUDE_FROM_ALL)
+install(FILES systemd/deb-kiosk/lintian-overrides DESTINATION share/lintian/overrides RENAME kasumi-kiosk COMPONENT kiosk EXCLUDE_FROM_ALL)
+
+# What changed since when, in the form that Debian's tools read.
+string(TIMESTAMP packed_on "%a, %d %b %Y %H:%M:%S +0000" UTC)
+function(install_changelog package component)
+  set(file ${PROJECT_BINARY_DIR}/changes/${package}/changelog)
+  file(WRITE ${file} "${package} (${PROJECT_VERSION}) bookworm; urgency=medium\n\n"
+    "  * What changed: /usr/share/doc/kasumi/CHANGELOG.md\n\n -- ${CPACK_PACKAGE_CONTACT}  ${packed_on}\n")
+  execute_process(COMMAND gzip -9n --force ${file} COMMAND_ERROR_IS_FATAL ANY)
+  install(FILES ${file}.gz DESTINATION share/doc/${package} COMPONENT ${component} ${ARGN})
+endfunction()
+set(KASUMI_MAINTAINER "Kasumi <kasumi@example.org>" CACHE STRING "Whom the Debian packages name as their maintainer")
+set(CPACK_PACKAGE_CONTACT "${KASUMI_MAINTAINER}")
+install_changelog(kasumi kasumi)
+install_changelog(kasumi-report report)
+install_changelog(kasumi-kiosk kiosk EXCLUDE_FROM_ALL)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL kasumi kiosk report)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_VENDOR "Kasumi")
-set(CPACK_PACKAGE_CONTACT "Kasumi <kasumi@localhost>")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+# The first line of every description, and what follows it in each.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "vanished building, seen again under today's air")
+set(CPACK_DEBIAN_KASUMI_DESCRIPTION "A fisheye camera watches the sky, from whose pictures the turbidity of the
+air is estimated again and again. A scene camera watches the hill, and into
+its picture a building is drawn with physically based aerial perspective, for
+months, unattended.")
 set(CPACK_DEBIAN_KASUMI_PACKAGE_NAME kasumi)
 set(CPACK_DEBIAN_KASUMI_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_KIOSK_PACKAGE_NAME kasumi-kiosk)
 set(CPACK_DEBIAN_KIOSK_PACKAGE_ARCHITECTURE all)
-set(CPACK_DEBIAN_KIOSK_DESCRIPTION "Kasumi in public: no keyboard, watchdogs, a bounded journal")
+set(CPACK_DEBIAN_KIOSK_DESCRIPTION "This package closes the machine it stands on, for a kiosk in public: no
+keyboard, watchdogs, a bounded journal.")
 set(CPACK_DEBIAN_KIOSK_PACKAGE_DEPENDS "kasumi (>= ${PROJECT_VERSION}), systemd, udev, procps")
 set(CPACK_DEBIAN_KIOSK_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/systemd/deb-kiosk/postinst ${PROJECT_SOURCE_DIR}/systemd/deb-kiosk/postrm)
 set(CPACK_DEBIAN_REPORT_PACKAGE_NAME kasumi-report)
 set(CPACK_DEBIAN_REPORT_PACKAGE_SECTION net)
 set(CPACK_DEBIAN_REPORT_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_REPORT_DESCRIPTION "Kasumi's reporter: tells the network how the kiosk is, where configured")
+set(CPACK_DEBIAN_REPORT_DESCRIPTION "This package is the reporter, which tells the network how the kiosk is, to
+whom its configuration allows.")
 set(CPACK_DEBIAN_REPORT_PACKAGE_DEPENDS "kasumi (>= ${PROJECT_VERSION}), systemd")
 set(CPACK_DEBIAN_REPORT_PACKAGE_RECOMMENDS "ca-certificates")
 set(CPACK_DEBIAN_REPORT_PACKAGE_SUGGESTS "msmtp-mta")

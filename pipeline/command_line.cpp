@@ -9,6 +9,9 @@ namespace kasumi {
 std::unique_ptr<CLI::App> command_line(Action& action) {
   auto app = std::make_unique<CLI::App>("Kasumi: a vanished building, seen again under today's air", "kasumi");
   app->require_subcommand(1);
+  app->footer(
+      "Exit codes: 0 done; 1 this machine could not do it; 2 something given must be corrected, and the message says "
+      "what is expected (run: 78 in place of 2). docs/commands.md explains each command with an example.");
   add_run_command(*app, action);
   add_reload_command(*app, action);
   add_content_command(*app, action);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "base/manual/manual.hpp"
 #include "pipeline/command_line.hpp"
 #include "pipeline/log_lines.hpp"
 
@@ -48,6 +49,7 @@ int main(int argc, char** argv) try {
   kasumi::Action action;
   const auto app = kasumi::command_line(action);
   app->set_version_flag("--version", KASUMI_VERSION);
+  if (kasumi::print_manual(*app, KASUMI_VERSION, argc, argv)) return 0;
   try {
     app->parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/finite_options.hpp"
+#include "base/manual/manual.hpp"
 #include "report/page/tokens.hpp"
 #include "report/reporter.hpp"
 #include "report/show.hpp"
@@ -128,6 +129,7 @@ int main(int argc, char** argv) try {
   add_metrics_command(app, action);
   add_token_command(app, action);
   refuse_infinite_numbers(app);
+  if (print_manual(app, KASUMI_VERSION, argc, argv)) return 0;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

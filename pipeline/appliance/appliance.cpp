@@ -39,6 +39,19 @@ Appliance::Appliance(ContentPlace place, ContentPtr content, const ApplianceServ
       status_(content, std::move(status), services.clock, services.notifier, mailboxes_),
       check_(content, services.clock, mailboxes_),
       visibility_(content, services.clock, mailboxes_),
-      reload_(std::move(place), services.clock, services.notifier, mailboxes_, services.probes) {}
+      television_(content->config.cec, services.devices, services.clock),
+      clock_(services.clock),
+      reload_(std::move(place), std::move(content), services.clock, services.notifier, mailboxes_, services.probes) {}
+
+Instant Appliance::step_television() {
+  auto& mailbox = mailboxes_.television;
+  mailbox.pulse.turn(clock_.now(), kComputingBound);
+  if (const auto content = mailbox.content.take()) television_.use((*content)->config.cec);
+  if (const auto on = mailbox.on.take()) television_.want(*on);
+  mailboxes_.status->television.put(television_.status());
+  const auto again = television_.step();
+  mailboxes_.status->television.put(television_.status());
+  return again;
+}
 
 }  // namespace kasumi

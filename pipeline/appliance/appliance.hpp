@@ -12,6 +12,7 @@
 #include "pipeline/appliance/snapshot_server.hpp"
 #include "pipeline/appliance/status_loop.hpp"
 #include "pipeline/appliance/visibility_loop.hpp"
+#include "pipeline/loop/television_switch.hpp"
 
 namespace kasumi {
 
@@ -62,8 +63,12 @@ class Appliance {
   SnapshotServer& snapshot() { return snapshot_; }
   Bell& snapshot_bell() { return mailboxes_.snapshot.bell; }
   ProvingLoop& proving() { return proving_; }
+  // The television's loop. BLOCKS for a few seconds when it is switched. Returns when to be called again unless the bell
+  // rings.
+  Instant step_television();
   ReloadLoop& reload() { return reload_; }
   Bell& horizon_bell() { return mailboxes_.horizon.bell; }
+  Bell& television_bell() { return mailboxes_.television.bell; }
   Bell& render_bell() { return mailboxes_.render.bell; }
   Bell& reload_bell() { return mailboxes_.reload.bell; }
 
@@ -79,6 +84,8 @@ class Appliance {
   StatusLoop status_;
   CheckLoop check_;
   VisibilityLoop visibility_;
+  TelevisionSwitch television_;
+  Clock& clock_;
   ReloadLoop reload_;
 };
 

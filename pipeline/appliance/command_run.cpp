@@ -47,14 +47,18 @@ int refused(const Fault& fault) {
 }
 
 void log_sighting(const Content& content) {
-  const auto sighting = sight_object(content.config.installation, content.model.bounds());
+  const auto sighting = sight_object(content.config.installation, content.model->bounds());
   spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.message);
 }
 
 // Draws it once where nobody sees it: what only GL refuses is found out like that, too.
 Result<int> check_drawing(const RunArguments& arguments, const ContentPtr& content) {
   std::string renderer;
-  const auto drawn = try_drawing(content, prepare_stage(*content), renderer);
+  Result<> drawn;
+  for (const auto& era : all_eras(content)) {
+    drawn = try_drawing(era, prepare_stage(*era), renderer);
+    if (!drawn) break;
+  }
   if (!drawn && renderer.empty())
     print_error(fmt::format("whether it can be drawn is not known: {}", drawn.error().message));
   if (!drawn && !renderer.empty()) {
@@ -102,6 +106,8 @@ Result<int> run(const RunArguments& arguments) {
     if (content.error().kind != FaultKind::io) starts.ended();  // not a boot for nothing: a person reads why
     return refused(content.error());
   }
+  *content = in_its_era(*content, SystemClock().utc());
+  if (const auto era = era_name(**content); !era.empty()) spdlog::info("era: {}", era);
   log_sighting(**content);
   starts.doing("opening cameras and display");
   StatusOptions status{.file = status_file(arguments.status), .stats = arguments.stats};

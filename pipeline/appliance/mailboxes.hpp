@@ -129,6 +129,12 @@ struct VisibilityMailbox : Mailbox {
   LatestSlot<SkyAir> sky;
 };
 
+struct TelevisionMailbox : Mailbox {
+  TelevisionMailbox() : Mailbox("television") {}
+  LatestSlot<bool> on;  // wanted from now on, or asleep
+  Bell bell;
+};
+
 // What is on the glass, for who asked.
 struct SnapshotMailbox {
   LatestSlot<Snapshot> taken;
@@ -150,8 +156,8 @@ struct Mailboxes {
   Mailboxes();
   ~Mailboxes();
   // Of every loop.
-  std::array<Mailbox*, 8> all();
-  std::array<const Mailbox*, 8> all() const;
+  std::array<Mailbox*, 9> all();
+  std::array<const Mailbox*, 9> all() const;
 
   SceneMailbox scene;
   SkyMailbox sky;
@@ -159,6 +165,7 @@ struct Mailboxes {
   HorizonMailbox horizon;
   CheckMailbox check;
   VisibilityMailbox visibility;
+  TelevisionMailbox television;
   SnapshotMailbox snapshot;
   ProvingMailbox proving;
   ReloadMailbox reload;

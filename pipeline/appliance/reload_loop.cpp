@@ -16,6 +16,8 @@ using namespace std::chrono_literals;
 
 constexpr Duration kAnswerDeadline = 5min;  // a slow GPU with a heavy model; a loop that hangs is the watchdog's
 constexpr Duration kReloadPollInterval = 10s;
+constexpr Duration kEraPollInterval = 1s;
+constexpr Duration kRefusedEraPause = 10min;  // before it is tried again
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
@@ -47,8 +49,15 @@ Result<> try_drawing_here(const ContentPtr& content, const std::shared_ptr<const
 
 }  // namespace
 
-ReloadLoop::ReloadLoop(ContentPlace place, Clock& clock, Notifier& notifier, Mailboxes& mailboxes, Probes probes)
-    : place_(std::move(place)), clock_(clock), notifier_(notifier), mailboxes_(mailboxes), probes_(std::move(probes)) {
+ReloadLoop::ReloadLoop(ContentPlace place, ContentPtr content, Clock& clock, Notifier& notifier, Mailboxes& mailboxes,
+                       Probes probes)
+    : place_(std::move(place)),
+      content_(std::move(content)),
+      clock_(clock),
+      notifier_(notifier),
+      mailboxes_(mailboxes),
+      probes_(std::move(probes)),
+      era_again_(clock.now()) {
   if (!probes_.try_drawing) probes_.try_drawing = try_drawing_here;
   if (!probes_.memory_left) probes_.memory_left = [] { return memory_left(); };
 }
@@ -61,7 +70,9 @@ void ReloadLoop::ask() {
 Instant ReloadLoop::step() {
   if (waiting_) take_answer();
   if (!waiting_ && asked_.exchange(false)) begin();
-  return waiting_ ? waiting_->until : clock_.now() + kReloadPollInterval;
+  if (!waiting_) change_era();
+  if (waiting_) return waiting_->until;
+  return clock_.now() + (content_->eras ? kEraPollInterval : kReloadPollInterval);
 }
 
 void ReloadLoop::begin() {
@@ -73,16 +84,31 @@ void ReloadLoop::begin() {
     auto content = read_content(config_file_);
     if (!content) return refuse(content.error().message);
     if (auto fits = fits_beside_the_old(**content, probes_.memory_left()); !fits) return refuse(fits.error().message);
-    order(std::move(*content));
+    order(in_its_era(*content, clock_.utc()), Change::reload);
   } catch (const std::bad_alloc&) {
     refuse("there is not enough memory for the new content beside the old one");
   }
 }
 
-void ReloadLoop::order(ContentPtr content) {
+// By a clock that is not trusted the era stays as it is; then there is no building to see either.
+void ReloadLoop::change_era() {
+  if (!content_->eras || !mailboxes_.check.clock_trusted || clock_.now() < era_again_) return;
+  auto content = in_its_era(content_, clock_.utc());
+  if (content == content_) return;
+  try {
+    waiting_ = {content, nullptr, clock_.now(), Change::era};
+    if (auto fits = fits_beside_the_old(*content, probes_.memory_left()); !fits)
+      return refuse_era(fits.error().message);
+    order(std::move(content), Change::era);
+  } catch (const std::bad_alloc&) {
+    refuse_era("there is not enough memory for it beside the one before");
+  }
+}
+
+void ReloadLoop::order(ContentPtr content, Change change) {
   auto prepared = prepare_stage(*content);
   publish("preparing");
-  waiting_ = {content, prepared, clock_.now() + kAnswerDeadline};
+  waiting_ = {content, prepared, clock_.now() + kAnswerDeadline, change};
   mailboxes_.reload.answer.take();
   mailboxes_.render.order.put({++orders_, std::move(content), std::move(prepared)});
   mailboxes_.render.bell.ring();
@@ -106,12 +132,39 @@ void ReloadLoop::take_answer() {
 }
 
 void ReloadLoop::adopt() {
+  if (waiting_->change == Change::era) return adopt_era();
+  content_ = waiting_->content;
   spdlog::info("{}: reloaded", config_file_.string());
-  for (Mailbox* mailbox : mailboxes_.all()) mailbox->content.put(waiting_->content);
+  for (Mailbox* mailbox : mailboxes_.all()) mailbox->content.put(content_);
+  status_.era_problem.clear();
+  era_again_ = clock_.now();
   end({});
 }
 
+// Cameras, air and checks go on undisturbed: an era changes nothing for them.
+void ReloadLoop::adopt_era() {
+  content_ = waiting_->content;
+  waiting_.reset();
+  status_.era_problem.clear();
+  spdlog::info("era: {}", era_name(*content_));
+  mailboxes_.render.content.put(content_);
+  mailboxes_.status->content.put(content_);
+  publish({});
+  mailboxes_.render.bell.ring();
+}
+
+void ReloadLoop::refuse_era(const std::string& problems) {
+  auto text = fmt::format("the era \"{}\" cannot be shown, keeping \"{}\": {}", era_name(*waiting_->content),
+                          era_name(*content_), problems);
+  waiting_.reset();
+  era_again_ = clock_.now() + kRefusedEraPause;
+  if (text != status_.era_problem) spdlog::error("{}", text);
+  status_.era_problem = std::move(text);
+  publish({});
+}
+
 void ReloadLoop::refuse(const std::string& problems) {
+  if (waiting_ && waiting_->change == Change::era) return refuse_era(problems);
   auto lines = lines_of(problems);
   spdlog::error("the new content is refused, keeping the old content:");
   for (const auto& line : lines) spdlog::error("  {}", line);

@@ -1,5 +1,6 @@
 // Reloading in two phases: everything is read and prepared, on the GPU too, before anybody uses any of it. Then all
-// loops adopt the new content, or none does.
+// loops adopt the new content, or none does. An era's content is prepared the same way when its time has come; it was
+// read with all the others, and only the picture's loop and the status learn of it.
 #pragma once
 
 #include <atomic>
@@ -26,7 +27,8 @@ class ReloadLoop {
     TryDrawing try_drawing;
     MemoryLeft memory_left;
   };
-  ReloadLoop(ContentPlace place, Clock& clock, Notifier& notifier, Mailboxes& mailboxes, Probes probes);
+  ReloadLoop(ContentPlace place, ContentPtr content, Clock& clock, Notifier& notifier, Mailboxes& mailboxes,
+             Probes probes);
 
   // Any thread. While one is under way another follows it.
   void ask();
@@ -34,15 +36,20 @@ class ReloadLoop {
   Instant step();
 
  private:
+  enum class Change { reload, era };
   void begin();
-  void order(ContentPtr content);
+  void change_era();
+  void order(ContentPtr content, Change change);
   void take_answer();
   void adopt();
+  void adopt_era();
+  void refuse_era(const std::string& problems);
   void refuse(const std::string& problems);
   void end(std::vector<std::string> problems);
   void publish(std::string doing);
 
   ContentPlace place_;
+  ContentPtr content_;                 // in use
   std::filesystem::path config_file_;  // of the reload under way or the last one
   Clock& clock_;
   Notifier& notifier_;
@@ -53,10 +60,12 @@ class ReloadLoop {
     ContentPtr content;
     std::shared_ptr<const PreparedStage> prepared;
     Instant until;
+    Change change = Change::reload;
   };
   std::optional<Waiting> waiting_;  // for the render loop's answer
   std::uint64_t orders_ = 0;
   Instant began_{};
+  Instant era_again_;  // when an era that was refused is tried again
   ReloadStatus status_;
 };
 

@@ -77,7 +77,8 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       shown_at_(clock.now()),
       minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
-              &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.status->pulse}) {}
+              &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.television.pulse,
+              &mailboxes.status->pulse}) {}
 
 // Nobody else can draw: whatever threw, the display is opened anew, and when that does not help the watchdog restarts.
 Instant RenderLoop::step() try { return take_step(); } catch (const std::exception& thrown) {
@@ -100,6 +101,7 @@ Instant RenderLoop::take_step() {
     picture_at_.reset();  // the new stage has no scene picture
   }
   update_rung();
+  tell_television();
   if (!screen_.is_open() || is_closed()) snapshots_.give_none(snapshot_facts());
   if (screen_.is_open()) {
     record_flips();
@@ -215,7 +217,8 @@ LadderInput RenderLoop::ladder_input() const {
 
 // While the clock is not trusted, opening hours are ignored.
 bool RenderLoop::is_open() const {
-  return !sky_.clock_trusted || content_->config.opening.is_open(clock_.utc());
+  const auto& config = content_->config;
+  return !sky_.clock_trusted || config.opening.is_awake(clock_.utc(), config.wake_before);
 }
 
 void RenderLoop::update_rung() {
@@ -278,6 +281,15 @@ void RenderLoop::handle_screen_fault(const Fault& fault) {
   screen_.handle_fault(fault);
   status_.building_drawn = false;
   latency_.forget_pending();
+}
+
+// Asleep once the screen has faded to black; at the start not before it is known whether it is open.
+void RenderLoop::tell_television() {
+  const bool on = !is_closed();
+  if (!sky_as_of_ || (on && !is_open()) || television_on_ == on) return;
+  television_on_ = on;
+  mailboxes_.television.on.put(on);
+  mailboxes_.television.bell.ring();
 }
 
 // Closed: shows a last black picture, then turns the screen off where it can. true: it is off, draw nothing.

@@ -49,6 +49,7 @@ class RenderLoop {
   Snapshot snapshot_facts() const;
 
   void handle_screen_fault(const Fault& fault);
+  void tell_television();
   bool turn_off_if_closed();
   void present();
   std::string against_planes(const SceneFrame* frame) const;
@@ -82,6 +83,7 @@ class RenderLoop {
   std::optional<SceneFrame> waiting_;  // not yet drawn
   bool camera_gone_ = false;           // the GPU still holds its buffers
   std::optional<Instant> picture_at_;  // when the last good scene picture came
+  std::optional<bool> television_on_;  // as it was last told to be
   int refused_in_a_row_ = 0;           // frames that could not be drawn
 
   LatencyWatch latency_;

@@ -78,6 +78,17 @@ OrderedJson display_json(const DisplayStatus& display) {
           {"planes", display.planes}};
 }
 
+// null: none is switched.
+OrderedJson television_json(const TelevisionStatus& television) {
+  if (television.adapter.empty()) return nullptr;
+  const auto& on = television.wanted_on;
+  return {{"adapter", television.adapter},
+          {"wanted", on ? OrderedJson(name_of(*on ? TelevisionPower::on : TelevisionPower::standby)) : OrderedJson()},
+          {"answers", or_null(television.answers)},
+          {"power", name_of(television.power)},
+          {"problem", television.problem}};
+}
+
 OrderedJson latency_json(const std::optional<LatencySummary>& latency) {
   if (!latency) return nullptr;
   const auto ms = [&](double value) { return latency->pictures > 0 ? OrderedJson(value) : OrderedJson(); };
@@ -162,6 +173,8 @@ OrderedJson content_json(const Status& status) {
           {"reloading", reload.doing.empty() ? OrderedJson(nullptr) : OrderedJson(reload.doing)},
           {"last_good_utc", instead ? OrderedJson(utc_text(instead->kept_utc)) : OrderedJson(nullptr)},
           {"refused", instead ? OrderedJson(instead->refused) : OrderedJson::array()},
+          {"era", status.era.empty() ? OrderedJson(nullptr) : OrderedJson(status.era)},
+          {"era_problem", reload.era_problem.empty() ? OrderedJson(nullptr) : OrderedJson(reload.era_problem)},
           {"generation", generation_json(status)},
           {"went_back", went_back_json(status.probation.went_back)}};
 }
@@ -231,6 +244,7 @@ std::string status_json(const Status& status) {
   json["shown"] = name_of(rung.shown);
   json["reason"] = name_of(rung.trouble);
   json["display"] = display_json(status.render.display);
+  json["television"] = television_json(status.television);
   json["scene_camera"] = camera_json(status.scene_camera, status.now);
   json["sky_camera"] = camera_json(status.sky_camera, status.now);
   json["turbidity"] = tracked_value([](const auto& t) { return t.turbidity.value; });

@@ -36,12 +36,14 @@ struct Status {
   RenderStatus render;
   std::optional<StartRecord> start;            // empty: not started by the service
   std::optional<InsteadOfConfigured> instead;  // empty: the configured content is shown
+  std::string era;                             // shown; empty: there are none
   ProbationStatus probation;
   std::optional<ReloadStatus> reload;  // empty: never reloaded
   std::optional<CheckStatus> check;    // empty: not checked since the start
   VisibilityStatus visibility;
   std::vector<LoopStatus> loops;
   HeatStatus heat;
+  TelevisionStatus television;
 };
 
 // "every second picture is shown: cpu-thermal at 83 degrees, the firmware throttles"

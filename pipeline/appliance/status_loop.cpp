@@ -63,8 +63,10 @@ void StatusLoop::gather() {
   newest(mailbox.check, status_.check);
   newest(mailbox.visibility, status_.visibility);
   newest(mailbox.probation, status_.probation);
+  newest(mailbox.television, status_.television);
   if (options_.starts) status_.start = options_.starts->record();
   status_.instead = content_->instead;
+  status_.era = era_name(*content_);
   status_.now = clock_.now();
   status_.utc = clock_.utc();
   status_.heat.spared = mailboxes_.scene.spared;

@@ -12,6 +12,7 @@
 #include "pipeline/config/ladder.hpp"
 #include "pipeline/content/probation.hpp"
 #include "pipeline/loop/latency.hpp"
+#include "pipeline/loop/television_switch.hpp"
 
 namespace kasumi {
 
@@ -46,6 +47,7 @@ struct ReloadStatus {
   std::optional<Utc> ended;           // empty: none has ended yet
   std::vector<std::string> problems;  // of the last one that ended; empty: its content is in use
   std::string doing;                  // what the one under way does now; empty: none is
+  std::string era_problem;            // why the era whose time has come is not shown; empty: it is
 };
 
 // Result of the last check of the calibration.
@@ -73,6 +75,7 @@ struct StatusMailbox : Mailbox {
   LatestSlot<CheckStatus> check;
   LatestSlot<VisibilityStatus> visibility;
   LatestSlot<ProbationStatus> probation;
+  LatestSlot<TelevisionStatus> television;
 };
 
 }  // namespace kasumi

@@ -102,8 +102,8 @@ Result<> run_appliance(const ContentPlace& place, ContentPtr content, StatusOpti
                       std::move(status));
   Bell status_bell, check_bell, proving_bell, ended;
   Stop stop(clock, *notifier);
-  for (auto* bell : {&status_bell, &check_bell, &proving_bell, &appliance.horizon_bell(), &appliance.reload_bell(),
-                     &appliance.snapshot_bell(), &appliance.render_bell()})
+  for (auto* bell : {&status_bell, &check_bell, &proving_bell, &appliance.horizon_bell(), &appliance.television_bell(),
+                     &appliance.reload_bell(), &appliance.snapshot_bell(), &appliance.render_bell()})
     stop.add(*bell);
 
   auto guard = start("signals", [&] { wait_for_signals(stop, appliance.reload(), ended); });
@@ -138,6 +138,10 @@ Result<> run_appliance(const ContentPlace& place, ContentPtr content, StatusOpti
       const auto again = std::min(appliance.check().step(), appliance.visibility().step());
       check_bell.wait_for(again - clock.now());
     });
+  }));
+  loops.push_back(start("television", [&] {
+    keep_stepping("television", clock, stop,
+                  [&] { appliance.television_bell().wait_for(appliance.step_television() - clock.now()); });
   }));
   // Not beside the check: on a busy machine that thread stands still for minutes, and so would a probation.
   loops.push_back(start("proving", [&] {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "base/image.hpp"
 #include "gles/model/model.hpp"
@@ -29,12 +30,24 @@ struct InsteadOfConfigured {
   std::vector<std::string> refused;  // what is wrong with the configured one
 };
 
+// What differs between the eras, read with all the others: a change needs no disk.
+struct EraContent {
+  std::filesystem::path model_file;
+  std::string scene;
+  StillOptions still_options;
+  std::shared_ptr<const Model> model;
+  std::shared_ptr<const Image<Rgba8>> still;
+};
+
 struct Content {
-  RunConfig config;
-  Model model;                                 // with its levels; stays in memory: GL contexts come and go
-  std::optional<Image<Rgba8>> still;           // the curated picture; where it is transparent, the sky of the day shows
-  std::vector<ContentFile> files;              // the configuration first, then all that it names
-  std::optional<InsteadOfConfigured> instead;  // empty: this is what is configured
+  RunConfig config;  // [object] and [still] as this era has them
+  // With its levels; stays in memory: GL contexts come and go. Never null.
+  std::shared_ptr<const Model> model = std::make_shared<const Model>();
+  std::shared_ptr<const Image<Rgba8>> still;  // the curated picture; where it is transparent, the sky of the day shows
+  std::shared_ptr<const std::vector<EraContent>> eras;  // as in config.eras; null: there are none
+  std::size_t era = 0;                                  // of them, the one that this is
+  std::vector<ContentFile> files;                       // the configuration first, then all that it names
+  std::optional<InsteadOfConfigured> instead;           // empty: this is what is configured
 };
 using ContentPtr = std::shared_ptr<const Content>;
 
@@ -45,5 +58,12 @@ Result<Image<Rgba8>> read_still(const std::filesystem::path& file);
 // problems of all files at once.
 // With `copies`, files are looked for there first, by their whole names below that folder.
 Result<ContentPtr> read_content(const std::filesystem::path& config_file, const std::filesystem::path& copies = {});
+
+// The same content as it is shown at that time: itself while nothing changes. Thread-safe, and quick.
+ContentPtr in_its_era(const ContentPtr& content, Utc now);
+// One for each era, so that all can be tried; without eras the content itself.
+std::vector<ContentPtr> all_eras(const ContentPtr& content);
+// Its name; empty: there are no eras.
+std::string era_name(const Content& content);
 
 }  // namespace kasumi

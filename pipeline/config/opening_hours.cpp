@@ -62,23 +62,21 @@ std::optional<std::chrono::year_month_day> date_of(std::string_view text) {
   return date.ok() ? std::optional(date) : std::nullopt;
 }
 
+// "12-24"
+std::optional<std::chrono::month_day> day_of_year(std::string_view text) {
+  if (text.size() != 5 || text[2] != '-') return std::nullopt;
+  const auto month = number(text.substr(0, 2), 2), day = number(text.substr(3), 2);
+  if (!month || !day) return std::nullopt;
+  const auto date = std::chrono::month(static_cast<unsigned>(*month)) / std::chrono::day(static_cast<unsigned>(*day));
+  return date.ok() ? std::optional(date) : std::nullopt;
+}
+
 const DayHours& hours_of(const OpeningHours& hours, std::chrono::local_days day) {
   const std::chrono::year_month_day date(day);
   const auto fits = [&](const DatedHours& exception) { return exception.first <= date && date <= exception.last; };
   const auto exception = std::find_if(hours.exceptions.rbegin(), hours.exceptions.rend(), fits);
   if (exception != hours.exceptions.rend()) return exception->hours;
   return hours.week[std::chrono::weekday(day).c_encoding()];
-}
-
-std::chrono::local_time<Duration> local_time(const std::string& zone, Utc now) {
-  const auto since = now.time_since_epoch();
-  try {
-    if (!zone.empty())
-      return std::chrono::local_time<Duration>(
-          date::locate_zone(zone)->to_local(date::sys_time<Duration>(since)).time_since_epoch());
-  } catch (const std::exception&) {  // removed since the configuration was read: UTC
-  }
-  return std::chrono::local_time<Duration>(since);
 }
 
 }  // namespace
@@ -119,6 +117,36 @@ Result<std::vector<DatedHours>> parse_exceptions(std::string_view text) {
   return exceptions;
 }
 
+bool YearlyDates::includes(std::chrono::year_month_day date) const {
+  const auto day = date.month() / date.day();
+  return first <= last ? first <= day && day <= last : first <= day || day <= last;
+}
+
+Result<std::vector<YearlyDates>> parse_yearly(std::string_view text) {
+  std::vector<YearlyDates> found;
+  for (const auto piece : split(text, ",")) {
+    const auto dots = piece.find("..");
+    const auto first = day_of_year(trimmed(piece.substr(0, dots)));
+    const auto last = dots == std::string_view::npos ? first : day_of_year(trimmed(piece.substr(dots + 2)));
+    if (!first || !last)
+      return fail(FaultKind::bad_input,
+                  R"(months and days like "03-01..05-31" or "12-24", separated by commas, not "{}")", trimmed(text));
+    found.push_back({*first, *last});
+  }
+  return found;
+}
+
+std::chrono::local_time<Duration> local_time(const std::string& zone, Utc now) {
+  const auto since = now.time_since_epoch();
+  try {
+    if (!zone.empty())
+      return std::chrono::local_time<Duration>(
+          date::locate_zone(zone)->to_local(date::sys_time<Duration>(since)).time_since_epoch());
+  } catch (const std::exception&) {  // removed since the configuration was read: UTC
+  }
+  return std::chrono::local_time<Duration>(since);
+}
+
 bool OpeningHours::is_open(Utc now) const {
   const auto local = local_time(time_zone, now);
   const auto today = std::chrono::floor<days>(local);
@@ -127,6 +155,13 @@ bool OpeningHours::is_open(Utc now) const {
     for (const auto& span : hours_of(*this, day))
       if (local - day >= span.from && local - day < span.until) return true;
   return false;
+}
+
+// Minutes are the finest that hours are given in, and a span may be as short.
+bool OpeningHours::is_awake(Utc now, Duration wake_before) const {
+  for (auto ahead = Duration::zero(); ahead < wake_before; ahead += minutes(1))
+    if (is_open(now + ahead)) return true;
+  return is_open(now + wake_before) || is_open(now);
 }
 
 bool is_time_zone(const std::string& name) {

@@ -34,6 +34,15 @@ struct DatedHours {
 // "2026-12-24 09:00-12:00; 2026-12-25..2027-01-02 closed": separated by semicolons or line breaks. Error: bad_input.
 Result<std::vector<DatedHours>> parse_exceptions(std::string_view text);
 
+// Dates of every year, both included; from a later to an earlier one it goes on past the year's end.
+struct YearlyDates {
+  std::chrono::month_day first, last;
+  bool includes(std::chrono::year_month_day date) const;
+  friend bool operator==(const YearlyDates&, const YearlyDates&) = default;
+};
+// "03-01..05-31", "12-24", "12-01..02-29, 07-01..07-31": month and day. Error: bad_input.
+Result<std::vector<YearlyDates>> parse_yearly(std::string_view text);
+
 struct OpeningHours {
   std::string time_zone;  // "Europe/Zurich"; empty: UTC
   std::array<DayHours, 7> week{kAllDay, kAllDay, kAllDay, kAllDay, kAllDay, kAllDay, kAllDay};  // Sunday first
@@ -41,10 +50,14 @@ struct OpeningHours {
 
   // Follows the zone's changes between summer and winter time. An unknown zone counts as UTC.
   bool is_open(Utc now) const;
+  // Or opens within that time: what takes a while to wake is woken before the doors open.
+  bool is_awake(Utc now, Duration wake_before) const;
   bool is_always_open() const { return exceptions.empty() && week == OpeningHours{}.week; }
   friend bool operator==(const OpeningHours&, const OpeningHours&) = default;
 };
 
+// By the wall clock there. An unknown zone counts as UTC.
+std::chrono::local_time<Duration> local_time(const std::string& time_zone, Utc now);
 // Whether the machine's tzdata has a time zone of that name.
 bool is_time_zone(const std::string& name);
 // The machine's own, as `timedatectl` shows it. Error: unsupported (it has no named zone).

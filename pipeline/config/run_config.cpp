@@ -110,7 +110,7 @@ ClockOptions read_clock(const ConfigTable& table) {
   return clock;
 }
 
-OpeningHours read_opening(const ConfigTable& table) {
+OpeningHours read_opening(const ConfigTable& table, bool zone_matters) {
   constexpr std::array kDays{"sunday", "monday", "tuesday", "wednesday", "thursday", "friday", "saturday"};
   OpeningHours opening;
   // Hours that cannot be parsed are a problem and count as the default.
@@ -132,7 +132,7 @@ OpeningHours read_opening(const ConfigTable& table) {
   if (!opening.time_zone.empty()) {
     if (!is_time_zone(opening.time_zone))
       table.problem("time_zone", "a time zone's name like \"Europe/Zurich\" (timedatectl list-timezones)");
-  } else if (!opening.is_always_open()) {
+  } else if (zone_matters || !opening.is_always_open()) {
     if (auto zone = machine_time_zone())
       opening.time_zone = std::move(*zone);
     else
@@ -228,8 +228,19 @@ RunConfig read_run_config(const ConfigTable& root) {
     return table.choice("planes", {"auto", "off"}, std::string("auto")) == "auto";
   });
   config.overlay = section(root, "display", [](const ConfigTable& table) { return table.flag("overlay", false); });
+  config.cec = section(root, "display", [](const ConfigTable& table) {
+    const auto adapter = table.text("cec", std::string("off"));
+    if (adapter == "off") return std::string();
+    if (!adapter.starts_with('/')) table.problem("cec", R"("off" or an adapter like "/dev/cec0")");
+    return adapter;
+  });
   config.clock = section(root, "clock", read_clock);
-  config.opening = section(root, "opening", read_opening);
+  const bool has_eras = !root.tables("era").empty();
+  config.opening = section(root, "opening", [&](const ConfigTable& table) { return read_opening(table, has_eras); });
+  config.wake_before = section(root, "opening", [](const ConfigTable& table) {
+    return from_seconds(60.0 * table.number("wake_before_min", {0.0, 240.0}, 0.0));
+  });
+  config.eras = read_eras(root, config.opening);
   config.check = section(root, "check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
   config.ladder = section(root, "ladder", read_ladder);
   config.heat = section(root, "heat", read_heat);

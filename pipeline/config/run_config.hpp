@@ -10,6 +10,7 @@
 #include "capture/libcamera/libcamera_source.hpp"
 #include "capture/v4l2/v4l2_source.hpp"
 #include "gles/display/display.hpp"
+#include "pipeline/config/eras.hpp"
 #include "pipeline/config/heat_governor.hpp"
 #include "pipeline/config/installation.hpp"
 #include "pipeline/config/ladder.hpp"
@@ -54,10 +55,13 @@ struct RunConfig {
   DisplayOptions display;
   bool planes = true;    // the camera's picture may go onto a plane of the display's own
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
+  std::string cec;       // the adapter by which a television is switched, "/dev/cec0"; empty: none is
   StillOptions still;
   MessageOptions messages;
   ClockOptions clock;
   OpeningHours opening;
+  Duration wake_before{};  // opening, the screen is on again
+  std::vector<Era> eras;   // by the wall clock of `opening`; empty: always the same is shown
   CheckOptions check;
   LadderOptions ladder;
   SnapshotOptions snapshot;

@@ -62,7 +62,11 @@ void check_folders(const RunConfig& config, const fs::path& folder, Problems& pr
 }
 
 Result<> check_drawable(const ContentPtr& content, Packed& packed) {
-  const auto drawn = try_drawing(content, prepare_stage(*content), packed.renderer);
+  Result<> drawn;
+  for (const auto& era : all_eras(content)) {
+    drawn = try_drawing(era, prepare_stage(*era), packed.renderer);
+    if (!drawn) break;
+  }
   if (drawn) return {};
   if (!packed.renderer.empty())
     return fail(FaultKind::bad_input, "the content cannot be drawn by {}:\n{}", packed.renderer, drawn.error().message);

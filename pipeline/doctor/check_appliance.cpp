@@ -172,7 +172,9 @@ void check_live_air(const Json& status, Findings& findings) {
                                      number(status, "sigma"), number(status, "turbidity_age_s"));
   const auto state = text(air, "text");
   const auto found = known ? turbidity + (state.empty() ? "" : "; " + state) : state;
-  if (flag(air, "supposed"))
+  if (text(status, "shown") == "dark")  // nobody sees it, and by night nobody can know
+    findings.good("air", found.empty() ? "unknown, and not needed while closed" : found + " (closed)");
+  else if (flag(air, "supposed"))
     findings.warn(
         "air", found,
         "clear sky for a while, or landmarks of known distance (docs/operating.md): " + text(status, "sky_reason"));
@@ -235,7 +237,18 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
     else
       findings.good("calibration.drift", found);
   }
+  if (const auto television = part(is, "television"); television.is_object()) {
+    const auto found = fmt::format("{}: wanted {}, it is {}", text(television, "adapter"), text(television, "wanted"),
+                                   text(television, "power"));
+    if (const auto problem = text(television, "problem"); !problem.empty())
+      findings.warn("display.television", fmt::format("{}: {}", text(television, "adapter"), problem),
+                    "does its menu allow CEC (Anynet+, Bravia Sync, Simplink, ...)? else [display] cec = \"off\"");
+    else
+      findings.good("display.television", found);
+  }
   const auto content = part(is, "content");
+  if (const auto problem = text(content, "era_problem"); !problem.empty())
+    findings.warn("content.era", problem, "kasumi run --config FILE --check");
   if (const auto refused = part(content, "refused"); refused.is_array() && !refused.empty())
     findings.fail("content.refused",
                   "shown is what worked until " + text(content, "last_good_utc") +

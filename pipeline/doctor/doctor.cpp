@@ -34,8 +34,8 @@ void check_content(const Content& content, Findings& findings) {
   findings
       .good("content.model",
             fmt::format("{}: {} triangles, {} textures", content.config.installation.object.model.filename().string(),
-                        content.model.triangle_count(), content.model.textures.size()))
-      .values["triangles"] = static_cast<double>(content.model.triangle_count());
+                        content.model->triangle_count(), content.model->textures.size()))
+      .values["triangles"] = static_cast<double>(content.model->triangle_count());
   if (content.still)
     findings.good("content.still", fmt::format("{}x{}", content.still->width(), content.still->height()));
   else

@@ -38,6 +38,9 @@ class RestingDevices final : public Devices {
     return devices_.open_display(options);
   }
   std::unique_ptr<DisplayWatch> watch_displays() override { return devices_.watch_displays(); }
+  Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path& adapter) override {
+    return devices_.open_television(adapter);
+  }
 
  private:
   Devices& devices_;

@@ -62,6 +62,10 @@ class MachineDevices final : public Devices {
     return nullptr;
   }
 
+  Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path& adapter) override {
+    return open_cec_device(adapter);
+  }
+
  private:
   CameraOpening opening(const std::string& name, CameraRole role, const ReplayCamera& replay) {
     const auto folder = replay.fixture / (role == CameraRole::sky ? "sky" : "scene");

@@ -6,6 +6,7 @@
 #include "capture/reconnecting_source.hpp"
 #include "gles/display/display.hpp"
 #include "pipeline/config/run_config.hpp"
+#include "pipeline/machine/television.hpp"
 
 namespace kasumi {
 
@@ -29,6 +30,8 @@ class Devices {
   virtual Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) = 0;
   // Hotplug events of displays. Null: not available, poll instead.
   virtual std::unique_ptr<DisplayWatch> watch_displays() = 0;
+  // Errors: those of open_cec_device().
+  virtual Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path& adapter) = 0;
 };
 
 // The devices of this machine. Thread-safe; `clock` must outlive it.

@@ -25,7 +25,7 @@ Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optiona
 Result<Stage> Stage::assemble(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still) {
   Stage stage(context, content, std::move(compositor), std::move(still));
   if (content->config.overlay)
-    stage.overlay_.emplace(context, content->config.installation, content->model.bounds(),
+    stage.overlay_.emplace(context, content->config.installation, content->model->bounds(),
                            content->config.messages.font_file);
   auto black = FlatPicture::create(context, Image<Rgba8>(1, 1, kBlack));
   if (!black) return fail(black.error());

@@ -19,18 +19,18 @@ SkyReport ordinary_noon() {
 
 std::shared_ptr<const PreparedStage> prepare_stage(const Content& content) {
   auto prepared = std::make_shared<PreparedStage>();
-  prepared->scene = prepare_scene(content.config.installation, content.model);
+  prepared->scene = prepare_scene(content.config.installation, *content.model);
   if (content.still) prepared->still = flat_texels(*content.still, kLargestStill_px);
   return prepared;
 }
 
 std::uint64_t bytes_to_stage(const Content& content) {
   std::uint64_t bytes = 0;
-  for (const auto& texture : content.model.textures) {
+  for (const auto& texture : content.model->textures) {
     bytes += texture.pixels.elements().size() * sizeof(glm::u8vec4);
     for (const auto& level : texture.smaller) bytes += level.elements().size() * sizeof(glm::u8vec4);
   }
-  for (const auto* parts : {&content.model.parts, &content.model.ground})
+  for (const auto* parts : {&content.model->parts, &content.model->ground})
     for (const auto& part : *parts)  // prepared, and on the GPU
       bytes += 2 * (part.vertices.size() * sizeof(GpuVertex) + part.indices.size() * sizeof(std::uint16_t));
   const auto& scene = content.config.installation.scene;
@@ -44,7 +44,7 @@ Result<StageMaking> StageMaking::begin(GlContext& context, ContentPtr content,
                                        std::optional<Rehearsal> rehearsal) {
   if (!prepared) prepared = prepare_stage(*content);
   const auto& installation = content->config.installation;
-  auto scene = CompositorMaking::begin(context, installation, content->model,
+  auto scene = CompositorMaking::begin(context, installation, *content->model,
                                        std::shared_ptr<const PreparedScene>(prepared, &prepared->scene),
                                        air ? std::move(*air) : SceneAir(installation, SceneAirOptions{}));
   if (!scene) return fail(scene.error());

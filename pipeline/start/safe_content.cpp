@@ -32,7 +32,7 @@ ContentPtr read_safe_content(const std::filesystem::path& config_file, StartMode
   }
   if (!config.still.picture) return content;
   if (auto still = read_still(*config.still.picture))
-    content->still = std::move(*still);
+    content->still = std::make_shared<const Image<Rgba8>>(std::move(*still));
   else
     spdlog::warn("{}", still.error().message);
   return content;

@@ -157,6 +157,7 @@ Rig::Rig(RigOptions options)
     ADD_FAILURE() << content.error().message;
     return;
   }
+  *content = in_its_era(*content, clock.utc());
   if (options.no_leaves) {
     auto cut = std::make_shared<Content>(**content);
     for (auto& share : cut->config.installation.scene.mask.elements())
@@ -203,6 +204,7 @@ void Rig::tick(Duration by) {
   appliance->reload().step();
   if (!render_hangs) appliance->render().step();
   appliance->horizon().step();
+  appliance->step_television();
   if (told_ && clock.now() - *told_ < 500ms) return;
   told_ = clock.now();
   appliance->status().step();

@@ -13,6 +13,7 @@
 #include "pipeline/appliance/appliance.hpp"
 #include "tests/pipeline/appliance/faulty_display.hpp"
 #include "tests/pipeline/appliance/faulty_source.hpp"
+#include "tests/pipeline/machine/fake_television.hpp"
 
 namespace kasumi {
 
@@ -51,7 +52,11 @@ class BenchDevices final : public Devices {
   CameraOpening camera(CameraRole role, const CameraOptions& options) override;
   Result<std::unique_ptr<Display>> open_display(const DisplayOptions& options) override;
   std::unique_ptr<DisplayWatch> watch_displays() override { return watch_faulty_display(display); }
+  Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path&) override {
+    return open_fake_television(television);
+  }
   CameraFaults sky, scene;
+  FakeTelevision television;
   DisplayFaults display;
 
  private:

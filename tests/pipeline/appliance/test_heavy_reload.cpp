@@ -96,6 +96,9 @@ class TimedDevices final : public Devices {
     return std::make_unique<TimedDisplay>(std::move(*display), clock_, shown);
   }
   std::unique_ptr<DisplayWatch> watch_displays() override { return nullptr; }
+  Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path&) override {
+    return fail(FaultKind::disconnected, "no television");
+  }
 
   std::vector<Instant> shown;
 

@@ -546,6 +546,9 @@ class Untouchable final : public Devices {
     return fail(FaultKind::device, "busy");
   }
   std::unique_ptr<DisplayWatch> watch_displays() override { return nullptr; }
+  Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path&) override {
+    return fail(FaultKind::disconnected, "no television");
+  }
 };
 
 TEST(Doctor, WhileTheApplianceRunsItsStatusIsReadInstead) {

@@ -35,6 +35,7 @@ Read read(const std::string& text) {
          << width << " " << height << "\n255\n"
          << std::string(static_cast<std::size_t>(width) * height, '\xff');
   }
+  std::ofstream(folder / "still-summer.png") << "only its name is read";
   const auto root = ConfigTable::parse(text, folder / "kasumi.toml").value();
   auto config = read_run_config(root);
   auto whole = root.finish();
@@ -87,6 +88,8 @@ TEST(ExampleConfiguration, ItsDefaultsAreTheDefaults) {
   EXPECT_EQ(a.clock.policy, b.clock.policy);
   EXPECT_EQ(a.clock.earliest, b.clock.earliest);
   EXPECT_EQ(a.opening, b.opening);
+  EXPECT_EQ(a.wake_before, b.wake_before);
+  EXPECT_EQ(a.cec, b.cec);
   EXPECT_EQ(a.ladder, b.ladder);
   const auto &sky = a.installation.sky, &other = b.installation.sky;
   EXPECT_EQ(sky.colour_space, other.colour_space);
@@ -146,6 +149,22 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
   }
   EXPECT_THAT(missing, testing::IsEmpty());
   EXPECT_GT(known.size(), 60u);
+}
+
+TEST(ExampleConfiguration, ItsErasAreAccepted) {
+  auto text = example();
+  const auto begin = text.find("# [[era]]"), end = text.find("\n\n", begin);
+  ASSERT_NE(begin, std::string::npos);
+  const auto eras = std::regex_replace(text.substr(begin, end - begin), std::regex("(^|\n)# "), "$1");
+  text = text.replace(begin, end - begin, eras + "\n[[era]]\nname = \"rest\"\n");
+  const auto given = read(text);
+  EXPECT_TRUE(given.whole) << given.whole.error().message;
+  ASSERT_EQ(given.config.eras.size(), 2u);
+  const auto& summer = given.config.eras.front();
+  EXPECT_TRUE(summer.model && summer.scene && summer.picture && summer.caption && !summer.otherwise);
+  for (const auto& key : given.keys)
+    if (key.starts_with("era[0].") || key.starts_with("era[1]."))
+      EXPECT_NE(text.find("\n" + key.substr(7) + " = "), std::string::npos) << key;
 }
 
 TEST(ExampleConfiguration, AMissingKeyWouldBeFound) {

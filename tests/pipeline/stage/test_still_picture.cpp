@@ -31,7 +31,7 @@ Content content(std::optional<Image<Rgba8>> still) {
   scene.lens = pinhole_lens({{300.0, 300.0}, {0.5 * (kWidth - 1), 0.5 * (kHeight - 1)}, {}});
   scene.to_world = camera_to_world(from_degrees(0.0), from_degrees(0.0), {0.0});
   made.config.installation.site.altitude_m = 500.0;
-  made.still = std::move(still);
+  if (still) made.still = std::make_shared<const Image<Rgba8>>(std::move(*still));
   return made;
 }
 

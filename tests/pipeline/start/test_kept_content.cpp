@@ -54,7 +54,7 @@ TEST(KeptContent, Row32WhatWorkedIsWholeAfterEveryFileWasSpoilt) {
   ASSERT_FALSE(read_content(kiosk.config));
   const auto after = read_kept_content(kiosk.config, kiosk.kept, {"kasumi.toml: not valid TOML"});
   ASSERT_TRUE(after) << after.error().message;
-  EXPECT_EQ((*after)->model.triangle_count(), before->model.triangle_count());
+  EXPECT_EQ((*after)->model->triangle_count(), before->model->triangle_count());
   EXPECT_EQ((*after)->config.installation.sky.mask.width(), kKioskWidth);
   EXPECT_EQ((*after)->config.state_folder, before->config.state_folder) << "folders stay where they are";
   EXPECT_EQ((*after)->config.scene_camera, before->config.scene_camera);
@@ -105,13 +105,13 @@ TEST(KeptContent, AModelsOwnFilesAreKeptWithIt) {
   kiosk.change(fmt::format("\"{}\"", (kiosk.folder / "temple.glb").string()), "\"models/BoxTextured.gltf\"");
   const auto before = kiosk.read();
   ASSERT_TRUE(before);
-  ASSERT_EQ(before->model.textures.size(), 1u);
+  ASSERT_EQ(before->model->textures.size(), 1u);
   const auto kept = keep_content(*before, kiosk.kept, kNoon);
   ASSERT_TRUE(kept) << kept.error().message;
   fs::remove_all(kiosk.folder / "models");
   const auto after = read_kept_content(kiosk.config, kiosk.kept, {});
   ASSERT_TRUE(after) << after.error().message;
-  EXPECT_EQ((*after)->model.textures.size(), 1u);
+  EXPECT_EQ((*after)->model->textures.size(), 1u);
 }
 
 TEST(KeptContent, NothingKeptOrDamagedIsAFaultAndNotAPicture) {
