@@ -1,4 +1,4 @@
-// The building's shadow on ground that may lie in the shade already: evenings in which a hill's shadow crosses the ground,
+// The building's shadow on ground that may lie in the shade already: evenings in which a hill's shadow crosses it,
 // drawn by the slow spectral path with the building in it, and by kasumi, which saw the ground since noon and is told
 // nothing of the hill. World: generated.
 #include <algorithm>
