@@ -13,6 +13,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "base/image.hpp"
 #include "base/result.hpp"
 #include "base/sky/light_around.hpp"
 
@@ -82,6 +83,22 @@ struct AirlightGrid {
   std::array<glm::dvec3, kColumns * kRows> light{};
 };
 
+// The share of the sun's light that reaches the real ground, as it lies in the camera's picture, 0..1: bilinear between
+// points, clamped beyond its edges.
+struct GroundSunlight {
+  glm::dvec2 first_px{};  // pixel of point (0, 0)
+  double step_px = 1.0;   // between points
+  Image<float> share;     // not empty
+};
+
+// The share of the sky's light that the object leaves to the ground around it, 0..1, over the world's east and north:
+// bilinear between points, clamped beyond its edges, which hold 1.
+struct FootShade {
+  glm::dvec2 first_m{};  // of point (0, 0)
+  glm::dvec2 step_m{1.0};
+  Image<float> sky_seen;  // not empty
+};
+
 // The object's appearance before the camera's exposure.
 struct ObjectAppearance {
   Haze haze;
@@ -89,6 +106,8 @@ struct ObjectAppearance {
   AirlightGrid horizon;            // the sky model's light from infinity, in the unit of `light`; > 0
   bool aerial_perspective = true;  // false: without air in between, for the "before" picture
   bool shadows = false;            // the object's sun shadow on itself and on the model's ground
+  std::shared_ptr<const GroundSunlight> ground_sunlight{};  // null: the sun reaches all of the ground
+  std::shared_ptr<const FootShade> foot_shade{};            // null: the object hides no sky from the ground
 };
 
 // How the camera's optics and pixel format limit detail; applied to the object too.

@@ -14,6 +14,9 @@ enum TextureUnit : int {
   kSurfaceUnit = 7,           // a material's colour
   kNoiseUnit = kSurfaceUnit,  // shared: noise is used with the camera's picture, where no surface is drawn
 
+  kGroundSunlightUnit = kPlaneUnit,  // shared: used for the layer, which is drawn without the camera's picture
+  kFootShadeUnit = kPlaneUnit + 1,   // as well
+
   // Beyond the guaranteed units: drivers with fewer do without these features.
   kMoreSurfaceUnit = 8,                // .. 11: a material's other pictures, while the camera's are bound
   kMatteUnit = kMoreSurfaceUnit,       // shared: used with the camera's picture, where no surface is drawn

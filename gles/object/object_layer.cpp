@@ -100,7 +100,8 @@ Defines resolve_defines(const ObjectLayer::Options& options) {
 
 // The ground shows only the shadow on it.
 std::vector<GpuModel::Which> drawn_parts(const ObjectLayer::Options& options) {
-  if (options.shadow) return {GpuModel::Which::solid, GpuModel::Which::ground, GpuModel::Which::blended};
+  if (options.shadow || (options.ground_light && options.ground_light->shades()))
+    return {GpuModel::Which::solid, GpuModel::Which::ground, GpuModel::Which::blended};
   return {GpuModel::Which::solid, GpuModel::Which::blended};
 }
 
@@ -216,11 +217,15 @@ struct LayerDrawing::State {
       program.set("layer_unit", layer.unit_);
       program.set("dither_pattern", kDitherUnit);
       set_appearance(program);
+      if (options.ground_light) options.ground_light->bind(program, tile.fragment_to_pixel());
     };
     const PixelBox sampled = grown(part.reached, pixels_of(tile.samples_around()));
-    for (const auto which : drawn_parts(options))
-      if (auto done = model.draw(which, programs, defines, units_for_layer(), sampled, set_uniforms); !done)
+    for (const auto which : drawn_parts(options)) {
+      Defines variant = defines;
+      if (which == GpuModel::Which::ground && options.ground_light) variant.merge(options.ground_light->defines());
+      if (auto done = model.draw(which, programs, variant, units_for_layer(), sampled, set_uniforms); !done)
         return done;
+    }
     if (lattice.spread) lattice.spread->apply(lattice.samples, tile.width(), tile.height());
     return {};
   }

@@ -14,6 +14,7 @@
 #include "gles/gpu_model/gpu_model.hpp"
 #include "gles/gpu_model/programs.hpp"
 #include "gles/gpu_model/projection.hpp"
+#include "gles/object/ground_light.hpp"
 #include "gles/object/scene_depth.hpp"
 #include "gles/shadow/sun_shadow.hpp"
 
@@ -29,7 +30,8 @@ class ObjectLayer {
     ObjectDetail detail = {};
     const SceneDepth* scene_depth = nullptr;  // null: no real surfaces
     int scene_depth_unit = 0;
-    const SunShadow* shadow = nullptr;  // null: no shadow
+    const SunShadow* shadow = nullptr;          // null: no shadow
+    const GroundLight* ground_light = nullptr;  // null: the sun reaches all of the ground, and the sky as well
   };
   // How many pixels beyond its outline the object affects.
   static int margin_px(const ObjectDetail& detail);

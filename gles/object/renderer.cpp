@@ -56,6 +56,7 @@ struct Renderer::State {
     ObjectDetail detail;
     PixelBox box;
     std::optional<SunShadowDrawing> shadow;  // while the shadow is drawn
+    std::unique_ptr<GroundLight> ground;     // from the first tile on
     std::optional<LayerDrawing> drawing;     // afterwards
   };
 
@@ -243,11 +244,14 @@ struct Renderer::State {
   Result<> begin_tiles(UnfinishedLayer& unfinished) {
     const ObjectAppearance& appearance = unfinished.appearance;
     if (auto lit = follow(appearance.light, unfinished.sky.get()); !lit) return lit;
+    auto ground = GroundLight::upload(appearance, projection->model_to_world, info);
+    if (!ground) return fail(ground.error());
+    unfinished.ground = std::make_unique<GroundLight>(std::move(*ground));
     auto drawing = LayerDrawing::begin(
         *model, *projection, unfinished.box, appearance.horizon,
         {layer_in_8_bits(), largest_n(appearance, sky, model->materials()), appearance.aerial_perspective,
          foreground.has_value(), unfinished.detail, scene_depth ? &*scene_depth : nullptr, scene_depth_unit,
-         casts_shadow(appearance) ? &*shadow : nullptr},
+         casts_shadow(appearance) ? &*shadow : nullptr, unfinished.ground.get()},
         info, programs, [this, appearance](const Program& program) {
           set_appearance(program, appearance);
           sky.bind(program, units_for_layer().sky);
@@ -455,7 +459,7 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance, const WithLay
     return {};
   }
 
-  State::UnfinishedLayer unfinished{appearance, with.sky, detail, box, std::nullopt, std::nullopt};
+  State::UnfinishedLayer unfinished{appearance, with.sky, detail, box, std::nullopt, nullptr, std::nullopt};
   const auto frame = s.casts_shadow(appearance) ? s.new_shadow(appearance) : std::nullopt;
   if (frame) {
     s.shadow.reset();

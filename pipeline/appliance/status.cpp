@@ -261,6 +261,8 @@ std::string status_json(const Status& status) {
   json["sky_reason"] = status.sky.report.estimate.reason;
   json["sun"] = status.sky.report.sun.message;
   json["building_drawn"] = status.render.building_drawn;
+  json["ground_light_known"] = nullptr;
+  if (status.render.ground_known) json["ground_light_known"] = *status.render.ground_known;
   const auto& refused = status.render.draw_refused;
   json["draw_refused"] = refused.empty() ? OrderedJson(nullptr) : OrderedJson(refused);
   json["clock_trusted"] = status.sky.clock_trusted;

@@ -30,6 +30,7 @@ struct RenderStatus {
   Rung rung;
   DisplayStatus display;
   bool building_drawn = false;                   // in the picture shown last
+  std::optional<double> ground_known;            // share of the ground whose sunlight is known; empty: not looked at
   std::uint64_t pictures = 0;                    // shown
   std::string draw_refused;                      // why the newest scene frames cannot be drawn; empty: they can
   std::uint64_t scene_frames = 0;                // of them, with a new frame from the scene camera

@@ -16,7 +16,8 @@ struct ObjectPlacement {
   std::filesystem::path model;
   std::string scene;  // of the model's scenes (eras), by name or number; empty: its default
   Placement placement;
-  bool shadows = true;  // of the sun, on itself and on the model's own ground
+  bool shadows = true;        // of the sun, on itself and on the model's own ground
+  bool ground_light = false;  // the model's ground is looked at: where it lies in the shade already, what sky it loses
 };
 
 // East, north, up (metres) of a place as seen from the site, in the site's tangent plane on the WGS 84 ellipsoid:
@@ -29,7 +30,7 @@ constexpr double kUsualRefraction = 0.13;
 double lift_by_refraction(double distance_m, double coefficient = kUsualRefraction);
 
 // [object]: model, scene, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13,
-// lifts it), heading_deg, scale, shadows. Problems are collected in the table's file.
+// lifts it), heading_deg, scale, shadows, ground_light. Problems are collected in the table's file.
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site);
 
 }  // namespace kasumi

@@ -50,7 +50,11 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
 }
 
 PreparedScene prepare_scene(const Installation& installation, const Model& model) {
-  return {cut_model(model), depth_for_gles(installation.scene, installation.scene_distances_m)};
+  PreparedScene prepared{cut_model(model), depth_for_gles(installation.scene, installation.scene_distances_m), nullptr};
+  if (!installation.object.shadows || !installation.object.ground_light || model.ground.empty()) return prepared;
+  auto ground = std::make_shared<GroundWatch>(installation.scene, model, installation.object.placement);
+  if (!ground->empty()) prepared.ground = std::move(ground);
+  return prepared;
 }
 
 Result<CompositorMaking> CompositorMaking::begin(GlContext& context, const Installation& installation,
@@ -66,6 +70,7 @@ Result<CompositorMaking> CompositorMaking::begin(GlContext& context, const Insta
   if (auto begun = renderer->begin_model(model, chunks); !begun) return fail(begun.error());
   Compositor made(std::move(*renderer), std::move(air), installation);
   made.filters_ = std::move(filters);
+  made.ground_ = prepared->ground;
   return CompositorMaking(std::move(made), installation, model, std::move(prepared));
 }
 
@@ -112,10 +117,37 @@ Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture&
   auto horizon = measure_horizon(metadata, picture, sky, now);
   const auto wanted = detail_for_gles(quality_, picture.view().layout, now.haze_blur_px);
   noise_ = noise_for_gles(quality_, white_balance_, metadata.gain.value_or(1.0), metadata.sequence);
+  if (ground_ && !clock_) {  // the layer is to know how this picture's ground is lit
+    if (horizon.valid()) air_.adopt(horizon.get());
+    if (auto fitted = update_detail(wanted); !fitted) return fitted;
+    look_at_ground(metadata, picture, now);
+  }
   auto updated = clock_ && layer_ ? update_layer_in_slices(metadata, now, wanted) : update_layer_at_once(now, wanted);
   if (horizon.valid()) air_.adopt(horizon.get());
   measured_ = air_.measured(now, renderer_.object_box());
+  if (question_ && ground_ && appearance_) question_->ground = GroundQuestion{ground_, appearance_, *measured_};
   return updated;
+}
+
+ObjectAppearance Compositor::lit_appearance(const SceneConditions& now) const {
+  ObjectAppearance appearance = air_.appearance(now, renderer_.object_box());
+  light_ground(appearance, ground_look_);
+  return appearance;
+}
+
+void Compositor::look_at_ground(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                const SceneConditions& now) {
+  const PixelBox box = renderer_.object_box();
+  if (!(appearance_ && layer_ && look_alike(now, *layer_)))
+    appearance_ = std::make_shared<const ObjectAppearance>(air_.appearance(now, box));
+  ground_->see(picture.view(), metadata, *appearance_, air_.measured(now, box));
+  ground_->shade_foot(true);
+  ground_look_ = ground_->look();
+}
+
+void Compositor::adopt(const HorizonAnswer& answer) {
+  air_.adopt(answer);
+  if (answer.watch && answer.watch == ground_) ground_look_ = answer.ground;
 }
 
 // Beside the drawing; once it is live, by somebody else.
@@ -125,17 +157,17 @@ std::future<HorizonAnswer> Compositor::measure_horizon(const FrameMetadata& meta
   if (!clock_ || !air_.horizon().usable())
     return std::async(std::launch::async, [&metadata, &picture, &now, sky = sky.picture, observer = air_.observer()] {
       const auto* above = sky ? &sky->view() : nullptr;
-      return HorizonAnswer{observer, metadata, observer->observe(picture.view(), above, &now)};
+      return HorizonAnswer{observer, metadata, observer->observe(picture.view(), above, &now), nullptr, {}};
     });
   air_.asked(metadata);
-  question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now};
+  question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now, {}};
   return {};
 }
 
 Result<> Compositor::update_layer_at_once(const SceneConditions& now, const ObjectDetail& wanted) {
   if (auto fitted = update_detail(wanted); !fitted) return fitted;
-  if (!unfinished_layer_ && !(layer_ && look_alike(now, *layer_)))
-    if (auto begun = begin_layer(now, air_.appearance(now, renderer_.object_box())); !begun) return begun;
+  if (!unfinished_layer_ && !(layer_ && look_alike(now, *layer_) && look_alike(ground_look_, layer_ground_)))
+    if (auto begun = begin_layer(now, lit_appearance(now), ground_look_); !begun) return begun;
   while (unfinished_layer_)
     if (const auto whole = continue_layer(); !whole) return fail(whole.error());
   return {};
@@ -148,7 +180,8 @@ Result<> Compositor::update_layer_in_slices(const FrameMetadata& metadata, const
   if (age > kAnswerBound || age < Duration::zero()) asked_layer_.reset();
   if (!unfinished_layer_ && layer_answer_) {
     const auto answer = std::exchange(layer_answer_, std::nullopt);
-    if (auto begun = begin_layer(answer->conditions, answer->appearance, {answer->detail, answer->sky}); !begun)
+    if (auto begun = begin_layer(answer->conditions, answer->appearance, answer->ground, {answer->detail, answer->sky});
+        !begun)
       return begun;
   }
   if (unfinished_layer_) {
@@ -156,9 +189,10 @@ Result<> Compositor::update_layer_in_slices(const FrameMetadata& metadata, const
     if (const auto whole = continue_layer([&] { return clock_->now() - began < kSlice; }); !whole)
       return fail(whole.error());
   }
-  if (!unfinished_layer_ && !asked_layer_ && (wanted != detail_ || !look_alike(now, *layer_))) {
+  if (!unfinished_layer_ && !asked_layer_ &&
+      (wanted != detail_ || !look_alike(now, *layer_) || !look_alike(ground_look_, layer_ground_))) {
     const auto air = std::make_shared<const SceneAir>(air_);
-    layer_question_ = LayerQuestion{air, now, wanted, renderer_.object_box(wanted), renderer_.reflects()};
+    layer_question_ = LayerQuestion{air, now, wanted, renderer_.object_box(wanted), renderer_.reflects(), ground_look_};
     asked_layer_ = AskedLayer{air, metadata.captured_at};
   }
   return {};
@@ -218,14 +252,15 @@ Result<> Compositor::begin_layer(const SkyReport& sky, PixelLayout layout) {
   const auto now = air_.conditions(sky);
   if (auto fitted = update_detail(detail_for_gles(quality_, layout, now.haze_blur_px)); !fitted) return fitted;
   measured_ = air_.measured(now, renderer_.object_box());
-  return begin_layer(now, air_.appearance(now, renderer_.object_box()));
+  return begin_layer(now, lit_appearance(now), ground_look_);
 }
 
-Result<> Compositor::begin_layer(const SceneConditions& now, const ObjectAppearance& appearance,
+Result<> Compositor::begin_layer(const SceneConditions& now, ObjectAppearance appearance, const GroundLook& ground,
                                  const WithLayer& with) {
   unfinished_layer_.reset();
   if (auto begun = renderer_.begin_layer(appearance, with); !begun) return begun;
-  unfinished_layer_ = UnfinishedLayer{now, with.detail.value_or(detail_)};
+  appearance_ = std::make_shared<const ObjectAppearance>(std::move(appearance));
+  unfinished_layer_ = UnfinishedLayer{now, with.detail.value_or(detail_), ground};
   return {};
 }
 
@@ -238,6 +273,7 @@ Result<bool> Compositor::continue_layer(const std::function<bool()>& time_is_lef
   if (!whole) unfinished_layer_.reset();
   if (!whole || !*whole) return whole;
   layer_ = unfinished_layer_->conditions;
+  layer_ground_ = unfinished_layer_->ground;
   detail_ = unfinished_layer_->detail;
   unfinished_layer_.reset();
   ++layers_drawn_;

@@ -10,6 +10,7 @@
 #include "gles/gl/context.hpp"
 #include "gles/gpu_model/model_chunks.hpp"
 #include "gles/object/renderer.hpp"
+#include "pipeline/scene/ground_watch.hpp"
 #include "pipeline/scene/layer_light.hpp"
 #include "pipeline/scene/scene_air.hpp"
 
@@ -75,10 +76,11 @@ class Compositor {
   // To be answered; once for each.
   std::optional<HorizonQuestion> take_question() { return std::exchange(question_, std::nullopt); }
   std::optional<LayerQuestion> take_layer_question() { return std::exchange(layer_question_, std::nullopt); }
-  void adopt(const HorizonAnswer& answer) { air_.adopt(answer); }
+  void adopt(const HorizonAnswer& answer);
   void adopt(LayerAnswer answer);  // one to another question than the last is left
 
   const SceneAir& air() const { return air_; }
+  const GroundLook& ground() const { return ground_look_; }  // as seen last
   std::uint64_t layers_drawn() const { return layers_drawn_; }
   // How frames reached the GPU: copied, or read in the driver's buffers. Such a buffer stays in use until the next
   // frame is drawn and the display has replaced the picture (Display::show() holds it), or until draw_again(). The
@@ -105,7 +107,10 @@ class Compositor {
   Result<> update_layer_at_once(const SceneConditions& now, const ObjectDetail& wanted);
   Result<> update_layer_in_slices(const FrameMetadata& metadata, const SceneConditions& now,
                                   const ObjectDetail& wanted);
-  Result<> begin_layer(const SceneConditions& now, const ObjectAppearance& appearance, const WithLayer& with = {});
+  Result<> begin_layer(const SceneConditions& now, ObjectAppearance appearance, const GroundLook& ground,
+                       const WithLayer& with = {});
+  ObjectAppearance lit_appearance(const SceneConditions& now) const;
+  void look_at_ground(const FrameMetadata& metadata, const DecodedPicture& picture, const SceneConditions& now);
   Result<bool> continue_layer(const std::function<bool()>& time_is_left);
   Result<> update_detail(const ObjectDetail& wanted);
   Result<> show(const DrawTarget& target);
@@ -122,7 +127,12 @@ class Compositor {
   struct UnfinishedLayer {
     SceneConditions conditions;
     ObjectDetail detail;
+    GroundLook ground;
   };
+  GroundLook layer_ground_;                             // and the ground's light
+  std::shared_ptr<GroundWatch> ground_;                 // null: there is none to be seen, or no shadow on it
+  GroundLook ground_look_;                              // newest
+  std::shared_ptr<const ObjectAppearance> appearance_;  // of the layer begun last
   std::optional<UnfinishedLayer> unfinished_layer_;
   std::uint64_t layers_drawn_ = 0;
   bool drawn_ = false;
@@ -145,7 +155,8 @@ class Compositor {
 // What a compositor needs beside the installation and takes long to compute, made without GL.
 struct PreparedScene {
   ModelChunks chunks;
-  Image<float> depth_m;  // as depth_for_gles()
+  Image<float> depth_m;                 // as depth_for_gles()
+  std::shared_ptr<GroundWatch> ground;  // null: there is none to be seen, or no shadow on it
 };
 PreparedScene prepare_scene(const Installation& installation, const Model& model);
 

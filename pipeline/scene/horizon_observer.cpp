@@ -23,8 +23,18 @@ HorizonLight HorizonObserver::modelled(const SceneConditions& conditions, const 
 
 HorizonAnswer answer(const HorizonQuestion& question) {
   const auto* sky = question.sky_picture ? &question.sky_picture->view() : nullptr;
-  return {question.observer, question.metadata,
-          question.observer->observe(question.picture.view(), sky, &question.conditions)};
+  HorizonAnswer made{question.observer,
+                     question.metadata,
+                     question.observer->observe(question.picture.view(), sky, &question.conditions),
+                     nullptr,
+                     {}};
+  if (!question.ground) return made;
+  GroundWatch& watch = *question.ground->watch;
+  watch.see(question.picture.view(), question.metadata, *question.ground->appearance, question.ground->measured);
+  watch.shade_foot(false);
+  made.watch = question.ground->watch;
+  made.ground = watch.look();
+  return made;
 }
 
 }  // namespace kasumi

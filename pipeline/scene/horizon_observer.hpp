@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "base/picture.hpp"
@@ -10,6 +11,7 @@
 #include "capture/frame.hpp"
 #include "estimator/horizon/horizon.hpp"
 #include "estimator/sky/site_sky.hpp"
+#include "pipeline/scene/ground_watch.hpp"
 #include "pipeline/scene/scene_conditions.hpp"
 
 namespace kasumi {
@@ -40,11 +42,14 @@ struct HorizonQuestion {
   CopiedPicture picture;
   std::shared_ptr<const DecodedPicture> sky_picture;  // may be null
   SceneConditions conditions;
+  std::optional<GroundQuestion> ground;  // of the same picture
 };
 struct HorizonAnswer {
   std::shared_ptr<const HorizonObserver> observer;  // that was asked
   FrameMetadata metadata;                           // of the picture
   HorizonLight seen;
+  std::shared_ptr<const GroundWatch> watch;  // that was asked; null: none
+  GroundLook ground;
 };
 HorizonAnswer answer(const HorizonQuestion& question);
 

@@ -6,6 +6,7 @@
 
 #include "gles/light/sky_squares.hpp"
 #include "gles/scene.hpp"
+#include "pipeline/scene/ground_watch.hpp"
 #include "pipeline/scene/scene_air.hpp"
 
 namespace kasumi {
@@ -17,6 +18,7 @@ struct LayerQuestion {
   ObjectDetail detail;  // of the layer
   PixelBox box;         // where the object appears with it
   bool mirrors = false;
+  GroundLook ground;
 };
 struct LayerAnswer {
   std::shared_ptr<const SceneAir> air;  // of the question
@@ -24,6 +26,7 @@ struct LayerAnswer {
   ObjectDetail detail;
   ObjectAppearance appearance;
   std::shared_ptr<const SkySquares> sky;
+  GroundLook ground;
 };
 LayerAnswer answer(const LayerQuestion& question);
 

@@ -47,6 +47,7 @@ class Stage {
   // What somebody else is to measure in a scene drawn lately, and what came of it.
   std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
   std::optional<LayerQuestion> take_layer_question() { return compositor_.take_layer_question(); }
+  const GroundLook& ground() const { return compositor_.ground(); }
   void adopt(const HorizonAnswer& answer) { compositor_.adopt(answer); }
   void adopt(LayerAnswer answer) { compositor_.adopt(std::move(answer)); }
 

@@ -36,6 +36,7 @@ inline const Walls kMayInclude = {
     {"estimator", {"base", "calib"}},
     {"estimator/air", {"estimator"}},
     {"estimator/fusion", {"estimator", "estimator/air", "estimator/horizon", "estimator/sky", "estimator/sky_fit"}},
+    {"estimator/ground", {}},
     {"estimator/haze", {"estimator/air"}},
     {"estimator/horizon", {}},
     {"estimator/landmarks", {"estimator/air", "estimator/fusion", "estimator/horizon"}},

@@ -1,7 +1,8 @@
 // The object's shadow on the real ground. The ground appears as L Gamma + (1 - Gamma) Linf; the shadow scales its own
 // light L by `kept` and leaves the airlight unchanged. The layer has one alpha for three channels: it is green's, which
 // dominates brightness, and is exact on any ground; the differences of red and blue go into N, and are exact on ground
-// of the proxy's colour.
+// of the proxy's colour. Ground that the sun does not reach has no sunlight to lose; at the object's foot it loses the
+// light of the sky that the object hides.
 #if !defined(FINAL_COLOUR) || defined(HAZE_PER_FRAGMENT)
 #include "haze.glsl"
 #endif
@@ -33,6 +34,14 @@ uniform sampler2D foreground;
 uniform vec3 horizon_patch[4];
 uniform mat3 fragment_to_patch;
 uniform float layer_unit;
+#if defined(GROUND_SUNLIGHT)
+uniform sampler2D ground_sunlight;
+uniform mat3 fragment_to_sunlight;
+#endif
+#if defined(FOOT_SHADE)
+uniform sampler2D foot_shade;
+varying vec2 v_foot;
+#endif
 #endif
 
 const float kLeastShadow = 0.0005;  // fraction of the light below which no shadow is drawn
@@ -41,8 +50,15 @@ const float kMapOfGround_m = 10.0;  // tolerance against being hidden, since the
 void main() {
   vec3 normal = normalize(v_normal);
   if (!gl_FrontFacing) normal = -normal;
-  vec3 sun = from_sun(normal), own = sun + from_sky(normal);
-  vec3 kept = 1.0 - (1.0 - sun_seen(normal)) * sun / max(own, 1e-6);
+  vec3 sun = from_sun(normal), sky = from_sky(normal);
+#if defined(GROUND_SUNLIGHT)
+  sun *= texture2D(ground_sunlight, (fragment_to_sunlight * vec3(gl_FragCoord.xy, 1.0)).xy).r;
+#endif
+  vec3 own = sun + sky, lost = (1.0 - sun_seen(normal)) * sun;
+#if defined(FOOT_SHADE)
+  lost += (1.0 - texture2D(foot_shade, v_foot).r) * sky;
+#endif
+  vec3 kept = 1.0 - lost / max(own, 1e-6);
 #if defined(FINAL_COLOUR)
   vec2 place = (fragment_to_picture * vec3(gl_FragCoord.xy, 1.0)).xy;
 #if defined(FOREGROUND)

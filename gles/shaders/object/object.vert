@@ -40,6 +40,10 @@ uniform mat3 pixel_to_clip;     // homogeneous pixels to clip x, y
 uniform mat4 sun_from_model;
 varying vec3 v_sun;
 #endif
+#if defined(FOOT_SHADE)
+uniform mat4 foot_from_model;
+varying vec2 v_foot;
+#endif
 varying vec3 v_normal;
 varying vec2 v_texture;
 varying vec4 v_colour;
@@ -72,6 +76,9 @@ void main() {
   v_normal = normal_to_world * normal;
 #if defined(SUN_SHADOW)
   v_sun = (sun_from_model * vec4(position, 1.0)).xyz;
+#endif
+#if defined(FOOT_SHADE)
+  v_foot = (foot_from_model * vec4(position, 1.0)).xy;
 #endif
   v_texture = texture_place;
   v_colour = colour;

@@ -163,8 +163,9 @@ TEST(ExampleConfiguration, ItsErasAreAccepted) {
   const auto& summer = given.config.eras.front();
   EXPECT_TRUE(summer.model && summer.scene && summer.picture && summer.caption && !summer.otherwise);
   for (const auto& key : given.keys)
-    if (key.starts_with("era[0].") || key.starts_with("era[1]."))
+    if (key.starts_with("era[0].") || key.starts_with("era[1].")) {
       EXPECT_NE(text.find("\n" + key.substr(7) + " = "), std::string::npos) << key;
+    }
 }
 
 TEST(ExampleConfiguration, AMissingKeyWouldBeFound) {

@@ -366,7 +366,7 @@ TEST_F(Compositors, LiveOnesLeaveWhatWasMeasuredForOthers) {
   ManualClock clock({});
   live.go_live(clock);
   const auto before = drawn(live, frame);
-  HorizonAnswer strange{other.air().observer(), frame.metadata, live.air().horizon()};
+  HorizonAnswer strange{other.air().observer(), frame.metadata, live.air().horizon(), nullptr, {}};
   ASSERT_FALSE(strange.seen.columns.empty());
   for (auto& column : strange.seen.columns) column.light *= 3.0;
   live.adopt(strange);

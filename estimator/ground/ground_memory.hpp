@@ -1,0 +1,62 @@
+// Whether the sun reaches the real ground, place by place, as its brightness tells: what light the sun and the sky send
+// there is known, how much of it the ground returns is learned. A brightness alone could be pale ground in the shade or
+// dark ground in the sun; a reflectance that explains it under many suns tells which. Per place a distribution over the
+// reflectance is kept, and what was seen in the last seconds, of which only the median counts: who walks by leaves
+// nothing behind.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace kasumi {
+
+// Of one place in one picture. Radiances in any common unit.
+struct GroundSight {
+  float radiance = 0.0f;  // the ground's own, without the air before it
+  float sun = 0.0f;       // of a white surface there in full sun, the sun's part of it
+  float sky = 0.0f;       // and the sky's
+  float sigma = 0.0f;     // relative, of the radiance; 0: nothing was seen there
+};
+
+struct GroundGuess {
+  float sunlit = 1.0f;  // share of the sun's light: the mean of what it may be
+  float sigma = 0.0f;   // and how far that scatters
+};
+
+class GroundMemory {
+ public:
+  // Reflectance of each place as far as it is known at first, 0..1: believed to a factor of 1.6.
+  explicit GroundMemory(std::span<const float> reflectance);
+
+  // One sight for each place. `at_s`: of the pictures' clock, in any order; only differences count.
+  void see(std::span<const GroundSight> sights, double at_s);
+
+  const std::vector<GroundGuess>& guesses() const { return guesses_; }
+  double reflectance(std::size_t place) const;  // the median of what it may be
+
+ private:
+  static constexpr int kSteps = 96;  // of the reflectance, evenly spaced in its logarithm
+  static constexpr int kLately = 5;  // sights of which the median counts
+  using Shares = std::array<float, kSteps>;
+  struct Place {
+    Shares prior, now;                    // of the reflectance; each sums to 1
+    std::array<float, kLately> lately{};  // brightness: radiance over sun + sky
+    int seen = 0;
+  };
+  struct Likelihood {
+    Shares of_step;
+    GroundGuess guess;
+  };
+  static float reflectance_of(int step);
+  Likelihood explain(const Shares& reflectance, const GroundSight& sight) const;
+  static void learn(Place& place, const Shares& likelihood, double weight, double forgotten);
+
+  std::vector<Place> places_;
+  std::vector<GroundGuess> guesses_;
+  std::optional<double> seen_at_s_, learned_at_s_;
+};
+
+}  // namespace kasumi
