@@ -88,17 +88,24 @@ TEST(FootShade, UnderARoofOnPillarsIsWhatTheFormulaSays) {
   EXPECT_NEAR(seen, 1.0 - hidden, 0.01);
 }
 
-// Close to a wall little is left of a sky that is bright beyond it alone, and nearly all of one bright on this side.
+// A sky brighter towards one side, 1 + slope d.y: before an endless wall whose top stands at angle a, (1 - cos a) pi / 2 +
+// slope 2 / 3 sin^2 a of its pi are hidden.
 TEST(FootShade, IsThatOfTheSkysBrightParts) {
+  constexpr double kAway_m = 4.0, kUp_m = 30.0;
   ModelPart wall;
-  add_quad(wall, {-50, 0, 0}, {100, 0, 0}, {0, 30, 0});
+  add_quad(wall, {-50, 0, 0}, {100, 0, 0}, {0, float(kUp_m), 0});
   const auto sky = sky_over_ground(with_ground(wall), model_to_world({}));
   ASSERT_TRUE(sky);
-  const auto bright = [](double side) {
-    return light_around_of([side](const Direction& d) { return glm::dvec3{side * d.y > 0.0 ? 1.0 : 0.0}; });
-  };
-  EXPECT_LE(seen_at(sky->under(bright(1.0)), 0.0, -4.0), 0.2);
-  EXPECT_GE(seen_at(sky->under(bright(-1.0)), 0.0, -4.0), 0.95);
+  const double top = std::atan2(kUp_m, kAway_m);
+  for (const double slope : {1.0, 0.0, -1.0}) {
+    const auto light =
+        light_around_of([slope](const Direction& d) { return glm::dvec3{d.z > 0.0 ? 1.0 + slope * d.y : 0.0}; });
+    const double hidden = (0.5 * kPi * (1.0 - std::cos(top)) + slope * 2.0 / 3.0 * std::sin(top) * std::sin(top)) / kPi;
+    const double seen = seen_at(sky->under(light), 0.0, -kAway_m);
+    fmt::print("sky of 1 {:+.0f} y, {:.0f} m before a wall of {:.0f} m: {:.4f}, by the formula {:.4f}\n", slope,
+               kAway_m, kUp_m, seen, 1.0 - hidden);
+    EXPECT_NEAR(seen, 1.0 - hidden, 0.03) << slope;
+  }
 }
 
 TEST(FootShade, EndsWhereTheMapEndsAndIsNoneWithoutGround) {
