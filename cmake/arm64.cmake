@@ -15,6 +15,6 @@ endforeach()
 set(ENV{PKG_CONFIG_SYSROOT_DIR} "${CMAKE_SYSROOT}")
 set(ENV{PKG_CONFIG_LIBDIR} "${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig")
 
-# The package: its architecture, and where dpkg-shlibdeps finds the libraries, with DPKG_ADMINDIR naming the database of the sysroot.
-set(CPACK_DEBIAN_KASUMI_PACKAGE_ARCHITECTURE arm64)
+# The packages: their architecture, and where dpkg-shlibdeps finds the libraries, with DPKG_ADMINDIR naming the database of the sysroot.
+set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu ${CMAKE_SYSROOT}/lib/aarch64-linux-gnu)
