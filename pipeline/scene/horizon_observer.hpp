@@ -48,8 +48,8 @@ struct HorizonAnswer {
   std::shared_ptr<const HorizonObserver> observer;  // that was asked
   FrameMetadata metadata;                           // of the picture
   HorizonLight seen;
-  std::shared_ptr<const GroundWatch> watch;  // that was asked; null: none
-  GroundLook ground;
+  std::shared_ptr<const GroundWatch> watch{};  // that was asked; null: none
+  GroundLook ground{};
 };
 HorizonAnswer answer(const HorizonQuestion& question);
 
