@@ -114,6 +114,7 @@ TEST_F(Mqtt, TheLastWillIsToldWhenTheReporterIsKilled) {
   const MqttBroker broker(report_folder("mqtt-will-broker"));
   RunningReporter reporter("mqtt-will", {}, mqtt_table(broker));
   ASSERT_TRUE(within(20, [&] { return broker.retained("kasumi/hill/available", 1) == "online"; })) << reporter.log();
+  ASSERT_TRUE(within(20, [&] { return !broker.retained("kasumi/hill/state", 1).empty(); })) << reporter.log();
   reporter.child().stop(SIGKILL);
   EXPECT_TRUE(within(10, [&] { return broker.retained("kasumi/hill/available", 1) == "offline"; }));
   EXPECT_EQ(json_of(broker.retained("kasumi/hill/state"))["sight"], "live") << "as it was known last";
