@@ -155,8 +155,8 @@ std::vector<double> rings_of(const LandView& view) {
     rings.push_back(from * std::pow(view.farthest_m / from, static_cast<double>(i) / (view.rings - 1)));
   rings.push_back(view.nearest_m);
   std::ranges::sort(rings);
-  const auto same = std::ranges::unique(rings, [](double a, double b) { return b < 1.0005 * a; });
-  rings.erase(same.begin(), same.end());
+  const auto same = [](double a, double b) { return b < 1.0005 * a; };
+  rings.erase(std::unique(rings.begin(), rings.end(), same), rings.end());
   return rings;
 }
 
