@@ -2,12 +2,13 @@
 #include <cmath>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include <glm/geometric.hpp>
 
 #include "base/files.hpp"
 #include "base/picture_header.hpp"
+#include "base/picture_files/decode_picture.hpp"
 #include "calib/camera.hpp"
 #include "calib/lens/polynomial.hpp"
 
@@ -121,6 +122,18 @@ SpectralSensitivity read_sensitivity(const ConfigTable& table, Camera::ColourSpa
   return *sensitivity;
 }
 
+// 8 bits of grey, transparency left out; empty: it has other bits.
+Image<std::uint8_t> grey_of(cv::Mat picture) {
+  if (!picture.empty() && picture.depth() == CV_16U)
+    picture.convertTo(picture, CV_8U, 1.0 / 256.0, -0.498);  // the upper byte
+  if (picture.empty() || picture.depth() != CV_8U) return {};
+  if (picture.channels() == 3) cv::cvtColor(picture, picture, cv::COLOR_RGB2GRAY);
+  if (picture.channels() == 4) cv::cvtColor(picture, picture, cv::COLOR_RGBA2GRAY);
+  Image<std::uint8_t> grey(picture.cols, picture.rows);
+  for (int y = 0; y < grey.height(); ++y) std::copy_n(picture.ptr<std::uint8_t>(y), grey.width(), grey.row(y));
+  return grey;
+}
+
 Image<std::uint8_t> read_mask(const ConfigTable& table, int width, int height) {
   const auto path = table.optional_file("mask");
   std::error_code error;
@@ -136,18 +149,12 @@ Image<std::uint8_t> read_mask(const ConfigTable& table, int width, int height) {
                                       header->width, header->height));
     return {};
   }
-  cv::Mat grey;
-  try {
-    if (header) grey = cv::imdecode(*bytes, cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {
-    grey.release();
-  }
-  if (grey.empty() || grey.type() != CV_8UC1 || grey.cols != width || grey.rows != height) {
+  const auto picture = header ? decode_picture_file(*header, *bytes) : Result<cv::Mat>();
+  auto mask = grey_of(picture.value_or(cv::Mat()));
+  if (mask.width() != width || mask.height() != height) {
     table.problem("mask", "a PNG");
     return {};
   }
-  Image<std::uint8_t> mask(width, height);
-  for (int y = 0; y < height; ++y) std::copy_n(grey.ptr<std::uint8_t>(y), width, mask.row(y));
   return mask;
 }
 

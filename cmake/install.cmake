@@ -4,6 +4,7 @@
 set(doc share/doc/kasumi)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME kasumi)
 install(TARGETS kasumi RUNTIME DESTINATION bin)
+install(TARGETS kasumi_rare_files LIBRARY DESTINATION lib/kasumi)
 install(FILES systemd/kasumi.service DESTINATION lib/systemd/system)
 install(PROGRAMS systemd/wait-before-start DESTINATION lib/kasumi)
 install(FILES systemd/71-kasumi.rules DESTINATION lib/udev/rules.d)

@@ -3,21 +3,20 @@
 #include <cmath>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
 #include "base/picture_header.hpp"
+#include "base/picture_files/decode_picture.hpp"
 
 namespace kasumi {
 namespace {
 
-// Of a file whose header was read and found within bounds.
-cv::Mat decoded(const std::vector<std::uint8_t>& bytes) {
-  try {
-    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-  }
-  return {};
+// Empty: damaged, or no picture.
+Result<cv::Mat> decoded(const std::optional<PictureHeader>& header, const std::vector<std::uint8_t>& bytes) {
+  if (!header) return cv::Mat();
+  auto map = decode_picture_file(*header, bytes);
+  if (!map && map.error().kind == FaultKind::bad_input) return cv::Mat();
+  return map;
 }
 
 // Replaces infinity by 0. Returns what was expected in place of the first bad value.
@@ -64,7 +63,12 @@ Image<float> read_distance_map(const ConfigTable& scene, int width, int height) 
                                            height, header->width, header->height));
     return {};
   }
-  const cv::Mat map = header ? decoded(*bytes) : cv::Mat();
+  const auto read = decoded(header, *bytes);
+  if (!read) {
+    scene.problem("depth_map", fmt::format("a file that can be read ({})", read.error().message));
+    return {};
+  }
+  const cv::Mat& map = *read;
   const bool in_metres = map.type() == CV_32FC1;
   if (map.empty() || !(in_steps(map) || in_metres) || map.cols != width || map.rows != height) {
     scene.problem("depth_map", "a grey PNG of 16 bits, or a grey PFM of metres");
@@ -88,7 +92,9 @@ Result<Image<float>> read_distances(const std::filesystem::path& path, std::opti
   if (header)
     if (auto bounded = check_size(*header, kPhotographLimits); !bounded)
       return fail(FaultKind::bad_input, "{}: {}", path.string(), bounded.error().message);
-  const cv::Mat map = header ? decoded(*bytes) : cv::Mat();
+  const auto read = decoded(header, *bytes);
+  if (!read) return fail(read.error().kind, "{}: {}", path.string(), read.error().message);
+  const cv::Mat& map = *read;
   if (map.empty() || !(in_steps(map) || map.type() == CV_32FC1))
     return fail(FaultKind::bad_input, "{}: expected a depth map: a grey PNG of 16 bits, or a grey PFM or EXR of metres",
                 path.string());

@@ -1,11 +1,11 @@
 #include <cmath>
 
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
 #include "base/picture_header.hpp"
+#include "base/picture_files/decode_picture.hpp"
 #include "base/table/config_table.hpp"
 #include "calib/mask/scene_mask.hpp"
 
@@ -21,21 +21,19 @@ Result<Image<Stroke>> read_picture(const std::filesystem::path& path, int width,
   if (header && !header->is(width, height))
     return fail(FaultKind::bad_input, "{}: {} x {}, expected {} x {} like the picture the strokes are for",
                 path.string(), header->width, header->height, width, height);
-  cv::Mat bgra;
-  try {
-    if (header) bgra = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    bgra.release();
-  }
-  if (bgra.empty() || bgra.depth() != CV_8U || bgra.channels() < 3 || bgra.cols != width || bgra.rows != height)
+  const auto read = header ? decode_picture_file(*header, *bytes) : Result<cv::Mat>();
+  if (!read && read.error().kind == FaultKind::unsupported)
+    return fail(read.error().kind, "{}: {}", path.string(), read.error().message);
+  const cv::Mat rgba = read.value_or(cv::Mat());
+  if (rgba.empty() || rgba.depth() != CV_8U || rgba.channels() < 3 || rgba.cols != width || rgba.rows != height)
     return fail(FaultKind::bad_input, "{}: expected a PNG of 8-bit colours with red, green or blue strokes",
                 path.string());
   Image<Stroke> strokes(width, height, Stroke::none);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const auto* pixel = bgra.ptr<std::uint8_t>(y) + x * bgra.channels();
-      if (bgra.channels() == 4 && pixel[3] < 128) continue;
-      const int blue = pixel[0], green = pixel[1], red = pixel[2];
+      const auto* pixel = rgba.ptr<std::uint8_t>(y) + x * rgba.channels();
+      if (rgba.channels() == 4 && pixel[3] < 128) continue;
+      const int red = pixel[0], green = pixel[1], blue = pixel[2];
       if (red - std::max(green, blue) > kVivid)
         strokes.at(x, y) = Stroke::hidden;
       else if (std::max(green, blue) - red > kVivid)

@@ -1,7 +1,7 @@
 #include <vector>
 
 #include "capture/codec/jpeg.hpp"
-#include "capture/codec/jpeg_errors.hpp"
+#include "base/picture_files/jpeg_errors.hpp"
 
 namespace kasumi {
 

@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "capture/codec/jpeg.hpp"
-#include "capture/codec/jpeg_errors.hpp"
+#include "base/picture_files/jpeg_errors.hpp"
 
 namespace kasumi {
 

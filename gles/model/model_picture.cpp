@@ -2,10 +2,20 @@
 
 #include <cstring>
 
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include "base/picture_files/picture_file.hpp"
 
 namespace kasumi {
+
+namespace {
+
+std::uint8_t in_8_bits(const DecodedFile& file, std::size_t sample) {
+  if (file.bits == 8) return file.samples[sample];
+  std::uint16_t value = 0;
+  std::memcpy(&value, file.samples.data() + 2 * sample, sizeof value);
+  return static_cast<std::uint8_t>((value + 128) / 257);
+}
+
+}  // namespace
 
 Result<PictureHeader> model_picture_size(std::span<const std::uint8_t> file, int largest) {
   const auto header = picture_header(file);
@@ -16,26 +26,18 @@ Result<PictureHeader> model_picture_size(std::span<const std::uint8_t> file, int
 }
 
 Result<Image<glm::u8vec4>> decode_picture(std::span<const std::uint8_t> file, int largest) {
-  if (auto size = model_picture_size(file, largest); !size) return fail(size.error());
-  cv::Mat decoded, rgba;
-  try {
-    const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
-    decoded = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);  // keeps alpha and ignores the EXIF orientation
-    if (decoded.empty()) return fail(FaultKind::bad_input, "damaged");
-    if (decoded.depth() == CV_16U) decoded.convertTo(decoded, CV_8U, 1.0 / 257.0);
-    if (decoded.depth() != CV_8U) return fail(FaultKind::bad_input, "neither 8 nor 16 bits a channel");
-    switch (decoded.channels()) {
-      case 1: cv::cvtColor(decoded, rgba, cv::COLOR_GRAY2RGBA); break;
-      case 3: cv::cvtColor(decoded, rgba, cv::COLOR_BGR2RGBA); break;
-      case 4: cv::cvtColor(decoded, rgba, cv::COLOR_BGRA2RGBA); break;
-      default: return fail(FaultKind::bad_input, "{} channels: expected 1, 3 or 4", decoded.channels());
-    }
-  } catch (const std::exception& error) {
-    return fail(FaultKind::bad_input, "damaged ({})", error.what());
+  const auto header = model_picture_size(file, largest);
+  if (!header) return fail(header.error());
+  const auto decoded = header->format == "PNG" ? decode_png(file) : decode_jpeg_file(file);
+  if (!decoded) return fail(decoded.error());
+  const bool grey = decoded->channels == 1;
+  Image<glm::u8vec4> image(decoded->width, decoded->height);
+  std::size_t at = 0;
+  for (glm::u8vec4& texel : image.elements()) {
+    for (const int c : {0, 1, 2}) texel[c] = in_8_bits(*decoded, at + static_cast<std::size_t>(grey ? 0 : c));
+    texel.a = decoded->channels == 4 ? in_8_bits(*decoded, at + 3) : 255;
+    at += static_cast<std::size_t>(decoded->channels);
   }
-  Image<glm::u8vec4> image(rgba.cols, rgba.rows);
-  for (int y = 0; y < rgba.rows; ++y)
-    std::memcpy(image.row(y), rgba.ptr(y), static_cast<std::size_t>(rgba.cols) * sizeof(glm::u8vec4));
   return image;
 }
 

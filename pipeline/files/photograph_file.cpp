@@ -5,11 +5,14 @@
 #include <cmath>
 #include <span>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
+#include "base/picture_files/picture_file.hpp"
 #include "base/picture_header.hpp"
+#include "base/picture_files/decode_picture.hpp"
+#include "base/picture_files/rare_files.hpp"
+#include "capture/codec/encode.hpp"
 #include "capture/codec/jpeg.hpp"
 
 namespace kasumi {
@@ -20,6 +23,7 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
 }
 
+// R G B (A), as many bits as the file has.
 Result<cv::Mat> decode_file(const std::filesystem::path& path, std::string* damage) {
   const auto bytes = read_file(path);
   if (!bytes) return fail(bytes.error());
@@ -28,15 +32,15 @@ Result<cv::Mat> decode_file(const std::filesystem::path& path, std::string* dama
     if (auto bounded = check_size(*header, kPhotographLimits); !bounded)
       return fail(FaultKind::bad_input, "{}: {}", path.string(), bounded.error().message);
   cv::Mat image;
-  try {
-    if (header) image = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& error) {
-    return fail(FaultKind::bad_input, "{}: not a picture that can be read: {}", path.string(), error.err);
+  if (header) {
+    auto decoded = decode_picture_file(*header, *bytes);
+    if (!decoded) return fail(decoded.error().kind, "{}: {}", path.string(), decoded.error().message);
+    image = std::move(*decoded);
   }
   if (image.empty())
     return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF or PNM)",
                 path.string());
-  // OpenCV makes grey of what is missing, without a word.
+  // Decoders make grey of what is missing, without a word.
   if (damage) damage->clear();
   if (is_jpeg(*bytes))
     if (const auto whole = check_jpeg(*bytes); !whole) {
@@ -44,6 +48,33 @@ Result<cv::Mat> decode_file(const std::filesystem::path& path, std::string* dama
       *damage = whole.error().message;
     }
   return image;
+}
+
+template <class T>
+Image<glm::vec<3, T>> rounded(const Image<glm::vec3>& encoded, float largest) {
+  Image<glm::vec<3, T>> picture(encoded.width(), encoded.height());
+  for (std::size_t i = 0; i < encoded.elements().size(); ++i)
+    for (const int c : {0, 1, 2})
+      picture.elements()[i][c] =
+          static_cast<T>(std::lround(largest * std::clamp(encoded.elements()[i][c], 0.0F, 1.0F)));
+  return picture;
+}
+
+template <class T>
+Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& picture) {
+  const auto files = rare_files();
+  if (!files) return fail(files.error());
+  const cv::Mat rgb(picture.height(), picture.width(), CV_MAKETYPE(cv::DataType<T>::depth, 3),
+                    const_cast<glm::vec<3, T>*>(picture.elements().data()));
+  cv::Mat bgr;
+  std::vector<std::uint8_t> bytes;
+  try {
+    cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+    if (!(*files)->encode(".tiff", bgr, bytes)) return fail(FaultKind::io, "not by this machine's OpenCV");
+  } catch (const cv::Exception& error) {
+    return fail(FaultKind::io, "{}", error.err);
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -54,8 +85,8 @@ Result<Photograph> read_photograph(const std::filesystem::path& path, std::strin
   cv::Mat rgb;
   switch (image->channels()) {
     case 1: cv::cvtColor(*image, rgb, cv::COLOR_GRAY2RGB); break;
-    case 3: cv::cvtColor(*image, rgb, cv::COLOR_BGR2RGB); break;
-    case 4: cv::cvtColor(*image, rgb, cv::COLOR_BGRA2RGB); break;
+    case 3: rgb = *image; break;
+    case 4: cv::cvtColor(*image, rgb, cv::COLOR_RGBA2RGB); break;
     default: return fail(FaultKind::bad_input, "{}: {} channels, expected 1, 3 or 4", path.string(), image->channels());
   }
 
@@ -95,26 +126,21 @@ Result<> write_photograph(const std::filesystem::path& path, const Photograph& p
     return fail(FaultKind::bad_input, "{}: expected a name that ends in .png, .jpg or .tiff", path.string());
   const bool fine = !jpeg && photograph.quantum < 1.0 / 255.0;
   const auto& encoded = photograph.encoded;
-  cv::Mat picture(encoded.height(), encoded.width(), fine ? CV_16UC3 : CV_8UC3);
-  const float largest = fine ? 65535.0F : 255.0F;
-  for (int y = 0; y < encoded.height(); ++y)
-    for (int x = 0; x < encoded.width(); ++x)
-      for (int c = 0; c < 3; ++c) {
-        const auto value = std::lround(largest * std::clamp(encoded.at(x, y)[c], 0.0F, 1.0F));
-        if (fine)
-          picture.at<cv::Vec3w>(y, x)[2 - c] = static_cast<std::uint16_t>(value);
-        else
-          picture.at<cv::Vec3b>(y, x)[2 - c] = static_cast<std::uint8_t>(value);
-      }
-  std::vector<std::uint8_t> bytes;
-  try {
-    if (!cv::imencode(extension, picture, bytes,
-                      jpeg ? std::vector{int{cv::IMWRITE_JPEG_QUALITY}, 95} : std::vector<int>{}))
-      return fail(FaultKind::io, "{}: cannot be encoded", path.string());
-  } catch (const cv::Exception& error) {
-    return fail(FaultKind::io, "{}: cannot be encoded: {}", path.string(), error.err);
-  }
-  return write_file(path, bytes);
+  if (encoded.empty()) return fail(FaultKind::bad_input, "{}: the picture is empty", path.string());
+  constexpr int kJpegQuality = 95;
+  const auto encode = [&]() -> Result<std::vector<std::uint8_t>> {
+    const bool tiff = !jpeg && extension != ".png";
+    if (fine) {
+      const auto picture = rounded<std::uint16_t>(encoded, 65535.0F);
+      return tiff ? encode_tiff(picture) : encode_png(picture);
+    }
+    const auto picture = rounded<std::uint8_t>(encoded, 255.0F);
+    if (jpeg) return encode_jpeg(picture, kJpegQuality, ChromaSubsampling::s420);
+    return tiff ? encode_tiff(picture) : encode_png(picture);
+  };
+  const auto bytes = encode();
+  if (!bytes) return fail(FaultKind::io, "{}: cannot be encoded: {}", path.string(), bytes.error().message);
+  return write_file(path, *bytes);
 }
 
 }  // namespace kasumi

@@ -2,12 +2,11 @@
 
 #include <system_error>
 
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "base/files.hpp"
+#include "base/picture_files/picture_file.hpp"
+#include "base/picture_files/rare_files.hpp"
 #include "base/unfinished_file.hpp"
 
 namespace kasumi {
@@ -37,42 +36,45 @@ class PictureFolder final : public PictureSink {
 
 class FilmWriter final : public PictureSink {
  public:
-  FilmWriter(std::filesystem::path file, double frames_per_second)
-      : file_(std::move(file)), unfinished_(unfinished_name(file_)), frames_per_second_(frames_per_second) {}
+  FilmWriter(const RareFiles& files, std::filesystem::path file, double frames_per_second)
+      : files_(files),
+        file_(std::move(file)),
+        unfinished_(unfinished_name(file_)),
+        frames_per_second_(frames_per_second) {}
   ~FilmWriter() override {
     std::error_code ignored;
-    writer_.release();
+    encoder_.reset();
     std::filesystem::remove(unfinished_, ignored);
   }
 
   Result<> put(const Image<Rgb8>& picture) override {
     // Both codecs require even sizes.
     const cv::Mat bgr = to_bgr(picture)(cv::Rect(0, 0, picture.width() & ~1, picture.height() & ~1));
-    if (!writer_.isOpened()) {
+    if (!encoder_) {
       size_ = bgr.size();
-      for (const int codec : {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')})
-        if (writer_.open(unfinished_.string(), cv::CAP_FFMPEG, codec, frames_per_second_, size_)) break;
-      if (!writer_.isOpened())
+      encoder_ = files_.make_film(unfinished_.string(), frames_per_second_, size_);
+      if (!encoder_)
         return fail(FaultKind::io, "{}: cannot be written as a film by this machine's OpenCV ({}x{} pixels)",
                     file_.string(), size_.width, size_.height);
     }
     if (bgr.size() != size_)
       return fail(FaultKind::bad_input, "{}: the pictures of a film must have one size", file_.string());
-    writer_.write(bgr);
+    encoder_->write(bgr);
     return {};
   }
 
   Result<> finish() override {
-    if (!writer_.isOpened())
-      return fail(FaultKind::bad_input, "{}: no pictures, so no film was written", file_.string());
-    writer_.release();
+    if (!encoder_) return fail(FaultKind::bad_input, "{}: no pictures, so no film was written", file_.string());
+    encoder_->finish();
+    encoder_.reset();
     return finish_file(unfinished_, file_);
   }
 
  private:
+  const RareFiles& files_;
   std::filesystem::path file_, unfinished_;
   double frames_per_second_;
-  cv::VideoWriter writer_;
+  std::unique_ptr<FilmEncoder> encoder_;  // from the first picture on
   cv::Size size_;
 };
 
@@ -86,18 +88,15 @@ Result<> make_folder(const std::filesystem::path& folder) {
 }  // namespace
 
 Result<> write_png(const std::filesystem::path& path, const Image<Rgb8>& picture) {
-  std::vector<std::uint8_t> bytes;
-  if (picture.empty() || !cv::imencode(".png", to_bgr(picture), bytes))
-    return fail(FaultKind::io, "{}: the picture cannot be encoded", path.string());
-  return write_file(path, bytes);
+  const auto bytes = encode_png(picture);
+  if (!bytes) return fail(FaultKind::io, "{}: {}", path.string(), bytes.error().message);
+  return write_file(path, *bytes);
 }
 
 Result<> write_png(const std::filesystem::path& path, const Image<std::uint8_t>& grey) {
-  const cv::Mat view(grey.height(), grey.width(), CV_8UC1, const_cast<std::uint8_t*>(grey.elements().data()));
-  std::vector<std::uint8_t> bytes;
-  if (grey.empty() || !cv::imencode(".png", view, bytes))
-    return fail(FaultKind::io, "{}: the picture cannot be encoded", path.string());
-  return write_file(path, bytes);
+  const auto bytes = encode_png(grey);
+  if (!bytes) return fail(FaultKind::io, "{}: {}", path.string(), bytes.error().message);
+  return write_file(path, *bytes);
 }
 
 Result<std::unique_ptr<PictureSink>> open_picture_folder(const std::filesystem::path& folder) {
@@ -113,8 +112,9 @@ Result<std::unique_ptr<PictureSink>> open_picture_folder(const std::filesystem::
 Result<std::unique_ptr<PictureSink>> open_film(const std::filesystem::path& file, double frames_per_second) {
   if (file.has_parent_path())
     if (auto made = make_folder(file.parent_path()); !made) return fail(made.error());
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // a missing codec is reported by us
-  return std::make_unique<FilmWriter>(file, frames_per_second);
+  const auto files = rare_files();
+  if (!files) return fail(files.error().kind, "{}: {}", file.string(), files.error().message);
+  return std::make_unique<FilmWriter>(**files, file, frames_per_second);
 }
 
 }  // namespace kasumi

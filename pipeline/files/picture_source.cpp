@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
+
+#include "base/picture_files/rare_files.hpp"
 
 namespace kasumi {
 
@@ -52,12 +52,12 @@ class PictureFiles final : public PictureSource {
 
 class FilmReader final : public PictureSource {
  public:
-  FilmReader(std::filesystem::path file, cv::VideoCapture capture)
-      : file_(std::move(file)), capture_(std::move(capture)) {}
+  FilmReader(std::filesystem::path file, std::unique_ptr<FilmDecoder> decoder)
+      : file_(std::move(file)), decoder_(std::move(decoder)) {}
   Result<std::optional<NamedPicture>> next() override {
     cv::Mat frame;
     try {
-      if (!capture_.read(frame)) {
+      if (!decoder_->read(frame)) {
         if (count_ == 0) return fail(FaultKind::bad_input, "{}: no picture can be read of this film", file_.string());
         return std::nullopt;
       }
@@ -76,28 +76,29 @@ class FilmReader final : public PictureSource {
     return picture;
   }
   std::optional<double> frames_per_second() const override {
-    const double found = capture_.get(cv::CAP_PROP_FPS);
+    const double found = decoder_->frames_per_second();
     return std::isfinite(found) && found > 0.0 ? std::optional(found) : std::nullopt;
   }
   bool is_sequence() const override { return true; }
 
  private:
   std::filesystem::path file_;
-  cv::VideoCapture capture_;
+  std::unique_ptr<FilmDecoder> decoder_;
   int count_ = 0;
 };
 
 Result<std::unique_ptr<PictureSource>> open_film_to_read(const std::filesystem::path& path) {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // unreadable files are reported by us
-  cv::VideoCapture capture;
+  const auto files = rare_files();
+  if (!files) return fail(files.error().kind, "{}: {}", path.string(), files.error().message);
+  std::unique_ptr<FilmDecoder> decoder;
   try {
-    capture.open(path.string(), cv::CAP_FFMPEG);
+    decoder = (*files)->open_film(path.string());
   } catch (const cv::Exception&) {
   }
-  if (!capture.isOpened())
+  if (!decoder)
     return fail(FaultKind::bad_input, "{}: cannot be read as a film by this machine's OpenCV and FFmpeg",
                 path.string());
-  return std::make_unique<FilmReader>(path, std::move(capture));
+  return std::make_unique<FilmReader>(path, std::move(decoder));
 }
 
 Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& path, bool allow_damaged) {

@@ -3,10 +3,10 @@
 #include <memory>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
+#include "base/picture_files/picture_file.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/snapshot/blurred_picture.hpp"
 #include "pipeline/snapshot/local_socket.hpp"
@@ -60,16 +60,14 @@ Result<Snapshot> ask(const SnapshotArguments& arguments) {
 // A blurred picture is enlarged softly, since its own few pixels would be a stamp.
 Result<std::vector<std::uint8_t>> snapshot_png(const Snapshot& snapshot) {
   const auto& picture = snapshot.picture;
-  const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.elements().data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  if (snapshot.kind == SnapshotKind::blurred) {
-    const double scale = static_cast<double>(kEnlargedPixels) / std::max(picture.width(), picture.height());
-    cv::resize(bgr, bgr, {}, scale, scale, cv::INTER_CUBIC);
-  }
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", bgr, bytes)) return fail(FaultKind::io, "the picture cannot be encoded");
-  return bytes;
+  if (snapshot.kind != SnapshotKind::blurred) return encode_png(picture);
+  const double scale = static_cast<double>(kEnlargedPixels) / std::max(picture.width(), picture.height());
+  const cv::Mat small(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.elements().data()));
+  Image<Rgb8> enlarged(cv::saturate_cast<int>(picture.width() * scale),
+                       cv::saturate_cast<int>(picture.height() * scale));
+  cv::Mat large(enlarged.height(), enlarged.width(), CV_8UC3, enlarged.elements().data());
+  cv::resize(small, large, large.size(), 0.0, 0.0, cv::INTER_CUBIC);
+  return encode_png(enlarged);
 }
 
 Result<int> take_snapshot(const SnapshotArguments& arguments) {

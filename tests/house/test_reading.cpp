@@ -1,4 +1,7 @@
 // How the repository's code reads what may be damaged.
+#include <algorithm>
+#include <array>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +29,12 @@ TEST(Reading, NoPictureIsDecodedBeforeItsSizeIsKnown) {
   std::vector<std::string> decoders, found;
   for (const auto& [name, text] : texts_ending_in(repository_files(), {".cpp", ".hpp"})) {
     if (name.starts_with("tests/") || name.starts_with("fixtures/")) continue;
-    if (text.find("imdecode(") == std::string::npos && text.find("imread(") == std::string::npos) continue;
+    // What decodes without knowing whose file it is: whoever calls it has bounded the file's size.
+    if (name.starts_with("base/picture_files/")) continue;
+    constexpr std::array<const char*, 5> kDecoders{"imdecode(", "imread(", "decode_picture_file(", "decode_png(",
+                                                   "decode_jpeg_file("};
+    if (std::ranges::none_of(kDecoders, [&](const char* call) { return text.find(call) != std::string::npos; }))
+      continue;
     decoders.push_back(name);
     if (text.find("picture_header(") == std::string::npos) found.push_back(name);
   }

@@ -19,11 +19,12 @@ struct Outcome {
   std::string out, err;
 };
 
-// Runs `kasumi ARGUMENTS` through a shell.
-inline Outcome run_kasumi(const std::string& arguments) {
+// Runs `ENVIRONMENT kasumi ARGUMENTS` through a shell.
+inline Outcome run_kasumi(const std::string& arguments, const std::string& environment = "") {
   const auto errors = test_folder(fmt::format("stderr-{}.txt", ::getpid()));  // test programs run side by side
   Outcome outcome;
-  FILE* pipe = ::popen(fmt::format("{} {} 2>{}", kasumi_program().string(), arguments, errors.string()).c_str(), "r");
+  const auto command = fmt::format("{} {} {} 2>{}", environment, kasumi_program().string(), arguments, errors.string());
+  FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) return outcome;
   std::array<char, 4096> buffer;
   for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)

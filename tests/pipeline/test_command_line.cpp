@@ -298,6 +298,15 @@ TEST(CommandLine, AReplayWithoutAPictureIsNoSuccess) {
   EXPECT_THAT(outcome.err, HasSubstr("x scene camera: "));
 }
 
+// What reads films and rare pictures comes with two hundred libraries, which would double the time to the first picture
+// and the memory of a kiosk that never opens such a file.
+TEST(CommandLine, TheProgramItselfLoadsNoLibraryOfFilms) {
+  const auto loaded = run_kasumi("--version", "LD_TRACE_LOADED_OBJECTS=1");
+  ASSERT_THAT(loaded.out, testing::HasSubstr("libopencv_core"));
+  for (const char* library : {"libgdal", "libavcodec", "libopencv_imgcodecs", "libopencv_videoio"})
+    EXPECT_THAT(loaded.out, testing::Not(testing::HasSubstr(library)));
+}
+
 TEST(CommandLine, AMissingFixtureIsBadInput) {
   const auto outcome = run_kasumi("replay /nowhere/at-all");
   EXPECT_EQ(outcome.code, 2);

@@ -10,14 +10,17 @@
 
 namespace kasumi {
 
+enum class JpegDamage { is_an_error, is_left };  // left: libjpeg makes something of it
+
 class JpegErrors {
  public:
-  JpegErrors() {
+  explicit JpegErrors(JpegDamage damage = JpegDamage::is_an_error) {
     jpeg_std_error(&base_);
     base_.error_exit = [](j_common_ptr info) { leave(info); };
     base_.emit_message = [](j_common_ptr info, int level) {
       if (level < 0 && !harmless(info->err->msg_code)) leave(info);  // level < 0: a warning, the data are damaged
     };
+    if (damage == JpegDamage::is_left) base_.emit_message = [](j_common_ptr, int) {};
   }
   JpegErrors(const JpegErrors&) = delete;  // libjpeg keeps its address
   JpegErrors& operator=(const JpegErrors&) = delete;

@@ -1,0 +1,74 @@
+// The module itself: OpenCV's pictures and films.
+#include <cstdlib>
+
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "base/picture_files/rare_files.hpp"
+
+namespace kasumi {
+
+namespace {
+
+class OpenCvFilmDecoder final : public FilmDecoder {
+ public:
+  explicit OpenCvFilmDecoder(const std::string& file) { capture_.open(file, cv::CAP_FFMPEG); }
+  bool is_open() const { return capture_.isOpened(); }
+  bool read(cv::Mat& bgr) override { return capture_.read(bgr); }
+  double frames_per_second() const override { return capture_.get(cv::CAP_PROP_FPS); }
+
+ private:
+  cv::VideoCapture capture_;
+};
+
+class OpenCvFilmEncoder final : public FilmEncoder {
+ public:
+  OpenCvFilmEncoder(const std::string& file, double frames_per_second, cv::Size size) {
+    for (const int codec : {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')})
+      if (writer_.open(file, cv::CAP_FFMPEG, codec, frames_per_second, size)) return;
+  }
+  bool is_open() const { return writer_.isOpened(); }
+  void write(const cv::Mat& bgr) override { writer_.write(bgr); }
+  void finish() override { writer_.release(); }
+
+ private:
+  cv::VideoWriter writer_;
+};
+
+template <class T, class Base, class... Arguments>
+std::unique_ptr<Base> opened(const Arguments&... arguments) {
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // whoever calls says what is wrong
+  auto made = std::make_unique<T>(arguments...);
+  if (!made->is_open()) return nullptr;
+  return made;
+}
+
+class OpenCvFiles final : public RareFiles {
+ public:
+  cv::Mat decode(std::span<const std::uint8_t> file) const override {
+    // OpenCV only reads from it.
+    const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
+    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+  }
+  bool encode(const std::string& ending, const cv::Mat& bgr, std::vector<std::uint8_t>& file) const override {
+    setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);  // OpenCV writes EXR only when this variable is set
+    return cv::imencode(ending, bgr, file);
+  }
+  std::unique_ptr<FilmDecoder> open_film(const std::string& file) const override {
+    return opened<OpenCvFilmDecoder, FilmDecoder>(file);
+  }
+  std::unique_ptr<FilmEncoder> make_film(const std::string& file, double frames_per_second,
+                                         cv::Size size) const override {
+    return opened<OpenCvFilmEncoder, FilmEncoder>(file, frames_per_second, size);
+  }
+};
+
+}  // namespace
+
+}  // namespace kasumi
+
+extern "C" const kasumi::RareFiles* kasumi_rare_files() {
+  static const kasumi::OpenCvFiles kFiles;
+  return &kFiles;
+}

@@ -1,0 +1,205 @@
+// PNG and JPEG files against OpenCV's reading of them.
+#include <gtest/gtest.h>
+
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+#include <tuple>
+
+#include <jpeglib.h>
+#include <png.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/picture_files/picture_file.hpp"
+
+namespace kasumi {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// Reddish noise on a slope, so that channels, rows and columns cannot be taken for each other.
+Bytes samples_of(int width, int height, int channels, int bits) {
+  Bytes samples;
+  std::uint32_t state = 12345;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < channels; ++c) {
+        state = state * 1664525u + 1013904223u;
+        const auto value = static_cast<std::uint32_t>(3 * x + 5 * y + 40 * c) + (state >> 28);
+        for (int byte = 0; byte < bits / 8; ++byte) samples.push_back(static_cast<std::uint8_t>(value + 7u * byte));
+      }
+  return samples;
+}
+
+struct PngKind {
+  int colour, channels, bits;
+  bool interlaced = false, transparent = false;
+};
+
+Bytes written_png(const PngKind& kind, int width, int height) {
+  Bytes file;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  if (setjmp(png_jmpbuf(png)) != 0) return {};
+  png_set_write_fn(
+      png, &file,
+      [](png_structp to, png_bytep from, png_size_t count) {
+        auto& bytes = *static_cast<Bytes*>(png_get_io_ptr(to));
+        bytes.insert(bytes.end(), from, from + count);
+      },
+      nullptr);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), kind.bits, kind.colour,
+               kind.interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_color palette[256];
+  png_byte alpha[256];
+  for (int i = 0; i < 256; ++i) {
+    palette[i] = {static_cast<png_byte>(i), static_cast<png_byte>(255 - i), static_cast<png_byte>(i * 7)};
+    alpha[i] = static_cast<png_byte>(3 * i);
+  }
+  if (kind.colour == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 1 << kind.bits);
+  png_color_16 one{0, 20, 60, 100, 20};
+  if (kind.transparent)
+    png_set_tRNS(png, info, alpha, kind.colour == PNG_COLOR_TYPE_PALETTE ? 1 << kind.bits : 1, &one);
+  png_set_gAMA(png, info, 0.3);  // values are to stay as they are
+  const int row_bytes = (width * kind.channels * kind.bits + 7) / 8;
+  Bytes samples = samples_of(row_bytes, height, 1, 8);
+  std::vector<png_bytep> rows;
+  for (int y = 0; y < height; ++y) rows.push_back(samples.data() + static_cast<std::ptrdiff_t>(y) * row_bytes);
+  png_write_info(png, info);
+  png_write_image(png, rows.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return file;
+}
+
+Bytes written_cmyk(int width, int height) {
+  jpeg_compress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&jpeg);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &bytes, &size);
+  jpeg.image_width = static_cast<JDIMENSION>(width);
+  jpeg.image_height = static_cast<JDIMENSION>(height);
+  jpeg.input_components = 4;
+  jpeg.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&jpeg);
+  jpeg_start_compress(&jpeg, TRUE);
+  Bytes row = samples_of(width, 1, 4, 8);
+  JSAMPROW first = row.data();
+  while (jpeg.next_scanline < jpeg.image_height) jpeg_write_scanlines(&jpeg, &first, 1);
+  jpeg_finish_compress(&jpeg);
+  Bytes file(bytes, bytes + size);
+  jpeg_destroy_compress(&jpeg);
+  std::free(bytes);
+  return file;
+}
+
+// Against OpenCV, whose order is B G R (A).
+void expect_as_opencv_reads_it(const DecodedFile& read, const Bytes& file, const std::string& what) {
+  cv::Mat seen = cv::imdecode(file, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+  ASSERT_FALSE(seen.empty()) << what;
+  if (seen.channels() == 3) cv::cvtColor(seen, seen, cv::COLOR_BGR2RGB);
+  if (seen.channels() == 4) cv::cvtColor(seen, seen, cv::COLOR_BGRA2RGBA);
+  EXPECT_EQ(std::tuple(read.width, read.height, read.channels, read.bits),
+            std::tuple(seen.cols, seen.rows, seen.channels(), seen.depth() == CV_16U ? 16 : 8))
+      << what;
+  const Bytes wanted(seen.datastart, seen.dataend);
+  EXPECT_TRUE(read.samples == wanted) << what;
+}
+
+TEST(PictureFiles, EveryKindOfPngIsReadAsItStands) {
+  const int grey = PNG_COLOR_TYPE_GRAY, both = PNG_COLOR_TYPE_GRAY_ALPHA, rgb = PNG_COLOR_TYPE_RGB,
+            rgba = PNG_COLOR_TYPE_RGB_ALPHA, palette = PNG_COLOR_TYPE_PALETTE;
+  for (const bool interlaced : {false, true})
+    for (const PngKind& kind : std::vector<PngKind>{{grey, 1, 1},
+                                                    {grey, 1, 2},
+                                                    {grey, 1, 4},
+                                                    {grey, 1, 8},
+                                                    {grey, 1, 16},
+                                                    {both, 2, 8},
+                                                    {both, 2, 16},
+                                                    {rgb, 3, 8},
+                                                    {rgb, 3, 16},
+                                                    {rgb, 3, 8, false, true},
+                                                    {rgba, 4, 8},
+                                                    {rgba, 4, 16},
+                                                    {palette, 1, 1},
+                                                    {palette, 1, 4},
+                                                    {palette, 1, 8},
+                                                    {palette, 1, 8, false, true}}) {
+      const auto what = fmt::format("colour {}, {} bits{}{}", kind.colour, kind.bits, interlaced ? ", interlaced" : "",
+                                    kind.transparent ? ", transparent" : "");
+      const Bytes file = written_png({kind.colour, kind.channels, kind.bits, interlaced, kind.transparent}, 37, 23);
+      ASSERT_FALSE(file.empty()) << what;
+      const auto read = decode_png(file);
+      ASSERT_TRUE(read) << what << ": " << read.error().message;
+      expect_as_opencv_reads_it(*read, file, what);
+    }
+}
+
+TEST(PictureFiles, JpegsAreReadAsOpenCvReadsThem) {
+  for (const int channels : {1, 3})
+    for (const int progressive : {0, 1}) {
+      const Bytes samples = samples_of(61, 43, channels, 8);
+      const cv::Mat picture(43, 61, CV_MAKETYPE(CV_8U, channels), const_cast<std::uint8_t*>(samples.data()));
+      Bytes file;
+      ASSERT_TRUE(cv::imencode(".jpg", picture, file,
+                               {cv::IMWRITE_JPEG_QUALITY, 70, cv::IMWRITE_JPEG_PROGRESSIVE, progressive}));
+      const auto read = decode_jpeg_file(file);
+      ASSERT_TRUE(read) << read.error().message;
+      expect_as_opencv_reads_it(*read, file, fmt::format("{} channels, progressive {}", channels, progressive));
+    }
+}
+
+TEST(PictureFiles, WhatIsDamagedIsRefusedInWords) {
+  const Bytes png = written_png({PNG_COLOR_TYPE_RGB, 3, 8}, 37, 23);
+  for (const std::size_t left : {std::size_t{0}, std::size_t{20}, png.size() / 2, png.size() - 5}) {
+    const auto read = decode_png(std::span(png).first(left));
+    ASSERT_FALSE(read) << left;
+    EXPECT_EQ(read.error().kind, FaultKind::bad_input);
+    EXPECT_EQ(read.error().message, "damaged PNG: the file ends too early");
+  }
+  Bytes flipped = png;
+  flipped[flipped.size() / 2] ^= 0x55;
+  EXPECT_FALSE(decode_png(flipped)) << "its sum is wrong";
+  EXPECT_FALSE(decode_jpeg_file(std::span(png)));
+  EXPECT_FALSE(decode_jpeg_file({}));
+}
+
+TEST(PictureFiles, AJpegOfFourColoursIsToldApart) {
+  const auto read = decode_jpeg_file(written_cmyk(16, 16));
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().kind, FaultKind::unsupported);
+}
+
+TEST(PictureFiles, APngThatIsWrittenHoldsThePicture) {
+  Image<Rgb8> colour(31, 17);
+  Image<glm::u16vec3> fine(31, 17);
+  Image<std::uint8_t> grey(31, 17);
+  for (int y = 0; y < 17; ++y)
+    for (int x = 0; x < 31; ++x) {
+      colour.at(x, y) = Rgb8(8 * x, 15 * y, x * y);
+      fine.at(x, y) = glm::u16vec3(2000 * x, 3000 * y, 100 * x * y + 7);
+      grey.at(x, y) = static_cast<std::uint8_t>(5 * x + 7 * y);
+    }
+  const cv::Mat in_colour = cv::imdecode(encode_png(colour).value(), cv::IMREAD_UNCHANGED);
+  const cv::Mat in_fine = cv::imdecode(encode_png(fine).value(), cv::IMREAD_UNCHANGED);
+  const cv::Mat in_grey = cv::imdecode(encode_png(grey).value(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(std::tuple(in_colour.type(), in_fine.type(), in_grey.type()), std::tuple(CV_8UC3, CV_16UC3, CV_8UC1));
+  for (int y = 0; y < 17; ++y)
+    for (int x = 0; x < 31; ++x) {
+      const auto& bgr = in_colour.at<cv::Vec3b>(y, x);
+      const auto& wide = in_fine.at<cv::Vec3w>(y, x);
+      ASSERT_EQ(Rgb8(bgr[2], bgr[1], bgr[0]), colour.at(x, y));
+      ASSERT_EQ(glm::u16vec3(wide[2], wide[1], wide[0]), fine.at(x, y));
+      ASSERT_EQ(in_grey.at<std::uint8_t>(y, x), grey.at(x, y));
+    }
+  EXPECT_FALSE(encode_png(Image<Rgb8>{}));
+}
+
+}  // namespace
+}  // namespace kasumi
