@@ -9,6 +9,7 @@ Result<Program> build(ProgramKind kind, const Defines& defines) {
     case ProgramKind::ground: return Program::build(defines, "object.vert", "ground.frag");
     case ProgramKind::sun_map: return Program::build(defines, "sun_map.vert", "sun_map.frag");
     case ProgramKind::spread: return Program::build(defines, "square.vert", "spread.frag");
+    case ProgramKind::mean: return Program::build(defines, "resolve.vert", "mean.frag");
     case ProgramKind::resolve: return Program::build(defines, "resolve.vert", "resolve.frag");
     case ProgramKind::matte: return Program::build(defines, "matte.vert", "matte.frag");
     case ProgramKind::sharpen: return Program::build(defines, "square.vert", "sharpen.frag");

@@ -9,7 +9,7 @@
 
 namespace kasumi {
 
-enum class ProgramKind { object, ground, sun_map, spread, resolve, matte, picture, sharpen, jpeg };
+enum class ProgramKind { object, ground, sun_map, spread, mean, resolve, matte, picture, sharpen, jpeg };
 
 class Programs {
  public:

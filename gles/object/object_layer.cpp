@@ -10,6 +10,7 @@
 #include "gles/gl/texture_units.hpp"
 #include "gles/light/airlight_grid.hpp"
 #include "gles/object/layer_tiles.hpp"
+#include "gles/object/pixel_means.hpp"
 #include "gles/object/point_spread.hpp"
 
 namespace kasumi {
@@ -48,12 +49,13 @@ struct LayerLattice {
   LayerBuffer samples;
   GlRenderbuffer depth;
   std::optional<PointSpread> spread;  // empty: none
+  std::optional<PixelMeans> means;    // empty: each sample is spread along both axes
 
   static Result<LayerLattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
     constexpr std::string_view kName = "the buffer for anti-aliasing";
     auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, options.in_8_bits, info, kName);
     if (!samples) return fail(samples.error());
-    LayerLattice made{std::move(*samples), make_renderbuffer(), std::nullopt};
+    LayerLattice made{std::move(*samples), make_renderbuffer(), std::nullopt, std::nullopt};
     glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
     glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), kLatticeSize, kLatticeSize);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
@@ -63,7 +65,19 @@ struct LayerLattice {
         PointSpread::create(spread_in_samples(options.detail), kLatticeSize, options.in_8_bits, info, programs);
     if (!spread) return fail(spread.error());
     made.spread = std::move(*spread);
+    if (options.in_8_bits || !PixelMeans::have_room_for(*made.spread))
+      return made;  // bytes would be too coarse for means
+    auto means = PixelMeans::create(*made.spread, kLatticeSize, spare_samples(options.detail), info, programs);
+    if (!means) return fail(means.error());
+    made.means = std::move(*means);
     return made;
+  }
+
+  // What is drawn in the buffer's first width x height samples is spread; the samples to be resolved.
+  const LayerBuffer& spread_out(int width, int height) const {
+    if (means) return spread->along_rows(samples, width, height);
+    if (spread) spread->apply(samples, width, height);
+    return samples;
   }
 
   void clear() const {
@@ -88,8 +102,9 @@ Defines object_defines(const ObjectLayer::Options& options, const Projection& pr
   return defines;
 }
 
-Defines resolve_defines(const ObjectLayer::Options& options) {
+Defines resolve_defines(const ObjectLayer::Options& options, const LayerLattice& lattice) {
   Defines defines;
+  if (lattice.means) defines.insert("MEANS");
   if (options.in_8_bits) defines.insert("LAYER_IN_8_BITS");
   if (options.foreground) defines.insert("FOREGROUND");
   if (shares_chroma(options.detail))
@@ -144,9 +159,9 @@ void set_tile(const Program& program, const LayerTile& tile, const AirlightGrid&
   }
 }
 
-// Resolves a tile's samples to the layer's pixels.
-void resolve(const Program& program, const LayerBuffer& samples, const LayerTile& tile, const LayerBuffer& layer,
-             const PixelBox& box, const SceneView& view) {
+// Resolves a tile's samples, or its pixels' means, to the layer's pixels.
+void resolve(const Program& program, const LayerBuffer& samples, const PixelMeans* means, const LayerTile& tile,
+             const LayerBuffer& layer, const PixelBox& box, const SceneView& view) {
   std::array<glm::dvec2, kLatticeOffsets.size()> offsets;
   std::ranges::transform(kLatticeOffsets, offsets.begin(), [](const auto& o) { return glm::dvec2{o[0], o[1]}; });
   const PixelBox& pixels = tile.box();
@@ -159,6 +174,7 @@ void resolve(const Program& program, const LayerBuffer& samples, const LayerTile
   glActiveTexture(GL_TEXTURE0 + kLayerUnit);
   glBindTexture(GL_TEXTURE_2D, samples.texture.name());
   program.set("samples", kLayerUnit);
+  if (means) means->bind(program, tile, box);
   program.set("fragment_to_sample", tile.layer_fragment_to_sample(box));
   program.set("sample_step", glm::dvec2{1.0 / kLatticeSize});
   program.set("offsets", offsets);
@@ -203,11 +219,14 @@ struct LayerDrawing::State {
   std::vector<ReachedTile> tiles;
   std::size_t drawn = 0;
 
-  // The tile's samples, as far as the reached pixels need them.
+  // To the samples that the reached pixels need.
+  Scissor scissor_of(const ReachedTile& part) const {
+    const LayerTile needed(part.reached, spare_samples(options.detail));
+    return {needed.first_sample() - part.tile.first_sample(), {needed.width(), needed.height()}};
+  }
+
   Result<> draw_samples(const ReachedTile& part) const {
     const LayerTile& tile = part.tile;
-    const LayerTile needed(part.reached, spare_samples(options.detail));
-    const Scissor scissor(needed.first_sample() - tile.first_sample(), {needed.width(), needed.height()});
     lattice.clear();
     // The picture's rows run downwards and the buffer's upwards: this mirroring reverses front and back faces.
     glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
@@ -226,16 +245,22 @@ struct LayerDrawing::State {
       if (auto done = model.draw(which, programs, variant, units_for_layer(), sampled, set_uniforms); !done)
         return done;
     }
-    if (lattice.spread) lattice.spread->apply(lattice.samples, tile.width(), tile.height());
     return {};
   }
 
   Result<> draw(const ReachedTile& part) const {
-    if (auto done = draw_samples(part); !done) return done;
+    const LayerBuffer* samples = nullptr;
+    {
+      const Scissor scissor = scissor_of(part);
+      if (auto done = draw_samples(part); !done) return done;
+      samples = &lattice.spread_out(part.tile.width(), part.tile.height());
+    }
+    if (lattice.means) lattice.means->draw(*samples, part.tile, part.reached);
     const PixelBox &reached = part.reached, &box = layer.box_;
     const Scissor scissor({reached.left - box.left, reached.top - box.top},
                           {reached.right - reached.left, reached.bottom - reached.top});
-    resolve(*resolving, lattice.samples, part.tile, layer.buffer_, box, projection.view);
+    resolve(*resolving, *samples, lattice.means ? &*lattice.means : nullptr, part.tile, layer.buffer_, box,
+            projection.view);
     return check_gl("drawing the object's layer");
   }
 };
@@ -262,7 +287,7 @@ Result<LayerDrawing> LayerDrawing::begin(const GpuModel& model, const Projection
   glClear(GL_COLOR_BUFFER_BIT);  // into the buffer just created
   auto lattice = LayerLattice::create(options, info, programs);
   if (!lattice) return fail(lattice.error());
-  const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options));
+  const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options, *lattice));
   if (!resolving) return fail(resolving.error());
   return LayerDrawing(std::make_unique<State>(
       State{model, projection, horizon, options, programs, std::move(set_appearance), std::move(layer),

@@ -36,23 +36,28 @@ Result<PointSpread> PointSpread::create(double sigma, int size, bool in_8_bits, 
   return PointSpread(std::move(weights), size, std::move(*between), **program);
 }
 
-void PointSpread::apply(const LayerBuffer& samples, int width, int height) const {
-  const double step = 1.0 / size_;
+void PointSpread::pass(const LayerBuffer& from, const LayerBuffer& to, const glm::dvec2& along, int width,
+                       int height) const {
   program_->use();
   program_->set("samples", kLayerUnit);
   program_->set("dither_pattern", kDitherUnit);
-  program_->set("sample_step", step);
+  program_->set("sample_step", 1.0 / size_);
   program_->set("weights", weights_);
+  program_->set("along", along / double(size_));
   glViewport(0, 0, width, height);
-  const auto pass = [&](const LayerBuffer& from, const LayerBuffer& to, const glm::dvec2& along) {
-    glBindFramebuffer(GL_FRAMEBUFFER, to.framebuffer.name());
-    glActiveTexture(GL_TEXTURE0 + kLayerUnit);
-    glBindTexture(GL_TEXTURE_2D, from.texture.name());
-    program_->set("along", along);
-    draw_square();
-  };
-  pass(samples, between_, {step, 0.0});
-  pass(between_, samples, {0.0, step});
+  glBindFramebuffer(GL_FRAMEBUFFER, to.framebuffer.name());
+  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+  glBindTexture(GL_TEXTURE_2D, from.texture.name());
+  draw_square();
+}
+
+const LayerBuffer& PointSpread::along_rows(const LayerBuffer& samples, int width, int height) const {
+  pass(samples, between_, {1.0, 0.0}, width, height);
+  return between_;
+}
+
+void PointSpread::apply(const LayerBuffer& samples, int width, int height) const {
+  pass(along_rows(samples, width, height), samples, {0.0, 1.0}, width, height);
 }
 
 }  // namespace kasumi

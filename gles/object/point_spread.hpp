@@ -21,11 +21,15 @@ class PointSpread {
  public:
   // sigma: samples, > 0; size: of the lattice's buffer. Errors: device (shaders, buffers).
   static Result<PointSpread> create(double sigma, int size, bool in_8_bits, const GlInfo& info, Programs& programs);
+  const std::vector<double>& weights() const { return weights_; }
   // Blurs the buffer's first width x height samples; those at the border lack contributions from beyond it. Requires
   // the dither pattern in kDitherUnit.
   void apply(const LayerBuffer& samples, int width, int height) const;
+  // The same along the rows alone; the samples so spread.
+  const LayerBuffer& along_rows(const LayerBuffer& samples, int width, int height) const;
 
  private:
+  void pass(const LayerBuffer& from, const LayerBuffer& to, const glm::dvec2& along, int width, int height) const;
   PointSpread(std::vector<double> weights, int size, LayerBuffer between, const Program& program)
       : weights_(std::move(weights)), size_(size), between_(std::move(between)), program_(&program) {}
   std::vector<double> weights_;

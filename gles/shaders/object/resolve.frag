@@ -1,24 +1,35 @@
-// Resolves the rotated lattice of samples to pixels: the mean of the 17 samples in each pixel (object_layer.cpp), with
-// chroma at the camera's resolution and what the foreground covers wholly left out.
+// Resolves the rotated lattice of samples to pixels: the mean of the 17 samples in each pixel (object_layer.cpp; MEANS:
+// found before, mean.frag), with chroma at the camera's resolution and what the foreground covers wholly left out.
 #include "dither.glsl"
 #include "layer.glsl"
 
+#if defined(MEANS)
+uniform sampler2D means;
+varying vec2 v_mean;              // texture coordinates of the pixel's mean
+uniform float mean_step;          // one texel
+#else
 uniform sampler2D samples;
 varying vec2 v_centre;            // texture coordinates of the pixel's central sample
 uniform vec2 sample_step;         // one texel
 uniform vec2 offsets[17];
+#endif
 uniform vec2 first_pixel;         // the picture's pixel at gl_FragCoord 0.5
 #if defined(FOREGROUND)
 uniform sampler2D foreground;
 varying vec2 v_picture;
 #endif
 
-// The mean of the pixel whose central sample has the texture coordinates `centre`.
-vec4 mean_around(vec2 centre) {
+// Of the pixel so many pixels away.
+#if defined(MEANS)
+vec4 mean_at(vec2 to) { return texture2D(means, v_mean + to * mean_step); }
+#else
+vec4 mean_at(vec2 to) {
+  vec2 centre = v_centre + vec2(4.0 * to.x + to.y, 4.0 * to.y - to.x) * sample_step;
   vec4 sum = vec4(0.0);
   for (int i = 0; i < 17; ++i) sum += texture2D(samples, centre + offsets[i] * sample_step);
   return sum / 17.0;
 }
+#endif
 
 #if defined(CHROMA_COLUMNS)
 const vec3 kLuma = vec3(0.299, 0.587, 0.114);  // Rec. 601, as the camera used for its chroma
@@ -26,24 +37,21 @@ vec3 grey_of(vec3 light) { return vec3(dot(light, kLuma)); }
 
 // The pixels of a block share the object's own chroma, weighted by coverage: each pixel keeps its luma, and pixels
 // without the object do not change.
-vec4 with_shared_chroma(vec4 mean, vec2 centre) {
+vec4 with_shared_chroma(vec4 mean) {
   vec2 pixel = floor(gl_FragCoord.xy) + first_pixel;
   vec2 to_first = -mod(pixel, vec2(float(CHROMA_COLUMNS), float(CHROMA_ROWS)));
   vec4 sum = vec4(0.0);
   for (int y = 0; y < CHROMA_ROWS; ++y)
-    for (int x = 0; x < CHROMA_COLUMNS; ++x) {
-      vec2 to = to_first + vec2(float(x), float(y));
-      sum += mean_around(centre + vec2(4.0 * to.x + to.y, 4.0 * to.y - to.x) * sample_step);
-    }
+    for (int x = 0; x < CHROMA_COLUMNS; ++x) sum += mean_at(to_first + vec2(float(x), float(y)));
   vec3 difference = (sum.rgb - grey_of(sum.rgb)) / max(sum.a, 0.0001);
   return vec4(max(grey_of(mean.rgb) + mean.a * difference, 0.0), mean.a);
 }
 #endif
 
 void main() {
-  vec4 mean = mean_around(v_centre);
+  vec4 mean = mean_at(vec2(0.0));
 #if defined(CHROMA_COLUMNS)
-  mean = with_shared_chroma(mean, v_centre);
+  mean = with_shared_chroma(mean);
 #endif
 #if defined(FOREGROUND)
   // Where it covers a part of the pixel, picture.frag finds out which (matte.glsl).

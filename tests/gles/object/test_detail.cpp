@@ -1,6 +1,7 @@
 // The object is as blurred as the camera's picture: point spread and chroma subsampling, against closed forms.
 #include <cmath>
 
+#include "gles/object/pixel_means.hpp"
 #include "gles/object/point_spread.hpp"
 #include "tests/gles/scenes.hpp"
 
@@ -75,6 +76,30 @@ TEST_F(Detail, WeightsHaveTheGaussiansVarianceHoweverNarrow) {
     }
     EXPECT_NEAR(sum, 1.0, 1e-12);
     EXPECT_NEAR(variance, sigma * sigma, 0.012 * sigma * sigma) << "the kernel covers 3.5 deviations";
+  }
+}
+
+// Along the rows, then by columns into the means: the same weights as the mean of samples spread along both.
+TEST_F(Detail, APixelsMeanHoldsTheSpreadAlongTheColumns) {
+  for (const double sigma : {0.5, 2.06, 4.1}) {
+    const auto spread = gaussian_weights(sigma);
+    const int radius = static_cast<int>(spread.size()) - 1;
+    const auto weight = [&](int apart) {
+      return std::abs(apart) <= radius ? spread[std::size_t(std::abs(apart))] : 0.0;
+    };
+    const auto by_rows = mean_weights(spread);
+    ASSERT_EQ(by_rows.size(), std::size_t(2 * radius + 5));
+    const auto in_column = [&](int column, int row) {
+      const int place = row + radius + 2, mirrored = 2 * radius + 4 - place;
+      return by_rows[std::size_t(column >= 0 ? place : mirrored)][std::abs(column)];
+    };
+    for (int b = -radius - 2; b <= radius + 2; ++b)
+      for (int a = -radius - 2; a <= radius + 2; ++a) {
+        double both = 0.0, means = 0.0;
+        for (const auto& offset : kLatticeOffsets) both += weight(a - offset[0]) * weight(b - offset[1]) / 17.0;
+        for (int column = -2; column <= 2; ++column) means += weight(a - column) * in_column(column, b);
+        ASSERT_NEAR(means, both, 1e-15) << sigma << ": " << a << ", " << b;
+      }
   }
 }
 
