@@ -36,6 +36,8 @@ void check(const ObjectDetail& detail, Problems& problems) {
     problems.add("detail: sharpening by {}: expected 0 .. {}", detail.sharpening, kStrongestSharpening);
 }
 
+constexpr int kPiecesWaiting = 4;  // of a layer, for software GL
+
 // Calls it until it says that it is done.
 template <class Step>
 Result<> until_done(Step step) {
@@ -86,6 +88,7 @@ struct Renderer::State {
   std::optional<SunShadow> shadow;  // as drawn last
   std::optional<ModelUpload> unfinished_model;
   std::optional<UnfinishedLayer> unfinished_layer;
+  int pieces_waiting = 0;  // of it, given to GL and not known to be drawn
   std::optional<ObjectLayer> layer;
   Composite composite;
   std::shared_ptr<const JpegSteps> jpeg;  // of the newest picture
@@ -475,8 +478,12 @@ Result<bool> Renderer::continue_layer(const std::function<bool()>& time_is_left)
   for (;;) {
     const auto whole = state_->next_piece();
     // What the GPU still has to do would delay the picture all the same. Software GL keeps the memory of as much work
-    // as was ever waiting for it, textures included.
-    if (time_is_left || state_->info.software) glFinish();
+    // as was ever waiting for it, textures included; but it rasterises some pieces while the next are prepared.
+    const bool enough = state_->info.software && ++state_->pieces_waiting >= kPiecesWaiting;
+    if (time_is_left || enough) {
+      glFinish();
+      state_->pieces_waiting = 0;
+    }
     if (!whole || *whole || !time_is_left) return whole;
     if (!time_is_left()) return false;
   }
