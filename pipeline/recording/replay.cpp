@@ -3,24 +3,22 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <future>
 #include <thread>
 
 #include "base/files.hpp"
 #include "base/latest_slot.hpp"
 #include "base/statistics.hpp"
 #include "capture/fixture/replay_source.hpp"
-#include "estimator/sky/sun.hpp"
 #include "gles/display/window.hpp"
 #include "gles/gl/offscreen.hpp"
 #include "pipeline/config/fixture_file.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/machine/progress.hpp"
 #include "pipeline/machine/stop_signal.hpp"
-#include "pipeline/recording/air_curve.hpp"
 #include "pipeline/recording/light_terms.hpp"
-#include "pipeline/recording/turbidity_table.hpp"
+#include "pipeline/recording/replayed_air.hpp"
 #include "pipeline/scene/compositor.hpp"
-#include "pipeline/scene/scene_watch.hpp"
 #include "pipeline/stage/overlay.hpp"
 
 namespace kasumi {
@@ -85,55 +83,35 @@ Result<ReplayOutput> open_output(const ReplayRequest& request, const Fixture& fi
   return output;
 }
 
-// A picture of the scene camera in which the air is looked for.
-struct Sight {
-  Instant when{};
-  Utc utc{};
-  Image<Rgb8> picture;
-};
-
-SkyAbove above_in(const SkyReport& report) {
-  const bool sun_known = report.sun.source != SunSource::none;
-  return {sun_known ? std::optional(report.sun.direction) : std::nullopt, report.estimate.sky};
-}
-
 // The state of one run and what each kind of frame does.
 class Run {
  public:
   Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, ReplayOutput output,
-      Compositor compositor, std::optional<LightTerms> terms)
+      Compositor compositor, std::optional<LightTerms> terms, ReplayedAir& air)
       : request_(request),
         output_(std::move(output)),
         compositor_(std::move(compositor)),
         terms_(std::move(terms)),
         site_(fixture.installation.site),
-        watch_(fixture.installation),
-        scene_watch_(fixture.installation),
-        scene_encoding_(fixture.installation.scene.yuv_encoding) {
+        air_(air) {
     if (request.overlay) overlay_.emplace(output_.context(), fixture.installation, model.bounds(), std::nullopt);
     summary_.fixture = fixture.info.name;
     summary_.gl_renderer = output_.context().info().renderer;
     summary_.software_gl = output_.context().info().software;
   }
 
-  Result<> play(FixtureSources& sources) {
+  // `first`: the first of the scene camera's frames.
+  Result<> play(FixtureSources& sources, std::future<SceneFrame> first) {
     Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
-    while (!over()) {
-      const auto sky_due = sources.sky->due(), scene_due = sources.scene->due();
-      if (!scene_due) break;
-      if (sky_due && *sky_due <= *scene_due) {
-        take_sky_frame(sources.sky->next(*sky_due + 1s));
-        continue;
-      }
-      auto frame = sources.scene->next(*scene_due + 1s);
-      if (const auto sight = sight_due(frame)) {
-        look(*sight, above_in(latest_));
-        latest_ = watch_.with_air(std::move(latest_), sight->when);
-      }
-      if (auto shown = show(std::move(frame)); !shown) return shown;
+    SceneFrame frame = first.get();
+    while (frame && !over()) {
+      latest_ = air_.latest();
+      if (auto shown = show(std::move(*frame)); !shown) return shown;
       progress.advance(progress_detail());
+      frame = air_.next_scene_frame(sources, [this] { return over(); });
     }
-    while (sources.sky->due() && !over()) take_sky_frame(sources.sky->next(*sources.sky->due() + 1s));
+    air_.finish_sky(sources, [this] { return over(); });
+    latest_ = air_.latest();
     return {};
   }
 
@@ -146,8 +124,8 @@ class Run {
     std::thread sky([&] {
       SkyAbove above;
       while (!stopping && sources.sky->due()) {
-        if (const auto sight = sights.take()) look(*sight, above);
-        if (auto report = observe_sky(sources.sky->next(clock.now() + 500ms))) {
+        if (const auto sight = sights.take()) air_.look(*sight, above);
+        if (auto report = air_.observe_sky(sources.sky->next(clock.now() + 500ms))) {
           above = above_in(*report);
           reports.put(std::move(*report));
         }
@@ -159,7 +137,7 @@ class Run {
       if (auto report = reports.take()) latest_ = std::move(*report);
       if (!frame && frame.error().kind == FaultKind::timeout)
         continue;  // a gap: keep handling the window's events and hold the picture
-      if (auto sight = sight_due(frame)) sights.put(std::move(*sight));
+      if (auto sight = air_.sight_due(frame)) sights.put(std::move(*sight));
       if (result = show(std::move(frame)); !result) break;
       progress.advance(progress_detail());
     }
@@ -174,13 +152,14 @@ class Run {
     if (output_.sink) {
       if (auto finished = output_.sink->finish(); !finished) return fail(finished.error());
       const auto folder = is_film(*request_.out) ? request_.out->parent_path() : *request_.out;
-      if (auto written = table_.write(folder / "turbidity.csv"); !written) return fail(written.error());
-      if (!curve_.empty())
-        if (auto written = write_text_file(folder / "air.svg", curve_.svg()); !written) return fail(written.error());
+      if (auto written = air_.table().write(folder / "turbidity.csv"); !written) return fail(written.error());
+      if (!air_.curve().empty())
+        if (auto written = write_text_file(folder / "air.svg", air_.curve().svg()); !written)
+          return fail(written.error());
     }
-    summary_.sky_frames = sky_frames_;
-    summary_.usable_sky_frames = usable_sky_frames_;
-    summary_.skipped.merge(sky_skipped_);
+    summary_.sky_frames = air_.sky_frames();
+    summary_.usable_sky_frames = air_.usable_sky_frames();
+    summary_.skipped.merge(std::map(air_.skipped()));
     summary_.layers_drawn = compositor_.layers_drawn();
     summary_.horizon = compositor_.air().horizon().source;
     summary_.horizon_reason = compositor_.air().horizon().reason;
@@ -200,53 +179,13 @@ class Run {
     return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T unknown yet";
   }
 
-  // The frame's picture, once in a minute of recorded time.
-  std::optional<Sight> sight_due(const Result<Frame>& frame) {
-    if (!frame || frame->metadata.status != FrameStatus::good || !scene_watch_.any()) return std::nullopt;
-    const auto when = frame->metadata.captured_at;
-    if (looked_at_ && when >= *looked_at_ && when - *looked_at_ < kSceneLookInterval) return std::nullopt;
-    const auto picture = decode(*frame, scene_encoding_);
-    if (!picture) return std::nullopt;
-    looked_at_ = when;
-    return Sight{when, frame->metadata.utc, to_rgb(picture->view())};
-  }
-
-  // This and observe_sky() touch only the state of the air, so they are safe in the sky's thread.
-  void look(const Sight& sight, const SkyAbove& above) {
-    watch_.observe(scene_watch_.look(view_of(sight.picture), sight.when, above).air);
-    if (const auto state = watch_.with_air({}, sight.when).state) curve_.add(sight.utc, *state);
-  }
-
-  std::optional<SkyReport> observe_sky(Result<Frame> frame) {
-    if (!frame) {
-      if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
-        ++sky_skipped_[fmt::format("sky camera: {}", name_of(frame.error().kind))];
-      return std::nullopt;
-    }
-    ++sky_frames_;
-    auto report = watch_.observe(*frame);
-    if (!report) {
-      ++sky_skipped_[fmt::format(
-          "sky camera: {}", frame->metadata.status == FrameStatus::good ? "damaged" : name_of(frame->metadata.status))];
-      return std::nullopt;
-    }
-    table_.add(*report);
-    if (report->state) curve_.add(report->utc, *report->state);
-    if (report->estimate.usable) ++usable_sky_frames_;
-    return std::move(*report);
-  }
-
-  void take_sky_frame(Result<Frame> frame) {
-    if (auto report = observe_sky(std::move(frame))) latest_ = std::move(*report);
-  }
-
   Result<> show(Result<Frame> frame) {
     if (!frame) {
       if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
         ++summary_.skipped[fmt::format("scene camera: {}", name_of(frame.error().kind))];
       return {};
     }
-    place_sun(frame->metadata.utc);
+    place_sun(latest_, frame->metadata.utc, site_);
     if (output_.offscreen) {
       if (auto drawn = compositor_.draw(*frame, latest_, output_.offscreen->target()); !drawn)
         return skip_or_fail(*frame, drawn.error());
@@ -274,14 +213,6 @@ class Run {
     return terms_->write(*request_.out, summary_.pictures, frame, latest_, *picture);
   }
 
-  // Until the sky camera's first picture comes, the frame's own time tells the sun, as the sky's will.
-  void place_sun(Utc utc) {
-    if (latest_.picture) return;
-    latest_.sun.source = SunSource::ephemeris;
-    latest_.sun.direction = sun_position(utc, site_).direction;
-    latest_.sun.message = "by the recording's time";
-  }
-
   Result<> draw_overlay(const DrawTarget& target) { return overlay_ ? overlay_->draw(target) : Result<>{}; }
 
   Result<> skip_or_fail(const Frame& frame, const Fault& fault) {
@@ -297,18 +228,9 @@ class Run {
   std::optional<LightTerms> terms_;  // empty: not wanted
   std::optional<Overlay> overlay_;
   Site site_;
-  SkyWatch watch_;
-  SceneWatch scene_watch_;
-  YuvEncoding scene_encoding_;
-  std::optional<Instant> looked_at_;
-  TurbidityTable table_;
-  AirCurve curve_;
+  ReplayedAir& air_;
   SkyReport latest_;
   ReplaySummary summary_;
-  // Owned by the sky's thread, merged when it has ended.
-  std::size_t sky_frames_ = 0;
-  std::size_t usable_sky_frames_ = 0;
-  std::map<std::string, std::size_t> sky_skipped_;
 };
 
 }  // namespace
@@ -330,6 +252,12 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     clock = std::make_unique<FastForwardClock>(fixture->info.start_utc);
   auto sources = open_fixture_sources(fixture->folder, *clock);
   if (!sources) return fail(sources.error());
+  // What the first pictures tell of the air is found while GL, which is this thread's, and the model are opened. Nobody
+  // else touches it meanwhile, so the pictures do not depend on who is first.
+  ReplayedAir air(fixture->installation);
+  std::future<SceneFrame> first;
+  if (!request.realtime)
+    first = std::async(std::launch::async, [&] { return air.next_scene_frame(*sources, stop_requested); });
   auto output = open_output(request, *fixture);
   if (!output) return fail(output.error());
   const auto model = read_gltf(fixture->installation.object.model);
@@ -344,8 +272,8 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     terms = std::move(*created);
   }
 
-  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor), std::move(terms));
-  auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources);
+  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor), std::move(terms), air);
+  auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources, std::move(first));
   if (!played) return fail(played.error());
   auto summary = run.finish();
   if (summary) summary->given = given.whole();
