@@ -168,9 +168,10 @@ struct Renderer::State {
   }
   // The composite around the object as the camera would have processed it; null: it does nothing to its pictures.
   Result<const CameraProcessing*> process(const AirlightGrid& measured, const SensorNoise& noise) {
-    const PixelBox& changed = composite.covered();
     const auto wanted = wanted_processing();
-    if (wanted.none() || changed.empty()) return nullptr;
+    if (wanted.none()) return nullptr;
+    const std::vector<PixelBox> changed = composite.changed();
+    if (changed.empty()) return nullptr;
     const glm::ivec2 size{camera.newest().width, camera.newest().height};
     if (!processing || !processing->is_for(changed, size, wanted)) {
       processing.reset();
