@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_header.hpp"
 #include "base/picture_files/decode_picture.hpp"
+#include "base/picture_header.hpp"
 #include "calib/camera.hpp"
 #include "calib/lens/polynomial.hpp"
 

@@ -5,8 +5,8 @@
 #include <opencv2/core.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_header.hpp"
 #include "base/picture_files/decode_picture.hpp"
+#include "base/picture_header.hpp"
 
 namespace kasumi {
 namespace {

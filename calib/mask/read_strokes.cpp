@@ -4,8 +4,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_header.hpp"
 #include "base/picture_files/decode_picture.hpp"
+#include "base/picture_header.hpp"
 #include "base/table/config_table.hpp"
 #include "calib/mask/scene_mask.hpp"
 

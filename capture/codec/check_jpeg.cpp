@@ -1,7 +1,7 @@
 #include <vector>
 
-#include "capture/codec/jpeg.hpp"
 #include "base/picture_files/jpeg_errors.hpp"
+#include "capture/codec/jpeg.hpp"
 
 namespace kasumi {
 

@@ -1,8 +1,8 @@
 #include <array>
 #include <optional>
 
-#include "capture/codec/jpeg.hpp"
 #include "base/picture_files/jpeg_errors.hpp"
+#include "capture/codec/jpeg.hpp"
 
 namespace kasumi {
 

@@ -1,7 +1,7 @@
 #include <cstdlib>
 
-#include "capture/codec/encode.hpp"
 #include "base/picture_files/jpeg_errors.hpp"
+#include "capture/codec/encode.hpp"
 
 namespace kasumi {
 

@@ -8,10 +8,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/picture_file.hpp"
-#include "base/picture_header.hpp"
 #include "base/picture_files/decode_picture.hpp"
+#include "base/picture_files/picture_file.hpp"
 #include "base/picture_files/rare_files.hpp"
+#include "base/picture_header.hpp"
 #include "capture/codec/encode.hpp"
 #include "capture/codec/jpeg.hpp"
 
