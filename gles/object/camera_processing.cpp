@@ -198,7 +198,9 @@ Result<> CameraProcessing::round_blocks(Programs& programs) {
   p.set("texel", 1.0 / glm::dvec2(lumas));
   p.set("chroma_texel", 1.0 / glm::dvec2(chromas));
   p.set("shared_pixels", glm::dvec2(options_.shared_pixels));
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);  // alpha still tells which pixels the object changes
   draw_into(result_, size(), p);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   return {};
 }
 

@@ -39,10 +39,10 @@ class CameraProcessing {
   // Only these blocks are worked on.
   const PixelBox& part() const { return part_; }
   // `draw_camera`, `draw_composite`: draw that part into the bound framebuffer of its size, rows from the top; the
-  // composite with the object's share of each pixel in alpha.
+  // composite with the object's share of each pixel in alpha, 0 only where it changes nothing.
   Result<> apply(Programs& programs, const std::function<Result<>()>& draw_camera,
                  const std::function<Result<>()>& draw_composite);
-  // The result, for picture.frag with PROCESSED.
+  // The result, for picture.frag with PROCESSED: where its alpha is not 0.
   void bind(const Program& program, bool smooth) const;
 
  private:

@@ -134,11 +134,13 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
   if (area != PictureArea::covered) defines.merge(frame.camera.defines());
   if (area == PictureArea::covered) defines = {"COVERED", "LAYOUT_RGB"};
   if (area == PictureArea::edge) defines.insert("EDGE");
-  if (area != PictureArea::plain) defines.insert(frame.response.define());
+  // Then what the processing left tells all.
+  const bool looked_up = processing && !defines.contains("PLANE");
+  if (area != PictureArea::plain && !looked_up) defines.insert(frame.response.define());
   const bool noisy = !noise.none() && !processing;
   if (area != PictureArea::plain && noisy) defines.insert("NOISE");
   if (area != PictureArea::plain && processing) defines.insert("PROCESSED");
-  const bool matte = area == PictureArea::edge && frame.foreground;
+  const bool matte = area == PictureArea::edge && frame.foreground && !looked_up;
   // Before the processing as after it, or the two would not agree on what the leaves cover.
   const bool noise_unit_is_free = noise.none() && !processing && !defines.contains("COVERAGE");
   const int nodes_unit = matte && frame.matte ? unit_for_nodes(frame, noise_unit_is_free) : -1;

@@ -1,6 +1,6 @@
 // The camera's picture, with Linf N over it in linear light where the layer covers it fully (COVERED) or partly (EDGE).
-// PROCESSED: as the camera's processing left it (camera_processing.cpp). COVERAGE: the
-// object's share of each pixel in alpha. PLANE: only what is to be laid over the camera's picture by the display.
+// PROCESSED: as the camera's processing left it (camera_processing.cpp). COVERAGE: the object's share of each pixel in
+// alpha, 0 only where it changes nothing. PLANE: only what is to be laid over the camera's picture by the display.
 #if defined(MATTE_NODES)
 precision highp sampler2D;  // small differences of the picture's values are solved for
 #endif
@@ -42,6 +42,9 @@ void main() {
   root = sqrt(noisy(root * root, 1.0));
 #endif
   gl_FragColor = vec4(encoded_root(root) + dither_in(object.a) / 255.0, 1.0);
+#elif defined(EDGE) && defined(PROCESSED) && !defined(PLANE)
+  vec4 seen = texture2D(processed, v_processed);  // alpha 0: the object changes nothing here
+  gl_FragColor = vec4(seen.a > 0.0 ? seen.rgb : camera_at(v_picture), 1.0);
 #elif defined(EDGE)
   vec3 behind = camera_at(v_picture);
   vec4 object = texture2D(layer, v_layer);
@@ -71,7 +74,7 @@ void main() {
 #if defined(PLANE)
   gl_FragColor = changes ? for_plane(behind, shown, own, coverage) : vec4(0.0);
 #elif defined(COVERAGE)
-  gl_FragColor = vec4(changes ? shown : behind, coverage);
+  gl_FragColor = vec4(changes ? shown : behind, changes ? max(coverage, 1.0 / 255.0) : 0.0);
 #else
   gl_FragColor = vec4(changes ? shown : behind, 1.0);
 #endif

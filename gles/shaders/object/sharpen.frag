@@ -22,5 +22,5 @@ void main() {
   vec4 own = texture2D(composite, place);
   float detail = dot(own.rgb, kLuma) - luma_around(composite, place);
   float camera_detail = dot(texture2D(camera, place).rgb, kLuma) - luma_around(camera, place);
-  gl_FragColor = vec4(own.rgb + amount * (detail - (1.0 - own.a) * camera_detail), 1.0);
+  gl_FragColor = vec4(own.rgb + amount * (detail - (1.0 - own.a) * camera_detail), own.a);
 }
