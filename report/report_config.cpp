@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/files.hpp"
+#include "report/web/web_request.hpp"
 
 namespace kasumi::report {
 
@@ -129,6 +130,18 @@ SignOfLifeOptions read_sign_of_life(const ConfigTable& table) {
   return sign;
 }
 
+PullOptions read_pull(const ConfigTable& table) {
+  PullOptions pull;
+  pull.url = table.text("url");
+  if (!pull.url.empty() && !(is_web_address(pull.url) && pull.url.starts_with("https://")))
+    table.problem("url", "an address like \"https://example.org/hill.kasumi\"");
+  pull.every = std::chrono::minutes(table.integer("every_min", {1, 1440}, 15));
+  if (const auto file = table.optional_file("ca_file")) pull.ca_file = file->string();
+  pull.folder = table.text("folder", pull.folder.string());
+  if (!pull.folder.is_absolute()) table.problem("folder", "a folder's whole name");
+  return pull;
+}
+
 }  // namespace
 
 ReportConfig read_report_config(const ConfigTable& root) {
@@ -151,6 +164,7 @@ ReportConfig read_report_config(const ConfigTable& root) {
   if (const auto mqtt = root.optional_table("mqtt")) config.mqtt = read_mqtt(*mqtt);
   if (const auto mail = root.optional_table("mail")) config.mail = read_mail(*mail);
   if (const auto sign = root.optional_table("sign_of_life")) config.sign_of_life = read_sign_of_life(*sign);
+  if (const auto pull = root.optional_table("content")) config.content = read_pull(*pull);
   return config;
 }
 

@@ -10,6 +10,7 @@
 #include "report/channels/sign_of_life.hpp"
 #include "report/page/http_server.hpp"
 #include "report/report_config.hpp"
+#include "report/web/content_pull.hpp"
 
 namespace kasumi::report {
 
@@ -46,6 +47,7 @@ class Reporter {
   std::unique_ptr<MqttChannel> mqtt_;
   std::unique_ptr<MailChannel> mail_;
   std::unique_ptr<SignOfLife> sign_of_life_;
+  std::unique_ptr<ContentPull> content_;
   std::optional<Instant> looked_at_, textfile_at_;
   bool textfile_failing_ = false;
 };

@@ -96,7 +96,29 @@ void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
   page.add("</section>\n");
 }
 
-void write_figures(const ToldStatus& told, minutes wall, Writer& page) {
+// Where content is asked for: what it last said, and how far the next is.
+std::string pull_text(const PullStatus& pull, minutes wall, const Writer& page) {
+  const auto asked = pull.asked ? fmt::format("{} {}", page.in(kWords.answered),
+                                              wall_time(std::chrono::floor<minutes>(*pull.asked), wall))
+                                : std::string(page.in(kWords.not_asked));
+  std::string text = pull.problem.empty() ? asked : fmt::format("{}; {}", pull.problem, asked);
+  constexpr double kMega = 1e6;
+  if (pull.bytes > 0)
+    text += fmt::format("; {}: {:.1f}", page.in(kWords.arriving), static_cast<double>(pull.bytes) / kMega);
+  if (pull.bytes > 0 && pull.of_bytes > 0) text += fmt::format(" / {:.1f}", static_cast<double>(pull.of_bytes) / kMega);
+  if (pull.bytes > 0) text += " MB";
+  return text;
+}
+
+void write_content(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
+  page.figure(kWords.content, std::string(page.in(told.refused.empty() ? kWords.as_configured : kWords.earlier)));
+  if (told.arrived)
+    page.figure(kWords.brought,
+                fmt::format("{}: {}", wall_time(std::chrono::floor<minutes>(*told.arrived), wall), told.arrived_words));
+  if (pull) page.figure(kWords.server, pull_text(*pull, wall, page));
+}
+
+void write_figures(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
   page.add("<section aria-labelledby=\"figures\">\n<h2 id=\"figures\">{}</h2>\n<dl>\n", page.in(kWords.figures));
   const auto camera = [&](const ToldCamera& of) {
     auto text = std::string(page.in(of.up ? kWords.works : kWords.fails));
@@ -118,7 +140,7 @@ void write_figures(const ToldStatus& told, minutes wall, Writer& page) {
     page.figure(kWords.latency,
                 fmt::format("{:.0f} ms; 95 %: {:.0f} ms", *told.latency_median_ms, told.latency_95_ms.value_or(0.0)));
   if (told.celsius) page.figure(kWords.temperature, fmt::format("{:.0f} °C", *told.celsius));
-  page.figure(kWords.content, std::string(page.in(told.refused.empty() ? kWords.as_configured : kWords.earlier)));
+  write_content(told, pull, wall, page);
   if (told.since) page.figure(kWords.running, wall_time(std::chrono::floor<minutes>(*told.since), wall));
   page.add("</dl>\n</section>\n");
 }
@@ -186,7 +208,7 @@ std::string state_page(const StatePage& of, Language language) {
   page.add("<p>{} {} · <a href=\"?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
            wall_time(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
   write_symptoms(diagnosis, page);
-  if (of.heard.status) write_figures(*of.heard.status, of.wall, page);
+  if (of.heard.status) write_figures(*of.heard.status, of.pull, of.wall, page);
   write_day(of, page);
   page.add("</main>\n</body>\n</html>\n");
   return page.html();
