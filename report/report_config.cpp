@@ -92,6 +92,12 @@ MqttOptions read_mqtt(const ConfigTable& table) {
   mqtt.tls = table.flag("tls", mqtt.tls);
   mqtt.port = table.integer("port", {1, 65535}, mqtt.tls ? 8883 : 1883);
   if (const auto file = table.optional_file("ca_file")) mqtt.ca_file = file->string();
+  if (const auto file = table.optional_file("cert_file")) mqtt.cert_file = file->string();
+  if (const auto file = table.optional_file("key_file")) mqtt.key_file = file->string();
+  if (mqtt.cert_file.empty() != mqtt.key_file.empty())
+    table.problem(mqtt.key_file.empty() ? "key_file" : "cert_file", "both cert_file and key_file, or neither");
+  else if (!mqtt.cert_file.empty() && !mqtt.tls)
+    table.problem("tls", "true, without which a certificate is of no use");
   mqtt.user = table.text("user", std::string());
   mqtt.password = read_secret(table, "password_file");
   if (table.has("password_file") && mqtt.user.empty()) table.problem("user", "the user whose password it is");

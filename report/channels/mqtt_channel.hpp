@@ -18,7 +18,8 @@ struct MqttOptions {
   std::string host;
   int port = 8883;
   bool tls = true;
-  std::string ca_file;  // empty: who the machine trusts
+  std::string ca_file;              // empty: who the machine trusts
+  std::string cert_file, key_file;  // ours, where the broker asks who we are; empty: none
   std::string user, password;
   std::string topic;                         // the kiosk's
   std::string discovery = "homeassistant";   // Home Assistant's prefix; empty: it is not told

@@ -128,6 +128,17 @@ TEST(ReportConfigs, ContentComesOverTlsAlone) {
   EXPECT_FALSE(read("[content]\n"));
 }
 
+TEST(ReportConfigs, ACertificateHasItsKeyAndTls) {
+  const auto folder = report_folder("client-certificate");
+  for (const auto* file : {"a.pem", "a.key"}) ASSERT_TRUE(write_text_file(folder / file, ""));
+  const auto with = [&](const std::string& more) { return read("[mqtt]\nhost = \"broker\"\n" + more, folder); };
+  EXPECT_TRUE(with("cert_file = \"a.pem\"\nkey_file = \"a.key\"\n"));
+  EXPECT_THAT(with("cert_file = \"a.pem\"\n").error().message, HasSubstr("mqtt.key_file"));
+  EXPECT_THAT(with("key_file = \"a.key\"\n").error().message, HasSubstr("mqtt.cert_file"));
+  EXPECT_THAT(with("tls = false\ncert_file = \"a.pem\"\nkey_file = \"a.key\"\n").error().message,
+              HasSubstr("mqtt.tls"));
+}
+
 TEST(ReportConfigs, TheWholeNetworkMayOnlyReadWithAToken) {
   for (const auto* address : {"0.0.0.0", "::", "192.168.1.2"})
     EXPECT_FALSE(read(fmt::format("[http]\naddress = \"{}\"\n", address))) << address;
