@@ -7,6 +7,7 @@
 #include "history/history_ring.hpp"
 #include "report/page/own_name.hpp"
 #include "report/page/state_page.hpp"
+#include "report/trial.hpp"
 
 namespace kasumi::report {
 
@@ -149,6 +150,18 @@ Answer Reporter::page(const Request& request) {
           "text/html; charset=utf-8",
           std::make_shared<const std::string>(std::move(html)),
           {{"Vary", "Accept-Language"}}};
+}
+
+void Reporter::begin_trial() {
+  if (trying_->exchange(true)) return;
+  // Left behind where the reporter ends before it: it may wait for a server.
+  std::thread([config = config_, heard = heard_, trying = trying_] {
+    SystemClock clock;
+    for (const auto& trial : try_channels(config, heard, clock))
+      fmt::print(stderr, "<{}>trial: {}: {}\n", trial.came ? 5 : 4, trial.channel,
+                 trial.came ? *trial.came : trial.came.error().message);
+    *trying = false;
+  }).detach();
 }
 
 std::string Reporter::line() const {

@@ -189,6 +189,37 @@ class MqttChannel::Talk {
   std::string problem_;
 };
 
+Result<> publish_once(const MqttOptions& options, std::string_view below, std::string_view payload, Duration longest) {
+  prepare_library();
+  Conversation now;
+  const Client client(mosquitto_new(nullptr, true, &now));  // by a name of its own: the kiosk's may be connected
+  if (!client) return fail(FaultKind::io, "no memory");
+  listen_to(*client);
+  int rc = introduce(*client, options);
+  if (rc == MOSQ_ERR_SUCCESS)
+    rc = mosquitto_connect_async(client.get(), options.host.c_str(), options.port, kKeepalive_s);
+  if (rc != MOSQ_ERR_SUCCESS) return fail(FaultKind::io, "{}", why(rc, now.library_said));
+  const auto topic = options.topic + std::string(below);
+  bool sent = false;
+  for (const auto end = Steady::now() + longest; Steady::now() < end;) {
+    rc = mosquitto_loop(client.get(), static_cast<int>(std::chrono::milliseconds(kLoop).count()), 1);
+    if (now.answer && *now.answer != 0) return fail(FaultKind::io, "{}", refusal(*now.answer, options));
+    if (rc != MOSQ_ERR_SUCCESS) return fail(FaultKind::io, "{}", why(rc, now.library_said));
+    if (!now.answer) continue;
+    if (sent && now.unconfirmed == 0) {
+      mosquitto_disconnect(client.get());
+      return {};
+    }
+    if (sent) continue;
+    sent = true;
+    rc = mosquitto_publish(client.get(), nullptr, topic.c_str(), static_cast<int>(payload.size()), payload.data(),
+                           kAtLeastOnce, false);
+    if (rc != MOSQ_ERR_SUCCESS) return fail(FaultKind::io, "{}", why(rc, now.library_said));
+    ++now.unconfirmed;
+  }
+  return fail(FaultKind::io, "no answer within {:.0f} s", to_seconds(longest));
+}
+
 MqttChannel::MqttChannel(MqttOptions options, const std::string& name, Language language, Clock& clock,
                          MqttPatience patience)
     : language_(language), every_(options.every), clock_(clock) {
