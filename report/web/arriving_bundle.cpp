@@ -19,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kSync = std::uint64_t{8} << 20;  // so much comes anew after a power cut, at most
-
 std::optional<PullNote> note_in(const fs::path& file, const std::string& url) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
@@ -34,8 +32,8 @@ Result<> cannot_write(const fs::path& file) {
 
 }  // namespace
 
-ArrivingBundle::ArrivingBundle(fs::path folder, const std::string& url, std::uint64_t left_free)
-    : folder_(std::move(folder)), left_free_(left_free) {
+ArrivingBundle::ArrivingBundle(fs::path folder, const std::string& url, std::uint64_t left_free, std::uint64_t sync)
+    : folder_(std::move(folder)), left_free_(left_free), sync_(sync) {
   std::error_code error;
   whole_.url = part_.url = url;
   if (const auto whole = note_in(folder_ / "fetched.txt", url);
@@ -69,7 +67,7 @@ Result<> ArrivingBundle::begin(std::string tag, std::uint64_t all) {
   file_ = UniqueFd(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644));
   if (!file_) return cannot_write(path);
   part_.tag = std::move(tag);
-  return sync();
+  return write_through();
 }
 
 // Beyond what was synced lies what a power cut made of it.
@@ -93,24 +91,24 @@ Result<> ArrivingBundle::add(std::span<const char> piece) {
     bytes_ += static_cast<std::uint64_t>(n);
     piece = piece.subspan(static_cast<std::size_t>(n));
   }
-  if (bytes_ - part_.bytes < kSync) return {};
+  if (bytes_ - part_.bytes < sync_) return {};
   if (auto room = fits(0); !room) return room;
-  return sync();
+  return write_through();
 }
 
-Result<> ArrivingBundle::sync() {
+Result<> ArrivingBundle::write_through() {
   if (::fdatasync(file_.value()) != 0) return cannot_write(folder_ / "arriving.part");
   part_.bytes = bytes_;
   return write_text_file(folder_ / "arriving.txt", text_of(part_));
 }
 
 void ArrivingBundle::keep() {
-  if (file_) (void)sync();
+  if (file_) (void)write_through();
   file_ = UniqueFd();
 }
 
 Result<> ArrivingBundle::finish() {
-  if (auto synced = sync(); !synced) return synced;
+  if (auto synced = write_through(); !synced) return synced;
   file_ = UniqueFd();
   const auto content = folder_ / "content";
   if (auto made = create_folders(content); !made) return made;

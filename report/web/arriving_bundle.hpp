@@ -19,8 +19,12 @@ namespace kasumi::report {
 
 class ArrivingBundle {
  public:
+  // So many bytes come anew after a power cut, at most.
+  static constexpr std::uint64_t kSync = std::uint64_t{8} << 20;
+
   // Of this address; what was kept of another one is forgotten. `left_free`: bytes of the disk that are not for it.
-  ArrivingBundle(std::filesystem::path folder, const std::string& url, std::uint64_t left_free);
+  ArrivingBundle(std::filesystem::path folder, const std::string& url, std::uint64_t left_free,
+                 std::uint64_t sync = kSync);
 
   const std::string& whole_tag() const { return whole_.tag; }  // of the last that came whole; empty: none is here
   const std::string& tag() const { return part_.tag; }         // of the one that is under way; empty: none is
@@ -40,10 +44,10 @@ class ArrivingBundle {
 
  private:
   Result<> fits(std::uint64_t more) const;
-  Result<> sync();
+  Result<> write_through();
 
   std::filesystem::path folder_;
-  std::uint64_t left_free_;
+  std::uint64_t left_free_, sync_;
   PullNote whole_, part_;  // of the disk
   UniqueFd file_;
   std::uint64_t bytes_ = 0;
