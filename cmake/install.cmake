@@ -4,7 +4,8 @@
 set(doc share/doc/kasumi)
 set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME kasumi)
 install(TARGETS kasumi RUNTIME DESTINATION bin)
-install(FILES systemd/kasumi.service DESTINATION lib/systemd/system)
+install(FILES systemd/kasumi.service systemd/kasumi-content.path systemd/kasumi-content.service
+  systemd/kasumi-stick@.service systemd/kasumi-stick-mount@.service DESTINATION lib/systemd/system)
 install(PROGRAMS systemd/wait-before-start DESTINATION lib/kasumi)
 install(FILES systemd/71-kasumi.rules DESTINATION lib/udev/rules.d)
 install(FILES systemd/kasumi.sysusers DESTINATION lib/sysusers.d RENAME kasumi.conf)
@@ -22,7 +23,7 @@ install(DIRECTORY fixtures/demo DESTINATION share/kasumi)
 
 # A program of its own, which may be left out: it speaks to the network.
 install(TARGETS kasumi-report RUNTIME DESTINATION bin COMPONENT report)
-install(FILES systemd/kasumi-report.service DESTINATION lib/systemd/system COMPONENT report)
+install(FILES systemd/kasumi-report.service systemd/kasumi-fetched.path DESTINATION lib/systemd/system COMPONENT report)
 install(FILES ${manual}/kasumi-report.1.gz DESTINATION share/man/man1 COMPONENT report)
 install(FILES ${manual}/kasumi-report.bash DESTINATION share/bash-completion/completions RENAME kasumi-report COMPONENT report)
 install(FILES systemd/report.toml DESTINATION share/doc/kasumi-report/examples COMPONENT report)
