@@ -16,6 +16,7 @@
 #include "report/reporter.hpp"
 #include "report/show.hpp"
 #include "report/status/diagnosis.hpp"
+#include "report/trial.hpp"
 
 namespace {
 
@@ -24,6 +25,7 @@ using namespace kasumi::report;
 
 constexpr int kFailed = 1, kBadInput = 2;
 constexpr int kBadConfiguration = 78;  // EX_CONFIG: the service manager does not start it again
+constexpr const char* kConfigFile = "/etc/kasumi/report.toml";
 constexpr const char* kStatusFile = "/run/kasumi/status.json";
 
 using Action = std::function<Result<int>()>;
@@ -48,11 +50,11 @@ void add_show_command(CLI::App& app, Action& action) {
   });
 }
 
-std::atomic<bool> stopped = false;
+std::atomic<bool> stopped = false, asked_to_try = false;
 
 void add_run_command(CLI::App& app, Action& action) {
   struct Arguments {
-    std::string config = "/etc/kasumi/report.toml";
+    std::string config = kConfigFile;
     bool check = false;
   };
   auto* command = app.add_subcommand("run", "Tells how the kiosk is, as report.toml says, until SIGTERM");
@@ -75,14 +77,41 @@ void add_run_command(CLI::App& app, Action& action) {
       const auto reporter = Reporter::start(std::move(*config), clock);
       if (!reporter) return refused(reporter.error());
       for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { stopped = true; });
+      std::signal(SIGUSR1, [](int) { asked_to_try = true; });
       std::signal(SIGPIPE, SIG_IGN);
       ::sd_notify(0, "READY=1");
       for (std::string told; !stopped;) {
         (*reporter)->turn();
+        if (asked_to_try.exchange(false)) (*reporter)->begin_trial();
         ::sd_notify(0, "WATCHDOG=1");
         if (auto line = (*reporter)->line(); line != told) ::sd_notify(0, ("STATUS=" + (told = line)).c_str());
       }
       return 0;
+    };
+  });
+}
+
+void add_try_command(CLI::App& app, Action& action) {
+  auto* command =
+      app.add_subcommand("try", "Sends a trial through each channel of report.toml, and says what came of it");
+  auto config_file = std::make_shared<std::string>(kConfigFile);
+  command->add_option("--config", *config_file, "What may be told, and to whom")->capture_default_str();
+  command->callback([config_file, &action] {
+    action = [config_file]() -> Result<int> {
+      const auto config = read_report_config(*config_file);
+      if (!config) return fail(config.error());
+      SystemClock clock;
+      const auto heard = StatusWatch(config->status, clock).look();
+      std::signal(SIGPIPE, SIG_IGN);
+      bool all = true;
+      const auto trials = try_channels(*config, heard, clock);
+      for (const auto& trial : trials) {
+        all = all && trial.came;
+        fmt::print("{}: {}\n", trial.channel, trial.came ? *trial.came : "failed: " + trial.came.error().message);
+      }
+      if (trials.empty())
+        fmt::print("{}: no channel to try: [mail], [mqtt], [sign_of_life], [content]\n", *config_file);
+      return all ? 0 : kFailed;
     };
   });
 }
@@ -126,6 +155,7 @@ int main(int argc, char** argv) try {
   app.require_subcommand(1);
   add_run_command(app, action);
   add_show_command(app, action);
+  add_try_command(app, action);
   add_metrics_command(app, action);
   add_token_command(app, action);
   refuse_infinite_numbers(app);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/files.hpp"
+#include "report/web/web_request.hpp"
 
 namespace kasumi::report {
 
@@ -91,6 +92,12 @@ MqttOptions read_mqtt(const ConfigTable& table) {
   mqtt.tls = table.flag("tls", mqtt.tls);
   mqtt.port = table.integer("port", {1, 65535}, mqtt.tls ? 8883 : 1883);
   if (const auto file = table.optional_file("ca_file")) mqtt.ca_file = file->string();
+  if (const auto file = table.optional_file("cert_file")) mqtt.cert_file = file->string();
+  if (const auto file = table.optional_file("key_file")) mqtt.key_file = file->string();
+  if (mqtt.cert_file.empty() != mqtt.key_file.empty())
+    table.problem(mqtt.key_file.empty() ? "key_file" : "cert_file", "both cert_file and key_file, or neither");
+  else if (!mqtt.cert_file.empty() && !mqtt.tls)
+    table.problem("tls", "true, without which a certificate is of no use");
   mqtt.user = table.text("user", std::string());
   mqtt.password = read_secret(table, "password_file");
   if (table.has("password_file") && mqtt.user.empty()) table.problem("user", "the user whose password it is");
@@ -129,6 +136,18 @@ SignOfLifeOptions read_sign_of_life(const ConfigTable& table) {
   return sign;
 }
 
+PullOptions read_pull(const ConfigTable& table) {
+  PullOptions pull;
+  pull.url = table.text("url");
+  if (!pull.url.empty() && !(is_web_address(pull.url) && pull.url.starts_with("https://")))
+    table.problem("url", "an address like \"https://example.org/hill.kasumi\"");
+  pull.every = std::chrono::minutes(table.integer("every_min", {1, 1440}, 15));
+  if (const auto file = table.optional_file("ca_file")) pull.ca_file = file->string();
+  pull.folder = table.text("folder", pull.folder.string());
+  if (!pull.folder.is_absolute()) table.problem("folder", "a folder's whole name");
+  return pull;
+}
+
 }  // namespace
 
 ReportConfig read_report_config(const ConfigTable& root) {
@@ -151,6 +170,7 @@ ReportConfig read_report_config(const ConfigTable& root) {
   if (const auto mqtt = root.optional_table("mqtt")) config.mqtt = read_mqtt(*mqtt);
   if (const auto mail = root.optional_table("mail")) config.mail = read_mail(*mail);
   if (const auto sign = root.optional_table("sign_of_life")) config.sign_of_life = read_sign_of_life(*sign);
+  if (const auto pull = root.optional_table("content")) config.content = read_pull(*pull);
   return config;
 }
 

@@ -12,6 +12,7 @@
 #include "report/channels/mqtt_channel.hpp"
 #include "report/channels/sign_of_life.hpp"
 #include "report/page/tokens.hpp"
+#include "report/web/content_pull.hpp"
 
 namespace kasumi::report {
 
@@ -36,6 +37,7 @@ struct ReportConfig {
   std::optional<MqttOptions> mqtt;
   std::optional<MailOptions> mail;
   std::optional<SignOfLifeOptions> sign_of_life;
+  std::optional<PullOptions> content;
 };
 
 // Errors (bad_input): all problems at once, with file, key, value and what was expected.

@@ -7,6 +7,7 @@
 #include "history/history_ring.hpp"
 #include "report/page/own_name.hpp"
 #include "report/page/state_page.hpp"
+#include "report/trial.hpp"
 
 namespace kasumi::report {
 
@@ -48,6 +49,8 @@ Result<std::unique_ptr<Reporter>> Reporter::start(ReportConfig config, Clock& cl
     reporter->mail_ = std::make_unique<MailChannel>(*mail, reporter->config_.name, reporter->config_.language, clock);
   if (const auto& sign = reporter->config_.sign_of_life)
     reporter->sign_of_life_ = std::make_unique<SignOfLife>(*sign, clock);
+  if (const auto& content = reporter->config_.content)
+    reporter->content_ = std::make_unique<ContentPull>(*content, clock);
   reporter->look();
   return reporter;
 }
@@ -58,6 +61,7 @@ void Reporter::turn() {
   else
     std::this_thread::sleep_for(kTurn);
   if (sign_of_life_) sign_of_life_->turn();
+  if (content_) content_->turn();
   const auto now = clock_.now();
   if (!looked_at_ || now - *looked_at_ >= kLook) look();
 }
@@ -87,6 +91,7 @@ std::string Reporter::metrics() const {
   }
   if (mail_) own.mails = OwnFigures::Tries{mail_->sent(), mail_->failed()};
   if (sign_of_life_) own.signs_of_life = OwnFigures::Tries{sign_of_life_->given(), sign_of_life_->failed()};
+  if (content_) own.pulls = OwnFigures::Pulls{content_->fetched(), content_->unchanged(), content_->failed()};
   if (mqtt_) own.mqtt_connected = mqtt_->connected();
   for (const auto& [why, count] : turned_away_) own.refused[why] += count;
   return metrics_text(heard_, disk_figures(config_.state), own);
@@ -138,11 +143,25 @@ Answer Reporter::page(const Request& request) {
     history_.shrink_to_fit();
   }
   const auto language = wanted_language(request.language, request.accept_language, config_.language);
-  auto html = state_page({config_.name, heard_, history_, clock_.utc(), ahead_of_utc()}, language);
+  StatePage of{config_.name, heard_, history_, clock_.utc(), ahead_of_utc()};
+  if (content_) of.pull = content_->status();
+  auto html = state_page(of, language);
   return {200,
           "text/html; charset=utf-8",
           std::make_shared<const std::string>(std::move(html)),
           {{"Vary", "Accept-Language"}}};
+}
+
+void Reporter::begin_trial() {
+  if (trying_->exchange(true)) return;
+  // Left behind where the reporter ends before it: it may wait for a server.
+  std::thread([config = config_, heard = heard_, trying = trying_] {
+    SystemClock clock;
+    for (const auto& trial : try_channels(config, heard, clock))
+      fmt::print(stderr, "<{}>trial: {}: {}\n", trial.came ? 5 : 4, trial.channel,
+                 trial.came ? *trial.came : trial.came.error().message);
+    *trying = false;
+  }).detach();
 }
 
 std::string Reporter::line() const {

@@ -1,6 +1,8 @@
 // The reporter: looks at the kiosk's status once a second and tells it wherever it was configured to.
 #pragma once
 
+#include <atomic>
+#include <memory>
 #include <optional>
 
 #include "history/history_line.hpp"
@@ -10,6 +12,7 @@
 #include "report/channels/sign_of_life.hpp"
 #include "report/page/http_server.hpp"
 #include "report/report_config.hpp"
+#include "report/web/content_pull.hpp"
 
 namespace kasumi::report {
 
@@ -24,6 +27,8 @@ class Reporter {
   // Where a port 0 ended up; 0: no port is open.
   int port() const { return server_ ? server_->port() : 0; }
   std::string line() const;  // for `systemctl status`
+  // Tries every channel, beside all else, and logs what came of each. One trial at a time.
+  void begin_trial();
 
  private:
   Reporter(ReportConfig config, Clock& clock);
@@ -46,8 +51,10 @@ class Reporter {
   std::unique_ptr<MqttChannel> mqtt_;
   std::unique_ptr<MailChannel> mail_;
   std::unique_ptr<SignOfLife> sign_of_life_;
+  std::unique_ptr<ContentPull> content_;
   std::optional<Instant> looked_at_, textfile_at_;
   bool textfile_failing_ = false;
+  std::shared_ptr<std::atomic<bool>> trying_ = std::make_shared<std::atomic<bool>>(false);
 };
 
 }  // namespace kasumi::report

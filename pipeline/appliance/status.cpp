@@ -163,6 +163,14 @@ OrderedJson went_back_json(const std::optional<Generation>& generation) {
           {"why", generation->went_back->why}};
 }
 
+OrderedJson arrived_json(const std::optional<Arrival>& arrival) {
+  if (!arrival) return nullptr;
+  return {{"utc", utc_text(std::chrono::floor<std::chrono::seconds>(arrival->utc))},
+          {"from", arrival->from},
+          {"taken", arrival->taken},
+          {"words", arrival->words}};
+}
+
 OrderedJson content_json(const Status& status) {
   const auto reload = status.reload.value_or(ReloadStatus{});
   const auto& instead = status.instead;
@@ -176,7 +184,8 @@ OrderedJson content_json(const Status& status) {
           {"era", status.era.empty() ? OrderedJson(nullptr) : OrderedJson(status.era)},
           {"era_problem", reload.era_problem.empty() ? OrderedJson(nullptr) : OrderedJson(reload.era_problem)},
           {"generation", generation_json(status)},
-          {"went_back", went_back_json(status.probation.went_back)}};
+          {"went_back", went_back_json(status.probation.went_back)},
+          {"arrived", arrived_json(status.probation.arrived)}};
 }
 
 OrderedJson observer_json(const ObserverPart& part) {

@@ -8,6 +8,7 @@
 #include "base/files.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/command.hpp"
+#include "pipeline/content/arrival.hpp"
 #include "pipeline/content/install.hpp"
 #include "pipeline/content/packing.hpp"
 #include "pipeline/log_lines.hpp"
@@ -20,7 +21,8 @@ namespace {
 
 struct ContentArguments {
   std::string folder = kServiceContent, keys = "/etc/kasumi/keys", status, config = "/etc/kasumi/kasumi.toml";
-  std::string path;  // of a bundle, or digits of a generation
+  std::string path;                // of a bundle, or digits of a generation
+  std::vector<std::string> paths;  // of bundles, or folders of them
   std::string out, name, secret_key, password_file;
   double seconds = 120.0;  // a slow GPU with a heavy model
   bool unsigned_too = false, again = false, newer = false;
@@ -101,22 +103,89 @@ Result<int> put_on_screen(const ContentArguments& arguments, const Generations& 
   return 1;
 }
 
-Result<int> install_content(const ContentArguments& arguments) {
-  const InstallRules rules{arguments.keys, arguments.unsigned_too, arguments.again, arguments.newer};
-  const auto trusted = open_trusted(arguments.path, rules);
+InstallRules rules_of(const ContentArguments& arguments) {
+  return {arguments.keys, arguments.unsigned_too, arguments.again, arguments.newer};
+}
+
+// What came of it, in a line.
+std::string words_of(const Trusted& trusted, const Installed& installed) {
+  const auto& generation = installed.generation;
+  return fmt::format("{} ({}), made {}, {}: {}", generation.manifest.name, generation.id,
+                     second_of(generation.manifest.created),
+                     trusted.signature.by.empty() ? "not signed" : "signed by " + trusted.signature.by,
+                     installed.left_alone.empty() ? "installed" : installed.left_alone);
+}
+
+Result<int> install_on_screen(const ContentArguments& arguments, const Trusted& trusted, Arrival* arrival) {
+  const Generations generations(arguments.folder);
+  const auto installed = install(trusted, generations, rules_of(arguments), SystemClock().utc());
+  if (!installed) return fail(installed.error());
+  const auto words = words_of(trusted, *installed);
+  fmt::print("{}\n", words);
+  if (arrival) arrival->words = words;
+  if (!installed->left_alone.empty()) return 0;
+  const auto now = generations.find(installed->generation.id);
+  auto shown = put_on_screen(arguments, generations, now ? &*now : nullptr);
+  if (arrival) {
+    arrival->taken = shown && *shown == 0;
+    if (!shown) arrival->words += "; " + shown.error().message;
+    if (shown && *shown != 0) arrival->words += "; the running kiosk refuses it";
+  }
+  return shown;
+}
+
+// By a person, who reads what is printed.
+Result<int> install_by_hand(const ContentArguments& arguments) {
+  if (arguments.paths.size() > 1)
+    return fail(FaultKind::bad_input, "{}: expected one bundle, or --newer, which takes the newest of several",
+                arguments.paths[1]);
+  const auto trusted = open_trusted(arguments.paths.front(), rules_of(arguments));
   if (!trusted) return fail(trusted.error());
   if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
-  const Generations generations(arguments.folder);
-  const auto installed = install(*trusted, generations, rules, SystemClock().utc());
-  if (!installed) return fail(installed.error());
-  const auto& generation = installed->generation;
-  fmt::print("{} ({}), made {}, {}: {}\n", generation.manifest.name, generation.id,
-             second_of(generation.manifest.created),
-             trusted->signature.by.empty() ? "not signed" : "signed by " + trusted->signature.by,
-             installed->left_alone.empty() ? "installed" : installed->left_alone);
-  if (!installed->left_alone.empty()) return 0;
-  const auto now = generations.find(generation.id);
-  return put_on_screen(arguments, generations, now ? &*now : nullptr);
+  return install_on_screen(arguments, *trusted, nullptr);
+}
+
+Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival) {
+  const std::vector<std::filesystem::path> paths(arguments.paths.begin(), arguments.paths.end());
+  auto found = open_newest(paths, rules_of(arguments));
+  if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
+  if (!found) return fail(found.error());
+  Problems problems;
+  for (const auto& problem : found->refused) problems.add("{}", problem);
+  if (!found->bundle && !problems.empty()) return fail(problems.fault());
+  if (!found->bundle) {
+    arrival.words = fmt::format("no bundle there: expected NAME{}", kBundleExtension);
+    fmt::print("{}: {}\n", arrival.from, arrival.words);
+    return 0;
+  }
+  auto done = install_on_screen(arguments, *found->bundle, &arrival);
+  for (const auto& problem : found->refused) {
+    print_error(problem);
+    arrival.words += "; " + problem;
+  }
+  return done;
+}
+
+// By a unit, a timer, a program: what came of it is noted where those who are far away read it.
+Result<int> install_what_came(const ContentArguments& arguments) {
+  Arrival arrival{SystemClock().utc(), fmt::format("{}", fmt::join(arguments.paths, ", ")), {}, false};
+  const auto note = [&] {
+    if (auto noted = note_arrival(arguments.folder, arrival); !noted) print_error(noted.error().message);
+  };
+  // Noted first: a stick may be pulled out, or the power cut. Root does not write there before it is the owner.
+  if (::geteuid() != 0) {
+    arrival.words = "is being read; where this stays, it was cut off: a stick pulled out too soon, or the power";
+    note();
+  }
+  auto done = install_newest(arguments, arrival);
+  arrival.utc = SystemClock().utc();
+  if (!done) arrival.words = (arrival.taken ? arrival.words + "; " : "refused: ") + done.error().message;
+  note();
+  return done;
+}
+
+Result<int> install_content(const ContentArguments& arguments) {
+  return arguments.newer ? install_what_came(arguments) : install_by_hand(arguments);
 }
 
 std::string state_of(const Generation& generation) {
@@ -237,7 +306,9 @@ void add_content_command(CLI::App& app, Action& action) {
 
   auto* installing = with_status(with_keys(with_store(
       add("install", "Install a bundle beside the old content and show it, on probation", install_content))));
-  installing->add_option("BUNDLE", arguments->path, "A bundle, or a folder: the one in it that was made last")
+  installing
+      ->add_option("BUNDLE", arguments->paths,
+                   "A bundle, or a folder: the one in it that was made last; with --newer several")
       ->required();
   installing->add_flag("--again", arguments->again, "Even what went back before");
   installing->add_flag("--newer", arguments->newer,

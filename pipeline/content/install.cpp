@@ -35,26 +35,42 @@ Result<Trusted> open_trusted_file(const fs::path& path, const InstallRules& rule
   return Trusted{std::move(*bundle), std::move(*by)};
 }
 
-Result<Trusted> open_newest(const fs::path& folder, const InstallRules& rules, const std::vector<PublicKey>& keys) {
+// No links: whoever fills the folder may read less than we.
+Result<std::vector<fs::path>> bundles_in(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != end(entry); entry.increment(error))
-    if (entry->path().extension() == kBundleExtension && !entry->path().filename().string().starts_with('.'))
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != end(entry); entry.increment(error)) {
+    std::error_code ignored;
+    const bool file = fs::is_regular_file(entry->symlink_status(ignored));
+    if (file && entry->path().extension() == kBundleExtension && !entry->path().filename().string().starts_with('.'))
       files.push_back(entry->path());
+  }
   if (error) return fail(FaultKind::io, "{}: cannot be read: {}", folder.string(), error.message());
   std::ranges::sort(files);
   if (files.size() > kMostBundles) files.resize(kMostBundles);
-  std::optional<Trusted> newest;
-  Problems problems;
+  return files;
+}
+
+Newest newest_of(const std::vector<fs::path>& files, const InstallRules& rules, const std::vector<PublicKey>& keys) {
+  Newest found;
   for (const auto& file : files) {
     auto opened = open_trusted_file(file, rules, keys);
     if (!opened)
-      problems.add("{}", opened.error().message);
-    else if (!newest || opened->bundle.manifest.created > newest->bundle.manifest.created)
-      newest = std::move(*opened);
+      found.refused.push_back(opened.error().message);
+    else if (!found.bundle || opened->bundle.manifest.created > found.bundle->bundle.manifest.created)
+      found.bundle = std::move(*opened);
   }
-  if (newest) return std::move(*newest);
-  if (files.empty()) problems.add("{}: no bundle in it: expected NAME{}", folder.string(), kBundleExtension);
+  return found;
+}
+
+Result<Trusted> open_newest_in(const fs::path& folder, const InstallRules& rules, const std::vector<PublicKey>& keys) {
+  const auto files = bundles_in(folder);
+  if (!files) return fail(files.error());
+  auto found = newest_of(*files, rules, keys);
+  if (found.bundle) return std::move(*found.bundle);
+  Problems problems;
+  for (const auto& problem : found.refused) problems.add("{}", problem);
+  if (files->empty()) problems.add("{}: no bundle in it: expected NAME{}", folder.string(), kBundleExtension);
   return fail(problems.fault());
 }
 
@@ -119,7 +135,26 @@ Result<Trusted> open_trusted(const fs::path& path, const InstallRules& rules) {
   const auto keys = read_public_keys(rules.keys);
   if (!keys) return fail(keys.error());
   std::error_code error;
-  return fs::is_directory(path, error) ? open_newest(path, rules, *keys) : open_trusted_file(path, rules, *keys);
+  return fs::is_directory(path, error) ? open_newest_in(path, rules, *keys) : open_trusted_file(path, rules, *keys);
+}
+
+Result<Newest> open_newest(const std::vector<fs::path>& paths, const InstallRules& rules) {
+  const auto keys = read_public_keys(rules.keys);
+  if (!keys) return fail(keys.error());
+  std::vector<fs::path> files;
+  for (const auto& path : paths) {
+    std::error_code error;
+    const auto kind = fs::status(path, error).type();
+    if (kind == fs::file_type::not_found) continue;
+    if (kind != fs::file_type::directory) {
+      files.push_back(path);
+      continue;
+    }
+    const auto found = bundles_in(path);
+    if (!found) return fail(found.error());
+    files.insert(files.end(), found->begin(), found->end());
+  }
+  return newest_of(files, rules, *keys);
 }
 
 Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now) {

@@ -23,6 +23,14 @@ struct Trusted {
 // what is wrong with each, or that it holds none), io.
 Result<Trusted> open_trusted(const std::filesystem::path& path, const InstallRules& rules);
 
+// The bundle that was made last, of several files and folders.
+struct Newest {
+  std::optional<Trusted> bundle;
+  std::vector<std::string> refused;  // what is wrong with others
+};
+// Folders that are missing or hold none are passed over. Errors: io (a folder that cannot be read); those of the keys.
+Result<Newest> open_newest(const std::vector<std::filesystem::path>& paths, const InstallRules& rules);
+
 struct Installed {
   Generation generation;
   std::string left_alone;  // why nothing was changed; empty: it is shown next

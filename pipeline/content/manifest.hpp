@@ -22,6 +22,8 @@ inline constexpr std::uint64_t kMostFileBytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMostBytes = std::uint64_t{2} << 30;  // of all files
 inline constexpr std::size_t kMostManifestBytes = 1 << 20;
 inline constexpr std::size_t kMostSignatureBytes = 4096;
+// Of a bundle as a file, with what a tar has around each.
+inline constexpr std::uint64_t kMostTarBytes = kMostBytes + (kMostFiles + 4) * std::uint64_t{4096} + kMostManifestBytes;
 
 struct PackedFile {
   std::string path;  // below the bundle's folder, with '/'

@@ -109,6 +109,7 @@ void Probation::tell(Utc now) {
   status_.shown = place_.generations.of(config_);
   status_.left = std::max(Duration{}, kProbation - lasted_);
   status_.told = now;
+  status_.arrived = last_arrival(place_.generations.folder());
   status_.went_back.reset();
   if (auto all = place_.generations.all();
       !all.empty() && all.front().went_back && (!status_.shown || all.front().id != status_.shown->id))

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pipeline/config/content.hpp"
+#include "pipeline/content/arrival.hpp"
 #include "pipeline/content/generations.hpp"
 
 namespace kasumi {
@@ -16,6 +17,7 @@ struct ProbationStatus {
   std::optional<Generation> shown;      // empty: what was set up by hand
   Duration left{};                      // of pictures, until the probation ends
   std::optional<Generation> went_back;  // the newest installation, where it did
+  std::optional<Arrival> arrived;       // what was brought last
   Utc told{};
 };
 

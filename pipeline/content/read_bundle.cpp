@@ -239,9 +239,9 @@ Result<Bundle> look_into(const std::filesystem::path& path) {
     return fail(errno == EIO ? FaultKind::io : FaultKind::bad_input, "{}: cannot be read: {}", path.string(),
                 std::strerror(errno));
   if (!S_ISREG(status.st_mode)) return fail(FaultKind::bad_input, "{}: expected a file", path.string());
-  constexpr std::uint64_t kMostTar = kMostBytes + (kMostFiles + 4) * std::uint64_t{4096} + kMostManifestBytes;
-  if (static_cast<std::uint64_t>(status.st_size) > kMostTar)
-    return fail(FaultKind::bad_input, "{}: {} bytes, expected at most {}", path.string(), status.st_size, kMostTar);
+  if (static_cast<std::uint64_t>(status.st_size) > kMostTarBytes)
+    return fail(FaultKind::bad_input, "{}: {} bytes, expected at most {}", path.string(), status.st_size,
+                kMostTarBytes);
   const auto reader = open_archive(bundle);
   if (!reader) return fail(reader.error());
   Findings findings(bundle);

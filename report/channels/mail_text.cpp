@@ -23,6 +23,15 @@ struct MailWords : FigureWords {
   Translated more{"And {} more.", "Und {} weitere.", "Et {} de plus.", "E altri {}.", "Y {} más.", "ほか {} 件。"};
   Translated no_reason{"It does not say why.",      "Es sagt nicht, warum.", "La raison n’est pas indiquée.",
                        "Il motivo non è indicato.", "No dice por qué.",      "理由は示されていません。"};
+  Translated trial{"Trial mail",         "Probemail",         "Message d’essai",
+                   "Messaggio di prova", "Mensaje de prueba", "試験メール"};
+  Translated trial_says{
+      "This mail was asked for by kasumi-report try. Mails about this kiosk arrive here.",
+      "Diese Mail wurde mit kasumi-report try verlangt. Mails über diesen Kiosk kommen hier an.",
+      "Ce message a été demandé par kasumi-report try. Les messages sur cette borne arrivent ici.",
+      "Questo messaggio è stato chiesto con kasumi-report try. I messaggi su questo chiosco arrivano qui.",
+      "Este mensaje se pidió con kasumi-report try. Los mensajes sobre este quiosco llegan aquí.",
+      "このメールは kasumi-report try によるものです。このキオスクに関するメールはここに届きます。"};
   Translated next{"The next mail comes in {} minutes at the earliest; what happens until then will be in it.",
                   "Die nächste Mail kommt frühestens in {} Minuten; was bis dahin geschieht, steht dann darin.",
                   "Le prochain message arrivera au plus tôt dans {} minutes\u202F; il dira ce qui se sera passé.",
@@ -113,6 +122,16 @@ std::string times_text(const Episode& episode, Language language) {
   return episode.times > 1 ? ", " + filled(kMailWords.times.in(language), episode.times) : std::string();
 }
 
+std::string header_text(const MailOptions& options, const std::string& name, std::string_view subject) {
+  std::string text;
+  if (!options.from.empty()) text += fmt::format("From: {}\n", options.from);
+  text += fmt::format("To: {}\n", fmt::join(options.to, ",\n "));
+  text += fmt::format("Subject: {}\n", in_header(fmt::format("[{}] {}", first_bytes(name, 100), subject)));
+  return text +
+         "Auto-Submitted: auto-generated\nMIME-Version: 1.0\nContent-Type: text/plain; charset=utf-8\n"
+         "Content-Transfer-Encoding: 8bit\n\n";
+}
+
 }  // namespace
 
 bool is_mail_address(std::string_view text) {
@@ -127,13 +146,7 @@ bool is_mail_address(std::string_view text) {
 std::string mail_text(const MailNews& news, const MailOptions& options, const std::string& name, Language language,
                       Duration next) {
   const auto seen = sight_text(news.sight, language);
-  std::string text;
-  if (!options.from.empty()) text += fmt::format("From: {}\n", options.from);
-  text += fmt::format("To: {}\n", fmt::join(options.to, ",\n "));
-  text += fmt::format("Subject: {}\n", in_header(fmt::format("[{}] {}", first_bytes(name, 100), seen)));
-  text +=
-      "Auto-Submitted: auto-generated\nMIME-Version: 1.0\nContent-Type: text/plain; charset=utf-8\n"
-      "Content-Transfer-Encoding: 8bit\n\n";
+  auto text = header_text(options, name, seen);
   text += wrapped(seen, "", "");
   text +=
       fmt::format("\n{}\n", news.wrong.empty() ? kMailWords.nothing_wrong.in(language) : kMailWords.wrong.in(language));
@@ -159,6 +172,11 @@ std::string mail_text(const MailNews& news, const MailOptions& options, const st
   text += "\n" +
           wrapped(filled(kMailWords.next.in(language), std::chrono::ceil<std::chrono::minutes>(next).count()), "", "");
   return text;
+}
+
+std::string trial_mail(const MailOptions& options, const std::string& name, Language language, Sight sight) {
+  return header_text(options, name, kMailWords.trial.in(language)) +
+         wrapped(kMailWords.trial_says.in(language), "", "") + "\n" + wrapped(sight_text(sight, language), "", "");
 }
 
 }  // namespace kasumi::report

@@ -24,4 +24,7 @@ bool is_mail_address(std::string_view text);
 std::string mail_text(const MailNews& news, const MailOptions& options, const std::string& name, Language language,
                       Duration next);
 
+// One that was asked for, to see whether mails arrive; it says what visitors see now.
+std::string trial_mail(const MailOptions& options, const std::string& name, Language language, Sight sight);
+
 }  // namespace kasumi::report

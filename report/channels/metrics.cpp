@@ -136,6 +136,15 @@ void tell_tries(const std::optional<OwnFigures::Tries>& tries, std::string_view 
   text.value({{"outcome", "failed"}}, static_cast<double>(tries->failed));
 }
 
+void tell_pulls(const std::optional<OwnFigures::Pulls>& pulls, MetricsText& text) {
+  if (!pulls) return;
+  text.head("report_content_pulls_total", "counter",
+            "How often a web server was asked for content, by what came of it.");
+  text.value({{"outcome", "came"}}, static_cast<double>(pulls->came));
+  text.value({{"outcome", "unchanged"}}, static_cast<double>(pulls->unchanged));
+  text.value({{"outcome", "failed"}}, static_cast<double>(pulls->failed));
+}
+
 }  // namespace
 
 std::optional<DiskFigures> disk_figures(const std::string& folder) {
@@ -182,6 +191,7 @@ std::string metrics_text(const Heard& heard, const std::optional<DiskFigures>& d
   text.gauge("report_mqtt_connected", as_number(own.mqtt_connected), "Whether the MQTT broker takes what we tell.");
   tell_tries(own.mails, "report_mails_total", "Mails, by what came of them.", text);
   tell_tries(own.signs_of_life, "report_signs_of_life_total", "Signs of life, by what came of them.", text);
+  tell_pulls(own.pulls, text);
   text.gauge("report_resident_memory_bytes", own.resident_bytes, "Memory of the reporter itself.");
   return text.text();
 }

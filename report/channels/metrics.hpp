@@ -20,6 +20,10 @@ struct OwnFigures {
     std::uint64_t done = 0, failed = 0;
   };
   std::optional<Tries> mails, signs_of_life;
+  struct Pulls {
+    std::uint64_t came = 0, unchanged = 0, failed = 0;
+  };
+  std::optional<Pulls> pulls;  // of content
 };
 
 // Of the disk on which the appliance keeps its state.

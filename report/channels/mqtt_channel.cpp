@@ -28,6 +28,57 @@ constexpr int kAtLeastOnce = 1;
 
 using Client = CPtr<mosquitto, mosquitto_destroy>;
 
+void prepare_library() {
+  static const int ready = mosquitto_lib_init();  // never undone: a thread may be left behind
+  (void)ready;
+}
+
+// Who we are, and whom we trust.
+int introduce(mosquitto& client, const MqttOptions& options) {
+  int rc = MOSQ_ERR_SUCCESS;
+  if (!options.user.empty()) rc = mosquitto_username_pw_set(&client, options.user.c_str(), options.password.c_str());
+  if (rc != MOSQ_ERR_SUCCESS || !options.tls) return rc;
+  const auto file = [](const std::string& name) { return name.empty() ? nullptr : name.c_str(); };
+  // A key with a password is refused: OpenSSL would ask for it at a terminal.
+  const auto no_password = [](char*, int, int, void*) { return 0; };
+  return mosquitto_tls_set(&client, file(options.ca_file), options.ca_file.empty() ? "/etc/ssl/certs" : nullptr,
+                           file(options.cert_file), file(options.key_file), no_password);
+}
+
+std::string why(int rc, const std::string& library_said) {
+  if (rc == MOSQ_ERR_ERRNO) return std::strerror(errno);
+  std::string text = mosquitto_strerror(rc);
+  if (!library_said.empty()) text += fmt::format(" ({})", library_said);
+  return text;
+}
+
+// To our greeting.
+std::string refusal(int answer, const MqttOptions& options) {
+  constexpr int kBadPassword = 4, kNotAllowed = 5;
+  if (answer != kBadPassword && answer != kNotAllowed)
+    return fmt::format("it refuses us: {}", mosquitto_connack_string(answer));
+  if (options.user.empty()) return "it asks for a user and a password: mqtt.user, mqtt.password_file";
+  return fmt::format("it refuses the user \"{}\": wrong user or password (mqtt.user, mqtt.password_file)",
+                     options.user);
+}
+
+// One connection, from beginning to end.
+struct Conversation {
+  std::optional<int> answer;  // of the broker to our greeting
+  int unconfirmed = 0;        // messages
+  std::string library_said;   // its last complaint
+};
+
+void listen_to(mosquitto& client) {
+  mosquitto_connect_callback_set(
+      &client, [](mosquitto*, void* now, int answer) { static_cast<Conversation*>(now)->answer = answer; });
+  mosquitto_publish_callback_set(&client,
+                                 [](mosquitto*, void* now, int) { --static_cast<Conversation*>(now)->unconfirmed; });
+  mosquitto_log_callback_set(&client, [](mosquitto*, void* now, int level, const char* text) {
+    if (level == MOSQ_LOG_ERR && text) static_cast<Conversation*>(now)->library_said = text;
+  });
+}
+
 }  // namespace
 
 // Shared with the thread, which may outlive the channel by the time of a name's look-up.
@@ -53,19 +104,12 @@ class MqttChannel::Talk {
   }
 
  private:
-  // One connection, from beginning to end.
-  struct Conversation {
-    std::optional<int> answer;  // of the broker to our greeting
-    int unconfirmed = 0;        // messages
-    std::string library_said;   // its last complaint
-  };
-
   void converse() {
     Conversation now;
     const Client client(mosquitto_new(identity().c_str(), true, &now));
     if (!client) return tell_once("no memory");
     const auto begun = prepare(*client);
-    if (begun != MOSQ_ERR_SUCCESS) return tell_once(why(begun, now));
+    if (begun != MOSQ_ERR_SUCCESS) return tell_once(why(begun, now.library_said));
     auto heard_at = Steady::now();
     std::optional<Steady::time_point> leaving;
     std::optional<std::string> state = last_;
@@ -73,8 +117,8 @@ class MqttChannel::Talk {
     while (true) {
       const int unconfirmed = now.unconfirmed;
       const int rc = mosquitto_loop(client.get(), static_cast<int>(std::chrono::milliseconds(kLoop).count()), 1);
-      if (now.answer && *now.answer != 0) return tell_once(refusal(*now.answer));
-      if (rc != MOSQ_ERR_SUCCESS) return leaving ? void() : tell_once(why(rc, now));
+      if (now.answer && *now.answer != 0) return tell_once(refusal(*now.answer, options_));
+      if (rc != MOSQ_ERR_SUCCESS) return leaving ? void() : tell_once(why(rc, now.library_said));
       if (now.unconfirmed < unconfirmed || (now.answer && now.unconfirmed == 0)) heard_at = Steady::now();
       if (Steady::now() - heard_at > patience_.silence) return leaving ? void() : tell_once("it does not answer");
       if (!now.answer) {
@@ -106,23 +150,11 @@ class MqttChannel::Talk {
   }
 
   int prepare(mosquitto& client) {
-    mosquitto_connect_callback_set(
-        &client, [](mosquitto*, void* now, int answer) { static_cast<Conversation*>(now)->answer = answer; });
-    mosquitto_publish_callback_set(&client,
-                                   [](mosquitto*, void* now, int) { --static_cast<Conversation*>(now)->unconfirmed; });
-    mosquitto_log_callback_set(&client, [](mosquitto*, void* now, int level, const char* text) {
-      if (level == MOSQ_LOG_ERR && text) static_cast<Conversation*>(now)->library_said = text;
-    });
+    listen_to(client);
     const auto available = options_.topic + std::string(kAvailableTopic);
     int rc = mosquitto_will_set(&client, available.c_str(), static_cast<int>(kOffline.size()), kOffline.data(),
                                 kAtLeastOnce, true);
-    if (rc == MOSQ_ERR_SUCCESS && !options_.user.empty())
-      rc = mosquitto_username_pw_set(&client, options_.user.c_str(), options_.password.c_str());
-    if (rc == MOSQ_ERR_SUCCESS && options_.tls) {
-      const bool own = !options_.ca_file.empty();
-      rc = mosquitto_tls_set(&client, own ? options_.ca_file.c_str() : nullptr, own ? nullptr : "/etc/ssl/certs",
-                             nullptr, nullptr, nullptr);
-    }
+    if (rc == MOSQ_ERR_SUCCESS) rc = introduce(client, options_);
     if (rc != MOSQ_ERR_SUCCESS) return rc;
     return mosquitto_connect_async(&client, options_.host.c_str(), options_.port, kKeepalive_s);
   }
@@ -135,22 +167,6 @@ class MqttChannel::Talk {
 
   // The same for every connection of this kiosk, so that a broker ends one that only seems to live.
   std::string identity() const { return "kasumi-report:" + options_.topic; }
-
-  std::string refusal(int answer) const {
-    constexpr int kBadPassword = 4, kNotAllowed = 5;
-    if (answer != kBadPassword && answer != kNotAllowed)
-      return fmt::format("it refuses us: {}", mosquitto_connack_string(answer));
-    if (options_.user.empty()) return "it asks for a user and a password: mqtt.user, mqtt.password_file";
-    return fmt::format("it refuses the user \"{}\": wrong user or password (mqtt.user, mqtt.password_file)",
-                       options_.user);
-  }
-
-  static std::string why(int rc, const Conversation& now) {
-    if (rc == MOSQ_ERR_ERRNO) return std::strerror(errno);
-    std::string text = mosquitto_strerror(rc);
-    if (!now.library_said.empty()) text += fmt::format(" ({})", now.library_said);
-    return text;
-  }
 
   // The log has one line for each change, however often it is tried.
   void tell_once(const std::string& problem) {
@@ -173,11 +189,41 @@ class MqttChannel::Talk {
   std::string problem_;
 };
 
+Result<> publish_once(const MqttOptions& options, std::string_view below, std::string_view payload, Duration longest) {
+  prepare_library();
+  Conversation now;
+  const Client client(mosquitto_new(nullptr, true, &now));  // by a name of its own: the kiosk's may be connected
+  if (!client) return fail(FaultKind::io, "no memory");
+  listen_to(*client);
+  int rc = introduce(*client, options);
+  if (rc == MOSQ_ERR_SUCCESS)
+    rc = mosquitto_connect_async(client.get(), options.host.c_str(), options.port, kKeepalive_s);
+  if (rc != MOSQ_ERR_SUCCESS) return fail(FaultKind::io, "{}", why(rc, now.library_said));
+  const auto topic = options.topic + std::string(below);
+  bool sent = false;
+  for (const auto end = Steady::now() + longest; Steady::now() < end;) {
+    rc = mosquitto_loop(client.get(), static_cast<int>(std::chrono::milliseconds(kLoop).count()), 1);
+    if (now.answer && *now.answer != 0) return fail(FaultKind::io, "{}", refusal(*now.answer, options));
+    if (rc != MOSQ_ERR_SUCCESS) return fail(FaultKind::io, "{}", why(rc, now.library_said));
+    if (!now.answer) continue;
+    if (sent && now.unconfirmed == 0) {
+      mosquitto_disconnect(client.get());
+      return {};
+    }
+    if (sent) continue;
+    sent = true;
+    rc = mosquitto_publish(client.get(), nullptr, topic.c_str(), static_cast<int>(payload.size()), payload.data(),
+                           kAtLeastOnce, false);
+    if (rc != MOSQ_ERR_SUCCESS) return fail(FaultKind::io, "{}", why(rc, now.library_said));
+    ++now.unconfirmed;
+  }
+  return fail(FaultKind::io, "no answer within {:.0f} s", to_seconds(longest));
+}
+
 MqttChannel::MqttChannel(MqttOptions options, const std::string& name, Language language, Clock& clock,
                          MqttPatience patience)
     : language_(language), every_(options.every), clock_(clock) {
-  static const int ready = mosquitto_lib_init();  // never undone: a thread may be left behind
-  (void)ready;
+  prepare_library();
   auto greeting = options.discovery.empty() ? std::vector<MqttMessage>()
                                             : discovery_messages(options.discovery, options.topic, name, language);
   talk_ = std::make_shared<Talk>(std::move(options), std::move(greeting), patience);

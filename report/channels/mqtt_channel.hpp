@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "base/clock.hpp"
+#include "base/result.hpp"
 #include "base/words/language.hpp"
 #include "report/channels/mqtt_messages.hpp"
 
@@ -18,12 +19,17 @@ struct MqttOptions {
   std::string host;
   int port = 8883;
   bool tls = true;
-  std::string ca_file;  // empty: who the machine trusts
+  std::string ca_file;              // empty: who the machine trusts
+  std::string cert_file, key_file;  // ours, where the broker asks who we are; empty: none
   std::string user, password;
   std::string topic;                         // the kiosk's
   std::string discovery = "homeassistant";   // Home Assistant's prefix; empty: it is not told
   Duration every = std::chrono::minutes(1);  // figures; what visitors see is told at once
 };
+
+// A message below the kiosk's topic, once, beside whoever talks to the broker for it already. BLOCKS for at most
+// `longest`. Errors (io): why the broker did not take it.
+Result<> publish_once(const MqttOptions& options, std::string_view below, std::string_view payload, Duration longest);
 
 // Of the conversation with a broker.
 struct MqttPatience {

@@ -18,9 +18,6 @@ struct SignOfLifeOptions {
   std::string ca_file;  // empty: who the machine trusts
 };
 
-// http:// or https:// with a host, one word.
-bool is_web_address(std::string_view url);
-
 class SignOfLife {
  public:
   // `longest`: of one exchange.

@@ -33,6 +33,14 @@ struct PageWords : FigureWords {
                            "come configurato", "según lo configurado", "設定どおり"};
   Translated earlier{"what worked last",     "was zuletzt ging",       "le dernier qui fonctionnait",
                      "l’ultimo funzionante", "el último que funcionó", "最後に動いた内容"};
+  Translated brought{"Content brought last",     "Zuletzt gebrachter Inhalt", "Dernier contenu apporté",
+                     "Ultimo contenuto portato", "Último contenido traído",   "最後に届いた内容"};
+  Translated server{"Content’s server",     "Server des Inhalts",     "Serveur du contenu",
+                    "Server del contenuto", "Servidor del contenido", "内容の配信元"};
+  Translated not_asked{"not asked yet",           "noch nicht gefragt", "pas encore interrogé",
+                       "non ancora interpellato", "aún sin consultar",  "未確認"};
+  Translated answered{"asked", "gefragt", "interrogé", "interpellato", "consultado", "確認"};
+  Translated arriving{"is arriving", "kommt an", "arrive", "in arrivo", "está llegando", "受信中"};
   Translated running{"Running since",   "Läuft seit",      "En marche depuis",
                      "In funzione dal", "En marcha desde", "起動時刻"};
   Translated off{"not running", "nicht in Betrieb", "à l’arrêt", "non in funzione", "parado", "停止"};

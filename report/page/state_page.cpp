@@ -88,15 +88,38 @@ void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
   if (!diagnosis.symptoms.empty()) page.add("<ul class=\"symptoms\">\n");
   for (const auto& symptom : diagnosis.symptoms) {
     const auto words = symptom_words(symptom.ill, page.language());
-    page.add("<li><strong>{}</strong> {}", escaped(words.what), escaped(words.what_to_do));
-    if (!symptom.detail.empty()) page.add("<br><span lang=\"en\">{}</span>", escaped(symptom.detail));
-    page.add("<br><code lang=\"en\">{}</code></li>\n", escaped(command_for(symptom.ill)));
+    page.add("<li><h3>{}</h3>\n", escaped(words.what));
+    if (!symptom.detail.empty()) page.add("<p class=\"detail\"><q lang=\"en\">{}</q></p>\n", escaped(symptom.detail));
+    page.add("<p>{}</p>\n<code lang=\"en\">{}</code></li>\n", escaped(words.what_to_do),
+             escaped(command_for(symptom.ill)));
   }
   if (!diagnosis.symptoms.empty()) page.add("</ul>\n");
   page.add("</section>\n");
 }
 
-void write_figures(const ToldStatus& told, minutes wall, Writer& page) {
+// Where content is asked for: what it last said, and how far the next is.
+std::string pull_text(const PullStatus& pull, minutes wall, const Writer& page) {
+  const auto asked = pull.asked ? fmt::format("{} {}", page.in(kWords.answered),
+                                              wall_time(std::chrono::floor<minutes>(*pull.asked), wall))
+                                : std::string(page.in(kWords.not_asked));
+  std::string text = pull.problem.empty() ? asked : fmt::format("{}; {}", pull.problem, asked);
+  constexpr double kMega = 1e6;
+  if (pull.bytes > 0)
+    text += fmt::format("; {}: {:.1f}", page.in(kWords.arriving), static_cast<double>(pull.bytes) / kMega);
+  if (pull.bytes > 0 && pull.of_bytes > 0) text += fmt::format(" / {:.1f}", static_cast<double>(pull.of_bytes) / kMega);
+  if (pull.bytes > 0) text += " MB";
+  return text;
+}
+
+void write_content(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
+  page.figure(kWords.content, std::string(page.in(told.refused.empty() ? kWords.as_configured : kWords.earlier)));
+  if (told.arrived)
+    page.figure(kWords.brought,
+                fmt::format("{}: {}", wall_time(std::chrono::floor<minutes>(*told.arrived), wall), told.arrived_words));
+  if (pull) page.figure(kWords.server, pull_text(*pull, wall, page));
+}
+
+void write_figures(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
   page.add("<section aria-labelledby=\"figures\">\n<h2 id=\"figures\">{}</h2>\n<dl>\n", page.in(kWords.figures));
   const auto camera = [&](const ToldCamera& of) {
     auto text = std::string(page.in(of.up ? kWords.works : kWords.fails));
@@ -118,7 +141,7 @@ void write_figures(const ToldStatus& told, minutes wall, Writer& page) {
     page.figure(kWords.latency,
                 fmt::format("{:.0f} ms; 95 %: {:.0f} ms", *told.latency_median_ms, told.latency_95_ms.value_or(0.0)));
   if (told.celsius) page.figure(kWords.temperature, fmt::format("{:.0f} °C", *told.celsius));
-  page.figure(kWords.content, std::string(page.in(told.refused.empty() ? kWords.as_configured : kWords.earlier)));
+  write_content(told, pull, wall, page);
   if (told.since) page.figure(kWords.running, wall_time(std::chrono::floor<minutes>(*told.since), wall));
   page.add("</dl>\n</section>\n");
 }
@@ -174,51 +197,72 @@ std::string state_page(const StatePage& of, Language language) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}: {}</title>\n"
       "<link rel=\"stylesheet\" href=\"style.css\">\n</head>\n<body>\n",
       code_of(language), escaped(of.name), escaped(sight_text(diagnosis.sight, language)));
-  page.add("<header>\n<h1>{} <span>{}</span></h1>\n<nav aria-label=\"{}\">\n<ul>\n", escaped(of.name), state,
-           page.in(kWords.language));
+  page.add("<header>\n<h1>{} <span>{}</span></h1>\n</header>\n<main>\n", escaped(of.name), state);
+  page.add("<section class=\"now {}\" aria-labelledby=\"seen\">\n<h2 id=\"seen\">{}</h2>\n<p class=\"sight\">{}</p>\n",
+           is_well(diagnosis.sight) ? "well" : "ill", page.in(kWords.seen),
+           escaped(sight_text(diagnosis.sight, language)));
+  // Why, before anything else is read.
+  if (!diagnosis.symptoms.empty() && !is_well(diagnosis.sight)) {
+    const auto& first = diagnosis.symptoms.front();
+    const bool said = diagnosis.sight == Sight::nothing && first.ill == Ill::no_display;
+    page.add("<p class=\"why\">{}",
+             said ? std::string() : escaped(fmt::format("{} ", symptom_words(first.ill, language).what)));
+    if (!first.detail.empty()) page.add("<q lang=\"en\">{}</q>", escaped(first.detail));
+    page.add("</p>\n");
+  }
+  page.add("<p>{} {} <a class=\"again\" href=\"?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
+           wall_time(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
+  write_symptoms(diagnosis, page);
+  if (of.heard.status) write_figures(*of.heard.status, of.pull, of.wall, page);
+  write_day(of, page);
+  page.add("</main>\n<footer>\n<nav aria-label=\"{}\">\n<ul>\n", page.in(kWords.language));
   for (const Language other : kLanguages)
     page.add("<li><a href=\"?language={0}\" lang=\"{0}\" hreflang=\"{0}\"{1}>{2}</a></li>\n", code_of(other),
              other == language ? " aria-current=\"true\"" : "", kNames[static_cast<std::size_t>(other)]);
-  page.add("</ul>\n</nav>\n</header>\n<main>\n");
-  page.add("<section class=\"{}\" aria-labelledby=\"seen\">\n<h2 id=\"seen\">{}</h2>\n<p class=\"sight\">{}</p>\n",
-           is_well(diagnosis.sight) ? "well" : "ill", page.in(kWords.seen),
-           escaped(sight_text(diagnosis.sight, language)));
-  page.add("<p>{} {} · <a href=\"?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
-           wall_time(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
-  write_symptoms(diagnosis, page);
-  if (of.heard.status) write_figures(*of.heard.status, of.wall, page);
-  write_day(of, page);
-  page.add("</main>\n</body>\n</html>\n");
+  page.add("</ul>\n</nav>\n</footer>\n</body>\n</html>\n");
   return page.html();
 }
 
 std::string_view page_style() {
-  return R"(:root{color-scheme:light}
+  return R"(:root{color-scheme:light dark;--paper:#f2f3f5;--card:#fff;--ink:#1b1b1b;--soft:#4a4a4a;--rule:#cdd0d4;--link:#0b4a86;--code:#eceef0;--focus:#b35900}
+@media (prefers-color-scheme:dark){:root{--paper:#15171a;--card:#1f2226;--ink:#ececec;--soft:#b4b8bd;--rule:#41464d;--link:#8fc3f7;--code:#2b2f35;--focus:#ffb25e}
+.plot svg{filter:invert(.9) hue-rotate(180deg)}}
 *{box-sizing:border-box}
-body{margin:0;font:1.05rem/1.5 system-ui,"DejaVu Sans","Noto Sans CJK JP",VL-Gothic,sans-serif;color:#1b1b1b;background:#f2f3f5}
-header,main{max-width:48rem;margin:0 auto;padding:0 1rem}
-h1{font-size:1.5rem;margin:1rem 0 .25rem}
-h1 span{font-weight:400;color:#4a4a4a}
-h2{font-size:1.1rem;margin:0 0 .5rem}
-nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.25rem;margin:0 0 1rem;padding:0}
-nav a{display:block;padding:.4rem .6rem;min-height:2.5rem}
-nav a[aria-current]{background:#1b1b1b;color:#fff;text-decoration:none}
-a{color:#0b4a86}
-a:focus-visible{outline:3px solid #b35900;outline-offset:2px}
-section{background:#fff;border:1px solid #c9c9c9;border-left:.5rem solid #6b6b6b;padding:1rem;margin:0 0 1rem}
-section.well{border-left-color:#2f7d4f}
-section.ill{border-left-color:#a3122b}
-.sight{font-size:1.35rem;font-weight:600;margin:0 0 .5rem}
+body{margin:0;font:1rem/1.5 system-ui,"DejaVu Sans","Noto Sans CJK JP",VL-Gothic,sans-serif;color:var(--ink);background:var(--paper)}
+header,main,footer{max-width:50rem;margin:0 auto;padding:0 1rem}
+h1{font-size:1.25rem;margin:1rem 0 .75rem}
+h1 span{font-weight:400;color:var(--soft)}
+h2{font-size:1rem;margin:0 0 .75rem}
+h3{font-size:1.05rem;margin:0 0 .25rem}
 p{margin:.25rem 0}
+a{color:var(--link)}
+a:focus-visible{outline:3px solid var(--focus);outline-offset:2px}
+section{background:var(--card);border:1px solid var(--rule);border-radius:.5rem;padding:1rem;margin:0 0 1rem}
+.now{border:0;color:#fff}
+.now.well{background:#1f6b3f}
+.now.ill{background:#97102a}
+.now h2{font-weight:400;margin:0}
+.now a{color:#fff}
+.now a:focus-visible{outline-color:#fff}
+.sight{font-size:1.6rem;line-height:1.25;font-weight:700;margin:.25rem 0 .5rem}
+.why{font-size:1.1rem;margin:0 0 .75rem}
+.again{display:inline-block;margin:.25rem 0 0 .5rem;padding:.35rem .75rem;border:1px solid;border-radius:.35rem;text-decoration:none}
 .symptoms{margin:0;padding:0;list-style:none}
-.symptoms li{margin:0 0 1rem}
-code{background:#ececec;padding:.1rem .3rem;overflow-wrap:anywhere}
-dl{margin:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(13rem,1fr));gap:.75rem}
-dt{color:#4a4a4a}
+.symptoms li+li{border-top:1px solid var(--rule);margin-top:1rem;padding-top:1rem}
+.detail{color:var(--soft)}
+code{display:inline-block;background:var(--code);border-radius:.25rem;margin-top:.25rem;padding:.25rem .5rem;overflow-wrap:anywhere}
+dl{margin:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,13rem),1fr));gap:.75rem 1rem}
+dt{color:var(--soft);font-size:.9rem}
 dd{margin:0;font-weight:600;overflow-wrap:anywhere}
-.plot svg{width:100%;height:auto}
-table{border-collapse:collapse;width:100%;margin-top:1rem}
-th,td{text-align:left;vertical-align:top;padding:.35rem .75rem .35rem 0;border-top:1px solid #c9c9c9}
+.plot svg{display:block;width:100%;height:auto}
+@media (max-width:40rem){.plot svg{font-size:18px}}
+table{border-collapse:collapse;width:100%;margin-top:1rem;font-variant-numeric:tabular-nums}
+th,td{text-align:left;vertical-align:top;padding:.35rem .75rem .35rem 0;border-top:1px solid var(--rule)}
+thead th{border-top:0}
+td:last-child,th:last-child{width:100%}
+nav ul{list-style:none;display:flex;flex-wrap:wrap;gap:.25rem;margin:0 0 2rem;padding:0}
+nav a{display:block;padding:.5rem .6rem;border-radius:.35rem}
+nav a[aria-current]{background:var(--ink);color:var(--paper);text-decoration:none}
 )";
 }
 

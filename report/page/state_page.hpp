@@ -8,6 +8,7 @@
 #include "base/words/language.hpp"
 #include "history/history_line.hpp"
 #include "report/status/diagnosis.hpp"
+#include "report/web/content_pull.hpp"
 
 namespace kasumi::report {
 
@@ -16,7 +17,8 @@ struct StatePage {
   Heard heard;
   std::vector<HistoryLine> history;  // in the order in which they were written; empty: none is kept
   Utc now{};
-  std::chrono::minutes wall{};  // wall time ahead of UTC
+  std::chrono::minutes wall{};       // wall time ahead of UTC
+  std::optional<PullStatus> pull{};  // where content is asked for
 };
 
 // HTML without script; its style is page_style() at "style.css". Everything that the kiosk tells is escaped.

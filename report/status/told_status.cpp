@@ -156,6 +156,9 @@ void tell_content(const Part& root, ToldStatus& told) {
   told.last_good_utc = content.text("last_good_utc");
   told.refused = content.texts("refused");
   told.reload_problems = content.texts("problems");
+  const Part arrived = content.part("arrived");
+  told.arrived = parse_utc(arrived.text("utc"));
+  told.arrived_words = arrived.text("words");
   told.safe_mode = start.is("safe_mode");
   told.failed_boots = start.count("failed_boots");
   told.start_why = start.texts("why");

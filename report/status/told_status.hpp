@@ -63,6 +63,8 @@ struct ToldStatus {
 
   std::string reloaded_utc, last_good_utc;
   std::vector<std::string> refused, reload_problems;  // of the content
+  std::string arrived_words;                          // what came of the bundle that was brought last
+  std::optional<Utc> arrived;
   bool safe_mode = false;
   std::optional<double> failed_boots;
   std::vector<std::string> start_why;

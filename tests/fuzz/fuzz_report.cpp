@@ -1,5 +1,5 @@
-// All that kasumi-report reads: a peer's request, report.toml, the kiosk's history, what it remembers of its mails, and (any
-// other input) status.json. What it then tells must hold together, whatever it was told.
+// All that kasumi-report reads: a peer's request, report.toml, the kiosk's history, what it remembers of its mails and of
+// content that arrives, what a web server answers about that, and (any other input) status.json. What it then tells must hold together, whatever it was told.
 #include <string_view>
 
 #include <arpa/inet.h>
@@ -17,6 +17,7 @@
 #include "report/page/state_page.hpp"
 #include "report/report_config.hpp"
 #include "report/show.hpp"
+#include "report/web/pull_answer.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 namespace {
@@ -130,6 +131,24 @@ void try_config(std::string_view text) {
   expect_mail(mail_text({}, *config.mail, config.name, config.language, config.mail->pause));
 }
 
+// Header lines of a web server: what is believed of them can be sent back in a header, and is of a part that ends well.
+void try_answer(std::string_view text) {
+  PullAnswer answer;
+  while (!text.empty()) {
+    const auto end = std::min(text.find('\n'), text.size());
+    take_header(text.substr(0, end), answer);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  expect(answer.code == 0 || (answer.code >= 100 && answer.code <= 999));
+  for (const char c : answer.tag) expect(c > 0x20 && c < 0x7f);
+  expect(!answer.first || *answer.first < *answer.of_bytes);
+}
+
+void try_note(std::string_view text) {
+  const auto note = parse_pull_note(text);
+  expect(!note || parse_pull_note(text_of(*note)) == note);
+}
+
 bool take(std::string_view& text, std::string_view prefix) {
   if (!text.starts_with(prefix)) return false;
   text.remove_prefix(prefix.size());
@@ -143,6 +162,8 @@ void kasumi::try_input(std::span<const std::uint8_t> input) {
   if (take(text, "request\n")) return try_request(text);
   if (take(text, "config\n")) return try_config(text);
   if (take(text, "history\n")) return expect_page(state_page(page_of({}, history_lines(text)), Language::english));
+  if (take(text, "answer\n")) return try_answer(text);
+  if (take(text, "note\n")) return try_note(text);
   if (take(text, "memory\n")) {
     const auto memory = parse_mail_memory(text);
     expect(parse_mail_memory(text_of(memory)) == memory);

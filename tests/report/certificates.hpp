@@ -6,7 +6,7 @@
 namespace kasumi::report {
 
 // By openssl, as NAME.pem and NAME.key: "ca"; "stranger", another authority; signed by the first, "own" for 127.0.0.1 and
-// "other" for another host.
+// "other" for another host; such certificates do for clients, too.
 inline void make_certificates(const std::filesystem::path& folder) {
   const auto run = [&](const std::string& command) {
     const auto said = said_by(fmt::format("cd {} && {} && echo well", folder.string(), command));

@@ -4,6 +4,7 @@
 #include "base/utc_text.hpp"
 #include "pipeline/appliance/status.hpp"
 #include "report/status/diagnosis.hpp"
+#include "report/web/content_pull.hpp"
 
 namespace kasumi {
 namespace {
@@ -48,6 +49,16 @@ TEST(ReportContract, EveryRungArrives) {
 TEST(ReportContract, AKioskInGoodHealthHasNoSymptom) {
   EXPECT_EQ(diagnosis_of(some_status()).sight, Sight::live);
   EXPECT_THAT(diagnosis_of(some_status()).symptoms, testing::IsEmpty());
+}
+
+TEST(ReportContract, WhatBecameOfContentArrives) {
+  EXPECT_EQ(report::kMostBundleBytes, kMostTarBytes) << "what is fetched is what may be installed";
+  auto status = some_status();
+  EXPECT_FALSE(told(status).arrived);
+  status.probation.arrived =
+      Arrival{status.utc, "/run/kasumi-stick/sda1", "refused: a.kasumi: it is not signed", false};
+  EXPECT_EQ(told(status).arrived, status.utc);
+  EXPECT_EQ(told(status).arrived_words, "refused: a.kasumi: it is not signed");
 }
 
 TEST(ReportContract, WhatIsMeasuredArrives) {

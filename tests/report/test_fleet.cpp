@@ -1,9 +1,12 @@
 // A fleet on one desk: three kiosks on recordings, their reporters, a broker, a Prometheus and an Alertmanager. One camera and one clock are
-// broken, one reporter is killed; what an operator far away would read is read in every channel.
+// broken, one dome is dirty, one reporter is killed; what an operator far away would read is read in every channel.
 #include <gmock/gmock.h>
 
 #include <regex>
+#include <stop_token>
+#include <thread>
 
+#include "pipeline/appliance/status.hpp"
 #include "tests/pipeline/appliance/kiosk_process.hpp"
 #include "tests/report/mqtt_broker.hpp"
 
@@ -15,13 +18,21 @@ using testing::AllOf, testing::HasSubstr, testing::Not;
 // A kiosk and its reporter, which share a folder as they do on a machine.
 class Site {
  public:
-  Site(const std::string& name, int broker) : name_(name), folder(process_folder("fleet-" + name)), port(free_port()) {
+  // `kiosk`: whether it has one of its own; else somebody has to tell it a status.
+  Site(const std::string& name, int broker, bool kiosk = true)
+      : name_(name), folder(process_folder("fleet-" + name)), port(free_port()) {
+    if (kiosk) prepare_kiosk();
+    start_reporter(broker);
+  }
+  void prepare_kiosk() {
     // A recording of its own, which can be broken.
     std::filesystem::copy(bench_fixture(), folder / "recording", std::filesystem::copy_options::recursive);
     auto text = read_text_file(folder / "kasumi.toml").value();
     for (int i = 0; i < 2; ++i) text = changed(text, "\"" + bench_fixture().string() + "\"", "\"recording\"");
     EXPECT_TRUE(write_text_file(folder / "kasumi.toml", text));
     start_kiosk();
+  }
+  void start_reporter(int broker) {
     EXPECT_TRUE(write_text_file(folder / "sendmail", "#!/bin/sh\ncat >>$(dirname $0)/mails\n"));
     std::filesystem::permissions(folder / "sendmail", std::filesystem::perms(0755));
     EXPECT_TRUE(
@@ -30,7 +41,7 @@ class Site {
                                     "[http]\nport = {2}\n[mqtt]\nhost = \"127.0.0.1\"\nport = {3}\ntls = false\n"
                                     "topic = \"kasumi/{0}\"\nevery_s = 2\n[mail]\nto = [\"me@example.org\"]\n"
                                     "command = [\"{1}/sendmail\"]\nmemory_file = \"{1}/mail.txt\"\n",
-                                    name, folder.string(), port, broker)));
+                                    name_, folder.string(), port, broker)));
     reporter.emplace(std::vector<std::string>{report_program(), "run", "--config", folder / "report.toml"},
                      folder / "report.log");
   }
@@ -75,13 +86,40 @@ class Site {
   std::optional<Process> kiosk_;
 };
 
+// What a kiosk tells whose daily check has found this: another's status, as it is written, but for that.
+class Relay {
+ public:
+  Relay(const Site& from, const Site& to, const CheckStatus& check) {
+    Status status;
+    status.check = check;
+    auto found = nlohmann::ordered_json::parse(status_json(status))["check"];
+    thread_ = std::jthread([file = from.folder / "status.json", to = to.folder / "status.json",
+                            found = std::move(found)](const std::stop_token& stop) {
+      for (; !stop.stop_requested(); std::this_thread::sleep_for(500ms)) {
+        auto json = nlohmann::ordered_json::parse(read_text_file(file).value_or(""), nullptr, false);
+        if (!json.is_object()) continue;
+        json["check"] = found;
+        (void)write_text_file(to, json.dump());
+      }
+    });
+  }
+
+ private:
+  std::jthread thread_;
+};
+
 TEST(Fleet, AnOperatorFarAwayLearnsWhatIsWrongAndWhere) {
   if (!has_mosquitto()) GTEST_SKIP() << "mosquitto is not installed (packages mosquitto, mosquitto-clients)";
   for (const auto* server : {"prometheus", "prometheus-alertmanager"})
     if (!is_installed(server)) GTEST_SKIP() << server << " is not installed";
   const auto folder = report_folder("fleet");
   const MqttBroker broker(folder);
-  Site hill("hill", broker.port), dale("dale", broker.port), shore("shore", broker.port);
+  Site hill("hill", broker.port), dale("dale", broker.port), shore("shore", broker.port),
+      moor("moor", broker.port, false);
+  DriftReport soiled;
+  soiled.findings = {
+      {"sky", "dome", DriftState::drifted, "spots on the dome: 4.1 percent, allowed 1", 4.1, 0.2, 1.0, "percent"}};
+  const Relay relay(dale, moor, {std::chrono::system_clock::now(), drift_summary(soiled), soiled});
 
   auto rules = read_text_file(source_folder() / "systemd/report/kasumi.rules.yml").value();
   rules = std::regex_replace(rules, std::regex("for: (1|2|5|10)m"), "for: 1s");
@@ -91,9 +129,9 @@ TEST(Fleet, AnOperatorFarAwayLearnsWhatIsWrongAndWhere) {
       folder / "prometheus.yml",
       fmt::format("global: {{scrape_interval: 1s, scrape_timeout: 1s, evaluation_interval: 1s}}\n"
                   "rule_files: [kasumi.rules.yml]\nscrape_configs: [{{job_name: kasumi, static_configs: "
-                  "[{{targets: ['127.0.0.1:{}', '127.0.0.1:{}', '127.0.0.1:{}']}}]}}]\n"
+                  "[{{targets: ['127.0.0.1:{}', '127.0.0.1:{}', '127.0.0.1:{}', '127.0.0.1:{}']}}]}}]\n"
                   "alerting: {{alertmanagers: [{{static_configs: [{{targets: ['127.0.0.1:{}']}}]}}]}}\n",
-                  hill.port, dale.port, shore.port, alertmanager_port)));
+                  hill.port, dale.port, shore.port, moor.port, alertmanager_port)));
   ASSERT_TRUE(write_text_file(folder / "alertmanager.yml", "route: {receiver: nobody}\nreceivers: [{name: nobody}]\n"));
   const Child alertmanager({"prometheus-alertmanager", "--config.file=" + (folder / "alertmanager.yml").string(),
                             "--storage.path=" + (folder / "alerts").string(), "--cluster.listen-address=",
@@ -120,7 +158,7 @@ TEST(Fleet, AnOperatorFarAwayLearnsWhatIsWrongAndWhere) {
     return eventually([&] { return state(name).value("sight", "") == sight; }, 180s);
   };
 
-  for (const auto* name : {"hill", "dale", "shore"}) ASSERT_TRUE(sees(name, "live")) << name << hill.logs();
+  for (const auto* name : {"hill", "dale", "shore", "moor"}) ASSERT_TRUE(sees(name, "live")) << name << hill.logs();
   EXPECT_THAT(hill.show(), HasSubstr("code 0\n"));
 
   hill.break_scene_camera();
@@ -134,10 +172,16 @@ TEST(Fleet, AnOperatorFarAwayLearnsWhatIsWrongAndWhere) {
   EXPECT_THAT(state("hill")["symptoms"].dump(), HasSubstr("scene-lost"));
   EXPECT_THAT(state("shore")["symptoms"].dump(), AllOf(HasSubstr("clock-unset"), Not(HasSubstr("scene-lost"))));
   EXPECT_EQ(state("dale")["symptoms"].dump(), "[]");
+  EXPECT_EQ(state("moor")["symptoms"].dump(), "[\"camera-soiled\"]");
+  EXPECT_EQ(state("moor")["well"], true) << "visitors see the building";
+  EXPECT_THAT(state("moor")["wrong"].get<std::string>(), HasSubstr("dirty"));
   // Prometheus and Alertmanager.
   EXPECT_TRUE(eventually([&] { return alert("KasumiPictureGone", hill) && alert("KasumiCameraDown", hill); }));
   EXPECT_TRUE(eventually([&] { return alert("KasumiPictureGone", shore) && alert("KasumiClock", shore); }));
-  for (const auto* name : {"KasumiPictureGone", "KasumiCameraDown", "KasumiClock", "KasumiUnreachable"})
+  EXPECT_TRUE(eventually([&] { return alert("KasumiCameraDirty", moor); }));
+  EXPECT_FALSE(alert("KasumiPictureGone", moor)) << "nobody is called out at night for a dirty dome";
+  for (const auto* name :
+       {"KasumiPictureGone", "KasumiCameraDown", "KasumiClock", "KasumiUnreachable", "KasumiCameraDirty"})
     EXPECT_TRUE(eventually([&] { return !alert(name, dale); })) << name;
   EXPECT_FALSE(alert("KasumiCameraDown", shore));
   // A browser, and a terminal.
@@ -145,10 +189,15 @@ TEST(Fleet, AnOperatorFarAwayLearnsWhatIsWrongAndWhere) {
   EXPECT_THAT(hill.show(), AllOf(HasSubstr("camera"), HasSubstr("code 1\n")));
   EXPECT_THAT(shore.show(), AllOf(HasSubstr("clock"), HasSubstr("code 1\n")));
   EXPECT_THAT(dale.show(), HasSubstr("code 0\n"));
+  EXPECT_THAT(moor.get("/?language=de"), AllOf(HasSubstr("Kuppel"), HasSubstr("4.1 percent")));
+  EXPECT_THAT(moor.get("/metrics"), HasSubstr("kasumi_drifted{camera=\"sky\",what=\"dome\"} 1\n"));
+  EXPECT_THAT(moor.show(), AllOf(HasSubstr("dirty"), HasSubstr("4.1 percent"), HasSubstr("code 0\n")));
   // Mail: of the camera within a minute; the clock may yet be set, and nothing is wrong in the dale.
   EXPECT_TRUE(eventually([&] { return !hill.mails().empty(); }, 120s)) << hill.logs();
   EXPECT_THAT(hill.mails(), AllOf(HasSubstr("Subject: [hill] "), HasSubstr("camera")));
   EXPECT_EQ(dale.mails(), "");
+  EXPECT_TRUE(eventually([&] { return !moor.mails().empty(); }, 120s));
+  EXPECT_THAT(moor.mails(), AllOf(HasSubstr("Subject: [moor] "), HasSubstr("dirty"), HasSubstr("4.1 percent")));
 
   // A machine that is gone says nothing; others say so.
   dale.reporter->stop(SIGKILL);

@@ -206,6 +206,36 @@ TEST_F(Mqtt, TlsTrustsTheGivenAuthorityAndNobodyElse) {
   refused("mqtt-other", mqtt_table(other, trusting("ca")));
 }
 
+TEST_F(Mqtt, ABrokerThatAsksWhoWeAreIsShownOurCertificate) {
+  if (!is_installed("openssl")) GTEST_SKIP() << "openssl is not installed";
+  const auto folder = report_folder("mqtt-client-broker");
+  make_certificates(folder);
+  const MqttBroker broker(folder,
+                          fmt::format("require_certificate true\nuse_identity_as_username true\ncafile {0}/ca.pem\n"
+                                      "certfile {0}/own.pem\nkeyfile {0}/own.key",
+                                      folder.string()));
+  const auto shown = [&](const std::string& who) {
+    return fmt::format(
+        "ca_file = \"{0}/ca.pem\"\n{1}", folder.string(),
+        who.empty() ? std::string()
+                    : fmt::format("cert_file = \"{0}/{1}.pem\"\nkey_file = \"{0}/{1}.key\"\n", folder.string(), who));
+  };
+  const auto me = fmt::format("--cafile {0}/ca.pem --cert {0}/own.pem --key {0}/own.key", folder.string());
+  {
+    RunningReporter reporter("mqtt-client", {}, mqtt_table(broker, shown("other")));
+    EXPECT_TRUE(within(20, [&] { return broker.retained("kasumi/hill/available", 1, me) == "online"; }))
+        << reporter.log();
+    EXPECT_EQ(reporter.log(), "");
+  }
+  for (const auto& who : {std::string("stranger"), std::string()}) {
+    RunningReporter reporter("mqtt-client-" + who, {}, mqtt_table(broker, shown(who)));
+    EXPECT_TRUE(within(20, [&] { return !reporter.log().empty(); }));
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    EXPECT_EQ(broker.retained("kasumi/hill/available", 1, me), "offline") << who;
+    EXPECT_THAT(reporter.metrics(), HasSubstr("kasumi_report_mqtt_connected 0\n"));
+  }
+}
+
 // A port where somebody listens and never says a word; and one that never even connects.
 TEST_F(Mqtt, Row27ABrokerThatSaysNothingCostsNothing) {
   const UniqueFd silent(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));

@@ -34,14 +34,16 @@ std::string everything(std::string text) {
 TEST(ReportConfigs, TheExampleOpensNothing) {
   const auto config = read(example());
   ASSERT_TRUE(config) << config.error().message;
-  EXPECT_FALSE(config->http || config->textfile || config->mqtt || config->mail || config->sign_of_life);
+  EXPECT_FALSE(config->http || config->textfile || config->mqtt || config->mail || config->sign_of_life ||
+               config->content);
 }
 
 TEST(ReportConfigs, TheExampleSpelledOutIsAcceptedAndItsDefaultsAreTrue) {
   ASSERT_NE(everything(example()), example());
   const auto folder = report_folder("example");
   ASSERT_TRUE(write_text_file(folder / "mqtt-password", "secret\n"));
-  ASSERT_TRUE(write_text_file(folder / "broker-ca.pem", ""));
+  for (const auto* file : {"broker-ca.pem", "mqtt-client.pem", "mqtt-client.key"})
+    ASSERT_TRUE(write_text_file(folder / file, ""));
   const auto config = read(everything(example()), folder);
   ASSERT_TRUE(config) << config.error().message;
   const HttpOptions plain;
@@ -59,6 +61,10 @@ TEST(ReportConfigs, TheExampleSpelledOutIsAcceptedAndItsDefaultsAreTrue) {
   EXPECT_EQ(config->mail->pause, mail->pause);
   EXPECT_EQ(config->mail->memory_file, mail->memory_file);
   EXPECT_EQ(config->sign_of_life->every, read("[sign_of_life]\nurl = \"https://x\"\n")->sign_of_life->every);
+  const auto content = read("[content]\nurl = \"https://x/y.kasumi\"\n")->content;
+  ASSERT_TRUE(config->content && content);
+  EXPECT_EQ(config->content->every, content->every);
+  EXPECT_EQ(config->content->folder, content->folder);
   EXPECT_EQ(config->status, read("")->status);
   EXPECT_EQ(config->state, read("")->state);
 }
@@ -112,6 +118,25 @@ TEST(ReportConfigs, MailAndSignOfLifeGoWhereTheyCan) {
     EXPECT_THAT(config.error().message, HasSubstr(part));
   EXPECT_FALSE(read("[mail]\n"));
   EXPECT_FALSE(read("[sign_of_life]\n"));
+}
+
+TEST(ReportConfigs, ContentComesOverTlsAlone) {
+  for (const auto* bad : {"http://example.org/hill.kasumi", "file:///hill.kasumi", "https://", "ftp://x/y"})
+    EXPECT_THAT(read(fmt::format("[content]\nurl = \"{}\"\n", bad)).error().message, HasSubstr("content.url")) << bad;
+  EXPECT_THAT(read("[content]\nurl = \"https://x/y\"\nfolder = \"here\"\nevery_min = 0\n").error().message,
+              testing::AllOf(HasSubstr("content.folder"), HasSubstr("content.every_min")));
+  EXPECT_FALSE(read("[content]\n"));
+}
+
+TEST(ReportConfigs, ACertificateHasItsKeyAndTls) {
+  const auto folder = report_folder("client-certificate");
+  for (const auto* file : {"a.pem", "a.key"}) ASSERT_TRUE(write_text_file(folder / file, ""));
+  const auto with = [&](const std::string& more) { return read("[mqtt]\nhost = \"broker\"\n" + more, folder); };
+  EXPECT_TRUE(with("cert_file = \"a.pem\"\nkey_file = \"a.key\"\n"));
+  EXPECT_THAT(with("cert_file = \"a.pem\"\n").error().message, HasSubstr("mqtt.key_file"));
+  EXPECT_THAT(with("key_file = \"a.key\"\n").error().message, HasSubstr("mqtt.cert_file"));
+  EXPECT_THAT(with("tls = false\ncert_file = \"a.pem\"\nkey_file = \"a.key\"\n").error().message,
+              HasSubstr("mqtt.tls"));
 }
 
 TEST(ReportConfigs, TheWholeNetworkMayOnlyReadWithAToken) {

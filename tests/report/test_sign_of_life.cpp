@@ -6,6 +6,7 @@
 #include "base/thread_annotations.hpp"
 #include "base/utc_text.hpp"
 #include "report/channels/sign_of_life.hpp"
+#include "report/web/web_request.hpp"
 #include "tests/report/certificates.hpp"
 
 namespace kasumi::report {

@@ -112,6 +112,15 @@ TEST(StatePages, AreServedWithTheirStyleAndNoScript) {
 #endif
 }
 
+// Chromium without a screen, looking at a file of this folder.
+std::string browser(const std::filesystem::path& folder, const std::string& how, const std::string& page_and_output) {
+  return fmt::format(
+      "timeout 60 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking "
+      "--disable-component-update --disable-sync --hide-scrollbars --allow-file-access-from-files "
+      "--user-data-dir={0}/profile {1} file://{0}/{2} 2> {0}/browser.log",
+      folder.string(), how, fmt::format(fmt::runtime(page_and_output), folder.string()));
+}
+
 // In a real browser, at a telephone's width, with axe-core's rules for WCAG 2.2 AA.
 TEST(StatePages, ABrowserFindsThemAccessibleAndNarrowEnough) {
   const auto axe = source_folder() / "build/browser/node_modules/axe-core/axe.min.js";
@@ -140,12 +149,8 @@ TEST(StatePages, ABrowserFindsThemAccessibleAndNarrowEnough) {
             axe.string()));
     const auto file = reporter->folder / "page.html";
     ASSERT_TRUE(write_text_file(file, html));
-    const auto command = fmt::format(
-        "timeout 60 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking "
-        "--disable-component-update --disable-sync --allow-file-access-from-files --user-data-dir={0}/profile "
-        "--window-size=500,900 "
-        "--virtual-time-budget=10000 --dump-dom file://{0}/page.html > {0}/dom.html 2> {0}/browser.log",
-        reporter->folder.string());
+    const auto command = browser(reporter->folder, "--window-size=500,900 --virtual-time-budget=10000 --dump-dom",
+                                 "page.html > {0}/dom.html");
     ASSERT_EQ(std::system(command.c_str()), 0) << read_text_file(reporter->folder / "browser.log").value_or("");
     const auto dom = read_text_file(reporter->folder / "dom.html").value();
     const auto from = dom.find("RESULT"), to = dom.find("END</pre>");
@@ -154,6 +159,29 @@ TEST(StatePages, ABrowserFindsThemAccessibleAndNarrowEnough) {
     EXPECT_GT(result["passes"], 20) << "the rules did not run";
     EXPECT_EQ(result["violations"].dump(), "[]") << code_of(language);
     EXPECT_LE(result["wide"], 0) << "it must not scroll sideways";
+  }
+}
+
+// For docs/: KASUMI_STATE_PAGES names a folder, which gets a PNG of each.
+TEST(StatePages, AreSeenByDayInTroubleOnATelephoneAndDark) {
+  const char* folder = std::getenv("KASUMI_STATE_PAGES");
+  if (!folder) GTEST_SKIP() << "only for docs/make-pictures";
+  auto unseen = changed(changed(kGoodStatus, "\"live\", \"reason\": \"\"", "\"nothing\", \"reason\": \"no screen\""),
+                        "\"display\": {\"up\": true, \"description\": \"HDMI-A-1\", \"cause\": \"\"",
+                        "\"display\": {\"up\": false, \"cause\": \"HDMI-A-1: nothing is connected\"");
+  const std::pair<const char*, std::tuple<std::string, Language, const char*>> pages[] = {
+      {"day", {kGoodStatus, Language::english, "--window-size=900,1250"}},
+      {"trouble", {kLostStatus, Language::english, "--window-size=900,1250"}},
+      {"telephone", {kLostStatus, Language::german, "--window-size=500,1250"}},
+      {"dark", {unseen, Language::english, "--window-size=900,1250 --blink-settings=preferredColorScheme=0"}}};
+  for (const auto& [name, page] : pages) {
+    const auto& [status, language, how] = page;
+    const auto html = changed(state_page(page_of(status), language), "<link rel=\"stylesheet\" href=\"style.css\">",
+                              fmt::format("<style>{}</style>", page_style()));
+    ASSERT_TRUE(write_text_file(std::filesystem::path(folder) / "page.html", html));
+    ASSERT_EQ(
+        std::system(browser(folder, fmt::format("{} --screenshot={}/{}.png", how, folder, name), "page.html").c_str()),
+        0);
   }
 }
 

@@ -148,6 +148,7 @@ class Machine:
             # Every machine starts from the same disk; its writes survive power cuts and are discarded with the machine.
             "-drive", f"file={image}/disk.img,if=virtio,format=raw,snapshot=on",
             "-device", f"virtio-gpu-pci,id=gpu,xres={size[0]},yres={size[1]}", "-vnc", f"unix:{self.socket_of('vnc')}",
+            "-device", "qemu-xhci,id=usb",
             "-device", "i6300esb", "-action", "watchdog=reset",
             "-serial", f"file:{self.folder}/console.log",
             "-device", "virtio-serial", "-device", "virtserialport,chardev=agent,name=org.qemu.guest_agent.0",

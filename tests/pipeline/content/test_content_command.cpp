@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pipeline/content/arrival.hpp"
 #include "tests/pipeline/appliance/kiosk_process.hpp"
 #include "tests/pipeline/content/desk.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
@@ -77,6 +78,39 @@ TEST_F(Carried, WhatNobodyTrustedSignedStaysOutside) {
   EXPECT_FALSE(fs::exists(folder / "content"));
   ASSERT_EQ(pack("Plain", "").code, 0);
   EXPECT_EQ(install("Plain", "--unsigned").code, 0) << "an operator on the spot may";
+}
+
+// As a stick, a server or a folder brings it: nobody reads what is printed.
+TEST_F(Carried, WhatCameByItselfIsNoted) {
+  const auto newest = [&](const std::string& folders) {
+    return run_kasumi("content install --newer " + folders + " " + place());
+  };
+  const auto arrived = [&] { return last_arrival(folder / "content").value_or(Arrival{}); };
+  const auto stick = folder / "stick", server = folder / "server";
+  for (const auto& each : {stick, server}) fs::create_directories(each);
+  const auto both = fmt::format("{} {} {}/not-there", stick.string(), server.string(), folder.string());
+  EXPECT_EQ(newest(both).code, 0) << "nothing to do is no failure";
+  EXPECT_EQ(arrived().words, "no bundle there: expected NAME.kasumi");
+  ASSERT_EQ(pack("Spring", key()).code, 0);
+  fs::rename(folder / "Spring.kasumi", stick / "Spring.kasumi");
+  ASSERT_TRUE(write_text_file(server / "Rubbish.kasumi", "rubbish"));
+  // A link may lead to where only we may read.
+  fs::create_symlink("/etc/passwd", server / "Link.kasumi");
+  auto done = newest(both);
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_TRUE(arrived().taken);
+  EXPECT_THAT(arrived().words, AllOf(HasSubstr("signed by curator: installed; "), HasSubstr("Rubbish.kasumi: "),
+                                     testing::Not(HasSubstr("Link.kasumi"))));
+  EXPECT_THAT(arrived().from, HasSubstr(stick.string()));
+  EXPECT_EQ(newest(both).code, 0);
+  EXPECT_FALSE(arrived().taken);
+  EXPECT_THAT(arrived().words, HasSubstr("it is shown already"));
+  EXPECT_EQ(newest(server.string()).code, 2);
+  EXPECT_THAT(arrived().words, AllOf(HasSubstr("refused: "), HasSubstr("Rubbish.kasumi: ")));
+  EXPECT_FALSE(arrived().taken);
+  // Without --newer one bundle is named, and what came of it is printed alone.
+  EXPECT_EQ(run_kasumi(fmt::format("content install {0} {0} {1}", stick.string(), place())).code, 2);
+  EXPECT_THAT(arrived().words, HasSubstr("Rubbish.kasumi: "));
 }
 
 TEST_F(Carried, AMistakeIsNamedBeforeItLeavesTheDesk) {

@@ -2,10 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "pipeline/content/probation.hpp"
-#include "tests/pipeline/content/desk.hpp"
+#include "tests/pipeline/content/kiosk_rig.hpp"
 
 namespace kasumi {
 namespace {
@@ -13,7 +11,6 @@ namespace {
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-constexpr Duration kStep = 5s;
 const Probation::FailingChecks kWell{}, kNoSky{{"sky_camera.open", "not available"}};
 
 // A kiosk whose spring is proven and whose summer is shown now.
@@ -128,40 +125,6 @@ TEST_F(OnProbation, TriedOnceMoreItHasHalfAnHourAgain) {
   pass(2min, true);
   EXPECT_TRUE(generations.current()->proven);
 }
-
-// The whole appliance, on a recording.
-struct KioskRig : Rig {
-  explicit KioskRig(const std::string& name, const std::string& more = {})
-      : Rig({.name = name}), desk(folder / "bundles"), generations(folder / "content") {
-    fs::create_directories(desk);
-    place = {write_desk(folder / "etc", more), generations};
-  }
-  void start() {
-    const auto content = read_content(place.configuration());
-    ASSERT_TRUE(content) << content.error().message;
-    appliance = std::make_unique<Appliance>(place, *content, ApplianceServices{devices, clock, time, notifier},
-                                            StatusOptions{folder / "status.json", false, 10s, nullptr, folder / "sys"});
-  }
-  void install(const std::string& name, const std::string& from, const std::string& to) {
-    const auto made = write_desk(desk / name);
-    if (!from.empty()) replace_in(made, from, to);
-    const auto done = install_file(packed(made, name, clock.utc()), generations, clock.utc());
-    ASSERT_TRUE(done) << done.error().message;
-  }
-  void pass(Duration by, Duration step = 1s) {
-    for (const auto end = clock.now() + by; clock.now() < end;) {
-      advance(step, step);
-      appliance->proving().step();
-    }
-  }
-  nlohmann::json content() {
-    appliance->status().step();
-    return nlohmann::json::parse(status_json(appliance->status().status()))["content"];
-  }
-  fs::path desk;
-  Generations generations;
-  ContentPlace place;
-};
 
 TEST(Proving, Row22NewContentServesItsProbationUnderTheLivePicture) {
   KioskRig rig("probation");
