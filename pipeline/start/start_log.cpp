@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
 
 #include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
@@ -74,6 +75,17 @@ StartRecord record_in(const std::string& text) {
   return record;
 }
 
+// systemd/wait-before-start counts them, since a program that cannot be loaded counts nothing.
+void forget_boots_without_this_program(const ServiceFolders& folders, std::string boot) {
+  std::erase(boot, '-');  // as systemd writes it
+  std::istringstream boots(read_text_file(folders.state / "never-began").value_or(""));
+  for (std::string line; std::getline(boots, line);)
+    if (line != boot) spdlog::warn("never began in an earlier boot: `journalctl -u kasumi -b {}` says why", line);
+  std::error_code error;
+  std::filesystem::remove(folders.state / "never-began", error);
+  if (!folders.runtime.empty()) std::filesystem::remove(folders.runtime / "no-reboot", error);
+}
+
 }  // namespace
 
 ServiceFolders service_folders() {
@@ -82,6 +94,7 @@ ServiceFolders service_folders() {
 
 StartLog::StartLog(const ServiceFolders& folders, const std::string& boot, double since_boot_s) : folders_(folders) {
   if (folders_.state.empty()) return;
+  forget_boots_without_this_program(folders_, boot);
   record_ = record_in(read_text_file(record_file(folders_)).value_or(""));
   change([&](StartRecord& record) { note_start(record, boot, since_boot_s); });
 }

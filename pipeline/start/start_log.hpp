@@ -22,7 +22,8 @@ ServiceFolders service_folders();
 class StartLog {
  public:
   // Reads folder/starts.json and notes this start. A record that cannot be read begins anew, one that cannot be
-  // written is logged once: neither may keep anything from being shown. Without a folder nothing is counted.
+  // written is logged once: neither may keep anything from being shown. Without a folder nothing is counted. What
+  // systemd/wait-before-start has noted for starts that do not come as far as this is forgotten.
   StartLog(const ServiceFolders& folders, const std::string& boot, double since_boot_s);
 
   StartRecord record() const;

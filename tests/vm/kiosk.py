@@ -2,10 +2,12 @@
 
 import json
 import os
+import pathlib
 import re
 import shutil
 import subprocess
 
+from container import Container
 from machine import Machine
 
 FIXTURE_STARTS_UTC = "2026-10-20T00:50:00"  # the preset "fine-morning"
@@ -32,6 +34,9 @@ options v4l2loopback devices=2 exclusive_caps=1,1 card_label=kasumi-scene,kasumi
 options vivid n_devs=1 node_types=0x1 input_types=0x0
 options vkms enable_overlay=1
 """
+EVERYTHING = os.environ.get("KASUMI_VM_ALL") == "1"
+PACKAGES = ("kasumi", "kasumi-kiosk", "kasumi-report")
+NEXT_VERSION = "99.0"
 DEVICE_TESTS = ("test_v4l2_live", "test_libcamera_live", "test_kms", "test_gles")
 STATISTICS = """\
 [Service]
@@ -90,9 +95,14 @@ def make_disk(build, folder):
     index = fixture / "sky/index.csv"  # every second picture: estimates are half the work of an emulated processor
     lines = index.read_text().splitlines(keepends=True)
     index.write_text("".join(lines[:1] + lines[1::2]))
-    run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / "package")
-    shutil.copy(next((folder / "package").glob("kasumi_*.deb")), content / "kasumi.deb")
-    for program in ("feed_loopback", *(DEVICE_TESTS if os.environ.get("KASUMI_VM_ALL") == "1" else ())):
+    versions = {"packages": (), "packages/next": ("-D", f"CPACK_PACKAGE_VERSION={NEXT_VERSION}")}
+    for place in versions if EVERYTHING else ("packages",):
+        run("cpack", "--config", build / "CPackConfig.cmake", "-B", folder / place, *versions[place])
+        (content / place).mkdir(parents=True)
+        for name in PACKAGES:
+            shutil.copy(next((folder / place).glob(f"{name}_*.deb")), content / place / f"{name}.deb")
+    shutil.copy(pathlib.Path(__file__).with_name("hostile-peers"), ours)
+    for program in ("feed_loopback", *(DEVICE_TESTS if EVERYTHING else ())):
         run("strip", "-o", ours / program, build / program)
     kasumi = content / "etc/kasumi"
     kasumi.mkdir(parents=True)
@@ -108,27 +118,14 @@ def make_disk(build, folder):
     return folder / "kasumi.img"
 
 
-class Kiosk(Machine):
-    def __init__(self, image, disk, folder, **options):
-        super().__init__(image, folder, extra_disk=disk, size=SIZE, utc=FIXTURE_STARTS_UTC, **options)
-        self.fixture = disk.parent / "content/opt/kasumi-vm/fixture"
-
-    def install(self):
-        self.run("mount -o ro /dev/vdb /mnt && dpkg -i /mnt/kasumi.deb")
-        self.run("cp -a /mnt/opt /mnt/etc / && chown -R root:root /opt /etc/kasumi && umount /mnt"
-                 " && udevadm control --reload && systemctl daemon-reload && modprobe v4l2loopback && udevadm settle")
-        self.run("systemctl enable --now feed@sky feed@scene")
-        self.configure()
-        self.run("systemctl daemon-reload && systemctl enable kasumi")
+class Appliance:
+    """Kasumi on a machine that runs commands."""
 
     def start_kasumi(self):
         """BLOCKS until systemd has received READY. Returns the seconds it took by the guest's clock."""
         started = self.clock()
         self.run("systemctl restart kasumi || { journalctl -u kasumi -b --no-pager | tail -n 40; false; }")
         return self.clock() - started
-
-    def configure(self, **choices):
-        self.write("/etc/kasumi/kasumi.toml", configuration(self.fixture, **choices))
 
     def write(self, path, text):
         self.run(f"mkdir -p $(dirname {path}) && cat > {path} <<'END'\n{text}\nEND")
@@ -158,15 +155,52 @@ class Kiosk(Machine):
         pictures = self.status()["pictures"]
         self.wait_status("a few pictures", lambda status: status["pictures"] >= pictures + 5)
 
-    def unit(self, *properties):
-        """Properties of kasumi.service as systemd reports them."""
-        lines = self.run("systemctl show kasumi " + " ".join(f"-p {name}" for name in properties)).splitlines()
+    def unit(self, *properties, of="kasumi"):
+        """Properties of a service as systemd reports them."""
+        lines = self.run(f"systemctl show {of} " + " ".join(f"-p {name}" for name in properties)).splitlines()
         return dict(line.split("=", 1) for line in lines)
 
     def journal(self):
         return self.run("journalctl -u kasumi -b --no-pager -o short-monotonic", check=False)
 
-    def exposure_of_security(self):
-        """The unit's exposure according to `systemd-analyze security`, 0 (closed) to 10."""
-        return float(re.search(r"exposure level for kasumi.service: ([0-9.]+)", self.run(
-            "systemd-analyze security --no-pager kasumi.service", check=False)).group(1))
+    def exposure_of_security(self, of="kasumi"):
+        """A service's exposure according to `systemd-analyze security`, 0 (closed) to 10."""
+        return float(re.search(f"exposure level for {of}.service: ([0-9.]+)", self.run(
+            f"systemd-analyze security --no-pager {of}.service", check=False)).group(1))
+
+
+class Kiosk(Appliance, Machine):
+    def __init__(self, image, disk, folder, **options):
+        super().__init__(image, folder, extra_disk=disk, size=SIZE, utc=FIXTURE_STARTS_UTC, **options)
+        self.fixture = disk.parent / "content/opt/kasumi-vm/fixture"
+
+    def install(self):
+        self.run("mount -o ro /dev/vdb /mnt && dpkg -i /mnt/packages/kasumi.deb")
+        self.run("cp -a /mnt/opt /mnt/etc / && chown -R root:root /opt /etc/kasumi && umount /mnt"
+                 " && udevadm control --reload && systemctl daemon-reload && modprobe v4l2loopback && udevadm settle")
+        self.run("systemctl enable --now feed@sky feed@scene")
+        self.configure()
+        self.run("systemctl daemon-reload && systemctl enable kasumi")
+
+    def configure(self, **choices):
+        self.write("/etc/kasumi/kasumi.toml", configuration(self.fixture, **choices))
+
+
+class ContainerKiosk(Appliance, Container):
+    """Without cameras and screen: both are played from a recording, and nobody sees the picture."""
+
+    def __init__(self, image, disk, folder):
+        super().__init__(image, folder)
+        content = disk.parent / "content"
+        for name in ("packages", "opt", "etc/kasumi"):
+            shutil.copytree(content / name, self.root / name, dirs_exist_ok=True)
+        described = (content / "opt/kasumi-vm/fixture/fixture.toml").read_text()
+        replay = 'source = "replay"\nfixture = "/opt/kasumi-vm/fixture"\n'
+        self.write("/etc/kasumi/kasumi.toml", described[described.index("[site]"):]
+                   + f"\n[sky.camera]\n{replay}[scene.camera]\n{replay}"
+                   + '[display]\nkind = "headless"\nwidth = {}\nheight = {}\n'.format(*SIZE)
+                   + '[clock]\npolicy = "trusted"\n[state]\nfolder = "/var/lib/kasumi"\n')
+
+    def install_packages(self, *names, place="packages"):
+        """As dpkg does when nobody answers its questions; returns what it said."""
+        return self.run("DEBIAN_FRONTEND=noninteractive dpkg -i " + " ".join(f"/{place}/{name}.deb" for name in names))

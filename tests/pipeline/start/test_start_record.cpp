@@ -231,6 +231,16 @@ TEST(StartLog, WellLetsTheUnitCountFromTheBeginning) {
   EXPECT_EQ(StartLog(folders, "b", 12.0).record().failed_boots, 0);
 }
 
+// The unit does not reboot where these are; from now on starts are counted here.
+TEST(StartLog, Row39AProgramThatBeginsForgetsTheBootsInWhichItNeverDid) {
+  const ServiceFolders folders{log_folder("begins"), log_folder("begins-run")};
+  ASSERT_TRUE(write_text_file(folders.state / "never-began", "a\nb\nc\n"));
+  ASSERT_TRUE(write_text_file(folders.runtime / "no-reboot", ""));
+  EXPECT_EQ(StartLog(folders, "c", 12.0).mode(), StartMode::whole);
+  EXPECT_FALSE(std::filesystem::exists(folders.state / "never-began"));
+  EXPECT_FALSE(std::filesystem::exists(folders.runtime / "no-reboot"));
+}
+
 TEST(StartLog, ADamagedRecordOrDiskKeepsNothingFromBeingShown) {
   const ServiceFolders folders{log_folder("damaged"), {}};
   for (const char* text : {"", "[", "{\"failed_boots\": -9, \"starts_s\": \"x\", \"why\": [3], \"mode\": 4}", "[1]",
