@@ -119,7 +119,7 @@ TEST(CalibrateFocus, FindsBlurSharpeningAndNoiseOfAGeneratedCamera) {
     std::shared_ptr<const JpegSteps> steps;
     const auto pictures = filmed({given.spread_px, given.sharpening}, given.quality, steps);
     const auto edges = find_drawn_edges(mean_of(pictures), Response::srgb());
-    const auto found = sharpness_of(edges);
+    const auto found = sharpness_of(edges, Response::srgb(), steps.get());
     const auto words = fmt::format("{} px, sharpening {}, JPEG {}", given.spread_px, given.sharpening, given.quality);
     ASSERT_TRUE(found) << words << ": " << edges.size() << " edges";
     const auto noise = fit_stream_noise(pictures, Response::srgb(), {glm::dvec3{1.0}, found->sharpening, steps});
