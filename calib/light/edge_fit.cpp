@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include <Eigen/Dense>
+#include <glm/common.hpp>
 
 #include "base/statistics.hpp"
+#include "calib/light/jpeg_block.hpp"
 
 namespace kasumi {
 namespace {
@@ -52,20 +54,23 @@ class EdgeProfile {
   std::array<double, static_cast<std::size_t>(2 * kEnd / kSpacing) + 1> values_{};
 };
 
+// Encoded, at a place from the window's middle.
+double drawn_value(const EdgeParameters& p, const EdgeProfile& profile, double x, double y) {
+  const double c = std::cos(p[1]), s = std::sin(p[1]), distance = c * x + s * y - p[0];
+  double around = 0.0;
+  for (int v = -1; v <= 1; ++v)
+    for (int u = -1; u <= 1; ++u)
+      around += (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * profile.at(distance + c * u + s * v);
+  const double own = profile.at(distance);
+  const double lit = 1.0 + p[6] * x + p[7] * y;
+  return lit * (own + p[5] * (own - around));
+}
+
 Eigen::VectorXd residuals(const std::vector<EdgePixel>& pixels, const EdgeParameters& p, const Response& response) {
   const EdgeProfile profile(p, response);
-  const double c = std::cos(p[1]), s = std::sin(p[1]);
   Eigen::VectorXd off(static_cast<Eigen::Index>(pixels.size()));
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const double distance = c * pixels[i].x + s * pixels[i].y - p[0];
-    double around = 0.0;
-    for (int v = -1; v <= 1; ++v)
-      for (int u = -1; u <= 1; ++u)
-        around += (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * profile.at(distance + c * u + s * v);
-    const double own = profile.at(distance);
-    const double lit = 1.0 + p[6] * pixels[i].x + p[7] * pixels[i].y;
-    off[static_cast<Eigen::Index>(i)] = lit * (own + p[5] * (own - around)) - pixels[i].value;
-  }
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    off[static_cast<Eigen::Index>(i)] = drawn_value(p, profile, pixels[i].x, pixels[i].y) - pixels[i].value;
   return off;
 }
 
@@ -164,12 +169,16 @@ std::optional<DrawnEdge> drawn_edge(const Image<float>& luma, const Response& re
   p << 0.0, angle, response.to_light(glm::dvec3(low)).g, response.to_light(glm::dvec3(high)).g, 0.6, 0.3, 0.0, 0.0;
   const double residual = fit(pixels, response, p) / (high - low);
   if (residual > kMostResidual || p[4] >= 3.9) return std::nullopt;
-  return DrawnEdge{glm::dvec2(at) + p[0] * glm::dvec2(std::cos(p[1]), std::sin(p[1])),
-                   Radians{p[1]},
-                   p[4],
-                   p[5],
-                   high - low,
-                   residual};
+  DrawnEdge edge{glm::dvec2(at) + p[0] * glm::dvec2(std::cos(p[1]), std::sin(p[1])),
+                 Radians{p[1]},
+                 p[4],
+                 p[5],
+                 high - low,
+                 residual,
+                 at,
+                 {}};
+  std::ranges::copy(p, edge.fitted.begin());
+  return edge;
 }
 
 // How wide it is drawn, blur and sharpening together: a step over its steepness, pixels. Better known than either.
@@ -181,6 +190,38 @@ double drawn_width(const DrawnEdge& edge) {
     for (int u = -1; u <= 1; ++u)
       around += (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * std::exp(-0.5 * std::pow((c * u + s * v) / width, 2));
   return width / (1.0 + edge.sharpening * (1.0 - around));
+}
+
+// The edge with another blur and sharpening, rounded in the blocks in which the picture has it, and found again.
+std::optional<DrawnEdge> found_again(const DrawnEdge& edge, const glm::dvec2& sharpness, const Response& response,
+                                     const JpegSteps& jpeg) {
+  constexpr int kSize = 4 * kBlockSide, kMargin = kReach + 2;  // the window with its gradients, wherever it lies
+  EdgeParameters p = Eigen::Map<const EdgeParameters>(edge.fitted.data());
+  p[4] = sharpness.x;
+  p[5] = sharpness.y;
+  const EdgeProfile profile(p, response);
+  const glm::ivec2 origin = (edge.window - kMargin) / kBlockSide * kBlockSide;
+  Image<float> luma(kSize, kSize);
+  for (int top = 0; top < kSize; top += kBlockSide)
+    for (int left = 0; left < kSize; left += kBlockSide) {
+      JpegBlock block{};
+      const auto at = [](int x, int y) { return static_cast<std::size_t>(kBlockSide * y + x); };
+      for (int y = 0; y < kBlockSide; ++y)
+        for (int x = 0; x < kBlockSide; ++x) {
+          const glm::ivec2 place = origin + glm::ivec2(left + x, top + y) - edge.window;
+          block[at(x, y)] = std::round(255.0 * drawn_value(p, profile, place.x, place.y)) - 128.0;
+        }
+      JpegBlock coefficients = coefficients_of(block);
+      for (std::size_t i = 0; i < coefficients.size(); ++i) {
+        const double step = step_of(jpeg.luma, i);
+        coefficients[i] = step * std::round(coefficients[i] / step);
+      }
+      block = samples_of(coefficients);
+      for (int y = 0; y < kBlockSide; ++y)
+        for (int x = 0; x < kBlockSide; ++x)
+          luma.at(left + x, top + y) = static_cast<float>(std::round(block[at(x, y)] + 128.0) / 255.0);
+    }
+  return drawn_edge(luma, response, edge.window - origin);
 }
 
 // Their mean with weights, and how far it may be off.
@@ -197,6 +238,28 @@ std::pair<double, double> weighted_mean(std::span<const DrawnEdge> edges, double
   return {mean, std::sqrt(std::max(square / weights - mean * mean, 0.0) * squares / (weights * weights))};
 }
 
+// Blur and sharpening that JPEG's rounding turns into those found in these edges.
+glm::dvec2 before_rounding(std::span<const DrawnEdge> edges, const glm::dvec2& found, const Response& response,
+                           const JpegSteps& jpeg) {
+  constexpr int kTurns = 4;
+  glm::dvec2 before = found;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    std::vector<DrawnEdge> seen, again;
+    for (const auto& edge : edges)
+      if (auto drawn = found_again(edge, before, response, jpeg)) {
+        drawn->residual = edge.residual;  // the same weight
+        seen.push_back(edge);
+        again.push_back(*drawn);
+      }
+    if (2 * seen.size() < edges.size()) return found;
+    before.x += weighted_mean(seen, &DrawnEdge::point_spread_px).first -
+                weighted_mean(again, &DrawnEdge::point_spread_px).first;
+    before.y += weighted_mean(seen, &DrawnEdge::sharpening).first - weighted_mean(again, &DrawnEdge::sharpening).first;
+    before = glm::clamp(before, glm::dvec2(0.0, -0.2), glm::dvec2(4.0, 3.0));
+  }
+  return before;
+}
+
 }  // namespace
 
 std::vector<DrawnEdge> find_drawn_edges(const Image<float>& luma, const Response& response,
@@ -210,7 +273,8 @@ std::vector<DrawnEdge> find_drawn_edges(const Image<float>& luma, const Response
   return edges;
 }
 
-std::optional<DrawnSharpness> sharpness_of(std::span<const DrawnEdge> edges) {
+std::optional<DrawnSharpness> sharpness_of(std::span<const DrawnEdge> edges, const Response& response,
+                                           const JpegSteps* jpeg) {
   constexpr std::size_t kFewest = 5;
   if (edges.size() < kFewest) return std::nullopt;
   std::vector<double> widths;
@@ -223,7 +287,9 @@ std::optional<DrawnSharpness> sharpness_of(std::span<const DrawnEdge> edges) {
   // Pairs of blur and sharpening that nearly make up for each other scatter along a line: the middle of it is taken.
   const auto [spread, spread_sigma] = weighted_mean(sharper, &DrawnEdge::point_spread_px);
   const auto [amount, amount_sigma] = weighted_mean(sharper, &DrawnEdge::sharpening);
-  return DrawnSharpness{spread, spread_sigma, std::max(amount, 0.0), amount_sigma, static_cast<int>(sharper.size())};
+  glm::dvec2 found{spread, amount};
+  if (jpeg) found = before_rounding(sharper, found, response, *jpeg);
+  return DrawnSharpness{found.x, spread_sigma, std::max(found.y, 0.0), amount_sigma, static_cast<int>(sharper.size())};
 }
 
 }  // namespace kasumi

@@ -11,51 +11,20 @@
 #include <glm/geometric.hpp>
 
 #include "base/statistics.hpp"
-#include "base/units.hpp"
+#include "calib/light/jpeg_block.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr int kSide = 8, kMargin = 1, kPatch = kSide + 2 * kMargin;
-constexpr std::size_t kLevels = 8, kBlocksOfLevel = 160, kFewestBlocks = 24, kRepeats = 4;
+constexpr int kSide = kBlockSide, kMargin = 1, kPatch = kSide + 2 * kMargin;
+constexpr std::size_t kLevels = 8, kBlocksOfLevel = 160, kFewestBlocks = 24;
 const glm::dvec3 kLuma{0.299, 0.587, 0.114};
 
-using Block = std::array<double, kSide * kSide>;
+using Block = JpegBlock;
 using Patch = std::array<glm::dvec3, kPatch * kPatch>;  // a block and its neighbours
 
 double luma_of(const Rgb8& pixel) {
   return glm::dot(kLuma, glm::dvec3(pixel));
-}
-
-// ITU-T T.81 A.3.3: rounded to the steps and back, levels of 255.
-void round_block(Block& block, const std::array<std::uint16_t, 64>& steps) {
-  static const auto kCosines = [] {
-    std::array<double, 64> cosines{};
-    for (std::size_t u = 0; u < 8; ++u)
-      for (std::size_t i = 0; i < 8; ++i)
-        cosines[8 * u + i] = (u == 0 ? std::sqrt(0.125) : 0.5) *
-                             std::cos((2.0 * static_cast<double>(i) + 1.0) * static_cast<double>(u) * kPi / 16.0);
-    return cosines;
-  }();
-  const auto multiplied = [](const Block& values, bool transposed, bool rows) {
-    Block out{};
-    for (std::size_t y = 0; y < 8; ++y)
-      for (std::size_t x = 0; x < 8; ++x)
-        for (std::size_t k = 0; k < 8; ++k) {
-          const std::size_t to = rows ? x : y;
-          const double weight = transposed ? kCosines[8 * k + to] : kCosines[8 * to + k];
-          out[8 * y + x] += weight * (rows ? values[8 * y + k] : values[8 * k + x]);
-        }
-    return out;
-  };
-  for (double& value : block) value -= 128.0;
-  Block coefficients = multiplied(multiplied(block, false, true), false, false);
-  for (std::size_t i = 0; i < coefficients.size(); ++i) {
-    const double step = std::max<double>(steps[i], 1.0);
-    coefficients[i] = step * std::round(coefficients[i] / step);
-  }
-  block = multiplied(multiplied(coefficients, true, true), true, false);
-  for (double& value : block) value += 128.0;
 }
 
 // Mean over a block's pixels of their variance from picture to picture.
@@ -70,32 +39,51 @@ double variance_of(std::span<const Block> blocks) {
   return sum / static_cast<double>(blocks[0].size());
 }
 
+struct Place {
+  Patch light{};
+  Block coefficients{};  // of its luma, before JPEG rounded it: levels of 255, not known to better than the steps
+};
+
 struct Level {
   double variance = 0.0;  // median over all of its blocks
-  std::vector<Patch> light;
+  std::vector<Place> places;
 };
+
+// Where in its step each coefficient lay that JPEG rounded: anywhere. How often noise takes it over the step's end
+// depends on that, and what is left after rounding lies in the middle of all steps, where noise does least. What is
+// rounded to 0 stays there: of even areas, which most blocks are, it is next to nothing.
+void place_within_steps(Block& coefficients, const BlockSteps& steps, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> within(-0.5, 0.5);
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    const double step = step_of(steps, i), rounded = std::round(coefficients[i] / step);
+    if (rounded != 0.0) coefficients[i] = step * (rounded + within(random));
+  }
+}
 
 class StreamSimulation {
  public:
   StreamSimulation(const Response& response, const StreamProcessing& processing)
       : response_(response), processing_(processing) {}
 
-  // The same random numbers for all E and r, so that the misfit is smooth.
-  double variance(const Level& level, double electrons, double read) const {
+  // In as many pictures as were seen: the median of what happens seldom depends on their number. The same random
+  // numbers for all E and r, so that the misfit is smooth.
+  double variance(const Level& level, std::size_t pictures, double electrons, double read) const {
     std::mt19937_64 random(7);
     std::normal_distribution<double> normal;
+    const glm::dvec3 share = processing_.white_balance / electrons;
     std::vector<double> variances;
-    for (const Patch& light : level.light) {
-      std::array<Block, kRepeats> seen;
+    std::vector<Block> seen(pictures);
+    for (const Place& place : level.places) {
+      const Block clean = sharpened(encoded(place.light));
       for (Block& block : seen) {
-        std::array<glm::dvec3, kPatch * kPatch> encoded;
-        for (std::size_t i = 0; i < light.size(); ++i) {
-          const glm::dvec3 share = processing_.white_balance / electrons;
-          const glm::dvec3 deviation = glm::sqrt(share * light[i] + share * share * read * read);
-          const glm::dvec3 noisy = light[i] + deviation * glm::dvec3(normal(random), normal(random), normal(random));
-          encoded[i] = 255.0 * response_.to_encoded(glm::clamp(noisy, 0.0, 1.0));
+        Patch noisy = place.light;
+        for (glm::dvec3& light : noisy) {
+          const glm::dvec3 deviation = glm::sqrt(share * light + share * share * read * read);
+          light += deviation * glm::dvec3(normal(random), normal(random), normal(random));
         }
-        block = shown(encoded);
+        block = sharpened(encoded(noisy));
+        if (processing_.jpeg) block = coded(place, clean, block);
+        for (double& value : block) value = std::round(value);
       }
       variances.push_back(variance_of(seen));
     }
@@ -103,7 +91,12 @@ class StreamSimulation {
   }
 
  private:
-  Block shown(const Patch& encoded) const {
+  Patch encoded(Patch light) const {
+    for (glm::dvec3& value : light) value = 255.0 * response_.to_encoded(glm::clamp(value, 0.0, 1.0));
+    return light;
+  }
+
+  Block sharpened(const Patch& encoded) const {
     Block block{};
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
@@ -115,22 +108,30 @@ class StreamSimulation {
           for (int u = -1; u <= 1; ++u) around += (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * at(u, v);
         block[static_cast<std::size_t>(kSide * y + x)] = at(0, 0) + processing_.sharpening * (at(0, 0) - around);
       }
-    if (processing_.jpeg) round_block(block, processing_.jpeg->luma);
-    for (double& value : block) value = std::round(value);
     return block;
+  }
+
+  Block coded(const Place& place, const Block& clean, Block noisy) const {
+    for (std::size_t i = 0; i < noisy.size(); ++i) noisy[i] -= clean[i];
+    Block coefficients = coefficients_of(noisy);
+    for (std::size_t i = 0; i < coefficients.size(); ++i) {
+      const double step = step_of(processing_.jpeg->luma, i);
+      coefficients[i] = step * std::round((place.coefficients[i] + coefficients[i]) / step);
+    }
+    return samples_of(coefficients);
   }
 
   const Response& response_;
   const StreamProcessing& processing_;
 };
 
-std::vector<Level> levels_of(std::span<const Image<Rgb8>> pictures, const Response& response) {
+std::vector<Level> levels_of(std::span<const Image<Rgb8>> pictures, const Response& response, const JpegSteps* jpeg) {
   const int width = pictures[0].width(), height = pictures[0].height();
-  struct Place {
+  struct Found {
     double luma, variance;
     int x, y;
   };
-  std::vector<Place> places;
+  std::vector<Found> found;
   std::vector<Block> blocks(pictures.size());
   for (int y = kSide; y + 2 * kSide <= height; y += kSide)
     for (int x = kSide; x + 2 * kSide <= width; x += kSide) {
@@ -145,33 +146,39 @@ std::vector<Level> levels_of(std::span<const Image<Rgb8>> pictures, const Respon
           }
       const double mean = sum / static_cast<double>(blocks.size() * blocks[0].size());
       if (mean < 4.0 || most > 250.0) continue;
-      places.push_back({mean, variance_of(blocks), x, y});
+      found.push_back({mean, variance_of(blocks), x, y});
     }
   std::vector<Level> levels;
   std::mt19937_64 random(11);
   for (std::size_t i = 0; i < kLevels; ++i) {
     const double from = 255.0 * static_cast<double>(i) / kLevels, to = 255.0 * static_cast<double>(i + 1) / kLevels;
-    std::vector<Place> inside;
-    std::ranges::copy_if(places, std::back_inserter(inside),
-                         [&](const Place& p) { return p.luma >= from && p.luma < to; });
+    std::vector<Found> inside;
+    std::ranges::copy_if(found, std::back_inserter(inside),
+                         [&](const Found& f) { return f.luma >= from && f.luma < to; });
     if (inside.size() < kFewestBlocks) continue;
     Level level;
     std::vector<double> variances;
-    for (const auto& place : inside) variances.push_back(place.variance);
+    for (const auto& one : inside) variances.push_back(one.variance);
     level.variance = median(std::move(variances));
     std::shuffle(inside.begin(), inside.end(), random);
     inside.resize(std::min(inside.size(), kBlocksOfLevel));
-    for (const auto& place : inside) {
-      Patch patch{};
+    for (const auto& one : inside) {
+      Place place;
+      Block luma{};
       for (int v = 0; v < kPatch; ++v)
         for (int u = 0; u < kPatch; ++u) {
           glm::dvec3 mean{0.0};
           for (const auto& picture : pictures)
-            mean += glm::dvec3(picture.at(place.x + u - kMargin, place.y + v - kMargin));
-          patch[static_cast<std::size_t>(v * kPatch + u)] =
-              response.to_light(mean / (255.0 * static_cast<double>(pictures.size())));
+            mean +=
+                glm::dvec3(picture.at(one.x + u - kMargin, one.y + v - kMargin)) / static_cast<double>(pictures.size());
+          place.light[static_cast<std::size_t>(v * kPatch + u)] = response.to_light(mean / 255.0);
+          const int x = u - kMargin, y = v - kMargin;
+          if (std::min(x, y) >= 0 && std::max(x, y) < kSide)
+            luma[static_cast<std::size_t>(kSide * y + x)] = glm::dot(kLuma, mean) - 128.0;
         }
-      level.light.push_back(patch);
+      place.coefficients = coefficients_of(luma);
+      if (jpeg) place_within_steps(place.coefficients, jpeg->luma, random);
+      level.places.push_back(place);
     }
     levels.push_back(std::move(level));
   }
@@ -184,15 +191,16 @@ std::optional<StreamNoise> fit_stream_noise(std::span<const Image<Rgb8>> picture
                                             const StreamProcessing& processing) {
   constexpr double kNothing = 0.02;  // of a level's square: what rounding alone may leave
   if (pictures.size() < 3) return std::nullopt;
-  auto levels = levels_of(pictures, response);
+  auto levels = levels_of(pictures, response, processing.jpeg.get());
   std::erase_if(levels, [](const Level& level) { return level.variance < kNothing; });
   if (levels.empty()) return std::nullopt;
   const StreamSimulation simulation(response, processing);
   const auto misfit = [&](double electrons, double read) {
     double sum = 0.0;
     for (const auto& level : levels)
-      sum +=
-          std::pow(std::log((simulation.variance(level, electrons, read) + kNothing) / (level.variance + kNothing)), 2);
+      sum += std::pow(std::log((simulation.variance(level, pictures.size(), electrons, read) + kNothing) /
+                               (level.variance + kNothing)),
+                      2);
     return std::sqrt(sum / static_cast<double>(levels.size()));
   };
   StreamNoise best{0.0, 0.0, 1e9};

@@ -16,7 +16,8 @@ namespace {
 constexpr InstrumentDoubt kSceneDoubt{true, 0.1, 0.05};
 // No model leaves more of a clear low sky unexplained.
 constexpr double kMostLeftOver = 0.06;
-// The light of a closed sky is, of all clear ones, most like that of the thickest haze.
+// The light of a closed sky is, of all clear ones, most like that of the thickest haze, 1.3 or more, whose amount it
+// then hardly depends on. An amount that is not a sigma of the models away from there is none.
 constexpr double kThickest = 1.2;
 constexpr Radians kLowestSun = from_degrees(3.0);
 
@@ -69,11 +70,12 @@ HorizonColumnAir column_by_horizon(const Camera& scene, const PictureView& pictu
     air.reason = fmt::format("the low sky is like no clear one: {:.0f} % are left over", 100.0 * air.fit.log_residual);
     return air;
   }
-  if (air.fit.found.aerosol.aod_550 > kThickest) {
+  const auto& found = air.fit.found;
+  if (found.aerosol.aod_550 + std::sqrt(found.covariance.aod_550) > kThickest) {
     air.reason = "the low sky is that of thick haze, or of a closed sky";
     return air;
   }
-  air.reading = ColumnReading{AirObserver::horizon, with_doubts(air.fit.found)};
+  air.reading = ColumnReading{AirObserver::horizon, with_doubts(found)};
   return air;
 }
 

@@ -1,7 +1,9 @@
 // Separates the clear sky above the land from clouds.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <glm/exponential.hpp>
@@ -14,8 +16,12 @@ namespace kasumi {
 namespace {
 
 constexpr double kCellShare = 1.0 / 180.0;
-constexpr int kStacks = 4;  // of cells in a strip
-constexpr int kPixelsPerCell = 32;
+// How many stacks of cells a strip has, and how many pixels of a cell are looked at: the next where the picture is too
+// noisy to tell clear sky from clouds by the one before.
+struct CellSize {
+  int stacks, pixels;
+};
+constexpr std::array<CellSize, 3> kCellSizes{{{4, 32}, {2, 64}, {1, 128}}};
 // Less clear sky than this may be chance: real clouds have uniform parts, too.
 constexpr double kLeastShare = 0.25;              // of the cells
 constexpr double kLeastColumns = 0.75;            // of the strips
@@ -33,12 +39,13 @@ struct Cell {
 struct Measurement {
   const SceneSky& scene;
   Radians middle_azimuth;
+  CellSize size;
   int cell_height, margin, band;
 
   std::optional<Cell> cell(int x0, int x1, int y0, int y1) const {
     std::vector<double> channels[3];
     int seen = 0, clipped = 0;
-    const int pixels = (x1 - x0) * (y1 - y0), stride = std::max(1, pixels / kPixelsPerCell);
+    const int pixels = (x1 - x0) * (y1 - y0), stride = std::max(1, pixels / size.pixels);
     for (int i = 0; i < pixels; i += stride) {
       const int x = x0 + i % (x1 - x0), y = y0 + i / (x1 - x0);
       ++seen;
@@ -86,15 +93,15 @@ struct Measurement {
     std::vector<Cell> found;
     for (std::size_t s = 0; s < strips.size(); ++s) {
       const SkyStrip& strip = strips[s];
-      for (int k = 0; k < kStacks; ++k) {
-        const int x0 = strip.x0 + k * (strip.x1 - strip.x0) / kStacks;
-        const int x1 = strip.x0 + (k + 1) * (strip.x1 - strip.x0) / kStacks;
+      for (int k = 0; k < size.stacks; ++k) {
+        const int x0 = strip.x0 + k * (strip.x1 - strip.x0) / size.stacks;
+        const int x1 = strip.x0 + (k + 1) * (strip.x1 - strip.x0) / size.stacks;
         const int rows = (strip.edge - margin - strip.top + 1) / cell_height;
         for (int row = rows; row > 0 && x1 > x0; --row) {
           const int y1 = strip.edge - margin + 1 - (row - 1) * cell_height;
           if (auto seen = cell(x0, x1, y1 - cell_height, y1)) {
             seen->light.strip = static_cast<int>(s);
-            seen->stack = static_cast<int>(s) * kStacks + k;
+            seen->stack = static_cast<int>(s) * size.stacks + k;
             found.push_back(*seen);
           }
         }
@@ -166,7 +173,7 @@ std::optional<Column> column_of(const Measurement& m, const std::vector<Cell>& c
   }
   if (usable.empty()) return std::nullopt;
   std::stable_sort(usable.begin(), usable.end(), [](const Cell* a, const Cell* b) { return a->y > b->y; });
-  const auto wanted = static_cast<std::size_t>(kStacks * std::max(2, m.band / m.cell_height));
+  const auto wanted = static_cast<std::size_t>(m.size.stacks * std::max(2, m.band / m.cell_height));
   std::vector<const Cell*> lowest;
   std::size_t looked_at = 0;
   while (looked_at < usable.size() && lowest.size() < wanted) {
@@ -222,6 +229,38 @@ std::vector<HorizonColumn> columns_of(const Measurement& m, const std::vector<Co
   return columns;
 }
 
+// Empty: too noisy, too clipped or too little of it.
+struct FirstLook {
+  std::vector<Cell> cells;
+  std::vector<HorizonCell> lights;
+  Use use;
+  ClearHorizon clear;
+};
+std::optional<FirstLook> first_look(const Measurement& m, const std::vector<SkyStrip>& strips) {
+  FirstLook look;
+  look.cells = m.cells(strips);
+  const auto clipped = std::ranges::count_if(look.cells, [](const Cell& cell) { return cell.clipped; });
+  if (2 * static_cast<std::size_t>(clipped) > look.cells.size()) return std::nullopt;
+  look.lights = lights_of(look.cells);
+  look.use = certain_sky(m, look.cells, strips);
+  const auto clear = fit_clear_horizon(look.lights, look.use);
+  if (!clear) return std::nullopt;
+  look.clear = *clear;
+  return look;
+}
+
+std::vector<HorizonColumn> measured(const Measurement& m, const std::vector<SkyStrip>& strips, FirstLook look) {
+  look.use = above_land(m, look.cells, look.clear, look.use);
+  const auto clear = fit_clear_horizon(look.lights, look.use);
+  if (!clear || clear->share < kLeastShare) return {};
+  std::vector<Column> seen;
+  for (int s = 0; s < static_cast<int>(strips.size()); ++s) {
+    if (const auto column = column_of(m, look.cells, look.use, *clear, s)) seen.push_back(*column);
+  }
+  if (!is_sure(seen)) return {};
+  return columns_of(m, seen, *clear);
+}
+
 }  // namespace
 
 std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips) {
@@ -229,28 +268,19 @@ std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<Sk
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
   if (!middle) return {};
   const auto rows = [&](double share, int least) { return std::max(least, static_cast<int>(share * camera.height)); };
-  // In small pictures cells are taller, so that their means are no noisier.
-  const int cell_width = std::max(1, camera.width / (static_cast<int>(strips.size()) * kStacks));
-  const int least_rows = std::max(2, (kPixelsPerCell + cell_width - 1) / cell_width);
-  const Measurement m{scene, azimuth_angle(*middle), rows(kCellShare, least_rows), rows(kHorizonMargin, 1),
-                      rows(kHorizonBand, 4)};
-  const std::vector<Cell> cells = m.cells(strips);
-  const auto clipped = std::count_if(cells.begin(), cells.end(), [](const Cell& cell) { return cell.clipped; });
-  if (2 * static_cast<std::size_t>(clipped) > cells.size()) return {};
-  const std::vector<HorizonCell> lights = lights_of(cells);
-  Use use = certain_sky(m, cells, strips);
-  auto clear = fit_clear_horizon(lights, use);
-  if (!clear) return {};
-  use = above_land(m, cells, *clear, use);
-  clear = fit_clear_horizon(lights, use);
-  if (!clear || clear->share < kLeastShare) return {};
-
-  std::vector<Column> seen;
-  for (int s = 0; s < static_cast<int>(strips.size()); ++s) {
-    if (const auto column = column_of(m, cells, use, *clear, s)) seen.push_back(*column);
+  for (const CellSize& size : kCellSizes) {
+    // In small pictures cells are taller, so that their means are no noisier.
+    const int cell_width = std::max(1, camera.width / (static_cast<int>(strips.size()) * size.stacks));
+    const int least_rows = std::max(2, (size.pixels + cell_width - 1) / cell_width);
+    const Measurement m{scene,
+                        azimuth_angle(*middle),
+                        size,
+                        rows(kCellShare, least_rows),
+                        rows(kHorizonMargin, 1),
+                        rows(kHorizonBand, 4)};
+    if (auto look = first_look(m, strips)) return measured(m, strips, std::move(*look));
   }
-  if (!is_sure(seen)) return {};
-  return columns_of(m, seen, *clear);
+  return {};
 }
 
 }  // namespace kasumi

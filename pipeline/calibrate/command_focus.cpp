@@ -84,7 +84,7 @@ Result<int> calibrate(const FocusArguments& arguments) {
   const auto scene = read_still_scene(*fixture, *camera);
   if (!scene) return fail(scene.error());
   const auto edges = find_drawn_edges(mean_luma(scene->pictures), camera->response, box);
-  const auto sharpness = sharpness_of(edges);
+  const auto sharpness = sharpness_of(edges, camera->response, scene->read.jpeg_steps.get());
   if (!sharpness)
     return fail(FaultKind::bad_input,
                 "{}: {} straight edges between even areas were found, expected 5 or more: film a printed checkerboard "

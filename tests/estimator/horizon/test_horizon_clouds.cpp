@@ -59,6 +59,21 @@ TEST(HorizonUnderClouds, IsTheClearSkysBetweenTheStreaks) {
   }
 }
 
+// As at dusk: noise hides the far ridge's edge from the rows of a strip, but not from larger cells.
+TEST(HorizonUnderClouds, IsTheClearSkysAboveFadedRidgesInANoisyPicture) {
+  const Camera camera = tele_camera();
+  for (const double noise : {3.0, 4.0}) {
+    DrawnOptions options;
+    options.noise = noise;
+    options.front = ridges(camera);
+    const DrawnScene scene = draw(camera, options);
+    const HorizonLight horizon = measure_horizon(camera, view_of(scene.picture));
+    ASSERT_TRUE(horizon.usable()) << horizon.reason;
+    EXPECT_EQ(horizon.reason, "") << noise;
+    EXPECT_LT(worst_light_error(horizon), 0.012) << noise;
+  }
+}
+
 TEST(HorizonUnderClouds, IsFoundBelowABankThatReachesThePicturesTop) {
   const Camera camera = tele_camera();
   DrawnOptions options;
