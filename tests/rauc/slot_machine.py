@@ -69,6 +69,7 @@ class SlotMachine(machine.Machine):
                 raise TimeoutError(f"{len(self.starts())} starts, not {count}, see {self.console}")
             time.sleep(0.5)
         self.wait_for_agent()
+        self.run("systemctl start kasumi-slot", check=False)  # BLOCKS until it has said what came of the last update
 
     def reboot(self, starts=1):
         """BLOCKS until the machine has started so often again, and answers; returns what the boot loader said of each start."""
