@@ -98,7 +98,7 @@ inline const Walls kMayInclude = {
     {"fixtures/assemble", {}},
     {"fixtures/atmosphere", {"fixtures/aerosol", "fixtures/model", "fixtures/spectrum"}},
     {"fixtures/generator",
-     {"fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
+     {"fixtures/landscape", "fixtures/leaves", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
       "fixtures/spectrum", "fixtures/temple"}},
     {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/leaves", {"fixtures/noise"}},
