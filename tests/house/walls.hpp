@@ -86,7 +86,7 @@ inline const Walls kMayInclude = {
     {"pipeline/sky", {"pipeline", "pipeline/files", "pipeline/machine"}},
     {"pipeline/snapshot", {"pipeline"}},
     {"pipeline/stage", {"pipeline/config", "pipeline/scene"}},
-    {"pipeline/start", {"pipeline/config"}},
+    {"pipeline/start", {"pipeline/config", "pipeline/scene"}},
 
     {"report", {"base", "history", "report/channels", "report/page", "report/status"}},
     {"report/channels", {"report/status"}},
