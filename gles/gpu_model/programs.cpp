@@ -11,8 +11,8 @@ Result<Program> build(ProgramKind kind, const Defines& defines) {
     case ProgramKind::spread: return Program::build(defines, "square.vert", "spread.frag");
     case ProgramKind::resolve: return Program::build(defines, "resolve.vert", "resolve.frag");
     case ProgramKind::matte: return Program::build(defines, "matte.vert", "matte.frag");
-    case ProgramKind::sharpen: return Program::build(defines, "square.vert", "sharpen.frag");
-    case ProgramKind::jpeg: return Program::build(defines, "square.vert", "jpeg.frag");
+    case ProgramKind::sharpen: return Program::build(defines, "blocks.vert", "sharpen.frag");
+    case ProgramKind::jpeg: return Program::build(defines, "blocks.vert", "jpeg.frag");
     case ProgramKind::picture: return Program::build(defines, "picture.vert", "picture.frag");
   }
   return fail(FaultKind::device, "no such program");

@@ -4,12 +4,19 @@
 
 #include "gles/gl/gl.hpp"
 #include "gles/gl/texture_units.hpp"
+#include "gles/gpu_model/projection.hpp"
 
 namespace kasumi {
 namespace {
 
 constexpr int kBlock = 16;  // pixels of a colour difference's 8 x 8 block, at most
 constexpr int kSteps = 8;   // of a block's coefficients, each way
+
+PixelBox around(const std::vector<PixelBox>& boxes) {
+  PixelBox whole;
+  for (const PixelBox& box : boxes) whole = united(whole, box);
+  return whole;
+}
 
 // Whole blocks around the changed pixels and their neighbours.
 PixelBox blocks_around(const PixelBox& changed) {
@@ -18,19 +25,41 @@ PixelBox blocks_around(const PixelBox& changed) {
   return {down(changed.left), down(changed.top), up(changed.right), up(changed.bottom)};
 }
 
-// Steps above 255 levels leave nothing, as 255 does.
+// The blocks of `part` that hold a changed pixel or its neighbour, as few rectangles from the part's corner.
+std::vector<PixelBox> blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed) {
+  const int columns = (part.right - part.left) / kBlock, rows = (part.bottom - part.top) / kBlock;
+  Image<std::uint8_t> taken(columns, rows, 0);
+  for (const PixelBox& box : changed) {
+    const PixelBox blocks = blocks_around(box);
+    for (int y = (blocks.top - part.top) / kBlock; y < std::min((blocks.bottom - part.top) / kBlock, rows); ++y)
+      for (int x = (blocks.left - part.left) / kBlock; x < std::min((blocks.right - part.left) / kBlock, columns); ++x)
+        taken.at(x, y) = 1;
+  }
+  std::vector<PixelBox> found;
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns;) {
+      const int first = x;
+      while (x < columns && taken.at(x, y) == taken.at(first, y)) ++x;
+      if (taken.at(first, y)) found.push_back({first * kBlock, y * kBlock, x * kBlock, (y + 1) * kBlock});
+    }
+  return found;
+}
+
+// As jpeg.frag has them. Steps above 255 levels leave nothing, as 255 does.
 GlTexture upload_steps(const JpegSteps& steps) {
-  std::array<std::uint8_t, 2 * kSteps * kSteps> texels{};
+  std::array<std::uint8_t, 2 * 2 * kSteps * kSteps> texels{};
+  const auto level = [](std::uint16_t step) { return static_cast<std::uint8_t>(std::clamp<int>(step, 1, 255)); };
   for (std::size_t i = 0; i < steps.luma.size(); ++i) {
-    const std::size_t at = i / kSteps * 2 * kSteps + i % kSteps;
-    texels[at] = static_cast<std::uint8_t>(std::clamp<int>(steps.luma[i], 1, 255));
-    texels[at + kSteps] = static_cast<std::uint8_t>(std::clamp<int>(steps.chroma[i], 1, 255));
+    const std::size_t row = i / kSteps * 4 * kSteps, column = i % kSteps;
+    texels[row + column] = level(steps.luma[i]);
+    texels[row + 2 * (kSteps + column)] = texels[row + 2 * (kSteps + column) + 1] = level(steps.chroma[i]);
   }
   GlTexture texture = make_texture();
   glActiveTexture(GL_TEXTURE0 + kDitherUnit);
   glBindTexture(GL_TEXTURE_2D, texture.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE, 2 * kSteps, kSteps, 0, GL_LUMINANCE, GL_UNSIGNED_BYTE, texels.data());
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE_ALPHA, 2 * kSteps, kSteps, 0, GL_LUMINANCE_ALPHA, GL_UNSIGNED_BYTE,
+               texels.data());
   set_filter(TextureFilter::nearest);
   clamp_to_edge();
   return texture;
@@ -42,21 +71,16 @@ void bind_to(int unit, const GlTexture& texture, TextureFilter filter) {
   set_filter(filter);
 }
 
-void draw_into(const LayerBuffer& buffer, glm::ivec2 size) {
-  glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer.name());
-  glViewport(0, 0, size.x, size.y);
-  draw_square();
-}
-
 }  // namespace
 
-Result<CameraProcessing> CameraProcessing::create(const PixelBox& changed, glm::ivec2 picture,
+Result<CameraProcessing> CameraProcessing::create(const std::vector<PixelBox>& changed, glm::ivec2 picture,
                                                   ProcessingOptions options, const GlInfo& info) {
   CameraProcessing made;
   made.options_ = std::move(options);
   made.changed_ = changed;
-  made.part_ = blocks_around(changed);
+  made.part_ = blocks_around(around(changed));
   made.picture_ = picture;
+  made.blocks_ = PictureMesh::upload({blocks_of(made.part_, changed)});
   const auto create_buffer = [&](LayerBuffer& buffer, glm::ivec2 of) -> Result<> {
     auto created = LayerBuffer::create(of.x, of.y, true, info, "the camera's processing");
     if (!created) return fail(created.error());
@@ -70,7 +94,7 @@ Result<CameraProcessing> CameraProcessing::create(const PixelBox& changed, glm::
       if (auto done = create_buffer(*each, size); !done) return fail(done.error());
   if (!made.options_.jpeg) return made;
   for (std::size_t i = 0; i < 2; ++i) {
-    if (auto done = create_buffer(made.luma_[i], size); !done) return fail(done.error());
+    if (auto done = create_buffer(made.luma_[i], made.luma_size()); !done) return fail(done.error());
     if (auto done = create_buffer(made.chroma_[i], size / made.options_.shared_pixels); !done)
       return fail(done.error());
   }
@@ -78,7 +102,8 @@ Result<CameraProcessing> CameraProcessing::create(const PixelBox& changed, glm::
   return made;
 }
 
-bool CameraProcessing::is_for(const PixelBox& changed, glm::ivec2 picture, const ProcessingOptions& options) const {
+bool CameraProcessing::is_for(const std::vector<PixelBox>& changed, glm::ivec2 picture,
+                              const ProcessingOptions& options) const {
   const auto same_steps = [&] {
     return options.jpeg && options_.jpeg ? *options.jpeg == *options_.jpeg : options.jpeg == options_.jpeg;
   };
@@ -102,6 +127,13 @@ Result<> CameraProcessing::apply(Programs& programs, const std::function<Result<
   return check_gl("the camera's processing");
 }
 
+void CameraProcessing::draw_into(const LayerBuffer& buffer, glm::ivec2 buffer_size, const Program& program) const {
+  program.set("part", glm::dvec2(size()));
+  glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer.name());
+  glViewport(0, 0, buffer_size.x, buffer_size.y);
+  blocks_->draw(PictureArea::plain);
+}
+
 // Of the picture's last pixel in the part, as a texture's coordinates.
 glm::dvec2 CameraProcessing::last_place() const {
   return (glm::dvec2(picture_ - glm::ivec2{part_.left, part_.top}) - 0.5) / glm::dvec2(size());
@@ -118,52 +150,55 @@ Result<> CameraProcessing::sharpen(Programs& programs) {
   (*program)->set("texel", 1.0 / glm::dvec2(size()));
   (*program)->set("last_place", last_place());
   (*program)->set("amount", options_.sharpening);
-  draw_into(sharpened_, size());
+  draw_into(sharpened_, size(), **program);
   std::swap(result_, sharpened_);
   return {};
 }
 
-// From the picture in result_ to the values in luma_[1] or chroma_[1].
-Result<> CameraProcessing::transform(Programs& programs, std::string_view source, bool chroma) const {
-  const auto& buffers = chroma ? chroma_ : luma_;
-  const glm::ivec2 shared = chroma ? options_.shared_pixels : glm::ivec2{1, 1};
-  const glm::ivec2 values = size() / shared;
-  const glm::dvec2 across{1.0, 0.0}, down{0.0, 1.0};
-  const auto pass = [&](const Defines& defines, const LayerBuffer& from, glm::ivec2 from_size, const glm::dvec2& along,
-                        const LayerBuffer& to) -> Result<> {
-    const auto program = programs.find(ProgramKind::jpeg, defines);
-    if (!program) return fail(program.error());
-    (*program)->use();
-    bind_to(kLayerUnit, from.texture, chroma && &from == &result_ ? TextureFilter::linear : TextureFilter::nearest);
-    (*program)->set("values", kLayerUnit);
-    (*program)->set("texel", 1.0 / glm::dvec2(from_size));
-    (*program)->set("along", along);
-    (*program)->set("shared_pixels", glm::dvec2(shared));
-    (*program)->set("last_place", last_place());
-    bind_to(kDitherUnit, steps_, TextureFilter::nearest);
-    (*program)->set("steps", kDitherUnit);
-    (*program)->set("first_step", chroma ? double(kSteps) : 0.0);
-    draw_into(to, values);
-    return {};
-  };
-  if (auto done = pass({"FORWARD", std::string(source)}, result_, size(), across, buffers[0]); !done) return done;
-  if (auto done = pass({"FORWARD", "ROUNDED"}, buffers[0], values, down, buffers[1]); !done) return done;
-  if (auto done = pass({"INVERSE"}, buffers[1], values, down, buffers[0]); !done) return done;
-  return pass({"INVERSE"}, buffers[0], values, across, buffers[1]);
+Result<> CameraProcessing::pass(Programs& programs, const Defines& defines, const LayerBuffer& from,
+                                glm::ivec2 from_size, Along along, bool chroma, const LayerBuffer& to) const {
+  const auto program = programs.find(ProgramKind::jpeg, defines);
+  if (!program) return fail(program.error());
+  const Program& p = **program;
+  p.use();
+  bind_to(kLayerUnit, from.texture, chroma && &from == &result_ ? TextureFilter::linear : TextureFilter::nearest);
+  p.set("values", kLayerUnit);
+  p.set("texel", 1.0 / glm::dvec2(from_size));
+  p.set("along", along == Along::rows ? glm::dvec2{1.0, 0.0} : glm::dvec2{0.0, 1.0});
+  p.set("shared_pixels", glm::dvec2(options_.shared_pixels));
+  p.set("last_place", last_place());
+  bind_to(kDitherUnit, steps_, TextureFilter::nearest);
+  p.set("steps", kDitherUnit);
+  p.set("step_columns", chroma ? glm::dvec2(kSteps, kSteps) : glm::dvec2(0.0, 0.5 * kSteps));
+  draw_into(to, chroma ? size() / options_.shared_pixels : luma_size(), p);
+  return {};
 }
 
 Result<> CameraProcessing::round_blocks(Programs& programs) {
-  if (auto done = transform(programs, "FROM_LUMA", false); !done) return done;
-  if (auto done = transform(programs, "FROM_CHROMA", true); !done) return done;
+  const auto luma = [&](const Defines& defines, const LayerBuffer& from, glm::ivec2 from_size, Along along,
+                        const LayerBuffer& to) { return pass(programs, defines, from, from_size, along, false, to); };
+  const auto chroma = [&](const Defines& defines, const LayerBuffer& from, glm::ivec2 from_size, Along along,
+                          const LayerBuffer& to) { return pass(programs, defines, from, from_size, along, true, to); };
+  const glm::ivec2 lumas = luma_size(), chromas = size() / options_.shared_pixels;
+  if (auto done = luma({"FORWARD", "FROM_LUMA"}, result_, size(), Along::rows, luma_[0]); !done) return done;
+  if (auto done = luma({"FORWARD", "ROUNDED"}, luma_[0], lumas, Along::columns, luma_[1]); !done) return done;
+  if (auto done = luma({"INVERSE"}, luma_[1], lumas, Along::columns, luma_[0]); !done) return done;
+  if (auto done = chroma({"FORWARD", "FROM_CHROMA"}, result_, size(), Along::rows, chroma_[0]); !done) return done;
+  if (auto done = chroma({"FORWARD", "ROUNDED"}, chroma_[0], chromas, Along::columns, chroma_[1]); !done) return done;
+  if (auto done = chroma({"INVERSE"}, chroma_[1], chromas, Along::columns, chroma_[0]); !done) return done;
+  if (auto done = chroma({"INVERSE"}, chroma_[0], chromas, Along::rows, chroma_[1]); !done) return done;
   const auto program = programs.find(ProgramKind::jpeg, {});
   if (!program) return fail(program.error());
-  (*program)->use();
-  bind_to(kLayerUnit, luma_[1].texture, TextureFilter::nearest);
+  const Program& p = **program;
+  p.use();
+  bind_to(kLayerUnit, luma_[0].texture, TextureFilter::nearest);
   bind_to(kPlaneUnit, chroma_[1].texture, TextureFilter::nearest);
-  (*program)->set("values", kLayerUnit);
-  (*program)->set("chroma", kPlaneUnit);
-  (*program)->set("texel", 1.0 / glm::dvec2(size()));
-  draw_into(result_, size());
+  p.set("values", kLayerUnit);
+  p.set("chroma", kPlaneUnit);
+  p.set("texel", 1.0 / glm::dvec2(lumas));
+  p.set("chroma_texel", 1.0 / glm::dvec2(chromas));
+  p.set("shared_pixels", glm::dvec2(options_.shared_pixels));
+  draw_into(result_, size(), p);
   return {};
 }
 

@@ -87,6 +87,13 @@ void Composite::take(const ObjectLayer& layer, const SceneView& view, const Imag
   mesh_.reset();
 }
 
+std::vector<PixelBox> Composite::changed() const {
+  std::vector<PixelBox> all = rectangles_[static_cast<std::size_t>(PictureArea::covered)];
+  const auto& edges = rectangles_[static_cast<std::size_t>(PictureArea::edge)];
+  all.insert(all.end(), edges.begin(), edges.end());
+  return all;
+}
+
 // Grids rarely move between frames, so the mesh is seldom rebuilt.
 const PictureMesh& Composite::mesh_for(const AirlightGrid& grid) {
   if (!mesh_ || grid.first_px != mesh_grid_.first_px || grid.last_px != mesh_grid_.last_px)

@@ -53,6 +53,7 @@ class Composite {
     is_left_open_ = false;
   }
   PixelBox covered() const { return covered_; }        // the pixels that the layer changes lie in it
+  std::vector<PixelBox> changed() const;               // and in these rectangles
   bool is_left_open() const { return is_left_open_; }  // in some of them, by the foreground
 
   Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);

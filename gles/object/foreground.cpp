@@ -1,6 +1,7 @@
 #include "gles/object/foreground.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <glm/gtc/type_precision.hpp>
@@ -24,18 +25,71 @@ std::uint8_t trust_in(const Image<std::uint8_t>& mask, int x, int y) {
   return static_cast<std::uint8_t>(std::clamp((high - low - kMoves) * kMost / (kStill - kMoves), 0, kMost));
 }
 
+// Marks the pixels up to `reach` away from where the mask changes.
+Image<std::uint8_t> near_edges(const Image<std::uint8_t>& mask, int reach) {
+  Image<std::uint8_t> near(mask.width(), mask.height(), 0);
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x) {
+      const bool changes = (x + 1 < mask.width() && mask.at(x + 1, y) != mask.at(x, y)) ||
+                           (y + 1 < mask.height() && mask.at(x, y + 1) != mask.at(x, y));
+      if (!changes) continue;
+      for (int v = std::max(0, y - reach); v <= std::min(mask.height() - 1, y + 1 + reach); ++v)
+        for (int u = std::max(0, x - reach); u <= std::min(mask.width() - 1, x + 1 + reach); ++u) near.at(u, v) = 1;
+    }
+  return near;
+}
+
+// Weights of a Gaussian's pixels from its middle outwards, whose sum over both sides is 1.
+std::vector<double> gaussian(double sigma_px) {
+  std::vector<double> weights;
+  const int reach = static_cast<int>(std::ceil(3.0 * sigma_px));
+  double sum = 0.0;
+  for (int i = 0; i <= reach; ++i) {
+    weights.push_back(std::exp(-0.5 * i * i / (sigma_px * sigma_px)));
+    sum += (i > 0 ? 2.0 : 1.0) * weights.back();
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+// The share that is free in a camera's picture of a pixel near edges, and how far it is to be believed: as the surest
+// edge that the camera's point spread mixes into it.
+glm::u8vec2 spread_at(const Image<std::uint8_t>& mask, const Image<std::uint8_t>& trust,
+                      const std::vector<double>& weights, int x, int y) {
+  const int reach = static_cast<int>(weights.size()) - 1;
+  double sum = 0.0;
+  std::uint8_t most = 0;
+  for (int v = -reach; v <= reach; ++v)
+    for (int u = -reach; u <= reach; ++u) {
+      const int column = std::clamp(x + u, 0, mask.width() - 1), row = std::clamp(y + v, 0, mask.height() - 1);
+      sum += weights[static_cast<std::size_t>(std::abs(u))] * weights[static_cast<std::size_t>(std::abs(v))] *
+             mask.at(column, row);
+      most = std::max(most, trust.at(column, row));
+    }
+  return {static_cast<std::uint8_t>(std::lround(sum)), most};
+}
+
 }  // namespace
 
-Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, const GlInfo& info) {
+Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, double point_spread_px, const GlInfo& info) {
   if (mask.width() > info.max_texture_size || mask.height() > info.max_texture_size)
     return fail(FaultKind::bad_input, "foreground mask of {} x {} pixels: this driver supports at most {}",
                 mask.width(), mask.height(), info.max_texture_size);
   Foreground made;
   made.mask_ = mask;
-  Image<glm::u8vec2> texels(mask.width(), mask.height());
+  const auto weights = point_spread_px > 0.0 ? gaussian(point_spread_px) : std::vector<double>{1.0};
+  const auto edges = near_edges(mask, static_cast<int>(weights.size()) - 1);
+  Image<std::uint8_t> trust(mask.width(), mask.height(), 0);
   for (int y = 0; y < mask.height(); ++y)
     for (int x = 0; x < mask.width(); ++x)
-      texels.at(x, y) = {mask.at(x, y), made.is_mixed(x, y) ? trust_in(mask, x, y) : 255};
+      if (edges.at(x, y) || made.is_mixed(x, y)) trust.at(x, y) = trust_in(mask, x, y);
+  Image<glm::u8vec2> texels(mask.width(), mask.height());
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x) {
+      texels.at(x, y) =
+          edges.at(x, y) ? spread_at(mask, trust, weights, x, y) : glm::u8vec2{mask.at(x, y), trust.at(x, y)};
+    }
+  for (std::size_t i = 0; i < texels.elements().size(); ++i) made.mask_.elements()[i] = texels.elements()[i].x;
   made.texture_ = make_texture();
   made.bind();
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);

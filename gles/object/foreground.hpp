@@ -14,13 +14,13 @@ namespace kasumi {
 
 class Foreground {
  public:
-  // 0 where something stands in front, 255 where nothing does; not empty. Errors: bad_input (larger than the driver
-  // supports), device.
-  static Result<Foreground> upload(const Image<std::uint8_t>& mask, const GlInfo& info);
+  // 0 where something stands in front, 255 where nothing does; not empty. Blurred as its camera blurs (standard
+  // deviation of a Gaussian). Errors: bad_input (larger than the driver supports), device.
+  static Result<Foreground> upload(const Image<std::uint8_t>& mask, double point_spread_px, const GlInfo& info);
 
   glm::ivec2 size() const { return {mask_.width(), mask_.height()}; }
-  void bind() const;  // to kForegroundUnit
-  const Image<std::uint8_t>& mask() const { return mask_; }
+  void bind() const;                                         // to kForegroundUnit
+  const Image<std::uint8_t>& mask() const { return mask_; }  // blurred
   bool is_mixed(int x, int y) const { return mask_.at(x, y) != 0 && mask_.at(x, y) != 255; }
 
  private:

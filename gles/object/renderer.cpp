@@ -168,9 +168,10 @@ struct Renderer::State {
   }
   // The composite around the object as the camera would have processed it; null: it does nothing to its pictures.
   Result<const CameraProcessing*> process(const AirlightGrid& measured, const SensorNoise& noise) {
-    const PixelBox& changed = composite.covered();
     const auto wanted = wanted_processing();
-    if (wanted.none() || changed.empty()) return nullptr;
+    if (wanted.none()) return nullptr;
+    const std::vector<PixelBox> changed = composite.changed();
+    if (changed.empty()) return nullptr;
     const glm::ivec2 size{camera.newest().width, camera.newest().height};
     if (!processing || !processing->is_for(changed, size, wanted)) {
       processing.reset();
@@ -374,13 +375,16 @@ Result<> Renderer::set_view(const SceneView& view, const glm::dmat4& model_to_wo
   return {};
 }
 
-Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask) {
+Result<> Renderer::set_foreground(const Image<std::uint8_t>& mask, double point_spread_px) {
+  if (!(point_spread_px >= 0.0 && point_spread_px <= kWidestPointSpread_px))
+    return fail(FaultKind::bad_input, "foreground: a point spread of {} px: expected 0 .. {}", point_spread_px,
+                kWidestPointSpread_px);
   State& s = *state_;
   s.drop_layer();
   s.foreground.reset();
   s.matte.reset();
   if (mask.empty()) return {};
-  auto made = Foreground::upload(mask, s.info);
+  auto made = Foreground::upload(mask, point_spread_px, s.info);
   if (!made) return fail(made.error());
   s.foreground = std::move(*made);
   return {};

@@ -62,9 +62,10 @@ class Renderer {
   Result<bool> continue_model();  // true: it is set
 
   // Scene camera's size; 0 where something stands in front of the object, 255 where nothing does, in between where it
-  // covers a part of the pixel, or sways: how much of it is found in every picture (physics 13). An empty image:
-  // nothing stands in front.
-  Result<> set_foreground(const Image<std::uint8_t>& mask);
+  // covers a part of the pixel, or sways: how much of it is found in every picture (physics 13). Blurred as the scene
+  // camera blurs (standard deviation of a Gaussian, up to kWidestPointSpread_px). An empty image: nothing stands in
+  // front.
+  Result<> set_foreground(const Image<std::uint8_t>& mask, double point_spread_px = 0.0);
   // Scene camera's size: the planar depth (along the optical axis, metres) of the real surface that each pixel sees, 0
   // where unknown: parts of the object behind it are not drawn. An empty image: no surfaces. Not used on drivers with
   // only the eight texture units of GLES 2; notes() reports it.

@@ -8,10 +8,23 @@
 #include "pipeline/bench/gles_scene.hpp"
 #include "pipeline/bench/gles_stopwatch.hpp"
 
+#include <memory>
+
 #include <glm/geometric.hpp>
 
 namespace kasumi {
 namespace {
+
+// Of a JPEG of quality 85, nearly.
+std::shared_ptr<const JpegSteps> steps_of_jpeg() {
+  JpegSteps steps;
+  for (std::size_t i = 0; i < steps.luma.size(); ++i) {
+    const auto order = static_cast<std::uint16_t>(i / 8 + i % 8);  // across and down
+    steps.luma[i] = static_cast<std::uint16_t>(4 + 2 * order);
+    steps.chroma[i] = static_cast<std::uint16_t>(5 + 3 * order);
+  }
+  return std::make_shared<const JpegSteps>(steps);
+}
 
 constexpr int kFramePairs = 31;      // of frames
 constexpr int kLayerPairs = 3;       // of redrawn layers
@@ -73,8 +86,15 @@ Result<std::vector<BenchRow>> bench_layer() {
   auto spread =
       showing(**context, scene, scene.facade, {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2});
   auto million = showing(**context, scene, large);
-  for (const auto* renderer : {&plain, &glossy, &spread, &million})
+  auto decoded =
+      showing(**context, scene, scene.facade, {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2});
+  auto processed =
+      showing(**context, scene, scene.facade,
+              {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2, .sharpening = 0.8, .jpeg_blocks = true});
+  for (const auto* renderer : {&plain, &glossy, &spread, &million, &decoded, &processed})
     if (!*renderer) return fail(renderer->error());
+  for (auto* renderer : {&decoded, &processed})
+    if (auto loaded = (*renderer)->upload(scene.frame.i420(), steps_of_jpeg()); !loaded) return fail(loaded.error());
   const GlTexture picture =
       make_picture_texture(scene.view.width, scene.view.height, scene.frame.pixels.elements().data());
   const auto blit = ScreenPass::blit(picture.name());
@@ -97,6 +117,8 @@ Result<std::vector<BenchRow>> bench_layer() {
   add("  with noise / without", watch.ratio(frame_of(*plain, noise), frame_of(*plain), kFramePairs));
   add("cached composite with point spread and shared colour / without",
       watch.ratio(frame_of(*spread), frame_of(*plain), kFramePairs), 1.10);
+  add("cached composite sharpened and rounded as its camera's JPEG / without",
+      watch.ratio(frame_of(*processed), frame_of(*decoded), kFramePairs));
   add(fmt::format("cached composite of {:.2f} M triangles / of {:.3f} M",
                   1e-6 * static_cast<double>(large.triangle_count()),
                   1e-6 * static_cast<double>(scene.facade.triangle_count())),

@@ -136,6 +136,15 @@ PictureView BenchFrame::nv12() const {
                      Plane{chroma.data(), static_cast<std::size_t>(pixels.width())}}};
 }
 
+PictureView BenchFrame::i420() const {
+  const auto half = static_cast<std::size_t>(pixels.width() / 2);
+  return {.layout = PixelLayout::i420,
+          .width = pixels.width(),
+          .height = pixels.height(),
+          .planes = {Plane{luma.data(), 2 * half}, Plane{chroma.data(), half},
+                     Plane{chroma.data() + chroma.size() / 2, half}}};
+}
+
 BenchScene make_bench_scene(const BenchSize& size) {
   std::mt19937_64 random(1);
   BenchScene scene;

@@ -21,9 +21,10 @@ constexpr Turbidity kBenchTurbidity{3.0};
 struct BenchFrame {
   Image<glm::u8vec4> pixels;
   std::vector<std::uint8_t> luma;    // as many as pixels
-  std::vector<std::uint8_t> chroma;  // U V at half width and half height
+  std::vector<std::uint8_t> chroma;  // U V at half width and half height, grey
   PictureView rgba() const;
   PictureView nv12() const;
+  PictureView i420() const;
 };
 
 struct BenchScene {

@@ -91,7 +91,7 @@ Result<> CompositorMaking::set_scene() {
   const glm::dvec3 centre(to_world * glm::dvec4(0.5 * (lowest + highest), 1.0));
   const double radius = 0.5 * glm::length(highest - lowest) * installation_->object.placement.scale;
   if (auto set = renderer.set_view(view_for_gles(scene, centre, radius), to_world); !set) return set;
-  if (auto set = renderer.set_foreground(scene.mask); !set) return set;
+  if (auto set = renderer.set_foreground(scene.mask, installation_->scene_quality.point_spread_px); !set) return set;
   if (auto set = renderer.set_scene_depth(prepared_->depth_m); !set) return set;
   return renderer.set_response(response_for_gles(scene.response));
 }

@@ -133,6 +133,27 @@ class MatteOfLeaves : public GlesTest {
     return sharp;
   }
 
+  // By a lens, in linear light.
+  static Image<Rgb8> blurred(const ResponseCurve& response, const Image<Rgb8>& picture, double sigma_px) {
+    Image<Rgb8> soft(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        glm::dvec3 sum(0.0);
+        double weights = 0.0;
+        for (int v = -3; v <= 3; ++v)
+          for (int u = -3; u <= 3; ++u) {
+            const double weight = std::exp(-0.5 * (u * u + v * v) / (sigma_px * sigma_px));
+            const auto& pixel = picture.at(std::clamp(x + u, 0, kWidth - 1), std::clamp(y + v, 0, kHeight - 1));
+            for (int c = 0; c < 3; ++c) sum[c] += weight * reference_light(response, c, pixel[c] / 255.0);
+            weights += weight;
+          }
+        for (int c = 0; c < 3; ++c)
+          soft.at(x, y)[c] =
+              static_cast<std::uint8_t>(std::lround(255.0 * reference_code(response, c, sum[c] / weights)));
+      }
+    return soft;
+  }
+
   // The picture with the leaves in it, as drawn and as it should be. `band`: a mask whose open pixels count, too.
   void compare(Renderer& renderer, const ReferenceScene& scene, const Image<Rgb8>& back, const Image<Rgb8>& with,
                const Image<glm::vec4>& leaves, BandErrors& found, BandErrors& mixed, const char* name = nullptr,
@@ -299,6 +320,48 @@ TEST_F(MatteOfLeaves, LooksSoToACameraThatSharpens) {
       EXPECT_GT(found.pixels, 700);
       EXPECT_GE(mixed.mean_error(), 2.0 * found.mean_error()) << what;
     }
+}
+
+// A mask is sharp, a camera's picture is not: an edge without its blur would be sharpened to a bright seam.
+TEST_F(MatteOfLeaves, StillEdgesAreAsSoftAsTheirCamerasPicture) {
+  constexpr double kAmount = 0.8, kSpread_px = 0.6;
+  ReferenceScene scene = MatteOfLeaves::scene();
+  const fixtures::Bough bough(MatteOfLeaves::bough(0.0, 3, 0.4));
+  const auto back = land(420, 180);
+  Renderer renderer = make_renderer();
+  load(renderer, scene);
+  const auto with = draw(renderer, scene.measured, view_of(back));
+  const auto leaves = bough.at(0.0);
+  const auto filmed = [&](const Image<Rgb8>& behind) {
+    return sharpened(blurred(scene.response, fixtures::put_before(behind, leaves), kSpread_px), kAmount);
+  };
+  const auto camera = filmed(back), truth = filmed(with);
+  scene.mask = fixtures::mask_of(bough, {0.0});
+  ASSERT_OK(renderer.set_detail({.point_spread_px = kSpread_px, .sharpening = kAmount}));
+  load(renderer, scene);
+  const auto of_edges = [&](const char* what) {
+    const auto drawn = draw(renderer, scene.measured, view_of(camera));
+    save_png(drawn, test_output_folder() / fmt::format("soft-edges-{}.png", what));
+    BandErrors band;
+    for (int y = 2; y < kHeight - 2; ++y)
+      for (int x = 2; x < kWidth - 2; ++x) {
+        bool open = false;
+        for (int v = -2; v <= 2; ++v)
+          for (int u = -2; u <= 2; ++u) open = open || scene.mask.at(x + u, y + v) != scene.mask.at(x, y);
+        if (!open || back.at(x, y) == with.at(x, y)) continue;
+        band.add(x, y, drawn.at(x, y), truth.at(x, y));
+      }
+    fmt::print("edges {}: {} pixels, mean error {:.2f}, halo {:.2f}\n", what, band.pixels, band.mean_error(),
+               band.halo());
+    return band;
+  };
+  const auto sharp = of_edges("as the mask's");
+  ASSERT_OK(renderer.set_foreground(scene.mask, kSpread_px));
+  ASSERT_OK(renderer.redraw_layer(scene.appearance));
+  const auto soft = of_edges("as the camera's");
+  EXPECT_GT(soft.pixels, 3000);
+  EXPECT_LE(soft.mean_error(), 0.5 * sharp.mean_error());
+  EXPECT_LE(soft.halo(), 0.5 * sharp.halo());
 }
 
 TEST_F(MatteOfLeaves, FollowsALayerThatIsDrawnWithAnotherDetail) {
