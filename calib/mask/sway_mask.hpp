@@ -8,7 +8,7 @@
 
 #include "base/image.hpp"
 #include "base/picture.hpp"
-#include "calib/light/radiometry.hpp"
+#include "calib/camera.hpp"
 
 namespace kasumi {
 
