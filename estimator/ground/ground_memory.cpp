@@ -108,7 +108,10 @@ void GroundMemory::see(std::span<const GroundSight> sights, double at_s) {
   seen_at_s_ = at_s;
   const double since_s = learned_at_s_ ? std::abs(at_s - *learned_at_s_) : kLearnEvery_s;
   const bool learning = since_s >= kLearnEvery_s;
-  if (learning) learned_at_s_ = at_s;
+  if (learning) {
+    learned_at_s_ = at_s;
+    ++lessons_;
+  }
   for (std::size_t i = 0; i < places_.size(); ++i) {
     Place& place = places_[i];
     GroundSight sight = sights[i];
@@ -140,6 +143,36 @@ double GroundMemory::reflectance(std::size_t place) const {
     if ((sum += places_[place].now[static_cast<std::size_t>(step)]) >= 0.5f)
       return static_cast<double>(reflectance_of(step));
   return kPalest;
+}
+
+std::vector<std::uint8_t> GroundMemory::learnt() const {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(places_.size() * kLearntBytes);
+  for (const Place& place : places_) {
+    const float most = *std::ranges::max_element(place.now);
+    for (const float share : place.now)
+      bytes.push_back(static_cast<std::uint8_t>(std::lround(255.0f * std::sqrt(share / most))));
+  }
+  return bytes;
+}
+
+bool GroundMemory::resume(std::span<const std::uint8_t> learnt, double since_s) {
+  if (learnt.size() != places_.size() * kLearntBytes) return false;
+  std::vector<Shares> shares(places_.size());
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const auto bytes = learnt.subspan(i * kLearntBytes, kLearntBytes);
+    if (std::ranges::find(bytes, std::uint8_t{255}) == bytes.end()) return false;
+    for (std::size_t step = 0; step < kLearntBytes; ++step) {
+      const float root = static_cast<float>(bytes[step]) / 255.0f;
+      shares[i][step] = root * root;
+    }
+    normalise(shares[i]);
+  }
+  const auto lost = static_cast<float>(std::clamp(since_s / kForget_s, 0.0, 1.0));
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    for (std::size_t step = 0; step < kLearntBytes; ++step)
+      places_[i].now[step] = (1.0f - lost) * shares[i][step] + lost * places_[i].prior[step];
+  return true;
 }
 
 }  // namespace kasumi

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,9 +38,17 @@ class GroundMemory {
   const std::vector<GroundGuess>& guesses() const { return guesses_; }
   double reflectance(std::size_t place) const;  // the median of what it may be
 
+  // What was learnt, to be kept over a restart: kLearntBytes for each place, the shares' square roots over the largest.
+  static constexpr std::size_t kLearntBytes = 96;
+  std::vector<std::uint8_t> learnt() const;
+  // Goes on from it; of the time since, which was not seen, as much is forgotten as if nothing had been learnt. false: of
+  // another number of places, or damaged: nothing changes.
+  bool resume(std::span<const std::uint8_t> learnt, double since_s);
+  int lessons() const { return lessons_; }  // grows with what was learnt
+
  private:
-  static constexpr int kSteps = 96;  // of the reflectance, evenly spaced in its logarithm
-  static constexpr int kLately = 5;  // sights of which the median counts
+  static constexpr int kSteps = static_cast<int>(kLearntBytes);  // of the reflectance, evenly spaced in its logarithm
+  static constexpr int kLately = 5;                              // sights of which the median counts
   using Shares = std::array<float, kSteps>;
   struct Place {
     Shares prior, now;                    // of the reflectance; each sums to 1
@@ -57,6 +66,7 @@ class GroundMemory {
   std::vector<Place> places_;
   std::vector<GroundGuess> guesses_;
   std::optional<double> seen_at_s_, learned_at_s_;
+  int lessons_ = 0;
 };
 
 }  // namespace kasumi

@@ -27,7 +27,7 @@ Appliance::Appliance(ContentPlace place, ContentPtr content, const ApplianceServ
       scene_(content, services.devices, services.clock, mailboxes_),
       sky_(content, services.devices, services.clock, services.time, mailboxes_, std::move(sky)),
       render_(content, services.devices, services.clock, notifier_, mailboxes_),
-      horizon_(services.clock, mailboxes_),
+      horizon_(content, services.clock, mailboxes_),
       snapshot_(
           status.file ? std::optional(status.file->parent_path()) : std::nullopt,
           [this](SnapshotKind kind) {

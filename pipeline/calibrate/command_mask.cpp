@@ -7,6 +7,7 @@
 #include "calib/calibration_file.hpp"
 #include "calib/mask/scene_mask.hpp"
 #include "calib/mask/sky_mask.hpp"
+#include "calib/mask/sway_mask.hpp"
 #include "pipeline/calibrate/calibrated_camera.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
@@ -23,6 +24,7 @@ constexpr std::int64_t kMaxBytes = 200'000'000;  // of pictures kept for their m
 
 struct MaskArguments {
   std::string fixture;
+  std::string camera = "sky";
   std::string picture, strokes;
   std::vector<int> box;
   double margin_px = 2.0;
@@ -54,20 +56,33 @@ CalibrationStep step_of(const MaskArguments& arguments, const std::string& camer
   return step;
 }
 
+// As many pictures as fit, spread over the recording.
+struct RecordedPictures {
+  std::vector<Image<Rgb8>> pictures;
+  PicturesRead read;
+};
+Result<RecordedPictures> read_pictures(const Fixture& fixture, const Camera& camera) {
+  RecordedPictures recorded;
+  const std::int64_t each = 3 * std::int64_t{camera.width} * camera.height;
+  const int most =
+      static_cast<int>(std::clamp<std::int64_t>(kMaxBytes / std::max<std::int64_t>(1, each), 5, kMaxMaskPictures));
+  auto read = for_each_picture(fixture, camera, {.most = most}, [&](const PictureView& view, const FrameMetadata&) {
+    recorded.pictures.push_back(to_rgb(view));
+  });
+  if (!read) return fail(read.error());
+  recorded.read = *read;
+  return recorded;
+}
+
 Result<int> mask_sky(const MaskArguments& arguments) {
   const auto fixture = read_fixture(arguments.fixture);
   if (!fixture) return fail(fixture.error());
   const auto camera = calibrated_camera(*fixture, arguments.out, "sky");
   if (!camera) return fail(camera.error());
-  std::vector<Image<Rgb8>> pictures;
-  const std::int64_t each = 3 * std::int64_t{camera->width} * camera->height;
-  const int most =
-      static_cast<int>(std::clamp<std::int64_t>(kMaxBytes / std::max<std::int64_t>(1, each), 5, kMaxMaskPictures));
-  const auto read =
-      for_each_picture(*fixture, *camera, {.most = most},
-                       [&](const PictureView& view, const FrameMetadata&) { pictures.push_back(to_rgb(view)); });
-  if (!read) return fail(read.error());
-  const auto found = find_sky_mask(pictures, *camera, arguments.margin_px);
+  const auto recorded = read_pictures(*fixture, *camera);
+  if (!recorded) return fail(recorded.error());
+  const PicturesRead* read = &recorded->read;
+  const auto found = find_sky_mask(recorded->pictures, *camera, arguments.margin_px);
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
 
   const double hours = to_seconds(read->last - read->first) / 3600.0;
@@ -99,6 +114,69 @@ Result<int> mask_sky(const MaskArguments& arguments) {
   return save(arguments, std::move(step), found->mask, plot_mask(found->typical, found->mask, {}, title));
 }
 
+// Empty without --box.
+std::optional<glm::ivec4> box_of(const MaskArguments& arguments, int width, int height, Problems& problems) {
+  if (arguments.box.empty()) return std::nullopt;
+  const auto& b = arguments.box;
+  if (b[0] < 0 || b[1] < 0 || b[2] < 1 || b[3] < 1 || b[0] + b[2] > width || b[1] + b[3] > height)
+    problems.add("--box {},{},{},{}: expected a rectangle X,Y,WIDTH,HEIGHT in the picture of {} x {}", b[0], b[1], b[2],
+                 b[3], width, height);
+  return glm::ivec4(b[0], b[1], b[2], b[3]);
+}
+
+Result<int> mask_swaying(const MaskArguments& arguments) {
+  const auto fixture = read_fixture(arguments.fixture);
+  if (!fixture) return fail(fixture.error());
+  const auto camera = calibrated_camera(*fixture, arguments.out, "scene");
+  if (!camera) return fail(camera.error());
+  Problems problems;
+  const auto box = box_of(arguments, camera->width, camera->height, problems);
+  if (!problems.empty()) return fail(problems.fault());
+  const auto recorded = read_pictures(*fixture, *camera);
+  if (!recorded) return fail(recorded.error());
+  const auto& [pictures, read] = *recorded;
+  if (static_cast<int>(pictures.size()) < kFewestSwayPictures)
+    return fail(FaultKind::bad_input, "{}: {} good pictures of the scene camera, expected {} or more, of some minutes",
+                arguments.fixture, pictures.size(), kFewestSwayPictures);
+  auto found = find_sway_mask(pictures, camera->response, box);
+  const double seconds = to_seconds(read.last - read.first);
+  fmt::print("{} pictures over {:.0f} s; {} damaged\n", read.good, seconds, read.damaged);
+  if (found.mask.empty()) {
+    fmt::print("nothing sways before the camera: nothing is proposed, and nothing was written\n");
+    return 0;
+  }
+  Image<Stroke> strokes;
+  if (!arguments.strokes.empty()) {
+    auto drawn = read_strokes(arguments.strokes, camera->width, camera->height);
+    if (!drawn) return fail(drawn.error());
+    const auto still = find_scene_mask(found.typical, *drawn, {.box = box, .soft_px = arguments.soft_px});
+    if (!still) return fail(still.error().kind, "{}: {}", arguments.strokes, still.error().message);
+    add_still(found, still->mask);
+    strokes = std::move(*drawn);
+  }
+  const auto share = fmt::format("{:.2f} % of the {} is covered at times, {:.2f} % in the mean over the time",
+                                 100.0 * found.moving_share, box ? "box" : "picture", 100.0 * found.hidden_share);
+  fmt::print("{}\n", share);
+  std::vector<std::string> remarks;
+  if (read.good < 40 || seconds < 60.0)
+    remarks.push_back(
+        "few pictures or seconds: a gust may move the leaves further; where they were not seen, the building will be "
+        "drawn over them");
+  for (const auto& remark : remarks) fmt::print("{}\n", remark);
+
+  auto step = step_of(arguments, "scene", camera->width, camera->height);
+  step.site = fixture->installation.site;
+  step.measured.push_back(
+      {"mask",
+       step.calibrated_utc,
+       fmt::format("{} pictures of the recording {}, {} to {}", read.good, fixture->info.name, utc_text(read.first),
+                   utc_text(read.last)),
+       {{"moving_percent", 100.0 * found.moving_share}, {"hidden_percent", 100.0 * found.hidden_share}},
+       remarks});
+  return save(arguments, std::move(step), found.mask,
+              plot_mask(found.typical, found.mask, strokes, "red: in front, by the share of the time; " + share));
+}
+
 Result<int> mask_scene(const MaskArguments& arguments) {
   const auto photograph = read_photograph(arguments.picture);
   if (!photograph) return fail(photograph.error());
@@ -108,13 +186,7 @@ Result<int> mask_scene(const MaskArguments& arguments) {
   if (!strokes) problems.add("{}", strokes.error().message);
   SceneMaskOptions options;
   options.soft_px = arguments.soft_px;
-  if (!arguments.box.empty()) {
-    const auto& b = arguments.box;
-    options.box = glm::ivec4(b[0], b[1], b[2], b[3]);
-    if (b[0] < 0 || b[1] < 0 || b[2] < 1 || b[3] < 1 || b[0] + b[2] > picture.width() || b[1] + b[3] > picture.height())
-      problems.add("--box {},{},{},{}: expected a rectangle X,Y,WIDTH,HEIGHT in the picture of {} x {}", b[0], b[1],
-                   b[2], b[3], picture.width(), picture.height());
-  }
+  options.box = box_of(arguments, picture.width(), picture.height(), problems);
   if (!problems.empty()) return fail(problems.fault());
   const auto found = find_scene_mask(picture, *strokes, options);
   if (!found) return fail(found.error().kind, "{}: {}", arguments.strokes, found.error().message);
@@ -135,26 +207,38 @@ Result<int> mask_scene(const MaskArguments& arguments) {
 
 Result<int> calibrate(const MaskArguments& arguments) {
   Problems problems;
-  const bool sky = !arguments.fixture.empty(), scene = !arguments.picture.empty() || !arguments.strokes.empty();
-  if (sky == scene)
+  const bool recording = !arguments.fixture.empty(), picture = !arguments.picture.empty();
+  const bool strokes = !arguments.strokes.empty(), sky = recording && arguments.camera == "sky";
+  if (recording == (picture || (strokes && !recording)))
     problems.add(
-        "expected either a recording (what is never sky) or --picture and --strokes (what stands in front of the "
-        "building)");
-  if (scene && (arguments.picture.empty() || arguments.strokes.empty()))
+        "expected either a recording (what is never sky; with --camera scene what sways before it) or --picture and "
+        "--strokes (what stands in front of the building)");
+  else if (picture != strokes && !recording)
     problems.add("--picture and --strokes: expected both");
-  if (sky && !arguments.box.empty()) problems.add("--box: expected with --picture and --strokes only");
+  if (sky && strokes) problems.add("--strokes: expected with --picture, or with a recording and --camera scene");
+  if (sky && !arguments.box.empty())
+    problems.add("--box: expected with --picture and --strokes, or with a recording and --camera scene");
   if (!problems.empty()) return fail(problems.fault());
-  return sky ? mask_sky(arguments) : mask_scene(arguments);
+  if (!recording) return mask_scene(arguments);
+  return sky ? mask_sky(arguments) : mask_swaying(arguments);
 }
 
 }  // namespace
 
 void add_calibrate_mask(CLI::App& calibrate_command, Action& action) {
   auto* command = calibrate_command.add_subcommand(
-      "mask", "What is never sky, from a recording of a day; what stands in front of the building, from a few strokes");
+      "mask",
+      "What is never sky, from a recording of a day; what stands in front of the building, from a few strokes; which "
+      "leaves sway before it, from a recording of some minutes");
   auto arguments = std::make_shared<MaskArguments>();
   auto& a = *arguments;
-  command->add_option("fixture", a.fixture, "The sky camera: a recording of a day");
+  command->add_option("fixture", a.fixture, "The sky camera: a recording of a day; the scene camera: of some minutes");
+  command
+      ->add_option("--camera", a.camera,
+                   "Whose pictures of the recording are taken: sky, what is never sky; scene, what sways before the "
+                   "building")
+      ->check(CLI::IsMember({"sky", "scene"}))
+      ->capture_default_str();
   command->add_option("--picture", a.picture, "The scene camera: one of its pictures");
   command->add_option(
       "--strokes", a.strokes,
@@ -169,7 +253,7 @@ void add_calibrate_mask(CLI::App& calibrate_command, Action& action) {
   command->add_option("--margin-px", a.margin_px, "Sky: how far the mask extends beyond the visible edge")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
-  command->add_option("--soft-px", a.soft_px, "Scene: greatest width of soft edges (leaves, hair); 0: hard edges")
+  command->add_option("--soft-px", a.soft_px, "Strokes: greatest width of soft edges (leaves, hair); 0: hard edges")
       ->check(CLI::Range(0.0, 20.0))
       ->capture_default_str();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include <fmt/format.h>
+
 #include "estimator/air/attenuation.hpp"
 #include "gles/light/airlight_grid.hpp"
 
@@ -121,6 +123,36 @@ GroundWatch::GroundWatch(const Camera& scene, const Model& model, const Placemen
     green_[value] = scene.response.to_light(glm::dvec3{static_cast<double>(value) / 255.0}).g;
   if (!model.ground.empty()) find_places(scene, model, to_world);
   if (!places_.empty()) work_.emplace(model, to_world);
+  ground_ = name_ground();
+}
+
+// The places themselves, in millimetres and hundredths of a pixel, by Fowler, Noll and Vo's hash (1a, 64 bits).
+std::string GroundWatch::name_ground() const {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto add = [&](double value) {
+    const auto rounded = static_cast<std::uint64_t>(std::llround(value));
+    for (int i = 0; i < 8; ++i) hash = (hash ^ (rounded >> (8 * i) & 0xff)) * 0x100000001b3;
+  };
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    add(100.0 * places_[i].pixel.x);
+    add(100.0 * places_[i].pixel.y);
+    add(1000.0 * places_[i].range_m);
+    for (int c = 0; c < 3; ++c) add(1000.0 * base_colours_[i][c]);
+  }
+  return fmt::format("{}-{:016x}", places_.size(), hash);
+}
+
+LearntGround GroundWatch::learnt() const {
+  return {ground_, memory_->learnt()};
+}
+
+bool GroundWatch::resume(const LearntGround& learnt, double since_s) {
+  if (memory_ || learnt.ground != ground_) return false;
+  // Whether it is whole shows a memory of so many places, whatever it supposes.
+  GroundMemory trial(std::vector<float>(places_.size(), 0.1f));
+  if (!trial.resume(learnt.shares, since_s)) return false;
+  resumed_ = Resumed{learnt.shares, since_s};
+  return true;
 }
 
 void GroundWatch::find_places(const Camera& scene, const Model& model, const glm::dmat4& to_world) {
@@ -228,7 +260,11 @@ std::optional<double> GroundWatch::light_of(const Place& place, const PictureVie
 void GroundWatch::see(const PictureView& picture, const FrameMetadata& metadata, const ObjectAppearance& appearance,
                       const AirlightGrid& measured) {
   const ObjectLight& light = appearance.light;
-  if (!memory_) memory_.emplace(supposed_reflectance(light.albedo_to_channels));
+  if (!memory_) {
+    memory_.emplace(supposed_reflectance(light.albedo_to_channels));
+    if (resumed_) memory_->resume(resumed_->shares, resumed_->since_s);
+    resumed_.reset();
+  }
   SkyOnSlopes slopes(light.around);
   const bool sunless = light.sun_irradiance.g <= 0.0;
   std::vector<GroundSight> sights(places_.size());

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -31,6 +33,12 @@ void light_ground(ObjectAppearance& appearance, const GroundLook& ground);
 // Whether a layer drawn under the one looks the same under the other.
 bool look_alike(const GroundLook& now, const GroundLook& drawn);
 
+// What was learnt of the ground, to be kept over a restart.
+struct LearntGround {
+  std::string ground;                // which: camera, model and place; what was learnt of another is of no use
+  std::vector<std::uint8_t> shares;  // as GroundMemory has it
+};
+
 class GroundWatch {
  public:
   // `model` is used only here.
@@ -47,6 +55,12 @@ class GroundWatch {
   void shade_foot(bool whole);
   GroundLook look() const { return look_; }
 
+  const std::string& ground() const { return ground_; }
+  int lessons() const { return memory_ ? memory_->lessons() : 0; }  // grows with what was learnt
+  LearntGround learnt() const;                                      // needs a lesson
+  // Before the first picture; since_s: from the last that was learnt from to now. false: of another ground, or damaged.
+  bool resume(const LearntGround& learnt, double since_s);
+
  private:
   struct Place {
     int column = 0, row = 0;  // of the grid
@@ -57,6 +71,7 @@ class GroundWatch {
     int left = 0, top = 0, right = 0, bottom = 0;  // its pixels
   };
   void find_places(const Camera& scene, const Model& model, const glm::dmat4& to_world);
+  std::string name_ground() const;
   std::vector<float> supposed_reflectance(const glm::dmat3& albedo_to_channels) const;
   std::optional<double> light_of(const Place& place, const PictureView& picture) const;
 
@@ -64,6 +79,12 @@ class GroundWatch {
   GroundSunlight grid_;              // its geometry
   std::vector<Place> places_;
   std::vector<glm::dvec3> base_colours_;  // of the places
+  std::string ground_;
+  struct Resumed {
+    std::vector<std::uint8_t> shares;
+    double since_s = 0.0;
+  };
+  std::optional<Resumed> resumed_;  // until the first picture
   std::optional<GroundMemory> memory_;
   std::optional<FootShadeWork> work_;
   GroundLook look_;

@@ -87,7 +87,7 @@ inline const Walls kMayInclude = {
     {"pipeline/sky", {"pipeline", "pipeline/files", "pipeline/machine"}},
     {"pipeline/snapshot", {"pipeline"}},
     {"pipeline/stage", {"pipeline/config", "pipeline/scene"}},
-    {"pipeline/start", {"pipeline/config"}},
+    {"pipeline/start", {"pipeline/config", "pipeline/scene"}},
 
     {"report", {"base", "history", "report/channels", "report/page", "report/status", "report/web"}},
     {"report/channels", {"report/status", "report/web"}},
@@ -100,7 +100,7 @@ inline const Walls kMayInclude = {
     {"fixtures/assemble", {}},
     {"fixtures/atmosphere", {"fixtures/aerosol", "fixtures/model", "fixtures/spectrum"}},
     {"fixtures/generator",
-     {"fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
+     {"fixtures/landscape", "fixtures/leaves", "fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/pagoda",
       "fixtures/spectrum", "fixtures/temple"}},
     {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/leaves", {"fixtures/noise"}},

@@ -11,8 +11,10 @@
 #include "base/files.hpp"
 #include "calib/mask/scene_mask.hpp"
 #include "calib/mask/sky_mask.hpp"
+#include "calib/mask/sway_mask.hpp"
 #include "fixtures/landscape/scene_view.hpp"
 #include "fixtures/landscape/sky_view.hpp"
+#include "fixtures/leaves/leaves.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -180,6 +182,86 @@ TEST(SceneMask, NothingIsHiddenOutsideTheBox) {
   const auto none = find_scene_mask(scene.picture, strokes, {.box = glm::ivec4(0, 0, 20, 20), .soft_px = 2.0});
   ASSERT_FALSE(none);
   EXPECT_THAT(none.error().message, HasSubstr("what stands in front"));
+}
+
+constexpr int kCloudyPictures = 24;
+// A minute and a half under moving clouds and their shadows, with noise and the camera's own exposure.
+std::vector<Image<Rgb8>> draw_cloudy_minutes() {
+  const auto scene = fixtures::scene_camera({.width = 320, .height = 180});
+  const auto geometry =
+      fixtures::look_at_terrain(fixtures::Terrain(2), scene.camera, from_degrees(scene.options.heading_deg));
+  std::vector<Image<Rgb8>> pictures;
+  for (int i = 0; i < kCloudyPictures; ++i) {
+    fixtures::Weather weather;
+    weather.turbidity = 2.4;
+    weather.sun = direction_from(from_degrees(50.0), from_degrees(130.0 + 0.02 * i));
+    weather.altitude_m = 980.0;
+    weather.cloud_cover = 0.45;
+    weather.cloud_seed = 3;
+    weather.time_s = 4.0 * i;
+    const auto light = fixtures::look_at_scene(fixtures::Illumination(weather), scene.camera, geometry);
+    auto exposure = fixtures::automatic_exposure(light, 0.97, 0.58);
+    exposure.noise = true;
+    exposure.seed = static_cast<std::uint64_t>(i);
+    pictures.push_back(fixtures::expose(light, scene.camera, exposure));
+  }
+  return pictures;
+}
+const std::vector<Image<Rgb8>>& cloudy_minutes() {
+  static const auto pictures = draw_cloudy_minutes();
+  return pictures;
+}
+
+TEST(SwayMask, CloudsAndWhoWalksByProposeNothing) {
+  auto pictures = cloudy_minutes();
+  EXPECT_TRUE(find_sway_mask(pictures, Response::srgb(), {}).mask.empty());
+  // Somebody crosses the picture once, 12 pixels a step.
+  for (int i = 0; i < kCloudyPictures; ++i)
+    for (int y = 110; y < 160; ++y)
+      for (int x = 12 * i; x < 12 * i + 16; ++x) pictures[static_cast<std::size_t>(i)].at(x, y) = {70, 40, 35};
+  EXPECT_TRUE(find_sway_mask(pictures, Response::srgb(), {}).mask.empty());
+}
+
+TEST(SwayMask, ABoughThatSwaysIsFoundUnderMovingClouds) {
+  auto pictures = cloudy_minutes();
+  const fixtures::Bough bough({.width = 320,
+                               .height = 180,
+                               .root_px = {-40, 50},
+                               .tip_px = {200, 105},
+                               .spread_px = 80,
+                               .leaves = 1300,
+                               .leaf_px = 9,
+                               .sway_px = 5,
+                               .seed = 4});
+  std::vector<double> seconds;
+  for (int i = 0; i < kCloudyPictures; ++i) {
+    seconds.push_back(4.03 * i);
+    pictures[static_cast<std::size_t>(i)] =
+        fixtures::put_before(pictures[static_cast<std::size_t>(i)], bough.at(seconds.back()));
+  }
+  const auto truth = fixtures::mask_of(bough, seconds);
+  const auto found = find_sway_mask(pictures, Response::srgb(), {});
+  ASSERT_FALSE(found.mask.empty());
+  std::filesystem::create_directories(test_output_folder());
+  for (const auto& [name, mask] : {std::pair{"sway.png", &found.mask}, {"sway-truth.png", &truth}}) {
+    cv::Mat1b grey(180, 320);
+    std::ranges::copy(mask->elements(), grey.begin());
+    ASSERT_TRUE(cv::imwrite((test_output_folder() / name).string(), grey));
+  }
+  // Where leaves never were, where they always were, and how far the share is off between.
+  double off = 0.0;
+  int free = 0, taken = 0, covered = 0, opened = 0, band = 0;
+  for (std::size_t i = 0; i < truth.elements().size(); ++i) {
+    const int is = found.mask.elements()[i], should = truth.elements()[i];
+    if (should == 255) ++free, taken += is < 250;
+    if (should == 0) ++covered, opened += is > 5;
+    if (should > 0 && should < 255) ++band, off += std::abs(is - should) / 255.0;
+  }
+  std::printf("free taken %.4f, covered opened %.4f, band's share off by %.3f\n", double(taken) / free,
+              double(opened) / covered, off / band);
+  EXPECT_LE(taken, free / 100);
+  EXPECT_LE(opened, covered / 50);
+  EXPECT_LE(off / band, 0.05);
 }
 
 TEST(Strokes, APaintedPictureAndAListOfLinesAreEquivalent) {
