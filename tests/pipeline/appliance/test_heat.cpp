@@ -155,6 +155,7 @@ TEST(HeatGovernor, FollowsTheFirmwareWhereThereIsNoSensor) {
 
 TEST(Heat, ReadsTheKernelsZonesAndTheFirmwaresBits) {
   const auto sys = test_folder("heat-sys");
+  std::filesystem::remove_all(sys);  // of an earlier run
   EXPECT_TRUE(read_thermal_zones(sys).empty());
   EXPECT_FALSE(read_throttling_bits(sys));
   FakeHeat machine(sys);
