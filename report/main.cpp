@@ -73,12 +73,13 @@ void add_run_command(CLI::App& app, Action& action) {
         fmt::print("{}: configuration is valid\n", arguments->config);
         return 0;
       }
-      SystemClock clock;
-      const auto reporter = Reporter::start(std::move(*config), clock);
-      if (!reporter) return refused(reporter.error());
+      // First, since the channels may say that it is here before start() returns.
       for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { stopped = true; });
       std::signal(SIGUSR1, [](int) { asked_to_try = true; });
       std::signal(SIGPIPE, SIG_IGN);
+      SystemClock clock;
+      const auto reporter = Reporter::start(std::move(*config), clock);
+      if (!reporter) return refused(reporter.error());
       ::sd_notify(0, "READY=1");
       for (std::string told; !stopped;) {
         (*reporter)->turn();
