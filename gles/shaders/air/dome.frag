@@ -21,7 +21,8 @@ void main() {
 #endif
   colour += dither(gl_FragCoord.xy) / 255.0;
 #if defined(FISHEYE)
-  colour *= clamp(circle_px + 0.5 - length(v_place), 0.0, 1.0);
+  // In radii: the square of pixels is infinite in 16 bits.
+  colour *= clamp(circle_px * (1.0 - length(v_place / circle_px)) + 0.5, 0.0, 1.0);
 #endif
   gl_FragColor = vec4(colour, 1.0);
 }

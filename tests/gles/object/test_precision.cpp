@@ -5,6 +5,7 @@
 #include "gles/gl/gl.hpp"
 #include "gles/gl/program.hpp"
 #include "gles/picture/flat_picture.hpp"
+#include "tests/gles/gl/halves.hpp"
 #include "tests/gles/gl/lesser_gl.hpp"
 #include "tests/gles/picture/all_layouts.hpp"
 #include "tests/gles/scenes.hpp"
@@ -22,32 +23,6 @@ class Precision : public GlesTest {
   void SetUp() override {
     GlesTest::SetUp();
     if (context_ && !computes_in_halves()) GTEST_SKIP() << info().renderer << " computes mediump in 32 bits";
-  }
-
-  // 1 + 1/4096 is 1 in a half float.
-  bool computes_in_halves() {
-    auto program = link_program(
-        "a sum", "#version 100\nattribute vec2 position;\nvoid main() { gl_Position = vec4(position, 0.0, 1.0); }\n",
-        "#version 100\nprecision mediump float;\nuniform float a, b, c;\n"
-        "void main() { gl_FragColor = vec4((a + b - c) * 4096.0); }\n",
-        {{kPosition, "position"}});
-    if (!program) throw std::runtime_error(program.error().message);
-    Offscreen target = make_target(4, 4);
-    glBindFramebuffer(GL_FRAMEBUFFER, target.target().framebuffer);
-    glViewport(0, 0, 4, 4);
-    glUseProgram(program->name());
-    const auto set = [&](const char* name, float value) {
-      glUniform1f(glGetUniformLocation(program->name(), name), value);
-    };
-    set("a", 1.0f);
-    set("b", 1.0f / 4096.0f);
-    set("c", 1.0f);
-    const std::array<float, 6> corners{-1, -1, 3, -1, -1, 3};
-    glBindBuffer(GL_ARRAY_BUFFER, 0);
-    glVertexAttribPointer(kPosition, 2, GL_FLOAT, GL_FALSE, 0, corners.data());
-    glEnableVertexAttribArray(kPosition);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
-    return target.read()->at(1, 1).r < 128;
   }
 
   // The same pictures by a new context.
@@ -78,19 +53,14 @@ class Precision : public GlesTest {
       }
     }
   }
-  static int largest_step(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-    int largest = 0;
-    for (std::size_t i = 0; i < a.elements().size(); ++i)
-      for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(a.elements()[i][c] - b.elements()[i][c]));
-    return largest;
-  }
 
   void add(Pictures& pictures, const std::string& name, const ReferenceScene& scene,
-           const RendererOptions& options = {}, const ObjectDetail& detail = {}, const SensorNoise& noise = {}) {
+           const RendererOptions& options = {}, const ObjectDetail& detail = {}, const SensorNoise& noise = {},
+           const JpegSteps* jpeg = nullptr) {
     Renderer renderer = make_renderer(options);
     ASSERT_OK(renderer.set_detail(detail));
     load(renderer, scene);
-    ASSERT_OK(renderer.upload(view_of(camera_)));
+    ASSERT_OK(renderer.upload(view_of(camera_), jpeg ? std::make_shared<const JpegSteps>(*jpeg) : nullptr));
     Offscreen target = make_target(camera_.width(), camera_.height());
     ASSERT_OK(renderer.draw(scene.measured, target.target(), noise));
     pictures.emplace_back(name, *target.read());
@@ -157,6 +127,26 @@ TEST_F(Precision, OfTheLayerAndItsComposite) {
     add(pictures, "linear response", linear);
     add(pictures, "response table", with_table(plain));
   });
+}
+
+// Sharpening enlarges what 16 bits have left of the composite, and a step of the composite may turn a coefficient by one
+// of its own steps. Without high precision blocks are left out.
+TEST_F(Precision, OfTheCamerasProcessing) {
+  expect_alike(
+      [&](Pictures& pictures) {
+        add(pictures, "sharpened", far_corner(box_scene()), {}, {.point_spread_px = 0.6, .sharpening = 0.9});
+      },
+      5);
+  JpegSteps steps;
+  for (std::size_t i = 0; i < steps.luma.size(); ++i) steps.luma[i] = steps.chroma[i] = 2;
+  const auto draw_all = [&](Pictures& pictures) {
+    add(pictures, "sharpened, in blocks", far_corner(box_scene()), {},
+        {.point_spread_px = 0.6, .sharpening = 0.9, .jpeg_blocks = true}, {}, &steps);
+  };
+  const int off = largest_step(drawn_in(FragmentPrecision::driver, draw_all)[0].second,
+                               drawn_in(FragmentPrecision::high, draw_all)[0].second);
+  fmt::print("sharpened, in blocks, as written: {} of 255\n", off);
+  EXPECT_LE(off, 8) << "coefficients of one block that turn by 2 each";
 }
 
 // Without high precision it is mixed by the mask, not solved.
