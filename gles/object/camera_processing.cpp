@@ -25,7 +25,7 @@ PixelBox blocks_around(const PixelBox& changed) {
   return {down(changed.left), down(changed.top), up(changed.right), up(changed.bottom)};
 }
 
-// The blocks of `part` that hold a changed pixel or its neighbour, as few rectangles from the part's corner.
+// The blocks of `part` that hold a changed pixel or its neighbour, row by row, in pixels from the part's corner.
 std::vector<PixelBox> blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed) {
   const int columns = (part.right - part.left) / kBlock, rows = (part.bottom - part.top) / kBlock;
   Image<std::uint8_t> taken(columns, rows, 0);
