@@ -30,6 +30,7 @@ std::int64_t signed_number(HeaderBytes file, std::uint64_t at) {
 
 std::optional<PictureHeader> png_header(HeaderBytes file) {
   if (!begins(file, "\x89PNG\r\n\x1a\n") || file.size() < 24) return std::nullopt;
+  if (!begins(file.subspan(12), "IHDR")) return std::nullopt;  // it comes first, or the size stands elsewhere
   const auto at = [&](std::size_t place) { return static_cast<std::int64_t>(number(file, place, 4, ByteOrder::big)); };
   return PictureHeader{"PNG", at(16), at(20)};
 }

@@ -68,7 +68,12 @@ class OpenCvFiles final : public RareFiles {
 
 }  // namespace kasumi
 
-extern "C" const kasumi::RareFiles* kasumi_rare_files() {
+extern "C" {
+extern const char kasumi_rare_files_version[];
+const char kasumi_rare_files_version[] = KASUMI_VERSION;
+
+const kasumi::RareFiles* kasumi_rare_files() {
   static const kasumi::OpenCvFiles kFiles;
   return &kFiles;
+}
 }

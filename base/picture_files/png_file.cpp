@@ -78,6 +78,8 @@ class PngReader {
       std::memcpy(to, rest.data(), count);
       rest = rest.subspan(count);
     });
+    // The size that whoever calls has bounded: a chunk before it, which libpng would skip, is no PNG's.
+    if (rest_.size() >= 16 && std::memcmp(rest_.data() + 12, "IHDR", 4) != 0) png_error(png_, "it begins with no size");
     png_read_info(png_, info_);
     const auto colour = png_get_color_type(png_, info_);
     if (colour & PNG_COLOR_MASK_COLOR)

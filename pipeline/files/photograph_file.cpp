@@ -139,7 +139,7 @@ Result<> write_photograph(const std::filesystem::path& path, const Photograph& p
     return tiff ? encode_tiff(picture) : encode_png(picture);
   };
   const auto bytes = encode();
-  if (!bytes) return fail(FaultKind::io, "{}: cannot be encoded: {}", path.string(), bytes.error().message);
+  if (!bytes) return fail(bytes.error().kind, "{}: cannot be encoded: {}", path.string(), bytes.error().message);
   return write_file(path, *bytes);
 }
 

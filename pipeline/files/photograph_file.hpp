@@ -9,7 +9,7 @@
 
 namespace kasumi {
 
-// PNG, JPEG; by base/picture_files TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G = B; orientation
+// PNG, JPEG; by the module of base/picture_files TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G = B; orientation
 // tags are ignored, since calibrations refer to the stored pixels. Errors: bad_input. A JPEG of which a part is missing
 // is refused, unless `damage` is there to be told what is wrong with it (empty: nothing).
 Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage = nullptr);

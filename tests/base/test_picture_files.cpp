@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/picture_files/picture_file.hpp"
+#include "base/picture_header.hpp"
 
 namespace kasumi {
 namespace {
@@ -199,6 +200,19 @@ TEST(PictureFiles, APngThatIsWrittenHoldsThePicture) {
       ASSERT_EQ(in_grey.at<std::uint8_t>(y, x), grey.at(x, y));
     }
   EXPECT_FALSE(encode_png(Image<Rgb8>{}));
+}
+
+// The size that is bounded before decoding is the one that is decoded.
+TEST(PictureFiles, APngWhoseSizeStandsElsewhereIsRefused) {
+  Bytes file = written_png({PNG_COLOR_TYPE_RGB, 3, 8}, 40, 30);
+  // A chunk of another kind that looks like a size of 1 x 1, before the true one; libpng would skip it.
+  const Bytes chunk{0, 0, 0, 8, 'a', 'a', 'A', 'a', 0, 0, 0, 1, 0, 0, 0, 1, 0x6d, 0x7c, 0x5f, 0x3a};
+  file.insert(file.begin() + 8, chunk.begin(), chunk.end());
+  EXPECT_FALSE(picture_header(file));
+  const auto decoded = decode_png(file);
+  ASSERT_FALSE(decoded);
+  EXPECT_EQ(decoded.error().kind, FaultKind::bad_input);
+  EXPECT_NE(decoded.error().message.find("no size"), std::string::npos) << decoded.error().message;
 }
 
 }  // namespace
