@@ -229,18 +229,20 @@ std::vector<HorizonColumn> columns_of(const Measurement& m, const std::vector<Co
   return columns;
 }
 
-// Empty: too noisy, too clipped or too little of it.
 struct FirstLook {
+  bool clipped = false;  // the most of it: there is nothing to be measured
   std::vector<Cell> cells;
   std::vector<HorizonCell> lights;
   Use use;
   ClearHorizon clear;
 };
+// Empty: too noisy, or too little of it.
 std::optional<FirstLook> first_look(const Measurement& m, const std::vector<SkyStrip>& strips) {
   FirstLook look;
   look.cells = m.cells(strips);
   const auto clipped = std::ranges::count_if(look.cells, [](const Cell& cell) { return cell.clipped; });
-  if (2 * static_cast<std::size_t>(clipped) > look.cells.size()) return std::nullopt;
+  look.clipped = 2 * static_cast<std::size_t>(clipped) > look.cells.size();
+  if (look.clipped) return look;
   look.lights = lights_of(look.cells);
   look.use = certain_sky(m, look.cells, strips);
   const auto clear = fit_clear_horizon(look.lights, look.use);
@@ -278,7 +280,9 @@ std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<Sk
                         rows(kCellShare, least_rows),
                         rows(kHorizonMargin, 1),
                         rows(kHorizonBand, 4)};
-    if (auto look = first_look(m, strips)) return measured(m, strips, std::move(*look));
+    auto look = first_look(m, strips);
+    if (look && look->clipped) return {};
+    if (look) return measured(m, strips, std::move(*look));
   }
   return {};
 }
