@@ -26,7 +26,8 @@ constexpr int kClosing_px = 6;      // gaps of it that are closed
 constexpr int kFewestPixels = 30;
 constexpr int kSpeck_px = 12;            // less than a leaf: noise
 constexpr double kLargestIsland = 0.04;  // of the picture: still parts within it
-constexpr int kRim_px = 3;               // around it
+constexpr int kNear_px = 3;              // how far a pixel looks for others of its kinds, to each side
+constexpr int kRim_px = 5;               // around it: all that is looked at so, corners included
 constexpr float kAlike = 0.3F;           // ln of light: two neighbours of what is behind
 constexpr float kTwoKinds = 0.25F;       // ln of light: of what is behind and what sways
 constexpr double kSharp = 0.05;          // of what was never or always covered, that noise and clouds make
@@ -316,12 +317,11 @@ double covered_share(const std::vector<glm::vec3>& light, const glm::vec3& behin
 // in front near by, since the pixel itself may never be either. `first`: the shares as found at first, 0..1.
 double refined_share(const Series& series, const Image<Kinds>& kinds, const Behind& behind, const cv::Mat1d& first,
                      int x, int y) {
-  constexpr int kReach = 3;
   glm::vec3 back(0.0F), front(0.0F);
   float backs = 0.0F, fronts = 0.0F;
   double low = 1.0, high = 0.0;
-  for (int v = std::max(0, y - kReach); v <= std::min(first.rows - 1, y + kReach); ++v)
-    for (int u = std::max(0, x - kReach); u <= std::min(first.cols - 1, x + kReach); ++u) {
+  for (int v = std::max(0, y - kNear_px); v <= std::min(first.rows - 1, y + kNear_px); ++v)
+    for (int u = std::max(0, x - kNear_px); u <= std::min(first.cols - 1, x + kNear_px); ++u) {
       const double share = first(v, u);
       if (std::max(std::abs(u - x), std::abs(v - y)) <= 1) low = std::min(low, share), high = std::max(high, share);
       const Kinds& both = kinds.at(u, v);

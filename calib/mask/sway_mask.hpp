@@ -26,7 +26,8 @@ struct SwayMask {
 // inwards, from pixel to pixel, through the darker or the brighter half of each pixel's pictures; the other half is what
 // sways. Where nothing of what is behind was ever seen, the pixel is always covered. A trunk that stands still is found
 // only where leaves enclose it.
-// Pictures: 8 bits as encoded, all of one size, in order of time; expected: kFewestSwayPictures or more.
+// Pictures: 8 bits as encoded, all of one size, in order of time; expected: kFewestSwayPictures or more. `box`: left,
+// top, width, height, within the picture.
 constexpr int kFewestSwayPictures = 12;
 SwayMask find_sway_mask(std::span<const Image<Rgb8>> pictures, const Response& response,
                         const std::optional<glm::ivec4>& box);

@@ -60,6 +60,7 @@ CalibrationStep step_of(const MaskArguments& arguments, const std::string& camer
 struct RecordedPictures {
   std::vector<Image<Rgb8>> pictures;
   PicturesRead read;
+  int most = 0;  // as many as fit into memory
 };
 Result<RecordedPictures> read_pictures(const Fixture& fixture, const Camera& camera) {
   RecordedPictures recorded;
@@ -71,6 +72,7 @@ Result<RecordedPictures> read_pictures(const Fixture& fixture, const Camera& cam
   });
   if (!read) return fail(read.error());
   recorded.read = *read;
+  recorded.most = most;
   return recorded;
 }
 
@@ -81,13 +83,13 @@ Result<int> mask_sky(const MaskArguments& arguments) {
   if (!camera) return fail(camera.error());
   const auto recorded = read_pictures(*fixture, *camera);
   if (!recorded) return fail(recorded.error());
-  const PicturesRead* read = &recorded->read;
-  const auto found = find_sky_mask(recorded->pictures, *camera, arguments.margin_px);
+  const auto& [pictures, read, most] = *recorded;
+  const auto found = find_sky_mask(pictures, *camera, arguments.margin_px);
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
 
-  const double hours = to_seconds(read->last - read->first) / 3600.0;
-  fmt::print("{} pictures over {:.1f} h, {} with enough light; {} damaged\n", read->good, hours, found->pictures,
-             read->damaged);
+  const double hours = to_seconds(read.last - read.first) / 3600.0;
+  fmt::print("{} pictures over {:.1f} h, {} with enough light; {} damaged\n", read.good, hours, found->pictures,
+             read.damaged);
   fmt::print("{:.1f} % of the sky is hidden; {:.1f} % was decided from its surroundings\n", 100.0 * found->hidden_share,
              100.0 * found->unsure_share);
   std::vector<std::string> remarks;
@@ -105,7 +107,7 @@ Result<int> mask_sky(const MaskArguments& arguments) {
   step.measured.push_back({"mask",
                            step.calibrated_utc,
                            fmt::format("{} pictures of the recording {}, {} to {}", found->pictures, fixture->info.name,
-                                       utc_text(read->first), utc_text(read->last)),
+                                       utc_text(read.first), utc_text(read.last)),
                            {{"hidden_percent", 100.0 * found->hidden_share},
                             {"unsure_percent", 100.0 * found->unsure_share},
                             {"margin_px", arguments.margin_px}},
@@ -131,10 +133,16 @@ Result<int> mask_swaying(const MaskArguments& arguments) {
   if (!camera) return fail(camera.error());
   Problems problems;
   const auto box = box_of(arguments, camera->width, camera->height, problems);
+  Image<Stroke> strokes;
+  if (!arguments.strokes.empty()) {
+    auto drawn = read_strokes(arguments.strokes, camera->width, camera->height);
+    if (!drawn) problems.add("{}", drawn.error().message);
+    if (drawn) strokes = std::move(*drawn);
+  }
   if (!problems.empty()) return fail(problems.fault());
   const auto recorded = read_pictures(*fixture, *camera);
   if (!recorded) return fail(recorded.error());
-  const auto& [pictures, read] = *recorded;
+  const auto& [pictures, read, most] = *recorded;
   if (static_cast<int>(pictures.size()) < kFewestSwayPictures)
     return fail(FaultKind::bad_input, "{}: {} good pictures of the scene camera, expected {} or more, of some minutes",
                 arguments.fixture, pictures.size(), kFewestSwayPictures);
@@ -145,20 +153,16 @@ Result<int> mask_swaying(const MaskArguments& arguments) {
     fmt::print("nothing sways before the camera: nothing is proposed, and nothing was written\n");
     return 0;
   }
-  Image<Stroke> strokes;
-  if (!arguments.strokes.empty()) {
-    auto drawn = read_strokes(arguments.strokes, camera->width, camera->height);
-    if (!drawn) return fail(drawn.error());
-    const auto still = find_scene_mask(found.typical, *drawn, {.box = box, .soft_px = arguments.soft_px});
+  if (!strokes.empty()) {
+    const auto still = find_scene_mask(found.typical, strokes, {.box = box, .soft_px = arguments.soft_px});
     if (!still) return fail(still.error().kind, "{}: {}", arguments.strokes, still.error().message);
     add_still(found, still->mask);
-    strokes = std::move(*drawn);
   }
   const auto share = fmt::format("{:.2f} % of the {} is covered at times, {:.2f} % in the mean over the time",
                                  100.0 * found.moving_share, box ? "box" : "picture", 100.0 * found.hidden_share);
   fmt::print("{}\n", share);
   std::vector<std::string> remarks;
-  if (read.good < 40 || seconds < 60.0)
+  if (read.good < std::min(40, most) || seconds < 60.0)
     remarks.push_back(
         "few pictures or seconds: a gust may move the leaves further; where they were not seen, the building will be "
         "drawn over them");
@@ -209,7 +213,7 @@ Result<int> calibrate(const MaskArguments& arguments) {
   Problems problems;
   const bool recording = !arguments.fixture.empty(), picture = !arguments.picture.empty();
   const bool strokes = !arguments.strokes.empty(), sky = recording && arguments.camera == "sky";
-  if (recording == (picture || (strokes && !recording)))
+  if (recording ? picture : !picture && !strokes)
     problems.add(
         "expected either a recording (what is never sky; with --camera scene what sways before it) or --picture and "
         "--strokes (what stands in front of the building)");
