@@ -14,7 +14,7 @@ struct Trial {
   Result<std::string> came;  // in words; errors: why it did not
 };
 
-// BLOCKS until all have answered, a minute and a half at most. A sign of life is given only where the kiosk is well:
+// BLOCKS until all have answered, two minutes at most. A sign of life is given only where the kiosk is well:
 // whoever waits for it would believe it.
 std::vector<Trial> try_channels(const ReportConfig& config, const Heard& heard, Clock& clock);
 

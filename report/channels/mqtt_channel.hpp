@@ -28,7 +28,7 @@ struct MqttOptions {
 };
 
 // A message below the kiosk's topic, once, beside whoever talks to the broker for it already. BLOCKS for at most
-// `longest`. Errors (io): why the broker did not take it.
+// `longest`, beside the look-up of its name. Errors (io): why the broker did not take it.
 Result<> publish_once(const MqttOptions& options, std::string_view below, std::string_view payload, Duration longest);
 
 // Of the conversation with a broker.

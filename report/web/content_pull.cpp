@@ -53,7 +53,7 @@ struct ContentPull::Exchange {
   bool take(std::span<const char> piece) {
     if (answer.code != kWhole && answer.code != kPart) return (refusal_bytes += piece.size()) <= kMostRefusalBytes;
     const auto taken = take_bundle(piece);
-    if (!taken) problem = taken.error().message;
+    if (!taken) problem = taken.error();
     return taken.has_value();
   }
 
@@ -82,8 +82,9 @@ struct ContentPull::Exchange {
 
   // Whether a bundle came. Errors: why none did.
   Result<bool> ended(const WebRequest::End& end) {
-    if (!problem.empty()) return fail(FaultKind::bad_input, "{}", problem);
+    if (problem) return fail(*problem);
     if (header_bytes > kMostHeaderBytes) return fail(FaultKind::bad_input, "its header has no end");
+    if (refusal_bytes > kMostRefusalBytes) return fail(FaultKind::bad_input, "it answers {}", answer.code);
     if (!end.problem.empty()) return fail(FaultKind::io, "{}", end.problem);
     if (end.code == kUnchanged) return false;
     if (end.code != kWhole && end.code != kPart) return fail(FaultKind::bad_input, "it answers {}", end.code);
@@ -102,7 +103,7 @@ struct ContentPull::Exchange {
   std::uint64_t of_bytes = 0;
   std::size_t header_bytes = 0, refusal_bytes = 0;
   bool begun = false;
-  std::string problem;
+  std::optional<Fault> problem;  // ours or its
   WebRequest request;
 };
 

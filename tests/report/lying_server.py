@@ -66,6 +66,10 @@ def missing(send):
     send(b"HTTP/1.1 404 Not Found\r\nContent-Length: 4\r\n\r\nnone")
 
 
+def verbose(send):
+    send(b"HTTP/1.1 404 Not Found\r\nContent-Length: 200000\r\n\r\n" + b"x" * 200000)
+
+
 def answer(guest, context):
     try:
         with context.wrap_socket(guest, server_side=True) as talk:

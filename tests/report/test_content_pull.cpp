@@ -167,7 +167,8 @@ TEST_F(Pulls, TakeNothingFromAServerThatLies) {
                                  {"part", "another part than it was asked for"},
                                  {"empty", "an empty file"},
                                  {"nonsense", "."},
-                                 {"missing", "it answers 404"}}) {
+                                 {"missing", "it answers 404"},
+                                 {"verbose", "it answers 404"}}) {
     SCOPED_TRACE(way);
     fs::remove_all(folder / "state");
     const LyingServer server(folder, way);
@@ -212,6 +213,31 @@ TEST_F(Pulls, LeaveRoomOnTheDisk) {
   ASSERT_TRUE(ends(pull));
   EXPECT_THAT(pull.status().problem, HasSubstr("MB of the disk are free"));
   EXPECT_EQ(come(), "nothing");
+}
+
+TEST_F(Pulls, KeepWhatHasComeWhileTheDiskIsFull) {
+  const auto bundle = some_bundle(24 << 20, 1);
+  offer(bundle);
+  const WebServer server(folder, "own", "limit_rate 6m;");
+  const auto options = from(server.url("hill.kasumi"));
+  {
+    ContentPull pull(options, clock);
+    ASSERT_TRUE(within(60, [&] {
+      pull.turn();
+      return pull.status().bytes > 1 << 20;
+    }));
+  }
+  PullBounds full;
+  full.free_bytes = std::uint64_t{1} << 60;
+  ContentPull refused(options, clock, full);
+  ASSERT_TRUE(ends(refused));
+  EXPECT_THAT(refused.status().problem, HasSubstr("MB of the disk are free"));
+  const auto kept = refused.status().bytes;
+  EXPECT_GT(kept, 1u << 20);
+  ContentPull pull(options, clock);
+  ASSERT_TRUE(ends(pull));
+  EXPECT_TRUE(come() == bundle) << pull.status().problem;
+  EXPECT_THAT(server.asked(), HasSubstr(fmt::format("206 bytes={}- {}\n", kept, bundle.size() - kept)));
 }
 
 TEST(PullAnswers, AreReadWithDistrust) {
