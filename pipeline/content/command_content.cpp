@@ -145,7 +145,8 @@ Result<int> install_by_hand(const ContentArguments& arguments) {
   return install_on_screen(arguments, *trusted, nullptr);
 }
 
-Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival) {
+// `arrival` tells what came of it; it is no news where nothing lies there, or only what is shown.
+Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival, bool& news) {
   const std::vector<std::filesystem::path> paths(arguments.paths.begin(), arguments.paths.end());
   auto found = open_newest(paths, rules_of(arguments));
   if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
@@ -154,11 +155,13 @@ Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival) 
   for (const auto& problem : found->refused) problems.add("{}", problem);
   if (!found->bundle && !problems.empty()) return fail(problems.fault());
   if (!found->bundle) {
+    news = false;
     arrival.words = fmt::format("no bundle there: expected NAME{}", kBundleExtension);
     fmt::print("{}: {}\n", arrival.from, arrival.words);
     return 0;
   }
   auto done = install_on_screen(arguments, *found->bundle, &arrival);
+  news = !done || arrival.taken || !found->refused.empty();
   for (const auto& problem : found->refused) {
     print_error(problem);
     arrival.words += "; " + problem;
@@ -169,6 +172,7 @@ Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival) 
 // By a unit, a timer, a program: what came of it is noted where those who are far away read it.
 Result<int> install_what_came(const ContentArguments& arguments) {
   Arrival arrival{SystemClock().utc(), fmt::format("{}", fmt::join(arguments.paths, ", ")), {}, false};
+  const auto before = last_arrival(arguments.folder);
   const auto note = [&] {
     if (auto noted = note_arrival(arguments.folder, arrival); !noted) print_error(noted.error().message);
   };
@@ -177,8 +181,11 @@ Result<int> install_what_came(const ContentArguments& arguments) {
     arrival.words = "is being read; where this stays, it was cut off: a stick pulled out too soon, or the power";
     note();
   }
-  auto done = install_newest(arguments, arrival);
-  arrival.utc = SystemClock().utc();
+  bool news = true;
+  auto done = install_newest(arguments, arrival, news);
+  // What came of the last is to be read until there is something else to tell: folders are looked at at every start.
+  if (!news && before) arrival = *before;
+  if (news) arrival.utc = SystemClock().utc();
   if (!done) arrival.words = (arrival.taken ? arrival.words + "; " : "refused: ") + done.error().message;
   note();
   return done;

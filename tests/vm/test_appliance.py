@@ -485,6 +485,3 @@ class DeviceTests(LiveKiosk):
         self.run_program("./test_kms --gtest_filter='KmsWriteback*'", least=1)
         for line in re.findall("planes against.*", (self.kiosk.folder / "test_planes.log").read_text()):
             print(f"{line} ... ", end="", flush=True)
-
-
-from test_content import Content  # noqa: E402, F401  its tests run with these, on their machine

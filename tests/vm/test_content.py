@@ -10,9 +10,9 @@ import time
 import unittest
 
 import kiosk
-import test_appliance
+import live
+from live import long
 from machine import Machine
-from test_appliance import long
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 SLOW_BYTES_S = 60_000  # of a stick that is pulled out half-way
@@ -67,7 +67,7 @@ class Desk:
 class Content(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        setup = test_appliance.setup
+        setup = live.setup
         folder = setup.folder / "content"
         cls.desk = Desk(folder, setup.build)
         spring, summer, winter = (cls.desk.pack(name) for name in ("Spring", "Summer", "Winter"))
@@ -151,7 +151,7 @@ class Content(unittest.TestCase):
         self.assertIn("shown now, on probation", self.machine.run("journalctl -b --no-pager -u 'kasumi-stick@*'"))
         self.unplug()
         self.plug(self.sticks["good"])
-        self.wait_words("it is shown already")
+        self.machine.wait_until("it is known already", "journalctl -b --no-pager -u 'kasumi-stick@*' | grep -q 'it is shown already'", COMES_S)
         self.wait_released()
 
     def test_row_22_what_nobody_signed_changes_nothing(self):

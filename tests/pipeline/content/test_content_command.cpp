@@ -102,9 +102,17 @@ TEST_F(Carried, WhatCameByItselfIsNoted) {
   EXPECT_THAT(arrived().words, AllOf(HasSubstr("signed by curator: installed; "), HasSubstr("Rubbish.kasumi: "),
                                      testing::Not(HasSubstr("Link.kasumi"))));
   EXPECT_THAT(arrived().from, HasSubstr(stick.string()));
-  EXPECT_EQ(newest(both).code, 0);
-  EXPECT_FALSE(arrived().taken);
-  EXPECT_THAT(arrived().words, HasSubstr("it is shown already"));
+  // What came of it is to be read until there is other news.
+  fs::remove(server / "Rubbish.kasumi");
+  const auto before = arrived();
+  for (const auto& folders : {both, server.string()}) {
+    done = newest(folders);
+    EXPECT_EQ(done.code, 0) << done.err;
+    EXPECT_TRUE(arrived().taken) << folders;
+    EXPECT_EQ(arrived().words, before.words) << folders;
+    EXPECT_EQ(arrived().utc, before.utc) << folders;
+  }
+  ASSERT_TRUE(write_text_file(server / "Rubbish.kasumi", "rubbish"));
   EXPECT_EQ(newest(server.string()).code, 2);
   EXPECT_THAT(arrived().words, AllOf(HasSubstr("refused: "), HasSubstr("Rubbish.kasumi: ")));
   EXPECT_FALSE(arrived().taken);

@@ -75,11 +75,10 @@ TEST_F(RememberedGround, IsWrittenByTheHourAndOnlyWhereSomethingWasLearnt) {
   keeper.recall(again, folder_);
   see(*again, 0);
   const auto kept = ground->learnt(), resumed = again->learnt();
-  EXPECT_NE(kept.shares, [&] {
-    const auto fresh = watch();
-    see(*fresh, 0);
-    return fresh->learnt().shares;
-  }());
+  const auto fresh = watch();
+  see(*fresh, 0);
+  EXPECT_NE(kept.shares, fresh->learnt().shares);
+  EXPECT_NE(resumed.shares, fresh->learnt().shares) << "it begins anew";
   ASSERT_EQ(kept.shares.size(), resumed.shares.size());
   EXPECT_EQ(kept.ground, resumed.ground);
 }
