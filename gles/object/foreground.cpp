@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <glm/gtc/type_precision.hpp>
@@ -52,22 +53,48 @@ std::vector<double> gaussian(double sigma_px) {
   return weights;
 }
 
-// The share that is free in a camera's picture of a pixel near edges, and how far it is to be believed: as the surest
-// edge that the camera's point spread mixes into it.
-glm::u8vec2 spread_at(const Image<std::uint8_t>& mask, const Image<std::uint8_t>& trust,
-                      const std::vector<double>& weights, int x, int y) {
-  const int reach = static_cast<int>(weights.size()) - 1;
-  double sum = 0.0;
-  std::uint8_t most = 0;
-  for (int v = -reach; v <= reach; ++v)
-    for (int u = -reach; u <= reach; ++u) {
-      const int column = std::clamp(x + u, 0, mask.width() - 1), row = std::clamp(y + v, 0, mask.height() - 1);
-      sum += weights[static_cast<std::size_t>(std::abs(u))] * weights[static_cast<std::size_t>(std::abs(v))] *
-             mask.at(column, row);
-      most = std::max(most, trust.at(column, row));
+// What a camera's point spread makes of a mask near its edges: the shares that are free, and how far they are to be
+// believed: as the surest edge that is mixed into a pixel. One pass along rows, one along columns.
+class SpreadMask {
+ public:
+  SpreadMask(const Image<std::uint8_t>& mask, const Image<std::uint8_t>& trust, std::vector<double> weights)
+      : weights_(std::move(weights)), sums_(mask.width(), mask.height()), most_(mask.width(), mask.height()) {
+    const auto needed = near_edges(mask, 2 * reach());
+    for (int y = 0; y < mask.height(); ++y)
+      for (int x = 0; x < mask.width(); ++x)
+        if (needed.at(x, y))
+          gather(
+              mask, trust, [&](int u) { return glm::ivec2(std::clamp(x + u, 0, mask.width() - 1), y); }, sums_.at(x, y),
+              most_.at(x, y));
+  }
+  // Within reach() of an edge.
+  glm::u8vec2 at(int x, int y) const {
+    float sum = 0.0F;
+    std::uint8_t most = 0;
+    gather(
+        sums_, most_, [&](int v) { return glm::ivec2(x, std::clamp(y + v, 0, sums_.height() - 1)); }, sum, most);
+    return {static_cast<std::uint8_t>(std::lround(sum)), most};
+  }
+  int reach() const { return static_cast<int>(weights_.size()) - 1; }
+
+ private:
+  template <class Value, class Place>
+  void gather(const Image<Value>& values, const Image<std::uint8_t>& trust, Place place, float& sum,
+              std::uint8_t& most) const {
+    double all = 0.0;
+    most = 0;
+    for (int i = -reach(); i <= reach(); ++i) {
+      const glm::ivec2 there = place(i);
+      all += weights_[static_cast<std::size_t>(std::abs(i))] * static_cast<double>(values.at(there.x, there.y));
+      most = std::max(most, trust.at(there.x, there.y));
     }
-  return {static_cast<std::uint8_t>(std::lround(sum)), most};
-}
+    sum = static_cast<float>(all);
+  }
+
+  std::vector<double> weights_;
+  Image<float> sums_;  // along rows
+  Image<std::uint8_t> most_;
+};
 
 }  // namespace
 
@@ -77,17 +104,17 @@ Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, double po
                 mask.width(), mask.height(), info.max_texture_size);
   Foreground made;
   made.mask_ = mask;
-  const auto weights = point_spread_px > 0.0 ? gaussian(point_spread_px) : std::vector<double>{1.0};
+  auto weights = point_spread_px > 0.0 ? gaussian(point_spread_px) : std::vector<double>{1.0};
   const auto edges = near_edges(mask, static_cast<int>(weights.size()) - 1);
   Image<std::uint8_t> trust(mask.width(), mask.height(), 0);
   for (int y = 0; y < mask.height(); ++y)
     for (int x = 0; x < mask.width(); ++x)
       if (edges.at(x, y) || made.is_mixed(x, y)) trust.at(x, y) = trust_in(mask, x, y);
+  const SpreadMask spread(mask, trust, std::move(weights));
   Image<glm::u8vec2> texels(mask.width(), mask.height());
   for (int y = 0; y < mask.height(); ++y)
     for (int x = 0; x < mask.width(); ++x) {
-      texels.at(x, y) =
-          edges.at(x, y) ? spread_at(mask, trust, weights, x, y) : glm::u8vec2{mask.at(x, y), trust.at(x, y)};
+      texels.at(x, y) = edges.at(x, y) ? spread.at(x, y) : glm::u8vec2{mask.at(x, y), trust.at(x, y)};
     }
   for (std::size_t i = 0; i < texels.elements().size(); ++i) made.mask_.elements()[i] = texels.elements()[i].x;
   made.texture_ = make_texture();
