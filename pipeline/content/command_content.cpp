@@ -116,13 +116,16 @@ std::string words_of(const Trusted& trusted, const Installed& installed) {
                      installed.left_alone.empty() ? "installed" : installed.left_alone);
 }
 
-Result<int> install_on_screen(const ContentArguments& arguments, const Trusted& trusted, Arrival* arrival) {
+// `arrival`: null, or to tell what came of it; `news`: false where it is what is shown already.
+Result<int> install_on_screen(const ContentArguments& arguments, const Trusted& trusted, Arrival* arrival, bool& news) {
   const Generations generations(arguments.folder);
   const auto installed = install(trusted, generations, rules_of(arguments), SystemClock().utc());
   if (!installed) return fail(installed.error());
   const auto words = words_of(trusted, *installed);
   fmt::print("{}\n", words);
   if (arrival) arrival->words = words;
+  const auto current = generations.current();
+  news = installed->left_alone.empty() || !current || current->id != installed->generation.id;
   if (!installed->left_alone.empty()) return 0;
   const auto now = generations.find(installed->generation.id);
   auto shown = put_on_screen(arguments, generations, now ? &*now : nullptr);
@@ -142,7 +145,8 @@ Result<int> install_by_hand(const ContentArguments& arguments) {
   const auto trusted = open_trusted(arguments.paths.front(), rules_of(arguments));
   if (!trusted) return fail(trusted.error());
   if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
-  return install_on_screen(arguments, *trusted, nullptr);
+  bool news = true;
+  return install_on_screen(arguments, *trusted, nullptr, news);
 }
 
 // `arrival` tells what came of it; it is no news where nothing lies there, or only what is shown.
@@ -160,8 +164,8 @@ Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival, 
     fmt::print("{}: {}\n", arrival.from, arrival.words);
     return 0;
   }
-  auto done = install_on_screen(arguments, *found->bundle, &arrival);
-  news = !done || arrival.taken || !found->refused.empty();
+  auto done = install_on_screen(arguments, *found->bundle, &arrival, news);
+  if (!found->refused.empty()) news = true;
   for (const auto& problem : found->refused) {
     print_error(problem);
     arrival.words += "; " + problem;
