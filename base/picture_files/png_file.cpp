@@ -80,6 +80,8 @@ class PngReader {
     });
     // The size that whoever calls has bounded: a chunk before it, which libpng would skip, is no PNG's.
     if (rest_.size() >= 16 && std::memcmp(rest_.data() + 12, "IHDR", 4) != 0) png_error(png_, "it begins with no size");
+    // Remarks and profiles are skipped: libpng takes memory for all that such a chunk says it holds, up to 2 GB.
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(png_, info_);
     const auto colour = png_get_color_type(png_, info_);
     if (colour & PNG_COLOR_MASK_COLOR)

@@ -1,5 +1,6 @@
 // PNG and JPEG files against OpenCV's reading of them.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <csetjmp>
 #include <cstdio>
@@ -214,6 +215,29 @@ TEST(PictureFiles, APngWhoseSizeStandsElsewhereIsRefused) {
   EXPECT_EQ(decoded.error().kind, FaultKind::bad_input);
   EXPECT_NE(decoded.error().message.find("no size"), std::string::npos) << decoded.error().message;
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadows need an unbounded address space
+// Remarks, profiles, and kinds that libpng does not know.
+TEST(PictureFilesDeathTest, MemoryIsNotTakenForAChunkLongerThanTheFile) {
+  const Bytes png = written_png({PNG_COLOR_TYPE_RGB, 3, 8}, 40, 30);
+  for (const char* kind : {"tEXt", "zTXt", "iTXt", "iCCP", "eXIf", "hIST", "sPLT", "xxxx"}) {
+    Bytes file = png;
+    const Bytes says{0x65, 0, 0, 0};  // 1.6 GB
+    const auto after_size = file.begin() + 33;
+    file.insert(file.insert(after_size, says.begin(), says.end()) + 4, kind, kind + 4);
+    EXPECT_EXIT(
+        {
+          const rlimit memory{512u << 20, 512u << 20};
+          setrlimit(RLIMIT_AS, &memory);
+          const auto read = decode_png(file);
+          std::fprintf(stderr, "%s\n", read ? "read" : read.error().message.c_str());
+          std::_Exit(0);
+        },
+        testing::ExitedWithCode(0), "damaged PNG: the file ends too early")
+        << kind;
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace kasumi
