@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "calib/mask/sway_mask.hpp"
-#include "fixtures/leaves/leaves.hpp"
+#include "fixtures/in_front/leaves.hpp"
 #include "fixtures/noise/random.hpp"
 #include "gles/object/matte_nodes.hpp"
 #include "tests/figures.hpp"

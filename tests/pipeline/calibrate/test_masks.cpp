@@ -12,9 +12,9 @@
 #include "calib/mask/scene_mask.hpp"
 #include "calib/mask/sky_mask.hpp"
 #include "calib/mask/sway_mask.hpp"
+#include "fixtures/in_front/leaves.hpp"
 #include "fixtures/landscape/scene_view.hpp"
 #include "fixtures/landscape/sky_view.hpp"
-#include "fixtures/leaves/leaves.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
