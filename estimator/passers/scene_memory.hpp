@@ -1,0 +1,47 @@
+// Pictures of the scene without anybody in it, some tens of them in as many kinds of light as there were lately. Each is
+// the median of five that lie some seconds apart, so that who walks by is in none. In memory only.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "base/clock.hpp"
+#include "base/image.hpp"
+#include "estimator/passers/picture_part.hpp"
+#include "estimator/passers/tone.hpp"
+
+namespace kasumi {
+
+struct RememberedPicture {
+  Instant at{};
+  Image<std::uint8_t> luma, blue, red;
+  Image<glm::vec3> light;  // of each cell, linear: R, G, B
+};
+
+class SceneMemory {
+ public:
+  static constexpr std::size_t kMost = 24;
+  static constexpr Duration kBetween = std::chrono::milliseconds(750);  // of the five
+
+  // Whether a picture of that time is wanted for the next median. A driver's time may go backwards.
+  bool wants(Instant at) const {
+    return recent_.empty() || at < recent_.back().at || at - recent_.back().at >= kBetween;
+  }
+  // A wanted one, without anybody in it. True when five are together and the last median is `apart` from them: the next
+  // is remembered, and where there are too many, an outdated one is forgotten, or else the older of the two most alike.
+  bool add(RememberedPicture picture, Duration apart, const PicturePart& part, const Tone& tone);
+
+  const std::vector<RememberedPicture>& pictures() const { return pictures_; }
+
+ private:
+  void make_room(Instant now);
+  std::vector<RememberedPicture> recent_, pictures_;
+};
+
+// The means of a part's cells as linear light.
+glm::vec3 light_of_cell(const glm::vec3& yuv, const YuvToRgb& conversion, const Tone& tone);
+
+}  // namespace kasumi
