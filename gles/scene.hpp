@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include <glm/gtc/type_precision.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -145,6 +146,15 @@ struct PixelBox {
   int bottom = 0;
   bool empty() const { return right <= left || bottom <= top; }
   friend bool operator==(const PixelBox&, const PixelBox&) = default;
+};
+
+// What passes before the object in one picture of the camera: pixels from `left`, `top` on; around them nothing does.
+struct InFront {
+  int left = 0;
+  int top = 0;
+  // r, g, b: what is behind, as the camera encodes it; a: the share of the pixel that stays free, 255: all. The
+  // outermost pixels are free.
+  Image<glm::u8vec4> pixels;
 };
 
 enum class HazeDetail { per_vertex, per_fragment };  // where attenuation is computed

@@ -18,9 +18,10 @@ enum TextureUnit : int {
   kFootShadeUnit = kPlaneUnit + 1,   // as well
 
   // Beyond the guaranteed units: drivers with fewer do without these features.
-  kMoreSurfaceUnit = 8,                // .. 11: a material's other pictures, while the camera's are bound
-  kMatteUnit = kMoreSurfaceUnit,       // shared: used with the camera's picture, where no surface is drawn
-  kSceneDepthUnit = kMoreSurfaceUnit,  // shared: used for the layer, which is drawn without the camera's picture
+  kMoreSurfaceUnit = 8,                 // .. 11: a material's other pictures, while the camera's are bound
+  kMatteUnit = kMoreSurfaceUnit,        // shared: used with the camera's picture, where no surface is drawn
+  kPassersUnit = kMoreSurfaceUnit + 1,  // shared in the same way
+  kSceneDepthUnit = kMoreSurfaceUnit,   // shared: used for the layer, which is drawn without the camera's picture
   kShadowUnit = 12,
 };
 

@@ -1,6 +1,7 @@
 #include "gles/object/composite.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "gles/gl/gl.hpp"
 #include "gles/gl/patterns.hpp"
@@ -131,9 +132,12 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
                               const SensorNoise& noise, const CameraProcessing* processing) {
   const PictureMesh& mesh = mesh_for(measured);
   if (mesh.empty(area)) return {};
-  if (area != PictureArea::covered) defines.merge(frame.camera.defines());
-  if (area == PictureArea::covered) defines = {"COVERED", "LAYOUT_RGB"};
-  if (area == PictureArea::edge) defines.insert("EDGE");
+  // Who passes before the object makes an edge of all of it.
+  const bool somebody = area != PictureArea::plain && frame.passers;
+  const bool covered = area == PictureArea::covered && !somebody;
+  if (!covered) defines.merge(frame.camera.defines());
+  if (covered) defines = {"COVERED", "LAYOUT_RGB"};
+  if (area != PictureArea::plain && !covered) defines.insert("EDGE");
   // Then what the processing left tells all.
   const bool looked_up = processing && !defines.contains("PLANE");
   if (area != PictureArea::plain && !looked_up) defines.insert(frame.response.define());
@@ -141,11 +145,15 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
   if (area != PictureArea::plain && noisy) defines.insert("NOISE");
   if (area != PictureArea::plain && processing) defines.insert("PROCESSED");
   const bool matte = area == PictureArea::edge && frame.foreground && !looked_up;
+  const bool passers = somebody && !looked_up;
   // Before the processing as after it, or the two would not agree on what the leaves cover.
   const bool noise_unit_is_free = noise.none() && !processing && !defines.contains("COVERAGE");
-  const int nodes_unit = matte && frame.matte ? unit_for_nodes(frame, noise_unit_is_free) : -1;
+  int nodes_unit = matte && frame.matte ? unit_for_nodes(frame, noise_unit_is_free) : -1;
+  int passers_unit = matte ? frame.passers_unit : static_cast<int>(kForegroundUnit);
+  if (passers && passers_unit < 0) passers_unit = std::exchange(nodes_unit, -1);  // leaves are mixed by the mask
   if (matte) defines.insert("MATTE");
   if (nodes_unit >= 0) defines.insert("MATTE_NODES");
+  if (passers && passers_unit >= 0) defines.insert("IN_FRONT");
   const auto program = programs.find(ProgramKind::picture, defines);
   if (!program) return fail(program.error());
   (*program)->use();
@@ -160,6 +168,8 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
     frame.foreground->bind();
     (*program)->set("foreground", kForegroundUnit);
   }
+  if (passers && passers_unit >= 0)
+    frame.passers->bind(**program, passers_unit, frame.camera.width, frame.camera.height);
   if (nodes_unit >= 0) frame.matte->bind(**program, nodes_unit, frame.camera.width, frame.camera.height);
   mesh.draw(area);
   return {};

@@ -8,6 +8,7 @@
 #include "gles/gl/target.hpp"
 #include "gles/object/camera_processing.hpp"
 #include "gles/object/foreground.hpp"
+#include "gles/object/in_front.hpp"
 #include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
 #include "gles/picture/camera_textures.hpp"
@@ -37,6 +38,8 @@ struct CameraFrame {
   const GlTexture& dither;
   const Foreground* foreground = nullptr;  // null: it leaves no pixel of the object open
   const Matte* matte = nullptr;            // null: such pixels are mixed as the mask says
+  const PassersOnGpu* passers = nullptr;   // null: nobody passes before the object
+  int passers_unit = -1;                   // where the foreground leaves pixels open; < 0: the driver has none
   int spare_unit = -1;                     // beyond those that GLES 2 promises; < 0: the driver has none
   void bind(const Program& program, const PictureOnTarget& shown) const;
 };

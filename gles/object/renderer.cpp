@@ -14,6 +14,7 @@
 #include "gles/object/camera_processing.hpp"
 #include "gles/object/composite.hpp"
 #include "gles/object/foreground.hpp"
+#include "gles/object/in_front.hpp"
 #include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
 #include "gles/picture/camera_input.hpp"
@@ -79,7 +80,8 @@ struct Renderer::State {
   PixelBox box;      // of the object with its detail
   std::optional<Foreground> foreground;
   std::optional<Matte> matte;  // where the foreground leaves pixels of the object's box open
-  int spare_unit = -1;
+  int spare_unit = -1, passers_unit = -1;
+  PassersOnGpu passers;
   std::optional<SceneDepth> scene_depth;
   int scene_depth_unit = -1;
   bool shadows_work = true;
@@ -139,7 +141,13 @@ struct Renderer::State {
 
   CameraFrame frame() const {
     const bool open = composite.is_left_open();
-    return {camera.newest(), *response, dither, open ? &*foreground : nullptr, open && matte ? &*matte : nullptr,
+    return {camera.newest(),
+            *response,
+            dither,
+            open ? &*foreground : nullptr,
+            open && matte ? &*matte : nullptr,
+            passers.empty() ? nullptr : &passers,
+            passers_unit,
             spare_unit};
   }
 
@@ -324,6 +332,7 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
   state->dither = make_dither_pattern();
   state->units_in_one_pass = units_beside_camera(textures);
   if (textures > kMatteUnit && !options.force_promised_units) state->spare_unit = kMatteUnit;
+  if (textures > kPassersUnit && !options.force_promised_units) state->passers_unit = kPassersUnit;
   const bool compares_depths = textures > kSceneDepthUnit && state->info.highp_fragments;
   state->scene_depth_unit = compares_depths ? static_cast<int>(kSceneDepthUnit) : -1;
   GLint varyings = 0;
@@ -544,6 +553,16 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
+}
+
+Result<> Renderer::set_in_front(const InFront& passers) {
+  State& s = *state_;
+  s.passers.clear();
+  if (passers.pixels.empty()) return {};
+  if (const int most = s.info.max_texture_size; passers.pixels.width() > most || passers.pixels.height() > most)
+    return fail(FaultKind::bad_input, "{} x {} pixels in front of the object: this driver supports at most {}",
+                passers.pixels.width(), passers.pixels.height(), most);
+  return s.passers.upload(passers);
 }
 
 Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {

@@ -116,6 +116,10 @@ class Renderer {
   // without it pass unchanged. Errors: bad_input (grid, noise), device.
   Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
 
+  // Who passes before the object in the picture uploaded last, for draw() and draw_for_plane(); without pixels: nobody.
+  // Errors: bad_input (larger than the driver's textures), device.
+  Result<> set_in_front(const InFront& passers);
+
   // For a display that lays one picture over another by itself: the object alone, premultiplied and encoded, which over
   // the uploaded picture gives what draw() gives, and over a later one follows its light but not its leaves. `target`
   // is the object_box()'s, top row first; it is transparent outside drawn_box(). Needs a layer. Errors: as draw().

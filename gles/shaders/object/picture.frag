@@ -28,7 +28,11 @@ varying vec2 v_processed;
 varying vec2 v_pixel;
 #endif
 
-#if defined(MATTE)
+#if defined(IN_FRONT)
+uniform sampler2D in_front;   // rgb: what is behind who passes before the object; a: the pixel's free share
+uniform vec4 in_front_place;  // the picture's 0..1 to the texture's: scale, offset
+#endif
+#if defined(MATTE) || defined(IN_FRONT)
 const float kLeastCoverage = 0.0005;  // below it the camera's picture passes unchanged
 #endif
 
@@ -52,11 +56,25 @@ void main() {
   vec3 root = v_airlight_root * object.rgb;
   vec3 own = root * root;
   vec3 light = light_of(clamp(behind, 0.0, 1.0));
+#if defined(MATTE) || defined(IN_FRONT)
 #if defined(MATTE)
   Matte matte = matte_at(v_picture, light);
-  own *= matte.open_share;
-  light = max(light + own - coverage * matte.behind, 0.0);
-  coverage *= matte.open_share;
+  float open_share = matte.open_share;
+  vec3 open_behind = matte.behind;  // open_share times the light behind
+#else
+  float open_share = 1.0;
+  vec3 open_behind = light;
+#endif
+#if defined(IN_FRONT)
+  vec4 passer = texture2D(in_front, v_picture * in_front_place.xy + in_front_place.zw);
+  if (passer.a < 1.0) {
+    open_share *= passer.a;
+    open_behind = open_share * light_of(passer.rgb);
+  }
+#endif
+  own *= open_share;
+  light = max(light + own - coverage * open_behind, 0.0);
+  coverage *= open_share;
   bool changes = coverage > kLeastCoverage;
 #else
   light = light * (1.0 - coverage) + own;
