@@ -469,6 +469,9 @@ void RenderLoop::publish() {
   status_.frames_dropped = mailboxes_.render.frames.dropped();
   status_.latency = latency_.whole();
   status_.display.planes = screen_.is_open() ? screen_.planes().state() : "";
+  status_.passers.reset();
+  if (const auto* look = screen_.is_open() ? screen_.stage().passers() : nullptr)
+    status_.passers = PassersStatus{look->state, look->known_share, look->covered_share, look->until_watching};
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
     status_.latency_minute = latency_.take_minute();

@@ -49,6 +49,7 @@ bool Screen::open() {
   spdlog::info("display: {}, {}", (*display)->description(), (*display)->context().info().renderer);
   for (const auto& note : stage->notes()) spdlog::info("display: {}", note);
   stage->go_live(clock_);
+  stage->adopt(std::exchange(passers_, std::nullopt));
   status_.up = true;
   status_.description = (*display)->description();
   status_.cause.clear();
@@ -66,8 +67,10 @@ Result<> Screen::adopt(const ContentPtr& content, std::optional<Stage> stage) {
       stage = std::move(*made);
     }
     open_->planes = {};
+    auto passers = open_->stage.take_passers();
     open_->stage = std::move(*stage);
     open_->stage.go_live(clock_);
+    open_->stage.adopt(std::move(passers));
   }
   stage.reset();  // before the context that it belongs to
   content_ = content;
@@ -86,6 +89,7 @@ void Screen::handle_fault(const Fault& fault) {
   status_.cause = fault.message;
   missing_logged_ = true;  // by the warning above
   air_ = open_->stage.air();
+  passers_ = open_->stage.take_passers();
   open_.reset();
   try_at_ = clock_.now();
 }

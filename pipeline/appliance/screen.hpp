@@ -81,7 +81,8 @@ class Screen {
   std::unique_ptr<DisplayWatch> watch_;
 
   std::optional<Open> open_;
-  std::optional<SceneAir> air_;  // of the last stage, for the next one
+  std::optional<SceneAir> air_;     // of the last stage, for the next one
+  std::optional<Passers> passers_;  // likewise: what it learnt of the scene
   Instant try_at_;
   Instant tried_at_;
   bool missing_logged_ = false;            // that there is no display

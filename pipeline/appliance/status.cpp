@@ -131,6 +131,16 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   return json;
 }
 
+OrderedJson passers_json(const std::optional<PassersStatus>& passers) {
+  if (!passers) return nullptr;
+  const bool learns = passers->state == PassersState::learning;
+  return {{"state", name_of(passers->state)},
+          {"reason", reason_of(passers->state)},
+          {"known_share", passers->known_share},
+          {"covered_share", passers->covered_share},
+          {"until_watching_s", learns ? OrderedJson(to_seconds(passers->until_watching)) : OrderedJson(nullptr)}};
+}
+
 OrderedJson start_json(const std::optional<StartRecord>& start) {
   if (!start) return nullptr;
   return {{"safe_mode", start->mode != StartMode::whole},
@@ -274,6 +284,7 @@ std::string status_json(const Status& status) {
   if (status.render.ground_known) json["ground_light_known"] = *status.render.ground_known;
   const auto& refused = status.render.draw_refused;
   json["draw_refused"] = refused.empty() ? OrderedJson(nullptr) : OrderedJson(refused);
+  json["people_in_front"] = passers_json(status.render.passers);
   json["clock_trusted"] = status.sky.clock_trusted;
   json["recording"] = false;  // recording needs the cameras for itself: only `kasumi record` does it
   json["latency_ms"] = latency_json(status.render.latency);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/passers/passers.hpp"
 #include "pipeline/appliance/mailboxes.hpp"
 #include "pipeline/camera_drift/drift.hpp"
 #include "pipeline/config/ladder.hpp"
@@ -26,6 +27,13 @@ struct DisplayStatus {
   std::string planes;        // "on": pictures go onto planes of its own; else why not
 };
 
+// Whether people before the building stay in front of it.
+struct PassersStatus {
+  PassersState state = PassersState::learning;
+  double known_share = 0.0, covered_share = 0.0;  // of the building's surroundings
+  Duration until_watching{};                      // at least, while learning
+};
+
 struct RenderStatus {
   Rung rung;
   DisplayStatus display;
@@ -39,6 +47,7 @@ struct RenderStatus {
   std::uint64_t frames_dropped = 0;              // superseded before they were shown
   std::optional<LatencySummary> latency;         // since the start
   std::optional<LatencySummary> latency_minute;  // of the last whole minute
+  std::optional<PassersStatus> passers;          // empty: not asked for, or no picture yet
   Instant told{};
 };
 

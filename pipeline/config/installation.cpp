@@ -52,6 +52,7 @@ Installation read_installation(const ConfigTable& root) {
   installation.scene = read_camera(scene, "scene");
   installation.scene_quality = read_image_quality(scene);
   installation.scene_distances_m = read_distance_map(scene, installation.scene.width, installation.scene.height);
+  installation.people_in_front = scene.flag("people_in_front", false);
   if (installation.scene.lens && !pinhole_model(*installation.scene.lens))
     scene.table("lens").problem("model",
                                 "\"pinhole\": the picture is drawn through a pinhole (with Brown's distortion)");

@@ -41,6 +41,7 @@ struct Installation {
   ImageQuality scene_quality;
   Image<float> scene_distances_m;  // of the scene camera's size, along each pixel's line of sight, 0 where nothing is
                                    // known to stand; empty: nowhere
+  bool people_in_front = false;    // people, birds and vehicles before the building stay in front of it
   ObjectPlacement object;
   std::vector<Landmark> landmarks;
   std::vector<ContrastLandmark> contrast_landmarks;  // those used to measure visibility

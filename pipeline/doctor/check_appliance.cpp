@@ -220,6 +220,12 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
   if (const auto refused = text(is, "draw_refused"); !refused.empty())
     findings.fail("display.picture", "the scene camera's pictures cannot be drawn: " + refused,
                   "another size in [scene] and [scene.camera], or another driver: kasumi run --config FILE --check");
+  if (const auto people = part(is, "people_in_front"); people.is_object()) {
+    const auto found = fmt::format("people before the building: {}, {:.0f} % of the scene known", text(people, "state"),
+                                   100.0 * number(people, "known_share"));
+    const auto reason = text(people, "reason");
+    findings.good("people_in_front", reason.empty() ? found : found + ": " + reason);
+  }
   check_live_display(part(was, "display"), part(is, "display"), text(is, "shown") == "dark", seconds, findings);
 
   if (const auto latency = part(is, "latency_ms"); part(latency, "median").is_number()) {

@@ -22,8 +22,9 @@ bool differs(const glm::dvec3& a, const glm::dvec3& b, double relative) {
 }
 
 bool differs(const BuildingLook& a, const BuildingLook& b) {
-  if (a.layer != b.layer || a.measured.first_px != b.measured.first_px || a.measured.last_px != b.measured.last_px ||
-      differs(a.noise.shot, b.noise.shot, kOtherNoise) || differs(a.noise.read, b.noise.read, kOtherNoise))
+  if (a.layer != b.layer || a.passers != b.passers || a.measured.first_px != b.measured.first_px ||
+      a.measured.last_px != b.measured.last_px || differs(a.noise.shot, b.noise.shot, kOtherNoise) ||
+      differs(a.noise.read, b.noise.read, kOtherNoise))
     return true;
   return !std::ranges::equal(a.measured.light, b.measured.light,
                              [](const glm::dvec3& p, const glm::dvec3& q) { return !differs(p, q, kHalfAStep); });

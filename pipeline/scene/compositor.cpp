@@ -15,6 +15,7 @@ namespace {
 
 // Of a picture's time, for a layer that is being redrawn.
 constexpr Duration kSlice = std::chrono::milliseconds(4);
+constexpr int kAroundBuilding_px = 32;  // in which the light around the building is seen, and who comes
 constexpr Duration kAnswerBound = std::chrono::seconds(20);  // whoever was asked has died of the question
 
 ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
@@ -126,7 +127,22 @@ Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture&
   if (horizon.valid()) air_.adopt(horizon.get());
   measured_ = air_.measured(now, renderer_.object_box());
   if (question_ && ground_ && appearance_) question_->ground = GroundQuestion{ground_, appearance_, *measured_};
-  return updated;
+  if (!updated) return updated;
+  return keep_passers_in_front(metadata, picture);
+}
+
+Result<> Compositor::keep_passers_in_front(const FrameMetadata& metadata, const DecodedPicture& picture) {
+  outline_ = 0;
+  const PixelBox box = renderer_.object_box();
+  if (!people_in_front_ || box.empty()) {
+    passers_.reset();
+    return renderer_.set_in_front({});
+  }
+  const auto place = part_around(box.left, box.top, box.right, box.bottom, kAroundBuilding_px, width_, height_);
+  if (!passers_ || passers_->place() != place) passers_.emplace(place, response_);
+  const auto& in_front = passers_->look(picture.view(), metadata.captured_at).in_front;
+  if (!in_front.empty()) outline_ = ++outlines_;
+  return renderer_.set_in_front({in_front.left, in_front.top, in_front.pixels});
 }
 
 ObjectAppearance Compositor::lit_appearance(const SceneConditions& now) const {
@@ -229,7 +245,7 @@ Result<> Compositor::lend(const DecodedPicture& picture) {
 
 std::optional<BuildingLook> Compositor::look() const {
   if (!measured_) return std::nullopt;
-  return BuildingLook{layers_drawn_, *measured_, noise_};
+  return BuildingLook{layers_drawn_, *measured_, noise_, outline_};
 }
 
 Result<> Compositor::draw_for_plane(const DrawTarget& target) {
@@ -294,6 +310,14 @@ Result<> Compositor::rehearse(PixelLayout layout, const DrawTarget& target) {
     return uploaded;
   noise_ = noise_for_gles(quality_, white_balance_, 1.0, 0);
   auto drawn = show(target);
+  // Somebody in front is drawn by programs of their own, which must not be compiled when the first comes.
+  if (drawn && people_in_front_) {
+    InFront somebody;
+    somebody.pixels = Image<glm::u8vec4>(3, 3, glm::u8vec4{0, 0, 0, 255});
+    if (auto set = renderer_.set_in_front(somebody); !set) return set;
+    drawn = show(target);
+    if (auto set = renderer_.set_in_front({}); !set) return set;
+  }
   measured_.reset();
   return drawn;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "estimator/passers/passers.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gpu_model/model_chunks.hpp"
 #include "gles/object/renderer.hpp"
@@ -21,6 +22,7 @@ struct BuildingLook {
   std::uint64_t layer = 0;  // as Compositor::layers_drawn() counts
   AirlightGrid measured;
   SensorNoise noise;
+  std::uint64_t passers = 0;  // in the picture, counted: another number is another outline; 0: nobody
 };
 
 // Belongs to the thread of its GL context. When that context is lost, a new compositor with the same model
@@ -79,6 +81,12 @@ class Compositor {
   void adopt(const HorizonAnswer& answer);
   void adopt(LayerAnswer answer);  // one to another question than the last is left
 
+  // Who passes before the building in the picture drawn or taken last; null: nobody is looked for.
+  const PassersLook* passers() const { return passers_ ? &passers_->last() : nullptr; }
+  // What was learnt of the scene, for a compositor that follows this one. It is used where it looks at the same pixels.
+  std::optional<Passers> take_passers() { return std::exchange(passers_, std::nullopt); }
+  void adopt(std::optional<Passers> passers) { passers_ = std::move(passers); }
+
   const SceneAir& air() const { return air_; }
   const GroundLook& ground() const { return ground_look_; }  // as seen last
   std::uint64_t layers_drawn() const { return layers_drawn_; }
@@ -97,10 +105,13 @@ class Compositor {
         quality_(installation.scene_quality),
         white_balance_(installation.scene.white_balance),
         width_(installation.scene.width),
-        height_(installation.scene.height) {}
+        height_(installation.scene.height),
+        people_in_front_(installation.people_in_front),
+        response_(installation.scene.response) {}
   Result<> copy_lent();
   Result<> lend(const DecodedPicture& picture);
   Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
+  Result<> keep_passers_in_front(const FrameMetadata& metadata, const DecodedPicture& picture);
   Result<> pass_to_gpu(const DecodedPicture& picture);
   std::future<HorizonAnswer> measure_horizon(const FrameMetadata& metadata, const DecodedPicture& picture,
                                              const SkyReport& sky, const SceneConditions& now);
@@ -122,6 +133,10 @@ class Compositor {
   ImageQuality quality_;
   glm::dvec3 white_balance_;
   int width_, height_;  // of the camera's pictures
+  bool people_in_front_;
+  Response response_;
+  std::optional<Passers> passers_;
+  std::uint64_t outlines_ = 0, outline_ = 0;  // so far; the one shown, 0: nobody's
   ObjectDetail detail_;
   std::optional<SceneConditions> layer_;  // the air the cached layer was drawn under
   struct UnfinishedLayer {

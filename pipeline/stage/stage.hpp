@@ -57,6 +57,11 @@ class Stage {
   // Whether the scene drawn last includes the building.
   bool draws_object() const { return draws_object_; }
 
+  const PassersLook* passers() const { return compositor_.passers(); }
+  // What was learnt of the scene, from the stage before this one.
+  std::optional<Passers> take_passers() { return compositor_.take_passers(); }
+  void adopt(std::optional<Passers> passers) { compositor_.adopt(std::move(passers)); }
+
   const SceneAir& air() const { return compositor_.air(); }
   FrameCounts frames() const { return compositor_.frames(); }
 

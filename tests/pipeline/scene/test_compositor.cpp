@@ -1,11 +1,14 @@
 // The scene camera's frames on the GPU: copied or imported, shown again, and restored after a lost context.
 #include <chrono>
 #include <ctime>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/clock.hpp"
+#include "capture/codec/encode.hpp"
+#include "capture/frame.hpp"
 #include "gles/gl/offscreen.hpp"
 #include "pipeline/config/fixture_file.hpp"
 #include "pipeline/scene/compositor.hpp"
@@ -371,6 +374,56 @@ TEST_F(Compositors, LiveOnesLeaveWhatWasMeasuredForOthers) {
   for (auto& column : strange.seen.columns) column.light *= 3.0;
   live.adopt(strange);
   EXPECT_EQ(drawn(live, frame).elements(), before.elements());
+}
+
+// A land of stripes and spots; each picture has noise of its own. Somebody in red stands at `left`, `top`, where asked.
+Frame picture_at(int second, std::optional<glm::ivec2> left_top = std::nullopt) {
+  Image<Rgb8> picture(kWidth, kHeight);
+  std::uint32_t noise = static_cast<std::uint32_t>(second) + 1;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      noise = noise * 1664525U + 1013904223U;
+      const int land = 90 + 40 * (x / 9 % 2) + 20 * (y / 7 % 2) + static_cast<int>(noise >> 30U);
+      picture.at(x, y) = Rgb8(land, land + 10, land - 20);
+    }
+  if (left_top)
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 16; ++x) picture.at(left_top->x + x, left_top->y + y) = {200, 30, 30};
+  Frame frame = encode_frame(picture, four_cc("RGB3")).value();
+  frame.metadata.captured_at = Instant{} + std::chrono::seconds(second);
+  return frame;
+}
+
+TEST_F(Compositors, KeepWhoPassesInFrontWhereThatIsAskedFor) {
+  constexpr int kLearnt_s = 140;
+  Compositor over = make();
+  installation_.people_in_front = true;
+  Compositor behind = make();
+  for (int second = 0; second < kLearnt_s; ++second) {
+    drawn(behind, picture_at(second));
+    if (second == 10) {
+      ASSERT_EQ(behind.passers()->state, PassersState::learning);
+    }
+  }
+  ASSERT_EQ(behind.passers()->state, PassersState::watching);
+  drawn(behind, picture_at(kLearnt_s));
+  EXPECT_EQ(behind.look()->passers, 0U);
+
+  const PixelBox box = behind.object_box();
+  const glm::ivec2 at{(box.left + box.right) / 2 - 8, (box.top + box.bottom) / 2 - 20};
+  const Frame somebody = picture_at(kLearnt_s + 1, at);
+  const auto painted = drawn(over, somebody), kept = drawn(behind, somebody);
+  EXPECT_EQ(over.passers(), nullptr);
+  EXPECT_NE(behind.look()->passers, 0U);
+  const Image<Rgb8> camera = to_rgb(decode(somebody, YuvEncoding::bt601_full)->view());
+  int painted_over = 0, lost = 0;
+  for (int y = 2; y < 38; ++y)
+    for (int x = 2; x < 14; ++x) {
+      painted_over += painted.at(at.x + x, at.y + y) != camera.at(at.x + x, at.y + y);
+      lost += kept.at(at.x + x, at.y + y) != camera.at(at.x + x, at.y + y);
+    }
+  EXPECT_GT(painted_over, 100);  // the building covers him there
+  EXPECT_EQ(lost, 0);
 }
 
 }  // namespace
