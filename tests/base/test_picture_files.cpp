@@ -217,6 +217,15 @@ TEST(PictureFiles, APngWhoseSizeStandsElsewhereIsRefused) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadows need an unbounded address space
+[[noreturn]] void decode_in_little_memory(const Bytes& png) {
+  rlimit memory{};
+  memory.rlim_cur = memory.rlim_max = 512u << 20;
+  setrlimit(RLIMIT_AS, &memory);
+  const auto read = decode_png(png);
+  std::fprintf(stderr, "%s\n", read ? "read" : read.error().message.c_str());
+  std::_Exit(0);
+}
+
 // Remarks, profiles, and kinds that libpng does not know.
 TEST(PictureFilesDeathTest, MemoryIsNotTakenForAChunkLongerThanTheFile) {
   const Bytes png = written_png({PNG_COLOR_TYPE_RGB, 3, 8}, 40, 30);
@@ -225,15 +234,7 @@ TEST(PictureFilesDeathTest, MemoryIsNotTakenForAChunkLongerThanTheFile) {
     const Bytes says{0x65, 0, 0, 0};  // 1.6 GB
     const auto after_size = file.begin() + 33;
     file.insert(file.insert(after_size, says.begin(), says.end()) + 4, kind, kind + 4);
-    EXPECT_EXIT(
-        {
-          const rlimit memory{512u << 20, 512u << 20};
-          setrlimit(RLIMIT_AS, &memory);
-          const auto read = decode_png(file);
-          std::fprintf(stderr, "%s\n", read ? "read" : read.error().message.c_str());
-          std::_Exit(0);
-        },
-        testing::ExitedWithCode(0), "damaged PNG: the file ends too early")
+    EXPECT_EXIT(decode_in_little_memory(file), testing::ExitedWithCode(0), "damaged PNG: the file ends too early")
         << kind;
   }
 }
