@@ -124,10 +124,11 @@ constexpr double kWidestPointSpread_px = 3.0;
 constexpr double kStrongestSharpening = 3.0;
 
 // The camera's noise: the variance of linear light L (full scale = 1) is shot L + read^2, per channel.
+constexpr std::uint32_t kNoisePatterns = 4;  // in turn; nobody sees them come again
 struct SensorNoise {
   glm::dvec3 shot{0.0};
   glm::dvec3 read{0.0};
-  std::uint32_t pattern = 0;  // selects a frame's noise: the same number gives the same noise
+  std::uint32_t pattern = 0;  // selects a frame's noise: the same number modulo kNoisePatterns gives the same noise
   bool none() const { return shot == glm::dvec3{0.0} && read == glm::dvec3{0.0}; }
 };
 

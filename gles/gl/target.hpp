@@ -20,6 +20,7 @@ struct Letterbox {
   int y = 0;
   int width = 0;
   int height = 0;
+  friend bool operator==(const Letterbox&, const Letterbox&) = default;
 };
 Letterbox letterbox(const DrawTarget& target, int picture_width, int picture_height);
 

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kBlock = 16;  // pixels of a colour difference's 8 x 8 block, at most
 constexpr int kSteps = 8;   // of a block's coefficients, each way
+constexpr std::string_view kWhat = "the camera's processing";
 
 PixelBox around(const std::vector<PixelBox>& boxes) {
   PixelBox whole;
@@ -25,22 +26,56 @@ PixelBox blocks_around(const PixelBox& changed) {
   return {down(changed.left), down(changed.top), up(changed.right), up(changed.bottom)};
 }
 
-// The blocks of `part` that hold a changed pixel or its neighbour, row by row, in pixels from the part's corner.
-std::vector<PixelBox> blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed) {
+// By rows of blocks of `part`, 0 or 1 each.
+using BlockMap = Image<std::uint8_t>;
+
+// The blocks that hold a changed pixel or its neighbour.
+BlockMap blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed) {
   const int columns = (part.right - part.left) / kBlock, rows = (part.bottom - part.top) / kBlock;
-  Image<std::uint8_t> taken(columns, rows, 0);
+  BlockMap taken(columns, rows, 0);
   for (const PixelBox& box : changed) {
     const PixelBox blocks = blocks_around(box);
     for (int y = (blocks.top - part.top) / kBlock; y < std::min((blocks.bottom - part.top) / kBlock, rows); ++y)
       for (int x = (blocks.left - part.left) / kBlock; x < std::min((blocks.right - part.left) / kBlock, columns); ++x)
         taken.at(x, y) = 1;
   }
+  return taken;
+}
+
+// Those of them in which something else is to be seen than the object, or next to which.
+BlockMap live_blocks_of(const PixelBox& part, const ObjectInPicture& object) {
+  BlockMap live = blocks_of(part, object.changed);
+  const int width = part.right - part.left, height = part.bottom - part.top;
+  Image<std::uint8_t> covered(width, height, 0);
+  for (const PixelBox& box : object.covered)
+    for (int y = box.top; y < box.bottom; ++y)
+      std::fill_n(&covered.at(box.left - part.left, y - part.top), box.right - box.left, std::uint8_t{1});
+  const auto is_covered = [&](int left, int top) {
+    for (int y = top - 1; y <= top + kBlock; ++y)
+      for (int x = left - 1; x <= left + kBlock; ++x)
+        if (x < 0 || y < 0 || x >= width || y >= height || covered.at(x, y) == 0) return false;
+    return true;
+  };
+  for (int y = 0; y < live.height(); ++y)
+    for (int x = 0; x < live.width(); ++x)
+      if (live.at(x, y) && is_covered(x * kBlock, y * kBlock)) live.at(x, y) = 0;
+  return live;
+}
+
+// A rectangle of the part's pixels, with the neighbours that sharpening looks at, in the picture's.
+PixelBox with_neighbours(const PixelBox& box, const PixelBox& part, glm::ivec2 picture) {
+  return {std::max(part.left + box.left - 1, 0), std::max(part.top + box.top - 1, 0),
+          std::min(part.left + box.right + 1, picture.x), std::min(part.top + box.bottom + 1, picture.y)};
+}
+
+// In rectangles of a row of blocks each, in pixels from the part's corner.
+std::vector<PixelBox> rectangles_of(const BlockMap& blocks) {
   std::vector<PixelBox> found;
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < columns;) {
+  for (int y = 0; y < blocks.height(); ++y)
+    for (int x = 0; x < blocks.width();) {
       const int first = x;
-      while (x < columns && taken.at(x, y) == taken.at(first, y)) ++x;
-      if (taken.at(first, y)) found.push_back({first * kBlock, y * kBlock, x * kBlock, (y + 1) * kBlock});
+      while (x < blocks.width() && blocks.at(x, y) == blocks.at(first, y)) ++x;
+      if (blocks.at(first, y)) found.push_back({first * kBlock, y * kBlock, x * kBlock, (y + 1) * kBlock});
     }
   return found;
 }
@@ -73,26 +108,30 @@ void bind_to(int unit, const GlTexture& texture, TextureFilter filter) {
 
 }  // namespace
 
-Result<CameraProcessing> CameraProcessing::create(const std::vector<PixelBox>& changed, glm::ivec2 picture,
-                                                  ProcessingOptions options, const GlInfo& info) {
+Result<CameraProcessing> CameraProcessing::create(const ObjectInPicture& object, ProcessingOptions options,
+                                                  const GlInfo& info) {
   CameraProcessing made;
+  made.info_ = &info;
   made.options_ = std::move(options);
-  made.changed_ = changed;
-  made.part_ = blocks_around(around(changed));
-  made.picture_ = picture;
-  made.blocks_ = PictureMesh::upload({blocks_of(made.part_, changed)});
+  made.object_ = object;
+  made.part_ = blocks_around(around(object.changed));
+  const auto live = rectangles_of(live_blocks_of(made.part_, object));
+  made.blocks_ = PictureMesh::upload({rectangles_of(blocks_of(made.part_, object.changed))});
+  made.live_blocks_ = PictureMesh::upload({live});
+  for (const PixelBox& box : live) made.live_pixels_.push_back(with_neighbours(box, made.part_, object.picture));
   const auto create_buffer = [&](LayerBuffer& buffer, glm::ivec2 of) -> Result<> {
-    auto created = LayerBuffer::create(of.x, of.y, true, info, "the camera's processing");
+    auto created = LayerBuffer::create(of.x, of.y, true, info, kWhat);
     if (!created) return fail(created.error());
     buffer = std::move(*created);
     return {};
   };
   const glm::ivec2 size = made.size();
-  if (auto done = create_buffer(made.result_, size); !done) return fail(done.error());
+  if (auto done = create_buffer(made.composite_, size); !done) return fail(done.error());
   if (made.options_.sharpening > 0.0)
-    for (LayerBuffer* each : {&made.camera_, &made.sharpened_})
-      if (auto done = create_buffer(*each, size); !done) return fail(done.error());
+    if (auto done = create_buffer(made.camera_, size); !done) return fail(done.error());
   if (!made.options_.jpeg) return made;
+  if (made.options_.sharpening > 0.0)
+    if (auto done = create_buffer(made.sharpened_, size); !done) return fail(done.error());
   for (std::size_t i = 0; i < 2; ++i) {
     if (auto done = create_buffer(made.luma_[i], made.luma_size()); !done) return fail(done.error());
     if (auto done = create_buffer(made.chroma_[i], size / made.options_.shared_pixels); !done)
@@ -102,56 +141,69 @@ Result<CameraProcessing> CameraProcessing::create(const std::vector<PixelBox>& c
   return made;
 }
 
-bool CameraProcessing::is_for(const std::vector<PixelBox>& changed, glm::ivec2 picture,
-                              const ProcessingOptions& options) const {
+bool CameraProcessing::is_for(const ObjectInPicture& object, const ProcessingOptions& options) const {
   const auto same_steps = [&] {
     return options.jpeg && options_.jpeg ? *options.jpeg == *options_.jpeg : options.jpeg == options_.jpeg;
   };
-  return changed == changed_ && picture == picture_ && options.sharpening == options_.sharpening &&
+  return object == object_ && options.sharpening == options_.sharpening &&
          options.shared_pixels == options_.shared_pixels && same_steps();
 }
 
-Result<> CameraProcessing::apply(Programs& programs, const std::function<Result<>()>& draw_camera,
-                                 const std::function<Result<>()>& draw_composite) {
-  const auto draw = [&](const LayerBuffer& buffer, const std::function<Result<>()>& drawing) {
+void CameraProcessing::forget() {
+  for (Done& done : done_) done.look.reset();
+}
+
+Result<> CameraProcessing::apply(const std::optional<ObjectLook>& look, Programs& programs, const Drawing& draw_camera,
+                                 const Drawing& draw_composite) {
+  newest_ = look && !look->noise.none() ? look->noise.pattern % kNoisePatterns : 0;
+  Done& done = done_[newest_];
+  only_live_ = look && done.look && look_alike(*look, *done.look);
+  if (!only_live_) done.look.reset();
+  if (done.picture.texture.name() == 0) {
+    auto made = LayerBuffer::create(size().x, size().y, true, *info_, kWhat);
+    if (!made) return fail(made.error());
+    done.picture = std::move(*made);
+  }
+  const auto draw = [&](const LayerBuffer& buffer, const Drawing& drawing) {
     glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer.name());
-    return drawing();
+    return drawing(only_live_ ? &live_pixels_ : nullptr);
   };
-  if (auto drawn = draw(result_, draw_composite); !drawn) return drawn;
-  if (options_.sharpening > 0.0) {
+  if (auto drawn = draw(composite_, draw_composite); !drawn) return drawn;
+  const bool sharpens = options_.sharpening > 0.0;
+  if (sharpens) {
     if (auto drawn = draw(camera_, draw_camera); !drawn) return drawn;
-    if (auto done = sharpen(programs); !done) return done;
+    if (auto drawn = sharpen(programs, options_.jpeg ? sharpened_ : done.picture); !drawn) return drawn;
   }
   if (options_.jpeg)
-    if (auto done = round_blocks(programs); !done) return done;
-  return check_gl("the camera's processing");
+    if (auto drawn = round_blocks(programs, sharpens ? sharpened_ : composite_, done.picture); !drawn) return drawn;
+  if (!only_live_) done.look = look;
+  return check_gl(kWhat);
 }
 
 void CameraProcessing::draw_into(const LayerBuffer& buffer, glm::ivec2 buffer_size, const Program& program) const {
   program.set("part", glm::dvec2(size()));
   glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer.name());
   glViewport(0, 0, buffer_size.x, buffer_size.y);
-  blocks_->draw(PictureArea::plain);
+  (only_live_ ? live_blocks_ : blocks_)->draw(PictureArea::plain);
 }
 
 // Of the picture's last pixel in the part, as a texture's coordinates.
 glm::dvec2 CameraProcessing::last_place() const {
-  return (glm::dvec2(picture_ - glm::ivec2{part_.left, part_.top}) - 0.5) / glm::dvec2(size());
+  return (glm::dvec2(object_.picture - glm::ivec2{part_.left, part_.top}) - 0.5) / glm::dvec2(size());
 }
 
-Result<> CameraProcessing::sharpen(Programs& programs) {
+Result<> CameraProcessing::sharpen(Programs& programs, const LayerBuffer& sharpened) const {
   const auto program = programs.find(ProgramKind::sharpen, {});
   if (!program) return fail(program.error());
   (*program)->use();
   bind_to(kPlaneUnit, camera_.texture, TextureFilter::linear);
-  bind_to(kLayerUnit, result_.texture, TextureFilter::linear);
+  bind_to(kLayerUnit, composite_.texture, TextureFilter::linear);
   (*program)->set("camera", kPlaneUnit);
   (*program)->set("composite", kLayerUnit);
   (*program)->set("texel", 1.0 / glm::dvec2(size()));
   (*program)->set("last_place", last_place());
   (*program)->set("amount", options_.sharpening);
-  draw_into(sharpened_, size(), **program);
-  std::swap(result_, sharpened_);
+  draw_into(sharpened, size(), **program);
   return {};
 }
 
@@ -161,7 +213,8 @@ Result<> CameraProcessing::pass(Programs& programs, const Defines& defines, cons
   if (!program) return fail(program.error());
   const Program& p = **program;
   p.use();
-  bind_to(kLayerUnit, from.texture, chroma && &from == &result_ ? TextureFilter::linear : TextureFilter::nearest);
+  bind_to(kLayerUnit, from.texture,
+          chroma && defines.contains("FROM_CHROMA") ? TextureFilter::linear : TextureFilter::nearest);
   p.set("values", kLayerUnit);
   p.set("texel", 1.0 / glm::dvec2(from_size));
   p.set("along", along == Along::rows ? glm::dvec2{1.0, 0.0} : glm::dvec2{0.0, 1.0});
@@ -174,16 +227,17 @@ Result<> CameraProcessing::pass(Programs& programs, const Defines& defines, cons
   return {};
 }
 
-Result<> CameraProcessing::round_blocks(Programs& programs) {
+Result<> CameraProcessing::round_blocks(Programs& programs, const LayerBuffer& picture,
+                                        const LayerBuffer& rounded) const {
   const auto luma = [&](const Defines& defines, const LayerBuffer& from, glm::ivec2 from_size, Along along,
                         const LayerBuffer& to) { return pass(programs, defines, from, from_size, along, false, to); };
   const auto chroma = [&](const Defines& defines, const LayerBuffer& from, glm::ivec2 from_size, Along along,
                           const LayerBuffer& to) { return pass(programs, defines, from, from_size, along, true, to); };
   const glm::ivec2 lumas = luma_size(), chromas = size() / options_.shared_pixels;
-  if (auto done = luma({"FORWARD", "FROM_LUMA"}, result_, size(), Along::rows, luma_[0]); !done) return done;
+  if (auto done = luma({"FORWARD", "FROM_LUMA"}, picture, size(), Along::rows, luma_[0]); !done) return done;
   if (auto done = luma({"FORWARD", "ROUNDED"}, luma_[0], lumas, Along::columns, luma_[1]); !done) return done;
   if (auto done = luma({"INVERSE"}, luma_[1], lumas, Along::columns, luma_[0]); !done) return done;
-  if (auto done = chroma({"FORWARD", "FROM_CHROMA"}, result_, size(), Along::rows, chroma_[0]); !done) return done;
+  if (auto done = chroma({"FORWARD", "FROM_CHROMA"}, picture, size(), Along::rows, chroma_[0]); !done) return done;
   if (auto done = chroma({"FORWARD", "ROUNDED"}, chroma_[0], chromas, Along::columns, chroma_[1]); !done) return done;
   if (auto done = chroma({"INVERSE"}, chroma_[1], chromas, Along::columns, chroma_[0]); !done) return done;
   if (auto done = chroma({"INVERSE"}, chroma_[0], chromas, Along::rows, chroma_[1]); !done) return done;
@@ -198,14 +252,15 @@ Result<> CameraProcessing::round_blocks(Programs& programs) {
   p.set("texel", 1.0 / glm::dvec2(lumas));
   p.set("chroma_texel", 1.0 / glm::dvec2(chromas));
   p.set("shared_pixels", glm::dvec2(options_.shared_pixels));
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);  // alpha still tells which pixels the object changes
-  draw_into(result_, size(), p);
-  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  bind_to(kNoiseUnit, picture.texture, TextureFilter::nearest);
+  p.set("picture", kNoiseUnit);
+  p.set("picture_texel", 1.0 / glm::dvec2(size()));
+  draw_into(rounded, size(), p);
   return {};
 }
 
 void CameraProcessing::bind(const Program& program, bool smooth) const {
-  bind_to(kNoiseUnit, result_.texture, smooth ? TextureFilter::linear : TextureFilter::nearest);
+  bind_to(kNoiseUnit, done_[newest_].picture.texture, smooth ? TextureFilter::linear : TextureFilter::nearest);
   program.set("processed", kNoiseUnit);
   program.set("processed_place",
               glm::dvec4(part_.left, part_.top, 1.0 / (part_.right - part_.left), 1.0 / (part_.bottom - part_.top)));

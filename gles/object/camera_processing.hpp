@@ -1,5 +1,6 @@
 // What a camera does to its picture behind the sensor, done to the object, too: sharpening, and the blocks of its JPEG,
-// rounded to the steps of the very stream. It works on the part of the composite around the object.
+// rounded to the steps of the very stream. It works on the part of the composite around the object. Blocks in which
+// nothing but the object is to be seen are kept, as long as it looks the same.
 #pragma once
 
 #include <array>
@@ -15,6 +16,7 @@
 #include "gles/gl/context.hpp"
 #include "gles/gl/layer_buffer.hpp"
 #include "gles/gpu_model/programs.hpp"
+#include "gles/light/object_look.hpp"
 #include "gles/picture/picture_mesh.hpp"
 #include "gles/scene.hpp"
 
@@ -27,21 +29,31 @@ struct ProcessingOptions {
   bool none() const { return sharpening <= 0.0 && !jpeg; }
 };
 
+// Rectangles of a picture.
+struct ObjectInPicture {
+  std::vector<PixelBox> changed;  // hold the pixels that the object changes
+  std::vector<PixelBox> covered;  // of those, the pixels in which nothing else is to be seen
+  glm::ivec2 picture{};           // its size
+  friend bool operator==(const ObjectInPicture&, const ObjectInPicture&) = default;
+};
+
 class CameraProcessing {
  public:
-  // `changed`: rectangles that hold the pixels that the object changes, in a picture of that size; not empty. Errors:
-  // device.
-  static Result<CameraProcessing> create(const std::vector<PixelBox>& changed, glm::ivec2 picture,
-                                         ProcessingOptions options, const GlInfo& info);
-  bool is_for(const std::vector<PixelBox>& changed, glm::ivec2 picture, const ProcessingOptions& options) const;
+  // Something is changed. Errors: device.
+  static Result<CameraProcessing> create(const ObjectInPicture& object, ProcessingOptions options, const GlInfo& info);
+  bool is_for(const ObjectInPicture& object, const ProcessingOptions& options) const;
+  // The object has changed in more than its look: its layer, the response.
+  void forget();
 
+  using Drawing = std::function<Result<>(const std::vector<PixelBox>* only)>;
   // The part of the picture around `changed` and the JPEG's blocks that it touches, which may reach beyond the picture.
   // Only these blocks are worked on.
   const PixelBox& part() const { return part_; }
-  // `draw_camera`, `draw_composite`: draw that part into the bound framebuffer of its size, rows from the top; the
-  // composite with the object's share of each pixel in alpha, 0 only where it changes nothing.
-  Result<> apply(Programs& programs, const std::function<Result<>()>& draw_camera,
-                 const std::function<Result<>()>& draw_composite);
+  // `draw_camera`, `draw_composite`: draw that part, or `only` these of its pixels, given in the picture's, into the
+  // bound framebuffer of its size, rows from the top; the composite with the object's share of each pixel in alpha, 0 only where it changes nothing. `look`: of the object in
+  // it; empty: something else may be seen anywhere before it.
+  Result<> apply(const std::optional<ObjectLook>& look, Programs& programs, const Drawing& draw_camera,
+                 const Drawing& draw_composite);
   // The result, for picture.frag with PROCESSED: where its alpha is not 0.
   void bind(const Program& program, bool smooth) const;
 
@@ -50,22 +62,29 @@ class CameraProcessing {
   glm::ivec2 size() const { return {part_.right - part_.left, part_.bottom - part_.top}; }
   glm::ivec2 luma_size() const { return {size().x / 2, size().y}; }  // texels
   glm::dvec2 last_place() const;
-  Result<> sharpen(Programs& programs);
-  Result<> round_blocks(Programs& programs);
+  struct Done {
+    LayerBuffer picture;
+    std::optional<ObjectLook> look;  // of the blocks kept in it; empty: none
+  };
+  Result<> sharpen(Programs& programs, const LayerBuffer& sharpened) const;
+  Result<> round_blocks(Programs& programs, const LayerBuffer& picture, const LayerBuffer& rounded) const;
   void draw_into(const LayerBuffer& buffer, glm::ivec2 buffer_size, const Program& program) const;
   enum class Along { rows, columns };
   // One of jpeg.frag's, into a buffer of luma or of chroma.
   Result<> pass(Programs& programs, const Defines& defines, const LayerBuffer& from, glm::ivec2 from_size, Along along,
                 bool chroma, const LayerBuffer& to) const;
 
+  const GlInfo* info_ = nullptr;
   ProcessingOptions options_;
-  std::vector<PixelBox> changed_;
+  ObjectInPicture object_;
   PixelBox part_;
-  std::optional<PictureMesh> blocks_;  // from the part's corner
-  glm::ivec2 picture_{};
-  LayerBuffer result_;                        // the picture
-  LayerBuffer camera_, sharpened_;            // pictures, while it is sharpened
-  std::array<LayerBuffer, 2> luma_, chroma_;  // two values a texel, in turn
+  std::optional<PictureMesh> blocks_, live_blocks_;  // from the part's corner: all, and those that are not kept
+  std::vector<PixelBox> live_pixels_;                // that they are made from, in the picture
+  bool only_live_ = false;                           // are worked on with this picture
+  std::array<Done, kNoisePatterns> done_;            // of each pattern of noise
+  std::size_t newest_ = 0;
+  LayerBuffer composite_, camera_, sharpened_;  // pictures on the way
+  std::array<LayerBuffer, 2> luma_, chroma_;    // two values a texel, in turn
   GlTexture steps_;
 };
 

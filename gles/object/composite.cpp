@@ -6,15 +6,12 @@
 #include "gles/gl/gl.hpp"
 #include "gles/gl/patterns.hpp"
 #include "gles/gl/texture_units.hpp"
+#include "gles/gpu_model/projection.hpp"
 #include "gles/light/airlight_grid.hpp"
 
 namespace kasumi {
 
 namespace {
-
-glm::dmat3 to_clip(double w, double h, double up) {
-  return glm::dmat3({2.0 / w, 0.0, 0.0}, {0.0, up * 2.0 / h, 0.0}, {1.0 / w - 1.0, up * (1.0 / h - 1.0), 1.0});
-}
 
 // The smallest box, in pixels of the picture, that holds every pixel with something of the object.
 PixelBox box_of(const Image<float>& coverage, const PixelBox& all) {
@@ -30,6 +27,19 @@ PixelBox box_of(const Image<float>& coverage, const PixelBox& all) {
   return box.empty() ? PixelBox{} : box;
 }
 
+// Of the pixels that are covered wholly, by rows.
+std::vector<PixelBox> full_runs(const Image<float>& coverage, const PixelBox& all) {
+  std::vector<PixelBox> runs;
+  for (int y = 0; y < coverage.height(); ++y)
+    for (int x = 0; x < coverage.width(); ++x) {
+      if (coverage.at(x, y) < 1.0f) continue;
+      const int first = x;
+      while (x < coverage.width() && coverage.at(x, y) >= 1.0f) ++x;
+      runs.push_back({all.left + first, all.top + y, all.left + x, all.top + y + 1});
+    }
+  return runs;
+}
+
 // A texture unit that this picture leaves free; < 0: none.
 int unit_for_nodes(const CameraFrame& frame, bool noise_unit_is_free) {
   if (frame.spare_unit >= 0) return frame.spare_unit;
@@ -39,27 +49,6 @@ int unit_for_nodes(const CameraFrame& frame, bool noise_unit_is_free) {
 }
 
 }  // namespace
-
-PictureOnTarget::PictureOnTarget(const DrawTarget& target, int width, int height)
-    : box(letterbox(target, width, height)) {
-  const double up = target.top_row_first ? 1.0 : -1.0;
-  same_size = box.width == width && box.height == height;
-  pixel_to_clip = to_clip(width, height, up);
-  const double bw = box.width, bh = box.height;
-  fragment_to_picture = glm::dmat3({1.0 / bw, 0.0, 0.0}, {0.0, up / bh, 0.0},
-                                   {-box.x / bw, target.top_row_first ? -box.y / bh : 1.0 + box.y / bh, 1.0});
-}
-
-PictureOnTarget::PictureOnTarget(const PixelBox& part, int width, int height)
-    : box{-part.left, -part.top, width, height}, pixel_to_clip(to_clip(width, height, 1.0)) {}
-
-void PictureOnTarget::begin(const DrawTarget& target, bool with_depth) const {
-  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
-  glViewport(box.x, box.y, box.width, box.height);
-  const bool bars = box.width != target.width || box.height != target.height;
-  glClearColor(0, 0, 0, 1);
-  if (bars || with_depth) glClear((bars ? GL_COLOR_BUFFER_BIT : 0u) | (with_depth ? GL_DEPTH_BUFFER_BIT : 0u));
-}
 
 void CameraFrame::bind(const Program& program, const PictureOnTarget& shown) const {
   camera.bind(program, !shown.same_size);
@@ -84,8 +73,11 @@ void Composite::take(const ObjectLayer& layer, const SceneView& view, const Imag
         is_left_open_ = true;
         coverage.at(x, y) *= 0.5f;
       }
+  fully_covered_ = full_runs(coverage, layer.box());
   rectangles_ = cut_picture(view.width, view.height, layer.box(), coverage);
-  mesh_.reset();
+  mesh_ = {};
+  part_ = {};
+  finished_.clear();
 }
 
 std::vector<PixelBox> Composite::changed() const {
@@ -95,12 +87,26 @@ std::vector<PixelBox> Composite::changed() const {
   return all;
 }
 
-// Grids rarely move between frames, so the mesh is seldom rebuilt.
-const PictureMesh& Composite::mesh_for(const AirlightGrid& grid) {
-  if (!mesh_ || grid.first_px != mesh_grid_.first_px || grid.last_px != mesh_grid_.last_px)
-    mesh_ = PictureMesh::upload(cut_at_lines(rectangles_, grid));
-  mesh_grid_ = grid;
-  return *mesh_;
+// Grids rarely move between frames, so a mesh is seldom rebuilt.
+const PictureMesh& Composite::CutMesh::at(const AirlightGrid& wanted, const PictureRectangles& rectangles) {
+  if (!mesh || wanted.first_px != grid.first_px || wanted.last_px != grid.last_px)
+    mesh = PictureMesh::upload(cut_at_lines(rectangles, wanted));
+  grid = wanted;
+  return *mesh;
+}
+
+Composite::Part& Composite::part_in(const std::vector<PixelBox>& boxes) {
+  if (part_.camera && part_.boxes == boxes) return part_;
+  part_ = {boxes, PictureMesh::upload({boxes}), {}, {}};
+  for (std::size_t area = 0; area < kPictureAreas; ++area)
+    for (const PixelBox& rectangle : rectangles_[area])
+      for (const PixelBox& box : boxes)
+        if (overlap(rectangle, box)) part_.rectangles[area].push_back(common(rectangle, box));
+  return part_;
+}
+
+const PictureMesh& Composite::mesh_for(const AirlightGrid& grid, Part* part) {
+  return part ? part->mesh.at(grid, part->rectangles) : mesh_.at(grid, rectangles_);
 }
 
 void Composite::bind_noise(const Program& program, const SensorNoise& noise, bool smooth) {
@@ -114,23 +120,34 @@ void Composite::bind_noise(const Program& program, const SensorNoise& noise, boo
   program.set("noise_place", glm::dvec3(noise_start(noise.pattern), 1.0 / kNoiseSize));
 }
 
-Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
-  const glm::ivec2 size{frame.camera.width, frame.camera.height};
-  if (!whole_ || whole_size_ != size) whole_ = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
-  whole_size_ = size;
+Result<> Composite::draw_camera_on(const PictureMesh& mesh, Programs& programs, const CameraFrame& frame,
+                                   const PictureOnTarget& shown) {
   const auto program = programs.find(ProgramKind::picture, frame.camera.defines());
   if (!program) return fail(program.error());
   (*program)->use();
   frame.bind(**program, shown);
-  whole_->draw(PictureArea::plain);
+  mesh.draw(PictureArea::plain);
   return check_gl("drawing the camera's picture");
 }
 
+Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
+  const glm::ivec2 size{frame.camera.width, frame.camera.height};
+  if (!whole_ || whole_size_ != size) whole_ = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
+  whole_size_ = size;
+  return draw_camera_on(*whole_, programs, frame, shown);
+}
+
+Result<> Composite::draw_camera_in(const std::vector<PixelBox>& parts, Programs& programs, const CameraFrame& frame,
+                                   const PictureOnTarget& shown) {
+  return draw_camera_on(*part_in(parts).camera, programs, frame, shown);
+}
+
 // Areas that do not need the camera or its response share one variant.
-Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& programs, const CameraFrame& frame,
-                              const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
-                              const SensorNoise& noise, const CameraProcessing* processing) {
-  const PictureMesh& mesh = mesh_for(measured);
+Result<> Composite::draw_area(PictureArea area, Part* part, Defines defines, Programs& programs,
+                              const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
+                              const AirlightGrid& measured, const SensorNoise& noise,
+                              const CameraProcessing* processing) {
+  const PictureMesh& mesh = mesh_for(measured, part);
   if (mesh.empty(area)) return {};
   // Who passes before the object makes an edge of all of it.
   const bool somebody = area != PictureArea::plain && frame.passers;
@@ -175,20 +192,49 @@ Result<> Composite::draw_area(PictureArea area, Defines defines, Programs& progr
   return {};
 }
 
+Result<> Composite::finish(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+                           const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
+                           const GlInfo& info) {
+  is_finished_ = false;
+  if (frame.passers || mesh_for(measured, nullptr).empty(PictureArea::covered)) return {};
+  const auto found = finished_.find(shown, covered_, {measured, noise}, info, [&] {
+    return draw_area(PictureArea::covered, nullptr, {}, programs, frame, shown, layer, measured, noise, nullptr);
+  });
+  if (!found) return fail(found.error());
+  is_finished_ = *found;
+  return {};
+}
+
+Result<> Composite::draw_finished(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
+  const auto program = programs.find(ProgramKind::picture, {"COVERED", "LAYOUT_RGB", "PROCESSED"});
+  if (!program) return fail(program.error());
+  (*program)->use();
+  frame.bind(**program, shown);
+  finished_.bind(**program);
+  mesh_.mesh->draw(PictureArea::covered);
+  return {};
+}
+
 Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
                          const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
                          const CameraProcessing* processing) {
-  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
-    if (auto drawn = draw_area(area, {}, programs, frame, shown, layer, measured, noise, processing); !drawn)
-      return drawn;
+  const bool finished = is_finished_ && !processing;
+  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge}) {
+    auto drawn = finished && area == PictureArea::covered
+                     ? draw_finished(programs, frame, shown)
+                     : draw_area(area, nullptr, {}, programs, frame, shown, layer, measured, noise, processing);
+    if (!drawn) return drawn;
+  }
   return check_gl("drawing the picture");
 }
 
-Result<> Composite::draw_with_coverage(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
-                                       const ObjectLayer& layer, const AirlightGrid& measured,
-                                       const SensorNoise& noise) {
+Result<> Composite::draw_with_coverage(const std::vector<PixelBox>* only, Programs& programs, const CameraFrame& frame,
+                                       const PictureOnTarget& shown, const ObjectLayer& layer,
+                                       const AirlightGrid& measured, const SensorNoise& noise) {
+  Part* part = only ? &part_in(*only) : nullptr;
   for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
-    if (auto drawn = draw_area(area, {"COVERAGE"}, programs, frame, shown, layer, measured, noise, nullptr); !drawn)
+    if (auto drawn = draw_area(area, part, {"COVERAGE"}, programs, frame, shown, layer, measured, noise, nullptr);
+        !drawn)
       return drawn;
   return check_gl("drawing the picture for its processing");
 }
@@ -197,7 +243,8 @@ Result<> Composite::draw_for_plane(Programs& programs, const CameraFrame& frame,
                                    const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
                                    const CameraProcessing* processing) {
   for (const PictureArea area : {PictureArea::covered, PictureArea::edge})
-    if (auto drawn = draw_area(area, {"PLANE"}, programs, frame, shown, layer, measured, noise, processing); !drawn)
+    if (auto drawn = draw_area(area, nullptr, {"PLANE"}, programs, frame, shown, layer, measured, noise, processing);
+        !drawn)
       return drawn;
   return check_gl("drawing the building for a plane");
 }

@@ -3,33 +3,18 @@
 
 #include <optional>
 
-#include <glm/mat3x3.hpp>
-
-#include "gles/gl/target.hpp"
 #include "gles/object/camera_processing.hpp"
+#include "gles/object/finished_pixels.hpp"
 #include "gles/object/foreground.hpp"
 #include "gles/object/in_front.hpp"
 #include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
+#include "gles/object/picture_on_target.hpp"
 #include "gles/picture/camera_textures.hpp"
 #include "gles/picture/picture_mesh.hpp"
 #include "gles/picture/response_table.hpp"
 
 namespace kasumi {
-
-// Where a target shows the picture, and the transform to its pixels.
-struct PictureOnTarget {
-  Letterbox box;
-  bool same_size = true;
-  glm::dmat3 pixel_to_clip{1.0};
-  glm::dmat3 fragment_to_picture{1.0};
-
-  PictureOnTarget(const DrawTarget& target, int width, int height);
-  // Of a part of the picture only, pixel by pixel, top row first.
-  PictureOnTarget(const PixelBox& part, int width, int height);
-  // Binds the target and fills the area outside the picture with black.
-  void begin(const DrawTarget& target, bool with_depth) const;
-};
 
 // The inputs of every program that shows the camera's picture.
 struct CameraFrame {
@@ -51,41 +36,76 @@ class Composite {
   void take(const ObjectLayer& layer, const SceneView& view, const Image<glm::vec4>& texels,
             const Foreground* foreground);
   void drop_layer() {
-    mesh_.reset();
+    mesh_ = {};
+    part_ = {};
     covered_ = {};
+    fully_covered_.clear();
     is_left_open_ = false;
+    finished_.clear();
   }
-  PixelBox covered() const { return covered_; }        // the pixels that the layer changes lie in it
-  std::vector<PixelBox> changed() const;               // and in these rectangles
+  void change_response() { finished_.clear(); }
+  PixelBox covered() const { return covered_; }  // the pixels that the layer changes lie in it
+  std::vector<PixelBox> changed() const;         // and in these rectangles
+  // The pixels in which nothing else is to be seen, a rectangle for each run of a row.
+  const std::vector<PixelBox>& fully_covered() const { return fully_covered_; }
   bool is_left_open() const { return is_left_open_; }  // in some of them, by the foreground
 
   Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
+  // Before draw() with the same values and without processing: what need not be drawn again with every picture. Binds
+  // another framebuffer.
+  Result<> finish(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
+                  const AirlightGrid& measured, const SensorNoise& noise, const GlInfo& info);
   // `processing`, already applied, stands for layer, airlight and noise; null: none.
   Result<> draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
                 const AirlightGrid& measured, const SensorNoise& noise, const CameraProcessing* processing = nullptr);
-  // The same with the object's share of each pixel in alpha.
-  Result<> draw_with_coverage(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
-                              const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise);
+  // In these rectangles alone.
+  Result<> draw_camera_in(const std::vector<PixelBox>& parts, Programs& programs, const CameraFrame& frame,
+                          const PictureOnTarget& shown);
+  // draw() with the object's share of each pixel in alpha; `only` in these rectangles, or, null, everywhere.
+  Result<> draw_with_coverage(const std::vector<PixelBox>* only, Programs& programs, const CameraFrame& frame,
+                              const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
+                              const SensorNoise& noise);
   // Only the layer, as the display lays it over the camera's picture of `frame`.
   Result<> draw_for_plane(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
                           const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
                           const CameraProcessing* processing = nullptr);
 
  private:
-  Result<> draw_area(PictureArea area, Defines defines, Programs& programs, const CameraFrame& frame,
+  // Rectangles on the GPU, cut at the lines of a grid of airlight.
+  struct CutMesh {
+    std::optional<PictureMesh> mesh;
+    AirlightGrid grid;
+    const PictureMesh& at(const AirlightGrid& wanted, const PictureRectangles& rectangles);
+  };
+  // A part of the rectangles.
+  struct Part {
+    std::vector<PixelBox> boxes;
+    std::optional<PictureMesh> camera;  // of the boxes
+    PictureRectangles rectangles;       // what lies in them
+    CutMesh mesh;
+  };
+  Part& part_in(const std::vector<PixelBox>& boxes);
+  const PictureMesh& mesh_for(const AirlightGrid& grid, Part* part);
+  Result<> draw_camera_on(const PictureMesh& mesh, Programs& programs, const CameraFrame& frame,
+                          const PictureOnTarget& shown);
+  // `part`: this alone; null: everywhere.
+  Result<> draw_area(PictureArea area, Part* part, Defines defines, Programs& programs, const CameraFrame& frame,
                      const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
                      const SensorNoise& noise, const CameraProcessing* processing);
-  const PictureMesh& mesh_for(const AirlightGrid& grid);
+  Result<> draw_finished(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
   void bind_noise(const Program& program, const SensorNoise& noise, bool smooth);
 
   PixelBox covered_;
+  std::vector<PixelBox> fully_covered_;
   bool is_left_open_ = false;
   PictureRectangles rectangles_;      // of the camera's picture around and under the layer
-  std::optional<PictureMesh> mesh_;   // of these rectangles, cut at the lines of a grid of airlight
-  AirlightGrid mesh_grid_;            // that grid
+  CutMesh mesh_;                      // of these
+  Part part_;                         // drawn last; without boxes: none
   std::optional<PictureMesh> whole_;  // the same without a layer
   glm::ivec2 whole_size_{};
-  GlTexture noise_;  // created with the first frame that needs it
+  FinishedPixels finished_;
+  bool is_finished_ = false;  // for the picture to be drawn
+  GlTexture noise_;           // created with the first frame that needs it
 };
 
 }  // namespace kasumi

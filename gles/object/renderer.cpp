@@ -105,6 +105,7 @@ struct Renderer::State {
   void drop_layer() {
     unfinished_layer.reset();
     layer.reset();
+    if (processing) processing->forget();
     composite.drop_layer();
   }
 
@@ -181,26 +182,28 @@ struct Renderer::State {
   Result<const CameraProcessing*> process(const AirlightGrid& measured, const SensorNoise& noise) {
     const auto wanted = wanted_processing();
     if (wanted.none()) return nullptr;
-    const std::vector<PixelBox> changed = composite.changed();
-    if (changed.empty()) return nullptr;
     const glm::ivec2 size{camera.newest().width, camera.newest().height};
-    if (!processing || !processing->is_for(changed, size, wanted)) {
+    const ObjectInPicture object{composite.changed(), composite.fully_covered(), size};
+    if (object.changed.empty()) return nullptr;
+    if (!processing || !processing->is_for(object, wanted)) {
       processing.reset();
-      auto made = CameraProcessing::create(changed, size, wanted, info);
+      auto made = CameraProcessing::create(object, wanted, info);
       if (!made) return fail(made.error());
       processing = std::move(*made);
     }
     const PictureOnTarget part(processing->part(), size.x, size.y);
     const auto whole_view = [&] { glViewport(part.box.x, part.box.y, part.box.width, part.box.height); };
-    const auto draw_camera = [&] {
+    const auto draw_camera = [&](const std::vector<PixelBox>* only) {
       whole_view();
-      return composite.draw_camera_alone(programs, frame(), part);
+      return only ? composite.draw_camera_in(*only, programs, frame(), part)
+                  : composite.draw_camera_alone(programs, frame(), part);
     };
-    const auto draw_composite = [&] {
+    const auto draw_composite = [&](const std::vector<PixelBox>* only) {
       whole_view();
-      return composite.draw_with_coverage(programs, frame(), part, *layer, measured, noise);
+      return composite.draw_with_coverage(only, programs, frame(), part, *layer, measured, noise);
     };
-    if (auto done = processing->apply(programs, draw_camera, draw_composite); !done) return fail(done.error());
+    const auto look = passers.empty() ? std::optional(ObjectLook{measured, noise}) : std::nullopt;
+    if (auto done = processing->apply(look, programs, draw_camera, draw_composite); !done) return fail(done.error());
     return &*processing;
   }
 
@@ -276,6 +279,7 @@ struct Renderer::State {
     const auto texels = drawn.read();
     if (!texels) return fail(texels.error());
     composite.take(drawn, projection->view, *texels, foreground ? &*foreground : nullptr);
+    if (processing) processing->forget();
     if (auto found = find_matte(); !found) return found;
     layer = std::move(drawn);
     detail = unfinished_layer->detail;
@@ -434,6 +438,8 @@ Result<> Renderer::set_response(const ResponseCurve& response) {
   auto made = ResponseOnGpu::create(response);
   if (!made) return fail(made.error());
   state_->response = std::move(*made);
+  state_->composite.change_response();
+  if (state_->processing) state_->processing->forget();
   return {};
 }
 
@@ -551,6 +557,9 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   const auto processed = s.process(measured, noise);
   if (!processed) return fail(processed.error());
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
+  if (!*processed)
+    if (auto done = s.composite.finish(s.programs, s.frame(), shown, *s.layer, measured, noise, s.info); !done)
+      return done;
   shown.begin(target, false);
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
 }

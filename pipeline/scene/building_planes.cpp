@@ -1,7 +1,6 @@
 #include "pipeline/scene/building_planes.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include "gles/light/object_look.hpp"
 
 namespace kasumi {
 
@@ -9,25 +8,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kNoisy = 6;      // patterns of noise in turn
 constexpr std::size_t kStill = 3;      // without noise: one is shown, and two pictures may be refused
 constexpr Duration kLongestLook = 2s;  // edges and glass are exact over the background of then
-constexpr double kHalfAStep = 0.004;   // of 8 bits, relative to linear light
-constexpr double kOtherNoise = 0.05;   // relative
-
-bool differs(const glm::dvec3& a, const glm::dvec3& b, double relative) {
-  for (int c = 0; c < 3; ++c)
-    if (std::abs(a[c] - b[c]) > relative * std::max(std::abs(a[c]), std::abs(b[c]))) return true;
-  return false;
-}
 
 bool differs(const BuildingLook& a, const BuildingLook& b) {
-  if (a.layer != b.layer || a.passers != b.passers || a.measured.first_px != b.measured.first_px ||
-      a.measured.last_px != b.measured.last_px || differs(a.noise.shot, b.noise.shot, kOtherNoise) ||
-      differs(a.noise.read, b.noise.read, kOtherNoise))
-    return true;
-  return !std::ranges::equal(a.measured.light, b.measured.light,
-                             [](const glm::dvec3& p, const glm::dvec3& q) { return !differs(p, q, kHalfAStep); });
+  return a.layer != b.layer || a.passers != b.passers || !look_alike({a.measured, a.noise}, {b.measured, b.noise});
 }
 
 }  // namespace
@@ -39,7 +24,7 @@ Result<PlanePicture> BuildingPlanes::next(Compositor& compositor, Display& displ
   if (!look || seen.empty()) return picture;
 
   const int width = all.right - all.left, height = all.bottom - all.top;
-  const std::size_t count = look->noise.none() ? kStill : kNoisy;
+  const std::size_t count = look->noise.none() ? kStill : kNoisePatterns;
   if (width != width_ || height != height_ || count != buffers_.size()) {
     buffers_.assign(count, {});
     width_ = width;

@@ -92,6 +92,8 @@ void main() {
 uniform highp sampler2D chroma;
 uniform vec2 chroma_texel;
 uniform vec2 shared_pixels;
+uniform sampler2D picture;  // what it was: alpha still tells which pixels the object changes
+uniform vec2 picture_texel;
 
 // Of the pixel in its row's block: four texels of two coefficients each.
 float luma_of(vec2 pixel) {
@@ -112,6 +114,7 @@ void main() {
   vec2 pixel = floor(gl_FragCoord.xy);
   float y = clamp(in_levels(vec2(luma_of(pixel))).x + kMiddle, 0.0, 1.0);
   vec2 c = in_levels(values_of(texture2D(chroma, (floor(pixel / shared_pixels) + 0.5) * chroma_texel)));
-  gl_FragColor = vec4(y + 1.402 * c.y, y - 0.344136 * c.x - 0.714136 * c.y, y + 1.772 * c.x, 1.0);
+  float share = texture2D(picture, gl_FragCoord.xy * picture_texel).a;
+  gl_FragColor = vec4(y + 1.402 * c.y, y - 0.344136 * c.x - 0.714136 * c.y, y + 1.772 * c.x, share);
 }
 #endif

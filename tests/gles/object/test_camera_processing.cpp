@@ -127,6 +127,74 @@ TEST_F(CameraProcessingOfObject, APictureThatIsNoJpegHasNoBlocks) {
             draw(asked, scene().measured, view_of(camera)).elements());
 }
 
+// Of 255 in the mean: rectangles cut otherwise are interpolated with other roundings, and some coefficients that lie
+// half-way between two steps fall to the other.
+constexpr double kOtherRounding = 0.1;
+
+// Blocks in which only the object is to be seen are kept, for each pattern of noise, while the picture around them moves.
+TEST_F(CameraProcessingOfObject, PicturesInARowAreThoseProcessedAlone) {
+  const ObjectDetail detail{.point_spread_px = 0.6, .sharpening = 0.8, .jpeg_blocks = true};
+  const SensorNoise noise{glm::dvec3{1.0 / 2000.0}, glm::dvec3{0.003}};
+  const auto sky = landscape(kWide, kTall);
+  const auto picture_at = [&](int number) {
+    Image<Rgb8> moved(kWide, kTall);
+    for (int y = 0; y < kTall; ++y)
+      for (int x = 0; x < kWide; ++x) moved.at(x, y) = sky.at((x + 3 * number) % kWide, y);
+    return through_jpeg(moved, 85, ChromaSubsampling::s420);
+  };
+  const auto ready = [&] {
+    Renderer renderer = make_renderer();
+    EXPECT_TRUE(renderer.set_detail(detail));
+    load(renderer, scene());
+    return renderer;
+  };
+  for (const bool noisy : {false, true}) {
+    Renderer in_a_row = ready();
+    for (std::uint32_t number = 0; number < 2 * kNoisePatterns; ++number) {
+      const auto camera = picture_at(static_cast<int>(number));
+      SensorNoise own = noisy ? noise : SensorNoise{};
+      own.pattern = number;
+      Renderer alone = ready();
+      covered_ = alone.read_layer().value();
+      box_ = alone.object_box();
+      const auto off = between(drawn(in_a_row, camera, own), drawn(alone, camera, own));
+      EXPECT_LE(off.mean, kOtherRounding) << (noisy ? "with noise" : "without") << ", picture " << number;
+      if (number == 0) {
+        EXPECT_EQ(off.worst, 0);
+      }
+    }
+  }
+}
+
+TEST_F(CameraProcessingOfObject, KeptBlocksGoWithTheLayerAndBehindWhoPasses) {
+  const auto camera = through_jpeg(landscape(kWide, kTall), 85, ChromaSubsampling::s420);
+  ReferenceScene other = scene();
+  other.appearance.light.sun_irradiance *= 0.5;
+  Renderer renderer = make_renderer(), anew = make_renderer();
+  for (Renderer* each : {&renderer, &anew}) ASSERT_OK(each->set_detail({.sharpening = 0.8, .jpeg_blocks = true}));
+  load(renderer, scene());
+  load(anew, other);
+  covered_ = renderer.read_layer().value();
+  box_ = renderer.object_box();
+  for (int picture = 0; picture < 3; ++picture) drawn(renderer, camera);
+  const auto before = drawn(renderer, camera);
+  const PixelBox box = renderer.drawn_box();
+  const glm::ivec2 middle{(box.left + box.right) / 2, (box.top + box.bottom) / 2};
+  InFront passer{.left = middle.x - 12, .top = middle.y - 12, .pixels = {24, 24, glm::u8vec4{90, 90, 90, 255}}};
+  for (int y = 2; y < 22; ++y)
+    for (int x = 2; x < 22; ++x) passer.pixels.at(x, y).a = 0;
+  ASSERT_OK(renderer.set_in_front(passer));
+  const auto with = drawn(renderer, camera);
+  const auto seen = with.at(middle.x, middle.y), own = to_rgb(camera.view).at(middle.x, middle.y);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], own[c], 6);
+  EXPECT_NE(before.at(middle.x, middle.y), seen);
+  ASSERT_OK(renderer.set_in_front({}));
+  EXPECT_LE(between(drawn(renderer, camera), before).mean, kOtherRounding);
+  ASSERT_OK(renderer.redraw_layer(other.appearance));
+  EXPECT_LE(between(drawn(renderer, camera), drawn(anew, camera)).mean, kOtherRounding);
+  EXPECT_GE(between(drawn(renderer, camera), before).mean, 10.0 * kOtherRounding);
+}
+
 TEST_F(CameraProcessingOfObject, WhatIsSeenOfTheObjectIsSharpenedAndTheRestNotTwice) {
   constexpr double kAmount = 0.9;
   // Detail of its own, which must not show through the object.
