@@ -9,7 +9,6 @@
 #include "base/units.hpp"
 #include "gles/gl/gl.hpp"
 #include "gles/gl/texture_units.hpp"
-#include "gles/scene.hpp"
 
 namespace kasumi {
 namespace {
@@ -68,7 +67,7 @@ GlTexture make_noise_pattern() {
 
 // Spreads consecutive numbers far apart (the finaliser of SplitMix64).
 glm::ivec2 noise_start(std::uint32_t number) {
-  std::uint64_t hash = (number % kNoisePatterns + 1) * 0x9E3779B97F4A7C15u;
+  std::uint64_t hash = (number + 1) * 0x9E3779B97F4A7C15u;
   hash = (hash ^ (hash >> 30)) * 0xBF58476D1CE4E5B9u;
   hash = (hash ^ (hash >> 27)) * 0x94D049BB133111EBu;
   hash ^= hash >> 31;

@@ -15,7 +15,7 @@ GlTexture make_dither_pattern();
 // Normally distributed, mean 0 and variance 1 in each channel, from -4 to 4, for noise.glsl. Tiles.
 constexpr int kNoiseSize = 512;
 GlTexture make_noise_pattern();
-// Offset of the pattern with that number, in texels. Those of kNoisePatterns come again.
+// Offset of the pattern with that number, in texels.
 glm::ivec2 noise_start(std::uint32_t number);
 
 }  // namespace kasumi

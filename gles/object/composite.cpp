@@ -117,7 +117,7 @@ void Composite::bind_noise(const Program& program, const SensorNoise& noise, boo
   program.set("noise_pattern", kNoiseUnit);
   program.set("noise_shot", noise.shot);
   program.set("noise_read2", noise.read * noise.read);
-  program.set("noise_place", glm::dvec3(noise_start(noise.pattern), 1.0 / kNoiseSize));
+  program.set("noise_place", glm::dvec3(noise_start(noise.pattern % kNoisePatterns), 1.0 / kNoiseSize));
 }
 
 Result<> Composite::draw_camera_on(const PictureMesh& mesh, Programs& programs, const CameraFrame& frame,

@@ -5,8 +5,6 @@
 #include <functional>
 #include <sstream>
 
-#include <toml++/toml.h>
-
 #include "base/files.hpp"
 #include "base/statistics.hpp"
 #include "capture/fixture/fixture.hpp"
@@ -68,29 +66,35 @@ Result<> lay_out(const fs::path& fixture, const fs::path& work) {
   return write_text_file(work / "sky" / "index.csv", header + index_line(sky->front()) + "\n");
 }
 
-// The folder of `lay_out` once more, with the building behind the camera.
+// Text of a fixture.toml with its building behind the camera.
+std::string turned_round(const std::string& fixture) {
+  std::istringstream lines(fixture);
+  std::string turned, table;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('[')) table = line;
+    const auto key = line.substr(0, line.find(' '));
+    const auto equals = line.find('=');
+    if (table == "[object]" && (key == "east_m" || key == "north_m") && equals != std::string::npos)
+      line = fmt::format("{} = {:.3f}", key, -std::strtod(line.c_str() + equals + 1, nullptr));
+    turned += line + "\n";
+  }
+  return turned;
+}
+
+// The folder of `lay_out` once more, without a building to be seen.
 Result<> lay_out_without_building(const fs::path& work, const fs::path& empty) {
   const auto text = read_text_file(work / "fixture.toml");
   if (!text) return fail(text.error());
-  std::ostringstream turned;
   try {
-    toml::table root = toml::parse(*text);
-    for (const char* key : {"east_m", "north_m"}) {
-      const double metres = root["object"][key].value<double>().value_or(0.0);
-      if (auto* object = root["object"].as_table()) object->insert_or_assign(key, -metres);
-    }
-    turned << root;
     fs::create_directories(empty);
     for (const auto& entry : fs::directory_iterator(work))
       if (const auto name = entry.path().filename();
           name != "fixture.toml" && name != empty.filename() && entry.path().extension() != ".jpg")
         fs::create_symlink(entry.path(), empty / name);
-  } catch (const toml::parse_error& error) {
-    return fail(FaultKind::bad_input, "{}: {}", (work / "fixture.toml").string(), error.description());
   } catch (const fs::filesystem_error& error) {
     return fail(FaultKind::io, "{}", error.what());
   }
-  return write_text_file(empty / "fixture.toml", turned.str());
+  return write_text_file(empty / "fixture.toml", turned_round(*text));
 }
 
 std::vector<Player> players(const fs::path& work, const fs::path& empty) {
