@@ -4,8 +4,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "base/socket/local_socket.hpp"
 #include "pipeline/snapshot/blurred_picture.hpp"
-#include "pipeline/snapshot/local_socket.hpp"
 
 namespace kasumi {
 namespace {

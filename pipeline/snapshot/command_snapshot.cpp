@@ -7,9 +7,9 @@
 
 #include "base/files.hpp"
 #include "base/picture_files/picture_file.hpp"
+#include "base/socket/local_socket.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/snapshot/blurred_picture.hpp"
-#include "pipeline/snapshot/local_socket.hpp"
 #include "pipeline/snapshot/snapshot.hpp"
 
 namespace kasumi {

@@ -17,6 +17,7 @@ inline const Walls kMayInclude = {
     {"base/manual", {}},
     {"base/picture_files", {"base"}},
     {"base/sky", {"base"}},
+    {"base/socket", {"base"}},
     {"base/table", {"base"}},
     {"base/words", {"base"}},
 

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/socket/local_socket.hpp"
 #include "pipeline/snapshot/blurred_picture.hpp"
-#include "pipeline/snapshot/local_socket.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 #include "tests/pipeline/appliance/safe_rig.hpp"
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pipeline/snapshot/local_socket.hpp"
+#include "base/socket/local_socket.hpp"
 #include "pipeline/snapshot/snapshot.hpp"
 #include "tests/places.hpp"
 

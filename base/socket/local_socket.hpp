@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -16,6 +18,12 @@ namespace kasumi {
 Result<UniqueFd> listen_at(const std::filesystem::path& path);
 // The next caller; empty: none came. BLOCKS for at most `longest`.
 UniqueFd accept_within(const UniqueFd& listening, Duration longest);
+// The same of several, the first before the others; those that are empty have none. BLOCKS likewise.
+struct Caller {
+  std::size_t at = 0;  // whom it called
+  UniqueFd socket;
+};
+std::optional<Caller> accept_within(std::span<const UniqueFd> listening, Duration longest);
 
 // Errors: disconnected (nobody listens there), timeout (others wait already), io.
 Result<UniqueFd> connect_to(const std::filesystem::path& path);

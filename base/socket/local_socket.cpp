@@ -1,9 +1,9 @@
-#include "pipeline/snapshot/local_socket.hpp"
+#include "base/socket/local_socket.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <optional>
+#include <vector>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -51,15 +51,19 @@ UniqueFd local_stream() {
 }
 
 // Errors: timeout.
-Result<> wait_until(const UniqueFd& socket, short events, SocketClock::time_point deadline) {
+Result<> wait_until(std::span<pollfd> waiting, SocketClock::time_point deadline) {
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - SocketClock::now()).count();
-    pollfd waiting{socket.value(), events, 0};
-    const int ready = ::poll(&waiting, 1, static_cast<int>(std::max<long long>(0, left)));
+    const int ready = ::poll(waiting.data(), waiting.size(), static_cast<int>(std::max<long long>(0, left)));
     if (ready > 0) return {};
     if (ready == 0) return fail(FaultKind::timeout, "no answer in time");
     if (errno != EINTR) return fail(FaultKind::io, "{}", std::strerror(errno));
   }
+}
+
+Result<> wait_until(const UniqueFd& socket, short events, SocketClock::time_point deadline) {
+  pollfd waiting{socket.value(), events, 0};
+  return wait_until(std::span(&waiting, 1), deadline);
 }
 
 bool is_for_later() {
@@ -92,8 +96,21 @@ Result<UniqueFd> listen_at(const std::filesystem::path& path) {
 }
 
 UniqueFd accept_within(const UniqueFd& listening, Duration longest) {
-  if (!wait_until(listening, POLLIN, SocketClock::now() + longest)) return {};
-  return UniqueFd(::accept4(listening.value(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+  auto caller = accept_within(std::span(&listening, 1), longest);
+  return caller ? std::move(caller->socket) : UniqueFd();
+}
+
+std::optional<Caller> accept_within(std::span<const UniqueFd> listening, Duration longest) {
+  std::vector<pollfd> waiting;
+  for (const auto& socket : listening)
+    waiting.push_back({socket.value(), POLLIN, 0});  // poll() passes over those below 0
+  if (!wait_until(waiting, SocketClock::now() + longest)) return std::nullopt;
+  for (std::size_t i = 0; i < waiting.size(); ++i) {
+    if (waiting[i].revents == 0) continue;
+    UniqueFd socket(::accept4(waiting[i].fd, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
+    if (socket) return Caller{i, std::move(socket)};
+  }
+  return std::nullopt;
 }
 
 Result<UniqueFd> connect_to(const std::filesystem::path& path) {
