@@ -34,7 +34,7 @@ Appliance::Appliance(ContentPlace place, ContentPtr content, const ApplianceServ
             mailboxes_.render.snapshot.put(kind);
             mailboxes_.render.bell.ring();
           },
-          mailboxes_.snapshot),
+          mailboxes_.snapshot, services.clock),
       proving_(content, services.proving, {place, status.file, [this] { reload_.ask(); }}, services.clock, mailboxes_),
       status_(content, std::move(status), services.clock, services.notifier, mailboxes_),
       check_(content, services.clock, mailboxes_),

@@ -137,6 +137,7 @@ struct TelevisionMailbox : Mailbox {
 
 // What is on the glass, for who asked.
 struct SnapshotMailbox {
+  std::atomic<bool> for_page = false;  // kasumi-report may ask
   LatestSlot<Snapshot> taken;
   Bell bell;
 };

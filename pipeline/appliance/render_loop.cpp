@@ -78,7 +78,9 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
               &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.television.pulse,
-              &mailboxes.status->pulse}) {}
+              &mailboxes.status->pulse}) {
+  snapshots_.allow_pages(content_->config.snapshot.screen_picture);
+}
 
 // Nobody else can draw: whatever threw, the display is opened anew, and when that does not help the watchdog restarts.
 Instant RenderLoop::step() try { return take_step(); } catch (const std::exception& thrown) {
@@ -139,6 +141,7 @@ void RenderLoop::adopt_content() {
     return;
   }
   content_ = content;
+  snapshots_.allow_pages(content_->config.snapshot.screen_picture);
   ladder_.adopt(patient_with(content_->config.ladder, camera_.frame_interval));
   shown_.reset();
 }
@@ -231,7 +234,7 @@ void RenderLoop::update_rung() {
 }
 
 Composition RenderLoop::composition() const {
-  const auto told = snapshots_.words();
+  const auto told = snapshots_.words(clock_.now());
   return {status_.rung, told.empty() ? visible_message() : told};
 }
 
@@ -389,7 +392,7 @@ Result<PlaneMode::Attempt> RenderLoop::try_planes(const SceneFrame* frame, const
   }
   if (snapshots_.is_due(clock_.now())) {  // as the GPU would compose it
     if (auto drawn = stage.draw_scene(nullptr, sky_.report, target); !drawn) return fail(drawn.error());
-    if (auto read = snapshots_.take(snapshot_facts(), target); !read) return fail(read.error());
+    if (auto read = snapshots_.take(snapshot_facts(), target, clock_.now()); !read) return fail(read.error());
   }
   const auto tried = frame ? screen_.show_on_planes(frame->holder) : screen_.show_planes_again();
   status_.uploads += stage.frames().uploaded - uploaded_before;
@@ -404,7 +407,7 @@ Result<std::uint64_t> RenderLoop::compose(const SceneFrame* frame, const DrawTar
                                           std::shared_ptr<const void> until_replaced) {
   if (auto drawn = draw(frame, target); !drawn) return fail(drawn.error());
   if (snapshots_.is_due(clock_.now()))
-    if (auto taken = snapshots_.take(snapshot_facts(), target); !taken) return fail(taken.error());
+    if (auto taken = snapshots_.take(snapshot_facts(), target, clock_.now()); !taken) return fail(taken.error());
   return screen_.show(std::move(until_replaced));
 }
 
@@ -472,6 +475,7 @@ void RenderLoop::publish() {
   status_.passers.reset();
   if (const auto* look = screen_.is_open() ? screen_.stage().passers() : nullptr)
     status_.passers = PassersStatus{look->state, look->known_share, look->covered_share, look->until_watching};
+  status_.page_pictures = snapshots_.page_pictures();
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
     status_.latency_minute = latency_.take_minute();

@@ -43,7 +43,8 @@ SafeMode::SafeMode(ContentPtr content, Devices& devices, Clock& clock, Notifier&
       try_at_(clock.now()),
       server_(
           status_file_ ? std::optional(status_file_->parent_path()) : std::nullopt,
-          [this](SnapshotKind kind) { wanted_.put(kind); }, answers_) {
+          [this](SnapshotKind kind) { wanted_.put(kind); }, answers_, clock) {
+  desk_.allow_pages(content_->config.snapshot.screen_picture);
   status_.since = clock.utc();
   status_.start = starts.record();
   status_.render.rung = {Shown::still, Trouble::safe_mode, 1.0, 0.0};
@@ -96,7 +97,7 @@ Result<> SafeMode::show() {
   if (auto drawn = open_->caption.draw(context, config.still.caption, font, false, 1.0, *target); !drawn) return drawn;
   if (auto drawn = open_->message.draw(context, message, font, true, 1.0, *target); !drawn) return drawn;
   if (desk_.is_due(clock_.now()))
-    if (auto taken = desk_.take(snapshot_facts(), *target); !taken) return taken;
+    if (auto taken = desk_.take(snapshot_facts(), *target, clock_.now()); !taken) return taken;
   if (auto number = open_->display->show(); !number) return fail(number.error());
   ++status_.render.pictures;
   shown_at_ = clock_.now();
@@ -107,7 +108,7 @@ Result<> SafeMode::show() {
 
 std::string SafeMode::message() const {
   const auto& options = content_->config.messages;
-  if (auto told = desk_.words(); !told.empty()) return told;
+  if (auto told = desk_.words(clock_.now()); !told.empty()) return told;
   return std::string(options.show_faults ? message_text(Message::safe_mode, options.language) : "");
 }
 
@@ -132,6 +133,7 @@ void SafeMode::prove() {
 void SafeMode::write_status() {
   status_.now = clock_.now();
   status_.utc = clock_.utc();
+  status_.render.page_pictures = desk_.page_pictures();
   if (status_at_ && status_.now - *status_at_ < kSafeStatusInterval) return;
   if (!status_at_) notifier_.status(status_line(status_));
   status_at_ = status_.now;

@@ -141,6 +141,13 @@ OrderedJson passers_json(const std::optional<PassersStatus>& passers) {
           {"until_watching_s", learns ? OrderedJson(to_seconds(passers->until_watching)) : OrderedJson(nullptr)}};
 }
 
+OrderedJson page_pictures_json(const PagePictures& pictures) {
+  const auto& last = pictures.last;
+  return {{"allowed", pictures.allowed},
+          {"taken", pictures.taken},
+          {"last_utc", last ? OrderedJson(utc_text(std::chrono::floor<std::chrono::seconds>(*last))) : OrderedJson()}};
+}
+
 OrderedJson start_json(const std::optional<StartRecord>& start) {
   if (!start) return nullptr;
   return {{"safe_mode", start->mode != StartMode::whole},
@@ -285,6 +292,7 @@ std::string status_json(const Status& status) {
   const auto& refused = status.render.draw_refused;
   json["draw_refused"] = refused.empty() ? OrderedJson(nullptr) : OrderedJson(refused);
   json["people_in_front"] = passers_json(status.render.passers);
+  json["screen_picture"] = page_pictures_json(status.render.page_pictures);
   json["clock_trusted"] = status.sky.clock_trusted;
   json["recording"] = false;  // recording needs the cameras for itself: only `kasumi record` does it
   json["latency_ms"] = latency_json(status.render.latency);

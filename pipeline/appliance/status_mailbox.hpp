@@ -48,6 +48,7 @@ struct RenderStatus {
   std::optional<LatencySummary> latency;         // since the start
   std::optional<LatencySummary> latency_minute;  // of the last whole minute
   std::optional<PassersStatus> passers;          // empty: not asked for, or no picture yet
+  PagePictures page_pictures;
   Instant told{};
 };
 

@@ -73,6 +73,13 @@ constexpr Translations translations_of(Message message) {
               "Un’immagine di ciò che vedete qui viene inviata ai responsabili di questa postazione.",
               "Se está enviando una imagen de lo que ve aquí a los responsables de este puesto.",
               "この画面の画像を、この装置の管理者に送信しています。"};
+    case Message::page_picture:
+      return {"A small blurred picture of this screen goes to those who look after it. Nobody can be recognised.",
+              "Ein kleines, unscharfes Bild dieses Bildschirms geht an seine Betreuer. Niemand ist zu erkennen.",
+              "Une petite image floue de cet écran est envoyée à ses responsables. Personne n’y est reconnaissable.",
+              "Una piccola immagine sfocata di questo schermo va ai suoi responsabili. Nessuno è riconoscibile.",
+              "Una pequeña imagen borrosa de esta pantalla se envía a sus responsables. No se reconoce a nadie.",
+              "この画面の小さなぼかし画像を管理者に送信しています。\n個人は識別できません。"};
     case Message::safe_mode:
       return {"The live view is out of order.\nWe are taking care of it.",
               "Das Livebild ist gestört.\nWir kümmern uns darum.",

@@ -18,6 +18,7 @@ enum class Message {
   closed,                // outside opening hours
   recording,
   sharp_snapshot,   // a picture in which people may be recognised is about to leave the kiosk
+  page_picture,     // a blurred one leaves it
   safe_mode,        // only the still picture is shown until somebody has looked after it
   earlier_content,  // for whoever has just changed it: the new content was refused
 };
@@ -32,6 +33,7 @@ inline constexpr Message kMessages[] = {
     Message::closed,
     Message::recording,
     Message::sharp_snapshot,
+    Message::page_picture,
     Message::safe_mode,
     Message::earlier_content,
 };

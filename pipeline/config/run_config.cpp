@@ -214,8 +214,9 @@ void read_screen(const ConfigTable& root, RunConfig& config) {
     options.show_faults = table.flag("show_faults", true);
     return options;
   });
-  config.snapshot =
-      section(root, "snapshot", [](const ConfigTable& table) { return SnapshotOptions{table.flag("sharp", false)}; });
+  config.snapshot = section(root, "snapshot", [](const ConfigTable& table) {
+    return SnapshotOptions{table.flag("sharp", false), table.flag("screen_picture", false)};
+  });
 }
 
 RunConfig read_run_config(const ConfigTable& root) {

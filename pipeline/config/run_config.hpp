@@ -43,9 +43,10 @@ struct CheckOptions {
   Duration length{};                  // of that time
 };
 
-// What `kasumi snapshot` may be given.
+// What of the screen may leave the kiosk, besides what `kasumi snapshot` always gives its own account.
 struct SnapshotOptions {
-  bool sharp = false;  // pictures in which people can be recognised
+  bool sharp = false;           // to `kasumi snapshot`: pictures in which people can be recognised
+  bool screen_picture = false;  // to kasumi-report: blurred ones, at most one a minute
 };
 
 struct RunConfig {

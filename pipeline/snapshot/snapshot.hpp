@@ -1,6 +1,8 @@
 // What the glass shows now, as the appliance tells it to `kasumi snapshot` over a socket in its runtime folder.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,7 +16,11 @@ namespace kasumi {
 // Beside status.json; its account and root may open it.
 constexpr std::string_view kSnapshotSocket = "snapshot.sock";
 
-enum class SnapshotKind { blurred, sharp };
+enum class SnapshotKind {
+  blurred,
+  sharp,
+  page,  // for the reporter's state page: blurred, too, and visitors are told; over another socket
+};
 
 struct Snapshot {
   SnapshotKind kind = SnapshotKind::blurred;
@@ -26,6 +32,13 @@ struct Snapshot {
   bool refused = false;   // a sharp picture that the configuration does not allow
   Utc utc{};
   int screen_width = 0, screen_height = 0;  // pixels
+};
+
+// What became of those for the state page since the start.
+struct PagePictures {
+  bool allowed = false;
+  std::uint64_t taken = 0;
+  std::optional<Utc> last;
 };
 
 // The request, a line: "blurred" or "sharp". Errors: bad_input.

@@ -8,6 +8,7 @@
 
 #include "base/socket/local_socket.hpp"
 #include "pipeline/snapshot/blurred_picture.hpp"
+#include "tests/pipeline/appliance/glass.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 #include "tests/pipeline/appliance/safe_rig.hpp"
 
@@ -82,20 +83,6 @@ class Asking {
   Result<Snapshot> answer_ = fail(FaultKind::timeout, "not yet");
   std::thread serves_, asks_;
 };
-
-double mean_difference(const Image<Rgb8>& one, const Image<Rgb8>& other) {
-  if (one.width() != other.width() || one.height() != other.height()) return 255.0;
-  double sum = 0.0;
-  for (std::size_t i = 0; i < one.elements().size(); ++i)
-    for (const int c : {0, 1, 2}) sum += std::abs(one.elements()[i][c] - other.elements()[i][c]);
-  return sum / static_cast<double>(3 * one.elements().size());
-}
-
-Image<Rgb8> upper_quarter(const Image<Rgb8>& picture) {
-  Image<Rgb8> part(picture.width(), picture.height() / 4);
-  std::copy_n(picture.elements().begin(), part.elements().size(), part.elements().begin());
-  return part;
-}
 
 TEST(Snapshot, IsWhatTheGlassShowsBlurred) {
   auto rig = running({.name = "snapshot"});
