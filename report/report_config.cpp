@@ -42,6 +42,7 @@ HttpOptions read_http(const ConfigTable& table) {
   http.address = table.text("address", http.address);
   http.port = table.integer("port", {1, 65535}, http.port);
   http.names = table.texts("names");
+  http.screen_picture = table.flag("screen_picture", http.screen_picture);
   for (const auto& token : table.tables("tokens")) http.tokens.push_back(read_token(token));
   if (http.tokens.size() > kMostTokens) table.problem("tokens", fmt::format("at most {} of them", kMostTokens));
   if (!is_address(http.address))

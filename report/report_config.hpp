@@ -21,6 +21,7 @@ struct HttpOptions {
   int port = 8750;
   std::vector<std::string> names;    // of hosts by which peers may call it; numbers and localhost always
   std::vector<TokenOptions> tokens;  // empty: whoever reaches it may read
+  bool screen_picture = false;       // they may ask for a blurred picture of the screen
 };
 
 struct TextfileOptions {

@@ -38,6 +38,12 @@ Reporter::Reporter(ReportConfig config, Clock& clock)
 Result<std::unique_ptr<Reporter>> Reporter::start(ReportConfig config, Clock& clock) {
   std::unique_ptr<Reporter> reporter(new Reporter(std::move(config), clock));
   if (const auto& http = reporter->config_.http) {
+    if (http->screen_picture) {
+      auto key = random_letters();
+      if (!key) return fail(key.error());
+      reporter->form_key_ = std::move(*key);
+      reporter->screen_.emplace(screen_socket(reporter->config_.status.parent_path()), clock);
+    }
     auto server = HttpServer::listen(http->address, http->port, clock,
                                      [of = reporter.get()](const Request& request) { return of->answer(request); });
     if (!server) return fail(server.error());
@@ -120,12 +126,17 @@ Answer Reporter::answer(const Request& request) {
 }
 
 Answer Reporter::answer_admitted(const Request& request) {
+  const bool shows_screen = screen_ && request.path == "/screen";
+  if (request.posts && !shows_screen) return only_reading();
+  // A page elsewhere can make a browser send a form, but cannot read ours.
+  if (request.posts && request.key != form_key_)
+    return plain_answer(403, "This button is of an earlier page: load the page again.\n");
   if (request.path == "/metrics") {
     auto answer = plain_answer(200, metrics());
     answer.type = "text/plain; version=0.0.4; charset=utf-8";
     return answer;
   }
-  if (request.path == "/") return page(request);
+  if (request.path == "/" || shows_screen) return page(request);
   if (request.path == "/style.css")
     return {200, "text/css; charset=utf-8", std::make_shared<const std::string>(page_style()), {}};
   return plain_answer(404, "There is nothing here.\n");
@@ -145,6 +156,7 @@ Answer Reporter::page(const Request& request) {
   const auto language = wanted_language(request.language, request.accept_language, config_.language);
   StatePage of{config_.name, heard_, history_, clock_.utc(), ahead_of_utc()};
   if (content_) of.pull = content_->status();
+  if (screen_) of.screen = ScreenPart{form_key_, request.posts ? std::optional(screen_->ask()) : std::nullopt};
   auto html = state_page(of, language);
   return {200,
           "text/html; charset=utf-8",

@@ -11,6 +11,7 @@
 #include "report/channels/mqtt_channel.hpp"
 #include "report/channels/sign_of_life.hpp"
 #include "report/page/http_server.hpp"
+#include "report/page/screen_asking.hpp"
 #include "report/report_config.hpp"
 #include "report/web/content_pull.hpp"
 
@@ -47,6 +48,8 @@ class Reporter {
   std::map<std::string, std::uint64_t> turned_away_;  // by why
   std::vector<HistoryLine> history_;                  // as it was read last
   std::optional<Instant> history_at_;
+  std::optional<ScreenAsking> screen_;  // where it may be asked for
+  std::string form_key_;                // changes with each start
   std::optional<HttpServer> server_;
   std::unique_ptr<MqttChannel> mqtt_;
   std::unique_ptr<MailChannel> mail_;

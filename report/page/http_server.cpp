@@ -20,7 +20,7 @@ constexpr std::size_t kBeyond = 16;  // connections that may wait to be cut off
 // Everything that is answered is for whoever looks after the kiosk: nobody keeps it, frames it or guesses what it is.
 constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Content-Security-Policy",
-     "default-src 'none'; style-src 'self'; img-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors "
+     "default-src 'none'; style-src 'self'; img-src data:; base-uri 'none'; form-action 'self'; frame-ancestors "
      "'none'"},
     {"X-Content-Type-Options", "nosniff"},
     {"Referrer-Policy", "no-referrer"},
@@ -41,6 +41,12 @@ void free_body(void* body) {
 
 Answer plain_answer(int code, std::string text) {
   return {code, "text/plain; charset=utf-8", std::make_shared<const std::string>(std::move(text)), {}};
+}
+
+Answer only_reading() {
+  auto answer = plain_answer(405, "Only GET and HEAD.\n");
+  answer.headers = {{"Allow", "GET, HEAD"}};
+  return answer;
 }
 
 struct HttpServer::Daemon {
@@ -108,14 +114,16 @@ struct HttpServer::Daemon {
   MHD_Result answer(MHD_Connection* connection, const char* path, std::string_view method) {
     Answer answer;
     const bool reads = method == MHD_HTTP_METHOD_GET || method == MHD_HTTP_METHOD_HEAD;
-    if (!reads) {
-      answer = plain_answer(MHD_HTTP_METHOD_NOT_ALLOWED, "Only GET and HEAD.\n");
-      answer.headers = {{"Allow", "GET, HEAD"}};
+    const bool posts = method == MHD_HTTP_METHOD_POST;
+    if (!reads && !posts) {
+      answer = only_reading();
     } else {
       Request request;
+      request.posts = posts;
       request.path = path;
       request.language = text_of(connection, MHD_GET_ARGUMENT_KIND, "language");
       request.view = text_of(connection, MHD_GET_ARGUMENT_KIND, "view");
+      request.key = text_of(connection, MHD_GET_ARGUMENT_KIND, "key");
       request.accept_language = text_of(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_ACCEPT_LANGUAGE);
       request.authorization = text_of(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_AUTHORIZATION);
       request.host = text_of(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST);

@@ -13,11 +13,13 @@
 
 namespace kasumi::report {
 
-// A GET or HEAD. What a peer did not send is empty.
+// A GET or HEAD, or a POST, whose body is not read. What a peer did not send is empty.
 struct Request {
+  bool posts = false;
   std::string path;      // "/metrics", as it was sent, without the query
   std::string language;  // of ?language=
   std::string view;      // of ?view=
+  std::string key;       // of ?key=
   std::string accept_language, authorization, host;
 };
 
@@ -28,6 +30,7 @@ struct Answer {
   std::vector<std::pair<std::string, std::string>> headers;  // others
 };
 Answer plain_answer(int code, std::string text);
+Answer only_reading();  // 405
 
 struct HttpBounds {
   std::size_t connections = 48;                  // beyond them the oldest is cut off
@@ -47,7 +50,7 @@ class HttpServer {
   ~HttpServer();
 
   int port() const;
-  // Serves whoever has sent something. BLOCKS for at most `longest` where nobody has.
+  // Serves whoever has sent something. BLOCKS for at most `longest` where nobody has, and for what the handler takes.
   void turn(Duration longest);
 
   const std::map<std::string, std::uint64_t>& answered() const;  // by status code

@@ -45,6 +45,47 @@ struct PageWords : FigureWords {
                      "In funzione dal", "En marcha desde", "起動時刻"};
   Translated off{"not running", "nicht in Betrieb", "à l’arrêt", "non in funzione", "parado", "停止"};
   Translated refresh{"Look again", "Neu ansehen", "Actualiser", "Aggiorna", "Actualizar", "更新"};
+  Translated screen{"The screen now",    "Der Bildschirm jetzt", "L’écran maintenant",
+                    "Lo schermo adesso", "La pantalla ahora",    "現在の画面"};
+  Translated screen_take{"Take a small, blurred picture",    "Kleines, unscharfes Bild aufnehmen",
+                         "Prendre une petite image floue",   "Prendere una piccola immagine sfocata",
+                         "Tomar una pequeña imagen borrosa", "小さなぼかし画像を撮る"};
+  Translated screen_note{
+      "The screen tells visitors. Nobody can be recognised in it, it is kept nowhere, and one a minute is taken at "
+      "most.",
+      "Der Bildschirm sagt es den Besuchern. Niemand ist zu erkennen, es wird nirgends behalten, höchstens eines je "
+      "Minute.",
+      "L’écran en informe les visiteurs. Personne n’y est reconnaissable, elle n’est conservée nulle part, une par "
+      "minute au plus.",
+      "Lo schermo lo dice ai visitatori. Nessuno è riconoscibile, non viene conservata, al massimo una al minuto.",
+      "La pantalla lo dice a los visitantes. No se reconoce a nadie, no se guarda en ningún sitio, una por minuto como "
+      "máximo.",
+      "画面で来場者にお知らせします。個人は識別できず、どこにも保存されません。撮影は1分に1回までです。"};
+  Translated screen_alt{"What the screen showed, blurred",      "Was der Bildschirm zeigte, unscharf",
+                        "Ce que l’écran montrait, flou",        "Che cosa mostrava lo schermo, sfocato",
+                        "Lo que mostraba la pantalla, borroso", "画面に表示されていた内容（ぼかし）"};
+  Translated screen_taken{"Taken at", "Aufgenommen um", "Prise à", "Presa alle", "Tomada a las", "撮影時刻"};
+  Translated screen_wait{"One was taken within the last minute. The next is possible in",
+                         "In der letzten Minute wurde eines aufgenommen. Das nächste ist möglich in",
+                         "Une image a été prise il y a moins d’une minute. La prochaine est possible dans",
+                         "Un’immagine è stata presa da meno di un minuto. La prossima è possibile tra",
+                         "Se tomó una hace menos de un minuto. La siguiente es posible dentro de",
+                         "1分以内に撮影されています。次に撮影できるまで"};
+  Translated screen_nothing{"Nothing is on the screen.",     "Auf dem Bildschirm ist nichts.",
+                            "Rien n’est affiché à l’écran.", "Sullo schermo non c’è nulla.",
+                            "No hay nada en la pantalla.",   "画面には何も表示されていません。"};
+  Translated screen_off{"Switched off at the kiosk (screen_picture under [snapshot] in its kasumi.toml).",
+                        "An der Station ausgeschaltet (screen_picture unter [snapshot] in seiner kasumi.toml).",
+                        "Désactivé sur la borne (screen_picture sous [snapshot] dans son kasumi.toml).",
+                        "Disattivato sulla postazione (screen_picture sotto [snapshot] nel suo kasumi.toml).",
+                        "Desactivado en el puesto (screen_picture en [snapshot] de su kasumi.toml).",
+                        "装置側で無効になっています（kasumi.tomlの[snapshot]のscreen_picture）。"};
+  Translated screen_no_answer{"The kiosk gave no picture.",       "Die Station gab kein Bild.",
+                              "La borne n’a pas donné d’image.",  "La postazione non ha dato un’immagine.",
+                              "El puesto no dio ninguna imagen.", "装置から画像が届きませんでした。"};
+  Translated screen_count{"Taken since the kiosk’s start",          "Seit dem Start der Station aufgenommen",
+                          "Prises depuis le démarrage de la borne", "Prese dall’avvio della postazione",
+                          "Tomadas desde el arranque del puesto",   "起動後の撮影回数"};
   Translated language{"Language", "Sprache", "Langue", "Lingua", "Idioma", "言語"};
   Translated as_of{"As of", "Stand", "Au", "Al", "A las", "時点"};
 };

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "history/history_plot.hpp"
+#include "report/page/bitmap.hpp"
 #include "report/page/page_words.hpp"
 #include "report/status/symptom_words.hpp"
 
@@ -17,6 +18,7 @@ using std::chrono::minutes;
 constexpr PageWords kWords;
 constexpr minutes kDay{24 * 60};
 constexpr std::size_t kMostSpells = 40;
+constexpr int kScreenShown_px = 160;  // along the longer side: the browser enlarges it softly
 constexpr std::string_view kNames[] = {"English", "Deutsch", "Français", "Italiano", "Español", "日本語"};
 
 std::string escaped(std::string_view text) {
@@ -174,6 +176,53 @@ void write_day(const StatePage& of, Writer& page) {
   page.add("</tbody>\n</table>\n</section>\n");
 }
 
+// With its seconds: what is seen in it may have changed since.
+std::string wall_second(Utc utc, minutes wall) {
+  const auto minute = std::chrono::floor<minutes>(utc);
+  return fmt::format("{}:{:02}", wall_time(minute, wall),
+                     std::chrono::floor<std::chrono::seconds>(utc - minute).count());
+}
+
+void write_screen_reply(const ScreenReply& reply, minutes wall, Writer& page) {
+  const auto& picture = reply.answer.picture;
+  const auto say = [&](const Translated& words, std::string_view more = {}) {
+    page.add("<p role=\"status\"><strong>{}</strong>{}</p>\n", page.in(words), more);
+  };
+  switch (reply.outcome) {
+    case ScreenOutcome::picture: {
+      const int longer = std::max(picture.width(), picture.height());
+      const auto side = [&](int of) { return std::max(1, of * kScreenShown_px / longer); };
+      page.add("<p><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\"></p>\n", bitmap_address(picture),
+               side(picture.width()), side(picture.height()), page.in(kWords.screen_alt));
+      return say(kWords.screen_taken, fmt::format(" {}", wall_second(reply.answer.utc, wall)));
+    }
+    case ScreenOutcome::wait:
+      return say(kWords.screen_wait, fmt::format(" {} s", reply.answer.wait.value_or(kScreenPause).count()));
+    case ScreenOutcome::nothing: return say(kWords.screen_nothing);
+    case ScreenOutcome::off: return say(kWords.screen_off);
+    case ScreenOutcome::no_answer:
+      return say(kWords.screen_no_answer, fmt::format(" <q lang=\"en\">{}</q>", escaped(reply.why)));
+  }
+}
+
+void write_screen(const StatePage& of, Writer& page) {
+  const auto& told = of.heard.status;
+  const bool off = told && !told->screen_allowed.value_or(false);
+  page.add("<section aria-labelledby=\"screen\">\n<h2 id=\"screen\">{}</h2>\n", page.in(kWords.screen));
+  if (of.screen->reply)
+    write_screen_reply(*of.screen->reply, of.wall, page);
+  else if (off)
+    page.add("<p>{}</p>\n", page.in(kWords.screen_off));
+  if (!off)
+    page.add(
+        "<form method=\"post\" action=\"./screen?language={}&amp;key={}\">\n<button>{}</button>\n</form>\n"
+        "<p class=\"detail\">{}</p>\n",
+        code_of(page.language()), escaped(of.screen->key), page.in(kWords.screen_take), page.in(kWords.screen_note));
+  if (told && told->screen_pictures.value_or(0.0) > 0.0)
+    page.add("<p class=\"detail\">{}: {:.0f}</p>\n", page.in(kWords.screen_count), *told->screen_pictures);
+  page.add("</section>\n");
+}
+
 }  // namespace
 
 Language wanted_language(std::string_view asked, std::string_view accept_language, Language fallback) {
@@ -210,14 +259,15 @@ std::string state_page(const StatePage& of, Language language) {
     if (!first.detail.empty()) page.add("<q lang=\"en\">{}</q>", escaped(first.detail));
     page.add("</p>\n");
   }
-  page.add("<p>{} {} <a class=\"again\" href=\"?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
+  page.add("<p>{} {} <a class=\"again\" href=\"./?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
            wall_time(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
+  if (of.screen) write_screen(of, page);
   write_symptoms(diagnosis, page);
   if (of.heard.status) write_figures(*of.heard.status, of.pull, of.wall, page);
   write_day(of, page);
   page.add("</main>\n<footer>\n<nav aria-label=\"{}\">\n<ul>\n", page.in(kWords.language));
   for (const Language other : kLanguages)
-    page.add("<li><a href=\"?language={0}\" lang=\"{0}\" hreflang=\"{0}\"{1}>{2}</a></li>\n", code_of(other),
+    page.add("<li><a href=\"./?language={0}\" lang=\"{0}\" hreflang=\"{0}\"{1}>{2}</a></li>\n", code_of(other),
              other == language ? " aria-current=\"true\"" : "", kNames[static_cast<std::size_t>(other)]);
   page.add("</ul>\n</nav>\n</footer>\n</body>\n</html>\n");
   return page.html();
@@ -247,6 +297,8 @@ section{background:var(--card);border:1px solid var(--rule);border-radius:.5rem;
 .sight{font-size:1.6rem;line-height:1.25;font-weight:700;margin:.25rem 0 .5rem}
 .why{font-size:1.1rem;margin:0 0 .75rem}
 .again{display:inline-block;margin:.25rem 0 0 .5rem;padding:.35rem .75rem;border:1px solid;border-radius:.35rem;text-decoration:none}
+button{font:inherit;color:inherit;background:var(--code);border:1px solid var(--soft);border-radius:.35rem;padding:.5rem .9rem;margin:.25rem 0}
+button:focus-visible{outline:3px solid var(--focus);outline-offset:2px}
 .symptoms{margin:0;padding:0;list-style:none}
 .symptoms li+li{border-top:1px solid var(--rule);margin-top:1rem;padding-top:1rem}
 .detail{color:var(--soft)}

@@ -131,13 +131,21 @@ Admission Tokens::admit(std::string_view authorization) {
   return is_valid(options_[*found]) ? Admission::admitted : Admission::expired;
 }
 
-Result<NewToken> new_token() {
+Result<std::string> random_letters() {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz234567";
   std::array<unsigned char, 26> random;
   if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size()))
     return fail(FaultKind::io, "no random numbers: {}", std::strerror(errno));
+  std::string letters;
+  for (const unsigned char byte : random) letters += kLetters[byte % kLetters.size()];
+  return letters;
+}
+
+Result<NewToken> new_token() {
+  auto letters = random_letters();
+  if (!letters) return fail(letters.error());
   NewToken made;
-  for (const unsigned char byte : random) made.token += kLetters[byte % kLetters.size()];
+  made.token = std::move(*letters);
   std::array<char, CRYPT_GENSALT_OUTPUT_SIZE> setting;
   // The lowest cost takes 1 MB and a millisecond; slow hashes are for what people think up.
   if (!::crypt_gensalt_rn("$y$", 1, nullptr, 0, setting.data(), static_cast<int>(setting.size())))

@@ -52,6 +52,9 @@ class Tokens {
   int looked_ = 0;  // at guesses, in the window
 };
 
+// 26 letters and digits, of 130 random bits. Errors: io.
+Result<std::string> random_letters();
+
 // 130 random bits as 26 letters and digits, and their hash, cheap to check since nobody can guess them. Errors: io.
 struct NewToken {
   std::string token, hash;

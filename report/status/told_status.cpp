@@ -205,6 +205,9 @@ Result<ToldStatus> parse_status(std::string_view text) {
   tell_air(root, told);
   tell_content(root, told);
   tell_machine(root, told);
+  const Part screen = root.part("screen_picture");
+  told.screen_allowed = screen.flag("allowed");
+  told.screen_pictures = screen.count("taken");
   told.clock_trusted = root.flag("clock_trusted");
   told.building_drawn = root.is("building_drawn");
   told.draw_refused = root.text("draw_refused");

@@ -55,6 +55,8 @@ struct ToldStatus {
   std::string visibility_bound, visibility_words;
   bool observers_disagree = false;
 
+  std::optional<bool> screen_allowed;     // pictures of the screen for the state page
+  std::optional<double> screen_pictures;  // taken
   std::optional<bool> clock_trusted;
   bool building_drawn = false;
   std::string draw_refused;

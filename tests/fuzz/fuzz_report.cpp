@@ -1,5 +1,6 @@
 // All that kasumi-report reads: a peer's request, report.toml, the kiosk's history, what it remembers of its mails and of
-// content that arrives, what a web server answers about that, and (any other input) status.json. What it then tells must hold together, whatever it was told.
+// content that arrives, what a web server answers about that, what the kiosk's socket says of its screen, and (any other input)
+// status.json. What it then tells must hold together, whatever it was told.
 #include <string_view>
 
 #include <arpa/inet.h>
@@ -149,6 +150,22 @@ void try_note(std::string_view text) {
   expect(!note || parse_pull_note(text_of(*note)) == note);
 }
 
+// What is believed can be said again, is small, and shows nothing but itself on the page.
+void try_screen(std::string_view line) {
+  auto answer = parse_screen_line(line);
+  expect_value_or_sentence(answer);
+  if (!answer) return;
+  const auto& picture = answer->picture;
+  expect(picture.width() <= kMostScreenPixels && picture.height() <= kMostScreenPixels);
+  const auto said = screen_answer_bytes(*answer);
+  const auto again = parse_screen_line(std::string_view(said).substr(0, said.find('\n')));
+  expect(again && again->wait == answer->wait && again->picture.elements() == picture.elements());
+  auto page = page_of({}, {});
+  const auto outcome = picture.empty() ? ScreenOutcome::wait : ScreenOutcome::picture;
+  page.screen = ScreenPart{"key", ScreenReply{outcome, std::move(*answer), {}}};
+  expect_page(state_page(page, Language::english));
+}
+
 bool take(std::string_view& text, std::string_view prefix) {
   if (!text.starts_with(prefix)) return false;
   text.remove_prefix(prefix.size());
@@ -164,6 +181,7 @@ void kasumi::try_input(std::span<const std::uint8_t> input) {
   if (take(text, "history\n")) return expect_page(state_page(page_of({}, history_lines(text)), Language::english));
   if (take(text, "answer\n")) return try_answer(text);
   if (take(text, "note\n")) return try_note(text);
+  if (take(text, "screen\n")) return try_screen(text);
   if (take(text, "memory\n")) {
     const auto memory = parse_mail_memory(text);
     expect(parse_mail_memory(text_of(memory)) == memory);

@@ -17,6 +17,8 @@
 
 #include "base/c_ptr.hpp"
 #include "base/files.hpp"
+#include "base/image.hpp"
+#include "base/picture.hpp"
 #include "base/unique_fd.hpp"
 #include "tests/places.hpp"
 #include "tests/report/told.hpp"
@@ -137,13 +139,10 @@ class RunningReporter {
     EXPECT_TRUE(within(20, [&] { return bool(connected(port)); })) << log();
   }
   void tell(const std::string& status) { EXPECT_TRUE(write_text_file(folder / "status.json", status)); }
-  // The answer to a GET with these header lines.
-  std::string get(const std::string& path, const std::string& headers = {}) const {
-    const auto fd = connected(port);
-    if (!fd ||
-        !sent(fd, fmt::format("GET {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{}\r\n", path, headers)))
-      return {};
-    return heard_from(fd);
+  // The answer to a GET, or a POST without a body, with these header lines.
+  std::string get(const std::string& path, const std::string& headers = {}) const { return ask("GET", path, headers); }
+  std::string post(const std::string& path, const std::string& headers = {}) const {
+    return ask("POST", path, "Content-Length: 0\r\n" + headers);
   }
   std::string metrics() const { return get("/metrics"); }
   std::string log() const { return read_text_file(folder / "log").value_or(""); }
@@ -153,8 +152,58 @@ class RunningReporter {
   const int port;
 
  private:
+  std::string ask(std::string_view method, const std::string& path, const std::string& headers) const {
+    const auto fd = connected(port);
+    if (!fd || !sent(fd, fmt::format("{} {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n{}\r\n", method, path,
+                                     headers)))
+      return {};
+    return heard_from(fd, 15000);
+  }
   std::optional<Child> child_;
 };
+
+// The address that the page's button sends its form to; empty: there is none.
+inline std::string form_action(const std::string& page) {
+  constexpr std::string_view kBefore = "<form method=\"post\" action=\".";
+  const auto at = page.find(kBefore);
+  if (at == std::string::npos) return {};
+  auto action = page.substr(at + kBefore.size(), page.find('"', at + kBefore.size()) - at - kBefore.size());
+  for (std::size_t amp; (amp = action.find("&amp;")) != std::string::npos;) action.erase(amp + 1, 4);
+  return action;
+}
+
+// The pixels of the bitmap within a page, as a browser would read them; empty: there is none.
+inline Image<Rgb8> picture_in(const std::string& page) {
+  constexpr std::string_view kBefore = "src=\"data:image/bmp;base64,",
+                             kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const auto at = page.find(kBefore);
+  if (at == std::string::npos) return {};
+  std::string bytes;
+  unsigned bits = 0, held = 0;
+  for (auto i = at + kBefore.size(); kLetters.find(page[i]) != std::string_view::npos; ++i) {
+    bits = bits << 6 | static_cast<unsigned>(kLetters.find(page[i]));
+    if ((held += 6) < 8) continue;
+    held -= 8;
+    bytes += static_cast<char>(bits >> held & 255u);
+  }
+  const auto number = [&](std::size_t from, int size) {
+    unsigned value = 0;
+    for (int i = size; i-- > 0;)
+      value = value << 8 | static_cast<unsigned char>(bytes.at(from + static_cast<std::size_t>(i)));
+    return value;
+  };
+  EXPECT_EQ(bytes.substr(0, 2), "BM");
+  EXPECT_EQ(number(2, 4), bytes.size());
+  EXPECT_EQ(number(28, 2), 24u) << "bits a pixel";
+  const auto start = number(10, 4), width = number(18, 4), height = number(22, 4), row = (3 * width + 3) / 4 * 4;
+  Image<Rgb8> picture(static_cast<int>(width), static_cast<int>(height));
+  for (unsigned y = 0; y < height; ++y)
+    for (unsigned x = 0; x < width; ++x)
+      for (const unsigned c : {0u, 1u, 2u})
+        picture.at(static_cast<int>(x), static_cast<int>(y))[static_cast<int>(c)] =
+            static_cast<std::uint8_t>(number(start + (height - 1 - y) * row + 3 * x + 2 - c, 1));
+  return picture;
+}
 
 // The output of a command, which must not take longer than its own limits.
 inline std::string said_by(const std::string& command) {

@@ -71,6 +71,7 @@ TEST(ReportContract, WhatIsMeasuredArrives) {
   status.render.latency_minute = LatencySummary{.median_ms = 61.0, .p95_ms = 80.0, .max_ms = 99.0, .pictures = 1500};
   status.heat.zone = ThermalZone{.name = "cpu", .celsius = 88.0};
   status.heat.show_one_of = 2;
+  status.render.page_pictures = {true, 3, status.utc};
   status.loops.push_back({"scene", std::chrono::seconds(9), true});
   status.instead.emplace();
   status.instead->refused = {"model: no such file"};
@@ -82,6 +83,8 @@ TEST(ReportContract, WhatIsMeasuredArrives) {
   EXPECT_EQ(seen.latency_median_ms, 61.0);
   EXPECT_EQ(seen.celsius, 88.0);
   EXPECT_EQ(seen.pictures_share, 0.5);
+  EXPECT_EQ(seen.screen_allowed, true);
+  EXPECT_EQ(seen.screen_pictures, 3.0);
   EXPECT_THAT(seen.hung_loops, testing::ElementsAre("scene"));
   EXPECT_THAT(seen.refused, testing::ElementsAre("model: no such file"));
   EXPECT_EQ(seen.since, status.since);

@@ -50,6 +50,8 @@ TEST(ReportConfigs, TheExampleSpelledOutIsAcceptedAndItsDefaultsAreTrue) {
   ASSERT_TRUE(config->http && config->textfile && config->mqtt && config->mail && config->sign_of_life);
   EXPECT_EQ(config->http->address, plain.address);
   EXPECT_EQ(config->http->port, plain.port);
+  EXPECT_EQ(config->http->screen_picture, plain.screen_picture);
+  EXPECT_FALSE(plain.screen_picture) << "off unless somebody wants it";
   const auto mqtt = read("[mqtt]\nhost = \"x\"\n")->mqtt;
   EXPECT_EQ(config->mqtt->port, mqtt->port);
   EXPECT_EQ(config->mqtt->tls, mqtt->tls);

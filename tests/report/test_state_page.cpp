@@ -57,6 +57,55 @@ TEST(StatePages, SayWhatIsWrongAndWhatToDo) {
   EXPECT_THAT(state_page(page_of(kGoodStatus), Language::english), HasSubstr("Nothing is wrong."));
 }
 
+// A kiosk that allows pictures of its screen.
+const std::string kScreenStatus =
+    changed(kGoodStatus, "\"pid\"", "\"screen_picture\": {\"allowed\": true, \"taken\": 3}, \"pid\"");
+
+TEST(StatePages, ShowTheScreenOnRequest) {
+  auto page = page_of(kScreenStatus);
+  EXPECT_THAT(state_page(page, Language::english), Not(HasSubstr("<form"))) << "off unless it is configured";
+  page.screen = ScreenPart{"secret", {}};
+  for (const Language language : kLanguages) {
+    const auto html = state_page(page, language);
+    EXPECT_EQ(form_action(html), fmt::format("/screen?language={}&key=secret", code_of(language)));
+    EXPECT_THAT(html, Not(HasSubstr("<img")));
+  }
+  EXPECT_THAT(state_page(page, Language::english), HasSubstr("Taken since the kiosk’s start: 3"));
+  ScreenAnswer answer{Image<Rgb8>(32, 18), *parse_utc("2026-06-21T11:59:58Z"), {}};
+  for (std::size_t i = 0; i < answer.picture.elements().size(); ++i)
+    answer.picture.elements()[i] = Rgb8(i % 251, 7 * i % 256, 255 - i % 256);
+  page.screen->reply = ScreenReply{ScreenOutcome::picture, answer, {}};
+  for (const Language language : kLanguages) {
+    const auto html = state_page(page, language);
+    EXPECT_EQ(picture_in(html).elements(), answer.picture.elements());
+    EXPECT_THAT(html, HasSubstr("width=\"160\" height=\"90\""));
+    EXPECT_THAT(html, HasSubstr("2026-06-21 13:59:58")) << "by the wall clock";
+  }
+  page.screen->reply->answer.picture = Image<Rgb8>(18, 31, Rgb8(1, 2, 3));
+  const auto upright = state_page(page, Language::english);
+  EXPECT_THAT(upright, HasSubstr("width=\"92\" height=\"160\""));
+  EXPECT_EQ(picture_in(upright).elements(), page.screen->reply->answer.picture.elements());
+}
+
+TEST(StatePages, SayWhyThereIsNoPictureOfTheScreen) {
+  auto page = page_of(kGoodStatus);
+  page.screen = ScreenPart{"secret", {}};
+  auto html = state_page(page, Language::german);
+  EXPECT_THAT(html, HasSubstr("An der Station ausgeschaltet"));
+  EXPECT_THAT(html, Not(HasSubstr("<form")));
+  page = page_of(kScreenStatus);
+  const auto said = [&](ScreenReply reply) {
+    page.screen = ScreenPart{"secret", std::move(reply)};
+    return state_page(page, Language::english);
+  };
+  EXPECT_THAT(said({ScreenOutcome::wait, {{}, {}, std::chrono::seconds(37)}, {}}),
+              HasSubstr("possible in</strong> 37 s"));
+  EXPECT_THAT(said({ScreenOutcome::nothing, {}, {}}), HasSubstr("Nothing is on the screen."));
+  EXPECT_THAT(said({}), HasSubstr("Switched off at the kiosk"));
+  html = said({ScreenOutcome::no_answer, {}, "<b>no answer in time"});
+  EXPECT_THAT(html, HasSubstr("The kiosk gave no picture.</strong> <q lang=\"en\">&lt;b&gt;no answer in time</q>"));
+}
+
 TEST(StatePages, OfASilentKioskClaimNothing) {
   auto page = page_of(kGoodStatus);
   page.heard = {Contact::silent, std::nullopt, "/run/kasumi/status.json: not written for 20 s", {}};
@@ -83,8 +132,8 @@ TEST(StatePages, SpeakTheLanguageThatIsAskedFor) {
 }
 
 // A reporter with a day behind it, by the machine's clock.
-std::unique_ptr<RunningReporter> with_a_day(const std::string& name) {
-  auto reporter = std::make_unique<RunningReporter>(name);
+std::unique_ptr<RunningReporter> with_a_day(const std::string& name, const std::string& more = {}) {
+  auto reporter = std::make_unique<RunningReporter>(name, more);
   auto ring = HistoryRing::open(reporter->folder / kHistoryFile);
   EXPECT_TRUE(ring);
   auto text = read_text_file(reporter->folder / kHistoryFile).value();
@@ -126,12 +175,13 @@ TEST(StatePages, ABrowserFindsThemAccessibleAndNarrowEnough) {
   const auto axe = source_folder() / "build/browser/node_modules/axe-core/axe.min.js";
   if (!is_installed("chromium")) GTEST_SKIP() << "chromium is not installed";
   if (!std::filesystem::exists(axe)) GTEST_SKIP() << "axe-core is not there: ./bootstrap browser";
-  const auto reporter = with_a_day("browser");
+  const auto reporter = with_a_day("browser", "screen_picture = true\n");
+  const auto lost = changed(kLostStatus, "\"pid\"", "\"screen_picture\": {\"allowed\": true, \"taken\": 1}, \"pid\"");
   for (const Language language : kLanguages) {
     // An appliance that goes on telling.
     reporter->tell(
-        changed(kLostStatus, "\"pictures\": 9000", fmt::format("\"pictures\": {}", 9001 + static_cast<int>(language))));
-    EXPECT_TRUE(within(10, [&] { return reporter->get("/").find("unplugged") != std::string::npos; }));
+        changed(lost, "\"pictures\": 9000", fmt::format("\"pictures\": {}", 9001 + static_cast<int>(language))));
+    EXPECT_TRUE(within(10, [&] { return reporter->get("/").find("<button>") != std::string::npos; }));
     // The page as it is served, its style within, and the rules beside it.
     auto html = reporter->get(fmt::format("/?language={}", code_of(language)));
     html.erase(0, html.find("\r\n\r\n") + 4);
