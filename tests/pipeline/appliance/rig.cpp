@@ -109,9 +109,9 @@ std::optional<int> frame_number(const Image<Rgb8>& picture) {
   return std::nullopt;
 }
 
-std::filesystem::path write_config(const std::filesystem::path& folder, const std::string& clock_policy) {
+std::filesystem::path write_config(const std::filesystem::path& folder, const std::string& clock_policy,
+                                   const std::filesystem::path& fixture) {
   std::filesystem::create_directories(folder);
-  const auto& fixture = bench_fixture();
   for (const auto& entry : std::filesystem::directory_iterator(fixture))
     if (entry.is_regular_file())
       std::filesystem::copy_file(entry.path(), folder / entry.path().filename(),
@@ -149,7 +149,7 @@ Rig::Rig(RigOptions options)
       devices(clock),
       given_at_(kSceneFrames) {
   if (!options.keep_folder) std::filesystem::remove_all(folder);
-  config = write_config(folder, options.clock_policy);
+  config = write_config(folder, options.clock_policy, options.recording.empty() ? bench_fixture() : options.recording);
   check(write_text_file(config, read_text_file(config).value() + options.more_config));
   devices.display = options.display;
   auto content = read_content(config);

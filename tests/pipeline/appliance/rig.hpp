@@ -26,8 +26,9 @@ const std::filesystem::path& bench_fixture();
 // The number in the corner of a picture; empty when there is none.
 std::optional<int> frame_number(const Image<Rgb8>& picture);
 
-// kasumi.toml for that recording in `folder`, with a still picture in magenta.
-std::filesystem::path write_config(const std::filesystem::path& folder, const std::string& clock_policy = "trusted");
+// kasumi.toml for that recording, or another of 320 x 180 pixels, in `folder`, with a still picture in magenta.
+std::filesystem::path write_config(const std::filesystem::path& folder, const std::string& clock_policy = "trusted",
+                                   const std::filesystem::path& recording = bench_fixture());
 
 class FakeTime final : public TimeWatch {
  public:
@@ -67,9 +68,10 @@ class BenchDevices final : public Devices {
 struct RigOptions {
   std::string name = "rig";  // of its folder
   std::string clock_policy = "trusted";
-  std::string more_config{};  // at the end of kasumi.toml
-  bool no_leaves = false;     // what the scene's mask leaves open in part is free
-  std::optional<Utc> utc{};   // the machine's time at the start; empty: the recording's
+  std::filesystem::path recording{};  // of 320 x 180 pixels, instead of the bench's; its frames carry no numbers
+  std::string more_config{};          // at the end of kasumi.toml
+  bool no_leaves = false;             // what the scene's mask leaves open in part is free
+  std::optional<Utc> utc{};           // the machine's time at the start; empty: the recording's
   SkyWatchOptions sky{};
   bool keep_folder = false;  // keep what an earlier rig of that name left on disk
   DisplayFaults display{};
