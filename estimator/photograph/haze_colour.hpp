@@ -1,0 +1,75 @@
+// How the haze of a photograph attenuates by wavelength, as the picture itself tells: by how the dark things in it take
+// on the colour of the light from infinity, near and far (docs/physics.md 8).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include <glm/vec3.hpp>
+
+#include "base/image.hpp"
+#include "base/photograph.hpp"
+#include "calib/camera.hpp"
+#include "estimator/atmosphere.hpp"
+
+namespace kasumi {
+
+struct HazeColourOptions {
+  double place = 1.0 / 24.0;  // side of a place, of the picture's longer side
+  double darkest = 0.05;      // share of a place's pixels that are taken for its dark things
+  double faintest = 0.1;      // a place that keeps less than this of its contrast to infinity is left out
+  // How ln(1 - rho) of dark things may differ by channel between near and far, sigma: as much as it does from place to
+  // place, and by this at least.
+  double material = 0.02;
+  double infinity = 0.01;        // how the light from infinity may be off by channel, sigma; relative
+  double largest_sigma = 0.5;    // of the exponent: beyond, the picture does not tell
+  double largest_scatter = 0.2;  // of places about their line, in ln(1 - L/Linf): beyond, materials hide the haze
+};
+
+struct HazeColour {
+  bool told = false;
+  std::string reason;        // for people: why the picture does not tell; empty when it does
+  double exponent = 0.0;     // Angstrom's: extinction goes with wavelength^-exponent, that of molecules included
+  double sigma = 0.0;        // standard deviation of the exponent
+  double depth_range = 0.0;  // optical depth of green from the nearest to the farthest twentieth of the places
+  double scatter = 0.0;      // of the places about their line, in ln(1 - L/Linf)
+  int places = 0;            // that were used
+};
+
+// Koschmieder: ln(1 - L/Linf) = -beta_c d + ln(1 - rho_c). For dark things the last term is small and alike near and
+// far, so places at all distances lie along a line whose direction is beta_c. No distances are needed, and exposure and
+// white balance cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
+// Exponents of the three channels that do not agree, too little depth, too few places: not told, with the reason.
+HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky,
+                       const glm::dvec3& wavelength_nm, const HazeColourOptions& options = {});
+
+// A photograph in units of its light from infinity: its low sky's, or where no sky is seen that of its thickest haze,
+// which is trusted less.
+struct HazyPicture {
+  Image<glm::vec3> relative;   // L/Linf, linear
+  Image<std::uint8_t> sky;     // 255 where sky; empty: none is seen
+  glm::dvec3 from_infinity{};  // the mean, linear, in the camera's channels and scale
+  bool from_sky = false;
+};
+HazyPicture hazy_picture(const Camera& camera, const Photograph& photograph);
+HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, HazeColourOptions options = {});
+
+struct PixelBox {
+  int left = 0, top = 0, width = 0, height = 0;
+};
+// Optical depth of each channel from the camera to the dark things in a part of the picture, which are taken to be
+// nearly black. Nothing: the part is outside of the picture, or haze hides it.
+struct HazeDepth {
+  glm::dvec3 depth{0.0};
+  double sigma = 0.0;
+};
+std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const PixelBox& box,
+                                       const HazeColourOptions& options = {});
+
+// Where a channel stands in Angstrom's law: the geometric mean wavelength of its measure.
+glm::dvec3 channel_wavelengths_nm(const Camera& camera);
+// The aerosol's exponent in air like `air`, of which molecules are a known part.
+double aerosol_exponent(const HazeColour& colour, const AirState& air);
+
+}  // namespace kasumi
