@@ -60,8 +60,9 @@ OtherAir::OtherAir(OtherAirOptions options)
     : options_(std::move(options)),
       scattering_(options_.scattering.value_or(options_.source.aerosol_known() ? ScatteringModel::aerosol
                                                                                : ScatteringModel::morales2017)),
-      nodes_(options_.from_haze ? grey_attenuation_nodes()
-                                : attenuation_nodes(spectral_measure(options_.camera), scattering_, options_.source)),
+      nodes_(options_.from_haze && options_.grey_from_haze
+                 ? grey_attenuation_nodes()
+                 : attenuation_nodes(spectral_measure(options_.camera), scattering_, options_.source)),
       rise_(rise_of(options_.camera)) {}
 
 Result<> OtherAir::set_picture(Photograph photograph, const std::string& name) {

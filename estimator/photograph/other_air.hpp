@@ -19,9 +19,10 @@ struct OtherAirOptions {
   AirState source;                  // the pictures' own air
   Image<float> distance_m;          // at the pictures' size; empty: `everything_at_m`, and sky where sky is found
   std::optional<double> everything_at_m;
-  // Nothing was measured: distances and the light from infinity are estimated from each picture's own haze, which is
-  // assumed to be grey (estimator/photograph/depth_from_haze).
+  // Nothing was measured: distances and the light from infinity are estimated from each picture's own haze
+  // (estimator/photograph/depth_from_haze), which is taken to be grey, or of the source's exponent.
   bool from_haze = false;
+  bool grey_from_haze = true;
   bool find_sky = false;               // find sky in each picture, whatever `distance_m` says about it
   double horizon_weight = 1.0;         // of a picture's own horizon; the rest is that of the previous pictures
   std::optional<glm::dvec3> airlight;  // linear, 0..1 of full scale; empty: each picture's own horizon

@@ -24,7 +24,7 @@ Result<int> retarget_pictures(const RetargetArguments& a) {
   if (!task) return fail(task.error());
   // The camera stands still and the air with it: errors of the horizon average out over the frames.
   if ((*source)->is_sequence()) task->setup.horizon_weight = 0.1;
-  auto outputs = RetargetOutputs::open(a, task->targets, **source);
+  auto outputs = RetargetOutputs::open(a, task->target_names, **source);
   if (!outputs) return fail(outputs.error());
   OtherAir air(std::move(task->setup));
   while (picture && *picture) {

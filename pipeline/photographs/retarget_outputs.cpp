@@ -5,10 +5,6 @@
 namespace kasumi {
 namespace {
 
-std::string name_of(const std::optional<AirState>& target) {
-  return target ? name_of(*target) : "clear";
-}
-
 Result<> write_mask(const std::filesystem::path& path, const Image<std::uint8_t>& mask) {
   Image<Rgb8> picture(mask.width(), mask.height());
   for (std::size_t i = 0; i < mask.elements().size(); ++i) picture.elements()[i] = Rgb8(mask.elements()[i]);
@@ -17,8 +13,7 @@ Result<> write_mask(const std::filesystem::path& path, const Image<std::uint8_t>
 
 }  // namespace
 
-Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
-                                              const std::vector<std::optional<AirState>>& targets,
+Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a, const std::vector<std::string>& targets,
                                               const PictureSource& source) {
   RetargetOutputs outputs;
   outputs.out_ = a.out;
@@ -41,9 +36,9 @@ Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
   const bool one = !source.is_sequence() || targets.size() == 1;
   const std::filesystem::path film = a.film;
   for (std::size_t i = 0; i < (one ? 1 : targets.size()); ++i) {
-    const auto name = one ? film
-                          : film.parent_path() / fmt::format("{}.{}{}", film.stem().string(), name_of(targets[i]),
-                                                             film.extension().string());
+    const auto name =
+        one ? film
+            : film.parent_path() / fmt::format("{}.{}{}", film.stem().string(), targets[i], film.extension().string());
     auto opened = open_film(name, frames_per_second);
     if (!opened) return fail(opened.error());
     outputs.films_.push_back(std::move(*opened));
@@ -53,7 +48,7 @@ Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a,
 
 // OUT itself for one picture under one air; else OUT/NAME.T2.50.png.
 std::filesystem::path RetargetOutputs::path_of(const std::string& stem, std::size_t target) const {
-  return single_ ? out_ : out_ / fmt::format("{}.{}.png", stem, name_of(targets_[target]));
+  return single_ ? out_ : out_ / fmt::format("{}.{}.png", stem, targets_[target]);
 }
 
 void RetargetOutputs::as_taken(const Photograph& photograph) {
@@ -71,12 +66,12 @@ Result<> RetargetOutputs::put(const std::string& stem, std::size_t target, const
     if (made.direct)
       if (auto done = write_photograph(beside(".direct.png"), *made.direct); !done) return done;
     if (prints_)
-      fmt::print("{}: {}, {:.1f} % too faint to restore\n", place.string(), name_of(targets_[target]),
+      fmt::print("{}: {}, {:.1f} % too faint to restore\n", place.string(), targets_[target],
                  100.0 * made.too_faint_fraction);
   }
   if (sheet_file_.empty() && films_.empty()) return {};
   const auto pixels = to_rgb8(made.picture);
-  if (!sheet_file_.empty()) sheet_.add(pixels, name_of(targets_[target]));
+  if (!sheet_file_.empty()) sheet_.add(pixels, targets_[target]);
   return films_.empty() ? Result<>{} : films_[films_.size() == 1 ? 0 : target]->put(pixels);
 }
 

@@ -16,9 +16,9 @@ namespace kasumi {
 // A picture or a folder, a contact sheet, films: one film of all results for stills, one per target for sequences.
 class RetargetOutputs {
  public:
-  // Errors: bad_input (a folder that cannot be made, a sheet of a sequence, which would have to stay in memory).
-  static Result<RetargetOutputs> open(const RetargetArguments& arguments,
-                                      const std::vector<std::optional<AirState>>& targets, const PictureSource& source);
+  // `targets`: their names. Errors: bad_input (a folder that cannot be made, a sheet of a sequence, which would have to stay in memory).
+  static Result<RetargetOutputs> open(const RetargetArguments& arguments, const std::vector<std::string>& targets,
+                                      const PictureSource& source);
 
   void as_taken(const Photograph& photograph);
   // `stem`: of the source picture; `target`: index of the target air.
@@ -29,7 +29,7 @@ class RetargetOutputs {
   std::filesystem::path path_of(const std::string& stem, std::size_t target) const;
 
   std::filesystem::path out_, sheet_file_;
-  std::vector<std::optional<AirState>> targets_;
+  std::vector<std::string> targets_;
   bool single_ = false;  // --out is a picture's name
   bool prints_ = false;  // a line for each picture
   ContactSheet sheet_;

@@ -9,6 +9,7 @@
 #include "base/utc_text.hpp"
 #include "calib/mask/distance_map.hpp"
 #include "calib/mask/scene_planes.hpp"
+#include "estimator/photograph/haze_colour.hpp"
 #include "estimator/sky/sun.hpp"
 #include "pipeline/config/descriptions.hpp"
 #include "pipeline/files/photograph_file.hpp"
@@ -140,6 +141,36 @@ void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& pr
   }
 }
 
+// Whether nobody says how the haze goes with wavelength. A T with a sun asks for the papers' sky, to which their haze
+// belongs.
+bool may_ask_the_picture(const RetargetArguments& a, const OtherAirOptions& setup) {
+  if (a.scattering != "auto" || a.aerosol.describes_kind()) return false;
+  return a.source_aod || (a.source_turbidity && !(setup.sun && a.aods.empty()));
+}
+
+// The exponent of the aerosol in air like `air`, as the first picture tells it; empty: it does not. Says what came of it.
+std::optional<double> exponent_of(const Photograph& first, const OtherAirOptions& setup, const AirState& air) {
+  const auto colour = haze_colour_of(setup.camera, hazy_picture(setup.camera, first));
+  if (!colour.told) {
+    const auto supposed = setup.from_haze       ? std::string("grey haze")
+                          : air.aerosol_known() ? fmt::format("an exponent of {:.1f}", air.aerosol().angstrom_exponent)
+                                                : std::string("the papers' haze");
+    fmt::print("haze: {} is supposed, the picture does not tell its exponent ({})\n", supposed, colour.reason);
+    return std::nullopt;
+  }
+  const double exponent = aerosol_exponent(colour, air);
+  fmt::print("haze: exponent {:.2f} +- {:.2f} of its aerosol, by the picture\n", exponent, colour.sigma);
+  return exponent;
+}
+
+// Of the same amount but of that exponent: the papers' haze stays as thick as it is at 550 nm.
+AirState with_exponent(const AirState& air, double exponent) {
+  auto aerosol = air.aerosol();
+  if (!air.aerosol_known()) aerosol.aod_550 = mie_per_m(ScatteringModel::morales2017, 550.0, air) * kAerosolHeight_m;
+  aerosol.angstrom_exponent = exponent;
+  return {aerosol, air.covariance()};
+}
+
 }  // namespace
 
 Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph& first) {
@@ -192,6 +223,15 @@ Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph&
   for (auto& target : task.targets)
     if (target && source->aerosol_known() && !target->aerosol_known())
       target = air_of(target->turbidity(), source->aerosol());
+  for (const auto& target : task.targets) task.target_names.push_back(target ? name_of(*target) : "clear");
+  setup.grey_from_haze = !a.aerosol.describes_kind();
+  if (may_ask_the_picture(a, setup))
+    if (const auto exponent = exponent_of(first, setup, setup.source)) {
+      setup.grey_from_haze = false;
+      setup.source = with_exponent(setup.source, *exponent);
+      for (auto& target : task.targets)
+        if (target) target = with_exponent(*target, *exponent);
+    }
   setup.airlight = light_of(a.airlight);
   setup.target_airlight = light_of(a.target_airlight);
   setup.scattering = scattering_model_named(a.scattering);

@@ -27,10 +27,11 @@ struct RetargetArguments {
 struct RetargetTask {
   OtherAirOptions setup;
   std::vector<std::optional<AirState>> targets;  // nothing: clear
+  std::vector<std::string> target_names;         // "T2.50", "AOD0.300", "clear": as they were asked for
 };
 
-// `first`: the first picture; all have its size. Errors (bad_input): every problem; no turbidity from the picture of
-// the sky.
+// `first`: the first picture; all have its size. Where nobody says how the haze goes with wavelength, it is asked, and
+// what came of that is printed. Errors (bad_input): every problem; no turbidity from the picture of the sky.
 Result<RetargetTask> retarget_task(const RetargetArguments& arguments, const Photograph& first);
 
 }  // namespace kasumi

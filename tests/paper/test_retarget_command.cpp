@@ -13,6 +13,7 @@
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/files/picture_source.hpp"
 #include "tests/environment.hpp"
+#include "tests/estimator/photograph/hazy_land.hpp"
 #include "tests/paper/generated_scene.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
@@ -270,6 +271,67 @@ TEST_F(RetargetCommand, RemovesHazeWhenOnlyThePictureIsKnown) {
   EXPECT_NEAR(made.at(80, 80).g, pixel(kInfinity * (1.0 - 0.5 / 0.55)).g, 8.0) << "black";
   EXPECT_NEAR(made.at(82, 80).g, pixel(kInfinity * (1.0 - 0.25 / 0.55)).g, 8.0) << "grey of one half";
   EXPECT_NEAR(made.at(80, 8).g, pixel(kInfinity).g, 2.0) << "sky";
+}
+
+// Extinction of green per km under T, by M's own coefficients at the ground (M Sect 5): .0141 and .0638 at T 1.6.
+double papers_green_per_km(double turbidity) {
+  return 0.0141 + 0.0638 * (turbidity - 1.0) / 0.6;
+}
+// Smog of an exponent under two T, in closed form; its distances.
+void write_smog(const std::filesystem::path& folder, double exponent) {
+  HazyLand land{
+      .exponent = exponent, .green_per_km = papers_green_per_km(6.0), .nearest_m = 500.0, .farthest_m = 4000.0};
+  ASSERT_TRUE(write_png(folder / "smog.png", to_rgb8(drawn(land))));
+  land.green_per_km = papers_green_per_km(3.0);
+  land.noise = 0.0;
+  ASSERT_TRUE(write_png(folder / "smog-less.png", to_rgb8(drawn(land))));
+  Image<float> distance_m(kLandWidth, kLandHeight, 0.0F);
+  for (int y = kLandHorizon; y < kLandHeight; ++y)
+    for (int x = 0; x < kLandWidth; ++x) distance_m.at(x, y) = static_cast<float>(distance_of_row(land, y));
+  ASSERT_TRUE(write_pfm(folder / "smog.pfm", distance_m));
+}
+// Mean of blue less red over the farther land, of 255.
+double blue_over_red(const Image<Rgb8>& picture) {
+  double sum = 0.0;
+  int count = 0;
+  for (int y = kLandHorizon + 20; y < kLandHorizon + 80; ++y)
+    for (int x = 0; x < picture.width(); ++x, ++count) sum += picture.at(x, y).b - picture.at(x, y).r;
+  return sum / count;
+}
+
+TEST_F(RetargetCommand, KeepsGreySmogGreyByThePictureItself) {
+  write_smog(folder, 0.0);
+  const auto command = fmt::format("retarget {} --depth {} --source-turbidity 6 --turbidity 3", in_folder("smog.png"),
+                                   in_folder("smog.pfm"));
+  const auto ours = run_kasumi(fmt::format("{} --out {}", command, in_folder("smog-ours.png")));
+  ASSERT_EQ(ours.code, 0) << ours.err;
+  EXPECT_THAT(ours.out, HasSubstr("by the picture"));
+  const auto papers =
+      run_kasumi(fmt::format("{} --scattering morales2017 --out {}", command, in_folder("smog-papers.png")));
+  ASSERT_EQ(papers.code, 0) << papers.err;
+  EXPECT_THAT(papers.out, testing::Not(HasSubstr("by the picture")));
+  const double truth = blue_over_red(read("smog-less.png"));
+  fmt::print("blue less red: {:.1f}; by the picture's exponent {:.1f}, by the papers' {:.1f}\n", truth,
+             blue_over_red(read("smog-ours.png")), blue_over_red(read("smog-papers.png")));
+  EXPECT_NEAR(blue_over_red(read("smog-ours.png")), truth, 3.0);
+  EXPECT_GT(std::abs(blue_over_red(read("smog-papers.png")) - truth), 8.0) << "otherwise the test shows nothing";
+  EXPECT_TRUE(std::filesystem::exists(folder / "smog-ours.restored.png"));
+}
+
+// Land at one distance: what the haze is like is not guessed.
+TEST_F(RetargetCommand, SaysThatThePictureDoesNotTell) {
+  const HazyLand land{.exponent = 0.0, .green_per_km = 0.5, .nearest_m = 1000.0, .farthest_m = 1050.0};
+  ASSERT_TRUE(write_png(folder / "level.png", to_rgb8(drawn(land))));
+  for (const auto& [options, supposed] :
+       {std::pair{"--distance-m 1000 --source-turbidity 6 --turbidity 3", "the papers' haze is supposed"},
+        std::pair{"--distance-m 1000 --source-aod .5 --aod .2", "an exponent of 1.3 is supposed"},
+        std::pair{"--from-haze --source-turbidity 6 --turbidity 3", "grey haze is supposed"}}) {
+    const auto outcome =
+        run_kasumi(fmt::format("retarget {} {} --out {}", in_folder("level.png"), options, in_folder("level-out.png")));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr(supposed));
+    EXPECT_THAT(outcome.out, HasSubstr("does not tell"));
+  }
 }
 
 }  // namespace
