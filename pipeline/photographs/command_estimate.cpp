@@ -15,6 +15,7 @@
 #include "pipeline/photographs/estimated_response.hpp"
 #include "pipeline/photographs/fit_plot.hpp"
 #include "pipeline/photographs/found_air.hpp"
+#include "pipeline/photographs/haze_answer.hpp"
 #include "pipeline/photographs/scan_report.hpp"
 #include "pipeline/photographs/scene_visibility.hpp"
 
@@ -127,7 +128,27 @@ Result<int> estimate_scans(const EstimateArguments& arguments) {
   return exit_code_of(tally, "scan");
 }
 
+Result<int> estimate_hazes(const EstimateArguments& arguments) {
+  if (!arguments.images.empty() || !arguments.scenes.empty())
+    return fail(FaultKind::bad_input, "--haze: stands instead of other pictures, expected none beside it");
+  HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m};
+  if (const auto& part = arguments.part; part.size() == 4) question.part = PixelBox{part[0], part[1], part[2], part[3]};
+  EstimateTally tally;
+  for (const auto& picture : arguments.hazes) {
+    const auto answer = haze_of(picture, question);
+    if (!answer) {
+      fmt::print(stderr, "kasumi: {}\n", answer.error().message);
+      tally.unread();
+      continue;
+    }
+    fmt::print("{}", arguments.json ? haze_json(*answer) : haze_text(*answer));
+    answer->useful() ? tally.useful() : tally.useless(answer->colour.reason);
+  }
+  return exit_code_of(tally, "picture");
+}
+
 Result<int> estimate(const EstimateArguments& arguments) {
+  if (!arguments.hazes.empty()) return estimate_hazes(arguments);
   if (!arguments.scans.empty()) return estimate_scans(arguments);
   std::optional<SceneVisibilities> scenes;
   if (!arguments.scenes.empty()) {

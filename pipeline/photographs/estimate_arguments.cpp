@@ -112,6 +112,17 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   command.add_option("--landmarks", a.landmarks, "TOML of [[landmarks]] at known distance (docs/operating.md)")
       ->check(CLI::ExistingFile)
       ->needs(scene);
+  auto* haze = command.add_option(
+      "--haze", a.hazes,
+      "Instead of pictures of the sky: photographs of land in haze, sRGB; the exponent of their haze, where they tell");
+  auto* part = command.add_option("--part", a.part, "With --haze: where in the picture its optical depth is read")
+                   ->type_name("X,Y,WIDTH,HEIGHT")
+                   ->delimiter(',')
+                   ->expected(4)
+                   ->needs(haze);
+  command.add_option("--distance-m", a.distance_m, "With --part: how far what it shows is, for its extinction")
+      ->check(CLI::Range(1.0, 200e3))
+      ->needs(part);
   command.add_option("--calibration", a.calibration,
                      "TOML with [sky] (docs/cameras.md) and, if wanted, [site]; instead of the lens options");
   command.add_option("--lens", a.lens, "Fisheye model")

@@ -20,6 +20,9 @@ struct EstimateArguments {
   std::vector<std::string> scenes;  // of the scene camera
   std::vector<std::string> scans;   // a sky scanner's tables, instead of pictures
   std::string landmarks;
+  std::vector<std::string> hazes;  // photographs of land, of whose haze is asked
+  std::vector<int> part;           // of them: left, top, width, height
+  std::optional<double> distance_m;
   std::string calibration;
   std::string lens = "equidistant";
   double fov_deg = 180.0;
@@ -43,7 +46,8 @@ struct EstimateArguments {
 
   bool response_from_pictures() const { return response == "estimate"; }
   bool from_stdin() const {
-    return (images.empty() && scenes.empty() && scans.empty()) || images == std::vector<std::string>{"-"};
+    return (images.empty() && scenes.empty() && scans.empty() && hazes.empty()) ||
+           images == std::vector<std::string>{"-"};
   }
 };
 
