@@ -36,6 +36,7 @@ class Ground {
     for (double hour = from_hour; hour < to_hour; hour += 1.0 / 12.0) see(day, hour, sunlit);
   }
   const GroundMemory& memory() const { return memory_; }
+  bool resume(const std::vector<std::uint8_t>& learnt, double since_s) { return memory_.resume(learnt, since_s); }
 
  private:
   double reflectance_, noise_;
@@ -112,6 +113,43 @@ TEST(GroundMemory, FollowsGroundThatIsMadeAnew) {
   for (int day = 0; day < 5; ++day) gravel.see_day(day, 1.0, 11.0, 1.0);
   EXPECT_GE(gravel.see(6, 4.0, 1.0).sunlit, 0.95f);
   EXPECT_LE(gravel.see(6, 8.0, 0.0).sunlit, 0.1f);
+}
+
+// Over a restart: of ground that it was told wrong, what it said before it says again at once.
+TEST(GroundMemory, GoesOnFromWhatWasLearnt) {
+  constexpr double kHour_s = 3600.0;
+  Ground before(0.12, 0.3, 0.02), after(0.12, 0.3), old(0.12, 0.3), forgetful(0.12, 0.3);
+  before.see_day(0, 1.0, 9.0, 1.0);
+  ASSERT_TRUE(after.resume(before.memory().learnt(), 0.5 * kHour_s));
+  EXPECT_NEAR(after.memory().reflectance(0) / before.memory().reflectance(0), 1.0, 0.06) << "a step";
+  ASSERT_TRUE(old.resume(before.memory().learnt(), 15.0 * kDay_s));
+  EXPECT_EQ(old.memory().reflectance(0), forgetful.memory().reflectance(0));
+  for (const double sunlit : {1.0, 0.5, 0.0}) {
+    const double hour = 9.5 + 0.1 * (1.0 - sunlit);
+    const auto was = before.see(0, hour, sunlit), is = after.see(0, hour, sunlit),
+               none = forgetful.see(0, hour, sunlit);
+    fmt::print("sun {:.1f}: {:.3f} +- {:.3f}, after a restart {:.3f} +- {:.3f}, without what was learnt {:.3f}\n",
+               sunlit, double(was.sunlit), double(was.sigma), double(is.sunlit), double(is.sigma), double(none.sunlit));
+    EXPECT_NEAR(is.sunlit, was.sunlit, 0.03f);
+    EXPECT_NEAR(is.sigma, was.sigma, 0.03f);
+  }
+}
+
+TEST(GroundMemory, TakesNothingThatItHasNotWritten) {
+  Ground ground(0.2, 0.15), other(0.2, 0.15);
+  ground.see_day(0, 1.0, 6.0, 1.0);
+  const auto learnt = ground.memory().learnt();
+  const auto expect_refused = [&](std::vector<std::uint8_t> bytes, const char* why) {
+    EXPECT_FALSE(other.resume(bytes, 0.0)) << why;
+    EXPECT_EQ(other.memory().learnt(), Ground(0.2, 0.15).memory().learnt()) << why << ": nothing changes";
+  };
+  expect_refused({}, "nothing");
+  expect_refused({learnt.begin(), learnt.end() - 1}, "the end is missing");
+  auto two = learnt;
+  two.insert(two.end(), learnt.begin(), learnt.end());
+  expect_refused(two, "of two places");
+  expect_refused(std::vector<std::uint8_t>(learnt.size(), 0), "no reflectance is possible");
+  EXPECT_TRUE(other.resume(learnt, 0.0));
 }
 
 }  // namespace
