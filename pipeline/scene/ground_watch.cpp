@@ -146,13 +146,14 @@ LearntGround GroundWatch::learnt() const {
   return {ground_, memory_->learnt()};
 }
 
-bool GroundWatch::resume(const LearntGround& learnt, double since_s) {
-  if (memory_ || learnt.ground != ground_) return false;
+Result<> GroundWatch::resume(const LearntGround& learnt, double since_s) {
+  if (memory_) return fail(FaultKind::bad_input, "it looks at the ground already");
+  if (learnt.ground != ground_) return fail(FaultKind::bad_input, "of another ground or view");
   // Whether it is whole shows a memory of so many places, whatever it supposes.
   GroundMemory trial(std::vector<float>(places_.size(), 0.1f));
-  if (!trial.resume(learnt.shares, since_s)) return false;
+  if (!trial.resume(learnt.shares, since_s)) return fail(FaultKind::bad_input, "damaged");
   resumed_ = Resumed{learnt.shares, since_s};
-  return true;
+  return {};
 }
 
 void GroundWatch::find_places(const Camera& scene, const Model& model, const glm::dmat4& to_world) {

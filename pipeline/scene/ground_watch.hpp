@@ -14,6 +14,7 @@
 #include <glm/vec3.hpp>
 
 #include "base/picture.hpp"
+#include "base/result.hpp"
 #include "calib/camera.hpp"
 #include "capture/frame.hpp"
 #include "estimator/ground/ground_memory.hpp"
@@ -58,8 +59,9 @@ class GroundWatch {
   const std::string& ground() const { return ground_; }
   int lessons() const { return memory_ ? memory_->lessons() : 0; }  // grows with what was learnt
   LearntGround learnt() const;                                      // needs a lesson
-  // Before the first picture; since_s: from the last that was learnt from to now. false: of another ground, or damaged.
-  bool resume(const LearntGround& learnt, double since_s);
+  // Before the first picture; since_s: from the last that was learnt from to now. Errors: bad_input (of another ground,
+  // damaged, or it has seen a picture): nothing changes.
+  Result<> resume(const LearntGround& learnt, double since_s);
 
  private:
   struct Place {

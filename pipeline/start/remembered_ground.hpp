@@ -22,11 +22,12 @@ struct GroundState {
 
 // folder/ground.bin, unless it holds the same shares. Error: io.
 Result<> save(const GroundState& state, const std::filesystem::path& folder);
-// Empty: nothing was saved there. Errors: bad_input (not written by save()), io.
+// Empty: nothing was saved there. Errors: bad_input (not written by save(), or by another version's), io.
 Result<std::optional<GroundState>> load_ground_state(const std::filesystem::path& folder);
 
 // Reads it before the ground is looked at for the first time, and writes it every hour in which there was something to
-// learn. `folder`: empty: nothing is kept.
+// learn. What cannot be gone on from (damaged, of another ground, view or version, later than now) is told in the log
+// and begun anew. `folder`: empty: nothing is kept.
 class GroundKeeper {
  public:
   explicit GroundKeeper(const Clock& clock) : clock_(clock) {}
