@@ -27,7 +27,9 @@ constexpr double kNeighbours = 4.0;    // places side by side show one material:
 constexpr double kNoSky = 3.0;         // the thickest haze is so much less sure to be infinity than the low sky
 constexpr double kDisagreement = 3.0;  // channels that differ by more sigmas follow no law of the air
 constexpr double kDark = 0.05;         // rho of dark things, give or take as much
-constexpr double kMolecules = 4.08;    // Angstrom's exponent of molecules in visible light (Bodhaine 1999)
+constexpr double kDarkColour = 0.03;   // by which that of dark things may differ by channel, sigma
+constexpr double kNoDepth = 1e-3;
+constexpr double kMolecules = 4.08;  // Angstrom's exponent of molecules in visible light (Bodhaine 1999)
 
 using Places = std::vector<glm::dvec3>;
 
@@ -68,6 +70,7 @@ Places log_contrasts(const Places& places, const glm::dvec3& infinity, double fa
 }
 
 struct Line {
+  glm::dvec3 middle{0.0};
   glm::dvec3 along{0.0};          // unit vector
   double spread = 0.0;            // standard deviation along it
   double range = 0.0;             // between the nearest and the farthest twentieth of the places
@@ -80,7 +83,7 @@ Line line_through(const Places& logs) {
   Line line;
   std::vector<double> weights(logs.size(), 1.0);
   std::vector<double> off(logs.size());
-  glm::dvec3 middle{0.0};
+  auto& middle = line.middle;
   for (int round = 0; round < 12; ++round) {
     middle = glm::dvec3(0.0);
     double all = 0.0;
@@ -132,36 +135,73 @@ Law law_of(const glm::dvec3& along, const glm::dvec3& wavelength_nm) {
 // What was taken for infinity is seldom beyond all air: far land that fades into the sky passes for sky. That light lacks
 // some of infinity's, by channel as the haze itself has it, and haze of any exponent then looks greyer than it is. How
 // much it lacks is not known; of several shares each counts by how straight the places' line becomes.
+struct Told {
+  double exponent = 0.0;
+  double apart = 0.0;  // standard deviation over those shares
+};
 struct Fit {
   Line line;
-  Law law;
-  double apart = 0.0;  // standard deviation of the exponent over those shares
+  glm::dvec3 left{0.0};   // what Angstrom's law leaves of the line's direction
+  glm::dvec3 depth{0.0};  // optical depth of the places' middle, if what is dark there is as dark as dark things are
+  Told by_slope, by_middle;
 };
 constexpr double kLargestLack = 0.25, kLackStep = 0.025;
+
+// Light from infinity that the measured lacks, by channel.
+glm::dvec3 lacks_of(double lack, double exponent, const glm::dvec3& wavelength_nm) {
+  if (lack <= 0.0) return glm::dvec3(0.0);
+  return glm::pow(glm::dvec3(lack), glm::pow(wavelength_nm / wavelength_nm.g, glm::dvec3(-exponent)));
+}
+
+// Mean and spread of what several shares gave.
+Told mean_of(const std::vector<double>& exponents, const std::vector<double>& weights) {
+  double all = 0.0, mean = 0.0, square = 0.0;
+  for (std::size_t i = 0; i < exponents.size(); ++i) {
+    all += weights[i];
+    mean += weights[i] * exponents[i];
+    square += weights[i] * exponents[i] * exponents[i];
+  }
+  mean /= all;
+  return {mean, std::sqrt(std::max(0.0, square / all - mean * mean))};
+}
 
 std::optional<Fit> fit_to(const Places& places, const glm::dvec3& wavelength_nm, const glm::dvec3& infinity,
                           const HazeColourOptions& options) {
   std::optional<Fit> best;
-  double best_score = 0.0;
-  std::vector<double> exponents, scores;
+  double best_score = 0.0, exponent = 0.0, exponent_of_middle = 0.0;
+  std::vector<double> by_slope, by_middle, scores;
   const auto shown = log_contrasts(places, infinity, options.faintest);
+  const auto without_lack = [&](const glm::dvec3& log, double lack, double by_exponent) {
+    const auto lacks = lacks_of(lack, by_exponent, wavelength_nm);
+    return glm::log(glm::exp(log) * (1.0 - lacks) + lacks);
+  };
+  glm::dvec3 shown_middle{0.0};
   for (double lack = 0.0; lack <= kLargestLack; lack += kLackStep) {
     Fit fit;
-    if (best) fit.law = best->law;
+    const auto fades = [&] {
+      return std::min({fit.line.along.r, fit.line.along.g, fit.line.along.b}) > kLeastComponent;
+    };
     for (int round = 0; round < 3; ++round) {
-      const auto channels = glm::pow(wavelength_nm / wavelength_nm.g, glm::dvec3(-fit.law.exponent));
-      const auto lacks = lack > 0.0 ? glm::pow(glm::dvec3(lack), channels) : glm::dvec3(0.0);
       Places logs;
-      for (const auto& log : shown) logs.push_back(glm::log(glm::exp(log) * (1.0 - lacks) + lacks));
+      for (const auto& log : shown) logs.push_back(without_lack(log, lack, exponent));
       fit.line = line_through(logs);
-      if (std::min({fit.line.along.r, fit.line.along.g, fit.line.along.b}) <= kLeastComponent) break;
-      fit.law = law_of(fit.line.along, wavelength_nm);
+      if (!fades()) break;
+      const auto law = law_of(fit.line.along, wavelength_nm);
+      exponent = law.exponent;
+      fit.left = law.left;
       if (lack == 0.0) break;
     }
-    if (std::min({fit.line.along.r, fit.line.along.g, fit.line.along.b}) <= kLeastComponent) continue;
+    if (!fades()) continue;
+    if (lack == 0.0) shown_middle = fit.line.middle;
+    for (int round = 0; round < 3; ++round) {
+      const auto middle = without_lack(shown_middle, lack, exponent_of_middle);
+      fit.depth = glm::max(std::log(1.0 - kDark) - middle, glm::dvec3(kNoDepth));
+      exponent_of_middle = law_of(fit.depth, wavelength_nm).exponent;
+    }
     // In light, not in its logarithm, which the lack stretches.
     const double score = -std::log(std::max(fit.line.scatter_of_light / (1.0 - lack), 1e-6));
-    exponents.push_back(fit.law.exponent);
+    by_slope.push_back(exponent);
+    by_middle.push_back(exponent_of_middle);
     scores.push_back(score);
     if (!best || score > best_score) {
       best = fit;
@@ -170,16 +210,9 @@ std::optional<Fit> fit_to(const Places& places, const glm::dvec3& wavelength_nm,
   }
   if (!best) return std::nullopt;
   const double independent = static_cast<double>(shown.size()) / kNeighbours;
-  double all = 0.0, mean = 0.0, square = 0.0;
-  for (std::size_t i = 0; i < scores.size(); ++i) {
-    const double weight = std::exp(independent * (scores[i] - best_score));
-    all += weight;
-    mean += weight * exponents[i];
-    square += weight * exponents[i] * exponents[i];
-  }
-  mean /= all;
-  best->apart = std::sqrt(std::max(0.0, square / all - mean * mean));
-  best->law.exponent = mean;
+  for (double& score : scores) score = std::exp(independent * (score - best_score));
+  best->by_slope = mean_of(by_slope, scores);
+  best->by_middle = mean_of(by_middle, scores);
   return best;
 }
 
@@ -200,35 +233,48 @@ HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_
     found.reason = "from near to far its channels do not fade together, as they would in haze";
     return found;
   }
-  const auto& [line, law, apart] = *fit;
+  const auto& line = fit->line;
   found.scatter = line.scatter;
   found.depth_range = line.range * line.along.g;
-  found.exponent = law.exponent;
+  found.depth = fit->depth.g;
   // A component's error, relative: by chance, and by what near and far things are made of.
   const double component = std::hypot(line.scatter / line.spread / std::sqrt(found.places / kNeighbours),
                                       std::max(options.material, line.scatter) / std::max(line.range, 1e-9)) /
                            std::min({line.along.r, line.along.g, line.along.b});
   const glm::dvec3 x = glm::log(wavelength_nm);
   const auto centred = x - (x.r + x.g + x.b) / 3.0;
-  double variance = component * component / glm::dot(centred, centred) + apart * apart;
+  const double per_component = 1.0 / glm::dot(centred, centred);
+  double slope_variance = component * component * per_component + std::pow(fit->by_slope.apart, 2);
   double left_variance = component * component;  // one direction of three is left
+  const double dark = kDarkColour / std::min({fit->depth.r, fit->depth.g, fit->depth.b});
+  double middle_variance = dark * dark * per_component + std::pow(fit->by_middle.apart, 2);
   for (int c = 0; c < 3; ++c) {
     glm::dvec3 infinity{1.0};
     infinity[c] += options.infinity;
     const auto moved = fit_to(places, wavelength_nm, infinity, options);
     if (!moved) continue;
-    variance += std::pow(moved->law.exponent - law.exponent, 2);
-    left_variance += glm::dot(moved->law.left - law.left, moved->law.left - law.left);
+    slope_variance += std::pow(moved->by_slope.exponent - fit->by_slope.exponent, 2);
+    middle_variance += std::pow(moved->by_middle.exponent - fit->by_middle.exponent, 2);
+    left_variance += glm::dot(moved->left - fit->left, moved->left - fit->left);
   }
-  found.sigma = std::sqrt(variance);
-  const double misfit = glm::length(law.left) / std::sqrt(left_variance);
+  const double share = middle_variance / (slope_variance + middle_variance);  // of the slope
+  found.exponent = share * fit->by_slope.exponent + (1.0 - share) * fit->by_middle.exponent;
+  found.sigma = std::sqrt(share * slope_variance);
+  const double misfit = glm::length(fit->left) / std::sqrt(left_variance);
+  const double contradiction =
+      std::abs(fit->by_slope.exponent - fit->by_middle.exponent) / std::sqrt(slope_variance + middle_variance);
   if (line.scatter > options.largest_scatter)
     found.reason = fmt::format("materials hide the haze: places scatter by {:.2f} about their line, expected {:.2f}",
                                line.scatter, options.largest_scatter);
   else if (found.sigma > options.largest_sigma)
-    found.reason =
-        fmt::format("near and far differ by an optical depth of {:.2f} only: the exponent would be {:.1f} +- {:.1f}",
-                    found.depth_range, found.exponent, found.sigma);
+    found.reason = fmt::format(
+        "haze of an optical depth of {:.2f}, {:.2f} from near to far, is too thin: the exponent would be {:.1f} +- "
+        "{:.1f}",
+        found.depth, found.depth_range, found.exponent, found.sigma);
+  else if (contradiction > kDisagreement)
+    found.reason = fmt::format(
+        "from near to far the exponent would be {:.1f}, by the colour of dark things {:.1f}: the land changes, too",
+        fit->by_slope.exponent, fit->by_middle.exponent);
   else if (misfit > kDisagreement)
     found.reason = fmt::format(
         "its channels follow no one exponent ({:.1f} sigma off): from near to far the land changes, too", misfit);

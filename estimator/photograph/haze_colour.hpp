@@ -32,14 +32,15 @@ struct HazeColour {
   std::string reason;        // for people: why the picture does not tell; empty when it does
   double exponent = 0.0;     // Angstrom's: extinction goes with wavelength^-exponent, that of molecules included
   double sigma = 0.0;        // standard deviation of the exponent
+  double depth = 0.0;        // optical depth of green, of the middle of the places
   double depth_range = 0.0;  // optical depth of green from the nearest to the farthest twentieth of the places
   double scatter = 0.0;      // of the places about their line, in ln(1 - L/Linf)
   int places = 0;            // that were used
 };
 
 // Koschmieder: ln(1 - L/Linf) = -beta_c d + ln(1 - rho_c). For dark things the last term is small and alike near and
-// far, so places at all distances lie along a line whose direction is beta_c. No distances are needed, and exposure and
-// white balance cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
+// far, so places at all distances lie along a line whose direction is beta_c; and as it is nearly nothing, beta_c d itself
+// is seen, too. Both tell the exponent, and are weighed. No distances are needed; exposure and white balance cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
 // Exponents of the three channels that do not agree, too little depth, too few places: not told, with the reason.
 HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky,
                        const glm::dvec3& wavelength_nm, const HazeColourOptions& options = {});

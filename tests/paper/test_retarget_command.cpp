@@ -318,16 +318,16 @@ TEST_F(RetargetCommand, KeepsGreySmogGreyByThePictureItself) {
   EXPECT_TRUE(std::filesystem::exists(folder / "smog-ours.restored.png"));
 }
 
-// Land at one distance: what the haze is like is not guessed.
+// Clear air: what its haze is like is not guessed.
 TEST_F(RetargetCommand, SaysThatThePictureDoesNotTell) {
-  const HazyLand land{.exponent = 0.0, .green_per_km = 0.5, .nearest_m = 1000.0, .farthest_m = 1050.0};
-  ASSERT_TRUE(write_png(folder / "level.png", to_rgb8(drawn(land))));
+  const HazyLand land{.exponent = 0.0, .green_per_km = 0.02};
+  ASSERT_TRUE(write_png(folder / "clear.png", to_rgb8(drawn(land))));
   for (const auto& [options, supposed] :
        {std::pair{"--distance-m 1000 --source-turbidity 6 --turbidity 3", "the papers' haze is supposed"},
         std::pair{"--distance-m 1000 --source-aod .5 --aod .2", "an exponent of 1.3 is supposed"},
         std::pair{"--from-haze --source-turbidity 6 --turbidity 3", "grey haze is supposed"}}) {
     const auto outcome =
-        run_kasumi(fmt::format("retarget {} {} --out {}", in_folder("level.png"), options, in_folder("level-out.png")));
+        run_kasumi(fmt::format("retarget {} {} --out {}", in_folder("clear.png"), options, in_folder("clear-out.png")));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr(supposed));
     EXPECT_THAT(outcome.out, HasSubstr("does not tell"));
