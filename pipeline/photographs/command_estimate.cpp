@@ -147,6 +147,30 @@ Result<int> estimate_hazes(const EstimateArguments& arguments) {
   return exit_code_of(tally, "picture");
 }
 
+Result<int> answer_scenes(const SceneVisibilities& scenes, const EstimateArguments& arguments) {
+  MeasuredVisibilities measured;
+  if (!arguments.measured.empty()) {
+    auto read = read_measured_visibilities(arguments.measured);
+    if (!read) return fail(read.error());
+    measured = std::move(*read);
+  }
+  EstimateTally tally;
+  std::vector<VisibilityCheck> checks;
+  for (const auto& scene : scenes.pictures) {
+    const auto instrument = measured.find(scene.picture.filename().string());
+    const bool checked = instrument != measured.end();
+    if (checked) checks.push_back(check_visibility(scene.air, instrument->second));
+    const auto* check = checked ? &checks.back() : nullptr;
+    if (arguments.json)
+      fmt::print("{}\n", visibility_json(scenes.watch, scene, nullptr, check));
+    else
+      fmt::print("{}{}", visibility_text(scenes.watch, scene, nullptr), check ? check_text(*check) : "");
+    scene.usable() ? tally.useful() : tally.useless(scene.air.extinction().reason);
+  }
+  if (!measured.empty() && !arguments.json) fmt::print("{}", checks_text(checks));
+  return exit_code_of(tally, "picture");
+}
+
 Result<int> estimate(const EstimateArguments& arguments) {
   if (!arguments.hazes.empty()) return estimate_hazes(arguments);
   if (!arguments.scans.empty()) return estimate_scans(arguments);
@@ -156,20 +180,15 @@ Result<int> estimate(const EstimateArguments& arguments) {
         read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
     if (!visibilities) return fail(visibilities.error());
     scenes = std::move(*visibilities);
-    if (arguments.images.empty()) {
-      EstimateTally tally;
-      for (const auto& scene : scenes->pictures) {
-        fmt::print("{}{}", landmarks_answer(*scenes, scene, nullptr, arguments.json), arguments.json ? "\n" : "");
-        scene.usable() ? tally.useful() : tally.useless(scene.air.extinction().reason);
-      }
-      return exit_code_of(tally, "picture");
-    }
+    if (arguments.images.empty()) return answer_scenes(*scenes, arguments);
     if (arguments.from_stdin() || scenes->pictures.size() != arguments.images.size())
       return fail(
           FaultKind::bad_input,
           "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
           scenes->pictures.size(), arguments.from_stdin() ? 0 : arguments.images.size());
   }
+  if (!arguments.measured.empty())
+    return fail(FaultKind::bad_input, "--measured: is for --scene alone, expected no pictures of the sky beside it");
   auto options = sky_photograph_options(arguments);
   if (!options) return fail(options.error());
 

@@ -112,6 +112,11 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   command.add_option("--landmarks", a.landmarks, "TOML of [[landmarks]] at known distance (docs/operating.md)")
       ->check(CLI::ExistingFile)
       ->needs(scene);
+  command
+      .add_option("--measured", a.measured,
+                  "With --scene: CSV of name,visibility_m that an instrument measured (optical range, 5 %), to compare")
+      ->check(CLI::ExistingFile)
+      ->needs(scene);
   auto* haze = command.add_option(
       "--haze", a.hazes,
       "Instead of pictures of the sky: photographs of land in haze, sRGB; the exponent of their haze, where they tell");

@@ -20,6 +20,7 @@ struct EstimateArguments {
   std::vector<std::string> scenes;  // of the scene camera
   std::vector<std::string> scans;   // a sky scanner's tables, instead of pictures
   std::string landmarks;
+  std::string measured;            // visibilities beside --scene
   std::vector<std::string> hazes;  // photographs of land, of whose haze is asked
   std::vector<int> part;           // of them: left, top, width, height
   std::optional<double> distance_m;

@@ -88,7 +88,8 @@ Result<SceneVisibilities> read_scene_visibilities(const std::vector<std::filesys
   return found;
 }
 
-std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky) {
+std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky,
+                            const VisibilityCheck* check) {
   const auto& air = scene.air;
   const auto& green = air.extinction();
   const bool value = green.kind == ExtinctionKind::value, something = green.kind != ExtinctionKind::nothing;
@@ -138,6 +139,12 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
                    {"extinction_sigma_per_m", rounded(sky->sky_sigma_per_m, 3)},
                    {"sigmas", rounded(sky->sigmas, 3)},
                    {"words", sky->message}};
+  json["measured"] = nullptr;
+  if (check)
+    json["measured"] = {{"optical_range_m", check->measured_m},
+                        {"factor", something ? Json(rounded(check->factor, 4)) : Json(nullptr)},
+                        {"sigmas", value ? Json(rounded(check->sigmas, 3)) : Json(nullptr)},
+                        {"holds", check->holds}};
   return json.dump();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "estimator/landmarks/landmark_air.hpp"
+#include "pipeline/photographs/measured_visibility.hpp"
 
 namespace kasumi {
 
@@ -27,8 +28,9 @@ struct SceneVisibilities {
 Result<SceneVisibilities> read_scene_visibilities(const std::vector<std::filesystem::path>& pictures,
                                                   const std::filesystem::path& landmarks);
 
-// One JSON object; `sky`: the comparison with the sky camera at the same time.
-std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky);
+// One JSON object; `sky`: the comparison with the sky camera at the same time; `check`: with an instrument.
+std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky,
+                            const VisibilityCheck* check = nullptr);
 // Text for people.
 std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& scene, const SkyComparison* sky);
 
