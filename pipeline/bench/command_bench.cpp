@@ -39,6 +39,7 @@ constexpr Part kParts[] = {
     {"air", +[]() -> Result<std::vector<BenchRow>> { return bench_air(); }},
     {"composite", +[] { return bench_gles(); }},
     {"layer", +[] { return bench_layer(); }},
+    {"surroundings", +[] { return bench_surroundings(); }},
     {"dome", +[] { return bench_dome(); }},
     {"haze", +[] { return bench_haze(); }},
 };

@@ -12,6 +12,8 @@ namespace kasumi {
 Result<std::vector<BenchRow>> bench_gles();
 // The same of the layer: light, shadow, reflection, the camera's quality, a model of a million triangles.
 Result<std::vector<BenchRow>> bench_layer();
+// Of the surroundings: leaves that sway before the building, and the ground that is looked at.
+Result<std::vector<BenchRow>> bench_surroundings();
 // The sky dome next to earlier sky models.
 struct DomeBenchSize {
   int width = 1920, height = 1080;

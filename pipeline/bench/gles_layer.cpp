@@ -2,15 +2,13 @@
 // change, and in every frame.
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "gles/object/renderer.hpp"
 #include "pipeline/bench/gles.hpp"
 #include "pipeline/bench/gles_papers.hpp"
 #include "pipeline/bench/gles_scene.hpp"
+#include "pipeline/bench/gles_showing.hpp"
 #include "pipeline/bench/gles_stopwatch.hpp"
 
 #include <memory>
-
-#include <glm/geometric.hpp>
 
 namespace kasumi {
 namespace {
@@ -30,18 +28,6 @@ constexpr int kFramePairs = 31;      // of frames
 constexpr int kLayerPairs = 3;       // of redrawn layers
 constexpr int kLargeModelPairs = 1;  // of redrawn layers of the large model
 
-Result<Renderer> showing(GlContext& context, const BenchScene& scene, const Model& model,
-                         const ObjectDetail& detail = {}) {
-  auto renderer = Renderer::create(context);
-  if (!renderer) return renderer;
-  if (auto set = renderer->set_model(model); !set) return fail(set.error());
-  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
-  if (auto set = renderer->set_detail(detail); !set) return fail(set.error());
-  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
-  if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return fail(loaded.error());
-  return renderer;
-}
-
 Model glazed(Model model) {
   ModelMaterial& material = model.materials.front();
   material.roughness = 0.4f;
@@ -49,26 +35,6 @@ Model glazed(Model model) {
   material.edge_reflectance = 1.0f;
   return model;
 }
-
-// The layer under a sun and a sky that have moved since it was drawn last, as every redraw of a day.
-class MovingSun {
- public:
-  MovingSun(Renderer& renderer, const ObjectAppearance& appearance, bool shadows)
-      : renderer_(renderer), appearance_(appearance) {
-    appearance_.shadows = shadows;
-  }
-  Result<> operator()() {
-    const double turn = 0.002;
-    const glm::dvec3 d = appearance_.light.sun_direction;
-    appearance_.light.sun_direction = glm::normalize(glm::dvec3{d.x - turn * d.y, d.y + turn * d.x, d.z});
-    for (glm::vec3& light : appearance_.light.around.radiance.elements()) light *= 1.001f;
-    return renderer_.redraw_layer(appearance_);
-  }
-
- private:
-  Renderer& renderer_;
-  ObjectAppearance appearance_;
-};
 
 }  // namespace
 
