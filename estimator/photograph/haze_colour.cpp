@@ -314,7 +314,7 @@ HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, Haze
   return haze_colour(picture.relative, picture.sky, channel_wavelengths_nm(camera), options);
 }
 
-std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const PixelBox& box,
+std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const HazyPart& box,
                                        const HazeColourOptions& options) {
   std::vector<glm::vec3> pixels;
   for (int y = box.top; y < box.top + box.height; ++y)

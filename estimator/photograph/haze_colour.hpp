@@ -39,8 +39,9 @@ struct HazeColour {
 };
 
 // Koschmieder: ln(1 - L/Linf) = -beta_c d + ln(1 - rho_c). For dark things the last term is small and alike near and
-// far, so places at all distances lie along a line whose direction is beta_c; and as it is nearly nothing, beta_c d itself
-// is seen, too. Both tell the exponent, and are weighed. No distances are needed; exposure and white balance cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
+// far, so places at all distances lie along a line whose direction is beta_c; and as it is nearly nothing, beta_c d
+// itself is seen, too. Both tell the exponent, and are weighed. No distances are needed; exposure and white balance
+// cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
 // Exponents of the three channels that do not agree, too little depth, too few places: not told, with the reason.
 HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky,
                        const glm::dvec3& wavelength_nm, const HazeColourOptions& options = {});
@@ -56,7 +57,8 @@ struct HazyPicture {
 HazyPicture hazy_picture(const Camera& camera, const Photograph& photograph);
 HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, HazeColourOptions options = {});
 
-struct PixelBox {
+// Pixels of a picture.
+struct HazyPart {
   int left = 0, top = 0, width = 0, height = 0;
 };
 // Optical depth of each channel from the camera to the dark things in a part of the picture, which are taken to be
@@ -65,7 +67,7 @@ struct HazeDepth {
   glm::dvec3 depth{0.0};
   double sigma = 0.0;
 };
-std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const PixelBox& box,
+std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const HazyPart& box,
                                        const HazeColourOptions& options = {});
 
 // Where a channel stands in Angstrom's law: the geometric mean wavelength of its measure.

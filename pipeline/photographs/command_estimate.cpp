@@ -132,7 +132,7 @@ Result<int> estimate_hazes(const EstimateArguments& arguments) {
   if (!arguments.images.empty() || !arguments.scenes.empty())
     return fail(FaultKind::bad_input, "--haze: stands instead of other pictures, expected none beside it");
   HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m};
-  if (const auto& part = arguments.part; part.size() == 4) question.part = PixelBox{part[0], part[1], part[2], part[3]};
+  if (const auto& part = arguments.part; part.size() == 4) question.part = HazyPart{part[0], part[1], part[2], part[3]};
   EstimateTally tally;
   for (const auto& picture : arguments.hazes) {
     const auto answer = haze_of(picture, question);

@@ -11,7 +11,7 @@
 namespace kasumi {
 
 struct HazeQuestion {
-  std::optional<PixelBox> part{};      // where the optical depth is asked for
+  std::optional<HazyPart> part{};      // where the optical depth is asked for
   std::optional<double> distance_m{};  // of that part
   double altitude_m = 0.0;             // of the camera above the sea
 };
