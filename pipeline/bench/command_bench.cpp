@@ -40,6 +40,7 @@ constexpr Part kParts[] = {
     {"composite", +[] { return bench_gles(); }},
     {"layer", +[] { return bench_layer(); }},
     {"surroundings", +[] { return bench_surroundings(); }},
+    {"people", +[] { return bench_people(); }},
     {"dome", +[] { return bench_dome(); }},
     {"haze", +[] { return bench_haze(); }},
 };

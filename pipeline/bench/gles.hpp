@@ -14,6 +14,8 @@ Result<std::vector<BenchRow>> bench_gles();
 Result<std::vector<BenchRow>> bench_layer();
 // Of the surroundings: leaves that sway before the building, and the ground that is looked at.
 Result<std::vector<BenchRow>> bench_surroundings();
+// A picture in which people stay in front of the building. Errors as well: unsupported (they are not found).
+Result<std::vector<BenchRow>> bench_people();
 // The sky dome next to earlier sky models.
 struct DomeBenchSize {
   int width = 1920, height = 1080;
