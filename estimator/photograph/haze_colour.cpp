@@ -1,10 +1,10 @@
 #include "estimator/photograph/haze_colour.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -13,8 +13,6 @@
 #include <glm/mat3x3.hpp>
 
 #include "base/statistics.hpp"
-#include "estimator/air/attenuation.hpp"
-#include "estimator/given_air.hpp"
 #include "estimator/horizon/horizon.hpp"
 #include "estimator/photograph/depth_from_haze.hpp"
 
@@ -29,6 +27,7 @@ constexpr double kDisagreement = 3.0;  // channels that differ by more sigmas fo
 constexpr double kDark = 0.05;         // rho of dark things, give or take as much
 constexpr double kDarkColour = 0.03;   // by which that of dark things may differ by channel, sigma
 constexpr double kNoDepth = 1e-3;
+constexpr double kLeastExponent = -0.5, kGreatestExponent = 2.5;  // that an aerosol may be given
 constexpr double kMolecules = 4.08;  // Angstrom's exponent of molecules in visible light (Bodhaine 1999)
 
 using Places = std::vector<glm::dvec3>;
@@ -278,7 +277,7 @@ HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_
   else if (misfit > kDisagreement)
     found.reason = fmt::format(
         "its channels follow no one exponent ({:.1f} sigma off): from near to far the land changes, too", misfit);
-  else if (found.exponent < kLowestGivenExponent - found.sigma || found.exponent > kMolecules + found.sigma)
+  else if (found.exponent < kLeastExponent - found.sigma || found.exponent > kMolecules + found.sigma)
     found.reason = fmt::format("an exponent of {:.1f} +- {:.1f} is no air's", found.exponent, found.sigma);
   found.told = found.reason.empty();
   return found;
@@ -317,9 +316,12 @@ HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, Haze
 std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const HazyPart& box,
                                        const HazeColourOptions& options) {
   std::vector<glm::vec3> pixels;
-  for (int y = box.top; y < box.top + box.height; ++y)
-    for (int x = box.left; x < box.left + box.width; ++x)
-      if (picture.relative.contains(x, y)) pixels.push_back(picture.relative.at(x, y));
+  const auto end = [](int from, int length, int size) {
+    return static_cast<int>(std::min<std::int64_t>(std::int64_t{from} + length, size));
+  };
+  for (int y = std::max(0, box.top); y < end(box.top, box.height, picture.relative.height()); ++y)
+    for (int x = std::max(0, box.left); x < end(box.left, box.width, picture.relative.width()); ++x)
+      pixels.push_back(picture.relative.at(x, y));
   if (pixels.empty()) return std::nullopt;
   const auto left = 1.0 - darkest_of(pixels, options.darkest);
   const double least = std::min({left.r, left.g, left.b});
@@ -342,8 +344,7 @@ double aerosol_exponent(const HazeColour& colour, const AirState& air) {
   const double aerosol = mie_per_m(ScatteringModel::aerosol, 550.0, air);
   if (aerosol <= 0.0) return air.aerosol().angstrom_exponent;
   const double share = molecules / (molecules + aerosol);
-  return std::clamp((colour.exponent - share * kMolecules) / (1.0 - share), kLowestGivenExponent,
-                    kHighestGivenExponent);
+  return std::clamp((colour.exponent - share * kMolecules) / (1.0 - share), kLeastExponent, kGreatestExponent);
 }
 
 }  // namespace kasumi

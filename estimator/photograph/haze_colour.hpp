@@ -11,7 +11,7 @@
 #include "base/image.hpp"
 #include "base/photograph.hpp"
 #include "calib/camera.hpp"
-#include "estimator/atmosphere.hpp"
+#include "estimator/air/attenuation.hpp"
 
 namespace kasumi {
 

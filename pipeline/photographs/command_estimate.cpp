@@ -129,7 +129,7 @@ Result<int> estimate_scans(const EstimateArguments& arguments) {
 }
 
 Result<int> estimate_hazes(const EstimateArguments& arguments) {
-  if (!arguments.images.empty() || !arguments.scenes.empty())
+  if (!arguments.images.empty() || !arguments.scenes.empty() || !arguments.scans.empty())
     return fail(FaultKind::bad_input, "--haze: stands instead of other pictures, expected none beside it");
   HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m};
   if (const auto& part = arguments.part; part.size() == 4) question.part = HazyPart{part[0], part[1], part[2], part[3]};

@@ -1,6 +1,7 @@
 // The exponent of a photograph's haze, against scenes drawn by Koschmieder's law in closed form.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -94,7 +95,12 @@ TEST(HazeColour, TellsTheOpticalDepthOfAPart) {
     }
     EXPECT_LT(depth->sigma, 0.12);
   }
-  EXPECT_FALSE(haze_depth_of(hazy_picture(camera_of_narrow_channels(), drawn({})), {2000, 300, 10, 10}));
+  const auto picture = hazy_picture(camera_of_narrow_channels(), drawn({}));
+  constexpr int kMost = std::numeric_limits<int>::max();
+  EXPECT_FALSE(haze_depth_of(picture, {2000, 300, 10, 10}));
+  EXPECT_FALSE(haze_depth_of(picture, {100, 300, -5, 10}));
+  EXPECT_FALSE(haze_depth_of(picture, {kMost, kMost, kMost, kMost}));
+  EXPECT_TRUE(haze_depth_of(picture, {0, 300, kMost, kMost})) << "as much of it as there is";
 }
 
 }  // namespace
