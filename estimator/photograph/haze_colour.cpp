@@ -327,8 +327,10 @@ std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const HazyPar
   const double least = std::min({left.r, left.g, left.b});
   if (least < 0.5 * options.faintest) return std::nullopt;
   const double infinity = options.infinity * (picture.from_sky ? 1.0 : kNoSky);
+  // What was taken for infinity may lack so much: then there is less haze.
+  const double lacking = 0.5 * std::log(std::lerp(1.0, 1.0 / least, kLargestLack));
   return HazeDepth{glm::max(-glm::log(left) + std::log(1.0 - kDark), glm::dvec3(0.0)),
-                   std::hypot(kDark, infinity / least)};
+                   std::hypot(kDark, infinity / least, lacking)};
 }
 
 glm::dvec3 channel_wavelengths_nm(const Camera& camera) {

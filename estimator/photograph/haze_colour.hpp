@@ -62,7 +62,9 @@ struct HazyPart {
   int left = 0, top = 0, width = 0, height = 0;
 };
 // Optical depth of each channel from the camera to the dark things in a part of the picture, which are taken to be
-// nearly black. Nothing: the part is outside of the picture, or haze hides it.
+// nearly black, against the light from infinity as it was read: what a building at that place needs to be as pale.
+// `sigma` holds that this light may lack a quarter, in which case the depth is less. Nothing: the part is outside of
+// the picture, or haze hides it.
 struct HazeDepth {
   glm::dvec3 depth{0.0};
   double sigma = 0.0;
