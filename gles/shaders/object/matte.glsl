@@ -14,6 +14,7 @@ const float kLeastLight2 = 4e-6;       // (.002)^2 nor in the dark
 const float kPure = 0.3;               // a pixel of which this much at most is of the other kind shows its kind
 const float kUnsure = 0.15;
 const float kUsual = 0.3;              // pixels that F and B themselves count for
+const float kLeafVariance = 25.0;      // over that of what is behind
 const float kLeaning = 0.1;            // towards what the pixel usually is
 
 float along(vec3 light, vec3 behind, vec3 towards) { return dot(kSeen * towards, light - behind); }
@@ -61,8 +62,10 @@ Matte matte_at(vec2 place, vec3 now) {
         float covered = clamp(seen + kLeaning * (usual - 0.5), 0.0, 1.0);
         covered = mix(usual, mix(covered, usual, mask.a), size2 / (size2 + doubt));
         float open_share = 1.0 - covered;
-        // What F and B do not explain belongs to both by their share of the pixel's variance.
-        float share = open_share * open_share / (open_share * open_share + covered * covered);
+        // What F and B do not explain belongs to both by their share of the pixel's variance; where leaves sway, leaf
+        // differs from leaf more than what is behind from place to place.
+        float leaf_variance = mix(kLeafVariance, 1.0, mask.a);
+        float share = open_share * open_share / (open_share * open_share + leaf_variance * covered * covered);
         found.open_share = open_share;
         found.behind = max(open_share * behind + share * (now - behind - covered * towards), 0.0);
       }

@@ -96,9 +96,10 @@ ReferenceMatte reference_matte(const ReferenceScene& scene, const Image<Rgb8>& c
   low /= lows;
   high /= highs;
   double covered = std::clamp((place(now) - low) / std::max(high - low, 0.1) + 0.1 * (usual - 0.5), 0.0, 1.0);
-  covered = std::lerp(covered, usual, trust(scene.mask, x, y));
+  const double trusted = trust(scene.mask, x, y), leaf_variance = std::lerp(25.0, 1.0, trusted);
+  covered = std::lerp(covered, usual, trusted);
   covered = std::lerp(usual, covered, size2 / (size2 + least2));
-  const double open = 1.0 - covered, share = open * open / (open * open + covered * covered);
+  const double open = 1.0 - covered, share = open * open / (open * open + leaf_variance * covered * covered);
   const glm::dvec3 unexplained = now - *behind - covered * towards;
   return {open, glm::max(open * *behind + share * unexplained, glm::dvec3{0.0})};
 }

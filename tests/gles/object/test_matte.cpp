@@ -65,6 +65,13 @@ struct BandErrors {
   }
 };
 
+// What is left to a matte that is told more than any can know, of the same pixels as BandErrors: why a goal is missed.
+struct Oracles {
+  BandErrors told_shares;  // what each pixel's leaves cover and what is behind them: the camera's rounding is left
+  BandErrors filmed;       // the same of a camera with noise and JPEG, against what it would film of the truth
+  BandErrors told_leaf;    // what is behind, and one light of the leaves for all of a patch: leaf differs from leaf
+};
+
 class MatteOfLeaves : public GlesTest {
  protected:
   // A wall of pale and dark squares with windows through which the land is seen, in the middle of the picture.
@@ -154,6 +161,91 @@ class MatteOfLeaves : public GlesTest {
     return soft;
   }
 
+  static glm::dvec3 light_of(const ResponseCurve& response, Rgb8 pixel) {
+    glm::dvec3 light;
+    for (int c = 0; c < 3; ++c) light[c] = reference_light(response, c, pixel[c] / 255.0);
+    return light;
+  }
+  static Rgb8 pixel_of(const ResponseCurve& response, const glm::dvec3& light) {
+    Rgb8 pixel;
+    for (int c = 0; c < 3; ++c)
+      pixel[c] = static_cast<std::uint8_t>(
+          std::lround(255.0 * std::clamp(reference_code(response, c, std::clamp(light[c], 0.0, 1.0)), 0.0, 1.0)));
+    return pixel;
+  }
+
+  // Sixty pictures with a camera's noise, while the light changes.
+  static std::vector<Image<Rgb8>> a_minute(const Image<Rgb8>& back, const fixtures::Bough& bough) {
+    fixtures::Random random(5);
+    std::vector<Image<Rgb8>> film;
+    for (int i = 0; i < 60; ++i) {
+      film.push_back(fixtures::put_before(back, bough.at(0.2 + 1.03 * i)));
+      const double exposure = 1.0 + 0.08 * std::sin(0.2 * i);
+      for (Rgb8& pixel : film.back().elements())
+        for (int c = 0; c < 3; ++c)
+          pixel[c] = static_cast<std::uint8_t>(
+              std::lround(std::clamp(exposure * pixel[c] + 1.2 * random.normal(), 0.0, 255.0)));
+    }
+    return film;
+  }
+
+  // By a camera of usual noise that delivers JPEG.
+  static Image<Rgb8> filmed(const Image<Rgb8>& picture, std::uint64_t seed) {
+    constexpr double kNoise = 1.2;  // of 255
+    constexpr int kQuality = 92;
+    fixtures::Random random(seed);
+    cv::Mat noisy(kHeight, kWidth, CV_8UC3);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 3; ++c)
+          noisy.at<cv::Vec3b>(y, x)[2 - c] = static_cast<std::uint8_t>(
+              std::lround(std::clamp(picture.at(x, y)[c] + kNoise * random.normal(), 0.0, 255.0)));
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", noisy, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+    const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_COLOR);
+    Image<Rgb8> film(kWidth, kHeight);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const auto& pixel = decoded.at<cv::Vec3b>(y, x);
+        film.at(x, y) = {pixel[2], pixel[1], pixel[0]};
+      }
+    return film;
+  }
+
+  static void ask_oracles(const ReferenceScene& scene, const Image<Rgb8>& back, const Image<Rgb8>& with,
+                          const Image<glm::vec4>& leaves, std::uint64_t seed, Oracles& found) {
+    const auto camera = fixtures::put_before(back, leaves), truth = fixtures::put_before(with, leaves);
+    const auto film = filmed(camera, 2 * seed), film_of_truth = filmed(truth, 2 * seed + 1);
+    constexpr int kPatch = BandErrors::kPatch;
+    Image<glm::dvec4> leaf(kWidth / kPatch + 1, kHeight / kPatch + 1, glm::dvec4(0.0));
+    const auto counts = [&](int x, int y) {
+      const auto mask = scene.mask.at(x, y);
+      return mask != 0 && mask != 255 && back.at(x, y) != with.at(x, y);
+    };
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        if (counts(x, y)) leaf.at(x / kPatch, y / kPatch) += glm::dvec4(leaves.at(x, y));
+    const glm::dvec3 luma{0.299, 0.587, 0.114};
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        if (!counts(x, y)) continue;
+        const glm::dvec3 behind = light_of(scene.response, back.at(x, y)),
+                         building = light_of(scene.response, with.at(x, y)),
+                         now = light_of(scene.response, camera.at(x, y));
+        const double open = 1.0 - double(leaves.at(x, y).a);
+        const glm::dvec3 change = open * (building - behind);
+        found.told_shares.add(x, y, pixel_of(scene.response, now + change), truth.at(x, y));
+        found.filmed.add(x, y, pixel_of(scene.response, light_of(scene.response, film.at(x, y)) + change),
+                         film_of_truth.at(x, y));
+        const glm::dvec4 sum = leaf.at(x / kPatch, y / kPatch);
+        const glm::dvec3 towards = glm::dvec3(sum) / std::max(sum.a, 1e-9) - behind;
+        const double covered = std::clamp(
+            glm::dot(luma * towards, now - behind) / std::max(glm::dot(luma * towards, towards), 1e-9), 0.0, 1.0);
+        const glm::dvec3 seen = (1.0 - covered) * (building - behind);
+        found.told_leaf.add(x, y, pixel_of(scene.response, now + seen), truth.at(x, y));
+      }
+  }
+
   // The picture with the leaves in it, as drawn and as it should be. `band`: a mask whose open pixels count, too.
   void compare(Renderer& renderer, const ReferenceScene& scene, const Image<Rgb8>& back, const Image<Rgb8>& with,
                const Image<glm::vec4>& leaves, BandErrors& found, BandErrors& mixed, const char* name = nullptr,
@@ -231,17 +323,71 @@ TEST_F(MatteOfLeaves, LooksAsIfTheBuildingStoodBehindThem) {
     scene.mask = fixtures::mask_of(bough, a_case.sway_px > 0.0 ? minutes() : std::vector<double>{0.0});
     load(renderer, scene);
     BandErrors found, mixed;
+    Oracles oracles;
     const int frames = a_case.sway_px > 0.0 ? 6 : 1;
-    for (int i = 0; i < frames; ++i)
-      compare(renderer, scene, back, with, bough.at(0.61 * i), found, mixed, i == 0 ? a_case.what : nullptr);
-    fmt::print("{}: {} pixels, mean error {:.2f}, halo {:.2f}\n", a_case.what, found.pixels, found.mean_error(),
-               found.halo());
-    figure_row("leaves", {a_case.what, figure_text(found.mean_error(), 1), figure_text(found.halo(), 1),
-                          figure_text(mixed.mean_error(), 0), figure_text(mixed.halo(), 0)});
+    for (int i = 0; i < frames; ++i) {
+      const auto leaves = bough.at(0.61 * i);
+      compare(renderer, scene, back, with, leaves, found, mixed, i == 0 ? a_case.what : nullptr);
+      ask_oracles(scene, back, with, leaves, static_cast<std::uint64_t>(i) + 1, oracles);
+    }
+    fmt::print(
+        "{}: {} pixels, mean error {:.2f}, halo {:.2f}; told shares and background {:.2f}, {:.2f} (filmed {:.2f}, "
+        "{:.2f}); told background and a patch's leaf {:.2f}, {:.2f}\n",
+        a_case.what, found.pixels, found.mean_error(), found.halo(), oracles.told_shares.mean_error(),
+        oracles.told_shares.halo(), oracles.filmed.mean_error(), oracles.filmed.halo(), oracles.told_leaf.mean_error(),
+        oracles.told_leaf.halo());
+    figure_row("leaves",
+               {a_case.what, figure_text(found.mean_error(), 1), figure_text(found.halo(), 1),
+                figure_text(mixed.mean_error(), 0), figure_text(mixed.halo(), 0), figure_text(oracles.filmed.halo(), 1),
+                figure_text(oracles.told_leaf.mean_error(), 1), figure_text(oracles.told_leaf.halo(), 1)});
     EXPECT_GT(found.pixels, 700);
     EXPECT_GE(mixed.mean_error(), 2.0 * found.mean_error()) << a_case.what;
     EXPECT_LE(found.mean_error(), 2.0) << a_case.what;
-    EXPECT_LE(found.halo(), 2.5) << a_case.what;
+    EXPECT_LE(found.halo(), 2.1) << a_case.what;
+  }
+}
+
+// Woods of the leaves' light: the less tells them apart, the more of the mask's share is taken, and never is the picture
+// worse than by the mask alone. What `calibrate mask` proposes there is wrong, as docs/calibration.md says.
+TEST_F(MatteOfLeaves, IsNoWorseThanTheMaskBeforeWoodsAsBright) {
+  struct Case {
+    const char* what;
+    double light;
+    int left, top;
+  };
+  const std::vector<Case> cases{{"darker than the woods", 1.0, 380, 300},
+                                {"as bright as the woods", 1.7, 380, 300},
+                                {"brighter than the woods", 3.0, 380, 300},
+                                {"as bright as near trees", 0.8, 0, 450}};
+  for (const Case& a_case : figure_cases("leaves-alike", {cases[3]}, cases)) {
+    ReferenceScene scene = MatteOfLeaves::scene();
+    const fixtures::Bough bough(MatteOfLeaves::bough(6.0, 3, a_case.light));
+    const auto back = land(a_case.left, a_case.top);
+    Renderer renderer = make_renderer();
+    load(renderer, scene);
+    const auto with = draw(renderer, scene.measured, view_of(back));
+    const auto truth = fixtures::mask_of(bough, minutes());
+    const auto errors_by = [&](const Image<std::uint8_t>& mask) {
+      scene.mask = mask;
+      load(renderer, scene);
+      BandErrors found, mixed;
+      for (int i = 0; i < 6; ++i)
+        compare(renderer, scene, back, with, bough.at(0.61 * i), found, mixed, i == 0 ? a_case.what : nullptr, 0.0,
+                &truth);
+      return std::pair(found, mixed);
+    };
+    const auto [found, mixed] = errors_by(truth);
+    EXPECT_GT(found.pixels, 700);
+    EXPECT_LE(found.mean_error(), mixed.mean_error()) << a_case.what;
+    const auto proposed = find_sway_mask(a_minute(back, bough), Response::srgb(), {});
+    ASSERT_FALSE(proposed.mask.empty()) << a_case.what;
+    const auto by_proposal = errors_by(proposed.mask).first;
+    fmt::print("{}: {} pixels, mean error {:.2f}, halo {:.2f}; by the mask {:.2f}, {:.2f}; proposed {:.2f}, {:.2f}\n",
+               a_case.what, found.pixels, found.mean_error(), found.halo(), mixed.mean_error(), mixed.halo(),
+               by_proposal.mean_error(), by_proposal.halo());
+    figure_row("leaves-alike", {a_case.what, figure_text(found.mean_error(), 1), figure_text(found.halo(), 1),
+                                figure_text(mixed.mean_error(), 0), figure_text(mixed.halo(), 0),
+                                figure_text(by_proposal.mean_error(), 0)});
   }
 }
 
@@ -265,18 +411,8 @@ TEST_F(MatteOfLeaves, LooksSoByTheMaskThatARecordingProposes) {
     Renderer renderer = make_renderer();
     load(renderer, scene);
     const auto with = draw(renderer, scene.measured, view_of(back));
-    fixtures::Random random(5);
-    std::vector<Image<Rgb8>> film;
-    for (int i = 0; i < 60; ++i) {
-      film.push_back(fixtures::put_before(back, bough.at(0.2 + 1.03 * i)));
-      const double exposure = 1.0 + 0.08 * std::sin(0.2 * i);
-      for (Rgb8& pixel : film.back().elements())
-        for (int c = 0; c < 3; ++c)
-          pixel[c] = static_cast<std::uint8_t>(
-              std::lround(std::clamp(exposure * pixel[c] + 1.2 * random.normal(), 0.0, 255.0)));
-    }
     const auto truth = fixtures::mask_of(bough, minutes());
-    const auto proposed = find_sway_mask(film, Response::srgb(), {});
+    const auto proposed = find_sway_mask(a_minute(back, bough), Response::srgb(), {});
     ASSERT_FALSE(proposed.mask.empty()) << a_case.what;
     save_grey(proposed.mask, test_output_folder() / fmt::format("{}-mask.png", a_case.what));
     save_grey(truth, test_output_folder() / fmt::format("{}-truth-mask.png", a_case.what));
@@ -291,7 +427,7 @@ TEST_F(MatteOfLeaves, LooksSoByTheMaskThatARecordingProposes) {
     figure_row("leaves-proposed", {a_case.what, figure_text(found.mean_error(), 1), figure_text(found.halo(), 1)});
     EXPECT_GT(found.pixels, 700);
     EXPECT_LE(found.mean_error(), 2.0) << a_case.what;
-    EXPECT_LE(found.halo(), 2.5) << a_case.what;
+    EXPECT_LE(found.halo(), 2.1) << a_case.what;
   }
 }
 
