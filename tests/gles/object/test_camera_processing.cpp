@@ -239,6 +239,7 @@ TEST_F(CameraProcessingOfObject, OnAPlaneOfTheDisplaysItIsTheSame) {
   load(renderer, scene());
   covered_ = renderer.read_layer().value();
   box_ = renderer.object_box();
+  drawn(renderer, camera);  // afterwards the same blocks are kept for both
   const auto whole = drawn(renderer, camera);
   Offscreen target = make_target(box_.right - box_.left, box_.bottom - box_.top);
   ASSERT_OK(renderer.draw_for_plane(scene().measured, target.target()));
