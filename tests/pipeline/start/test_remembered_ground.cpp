@@ -92,7 +92,8 @@ class RememberedGround : public testing::Test {
     const Journal journal;
     const auto fresh = watch(view), started = watch(view);
     GroundKeeper(clock_).recall(started, folder_);
-    for (const auto& ground : {fresh, started}) see(*ground, 0);
+    const Image<Rgb8> picture(view.width, view.height, Rgb8(90));
+    for (const auto& ground : {fresh, started}) see(*ground, 0, picture);
     EXPECT_EQ(started->learnt().shares, fresh->learnt().shares) << "as if nothing had been kept";
     return journal.text();
   }
