@@ -262,7 +262,7 @@ TEST_F(Captions, AFontsGiantGlyphsAreLeftOut) {
 TEST_F(Captions, AreWrittenForInspection) {
   std::filesystem::create_directories(test_output_folder());
   for (const Language language : kLanguages) {
-    cv::Mat sheet(1000, 1280, CV_8UC3, cv::Scalar(205, 190, 170));
+    cv::Mat sheet(1200, 1280, CV_8UC3, cv::Scalar(205, 190, 170));
     int top = 10;
     for (const Message message : kMessages) {
       const Image<Rgba8> picture =
