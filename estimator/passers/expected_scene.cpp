@@ -78,7 +78,7 @@ const Image<float>& ExpectedScene::compare(const PicturePart& picture, Duration 
   if (!lumas.empty()) {
     const auto middle = lumas.begin() + static_cast<std::ptrdiff_t>(lumas.size() / 2);
     std::nth_element(lumas.begin(), middle, lumas.end());
-    median_luma_ = *middle;
+    median_luma_ = static_cast<double>(*middle);
   }
   if (mix_.empty()) return score_;
   mix_.explain(light_, sigma_);

@@ -1,6 +1,7 @@
 // What a renderer holds: everything on the GPU, and the layer under way. renderer.cpp has what may be asked of it.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
