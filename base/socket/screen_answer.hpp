@@ -1,5 +1,6 @@
-// The picture of the screen that the appliance gives to kasumi-report, over a socket beside its runtime folder: blurred, and
-// too small to hold more than the blur leaves. Whoever connects is given one answer, and nothing is read of what he says.
+// The picture of the screen that the appliance gives to kasumi-report, over a socket beside its runtime folder: blurred,
+// and too small to hold more than the blur leaves. Whoever connects is given one answer, and nothing is read of what he
+// says.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +15,8 @@
 
 namespace kasumi {
 
-// In a folder of its own, which says who may connect: /run/kasumi-screen beside /run/kasumi. Not within it, since root makes
-// it for another group than the appliance's, and there the appliance could lead root's hand elsewhere by a link.
+// In a folder of its own, which says who may connect: /run/kasumi-screen beside /run/kasumi. Not within it, since root
+// makes it for another group than the appliance's, and there the appliance could lead root's hand elsewhere by a link.
 std::filesystem::path screen_socket(const std::filesystem::path& runtime_folder);
 // Along a side: what an answer can hold at all.
 constexpr int kMostScreenPixels = 32;

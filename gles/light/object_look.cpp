@@ -6,7 +6,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kHalfAStep = 0.004;  // of 8 bits, relative to linear light
+constexpr double kHalfAStep = 0.004;  // of 8 bits behind a response like sRGB; relative, of linear light
 constexpr double kOtherNoise = 0.05;  // relative
 
 bool differs(const glm::dvec3& a, const glm::dvec3& b, double relative) {

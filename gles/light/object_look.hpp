@@ -10,8 +10,8 @@ struct ObjectLook {
   SensorNoise noise;
 };
 
-// Drawn with the one or the other, no pixel differs by more than half a step of 8 bits, nor its noise by more than 5 %;
-// the noise's pattern may be another.
+// Drawn with the one or the other, no pixel's light differs by more than .4 %, half a step of 8 bits behind a camera's
+// response (one step where that is linear), nor its noise by more than 5 %; the noise's pattern may be another.
 bool look_alike(const ObjectLook& a, const ObjectLook& b);
 
 }  // namespace kasumi

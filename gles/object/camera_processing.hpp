@@ -50,8 +50,8 @@ class CameraProcessing {
   // Only these blocks are worked on.
   const PixelBox& part() const { return part_; }
   // `draw_camera`, `draw_composite`: draw that part, or `only` these of its pixels, given in the picture's, into the
-  // bound framebuffer of its size, rows from the top; the composite with the object's share of each pixel in alpha, 0 only where it changes nothing. `look`: of the object in
-  // it; empty: something else may be seen anywhere before it.
+  // bound framebuffer of its size, rows from the top; the composite with the object's share of each pixel in alpha, 0
+  // only where it changes nothing. `look`: of the object in it; empty: something else may be seen anywhere before it.
   Result<> apply(const std::optional<ObjectLook>& look, Programs& programs, const Drawing& draw_camera,
                  const Drawing& draw_composite);
   // The result, for picture.frag with PROCESSED: where its alpha is not 0.
