@@ -1,17 +1,22 @@
 """kasumi-report beside the appliance, under its own unit: how it runs, and that neither the network nor its peers cost a picture."""
 
+import base64
+import html
 import json
 import re
+import struct
 
 from live import InContainer, long
 
 CONFIG = "/etc/kasumi/report.toml"
+SCREEN_SOCKET = "/run/kasumi-screen/screen.sock"
 PORT = 8750
 MOST_MEMORY_KB = 20 * 1024  # row 28
 # The town's network: a broker at the other end of a cable.
 REPORT = f"""\
 [http]
 port = {PORT}
+screen_picture = true
 [mqtt]
 host = "10.9.0.2"
 tls = false
@@ -111,6 +116,34 @@ class Reporter(InContainer):
         print(f"ended in {stopped_s:.1f} s ... ", end="", flush=True)
         self.assertLessEqual(stopped_s, 5.0)
         self.assertEqual(self.kiosk.unit("Result", of="kasumi-report")["Result"], "success")
+
+    def press(self):
+        """The button on the state page; returns the page that answers it."""
+        action = html.unescape(re.search('<form method="post" action="[.]([^"]+)"', self.ask("/")).group(1))
+        return self.kiosk.run(f"curl -sS --max-time 20 -X POST 'http://127.0.0.1:{PORT}{action}'")
+
+    def test_00_screen_picture(self):
+        """Not before the kiosk allows it, too; then a small picture, over a socket that is closed to everybody else."""
+        self.assertNotRegex(self.press(), "data:image")
+        self.kiosk.run("printf '[snapshot]\\nscreen_picture = true\\n' >> /etc/kasumi/kasumi.toml && systemctl reload kasumi")
+        self.kiosk.wait_until("the socket is there", f"test -S {SCREEN_SOCKET}", 10)
+        owner = self.kiosk.run(f"stat -c '%U %G %a' /run/kasumi-screen {SCREEN_SOCKET}").splitlines()
+        self.assertEqual(owner, ["kasumi kasumi-screen 2750", "kasumi kasumi-screen 660"])
+        ask_as = "runuser -u {} -- curl -sS --max-time 5 --http0.9 --unix-socket " + SCREEN_SOCKET + " http://localhost/"
+        self.assertFalse(self.kiosk.holds(ask_as.format("nobody")))
+        self.kiosk.wait_shown("live")
+        self.kiosk.wait_new_picture()
+        page = self.press()
+        bitmap = base64.b64decode(re.search("data:image/bmp;base64,([^\"]+)", page).group(1))
+        width, height = struct.unpack_from("<ii", bitmap, 18)
+        colours = {bitmap[at:at + 3] for at in range(54, len(bitmap) - 2, 3)}
+        print(f"{width} x {abs(height)}, {len(colours)} colours ... ", end="", flush=True)
+        self.assertEqual((width, abs(height)), (32, 18))
+        self.assertGreater(len(colours), 100, "no blank")
+        self.assertNotRegex(self.press(), "data:image", "at most one a minute")
+        self.kiosk.wait_status("it is counted", lambda status: status["screen_picture"]["taken"] == 1, 10)
+        self.assertEqual(self.kiosk.run("journalctl -u kasumi -b -o cat --no-pager | grep -c 'blurred picture for the state page was sent'"), "1")
+        self.assertEqual(self.kiosk.run("find /run/kasumi* /var/lib/kasumi* /tmp -name '*.bmp' -o -name '*.png' -newer /etc/kasumi/kasumi.toml"), "")
 
     def test_27_network_gone(self):
         """The cable is pulled: no picture is lost, the page on the machine answers; put back, the broker has the newest state."""
