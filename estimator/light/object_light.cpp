@@ -59,7 +59,7 @@ Daylight::Daylight(const Camera& scene, const AirState& air, const SunDirection&
   light_.sun_direction = sun;
   glow_by_ground(air.aerosol());
   const auto unit = options.measured ? unit_of(*options.measured) : std::nullopt;
-  light_by_sun(scene.sensitivity, sensor_to_light, unit ? options.measured->sun_share : 1.0);
+  light_by_sun(scene.sensitivity, sensor_to_light, options.past_hills * (unit ? options.measured->sun_share : 1.0));
   light_by_sky(unit);
   light_by_ground();
 }
@@ -85,17 +85,16 @@ void Daylight::glow_by_ground(const Aerosol& aerosol) {
   glow_.emplace(aerosol, options_.altitude_m, options_.ground_albedo, xyz_to_linear_srgb() * lit);
 }
 
-void Daylight::light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light,
-                            double through_clouds) {
-  if (is_overcast() || !(through_clouds > 0.0)) return;
+void Daylight::light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double reaching) {
+  if (is_overcast() || !(reaching > 0.0)) return;
   const double of_dome = model_.dome_share();
   if (of_dome > 0.0) {  // which knows how much of the disc is above the horizon
-    const glm::dvec3 xyz = of_dome * through_clouds * *model_.sun_xyz();
+    const glm::dvec3 xyz = of_dome * reaching * *model_.sun_xyz();
     light_.sun_irradiance = glm::max(xyz_to_light_ * xyz, glm::dvec3{0.0});
     sun_normal_lux_ = xyz.y;
   }
   const Radians zenith = zenith_angle(sun_);
-  const double share = (1.0 - of_dome) * through_clouds * visible_share_of_sun(zenith);
+  const double share = (1.0 - of_dome) * reaching * visible_share_of_sun(zenith);
   if (!(share > 0.0)) return;
   glm::dvec3 on_sensor{0.0};
   for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += 1.0) {

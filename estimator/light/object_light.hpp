@@ -35,6 +35,7 @@ struct DaylightOptions {
   // The sky camera's measurement of a cloudy sky, or null: where it sees clouds, they light the object instead of the
   // model, and they dim the sun. Only read in the constructor.
   const MeasuredSky* measured = nullptr;
+  double past_hills = 1.0;  // the share of the sun's disc that hills leave to the object (Skyline)
 };
 
 // Sun, sky and ground for one air and sun position. Construction costs some milliseconds.
@@ -62,7 +63,7 @@ class Daylight {
   // too few. It includes the sky camera's exposure and white balance.
   std::optional<glm::dvec3> unit_of(const MeasuredSky& measured) const;
   void glow_by_ground(const Aerosol& aerosol);  // before anything else reads the sky
-  void light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double through_clouds);
+  void light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3& sensor_to_light, double reaching);
   void light_by_sky(const std::optional<glm::dvec3>& unit);
   void light_by_ground();  // after sun and sky, whose light it reflects
 

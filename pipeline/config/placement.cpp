@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/earth.hpp"
+#include "pipeline/config/read_skyline.hpp"
 
 namespace kasumi {
 
@@ -55,6 +56,7 @@ ObjectPlacement read_placement(const ConfigTable& table, const Site& site) {
                       table.number("scale", {1e-4, 1e4}, 1.0)};
   object.shadows = table.flag("shadows", true);
   object.ground_light = table.flag("ground_light", false);
+  object.skyline = read_skyline(table);
   return object;
 }
 

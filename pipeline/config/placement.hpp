@@ -8,6 +8,7 @@
 
 #include "base/table/config_table.hpp"
 #include "calib/camera.hpp"
+#include "estimator/light/skyline.hpp"
 #include "gles/model/model.hpp"
 
 namespace kasumi {
@@ -18,6 +19,7 @@ struct ObjectPlacement {
   Placement placement;
   bool shadows = true;        // of the sun, on itself and on the model's own ground
   bool ground_light = false;  // the model's ground is looked at: where it lies in the shade already, what sky it loses
+  Skyline skyline;            // behind which the sun goes down for the object
 };
 
 // East, north, up (metres) of a place as seen from the site, in the site's tangent plane on the WGS 84 ellipsoid:
@@ -30,7 +32,7 @@ constexpr double kUsualRefraction = 0.13;
 double lift_by_refraction(double distance_m, double coefficient = kUsualRefraction);
 
 // [object]: model, scene, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13,
-// lifts it), heading_deg, scale, shadows, ground_light. Problems are collected in the table's file.
+// lifts it), heading_deg, scale, shadows, ground_light, skyline. Problems are collected in the table's file.
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site);
 
 }  // namespace kasumi

@@ -70,6 +70,7 @@ OpticalPath path_to(const Installation& installation) {
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
   if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
   if (now.measured && difference(*drawn.measured, *now.measured) > kMinSkyChange) return false;
+  if (std::abs(now.past_hills - drawn.past_hills) > kMinSkyChange) return false;
   if (std::abs(now.air.near_ground() - drawn.air.near_ground()) > kMinHazeChange * drawn.air.near_ground())
     return false;
   if (now.air.aerosol_known() || drawn.air.aerosol_known()) {
@@ -89,6 +90,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
       shadows_(installation.object.shadows),
+      skyline_(installation.object.skyline),
       sky_model_(installation.surroundings.sky_model),
       given_(installation.surroundings.air),
       fog_(installation.surroundings.fog),
@@ -127,14 +129,16 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   conditions.air = air_under(report);
   conditions.sky = report.estimate.sky;
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
+  conditions.past_hills = skyline_.sunlight(conditions.sun);
   conditions.measured = report.measured;
   conditions.haze_blur_px = haze_blur_px(conditions.air);
   return conditions;
 }
 
 ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
-  const Daylight daylight(scene(), conditions.air, conditions.sun,
-                          {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get()});
+  const Daylight daylight(
+      scene(), conditions.air, conditions.sun,
+      {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get(), conditions.past_hills});
   ObjectAppearance appearance;
   appearance.haze = haze_for_gles(haze(conditions.air), altitude_m_, fog_);
   appearance.light = light_for_gles(daylight.on_object());

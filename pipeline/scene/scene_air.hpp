@@ -10,6 +10,7 @@
 #include "estimator/horizon/horizon.hpp"
 #include "estimator/light/airlight.hpp"
 #include "estimator/light/object_light.hpp"
+#include "estimator/light/skyline.hpp"
 #include "gles/scene.hpp"
 #include "pipeline/scene/horizon_observer.hpp"
 #include "pipeline/scene/scene_conditions.hpp"
@@ -65,6 +66,7 @@ class SceneAir {
   double altitude_m_;
   double ground_albedo_;
   bool shadows_;
+  Skyline skyline_;
   SiteSkyModel sky_model_;
   GivenAir given_;
   FogLayer fog_;

@@ -14,6 +14,7 @@ struct SceneConditions {
   SunDirection sun{0, 0, 1};
   SkyCondition sky = SkyCondition::unknown;
   std::shared_ptr<const MeasuredSky> measured;  // the clouds; null: the sky model alone
+  double past_hills = 1.0;                      // the share of the sun's disc that the skyline leaves to the object
   // Blur of the object by the haze in front of it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
   // deviation in pixels. The fog of a valley is not counted.
   double haze_blur_px = 0.0;
