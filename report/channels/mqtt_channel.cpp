@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cstring>
 #include <future>
+#include <set>
 #include <thread>
 
 #include <mosquitto.h>
@@ -19,11 +20,12 @@ namespace {
 using namespace std::chrono_literals;
 using Steady = std::chrono::steady_clock;
 
-constexpr auto kLoop = 200ms;     // how soon a new state, or the end, is noticed
-constexpr auto kFarewell = 2s;    // for saying that the reporter goes
-constexpr auto kStop = 3s;        // for the thread's end; one that hangs in a name's look-up is left behind
-constexpr auto kSettled = 60s;    // a connection that lasted so long ends the doubling of waits
-constexpr int kKeepalive_s = 30;  // the broker tells the last will after one and a half of it
+constexpr auto kLoop = 200ms;           // how soon a new state, or the end, is noticed
+constexpr auto kFarewell = 2s;          // for saying that the reporter goes
+constexpr std::size_t kMostCauses = 8;  // of one outage
+constexpr auto kStop = 3s;              // for the thread's end; one that hangs in a name's look-up is left behind
+constexpr auto kSettled = 60s;          // a connection that lasted so long ends the doubling of waits
+constexpr int kKeepalive_s = 30;        // the broker tells the last will after one and a half of it
 constexpr int kAtLeastOnce = 1;
 
 using Client = CPtr<mosquitto, mosquitto_destroy>;
@@ -168,14 +170,13 @@ class MqttChannel::Talk {
   // The same for every connection of this kiosk, so that a broker ends one that only seems to live.
   std::string identity() const { return "kasumi-report:" + options_.topic; }
 
-  // The log has one line for each change, however often it is tried.
+  // The log has one line for each cause of an outage, however often it is tried and however they alternate.
   void tell_once(const std::string& problem) {
-    if (problem == problem_) return;
-    problem_ = problem;
+    if (problems_.size() >= kMostCauses || !problems_.insert(problem).second) return;
     fmt::print(stderr, "<4>mqtt: {} port {}: {}\n", options_.host, options_.port, problem);
   }
   void tell_that_it_works() {
-    if (!std::exchange(problem_, {}).empty())
+    if (!std::exchange(problems_, {}).empty())
       fmt::print(stderr, "<5>mqtt: {} port {}: connected\n", options_.host, options_.port);
   }
 
@@ -186,7 +187,7 @@ class MqttChannel::Talk {
   std::atomic<bool> connected_ = false, stopped_ = false;
   // The thread's own.
   std::optional<std::string> last_;  // state
-  std::string problem_;
+  std::set<std::string> problems_;   // told in this outage
 };
 
 Result<> publish_once(const MqttOptions& options, std::string_view below, std::string_view payload, Duration longest) {

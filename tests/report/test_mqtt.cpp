@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "report/channels/mqtt_channel.hpp"
 #include "report/channels/mqtt_messages.hpp"
 #include "tests/report/certificates.hpp"
 #include "tests/report/mqtt_broker.hpp"
@@ -234,6 +235,39 @@ TEST_F(Mqtt, ABrokerThatAsksWhoWeAreIsShownOurCertificate) {
     EXPECT_EQ(broker.retained("kasumi/hill/available", 1, me), "offline") << who;
     EXPECT_THAT(reporter.metrics(), HasSubstr("kasumi_report_mqtt_connected 0\n"));
   }
+}
+
+// A network that fails in two ways by turns, as one does whose cable is loose.
+TEST_F(Mqtt, EachCauseOfAnOutageIsToldOnceHoweverTheyAlternate) {
+  using namespace std::chrono_literals;
+  MqttOptions options;
+  options.host = "127.0.0.1";
+  options.port = free_port();
+  options.tls = false;
+  options.topic = "kasumi/hill";
+  testing::internal::CaptureStderr();
+  {
+    SystemClock clock;
+    MqttChannel channel(options, "Hill", Language::english, clock,
+                        {.first_wait = 20ms, .longest_wait = 20ms, .silence = 300ms});
+    for (int turn = 0; turn < 4; ++turn) {
+      std::this_thread::sleep_for(400ms);  // nobody listens: refused
+      const UniqueFd silent(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+      const int again = 1;
+      ::setsockopt(silent.value(), SOL_SOCKET, SO_REUSEADDR, &again, sizeof again);
+      sockaddr_in address{};
+      address.sin_family = AF_INET;
+      address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      address.sin_port = htons(static_cast<std::uint16_t>(options.port));
+      ASSERT_EQ(::bind(silent.value(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+      ASSERT_EQ(::listen(silent.value(), 4), 0);
+      std::this_thread::sleep_for(1200ms);
+    }
+  }
+  const auto log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(lines_with(log, "it does not answer"), 1) << log;
+  EXPECT_EQ(lines_with(log, "refused"), 1) << log;
+  EXPECT_LE(lines_with(log, "\n"), 3) << log;  // closing its port ends a connection in a way of its own
 }
 
 // A port where somebody listens and never says a word; and one that never even connects.
