@@ -6,6 +6,10 @@
 #   faults: the address sanitizer runs them. FIGURES programs measure accuracy over many cases: a quarter of them here, all of
 #   them by ./bootstrap figures, and never under a sanitizer.
 #   Each of the three is a label of ctest, and a target that builds the programs with it: threaded_tests, hostile_tests, figures_tests.
+#   A hundred programs of 40 MB: where mold is installed, it links each in a quarter of the time. What is shipped it never links.
+if(NOT CMAKE_CROSSCOMPILING AND NOT KASUMI_SANITIZE AND NOT KASUMI_FUZZ)
+  find_program(KASUMI_MOLD mold)
+endif()
 foreach(kind threaded hostile figures)
   add_custom_target(${kind}_tests)
 endforeach()
@@ -22,6 +26,9 @@ function(kasumi_test name)
   foreach(room ${TEST_USES})
     target_link_libraries(${name} PRIVATE kasumi_${room})
   endforeach()
+  if(KASUMI_MOLD)
+    target_link_options(${name} PRIVATE -fuse-ld=mold)
+  endif()
   if(TARGET kasumi_keep_libraries)
     target_link_libraries(${name} PRIVATE kasumi_keep_libraries)
   endif()
