@@ -54,7 +54,7 @@ class FixtureFrames(LiveKiosk):
         self.assert_screen_as_computed("without-sky")
         self.assertEqual(self.kiosk.status()["sky_camera"]["good_frames"], frames, "frames of a camera that is gone")
         self.kiosk.run(f"systemd-run -q --unit=feed-again /opt/kasumi-vm/feed_loopback /opt/kasumi-vm/fixture/sky {device}")
-        self.kiosk.wait_until("it is fed", f"grep -q capture /sys/class/video4linux/$(basename {device})/state", 10)
+        self.kiosk.wait_until("it is fed", f"grep -q MJPG /sys/class/video4linux/$(basename {device})/format", 10)
         self.kiosk.run("udevadm trigger --settle --subsystem-match=video4linux")
         started = self.kiosk.clock()
         self.kiosk.wait_status("the sky camera is back", lambda status: status["sky_camera"]["up"])
