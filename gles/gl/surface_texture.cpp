@@ -11,6 +11,9 @@ namespace {
 constexpr GLenum kSrgb8Alpha8 = 0x8C43;                                    // GLES 3 and EXT_sRGB
 constexpr GLenum kMaxAnisotropy = 0x84FF, kTextureMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
 constexpr std::size_t kSliceBytes = std::size_t{4} << 20;                  // some milliseconds on the slowest machines
+// A processor that draws takes the memory for a texture and its smaller levels in one go: more than a tenth of a second
+// for 4096 x 4096 texels, in which the picture stands still. So many would hardly be seen on a screen that it can fill.
+constexpr int kLargestInSoftware = 2048;
 
 GLint wrap_mode(TextureWrap wrap) {
   switch (wrap) {
@@ -26,7 +29,8 @@ int power_of_two_within(int size) {
 }
 
 bool fits(const Image<glm::u8vec4>& picture, const GlInfo& info) {
-  return picture.width() <= info.max_texture_size && picture.height() <= info.max_texture_size;
+  const int most = info.software ? std::min(info.max_texture_size, kLargestInSoftware) : info.max_texture_size;
+  return picture.width() <= most && picture.height() <= most;
 }
 
 }  // namespace
@@ -38,8 +42,9 @@ SurfaceTextureUpload::SurfaceTextureUpload(const ModelTexture& texture, std::opt
       anisotropic_(!info.software && info.has("GL_EXT_texture_filter_anisotropic")) {
   gather_levels(cutoff, info);
   if (level().width() != texture.pixels.width() || level().height() != texture.pixels.height())
-    notes.push_back(fmt::format("texture of {} x {} reduced to {} x {}, a size that the driver supports",
-                                texture.pixels.width(), texture.pixels.height(), level().width(), level().height()));
+    notes.push_back(fmt::format(
+        "texture of {} x {} reduced to {} x {}, {}", texture.pixels.width(), texture.pixels.height(), level().width(),
+        level().height(), info.software ? "which is drawn without a GPU in time" : "a size that the driver supports"));
   // EXT_sRGB on GLES 2 does not support mipmaps, so only version 3's sRGB textures are used.
   made_.decodes = !force_encoded && info.es_major >= 3 && !texture.data;
   made_.data = texture.data;
@@ -72,8 +77,12 @@ void SurfaceTextureUpload::gather_levels(std::optional<double> cutoff, const GlI
 }
 
 Result<bool> SurfaceTextureUpload::step() {
-  if (!made_.texture) made_.texture = make_texture();
   glActiveTexture(GL_TEXTURE0);
+  if (!made_.texture) {
+    made_.texture = make_texture();
+    glBindTexture(GL_TEXTURE_2D, made_.texture.name());
+    set_filters();  // first: a driver that knows of the smaller levels takes the memory for all of them once
+  }
   glBindTexture(GL_TEXTURE_2D, made_.texture.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   for (std::size_t left = kSliceBytes; level_ < levels_.size() && left > 0;) {
@@ -96,12 +105,10 @@ Result<bool> SurfaceTextureUpload::step() {
     }
   }
   if (auto uploaded = check_gl("uploading a texture of the model"); !uploaded) return fail(uploaded.error());
-  if (level_ < levels_.size()) return false;
-  if (auto finished = finish(); !finished) return fail(finished.error());
-  return true;
+  return level_ == levels_.size();
 }
 
-Result<> SurfaceTextureUpload::finish() {
+void SurfaceTextureUpload::set_filters() const {
   if (anisotropic_) {
     constexpr GLfloat kMaxUsefulAnisotropy =
         8.0f;  // enough for roofs and courtyards seen at a few degrees; the layer adds 17 samples per pixel
@@ -113,7 +120,6 @@ Result<> SurfaceTextureUpload::finish() {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, texture_.nearest ? GL_NEAREST : GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_mode(texture_.wrap_s));
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_mode(texture_.wrap_t));
-  return check_gl("finishing a texture of the model");
 }
 
 }  // namespace kasumi

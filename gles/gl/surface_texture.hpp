@@ -19,8 +19,9 @@ struct SurfaceTexture {
   std::size_t bytes = 0;  // on the GPU, with all levels
 };
 
-// Puts a texture with its smaller levels on the GPU, a few megabytes at a time. Pictures beyond the driver's limit are
-// halved until they fit; drivers without arbitrary texture sizes get powers of two. Both are reported in notes.
+// Puts a texture with its smaller levels on the GPU, a few megabytes at a time. Pictures beyond the driver's limit, or
+// beyond 2048 texels a side where the processor draws, are halved until they fit; drivers without arbitrary texture
+// sizes get powers of two. Both are reported in notes.
 class SurfaceTextureUpload {
  public:
   // `texture` must outlive it. `cutoff`: see cutoff_of(); used where the texture brings no smaller levels.
@@ -33,7 +34,7 @@ class SurfaceTextureUpload {
  private:
   const Image<glm::u8vec4>& level() const { return *levels_[level_]; }
   void gather_levels(std::optional<double> cutoff, const GlInfo& info);
-  Result<> finish();
+  void set_filters() const;
 
   const ModelTexture& texture_;
   std::vector<Image<glm::u8vec4>> own_;            // levels that the model does not have

@@ -6,6 +6,7 @@
 namespace kasumi {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 class RendererRules : public GlesTest {
@@ -215,6 +216,19 @@ TEST_F(RendererRules, ReducesTexturesTheDriverCannotTake) {
   load(renderer, scene);
   ASSERT_EQ(renderer.notes().size(), 1u);
   EXPECT_THAT(renderer.notes()[0], HasSubstr("reduced to"));
+}
+
+// The memory of a larger one, taken in one go, holds the picture up (row 36 of docs/faults.md).
+TEST_F(RendererRules, WithoutAGpuATextureHas2048TexelsASideAtMost) {
+  if (!info().software) GTEST_SKIP() << info().renderer << " is a GPU";
+  ReferenceScene scene = box_scene();
+  ModelTexture large;
+  large.pixels = Image<glm::u8vec4>(4096, 2048, glm::u8vec4{200, 100, 50, 255});
+  scene.model.textures.push_back(large);
+  scene.model.materials[0].texture = 0;
+  Renderer renderer = make_renderer();
+  load(renderer, scene);
+  EXPECT_THAT(renderer.notes(), ElementsAre(HasSubstr("texture of 4096 x 2048 reduced to 2048 x 1024")));
 }
 
 TEST_F(RendererRules, ReportsEveryProblemWithItsInput) {
