@@ -107,7 +107,7 @@ struct ProvenRig : Rig {
   // In long steps, with pictures in each.
   void pass(Duration by) {
     for (const auto end = clock.now() + by; clock.now() < end;) {
-      advance(1s, 1s);
+      advance(5s, 5s);
       appliance->proving().step();
     }
   }

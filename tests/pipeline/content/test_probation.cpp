@@ -139,7 +139,7 @@ TEST(Proving, Row22NewContentServesItsProbationUnderTheLivePicture) {
   EXPECT_TRUE(now["generation"]["proven_utc"].is_null());
   EXPECT_NEAR(now["generation"]["probation_left_s"].get<double>(), 575.0, 20.0);
   EXPECT_TRUE(now["generation"]["probation_until_utc"].is_string());
-  rig.pass(10min);
+  rig.pass(10min, kStep);
   now = rig.content();
   EXPECT_TRUE(now["generation"]["proven_utc"].is_string()) << now.dump(1);
   EXPECT_TRUE(now["generation"]["probation_left_s"].is_null());
@@ -174,7 +174,7 @@ TEST(Proving, Row22AtNightTheCamerasPicturesHaveToDo) {
   ASSERT_EQ(rig.shown(), Shown::dark);
   rig.install("Spring", "[state]", "[opening]\ntime_zone = \"UTC\"\nevery_day = \"closed\"\n[state]");
   rig.hang_up();
-  rig.pass(11min);
+  rig.pass(11min, kStep);
   EXPECT_EQ(rig.shown(), Shown::dark);
   EXPECT_TRUE(rig.content()["generation"]["proven_utc"].is_string()) << rig.content().dump(1);
 }
