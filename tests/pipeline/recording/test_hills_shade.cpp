@@ -11,6 +11,7 @@
 #include "pipeline/config/fixture_file.hpp"
 #include "pipeline/files/photograph_file.hpp"
 #include "pipeline/recording/replay.hpp"
+#include "tests/figures.hpp"
 #include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
@@ -100,6 +101,9 @@ TEST(HillsShade, TheBuildingLiesInItAsTheLandAroundDoes) {
     const double sunlight = recipe.hill->sunlight_at(middle, sun);
     fmt::print("after {:4.0f} s, {:3.0f} % of the sun at its middle: {:.2f} of 255 off, without the table {:.2f}\n",
                recipe.times_s[i], 100.0 * sunlight, aware[i], unaware[i]);
+    figure_row("hills-shade",
+               {fmt::format("{:.0f} min", recipe.times_s[i] / 60.0), fmt::format("{:.0f} %", 100.0 * sunlight),
+                figure_text(aware[i], 1), figure_text(unaware[i], 1)});
     // While the disc sets, the generator's shade climbs the building, which ours takes as a whole.
     const bool setting = sunlight > 0.02 && sunlight < 0.98;
     EXPECT_LE(aware[i], setting ? unaware[i] : 3.0) << recipe.times_s[i];
