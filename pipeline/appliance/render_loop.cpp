@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "pipeline/config/messages.hpp"
@@ -233,9 +234,14 @@ void RenderLoop::update_rung() {
   spdlog::info("shown: {}{}{}", name_of(status_.rung.shown), why.empty() ? "" : ": ", why);
 }
 
+std::vector<std::string> RenderLoop::words() const {
+  std::vector<std::string> lines{snapshots_.words(clock_.now()), visible_message()};
+  std::erase(lines, "");
+  return lines;
+}
+
 Composition RenderLoop::composition() const {
-  const auto told = snapshots_.words(clock_.now());
-  return {status_.rung, told.empty() ? visible_message() : told};
+  return {status_.rung, fmt::format("{}", fmt::join(words(), "\n"))};
 }
 
 // All but the picture itself.
@@ -247,9 +253,10 @@ Snapshot RenderLoop::snapshot_facts() const {
   facts.utc = clock_.utc();
   facts.building = is_building_seen();
   if (!screen_.is_open()) return facts;
-  for (const auto& text :
-       {status_.rung.still > 0.0 ? content_->config.still.caption : std::string(), composition().message})
-    if (!text.empty()) facts.words += (facts.words.empty() ? "" : " / ") + text;
+  auto texts = words();
+  if (const auto& caption = content_->config.still.caption; status_.rung.still > 0.0 && !caption.empty())
+    texts.insert(texts.begin(), caption);
+  facts.words = fmt::format("{}", fmt::join(texts, " / "));
   return facts;
 }
 

@@ -3,7 +3,9 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "pipeline/appliance/next_stage.hpp"
 #include "pipeline/appliance/screen.hpp"
@@ -44,6 +46,7 @@ class RenderLoop {
   bool is_closed() const { return status_.rung.dark >= 1.0; }  // and faded to black
   Composition composition() const;
   std::string visible_message() const;
+  std::vector<std::string> words() const;  // a line each: that somebody looks at the screen, and visible_message()
   bool is_due(Instant now) const;
   bool is_building_seen() const;
   Snapshot snapshot_facts() const;

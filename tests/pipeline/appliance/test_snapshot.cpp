@@ -185,6 +185,17 @@ TEST(Snapshot, SharpIsToldToVisitorsBeforeAndOnThePictureItself) {
   EXPECT_LT(rig->clock.now() - began, 60s);
 }
 
+TEST(Snapshot, WhatIsWrongStaysOnTheGlassBelowThatSomebodyLooks) {
+  auto rig = running({.name = "snapshot", .more_config = "\n[snapshot]\nsharp = true\n"});
+  rig->devices.scene.unplugged = true;
+  rig->advance(4s);
+  ASSERT_TRUE(rig->shows_still());
+  const auto snapshot = Asking(*rig, SnapshotKind::sharp).wait();
+  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  EXPECT_THAT(snapshot->words, HasSubstr("A picture of what you see here"));
+  EXPECT_THAT(snapshot->words, HasSubstr("No picture is coming from the camera."));
+}
+
 TEST(Snapshot, WhereNothingIsOnTheGlassItSaysWhy) {
   auto rig = running({.name = "snapshot"});
   rig->devices.display.unplugged = true;
