@@ -1,9 +1,10 @@
 # Warnings are shown in every build of ours and are errors in the gate's (CMakePresets.json): a new warning of another compiler must
 # not break anyone's build. Instrumentation hides value ranges from the compiler, which then warns of impossible cases.
 add_library(kasumi_warnings INTERFACE)
+set(KASUMI_WARNINGS
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast
+  -Woverloaded-virtual -Wimplicit-fallthrough -Wdouble-promotion
+  $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>)  # base/thread_annotations.hpp
 if(NOT KASUMI_SANITIZE AND NOT KASUMI_FUZZ)
-  target_compile_options(kasumi_warnings INTERFACE
-    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast
-    -Woverloaded-virtual -Wimplicit-fallthrough -Wdouble-promotion
-    $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>)  # base/thread_annotations.hpp
+  target_compile_options(kasumi_warnings INTERFACE ${KASUMI_WARNINGS})
 endif()
