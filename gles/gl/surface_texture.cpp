@@ -41,10 +41,13 @@ SurfaceTextureUpload::SurfaceTextureUpload(const ModelTexture& texture, std::opt
       // Software drivers blur and are slow at it.
       anisotropic_(!info.software && info.has("GL_EXT_texture_filter_anisotropic")) {
   gather_levels(cutoff, info);
-  if (level().width() != texture.pixels.width() || level().height() != texture.pixels.height())
+  const auto& given = texture.pixels;
+  if (level().width() != given.width() || level().height() != given.height()) {
+    const bool for_software = info.software && std::max(given.width(), given.height()) > kLargestInSoftware;
     notes.push_back(fmt::format(
-        "texture of {} x {} reduced to {} x {}, {}", texture.pixels.width(), texture.pixels.height(), level().width(),
-        level().height(), info.software ? "which is drawn without a GPU in time" : "a size that the driver supports"));
+        "texture of {} x {} reduced to {} x {}, {}", given.width(), given.height(), level().width(), level().height(),
+        for_software ? "the largest that is used without a GPU" : "a size that the driver supports"));
+  }
   // EXT_sRGB on GLES 2 does not support mipmaps, so only version 3's sRGB textures are used.
   made_.decodes = !force_encoded && info.es_major >= 3 && !texture.data;
   made_.data = texture.data;
