@@ -1,7 +1,7 @@
 #include "tests/fuzz/changed_input.hpp"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <string_view>
 
 namespace kasumi {
@@ -9,26 +9,26 @@ namespace {
 
 constexpr std::size_t kLongest = 16384;
 // What readers of numbers, texts and sizes stumble over.
-constexpr auto kWords = std::to_array<std::string_view>({"nan",
-                                                         "-inf",
-                                                         "1e999",
-                                                         "-1",
-                                                         "0",
-                                                         "4294967296",
-                                                         "9223372036854775808",
-                                                         "0.1e-320",
-                                                         "\"",
-                                                         "\\u0000",
-                                                         "[",
-                                                         "{",
-                                                         "\n",
-                                                         "=",
-                                                         "../",
-                                                         "\xff\xff\xff\xff",
-                                                         std::string_view("\0\0\0\0", 4),
-                                                         "\x7f\xff\xff\xff",
-                                                         "\x80",
-                                                         "\xf4\x90\x80\x80"});
+constexpr std::string_view kWords[] = {"nan",
+                                       "-inf",
+                                       "1e999",
+                                       "-1",
+                                       "0",
+                                       "4294967296",
+                                       "9223372036854775808",
+                                       "0.1e-320",
+                                       "\"",
+                                       "\\u0000",
+                                       "[",
+                                       "{",
+                                       "\n",
+                                       "=",
+                                       "../",
+                                       "\xff\xff\xff\xff",
+                                       {"\0\0\0\0", 4},
+                                       "\x7f\xff\xff\xff",
+                                       "\x80",
+                                       "\xf4\x90\x80\x80"};
 
 std::size_t up_to(std::size_t most, std::mt19937_64& random) {
   return std::uniform_int_distribution<std::size_t>(0, most)(random);
@@ -67,7 +67,7 @@ void change(FuzzInput& input, const std::vector<FuzzInput>& known, std::mt19937_
       break;
     }
     case 4: {  // a word instead
-      const auto word = kWords[up_to(kWords.size() - 1, random)];
+      const auto word = kWords[up_to(std::size(kWords) - 1, random)];
       const auto at = static_cast<std::size_t>(range.first);
       input.erase(from, to);
       insert(input, at, word);
