@@ -4,7 +4,7 @@
 
 #include "base/utc_text.hpp"
 #include "calib/adopt_calibration.hpp"
-#include "pipeline/config/foreign_keys.hpp"
+#include "calib/foreign_keys.hpp"
 #include "pipeline/photographs/sky_model_choice.hpp"
 
 namespace kasumi {

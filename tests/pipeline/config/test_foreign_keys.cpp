@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
+#include "calib/foreign_keys.hpp"
 #include "pipeline/config/descriptions.hpp"
 #include "pipeline/config/fixture_file.hpp"
-#include "pipeline/config/foreign_keys.hpp"
 #include "pipeline/config/run_config.hpp"
 #include "tests/places.hpp"
 

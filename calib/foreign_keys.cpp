@@ -1,4 +1,4 @@
-#include "pipeline/config/foreign_keys.hpp"
+#include "calib/foreign_keys.hpp"
 
 #include <array>
 #include <map>
@@ -29,15 +29,19 @@ const std::map<std::string_view, std::vector<std::string_view>>& shared_tables()
 
 }  // namespace
 
-void ignore_what_others_read(const ConfigTable& root, const std::set<std::string_view>& own) {
-  for (const char* key : kRoot)
-    if (!own.contains(key)) root.ignore(key);
+void ignore_keys_of_others(const ConfigTable& root, const std::set<std::string_view>& own) {
   for (const auto& [name, keys] : shared_tables()) {
     if (!own.contains(name) || !root.has(name)) continue;
     const auto tables = name == "landmarks" ? root.tables(name) : std::vector{root.table(name)};
     for (const auto& table : tables)
       for (const auto key : keys) table.ignore(key);
   }
+}
+
+void ignore_what_others_read(const ConfigTable& root, const std::set<std::string_view>& own) {
+  for (const char* key : kRoot)
+    if (!own.contains(key)) root.ignore(key);
+  ignore_keys_of_others(root, own);
 }
 
 }  // namespace kasumi
