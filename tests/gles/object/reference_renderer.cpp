@@ -437,11 +437,11 @@ double psnr(const Image<Rgb8>& picture, const ReferencePicture& reference) {
   double covered = 0.0, all = 0.0, covered_count = 0.0, all_count = 0.0;
   for (int y = 0; y < picture.height(); ++y)
     for (int x = 0; x < picture.width(); ++x) {
-      const glm::dvec3 miss = glm::dvec3(picture.at(x, y)) - reference.encoded.at(x, y);
+      const glm::dvec3 shown(picture.at(x, y)), miss = shown - reference.encoded.at(x, y);
       const double square = glm::dot(miss, miss) / 3.0;
       all += square;
       all_count += 1.0;
-      if (reference.layer.at(x, y).a <= 0.0) continue;
+      if (reference.layer.at(x, y).a <= 0.0 && shown == glm::round(reference.encoded.at(x, y))) continue;
       covered += square;
       covered_count += 1.0;
     }

@@ -45,7 +45,8 @@ ReferencePicture before_picture(ReferencePicture rendered, const ReferenceScene&
 double reference_light(const ResponseCurve& response, int channel, double code);
 double reference_code(const ResponseCurve& response, int channel, double light);
 
-// Over the pixels the object covers, in decibels of full scale; of the whole picture when it covers none.
+// Over the pixels the object covers and those beside it that are not as they should be, in decibels of full scale; of the
+// whole picture when there are none.
 double psnr(const Image<Rgb8>& picture, const ReferencePicture& reference);
 
 }  // namespace kasumi

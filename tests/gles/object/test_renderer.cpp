@@ -107,6 +107,15 @@ TEST_F(RendererAgainstReference, ShowsTheForegroundThroughASoftMask) {
   expect_same_with(scene, {{}, {.force_rgba8 = true}}, 48.0);  // its nodes have 8 bits
 }
 
+// So much of it that whole rectangles are drawn without a look at the mask, were they not left out before.
+TEST_F(RendererAgainstReference, ShowsTheForegroundThatHidesMostOfTheObject) {
+  ReferenceScene scene = box_scene();
+  scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);
+  for (int y = 0; y < scene.view.height; ++y)
+    for (int x = 0; x < 110; ++x) scene.mask.at(x, y) = 0;
+  expect_same_with(scene, {{}, {.force_rgba8 = true}});
+}
+
 TEST_F(RendererAgainstReference, ClipsAnObjectAtThePicturesBorder) {
   ReferenceScene scene = box_scene();
   scene.model_to_world = model_to_world({-45, 3500, 20, from_degrees(10), 1.0});
