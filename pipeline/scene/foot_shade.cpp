@@ -35,25 +35,37 @@ glm::vec3 sky_direction(int index, int count) {
   return glm::vec3(level * std::cos(turn), level * std::sin(turn), std::sqrt(1.0 - level2));
 }
 
+// Leaves of the places first .. last those at which `at_zero + place * step` is not negative.
+void keep_where_positive(float at_zero, float step, float& first, float& last) {
+  const float crossed = -at_zero / step;
+  if (step > 0.0f)
+    first = std::max(first, crossed);
+  else if (step < 0.0f)
+    last = std::min(last, crossed);
+  else if (at_zero < 0.0f)
+    last = -1.0f;
+}
+
 // Calls visit(x, y, value) for each whole x and y within a triangle, value being linear between its corners' z.
 template <class Visit>
 void fill(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int width, int height, const Visit& visit) {
-  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  const glm::vec3 ab = b - a, ac = c - a;
+  const float area = ab.x * ac.y - ab.y * ac.x;
   if (std::abs(area) < 1e-9f) return;
-  const auto first = [](float low) { return std::max(0, static_cast<int>(std::ceil(std::max(low, -1.0f)))); };
-  const auto last = [](float high, int size) {
-    return std::min(size - 1, static_cast<int>(std::floor(std::min(high, 1e6f))));
-  };
-  const int left = first(std::min({a.x, b.x, c.x})), right = last(std::max({a.x, b.x, c.x}), width);
-  const int top = first(std::min({a.y, b.y, c.y})), bottom = last(std::max({a.y, b.y, c.y}), height);
-  for (int y = top; y <= bottom; ++y)
-    for (int x = left; x <= right; ++x) {
-      const glm::vec2 p(x, y);
-      const float of_b = ((p.x - a.x) * (c.y - a.y) - (p.y - a.y) * (c.x - a.x)) / area;
-      const float of_c = ((b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)) / area;
-      if (of_b < 0.0f || of_c < 0.0f || of_b + of_c > 1.0f) continue;
-      visit(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z));
-    }
+  const float of_b_step = ac.y / area, of_c_step = -ab.y / area;  // the corners' weights, along a row
+  const int top = static_cast<int>(std::ceil(std::clamp(std::min({a.y, b.y, c.y}), 0.0f, 1e6f)));
+  const int bottom =
+      static_cast<int>(std::floor(std::clamp(std::max({a.y, b.y, c.y}), -1.0f, static_cast<float>(height - 1))));
+  for (int y = top; y <= bottom; ++y) {
+    const float down = static_cast<float>(y) - a.y;
+    const float of_b = (-a.x * ac.y - down * ac.x) / area, of_c = (ab.x * down + a.x * ab.y) / area;
+    float first = 0.0f, last = static_cast<float>(width - 1);
+    keep_where_positive(of_b, of_b_step, first, last);
+    keep_where_positive(of_c, of_c_step, first, last);
+    keep_where_positive(1.0f - of_b - of_c, -of_b_step - of_c_step, first, last);
+    for (float x = std::ceil(first); x <= last; ++x)
+      visit(static_cast<int>(x), y, a.z + (of_b + x * of_b_step) * ab.z + (of_c + x * of_c_step) * ac.z);
+  }
 }
 
 template <class Use>
