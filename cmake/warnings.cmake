@@ -3,7 +3,8 @@
 add_library(kasumi_warnings INTERFACE)
 set(KASUMI_WARNINGS
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Wold-style-cast
-  -Woverloaded-virtual -Wimplicit-fallthrough -Wdouble-promotion
+  -Woverloaded-virtual -Wimplicit-fallthrough
+  $<$<CXX_COMPILER_ID:GNU>:-Wdouble-promotion>  # Clang's also counts a float that is given where a double is asked
   $<$<CXX_COMPILER_ID:Clang>:-Wthread-safety>)  # base/thread_annotations.hpp
 if(NOT KASUMI_SANITIZE AND NOT KASUMI_FUZZ)
   target_compile_options(kasumi_warnings INTERFACE ${KASUMI_WARNINGS})

@@ -32,7 +32,6 @@ constexpr double kColourless = 0.25, kBlue = -0.35;
 constexpr double kRed = 0.2;                     // redder than any cloud by day: what shines through cloth or skin
 constexpr double kSmooth = 0.85, kUneven = 0.5;  // shares that agree with one smooth sky: surely clear air; not at all
 constexpr double kBroken = 0.5, kMostlyCovered = 0.8;
-constexpr double kOneSky = 0.03;     // residual of clear air alone; what clouds are taken for leaves more
 constexpr double kGapsFit = 0.06;    // of ln light
 constexpr double kFaultTold = 0.11;  // of ln light: what is nearer is used, with the doubt of the camera in its sigma
 
