@@ -12,7 +12,7 @@ namespace kasumi {
 // tables it reads ("site", "sky", "scene", "landmarks"). Ignores in them the keys that other readers know; keys that no
 // reader knows stay a problem.
 void ignore_keys_of_others(const ConfigTable& root, const std::set<std::string_view>& own);
-// And all other tables.
+// The same, and all other tables.
 void ignore_what_others_read(const ConfigTable& root, const std::set<std::string_view>& own);
 
 }  // namespace kasumi

@@ -36,12 +36,11 @@ glm::vec3 sky_direction(int index, int count) {
 }
 
 // Leaves of the places first .. last those at which `at_zero + place * step` is not negative.
-void keep_where_positive(float at_zero, float step, float& first, float& last) {
-  const float crossed = -at_zero / step;
+void keep_where_not_negative(float at_zero, float step, float& first, float& last) {
   if (step > 0.0f)
-    first = std::max(first, crossed);
+    first = std::max(first, -at_zero / step);
   else if (step < 0.0f)
-    last = std::min(last, crossed);
+    last = std::min(last, -at_zero / step);
   else if (at_zero < 0.0f)
     last = -1.0f;
 }
@@ -60,10 +59,10 @@ void fill(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int width,
     const float down = static_cast<float>(y) - a.y;
     const float of_b = (-a.x * ac.y - down * ac.x) / area, of_c = (ab.x * down + a.x * ab.y) / area;
     float first = 0.0f, last = static_cast<float>(width - 1);
-    keep_where_positive(of_b, of_b_step, first, last);
-    keep_where_positive(of_c, of_c_step, first, last);
-    keep_where_positive(1.0f - of_b - of_c, -of_b_step - of_c_step, first, last);
-    for (float x = std::ceil(first); x <= last; ++x)
+    keep_where_not_negative(of_b, of_b_step, first, last);
+    keep_where_not_negative(of_c, of_c_step, first, last);
+    keep_where_not_negative(1.0f - of_b - of_c, -of_b_step - of_c_step, first, last);
+    for (float x = std::ceil(first); x <= last; ++x)  // either may lie too far outside for an int
       visit(static_cast<int>(x), y, a.z + (of_b + x * of_b_step) * ab.z + (of_c + x * of_c_step) * ac.z);
   }
 }

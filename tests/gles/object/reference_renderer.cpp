@@ -434,7 +434,7 @@ ReferencePicture before_picture(ReferencePicture picture, const ReferenceScene& 
 }
 
 double psnr(const Image<Rgb8>& picture, const ReferencePicture& reference) {
-  double covered = 0.0, all = 0.0, covered_count = 0.0, all_count = 0.0;
+  double compared = 0.0, all = 0.0, compared_count = 0.0, all_count = 0.0;
   for (int y = 0; y < picture.height(); ++y)
     for (int x = 0; x < picture.width(); ++x) {
       const glm::dvec3 shown(picture.at(x, y)), miss = shown - reference.encoded.at(x, y);
@@ -442,10 +442,10 @@ double psnr(const Image<Rgb8>& picture, const ReferencePicture& reference) {
       all += square;
       all_count += 1.0;
       if (reference.layer.at(x, y).a <= 0.0 && shown == glm::round(reference.encoded.at(x, y))) continue;
-      covered += square;
-      covered_count += 1.0;
+      compared += square;
+      compared_count += 1.0;
     }
-  const double mean = covered_count > 0.0 ? covered / covered_count : all / all_count;
+  const double mean = compared_count > 0.0 ? compared / compared_count : all / all_count;
   return 10.0 * std::log10(255.0 * 255.0 / std::max(mean, 1e-12));
 }
 
