@@ -7,12 +7,14 @@
 
 #include "base/files.hpp"
 #include "base/table/config_table_file.hpp"
+#include "base/table/key_depth.hpp"
 
 namespace kasumi {
 
 namespace {
 
 const toml::table kEmptyTable;
+constexpr int kDeepestKey = 16;  // parts; ours have 4 at most
 
 std::string shown(const toml::node& node) {
   if (const auto* number = node.as_floating_point())
@@ -75,6 +77,8 @@ Result<ConfigTable> ConfigTable::read_copy(const std::filesystem::path& path, co
 }
 
 Result<ConfigTable> ConfigTable::parse(std::string_view text, const std::filesystem::path& name) {
+  if (const int depth = deepest_key(text); depth > kDeepestKey)
+    return fail(FaultKind::bad_input, "{}: a key of {} parts: expected {} at most", name.string(), depth, kDeepestKey);
   auto file = std::make_shared<File>();
   file->path = name;
   try {

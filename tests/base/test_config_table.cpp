@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/ranges.h>
+
 #include "base/table/config_table.hpp"
 
 namespace kasumi {
@@ -138,6 +140,37 @@ TEST(ConfigTable, ASyntaxErrorNamesLineAndColumn) {
   const auto result = ConfigTable::parse("a = 1\nb = = 2", "bad.toml");
   ASSERT_FALSE(result);
   EXPECT_THAT(result.error().message, HasSubstr("bad.toml:2:"));
+}
+
+std::string dotted(int parts) {
+  std::string key = "a";
+  for (int i = 1; i < parts; ++i) key += i % 2 == 0 ? ".a" : " . \"a\"";
+  return key;
+}
+
+// A megabyte of them would overflow the parser's stack.
+TEST(ConfigTable, AKeyOfManyPartsIsRefused) {
+  const std::string deep = dotted(17);
+  for (const std::string& text : {deep + " = 1", "[" + deep + "]", "[[" + deep + "]]",
+                                  "a = [{b = 1.5, " + deep + " = 1}]", "a = {b = \"\"\"\\\"\"\"\"\", " + deep + " = 1}",
+                                  "a = {b = '''''''', " + deep + " = 1}", "a = 'b\\' # '\n" + deep + " = 1"}) {
+    const auto root = ConfigTable::parse(text, "a.toml");
+    ASSERT_FALSE(root) << text;
+    EXPECT_EQ(root.error().message, "a.toml: a key of 17 parts: expected 16 at most");
+  }
+  EXPECT_FALSE(ConfigTable::parse(dotted(400'000) + " = 1", "a.toml"));
+  EXPECT_TRUE(ConfigTable::parse("[" + dotted(16) + "]", "a.toml"));
+}
+
+TEST(ConfigTable, DotsThatPartNoKeyDoNotCount) {
+  const std::string dots(100, '.');
+  for (const std::string& text :
+       {"# " + dots, "a = \"" + dots + "\\\"" + dots + "\" # " + dots, "'" + dots + "' = '" + dots + "'",
+        "a = \"\"\"" + dots + "\n\"\"" + dots + "\\\"\"\"\"\"\" # " + dots, "a = '''" + dots + "''\n" + dots + "''''",
+        fmt::format("a = [{:.1f}]", fmt::join(std::vector<double>(100, 1.5), ", "))}) {
+    const auto root = ConfigTable::parse(text, "a.toml");
+    EXPECT_TRUE(root) << text << ": " << root.error().message;
+  }
 }
 
 TEST(ConfigTable, ACopyReadsAsTheOriginalExceptForTheChanges) {
