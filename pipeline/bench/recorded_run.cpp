@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -64,6 +66,25 @@ void read_row(const Json& json, std::size_t number, const std::string& file, Rec
 
 double SlowerRow::growth() const {
   return cost_growth(before, now, less_is_better);
+}
+
+std::string processor_of(const std::string& cpuinfo) {
+  int count = 0;
+  std::map<std::string, std::string, std::less<>> first;
+  std::istringstream lines(cpuinfo);
+  for (std::string line; std::getline(lines, line);) {
+    const auto colon = line.find(": ");
+    if (colon == std::string::npos) continue;
+    const std::string key = line.substr(0, line.find_last_not_of(" \t", colon - 1) + 1);
+    count += key == "processor";
+    first.try_emplace(key, line.substr(colon + 2));
+  }
+  std::string said = fmt::format("{} x", count);
+  for (const char* key : {"model name", "cpu family", "model", "stepping", "CPU implementer", "CPU part"})
+    if (const auto at = first.find(key); at != first.end())
+      said += at->first == "model name" ? fmt::format(" {},", at->second) : fmt::format(" {} {},", key, at->second);
+  if (said.ends_with(',')) said.pop_back();
+  return said;
 }
 
 std::string json_of(const RecordedRun& run) {

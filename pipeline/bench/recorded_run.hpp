@@ -12,10 +12,14 @@ namespace kasumi {
 
 struct RecordedRun {
   std::string version;    // of Kasumi
-  std::string processor;  // "AMD EPYC 7B13"
+  std::string processor;  // processor_of(...)
   std::string renderer;   // GL's: "llvmpipe (LLVM 15.0.6, 256 bits)"; empty: nothing was drawn
   std::vector<BenchRow> rows;
 };
+
+// What /proc/cpuinfo says that tells machines apart: "2 x AMD EPYC, cpu family 25, model 1, stepping 1"; a virtual
+// machine's model name alone may be that of several generations.
+std::string processor_of(const std::string& cpuinfo);
 
 // "kasumi", "processor", "renderer" and "rows", each with name, value, unit, goal (or null), less_is_better.
 std::string json_of(const RecordedRun& run);
@@ -39,6 +43,8 @@ struct RunComparison {
   std::vector<std::string> not_found;  // measured now, not recorded then
   std::vector<std::string> gone;       // recorded then, not measured now
   bool same_machine = true;            // else times were not compared: they belong to a machine
+  // Ratios, too, hang on the machine: of another one they are told and nothing more.
+  bool is_regression() const { return same_machine && !slower.empty(); }
 };
 
 // Rows are compared by their names, leading blanks left out.

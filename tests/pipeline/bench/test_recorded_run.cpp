@@ -58,6 +58,26 @@ TEST(RecordedRun, TimesOfAnotherMachineAreNotCompared) {
   EXPECT_FALSE(compare_runs(run_of(1.0, 2.2, 30.0), elsewhere).same_machine);
 }
 
+TEST(RecordedRun, ARatioThatGrewIsARegressionOnTheSameMachineAlone) {
+  const RecordedRun before = run_of(1.0, 2.2, 30.0), grown = run_of(1.2, 2.2, 30.0);
+  EXPECT_TRUE(compare_runs(before, grown).is_regression());
+  EXPECT_FALSE(compare_runs(grown, before).is_regression());
+  for (const auto part : {&RecordedRun::processor, &RecordedRun::renderer}) {
+    RecordedRun elsewhere = grown;
+    elsewhere.*part = "another";
+    EXPECT_FALSE(compare_runs(before, elsewhere).is_regression());
+  }
+}
+
+// A virtual machine's, and a Raspberry Pi's, which has no model name.
+TEST(RecordedRun, NamesTheProcessorByAllThatTellsMachinesApart) {
+  EXPECT_EQ(processor_of("processor\t: 0\nvendor_id\t: AuthenticAMD\ncpu family\t: 25\nmodel\t\t: 1\nmodel name\t: AMD "
+                         "EPYC\nstepping\t: 1\ncpu MHz\t\t: 2445.406\nflags\t\t:\n\nprocessor\t: 1\nmodel\t\t: 2\n"),
+            "2 x AMD EPYC, cpu family 25, model 1, stepping 1");
+  EXPECT_EQ(processor_of("processor\t: 0\nBogoMIPS\t: 108.00\nCPU implementer\t: 0x41\nCPU part\t: 0xd0b\n"),
+            "1 x CPU implementer 0x41, CPU part 0xd0b");
+}
+
 TEST(RecordedRun, RowsThatOnlyOneRunHasAreNamed) {
   RecordedRun before = run_of(1.0, 2.2, 30.0), now = before;
   before.rows.erase(before.rows.begin());
@@ -113,6 +133,12 @@ TEST(BenchCommand, TellsWhatGotSlower) {
     EXPECT_EQ(second.code, 1);
     EXPECT_THAT(second.err, HasSubstr("(measured twice): 1 nm reference / K = 2, on the CPU"));
   }
+  recorded->processor = "another";
+  ASSERT_TRUE(write_text_file(file, json_of(*recorded)));
+  const auto elsewhere = run_kasumi(fmt::format("bench --only air --against {}", file.string()));
+  EXPECT_EQ(elsewhere.code, 0);
+  EXPECT_THAT(elsewhere.err, AllOf(HasSubstr("recorded on another machine (another; "),
+                                   HasSubstr("(measured twice): 1 nm reference / K = 2, on the CPU")));
 }
 
 TEST(BenchCommand, RefusesPartsAndFilesThatItDoesNotKnow) {
