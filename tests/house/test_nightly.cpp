@@ -57,6 +57,100 @@ std::set<std::string> words_of(const std::string& script, const std::string& nam
   return {std::istream_iterator<std::string>(words), {}};
 }
 
+TEST(Fuzzing, KnowsEveryReader) {
+  const auto folder = kasumi::source_folder() / "tests/fuzz";
+  std::set<std::string> sources, listed, compiled;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (const auto name = entry.path().filename().string(); name.starts_with("fuzz_"))
+      sources.insert(name.substr(5, name.size() - 9));
+  for (const auto& line : lines_of(text_of(folder / "readers"))) {
+    std::istringstream fields(line);
+    std::string reader;
+    int least = 0, longest = 0;
+    if (line.starts_with("#") || !(fields >> reader >> least >> longest)) continue;
+    listed.insert(reader);
+    EXPECT_EQ(least, reader == "caption" || reader == "content" ? 10'000 : 1'000'000) << reader;
+    EXPECT_GE(longest, reader == "toml" ? 1 << 20 : 1 << 14) << reader;
+  }
+  const auto lists = text_of(folder / "CMakeLists.txt");
+  for (const auto& name : sources) {
+    if (std::regex_search(lists, std::regex("[a-z]+/" + name + "[ )\n]"))) compiled.insert(name);
+  }
+  EXPECT_EQ(listed, sources);
+  EXPECT_EQ(compiled, sources);
+}
+
+// tests/fuzz/run beside three readers, the last one of long inputs, and programs that say what libFuzzer says: as many inputs
+// as they are asked for, at most `most`.
+fs::path fake_fuzzers(const std::string& name, const std::string& first_lines) {
+  const auto folder = fresh_folder(name);
+  const auto real = kasumi::source_folder() / "tests/fuzz";
+  for (const char* script : {"run", "long"}) fs::copy_file(real / script, folder / script);
+  fs::create_symlink(real / "seeds", folder / "seeds");
+  std::ofstream(folder / "readers") << "# reader least longest first\ncaption 500 16384 tf\nedid 8000 16384 -\n"
+                                       "table 8000 20000 sh\n";
+  std::ofstream(folder / "fake") << "#!/bin/sh\nmost=9000\n"
+                                 << first_lines
+                                 << "\nfor each in \"$@\"; do case $each in -runs=*) runs=${each#-runs=};; esac; done\n"
+                                    "[ $runs -ge 0 ] && [ $runs -le $most ] || runs=$most\n"
+                                    "echo \"stat::number_of_executed_units: $runs\"\n";
+  fs::permissions(folder / "fake", fs::perms::owner_all);
+  for (const char* reader : {"caption", "edid", "table"}) fs::create_symlink("fake", folder / ("fuzz_"s + reader));
+  return folder;
+}
+
+Said fuzzed(const fs::path& folder, const std::string& how) {
+  return said_by(fmt::format("KASUMI_JOBS=2 {0}/run {0} {1}", folder.string(), how));
+}
+
+TEST(Fuzzing, GoesOnToTheLeastNumberOfInputs) {
+  const auto folder = fake_fuzzers("fuzz-least", "");
+  const auto shortly = fuzzed(folder, "1 100");
+  EXPECT_EQ(shortly.code, 0) << shortly.words;
+  EXPECT_THAT(shortly.words, AllOf(HasSubstr("fuzz_edid: 100 inputs in "), HasSubstr("fuzz_table: 9100 inputs in ")));
+  const auto whole = fuzzed(folder, "1 100 60");
+  EXPECT_EQ(whole.code, 0) << whole.words;
+  EXPECT_THAT(whole.words, AllOf(HasSubstr("fuzz_caption: 500 inputs in "), HasSubstr("fuzz_edid: 8000 inputs in "),
+                                 HasSubstr("fuzz_table: 17000 inputs in "),
+                                 HasSubstr("\n3 readers, 25500 inputs, fewest: caption 500\n")));
+}
+
+TEST(Fuzzing, FailsBelowTheLeastNumberAndNamesTheReader) {
+  const auto folder = fake_fuzzers("fuzz-few", "case $0 in *caption) most=70;; esac");
+  EXPECT_EQ(fuzzed(folder, "1 100").code, 0) << "not asked for";
+  const auto few = fuzzed(folder, "1 100 60");
+  EXPECT_EQ(few.code, 1);
+  EXPECT_THAT(few.words, AllOf(HasSubstr("fuzz_edid: 8000 inputs in "), HasSubstr("fewest: caption 140\n")));
+  EXPECT_TRUE(std::regex_search(few.words, std::regex("fuzz_caption: 140 inputs in \\d+ s, FEWER than 500\n")))
+      << few.words;
+}
+
+TEST(Fuzzing, FailsWhenAReaderFallsOrIsMissing) {
+  const auto folder = fake_fuzzers("fuzz-falls", "case $0 in *edid) echo 'ERROR: deadly signal'; exit 77;; esac");
+  const auto falls = fuzzed(folder, "1 9");
+  EXPECT_EQ(falls.code, 1);
+  EXPECT_THAT(falls.words, AllOf(ContainsRegex("fuzz_edid: 0 inputs in [0-9]+ s, FOUND something"),
+                                 HasSubstr("\nERROR: deadly signal\n"), HasSubstr("fuzz_caption: 9 inputs in ")));
+  fs::remove(folder / "fuzz_edid");
+  EXPECT_EQ(fuzzed(folder, "1 9").code, 0);
+  const auto missing = fuzzed(folder, "1 9 60");
+  EXPECT_EQ(missing.code, 1);
+  EXPECT_THAT(missing.words, HasSubstr("fuzz_edid: not built, SKIPPED"));
+}
+
+TEST(Fuzzing, MakesLongInputsAsLongAsTheyMayBe) {
+  const auto folder = fresh_folder("long");
+  const auto made = said_by(fmt::format("tests/fuzz/long toml {}", folder.string()));
+  ASSERT_EQ(made.code, 0) << made.words;
+  int checked = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    EXPECT_LE(entry.file_size(), 1u << 20) << entry.path();
+    EXPECT_GE(entry.file_size(), 1'048'000u) << entry.path();
+    ++checked;
+  }
+  EXPECT_GT(checked, 10);
+}
+
 TEST(Pictures, AreAllDrawn) {
   const auto script = text_of(kasumi::source_folder() / "docs/make-pictures");
   const auto drawn = words_of(script, "all");
