@@ -57,6 +57,74 @@ std::set<std::string> words_of(const std::string& script, const std::string& nam
   return {std::istream_iterator<std::string>(words), {}};
 }
 
+TEST(Nightly, HasARowForEachStageAndACommand) {
+  const auto script = text_of(kasumi::source_folder() / ".ci/nightly");
+  std::set<std::string> commands, rows;
+  static const std::regex kCommand(R"(\n  \[([a-z0-9-]+)\]=)"), kRow(R"(\n\| ([a-z0-9-]+) \| (?!last run))");
+  const auto page = text_of(kasumi::source_folder() / "docs/nightly.md");
+  for (std::sregex_iterator at(script.begin(), script.end(), kCommand), last; at != last; ++at)
+    commands.insert((*at)[1]);
+  for (std::sregex_iterator at(page.begin(), page.end(), kRow), last; at != last; ++at) rows.insert((*at)[1]);
+  EXPECT_EQ(words_of(script, "all"), commands);
+  EXPECT_EQ(rows, commands);
+  EXPECT_GT(commands.size(), 10U);
+}
+
+TEST(Nightly, WritesDownWhatItsStagesSaid) {
+  const auto folder = fresh_folder("record");
+  std::ofstream(folder / "page.md")
+      << "| stage | last run | result | clock | processor | counted |\n|---|---|\n"
+         "| fuzz | never | | | | |\n| browser | never | | | | |\n| rauc | never | | | | |\n"
+         "| mutations | 2026-11-01 | passed | 1 s | 1 s | 9 noticed |\n\n"
+         "Hostile inputs so far: 100 (goal: 1000).\n";
+  std::ofstream(folder / "lists.md")
+      << "# Lists\n\n## fuzz\n\n| reader | inputs | clock | |\n|---|---|---|---|\n"
+         "| gone | 7 | 1 s | nothing found |\n\n## mutations\n\nWhat survived.\n\n"
+         "| promise | file | |\n|---|---|---|\n| old | a.cpp | SURVIVED |\n\n## bench\n\n"
+         "| what | was | is | more |\n|---|---|---|---|\n| kept | 1 | 2 | 100 % |\n";
+  std::ofstream(folder / "fuzz")
+      << "== 3 s: compiling\nfuzz_edid: 3000 inputs in 12 s, nothing found\n"
+         "fuzz_table: 20 inputs in 5 s, FOUND something (the log's end; the input is named in it):\nSUMMARY: x\n"
+         "2 readers, 3020 inputs, fewest: table 20\n";
+  std::ofstream(folder / "mutations")
+      << "noticed     12 s  A day is a day (base/a.cpp) Days.Are\nSURVIVED     9 s  Either a | b (base/b.cpp) \n"
+         "useless      0 s  Gone (base/c.cpp) its line occurs 0 times\n"
+         "81 noticed, 1 survived (1.2 %), 1 of no use, tried in 21 s\n";
+  const auto done =
+      said_by(fmt::format("source .ci/stages; cd {0}; stage fuzz sh -c 'cat fuzz; exit 1'; stage mutations cat "
+                          "mutations; stage browser sh -c 'exit "
+                          "77'\n{1}/.ci/record \"$logs\" page.md lists.md fuzz mutations browser rauc",
+                          folder.string(), kasumi::source_folder().string()));
+  EXPECT_EQ(done.code, 0) << done.words;
+  const auto page = text_of(folder / "page.md");
+  const std::string today = R"(\d{4}-\d\d-\d\d)";
+  for (const std::string& row :
+       {R"(\| fuzz \| )" + today +
+            R"( \| FAILED \(1\) \| \d+ s \| \d+ s \| 2 readers, 3020 inputs, fewest: table 20 \|)",
+        R"(\| browser \| )" + today + R"( \| skipped \| \d+ s \| \d+ s \|  \|)",
+        R"(\| mutations \| )" + today +
+            R"( \| passed \| \d+ s \| \d+ s \| 81 noticed, 1 survived \(1.2 %\), 1 of no use, tried in 21 s \|)"})
+    EXPECT_TRUE(std::regex_search(page, std::regex("\n" + row + "\n"))) << row << "\n" << page;
+  EXPECT_THAT(page, AllOf(HasSubstr("\n| rauc | never | | | | |\n"), HasSubstr("so far: 3120 (goal: 1000)")));
+  EXPECT_EQ(
+      text_of(folder / "lists.md"),
+      "# Lists\n\n## fuzz\n\n| reader | inputs | clock | |\n|---|---|---|---|\n| edid | 3000 | 12 s | nothing found |\n"
+      "| table | 20 | 5 s | FOUND something |\n\n## mutations\n\nWhat survived.\n\n| promise | file | |\n"
+      "|---|---|---|\n| Either a \\| b | base/b.cpp | SURVIVED |\n"
+      "| Gone | base/c.cpp | useless its line occurs 0 times |\n\n## bench\n\n"
+      "| what | was | is | more |\n|---|---|---|---|\n| kept | 1 | 2 | 100 % |\n");
+}
+
+TEST(Nightly, AStageWithoutARowOnThePageIsNamed) {
+  const auto folder = fresh_folder("record-new");
+  std::ofstream(folder / "page.md") << "| old | never | | | | |\n";
+  std::ofstream(folder / "lists.md") << "";
+  const auto done = said_by(fmt::format(
+      "source .ci/stages; stage new true; .ci/record \"$logs\" {0}/page.md {0}/lists.md new", folder.string()));
+  EXPECT_EQ(done.code, 1);
+  EXPECT_THAT(done.words, HasSubstr("page.md has no row for new"));
+}
+
 TEST(Fuzzing, KnowsEveryReader) {
   const auto folder = kasumi::source_folder() / "tests/fuzz";
   std::set<std::string> sources, listed, compiled;
