@@ -191,6 +191,51 @@ TEST(Figures, OfSentencesReplaceTheWholeTable) {
   EXPECT_EQ(said.page.substr(said.page.find("| of")), "| of | what |\n|---|---|\n| a | in 3 of 4 |\n| a | by 2 % |\n");
 }
 
+// Below a table with goals stands which are missed, by the table as it is.
+TEST(Figures, ThatMissTheirGoalAreSaidToBelowTheTable) {
+  struct Case {
+    std::string heading, rows, said;
+  };
+  const std::string heading = "| what | found | goal |\n|---|---|---|\n";
+  const std::vector<Case> cases{
+      {heading, "| noon | 2.8 | 3 |\n| dusk | 3.6 | 3; held to 4.6 |\n| fog | 11.7 | none: supposed |\n",
+       "Goals in numbers: 2, missed: 1. *dusk*: 3.6, .6 above."},
+      {heading, "| noon | 3.0 | 3 |\n| dusk | 9 | 25.1: by sigma |\n", "Goals in numbers: 2, all met."},
+      {heading, "| a | 3 of 4 | all |\n| b | 3 of 4 | >= 80 % |\n| c | 1 of 50 | 2 % |\n| d | .35 | .5 to 2 |\n",
+       "Goals in numbers: 4, missed: 3. *a*: 3 of 4 instead of all; *b*: 3 of 4, 5.0 % below; *d*: .35, .15 below."},
+      {heading, "| a | 10; .060 +- .03; .123 | >= 9; .09 +- .03; .09 +- .03 |\n| b | .4; 2.5 | 2 |\n",
+       "Goals in numbers: 5, missed: 2. *a*: .123, .003 above; *b*: 2.5, .5 above."},
+      {heading, "| a | 1.2 | <= 1.2: **missed** |\n",
+       "Goals in numbers: 1, missed: 1. *a*: 1.2, by less than its last digit."},
+      {"| what | given | found | goal, given |\n|---|---|---|---|\n", "| a | 2 | 9 | 3 |\n",
+       "Goals in numbers: 1, all met."},
+      {heading, "| a | 158 | 90 % |\n", ""},
+      {"| what | found |\n|---|---|\n", "| a | 2 |\n", ""}};
+  std::string before, after;
+  for (const auto& c : cases) {
+    const std::string table = "<!-- figures: air by false -->\n\n" + c.heading + c.rows, words = "\nWords.\n\n";
+    before += table + words;
+    after += table;
+    if (!c.said.empty())
+      after += "\n<!-- goals: written by docs/rewrite-figures -->\n" + c.said + "\n<!-- end of goals -->\n";
+    after += words;
+  }
+  const auto written = rewritten(before, "--sentences");
+  EXPECT_EQ(written.code, 0);
+  EXPECT_EQ(written.page, after);
+  EXPECT_EQ(rewritten(after, "--sentences").page, after) << "again the same";
+  EXPECT_EQ(rewritten(after, "--sentences --check").code, 0);
+  std::string better = after;
+  better.replace(better.find("| 3.6 |"), 7, "| 2.6 |");
+  EXPECT_EQ(rewritten(better, "--sentences --check").code, 1) << "stale";
+}
+
+TEST(Figures, OfTheDocumentsThatMissTheirGoalAreSaidTo) {
+  const auto script = kasumi::source_folder() / "docs" / "rewrite-figures";
+  EXPECT_EQ(std::system((script.string() + " --sentences --check").c_str()), 0)
+      << "docs/rewrite-figures --sentences writes what the tables say now";
+}
+
 // A figure from ctest's log, of a test in two shards.
 TEST(Figures, AreTakenFromALogOfTheTests) {
   const auto log = kasumi::test_output_folder() / "LastTest.log";

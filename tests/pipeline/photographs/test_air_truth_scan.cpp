@@ -108,7 +108,7 @@ TEST(MeasuredScans, NineOfTenAreAcceptedAndTheDaysAreTold) {
           "found-measured",
           {fmt::format("the ten as a scanner's table of {}: accepted; May; September", columns),
            fmt::format("{}; {}; {}", accepted, figure_text(may / in_may, 3), figure_text(september / in_september, 3)),
-           "9; .09 +- .03; .045 +- .015", "`test_air_truth_scan`"});
+           ">= 9; .09 +- .03; .045 +- .015", "`test_air_truth_scan`"});
     if (std::string(columns) == "luminance") continue;  // told, not promised
     EXPECT_GE(accepted, 9) << columns;
     EXPECT_NEAR(may / in_may, 0.09, 0.03) << columns;
