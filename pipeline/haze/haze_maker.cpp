@@ -42,21 +42,21 @@ Result<HazeMaker> HazeMaker::create(const HazeTask& task, bool on_cpu) {
   return made;
 }
 
-Result<HazyPicture> HazeMaker::make(const HazeValues& haze) {
+Result<RenderedHaze> HazeMaker::make(const HazeValues& haze) {
   const auto optics = task_->optics_of(haze);
   const double quantum = task_->photograph.quantum;
   if (!blur_) {
     auto made = under_haze(task_->light, task_->range, optics, task_->airlight, task_->scheme);
     if (!made) return fail(made.error());
-    return HazyPicture{encoded_of(task_->camera, made->light, quantum), made->cost};
+    return RenderedHaze{encoded_of(task_->camera, made->light, quantum), made->cost};
   }
   if (auto run = blur_->run(haze_look(optics, task_->range, task_->airlight, task_->scheme)); !run)
     return fail(run.error());
   const auto blurred = blur_->read();
   if (!blurred) return fail(blurred.error());
   const auto farthest = static_cast<double>(*std::ranges::max_element(task_->range.range.elements()));
-  return HazyPicture{encoded_of(task_->camera, composited(*blurred, task_->airlight), quantum),
-                     cost_of(task_->scheme, optics.inner_px, optics.sigma_px(farthest))};
+  return RenderedHaze{encoded_of(task_->camera, composited(*blurred, task_->airlight), quantum),
+                      cost_of(task_->scheme, optics.inner_px, optics.sigma_px(farthest))};
 }
 
 }  // namespace kasumi

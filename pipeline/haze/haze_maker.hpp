@@ -10,7 +10,8 @@
 
 namespace kasumi {
 
-struct HazyPicture {
+// What HazeMaker renders: the picture, and the work of its blur.
+struct RenderedHaze {
   Photograph picture;
   DiffusionCost cost;
 };
@@ -20,7 +21,7 @@ class HazeMaker {
   // `task` must outlive it. The invariant scheme runs on the CPU only: it interpolates between pixels, which GLES 2
   // does not filter. Falls back to the CPU when there is no GL; device() says which is used. Errors: device.
   static Result<HazeMaker> create(const HazeTask& task, bool on_cpu);
-  Result<HazyPicture> make(const HazeValues& haze);
+  Result<RenderedHaze> make(const HazeValues& haze);
   const std::string& device() const { return device_; }  // "the CPU", "llvmpipe (...), half floats"
 
  private:

@@ -101,9 +101,9 @@ class Run {
   }
 
   // `first`: the first of the scene camera's frames.
-  Result<> play(FixtureSources& sources, std::future<SceneFrame> first) {
+  Result<> play(FixtureSources& sources, std::future<ReplayedFrame> first) {
     Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
-    SceneFrame frame = first.get();
+    ReplayedFrame frame = first.get();
     while (frame && !over()) {
       latest_ = air_.latest();
       if (auto shown = show(std::move(*frame)); !shown) return shown;
@@ -255,7 +255,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   // What the first pictures tell of the air is found while GL, which is this thread's, and the model are opened. Nobody
   // else touches it meanwhile, so the pictures do not depend on who is first.
   ReplayedAir air(fixture->installation);
-  std::future<SceneFrame> first;
+  std::future<ReplayedFrame> first;
   if (!request.realtime)
     first = std::async(std::launch::async, [&] { return air.next_scene_frame(*sources, stop_requested); });
   auto output = open_output(request, *fixture);

@@ -24,7 +24,7 @@ ReplayedAir::ReplayedAir(const Installation& installation)
       scene_watch_(installation),
       scene_encoding_(installation.scene.yuv_encoding) {}
 
-SceneFrame ReplayedAir::next_scene_frame(FixtureSources& sources, const std::function<bool()>& over) {
+ReplayedFrame ReplayedAir::next_scene_frame(FixtureSources& sources, const std::function<bool()>& over) {
   while (!over()) {
     const auto sky_due = sources.sky->due(), scene_due = sources.scene->due();
     if (!scene_due) return std::nullopt;

@@ -26,7 +26,7 @@ SkyAbove above_in(const SkyReport& report);
 void place_sun(SkyReport& report, Utc utc, const Site& site);
 
 // Empty: there are no more, or it is over.
-using SceneFrame = std::optional<Result<Frame>>;
+using ReplayedFrame = std::optional<Result<Frame>>;
 
 // Belongs to one thread at a time.
 class ReplayedAir {
@@ -35,7 +35,7 @@ class ReplayedAir {
 
   // Follows the sky up to the scene camera's next frame, and looks for the air in that; latest() is then the air that
   // it is drawn under.
-  SceneFrame next_scene_frame(FixtureSources& sources, const std::function<bool()>& over);
+  ReplayedFrame next_scene_frame(FixtureSources& sources, const std::function<bool()>& over);
   // The sky after the last frame, until `over`.
   void finish_sky(FixtureSources& sources, const std::function<bool()>& over);
   const SkyReport& latest() const { return latest_; }
