@@ -1,10 +1,6 @@
 #include "pipeline/content/install.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-
-#include <sys/statvfs.h>
 
 #include "base/lasting_file.hpp"
 #include "base/utc_text.hpp"
@@ -16,8 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBundles = 100;                     // of a folder
-constexpr std::uint64_t kLeftFree = std::uint64_t{64} << 20;  // for state, status, the journal
+constexpr std::size_t kMostBundles = 100;  // of a folder
 
 std::string day_of(Utc utc) {
   return utc_text(std::chrono::floor<std::chrono::seconds>(utc));
@@ -74,14 +69,12 @@ Result<Trusted> open_newest_in(const fs::path& folder, const InstallRules& rules
   return fail(problems.fault());
 }
 
-Result<> fits_on_disk(const fs::path& folder, std::uint64_t bytes) {
-  struct statvfs disk {};
-  if (::statvfs(folder.c_str(), &disk) != 0)
-    return fail(FaultKind::io, "{}: {}", folder.string(), std::strerror(errno));
-  const auto left = std::uint64_t{disk.f_bavail} * disk.f_frsize;
-  if (bytes + kLeftFree <= left) return {};
+Result<> fits_on_disk(const fs::path& folder, std::uint64_t bytes, const FreeBytes& free_bytes) {
+  const auto left = free_bytes(folder);
+  if (!left) return fail(left.error());
+  if (bytes + kContentLeavesFree <= *left) return {};
   return fail(FaultKind::io, "{}: {} MB are free, and {} MB are needed: kasumi content list, docs/content.md",
-              folder.string(), left >> 20, (bytes + kLeftFree) >> 20);
+              folder.string(), *left >> 20, (bytes + kContentLeavesFree) >> 20);
 }
 
 // What is said of files is said of the bundle's, not of where they lie meanwhile.
@@ -99,10 +92,11 @@ tl::unexpected<Fault> give_up(const fs::path& folder, Fault fault) {
   return fail(std::move(fault));
 }
 
-Result<> unpack_beside(const Trusted& trusted, const Generations& generations, const Generation& generation) {
+Result<> unpack_beside(const Trusted& trusted, const Generations& generations, const Generation& generation,
+                       const FreeBytes& free_bytes) {
   const auto& bundle = trusted.bundle;
   if (auto made = create_folders(generations.folder()); !made) return made;
-  if (auto fits = fits_on_disk(generations.folder(), bundle.manifest.bytes()); !fits) return fits;
+  if (auto fits = fits_on_disk(generations.folder(), bundle.manifest.bytes(), free_bytes); !fits) return fits;
   const auto folder = generations.new_folder();
   if (!folder) return fail(folder.error());
   if (auto unpacked = unpack(bundle, *folder); !unpacked) return give_up(*folder, unpacked.error());
@@ -157,7 +151,8 @@ Result<Newest> open_newest(const std::vector<fs::path>& paths, const InstallRule
   return newest_of(files, rules, *keys);
 }
 
-Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now) {
+Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now,
+                          const FreeBytes& free_bytes) {
   Generation next{.id = trusted.bundle.id(),
                   .manifest = trusted.bundle.manifest,
                   .installed = now,
@@ -171,7 +166,7 @@ Result<Installed> install(const Trusted& trusted, const Generations& generations
   if (there && !whole)
     if (auto removed = generations.remove(next.id); !removed) return fail(removed.error());
   if (!whole)
-    if (auto unpacked = unpack_beside(trusted, generations, next); !unpacked) return fail(unpacked.error());
+    if (auto unpacked = unpack_beside(trusted, generations, next, free_bytes); !unpacked) return fail(unpacked.error());
   if (auto shown = generations.show(&next.id); !shown) return fail(shown.error());
   generations.prune();
   return Installed{whole ? *there : next, {}};

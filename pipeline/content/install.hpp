@@ -1,6 +1,7 @@
 // From a bundle to the generation that is shown next.
 #pragma once
 
+#include "base/free_space.hpp"
 #include "pipeline/content/bundle.hpp"
 #include "pipeline/content/generations.hpp"
 #include "pipeline/content/signature.hpp"
@@ -31,12 +32,17 @@ struct Newest {
 // Folders that are missing or hold none are passed over. Errors: io (a folder that cannot be read); those of the keys.
 Result<Newest> open_newest(const std::vector<std::filesystem::path>& paths, const InstallRules& rules);
 
+// Bytes of the disk that content leaves to state, status and journal.
+inline constexpr std::uint64_t kContentLeavesFree = std::uint64_t{64} << 20;
+
 struct Installed {
   Generation generation;
   std::string left_alone;  // why nothing was changed; empty: it is shown next
 };
 // Unpacks it beside the others, reads the whole content as a start would, and only then replaces the link. A power cut
-// leaves the old content or the new. Errors: bad_input (all problems of the content, or it went back before), io.
-Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now);
+// leaves the old content or the new. Errors: bad_input (all problems of the content, or it went back before), io (also
+// where its files would leave less of the disk free: nothing is written then).
+Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now,
+                          const FreeBytes& free_bytes = free_bytes_of);
 
 }  // namespace kasumi

@@ -6,7 +6,6 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "base/files.hpp"
@@ -32,8 +31,9 @@ Result<> cannot_write(const fs::path& file) {
 
 }  // namespace
 
-ArrivingBundle::ArrivingBundle(fs::path folder, const std::string& url, std::uint64_t left_free, std::uint64_t sync)
-    : folder_(std::move(folder)), left_free_(left_free), sync_(sync) {
+ArrivingBundle::ArrivingBundle(fs::path folder, const std::string& url, std::uint64_t left_free, std::uint64_t sync,
+                               FreeBytes free_bytes)
+    : folder_(std::move(folder)), left_free_(left_free), sync_(sync), free_bytes_(std::move(free_bytes)) {
   std::error_code error;
   whole_.url = part_.url = url;
   if (const auto whole = note_in(folder_ / "fetched.txt", url);
@@ -50,12 +50,10 @@ ArrivingBundle::ArrivingBundle(fs::path folder, const std::string& url, std::uin
 }
 
 Result<> ArrivingBundle::fits(std::uint64_t more) const {
-  struct statvfs disk {};
-  if (::statvfs(folder_.c_str(), &disk) != 0)
-    return fail(FaultKind::io, "{}: {}", folder_.string(), std::strerror(errno));
-  const auto left = std::uint64_t{disk.f_bavail} * disk.f_frsize;
-  if (more + left_free_ <= left) return {};
-  return fail(FaultKind::io, "{}: {} MB of the disk are free, and {} MB are needed", folder_.string(), left >> 20,
+  const auto left = free_bytes_(folder_);
+  if (!left) return fail(left.error());
+  if (more + left_free_ <= *left) return {};
+  return fail(FaultKind::io, "{}: {} MB of the disk are free, and {} MB are needed", folder_.string(), *left >> 20,
               (more + left_free_) >> 20);
 }
 

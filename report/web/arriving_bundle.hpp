@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <span>
 
+#include "base/free_space.hpp"
 #include "base/result.hpp"
 #include "base/unique_fd.hpp"
 #include "report/web/pull_answer.hpp"
@@ -24,7 +25,7 @@ class ArrivingBundle {
 
   // Of this address; what was kept of another one is forgotten. `left_free`: bytes of the disk that are not for it.
   ArrivingBundle(std::filesystem::path folder, const std::string& url, std::uint64_t left_free,
-                 std::uint64_t sync = kSync);
+                 std::uint64_t sync = kSync, FreeBytes free_bytes = free_bytes_of);
 
   const std::string& whole_tag() const { return whole_.tag; }  // of the last that came whole; empty: none is here
   const std::string& tag() const { return part_.tag; }         // of the one that is under way; empty: none is
@@ -48,6 +49,7 @@ class ArrivingBundle {
 
   std::filesystem::path folder_;
   std::uint64_t left_free_, sync_;
+  FreeBytes free_bytes_;
   PullNote whole_, part_;  // of the disk
   UniqueFd file_;
   std::uint64_t bytes_ = 0;

@@ -86,5 +86,41 @@ TEST(ArrivingBundles, Row22APowerCutLeavesAWholeBundleOrItsBeginning) {
   EXPECT_GT(found["whole \"spring\""], 0);
 }
 
+// Each time that something is about to be written, not at its beginning alone: others fill the disk meanwhile, and a
+// server need not say how much comes.
+TEST(ArrivingBundles, Row21LeaveRoomOnTheDiskAllTheWay) {
+  constexpr std::uint64_t kLeft = 10'000, kAll = 5 * kSyncBytes;
+  const auto folder = report_folder("arriving-full");
+  std::uint64_t left = 0;
+  const auto arriving_bundle = [&] {
+    return ArrivingBundle(folder, kAddress, kLeft, kSyncBytes,
+                          [&left](const fs::path&) { return Result<std::uint64_t>(left); });
+  };
+  const auto refused = [](const Result<>& done) {
+    return !done && done.error().kind == FaultKind::io &&
+           done.error().message.find("MB are needed") != std::string::npos;
+  };
+  const auto piece = bundle_of(kSyncBytes, 1);
+  {
+    auto arriving = arriving_bundle();
+    left = kLeft + kAll - 1;
+    EXPECT_TRUE(refused(arriving.begin("\"spring\"", kAll)));
+    EXPECT_FALSE(fs::exists(folder / "arriving.part"));
+    left += 1;
+    ASSERT_TRUE(arriving.begin("\"spring\"", kAll));
+    left = kLeft;
+    EXPECT_TRUE(arriving.add(piece));
+    left -= 1;
+    EXPECT_TRUE(refused(arriving.add(piece)));
+    arriving.keep();
+  }
+  auto arriving = arriving_bundle();
+  ASSERT_EQ(arriving.bytes(), 2 * kSyncBytes) << "what came is kept until there is room again";
+  left = kLeft + kAll - arriving.bytes() - 1;
+  EXPECT_TRUE(refused(arriving.resume(kAll)));
+  left += 1;
+  EXPECT_TRUE(arriving.resume(kAll));
+}
+
 }  // namespace
 }  // namespace kasumi::report

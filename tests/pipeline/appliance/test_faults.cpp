@@ -26,6 +26,9 @@ void advance_watching(Rig& rig, Duration by) {
 TEST(Appliance, TheStillAppearsFirstAndThePictureFollows) {
   Rig rig({.name = "start"});
   rig.devices.scene.silent = true;
+  rig.appliance->render().step();
+  EXPECT_TRUE(rig.shows_still()) << "in the first step, before any time has passed";
+  EXPECT_EQ(rig.notifier.readies, 1);
   rig.advance(100ms);
   EXPECT_TRUE(rig.shows_still());
   EXPECT_EQ(rig.trouble(), Trouble::starting);

@@ -180,6 +180,43 @@ TEST_F(Starting, OnlyNewerContentReplacesByItself) {
   EXPECT_EQ(install_file(folder / "Spring.kasumi", generations, kMonday)->left_alone, "") << "by hand it does";
 }
 
+// Two bundles of one moment would replace each other for ever, each time a folder with both is looked at.
+TEST_F(Starting, ContentOfTheSameMomentDoesNotReplaceByItself) {
+  proven("Summer", kMonday);
+  const auto config = write_desk(folder / "beside");
+  auto rules = kUnsigned;
+  rules.newer_only = true;
+  const auto left = install_file(packed(config, "Spring", kMonday), generations, kMonday, rules);
+  ASSERT_TRUE(left) << left.error().message;
+  EXPECT_THAT(left->left_alone, HasSubstr("not newer"));
+  EXPECT_EQ(generations.current()->manifest.name, "Summer");
+  const auto newer = install_file(packed(config, "Autumn", kMonday + 1s), generations, kMonday, rules);
+  ASSERT_TRUE(newer) << newer.error().message;
+  EXPECT_EQ(newer->left_alone, "");
+}
+
+TEST_F(Starting, Row21WithoutRoomOnTheDiskNothingIsUnpacked) {
+  const auto spring = proven("Spring", kMonday);
+  const auto trusted = open_trusted(packed(write_desk(folder / "desk"), "Summer", kMonday + 1h), kUnsigned);
+  ASSERT_TRUE(trusted) << trusted.error().message;
+  const auto needed = trusted->bundle.manifest.bytes() + kContentLeavesFree;
+  const auto install_with = [&](std::uint64_t left) {
+    return kasumi::install(*trusted, generations, kUnsigned, kMonday + 1h, [&, left](const fs::path& asked) {
+      EXPECT_EQ(asked, generations.folder()) << "of the disk that is filled";
+      return Result<std::uint64_t>(left);
+    });
+  };
+  const auto refused = install_with(needed - 1);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, FaultKind::io) << "it is tried again";
+  EXPECT_THAT(refused.error().message, HasSubstr("MB are needed"));
+  EXPECT_EQ(generations.all().size(), 1u);
+  EXPECT_EQ(generations.current()->id, spring);
+  const auto done = install_with(needed);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_EQ(generations.current()->manifest.name, "Summer");
+}
+
 TEST_F(Starting, OfAFolderTheNewestIsTaken) {
   const auto config = write_desk(folder / "desk");
   fs::create_directories(folder / "stick");
