@@ -1,22 +1,34 @@
 # kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [SHARDS N] [THREADED] [HOSTILE] [FIGURES] [COMPUTES])
 #   One GoogleTest program, and a test of ctest for each of its N shards: a process that runs its share of the program's tests one
-#   after the other. Each writes its results to test-results/, from which tests/summary counts all tests and names skipped ones. Tests
-#   find files, and folders to write to, through tests/places.hpp.
+#   after the other. Each writes its results to test-results/, from which tests/summary counts all tests, names skipped ones and takes
+#   the processor time. Tests find files, and folders to write to, through tests/places.hpp.
 #   THREADED programs share data between our own threads: the thread sanitizer runs them. HOSTILE ones handle external input or
-#   faults: the address sanitizer runs them. FIGURES programs measure accuracy over many cases: a quarter of them here, all of
-#   them by ./bootstrap figures, and never under a sanitizer. Those and programs that COMPUTE for long themselves are optimised.
+#   faults: the address sanitizer runs them. FIGURES programs measure accuracy over many cases: ./bootstrap figures builds and runs
+#   them, the gate does not. Those and programs that COMPUTE for long themselves are optimised.
 #   Each of the first three is a label of ctest, and a target that builds the programs with it: threaded_tests, hostile_tests, figures_tests.
-#   A hundred programs of 40 MB: where mold is installed, it links each in a quarter of the time. What is shipped it never links.
-if(NOT CMAKE_CROSSCOMPILING AND NOT KASUMI_SANITIZE AND NOT KASUMI_FUZZ)
+#   A program holds a room or a large part of one, since each is another 40 MB to link; where mold is installed, it does so in a
+#   quarter of the time. What is shipped it never links.
+if(NOT CMAKE_CROSSCOMPILING AND NOT KASUMI_FUZZ)
   find_program(KASUMI_MOLD mold)
 endif()
 foreach(kind threaded hostile figures)
   add_custom_target(${kind}_tests)
 endforeach()
 configure_file(${PROJECT_SOURCE_DIR}/tests/places.cpp.in ${CMAKE_BINARY_DIR}/places.cpp @ONLY)
-add_library(kasumi_places STATIC ${CMAKE_BINARY_DIR}/places.cpp)
+# tests/made_once.hpp: which folder holds what this generator made.
+file(GLOB_RECURSE sources RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+  base/*.[ch]pp base/*.glsl calib/*.[ch]pp capture/*.[ch]pp fixtures/*.[ch]pp tests/pipeline/recorded.cpp)
+list(JOIN sources "\n" lines)
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/made_once.list CONTENT "${lines}" @ONLY)
+list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/)
+add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/made_once_folder.cpp
+  COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -DLIST=${CMAKE_BINARY_DIR}/made_once.list
+    -DOUT=${CMAKE_BINARY_DIR}/made_once_folder.cpp -P ${PROJECT_SOURCE_DIR}/cmake/made_once.cmake
+  DEPENDS ${sources} ${CMAKE_BINARY_DIR}/made_once.list ${PROJECT_SOURCE_DIR}/cmake/made_once.cmake VERBATIM)
+add_library(kasumi_places STATIC ${CMAKE_BINARY_DIR}/places.cpp ${CMAKE_BINARY_DIR}/made_once_folder.cpp
+  ${PROJECT_SOURCE_DIR}/tests/made_once.cpp ${PROJECT_SOURCE_DIR}/tests/main.cpp)
 target_include_directories(kasumi_places PUBLIC ${PROJECT_SOURCE_DIR})
-target_link_libraries(kasumi_places PRIVATE kasumi_warnings)
+target_link_libraries(kasumi_places PRIVATE kasumi_warnings GTest::gtest GTest::gmock)
 file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/test-results)
 
 # Where files are compiled together (cmake/unity.cmake), what nearly all tests include is parsed once for all of them. And most tests wait
@@ -26,7 +38,7 @@ function(kasumi_compile_test name computes)
   if(KASUMI_UNITY AND NOT KASUMI_SANITIZE AND NOT computes)
     set(optimisation -O1)
   endif()
-  target_compile_options(${name} PRIVATE ${optimisation})
+  target_compile_options(${name} PRIVATE ${optimisation} ${KASUMI_INSTRUMENTED})
   if(NOT KASUMI_UNITY OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     return()
   endif()
@@ -34,8 +46,8 @@ function(kasumi_compile_test name computes)
   if(NOT TARGET ${headers})
     file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${headers}.cpp CONTENT "")
     add_library(${headers} OBJECT ${PROJECT_BINARY_DIR}/${headers}.cpp)
-    target_link_libraries(${headers} PRIVATE kasumi_warnings GTest::gtest GTest::gmock GTest::gtest_main fmt::fmt glm::glm)
-    target_compile_options(${headers} PRIVATE ${optimisation})
+    target_link_libraries(${headers} PRIVATE kasumi_warnings GTest::gtest GTest::gmock fmt::fmt glm::glm)
+    target_compile_options(${headers} PRIVATE ${optimisation} ${KASUMI_INSTRUMENTED})
     target_precompile_headers(${headers} PRIVATE <gmock/gmock.h> <gtest/gtest.h> <chrono> <filesystem> <fmt/format.h> <fstream>
       <functional> <glm/glm.hpp> <numeric> <optional> <random> <string> <thread> <variant> <vector>)
   endif()
@@ -45,12 +57,15 @@ endfunction()
 function(kasumi_test name)
   cmake_parse_arguments(TEST "THREADED;HOSTILE;FIGURES;COMPUTES" "SHARDS" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
+  if(TEST_FIGURES)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
   if(TEST_FIGURES OR TEST_COMPUTES)
     kasumi_compile_test(${name} YES)
   else()
     kasumi_compile_test(${name} NO)
   endif()
-  target_link_libraries(${name} PRIVATE kasumi_warnings GTest::gtest GTest::gmock GTest::gtest_main kasumi_places ${TEST_LIBRARIES})
+  target_link_libraries(${name} PRIVATE kasumi_warnings GTest::gtest GTest::gmock kasumi_places ${TEST_LIBRARIES})
   foreach(room ${TEST_USES})
     target_link_libraries(${name} PRIVATE kasumi_${room})
   endforeach()

@@ -1,6 +1,5 @@
-// A figure says how exact something is, over many cases. With every landing about a quarter of them is measured, the
-// worst that are known among them; all of them by `./bootstrap figures`. What is asked of a case is the same either
-// way.
+// A figure says how exact something is, over many cases: all of them by `./bootstrap figures`; otherwise about a quarter,
+// the worst that are known among them. What is asked of a case is the same either way.
 #pragma once
 
 #include <cstdio>

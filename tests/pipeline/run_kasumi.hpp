@@ -6,6 +6,7 @@
 #include <string>
 
 #include <sys/wait.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "base/files.hpp"

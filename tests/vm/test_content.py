@@ -1,6 +1,6 @@
 """Content that comes by itself, by the shipped units on a machine with systemd and udev: on a USB stick, in a folder, from the
 reporter. The appliance's place is taken by a stand-in, which answers when it is asked to reload: what a kiosk shows of it is tested
-without a machine (test_probation, test_content_command)."""
+without a machine (test_probation, test_content)."""
 
 import json
 import pathlib

@@ -6,10 +6,12 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "base/units.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "calib/colour/spectral_sensitivity.hpp"
 #include "calib/light/radiometry.hpp"
 #include "estimator/light/airlight.hpp"
+#include "estimator/light/finite_path.hpp"
 #include "tests/estimator/light/at_deg.hpp"
 
 namespace kasumi {
@@ -149,6 +151,13 @@ TEST(HorizonBlend, MovesFromThePreviousToTheCurrentByItsWeight) {
   EXPECT_EQ(blend(before, after, 0.0).columns[0].light.x, 1.0);
   EXPECT_EQ(blend({}, after, 0.0).columns[0].light.x, 3.0);
   EXPECT_EQ(blend(before, {}, 1.0).columns[0].light.x, 1.0);
+}
+
+TEST(FinitePath, LeavesPreethamsWorldAsItIs) {
+  const Direction sun = direction_from(from_degrees(50.0), from_degrees(200.0));
+  const AirState air{Turbidity{3.0}};
+  const FinitePath paths(SiteSky(SiteSkyModel::automatic, air, sun, 300.0), air, sun, 300.0, glm::dmat3(1.0));
+  EXPECT_EQ(paths.factor({0.0, 1.0, 0.0}, 80.0, glm::dvec3(0.7)), glm::dvec3(1.0));
 }
 
 }  // namespace

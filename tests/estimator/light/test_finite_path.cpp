@@ -73,12 +73,5 @@ TEST(AirTruthLight, TheAirOfAPathAddsWhatTheSpectralAtmosphereAdds) {
                              figure_text(worst_of_all, 2), ".03", "`test_air_truth_light`"});
 }
 
-TEST(FinitePath, LeavesPreethamsWorldAsItIs) {
-  const Direction sun = direction_from(from_degrees(50.0), from_degrees(200.0));
-  const AirState air{Turbidity{3.0}};
-  const FinitePath paths(SiteSky(SiteSkyModel::automatic, air, sun, 300.0), air, sun, 300.0, glm::dmat3(1.0));
-  EXPECT_EQ(paths.factor({0.0, 1.0, 0.0}, 80.0, glm::dvec3(0.7)), glm::dvec3(1.0));
-}
-
 }  // namespace
 }  // namespace kasumi

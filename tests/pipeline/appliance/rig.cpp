@@ -1,5 +1,6 @@
 #include "tests/pipeline/appliance/rig.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // A reload of content that takes seconds to prepare, with the appliance's real threads and clock: the picture goes on.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"

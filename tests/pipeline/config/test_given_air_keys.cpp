@@ -10,7 +10,7 @@ namespace {
 
 using testing::HasSubstr;
 
-GivenAir read(const std::string& text, std::string* problems = nullptr) {
+GivenAir read_air(const std::string& text, std::string* problems = nullptr) {
   const auto table = ConfigTable::parse(text, "kasumi.toml").value();
   const auto given = read_given_air(table);
   const auto finished = table.finish();
@@ -22,16 +22,16 @@ GivenAir read(const std::string& text, std::string* problems = nullptr) {
 }
 
 TEST(GivenAirKeys, EachIsAValueOrAuto) {
-  EXPECT_EQ(read(""), GivenAir{});
-  EXPECT_EQ(read("aod_550 = \"auto\"\nangstrom_exponent = \"auto\"\naerosol = \"auto\""), GivenAir{});
-  EXPECT_EQ(read("aod_550 = 0.3\nangstrom_exponent = -0.1\naerosol = \"dust\""),
+  EXPECT_EQ(read_air(""), GivenAir{});
+  EXPECT_EQ(read_air("aod_550 = \"auto\"\nangstrom_exponent = \"auto\"\naerosol = \"auto\""), GivenAir{});
+  EXPECT_EQ(read_air("aod_550 = 0.3\nangstrom_exponent = -0.1\naerosol = \"dust\""),
             (GivenAir{0.3, -0.1, AerosolKind::dust}));
-  EXPECT_EQ(read("aod_550 = 0"), (GivenAir{0.0, std::nullopt, std::nullopt})) << "molecules alone";
+  EXPECT_EQ(read_air("aod_550 = 0"), (GivenAir{0.0, std::nullopt, std::nullopt})) << "molecules alone";
 }
 
 TEST(GivenAirKeys, EveryBadValueIsNamedWithWhatIsExpected) {
   std::string problems;
-  read("aod_550 = 3\nangstrom_exponent = \"steep\"\naerosol = \"fog\"", &problems);
+  read_air("aod_550 = 3\nangstrom_exponent = \"steep\"\naerosol = \"fog\"", &problems);
   EXPECT_THAT(problems, HasSubstr("aod_550 = 3: expected a number from 0 to 1.8, or \"auto\""));
   EXPECT_THAT(problems, HasSubstr("angstrom_exponent = 'steep': expected a number from -0.5 to 2.5, or \"auto\""));
   EXPECT_THAT(problems, HasSubstr("aerosol = 'fog': expected one of \"continental\""));
@@ -41,7 +41,7 @@ TEST(GivenAirKeys, EveryBadValueIsNamedWithWhatIsExpected) {
 TEST(GivenAirKeys, ANumberThatIsNoneIsRefused) {
   for (const char* text : {"aod_550 = nan", "aod_550 = true", "aerosol = 3"}) {
     std::string problems;
-    EXPECT_EQ(read(text, &problems), GivenAir{});
+    EXPECT_EQ(read_air(text, &problems), GivenAir{});
     EXPECT_THAT(problems, HasSubstr("expected")) << text;
   }
 }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <gmock/gmock.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/clock.hpp"

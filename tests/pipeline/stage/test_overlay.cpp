@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <gmock/gmock.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
