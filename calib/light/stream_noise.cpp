@@ -17,7 +17,7 @@ namespace kasumi {
 namespace {
 
 constexpr int kSide = kBlockSide, kMargin = 1, kPatch = kSide + 2 * kMargin;
-constexpr std::size_t kLevels = 8, kBlocksOfLevel = 160, kFewestBlocks = 24;
+constexpr std::size_t kPixelLevels = 8, kBlocksOfLevel = 160, kFewestBlocks = 24;
 const glm::dvec3 kLuma{0.299, 0.587, 0.114};
 
 using Block = JpegBlock;
@@ -150,8 +150,9 @@ std::vector<Level> levels_of(std::span<const Image<Rgb8>> pictures, const Respon
     }
   std::vector<Level> levels;
   std::mt19937_64 random(11);
-  for (std::size_t i = 0; i < kLevels; ++i) {
-    const double from = 255.0 * static_cast<double>(i) / kLevels, to = 255.0 * static_cast<double>(i + 1) / kLevels;
+  for (std::size_t i = 0; i < kPixelLevels; ++i) {
+    const double from = 255.0 * static_cast<double>(i) / kPixelLevels,
+                 to = 255.0 * static_cast<double>(i + 1) / kPixelLevels;
     std::vector<Found> inside;
     std::ranges::copy_if(found, std::back_inserter(inside),
                          [&](const Found& f) { return f.luma >= from && f.luma < to; });

@@ -14,7 +14,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr std::size_t kReadings = 160, kFewestReadings = 60;
+constexpr std::size_t kCurveReadings = 160, kFewestReadings = 60;
 constexpr Radians kOneSky = from_degrees(3.0);
 constexpr double kLowest = 0.3, kHighest = 3.0;  // exponents
 constexpr int kExponents = 93;
@@ -57,7 +57,7 @@ OneSky judge(const std::vector<const PictureOfSky*>& pictures, double altitude_m
   sky.mean_square.fill(std::numeric_limits<double>::infinity());
   std::vector<std::array<double, kExponents>> left;  // by known sky: mean over the pictures
   for (const PictureOfSky* picture : pictures) {
-    const std::vector<SkyReading> readings = thinned(picture->readings, kReadings);
+    const std::vector<SkyReading> readings = thinned(picture->readings, kCurveReadings);
     const std::vector<KnownSky> skies = known_skies(readings, picture->sun, altitude_m);
     left.resize(skies.size());
     for (std::size_t k = 0; k < skies.size(); ++k) {

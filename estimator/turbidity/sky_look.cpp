@@ -70,27 +70,27 @@ std::vector<Place> sky_places(const Cells& cells) {
 // ln R/B over that of the bluest sky at the same height and distance from the sun: over a smooth lower envelope, from
 // least squares in which what is whiter hardly counts.
 std::vector<float> whiter_than_bluest(const std::vector<Place>& places, const SunDirection& sun) {
-  constexpr int kTerms = 6, kRounds = 12;
+  constexpr int kColourTerms = 6, kRounds = 12;
   constexpr double kWhiter = 0.03, kStiffness = 1e-5;
   const glm::vec3 towards_sun(sun);
-  cv::Mat1d terms(static_cast<int>(places.size()), kTerms);
+  cv::Mat1d terms(static_cast<int>(places.size()), kColourTerms);
   for (int i = 0; i < terms.rows; ++i) {
     const glm::vec3& direction = places[static_cast<std::size_t>(i)].direction;
     const double cosine = std::clamp(static_cast<double>(glm::dot(direction, towards_sun)), -1.0, 1.0);
     const double up = static_cast<double>(direction.z), gamma = std::acos(cosine);
     const std::array here{1.0, 0.2 / (up + 0.1), up, std::exp(-3.0 * gamma), std::exp(-8.0 * gamma), cosine};
-    for (int k = 0; k < kTerms; ++k) terms(i, k) = here[static_cast<std::size_t>(k)];
+    for (int k = 0; k < kColourTerms; ++k) terms(i, k) = here[static_cast<std::size_t>(k)];
   }
   std::vector<float> whiter(places.size(), -1.0f);
   for (int round = 0; round < kRounds; ++round) {
-    cv::Mat1d a(kTerms, kTerms, 0.0), b(kTerms, 1, 0.0), factors, bluest;
+    cv::Mat1d a(kColourTerms, kColourTerms, 0.0), b(kColourTerms, 1, 0.0), factors, bluest;
     cv::setIdentity(a, kStiffness * terms.rows);
     for (int i = 0; i < terms.rows; ++i) {
       const auto place = static_cast<std::size_t>(i);
       const double weight = whiter[place] > 0.0f ? kWhiter : 1.0;
-      for (int k = 0; k < kTerms; ++k) {
+      for (int k = 0; k < kColourTerms; ++k) {
         b(k, 0) += weight * terms(i, k) * static_cast<double>(places[place].colour);
-        for (int l = 0; l < kTerms; ++l) a(k, l) += weight * terms(i, k) * terms(i, l);
+        for (int l = 0; l < kColourTerms; ++l) a(k, l) += weight * terms(i, k) * terms(i, l);
       }
     }
     cv::solve(a, b, factors, cv::DECOMP_CHOLESKY);

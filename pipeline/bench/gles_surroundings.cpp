@@ -15,8 +15,8 @@
 namespace kasumi {
 namespace {
 
-constexpr int kFramePairs = 31;  // of frames
-constexpr int kLayerPairs = 3;   // of redrawn layers
+constexpr int kSurroundedPairs = 31;  // of frames
+constexpr int kRedrawnPairs = 3;      // of redrawn layers
 
 // Tufts of leaves that sway before the left half of the box: some of it always covered, some never.
 Image<std::uint8_t> swaying(const SceneView& view, const PixelBox& box) {
@@ -115,17 +115,17 @@ Result<std::vector<BenchRow>> bench_surroundings() {
     rows.push_back({.name = std::move(name), .value = value, .goal = {}});
   };
   add("cached composite behind a hard mask / without a mask",
-      watch.ratio(frame_of(*cut), frame_of(*open), kFramePairs));
+      watch.ratio(frame_of(*cut), frame_of(*open), kSurroundedPairs));
   add(fmt::format("cached composite behind leaves that sway (matte of {:.0f} % of the box) / behind a hard mask",
                   mixed_share(mask, box)),
-      watch.ratio(frame_of(*leaves), frame_of(*cut), kFramePairs));
+      watch.ratio(frame_of(*leaves), frame_of(*cut), kSurroundedPairs));
   add("cached composite over ground that is looked at / that is taken as lit",
-      watch.ratio(frame_of(*known_ground), frame_of(*ground), kFramePairs));
+      watch.ratio(frame_of(*known_ground), frame_of(*ground), kSurroundedPairs));
   add(fmt::format("  a look at {} places of it, once a second beside the drawing / cached composite",
                   ground_watch.places()),
-      watch.ratio(look, frame_of(*ground), kFramePairs));
+      watch.ratio(look, frame_of(*ground), kSurroundedPairs));
   add("layer redrawn over ground that is looked at / that is taken as lit",
-      watch.ratio(MovingSun(*known_ground, looked_at, true), MovingSun(*ground, lit, true), kLayerPairs));
+      watch.ratio(MovingSun(*known_ground, looked_at, true), MovingSun(*ground, lit, true), kRedrawnPairs));
   if (!watch.result()) return fail(watch.result().error());
   return rows;
 }
