@@ -1,41 +1,54 @@
-# -DKASUMI_SANITIZE=address,undefined  or  -DKASUMI_SANITIZE=thread: optimised just enough that every test runs, with all assertions and
-# the standard library's index checks.
+# -DKASUMI_SANITIZE=address,undefined  or  -DKASUMI_SANITIZE=thread, with KASUMI_UNITY: what each is for is watched by it, with all
+# assertions and the standard library's index checks, and optimised just enough that every test runs. All else is compiled exactly as
+# without a sanitizer, so that the compiler cache has it from the tests' build.
 set(KASUMI_SANITIZE "" CACHE STRING "Sanitizers to build with: address,undefined or thread")
-if(KASUMI_SANITIZE)
-  set(KASUMI_INSTRUMENTED -Og -UNDEBUG -D_GLIBCXX_ASSERTIONS -fsanitize=${KASUMI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  # What the address sanitizer sees, too, when it is used: a fifth to two fifths of GCC's time. The fuzzers have them.
-  if(KASUMI_SANITIZE MATCHES "address.*undefined")
-    list(APPEND KASUMI_INSTRUMENTED -fno-sanitize=null,alignment,object-size)
-  endif()
-  add_compile_options(${KASUMI_INSTRUMENTED})
-  add_link_options(-fsanitize=${KASUMI_SANITIZE})
-endif()
-# A room that only computes and shares nothing between loops.
-# Thread sanitizer: to count its every read would take nine tenths of the time, and what it is given and returns is watched in the rooms
-# that hand it over. It is compiled just as without a sanitizer, so that the compiler cache has it. (With the address sanitizer that cannot
-# be: Eigen takes memory in another way there.)
-# Address sanitizer: optimised by a step more. Eigen's many small functions are inlined then: an appliance in a test takes half the time.
-function(kasumi_computes room)
-  if(NOT KASUMI_SANITIZE)
-    return()
-  endif()
-  get_target_property(options kasumi_${room} COMPILE_OPTIONS)
-  if(KASUMI_SANITIZE MATCHES "thread")
-    list(REMOVE_ITEM options ${KASUMI_INSTRUMENTED})
-    list(APPEND options ${KASUMI_WARNINGS})
-  else()
-    list(APPEND options -O1)
-  endif()
-  set_target_properties(kasumi_${room} PROPERTIES COMPILE_OPTIONS "${options}")
+
+# kasumi_is_under(FOLDER FOLDERS RESULT): whether the folder or one above it is among them.
+function(kasumi_is_under folder folders result)
+  set(${result} NO PARENT_SCOPE)
+  foreach(each ${folders})
+    if("${folder}/" MATCHES "^${each}/")
+      set(${result} YES PARENT_SCOPE)
+    endif()
+  endforeach()
 endfunction()
 
-if(KASUMI_SANITIZE MATCHES "address")
-  add_library(kasumi_keep_libraries OBJECT tests/sanitizers/keep_libraries.cpp)
+# Generators and benches, and what an installer or a researcher starts by hand on pictures of their own: never watched.
+set(KASUMI_NEVER_WATCHED fixtures pipeline/bench pipeline/calibrate pipeline/calibration_report pipeline/comparison pipeline/haze
+  pipeline/sky)
+if(NOT KASUMI_SANITIZE)
+  return()
 endif()
 
-# -DKASUMI_FUZZ=ON with clang++: tests/fuzz is built as libFuzzer programs.
-option(KASUMI_FUZZ "Build the fuzzers of tests/fuzz (needs clang++)" OFF)
-if(KASUMI_FUZZ)
-  add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  add_link_options(-fsanitize=address,undefined)
+set(KASUMI_INSTRUMENTED -Og -UNDEBUG -D_GLIBCXX_ASSERTIONS -fsanitize=${KASUMI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+if(KASUMI_SANITIZE MATCHES "address.*undefined")
+  # What the address sanitizer sees, too, when it is used: a fifth to two fifths of GCC's time. The fuzzers have them.
+  list(APPEND KASUMI_INSTRUMENTED -fno-sanitize=null,alignment,object-size)
+  # Eigen takes memory in another way under the address sanitizer: its objects could not go between what is watched and what is not.
+  list(APPEND KASUMI_INSTRUMENTED -DEIGEN_MALLOC_ALREADY_ALIGNED=1)
+  # Hostile bytes reach every room.
+  set(KASUMI_NOT_WATCHED)
+  # The estimator's and the calibration's Eigen: its many small functions are inlined, and an appliance in a test takes half the time.
+  set(KASUMI_WATCHED_COMPUTING calib estimator)
+  add_library(kasumi_keep_libraries OBJECT tests/sanitizers/keep_libraries.cpp)
+else()
+  # What shares nothing between threads: what it is given and returns is watched in the rooms that hand it over.
+  set(KASUMI_NOT_WATCHED calib estimator gles history)
+  set(KASUMI_WATCHED_COMPUTING)
 endif()
+# Instrumentation hides value ranges from the compiler, which then warns of impossible cases.
+list(APPEND KASUMI_INSTRUMENTED -w)
+add_link_options(-fsanitize=${KASUMI_SANITIZE})
+
+# kasumi_instrumented(FOLDER RESULT): the options that files in this folder are compiled with; none where it is not watched.
+function(kasumi_instrumented folder result)
+  kasumi_is_under(${folder} "${KASUMI_NEVER_WATCHED};${KASUMI_NOT_WATCHED}" left_out)
+  kasumi_is_under(${folder} "${KASUMI_WATCHED_COMPUTING}" computing)
+  set(options ${KASUMI_INSTRUMENTED})
+  if(left_out)
+    set(options)
+  elseif(computing)
+    list(APPEND options -O1)
+  endif()
+  set(${result} ${options} PARENT_SCOPE)
+endfunction()
