@@ -1,4 +1,4 @@
-// The nightly's scripts over made-up logs, fuzzers and pictures: what they write down, and that they fail where they are to.
+// The gate's and the nightly's scripts over made-up logs, fuzzers and pictures: what they write down, and that they fail where they are to.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -252,6 +252,34 @@ TEST(Pictures, ThatTheCodeNoLongerDrawsAreNamed) {
   fs::remove(folder / "kept/moved.jpg");
   fs::remove(folder / "kept/size.jpg");
   EXPECT_EQ(said_by(fmt::format("docs/compare-pictures {0}/drawn {0}/kept", folder.string())).code, 0);
+}
+
+// Two stages over the costs of another day.
+TEST(Gate, TellsWhatGrewByMoreThanATenthAndTheDearestAndFailsForNone) {
+  const auto folder = fresh_folder("costs");
+  const auto write = [&](const std::string& name, const std::string& text) { std::ofstream(folder / name) << text; };
+  write("test.row", "test       passed          700 s     1400 s  2300 passed, 0 failed, 12 skipped\n");
+  write("address.row", "address    FAILED (1)      300 s      500 s  800 passed, 1 failed, 0 skipped\n");
+  write("processor.json", R"({"test_a": 50.0, "test_b": 10.4, "test_c": 3.0, "test_d": 0.4})");
+  write("before.json", R"({"processor": "another", "measured": "2026-11-01",
+                          "stages": {"test": {"clock_s": 600, "processor_s": 1200}, "address": {"processor_s": 490}},
+                          "programs": {"test": {"test_a": 30.0, "test_b": 10.0, "test_d": 0.1}}})");
+  const auto said = said_by(fmt::format(".ci/costs {0} {0}/before.json {0}/now.json test={0}", folder.string()));
+  EXPECT_EQ(said.code, 0) << said.words;
+  EXPECT_THAT(said.words,
+              ContainsRegex("processor time:\n +50 s  test_a .test.\n +10 s  test_b .test.\n +3 s  test_c"));
+  const auto grown = said.words.substr(said.words.find("Grew"));
+  EXPECT_THAT(grown, AllOf(HasSubstr("2026-11-01, which was measured on another machine"),
+                           HasSubstr("1200 -> 1400 s  stage test"), HasSubstr("30 -> 50 s  test_a (test)"),
+                           HasSubstr("Not measured then:\n       3 s  test_c (test)")));
+  EXPECT_THAT(grown,
+              testing::Not(testing::AnyOf(HasSubstr("test_b"), HasSubstr("test_d"), HasSubstr("stage address"))));
+
+  const auto again = said_by(fmt::format(".ci/costs {0} {0}/now.json {0}/later.json test={0}", folder.string()));
+  EXPECT_EQ(again.code, 0) << again.words;
+  EXPECT_THAT(again.words, testing::Not(testing::AnyOf(HasSubstr("Grew"), HasSubstr("Not measured"))))
+      << "all as before";
+  EXPECT_EQ(said_by(fmt::format(".ci/costs {0} {0}/none.json {0}/first.json test={0}", folder.string())).code, 0);
 }
 
 }  // namespace
