@@ -1,7 +1,7 @@
 // From a bundle to the generation that is shown next.
 #pragma once
 
-#include "base/free_space.hpp"
+#include "base/disk/free_space.hpp"
 #include "pipeline/content/bundle.hpp"
 #include "pipeline/content/generations.hpp"
 #include "pipeline/content/signature.hpp"

@@ -168,8 +168,8 @@ Known known_here() {
   const auto files = repository_files();
   auto texts = texts_ending_in(files, {"bootstrap", "CMakePresets.json", "CMakeLists.txt", ".cpp"});
   auto named = files;
-  for (const char* hidden : {".ci/run", ".ci/nightly"})
-    if (std::filesystem::exists(source_folder() / hidden)) named.insert(hidden);
+  for (const auto& hidden : std::filesystem::directory_iterator(source_folder() / ".ci"))
+    named.insert(".ci/" + hidden.path().filename().string());
   return known_in(named, texts);
 }
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <string>
 
-#include <sys/wait.h>
 #include <fmt/format.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/files.hpp"

@@ -1,6 +1,6 @@
 // The daily check of the calibration under a manual clock: it reports in the status and changes nothing else.
-#include <gmock/gmock.h>
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,6 +1,6 @@
 // A camera's call that never returns: what visitors and operators see, and what then happens (design: faults, row 30).
-#include <gmock/gmock.h>
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>

@@ -36,10 +36,11 @@ bool is_placeholder(const std::string& word) {
 std::string parse_refusal(std::vector<std::string> words, bool whole) {
   Action action;
   const auto app = command_line(action);
-  std::ranges::reverse(words);  // as CLI11 takes them
+  app->set_version_flag("--version", "");  // main.cpp knows it
+  std::ranges::reverse(words);             // as CLI11 takes them
   try {
     app->parse(words);
-  } catch (const CLI::CallForHelp&) {
+  } catch (const CLI::Success&) {
     return {};
   } catch (const CLI::RequiredError& error) {
     if (const auto unknown = app->remaining(true); !unknown.empty())

@@ -1,6 +1,6 @@
 // The sun of a photograph: what is given held against what is seen, and a camera that nobody has oriented.
-#include <gmock/gmock.h>
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>

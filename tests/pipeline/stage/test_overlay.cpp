@@ -1,8 +1,8 @@
 // The overlay's shapes against geometry computed here, and their drawing.
 #include <cmath>
 
-#include <gmock/gmock.h>
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"

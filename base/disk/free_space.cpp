@@ -1,4 +1,4 @@
-#include "base/free_space.hpp"
+#include "base/disk/free_space.hpp"
 
 #include <cerrno>
 #include <cstring>
