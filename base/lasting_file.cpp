@@ -1,5 +1,10 @@
 #include "base/lasting_file.hpp"
 
+#include <cerrno>
+#include <cstring>
+
+#include <sys/statvfs.h>
+
 #include "base/files.hpp"
 #include "base/unfinished_file.hpp"
 
@@ -19,6 +24,13 @@ Result<> create_folders(const std::filesystem::path& folder) {
   if (!std::filesystem::create_directory(folder, error) && error)
     return fail(FaultKind::io, "{}: cannot be created: {}", folder.string(), error.message());
   return write_through_names(above.empty() ? "." : above);
+}
+
+Result<std::uint64_t> free_bytes_of(const std::filesystem::path& folder) {
+  struct statvfs disk {};
+  if (::statvfs(folder.c_str(), &disk) != 0)
+    return fail(FaultKind::io, "{}: {}", folder.string(), std::strerror(errno));
+  return std::uint64_t{disk.f_bavail} * disk.f_frsize;
 }
 
 }  // namespace kasumi

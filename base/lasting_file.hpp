@@ -1,7 +1,9 @@
 // What is kept for months on flash memory, which wears, and through power cuts.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 #include "base/result.hpp"
@@ -13,5 +15,10 @@ Result<bool> update_text_file(const std::filesystem::path& path, std::string_vie
 
 // Makes the folder and those above it; on return their names are on the disk. Error: io.
 Result<> create_folders(const std::filesystem::path& folder);
+
+// Bytes of the folder's disk that are free for those who are not root. Error: io. Whoever leaves some of it to others
+// takes the function, so that a test can hand in a full disk.
+using FreeBytes = std::function<Result<std::uint64_t>(const std::filesystem::path& folder)>;
+Result<std::uint64_t> free_bytes_of(const std::filesystem::path& folder);
 
 }  // namespace kasumi

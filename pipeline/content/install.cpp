@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "base/lasting_file.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/config/content.hpp"
 

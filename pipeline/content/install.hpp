@@ -1,7 +1,7 @@
 // From a bundle to the generation that is shown next.
 #pragma once
 
-#include "base/disk/free_space.hpp"
+#include "base/lasting_file.hpp"
 #include "pipeline/content/bundle.hpp"
 #include "pipeline/content/generations.hpp"
 #include "pipeline/content/signature.hpp"

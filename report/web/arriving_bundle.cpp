@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/files.hpp"
-#include "base/lasting_file.hpp"
 #include "base/unfinished_file.hpp"
 
 namespace kasumi::report {

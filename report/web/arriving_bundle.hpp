@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <span>
 
-#include "base/disk/free_space.hpp"
+#include "base/lasting_file.hpp"
 #include "base/result.hpp"
 #include "base/unique_fd.hpp"
 #include "report/web/pull_answer.hpp"

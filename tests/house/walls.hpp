@@ -14,7 +14,6 @@ using Walls = std::map<std::string, std::set<std::string>>;
 // named in full; what a room may include of others, its sub-rooms may too.
 inline const Walls kMayInclude = {
     {"base", {}},
-    {"base/disk", {"base"}},
     {"base/manual", {}},
     {"base/picture_files", {"base"}},
     {"base/sky", {"base"}},

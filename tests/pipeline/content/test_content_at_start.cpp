@@ -180,7 +180,7 @@ TEST_F(Starting, OnlyNewerContentReplacesByItself) {
   EXPECT_EQ(install_file(folder / "Spring.kasumi", generations, kMonday)->left_alone, "") << "by hand it does";
 }
 
-// Two bundles of one moment would replace each other for ever, each time a folder with both is looked at.
+// Of two bundles of one moment, one on a stick and one in a folder, each would replace the other whenever it is looked at.
 TEST_F(Starting, ContentOfTheSameMomentDoesNotReplaceByItself) {
   proven("Summer", kMonday);
   const auto config = write_desk(folder / "beside");
