@@ -33,7 +33,7 @@ if(KASUMI_SANITIZE MATCHES "address.*undefined")
   add_library(kasumi_keep_libraries OBJECT tests/sanitizers/keep_libraries.cpp)
 else()
   # What shares nothing between threads: what it is given and returns is watched in the rooms that hand it over.
-  set(KASUMI_NOT_WATCHED calib estimator gles history)
+  set(KASUMI_NOT_WATCHED calib estimator)
   set(KASUMI_WATCHED_COMPUTING)
 endif()
 # Instrumentation hides value ranges from the compiler, which then warns of impossible cases.
