@@ -37,6 +37,7 @@ inline const Walls kMayInclude = {
 
     {"estimator", {"base", "calib"}},
     {"estimator/air", {"estimator"}},
+    {"estimator/cloud_cover", {"estimator", "estimator/turbidity"}},
     {"estimator/fusion", {"estimator", "estimator/air", "estimator/horizon", "estimator/sky", "estimator/sky_fit"}},
     {"estimator/ground", {}},
     {"estimator/haze", {"estimator/air"}},
@@ -162,6 +163,7 @@ inline const Walls kLibraryDoors = {
       "calib/mask/",
       "calib/pose/",
       "calib/read_camera.cpp",
+      "estimator/cloud_cover/",
       "estimator/haze/",
       "estimator/horizon/",
       "estimator/photograph/",
