@@ -12,7 +12,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kObserveInterval = 1s;    // air changes in minutes
 constexpr Duration kSkyStatusInterval = 1s;  // while no frame comes
 constexpr Duration kHealthInterval = 500ms;
 constexpr Duration kFirstFrameTimeout = 2s;  // at the start, before a report without a frame
@@ -95,7 +94,7 @@ void SkyLoop::restore_air() {
 
 void SkyLoop::observe(const Frame& frame, SunSource sun_from) {
   const auto now = clock_.now();
-  if (observed_at_ && now - *observed_at_ < kObserveInterval) return;
+  if (observed_at_ && now - *observed_at_ < options_.observe_every) return;
   observed_at_ = now;
   mailboxes_.sky.pulse.turn(now, kComputingBound);
   recorded_utc_offset_ = camera_.recorded() ? frame.metadata.utc - clock_.utc() : Duration{0};

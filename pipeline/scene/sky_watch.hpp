@@ -35,8 +35,9 @@ struct SkyReport {
 using TurbidityEstimator = std::function<TurbidityEstimate(const SkyPicture&, const SunDirection&)>;
 
 struct SkyWatchOptions {
-  EstimateOptions estimate;      // except its sky, which is the site's
-  TurbidityEstimator estimator;  // replaces the built-in one, for tests
+  EstimateOptions estimate;                          // except its sky, which is the site's
+  TurbidityEstimator estimator;                      // replaces the built-in one, for tests
+  Duration observe_every = std::chrono::seconds(1);  // of an appliance; air changes in minutes
 };
 
 // Belongs to one thread.

@@ -148,7 +148,9 @@ Rig::Rig(RigOptions options)
     : folder(test_folder("appliance-" + options.name)),
       clock(options.utc.value_or(kStart)),
       devices(clock),
-      given_at_(kSceneFrames) {
+      given_at_(kSceneFrames),
+      observe_every_(options.observe_every) {
+  options.sky.observe_every = observe_every_;
   if (!options.keep_folder) std::filesystem::remove_all(folder);
   config = write_config(folder, options.clock_policy, options.recording.empty() ? bench_fixture() : options.recording);
   check(write_text_file(config, read_text_file(config).value() + options.more_config));
@@ -204,7 +206,10 @@ void Rig::tick(Duration by) {
   appliance->visibility().step();
   appliance->reload().step();
   if (!render_hangs) appliance->render().step();
-  appliance->horizon().step();
+  if (!horizon_at_ || clock.now() - *horizon_at_ >= observe_every_) {
+    horizon_at_ = clock.now();
+    appliance->horizon().step();
+  }
   appliance->step_television();
   if (told_ && clock.now() - *told_ < 500ms) return;
   told_ = clock.now();

@@ -73,6 +73,8 @@ struct RigOptions {
   bool no_leaves = false;             // what the scene's mask leaves open in part is free
   std::optional<Utc> utc{};           // the machine's time at the start; empty: the recording's
   SkyWatchOptions sky{};
+  // How often sky and horizon are observed, which is most of an appliance's work; a kiosk does so every second.
+  Duration observe_every = 5s;
   bool keep_folder = false;  // keep what an earlier rig of that name left on disk
   DisplayFaults display{};
   ReloadLoop::Probes probes{};
@@ -131,8 +133,9 @@ class Rig {
   // One turn of a camera's loop. Once its camera's trap is set, in a thread of its own, which the rig leaves behind.
   void turn(CameraFaults& camera, std::thread& stuck, const std::function<void()>& step);
   std::thread stuck_scene_, stuck_sky_;
-  std::optional<Instant> told_;
+  std::optional<Instant> told_, horizon_at_;
   std::vector<std::optional<Instant>> given_at_;  // by frame number: when the camera last delivered it
+  Duration observe_every_{};
 };
 
 // Replaces `from` in a text file, which must contain it.

@@ -25,6 +25,7 @@ using testing::HasSubstr;
 RigOptions checked(const std::string& name, const std::string& time = "03:00") {
   RigOptions options;
   options.name = name;
+  options.observe_every = 1s;  // its time leaps past a night
   options.more_config = fmt::format("\n[opening]\ntime_zone = \"UTC\"\n[check]\ntime = \"{}\"\nminutes = 0.1\n", time);
   return options;
 }

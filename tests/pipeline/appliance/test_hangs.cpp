@@ -50,7 +50,7 @@ void hang(Rig& rig, CameraFaults& camera) {
 }
 
 TEST(Appliance, Row30AHungSkyCameraIsAsIfItWereGone) {
-  const auto rig = live({.name = "row30-sky"});
+  const auto rig = live({.name = "row30-sky", .observe_every = 1s});
   const Journal journal;
   const auto air = rig->status().sky.report.tracked->turbidity.value;
   const auto sun = rig->status().sky.report.sun.direction;
