@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "base/units.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -13,7 +15,7 @@ using Terms = std::array<double, kTerms>;
 
 // 1, the growth of the air's mass towards the horizon (whole, and its first third), the sun's aureole (narrow, wide).
 Terms clear_terms(double zenith_deg, double sun_deg, bool sun_known) {
-  const double cosine = std::cos(zenith_deg / 57.29578);
+  const double cosine = std::cos(from_degrees(zenith_deg).value);
   const double mass = (1.0 / std::sqrt(cosine * cosine + 0.02) - 1.0) / 6.0;
   if (!sun_known) return {1.0, mass, std::min(3.0 * mass, 1.0), 0.0, 0.0};
   return {1.0, mass, std::min(3.0 * mass, 1.0), std::exp(-sun_deg / 12.0), std::exp(-sun_deg / 35.0)};
@@ -38,15 +40,16 @@ double dot(const Terms& a, const Terms& b) {
 }
 
 double normal(double deviation, double variance, double cap = 1e9) {
-  return std::exp(-0.5 * std::min(deviation * deviation / variance, cap)) / std::sqrt(2.0 * M_PI * variance);
+  return std::exp(-0.5 * std::min(deviation * deviation / variance, cap)) / std::sqrt(2.0 * kPi * variance);
 }
 
-std::vector<Sample> samples_of(const SkyElements& sky, const cv::Mat1b& region, const cv::Mat1f& sun_deg, int wanted) {
+std::vector<Sample> samples_of(const SkyElements& sky, const cv::Mat1b& region, const cv::Mat1b& spoilt,
+                               const cv::Mat1f& sun_deg, int wanted) {
   std::vector<cv::Point> places;
   for (int y = 0; y < region.rows; ++y)
     for (int x = 0; x < region.cols; ++x) {
       const cv::Vec3f& v = sky.rgb(y, x);
-      if (region(y, x) && !sky.partly(y, x) && std::max({v[0], v[1], v[2]}) > 0.08f) places.emplace_back(x, y);
+      if (region(y, x) && !spoilt(y, x) && std::max({v[0], v[1], v[2]}) > 0.08f) places.emplace_back(x, y);
     }
   std::vector<Sample> samples;
   const double step = std::max(1.0, static_cast<double>(places.size()) / wanted);
@@ -164,8 +167,12 @@ ClearBlue fit_clear_blue(const SkyElements& sky, const cv::Mat1b& region, const 
                          const ClearBlueOptions& options) {
   ClearBlue best;
   best.sun_known = !sun_deg.empty();
-  const std::vector<Sample> samples = samples_of(sky, region, sun_deg, options.samples);
-  if (samples.size() < 100) return best;
+  std::vector<Sample> samples = samples_of(sky, region, sky.partly, sun_deg, options.samples);
+  constexpr std::size_t kFewest = 100;
+  // Where blue is at full scale nearly everywhere, sky is at least as blue as it looks.
+  if (samples.size() < kFewest) samples = samples_of(sky, region, sky.clipped, sun_deg, options.samples);
+  if (samples.size() < kFewest) return best;
+  best.found = true;
   double score = -1e30;
   // All clear, all cloud, and clear where bluer than so much.
   for (const double start : {-9.0, 9.0, 0.12, 0.22}) {

@@ -8,6 +8,7 @@
 namespace kasumi {
 
 struct ClearBlue {
+  bool found = false;             // false: too few elements are darker than white
   std::array<double, 5> clear{};  // of the terms in clear_terms()
   bool sun_known = false;
   double cloud = 0.0;     // blueness of cloud
@@ -26,7 +27,8 @@ struct ClearBlueOptions {
 };
 
 // A mixture of clear sky, a smooth function of zenith and sun distance, and of cloud of one colour, fitted by
-// expectation maximisation from several starts to the elements of `region` that no channel clips. Whiteness towards the
+// expectation maximisation from several starts to the elements of `region` that no channel clips, or, where
+// these are too few, to those that are not white. Whiteness towards the
 // horizon and the sun is thereby not taken for cloud. `sun_deg`: empty where the sun is not known.
 ClearBlue fit_clear_blue(const SkyElements& sky, const cv::Mat1b& region, const cv::Mat1f& sun_deg,
                          const ClearBlueOptions& options = {});

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
 #include "estimator/cloud_cover/clear_blue.hpp"
 #include "estimator/cloud_cover/sky_elements.hpp"
 #include "estimator/cloud_cover/sky_part.hpp"
@@ -50,12 +51,7 @@ Levels levels_of(const SkyElements& sky) {
       values[3].push_back(sky.light(y, x));
       values[4].push_back(std::max({v[0], v[1], v[2]}) - std::min({v[0], v[1], v[2]}));
     }
-  const auto quantile = [](std::vector<float>& v, double share) -> double {
-    if (v.empty()) return 0.0;
-    const auto nth = v.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(v.size() - 1));
-    std::nth_element(v.begin(), nth, v.end());
-    return *nth;
-  };
+  const auto quantile = [](std::vector<float>& v, double share) -> double { return quantile_in_place(v, share); };
   Levels levels;
   const std::array bright = {quantile(values[0], 0.95), quantile(values[1], 0.95), quantile(values[2], 0.95)};
   levels.bright = *std::max_element(bright.begin(), bright.end());
@@ -86,9 +82,7 @@ double median_blueness(const SkyElements& sky, const cv::Mat1b& region) {
   for (int y = 0; y < region.rows; y += 2)
     for (int x = 0; x < region.cols; x += 2)
       if (region(y, x)) values.push_back(sky.blueness(y, x));
-  if (values.empty()) return 0.0;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
+  return median_in_place(values);
 }
 
 double share_of(const cv::Mat1b& part, const cv::Mat1b& whole) {
@@ -134,6 +128,7 @@ CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const st
   const auto sun_place = sun ? sun : brightest_patch(sky, region);
   const cv::Mat1f sun_deg = sun_place ? sun_distance(sky, *sun_place) : cv::Mat1f();
   const ClearBlue blue = fit_clear_blue(sky, region, sun_deg);
+  if (!blue.found) return no_fraction(SkyClass::unknown, "too little of the sky is neither white nor black");
   const cv::Mat1f white = whiteness(sky, blue, sun_deg);
   cv::Mat1b cloud((white > kCloudy) & region);
   const cv::Mat1b known(region & ~sky.clipped);

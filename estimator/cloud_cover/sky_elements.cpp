@@ -6,13 +6,15 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "base/units.hpp"
+
 namespace kasumi {
 
 namespace {
 
 // Directions are smooth: the lens is asked at every fourth element, and in between where a corner is out of reach.
 constexpr int kCoarse = 4;
-constexpr float kDegrees = 57.29578f;
+constexpr float kDegrees = static_cast<float>(180.0 / kPi);
 constexpr double kPlateau = 0.004;
 
 cv::Vec3f direction_at(const SkyPicture& picture, const Camera& camera, int x, int y) {
@@ -89,7 +91,7 @@ SkyElements sky_elements(const SkyPicture& picture, const Camera& camera) {
   sky.light.create(height, width);
   sky.blueness.create(height, width);
   sky.greenness.create(height, width);
-  const float least = static_cast<float>(std::sin(kLeastElevation * M_PI / 180.0));
+  const float least = static_cast<float>(std::sin(from_degrees(kLeastElevation).value));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const cv::Vec3f &v = sky.rgb(y, x), &s = smooth(y, x), &d = sky.direction(y, x);

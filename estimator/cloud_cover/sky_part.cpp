@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "base/statistics.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -13,13 +15,6 @@ namespace {
 constexpr float kSharp = 0.2f;       // ln of encoded values, over two elements
 constexpr float kRimZenith = 85.0f;  // degrees
 constexpr float kGreen = 0.07f;      // greenness that no sky has, however bright
-
-float quantile(std::vector<float>& values, double share) {
-  if (values.empty()) return 0.0f;
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
 
 cv::Mat1b sharp_edges(const SkyElements& sky) {
   cv::Mat smooth, logs;
@@ -79,9 +74,9 @@ bool is_before_sky(const SkyElements& sky, const cv::Mat1b& area, const cv::Mat1
     }
   if (rim < 0.06 * sky.radius) return false;
   const auto share = [&](int n) { return static_cast<double>(n) / static_cast<double>(light.size()); };
-  const float sky_light = beside.size() > 20 ? quantile(beside, 0.5) : open_light;
-  const double darker = std::log((quantile(light, 0.5) + 0.03f) / (sky_light + 0.03f));
-  const bool dark = darker < -0.15 || (darker < -0.03 && quantile(blue, 0.8) < 0.18f);
+  const float sky_light = beside.size() > 20 ? quantile_in_place(beside, 0.5) : open_light;
+  const double darker = std::log((quantile_in_place(light, 0.5) + 0.03f) / (sky_light + 0.03f));
+  const bool dark = darker < -0.15 || (darker < -0.03 && quantile_in_place(blue, 0.8) < 0.18f);
   return (share(bluish) < 0.2 && dark) || (share(odd) > 0.4 && share(bluish) < 0.35);
 }
 
@@ -113,7 +108,7 @@ cv::Mat1b not_sky(const SkyElements& sky) {
   for (int y = 0; y < open.rows; ++y)
     for (int x = 0; x < open.cols; ++x)
       if (open(y, x)) lights.push_back(sky.light(y, x));
-  const float open_light = quantile(lights, 0.5);
+  const float open_light = quantile_in_place(lights, 0.5);
 
   cv::Mat1b rest(sky.inside & ~open);
   cv::morphologyEx(rest, rest, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));

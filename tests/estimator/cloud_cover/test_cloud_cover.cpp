@@ -19,6 +19,11 @@ DrawnSky clouds_below(double degrees) {
   };
 }
 
+// Clouds over the side without the sun.
+glm::vec3 half_clouded(double zenith, double azimuth) {
+  return azimuth > 180.0 ? cloud(zenith, azimuth) : clear_sky(zenith, azimuth);
+}
+
 void expect_near(const CloudCover& cover, double fraction, double tolerance) {
   ASSERT_TRUE(cover.fraction) << cover.reason;
   EXPECT_NEAR(*cover.fraction, fraction, tolerance);
@@ -34,18 +39,14 @@ TEST(CloudCover, AClearSkyIsClearInSpiteOfItsWhiteHorizonAndTheSunsGlow) {
 }
 
 TEST(CloudCover, AHalfCloudedSkyIsBroken) {
-  const CloudCover cover = cover_of([](double zenith, double azimuth) {
-    return azimuth > 180.0 ? cloud(zenith, azimuth) : clear_sky(zenith, azimuth);
-  });
+  const CloudCover cover = cover_of(half_clouded);
   expect_near(cover, 0.5, 0.08);
   EXPECT_EQ(cover.sky, SkyClass::broken);
   EXPECT_GT(cover.confidence, 0.8);
 }
 
 TEST(CloudCover, TheElementsTellWhereTheCloudsAre) {
-  const CloudCover cover = cover_of([](double zenith, double azimuth) {
-    return azimuth > 180.0 ? cloud(zenith, azimuth) : clear_sky(zenith, azimuth);
-  });
+  const CloudCover cover = cover_of(half_clouded);
   const Camera camera = camera_looking_up();
   const auto at = [&](double azimuth) {
     const auto pixel = *camera.pixel_of(direction_from(from_degrees(40.0), from_degrees(azimuth)));
@@ -71,8 +72,7 @@ TEST(CloudCover, AGreySkyIsOvercast) {
 TEST(CloudCover, AWarmOrCoolWhiteBalanceChangesLittle) {
   for (const float gain : {0.94f, 1.06f}) {
     const CloudCover cover = cover_of([=](double zenith, double azimuth) {
-      const glm::vec3 seen = azimuth > 180.0 ? cloud(zenith, azimuth) : clear_sky(zenith, azimuth);
-      return seen * glm::vec3(gain, 1.0f, 1.0f / gain);
+      return half_clouded(zenith, azimuth) * glm::vec3(gain, 1.0f, 1.0f / gain);
     });
     expect_near(cover, 0.5, 0.12);
     EXPECT_EQ(cover.sky, SkyClass::broken);
@@ -126,6 +126,15 @@ TEST(CloudCover, AnOverExposedPictureIsNotKnownOrSaysSo) {
   const CloudCover half = cover_of([](double zenith, double azimuth) { return clear_sky(zenith, azimuth) * 1.6f; });
   ASSERT_TRUE(half.fraction) << half.reason;
   EXPECT_LT(*half.fraction, 2.5 * half.sigma);
+}
+
+TEST(CloudCover, WhereBlueIsClippedAllOverASkyIsStillBlue) {
+  const CloudCover cover = cover_of([](double zenith, double azimuth) {
+    return glm::vec3(0.55f, 0.75f, 0.0f) * clear_sky(zenith, azimuth).g + glm::vec3(0.0f, 0.0f, 1.1f);
+  });
+  ASSERT_TRUE(cover.fraction) << cover.reason;
+  EXPECT_LT(*cover.fraction, 0.1);
+  EXPECT_EQ(cover.sky, SkyClass::clear);
 }
 
 TEST(CloudCover, AMaskThatHidesAllLeavesNothingToJudge) {
