@@ -61,10 +61,12 @@ struct SquaredError {
   double count = 0.0;
 };
 
-SquaredError squared_error(const StackSamples& samples, const ResponseFit& fit) {
-  SquaredError error;
+// Of each exposure.
+std::vector<SquaredError> squared_errors(const StackSamples& samples, const ResponseFit& fit) {
+  std::vector<SquaredError> errors(samples.exposures);
   struct Reading {
     double value, light, weight, s;
+    std::size_t exposure;
   };
   std::vector<Reading> readings;
   for (int c = 0; c < 3; ++c) {
@@ -77,7 +79,7 @@ SquaredError squared_error(const StackSamples& samples, const ResponseFit& fit) 
         if (value < 1.5 * samples.quantum || value >= kSaturated) continue;
         const double s = std::exp(fit.log_s[j]), slope = std::max(slope_at(curve, value), 1e-6);
         const double weight = s * s / (slope * slope);
-        readings.push_back({value, light_at(curve, value) / s, weight, s});
+        readings.push_back({value, light_at(curve, value) / s, weight, s, j});
         weights += weight;
         sum += weight * readings.back().light;
       }
@@ -87,12 +89,12 @@ SquaredError squared_error(const StackSamples& samples, const ResponseFit& fit) 
         if (!(others > 1e-9 * weights)) continue;
         const double predicted = value_at(curve, reading.s * (sum - reading.weight * reading.light) / others);
         const double steps = (reading.value - predicted) / samples.quantum;
-        error.sum += steps * steps;
-        error.count += 1.0;
+        errors[reading.exposure].sum += steps * steps;
+        errors[reading.exposure].count += 1.0;
       }
     }
   }
-  return error;
+  return errors;
 }
 
 // Over all folds; empty when one of them cannot be fitted.
@@ -101,9 +103,10 @@ std::optional<double> held_out(const Method& method, const StackSamples& samples
   for (std::size_t fold = 0; fold < kFolds; ++fold) {
     const auto fitted = fit(method, part_of(samples, fold, false), exposures);
     if (!fitted) return std::nullopt;
-    const auto error = squared_error(part_of(samples, fold, true), *fitted);
-    all.sum += error.sum;
-    all.count += error.count;
+    for (const auto& error : squared_errors(part_of(samples, fold, true), *fitted)) {
+      all.sum += error.sum;
+      all.count += error.count;
+    }
   }
   if (!(all.count > 0.0)) return std::nullopt;
   return std::sqrt(all.sum / all.count);
@@ -193,6 +196,13 @@ std::vector<std::optional<double>> linear_ratios(const StackSamples& samples, co
     ratios.push_back(median_in_place(all));
   }
   return ratios;
+}
+
+std::vector<double> prediction_errors(const StackSamples& samples, const ResponseFit& fit) {
+  std::vector<double> steps;
+  for (const auto& error : squared_errors(samples, fit))
+    steps.push_back(error.count > 0.0 ? std::sqrt(error.sum / error.count) : 0.0);
+  return steps;
 }
 
 Result<ResponseCalibration> calibrate_response(const StackSamples& samples, const KnownExposures& exposures) {

@@ -69,6 +69,8 @@ struct ResponseCalibration {
 // Both methods with several orders and smoothnesses, compared by four-fold cross-validation over pixels; takes the
 // simplest of those that are as good as the best. Errors (bad_input): the exposures overlap too little.
 Result<ResponseCalibration> calibrate_response(const StackSamples& samples, const KnownExposures& exposures);
+// For each exposure the rms of its values against their prediction by the pixels' other exposures, in steps of a value.
+std::vector<double> prediction_errors(const StackSamples& samples, const ResponseFit& fit);
 
 // Variance of light, full scale 1: shot noise grows with the light, read noise does not.
 struct NoiseModel {

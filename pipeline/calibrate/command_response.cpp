@@ -8,6 +8,7 @@
 #include "base/utc_text.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/light/exposure_stack.hpp"
+#include "calib/light/one_view.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
 #include "pipeline/calibration_report/plots.hpp"
@@ -186,15 +187,18 @@ Result<int> calibrate(const ResponseArguments& arguments) {
   auto mask = circle_mask(arguments.circle, size);
   if (mask.empty() && !found.dark.hot.empty()) mask = Image<std::uint8_t>(size.x, size.y, 255);
   for (const auto& hot : found.dark.hot) mask.at(hot.x, hot.y) = 0;
+  if (auto one = check_one_view(stack, mask); !one) return fail(one.error());
   const auto known =
       known_exposures(std::move(stack), arguments.exposures_s, arguments.exposure_percent, found.dark.black, mask);
   if (known.stack.pictures.size() < 2)
     return fail(FaultKind::bad_input,
                 "no two of the {} pictures overlap: expected exposures each 2 to 4 times the one before",
                 arguments.pictures.size());
+  if (auto differ = check_exposure_ratios(known); !differ) return fail(differ.error());
   const auto samples = sample_stack(known.stack.pictures, known.stack.quantum, found.dark.black, mask, kStackPixels);
   auto calibration = calibrate_response(samples, known.exposures);
   if (!calibration) return fail(calibration.error());
+  if (auto close = check_prediction(*calibration, samples, known); !close) return fail(close.error());
   found.calibration = std::move(*calibration);
   found.curve = curve_of(found.calibration, found.dark.black);
   found.noise = fit_noise(samples, found.calibration.fit);

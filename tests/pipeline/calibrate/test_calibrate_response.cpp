@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "calib/camera.hpp"
@@ -91,6 +92,74 @@ TEST(CalibrateResponse, ExposuresDarkFrameAndFlatFieldGiveCurveBlackLevelAndVign
     EXPECT_NEAR(camera.vignetting.at(at) / shade(at.x, at.y), 1.0, 0.01);
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.sky-response.png"), 1000u);
   EXPECT_GT(std::filesystem::file_size(folder / "merged.tiff"), 1000u);
+}
+
+// Exposures of this test's view in a folder, as arguments.
+std::string written(const std::filesystem::path& folder, const std::vector<double>& exposures) {
+  std::mt19937_64 random(2);
+  std::string files;
+  for (std::size_t j = 0; j < exposures.size(); ++j) {
+    const auto file = folder / fmt::format("e{}.png", j);
+    EXPECT_TRUE(write_png(file, picture(exposures[j], false, random)));
+    files += " " + file.string();
+  }
+  return files;
+}
+
+TEST(CalibrateResponse, OneExposureRepeatedIsRefused) {
+  const auto folder = fresh_folder("calibrate-response-same");
+  const auto files = written(folder, {0.5, 0.5, 0.5});
+  const auto file = folder / "calibration.toml";
+  for (const std::string times : {"", "--exposures-s .01,.01,.01"}) {
+    const auto outcome = run(fmt::format("response{} {} --out {}", files, times, file.string()));
+    EXPECT_EQ(outcome.code, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("all exposures are the same"));
+    EXPECT_THAT(outcome.err, HasSubstr("e0.png 1.0"));
+    EXPECT_FALSE(std::filesystem::exists(file));
+  }
+}
+
+TEST(CalibrateResponse, APictureOfAnotherViewIsNamed) {
+  const auto folder = fresh_folder("calibrate-response-other");
+  const auto files = written(folder, {0.125, 0.25, 0.5, 1.0});
+  std::mt19937_64 random(3);
+  auto other = picture(0.4, false, random);
+  for (int y = 0; y < kSide; ++y) std::reverse(other.row(y), other.row(y) + kSide);
+  ASSERT_TRUE(write_png(folder / "other.png", other));
+  const auto file = folder / "calibration.toml";
+  const auto outcome =
+      run(fmt::format("response{} {} --out {}", files, (folder / "other.png").string(), file.string()));
+  EXPECT_EQ(outcome.code, 2) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("1 of the 5 pictures"));
+  EXPECT_THAT(outcome.err, HasSubstr("other.png: at best "));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+TEST(CalibrateResponse, AStackWithWrongTimesIsRefusedWithItsFigure) {
+  const auto folder = fresh_folder("calibrate-response-times");
+  const auto file = folder / "calibration.toml";
+  const auto outcome = run(fmt::format("response{} --exposures-s .01,.02,.02,.08,.1 --circle 44,46,25 --out {}",
+                                       written(folder, {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0}), file.string()));
+  EXPECT_EQ(outcome.code, 2) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("steps of 255 (rms), expected at most 3; worst in e"));
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+// Details are in the data's README.
+TEST(CalibrateResponse, TheSkyOverAlpnachIsAStackAndNineDaysAreNot) {
+  const auto skies = shared_data_folder() / "sky";
+  if (!std::filesystem::exists(skies / "skycam-alpnach") || !std::filesystem::exists(skies / "real"))
+    GTEST_SKIP() << skies << " is not here: real stacks not tested";
+  const auto file = fresh_folder("calibrate-response-real") / "calibration.toml";
+  const auto stack =
+      run(fmt::format("response {}/*_image.png --out {}", (skies / "skycam-alpnach").string(), file.string()));
+  EXPECT_EQ(stack.code, 0) << stack.err;
+  const auto days = run(fmt::format("response {}/beijing-28*.jpg --out {}", (skies / "real").string(), file.string()));
+  EXPECT_EQ(days.code, 2) << days.out;
+  EXPECT_THAT(days.err, HasSubstr("beijing-281700.jpg: at best "));
+  const auto hour = run(fmt::format("response {}/unam-11*.jpg --out {}", (skies / "real").string(), file.string()));
+  EXPECT_EQ(hour.code, 2) << hour.out;
+  EXPECT_THAT(hour.err, HasSubstr("unam-11841.jpg: at best "));
 }
 
 TEST(CalibrateResponse, ReportsAllProblemsAtOnce) {
