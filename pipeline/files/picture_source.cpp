@@ -24,11 +24,6 @@ bool is_film(const std::filesystem::path& path) {
   return kFilms.count(ending_of(path)) > 0;
 }
 
-bool is_picture(const std::filesystem::path& path) {
-  static const std::set<std::string> kPictures{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm", ".exr"};
-  return kPictures.count(ending_of(path)) > 0;
-}
-
 class PictureFiles final : public PictureSource {
  public:
   PictureFiles(std::vector<std::filesystem::path> files, bool is_sequence, bool allow_damaged)
@@ -102,16 +97,26 @@ Result<std::unique_ptr<PictureSource>> open_film_to_read(const std::filesystem::
 }
 
 Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& path, bool allow_damaged) {
-  std::vector<std::filesystem::path> files;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(path, error))
-    if (is_picture(entry.path())) files.push_back(entry.path());
+  auto files = pictures_in(path);
   if (files.empty()) return fail(FaultKind::bad_input, "{}: expected a folder with pictures in it", path.string());
-  std::sort(files.begin(), files.end());
   return std::make_unique<PictureFiles>(std::move(files), true, allow_damaged);
 }
 
 }  // namespace
+
+bool is_picture_file(const std::filesystem::path& path) {
+  static const std::set<std::string> kPictures{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm", ".exr"};
+  return kPictures.count(ending_of(path)) > 0;
+}
+
+std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (is_picture_file(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
 
 Result<std::unique_ptr<PictureSource>> open_pictures(const std::vector<std::string>& names, bool allow_damaged) {
   std::error_code error;

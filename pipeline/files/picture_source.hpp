@@ -30,6 +30,11 @@ class PictureSource {
   virtual bool is_sequence() const { return false; }
 };
 
+// By the ending of its name, in capitals or not.
+bool is_picture_file(const std::filesystem::path& path);
+// The picture files of a folder, sorted by name; not those of its folders. None: there are none, or it cannot be read.
+std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder);
+
 // Each of `names` a picture, a folder (its pictures by name) or a film (what this machine's FFmpeg reads: .mp4, .mov,
 // .mkv, .avi, .webm); a film or a folder must be the only one. Errors (bad_input): nothing there, an empty folder. `allow_damaged`:
 // of files, what is left of them; else next() refuses them.

@@ -1,28 +1,37 @@
-// A progress bar for a person at a terminal; silent when standard error is not one.
+// Progress for a person at a terminal, on a line that is drawn anew; silent when standard error is not one.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace kasumi {
 
+// "estimate [######........] 12/30, 1.9/s, 0:10 left"; without a total "estimate 12, 1.9/s".
+std::string progress_text(std::string_view title, std::size_t done, std::optional<std::size_t> total,
+                          std::chrono::duration<double> elapsed);
+
 class Progress {
  public:
-  Progress(std::string title, std::size_t total);
+  // `total` is empty where it is not known.
+  Progress(std::string title, std::optional<std::size_t> total);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
+  // Draws the line at most 20 times a second.
   void advance(std::string_view detail);
+  // Before something else is written to the terminal; the next step draws the line again at once.
+  void clear();
 
  private:
   void draw(std::string_view detail);
   std::string title_;
-  std::size_t total_;
+  std::optional<std::size_t> total_;
   std::size_t done_ = 0;
   bool terminal_;
-  std::chrono::steady_clock::time_point drawn_{};
+  std::chrono::steady_clock::time_point started_, drawn_{};
 };
 
 }  // namespace kasumi

@@ -1,16 +1,19 @@
 #include <cstdio>
 #include <deque>
-#include <iostream>
+#include <map>
 #include <thread>
 
 #include <CLI/CLI.hpp>
 
-#include "base/utc_text.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/files/picture_sink.hpp"
+#include "pipeline/log_lines.hpp"
 #include "pipeline/machine/ordered_jobs.hpp"
+#include "pipeline/machine/progress.hpp"
 #include "pipeline/photographs/estimate_answer.hpp"
 #include "pipeline/photographs/estimate_arguments.hpp"
+#include "pipeline/photographs/estimate_csv.hpp"
+#include "pipeline/photographs/estimate_inputs.hpp"
 #include "pipeline/photographs/estimate_tally.hpp"
 #include "pipeline/photographs/estimated_response.hpp"
 #include "pipeline/photographs/fit_plot.hpp"
@@ -24,26 +27,9 @@ namespace kasumi {
 namespace {
 
 struct ImageJob {
-  std::filesystem::path file;
-  std::optional<Utc> utc;
-  std::string problem;                     // of a line of the list
+  SkyInput input;
   const SceneVisibility* scene = nullptr;  // taken at the same time
 };
-
-// One line of a list: a path, or a path, a tab and a UTC time.
-ImageJob job_of(std::string line) {
-  if (!line.empty() && line.back() == '\r') line.pop_back();
-  ImageJob job;
-  const auto tab = line.find('\t');
-  job.file = line.substr(0, tab);
-  if (tab != std::string::npos) {
-    job.utc = parse_utc(line.substr(tab + 1));
-    if (!job.utc)
-      job.problem = fmt::format("{}: time '{}': expected a time like 2018-01-29T11:09:20Z", job.file.string(),
-                                line.substr(tab + 1));
-  }
-  return job;
-}
 
 // The landmarks' result from the scene camera's picture of the same time, compared with the sky.
 std::string landmarks_answer(const SceneVisibilities& scenes, const SceneVisibility& scene,
@@ -67,24 +53,45 @@ struct Answer {
   std::string useless;  // why nothing is known from it; empty: something is, or `error` says more
 };
 
-Answer answer_of(const EstimateArguments& arguments, SkyPhotographs& photographs, const SceneVisibilities* scenes,
+// What one thread keeps of each camera.
+class Worker {
+ public:
+  explicit Worker(const std::vector<SkyPhotographOptions>& cameras) : cameras_(&cameras) {}
+  SkyPhotographs& of(std::size_t camera) { return photographs_.try_emplace(camera, (*cameras_)[camera]).first->second; }
+  std::optional<Utc> utc_of(const SkyInput& input) const {
+    return input.utc ? input.utc : (*cameras_)[input.camera].utc;
+  }
+
+ private:
+  const std::vector<SkyPhotographOptions>* cameras_;
+  std::map<std::size_t, SkyPhotographs> photographs_;
+};
+
+Answer answer_of(const EstimateArguments& arguments, Worker& worker, const SceneVisibilities* scenes,
                  const ImageJob& job) {
-  if (!job.problem.empty()) return {"", job.problem, ""};
-  const auto report = photographs.estimate_from(job.file, job.utc);
-  if (!report) return {"", report.error().message, ""};
+  const auto& [file, utc, problem, camera] = job.input;
+  const auto unread = [&](const std::string& why) {
+    return Answer{arguments.csv ? estimate_csv_line(file.string(), worker.utc_of(job.input), why) : "", why, ""};
+  };
+  if (!problem.empty()) return unread(problem);
+  const auto report = worker.of(camera).estimate_from(file, utc);
+  if (!report) return unread(report.error().message);
   const auto landmarks_text =
       job.scene ? landmarks_answer(*scenes, *job.scene, &*report, arguments.json) : std::string();
   Answer answer;
   if (!report->look.estimate.usable && !(job.scene && job.scene->usable()))
     answer.useless = why_useless(report->look.estimate);
-  answer.text = arguments.json ? estimate_json(job.file, *report, landmarks_text)
-                               : estimate_text(job.file, *report) + landmarks_text;
+  if (arguments.csv)
+    answer.text = estimate_csv_line(estimate_json(file, *report, ""), worker.utc_of(job.input));
+  else
+    answer.text =
+        arguments.json ? estimate_json(file, *report, landmarks_text) : estimate_text(file, *report) + landmarks_text;
   if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
-    const auto path = plot_path(arguments, job.file);
+    const auto path = plot_path(arguments, file);
     const auto& estimate = report->look.estimate;
-    auto title = fmt::format("{}: {}", job.file.filename().string(), estimate.reason);
+    auto title = fmt::format("{}: {}", file.filename().string(), estimate.reason);
     if (estimate.usable)
-      title = fmt::format("{}: T = {:.3f} +- {:.3f}, aerosol depth {:.3f} +- {:.3f}", job.file.filename().string(),
+      title = fmt::format("{}: T = {:.3f} +- {:.3f}, aerosol depth {:.3f} +- {:.3f}", file.filename().string(),
                           estimate.turbidity.value, estimate.sigma, report->quality->aod_550,
                           aerosol_sigmas(estimate, *report->air).aod_550);
     if (auto written = write_png(path, plot_fit(*report->picture, report->look, title)); !written)
@@ -108,12 +115,16 @@ Result<> make_folder(const std::filesystem::path& folder) {
 }
 
 Result<int> estimate_scans(const EstimateArguments& arguments) {
-  const auto options = sky_photograph_options(arguments);
+  const auto options = sky_photograph_options(arguments, false);
   if (!options) return fail(options.error());
   EstimateTally tally;
+  if (arguments.csv) fmt::print("{}", estimate_csv_header());
   for (const std::filesystem::path file : arguments.scans) {
     const auto report = report_on_scan(file, *options);
-    if (report)
+    if (arguments.csv)
+      fmt::print("{}", report ? estimate_csv_line(estimate_json(file, report->answer, ""), options->utc)
+                              : estimate_csv_line(file.string(), options->utc, report.error().message));
+    else if (report)
       fmt::print("{}", arguments.json ? estimate_json(file, report->answer, "") : estimate_text(file, report->answer));
     std::fflush(stdout);
     const std::string told = report ? report->note : report.error().message;
@@ -171,71 +182,55 @@ Result<int> answer_scenes(const SceneVisibilities& scenes, const EstimateArgumen
   return exit_code_of(tally, "picture");
 }
 
-Result<int> estimate(const EstimateArguments& arguments) {
-  if (!arguments.hazes.empty()) return estimate_hazes(arguments);
-  if (!arguments.scans.empty()) return estimate_scans(arguments);
-  std::optional<SceneVisibilities> scenes;
-  if (!arguments.scenes.empty()) {
-    auto visibilities =
-        read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
-    if (!visibilities) return fail(visibilities.error());
-    scenes = std::move(*visibilities);
-    if (arguments.images.empty()) return answer_scenes(*scenes, arguments);
-    if (arguments.from_stdin() || scenes->pictures.size() != arguments.images.size())
-      return fail(
-          FaultKind::bad_input,
-          "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
-          scenes->pictures.size(), arguments.from_stdin() ? 0 : arguments.images.size());
-  }
-  if (!arguments.measured.empty())
-    return fail(FaultKind::bad_input, "--measured: is for --scene alone, expected no pictures of the sky beside it");
-  auto options = sky_photograph_options(arguments);
-  if (!options) return fail(options.error());
+// Arguments that name no picture are reported first; the others are answered all the same.
+Result<int> estimate_pictures(const EstimateArguments& arguments, const std::optional<SceneVisibilities>& scenes) {
+  auto inputs = EstimateInputs::expand(arguments);
+  if (!inputs) return fail(inputs.error());
+  const auto& missing = inputs->problems();
+  if (!missing.empty() && (inputs->empty() || scenes)) return fail(missing.fault());
+  if (scenes && scenes->pictures.size() != inputs->count())
+    return fail(FaultKind::bad_input,
+                "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
+                scenes->pictures.size(), inputs->count().value_or(0));
+  if (!arguments.plot_dir.empty())
+    if (auto made = make_folder(arguments.plot_dir); !made) return fail(made.error());
+  EstimateTally tally;
+  if (!missing.empty()) print_error(missing.fault().message);
+  for (std::size_t i = 0; i < missing.lines().size(); ++i) tally.unread();
 
-  std::size_t given = 0;
-  const auto from_arguments_or_list = [&]() -> std::optional<ImageJob> {
-    if (!arguments.from_stdin()) {
-      if (given == arguments.images.size()) return std::nullopt;
-      const auto at = given++;
-      return ImageJob{arguments.images[at], std::nullopt, "", scenes ? &scenes->pictures[at] : nullptr};
-    }
-    for (std::string line; std::getline(std::cin, line);)
-      if (!line.empty()) return job_of(std::move(line));
-    return std::nullopt;
-  };
-  std::deque<ImageJob> known;  // beforehand, where the pictures' response is found from all of them
+  std::deque<SkyInput> known;  // beforehand, where the pictures' response is found from all of them
   if (arguments.response_from_pictures()) {
     std::vector<PhotographOfSky> taken;
-    while (auto job = from_arguments_or_list()) {
-      if (job->problem.empty()) taken.push_back({job->file, job->utc});
-      known.push_back(std::move(*job));
+    while (auto input = inputs->next()) {
+      if (input->problem.empty()) taken.push_back({input->file, input->utc});
+      known.push_back(std::move(*input));
     }
-    const auto tone = tone_curve_of(taken, *options);
+    const auto tone = tone_curve_of(taken, inputs->cameras().front());
     if (!tone) return fail(FaultKind::bad_input, "--response estimate: {}", tone.error().message);
-    options->tone = *tone;
+    inputs->set_tone(*tone);
   }
+  std::size_t given = 0;
   const auto next = [&]() -> std::optional<ImageJob> {
-    if (known.empty()) return arguments.response_from_pictures() ? std::nullopt : from_arguments_or_list();
-    const auto job = std::move(known.front());
-    known.pop_front();
-    return job;
+    auto input = known.empty() ? inputs->next() : std::optional(std::move(known.front()));
+    if (!known.empty()) known.pop_front();
+    if (!input) return std::nullopt;
+    return ImageJob{std::move(*input), scenes ? &scenes->pictures[given++] : nullptr};
   };
 
   const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
   std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
-  if (!arguments.from_stdin()) threads = std::min(threads, arguments.images.size());
-  std::vector<SkyPhotographs> workers;
-  for (std::size_t i = 0; i < threads; ++i) workers.emplace_back(*options);
-
-  if (!arguments.plot_dir.empty())
-    if (auto made = make_folder(arguments.plot_dir); !made) return fail(made.error());
-  EstimateTally tally;
+  threads = std::min(threads, inputs->count().value_or(threads));
+  std::vector<Worker> workers(threads, Worker(inputs->cameras()));
+  if (arguments.csv) fmt::print("{}", estimate_csv_header());
+  std::fflush(stdout);
+  Progress progress("estimate", inputs->count());
   run_in_order<ImageJob, Answer>(
       threads, next,
       [&](std::size_t worker, const ImageJob& job) {
         return answer_of(arguments, workers[worker], scenes ? &*scenes : nullptr, job);
       },
       [&](const ImageJob&, const Answer& answer) {
+        progress.clear();
         fmt::print("{}", answer.text);
         std::fflush(stdout);
         if (!answer.error.empty()) {
@@ -246,8 +241,29 @@ Result<int> estimate(const EstimateArguments& arguments) {
         } else {
           tally.useful();
         }
+        progress.advance("");
       });
+  progress.clear();
   return exit_code_of(tally, "picture");
+}
+
+Result<int> estimate(const EstimateArguments& arguments) {
+  const bool pictures_asked = !arguments.images.empty() || (arguments.scenes.empty() && arguments.scans.empty());
+  if (arguments.csv && (!arguments.hazes.empty() || !arguments.scenes.empty()))
+    return fail(FaultKind::bad_input, "--csv: has no columns for --haze and --scene, expected --json");
+  if (!arguments.hazes.empty()) return estimate_hazes(arguments);
+  if (!arguments.scans.empty()) return estimate_scans(arguments);
+  std::optional<SceneVisibilities> scenes;
+  if (!arguments.scenes.empty()) {
+    auto visibilities =
+        read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
+    if (!visibilities) return fail(visibilities.error());
+    scenes = std::move(*visibilities);
+    if (!pictures_asked) return answer_scenes(*scenes, arguments);
+  }
+  if (!arguments.measured.empty())
+    return fail(FaultKind::bad_input, "--measured: is for --scene alone, expected no pictures of the sky beside it");
+  return estimate_pictures(arguments, scenes);
 }
 
 }  // namespace
@@ -256,9 +272,10 @@ void add_estimate_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("estimate", "Turbidity from photographs of the sky");
   auto arguments = std::make_shared<EstimateArguments>();
   add_estimate_options(*command, *arguments);
-  command->callback([arguments, &action] {
+  command->callback([command, arguments, &action] {
     if (!arguments->scenes.empty() && arguments->landmarks.empty())
       throw CLI::ValidationError("--scene", "expected --landmarks FILE with their places and distances");
+    order_lists(*command, *arguments);
     action = [arguments] { return estimate(*arguments); };
   });
 }

@@ -22,7 +22,7 @@ Result<> read_calibration(const std::string& file, SkyPhotographOptions& options
 }
 
 // The sun's position must be given in exactly one way.
-void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options, Problems& problems) {
+void read_sun(const EstimateArguments& arguments, bool own_times, SkyPhotographOptions& options, Problems& problems) {
   if (arguments.sun_zenith_deg.has_value() != arguments.sun_azimuth_deg.has_value())
     problems.add("--sun-zenith-deg and --sun-azimuth-deg: expected both or neither");
   if (arguments.lat.has_value() != arguments.lon.has_value()) problems.add("--lat and --lon: expected both or neither");
@@ -36,8 +36,7 @@ void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options,
   options.sun_from_image = arguments.sun_from_image;
   if (options.sun && options.utc)
     problems.add("--utc and --sun-zenith-deg: expected only one, both give the sun's position");
-  const bool times_may_follow = arguments.from_stdin() && options.site;
-  if (!options.sun && !(options.site && (options.utc || times_may_follow)) && !options.sun_from_image)
+  if (!options.sun && !(options.site && (options.utc || own_times)) && !options.sun_from_image)
     problems.add(
         "the sun's position is unknown: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
         "and --lon (or a --calibration with [site]), or --sun-from-image");
@@ -66,7 +65,7 @@ void refuse_for_scans(const EstimateArguments& arguments, Problems& problems) {
 
 }  // namespace
 
-Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments) {
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments, bool own_times) {
   SkyPhotographOptions options;
   Problems problems;
   if (!arguments.calibration.empty())
@@ -85,7 +84,7 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
   if (arguments.azimuth_up_deg) options.azimuth_up = from_degrees(*arguments.azimuth_up_deg);
   options.allow_damaged = arguments.allow_damaged;
   options.linear_response = arguments.response == "linear";
-  read_sun(arguments, options, problems);
+  read_sun(arguments, own_times, options, problems);
   options.estimate.method =
       arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
   const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m;
@@ -98,9 +97,13 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   auto& a = arguments;
-  command.add_option(
-      "image", a.images,
-      "Pictures; none or -: a list on standard input, one path a line, with a tab and its UTC where known");
+  command.add_option("image", a.images,
+                     "Pictures of the sky; folders (their pictures by name); recordings (folders with fixture.toml: "
+                     "their times, camera "
+                     "and site); @FILE or -: a list in a file or on standard input, one path a line, with a tab and "
+                     "its UTC where known; "
+                     "patterns in quotes, like 'DIR/*.jpg'. Default: -");
+  command.add_option("--list", a.lists, "A list of pictures, as @FILE")->type_name("FILE")->allow_extra_args(false);
   auto* scene = command.add_option(
       "--scene", a.scenes,
       "Pictures of the scene camera, or a folder: visibility from --landmarks; alone or one for each of the sky");
@@ -176,11 +179,26 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       ->check(CLI::Range(60, 100000))
       ->capture_default_str();
   command.add_option("--seed", a.seed, "Seed of the random choice of pixels")->capture_default_str();
-  command.add_flag("--json", a.json, "One JSON object per line");
+  auto* json = command.add_flag("--json", a.json, "One JSON object per line");
+  command.add_flag("--csv", a.csv, "A table with a line for each picture, under a line of names")->excludes(json);
   command.add_flag("--plot", a.plot, "Write IMAGE.fit.png, fit against samples, next to each image");
   command.add_option("--plot-dir", a.plot_dir, "Write the plots into this folder instead");
   command.add_option("--jobs", a.jobs, "Pictures processed at a time (default: one per core)")
       ->check(CLI::Range(1, 1024));
+}
+
+void order_lists(const CLI::App& command, EstimateArguments& arguments) {
+  const auto* list = command.get_option("--list");
+  const auto* image = command.get_option("image");
+  std::vector<std::string> ordered;
+  auto next_image = arguments.images.begin();
+  auto next_list = arguments.lists.begin();
+  for (const auto* option : command.parse_order()) {
+    if (option == list && next_list != arguments.lists.end()) ordered.push_back("@" + *next_list++);
+    if (option == image && next_image != arguments.images.end()) ordered.push_back(*next_image++);
+  }
+  arguments.images = std::move(ordered);
+  arguments.lists.clear();
 }
 
 }  // namespace kasumi

@@ -16,7 +16,8 @@ class App;
 namespace kasumi {
 
 struct EstimateArguments {
-  std::vector<std::string> images;
+  std::vector<std::string> images;  // of the sky: files, folders, recordings, "@LIST", patterns, "-"; in order
+  std::vector<std::string> lists;   // until they are in `images`
   std::vector<std::string> scenes;  // of the scene camera
   std::vector<std::string> scans;   // a sky scanner's tables, instead of pictures
   std::string landmarks;
@@ -41,20 +42,20 @@ struct EstimateArguments {
   int samples = EstimateOptions{}.samples;
   std::uint64_t seed = 1;
   bool json = false;
+  bool csv = false;
   bool plot = false;
   std::string plot_dir;
   std::size_t jobs = 0;
 
   bool response_from_pictures() const { return response == "estimate"; }
-  bool from_stdin() const {
-    return (images.empty() && scenes.empty() && scans.empty() && hazes.empty()) ||
-           images == std::vector<std::string>{"-"};
-  }
 };
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments);
+// Puts each --list into the images, as @LIST, where it stood among them. After parsing.
+void order_lists(const CLI::App& command, EstimateArguments& arguments);
 
-// How to read the pictures of the sky. Errors (bad_input): everything that is wrong with them at once.
-Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments);
+// How to read the pictures of the sky. `own_times`: times come with them, so that none is needed here. Errors
+// (bad_input): everything that is wrong with them at once.
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments, bool own_times);
 
 }  // namespace kasumi
