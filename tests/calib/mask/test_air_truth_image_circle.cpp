@@ -1,5 +1,5 @@
-// How near the image circle is to the truth, over generated fisheye pictures: a row of the table. The limits of
-// what convinces were set with the development pictures.
+// How near the image circle is to the truth, over generated fisheye pictures, and how far its confidence can be
+// believed. The weights of the evidence were fitted to development pictures.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,10 +10,18 @@
 #include <glm/geometric.hpp>
 
 #include "tests/calib/mask/rim_pictures.hpp"
+#include "tests/calib/mask/strange_rims.hpp"
 #include "tests/figures.hpp"
 
 namespace kasumi {
 namespace {
+
+constexpr double kFound = 0.5;  // confidence from which a circle counts as found
+
+double error_of(const ImageCircle& found, const ImageCircle& truth) {
+  return std::max(glm::distance(found.centre, truth.centre), std::abs(found.radius_px - truth.radius_px)) /
+         truth.radius_px;
+}
 
 struct Circles {
   int pictures = 0, without = 0, made_up = 0;
@@ -38,14 +46,11 @@ Circles circles_of(test::RimSet set) {
   for (const std::uint64_t seed : figure_cases("fisheye pictures and as many without a circle", quarter, whole)) {
     const auto picture = test::draw_rim(set, seed);
     ++circles.pictures;
-    if (const auto found = find_image_circle(picture.pixels)) {
-      const auto& truth = *picture.circle;
-      circles.errors.push_back(
-          std::max(glm::distance(found->centre, truth.centre), std::abs(found->radius_px - truth.radius_px)) /
-          truth.radius_px);
-    }
+    if (const auto found = find_image_circle(picture.pixels); found && found->confidence >= kFound)
+      circles.errors.push_back(error_of(found->circle, *picture.circle));
     ++circles.without;
-    if (find_image_circle(test::draw_without_rim(set, seed).pixels)) ++circles.made_up;
+    const auto made_up = find_image_circle(test::draw_without_rim(set, seed).pixels);
+    if (made_up && made_up->confidence >= kFound) ++circles.made_up;
   }
   return circles;
 }
@@ -60,9 +65,10 @@ void check(const char* set, const Circles& circles, const char* before) {
                                  fmt::format("{} of {}; {:.0f} %", circles.errors.size(), circles.pictures,
                                              100.0 * circles.share_within(0.01)),
                                  "; all", "`test_air_truth_image_circle`"});
-  EXPECT_GE(circles.share_within(0.01), 0.85);
-  EXPECT_GE(static_cast<int>(circles.errors.size()), circles.pictures / 3);
-  EXPECT_EQ(circles.made_up, 0);
+  EXPECT_GE(circles.share_within(0.02), 0.70);
+  EXPECT_GE(circles.share_within(0.01), 0.45);
+  EXPECT_GE(static_cast<int>(circles.errors.size()), circles.pictures / 2);
+  EXPECT_LE(circles.made_up, 0.02 * circles.without);
 }
 
 TEST(AirTruthImageCircle, IsNearOrNotFoundInPicturesItWasMadeWith) {
@@ -73,6 +79,43 @@ TEST(AirTruthImageCircle, IsNearOrNotFoundInPicturesItWasMadeWith) {
 TEST(AirTruthImageCircle, IsNearOrNotFoundInOthers) {
   check("held out", circles_of(test::RimSet::held_out),
         "26 of 40, median 1.61 %, 90 % 13.6, within 1 %: 42 %; of 40 without 4");
+}
+
+// Surrounds of any colour, rings, flare, writing, walls and crops as strangers publish them.
+struct Strange {
+  int pictures = 0, near = 0, believed = 0, believed_wrong = 0, shapes_made_up = 0;
+};
+Strange strange_of(test::RimSet set) {
+  std::vector<std::uint64_t> quarter(40), whole(200);
+  for (std::size_t i = 0; i < whole.size(); ++i) whole[i] = 1000 + i;
+  std::copy_n(whole.begin(), quarter.size(), quarter.begin());
+  Strange strange;
+  for (const std::uint64_t seed : figure_cases("fisheye pictures of strangers, drawn", quarter, whole)) {
+    const auto drawn = test::draw_strange_rim(set, seed);
+    const auto found = find_image_circle(drawn.picture.pixels);
+    ++strange.pictures;
+    if (!found) continue;
+    double error = error_of(found->circle, *drawn.picture.circle);
+    if (drawn.horizon) error = std::min(error, error_of(found->circle, *drawn.horizon));
+    const bool near = error <= 0.02;
+    strange.near += near ? 1 : 0;
+    if (found->confidence >= 0.9) {
+      ++strange.believed;
+      strange.believed_wrong += near ? 0 : 1;
+    }
+    strange.shapes_made_up += drawn.pixel_aspect == 1.0 && found->pixel_aspect != 1.0 ? 1 : 0;
+  }
+  return strange;
+}
+
+TEST(AirTruthImageCircle, IsNearInPicturesOfStrangersAndKnowsWhenItIsNot) {
+  const Strange strange = strange_of(test::RimSet::held_out);
+  std::printf("strangers: %d of %d within 2 %%; of %d believed at 0.9 %d wrong; %d made ellipses\n", strange.near,
+              strange.pictures, strange.believed, strange.believed_wrong, strange.shapes_made_up);
+  EXPECT_GE(strange.near, 0.75 * strange.pictures);
+  EXPECT_GE(strange.believed, 0.6 * strange.pictures);
+  EXPECT_LE(strange.believed_wrong, 0.1 * strange.believed);
+  EXPECT_LE(strange.shapes_made_up, 0.01 * strange.pictures);
 }
 
 }  // namespace
