@@ -10,6 +10,7 @@
 #include "base/units.hpp"
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
+#include "estimator/sky_camera/expected_sun.hpp"
 #include "estimator/turbidity/sky_picture.hpp"
 
 namespace kasumi {
@@ -18,20 +19,19 @@ struct SunBlob {
   SunDirection direction{0.0, 0.0, 1.0};
   glm::dvec2 pixel{};       // of the camera's picture, sub-pixel
   Radians radius;           // of a cap with the solid angle of what is clipped
-  double confidence = 0.0;  // 0..1: probability that the sun is within 2 deg of it
+  double confidence = 0.0;  // 0..1: probability that it is the sun
   Radians sigma;            // standard deviation along either axis, if it is the sun
 };
 
 struct SunBlobOptions {
   double saturated = kSaturatedSun;  // encoded level that the dimmest channel must reach: the sun's core is white
   Radians largest_radius = from_degrees(25.0);  // larger: a bright cloud, or an overexposed sky
-  double least_confidence = 0.85;
-  Radians largest_sigma = from_degrees(1.75);
+  double least_by_aureole = 0.85, least_by_shape = 0.7;  // confidence
+  Radians largest_by_aureole = from_degrees(1.75), largest_by_shape = from_degrees(2.5);  // sigma
+  std::optional<ExpectedSun> expected = std::nullopt;
 };
 
-// Where two ways of looking at it agree: the centre of the sky around, which grows dimmer with the distance from the
-// sun, and the middle of its brightest spot. Empty where they do not, or where nothing looks like the sun's
-// surroundings: overcast, a cloud's white edge, a reflection, too long an exposure.
+// By the sky around it where that tells, which is the more precise; else by its shape. Empty where neither does.
 std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options = {});
 
 // "+- 0.4 deg, 97 % sure"

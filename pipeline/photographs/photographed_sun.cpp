@@ -19,19 +19,11 @@ SunDirection turned(const SunDirection& direction, Radians by) {
   return direction_from(zenith_angle(direction), azimuth_angle(direction) + by);
 }
 
-// Whatever is seen where the sun stands as high as it should is the likelier to be it: of the places that are not, one
-// in ten does by chance.
+// Whatever is seen where the sun stands as high as it should is the likelier to be it.
 std::optional<SunBlob> find_sun_as_high(const SkyPicture& picture, const Camera& camera, const SunDirection& sun) {
-  constexpr double kByChance = 0.1;
-  const SunBlobOptions usual;
-  SunBlobOptions unsure = usual;
-  unsure.least_confidence = 0.3;
-  auto seen = find_sun(picture, camera, unsure);
-  if (!seen || std::abs(zenith_angle(seen->direction).value - zenith_angle(sun).value) > kAgree.value)
-    return std::nullopt;
-  const double c = seen->confidence;
-  seen->confidence = c / (c + kByChance * (1.0 - c));
-  return seen->confidence >= usual.least_confidence ? seen : std::nullopt;
+  const auto seen = find_sun(picture, camera, {.expected = ExpectedSun{.direction = sun, .azimuth_known = false}});
+  const bool as_high = seen && std::abs(zenith_angle(seen->direction).value - zenith_angle(sun).value) <= kAgree.value;
+  return as_high ? seen : std::nullopt;
 }
 
 // Nobody said how the camera was turned.

@@ -1,69 +1,20 @@
 // Cloud fraction and sky class of strangers' photographs with hand-made labels; see the shared data's README.
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <map>
-#include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "estimator/cloud_cover/cloud_cover.hpp"
-#include "tests/places.hpp"
+#include "tests/estimator/sky_camera/labelled_skies.hpp"
 
 namespace kasumi {
 namespace {
 
-using Row = std::map<std::string, std::string>;
-
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      cells.emplace_back();
-    else if (c != '\r')
-      cells.back() += c;
-  }
-  return cells;
-}
-
-std::vector<Row> labels(const std::filesystem::path& folder) {
-  std::ifstream file(folder / "labels.csv");
-  std::string line;
-  std::getline(file, line);
-  const auto names = cells_of(line);
-  std::vector<Row> rows;
-  while (std::getline(file, line)) {
-    const auto cells = cells_of(line);
-    Row row;
-    for (std::size_t i = 0; i < names.size() && i < cells.size(); ++i) row[names[i]] = cells[i];
-    if (row["circle"] == "yes") rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
-CloudCover cover_of(Row row, const std::filesystem::path& folder) {
-  const cv::Mat image = cv::imread((folder / row["file"]).string(), cv::IMREAD_COLOR);
-  if (image.empty()) throw std::runtime_error("cannot be read: " + row["file"]);
-  Image<glm::vec3> encoded(image.cols, image.rows);
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) {
-      const auto& bgr = image.at<cv::Vec3b>(y, x);
-      encoded.at(x, y) = glm::vec3(bgr[2], bgr[1], bgr[0]) / 255.0f;
-    }
-  const double half = from_degrees(90.0).value;
-  Camera camera;
-  camera.name = "sky";
-  camera.width = image.cols;
-  camera.height = image.rows;
-  camera.lens = equidistant_lens({std::stod(row["cx"]), std::stod(row["cy"])}, std::stod(row["r"]) / half, {half});
-  camera.to_world = camera_to_world(from_degrees(180), from_degrees(90), {0});
+CloudCover cover_of(const test::LabelledSky& sky) {
   std::optional<SunDirection> sun;
-  if (!row["sun_x"].empty()) sun = camera.direction_at({std::stod(row["sun_x"]), std::stod(row["sun_y"])});
-  return cloud_cover(*sky_picture(encoded, 1.0 / 255.0, camera), camera, sun);
+  if (sky.sun_px) sun = sky.camera.direction_at(*sky.sun_px);
+  return cloud_cover(*sky_picture(view_of(sky.pixels), sky.camera), sky.camera, sun);
 }
 
 struct Tally {
@@ -74,20 +25,20 @@ struct Tally {
 };
 
 TEST(RealCloudCover, StrangersPicturesHaveTheirCloudFractionAndClass) {
-  const auto folder = shared_data_folder() / "sky" / "real";
-  if (!std::filesystem::exists(folder / "labels.csv")) GTEST_SKIP() << "no shared data: " << folder;
+  const auto skies = test::labelled_skies();
+  if (skies.empty()) GTEST_SKIP() << "no shared data: sky/real";
   Tally answered, error, covered;
   std::map<std::string, Tally> right;
-  for (Row row : labels(folder)) {
-    const CloudCover cover = cover_of(row, folder);
-    if (row["sky"] == "unknown") {
-      EXPECT_FALSE(cover.fraction) << row["id"];
+  for (const auto& sky : skies) {
+    const CloudCover cover = cover_of(sky);
+    if (sky.sky == "unknown") {
+      EXPECT_FALSE(cover.fraction) << sky.id;
     }
-    if (row["sky"] != "unknown" && row["sky"] != "none") right[row["camera"]].add(name_of(cover.sky) == row["sky"]);
-    if (row["cloud"].empty()) continue;
+    if (sky.sky != "unknown" && sky.sky != "none") right[sky.name].add(name_of(cover.sky) == sky.sky);
+    if (!sky.cloud) continue;
     answered.add(cover.fraction.has_value());
     if (!cover.fraction) continue;
-    const double off = std::abs(*cover.fraction - std::stod(row["cloud"]));
+    const double off = std::abs(*cover.fraction - *sky.cloud);
     error.add(off);
     covered.add(off <= 2.0 * cover.sigma);
   }

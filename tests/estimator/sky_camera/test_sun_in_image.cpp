@@ -1,6 +1,11 @@
+#include <cmath>
+#include <map>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "estimator/sky_camera/sun_in_image.hpp"
+#include "tests/estimator/sky_camera/labelled_skies.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
 
 namespace kasumi {
@@ -70,6 +75,161 @@ TEST(SunInImage, IsNotSeenInACloudyOrCoveredOrOverExposedSky) {
   Seen hot = see({.weather = test::Weather::covered_dark});
   hot.image.at(200, 300) = {255, 255, 255};  // a hot pixel has no aureole
   EXPECT_FALSE(hot.find());
+}
+
+// A blue sky of one brightness, in which only what is painted is bright.
+Seen blue_sky(std::uint8_t dimmest = 70) {
+  Seen seen{test::upward_camera(600), {}, direction_from(from_degrees(40), from_degrees(120))};
+  seen.image = Image<Rgb8>(600, 600);
+  for (int y = 0; y < 600; ++y)
+    for (int x = 0; x < 600; ++x)
+      if (seen.camera.direction_at({x, y}))
+        seen.image.at(x, y) = {dimmest, static_cast<std::uint8_t>(dimmest + 40),
+                               static_cast<std::uint8_t>(dimmest + 90)};
+  return seen;
+}
+
+// Glare around the sun's picture, or around a bright cloud's: level 255 inside the radius, then less.
+void paint_glare(Image<Rgb8>& image, glm::dvec2 centre, double radius) {
+  for (int y = 0; y < image.height(); ++y)
+    for (int x = 0; x < image.width(); ++x) {
+      const double further = glm::length(glm::dvec2{x, y} - centre) - radius;
+      const auto level = static_cast<std::uint8_t>(255.0 * std::exp(-std::max(0.0, further) / 60.0));
+      image.at(x, y) = glm::max(image.at(x, y), Rgb8(level));
+    }
+}
+
+constexpr Rgb8 kWhite{255, 255, 255};
+
+TEST(SunInImage, IsFoundInABloomBesideACloudWithStreaksDropsAndGhosts) {
+  for (const double radius : {6.0, 15.0, 30.0}) {  // 2 to 10 deg
+    Seen seen = blue_sky();
+    const glm::dvec2 sun = *seen.camera.pixel_of(seen.sun);
+    paint_glare(seen.image, sun, radius);
+    paint(seen.image, sun + glm::dvec2{radius + 5.0, 4.0}, 0.5 * radius, kWhite);       // a cloud that touches it
+    for (int y = 40; y < 560; ++y) seen.image.at(static_cast<int>(sun.x), y) = kWhite;  // a smear
+    paint(seen.image, glm::dvec2{598.0} - sun, 0.4 * radius, {230, 200, 240});          // a ghost opposite to it
+    for (const glm::dvec2 drop : {glm::dvec2{200, 210}, glm::dvec2{260, 330}, glm::dvec2{300, 180}})
+      paint(seen.image, drop, 1.5, kWhite);
+    const auto blob = seen.find();
+    ASSERT_TRUE(blob) << radius;
+    EXPECT_LT(to_degrees(angle_between(blob->direction, seen.sun)), 1.5) << radius;
+    EXPECT_LT(angle_between(blob->direction, seen.sun).value, 2.5 * blob->sigma.value) << radius;
+  }
+}
+
+TEST(SunInImage, IsFoundWhereTheSensorShowsItBlack) {
+  Seen seen = blue_sky();
+  const glm::dvec2 sun = *seen.camera.pixel_of(seen.sun);
+  paint_glare(seen.image, sun, 20.0);
+  paint(seen.image, sun + glm::dvec2{3.0, 0.0}, 4.0, {20, 20, 20});
+  const auto blob = seen.find();
+  ASSERT_TRUE(blob);
+  EXPECT_LT(to_degrees(angle_between(blob->direction, seen.sun)), 0.5);
+}
+
+TEST(SunInImage, IsNoneOfManyWhiteClouds) {
+  Seen seen = blue_sky(110);
+  for (int k = 0; k < 12; ++k) {
+    const double turn = 2.4 * k, distance = 60.0 + 15.0 * k;
+    const glm::dvec2 at = 299.5 + distance * glm::dvec2{std::cos(turn), std::sin(turn)};
+    paint(seen.image, at, 14.0, kWhite);
+    paint(seen.image, at + glm::dvec2{14.0, 6.0}, 10.0, kWhite);
+  }
+  EXPECT_FALSE(seen.find());
+}
+
+TEST(SunInImage, IsNotWhatIsWhiteOutsideTheCircle) {
+  Seen seen = blue_sky();
+  for (int y = 0; y < 600; ++y)
+    for (int x = 0; x < 600; ++x)
+      if (!seen.camera.direction_at({x, y})) seen.image.at(x, y) = kWhite;
+  EXPECT_FALSE(seen.find());
+}
+
+TEST(SunInImage, IsTheOneOfTwoThatTimeAndPlaceExpect) {
+  Seen seen = blue_sky();
+  const SunDirection other = direction_from(from_degrees(65), from_degrees(280));
+  for (const SunDirection& place : {seen.sun, other}) paint_glare(seen.image, *seen.camera.pixel_of(place), 9.0);
+  const auto picture = *sky_picture(view_of(seen.image), seen.camera, 800);
+  for (const SunDirection& place : {seen.sun, other})
+    for (const bool azimuth_known : {true, false}) {
+      // 3 deg off, and turned where the azimuth is not known.
+      const Radians turn = azimuth_known ? Radians{0.0} : from_degrees(77);
+      const SunDirection expected = direction_from(zenith_angle(place) + from_degrees(3), azimuth_angle(place) + turn);
+      const auto blob =
+          find_sun(picture, seen.camera, {.expected = ExpectedSun{expected, from_degrees(2), azimuth_known}});
+      ASSERT_TRUE(blob) << azimuth_known;
+      EXPECT_LT(to_degrees(angle_between(blob->direction, place)), 0.3) << azimuth_known;
+    }
+}
+
+TEST(SunInImage, IsLessSureWhereItIsNotExpected) {
+  Seen seen = blue_sky(130);
+  paint_glare(seen.image, *seen.camera.pixel_of(seen.sun), 9.0);
+  const auto picture = *sky_picture(view_of(seen.image), seen.camera, 800);
+  const auto sure = [&](const std::optional<ExpectedSun>& expected) {
+    const auto blob = find_sun(picture, seen.camera, {.least_by_aureole = 0.0, .least_by_shape = 0.0, .expected = expected});
+    return blob ? blob->confidence : 0.0;
+  };
+  const double alone = sure(std::nullopt);
+  EXPECT_GT(sure(ExpectedSun{seen.sun}), alone);
+  EXPECT_LT(sure(ExpectedSun{direction_from(from_degrees(20), from_degrees(300))}), alone);
+}
+
+TEST(SunInImage, IsTheSameInACroppedPicture) {
+  Seen seen = blue_sky();
+  const glm::dvec2 sun = *seen.camera.pixel_of(seen.sun);
+  paint_glare(seen.image, sun, 22.0);
+  paint(seen.image, sun + glm::dvec2{26.0, 10.0}, 12.0, kWhite);
+  const auto whole = find_sun(*sky_picture(view_of(seen.image), seen.camera), seen.camera);
+  ASSERT_TRUE(whole);
+  for (const int left : {0, 1, 7, 30})
+    for (const int top : {0, 3, 45}) {
+      Image<Rgb8> part(590 - left, 585 - top);
+      for (int y = 0; y < part.height(); ++y)
+        for (int x = 0; x < part.width(); ++x) part.at(x, y) = seen.image.at(x + left, y + top);
+      Camera camera = seen.camera;
+      camera.width = part.width();
+      camera.height = part.height();
+      const double edge = 0.5 * kPi;
+      const double focal = glm::distance(sun, glm::dvec2{299.5}) / from_degrees(40).value;
+      camera.lens = equidistant_lens(glm::dvec2{299.5} - glm::dvec2{left, top}, focal, {edge});
+      const auto blob = find_sun(*sky_picture(view_of(part), camera), camera);
+      ASSERT_TRUE(blob) << left << " " << top;
+      EXPECT_LT(to_degrees(angle_between(blob->direction, whole->direction)), 0.4) << left << " " << top;
+      EXPECT_NEAR(blob->confidence, whole->confidence, 0.1) << left << " " << top;
+    }
+}
+
+TEST(SunInImage, IsFoundInMostPicturesOfStrangersAndInNoneOfThoseWithoutIt) {
+  const auto skies = test::labelled_skies();
+  if (skies.empty()) GTEST_SKIP() << "no shared data: sky/real";
+  std::map<std::string, std::pair<int, int>> found, told;  // of each camera: so many, of so many
+  for (const auto& sky : skies) {
+    if (!sky.sun_scored) continue;
+    const auto blob = find_sun(*sky_picture(view_of(sky.pixels), sky.camera), sky.camera);
+    if (sky.sun_px) {
+      const double off = blob ? glm::distance(blob->pixel, *sky.sun_px) / sky.tolerance_px : 0.0;
+      auto& [good, all] = found[sky.name];
+      good += blob && off <= 1.0 ? 1 : 0;
+      ++all;
+      EXPECT_LE(off, 2.0) << sky.file;
+    } else {
+      auto& [wrong, all] = told[sky.name];
+      wrong += blob ? 1 : 0;
+      ++all;
+      EXPECT_FALSE(blob) << sky.file;
+    }
+  }
+  double share = 0.0;
+  for (const auto& [name, count] : found) {
+    std::printf("%s: %d of %d suns\n", name.c_str(), count.first, count.second);
+    share += static_cast<double>(count.first) / count.second / static_cast<double>(found.size());
+  }
+  for (const auto& [name, count] : told)
+    std::printf("%s: %d told in %d pictures without\n", name.c_str(), count.first, count.second);
+  EXPECT_GE(share, 0.9);
 }
 
 TEST(CrossCheck, UsesTheEphemerisWithATrustedClockAndTheImageWithout) {

@@ -1,0 +1,16 @@
+// The sun by its shape: the roundest, largest, loneliest bright area. That needs no smooth sky around, and tells it among
+// clouds, streaks and drops, in a bloom, and by a camera of which nothing is known.
+#pragma once
+
+#include <optional>
+
+#include "calib/camera.hpp"
+#include "estimator/sky_camera/sun_in_image.hpp"
+#include "estimator/turbidity/sky_picture.hpp"
+
+namespace kasumi {
+
+// Empty where no bright area is likely enough: overcast, a cloud's white edge, too long an exposure.
+std::optional<SunBlob> sun_by_shape(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options);
+
+}  // namespace kasumi
