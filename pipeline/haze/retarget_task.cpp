@@ -1,4 +1,4 @@
-#include "pipeline/photographs/retarget_task.hpp"
+#include "pipeline/haze/retarget_task.hpp"
 
 #include <algorithm>
 #include <cstdlib>

@@ -6,8 +6,8 @@
 
 #include "pipeline/command.hpp"
 #include "pipeline/files/picture_source.hpp"
-#include "pipeline/photographs/retarget_outputs.hpp"
-#include "pipeline/photographs/retarget_task.hpp"
+#include "pipeline/haze/retarget_outputs.hpp"
+#include "pipeline/haze/retarget_task.hpp"
 #include "pipeline/photographs/sky_model_choice.hpp"
 
 namespace kasumi {

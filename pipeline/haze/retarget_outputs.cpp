@@ -1,4 +1,4 @@
-#include "pipeline/photographs/retarget_outputs.hpp"
+#include "pipeline/haze/retarget_outputs.hpp"
 
 #include <cstdio>
 

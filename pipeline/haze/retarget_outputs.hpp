@@ -9,7 +9,7 @@
 #include "pipeline/files/contact_sheet.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/files/picture_source.hpp"
-#include "pipeline/photographs/retarget_task.hpp"
+#include "pipeline/haze/retarget_task.hpp"
 
 namespace kasumi {
 
