@@ -99,7 +99,28 @@ class OpencvFisheyeLens final : public FisheyeLens {
   double largest_angle_;
 };
 
+class MirroredLens final : public Lens {
+ public:
+  explicit MirroredLens(LensPtr lens) : lens_(std::move(lens)) {}
+  std::string_view name() const override { return lens_->name(); }
+  std::optional<glm::dvec2> project(const glm::dvec3& ray) const override {
+    return lens_->project({-ray.x, ray.y, ray.z});
+  }
+  std::optional<glm::dvec3> unproject(const glm::dvec2& pixel) const override {
+    const auto ray = lens_->unproject(pixel);
+    if (!ray) return std::nullopt;
+    return glm::dvec3{-ray->x, ray->y, ray->z};
+  }
+
+ private:
+  LensPtr lens_;
+};
+
 }  // namespace
+
+LensPtr mirrored_lens(LensPtr lens) {
+  return std::make_shared<MirroredLens>(std::move(lens));
+}
 
 LensPtr equidistant_lens(glm::dvec2 centre, double focal_px, Radians largest_angle) {
   return std::make_shared<EquidistantLens>(centre, focal_px, largest_angle.value);

@@ -35,6 +35,8 @@ using LensPtr = std::shared_ptr<const Lens>;
 LensPtr equidistant_lens(glm::dvec2 centre, double focal_px, Radians largest_angle);
 // r = 2 f sin(theta / 2)
 LensPtr equisolid_lens(glm::dvec2 centre, double focal_px, Radians largest_angle);
+// The same for pictures that are turned over, left to right.
+LensPtr mirrored_lens(LensPtr lens);
 // OpenCV's fisheye model: theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
 LensPtr opencv_fisheye_lens(glm::dvec2 focal_px, glm::dvec2 centre, std::array<double, 4> k, Radians largest_angle);
 // Scaramuzza's (OCamCalib's) model, in OCamCalib's own terms: from the centre a pixel lies c v + d u rows down and
@@ -61,7 +63,8 @@ std::optional<PinholeModel> pinhole_model(const Lens& lens);
 Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path);
 
 // [lens] of a camera. Problems are recorded in the table; the result is then some valid lens, so that reading can go
-// on. Keys by model (docs/cameras.md), fisheyes also largest_angle_deg (default 90, or fov_deg / 2):
+// on. Keys by model (docs/cameras.md), fisheyes also largest_angle_deg (default 90, or fov_deg / 2)
+// and mirrored (default false; the picture is turned over, left to right):
 //   model = "equidistant" | "equisolid":  focal_px = f, centre_px = [x, y]  or  fov_deg, circle_px = [x, y, radius]
 //   model = "opencv_fisheye":             focal_px = [fx, fy], centre_px, k = [k1, k2, k3, k4]
 //   model = "scaramuzza":                 polynomial = [a0, ...], centre_px, affine = [c, d, e]  or  ocamcalib = "FILE"

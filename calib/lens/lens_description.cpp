@@ -32,7 +32,7 @@ std::string pair(const glm::dvec2& v) {
 
 LensPtr make_lens(const LensDescription& description) {
   const Radians largest = description.largest_angle;
-  return std::visit(
+  const LensPtr lens = std::visit(
       Overloaded{[&](const IdealFisheyeModel& m) {
                    return m.equisolid ? equisolid_lens(m.centre, m.focal_px, largest)
                                       : equidistant_lens(m.centre, m.focal_px, largest);
@@ -41,6 +41,7 @@ LensPtr make_lens(const LensDescription& description) {
                  [&](const ScaramuzzaModel& m) { return scaramuzza_lens(m, largest); },
                  [&](const PinholeModel& m) { return pinhole_lens(m); }},
       description.model);
+  return description.mirrored ? mirrored_lens(lens) : lens;
 }
 
 std::string_view model_name(const LensDescription& description) {
@@ -96,6 +97,7 @@ std::string toml_of(const LensDescription& description) {
   text += fmt::format("centre_px = {}\n", pair(centre_of(description)));
   if (!std::holds_alternative<PinholeModel>(description.model))
     text += fmt::format("largest_angle_deg = {}\n", toml_number(to_degrees(description.largest_angle)));
+  if (description.mirrored) text += "mirrored = true\n";
   return text;
 }
 

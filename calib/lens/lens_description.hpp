@@ -25,6 +25,7 @@ struct OpencvFisheyeModel {
 struct LensDescription {
   std::variant<IdealFisheyeModel, OpencvFisheyeModel, ScaramuzzaModel, PinholeModel> model;
   Radians largest_angle = from_degrees(90.0);  // without meaning for a pinhole
+  bool mirrored = false;                       // fisheyes: the picture is turned over, left to right
 };
 
 LensPtr make_lens(const LensDescription& description);

@@ -98,10 +98,13 @@ LensDescription read_pinhole(const ConfigTable& table) {
 
 LensDescription read_lens_description(const ConfigTable& table) {
   const auto model = table.choice("model", {"equidistant", "equisolid", "opencv_fisheye", "scaramuzza", "pinhole"});
-  if (model == "opencv_fisheye") return read_opencv_fisheye(table);
-  if (model == "scaramuzza") return {read_scaramuzza_model(table), read_largest_angle(table)};
   if (model == "pinhole") return read_pinhole(table);
-  return read_ideal_fisheye(table, model == "equisolid");
+  LensDescription fisheye = model == "opencv_fisheye" ? read_opencv_fisheye(table)
+                            : model == "scaramuzza"
+                                ? LensDescription{read_scaramuzza_model(table), read_largest_angle(table)}
+                                : read_ideal_fisheye(table, model == "equisolid");
+  fisheye.mirrored = table.flag("mirrored", false);
+  return fisheye;
 }
 
 LensPtr read_lens(const ConfigTable& table) {

@@ -23,8 +23,11 @@ constexpr double kInlier_px = 4.0, kInlierSigmas = 4.0;  // the first with a len
 constexpr double kFewSights_px = 0.5;
 constexpr double kUndeterminedOrientation = 0.7;  // of the prior's sigma still left
 
-// A turn of the world (axis times angle, radians), the centre's shift in pixels, ln scale.
-using OrientationChange = std::array<double, 6>;
+// A turn of the world (axis times angle, radians), the centre's shift in pixels, ln scale, the two odd terms.
+constexpr int kChanges = 8;
+using OrientationChange = std::array<double, kChanges>;
+using OrientationMatrix = Eigen::Matrix<double, kChanges, kChanges>;
+constexpr double kHeld = 1e-9;  // standard deviation of what is not fitted
 
 glm::dmat3 turn(const double* axis_angle) {
   glm::dmat3 matrix;
@@ -37,8 +40,13 @@ struct Model {
   LensDescription lens;
 
   Model changed(const double* change) const {
-    return {turn(change) * to_world,
-            moved(lens, centre_of(lens) + glm::dvec2{change[3], change[4]}, std::exp(change[5]))};
+    Model made{turn(change) * to_world,
+               moved(lens, centre_of(lens) + glm::dvec2{change[3], change[4]}, std::exp(change[5]))};
+    if (auto* fisheye = std::get_if<OpencvFisheyeModel>(&made.lens.model)) {
+      fisheye->k[0] += change[6];
+      fisheye->k[1] += change[7];
+    }
+    return made;
   }
 };
 
@@ -49,21 +57,30 @@ LensDescription wide(LensDescription lens) {
 }
 
 struct SightCost {
-  const Lens* lens;  // of the model the changes start from
-  glm::dvec2 centre;
-  glm::dmat3 to_world;
+  Model from;  // wide
+  LensPtr lens;
   SunSight sight;
   double sigma_px;
 
   bool operator()(const double* change, double* residual) const {
-    const auto at = lens->project(sight.sun * (turn(change) * to_world));
+    // Only the odd terms need another lens; a shift and a scale are made in the picture.
+    const bool other = change[6] != 0.0 || change[7] != 0.0;
+    const double odd[kChanges]{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, change[6], change[7]};
+    const auto asked = other ? make_lens(from.changed(odd).lens) : lens;
+    const auto at = asked->project(sight.sun * (turn(change) * from.to_world));
     if (!at) return false;
+    const glm::dvec2 centre = centre_of(from.lens);
     const glm::dvec2 seen = centre + glm::dvec2{change[3], change[4]} + std::exp(change[5]) * (*at - centre);
-    residual[0] = (sight.pixel.x - seen.x) / sigma_px;
-    residual[1] = (sight.pixel.y - seen.y) / sigma_px;
+    residual[0] = (sight.pixel.x - seen.x) / (sigma_px * sight.relative_sigma);
+    residual[1] = (sight.pixel.y - seen.y) / (sigma_px * sight.relative_sigma);
     return true;
   }
 };
+
+std::array<double, 2> odd_of(const LensDescription& lens) {
+  const auto* fisheye = std::get_if<OpencvFisheyeModel>(&lens.model);
+  return fisheye ? std::array{fisheye->k[0], fisheye->k[1]} : std::array<double, 2>{};
+}
 
 // How far the optical axis is from where it was mounted, the centre and the scale from what was known of them.
 struct OrientationPriorCost {
@@ -88,6 +105,10 @@ struct OrientationPriorCost {
     residual[3] = (centre.y - from.y) / prior.centre_sigma_px.y;
     const double scale = std::log(focal_px_of(model.lens) / focal_px_of(prior.lens)) + change[5];
     residual[4] = scale / prior.scale_sigma;
+    const auto odd = odd_of(model.lens), before = odd_of(prior.lens);
+    for (std::size_t k = 0; k < odd.size(); ++k)
+      residual[5 + k] =
+          prior.odd_sigma[k] > 0.0 ? (odd[k] + change[6 + k] - before[k]) / prior.odd_sigma[k] : change[6 + k] / kHeld;
     return true;
   }
 };
@@ -103,8 +124,10 @@ std::vector<glm::dvec2> residuals_of(const Model& model, std::span<const SunSigh
 }
 
 std::vector<bool> agreeing(const Model& model, std::span<const SunSight> sights, double tolerance_px) {
+  const auto residuals = residuals_of(model, sights);
   std::vector<bool> agree;
-  for (const auto& residual : residuals_of(model, sights)) agree.push_back(glm::length(residual) <= tolerance_px);
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    agree.push_back(glm::length(residuals[i]) <= tolerance_px * sights[i].relative_sigma);
   return agree;
 }
 
@@ -140,20 +163,21 @@ std::optional<Model> consensus(std::span<const SunSight> sights, const SkyPrior&
 
 struct Solved {
   Model model;
-  Eigen::Matrix<double, 6, 6> covariance;
+  OrientationMatrix covariance;
 };
 
 Solved solve(const Model& from, std::span<const SunSight> sights, const std::vector<bool>& used, const SkyPrior& prior,
              double sigma_px) {
-  const auto lens = make_lens(wide(from.lens));
+  const Model start{from.to_world, wide(from.lens)};
+  const auto lens = make_lens(start.lens);
   OrientationChange change{};
   ceres::Problem problem;
   for (std::size_t i = 0; i < sights.size(); ++i)
     if (used[i])
-      problem.AddResidualBlock(new ceres::NumericDiffCostFunction<SightCost, ceres::CENTRAL, 2, 6>(
-                                   new SightCost{lens.get(), centre_of(from.lens), from.to_world, sights[i], sigma_px}),
+      problem.AddResidualBlock(new ceres::NumericDiffCostFunction<SightCost, ceres::CENTRAL, 2, kChanges>(
+                                   new SightCost{start, lens, sights[i], sigma_px}),
                                new ceres::CauchyLoss(2.0), change.data());
-  problem.AddResidualBlock(new ceres::NumericDiffCostFunction<OrientationPriorCost, ceres::CENTRAL, 5, 6>(
+  problem.AddResidualBlock(new ceres::NumericDiffCostFunction<OrientationPriorCost, ceres::CENTRAL, 7, kChanges>(
                                new OrientationPriorCost{prior, from}),
                            nullptr, change.data());
   ceres::Solver::Options options;
@@ -174,17 +198,18 @@ Solved solve(const Model& from, std::span<const SunSight> sights, const std::vec
     for (int k = jacobian.rows[static_cast<std::size_t>(row)]; k < jacobian.rows[static_cast<std::size_t>(row) + 1];
          ++k)
       dense(row, jacobian.cols[static_cast<std::size_t>(k)]) = jacobian.values[static_cast<std::size_t>(k)];
-  solved.covariance = (dense.transpose() * dense).ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity());
+  solved.covariance = (dense.transpose() * dense).ldlt().solve(OrientationMatrix::Identity());
   return solved;
 }
 
 // Robust standard deviation of one coordinate.
-double spread_px(const std::vector<glm::dvec2>& residuals, const std::vector<bool>& used) {
+double spread_px(const Model& model, std::span<const SunSight> sights, const std::vector<bool>& used) {
+  const auto residuals = residuals_of(model, sights);
   std::vector<double> all;
   for (std::size_t i = 0; i < residuals.size(); ++i)
     if (used[i]) {
-      all.push_back(residuals[i].x);
-      all.push_back(residuals[i].y);
+      all.push_back(residuals[i].x / sights[i].relative_sigma);
+      all.push_back(residuals[i].y / sights[i].relative_sigma);
     }
   return robust_sigma(std::move(all));
 }
@@ -282,7 +307,7 @@ Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPri
     model = solved.model;
     // A few sights agree by chance, since so much is free to follow them.
     const bool few = std::count(used.begin(), used.end(), true) < 10;
-    sigma_px = std::max(few ? kFewSights_px : prior.least_sigma_px, spread_px(residuals_of(model, sights), used));
+    sigma_px = std::max(few ? kFewSights_px : prior.least_sigma_px, spread_px(model, sights, used));
     auto next = agreeing(model, sights, kInlierSigmas * sigma_px);
     if (std::count(next.begin(), next.end(), true) < 2) break;
     if (round >= 2 && next == used) break;
@@ -298,7 +323,7 @@ Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPri
   result.used = used;
   const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, solved.covariance(i, i))); };
   // A turn about the north axis tilts the optical axis to the east, about the east axis to the south.
-  result.sigma = {{sigma(2)}, {sigma(1)}, {sigma(0)}, {sigma(3), sigma(4)}, sigma(5)};
+  result.sigma = {{sigma(2)}, {sigma(1)}, {sigma(0)}, {sigma(3), sigma(4)}, sigma(5), {sigma(6), sigma(7)}};
   finish(result, sights);
   add_undetermined(result, prior);
   return result;

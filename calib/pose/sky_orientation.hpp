@@ -1,6 +1,7 @@
 // Orientation and principal point of the sky camera, from the sun's positions in its pictures.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +20,7 @@ namespace kasumi {
 struct SunSight {
   Direction sun{0, 0, 1};
   glm::dvec2 pixel{};
+  double relative_sigma = 1.0;  // of this place, over the usual one's
 };
 
 // Prior knowledge. One standard deviation each.
@@ -29,6 +31,7 @@ struct SkyPrior {
   glm::dmat3 to_world{1.0};                 // as mounted; of it only the optical axis is believed, never the azimuth
   Radians level_sigma = from_degrees(3.0);  // of that axis
   double least_sigma_px = 0.05;             // no centroid is better, however well a few happen to agree
+  std::array<double, 2> odd_sigma{};        // of k1 and k2 of OpenCV's fisheye model; 0: as the lens has them
 };
 
 struct SkyOrientation {
@@ -43,6 +46,7 @@ struct SkyOrientation {
     Radians azimuth, tilt_east, tilt_north;
     glm::dvec2 centre_px{};
     double scale = 0.0;
+    std::array<double, 2> odd{};
   } sigma;
   std::vector<std::string> undetermined;  // for people: what the sights leave undetermined
 };
