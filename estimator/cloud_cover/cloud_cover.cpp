@@ -167,4 +167,11 @@ CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const st
   return cover;
 }
 
+Image<std::uint8_t> clear_air_of(const CloudCover& cover) {
+  Image<std::uint8_t> clear(cover.elements.width(), cover.elements.height());
+  for (std::size_t i = 0; i < clear.elements().size(); ++i)
+    clear.elements()[i] = cover.elements.elements()[i] == CoverElement::clear ? 1 : 0;
+  return clear;
+}
+
 }  // namespace kasumi

@@ -35,4 +35,7 @@ struct CloudCover {
 CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera,
                        const std::optional<SunDirection>& sun = std::nullopt);
 
+// 1 where an element shows clear air; as large as the picture's elements.
+Image<std::uint8_t> clear_air_of(const CloudCover& cover);
+
 }  // namespace kasumi

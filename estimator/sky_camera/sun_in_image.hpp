@@ -25,7 +25,7 @@ struct SunBlob {
 
 struct SunBlobOptions {
   double saturated = kSaturatedSun;  // encoded level that the dimmest channel must reach: the sun's core is white
-  Radians largest_radius = from_degrees(25.0);  // larger: a bright cloud, or an overexposed sky
+  Radians largest_radius = from_degrees(25.0);           // larger: a bright cloud, or an overexposed sky
   double least_by_aureole = 0.85, least_by_shape = 0.7;  // confidence
   Radians largest_by_aureole = from_degrees(1.75), largest_by_shape = from_degrees(2.5);  // sigma
   std::optional<ExpectedSun> expected = std::nullopt;

@@ -7,6 +7,7 @@
 
 #include "calib/camera.hpp"
 #include "estimator/atmosphere.hpp"
+#include "estimator/sky_fit/camera_belief.hpp"
 #include "estimator/sky_fit/sky_reading.hpp"
 #include "estimator/turbidity/cloud_mask.hpp"
 #include "estimator/turbidity/measured_sky.hpp"
@@ -50,6 +51,9 @@ struct SkyObservation {
   double log_gain = 0.0;             // ln(measured / model): model_i = log_gain + ln F(sample i; T)
   Image<PixelUse> use;               // of every element of the SkyPicture
   std::vector<SkyReading> readings;  // of clear air, where every model was asked
+  // By observe_by_unknown_camera(): d ln(light as read) / d ln(light) by the camera's supposed response; 0: not sought.
+  double tone_exponent = 0.0, sigma_tone_exponent = 0.0;
+  double rim_loss = 0.0, sigma_rim_loss = 0.0;  // by the same, of ln light at the lens' edge
 };
 
 // Keeps what depends on the camera alone, so that it is computed once for a stream of pictures. Not thread-safe.
@@ -57,6 +61,12 @@ class SkyObserver {
  public:
   explicit SkyObserver(Camera camera) : camera_(std::move(camera)) {}
   SkyObservation observe(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
+  // The same where neither response nor vignetting of the camera was measured: both are unknowns beside the air, and the
+  // estimate's sigma holds what they leave uncertain. It is refused only where that is more than the aerosol depth itself
+  // and .2. `clear_air`: as the picture's elements, 1 where colours show neither cloud nor land.
+  SkyObservation observe_by_unknown_camera(const SkyPicture& picture, const SunDirection& sun,
+                                           const Image<std::uint8_t>& clear_air, const CameraBelief& belief,
+                                           const EstimateOptions& options = {});
   // The sky of a picture after observe(), for the light on an object; empty when too little of it is visible to improve
   // on the model. `through`: where a cloud would shade the object.
   std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyObservation& observation,

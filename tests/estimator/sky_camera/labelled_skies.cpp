@@ -55,6 +55,12 @@ LabelledSky read(const std::filesystem::path& folder, std::map<std::string, std:
   sky.camera.lens = equidistant_lens({number(row["cx" + which], 0.0), number(row["cy" + which], 0.0)},
                                      radius / (0.5 * kPi), {0.5 * kPi});
   sky.camera.to_world = camera_to_world(from_degrees(180), from_degrees(90), {0});
+  for (const char* which_circle : {"", "2"}) {
+    const std::string of = which_circle;
+    if (!row["r" + of].empty())
+      sky.circles.push_back({{number(row["cx" + of], 0.0), number(row["cy" + of], 0.0)}, number(row["r" + of], 0.0)});
+  }
+  sky.circle_tolerance = number(row["tol"], 2.0) / 100.0;
   sky.tolerance_px = std::max(2.0 / 90.0 * radius, number(row["sun_tol"], 0.0));
   const std::string& sun = row["sun"];
   sky.sun_scored = sun == "disc" || sun == "blob" || sun == "none" || sun == "hidden";

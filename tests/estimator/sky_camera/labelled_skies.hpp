@@ -10,6 +10,7 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "calib/camera.hpp"
+#include "calib/mask/image_circle.hpp"
 
 namespace kasumi::test {
 
@@ -17,6 +18,8 @@ struct LabelledSky {
   std::string id, file, name;  // name: of the camera that took it
   Image<Rgb8> pixels;
   Camera camera;                     // equidistant, the labelled circle at 90 deg
+  std::vector<ImageCircle> circles;  // any of them is right: the horizon's and the image's edge
+  double circle_tolerance = 0.02;    // of the radius
   bool sun_scored = false;           // a disc or a blob, or none to be seen
   std::optional<glm::dvec2> sun_px;  // where it is
   double tolerance_px = 0.0;         // 2 deg, or what the label is uncertain by

@@ -160,7 +160,7 @@ TEST(SunInImage, IsTheOneOfTwoThatTimeAndPlaceExpect) {
       const auto blob =
           find_sun(picture, seen.camera, {.expected = ExpectedSun{expected, from_degrees(2), azimuth_known}});
       ASSERT_TRUE(blob) << azimuth_known;
-      EXPECT_LT(to_degrees(angle_between(blob->direction, place)), 0.3) << azimuth_known;
+      EXPECT_LT(to_degrees(angle_between(blob->direction, place)), 0.5) << azimuth_known;
     }
 }
 
@@ -169,7 +169,8 @@ TEST(SunInImage, IsLessSureWhereItIsNotExpected) {
   paint_glare(seen.image, *seen.camera.pixel_of(seen.sun), 9.0);
   const auto picture = *sky_picture(view_of(seen.image), seen.camera, 800);
   const auto sure = [&](const std::optional<ExpectedSun>& expected) {
-    const auto blob = find_sun(picture, seen.camera, {.least_by_aureole = 0.0, .least_by_shape = 0.0, .expected = expected});
+    const auto blob =
+        find_sun(picture, seen.camera, {.least_by_aureole = 0.0, .least_by_shape = 0.0, .expected = expected});
     return blob ? blob->confidence : 0.0;
   };
   const double alone = sure(std::nullopt);
