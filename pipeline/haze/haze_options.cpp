@@ -7,24 +7,19 @@
 
 #include <spdlog/spdlog.h>
 
+#include "base/finite_number.hpp"
 #include "calib/mask/distance_map.hpp"
 #include "estimator/photograph/other_air.hpp"
 
 namespace kasumi {
 namespace {
 
-std::optional<double> number(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
 // "2.5" or "2:8:.25": from, to, step.
 std::optional<std::vector<double>> numbers(const std::string& text, double least, double most) {
   std::vector<double> parts, values;
   std::istringstream stream(text);
   for (std::string part; std::getline(stream, part, ':');) {
-    const auto value = number(part);
+    const auto value = finite_number(part);
     if (!value) return std::nullopt;
     parts.push_back(*value);
   }

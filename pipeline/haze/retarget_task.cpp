@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "base/finite_number.hpp"
 #include "base/utc_text.hpp"
 #include "calib/mask/distance_map.hpp"
 #include "calib/mask/scene_planes.hpp"
@@ -19,18 +20,12 @@
 namespace kasumi {
 namespace {
 
-std::optional<double> number_of(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  return !text.empty() && *end == '\0' ? std::optional(value) : std::nullopt;
-}
-
 // "2.5", or "2:8:.25": from, to, step. Empty: neither.
 std::vector<double> one_or_sweep(const std::string& text, double least, double most) {
   const auto parts = CLI::detail::split(text, ':');
   std::vector<double> values;
   for (const auto& part : parts)
-    if (const auto value = number_of(part)) values.push_back(*value);
+    if (const auto value = finite_number(part)) values.push_back(*value);
   const auto good = [&](double value) { return value >= least && value <= most; };
   if (parts.size() == 1 && values.size() == 1 && good(values[0])) return values;
   const bool sweep = parts.size() == 3 && values.size() == 3 && good(values[0]) && good(values[1]) && values[2] > 0.0 &&

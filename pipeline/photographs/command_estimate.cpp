@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <deque>
 #include <map>
 #include <thread>
 
@@ -19,6 +18,7 @@
 #include "pipeline/photographs/fit_plot.hpp"
 #include "pipeline/photographs/found_air.hpp"
 #include "pipeline/photographs/haze_answer.hpp"
+#include "pipeline/photographs/learn_cameras.hpp"
 #include "pipeline/photographs/scan_report.hpp"
 #include "pipeline/photographs/scene_visibility.hpp"
 
@@ -115,7 +115,7 @@ Result<> make_folder(const std::filesystem::path& folder) {
 }
 
 Result<int> estimate_scans(const EstimateArguments& arguments) {
-  const auto options = sky_photograph_options(arguments, false);
+  const auto options = sky_photograph_options(arguments);
   if (!options) return fail(options.error());
   EstimateTally tally;
   if (arguments.csv) fmt::print("{}", estimate_csv_header());
@@ -142,7 +142,7 @@ Result<int> estimate_scans(const EstimateArguments& arguments) {
 Result<int> estimate_hazes(const EstimateArguments& arguments) {
   if (!arguments.images.empty() || !arguments.scenes.empty() || !arguments.scans.empty())
     return fail(FaultKind::bad_input, "--haze: stands instead of other pictures, expected none beside it");
-  HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m};
+  HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m.value_or(0.0)};
   if (const auto& part = arguments.part; part.size() == 4) question.part = HazyPart{part[0], part[1], part[2], part[3]};
   EstimateTally tally;
   for (const auto& picture : arguments.hazes) {
@@ -182,6 +182,29 @@ Result<int> answer_scenes(const SceneVisibilities& scenes, const EstimateArgumen
   return exit_code_of(tally, "picture");
 }
 
+// What must be known of the cameras before the first answer: of --response estimate from all pictures, else from as many
+// as are there at once.
+Result<> learn(const EstimateArguments& arguments, EstimateInputs& inputs, std::size_t threads) {
+  constexpr std::size_t kMost = 200;
+  if (arguments.response_from_pictures()) {
+    std::vector<PhotographOfSky> taken;
+    for (auto& input : inputs.all())
+      if (input.problem.empty()) taken.push_back({input.file, input.utc});
+    const auto tone = tone_curve_of(taken, inputs.cameras().front());
+    if (!tone) return fail(FaultKind::bad_input, "--response estimate: {}", tone.error().message);
+    inputs.set_tone(*tone);
+  }
+  CameraMemory memory;
+  if (!arguments.camera_memory.empty()) {
+    auto before = CameraMemory::read(arguments.camera_memory);
+    if (!before) return fail(before.error());
+    memory = std::move(*before);
+  }
+  const auto learned = learn_cameras(inputs.ahead(kMost), inputs.cameras(), std::move(memory), threads);
+  inputs.set_memory(learned);
+  return arguments.camera_memory.empty() ? Result<>() : learned->write(arguments.camera_memory);
+}
+
 // Arguments that name no picture are reported first; the others are answered all the same.
 Result<int> estimate_pictures(const EstimateArguments& arguments, const std::optional<SceneVisibilities>& scenes) {
   auto inputs = EstimateInputs::expand(arguments);
@@ -198,28 +221,17 @@ Result<int> estimate_pictures(const EstimateArguments& arguments, const std::opt
   if (!missing.empty()) print_error(missing.fault().message);
   for (std::size_t i = 0; i < missing.lines().size(); ++i) tally.unread();
 
-  std::deque<SkyInput> known;  // beforehand, where the pictures' response is found from all of them
-  if (arguments.response_from_pictures()) {
-    std::vector<PhotographOfSky> taken;
-    while (auto input = inputs->next()) {
-      if (input->problem.empty()) taken.push_back({input->file, input->utc});
-      known.push_back(std::move(*input));
-    }
-    const auto tone = tone_curve_of(taken, inputs->cameras().front());
-    if (!tone) return fail(FaultKind::bad_input, "--response estimate: {}", tone.error().message);
-    inputs->set_tone(*tone);
-  }
+  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
+  threads = std::min(threads, inputs->count().value_or(threads));
+  if (auto learned = learn(arguments, *inputs, threads); !learned) return fail(learned.error());
   std::size_t given = 0;
   const auto next = [&]() -> std::optional<ImageJob> {
-    auto input = known.empty() ? inputs->next() : std::optional(std::move(known.front()));
-    if (!known.empty()) known.pop_front();
+    auto input = inputs->next();
     if (!input) return std::nullopt;
     return ImageJob{std::move(*input), scenes ? &scenes->pictures[given++] : nullptr};
   };
 
-  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-  std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
-  threads = std::min(threads, inputs->count().value_or(threads));
   std::vector<Worker> workers(threads, Worker(inputs->cameras()));
   if (arguments.csv) fmt::print("{}", estimate_csv_header());
   std::fflush(stdout);

@@ -39,6 +39,17 @@ std::string models_text(const std::vector<SkyModelAnswer>& models) {
   return text.empty() ? "" : "  by               " + text + "\n";
 }
 
+// "few, 23 +- 8 % cloud"
+std::string sky_text(const SkyPhotographReport& report) {
+  const auto& cover = report.cover;
+  std::string text = fmt::format("  sky              {}", name_of(cover.sky));
+  if (cover.fraction) text += fmt::format(", {:.0f} +- {:.0f} % cloud", 100.0 * *cover.fraction, 100.0 * cover.sigma);
+  if (const auto& estimate = report.look.estimate; estimate.usable)
+    text +=
+        fmt::format("; {}, {:.0f} % of the samples are clear", name_of(estimate.sky), 100.0 * estimate.clear_fraction);
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
@@ -59,7 +70,16 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
   }
   json["usable"] = estimate.usable;
   json["reason"] = estimate.reason;
-  json["sky"] = name_of(estimate.sky);
+  const auto& cover = report.cover;
+  json["sky"] = nullptr;
+  if (cover.sky != SkyClass::unknown) json["sky"] = name_of(cover.sky);
+  json["cloud_fraction"] = nullptr;
+  json["sigma_cloud_fraction"] = nullptr;
+  if (cover.fraction) {
+    json["cloud_fraction"] = rounded(*cover.fraction, 4);
+    json["sigma_cloud_fraction"] = rounded(cover.sigma, 4);
+  }
+  json["verdict"] = name_of(estimate.sky);
   json["clear_fraction"] = rounded(estimate.clear_fraction, 4);
   json["samples"] = estimate.samples;
   json["log_residual"] = rounded(estimate.log_residual, 5);
@@ -70,6 +90,8 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
     json["sun_zenith_deg"] = rounded(to_degrees(zenith_angle(*report.sun.direction)), 4);
     json["sun_azimuth_deg"] = rounded(to_degrees(azimuth_angle(*report.sun.direction)), 4);
   }
+  json["sun_sigma_deg"] = nullptr;
+  if (report.sun.seen) json["sun_sigma_deg"] = rounded(to_degrees(report.sun.seen->sigma), 3);
   json["sun_from"] = report.sun.told;
   json["sun_seen"] = nullptr;
   if (report.sun.seen) {
@@ -109,9 +131,19 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
                               {"aod_550", rounded(model.aod_550, 5)},
                               {"log_residual", rounded(model.log_residual, 5)},
                               {"weight", rounded(model.weight, 4)}});
-  if (report.circle)
-    json["circle"] = {rounded(report.circle->centre.x, 2), rounded(report.circle->centre.y, 2),
-                      rounded(report.circle->radius_px, 2)};
+  const auto circle = [&](const ImageCircle& c) {
+    return nlohmann::ordered_json{rounded(c.centre.x, 2), rounded(c.centre.y, 2), rounded(c.radius_px, 2)};
+  };
+  json["horizon_circle"] = nullptr;
+  if (report.circle) {
+    json["circle"] = circle(*report.circle);
+    json["circle_sigma_px"] = rounded(report.circle->sigma_px, 2);
+    json["circle_confidence"] = rounded(report.circle_confidence, 3);
+    json["pixel_aspect"] = rounded(report.pixel_aspect, 4);
+  }
+  if (report.horizon_circle) json["horizon_circle"] = circle(*report.horizon_circle);
+  json["mirrored"] = nullptr;
+  if (report.sun.orientation == Orientation::from_series) json["mirrored"] = report.mirrored;
   if (report.tone) {
     json["tone_exponent"] = rounded(report.tone->exponent, 4);
     json["sigma_tone_exponent"] = rounded(report.tone->sigma, 4);
@@ -134,8 +166,7 @@ std::string estimate_text(const std::filesystem::path& image, const SkyPhotograp
   } else {
     text += fmt::format("  not usable       {}\n", estimate.reason);
   }
-  text += fmt::format("  sky              {}, {:.0f} % of the samples are clear\n", name_of(estimate.sky),
-                      100.0 * estimate.clear_fraction);
+  text += sky_text(report);
   if (const auto& sun = report.sun.direction)
     text += fmt::format("  sun              zenith {:.2f} deg, azimuth {:.2f} deg{}\n", to_degrees(zenith_angle(*sun)),
                         to_degrees(azimuth_angle(*sun)), report.sun.told.empty() ? "" : " (" + report.sun.told + ")");
@@ -146,11 +177,17 @@ std::string estimate_text(const std::filesystem::path& image, const SkyPhotograp
     text += fmt::format("  fit              {} samples agree within {:.1f} % (rms)\n", estimate.samples,
                         100.0 * estimate.log_residual);
   if (report.tone)
-    text += fmt::format("  tone curve       sRGB to the power {:.3f} +- {:.3f}, from {} pictures\n",
-                        report.tone->exponent, report.tone->sigma, report.tone->pictures);
+    text +=
+        fmt::format("  tone curve       sRGB to the power {:.3f} +- {:.3f}, from {} picture{}\n", report.tone->exponent,
+                    report.tone->sigma, report.tone->pictures, report.tone->pictures == 1 ? "" : "s");
   if (report.circle)
     text += fmt::format("  image circle     centre ({:.1f}, {:.1f}), radius {:.1f} px\n", report.circle->centre.x,
                         report.circle->centre.y, report.circle->radius_px);
+  if (report.horizon_circle)
+    text +=
+        fmt::format("  horizon circle   centre ({:.1f}, {:.1f}), radius {:.1f} px\n", report.horizon_circle->centre.x,
+                    report.horizon_circle->centre.y, report.horizon_circle->radius_px);
+  if (report.pixel_aspect != 1.0) text += fmt::format("  pixels           are 1 : {:.3f}\n", report.pixel_aspect);
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/finite_number.hpp"
 #include "base/utc_text.hpp"
 #include "calib/adopt_calibration.hpp"
 #include "calib/foreign_keys.hpp"
@@ -22,13 +23,14 @@ Result<> read_calibration(const std::string& file, SkyPhotographOptions& options
 }
 
 // The sun's position must be given in exactly one way.
-void read_sun(const EstimateArguments& arguments, bool own_times, SkyPhotographOptions& options, Problems& problems) {
+void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options, Problems& problems) {
   if (arguments.sun_zenith_deg.has_value() != arguments.sun_azimuth_deg.has_value())
     problems.add("--sun-zenith-deg and --sun-azimuth-deg: expected both or neither");
   if (arguments.lat.has_value() != arguments.lon.has_value()) problems.add("--lat and --lon: expected both or neither");
   if (arguments.sun_zenith_deg && arguments.sun_azimuth_deg)
     options.sun = direction_from(from_degrees(*arguments.sun_zenith_deg), from_degrees(*arguments.sun_azimuth_deg));
-  if (arguments.lat && arguments.lon) options.site = Site{"", *arguments.lat, *arguments.lon, arguments.altitude_m};
+  if (arguments.lat && arguments.lon)
+    options.site = Site{"", *arguments.lat, *arguments.lon, arguments.altitude_m.value_or(0.0)};
   if (!arguments.utc.empty()) {
     options.utc = parse_utc(arguments.utc);
     if (!options.utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", arguments.utc);
@@ -36,10 +38,29 @@ void read_sun(const EstimateArguments& arguments, bool own_times, SkyPhotographO
   options.sun_from_image = arguments.sun_from_image;
   if (options.sun && options.utc)
     problems.add("--utc and --sun-zenith-deg: expected only one, both give the sun's position");
-  if (!options.sun && !(options.site && (options.utc || own_times)) && !options.sun_from_image)
+  if (!arguments.scans.empty() && !options.sun && !(options.site && options.utc))
     problems.add(
-        "the sun's position is unknown: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
-        "and --lon (or a --calibration with [site]), or --sun-from-image");
+        "--scan: the sun's position is unknown: expected --sun-zenith-deg and --sun-azimuth-deg, or --utc with --lat "
+        "and --lon (or a --calibration with [site])");
+}
+
+// What is known all the same of a camera of which nothing was measured.
+void read_unknowns(const EstimateArguments& arguments, SkyPhotographOptions& options, Problems& problems) {
+  constexpr double kMostLost = 0.95;
+  constexpr double kSigmaOfAltitude_m = 500.0;
+  if (!arguments.altitude_m && arguments.calibration.empty()) options.sigma_altitude_m = kSigmaOfAltitude_m;
+  options.tone_exponent = arguments.tone_exponent;
+  if (arguments.tone_exponent && !options.unknown_camera)
+    problems.add("--tone-exponent: is for cameras of unknown response, expected --response auto");
+  if (!arguments.calibration.empty() && (arguments.tone_exponent || arguments.vignetting != "fit"))
+    problems.add("--tone-exponent, --vignetting: a --calibration has a response and a vignetting of its own");
+  if (arguments.vignetting == "fit") return;
+  const auto lost = finite_number(arguments.vignetting);
+  if (lost && *lost >= 0.0 && *lost <= kMostLost)
+    options.rim_loss = *lost;
+  else
+    problems.add("--vignetting {}: expected fit, or the share of light lost at the rim, 0 to {}", arguments.vignetting,
+                 kMostLost);
 }
 
 // The papers' method knows the papers' sky alone.
@@ -65,13 +86,13 @@ void refuse_for_scans(const EstimateArguments& arguments, Problems& problems) {
 
 }  // namespace
 
-Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments, bool own_times) {
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments) {
   SkyPhotographOptions options;
   Problems problems;
   if (!arguments.calibration.empty())
     if (auto read = read_calibration(arguments.calibration, options); !read) problems.add("{}", read.error().message);
   options.equisolid = arguments.lens == "equisolid";
-  options.field_of_view = from_degrees(arguments.fov_deg);
+  if (arguments.fov_deg) options.field_of_view = from_degrees(*arguments.fov_deg);
   if (!arguments.circle.empty()) {
     if (arguments.circle[2] > 0.0)
       options.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
@@ -84,11 +105,16 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
   if (arguments.azimuth_up_deg) options.azimuth_up = from_degrees(*arguments.azimuth_up_deg);
   options.allow_damaged = arguments.allow_damaged;
   options.linear_response = arguments.response == "linear";
-  read_sun(arguments, own_times, options, problems);
+  read_sun(arguments, options, problems);
   options.estimate.method =
       arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
-  const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m;
+  const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m.value_or(0.0);
   options.estimate.sky = chosen_sky(arguments, altitude_m, problems);
+  const bool any_model = options.estimate.method == EstimateMethod::free_gain && options.estimate.sky.every_model;
+  options.unknown_camera = arguments.response == "auto" || (arguments.response.empty() && any_model);
+  if (arguments.response == "auto" && !any_model)
+    problems.add("--response auto: needs every model of the sky, expected --sky-model auto and --method free-gain");
+  read_unknowns(arguments, options, problems);
   options.estimate.samples = arguments.samples;
   options.estimate.seed = arguments.seed;
   if (!problems.empty()) return fail(problems.fault());
@@ -136,9 +162,12 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   command.add_option("--lens", a.lens, "Fisheye model")
       ->check(CLI::IsMember({"equidistant", "equisolid"}))
       ->capture_default_str();
-  command.add_option("--fov-deg", a.fov_deg, "Field of view across the image circle")
-      ->check(CLI::Range(60.0, 250.0))
-      ->capture_default_str();
+  command
+      .add_option(
+          "--fov-deg", a.fov_deg,
+          "Field of view across the image circle. Default: 180, or the horizon's circle at 90 degrees where land "
+          "is seen inside the image circle")
+      ->check(CLI::Range(60.0, 250.0));
   command
       .add_option("--circle", a.circle, "Image circle in pixels: centre and radius; default: detected in the picture")
       ->type_name("CX,CY,R")
@@ -152,19 +181,34 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   command
       .add_option(
           "--response", a.response,
-          "Response curve of the pictures; estimate: a power over sRGB from all of them together, of one camera")
-      ->check(CLI::IsMember({"srgb", "linear", "estimate"}))
+          "Response curve of the pictures; estimate: a power over sRGB from all of them together, of one camera; auto: "
+          "an unknown of each camera, as rim loss then is, and a part of what sigma holds. Default: auto; srgb with "
+          "--method reference-pixel or one --sky-model")
+      ->check(CLI::IsMember({"auto", "srgb", "linear", "estimate"}));
+  command
+      .add_option("--tone-exponent", a.tone_exponent,
+                  "With --response auto: the power over sRGB, where it is known; default: found")
+      ->check(CLI::Range(0.2, 5.0));
+  command
+      .add_option("--vignetting", a.vignetting,
+                  "Light lost at the edge of the image circle, 0 to 0.95, or fit: an unknown with --response auto")
       ->capture_default_str();
+  command.add_option("--camera-memory", a.camera_memory,
+                     "File that keeps what pictures tell of their cameras (circle, tone curve, orientation) for the "
+                     "next call");
   command.add_option("--sun-zenith-deg", a.sun_zenith_deg, "Zenith angle of the sun")->check(CLI::Range(0.0, 180.0));
   command.add_option("--sun-azimuth-deg", a.sun_azimuth_deg, "Azimuth of the sun, clockwise from north")
       ->check(CLI::Range(-360.0, 360.0));
   command.add_option("--lat", a.lat, "Latitude, degrees north")->check(CLI::Range(-90.0, 90.0));
   command.add_option("--lon", a.lon, "Longitude, degrees east")->check(CLI::Range(-180.0, 180.0));
-  command.add_option("--altitude-m", a.altitude_m, "Altitude of the camera")
-      ->check(CLI::Range(-500.0, 9000.0))
-      ->capture_default_str();
+  command
+      .add_option("--altitude-m", a.altitude_m,
+                  "Altitude of the camera. Default: 0, and with --response auto sigma holds that it may be 500 m more")
+      ->check(CLI::Range(-500.0, 9000.0));
   command.add_option("--utc", a.utc, "When the picture was taken, like 2018-01-29T11:09:20Z");
-  command.add_flag("--sun-from-image", a.sun_from_image, "Find the sun as the saturated blob in the picture");
+  command.add_flag("--sun-from-image", a.sun_from_image,
+                   "Take the sun from where it is seen in the picture, also where time and place are given; default "
+                   "where nothing else tells");
   command.add_flag("--allow-damaged", a.allow_damaged,
                    "Use what is left of damaged pictures, and say so; default: refuse them");
   command.add_option("--method", a.method, "free-gain, or the papers' single reference pixel")

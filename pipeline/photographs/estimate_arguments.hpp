@@ -27,12 +27,15 @@ struct EstimateArguments {
   std::optional<double> distance_m;
   std::string calibration;
   std::string lens = "equidistant";
-  double fov_deg = 180.0;
+  std::optional<double> fov_deg;
   std::vector<double> circle;
   std::optional<double> azimuth_up_deg;
-  std::string response = "srgb";
+  std::string response;  // empty: auto where every model of the sky is asked, else srgb
+  std::optional<double> tone_exponent;
+  std::string vignetting = "fit";  // or the share of light that is lost at the rim
+  std::string camera_memory;
   std::optional<double> sun_zenith_deg, sun_azimuth_deg, lat, lon;
-  double altitude_m = 0.0;
+  std::optional<double> altitude_m;  // empty: nobody said; the sea's level, within some 500 m
   std::string utc;
   bool sun_from_image = false;
   bool allow_damaged = false;
@@ -54,8 +57,7 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments);
 // Puts each --list into the images, as @LIST, where it stood among them. After parsing.
 void order_lists(const CLI::App& command, EstimateArguments& arguments);
 
-// How to read the pictures of the sky. `own_times`: times come with them, so that none is needed here. Errors
-// (bad_input): everything that is wrong with them at once.
-Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments, bool own_times);
+// How to read the pictures of the sky. Errors (bad_input): everything that is wrong with them at once.
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments);
 
 }  // namespace kasumi

@@ -5,6 +5,8 @@
 #include <sstream>
 
 #include <glob.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "base/files.hpp"
 #include "base/utc_text.hpp"
@@ -30,6 +32,14 @@ bool is_sky_picture(const std::filesystem::path& path) {
   return is_picture_file(path) && !name.starts_with(".") && !name.ends_with(".fit.png");
 }
 
+// Whether standard input has more, or ends, within a moment; std::cin reads ahead, so that its buffer is asked first.
+bool line_is_there() {
+  constexpr int kMoment_ms = 50;
+  if (std::cin.rdbuf()->in_avail() > 0) return true;
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  return ::poll(&input, 1, kMoment_ms) > 0;
+}
+
 }  // namespace
 
 SkyInput input_of_line(std::string line) {
@@ -53,7 +63,7 @@ Result<EstimateInputs> EstimateInputs::expand(const EstimateArguments& arguments
   else
     for (const auto& word : arguments.images) inputs.add(arguments, word);
   if (inputs.of_command_line_) {
-    auto options = sky_photograph_options(arguments, !inputs.without_time_);
+    auto options = sky_photograph_options(arguments);
     if (!options) return fail(options.error());
     inputs.cameras_.front() = std::move(*options);
   }
@@ -67,6 +77,7 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
       return;
     }
     of_command_line_ = true;
+    std::ios::sync_with_stdio(false);  // else nobody can tell whether a line is there
     inputs_.push_back({{}, true});
   } else if (is_there(word)) {
     add_path(arguments, word);
@@ -81,7 +92,7 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
 
 void EstimateInputs::add_path(const EstimateArguments& arguments, const std::filesystem::path& path) {
   if (!is_folder(path)) {
-    of_command_line_ = without_time_ = true;
+    of_command_line_ = true;
     inputs_.push_back({{path, {}, {}, 0}});
   } else if (is_there(path / kFixtureFile)) {
     add_recording(arguments, path);
@@ -119,7 +130,6 @@ void EstimateInputs::add_folder(const std::filesystem::path& folder) {
   if (files.empty()) problems_.add("{}: a folder without any picture", folder.string());
   for (auto& file : files) inputs_.push_back({{std::move(file), {}, {}, 0}});
   of_command_line_ = of_command_line_ || !files.empty();
-  without_time_ = without_time_ || !files.empty();
 }
 
 void EstimateInputs::add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder) {
@@ -132,7 +142,7 @@ void EstimateInputs::add_recording(const EstimateArguments& arguments, const std
   if (arguments.calibration.empty()) {
     auto own = arguments;
     own.calibration = (folder / kFixtureFile).string();
-    auto options = sky_photograph_options(own, true);
+    auto options = sky_photograph_options(own);
     if (!options) {
       problems_.add("{}: {}", folder.string(), options.error().message);
       return;
@@ -163,14 +173,38 @@ std::optional<std::size_t> EstimateInputs::count() const {
   return inputs_.size();
 }
 
-std::optional<SkyInput> EstimateInputs::next() {
+std::optional<SkyInput> EstimateInputs::take(bool wait) {
   while (at_ < inputs_.size()) {
     if (!inputs_[at_].standard_input) return inputs_[at_++].input;
-    for (std::string line; std::getline(std::cin, line);)
-      if (!line.empty() && line != "\r") return input_of_line(std::move(line));
-    ++at_;
+    if (!wait && !line_is_there()) return std::nullopt;
+    std::string line;
+    if (!std::getline(std::cin, line))
+      ++at_;
+    else if (!line.empty() && line != "\r")
+      return input_of_line(std::move(line));
   }
   return std::nullopt;
+}
+
+std::optional<SkyInput> EstimateInputs::next() {
+  if (ahead_.empty()) return take(true);
+  auto first = std::move(ahead_.front());
+  ahead_.pop_front();
+  return first;
+}
+
+std::vector<SkyInput> EstimateInputs::ahead(std::size_t most) {
+  while (ahead_.size() < most) {
+    auto input = take(false);
+    if (!input) break;
+    ahead_.push_back(std::move(*input));
+  }
+  return {ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(std::min(most, ahead_.size()))};
+}
+
+std::vector<SkyInput> EstimateInputs::all() {
+  while (auto input = take(true)) ahead_.push_back(std::move(*input));
+  return {ahead_.begin(), ahead_.end()};
 }
 
 }  // namespace kasumi

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -37,9 +38,17 @@ class EstimateInputs {
   std::optional<std::size_t> count() const;
   // Not thread-safe.
   std::optional<SkyInput> next();
+  // The next pictures, at most so many, without taking them. Of standard input only the lines that are there: whoever
+  // writes one and waits for its answer does not wait for ever.
+  std::vector<SkyInput> ahead(std::size_t most);
+  // All that are left, without taking them; waits for the end of standard input.
+  std::vector<SkyInput> all();
   // The first is the command line's; the others are recordings'.
   const std::vector<SkyPhotographOptions>& cameras() const { return cameras_; }
   void set_tone(const ToneCurve& tone) { cameras_.front().tone = tone; }
+  void set_memory(const std::shared_ptr<const CameraMemory>& memory) {
+    for (auto& camera : cameras_) camera.memory = memory;
+  }
 
  private:
   struct Entry {
@@ -53,11 +62,13 @@ class EstimateInputs {
   void add_folder(const std::filesystem::path& folder);
   void add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder);
 
+  std::optional<SkyInput> take(bool wait);
+
   std::vector<Entry> inputs_;
   std::size_t at_ = 0;
+  std::deque<SkyInput> ahead_;  // taken from inputs_, not yet by next()
   std::vector<SkyPhotographOptions> cameras_{SkyPhotographOptions{}};
   bool of_command_line_ = false;  // pictures need the camera of the command line
-  bool without_time_ = false;     // pictures are named without a time
   Problems problems_;
 };
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "base/files.hpp"
+#include "base/finite_number.hpp"
 #include "base/statistics.hpp"
 #include "base/table/config_table.hpp"
 
@@ -36,12 +36,11 @@ Result<MeasuredVisibilities> read_measured_visibilities(const std::filesystem::p
     if (line.empty()) continue;
     const auto comma = line.find(',');
     const std::string value = comma == std::string::npos ? std::string() : line.substr(comma + 1);
-    char* end = nullptr;
-    const double metres = std::strtod(value.c_str(), &end);
-    if (value.empty() || *end != '\0' || !std::isfinite(metres) || metres <= 0.0)
+    const auto metres = finite_number(value);
+    if (!metres || *metres <= 0.0)
       problems.add("{}: line {}: expected a picture's name, a comma and more than 0 metres", file.string(), number);
     else
-      found[line.substr(0, comma)] = metres;
+      found[line.substr(0, comma)] = *metres;
   }
   if (!problems.empty()) return fail(problems.fault());
   return found;

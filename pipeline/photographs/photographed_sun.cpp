@@ -73,6 +73,7 @@ std::string_view name_of(Orientation orientation) {
     case Orientation::given: return "given";
     case Orientation::assumed: return "assumed";
     case Orientation::from_sun: return "from the sun";
+    case Orientation::from_series: return "from other pictures";
   }
   return "";
 }
@@ -80,6 +81,7 @@ std::string_view name_of(Orientation orientation) {
 PhotographedSun find_photographed_sun(const SkyPicture& picture, const Camera& camera, const SunGiven& given) {
   PhotographedSun sun;
   sun.azimuth_up = given.azimuth_up;
+  sun.by_time_and_place = given.direction;
   sun.seen = find_sun(picture, camera);
   const bool turnable = given.direction && !given.orientation_known;
   if (!sun.seen && turnable) sun.seen = find_sun_as_high(picture, camera, *given.direction);

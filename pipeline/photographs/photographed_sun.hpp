@@ -11,11 +11,12 @@ namespace kasumi {
 
 // Where the top of a photograph that looks up points.
 enum class Orientation {
-  given,     // as the call or the calibration says
-  assumed,   // to the north: nothing was said, and the picture tells nothing else
-  from_sun,  // where the sun in the picture puts it
+  given,        // as the call or the calibration says
+  assumed,      // to the north: nothing was said, and the picture tells nothing else
+  from_sun,     // where the sun in the picture puts it
+  from_series,  // where the suns of other pictures of the same camera put it
 };
-std::string_view name_of(Orientation orientation);  // "given", "assumed", "from the sun"
+std::string_view name_of(Orientation orientation);  // "given", "assumed", "from the sun", "from other pictures"
 
 struct SunGiven {
   std::optional<SunDirection> direction;  // azimuth clockwise from north
@@ -26,11 +27,12 @@ struct SunGiven {
 };
 
 struct PhotographedSun {
-  std::optional<SunDirection> direction;  // the sun's; azimuth clockwise from north as far as anybody knows
-  SunDirection in_camera{0.0, 0.0, 1.0};  // the same in the directions of `camera`, to go on with
-  std::optional<SunBlob> seen;            // in the picture, in the directions of `camera`
-  std::optional<SunDirection> seen_at;    // the same, clockwise from north
-  std::optional<Radians> disagreement;    // between both, with the orientation given or assumed at first
+  std::optional<SunDirection> direction;          // the sun's; azimuth clockwise from north as far as anybody knows
+  SunDirection in_camera{0.0, 0.0, 1.0};          // the same in the directions of `camera`, to go on with
+  std::optional<SunBlob> seen;                    // in the picture, in the directions of `camera`
+  std::optional<SunDirection> by_time_and_place;  // clockwise from north, also where the picture is followed
+  std::optional<SunDirection> seen_at;            // the same, clockwise from north
+  std::optional<Radians> disagreement;            // between both, with the orientation given or assumed at first
   Orientation orientation = Orientation::given;
   Radians azimuth_up{};          // that is followed
   std::string told;              // how the sun is known

@@ -71,7 +71,7 @@ inline const Walls kMayInclude = {
     {"pipeline/bench", {"pipeline", "pipeline/scene", "pipeline/sky"}},
     {"pipeline/calibrate",
      {"pipeline", "pipeline/calibration_report", "pipeline/camera_drift", "pipeline/config", "pipeline/files",
-      "pipeline/machine"}},
+      "pipeline/machine", "pipeline/photographs"}},
     {"pipeline/calibration_report", {"pipeline/config", "pipeline/files"}},
     {"pipeline/camera_drift", {"pipeline/config", "pipeline/files", "pipeline/machine"}},
     {"pipeline/comparison", {"pipeline", "pipeline/files"}},
@@ -124,7 +124,8 @@ inline const std::set<std::string> kVerticals = {
 };
 inline const Walls kVerticalsMayInclude = {
     {"pipeline/appliance", {"pipeline/camera_drift", "pipeline/doctor"}},
-    {"pipeline/calibrate", {"pipeline/camera_drift"}},
+    {"pipeline/calibrate", {"pipeline/camera_drift", "pipeline/photographs"}},
+    {"pipeline/haze", {"pipeline/photographs"}},
     {"pipeline/bench", {"pipeline/sky"}},
 };
 
@@ -150,10 +151,10 @@ inline const Walls kLibraryDoors = {
     {"gbm.h", {"gles/display/kms_scanout_gbm.cpp"}},
     {"jpeglib.h", {"base/picture_files/"}},
     {"libcamera/", {"capture/libcamera/"}},
+    {"libexif/", {"pipeline/files/"}},
     {"libudev.h", {"gles/display/kms_udev.cpp"}},
     {"linux/cec.h", {"pipeline/machine/television.cpp"}},
-    {"linux/v4l2-controls.h", {"capture/v4l2/"}},
-    {"linux/videodev2.h", {"capture/v4l2/"}},
+    {"linux/v", {"capture/v4l2/"}},
     {"microhttpd.h", {"report/page/http_server.cpp"}},
     {"mosquitto.h", {"report/channels/mqtt_channel.cpp"}},
     {"nlohmann/",

@@ -50,7 +50,7 @@ TEST(EstimateCsv, TheColumnsAreStable) {
 TEST(EstimateCsv, ValuesAreThoseOfTheAnswer) {
   const auto line = estimate_csv_line(
       R"({"image":"a.jpg","turbidity":2.4904,"sigma":0.2,"usable":true,"reason":"","sky":"clear","cloud_fraction":0.25,)"
-      R"("sigma_cloud_fraction":0.125,"sun_zenith_deg":66.3224,"sun_azimuth_deg":237.5,"sun_seen":{"sigma_deg":0.5},)"
+      R"("sigma_cloud_fraction":0.125,"sun_zenith_deg":66.3224,"sun_azimuth_deg":237.5,"sun_sigma_deg":0.5,)"
       R"("aod_550":0.15,"sigma_aod_550":0.013,"angstrom_exponent":1.3,"visibility_m":59859.0,"circle":[9.5,8.25,7]})",
       parse_utc("2026-10-20T06:10:05Z"));
   EXPECT_EQ(line,

@@ -131,16 +131,25 @@ TEST_F(GivenInputs, ARecordingThatIsBrokenIsToldAndTheOthersStay) {
   EXPECT_THAT(problems[0], HasSubstr(in("broken")));
 }
 
-TEST_F(GivenInputs, AFolderWithoutTimesNeedsTheSun) {
+TEST_F(GivenInputs, PicturesWithoutTimesTakeTheSunFromThemselves) {
   arguments.sun_from_image = false;
   arguments.lat = 46.94;
   arguments.lon = 8.28;
-  arguments.images = {"@" + in("list")};
-  EXPECT_TRUE(EstimateInputs::expand(arguments));
   arguments.images = {"@" + in("list"), in("sky")};
-  const auto expanded = EstimateInputs::expand(arguments);
-  ASSERT_FALSE(expanded);
-  EXPECT_THAT(expanded.error().message, HasSubstr("--utc"));
+  EXPECT_TRUE(EstimateInputs::expand(arguments));
+}
+
+TEST_F(GivenInputs, AFirstLookTakesNothing) {
+  arguments.images = {"@" + in("list"), in("sky")};
+  auto expanded = EstimateInputs::expand(arguments);
+  ASSERT_TRUE(expanded);
+  EXPECT_EQ(expanded->ahead(2).size(), 2u);
+  const auto all = expanded->ahead(100);
+  EXPECT_EQ(expanded->ahead(1).size(), 1u);
+  EXPECT_EQ(expanded->all().size(), all.size());
+  std::size_t taken = 0;
+  for (; const auto input = expanded->next(); ++taken) EXPECT_EQ(input->file, all.at(taken).file);
+  EXPECT_EQ(taken, all.size());
 }
 
 TEST_F(GivenInputs, TheCommandTellsAllThatIsMissingInOneMessageAndAnswersTheRest) {

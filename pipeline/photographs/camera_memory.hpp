@@ -1,0 +1,57 @@
+// What the pictures of a camera tell together that one alone leaves open: its image circle, its tone curve, how it was
+// turned, and whether it mirrors. From all pictures of a call, and from calls before it where a file keeps them.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "base/result.hpp"
+#include "calib/mask/fixed_circle.hpp"
+#include "calib/pose/sky_turn.hpp"
+#include "estimator/sky_fit/camera_belief.hpp"
+
+namespace kasumi {
+
+struct RememberedCamera {
+  int width = 0, height = 0;  // of its pictures
+  FoundCircle circle;         // as find_image_circle gives it
+  int pictures = 0;           // that see this circle
+  CameraBelief belief;
+  int tones = 0;  // pictures that told its tone exponent
+  std::optional<SkyTurn> turn;
+};
+
+// What one picture says of its camera.
+struct CameraSight {
+  PictureCircle circle;  // with the circle that was used
+  std::optional<ToneSight> tone;
+  std::optional<SunPair> sun;  // where it is seen, and where time and place put it
+};
+
+class CameraMemory {
+ public:
+  // A file that is not there is an empty memory. Errors (bad_input): no such memory, each wrong key.
+  static Result<CameraMemory> read(const std::filesystem::path& file);
+  Result<> write(const std::filesystem::path& file) const;
+
+  // Cameras that several of these pictures show, and those known before. What was found is kept for circle_in().
+  void learn_circles(const std::map<std::filesystem::path, PictureCircle>& pictures);
+  // Tone curves and turns.
+  void learn(const std::vector<CameraSight>& pictures);
+
+  // The circle of a picture in which `found` was found alone.
+  std::optional<FoundCircle> circle_of(const PictureCircle& alone) const;
+  // Found in a file before, to spare the search.
+  const PictureCircle* found_in(const std::filesystem::path& file) const;
+  // Empty: nothing is known of a camera with this circle.
+  const RememberedCamera* camera_of(int width, int height, const ImageCircle& circle) const;
+  const std::vector<RememberedCamera>& cameras() const { return cameras_; }
+
+ private:
+  std::vector<RememberedCamera> cameras_;
+  std::map<std::filesystem::path, PictureCircle> found_;
+};
+
+}  // namespace kasumi
