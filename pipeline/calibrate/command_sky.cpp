@@ -9,6 +9,8 @@
 #include "estimator/sky_camera/sun_in_image.hpp"
 #include "pipeline/calibrate/command_calibrate.hpp"
 #include "pipeline/calibrate/save_calibration.hpp"
+#include "pipeline/calibrate/series_pictures.hpp"
+#include "pipeline/calibrate/sky_series.hpp"
 #include "pipeline/calibration_report/plots.hpp"
 #include "pipeline/config/fixture_file.hpp"
 
@@ -20,9 +22,14 @@ constexpr Radians kLowestSunForOrientation = from_degrees(5.0);  // lower, refra
 constexpr double kCircleSigma_px = 0.5;
 
 struct SkyArguments {
-  std::string fixture;
+  std::vector<std::string> pictures;
+  std::string fixture;  // of a recording: the only one of `pictures`
+  std::optional<double> lat, lon;
+  double altitude_m = 0.0;
+  PictureTimes times;
+  std::vector<double> circle;
   std::string serial;
-  double level_sigma_deg = 3.0;
+  std::optional<double> level_sigma_deg;
   double focal_sigma_percent = 3.0;
   std::string out;
 };
@@ -65,15 +72,6 @@ struct SunSights {
   int without_sun = 0, too_low = 0;
 };
 
-void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
-  if (brightest.empty()) {
-    brightest = picture;
-    return;
-  }
-  for (std::size_t i = 0; i < picture.elements().size(); ++i)
-    brightest.elements()[i] = glm::max(brightest.elements()[i], picture.elements()[i]);
-}
-
 Result<SunSights> find_suns(const Fixture& fixture, const Camera& camera) {
   SunSights suns;
   const auto take_picture = [&](const PictureView& view, const FrameMetadata& metadata) {
@@ -101,7 +99,7 @@ SkyPrior prior_of(const SkyArguments& arguments, const Camera& camera, const Kno
   SkyPrior prior;
   prior.lens = known.lens;
   prior.to_world = camera.to_world;
-  prior.level_sigma = from_degrees(arguments.level_sigma_deg);
+  prior.level_sigma = from_degrees(arguments.level_sigma_deg.value_or(3.0));
   if (known.calibrated) {
     prior.centre_sigma_px = glm::dvec2(0.2);
     prior.scale_sigma = 0.002;
@@ -183,7 +181,22 @@ void report(const SunSights& suns, const SkyOrientation& found, const std::optio
   fmt::print("a clock 4 s off turns the sky by up to 1/60 deg, which looks like an azimuth error\n");
 }
 
-Result<int> calibrate(const SkyArguments& arguments) {
+Result<int> calibrate_strange(const SkyArguments& arguments) {
+  Problems problems;
+  if (!arguments.lat || !arguments.lon)
+    problems.add("{}: is no recording with a site of its own: expected --lat and --lon", arguments.pictures.front());
+  SkySeries series{arguments.pictures, arguments.times, {}, {}, arguments.level_sigma_deg.value_or(5.0),
+                   arguments.serial,   arguments.out};
+  series.site = {"", arguments.lat.value_or(0.0), arguments.lon.value_or(0.0), arguments.altitude_m};
+  if (!arguments.circle.empty()) {
+    series.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
+    if (!(arguments.circle[2] > 0.0)) problems.add("--circle: radius {} px, expected more than 0", arguments.circle[2]);
+  }
+  if (!problems.empty()) return fail(problems.fault());
+  return calibrate_sky_series(series);
+}
+
+Result<int> calibrate_recording(const SkyArguments& arguments) {
   const auto fixture = read_fixture(arguments.fixture);
   if (!fixture) return fail(fixture.error());
   const auto known = known_lens(arguments, *fixture);
@@ -192,7 +205,9 @@ Result<int> calibrate(const SkyArguments& arguments) {
   camera.lens = make_lens(known->lens);
   const auto suns = find_suns(*fixture, camera);
   if (!suns) return fail(suns.error());
-  const auto circle = find_image_circle(suns->brightest);
+  const auto seen = find_image_circle(suns->brightest);
+  constexpr double kSure = 0.5;
+  const auto circle = seen && seen->confidence > kSure ? std::optional(seen->circle) : std::nullopt;
   const auto found = orient_sky(suns->sights, prior_of(arguments, camera, *known, circle));
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
   report(*suns, *found, circle);
@@ -215,18 +230,51 @@ Result<int> calibrate(const SkyArguments& arguments) {
   return save_calibration(arguments.out, std::move(step), plot_sun_track(suns->brightest, suns->sights, *found, title));
 }
 
+Result<int> calibrate(SkyArguments arguments) {
+  std::error_code error;
+  const std::filesystem::path first = arguments.pictures.front();
+  if (arguments.pictures.size() > 1 || !std::filesystem::exists(first / "fixture.toml", error))
+    return calibrate_strange(arguments);
+  arguments.fixture = first.string();
+  return calibrate_recording(arguments);
+}
+
 }  // namespace
 
 void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
   auto* command = calibrate_command.add_subcommand(
-      "sky", "Orientation, centre and focal length of the sky camera, from the sun's path in a recording");
+      "sky",
+      "The sky camera's orientation and lens from the sun's path in a recording, or all of an unknown camera from "
+      "pictures with times");
   auto arguments = std::make_shared<SkyArguments>();
   auto& a = *arguments;
-  command->add_option("fixture", a.fixture, "A recording with hours of sun, or a few pictures over a day")->required();
-  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
-  command->add_option("--level-deg", a.level_sigma_deg, "Uncertainty of the camera's levelling, one standard deviation")
-      ->check(CLI::Range(0.05, 30.0))
+  command
+      ->add_option(
+          "pictures", a.pictures,
+          "A recording with hours of sun; or pictures of an unknown camera over a day: a folder, @LIST, a pattern "
+          "in quotes, as `kasumi estimate` takes them")
+      ->required();
+  command->add_option("--lat", a.lat, "Where an unknown camera stands, degrees north")->check(CLI::Range(-90.0, 90.0));
+  command->add_option("--lon", a.lon, "Degrees east")->check(CLI::Range(-180.0, 180.0));
+  command->add_option("--altitude-m", a.altitude_m, "Height above the sea")
+      ->check(CLI::Range(-500.0, 9000.0))
       ->capture_default_str();
+  command->add_option("--time-format", a.times.format,
+                      "Of the times in the pictures' names, as strptime has it: %Y%m%d_%H%M%S. Default: what is usual, "
+                      "else EXIF");
+  command->add_option("--utc-offset-h", a.times.utc_offset_h, "Of those times from UTC: 9 in Japan")
+      ->check(CLI::Range(-14.0, 14.0))
+      ->capture_default_str();
+  command
+      ->add_option("--circle", a.circle, "Image circle of an unknown camera in pixels; default: found in its pictures")
+      ->type_name("CX,CY,R")
+      ->delimiter(',')
+      ->expected(3);
+  command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
+  command
+      ->add_option("--level-deg", a.level_sigma_deg,
+                   "Uncertainty of the camera's levelling, one standard deviation. Default: 3; of an unknown camera 5")
+      ->check(CLI::Range(0.05, 30.0));
   command
       ->add_option("--focal-percent", a.focal_sigma_percent,
                    "Uncertainty of the focal length, unless calibrate lens has measured it")

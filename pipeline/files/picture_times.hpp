@@ -1,0 +1,21 @@
+// When a picture was taken, by its name or by what its camera wrote into it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "base/clock.hpp"
+
+namespace kasumi {
+
+struct PictureTimes {
+  // As strptime reads it, somewhere in the file's name: "%Y%m%d_%H%M%S". Empty: what names usually have, and else EXIF.
+  std::string format;
+  double utc_offset_h = 0.0;  // of those times: 9 in Japan; EXIF's own offset goes before it
+};
+
+// Empty: neither the name nor the file has a time.
+std::optional<Utc> picture_time(const std::filesystem::path& file, const PictureTimes& times);
+
+}  // namespace kasumi
