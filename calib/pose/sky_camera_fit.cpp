@@ -63,6 +63,9 @@ std::ptrdiff_t used_of(const SkyOrientation& found) {
   return std::count(found.used.begin(), found.used.end(), true);
 }
 
+// Suns err alike towards the horizon, which looks like a curved lens: two odd terms must be worth as much as six.
+constexpr int kOddTerms = 6;
+
 // Schwarz' criterion over all suns; those that a candidate leaves out cost it three of their sigmas.
 double criterion(const SkyOrientation& found, std::span<const SunSight> sights, double sigma_px, int parameters) {
   constexpr double kLeftOut = 9.0;
@@ -133,7 +136,7 @@ Result<SkyCameraFit> fit_sky_camera(std::span<const SunSight> sights, const SkyC
         continue;
       }
       Tried tried{{*found, candidate.name, mirrored, false},
-                  criterion(*found, sights, prior.sun_sigma_px, candidate.odd_sigma[0] > 0.0 ? 2 : 0)};
+                  criterion(*found, sights, prior.sun_sigma_px, candidate.odd_sigma[0] > 0.0 ? kOddTerms : 0)};
       auto& of_this = best_of[mirrored ? 1 : 0];
       of_this = std::min(of_this, tried.criterion);
       if (!best || tried.criterion < best->criterion - 1e-9) best = std::move(tried);

@@ -135,24 +135,70 @@ class Inside {
   int area_ = 0;
 };
 
-// Encoded levels of the sky at a distance from a direction.
-std::vector<double> ring_around(const SkyPicture& picture, const Camera& camera, const SunDirection& middle,
-                                double distance) {
-  constexpr int kRays = 32;
-  const glm::dvec3 other = std::abs(middle.z) < 0.9 ? glm::dvec3{0.0, 0.0, 1.0} : glm::dvec3{1.0, 0.0, 0.0};
-  const glm::dvec3 a = glm::normalize(glm::cross(middle, other)), b = glm::cross(middle, a);
-  std::vector<double> ring;
+// Encoded levels of the sky at a distance from a direction, and where they are: the cosine of the turn from the way up.
+struct Ring {
+  std::vector<double> level, upwards;
+
+  double mean() const {
+    double sum = 0.0;
+    for (const double l : level) sum += l / static_cast<double>(level.size());
+    return sum;
+  }
+  // How much brighter it is above than beside.
+  double brighter_above() const {
+    double sum = 0.0, weight = 0.0;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      sum += upwards[i] * (level[i] - mean());
+      weight += square(upwards[i]);
+    }
+    return weight > 0.0 ? sum / weight : 0.0;
+  }
+};
+
+constexpr int kRays = 32;
+
+Ring ring_around(const SkyPicture& picture, const Camera& camera, const SunDirection& middle, double distance) {
+  const glm::dvec3 pole = std::abs(middle.z) < 0.999 ? glm::dvec3{0.0, 0.0, 1.0} : glm::dvec3{1.0, 0.0, 0.0};
+  const glm::dvec3 aside = glm::normalize(glm::cross(pole, middle)), up = glm::cross(middle, aside);
+  Ring ring;
   for (int k = 0; k < kRays; ++k) {
     const double turn = 2.0 * kPi * k / kRays;
     const SunDirection direction =
-        std::cos(distance) * middle + std::sin(distance) * (std::cos(turn) * a + std::sin(turn) * b);
+        std::cos(distance) * middle + std::sin(distance) * (std::cos(turn) * up + std::sin(turn) * aside);
     const auto pixel = camera.pixel_of(direction);
     if (!pixel || !shows_sky(camera, direction, *pixel)) continue;
     const glm::dvec2 place = (*pixel - picture.first) / picture.step;
     const int x = static_cast<int>(std::lround(place.x)), y = static_cast<int>(std::lround(place.y));
-    if (picture.encoded.contains(x, y)) ring.push_back(static_cast<double>(level_of(picture.encoded.at(x, y))));
+    if (!picture.encoded.contains(x, y)) continue;
+    ring.level.push_back(static_cast<double>(level_of(picture.encoded.at(x, y))));
+    ring.upwards.push_back(std::cos(turn));
   }
   return ring;
+}
+
+// A sky that is brighter towards the horizon moves an isophote of the sun's surroundings that way: by its slope over
+// their fall, which is seen above and beside it. Empty where too little of the surroundings is sky, or does not fall.
+std::optional<Radians> lowered_by_sky(const SkyPicture& picture, const Camera& camera, const BrightBlob& blob) {
+  constexpr Radians kNear = from_degrees(1.0), kFar = from_degrees(3.0);
+  constexpr double kMostOfRadius = 0.8, kBelow = -0.5;
+  const auto seen_above = [](const Ring& ring) {
+    return std::ranges::count_if(ring.upwards, [](double upwards) { return upwards > kBelow; }) >= 2 * kRays / 3;
+  };
+  const auto above = [](const Ring& ring) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < ring.level.size(); ++i)
+      if (ring.upwards[i] > 0.0) sum += ring.level[i], count += 1.0;
+    return sum / std::max(count, 1.0);
+  };
+  const double near = blob.radius.value + kNear.value;
+  const Ring inner = ring_around(picture, camera, blob.direction, near);
+  const Ring outer = ring_around(picture, camera, blob.direction, blob.radius.value + kFar.value);
+  if (!seen_above(inner) || !seen_above(outer)) return std::nullopt;
+  const double fall = (above(inner) - above(outer)) / (kFar - kNear).value;
+  const double slope = -inner.brighter_above() / near;
+  if (fall <= 0.0) return std::nullopt;
+  if (slope <= 0.0) return Radians{0.0};
+  return Radians{std::min(slope * blob.radius.value / fall, kMostOfRadius * blob.radius.value)};
 }
 
 // Elements per radian at the zenith.
@@ -176,8 +222,9 @@ std::optional<BrightBlob> blob_at(const SkyPicture& picture, const Camera& camer
   blob.radius = core.radius * blob.resolution;
   blob.scatter = apart * blob.resolution;
   const auto ring = ring_around(picture, camera, *direction, blob.radius.value + from_degrees(5.0).value);
-  blob.around = median(ring) / top;
-  blob.spread = (quantile(ring, 0.75) - quantile(ring, 0.25)) / top;
+  blob.around = median(ring.level) / top;
+  blob.spread = (quantile(ring.level, 0.75) - quantile(ring.level, 0.25)) / top;
+  blob.lowered = lowered_by_sky(picture, camera, blob);
   return blob;
 }
 

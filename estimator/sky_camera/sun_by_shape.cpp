@@ -10,13 +10,29 @@ namespace kasumi {
 
 namespace {
 
+// What a clear sky's growth towards the horizon does to a blob where it was not seen.
+Radians usually_lowered(const BrightBlob& blob) {
+  constexpr double kSlopeOverFall = 3.0, kMostOfRadius = 0.8;
+  const double cosine = std::max(blob.direction.z, 0.0), sine = std::sqrt(1.0 - square(std::min(cosine, 1.0)));
+  const double moved = kSlopeOverFall * sine / (cosine + 0.1) * square(blob.radius.value);
+  return Radians{std::min(moved, kMostOfRadius * blob.radius.value)};
+}
+
 // Large blobs are cut off by clouds and the horizon, and the sky is brighter on one side of them.
 Radians sigma_of(const BrightBlob& blob) {
-  constexpr double kOfRadius = 0.12, kOfScatter = 0.3;
+  constexpr double kOfRadius = 0.12, kOfScatter = 0.3, kOfLowered = 0.4;
   constexpr Radians kLeast = from_degrees(0.2), kLarge = from_degrees(10.0);
   const double larger = std::max(1.0, blob.radius.value / kLarge.value);
+  const double lowered = blob.lowered ? kOfLowered * blob.lowered->value : usually_lowered(blob).value;
   return Radians{std::sqrt(square(kLeast.value) + square(kOfRadius * larger * blob.radius.value) +
-                           square(kOfScatter * blob.scatter.value))};
+                           square(kOfScatter * blob.scatter.value) + square(lowered))};
+}
+
+// The middle where the sky around does not move it.
+SunDirection raised(const BrightBlob& blob) {
+  const Radians zenith = zenith_angle(blob.direction);
+  return direction_from(Radians{std::max(0.0, (zenith - blob.lowered.value_or(Radians{0.0})).value)},
+                        azimuth_angle(blob.direction));
 }
 
 // The logarithm of the odds that a blob is the sun: large, most of what is as bright, alike on all sides (a cloud
@@ -50,9 +66,10 @@ std::optional<SunBlob> sun_by_shape(const SkyPicture& picture, const Camera& cam
   for (const BrightBlob& blob : sky.blobs) {
     if (blob.radius > options.largest_radius) continue;
     const Radians sigma = sigma_of(blob);
+    const SunDirection at = raised(blob);
     double confidence = 1.0 / (1.0 + std::exp(-log_odds(blob, sky)));
-    if (options.expected) confidence = confidence_where_expected(confidence, blob.direction, sigma, *options.expected);
-    if (confidence > best.confidence) best = {blob.direction, {}, blob.radius, confidence, sigma};
+    if (options.expected) confidence = confidence_where_expected(confidence, at, sigma, *options.expected);
+    if (confidence > best.confidence) best = {at, {}, blob.radius, confidence, sigma};
   }
   if (best.confidence < options.least_by_shape || best.sigma > options.largest_by_shape) return std::nullopt;
   const auto pixel = camera.pixel_of(best.direction);

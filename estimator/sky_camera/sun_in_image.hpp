@@ -28,10 +28,13 @@ struct SunBlobOptions {
   Radians largest_radius = from_degrees(25.0);           // larger: a bright cloud, or an overexposed sky
   double least_by_aureole = 0.85, least_by_shape = 0.7;  // confidence
   Radians largest_by_aureole = from_degrees(1.75), largest_by_shape = from_degrees(2.5);  // sigma
+  bool by_shape =
+      false;  // also: for cameras of which little is known; a bright cloud's edge beside the sun may pass for it
   std::optional<ExpectedSun> expected = std::nullopt;
 };
 
-// By the sky around it where that tells, which is the more precise; else by its shape. Empty where neither does.
+// By the sky around it where that tells, which is the more precise; else, where that is asked, by its shape. Empty where
+// neither does.
 std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options = {});
 
 // "+- 0.4 deg, 97 % sure"

@@ -170,22 +170,18 @@ UnknownCameraFit fit_unknown_camera(std::span<const SkyReading> readings, const 
   found.sigma_exponent = found.exponent * tone.sigma;
   found.rim_loss = rim.mean;
   found.sigma_rim_loss = rim.sigma;
-  SkyToFit domes = sky;
-  domes.every_model = false;
-  domes.model = SiteSkyModel::dome;
-  domes.aerosol.reset();
   const InstrumentDoubt doubt{true, belief.white_balance, belief.rim_loss};
   // Gauss and Hermite's three points.
   const double step = std::sqrt(3.0) * tone.sigma;
   const std::array<double, 3> at{tone.mean, tone.mean - step, tone.mean + step},
       weights{2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0};
   std::array<SkyFit, 3> fits;
-  for (std::size_t i = 0; i < at.size(); ++i) fits[i] = fit_sky(undone(readings, std::exp(at[i])), sun, domes, doubt);
+  for (std::size_t i = 0; i < at.size(); ++i) fits[i] = fit_sky(undone(readings, std::exp(at[i])), sun, sky, doubt);
   found.sky = fits[0];
   if (!found.sky.solved) return found;
   mix(found.sky, fits, weights);
   if (belief.sigma_altitude_m > 0.0) {
-    SkyToFit higher = domes;
+    SkyToFit higher = sky;
     higher.altitude_m += belief.sigma_altitude_m;
     add_altitude(found.sky, fits[0], fit_sky(undone(readings, std::exp(tone.mean)), sun, higher, doubt));
   }

@@ -20,18 +20,6 @@ namespace {
 constexpr double kFewWrong = 0.01;    // of the readings: a fit by medians does not see them
 constexpr double kSmallError = 0.01;  // of ln Y: no real sky is as near to a model
 
-// The family that an answer follows: Preetham's, to which T alone belongs, or the dome of the aerosol found.
-SkyToFit followed(const SkyFit& fit, SkyToFit sky) {
-  if (fit.found.papers_share > 0.5) {
-    sky.model = SiteSkyModel::preetham;
-    sky.aerosol.reset();
-  } else {
-    sky.model = SiteSkyModel::dome;
-    sky.aerosol = fit.found.aerosol;
-  }
-  return sky;
-}
-
 SiteSky sky_of(const SkyToFit& sky, Turbidity turbidity, const SunDirection& sun) {
   return {sky.model, sky.aerosol ? AirState(*sky.aerosol) : AirState(turbidity), sun, sky.altitude_m};
 }
@@ -219,6 +207,17 @@ SkyEvidence observe_by_every_model(SkyObservation& observation, SkyLight sky, co
   const auto samples = static_cast<double>(observation.samples.size());
   estimate.clear_fraction = samples > 0.0 ? evidence.air.clear_fraction * evidence.agreeing / samples : 0.0;
   return evidence;
+}
+
+SkyToFit followed(const SkyFit& fit, SkyToFit sky) {
+  if (fit.found.papers_share > 0.5) {
+    sky.model = SiteSkyModel::preetham;
+    sky.aerosol.reset();
+  } else {
+    sky.model = SiteSkyModel::dome;
+    sky.aerosol = fit.found.aerosol;
+  }
+  return sky;
 }
 
 }  // namespace kasumi

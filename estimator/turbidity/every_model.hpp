@@ -13,6 +13,9 @@ SkyEvidence observe_by_every_model(SkyObservation& observation, SkyLight sky, co
                                    const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
                                    const EstimateOptions& options);
 
+// The family that an answer follows: Preetham's, to which T alone belongs, or the dome of the aerosol found.
+SkyToFit followed(const SkyFit& fit, SkyToFit sky);
+
 // The directions nearest to the sun that are asked.
 constexpr Radians kNearestToSun = from_degrees(4.0);
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "estimator/sky_fit/unknown_camera.hpp"
+#include "estimator/turbidity/every_model.hpp"
 #include "estimator/turbidity/picture_readings.hpp"
 #include "estimator/turbidity/sky_verdict.hpp"
 #include "estimator/turbidity/turbidity.hpp"
@@ -94,9 +95,7 @@ SkyObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& picture,
   observation.rim_loss = fit.rim_loss;
   observation.sigma_rim_loss = fit.sigma_rim_loss;
   if (fit.sky.solved) {
-    observation.sky.every_model = false;
-    observation.sky.model = SiteSkyModel::dome;
-    observation.sky.aerosol = fit.sky.found.aerosol;
+    observation.sky = followed(fit.sky, options.sky);
     observation.log_gain = fit.sky.models.front().log_luminance_gain;
     estimate.turbidity = fit.sky.turbidity;
     estimate.sigma = fit.sky.sigma_turbidity;

@@ -15,7 +15,9 @@ struct Seen {
   Camera camera;
   Image<Rgb8> image;
   Direction sun;
-  std::optional<SunBlob> find() const { return find_sun(*sky_picture(view_of(image), camera, 800), camera); }
+  std::optional<SunBlob> find() const {
+    return find_sun(*sky_picture(view_of(image), camera, 800), camera, {.by_shape = true});
+  }
 };
 
 Seen see(const test::SyntheticSky& description, int side = 600) {
@@ -157,8 +159,8 @@ TEST(SunInImage, IsTheOneOfTwoThatTimeAndPlaceExpect) {
       // 3 deg off, and turned where the azimuth is not known.
       const Radians turn = azimuth_known ? Radians{0.0} : from_degrees(77);
       const SunDirection expected = direction_from(zenith_angle(place) + from_degrees(3), azimuth_angle(place) + turn);
-      const auto blob =
-          find_sun(picture, seen.camera, {.expected = ExpectedSun{expected, from_degrees(2), azimuth_known}});
+      const auto blob = find_sun(picture, seen.camera,
+                                 {.by_shape = true, .expected = ExpectedSun{expected, from_degrees(2), azimuth_known}});
       ASSERT_TRUE(blob) << azimuth_known;
       EXPECT_LT(to_degrees(angle_between(blob->direction, place)), 0.5) << azimuth_known;
     }
@@ -169,8 +171,8 @@ TEST(SunInImage, IsLessSureWhereItIsNotExpected) {
   paint_glare(seen.image, *seen.camera.pixel_of(seen.sun), 9.0);
   const auto picture = *sky_picture(view_of(seen.image), seen.camera, 800);
   const auto sure = [&](const std::optional<ExpectedSun>& expected) {
-    const auto blob =
-        find_sun(picture, seen.camera, {.least_by_aureole = 0.0, .least_by_shape = 0.0, .expected = expected});
+    const auto blob = find_sun(
+        picture, seen.camera, {.least_by_aureole = 0.0, .least_by_shape = 0.0, .by_shape = true, .expected = expected});
     return blob ? blob->confidence : 0.0;
   };
   const double alone = sure(std::nullopt);
@@ -183,7 +185,7 @@ TEST(SunInImage, IsTheSameInACroppedPicture) {
   const glm::dvec2 sun = *seen.camera.pixel_of(seen.sun);
   paint_glare(seen.image, sun, 22.0);
   paint(seen.image, sun + glm::dvec2{26.0, 10.0}, 12.0, kWhite);
-  const auto whole = find_sun(*sky_picture(view_of(seen.image), seen.camera), seen.camera);
+  const auto whole = find_sun(*sky_picture(view_of(seen.image), seen.camera), seen.camera, {.by_shape = true});
   ASSERT_TRUE(whole);
   for (const int left : {0, 1, 7, 30})
     for (const int top : {0, 3, 45}) {
@@ -196,7 +198,7 @@ TEST(SunInImage, IsTheSameInACroppedPicture) {
       const double edge = 0.5 * kPi;
       const double focal = glm::distance(sun, glm::dvec2{299.5}) / from_degrees(40).value;
       camera.lens = equidistant_lens(glm::dvec2{299.5} - glm::dvec2{left, top}, focal, {edge});
-      const auto blob = find_sun(*sky_picture(view_of(part), camera), camera);
+      const auto blob = find_sun(*sky_picture(view_of(part), camera), camera, {.by_shape = true});
       ASSERT_TRUE(blob) << left << " " << top;
       EXPECT_LT(to_degrees(angle_between(blob->direction, whole->direction)), 0.4) << left << " " << top;
       EXPECT_NEAR(blob->confidence, whole->confidence, 0.1) << left << " " << top;
@@ -209,7 +211,7 @@ TEST(SunInImage, IsFoundInMostPicturesOfStrangersAndInNoneOfThoseWithoutIt) {
   std::map<std::string, std::pair<int, int>> found, told;  // of each camera: so many, of so many
   for (const auto& sky : skies) {
     if (!sky.sun_scored) continue;
-    const auto blob = find_sun(*sky_picture(view_of(sky.pixels), sky.camera), sky.camera);
+    const auto blob = find_sun(*sky_picture(view_of(sky.pixels), sky.camera), sky.camera, {.by_shape = true});
     if (sky.sun_px) {
       const double off = blob ? glm::distance(blob->pixel, *sky.sun_px) / sky.tolerance_px : 0.0;
       auto& [good, all] = found[sky.name];
