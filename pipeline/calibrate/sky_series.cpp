@@ -17,6 +17,8 @@
 #include "calib/pose/sky_camera_fit.hpp"
 #include "estimator/cloud_cover/cloud_cover.hpp"
 #include "estimator/sky/sun.hpp"
+#include "estimator/sky_camera/sun_by_aureole.hpp"
+#include "estimator/sky_camera/sun_by_shape.hpp"
 #include "estimator/sky_camera/sun_in_image.hpp"
 #include "estimator/sky_fit/camera_belief.hpp"
 #include "estimator/sky_fit/tone_curve.hpp"
@@ -92,7 +94,9 @@ SeenSuns seen_suns(const SeriesPictures& series, const Camera& camera, const Sit
     const auto picture = sky_picture(photograph.encoded, photograph.quantum, camera);
     SunBlobOptions options;
     if (known) options.expected = ExpectedSun{position.direction, from_degrees(1.0), true};
-    const auto blob = picture ? find_sun(*picture, camera, options) : std::nullopt;
+    // By its shape first: that sees how far a sky that is brighter below moves it.
+    auto blob = picture ? sun_by_shape(*picture, camera, options) : std::nullopt;
+    if (picture && !blob) blob = sun_by_aureole(*picture, camera, options);
     const auto aside = blob ? camera.direction_at(blob->pixel + glm::dvec2{1.0, 0.0}) : std::nullopt;
     if (!aside) {
       ++seen.not_seen;

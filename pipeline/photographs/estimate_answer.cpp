@@ -39,10 +39,21 @@ std::string models_text(const std::vector<SkyModelAnswer>& models) {
   return text.empty() ? "" : "  by               " + text + "\n";
 }
 
+// A scan has no cloud cover; its verdict may say the kind all the same.
+SkyClass sky_class(const SkyPhotographReport& report) {
+  if (report.cover.sky != SkyClass::unknown) return report.cover.sky;
+  switch (report.look.estimate.sky) {
+    case SkyCondition::night: return SkyClass::night;
+    case SkyCondition::overcast: return SkyClass::overcast;
+    case SkyCondition::clear: return SkyClass::clear;
+    default: return SkyClass::unknown;
+  }
+}
+
 // "few, 23 +- 8 % cloud"
 std::string sky_text(const SkyPhotographReport& report) {
   const auto& cover = report.cover;
-  std::string text = fmt::format("  sky              {}", name_of(cover.sky));
+  std::string text = fmt::format("  sky              {}", name_of(sky_class(report)));
   if (cover.fraction) text += fmt::format(", {:.0f} +- {:.0f} % cloud", 100.0 * *cover.fraction, 100.0 * cover.sigma);
   if (const auto& estimate = report.look.estimate; estimate.usable)
     text +=
@@ -72,7 +83,7 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
   json["reason"] = estimate.reason;
   const auto& cover = report.cover;
   json["sky"] = nullptr;
-  if (cover.sky != SkyClass::unknown) json["sky"] = name_of(cover.sky);
+  if (const auto sky = sky_class(report); sky != SkyClass::unknown) json["sky"] = name_of(sky);
   json["cloud_fraction"] = nullptr;
   json["sigma_cloud_fraction"] = nullptr;
   if (cover.fraction) {

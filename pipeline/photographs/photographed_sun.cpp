@@ -20,8 +20,11 @@ SunDirection turned(const SunDirection& direction, Radians by) {
 }
 
 // Whatever is seen where the sun stands as high as it should is the likelier to be it.
-std::optional<SunBlob> find_sun_as_high(const SkyPicture& picture, const Camera& camera, const SunDirection& sun) {
-  const auto seen = find_sun(picture, camera, {.expected = ExpectedSun{.direction = sun, .azimuth_known = false}});
+std::optional<SunBlob> find_sun_as_high(const SkyPicture& picture, const Camera& camera, const SunGiven& given) {
+  const SunDirection& sun = *given.direction;
+  const auto seen =
+      find_sun(picture, camera,
+               {.by_shape = given.unknown_camera, .expected = ExpectedSun{.direction = sun, .azimuth_known = false}});
   const bool as_high = seen && std::abs(zenith_angle(seen->direction).value - zenith_angle(sun).value) <= kAgree.value;
   return as_high ? seen : std::nullopt;
 }
@@ -82,9 +85,9 @@ PhotographedSun find_photographed_sun(const SkyPicture& picture, const Camera& c
   PhotographedSun sun;
   sun.azimuth_up = given.azimuth_up;
   sun.by_time_and_place = given.direction;
-  sun.seen = find_sun(picture, camera);
+  sun.seen = find_sun(picture, camera, {.by_shape = given.unknown_camera});
   const bool turnable = given.direction && !given.orientation_known;
-  if (!sun.seen && turnable) sun.seen = find_sun_as_high(picture, camera, *given.direction);
+  if (!sun.seen && turnable) sun.seen = find_sun_as_high(picture, camera, given);
   if (sun.seen) sun.seen_at = sun.seen->direction;
   if (sun.seen && given.direction) sun.disagreement = angle_between(*given.direction, sun.seen->direction);
 

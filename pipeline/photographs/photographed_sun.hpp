@@ -24,6 +24,7 @@ struct SunGiven {
   bool from_picture = false;              // follow the picture, whatever is given
   bool orientation_known = false;         // else the picture's top is taken for north until the sun tells better
   Radians azimuth_up{};                   // of the camera
+  bool unknown_camera = false;            // the sun is looked for by its shape, too
 };
 
 struct PhotographedSun {

