@@ -21,16 +21,11 @@ constexpr Projection kStereographic{"stereographic", {1.0 / 12.0, 1.0 / 120.0, 1
 constexpr Projection kOrthographic{"orthographic", {-1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362880.0}, {}};
 // Between those of all ideal ones.
 constexpr Projection kTwoOddTerms{"two odd terms", {-0.03, 0.002, 0.0, 0.0}, {0.06, 0.008}};
-constexpr double kMostOfIdeal = 90.0;  // deg: sin(theta) turns back there
+constexpr Radians kSineTurnsBack = from_degrees(90.0);
 
 constexpr Radians kEdge = from_degrees(90.0);
 constexpr Radians kWidest = from_degrees(100.0);
 constexpr Radians kOnePlace = from_degrees(3.0);
-
-// Lenses that have the circle at 90 deg.
-std::vector<Projection> odd_projections() {
-  return {kStereographic, kOrthographic, kTwoOddTerms};
-}
 
 double radius_at_edge(const std::array<double, 4>& k) {
   const double t = kEdge.value, t2 = square(t);
@@ -43,15 +38,16 @@ struct Candidate {
   std::array<double, 2> odd_sigma{};
 };
 
+// Lenses that have the circle at 90 deg.
 std::vector<Candidate> candidates(const ImageCircle& circle) {
   const double r = circle.radius_px;
   std::vector<Candidate> all;
   all.push_back({"equidistant", {IdealFisheyeModel{circle.centre, r / kEdge.value, false}, kWidest, false}});
   all.push_back(
       {"equisolid", {IdealFisheyeModel{circle.centre, r / (2.0 * std::sin(0.5 * kEdge.value)), true}, kWidest, false}});
-  for (const Projection& projection : odd_projections()) {
+  for (const Projection& projection : {kStereographic, kOrthographic, kTwoOddTerms}) {
     const double focal = r / radius_at_edge(projection.k);
-    const Radians largest = projection.name == kOrthographic.name ? from_degrees(kMostOfIdeal) : kWidest;
+    const Radians largest = projection.name == kOrthographic.name ? kSineTurnsBack : kWidest;
     all.push_back({projection.name,
                    {OpencvFisheyeModel{glm::dvec2(focal), circle.centre, projection.k}, largest, false},
                    projection.odd_sigma});

@@ -28,8 +28,8 @@ struct SunBlobOptions {
   Radians largest_radius = from_degrees(25.0);           // larger: a bright cloud, or an overexposed sky
   double least_by_aureole = 0.85, least_by_shape = 0.7;  // confidence
   Radians largest_by_aureole = from_degrees(1.75), largest_by_shape = from_degrees(2.5);  // sigma
-  bool by_shape =
-      false;  // also: for cameras of which little is known; a bright cloud's edge beside the sun may pass for it
+  // For cameras of which little is known: a bright cloud's edge beside the hidden sun may pass for it.
+  bool by_shape = false;
   std::optional<ExpectedSun> expected = std::nullopt;
 };
 
