@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kSameCircle = 0.03;  // of the radius
 constexpr int kEnough = 2;            // pictures that show a camera
+constexpr std::size_t kMostSuns = 32;
 
 bool same_circle(const ImageCircle& a, const ImageCircle& b) {
   return std::max(glm::distance(a.centre, b.centre), std::abs(a.radius_px - b.radius_px)) < kSameCircle * b.radius_px;
@@ -45,6 +46,12 @@ std::string toml_of(const RememberedCamera& camera) {
     text +=
         fmt::format("mirrored = {}\nmirror_known = {}\nsuns = {}\n", turn->mirrored, turn->mirror_known, turn->suns);
   }
+  const auto angles = [](const Direction& at) {
+    return fmt::format("[{}, {}]", toml_number(to_degrees(zenith_angle(at))),
+                       toml_number(to_degrees(azimuth_angle(at))));
+  };
+  for (const SunPair& sun : camera.suns)
+    text += fmt::format("[[cameras.sights]]\nseen_deg = {}\nstood_deg = {}\n", angles(sun.seen), angles(sun.stood));
   return text;
 }
 
@@ -55,6 +62,12 @@ ImageCircle read_circle(const ConfigTable& table, const char* key) {
   const auto numbers = table.numbers(key, 3, kPixels);
   if (table.has(key) && !(numbers[2] >= 1.0)) table.problem(key, "[x, y, radius] with a radius >= 1");
   return {{numbers[0], numbers[1]}, std::max(1.0, numbers[2])};
+}
+
+// [zenith angle, azimuth]
+Direction read_direction(const ConfigTable& table, const char* key) {
+  const auto angles = table.numbers(key, 2, {-360.0, 360.0});
+  return direction_from(from_degrees(angles[0]), from_degrees(angles[1]));
 }
 
 RememberedCamera read_camera_of(const ConfigTable& table) {
@@ -82,6 +95,8 @@ RememberedCamera read_camera_of(const ConfigTable& table) {
     turn.suns = table.integer("suns", kCount);
     camera.turn = turn;
   }
+  for (const ConfigTable& sight : table.tables("sights"))
+    camera.suns.push_back({read_direction(sight, "seen_deg"), read_direction(sight, "stood_deg")});
   return camera;
 }
 
@@ -94,9 +109,10 @@ auto* find_camera(Cameras& cameras, int width, int height, const ImageCircle& ci
   return camera == cameras.end() ? nullptr : &*camera;
 }
 
-// A camera known before speaks for its circle as two pictures do.
+// A camera known before speaks for its circle as two pictures do, or as the one that it is known by.
 void add_known(std::vector<PictureCircle>& pictures, const RememberedCamera& camera) {
-  for (int i = 0; i < kEnough; ++i) pictures.push_back({camera.width, camera.height, camera.circle});
+  for (int i = 0; i < std::min(camera.pictures, kEnough); ++i)
+    pictures.push_back({camera.width, camera.height, camera.circle});
 }
 
 }  // namespace
@@ -121,41 +137,58 @@ Result<> CameraMemory::write(const std::filesystem::path& file) const {
 void CameraMemory::learn_circles(const std::map<std::filesystem::path, PictureCircle>& pictures) {
   std::vector<PictureCircle> all;
   for (const RememberedCamera& camera : cameras_) add_known(all, camera);
+  const std::size_t first = all.size();
   for (const auto& [file, picture] : pictures) all.push_back(picture);
   found_ = pictures;
   const auto circles = circles_of_fixed_cameras(all);
-  const std::size_t first = kEnough * cameras_.size();
   for (std::size_t i = first; i < circles.size(); ++i) {
     if (!circles[i] || circles[i]->confidence < kLeastCircleConfidence) continue;
     if (auto* known = find_camera(cameras_, all[i].width, all[i].height, circles[i]->circle)) {
       ++known->pictures;
       if (circles[i]->horizon && !known->circle.horizon) known->circle.horizon = circles[i]->horizon;
     } else {
-      cameras_.push_back({all[i].width, all[i].height, *circles[i], 1, {}, 0, {}});
-      cameras_.back().circle.others.clear();
+      RememberedCamera camera;
+      camera.width = all[i].width;
+      camera.height = all[i].height;
+      camera.circle = *circles[i];
+      camera.circle.others.clear();
+      camera.pictures = 1;
+      cameras_.push_back(std::move(camera));
     }
   }
-  // One picture tells nothing that it does not tell by itself.
-  std::erase_if(cameras_, [](const RememberedCamera& camera) { return camera.pictures < kEnough; });
 }
 
 void CameraMemory::learn(const std::vector<CameraSight>& pictures) {
-  std::map<RememberedCamera*, std::pair<std::vector<ToneSight>, std::vector<SunPair>>> told;
+  for (RememberedCamera& camera : cameras_) camera.before = camera.belief;
   for (const CameraSight& picture : pictures) {
     if (!picture.circle.found) continue;
     const auto& [width, height, found] = picture.circle;
     auto* camera = find_camera(cameras_, width, height, found->circle);
     if (!camera) continue;
-    if (picture.tone) told[camera].first.push_back(*picture.tone);
-    if (picture.sun) told[camera].second.push_back(*picture.sun);
+    if (picture.tone) camera->told.insert_or_assign(picture.file, *picture.tone);
+    if (picture.sun) camera->suns.push_back(*picture.sun);
   }
-  for (auto& [camera, sights] : told) {
-    const auto& [tones, suns] = sights;
-    camera->belief = belief_after(tones, camera->belief);
-    camera->tones += static_cast<int>(tones.size());
-    if (const auto turn = turn_of_sky(suns); turn && (!camera->turn || turn->suns >= camera->turn->suns))
-      camera->turn = turn;
+  for (RememberedCamera& camera : cameras_) {
+    camera.belief = belief_beside(camera, {});
+    camera.tones += static_cast<int>(camera.told.size());
+    if (camera.suns.size() > kMostSuns)
+      camera.suns.erase(camera.suns.begin(), camera.suns.end() - static_cast<std::ptrdiff_t>(kMostSuns));
+    if (const auto turn = turn_of_sky(camera.suns); turn && (!camera.turn || turn->suns >= camera.turn->suns))
+      camera.turn = turn;
   }
+}
+
+CameraMemory CameraMemory::without_turns() const {
+  CameraMemory memory = *this;
+  for (RememberedCamera& camera : memory.cameras_) camera.turn.reset();
+  return memory;
+}
+
+CameraBelief CameraMemory::belief_beside(const RememberedCamera& camera, const std::filesystem::path& file) {
+  std::vector<ToneSight> others;
+  for (const auto& [of, tone] : camera.told)
+    if (of != file) others.push_back(tone);
+  return belief_after(others, camera.told.empty() ? camera.belief : camera.before);
 }
 
 std::optional<FoundCircle> CameraMemory::circle_of(const PictureCircle& alone) const {
@@ -173,7 +206,12 @@ const PictureCircle* CameraMemory::found_in(const std::filesystem::path& file) c
 }
 
 const RememberedCamera* CameraMemory::camera_of(int width, int height, const ImageCircle& circle) const {
-  return find_camera(cameras_, width, height, circle);
+  const auto* camera = find_camera(cameras_, width, height, circle);
+  return camera && camera->pictures >= kEnough ? camera : nullptr;
+}
+
+bool CameraMemory::knows(int width, int height, const ImageCircle& circle) const {
+  return find_camera(cameras_, width, height, circle) != nullptr;
 }
 
 }  // namespace kasumi

@@ -21,10 +21,16 @@ struct RememberedCamera {
   CameraBelief belief;
   int tones = 0;  // pictures that told its tone exponent
   std::optional<SkyTurn> turn;
+  std::vector<SunPair> suns;  // the latest, which the turn rests on
+
+  // Tones of this call by picture, and the belief that they were asked under.
+  std::map<std::filesystem::path, ToneSight> told;
+  CameraBelief before;
 };
 
 // What one picture says of its camera.
 struct CameraSight {
+  std::filesystem::path file;
   PictureCircle circle;  // with the circle that was used
   std::optional<ToneSight> tone;
   std::optional<SunPair> sun;  // where it is seen, and where time and place put it
@@ -36,17 +42,22 @@ class CameraMemory {
   static Result<CameraMemory> read(const std::filesystem::path& file);
   Result<> write(const std::filesystem::path& file) const;
 
-  // Cameras that several of these pictures show, and those known before. What was found is kept for circle_in().
+  // Cameras that these pictures show, and those known before. What was found is kept for found_in().
   void learn_circles(const std::map<std::filesystem::path, PictureCircle>& pictures);
-  // Tone curves and turns.
+  // Tone curves and turns. The suns of `pictures` were seen by cameras of without_turns().
   void learn(const std::vector<CameraSight>& pictures);
+  CameraMemory without_turns() const;
 
   // The circle of a picture in which `found` was found alone.
   std::optional<FoundCircle> circle_of(const PictureCircle& alone) const;
   // Found in a file before, to spare the search.
   const PictureCircle* found_in(const std::filesystem::path& file) const;
-  // Empty: nothing is known of a camera with this circle.
+  // Null: no camera with this circle is known by several pictures; one tells nothing that it does not tell by itself.
   const RememberedCamera* camera_of(int width, int height, const ImageCircle& circle) const;
+  // Whether any picture showed such a camera.
+  bool knows(int width, int height, const ImageCircle& circle) const;
+  // What is believed of a camera where this picture is to be asked: without what the picture itself told.
+  static CameraBelief belief_beside(const RememberedCamera& camera, const std::filesystem::path& file);
   const std::vector<RememberedCamera>& cameras() const { return cameras_; }
 
  private:

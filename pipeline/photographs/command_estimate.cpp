@@ -200,9 +200,10 @@ Result<> learn(const EstimateArguments& arguments, EstimateInputs& inputs, std::
     if (!before) return fail(before.error());
     memory = std::move(*before);
   }
-  const auto learned = learn_cameras(inputs.ahead(kMost), inputs.cameras(), std::move(memory), threads);
+  const bool kept = !arguments.camera_memory.empty();
+  const auto learned = learn_cameras(inputs.ahead(kMost), inputs.cameras(), std::move(memory), kept, threads);
   inputs.set_memory(learned);
-  return arguments.camera_memory.empty() ? Result<>() : learned->write(arguments.camera_memory);
+  return kept ? learned->write(arguments.camera_memory) : Result<>();
 }
 
 // Arguments that name no picture are reported first; the others are answered all the same.

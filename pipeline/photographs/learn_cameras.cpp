@@ -32,7 +32,7 @@ std::vector<Answer> ask(const std::vector<SkyInput>& pictures, const std::vector
 std::optional<CameraSight> sight_of(SkyPhotographs& photographs, const SkyInput& picture) {
   const auto report = photographs.estimate_from(picture.file, picture.utc);
   if (!report || !report->camera_circle.found) return std::nullopt;
-  CameraSight sight{report->camera_circle, std::nullopt, std::nullopt};
+  CameraSight sight{picture.file, report->camera_circle, std::nullopt, std::nullopt};
   if (report->look.estimate.usable && report->look.tone_exponent > 0.0)
     sight.tone = ToneSight{report->look.tone_exponent, report->look.sigma_tone_exponent};
   if (report->sun.seen && report->sun.by_time_and_place)
@@ -51,12 +51,12 @@ std::vector<SkyInput> spread(const std::vector<SkyInput>& pictures, std::size_t 
 
 std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& pictures,
                                                   const std::vector<SkyPhotographOptions>& cameras, CameraMemory before,
-                                                  std::size_t threads) {
+                                                  bool kept, std::size_t threads) {
   std::vector<SkyInput> strange;  // of cameras that are not calibrated
   for (const SkyInput& picture : pictures)
     if (picture.problem.empty() && !cameras[picture.camera].calibrated) strange.push_back(picture);
   auto memory = std::make_shared<CameraMemory>(std::move(before));
-  if (strange.empty()) return memory;
+  if (strange.empty() || (strange.size() == 1 && !kept)) return memory;
 
   const auto circles = ask<std::optional<PictureCircle>>(strange, cameras, threads,
                                                          [](SkyPhotographs& photographs, const SkyInput& picture) {
@@ -69,12 +69,19 @@ std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& p
   memory->learn_circles(found);
 
   std::vector<SkyPhotographOptions> with_circles = cameras;
-  for (auto& camera : with_circles) camera.memory = memory;
-  std::vector<SkyInput> known;  // of a camera that several pictures show
+  for (auto& camera : with_circles) {
+    camera.memory = std::make_shared<CameraMemory>(memory->without_turns());
+    camera.azimuth_up.reset();
+  }
+  std::vector<SkyInput> known;  // of a camera that several pictures show, or that later calls may see again
   for (const SkyInput& picture : strange)
     if (const auto* circle = memory->found_in(picture.file)) {
       const auto of_camera = memory->circle_of(*circle);
-      if (of_camera && memory->camera_of(circle->width, circle->height, of_camera->circle)) known.push_back(picture);
+      if (!of_camera) continue;
+      const auto& [width, height, _] = *circle;
+      const bool useful = kept ? memory->knows(width, height, of_camera->circle)
+                               : memory->camera_of(width, height, of_camera->circle) != nullptr;
+      if (useful) known.push_back(picture);
     }
   if (known.empty()) return memory;
   std::vector<CameraSight> sights;

@@ -11,9 +11,10 @@
 namespace kasumi {
 
 // What the pictures, and `before`, tell of their cameras. Those that cannot be read are passed over; they are reported
-// when their turn comes. `cameras`: EstimateInputs::cameras().
+// when their turn comes. `cameras`: EstimateInputs::cameras(). `kept`: later calls ask the memory, so that a camera's
+// only picture is worth a look, too.
 std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& pictures,
                                                   const std::vector<SkyPhotographOptions>& cameras, CameraMemory before,
-                                                  std::size_t threads);
+                                                  bool kept, std::size_t threads);
 
 }  // namespace kasumi

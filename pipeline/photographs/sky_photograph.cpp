@@ -111,7 +111,8 @@ const RememberedCamera* SkyPhotographs::remembered(const SkyPhotographReport& re
   return options_.memory && found ? options_.memory->camera_of(width, height, found->circle) : nullptr;
 }
 
-void SkyPhotographs::observe_by_unknown_camera(const SkyPicture& picture, SkyPhotographReport& report) {
+void SkyPhotographs::observe_by_unknown_camera(const std::filesystem::path& file, const SkyPicture& picture,
+                                               SkyPhotographReport& report) {
   auto& estimate = report.look.estimate;
   if (report.cover.sky == SkyClass::overcast || report.cover.sky == SkyClass::night || !report.cover.fraction) {
     estimate.sky = report.cover.sky == SkyClass::overcast ? SkyCondition::overcast
@@ -123,7 +124,7 @@ void SkyPhotographs::observe_by_unknown_camera(const SkyPicture& picture, SkyPho
     return;
   }
   const auto* known = remembered(report);
-  CameraBelief belief = known ? known->belief : CameraBelief{};
+  CameraBelief belief = known ? CameraMemory::belief_beside(*known, file) : CameraBelief{};
   if (options_.tone_exponent) {
     belief.log_exponent = std::log(*options_.tone_exponent);
     belief.sigma_log_exponent = kSigmaOfKnownTone;
@@ -134,7 +135,7 @@ void SkyPhotographs::observe_by_unknown_camera(const SkyPicture& picture, SkyPho
                                                      options_.estimate);
   if (report.look.tone_exponent > 0.0)
     report.tone = ToneCurve{report.look.tone_exponent, report.look.sigma_tone_exponent, estimate.log_residual,
-                            1 + (known ? known->tones : 0)};
+                            known ? known->tones + (known->told.contains(file) ? 0 : 1) : 1};
 }
 
 Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
@@ -187,7 +188,7 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem:
     return report;
   }
   if (options_.unknown_camera && !options_.calibrated)
-    observe_by_unknown_camera(*picture, report);
+    observe_by_unknown_camera(file, *picture, report);
   else
     report.look = observer_->observe(*picture, report.sun.in_camera, options_.estimate);
   if (!report.sun.doubt.empty()) {

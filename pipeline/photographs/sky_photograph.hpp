@@ -79,7 +79,8 @@ class SkyPhotographs {
   std::optional<ImageCircle> placed_circle(const std::filesystem::path& file, Photograph& photograph,
                                            SkyPhotographReport& report) const;
   const RememberedCamera* remembered(const SkyPhotographReport& report) const;
-  void observe_by_unknown_camera(const SkyPicture& picture, SkyPhotographReport& report);
+  void observe_by_unknown_camera(const std::filesystem::path& file, const SkyPicture& picture,
+                                 SkyPhotographReport& report);
   Camera ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle, const SkyTurn* turn) const;
 
   SkyPhotographOptions options_;

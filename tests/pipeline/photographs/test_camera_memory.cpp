@@ -27,9 +27,12 @@ TEST(CameraMemory, SeveralPicturesMakeACameraAndOneDoesNot) {
   CameraMemory memory;
   memory.learn_circles(named({picture(240, 241, 220, 0.9), picture(240.5, 241, 220, 0.8), picture(241, 240, 221, 0.9),
                               picture(330, 200, 150, 0.9, 640)}));
-  ASSERT_EQ(memory.cameras().size(), 1u);
-  EXPECT_EQ(memory.cameras()[0].pictures, 3);
-  EXPECT_NEAR(memory.cameras()[0].circle.circle.radius_px, 220.0, 1.0);
+  const auto* camera = memory.camera_of(480, 480, {{240, 241}, 220});
+  ASSERT_TRUE(camera);
+  EXPECT_EQ(camera->pictures, 3);
+  EXPECT_NEAR(camera->circle.circle.radius_px, 220.0, 1.0);
+  EXPECT_FALSE(memory.camera_of(640, 480, {{330, 200}, 150}));
+  EXPECT_TRUE(memory.knows(640, 480, {{330, 200}, 150}));
   // A picture that shows its rim badly gets the camera's circle; one of another size keeps its own.
   const auto badly = memory.circle_of(picture(250, 236, 232, 0.12));
   ASSERT_TRUE(badly);
@@ -45,14 +48,21 @@ TEST(CameraMemory, TonesOfACameraAreJoinedAndAnotherCamerasAreNot) {
   memory.learn_circles(named({picture(240, 241, 220, 0.9), picture(240, 241, 220, 0.9), picture(240, 240, 160, 0.9),
                               picture(240, 240, 160, 0.9)}));
   ASSERT_EQ(memory.cameras().size(), 2u);
-  const CameraSight sight{picture(240, 241, 220, 0.9), ToneSight{1.4, 0.15}, std::nullopt};
-  memory.learn({sight, sight, sight, sight});
+  std::vector<CameraSight> sights;
+  for (const char* file : {"00.jpg", "01.jpg", "a.jpg", "b.jpg"})
+    sights.push_back({file, picture(240, 241, 220, 0.9), ToneSight{1.4, 0.15}, std::nullopt});
+  memory.learn(sights);
   const auto* taught = memory.camera_of(480, 480, {{240, 241}, 220});
   const auto* other = memory.camera_of(480, 480, {{240, 240}, 160});
   ASSERT_TRUE(taught && other);
   EXPECT_GT(std::exp(taught->belief.log_exponent), 1.35);
   EXPECT_LT(taught->belief.sigma_log_exponent, 0.15);
   EXPECT_EQ(taught->tones, 4);
+  // What a picture told is no part of what it is asked under; what the others told is.
+  const auto beside = CameraMemory::belief_beside(*taught, "a.jpg");
+  EXPECT_GT(beside.sigma_log_exponent, taught->belief.sigma_log_exponent);
+  EXPECT_LT(std::exp(beside.log_exponent), std::exp(taught->belief.log_exponent));
+  EXPECT_GT(std::exp(beside.log_exponent), 1.3);
   EXPECT_EQ(other->tones, 0);
   EXPECT_EQ(other->belief.sigma_log_exponent, CameraBelief{}.sigma_log_exponent);
 }
@@ -70,7 +80,8 @@ TEST(CameraMemory, IsWrittenAndReadAgain) {
     const Direction stood = direction_from(from_degrees(50), from_degrees(azimuth_deg));
     return SunPair{mirrored_in_picture(direction_from(from_degrees(50), from_degrees(azimuth_deg - 30.0))), stood};
   };
-  memory->learn({{with_horizon, ToneSight{1.4, 0.15}, sun(100)}, {with_horizon, ToneSight{1.3, 0.2}, sun(160)}});
+  memory->learn({{"a.jpg", with_horizon, ToneSight{1.4, 0.15}, sun(100)},
+                 {"b.jpg", with_horizon, ToneSight{1.3, 0.2}, sun(160)}});
   ASSERT_TRUE(memory->write(file));
   const auto again = CameraMemory::read(file);
   ASSERT_TRUE(again) << again.error().message;
@@ -86,6 +97,8 @@ TEST(CameraMemory, IsWrittenAndReadAgain) {
   EXPECT_NEAR(to_degrees(is.turn->azimuth_up), 30.0, 1e-9);
   EXPECT_EQ(is.pictures, 2);
   EXPECT_EQ(is.tones, 2);
+  ASSERT_EQ(is.suns.size(), 2u);
+  EXPECT_LT(to_degrees(angle_between(is.suns[1].seen, was.suns[1].seen)), 1e-4);
 }
 
 TEST(CameraMemory, AFileThatIsNoneIsRefusedWithEveryWrongKey) {

@@ -57,7 +57,7 @@ SkyPhotographOptions strange() {
 TEST(LearnCameras, MirroredPicturesAreNoticedAndTurnedOver) {
   for (const bool mirrored : {false, true}) {
     const auto pictures = series(fmt::format("learn-{}", mirrored), mirrored, 1.0);
-    const auto memory = learn_cameras(pictures, {strange()}, {}, 1);
+    const auto memory = learn_cameras(pictures, {strange()}, {}, false, 1);
     ASSERT_EQ(memory->cameras().size(), 1u);
     ASSERT_TRUE(memory->cameras()[0].turn);
     EXPECT_EQ(memory->cameras()[0].turn->mirrored, mirrored);
@@ -78,7 +78,7 @@ TEST(LearnCameras, MirroredPicturesAreNoticedAndTurnedOver) {
 
 TEST(LearnCameras, SeveralSkiesTellTheToneCurveBetterThanOne) {
   const auto pictures = series("learn-tone", false, 1.35);
-  const auto memory = learn_cameras(pictures, {strange()}, {}, 2);
+  const auto memory = learn_cameras(pictures, {strange()}, {}, false, 2);
   ASSERT_EQ(memory->cameras().size(), 1u);
   const auto& belief = memory->cameras()[0].belief;
   std::printf("tone exponent 1.35: %.3f +- %.3f from %d\n", std::exp(belief.log_exponent),
@@ -88,9 +88,33 @@ TEST(LearnCameras, SeveralSkiesTellTheToneCurveBetterThanOne) {
   EXPECT_LT(belief.sigma_log_exponent, 0.2);
 }
 
+// As a programme does that asks for a picture an hour.
+TEST(LearnCameras, CallsOfOnePictureEachTeachAsMuchAsOneOfAll) {
+  const auto pictures = series("learn-one-by-one", true, 1.35);
+  const auto at_once = learn_cameras(pictures, {strange()}, {}, true, 1);
+  CameraMemory memory;
+  const auto file = test_folder("learn-one-by-one-memory") / "memory.toml";
+  std::filesystem::create_directories(file.parent_path());
+  for (const auto& picture : pictures) {
+    ASSERT_TRUE(learn_cameras({picture}, {strange()}, memory, true, 1)->write(file));
+    memory = CameraMemory::read(file).value();
+  }
+  ASSERT_EQ(memory.cameras().size(), 1u);
+  const auto &one_by_one = memory.cameras()[0], &together = at_once->cameras()[0];
+  EXPECT_EQ(one_by_one.pictures, 3);
+  EXPECT_EQ(one_by_one.tones, 3);
+  ASSERT_TRUE(one_by_one.turn && together.turn);
+  EXPECT_TRUE(one_by_one.turn->mirrored && one_by_one.turn->mirror_known);
+  EXPECT_EQ(one_by_one.turn->suns, together.turn->suns);
+  EXPECT_LT(std::abs(std::remainder(to_degrees(one_by_one.turn->azimuth_up - together.turn->azimuth_up), 360.0)), 0.5);
+  EXPECT_NEAR(one_by_one.belief.log_exponent, together.belief.log_exponent, together.belief.sigma_log_exponent);
+  // A picture by itself, and none of it later, needs no memory.
+  EXPECT_TRUE(learn_cameras({pictures[0]}, {strange()}, {}, false, 1)->cameras().empty());
+}
+
 TEST(LearnCameras, WhatCannotBeReadIsPassedOver) {
   const std::vector<SkyInput> pictures{{"/nowhere/one.png", {}, {}, 0}, {"/nowhere/two.png", {}, {}, 0}};
-  EXPECT_TRUE(learn_cameras(pictures, {strange()}, {}, 2)->cameras().empty());
+  EXPECT_TRUE(learn_cameras(pictures, {strange()}, {}, false, 2)->cameras().empty());
 }
 
 }  // namespace
