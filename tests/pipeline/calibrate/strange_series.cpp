@@ -14,6 +14,9 @@
 namespace kasumi {
 namespace {
 
+// Skies are taken so much darker that little but the sun is white: a camera clips what its lens leaves of the light.
+constexpr double kExposed = 0.25;
+
 // Linear light between the four nearest pixels.
 glm::dvec3 light_at(const Image<Rgb8>& pixels, const glm::dvec2& at) {
   const int x = std::clamp(static_cast<int>(at.x), 0, pixels.width() - 2);
@@ -38,7 +41,7 @@ Image<Rgb8> seen_by(const StrangeCamera& camera, const fixtures::SkyPicture& sky
       direction.z = std::max(direction.z, 0.02);
       const auto pixel = sky.camera.pixel_of(glm::normalize(direction));
       if (!pixel) continue;
-      const glm::dvec3 light = std::exp(-camera.rim_loss * square(off)) * light_at(sky.pixels, *pixel);
+      const glm::dvec3 light = std::exp(-camera.rim_loss * square(off)) / kExposed * light_at(sky.pixels, *pixel);
       picture.at(x, y) =
           Rgb8(glm::round(255.0 * Response::srgb().to_encoded(
                                       glm::pow(glm::min(light, glm::dvec3(1.0)), glm::dvec3(camera.tone_exponent)))));
@@ -57,6 +60,7 @@ std::vector<fixtures::SkyPicture> skies_of(const SeriesDay& day) {
     recipe.turbidity = day.turbidity;
     recipe.sun_zenith = zenith_angle(sun);
     recipe.sun_azimuth = azimuth_angle(sun);
+    recipe.exposed = kExposed;
     skies.push_back(fixtures::sky_picture(recipe));
   }
   return skies;
