@@ -63,14 +63,10 @@ std::ptrdiff_t used_of(const SkyOrientation& found) {
 constexpr int kOddTerms = 6;
 
 // Schwarz' criterion over all suns; those that a candidate leaves out cost it three of their sigmas.
-double criterion(const SkyOrientation& found, std::span<const SunSight> sights, double sigma_px, int parameters) {
+double criterion(const SkyOrientation& found, double sigma_px, int parameters) {
   constexpr double kLeftOut = 9.0;
   double sum = 0.0;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    const auto& residual = found.residuals_px[i];
-    const double variance = square(sigma_px * sights[i].relative_sigma);
-    sum += std::min((square(residual.x) + square(residual.y)) / variance, 2.0 * kLeftOut);
-  }
+  for (const double misfit_px : found.misfits_px) sum += std::min(square(misfit_px / sigma_px), 2.0 * kLeftOut);
   return sum + parameters * std::log(2.0 * static_cast<double>(found.used.size()));
 }
 
@@ -84,6 +80,7 @@ SkyPrior prior_of(const Candidate& candidate, const SkyCameraPrior& prior) {
   made.centre_sigma_px = glm::dvec2(std::hypot(prior.circle.sigma_px, kAxisOffCircle * prior.circle.radius_px));
   made.scale_sigma = prior.edge_sigma.value / kEdge.value;
   made.least_sigma_px = 0.2 * prior.sun_sigma_px;
+  made.sag_sigma = prior.sag_sigma;
   made.odd_sigma = candidate.odd_sigma;
   return made;
 }
@@ -132,7 +129,7 @@ Result<SkyCameraFit> fit_sky_camera(std::span<const SunSight> sights, const SkyC
         continue;
       }
       Tried tried{{*found, candidate.name, mirrored, false},
-                  criterion(*found, sights, prior.sun_sigma_px, candidate.odd_sigma[0] > 0.0 ? kOddTerms : 0)};
+                  criterion(*found, prior.sun_sigma_px, candidate.odd_sigma[0] > 0.0 ? kOddTerms : 0)};
       auto& of_this = best_of[mirrored ? 1 : 0];
       of_this = std::min(of_this, tried.criterion);
       if (!best || tried.criterion < best->criterion - 1e-9) best = std::move(tried);

@@ -22,7 +22,8 @@ struct SkyCameraPrior {
   ImageCircle circle;                      // at 90 deg off the axis, or near
   Radians edge_sigma = from_degrees(4.0);  // of what the circle is off the axis
   Radians level_sigma = from_degrees(5.0);
-  double sun_sigma_px = 1.0;  // of a sun's place
+  double sun_sigma_px = 1.0;  // of a sun's height; its azimuth is known better, see SunSight
+  Radians sag_sigma = from_degrees(0.4);
 };
 
 // Every projection, plain and mirrored, is tried; the simplest that explains the suns is taken (Schwarz' criterion).

@@ -23,11 +23,12 @@ constexpr double kInlier_px = 4.0, kInlierSigmas = 4.0;  // the first with a len
 constexpr double kFewSights_px = 0.5;
 constexpr double kUndeterminedOrientation = 0.7;  // of the prior's sigma still left
 
-// A turn of the world (axis times angle, radians), the centre's shift in pixels, ln scale, the two odd terms.
-constexpr int kChanges = 8;
+// A turn of the world (axis times angle, radians), the centre's shift in pixels, ln scale, the two odd terms, the sag.
+constexpr int kChanges = 9;
 using OrientationChange = std::array<double, kChanges>;
 using OrientationMatrix = Eigen::Matrix<double, kChanges, kChanges>;
-constexpr double kHeld = 1e-9;  // standard deviation of what is not fitted
+constexpr double kHeld = 1e-9;      // standard deviation of what is not fitted
+constexpr double kStepDown = 0.01;  // [rad]
 
 glm::dmat3 turn(const double* axis_angle) {
   glm::dmat3 matrix;
@@ -35,13 +36,31 @@ glm::dmat3 turn(const double* axis_angle) {
   return matrix;
 }
 
+// Where a sun seems to be.
+Direction lowered(const Direction& sun, double by) {
+  if (by == 0.0) return sun;
+  const double sine = std::hypot(sun.x, sun.y);
+  if (sine < 1e-9) return sun;
+  const glm::dvec3 down{sun.x * sun.z / sine, sun.y * sun.z / sine, -sine};
+  return std::cos(by) * sun + std::sin(by) * down;
+}
+
+// A residual in units of what a sight may be off by, along the vertical and across it.
+glm::dvec2 in_sigmas(const glm::dvec2& residual, const SunSight& sight, const std::optional<glm::dvec2>& down) {
+  if (sight.across == 1.0 || !down || glm::length(*down) < 1e-9) return residual / sight.relative_sigma;
+  const glm::dvec2 along = glm::normalize(*down);
+  return glm::dvec2{glm::dot(residual, along), glm::dot(residual, {-along.y, along.x}) / sight.across} /
+         sight.relative_sigma;
+}
+
 struct Model {
   glm::dmat3 to_world;
   LensDescription lens;
+  double sag = 0.0;
 
   Model changed(const double* change) const {
     Model made{turn(change) * to_world,
-               moved(lens, centre_of(lens) + glm::dvec2{change[3], change[4]}, std::exp(change[5]))};
+               moved(lens, centre_of(lens) + glm::dvec2{change[3], change[4]}, std::exp(change[5])), sag + change[8]};
     if (auto* fisheye = std::get_if<OpencvFisheyeModel>(&made.lens.model)) {
       fisheye->k[0] += change[6];
       fisheye->k[1] += change[7];
@@ -65,14 +84,20 @@ struct SightCost {
   bool operator()(const double* change, double* residual) const {
     // Only the odd terms need another lens; a shift and a scale are made in the picture.
     const bool other = change[6] != 0.0 || change[7] != 0.0;
-    const double odd[kChanges]{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, change[6], change[7]};
+    const double odd[kChanges]{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, change[6], change[7], 0.0};
     const auto asked = other ? make_lens(from.changed(odd).lens) : lens;
-    const auto at = asked->project(sight.sun * (turn(change) * from.to_world));
+    const glm::dmat3 to_world = turn(change) * from.to_world;
+    const double by = (from.sag + change[8]) * sight.lowered;
+    const auto at = asked->project(lowered(sight.sun, by) * to_world);
     if (!at) return false;
+    std::optional<glm::dvec2> down;
+    if (sight.across != 1.0)
+      if (const auto below = asked->project(lowered(sight.sun, by + kStepDown) * to_world)) down = *below - *at;
     const glm::dvec2 centre = centre_of(from.lens);
     const glm::dvec2 seen = centre + glm::dvec2{change[3], change[4]} + std::exp(change[5]) * (*at - centre);
-    residual[0] = (sight.pixel.x - seen.x) / (sigma_px * sight.relative_sigma);
-    residual[1] = (sight.pixel.y - seen.y) / (sigma_px * sight.relative_sigma);
+    const glm::dvec2 off = in_sigmas(sight.pixel - seen, sight, down) / sigma_px;
+    residual[0] = off.x;
+    residual[1] = off.y;
     return true;
   }
 };
@@ -109,25 +134,32 @@ struct OrientationPriorCost {
     for (std::size_t k = 0; k < odd.size(); ++k)
       residual[5 + k] =
           prior.odd_sigma[k] > 0.0 ? (odd[k] + change[6 + k] - before[k]) / prior.odd_sigma[k] : change[6 + k] / kHeld;
+    residual[7] = prior.sag_sigma.value > 0.0 ? (model.sag + change[8]) / prior.sag_sigma.value : change[8] / kHeld;
     return true;
   }
 };
 
-std::vector<glm::dvec2> residuals_of(const Model& model, std::span<const SunSight> sights) {
+struct Residuals {
+  std::vector<glm::dvec2> px, relative;  // seen minus modelled; in units of relative_sigma and across
+};
+
+Residuals residuals_of(const Model& model, std::span<const SunSight> sights) {
   const auto lens = make_lens(wide(model.lens));
-  std::vector<glm::dvec2> residuals;
+  Residuals residuals;
   for (const auto& sight : sights) {
-    const auto at = lens->project(sight.sun * model.to_world);
-    residuals.push_back(at ? sight.pixel - *at : glm::dvec2(1e4));
+    const double by = model.sag * sight.lowered;
+    const auto at = lens->project(lowered(sight.sun, by) * model.to_world);
+    const auto below = lens->project(lowered(sight.sun, by + kStepDown) * model.to_world);
+    residuals.px.push_back(at ? sight.pixel - *at : glm::dvec2(1e4));
+    residuals.relative.push_back(
+        in_sigmas(residuals.px.back(), sight, at && below ? std::optional(*below - *at) : std::nullopt));
   }
   return residuals;
 }
 
 std::vector<bool> agreeing(const Model& model, std::span<const SunSight> sights, double tolerance_px) {
-  const auto residuals = residuals_of(model, sights);
   std::vector<bool> agree;
-  for (std::size_t i = 0; i < sights.size(); ++i)
-    agree.push_back(glm::length(residuals[i]) <= tolerance_px * sights[i].relative_sigma);
+  for (const auto& off : residuals_of(model, sights).relative) agree.push_back(glm::length(off) <= tolerance_px);
   return agree;
 }
 
@@ -147,9 +179,9 @@ std::optional<Model> consensus(std::span<const SunSight> sights, const SkyPrior&
     if (!ray_a || !ray_b) continue;
     const auto rotation = rotation_between(*ray_a, *ray_b, a.sun, b.sun, 0.02);
     if (!rotation) continue;
-    const Model model{*rotation, prior.lens};
+    const Model model{*rotation, prior.lens, 0.0};
     double score = 0.0;  // close ones count more
-    for (const auto& residual : residuals_of(model, sights))
+    for (const auto& residual : residuals_of(model, sights).px)
       score += std::max(0.0, 1.0 - glm::dot(residual, residual) / (tolerance_px * tolerance_px));
     if (score > best_score) {
       best_score = score;
@@ -168,7 +200,7 @@ struct Solved {
 
 Solved solve(const Model& from, std::span<const SunSight> sights, const std::vector<bool>& used, const SkyPrior& prior,
              double sigma_px) {
-  const Model start{from.to_world, wide(from.lens)};
+  const Model start{from.to_world, wide(from.lens), from.sag};
   const auto lens = make_lens(start.lens);
   OrientationChange change{};
   ceres::Problem problem;
@@ -177,7 +209,7 @@ Solved solve(const Model& from, std::span<const SunSight> sights, const std::vec
       problem.AddResidualBlock(new ceres::NumericDiffCostFunction<SightCost, ceres::CENTRAL, 2, kChanges>(
                                    new SightCost{start, lens, sights[i], sigma_px}),
                                new ceres::CauchyLoss(2.0), change.data());
-  problem.AddResidualBlock(new ceres::NumericDiffCostFunction<OrientationPriorCost, ceres::CENTRAL, 7, kChanges>(
+  problem.AddResidualBlock(new ceres::NumericDiffCostFunction<OrientationPriorCost, ceres::CENTRAL, 8, kChanges>(
                                new OrientationPriorCost{prior, from}),
                            nullptr, change.data());
   ceres::Solver::Options options;
@@ -204,12 +236,12 @@ Solved solve(const Model& from, std::span<const SunSight> sights, const std::vec
 
 // Robust standard deviation of one coordinate.
 double spread_px(const Model& model, std::span<const SunSight> sights, const std::vector<bool>& used) {
-  const auto residuals = residuals_of(model, sights);
+  const auto residuals = residuals_of(model, sights).relative;
   std::vector<double> all;
   for (std::size_t i = 0; i < residuals.size(); ++i)
     if (used[i]) {
-      all.push_back(residuals[i].x / sights[i].relative_sigma);
-      all.push_back(residuals[i].y / sights[i].relative_sigma);
+      all.push_back(residuals[i].x);
+      all.push_back(residuals[i].y);
     }
   return robust_sigma(std::move(all));
 }
@@ -220,7 +252,9 @@ bool at_one_place(std::span<const SunSight> sights) {
 }
 
 void finish(SkyOrientation& result, std::span<const SunSight> sights) {
-  result.residuals_px = residuals_of({result.to_world, result.lens}, sights);
+  auto residuals = residuals_of({result.to_world, result.lens, result.sag.value}, sights);
+  result.residuals_px = std::move(residuals.px);
+  for (const glm::dvec2& off : residuals.relative) result.misfits_px.push_back(glm::length(off));
   double sum = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < sights.size(); ++i)
@@ -320,6 +354,7 @@ Result<SkyOrientation> orient_sky(std::span<const SunSight> sights, const SkyPri
   result.lens = solved.model.lens;
   result.lens.largest_angle = prior.lens.largest_angle;
   result.scale = focal_px_of(result.lens) / focal_px_of(prior.lens);
+  result.sag = Radians{solved.model.sag};
   result.used = used;
   const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, solved.covariance(i, i))); };
   // A turn about the north axis tilts the optical axis to the east, about the east axis to the south.

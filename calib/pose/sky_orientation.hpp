@@ -21,6 +21,10 @@ struct SunSight {
   Direction sun{0, 0, 1};
   glm::dvec2 pixel{};
   double relative_sigma = 1.0;  // of this place, over the usual one's
+  // A sky that is brighter towards the horizon lowers the middle of a bright spot, by SkySag times this, and makes its
+  // height less certain than its azimuth: sigma across the vertical over that along it.
+  double lowered = 0.0;
+  double across = 1.0;
 };
 
 // Prior knowledge. One standard deviation each.
@@ -31,6 +35,7 @@ struct SkyPrior {
   glm::dmat3 to_world{1.0};                 // as mounted; of it only the optical axis is believed, never the azimuth
   Radians level_sigma = from_degrees(3.0);  // of that axis
   double least_sigma_px = 0.05;             // no centroid is better, however well a few happen to agree
+  Radians sag_sigma{0.0};                   // of how far a sight with .lowered 1 is lowered; 0: none is
   std::array<double, 2> odd_sigma{};        // of k1 and k2 of OpenCV's fisheye model; 0: as the lens has them
 };
 
@@ -39,7 +44,9 @@ struct SkyOrientation {
   LensDescription lens;                    // moved and scaled
   double scale = 1.0;                      // focal length over the prior's
   std::vector<bool> used;                  // one for each sight; false: not where the others say the sun was
+  Radians sag{};                           // of the sights, where SkyPrior lets them
   std::vector<glm::dvec2> residuals_px{};  // seen minus modelled, of all sights
+  std::vector<double> misfits_px{};        // their lengths in units of relative_sigma and across
   double rms_px = 0.0;                     // of those used
   // One standard deviation each, priors included.
   struct Sigma {

@@ -79,6 +79,12 @@ struct SeenSuns {
 };
 
 constexpr double kLeastSunSigma_px = 0.3;
+constexpr double kAcrossOverAlong = 0.3;  // of a sun's sigma: the sky is brighter below it, and alike at its sides
+
+// What a clear sky's growth towards the horizon does to a bright spot's height, as it grows with the zenith angle.
+double lowered_at(const Direction& sun) {
+  return std::hypot(sun.x, sun.y) / (std::max(sun.z, 0.0) + 0.1);
+}
 
 // With `known`, an orientation, the sun is looked for where it should be, in pictures that are not among `known` yet.
 SeenSuns seen_suns(const SeriesPictures& series, const Camera& camera, const Site& site, const SeenSuns* known) {
@@ -93,6 +99,7 @@ SeenSuns seen_suns(const SeriesPictures& series, const Camera& camera, const Sit
     if (std::ranges::any_of(seen.suns, [&](const SeenSun& sun) { return sun.file == one.file; })) return;
     const auto picture = sky_picture(photograph.encoded, photograph.quantum, camera);
     SunBlobOptions options;
+    options.largest_by_shape = from_degrees(5.0);  // low ones: their azimuth is sure
     if (known) options.expected = ExpectedSun{position.direction, from_degrees(1.0), true};
     // By its shape first: that sees how far a sky that is brighter below moves it.
     auto blob = picture ? sun_by_shape(*picture, camera, options) : std::nullopt;
@@ -103,7 +110,9 @@ SeenSuns seen_suns(const SeriesPictures& series, const Camera& camera, const Sit
       return;
     }
     const double sigma_px = blob->sigma.value / angle_between(blob->direction, *aside).value;
-    seen.suns.push_back({one.file, {position.direction, blob->pixel}, std::max(kLeastSunSigma_px, sigma_px)});
+    seen.suns.push_back({one.file,
+                         {position.direction, blob->pixel, 1.0, lowered_at(position.direction), kAcrossOverAlong},
+                         std::max(kLeastSunSigma_px, sigma_px)});
   });
   return seen;
 }
