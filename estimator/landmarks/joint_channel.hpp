@@ -1,0 +1,90 @@
+// What is constant of the landmarks in one channel, solved together with the extinctions of all pictures that are kept
+// (docs/physics.md 11): C = f + (C0 - f) exp(-beta d), one C0 and one f a landmark, one beta a picture.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace kasumi {
+
+// Of n landmarks in one channel.
+struct ContrastBelief {
+  std::vector<double> mean, covariance;        // of C0, the contrast without air: n, and n x n by rows
+  std::vector<double> floor, floor_sigma;      // of f: what is left of the contrast behind endless air
+  std::vector<double> scatter;                 // readings deviate by so many times what the law's spread says
+};
+
+// What one picture shows, for each landmark.
+struct ChannelReading {
+  double contrast = 0.0, sigma = 0.0;
+  bool used = false;
+};
+struct ChannelPicture {
+  std::vector<ChannelReading> readings;
+  std::optional<double> day;  // time, in days of any origin
+};
+
+// How surfaces and air deviate from that law. All are relative standard deviations.
+struct ContrastSpread {
+  double lit_each = 0.25;       // a surface's light in units of the sky's, from picture to picture, independently
+  double lit_together = 0.3;    // the same for all surfaces at once: sun and overcast
+  double known_together = 0.5;  // share of the variance of ContrastLandmark::contrast_sigma that all have in common
+  double patchy = 0.1;          // extinction of one path relative to another
+  double far_off = 3.0;         // a landmark farther from the others' prediction than this, in sigmas, is left out
+  double airlight = 0.03;       // the air on the way is brighter or darker than the light from infinity by this share
+};
+
+struct LawOfLandmark {
+  double path_m = 0.0;
+  bool before_sky = true;
+};
+
+// Variance of one reading under an optical depth, the common change of light excepted.
+double variance_under(double depth, double contrast, double floor, double read_sigma, const LawOfLandmark& law,
+                      const ContrastSpread& spread);
+
+// Of one reading, off from the law by `off`: whether it follows the law, is of a surface in the sun, or neither.
+struct Plausible {
+  double usual = 1.0, lit = 0.0;  // probabilities
+  double minus_two_log = 0.0;     // of its likelihood
+};
+Plausible plausible(double off, double variance, double kept, const LawOfLandmark& law);
+
+class JointChannel {
+ public:
+  // `clearest_per_m`: of air without any aerosol; `usual_aerosol_per_m`: what the median hour of a place has.
+  JointChannel(std::vector<LawOfLandmark> laws, ContrastBelief prior, double clearest_per_m, double usual_aerosol_per_m,
+               const ContrastSpread& spread = {});
+
+  // From where it stands: cheap where little has changed. `most_steps`: of alternating; fewer where it has settled.
+  void solve(const std::vector<ChannelPicture>& pictures, int most_steps = 30);
+
+  ContrastBelief belief() const { return belief_without(std::nullopt); }
+  // As the other pictures have it, by which one of them can be judged. Without any picture the prior.
+  ContrastBelief belief_without(std::optional<std::size_t> picture) const;
+  // The likeliest of each picture; below `clearest_per_m` where the readings are.
+  const std::vector<double>& per_m() const { return per_m_; }
+
+ private:
+  struct Information;
+  double likeliest_per_m(const ChannelPicture& picture) const;
+  Information of(const ChannelPicture& picture, double per_m) const;
+  void add_clearest(const std::vector<ChannelPicture>& pictures, std::vector<Information>& all);
+  void scale_scatter(const std::vector<ChannelPicture>& pictures);
+
+  std::vector<LawOfLandmark> laws_;
+  ContrastBelief prior_;
+  double clearest_per_m_, usual_aerosol_per_m_;
+  ContrastSpread spread_;
+  std::vector<double> grid_per_m_;
+  std::vector<double> kept_;                   // exp(-beta d) by grid and landmark
+  std::vector<double> constants_;              // C0, then f
+  std::vector<double> scatter_;
+  std::vector<double> per_m_;
+  // Information about the constants: of all, and of each picture by itself (2n x 2n), and times the constants (2n).
+  std::vector<double> information_, pull_;
+  std::vector<std::vector<double>> informations_, pulls_;
+};
+
+}  // namespace kasumi
