@@ -13,6 +13,8 @@ namespace {
 constexpr double kLeastRememberedSigma = 0.005;
 constexpr Duration kStillNow = std::chrono::minutes(10);
 constexpr double kMostOfWeather = 4.0;  // standard deviations
+constexpr double kLeastLasting = 0.01;
+constexpr Duration kFollowedFor = std::chrono::hours(1);
 
 GaussMarkov quantities_of(const AirTrackerOptions& options) {
   std::vector<DriftingQuantity> all(kAirQuantities, DriftingQuantity{0.0, 1.0, options.lasting});
@@ -92,6 +94,42 @@ bool AirTracker::contradicted(AirObserver by, double variance, Instant when) con
   });
 }
 
+bool AirTracker::followed_in_vain(const Followed& now) {
+  constexpr double kShrunk = 0.6, kSame = 0.5;
+  const auto before = std::ranges::find(followed_, now.by, &Followed::by);
+  bool in_vain = false;
+  if (before != followed_.end()) {
+    in_vain = passed_between(before->when, now.when) <= kFollowedFor && now.off * before->off > 0.0 &&
+              std::abs(now.off) > kShrunk * std::abs(before->off) &&
+              std::abs(now.amount - before->amount) < kSame * std::abs(now.off);
+    followed_.erase(before);
+  }
+  followed_.push_back(now);
+  return in_vain;
+}
+
+void AirTracker::bound_near_ground(GaussMarkov& state) const {
+  constexpr double kEdge = 0.1;
+  if (fog_) return;
+  GaussMarkov::Row row(kAirQuantities, 0.0);
+  row[kNearGround] = 1.0;
+  const double least = std::log(options_.least_near_ground), greatest = std::log(options_.greatest_near_ground);
+  const Normal before = state.sum(row);
+  const double reach = 2.0 * std::sqrt(before.variance);
+  if (before.mean - reach > least && before.mean + reach < greatest) return;
+  state.condition(row, before, after_observing(before, [&](double there) {
+                    return -0.5 * square((there - std::clamp(there, least, greatest)) / kEdge);
+                  }));
+}
+
+double AirTracker::growth(const std::vector<ObserverPart>& parts) const {
+  constexpr double kUsualApart = 2.0, kMostGrowth = 4.0;
+  double apart = 0.0;
+  for (const ObserverPart& one : parts)
+    if (one.age <= kStillNow && one.by != AirObserver::remembered) apart = std::max(apart, std::abs(one.apart_sigmas));
+  return std::clamp(apart / kUsualApart, 1.0, kMostGrowth);
+}
+
 double AirTracker::column_doubt(Instant when) const {
   double variance = square(options_.amount.spread);
   const double drift = square(options_.amount.drift_per_root_hour()) / 3600.0;
@@ -127,7 +165,8 @@ AirTracker::Verdict AirTracker::observe(const ColumnReading& reading, Instant wh
   if (surprise == Surprise::agreed) {
     const double off = seen_now->amount.mean - state.mean(kAmount);
     const double exponent_off = seen_now->exponent - state.mean(kExponent);
-    if (contradicted(reading.by, seen_now->amount.variance, when)) {
+    const bool in_vain = followed_in_vain({reading.by, seen_now->amount.mean, off, when});
+    if (in_vain || contradicted(reading.by, seen_now->amount.variance, when)) {
       // One that sees the same and is surer says that the air is as it was: then this observer errs.
       state.doubt(seen_now->amount_error, square(off) / seen_now->amount.variance);
       state.doubt(seen_now->exponent_error, square(exponent_off / seen_now->exponent_sigma));
@@ -138,6 +177,7 @@ AirTracker::Verdict AirTracker::observe(const ColumnReading& reading, Instant wh
   }
   for (const SeenSum* one : {&seen_now->amounts, &seen_now->exponents})
     state.observe(one->row, one->value, square(one->passing_sigma));
+  bound_near_ground(state);
   kind_.observe(reading.found, reading.by != AirObserver::horizon, when);
   accept(std::move(state), std::move(errors), {reading.by, when, false, seen_now->amount});
   return surprise == Surprise::agreed ? Verdict::restarted : Verdict::taken;
@@ -157,7 +197,10 @@ AirTracker::Verdict AirTracker::observe(const PathReading& reading, Instant when
                                   sigmas(off, expected, main.passing_share * log_sigma(main.aod, main.sigma)),
                                   options_.gate * std::sqrt(2.0) * sigma, when);
   if (surprise == Surprise::doubted) return Verdict::outlier;
-  if (surprise == Surprise::agreed) {
+  if (surprise == Surprise::agreed && followed_in_vain({reading.by, log_amount(main.aod), off, when})) {
+    for (const SeenChannel& one : channels) state.doubt(one.error, square(off / std::max(kLeastLasting, one.lasting)));
+    if (main.lasting_shared > 0.0) state.doubt(kPathError, square(off / std::max(kLeastLasting, main.lasting_shared)));
+  } else if (surprise == Surprise::agreed) {
     // Whether the whole column has changed or the path alone, only a look at the sky can say: the column at most as
     // far as the last one and the weather since allow.
     state.doubt(kAmount, std::min(square(off), square(kMostOfWeather) * column_doubt(when)));
@@ -173,6 +216,9 @@ AirTracker::Verdict AirTracker::observe(const PathReading& reading, Instant when
         after_observing(sum.expected, [&](double there) { return one.log_likelihood(there, passing); });
     state.condition(sum.row, sum.expected, after);
   }
+
+  fog_ = main.kind != PathReading::Channel::Kind::at_most && main.aod > options_.fog_path_aod;
+  bound_near_ground(state);
 
   // By itself: of a bound, what it leaves of the air as it usually is.
   const double to_550 = std::pow(main.wavelength_nm / 550.0, state.mean(kExponent));

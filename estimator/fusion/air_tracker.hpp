@@ -71,6 +71,10 @@ struct AirTrackerOptions {
   int agreeing_doubts = 3;
   Duration doubts_span = std::chrono::seconds(20);
   double largest_rate_per_minute = 0.30;  // of what is shown: too slow to be seen as a step
+  // Of aerosol mixed over 4 km, and of 300 m of it below an inversion, in units of kAerosolHeight_m. Beyond is fog, which
+  // is believed where landmarks see less than 2 km far: as much aerosol as that in the column.
+  double least_near_ground = 0.3, greatest_near_ground = 4.0;
+  double fog_path_aod = 1.8;
   Duration trusted_for = std::chrono::hours(2);
   double largest_trusted_sigma = 0.35;  // of ln amount
 };
@@ -110,6 +114,12 @@ class AirTracker {
     Instant first{};
   };
   enum class Surprise { none, doubted, agreed };
+  // An observer was followed to what it read, which was so far off.
+  struct Followed {
+    AirObserver by;
+    double amount = 0.0, off = 0.0;
+    Instant when{};
+  };
 
   GaussMarkov state_at(Instant when) const;
   Shown believed(const GaussMarkov& state) const;
@@ -119,11 +129,17 @@ class AirTracker {
   Surprise judge(const Doubt& now, double sigmas, double agree_within, Instant when);
   // Whether a surer observer of the column has just seen it as it was.
   bool contradicted(AirObserver by, double variance, Instant when) const;
+  // Whether this observer says once more what it was followed to, and is as far off as before: then it errs. Notes that
+  // it is followed now.
+  bool followed_in_vain(const Followed& now);
+  void bound_near_ground(GaussMarkov& state) const;
+  // By how much two observers of now, who disagree by more than their sigmas allow, make all sigmas grow.
+  double growth(const std::vector<ObserverPart>& parts) const;
   // Variance of ln amount by the last look at the column and the weather since.
   double column_doubt(Instant when) const;
   void accept(GaussMarkov state, LastingErrors errors, const LastReading& reading);
   std::vector<ObserverPart> parts(Instant when) const;
-  AirState air_of(const GaussMarkov& state, const Shown& of) const;
+  AirState air_of(const GaussMarkov& state, const Shown& of, double growth) const;
   double sigma_turbidity(const GaussMarkov& state, const Shown& of) const;
   bool seen() const { return seen_.has_value(); }
 
@@ -136,6 +152,8 @@ class AirTracker {
   std::optional<Instant> seen_;  // the last reading, or what was remembered
   std::vector<LastReading> last_;
   std::vector<Doubt> doubts_;
+  std::vector<Followed> followed_;
+  bool fog_ = false;  // landmarks saw it last
 };
 
 }  // namespace kasumi

@@ -82,7 +82,7 @@ std::vector<ObserverPart> AirTracker::parts(Instant when) const {
   return parts;
 }
 
-AirState AirTracker::air_of(const GaussMarkov& state, const Shown& of) const {
+AirState AirTracker::air_of(const GaussMarkov& state, const Shown& of, double growth) const {
   const Aerosol aerosol{std::min(aod_of(of.amount), kHighestGivenAod),
                         std::clamp(of.exponent, kLowestGivenExponent, kHighestGivenExponent), kind_.shown()};
   const double path_aod = std::max(kLeastPath, aod_of(of.path_amount));
@@ -95,9 +95,11 @@ AirState AirTracker::air_of(const GaussMarkov& state, const Shown& of) const {
   const Shown target = believed(state);
   const double per_log = aerosol.aod_550 + kSmallAerosol;
   const double amount_off = of.amount - target.amount, exponent_off = of.exponent - target.exponent;
-  const AerosolCovariance covariance{square(per_log) * (state.variance(kAmount) + square(amount_off)),
-                                     per_log * (state.covariance(kAmount, kExponent) + amount_off * exponent_off),
-                                     state.variance(kExponent) + square(exponent_off)};
+  const double grown = square(growth);
+  const AerosolCovariance covariance{
+      square(per_log) * (grown * state.variance(kAmount) + square(amount_off)),
+      per_log * (grown * state.covariance(kAmount, kExponent) + amount_off * exponent_off),
+      grown * state.variance(kExponent) + square(exponent_off)};
   const bool as_column = of.path_amount == of.amount;
   return {aerosol, covariance, as_column ? 1.0 : path_aod / std::max(kLeastColumn, aerosol.aod_550)};
 }
@@ -118,15 +120,17 @@ TrackedAir AirTracker::at(Instant when) const {
   const GaussMarkov state = state_at(when);
   const Shown shown = shown_at(when);
   TrackedAir tracked;
-  tracked.air = air_of(state, shown);
-  tracked.believed = air_of(state, believed(state));
-  tracked.sigma_turbidity =
-      std::hypot(sigma_turbidity(state, shown), tracked.air.turbidity().value - tracked.believed.turbidity().value);
+  tracked.observers = parts(when);
+  const double growth = this->growth(tracked.observers);
+  tracked.air = air_of(state, shown, growth);
+  tracked.believed = air_of(state, believed(state), growth);
+  tracked.sigma_turbidity = std::hypot(growth * sigma_turbidity(state, shown),
+                                       tracked.air.turbidity().value - tracked.believed.turbidity().value);
 
   const double column = state.variance(kAmount), relation = state.variance(kNearGround);
   const double path = column + 2.0 * state.covariance(kAmount, kNearGround) + relation;
-  tracked.sigma_log_near_ground = std::sqrt(relation);
-  tracked.sigma_log_path_amount = std::sqrt(path);
+  tracked.sigma_log_near_ground = growth * std::sqrt(relation);
+  tracked.sigma_log_path_amount = growth * std::sqrt(path);
 
   const double usual = square(options_.amount.spread), usual_path = usual + square(options_.near_ground.spread);
   const bool given = options_.given.aod_550.has_value();
@@ -135,7 +139,6 @@ TrackedAir AirTracker::at(Instant when) const {
   tracked.age = seen() ? passed_between(*seen_, when) : Duration{0};
   const bool sure = std::sqrt(std::min(column, path)) <= options_.largest_trusted_sigma;
   tracked.trustworthy = given || (seen() && tracked.age <= options_.trusted_for && sure);
-  tracked.observers = parts(when);
   tracked.kinds = kind_.kinds(when);
   tracked.papers_share = kind_.papers_share();
   return tracked;

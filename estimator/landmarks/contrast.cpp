@@ -170,6 +170,46 @@ std::vector<ContrastReading> read_contrasts(const Camera& camera, const Image<gl
   return readings;
 }
 
+void mark_lit(const std::vector<ContrastLandmark>& landmarks, const Direction& sun,
+              std::vector<ContrastReading>& readings) {
+  constexpr double kGrazing = 0.03;  // of the sun's direction across the facade
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    if (!landmarks[i].faces || sun.z <= 0.0) continue;
+    const double azimuth = landmarks[i].faces->value;
+    if (sun.x * std::sin(azimuth) + sun.y * std::cos(azimuth) > kGrazing) readings[i].lit = true;
+  }
+}
+
+void refuse_dark_skies(const std::vector<ContrastLandmark>& landmarks, std::vector<ContrastReading>& readings) {
+  constexpr double kBrighter = -0.1, kDark = 0.5, kMany = 0.2;
+  static const std::string kWhy = "the sky beside it is darker than it, and no light from infinity";
+  double before_sky = 0.0, brighter = 0.0;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const auto& landmark = landmarks[i];
+    if (!readings[i].usable || landmark.against || landmark.contrast - 2.0 * landmark.contrast_sigma < kDark) continue;
+    before_sky += 1.0;
+    if (readings[i].contrast.g > kBrighter) continue;
+    brighter += 1.0;
+    readings[i] = {false, kWhy, {}, {}};
+  }
+  if (brighter == 0.0 || brighter < kMany * before_sky) return;
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    if (readings[i].usable && !landmarks[i].against) readings[i] = {false, kWhy, {}, {}};
+}
+
+double infinity_sigma(const ContrastLandmark& landmark, int picture_width) {
+  constexpr double kBeside = 0.02, kAtHorizon = 0.03, kAcross = 0.4;
+  if (landmark.against || picture_width <= 0) return kBeside;
+  if (!landmark.sky) return kAtHorizon;
+  const auto apart = [](int a, int a_length, int b, int b_length) {
+    return std::max({0, b - a - a_length, a - b - b_length});
+  };
+  const auto &surface = landmark.surface, &sky = *landmark.sky;
+  const double gap = std::hypot(apart(surface.x, surface.width, sky.x, sky.width),
+                                apart(surface.y, surface.height, sky.y, sky.height));
+  return kBeside + kAcross * gap / picture_width;
+}
+
 double haze_path_m(const ContrastLandmark& landmark, double camera_altitude_m) {
   const auto path = optical_path(camera_altitude_m, camera_altitude_m + landmark.rise_m, landmark.distance_m);
   return path.mie_m * std::exp(camera_altitude_m / kMieScaleHeight_m);

@@ -7,7 +7,8 @@
 #include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
+
+#include "base/square.hpp"
 
 namespace kasumi {
 namespace {
@@ -17,7 +18,6 @@ using Matrix = Eigen::MatrixXd;
 
 constexpr double kThickest_per_m = 0.3;             // a visibility of 13 m
 constexpr int kSteps = 400;                         // of the logarithm of extinction: 2.6 % each
-constexpr double kBrightest = 10.0;                 // surface, in units of the horizon's light
 constexpr double kOneSigma = 1.0, kTwoSigma = 4.0;  // of -2 ln likelihood
 
 Eigen::Map<const Matrix> square_matrix(const std::vector<double>& values, std::size_t side) {
@@ -26,26 +26,34 @@ Eigen::Map<const Matrix> square_matrix(const std::vector<double>& values, std::s
 
 }  // namespace
 
-LandmarkExtinction::LandmarkExtinction(const std::vector<ContrastLandmark>& landmarks, double camera_altitude_m,
-                                       double clearest_per_m, int channel, const ContrastSpread& spread)
-    : channel_(channel), spread_(spread) {
-  const auto count = landmarks.size();
-  covariance_.resize(count * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    path_m_.push_back(haze_path_m(landmarks[i], camera_altitude_m));
-    before_sky_.push_back(!landmarks[i].against);
-    mean_.push_back(landmarks[i].contrast);
-    for (std::size_t j = 0; j < count; ++j)
-      covariance_[i * count + j] =
-          landmarks[i].contrast_sigma * landmarks[j].contrast_sigma * (i == j ? 1.0 : spread.known_together);
-  }
-  covariance_before_ = covariance_;
-  const double ratio = std::log(kThickest_per_m / clearest_per_m);
-  for (int k = 0; k <= kSteps; ++k) grid_per_m_.push_back(clearest_per_m * std::exp(ratio * k / kSteps));
+std::vector<LawOfLandmark> laws_of(const std::vector<ContrastLandmark>& landmarks, double camera_altitude_m) {
+  std::vector<LawOfLandmark> laws;
+  for (const auto& one : landmarks) laws.push_back({haze_path_m(one, camera_altitude_m), !one.against});
+  return laws;
 }
 
-double LandmarkExtinction::contrast_sigma(std::size_t landmark) const {
-  return std::sqrt(covariance_[landmark * mean_.size() + landmark]);
+ContrastBelief belief_before(const std::vector<ContrastLandmark>& landmarks, const ContrastSpread& spread) {
+  ContrastBelief belief;
+  for (const auto& one : landmarks) {
+    belief.mean.push_back(one.contrast);
+    belief.floor.push_back(0.0);
+    belief.floor_sigma.push_back(one.infinity_sigma);
+    belief.scatter.push_back(1.0);
+    for (const auto& other : landmarks)
+      belief.covariance.push_back(one.contrast_sigma * other.contrast_sigma *
+                                  (&one == &other ? 1.0 : spread.known_together));
+  }
+  return belief;
+}
+
+LandmarkExtinction::LandmarkExtinction(const std::vector<ContrastLandmark>& landmarks, double camera_altitude_m,
+                                       double clearest_per_m, int channel, const ContrastSpread& spread)
+    : laws_(laws_of(landmarks, camera_altitude_m)),
+      channel_(channel),
+      spread_(spread),
+      belief_(belief_before(landmarks, spread)) {
+  const double ratio = std::log(kThickest_per_m / clearest_per_m);
+  for (int k = 0; k <= kSteps; ++k) grid_per_m_.push_back(clearest_per_m * std::exp(ratio * k / kSteps));
 }
 
 struct LandmarkExtinction::Fit {
@@ -53,110 +61,100 @@ struct LandmarkExtinction::Fit {
   std::size_t best = 0;
 };
 
-namespace {
-
-// What one picture's light does to the contrasts, and what the air's patchiness does to them.
-struct Readings {
-  Vector contrast, path_m, mean, lit;  // lit: the part of the contrast that changes with the light on the surface
-  Matrix known;                        // covariance of the mean
-  Vector variance;                     // of reading
-};
-
-// The model for one extinction: readings = haze * (contrast + change of its lighting) + noise; all normal.
-struct LinearModel {
-  Vector haze, residual;
-  Matrix noise;
-};
-
-LinearModel model_under(double extinction_per_m, const Readings& of, const ContrastSpread& spread) {
-  LinearModel model;
-  const Vector depth = extinction_per_m * of.path_m;
-  model.haze = (-depth.array()).exp();
-  model.residual = of.contrast - model.haze.cwiseProduct(of.mean);
-  const Vector lit = model.haze.cwiseProduct(of.lit);
-  const Vector patchy = spread.patchy * depth.cwiseProduct(model.haze).cwiseProduct(of.mean);
-  model.noise = spread.lit_together * spread.lit_together * lit * lit.transpose();
-  model.noise.diagonal() += of.variance + spread.lit_each * spread.lit_each * lit.cwiseAbs2() + patchy.cwiseAbs2();
-  return model;
+// -2 ln of what one reading by itself makes of an extinction.
+double LandmarkExtinction::plausible_rise(std::size_t landmark, const ContrastReading& reading, double per_m,
+                                          Plausible* found) const {
+  const auto& law = laws_[landmark];
+  const double contrast = belief_.mean[landmark], floor = belief_.floor[landmark], depth = per_m * law.path_m;
+  const double kept = std::exp(-depth);
+  const double known = belief_.covariance[landmark * (laws_.size() + 1)];
+  const double lit = spread_.lit_together * (law.before_sky ? 1.0 - contrast : contrast);
+  const double variance = square(belief_.scatter[landmark]) *
+                              variance_under(depth, contrast, floor, reading.sigma[channel_], law, spread_) +
+                          square(kept) * (known + square(lit)) + square((1.0 - kept) * belief_.floor_sigma[landmark]);
+  const auto one = plausible(reading.contrast[channel_] - floor - (contrast - floor) * kept, variance, kept, law);
+  if (found) *found = one;
+  return one.minus_two_log;
 }
-
-Matrix covariance_of(const LinearModel& model, const Matrix& known) {
-  return model.haze.asDiagonal() * known * model.haze.asDiagonal() + model.noise;
-}
-
-Readings readings_of(const std::vector<ContrastReading>& readings, const std::vector<std::size_t>& used, int channel,
-                     const std::vector<double>& path_m, const std::vector<bool>& before_sky,
-                     const std::vector<double>& mean, const std::vector<double>& covariance) {
-  const auto count = static_cast<Eigen::Index>(used.size());
-  Readings of{Vector(count), Vector(count), Vector(count), Vector(count), Matrix(count, count), Vector(count)};
-  const auto all = square_matrix(covariance, mean.size());
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto at = used[static_cast<std::size_t>(i)];
-    of.contrast[i] = readings[at].contrast[channel];
-    of.variance[i] = readings[at].sigma[channel] * readings[at].sigma[channel];
-    of.path_m[i] = path_m[at];
-    of.mean[i] = mean[at];
-    // Against the sky a surface's light varies in units of the sky's; between two surfaces their difference varies.
-    of.lit[i] = before_sky[at] ? std::max(0.02, 1.0 - mean[at]) : std::abs(mean[at]);
-    for (Eigen::Index j = 0; j < count; ++j)
-      of.known(i, j) = all(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(used[static_cast<std::size_t>(j)]));
-  }
-  return of;
-}
-
-}  // namespace
 
 std::vector<std::size_t> LandmarkExtinction::usable(const std::vector<ContrastReading>& readings) const {
-  std::vector<std::size_t> used;
-  for (std::size_t i = 0; i < readings.size() && i < mean_.size(); ++i)
-    if (readings[i].usable) used.push_back(i);
-  return used;
+  std::vector<std::size_t> shaded, lit;
+  for (std::size_t i = 0; i < readings.size() && i < laws_.size(); ++i)
+    if (readings[i].usable) (readings[i].lit ? lit : shaded).push_back(i);
+  return shaded.empty() ? lit : shaded;
 }
 
+// readings = floor + haze * (contrast - floor + change of its lighting) + noise; all normal.
 LandmarkExtinction::Fit LandmarkExtinction::fit(const std::vector<ContrastReading>& readings,
-                                                const std::vector<std::size_t>& used) const {
-  const auto of = readings_of(readings, used, channel_, path_m_, before_sky_, mean_, covariance_);
+                                                const std::vector<std::size_t>& used,
+                                                const std::vector<std::size_t>& left_out) const {
+  const auto count = static_cast<Eigen::Index>(used.size());
+  const auto all = square_matrix(belief_.covariance, laws_.size());
+  Matrix known(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j)
+      known(i, j) = all(static_cast<Eigen::Index>(used[static_cast<std::size_t>(i)]),
+                        static_cast<Eigen::Index>(used[static_cast<std::size_t>(j)]));
   Fit fit;
   fit.minus_two_log.reserve(grid_per_m_.size());
-  for (const double extinction : grid_per_m_) {
-    const auto model = model_under(extinction, of, spread_);
-    const Eigen::LLT<Matrix> factor(covariance_of(model, of.known));
-    const double determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
-    fit.minus_two_log.push_back(determinant + model.residual.dot(factor.solve(model.residual)));
+  Vector haze(count), residual(count), lit(count), own(count);
+  for (const double per_m : grid_per_m_) {
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto at = used[static_cast<std::size_t>(i)];
+      const double contrast = belief_.mean[at], floor = belief_.floor[at], depth = per_m * laws_[at].path_m;
+      const auto& reading = readings[at];
+      haze[i] = std::exp(-depth);
+      residual[i] = reading.contrast[channel_] - floor - (contrast - floor) * haze[i];
+      // Against the sky a surface's light varies in units of the sky's; between two surfaces their difference varies.
+      lit[i] = spread_.lit_together * haze[i] * (laws_[at].before_sky ? std::max(0.02, 1.0 - contrast) : contrast);
+      own[i] = square(belief_.scatter[at]) *
+                   variance_under(depth, contrast, floor, reading.sigma[channel_], laws_[at], spread_) +
+               square((1.0 - haze[i]) * belief_.floor_sigma[at]);
+      if (reading.lit) own[i] += square(kLitBy * haze[i]);
+    }
+    Matrix covariance = haze.asDiagonal() * known * haze.asDiagonal();
+    covariance += lit * lit.transpose();
+    covariance.diagonal() += own;
+    const Eigen::LLT<Matrix> factor(covariance);
+    double sum = 2.0 * factor.matrixLLT().diagonal().array().log().sum() + residual.dot(factor.solve(residual));
+    for (const auto at : left_out) sum += plausible_rise(at, readings[at], per_m, nullptr);
+    fit.minus_two_log.push_back(sum);
   }
-  fit.best = static_cast<std::size_t>(std::min_element(fit.minus_two_log.begin(), fit.minus_two_log.end()) -
-                                      fit.minus_two_log.begin());
+  fit.best = static_cast<std::size_t>(std::ranges::min_element(fit.minus_two_log) - fit.minus_two_log.begin());
   return fit;
 }
 
-// Leaves out readings that the others do not predict (a car in front, scaffolding, a cloud's shadow), at most a third.
+// Leaves out readings that do not follow the law of the others: in the sun, a car in front, scaffolding.
 std::vector<std::size_t> LandmarkExtinction::agreeing(const std::vector<ContrastReading>& readings,
-                                                      std::vector<std::size_t> used,
-                                                      std::vector<std::size_t>* left_out) const {
-  const auto fewest = std::max<std::size_t>(3, used.size() - used.size() / 3);
-  while (used.size() >= fewest + 1) {
-    const auto best = fit(readings, used).best;
-    const auto of = readings_of(readings, used, channel_, path_m_, before_sky_, mean_, covariance_);
-    const auto model = model_under(grid_per_m_[best], of, spread_);
-    const Matrix inverse = covariance_of(model, of.known).inverse();
-    const Vector off = (inverse * model.residual).array() / inverse.diagonal().array().sqrt();
-    Eigen::Index worst = 0;
-    if (off.cwiseAbs().maxCoeff(&worst) <= spread_.far_off) break;
-    if (left_out) left_out->push_back(used[static_cast<std::size_t>(worst)]);
-    used.erase(used.begin() + worst);
+                                                      const std::vector<std::size_t>& usable,
+                                                      std::vector<std::size_t>& left_out) const {
+  if (usable.size() < 3) return usable;
+  double least = std::numeric_limits<double>::infinity(), best = 0.0;
+  for (const double per_m : grid_per_m_) {
+    double sum = 0.0;
+    for (const auto i : usable) sum += plausible_rise(i, readings[i], per_m, nullptr);
+    if (sum < least) least = sum, best = per_m;
   }
-  return used;
+  std::vector<std::size_t> used;
+  for (const auto i : usable) {
+    Plausible found;
+    plausible_rise(i, readings[i], best, &found);
+    (found.usual >= 0.5 ? used : left_out).push_back(i);
+  }
+  if (!used.empty()) return used;
+  left_out.clear();
+  return usable;
 }
 
 Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& readings) const {
   Extinction found;
-  const auto used = agreeing(readings, usable(readings), &found.left_out);
+  const auto used = agreeing(readings, usable(readings), found.left_out);
   found.landmarks = static_cast<int>(used.size());
   if (used.empty()) {
     found.reason = readings.empty() ? "no landmarks" : "no landmark can be used: " + readings.front().reason;
     return found;
   }
-  const auto fitted = fit(readings, used);
+  const auto fitted = fit(readings, used, found.left_out);
   const auto& curve = fitted.minus_two_log;
   const auto last = curve.size() - 1;
   // Where the curve first rises by this much on either side of the best value, between two steps of the grid.
@@ -188,8 +186,8 @@ Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& read
                             : (closed_above ? ExtinctionKind::at_most : ExtinctionKind::nothing);
   double farthest = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const auto i : used) {
-    farthest = std::max(farthest, path_m_[i]);
-    nearest = std::min(nearest, path_m_[i]);
+    farthest = std::max(farthest, laws_[i].path_m);
+    nearest = std::min(nearest, laws_[i].path_m);
   }
   if (found.kind == ExtinctionKind::at_most)
     found.reason = fmt::format("clearer than landmarks up to {:.1f} km away can measure", farthest / 1e3);
@@ -198,52 +196,6 @@ Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& read
   else if (found.kind == ExtinctionKind::nothing)
     found.reason = "the landmarks' contrasts are consistent with any air";
   return found;
-}
-
-void LandmarkExtinction::learn(const std::vector<ContrastReading>& readings) {
-  const auto used = agreeing(readings, usable(readings), nullptr);
-  if (used.empty()) return;
-  const auto fitted = fit(readings, used);
-  const auto of = readings_of(readings, used, channel_, path_m_, before_sky_, mean_, covariance_);
-  const auto count = static_cast<Eigen::Index>(mean_.size());
-  const Vector mean = Eigen::Map<const Vector>(mean_.data(), count);
-  const Matrix known = square_matrix(covariance_, mean_.size());
-  Matrix towards(count, static_cast<Eigen::Index>(used.size()));  // covariance of all with those that were read
-  for (Eigen::Index j = 0; j < towards.cols(); ++j)
-    towards.col(j) = known.col(static_cast<Eigen::Index>(used[static_cast<std::size_t>(j)]));
-  // The picture's extinction is unknown: nothing is learnt along the change that another extinction would cause, so
-  // that no prior about clear or hazy days enters the contrasts. What remains is how landmarks differ at one distance.
-  const double likeliest = grid_per_m_[fitted.best];
-  auto model = model_under(likeliest, of, spread_);
-  const Vector by_extinction = model.haze.cwiseProduct(of.path_m).cwiseProduct(of.mean);
-  const double unknown = 10.0 * std::max(likeliest, 1.0 / of.path_m.maxCoeff());
-  model.noise += unknown * unknown * by_extinction * by_extinction.transpose();
-  const Eigen::LLT<Matrix> factor(covariance_of(model, of.known));
-  const Matrix across = towards * model.haze.asDiagonal();
-  const Vector learnt = mean + across * factor.solve(model.residual);
-  const Matrix left = known - across * factor.solve(across.transpose());
-  Eigen::Map<Vector>(mean_.data(), count) = learnt.cwiseMin(1.0);  // nothing is darker than black
-  Eigen::Map<Matrix>(covariance_.data(), count, count) = 0.5 * (left + left.transpose());
-}
-
-void LandmarkExtinction::forget(double share) {
-  for (std::size_t i = 0; i < covariance_.size(); ++i)
-    covariance_[i] += share * (covariance_before_[i] - covariance_[i]);
-}
-
-bool LandmarkExtinction::resume(const LearntContrasts& learnt) {
-  const auto count = mean_.size();
-  if (learnt.mean.size() != count || learnt.covariance.size() != count * count) return false;
-  const auto is_contrast = [](double value) { return value >= -kBrightest && value <= 1.0; };
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  if (!std::ranges::all_of(learnt.mean, is_contrast) || !std::ranges::all_of(learnt.covariance, is_finite))
-    return false;
-  const Matrix covariance = square_matrix(learnt.covariance, count);
-  if (!covariance.isApprox(covariance.transpose()) || Eigen::LLT<Matrix>(covariance).info() != Eigen::Success)
-    return false;
-  mean_ = learnt.mean;
-  covariance_ = learnt.covariance;
-  return true;
 }
 
 }  // namespace kasumi

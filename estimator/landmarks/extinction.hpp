@@ -6,17 +6,9 @@
 #include <vector>
 
 #include "estimator/landmarks/contrast.hpp"
+#include "estimator/landmarks/joint_channel.hpp"
 
 namespace kasumi {
-
-// How surfaces and air deviate from that law. All are relative standard deviations.
-struct ContrastSpread {
-  double lit_each = 0.25;       // a surface's light in units of the sky's, from picture to picture, independently
-  double lit_together = 0.3;    // the same for all surfaces at once: sun and overcast
-  double known_together = 0.5;  // share of the variance of ContrastLandmark::contrast_sigma that all have in common
-  double patchy = 0.1;          // extinction of one path relative to another
-  double far_off = 3.0;         // a landmark farther from the others' prediction than this, in sigmas, is left out
-};
 
 // Whether the air is within the landmarks' measuring range.
 enum class ExtinctionKind {
@@ -36,48 +28,38 @@ struct Extinction {
   std::vector<std::size_t> left_out;               // far from the others' prediction
 };
 
-// Contrasts without air and their covariance (n and n x n by rows) as learnt from pictures, to be stored.
-struct LearntContrasts {
-  std::vector<double> mean, covariance;
-};
+// The laws of landmarks, and what is believed of them before the first picture, in one channel.
+std::vector<LawOfLandmark> laws_of(const std::vector<ContrastLandmark>& landmarks, double camera_altitude_m);
+ContrastBelief belief_before(const std::vector<ContrastLandmark>& landmarks, const ContrastSpread& spread);
 
-// Belief about the contrasts without air: a normal distribution that pictures narrow.
+// The extinction that one picture shows, under a belief about what is constant of its landmarks.
 class LandmarkExtinction {
  public:
   // `clearest_per_m`: extinction of air without any haze, the lower limit.
   LandmarkExtinction(const std::vector<ContrastLandmark>& landmarks, double camera_altitude_m, double clearest_per_m,
                      int channel, const ContrastSpread& spread = {});
 
-  // From this picture alone, with what was learnt from others.
+  // At first that before the first picture.
+  void believe(ContrastBelief belief) { belief_ = std::move(belief); }
+  const ContrastBelief& belief() const { return belief_; }
+
+  // From this picture alone. Surfaces that are in the sun are asked only where there are no others.
   Extinction estimate(const std::vector<ContrastReading>& readings) const;
-  // Updates the contrasts from a picture whose own extinction is taken as unknown: it shows how they differ, not how
-  // large all of them are. Pictures must be taken in different light: half an hour apart is enough.
-  void learn(const std::vector<ContrastReading>& readings);
-  // Seasons change surfaces: this share (0 to 1) of what pictures have taught returns to the prior. The contrasts stay,
-  // but become less certain.
-  void forget(double share);
-
-  LearntContrasts learnt() const { return {mean_, covariance_}; }
-  // Continues from there. false, with nothing changed, if it belongs to other landmarks or is not a valid distribution.
-  bool resume(const LearntContrasts& learnt);
-
-  const std::vector<double>& contrasts() const { return mean_; }  // without air
-  double contrast_sigma(std::size_t landmark) const;
 
  private:
   struct Fit;
-  Fit fit(const std::vector<ContrastReading>& readings, const std::vector<std::size_t>& used) const;
+  double plausible_rise(std::size_t landmark, const ContrastReading& reading, double per_m, Plausible* found) const;
+  Fit fit(const std::vector<ContrastReading>& readings, const std::vector<std::size_t>& used,
+          const std::vector<std::size_t>& left_out) const;
   std::vector<std::size_t> usable(const std::vector<ContrastReading>& readings) const;
-  std::vector<std::size_t> agreeing(const std::vector<ContrastReading>& readings, std::vector<std::size_t> used,
-                                    std::vector<std::size_t>* left_out) const;
+  std::vector<std::size_t> agreeing(const std::vector<ContrastReading>& readings,
+                                    const std::vector<std::size_t>& usable, std::vector<std::size_t>& left_out) const;
 
-  std::vector<double> path_m_;
-  std::vector<bool> before_sky_;
+  std::vector<LawOfLandmark> laws_;
   int channel_;
   ContrastSpread spread_;
   std::vector<double> grid_per_m_;  // evenly spaced in its logarithm
-  std::vector<double> mean_, covariance_;
-  std::vector<double> covariance_before_;  // before the first picture
+  ContrastBelief belief_;
 };
 
 }  // namespace kasumi

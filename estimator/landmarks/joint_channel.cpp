@@ -23,11 +23,11 @@ constexpr double kLeastDepth = -0.3, kGreatestDepth = 9.0;  // of the farthest, 
 constexpr double kSmallDepth = 0.1;                         // of the farthest: even steps below, even ratios above
 // One surface in seven is in the sun, or has a light cloud behind the camera mirrored in it: then it returns more of the
 // horizon's light, by some .3. One in fifty is anything (a crane, a blind).
-constexpr double kLitOften = 0.14, kLitBy = 0.3, kLeastLitBy = 0.02, kAnythingOften = 0.02, kAnything = 2.0;
+constexpr double kLitOften = 0.14, kLeastLitBy = 0.02, kAnythingOften = 0.02, kAnything = 2.0;
 constexpr double kLeastLit = 0.02;
-constexpr double kDarkest = 1.05;         // a camera that sharpens makes edges blacker than black
-constexpr double kSettled = 1e-4;         // of contrast
-constexpr double kIndependent = 60.0;     // pictures; more of the same surfaces' faults are not more knowledge
+constexpr double kDarkest = 1.05;      // a camera that sharpens makes edges blacker than black
+constexpr double kSettled = 1e-4;      // of contrast
+constexpr double kIndependentPictures = 60.0;  // pictures; more of the same surfaces' faults are not more knowledge
 constexpr double kLeastContrastSigma = 0.006;
 constexpr double kScatterReadings = 12.0;  // of which the stated scatter is worth as much
 constexpr double kLeastScatter = 0.5, kGreatestScatter = 5.0;
@@ -60,7 +60,8 @@ Plausible plausible(double off, double variance, double kept, const LawOfLandmar
   const double usual = (1.0 - kLitOften - kAnythingOften) * std::exp(-0.5 * square(off) / variance) /
                        std::sqrt(2.0 * std::numbers::pi * variance);
   const double by = std::max(kLeastLitBy, kLitBy * std::min(1.0, kept));
-  const double lit = law.before_sky ? kLitOften / by * std::exp(off < 0.0 ? off / by : -0.5 * square(off) / variance) : 0.0;
+  const double lit =
+      law.before_sky ? kLitOften / by * std::exp(off < 0.0 ? off / by : -0.5 * square(off) / variance) : 0.0;
   const double all = usual + lit + kAnythingOften / kAnything;
   return {usual / all, lit / all, -2.0 * std::log(all)};
 }
@@ -146,7 +147,8 @@ JointChannel::Information JointChannel::of(const ChannelPicture& picture, double
     along[i] = -laws_[at].path_m * (contrast - floor) * kept;
     farthest_m = std::max(farthest_m, laws_[at].path_m);
   }
-  Information found{JointMatrix::Zero(2 * count, 2 * count), JointVector::Zero(2 * count), JointVector::Zero(2 * count)};
+  Information found{JointMatrix::Zero(2 * count, 2 * count), JointVector::Zero(2 * count),
+                    JointVector::Zero(2 * count)};
   if (farthest_m == 0.0) return found;
   // The extinction is next to unknown, but not wholly: in fog it would be anything.
   const double unknown = 3.0 * std::abs(per_m) + 1.0 / farthest_m;
@@ -170,8 +172,8 @@ void JointChannel::add_clearest(const std::vector<ChannelPicture>& pictures, std
     if (std::ranges::count_if(pictures[t].readings, &ChannelReading::used) > 0) order.push_back(t);
   if (order.empty()) return;
   std::ranges::sort(order, {}, [&](std::size_t t) { return per_m_[t]; });
-  const auto clearest =
-      std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(kClearestShare * static_cast<double>(order.size()))));
+  const auto clearest = std::max<std::size_t>(
+      1, static_cast<std::size_t>(std::lround(kClearestShare * static_cast<double>(order.size()))));
   const double share = std::max(kClearestShare, 0.625 / (independent_hours(pictures) + 0.25));
   const double expected = usual_aerosol_per_m_ * std::exp(-kLogSpread * (share < 0.5 ? sigmas_below(share) : 0.0));
   double mean = 0.0;
@@ -183,7 +185,8 @@ void JointChannel::add_clearest(const std::vector<ChannelPicture>& pictures, std
   const double seen = mean - clearest_per_m_;
   const double sigma = kClearestLogSigma * std::max(expected, seen);
   const Eigen::Map<const JointVector> constants(constants_.data(), by.size());
-  all.push_back({by * by.transpose() / square(sigma), by * ((expected - seen + by.dot(constants)) / square(sigma)), {}});
+  all.push_back(
+      {by * by.transpose() / square(sigma), by * ((expected - seen + by.dot(constants)) / square(sigma)), {}});
 }
 
 void JointChannel::scale_scatter(const std::vector<ChannelPicture>& pictures) {
@@ -207,8 +210,8 @@ void JointChannel::scale_scatter(const std::vector<ChannelPicture>& pictures) {
       const double left = 1.0 - square(along[i] / scatter_[i]) / variance[i] / information;
       if (left < 0.2) continue;
       const double squared = square(off[i]) / variance[i] / left;
-      const double weight = plausible(off[i], square(scatter_[i]) * variance[i], std::exp(-per_m_[t] * laws_[i].path_m),
-                                      laws_[i]).usual;
+      const double weight =
+          plausible(off[i], square(scatter_[i]) * variance[i], std::exp(-per_m_[t] * laws_[i].path_m), laws_[i]).usual;
       squares[i] += weight * squared;
       readings[i] += weight;
     }
@@ -233,7 +236,7 @@ void JointChannel::solve(const std::vector<ChannelPicture>& pictures, int most_s
     pulled[count + i] = prior_.floor[at] / square(prior_.floor_sigma[at]);
   }
   pulled.head(count) = prior.topLeftCorner(count, count) * Eigen::Map<const JointVector>(prior_.mean.data(), count);
-  const double share = std::min(1.0, kIndependent / static_cast<double>(std::max<std::size_t>(1, pictures.size())));
+  const double share = std::min(1.0, kIndependentPictures / static_cast<double>(std::max<std::size_t>(1, pictures.size())));
   std::vector<Information> all;
   JointMatrix sum;
   JointVector pull;

@@ -10,9 +10,9 @@ namespace kasumi {
 
 // Of n landmarks in one channel.
 struct ContrastBelief {
-  std::vector<double> mean, covariance;        // of C0, the contrast without air: n, and n x n by rows
-  std::vector<double> floor, floor_sigma;      // of f: what is left of the contrast behind endless air
-  std::vector<double> scatter;                 // readings deviate by so many times what the law's spread says
+  std::vector<double> mean, covariance;    // of C0, the contrast without air: n, and n x n by rows
+  std::vector<double> floor, floor_sigma;  // of f: what is left of the contrast behind endless air
+  std::vector<double> scatter;             // readings deviate by so many times what the law's spread says
 };
 
 // What one picture shows, for each landmark.
@@ -31,7 +31,6 @@ struct ContrastSpread {
   double lit_together = 0.3;    // the same for all surfaces at once: sun and overcast
   double known_together = 0.5;  // share of the variance of ContrastLandmark::contrast_sigma that all have in common
   double patchy = 0.1;          // extinction of one path relative to another
-  double far_off = 3.0;         // a landmark farther from the others' prediction than this, in sigmas, is left out
   double airlight = 0.03;       // the air on the way is brighter or darker than the light from infinity by this share
 };
 
@@ -43,6 +42,8 @@ struct LawOfLandmark {
 // Variance of one reading under an optical depth, the common change of light excepted.
 double variance_under(double depth, double contrast, double floor, double read_sigma, const LawOfLandmark& law,
                       const ContrastSpread& spread);
+
+constexpr double kLitBy = 0.3;  // a surface in the sun returns so much more of the horizon's light
 
 // Of one reading, off from the law by `off`: whether it follows the law, is of a surface in the sun, or neither.
 struct Plausible {
@@ -78,8 +79,8 @@ class JointChannel {
   double clearest_per_m_, usual_aerosol_per_m_;
   ContrastSpread spread_;
   std::vector<double> grid_per_m_;
-  std::vector<double> kept_;                   // exp(-beta d) by grid and landmark
-  std::vector<double> constants_;              // C0, then f
+  std::vector<double> kept_;       // exp(-beta d) by grid and landmark
+  std::vector<double> constants_;  // C0, then f
   std::vector<double> scatter_;
   std::vector<double> per_m_;
   // Information about the constants: of all, and of each picture by itself (2n x 2n), and times the constants (2n).

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
 
+#include "base/aerosol.hpp"
 #include "base/picture.hpp"
+#include "base/square.hpp"
 #include "base/statistics.hpp"
 #include "estimator/landmarks/daylight.hpp"
 
@@ -34,6 +39,74 @@ double middle_path_m(const std::vector<ContrastLandmark>& landmarks, double alti
   std::vector<double> paths;
   for (const auto& landmark : landmarks) paths.push_back(haze_path_m(landmark, altitude_m));
   return paths.empty() ? 1000.0 : median(std::move(paths));
+}
+
+constexpr double kUsualAod = 0.06;  // of the air near the ground at the median hour, over Europe: some .05 per km
+constexpr int kStepsFromNothing = 25, kStepsOnward = 4;
+
+// Extinction that grows with wavelength is no air: warm sunlight on the surface.
+bool lit_by_colour(const std::vector<LandmarkExtinction>& channels, std::size_t landmark,
+                   const ContrastReading& reading) {
+  constexpr double kFaint = 0.1, kRedder = 0.1;
+  double red = 0.0, blue = 0.0, variance = 0.0;
+  for (const int c : {0, 2}) {
+    const auto& belief = channels[static_cast<std::size_t>(c)].belief();
+    const double floor = belief.floor[landmark], whole = belief.mean[landmark] - floor;
+    const double left = std::max(reading.contrast[c] - floor, kFaint);
+    (c == 0 ? red : blue) = -std::log(left / whole);
+    variance +=
+        square(reading.sigma[c] / left) + belief.covariance[landmark * (belief.mean.size() + 1)] / square(whole);
+  }
+  return red > kRedder && red > blue + kRedder + 2.0 * std::sqrt(variance);
+}
+
+// Whether two pictures say the same: within what reading them is unsure of.
+bool look_alike(const std::vector<ContrastReading>& one, const std::vector<ContrastReading>& other) {
+  if (one.size() != other.size()) return false;
+  double squares = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    if (one[i].usable != other[i].usable) return false;
+    if (!one[i].usable) continue;
+    for (int c = 0; c < 3; ++c, ++count)
+      squares +=
+          square(one[i].contrast[c] - other[i].contrast[c]) / (square(one[i].sigma[c]) + square(other[i].sigma[c]));
+  }
+  constexpr double kAlike = 0.25;  // of what chance alone would make
+  return count > 0 && squares < kAlike * count;
+}
+
+// By how much the camera exaggerates colours: so that the aerosols of all pictures have, in the middle, the exponent
+// that aerosols have.
+double camera_chroma(const std::vector<glm::dvec3>& per_m, const glm::dvec3& wavelength_nm, double altitude_m,
+                     double path_m) {
+  constexpr std::size_t kFewest = 12;
+  constexpr double kLogChroma = 0.4, kUsual = 1.3, kPlaces = 0.35;
+  const glm::dvec3 grey{0.21, 0.72, 0.07};
+  glm::dvec3 molecules{0.0};
+  for (int c = 0; c < 3; ++c) molecules[c] = rayleigh_per_m(ScatteringModel::aerosol, wavelength_nm[c], altitude_m);
+  const auto exponent = [&](double chroma) {
+    std::vector<double> all;
+    for (const auto& seen : per_m) {
+      const glm::dvec3 contrast = glm::exp(-seen * path_m);
+      const double middle = glm::dot(contrast, grey);
+      const glm::dvec3 true_contrast = middle + (contrast - middle) / chroma;
+      const glm::dvec3 aerosol = -glm::log(glm::max(true_contrast, glm::dvec3(1e-3))) / path_m - molecules;
+      // Where there is enough, and not too much.
+      if (!(std::min({aerosol.r, aerosol.g, aerosol.b}) > 0.5 * molecules.g) || aerosol.g * path_m > 1.5) continue;
+      all.push_back(std::log(aerosol.b / aerosol.r) / std::log(wavelength_nm.r / wavelength_nm.b));
+    }
+    return all.size() < kFewest ? std::optional<double>() : std::optional(median(std::move(all)));
+  };
+  double best = 1.0, least = std::numeric_limits<double>::infinity();
+  for (int k = -20; k <= 28; ++k) {
+    const double log_chroma = 0.05 * k;
+    const auto found = exponent(std::exp(log_chroma));
+    if (!found) continue;
+    const double cost = square(log_chroma / kLogChroma) + square((*found - kUsual) / kPlaces);
+    if (cost < least) least = cost, best = std::exp(log_chroma);
+  }
+  return best;
 }
 
 }  // namespace
@@ -73,7 +146,14 @@ LandmarkWatch::LandmarkWatch(const Camera& camera, double altitude_m, std::vecto
       typical_path_m_(middle_path_m(landmarks_, altitude_m)),
       colours_(camera, landmarks_, altitude_m, spread) {
   const auto clearest = model_extinction_per_m(nodes_, model, Turbidity{1.0}, altitude_m, typical_path_m_);
-  for (int c = 0; c < 3; ++c) channels_.emplace_back(landmarks_, altitude_m, clearest[c], c, spread);
+  const double column_m = kAerosolHeight_m * std::exp(altitude_m / kAerosolHeight_m);
+  for (int c = 0; c < 3; ++c) {
+    channels_.emplace_back(landmarks_, altitude_m, clearest[c], c, spread);
+    const double usual_per_m = kUsualAod / column_m * std::pow(colours_.wavelength_nm()[c] / 550.0, -1.3);
+    const double molecules = rayleigh_per_m(ScatteringModel::aerosol, colours_.wavelength_nm()[c], altitude_m);
+    joint_.emplace_back(laws_of(landmarks_, altitude_m), belief_before(landmarks_, spread), molecules, usual_per_m,
+                        spread);
+  }
 }
 
 std::vector<ContrastReading> LandmarkWatch::read(const Camera& camera, const Image<glm::vec3>& encoded,
@@ -85,53 +165,132 @@ std::vector<ContrastReading> LandmarkWatch::read(const Camera& camera, const Ima
     const auto picture = eight_bits(encoded);
     horizon = measure_horizon(camera, view_of(picture));
   }
-  return read_contrasts(camera, encoded, landmarks_, horizon);
+  auto readings = read_contrasts(camera, encoded, landmarks_, horizon);
+  if (sun) mark_lit(landmarks_, *sun, readings);
+  return readings;
 }
 
-LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& readings) const {
+std::vector<ContrastReading> LandmarkWatch::judged(std::vector<ContrastReading> readings) const {
+  readings.resize(landmarks_.size(), {false, "not read", {}, {}});
+  refuse_dark_skies(landmarks_, readings);
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    if (readings[i].usable && !landmarks_[i].against && lit_by_colour(channels_, i, readings[i]))
+      readings[i].lit = true;
+  return readings;
+}
+
+void LandmarkWatch::solve(const std::vector<KeptReadings>& pictures, int most_steps) {
+  std::vector<std::vector<ContrastReading>> all;
+  for (const auto& one : pictures) all.push_back(judged(one.readings));
+  for (int c = 0; c < 3; ++c) {
+    std::vector<ChannelPicture> channel;
+    for (std::size_t t = 0; t < all.size(); ++t) {
+      ChannelPicture picture{{}, pictures[t].day};
+      for (const auto& one : all[t])
+        picture.readings.push_back({one.contrast[c], one.sigma[c], one.usable && !one.lit});
+      channel.push_back(std::move(picture));
+    }
+    joint_[static_cast<std::size_t>(c)].solve(channel, most_steps);
+  }
+  std::vector<glm::dvec3> per_m;
+  for (std::size_t t = 0; t < pictures.size(); ++t)
+    per_m.emplace_back(joint_[0].per_m()[t], joint_[1].per_m()[t], joint_[2].per_m()[t]);
+  colours_.set_chroma(camera_chroma(per_m, colours_.wavelength_nm(), altitude_m_, typical_path_m_));
+  believe(std::nullopt);
+}
+
+void LandmarkWatch::believe(std::optional<std::size_t> without) {
+  std::array<ContrastBelief, 3> beliefs;
+  for (std::size_t c = 0; c < 3; ++c) {
+    beliefs[c] = joint_[c].belief_without(without);
+    channels_[c].believe(beliefs[c]);
+  }
+  colours_.believe(beliefs);
+}
+
+LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& all) const {
+  const auto readings = judged(all);
   const auto green = channels_[1].estimate(readings);
-  return with_turbidity({channels_[0].estimate(readings), green, channels_[2].estimate(readings)},
-                        colours_.estimate(readings, green.left_out));
+  constexpr double kMargin = 2.0;
+  const double molecules = rayleigh_per_m(ScatteringModel::aerosol, 550.0, altitude_m_);
+  std::optional<LandmarkColours::Within> within;
+  if (green.kind == ExtinctionKind::value && green.lowest_per_m > kMargin * molecules)
+    within = {(green.lowest_per_m - molecules) / kMargin, green.highest_per_m * kMargin};
+  return agreed(with_turbidity({channels_[0].estimate(readings), green, channels_[2].estimate(readings)},
+                               colours_.estimate(readings, green.left_out, within)),
+                readings);
 }
 
-void LandmarkWatch::learn(const std::vector<ContrastReading>& readings) {
-  colours_.learn(readings, channels_[1].estimate(readings).left_out);
-  for (auto& channel : channels_) channel.learn(readings);
+// Whether near and far landmarks tell the same extinction.
+LandmarkAir LandmarkWatch::agreed(LandmarkAir air, const std::vector<ContrastReading>& readings) const {
+  constexpr double kApart = 1.4, kAgree = 1.2;
+  if (air.extinction().kind != ExtinctionKind::value) return air;
+  std::vector<double> paths;
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    if (readings[i].usable) paths.push_back(haze_path_m(landmarks_[i], altitude_m_));
+  const auto [nearest, farthest] = std::ranges::minmax(paths);
+  if (farthest < kApart * nearest) return air;
+  const double middle = std::sqrt(nearest * farthest);
+  auto near = readings, far = readings;
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    (haze_path_m(landmarks_[i], altitude_m_) < middle ? far : near)[i].usable = false;
+  const auto by_near = channels_[1].estimate(near), by_far = channels_[1].estimate(far);
+  if (by_near.kind != ExtinctionKind::value || by_far.kind != ExtinctionKind::value) return air;
+  const double ratio = std::max(by_near.per_m / by_far.per_m, by_far.per_m / by_near.per_m);
+  if (ratio <= kAgree) return air;
+  const double apart = 0.5 * std::abs(by_near.per_m - by_far.per_m) / air.extinction().per_m;  // as a share
+  air.doubt = fmt::format("near landmarks say {:.3f} per km, far ones {:.3f}", 1e3 * by_near.per_m, 1e3 * by_far.per_m);
+  const double before = air.extinction().sigma_per_m;
+  for (auto& channel : air.channels) {
+    if (channel.kind != ExtinctionKind::value) continue;
+    channel.sigma_per_m = std::hypot(channel.sigma_per_m, apart * channel.per_m);
+    channel.lowest_per_m = std::min(channel.lowest_per_m, std::max(0.0, channel.per_m - 2.0 * channel.sigma_per_m));
+    channel.highest_per_m = std::max(channel.highest_per_m, channel.per_m + 2.0 * channel.sigma_per_m);
+  }
+  air.aerosol.covariance.per_m += square(apart * air.aerosol.per_m);
+  air.turbidity.sigma *= air.extinction().sigma_per_m / before;
+  return air;
 }
 
-void LandmarkWatch::forget(double share) {
-  for (auto& channel : channels_) channel.forget(share);
-  colours_.forget(share);
+void LandmarkWatch::learn(const std::vector<ContrastReading>& readings, std::optional<double> day) {
+  if (landmarks_.empty() || std::ranges::none_of(readings, &ContrastReading::usable)) return;
+  if (!kept_.empty() && look_alike(kept_.back().readings, readings))
+    kept_.back() = {readings, day};
+  else
+    kept_.push_back({readings, day});
+  if (kept_.size() > kMostKept) kept_.erase(kept_.begin(), kept_.end() - kMostKept);
+  solve(kept_, kept_.size() < 20 ? kStepsFromNothing : kStepsOnward);
 }
 
-std::vector<LearntContrasts> LandmarkWatch::learnt() const {
-  std::vector<LearntContrasts> all;
-  for (const auto& channel : channels_) all.push_back(channel.learnt());
-  all.push_back(colours_.learnt());
-  return all;
-}
-
-bool LandmarkWatch::resume(const std::vector<LearntContrasts>& learnt) {
-  const bool older = learnt.size() == channels_.size();  // saved before colours were learnt jointly
-  if (!older && learnt.size() != channels_.size() + 1) return false;
-  auto resumed = channels_;
-  for (std::size_t c = 0; c < resumed.size(); ++c)
-    if (!resumed[c].resume(learnt[c])) return false;
-  if (!older && !colours_.resume(learnt.back())) return false;
-  channels_ = std::move(resumed);
+bool LandmarkWatch::resume(std::vector<KeptReadings> kept) {
+  if (std::ranges::any_of(kept, [&](const auto& one) { return one.readings.size() != landmarks_.size(); }))
+    return false;
+  if (kept.size() > kMostKept) kept.erase(kept.begin(), kept.end() - kMostKept);
+  kept_ = std::move(kept);
+  if (!kept_.empty()) solve(kept_, kStepsFromNothing);
   return true;
 }
 
-std::vector<LandmarkAir> LandmarkWatch::estimate_all(const std::vector<std::vector<ContrastReading>>& pictures) const {
-  // Each with what the others have taught; of many pictures, a sixteenth at a time.
-  constexpr std::size_t kMostParts = 16;
-  const auto parts = std::min(kMostParts, pictures.size());
-  std::vector<LandmarkAir> airs(pictures.size());
-  for (std::size_t part = 0; part < parts; ++part) {
-    auto taught = *this;
-    for (std::size_t i = 0; i < pictures.size(); ++i)
-      if (i % parts != part) taught.learn(pictures[i]);
-    for (auto i = part; i < pictures.size(); i += parts) airs[i] = taught.estimate(pictures[i]);
+std::vector<LandmarkAir> LandmarkWatch::estimate_all(const std::vector<std::vector<ContrastReading>>& pictures,
+                                                     std::span<const std::size_t> left_out) const {
+  // Of an unchanged scene the first is kept for all.
+  std::vector<KeptReadings> kept;
+  std::vector<std::size_t> place;
+  auto asked = pictures;
+  for (auto& readings : asked) {
+    for (const auto i : left_out)
+      if (i < readings.size()) readings[i].usable = false, readings[i].reason = "it is not asked";
+    if (kept.empty() || !look_alike(kept.back().readings, readings)) kept.push_back({readings, {}});
+    place.push_back(kept.size() - 1);
+  }
+  auto taught = *this;
+  // By colour, only once they are known, it is seen which are in the sun.
+  taught.solve(kept, kStepsFromNothing);
+  taught.solve(kept, kStepsFromNothing);
+  std::vector<LandmarkAir> airs;
+  for (std::size_t t = 0; t < asked.size(); ++t) {
+    taught.believe(place[t]);
+    airs.push_back(taught.estimate(asked[t]));
   }
   return airs;
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
 
 namespace kasumi {
 namespace {
@@ -19,11 +20,13 @@ using ColourMatrix = Eigen::MatrixXd;
 // The likelihood is looked at on a grid of ln(extinction) and exponent, then on a finer one where it is high.
 constexpr double kClearestAerosol_per_m = 1e-6, kThickestAerosol_per_m = 0.3;
 constexpr double kLowestExponent = -0.5, kHighestExponent = 2.5;  // as may be given
-constexpr int kCoarseAmounts = 64, kCoarseExponents = 13, kFineAmounts = 41, kFineExponents = 21;
+constexpr int kCoarseAmounts = 64, kCoarseExponents = 13, kFineAmounts = 31, kFineExponents = 13;
 constexpr double kFineRise = 18.0;      // of -2 ln likelihood: 4 sigma and a little
 constexpr double kBoundRise = 4.0;      // 2 sigma
 constexpr double kNodesExponent = 1.3;  // for which the nodes are made; others cost some 1e-3
-constexpr double kGreatestLearnt = 10.0;
+constexpr double kAtTheEnd = 0.3;       // of the exponent's range: nearer than this it is the range that speaks
+constexpr double kUsualExponent = 1.3, kUsualExponentSigma = 0.5;
+const glm::dvec3 kGrey{0.21, 0.72, 0.07};
 
 struct Steps {
   double first, last;
@@ -35,12 +38,17 @@ struct Cell {
   double log_per_m, exponent, minus_two_log;
 };
 
+glm::dvec3 unsaturated(const glm::dvec3& contrast, double chroma) {
+  const double grey = glm::dot(contrast, kGrey);
+  return grey + (contrast - grey) / chroma;
+}
+
 }  // namespace
 
 // Readings that are asked, flattened.
 struct LandmarkColours::Asked {
   std::vector<std::size_t> landmarks;
-  ColourVector contrast, sigma, mean, lit;
+  ColourVector contrast, sigma, mean, lit, floor, floor_sigma, scatter;
   ColourMatrix known;
   double altitude_factor = 1.0;  // aerosol at sea level over that at the camera
 };
@@ -64,25 +72,27 @@ LandmarkColours::LandmarkColours(const Camera& camera, const std::vector<Contras
   covariance_.resize(count * count);
   for (const auto& landmark : landmarks) {
     paths_.push_back(optical_path(altitude_m, altitude_m + landmark.rise_m, landmark.distance_m));
-    before_sky_.push_back(!landmark.against);
   }
+  laws_ = laws_of(landmarks, altitude_m);
   // The surface's own light in each channel, or a difference of two, in units of the horizon's.
   const auto own = [&](std::size_t k) {
     const double contrast = landmarks[k / 3].contrast;
-    return before_sky_[k / 3] ? std::max(0.02, 1.0 - contrast) * colours.dull[static_cast<int>(k % 3)] : contrast;
+    return laws_[k / 3].before_sky ? std::max(0.02, 1.0 - contrast) * colours.dull[static_cast<int>(k % 3)] : contrast;
   };
   const auto scale = [&](std::size_t k) {
-    return landmarks[k / 3].contrast_sigma * (before_sky_[k / 3] ? colours.dull[static_cast<int>(k % 3)] : 1.0);
+    return landmarks[k / 3].contrast_sigma * (laws_[k / 3].before_sky ? colours.dull[static_cast<int>(k % 3)] : 1.0);
   };
   for (std::size_t k = 0; k < count; ++k) {
-    mean_.push_back(before_sky_[k / 3] ? 1.0 - own(k) : own(k));
+    mean_.push_back(laws_[k / 3].before_sky ? 1.0 - own(k) : own(k));
+    floor_.push_back(0.0);
+    floor_sigma_.push_back(landmarks[k / 3].infinity_sigma);
+    scatter_.push_back(1.0);
     for (std::size_t l = 0; l < count; ++l) {
       const double together = k / 3 == l / 3 ? 1.0 : spread.known_together;
       covariance_[k * count + l] = together * scale(k) * scale(l);
       if (k % 3 == l % 3) covariance_[k * count + l] += together * colours.colour * colours.colour * own(k) * own(l);
     }
   }
-  covariance_before_ = covariance_;
 }
 
 LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>& readings,
@@ -92,7 +102,8 @@ LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>
     if (readings[i].usable && std::ranges::find(left_out, i) == left_out.end()) asked.landmarks.push_back(i);
   const auto count = static_cast<Eigen::Index>(3 * asked.landmarks.size());
   const auto all = mean_.size();
-  asked.contrast = asked.sigma = asked.mean = asked.lit = ColourVector(count);
+  asked.contrast = asked.sigma = asked.mean = asked.lit = asked.floor = asked.floor_sigma = asked.scatter =
+      ColourVector(count);
   asked.known = ColourMatrix(count, count);
   asked.altitude_factor = std::exp(altitude_m_ / kMieScaleHeight_m);
   const auto at = [&](Eigen::Index k) {
@@ -102,11 +113,15 @@ LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>
     const auto from = at(k);
     const auto& reading = readings[from / 3];
     const auto c = static_cast<int>(from % 3);
-    asked.contrast[k] = reading.contrast[c];
-    asked.sigma[k] = reading.sigma[c];
+    asked.contrast[k] = unsaturated(reading.contrast, chroma_)[c];
+    asked.sigma[k] =
+        reading.sigma[c] * (reading.lit ? 0.0 : 1.0) / std::min(1.0, chroma_) + (reading.lit ? kLitBy : 0.0);
     asked.mean[k] = mean_[from];
+    asked.floor[k] = floor_[from];
+    asked.floor_sigma[k] = floor_sigma_[from];
+    asked.scatter[k] = scatter_[from];
     // Against the sky a surface's light varies in units of the sky's; between two surfaces their difference varies.
-    asked.lit[k] = before_sky_[from / 3] ? std::max(0.02, 1.0 - mean_[from]) : std::abs(mean_[from]);
+    asked.lit[k] = laws_[from / 3].before_sky ? std::max(0.02, 1.0 - mean_[from]) : std::abs(mean_[from]);
     for (Eigen::Index l = 0; l < count; ++l) asked.known(k, l) = covariance_[from * all + at(l)];
   }
   return asked;
@@ -135,21 +150,24 @@ LandmarkColours::Model LandmarkColours::model_under(double per_m, double angstro
     }
   }
   const ColourVector lit = model.haze.cwiseProduct(asked.lit);
-  const ColourVector patchy = spread_.patchy * model.by_log_amount.cwiseProduct(asked.mean);
+  const ColourVector patchy = spread_.patchy * model.by_log_amount.cwiseProduct(asked.mean - asked.floor);
   for (Eigen::Index k = 0; k < count; ++k)
     for (Eigen::Index l = 0; l < count; ++l) {
       const bool same_channel = k % 3 == l % 3, same_landmark = k / 3 == l / 3;
       double noise =
           spread_.lit_together * spread_.lit_together * lit[k] * lit[l] * (same_channel ? 1.0 : colours_.lit);
       if (same_landmark) {
-        noise += spread_.lit_each * spread_.lit_each * lit[k] * lit[l] * (same_channel ? 1.0 : colours_.lit);
-        noise += patchy[k] * patchy[l];
-        noise += asked.sigma[k] * asked.sigma[l] * (same_channel ? 1.0 : colours_.read);
+        const double scatter = asked.scatter[k] * asked.scatter[l];
+        noise += scatter * spread_.lit_each * spread_.lit_each * lit[k] * lit[l] * (same_channel ? 1.0 : colours_.lit);
+        noise += scatter * patchy[k] * patchy[l];
+        noise += scatter * asked.sigma[k] * asked.sigma[l] * (same_channel ? 1.0 : colours_.read);
+        noise += asked.floor_sigma[k] * asked.floor_sigma[l] * (1.0 - model.haze[k]) * (1.0 - model.haze[l]) *
+                 (same_channel ? 1.0 : colours_.airlight_together);
       }
       const auto one = asked.landmarks[static_cast<std::size_t>(k / 3)];
       const auto other = asked.landmarks[static_cast<std::size_t>(l / 3)];
-      if (before_sky_[one] && before_sky_[other])
-        noise += colours_.airlight * colours_.airlight * (1.0 - model.haze[k]) * (1.0 - model.haze[l]) *
+      if (laws_[one].before_sky && laws_[other].before_sky)
+        noise += spread_.airlight * spread_.airlight * (1.0 - model.haze[k]) * (1.0 - model.haze[l]) *
                  (same_channel ? 1.0 : colours_.airlight_together);
       model.noise(k, l) = noise;
     }
@@ -160,12 +178,13 @@ double LandmarkColours::minus_two_log(double per_m, double angstrom_exponent, co
   const auto model = model_under(per_m, angstrom_exponent, asked);
   const ColourMatrix all = model.haze.asDiagonal() * asked.known * model.haze.asDiagonal() + model.noise;
   const Eigen::LLT<ColourMatrix> factor(all);
-  const ColourVector residual = asked.contrast - model.haze.cwiseProduct(asked.mean);
+  const ColourVector residual = asked.contrast - asked.floor - model.haze.cwiseProduct(asked.mean - asked.floor);
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum() + residual.dot(factor.solve(residual));
 }
 
 PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readings,
-                                      std::span<const std::size_t> left_out) const {
+                                      std::span<const std::size_t> left_out,
+                                      const std::optional<Within>& within) const {
   PathAerosol found;
   const auto asked = this->asked(readings, left_out);
   found.landmarks = static_cast<int>(asked.landmarks.size());
@@ -187,7 +206,14 @@ PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readin
   };
   const Steps all{std::log(kClearestAerosol_per_m), std::log(kThickestAerosol_per_m), kCoarseAmounts};
   const Steps exponents{kLowestExponent, kHighestExponent, kCoarseExponents};
-  const auto coarse = look(all, exponents);
+  Steps likely = all;
+  if (within) {
+    likely.first = std::clamp(std::log(std::max(within->lowest_per_m, kClearestAerosol_per_m)), all.first, all.last);
+    likely.last = std::clamp(std::log(std::max(within->highest_per_m, kClearestAerosol_per_m)), likely.first, all.last);
+    const double step = (all.last - all.first) / (all.count - 1);
+    likely.count = std::max(2, 1 + static_cast<int>(std::ceil((likely.last - likely.first) / step)));
+  }
+  const auto coarse = look(likely, exponents);
   const double low_enough = best_of(coarse) + kFineRise;
   const double amount_step = all.at(1) - all.first, exponent_step = exponents.at(1) - exponents.first;
   Steps near{all.last, all.first, kFineAmounts}, bent{exponents.last, exponents.first, kFineExponents};
@@ -234,6 +260,14 @@ PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readin
   if (found.kind == ExtinctionKind::at_most) found.reason = "so little aerosol that the landmarks do not show it";
   if (found.kind == ExtinctionKind::at_least) found.reason = "so much aerosol that the landmarks have gone";
   if (found.kind == ExtinctionKind::nothing) found.reason = "the landmarks' contrasts are consistent with any air";
+  const double end = std::min(found.angstrom_exponent - kLowestExponent, kHighestExponent - found.angstrom_exponent);
+  if (end < kAtTheEnd && std::sqrt(found.covariance.exponent) < kUsualExponentSigma) {
+    // No such aerosol is known: something else makes the colours, and the exponent is as unknown as before.
+    found.exponent_told = false;
+    found.angstrom_exponent = kUsualExponent;
+    found.covariance.exponent = kUsualExponentSigma * kUsualExponentSigma;
+    found.covariance.and_exponent = 0.0;
+  }
   return found;
 }
 
@@ -244,10 +278,10 @@ PathCovariance LandmarkColours::bound(const std::vector<ContrastReading>& readin
   const Eigen::LLT<ColourMatrix> factor(here.haze.asDiagonal() * asked.known * here.haze.asDiagonal() + here.noise);
   constexpr double kStep = 1e-3;
   Eigen::MatrixX2d by(asked.contrast.size(), 2);
-  by.col(0) = here.by_log_amount.cwiseProduct(asked.mean) / per_m;
+  by.col(0) = here.by_log_amount.cwiseProduct(asked.mean - asked.floor) / per_m;
   by.col(1) = (model_under(per_m, angstrom_exponent + kStep, asked).haze -
                model_under(per_m, angstrom_exponent - kStep, asked).haze)
-                  .cwiseProduct(asked.mean) /
+                  .cwiseProduct(asked.mean - asked.floor) /
               (2.0 * kStep);
   const Eigen::Matrix2d information = by.transpose() * factor.solve(by);
   const double determinant = information.determinant();
@@ -297,55 +331,33 @@ PathReading LandmarkColours::reading_of(const PathAerosol& found) const {
   return reading;
 }
 
-void LandmarkColours::learn(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out) {
-  const auto found = estimate(readings, left_out);
-  if (found.landmarks == 0) return;
-  const auto asked = this->asked(readings, left_out);
-  auto model = model_under(found.per_m, found.angstrom_exponent, asked);
-  const auto count = static_cast<Eigen::Index>(mean_.size()), used = asked.contrast.size();
-  const ColourMatrix known = Eigen::Map<const ColourMatrix>(covariance_.data(), count, count);
-  ColourMatrix towards(count, used);
-  double longest = 0.0;
-  for (Eigen::Index k = 0; k < used; ++k) {
-    const auto landmark = asked.landmarks[static_cast<std::size_t>(k / 3)];
-    towards.col(k) = known.col(static_cast<Eigen::Index>(3 * landmark) + k % 3);
-    longest = std::max(longest, paths_[landmark].mie_m);
+void LandmarkColours::believe(const std::array<ContrastBelief, 3>& channels) {
+  const auto count = static_cast<Eigen::Index>(laws_.size());
+  // What is unsure is in part common to the channels: of their factors' products, so that it stays a covariance.
+  std::array<ColourMatrix, 3> factors;
+  for (std::size_t c = 0; c < 3; ++c)
+    factors[c] = Eigen::Map<const ColourMatrix>(channels[c].covariance.data(), count, count).llt().matrixL();
+  std::array<std::array<ColourMatrix, 3>, 3> together;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t d = 0; d < 3; ++d)
+      together[c][d] = (c == d ? 1.0 : colours_.learnt_together) * factors[c] * factors[d].transpose();
+  const auto all = static_cast<Eigen::Index>(mean_.size());
+  Eigen::Map<ColourMatrix> covariance(covariance_.data(), all, all);
+  const auto grey_of = [&](const auto& of) { return glm::dvec3(of(0), of(1), of(2)); };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const auto mean = unsaturated(grey_of([&](std::size_t c) { return channels[c].mean[at]; }), chroma_);
+    const auto floor = unsaturated(grey_of([&](std::size_t c) { return channels[c].floor[at]; }), chroma_);
+    for (std::size_t c = 0; c < 3; ++c) {
+      mean_[3 * at + c] = mean[static_cast<int>(c)];
+      floor_[3 * at + c] = floor[static_cast<int>(c)];
+      floor_sigma_[3 * at + c] = channels[c].floor_sigma[at] / std::min(1.0, chroma_);
+      scatter_[3 * at + c] = channels[c].scatter[at];
+      for (Eigen::Index j = 0; j < count; ++j)
+        for (std::size_t d = 0; d < 3; ++d)
+          covariance(3 * i + static_cast<Eigen::Index>(c), 3 * j + static_cast<Eigen::Index>(d)) = together[c][d](i, j);
+    }
   }
-  // No channel's extinction is known in this picture: nothing is learnt along its change.
-  const double unknown = 10.0 * std::max(found.per_m * asked.altitude_factor, 1.0 / longest);
-  for (int c = 0; c < 3; ++c) {
-    ColourVector along = ColourVector::Zero(used);
-    for (Eigen::Index k = c; k < used; k += 3)
-      along[k] = model.haze[k] * asked.mean[k] * paths_[asked.landmarks[static_cast<std::size_t>(k / 3)]].mie_m;
-    model.noise += unknown * unknown * along * along.transpose();
-  }
-  const Eigen::LLT<ColourMatrix> factor(model.haze.asDiagonal() * asked.known * model.haze.asDiagonal() + model.noise);
-  const ColourMatrix across = towards * model.haze.asDiagonal();
-  const ColourVector residual = asked.contrast - model.haze.cwiseProduct(asked.mean);
-  Eigen::Map<ColourVector> mean(mean_.data(), count);
-  mean = (mean + across * factor.solve(residual)).cwiseMin(1.0).eval();  // nothing is darker than black
-  const ColourMatrix left = known - across * factor.solve(across.transpose());
-  Eigen::Map<ColourMatrix>(covariance_.data(), count, count) = 0.5 * (left + left.transpose());
-}
-
-void LandmarkColours::forget(double share) {
-  for (std::size_t i = 0; i < covariance_.size(); ++i)
-    covariance_[i] += share * (covariance_before_[i] - covariance_[i]);
-}
-
-bool LandmarkColours::resume(const LearntContrasts& learnt) {
-  const auto count = mean_.size();
-  if (learnt.mean.size() != count || learnt.covariance.size() != count * count) return false;
-  const auto possible = [](double value) { return value >= -kGreatestLearnt && value <= 1.0; };
-  const auto finite = [](double value) { return std::isfinite(value); };
-  if (!std::ranges::all_of(learnt.mean, possible) || !std::ranges::all_of(learnt.covariance, finite)) return false;
-  const auto side = static_cast<Eigen::Index>(count);
-  const ColourMatrix covariance = Eigen::Map<const ColourMatrix>(learnt.covariance.data(), side, side);
-  if (!covariance.isApprox(covariance.transpose()) || Eigen::LLT<ColourMatrix>(covariance).info() != Eigen::Success)
-    return false;
-  mean_ = learnt.mean;
-  covariance_ = learnt.covariance;
-  return true;
 }
 
 }  // namespace kasumi

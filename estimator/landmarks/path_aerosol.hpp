@@ -3,6 +3,8 @@
 // channels alike, so colour is surer than each channel alone.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,8 +26,8 @@ struct ColourSpread {
   double colour = 0.3;             // one standard deviation of that, in each channel by itself
   double lit = 0.9;                // correlation of changing light: the sun's colour is not the sky's
   double read = 0.5;               // of errors of reading: the sky's are common, the pixels' are not
-  double airlight = 0.03;          // the air on the way is brighter or darker than the horizon by this share ...
-  double airlight_together = 0.7;  // ... in all channels alike up to this correlation
+  double airlight_together = 0.7;  // correlation of ContrastSpread::airlight from channel to channel
+  double learnt_together = 0.7;    // of what pictures have left unsure of a contrast without air
 };
 
 struct PathCovariance {
@@ -42,6 +44,7 @@ struct PathAerosol {
   PathCovariance covariance;                       // of a normal distribution like the likelihood
   double lowest_per_m = 0.0, highest_per_m = 0.0;  // 2 sigma, or the end of the range
   int landmarks = 0;                               // that were used
+  bool exponent_told = true;                       // false: it lies at the end of what aerosols have, so it is supposed
 };
 
 // Belief about the contrasts without air, in all channels jointly. n landmarks; contrast 3 i + c is landmark i's in
@@ -52,17 +55,23 @@ class LandmarkColours {
                   const ContrastSpread& spread = {}, const ColourSpread& colours = {});
 
   // `left_out`: landmarks that are not asked.
-  PathAerosol estimate(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out = {}) const;
+  // `within`: where to look for the aerosol's extinction, per metre; nothing: everywhere, which takes longer.
+  struct Within {
+    double lowest_per_m = 0.0, highest_per_m = 0.0;
+  };
+  PathAerosol estimate(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out = {},
+                       const std::optional<Within>& within = {}) const;
   // The Cramer-Rao bound: no estimate from such readings is surer than this in that air.
   PathCovariance bound(const std::vector<ContrastReading>& readings, double per_m, double angstrom_exponent) const;
   // As an observer says it: of all the air, channel by channel; of a bound the bound.
   PathReading reading_of(const PathAerosol& found) const;
 
-  // As LandmarkExtinction's.
-  void learn(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out = {});
-  void forget(double share);
-  LearntContrasts learnt() const { return {mean_, covariance_}; }
-  bool resume(const LearntContrasts& learnt);
+  // As the channels have it, of R, G and B. At first, that before the first picture.
+  void believe(const std::array<ContrastBelief, 3>& channels);
+  // The camera shows colours so many times as saturated as they are: contrasts' differences from grey's.
+  void set_chroma(double chroma) { chroma_ = chroma; }
+  double chroma() const { return chroma_; }
+  glm::dvec3 wavelength_nm() const { return wavelength_nm_; }
 
  private:
   struct Model;
@@ -77,8 +86,10 @@ class LandmarkColours {
   ContrastSpread spread_;
   ColourSpread colours_;
   std::vector<OpticalPath> paths_;
-  std::vector<bool> before_sky_;
-  std::vector<double> mean_, covariance_, covariance_before_;
+  std::vector<LawOfLandmark> laws_;
+  double chroma_ = 1.0;
+  std::vector<double> mean_, covariance_;              // of the contrasts without air
+  std::vector<double> floor_, floor_sigma_, scatter_;  // of each, as ContrastBelief has them
 };
 
 }  // namespace kasumi

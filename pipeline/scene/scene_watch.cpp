@@ -8,7 +8,6 @@ namespace kasumi {
 namespace {
 
 constexpr Duration kLearnInterval = std::chrono::minutes(30);  // until surfaces are lit differently
-constexpr double kForgottenShare = 0.005;                      // per learning, some twenty a day: a memory of ten days
 constexpr double kLowestSun = 0.087;  // sine of 5 degrees: below, land and horizon are lit differently
 
 Image<glm::vec3> encoded_of(const PictureView& view) {
@@ -30,7 +29,17 @@ bool may_be_clear(SkyCondition sky) {
          sky == SkyCondition::covered_lens;
 }
 
+double days(Instant when) {
+  return to_seconds(when.time_since_epoch()) / 86400.0;
+}
+
 }  // namespace
+
+void SceneWatch::has_learnt(Instant when) {
+  learnt_ = when;
+  const auto& kept = landmarks_.kept();
+  if (!kept.empty() && kept.back().day) first_day_ = *kept.back().day - days(when);
+}
 
 SceneWatch::SceneWatch(const Installation& installation)
     : camera_(installation.scene),
@@ -50,14 +59,15 @@ SceneLook SceneWatch::look(const PictureView& picture, Instant when, const SkyAb
   if (reads_low_sky_ && above.sun && may_be_clear(above.sky))
     look.air.low_sky = column_by_horizon(camera_, picture, *above.sun, sky_).reading;
   if (!has_landmarks()) return look;
-  const auto readings = landmarks_.read(camera_, encoded_of(picture));
+  auto readings = landmarks_.read(camera_, encoded_of(picture));
+  if (above.sun && above.sky != SkyCondition::overcast) mark_lit(landmarks_.landmarks(), *above.sun, readings);
   look.landmarks = landmarks_.estimate(readings);
-  look.reason = look.landmarks->extinction().reason;
+  look.reason =
+      look.landmarks->extinction().reason.empty() ? look.landmarks->doubt : look.landmarks->extinction().reason;
   look.air.path = landmarks_.colours().reading_of(look.landmarks->aerosol);
   if (learnt_ && when - *learnt_ < kLearnInterval) return look;
   learnt_ = when;
-  landmarks_.forget(kForgottenShare);
-  landmarks_.learn(readings);
+  landmarks_.learn(readings, days(when) + first_day_);
   look.learnt = true;
   return look;
 }

@@ -48,7 +48,7 @@ class SceneWatch {
   // What was learnt, to be kept over a restart.
   LandmarkWatch& landmarks() { return landmarks_; }
   // The contrasts were learnt at `when`, before this watch began.
-  void has_learnt(Instant when) { learnt_ = when; }
+  void has_learnt(Instant when);
 
  private:
   Camera camera_;
@@ -56,6 +56,7 @@ class SceneWatch {
   bool reads_low_sky_;  // not where the air is given, or T alone is followed
   LandmarkWatch landmarks_;
   std::optional<Instant> learnt_;
+  double first_day_ = 0.0;  // added to this process's days, so that they follow those of what was kept
 };
 
 }  // namespace kasumi

@@ -32,18 +32,47 @@ std::string text_of(const std::optional<PictureBox>& box) {
 std::vector<std::string> identities_of(const std::vector<ContrastLandmark>& landmarks) {
   std::vector<std::string> all;
   for (const auto& one : landmarks)
-    all.push_back(fmt::format("{} at {:.1f} m, {:.1f} m up, {} against {}, sky {}, {} +- {}", one.name, one.distance_m,
-                              one.rise_m, text_of(one.surface), text_of(one.against), text_of(one.sky), one.contrast,
-                              one.contrast_sigma));
+    all.push_back(fmt::format("{} at {:.1f} m, {:.1f} m up, {} against {}, sky {}", one.name, one.distance_m,
+                              one.rise_m, text_of(one.surface), text_of(one.against), text_of(one.sky)));
   return all;
 }
 
-std::vector<double> numbers(const Json& json, const char* key) {
-  std::vector<double> values;
-  if (!json.is_object() || !json.contains(key) || !json[key].is_array()) return values;
-  for (const auto& value : json[key])
-    if (value.is_number()) values.push_back(value.get<double>());
-  return values;
+// Of a landmark contrast and sigma of R, G and B; null where it could not be read. Readings are sure to three digits.
+Json json_of(const KeptReadings& kept) {
+  Json all = Json::array();
+  for (const auto& one : kept.readings) {
+    Json numbers = Json::array();
+    for (const auto* of : {&one.contrast, &one.sigma})
+      for (int c = 0; c < 3; ++c) numbers.push_back(std::round(1e5 * (*of)[c]) / 1e5);
+    all.push_back(one.usable ? std::move(numbers) : Json(nullptr));
+  }
+  return {{"day", kept.day ? Json(std::round(1e3 * *kept.day) / 1e3) : Json(nullptr)}, {"readings", std::move(all)}};
+}
+
+// Empty: damaged.
+std::optional<KeptReadings> kept_readings(const Json& json) {
+  if (!json.is_object() || !json.contains("readings") || !json["readings"].is_array()) return std::nullopt;
+  KeptReadings kept;
+  if (json.contains("day") && json["day"].is_number()) kept.day = json["day"].get<double>();
+  for (const auto& one : json["readings"]) {
+    ContrastReading reading;
+    if (one.is_array() && one.size() == 6) {
+      for (std::size_t k = 0; k < 6; ++k) {
+        if (!one[k].is_number()) return std::nullopt;
+        (k < 3 ? reading.contrast : reading.sigma)[static_cast<int>(k % 3)] = one[k].get<double>();
+      }
+      const auto possible = [](double contrast, double sigma) {
+        return std::abs(contrast) < 100.0 && sigma >= 0.0 && sigma < 100.0;
+      };
+      for (int c = 0; c < 3; ++c)
+        if (!possible(reading.contrast[c], reading.sigma[c])) return std::nullopt;
+      reading.usable = true;
+    } else if (!one.is_null()) {
+      return std::nullopt;
+    }
+    kept.readings.push_back(std::move(reading));
+  }
+  return kept;
 }
 
 Json json_of(const RememberedAir& air) {
@@ -151,10 +180,9 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
 }
 
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder) {
-  Json json = {{"landmarks", identities_of(watch.landmarks())}};
-  for (const auto& channel : watch.learnt())
-    json["channels"].push_back({{"contrasts", channel.mean}, {"covariance", channel.covariance}});
-  if (auto written = update_text_file(landmark_file(folder), json.dump(1) + "\n"); !written)
+  Json json = {{"landmarks", identities_of(watch.landmarks())}, {"kept", Json::array()}};
+  for (const auto& kept : watch.kept()) json["kept"].push_back(json_of(kept));
+  if (auto written = update_text_file(landmark_file(folder), json.dump() + "\n"); !written)
     return fail(written.error());
   return {};
 }
@@ -166,14 +194,21 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   const auto text = read_text_file(file);
   if (!text) return fail(text.error());
   const auto json = Json::parse(*text, nullptr, false);
-  if (!json.is_object() || json.value("landmarks", Json()) != Json(identities_of(watch.landmarks())))
+  const auto damaged = [&] {
+    return fail(FaultKind::bad_input, "{}: damaged; learning the landmarks' contrasts again", file.string());
+  };
+  if (!json.is_object() || !json.contains("landmarks")) return damaged();
+  if (json["landmarks"] != Json(identities_of(watch.landmarks())))
     return fail(FaultKind::bad_input, "{}: saved for other landmarks than configured; learning their contrasts again",
                 file.string());
-  std::vector<LearntContrasts> learnt;
-  for (const auto& channel : json.value("channels", Json::array()))
-    learnt.push_back({numbers(channel, "contrasts"), numbers(channel, "covariance")});
-  if (!watch.resume(learnt))
-    return fail(FaultKind::bad_input, "{}: damaged; learning the landmarks' contrasts again", file.string());
+  if (!json.contains("kept") || !json["kept"].is_array()) return damaged();
+  std::vector<KeptReadings> all;
+  for (const auto& one : json["kept"]) {
+    auto kept = kept_readings(one);
+    if (!kept) return damaged();
+    all.push_back(std::move(*kept));
+  }
+  if (!watch.resume(std::move(all))) return damaged();
   return true;
 }
 

@@ -36,7 +36,7 @@ Result<> save(const TurbidityState& state, const std::filesystem::path& folder);
 // Errors: bad_input (no such file, not written by save(), impossible numbers), io.
 Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder);
 
-// The learnt contrasts of the landmarks, into folder/landmarks.json. Error: io.
+// The readings of landmarks that are kept, into folder/landmarks.json. Error: io.
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder);
 // false: nothing was saved there. Errors: bad_input (saved for landmarks at other places or distances, or not
 // written by save()), io; the watch then stays unchanged.
