@@ -313,24 +313,43 @@ HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, Haze
   return haze_colour(picture.relative, picture.sky, channel_wavelengths_nm(camera), options);
 }
 
-std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const HazyPart& box,
-                                       const HazeColourOptions& options) {
-  std::vector<glm::vec3> pixels;
+std::optional<PartContrast> part_contrast(const HazyPicture& picture, const HazyPart& box) {
+  constexpr double kBeside = 0.02, kBySky = 0.05, kByThickest = 0.15;  // relative: how alike the light from infinity is
+  constexpr double kFlare = 0.005, kDarkest = 0.05;
+  constexpr int kSeam_px = 6, kFewestSky = 30;  // cameras that sharpen draw bright seams around what is dark
+  const int width = picture.relative.width(), height = picture.relative.height();
   const auto end = [](int from, int length, int size) {
-    return static_cast<int>(std::min<std::int64_t>(std::int64_t{from} + length, size));
+    return static_cast<int>(std::clamp<std::int64_t>(std::int64_t{from} + length, 0, size));
   };
-  for (int y = std::max(0, box.top); y < end(box.top, box.height, picture.relative.height()); ++y)
-    for (int x = std::max(0, box.left); x < end(box.left, box.width, picture.relative.width()); ++x)
+  const int left = std::max(0, box.left), right = end(box.left, box.width, width);
+  const int top = std::max(0, box.top), bottom = end(box.top, box.height, height);
+  std::vector<glm::vec3> pixels;
+  glm::dvec3 mean{0.0};
+  for (int y = top; y < bottom; ++y)
+    for (int x = left; x < right; ++x) {
       pixels.push_back(picture.relative.at(x, y));
+      mean += glm::dvec3(pixels.back());
+    }
   if (pixels.empty()) return std::nullopt;
-  const auto left = 1.0 - darkest_of(pixels, options.darkest);
-  const double least = std::min({left.r, left.g, left.b});
-  if (least < 0.5 * options.faintest) return std::nullopt;
-  const double infinity = options.infinity * (picture.from_sky ? 1.0 : kNoSky);
-  // What was taken for infinity may lack so much: then there is less haze.
-  const double lacking = 0.5 * std::log(std::lerp(1.0, 1.0 / least, kLargestLack));
-  return HazeDepth{glm::max(-glm::log(left) + std::log(1.0 - kDark), glm::dvec3(0.0)),
-                   std::hypot(kDark, infinity / least, lacking)};
+  mean /= static_cast<double>(pixels.size());
+  glm::dvec3 sky{0.0};
+  int beside = 0;
+  const int reach = std::max(2 * kSeam_px, right - left) + kSeam_px;
+  if (!picture.sky.empty())
+    for (int y = top; y < bottom; ++y)
+      for (int x = std::max(0, left - reach); x < std::min(width, right + reach); ++x) {
+        if ((x >= left - kSeam_px && x < right + kSeam_px) || picture.sky.at(x, y) != 255) continue;
+        sky += glm::dvec3(picture.relative.at(x, y));
+        ++beside;
+      }
+  const bool seen = beside >= kFewestSky;
+  sky = seen ? sky / static_cast<double>(beside) : glm::dvec3(1.0);
+  PartContrast found;
+  found.contrast = 1.0 - mean / sky;
+  found.sigma = glm::dvec3(std::hypot(kFlare, kBeside * std::min(1.0, mean.g / sky.g)));
+  found.infinity_sigma = seen ? kBeside : picture.from_sky ? kBySky : kByThickest;
+  found.spread = std::max(0.0, (mean.g - darkest_of(pixels, kDarkest).g) / sky.g);
+  return found;
 }
 
 glm::dvec3 channel_wavelengths_nm(const Camera& camera) {

@@ -61,16 +61,14 @@ HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, Haze
 struct HazyPart {
   int left = 0, top = 0, width = 0, height = 0;
 };
-// Optical depth of each channel from the camera to the dark things in a part of the picture, which are taken to be
-// nearly black, against the light from infinity as it was read: what a building at that place needs to be as pale.
-// `sigma` holds that this light may lack a quarter, in which case the depth is less. Nothing: the part is outside of
-// the picture, or haze hides it.
-struct HazeDepth {
-  glm::dvec3 depth{0.0};
-  double sigma = 0.0;
+// How a part of a picture stands out from the sky beside it, at its own height: 1 - mean of the part / mean of that sky;
+// where no sky is beside it, from the light from infinity as it was read. Nothing: the part is outside of the picture.
+struct PartContrast {
+  glm::dvec3 contrast{0.0}, sigma{0.0};
+  double infinity_sigma = 0.0;  // by which the light from infinity behind it may differ from what it was compared with
+  double spread = 0.0;          // by how much its mean is brighter than its darkest twentieth: many materials
 };
-std::optional<HazeDepth> haze_depth_of(const HazyPicture& picture, const HazyPart& box,
-                                       const HazeColourOptions& options = {});
+std::optional<PartContrast> part_contrast(const HazyPicture& picture, const HazyPart& box);
 
 // Where a channel stands in Angstrom's law: the geometric mean wavelength of its measure.
 glm::dvec3 channel_wavelengths_nm(const Camera& camera);

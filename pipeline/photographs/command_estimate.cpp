@@ -145,8 +145,7 @@ Result<int> estimate_hazes(const EstimateArguments& arguments) {
   HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m.value_or(0.0)};
   if (const auto& part = arguments.part; part.size() == 4) question.part = HazyPart{part[0], part[1], part[2], part[3]};
   EstimateTally tally;
-  for (const auto& picture : arguments.hazes) {
-    const auto answer = haze_of(picture, question);
+  for (const auto& answer : hazes_of({arguments.hazes.begin(), arguments.hazes.end()}, question)) {
     if (!answer) {
       fmt::print(stderr, "kasumi: {}\n", answer.error().message);
       tally.unread();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,6 +28,58 @@ Json channels(const glm::dvec3& values) {
   return list;
 }
 
+// Pictures of one size, and their named part.
+struct OfOneCamera {
+  Camera camera;
+  std::vector<std::size_t> answers;
+  std::vector<std::optional<PartContrast>> parts;
+};
+
+// The part of all pictures as one landmark. Without a distance each by itself: nothing is known of how clear hours look.
+void add_depths(const HazeQuestion& question, const OfOneCamera& same, std::vector<Result<HazeAnswer>>& answers) {
+  constexpr double kAnyDistance_m = 1000.0;
+  ContrastLandmark landmark;
+  landmark.distance_m = question.distance_m.value_or(kAnyDistance_m);
+  landmark.infinity_sigma = 0.0;
+  double spread = 0.0;
+  std::vector<std::vector<ContrastReading>> readings;
+  for (const auto& part : same.parts) {
+    readings.push_back({{part.has_value(), part ? "" : "the part is outside of the picture", {}, {}}});
+    if (!part) continue;
+    readings.back()[0].contrast = part->contrast;
+    readings.back()[0].sigma = part->sigma;
+    landmark.infinity_sigma = std::max(landmark.infinity_sigma, part->infinity_sigma);
+    spread = std::max(spread, part->spread);
+  }
+  landmark.contrast_sigma = std::hypot(landmark.contrast_sigma, 0.5 * spread);
+  const LandmarkWatch watch(same.camera, question.altitude_m, {landmark}, {}, ScatteringModel::aerosol);
+  std::vector<LandmarkAir> airs;
+  if (question.distance_m && readings.size() > 1)
+    airs = watch.estimate_all(readings);
+  else
+    for (const auto& one : readings) airs.push_back(watch.estimate(one));
+  for (std::size_t i = 0; i < airs.size(); ++i) {
+    auto& answer = answers[same.answers[i]].value();
+    const auto& green = airs[i].extinction();
+    if (green.kind == ExtinctionKind::nothing || green.kind == ExtinctionKind::at_least) {
+      answer.doubt = green.reason;
+      continue;
+    }
+    const double sigma_per_m =
+        green.kind == ExtinctionKind::value ? green.sigma_per_m : 0.5 * (green.highest_per_m - green.per_m);
+    glm::dvec3 per_m;
+    for (int c = 0; c < 3; ++c) per_m[c] = airs[i].channels[static_cast<std::size_t>(c)].per_m;
+    answer.depth = HazeDepth{per_m * landmark.distance_m, sigma_per_m * landmark.distance_m};
+    if (!question.distance_m) continue;
+    const double aerosol =
+        std::max(0.0, per_m.g - rayleigh_per_m(ScatteringModel::aerosol, 550.0, question.altitude_m));
+    answer.extinction_per_m = per_m.g;
+    answer.sigma_per_m = sigma_per_m;
+    answer.aod_550 = aerosol * kAerosolHeight_m * std::exp(question.altitude_m / kAerosolHeight_m);
+    if (answer.colour.told) answer.exponent = aerosol_exponent(answer.colour, Aerosol{*answer.aod_550});
+  }
+}
+
 // The value, or the bound by two sigma.
 double visibility_m(const HazeAnswer& answer) {
   return kMeteorologicalRange / (*answer.extinction_per_m + (answer.clear() ? 2.0 * *answer.sigma_per_m : 0.0));
@@ -33,28 +87,34 @@ double visibility_m(const HazeAnswer& answer) {
 
 }  // namespace
 
-Result<HazeAnswer> haze_of(const std::filesystem::path& picture, const HazeQuestion& question) {
-  const auto photograph = read_photograph(picture);
-  if (!photograph) return fail(photograph.error());
-  const auto camera =
-      plain_camera(photograph->encoded.width(), photograph->encoded.height(), from_degrees(50.0), Radians{0.0});
-  const auto hazy = hazy_picture(camera, *photograph);
-  HazeAnswer answer;
-  answer.picture = picture;
-  answer.colour = haze_colour_of(camera, hazy);
-  answer.from_infinity = hazy.from_infinity;
-  answer.from_sky = hazy.from_sky;
-  answer.exponent = answer.colour.told ? answer.colour.exponent : Aerosol{}.angstrom_exponent;
-  if (question.part) answer.depth = haze_depth_of(hazy, *question.part);
-  if (answer.depth && question.distance_m) {
-    const double per_m = answer.depth->depth.g / *question.distance_m;
-    const double aerosol = std::max(0.0, per_m - rayleigh_per_m(ScatteringModel::aerosol, 550.0, question.altitude_m));
-    answer.extinction_per_m = per_m;
-    answer.sigma_per_m = answer.depth->sigma / *question.distance_m;
-    answer.aod_550 = aerosol * kAerosolHeight_m * std::exp(question.altitude_m / kAerosolHeight_m);
-    if (answer.colour.told) answer.exponent = aerosol_exponent(answer.colour, Aerosol{*answer.aod_550});
+std::vector<Result<HazeAnswer>> hazes_of(const std::vector<std::filesystem::path>& pictures,
+                                         const HazeQuestion& question) {
+  std::vector<Result<HazeAnswer>> answers;
+  std::map<std::pair<int, int>, OfOneCamera> cameras;
+  for (const auto& picture : pictures) {
+    const auto photograph = read_photograph(picture);
+    if (!photograph) {
+      answers.push_back(fail(photograph.error()));
+      continue;
+    }
+    const int width = photograph->encoded.width(), height = photograph->encoded.height();
+    const auto camera = plain_camera(width, height, from_degrees(50.0), Radians{0.0});
+    const auto hazy = hazy_picture(camera, *photograph);
+    HazeAnswer answer;
+    answer.picture = picture;
+    answer.colour = haze_colour_of(camera, hazy);
+    answer.from_infinity = hazy.from_infinity;
+    answer.from_sky = hazy.from_sky;
+    answer.exponent = answer.colour.told ? answer.colour.exponent : Aerosol{}.angstrom_exponent;
+    if (question.part) {
+      auto& same = cameras.try_emplace({width, height}, OfOneCamera{camera, {}, {}}).first->second;
+      same.answers.push_back(answers.size());
+      same.parts.push_back(part_contrast(hazy, *question.part));
+    }
+    answers.push_back(std::move(answer));
   }
-  return answer;
+  for (const auto& [size, same] : cameras) add_depths(question, same, answers);
+  return answers;
 }
 
 std::string haze_json(const HazeAnswer& answer) {
@@ -95,6 +155,7 @@ std::string haze_text(const HazeAnswer& answer) {
   if (answer.depth)
     text += fmt::format("  optical depth        R {:.2f}, G {:.2f}, B {:.2f} +- {:.2f}\n", answer.depth->depth.r,
                         answer.depth->depth.g, answer.depth->depth.b, answer.depth->sigma);
+  if (!answer.depth && !answer.doubt.empty()) text += fmt::format("  optical depth        {}\n", answer.doubt);
   if (answer.extinction_per_m)
     text += fmt::format(
         "  extinction           {:.3f} +- {:.3f} per km: visibility {}{:.2f} km\n"

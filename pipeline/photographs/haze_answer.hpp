@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.hpp"
 #include "estimator/photograph/haze_colour.hpp"
@@ -16,12 +17,18 @@ struct HazeQuestion {
   double altitude_m = 0.0;             // of the camera above the sea
 };
 
+struct HazeDepth {
+  glm::dvec3 depth{0.0};
+  double sigma = 0.0;  // of green
+};
+
 struct HazeAnswer {
   std::filesystem::path picture;
   HazeColour colour;
   glm::dvec3 from_infinity{};  // linear, of full scale
   bool from_sky = false;
-  std::optional<HazeDepth> depth;
+  std::optional<HazeDepth> depth;  // from the camera to the part; nothing: no part, or haze hides it
+  std::string doubt;               // for people: why the part tells no depth
   // With a distance: of green, what remains of it for the aerosol as the whole column's optical depth at 550 nm, and
   // its exponent; that of usual aerosol where the picture does not tell.
   std::optional<double> extinction_per_m, sigma_per_m, aod_550;
@@ -32,8 +39,10 @@ struct HazeAnswer {
   bool useful() const { return colour.told || depth; }
 };
 
-// The picture is taken for an sRGB camera's. Errors: bad_input (no picture).
-Result<HazeAnswer> haze_of(const std::filesystem::path& picture, const HazeQuestion& question);
+// The pictures are taken for an sRGB camera's. With a part and its distance, the part is a landmark: those of one size
+// are of one camera, and solved together (estimator/landmarks). Errors: bad_input (no picture).
+std::vector<Result<HazeAnswer>> hazes_of(const std::vector<std::filesystem::path>& pictures,
+                                         const HazeQuestion& question);
 std::string haze_json(const HazeAnswer& answer);  // one object, with a line break
 std::string haze_text(const HazeAnswer& answer);
 

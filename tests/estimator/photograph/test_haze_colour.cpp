@@ -81,26 +81,24 @@ TEST(HazeColour, IsNotToldByFogThatHidesAll) {
   EXPECT_FALSE(found.told);
 }
 
-// Rows 300 to 320 are 640 m away.
-TEST(HazeColour, TellsTheOpticalDepthOfAPart) {
+// Rows 300 to 320 are 640 m away; a sixth of their light is the land's own.
+TEST(HazeColour, TellsTheContrastOfAPart) {
   for (const double green_per_km : {0.3, 1.0, 2.0}) {
     const auto camera = camera_of_narrow_channels();
     const auto picture = hazy_picture(camera, drawn({.exponent = 1.3, .green_per_km = green_per_km}));
-    const auto depth = haze_depth_of(picture, {100, 300, 300, 20});
-    ASSERT_TRUE(depth);
-    const double distance_km = 1e-3 * distance_of_row({}, 310);
-    for (int c = 0; c < 3; ++c) {
-      const double truth = green_per_km * distance_km * std::pow(kLandWavelengths_nm[c] / 550.0, -1.3);
-      EXPECT_NEAR(depth->depth[c], truth, 2.0 * depth->sigma) << "channel " << c << " at " << green_per_km;
-    }
-    EXPECT_LT(depth->sigma, 0.1 + 0.25 * depth->depth.g);
+    const auto part = part_contrast(picture, {100, 300, 300, 20});
+    ASSERT_TRUE(part);
+    const double left = std::exp(-1e-3 * green_per_km * distance_of_row({}, 310));
+    EXPECT_NEAR(part->contrast.g, 0.82 * left, 0.06 * left + 0.02) << "at " << green_per_km;
+    EXPECT_NEAR(part->spread, 0.17 * left, 0.08 * left) << "land of many materials";
+    EXPECT_GT(part->infinity_sigma, 0.04) << "no sky is beside it";
   }
   const auto picture = hazy_picture(camera_of_narrow_channels(), drawn({}));
   constexpr int kMost = std::numeric_limits<int>::max();
-  EXPECT_FALSE(haze_depth_of(picture, {2000, 300, 10, 10}));
-  EXPECT_FALSE(haze_depth_of(picture, {100, 300, -5, 10}));
-  EXPECT_FALSE(haze_depth_of(picture, {kMost, kMost, kMost, kMost}));
-  EXPECT_TRUE(haze_depth_of(picture, {0, 300, kMost, kMost})) << "as much of it as there is";
+  EXPECT_FALSE(part_contrast(picture, {2000, 300, 10, 10}));
+  EXPECT_FALSE(part_contrast(picture, {100, 300, -5, 10}));
+  EXPECT_FALSE(part_contrast(picture, {kMost, kMost, kMost, kMost}));
+  EXPECT_TRUE(part_contrast(picture, {0, 300, kMost, kMost})) << "as much of it as there is";
 }
 
 }  // namespace

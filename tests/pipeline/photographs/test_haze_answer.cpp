@@ -44,7 +44,9 @@ TEST(HazeAnswer, SaysColourDepthAndExtinctionOfThePicture) {
 
 TEST(HazeAnswer, OfClearAirIsABoundAndNoGuess) {
   const HazyLand clear{.exponent = 1.3, .green_per_km = 0.02};
-  const auto answer = haze_of(written(clear, "clear.png"), {HazyPart{100, 300, 300, 20}, 600.0, 0.0});
+  const auto answers = hazes_of({written(clear, "clear.png")}, {HazyPart{100, 300, 300, 20}, 600.0, 0.0});
+  ASSERT_EQ(answers.size(), 1U);
+  const auto& answer = answers.front();
   ASSERT_TRUE(answer) << answer.error().message;
   EXPECT_FALSE(answer->colour.told);
   EXPECT_EQ(answer->exponent, 1.3) << "what is usual";
