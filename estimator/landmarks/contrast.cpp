@@ -181,7 +181,7 @@ void mark_lit(const std::vector<ContrastLandmark>& landmarks, const Direction& s
 }
 
 void refuse_dark_skies(const std::vector<ContrastLandmark>& landmarks, std::vector<ContrastReading>& readings) {
-  constexpr double kBrighter = -0.1, kDark = 0.5, kMany = 0.2;
+  constexpr double kBrighter = -0.1, kDark = 0.5, kMany = 0.2, kSeveral = 2.0;
   static const std::string kWhy = "the sky beside it is darker than it, and no light from infinity";
   double before_sky = 0.0, brighter = 0.0;
   for (std::size_t i = 0; i < readings.size(); ++i) {
@@ -192,13 +192,13 @@ void refuse_dark_skies(const std::vector<ContrastLandmark>& landmarks, std::vect
     brighter += 1.0;
     readings[i] = {false, kWhy, {}, {}};
   }
-  if (brighter == 0.0 || brighter < kMany * before_sky) return;
+  if (brighter < std::max(kSeveral, kMany * before_sky)) return;
   for (std::size_t i = 0; i < readings.size(); ++i)
     if (readings[i].usable && !landmarks[i].against) readings[i] = {false, kWhy, {}, {}};
 }
 
 double infinity_sigma(const ContrastLandmark& landmark, int picture_width) {
-  constexpr double kBeside = 0.02, kAtHorizon = 0.03, kAcross = 0.4;
+  constexpr double kBeside = 0.01, kAtHorizon = 0.03, kAcross = 0.4;
   if (landmark.against || picture_width <= 0) return kBeside;
   if (!landmark.sky) return kAtHorizon;
   const auto apart = [](int a, int a_length, int b, int b_length) {

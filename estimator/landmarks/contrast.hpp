@@ -42,7 +42,7 @@ struct ContrastLandmark {
   double contrast = 0.94;
   double contrast_sigma = 0.06;
   // The light from infinity behind it may differ from the sky that it is compared with by this share.
-  double infinity_sigma = 0.02;
+  double infinity_sigma = 0.01;
   std::optional<Radians> faces{};  // the azimuth to which a facade looks
 };
 

@@ -18,6 +18,9 @@ using Matrix = Eigen::MatrixXd;
 
 constexpr double kThickest_per_m = 0.3;             // a visibility of 13 m
 constexpr int kSteps = 400;                         // of the logarithm of extinction: 2.6 % each
+// In mist and fog, below some 5 km of visibility, a meter's next reading, three minutes later, differs by a factor of
+// 1.48 in the middle, and the best map from a picture of its hill to its reading by 1.8 (shared data, real-air/road).
+constexpr double kFogPatches = 0.65, kMist_per_m = 8e-4;
 constexpr double kOneSigma = 1.0, kTwoSigma = 4.0;  // of -2 ln likelihood
 
 Eigen::Map<const Matrix> square_matrix(const std::vector<double>& values, std::size_t side) {
@@ -128,7 +131,7 @@ LandmarkExtinction::Fit LandmarkExtinction::fit(const std::vector<ContrastReadin
 std::vector<std::size_t> LandmarkExtinction::agreeing(const std::vector<ContrastReading>& readings,
                                                       const std::vector<std::size_t>& usable,
                                                       std::vector<std::size_t>& left_out) const {
-  if (usable.size() < 3) return usable;
+  if (usable.size() < 2) return usable;
   double least = std::numeric_limits<double>::infinity(), best = 0.0;
   for (const double per_m : grid_per_m_) {
     double sum = 0.0;
@@ -184,6 +187,17 @@ Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& read
   found.sigma_per_m = 0.5 * (crossing(kOneSigma, true).first - crossing(kOneSigma, false).first);
   found.kind = closed_below ? (closed_above ? ExtinctionKind::value : ExtinctionKind::at_least)
                             : (closed_above ? ExtinctionKind::at_most : ExtinctionKind::nothing);
+  // The air is not the same everywhere: haze hardly, fog by more than half. What other paths have, or a meter's cubic metre, differs
+  // by so much from that before these landmarks.
+  const auto patches = [](double per_m) {
+    return kFogPatches * square(per_m) / (square(per_m) + square(kMist_per_m));
+  };
+  const double common = patches(found.per_m) * found.per_m;
+  const double below = 0.5 * (found.per_m - low), above = 0.5 * (high - found.per_m);
+  if (closed_below) found.lowest_per_m = std::max(grid_per_m_[0], found.per_m - 2.0 * std::hypot(below, common));
+  if (closed_above) found.highest_per_m = found.per_m + 2.0 * std::hypot(above, common);
+  if (found.kind == ExtinctionKind::at_least) found.lowest_per_m = low / (1.0 + 2.0 * patches(low));
+  found.sigma_per_m = std::hypot(found.sigma_per_m, common);
   double farthest = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const auto i : used) {
     farthest = std::max(farthest, laws_[i].path_m);

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "base/square.hpp"
+#include "base/statistics.hpp"
 
 namespace kasumi {
 namespace {
@@ -30,16 +31,31 @@ constexpr double kSettled = 1e-4;      // of contrast
 constexpr double kIndependentPictures = 60.0;  // pictures; more of the same surfaces' faults are not more knowledge
 constexpr double kLeastContrastSigma = 0.006;
 constexpr double kScatterReadings = 12.0;  // of which the stated scatter is worth as much
-constexpr double kLeastScatter = 0.5, kGreatestScatter = 5.0;
+constexpr double kLeastScatter = 0.6, kGreatestScatter = 5.0;
 
 // The clearest hours: ln of aerosol varies by .7 at a place (AERONET) and by .5 between places; .35 is the chance of
 // which hours were met.
 constexpr double kLogSpread = 0.7, kClearestLogSigma = 0.6, kClearestShare = 0.03;
 
-// Standard normal quantile of a share below a half (Abramowitz and Stegun 26.2.22, to 3e-3), positive.
-double sigmas_below(double share) {
-  const double t = std::sqrt(-2.0 * std::log(share));
-  return t - (2.30753 + 0.27061 * t) / (1.0 + t * (0.99229 + 0.04481 * t));
+// What the lowest share of a place's hours shows in the mean (nearly the quantile of half of the share), when each was
+// read with such an error: errors make hours look clearer that are not. But no less than nothing: errors of neighbouring
+// hours are alike.
+double clearest_seen(double usual, double share, double sigma) {
+  constexpr int kHours = 64;
+  double low = 0.0, high = usual;
+  const auto below = [&](double level) {
+    double sum = 0.0;
+    for (int k = 0; k < kHours; ++k) {
+      // Evenly spread in the normal distribution's logarithm, weighed by its density.
+      const double z = -4.0 + 8.0 * (k + 0.5) / kHours;
+      const double hour = usual * std::exp(kLogSpread * z);
+      const double density = std::exp(-0.5 * z * z) * 8.0 / kHours / std::sqrt(2.0 * std::numbers::pi);
+      sum += density * 0.5 * std::erfc((hour - level) / (std::numbers::sqrt2 * sigma));
+    }
+    return sum;
+  };
+  for (int i = 0; i < 40; ++i) (below(0.5 * (low + high)) < 0.5 * share ? low : high) = 0.5 * (low + high);
+  return 0.5 * (low + high);
 }
 
 // Hours of one half of a day have much the same air.
@@ -175,15 +191,19 @@ void JointChannel::add_clearest(const std::vector<ChannelPicture>& pictures, std
   const auto clearest = std::max<std::size_t>(
       1, static_cast<std::size_t>(std::lround(kClearestShare * static_cast<double>(order.size()))));
   const double share = std::max(kClearestShare, 0.625 / (independent_hours(pictures) + 0.25));
-  const double expected = usual_aerosol_per_m_ * std::exp(-kLogSpread * (share < 0.5 ? sigmas_below(share) : 0.0));
   double mean = 0.0;
   JointVector by = JointVector::Zero(static_cast<Eigen::Index>(constants_.size()));
   for (std::size_t k = 0; k < clearest; ++k) {
     mean += per_m_[order[k]] / static_cast<double>(clearest);
     by += all[order[k]].by_constants / static_cast<double>(clearest);
   }
+  std::vector<double> sigmas;
+  for (const auto t : order) sigmas.push_back(all[t].sigma_per_m);
+  // Of clear ones: those in haze are read less surely.
+  const double read = std::max(quantile(std::move(sigmas), 0.25), 0.01 * usual_aerosol_per_m_);
+  const double expected = clearest_seen(usual_aerosol_per_m_, std::min(1.0, share), read);
   const double seen = mean - clearest_per_m_;
-  const double sigma = kClearestLogSigma * std::max(expected, seen);
+  const double sigma = kClearestLogSigma * std::max(clearest_seen(usual_aerosol_per_m_, std::min(1.0, share), 0.01 * usual_aerosol_per_m_), seen);
   const Eigen::Map<const JointVector> constants(constants_.data(), by.size());
   all.push_back(
       {by * by.transpose() / square(sigma), by * ((expected - seen + by.dot(constants)) / square(sigma)), {}});
