@@ -16,8 +16,8 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-constexpr double kThickest_per_m = 0.3;             // a visibility of 13 m
-constexpr int kSteps = 400;                         // of the logarithm of extinction: 2.6 % each
+constexpr double kThickest_per_m = 0.3;  // a visibility of 13 m
+constexpr int kSteps = 400;              // of the logarithm of extinction: 2.6 % each
 // In mist and fog, below some 5 km of visibility, a meter's next reading, three minutes later, differs by a factor of
 // 1.48 in the middle, and the best map from a picture of its hill to its reading by 1.8 (shared data, real-air/road).
 constexpr double kFogPatches = 0.65, kMist_per_m = 8e-4;
@@ -189,9 +189,7 @@ Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& read
                             : (closed_above ? ExtinctionKind::at_most : ExtinctionKind::nothing);
   // The air is not the same everywhere: haze hardly, fog by more than half. What other paths have, or a meter's cubic metre, differs
   // by so much from that before these landmarks.
-  const auto patches = [](double per_m) {
-    return kFogPatches * square(per_m) / (square(per_m) + square(kMist_per_m));
-  };
+  const auto patches = [](double per_m) { return kFogPatches * square(per_m) / (square(per_m) + square(kMist_per_m)); };
   const double common = patches(found.per_m) * found.per_m;
   const double below = 0.5 * (found.per_m - low), above = 0.5 * (high - found.per_m);
   if (closed_below) found.lowest_per_m = std::max(grid_per_m_[0], found.per_m - 2.0 * std::hypot(below, common));
@@ -209,6 +207,11 @@ Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& read
     found.reason = fmt::format("hazier than landmarks {:.2f} km away or more can measure", nearest / 1e3);
   else if (found.kind == ExtinctionKind::nothing)
     found.reason = "the landmarks' contrasts are consistent with any air";
+  const bool lit = std::ranges::all_of(used, [&](std::size_t i) { return readings[i].lit; });
+  if (lit && found.kind == ExtinctionKind::value) {
+    found.kind = ExtinctionKind::at_most;
+    found.reason = "its landmarks are in the sun, which takes from their contrast as haze does";
+  }
   return found;
 }
 

@@ -26,12 +26,13 @@ constexpr double kSmallDepth = 0.1;                         // of the farthest: 
 // horizon's light, by some .3. One in fifty is anything (a crane, a blind).
 constexpr double kLitOften = 0.14, kLeastLitBy = 0.02, kAnythingOften = 0.02, kAnything = 2.0;
 constexpr double kLeastLit = 0.02;
-constexpr double kDarkest = 1.05;      // a camera that sharpens makes edges blacker than black
-constexpr double kSettled = 1e-4;      // of contrast
+constexpr double kDarkest = 1.05;              // a camera that sharpens makes edges blacker than black
+constexpr double kSettled = 1e-4;              // of contrast
 constexpr double kIndependentPictures = 60.0;  // pictures; more of the same surfaces' faults are not more knowledge
 constexpr double kLeastContrastSigma = 0.006;
+constexpr double kLeastToldScatter = 0.6;  // of one picture: what deviates does so for hours
 constexpr double kScatterReadings = 12.0;  // of which the stated scatter is worth as much
-constexpr double kLeastScatter = 0.6, kGreatestScatter = 5.0;
+constexpr double kLeastScatter = 0.25, kGreatestScatter = 5.0;
 
 // The clearest hours: ln of aerosol varies by .7 at a place (AERONET) and by .5 between places; .35 is the chance of
 // which hours were met.
@@ -203,7 +204,9 @@ void JointChannel::add_clearest(const std::vector<ChannelPicture>& pictures, std
   const double read = std::max(quantile(std::move(sigmas), 0.25), 0.01 * usual_aerosol_per_m_);
   const double expected = clearest_seen(usual_aerosol_per_m_, std::min(1.0, share), read);
   const double seen = mean - clearest_per_m_;
-  const double sigma = kClearestLogSigma * std::max(clearest_seen(usual_aerosol_per_m_, std::min(1.0, share), 0.01 * usual_aerosol_per_m_), seen);
+  const double sigma =
+      kClearestLogSigma *
+      std::max(clearest_seen(usual_aerosol_per_m_, std::min(1.0, share), 0.01 * usual_aerosol_per_m_), seen);
   const Eigen::Map<const JointVector> constants(constants_.data(), by.size());
   all.push_back(
       {by * by.transpose() / square(sigma), by * ((expected - seen + by.dot(constants)) / square(sigma)), {}});
@@ -256,7 +259,8 @@ void JointChannel::solve(const std::vector<ChannelPicture>& pictures, int most_s
     pulled[count + i] = prior_.floor[at] / square(prior_.floor_sigma[at]);
   }
   pulled.head(count) = prior.topLeftCorner(count, count) * Eigen::Map<const JointVector>(prior_.mean.data(), count);
-  const double share = std::min(1.0, kIndependentPictures / static_cast<double>(std::max<std::size_t>(1, pictures.size())));
+  const double share =
+      std::min(1.0, kIndependentPictures / static_cast<double>(std::max<std::size_t>(1, pictures.size())));
   std::vector<Information> all;
   JointMatrix sum;
   JointVector pull;
@@ -292,7 +296,7 @@ void JointChannel::solve(const std::vector<ChannelPicture>& pictures, int most_s
 
 ContrastBelief JointChannel::belief_without(std::optional<std::size_t> picture) const {
   ContrastBelief belief = prior_;
-  belief.scatter = scatter_;
+  for (std::size_t i = 0; i < scatter_.size(); ++i) belief.scatter[i] = std::max(kLeastToldScatter, scatter_[i]);
   const auto size = static_cast<Eigen::Index>(constants_.size()), count = size / 2;
   if (information_.empty() || count == 0) return belief;
   JointMatrix sum = Eigen::Map<const JointMatrix>(information_.data(), size, size);

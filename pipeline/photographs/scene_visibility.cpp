@@ -100,6 +100,7 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
   json["sigma_m"] = value ? Json(rounded(air.visibility_sigma_m(), 3)) : Json(nullptr);
   json["optical_range_m"] = something ? Json(rounded(air.optical_range_m(), 4)) : Json(nullptr);
   json["reason"] = green.reason;
+  json["doubt"] = air.doubt;
   json["extinction_per_m"] = per_channel(air, [](const auto& e) { return e.per_m; });
   json["extinction_sigma_per_m"] = per_channel(air, [](const auto& e) { return e.sigma_per_m; });
   json["extinction_lowest_per_m"] = per_channel(air, [](const auto& e) { return e.lowest_per_m; });
@@ -108,8 +109,9 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
   const bool seen = aerosol.kind == ExtinctionKind::value;
   json["aerosol_per_m"] = seen ? Json(rounded(aerosol.per_m, 4)) : Json(nullptr);
   json["aerosol_sigma_per_m"] = seen ? Json(rounded(std::sqrt(aerosol.covariance.per_m), 3)) : Json(nullptr);
-  json["angstrom_exponent"] = seen ? Json(rounded(aerosol.angstrom_exponent, 3)) : Json(nullptr);
-  json["angstrom_sigma"] = seen ? Json(rounded(std::sqrt(aerosol.covariance.exponent), 2)) : Json(nullptr);
+  const bool coloured = seen && aerosol.exponent_told;
+  json["angstrom_exponent"] = coloured ? Json(rounded(aerosol.angstrom_exponent, 3)) : Json(nullptr);
+  json["angstrom_sigma"] = coloured ? Json(rounded(std::sqrt(aerosol.covariance.exponent), 2)) : Json(nullptr);
   const auto& turbidity = air.turbidity;
   json["turbidity"] = turbidity.turbidity ? Json(rounded(turbidity.turbidity->value, 4)) : Json(nullptr);
   json["turbidity_sigma"] = turbidity.turbidity ? Json(rounded(turbidity.sigma, 3)) : Json(nullptr);
@@ -161,14 +163,17 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
     text +=
         fmt::format("  by landmarks     visibility {} {:.2f} km (optical range, 5 %: {:.2f} km): {}\n",
                     visibility_name(green.kind), air.visibility_m() / 1e3, air.optical_range_m() / 1e3, green.reason);
+  if (!air.doubt.empty()) text += fmt::format("  doubtful         {}\n", air.doubt);
   if (green.kind == ExtinctionKind::value) {
     text +=
         fmt::format("  extinction       R {:.3f}, G {:.3f}, B {:.3f} +- {:.3f} per km\n", 1e3 * air.channels[0].per_m,
                     1e3 * green.per_m, 1e3 * air.channels[2].per_m, 1e3 * green.sigma_per_m);
     if (air.aerosol.kind == ExtinctionKind::value)
-      text += fmt::format("  of its aerosol   {:.3f} +- {:.3f} per km at 550 nm, exponent {:.1f} +- {:.1f}\n",
+      text += fmt::format("  of its aerosol   {:.3f} +- {:.3f} per km at 550 nm, exponent {}\n",
                           1e3 * air.aerosol.per_m, 1e3 * std::sqrt(air.aerosol.covariance.per_m),
-                          air.aerosol.angstrom_exponent, std::sqrt(air.aerosol.covariance.exponent));
+                          air.aerosol.exponent_told ? fmt::format("{:.1f} +- {:.1f}", air.aerosol.angstrom_exponent,
+                                                                  std::sqrt(air.aerosol.covariance.exponent))
+                                                    : "not told: the colours are no aerosol's");
     if (air.turbidity.turbidity)
       text +=
           fmt::format("  that would be    T {:.2f} +- {:.2f}\n", air.turbidity.turbidity->value, air.turbidity.sigma);

@@ -38,7 +38,7 @@ Image<Rgb8> squares_under(double turbidity) {
     const auto left = attenuation_reference(spectral_measure(camera), ScatteringModel::morales2017,
                                             Turbidity{turbidity}, optical_path(0.0, 0.0, distance_of(i)));
     for (int y = 60; y < 90; ++y)
-      for (int x = 10 + 50 * i; x < 40 + 50 * i; ++x) put(x, y, sky * (1.0 - 0.85 * left));
+      for (int x = 10 + 50 * i; x < 40 + 50 * i; ++x) put(x, y, sky * (1.0 - 0.94 * left));
   }
   return picture;
 }
@@ -259,7 +259,7 @@ TEST_F(VisibilityLoopTest, LandmarkPropertiesSurviveARestart) {
   start(landmark_tables(), folder);
   supply_picture(3.0);
   auto damaged = nlohmann::json::parse(read_text_file(folder / "landmarks.json").value());
-  damaged["channels"][1]["covariance"][0] = -1.0;
+  damaged["kept"][0]["readings"][0][1] = "grey";
   for (const auto& text : {damaged.dump(), std::string("{\"landmarks\": 3"), std::string()}) {
     ASSERT_TRUE(write_text_file(folder / "landmarks.json", text));
     start(landmark_tables(), folder);

@@ -297,6 +297,10 @@ TEST(AirTruthTowers, VisibilityOnARoadIsTheMeters) {
   figure_row("real-landmarks", {"road: within a factor of 2", figure_text(share, 2), ">= .60", kPrinted});
   figure_row("real-landmarks",
              {"road: over the meter's, 200 m to 5 km", figure_text(median(biases), 2), ".8 to 1.25", kPrinted});
+  figure_row("real-landmarks", {"road: values within 1 sigma; bounds contradicted",
+                                fmt::format("{:.0f} %; {:.0f} %", 100.0 * share_of(within, values),
+                                            100.0 * share_of(contradicted, bounds)),
+                                "58 to 78 %; <= 4 %", kPrinted});
   EXPECT_GE(rank, 0.78);
 }
 
