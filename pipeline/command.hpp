@@ -20,6 +20,7 @@ void add_retarget_command(CLI::App& app, Action& action);
 void add_sky_command(CLI::App& app, Action& action);
 void add_haze_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
+void add_prove_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
 void add_run_command(CLI::App& app, Action& action);

@@ -25,6 +25,7 @@ std::unique_ptr<CLI::App> command_line(Action& action) {
   add_sky_command(*app, action);
   add_haze_command(*app, action);
   add_compare_command(*app, action);
+  add_prove_command(*app, action);
   add_calibrate_command(*app, action);
   add_bench_command(*app, action);
   refuse_infinite_numbers(*app);

@@ -39,6 +39,7 @@ Result<LandmarkFile> read_landmark_file(const std::filesystem::path& path, int w
   }
   found.landmarks =
       read_contrast_landmarks(*root, site, {width, height, found.scene ? &*found.scene : nullptr, &distances_m});
+  found.site = site;
   ignore_what_others_read(*root, {"site", "scene", "landmarks"});
   if (found.landmarks.empty())
     root->problem("landmarks", "[[landmarks]] with region_px or ridge_px, and distance_m or a place and a [site]");

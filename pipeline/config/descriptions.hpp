@@ -23,6 +23,7 @@ Result<CameraFile> read_camera_file(const std::filesystem::path& file);
 struct LandmarkFile {
   std::optional<Camera> scene;  // [scene]; empty: an ordinary sRGB camera
   double altitude_m = 0.0;      // of [site]
+  std::optional<Site> site{};
   std::vector<ContrastLandmark> landmarks;
 };
 // A list of [[landmarks]], with optional [scene] and [site]; a fixture's description and a kiosk's configuration are

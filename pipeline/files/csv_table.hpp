@@ -24,6 +24,7 @@ class CsvTable {
   std::size_t rows() const { return lines_.size(); }
   // The row's line in the file, from 1.
   int line(std::size_t row) const { return lines_[row]; }
+  const std::string& text(std::size_t row, std::size_t column) const { return cells_[row][column]; }
   // A number from `least` to `most`; else a problem, and nothing.
   std::optional<double> number(std::size_t row, std::size_t column, double least, double most,
                                Problems& problems) const;

@@ -69,7 +69,7 @@ class Worker {
 
 Answer answer_of(const EstimateArguments& arguments, Worker& worker, const SceneVisibilities* scenes,
                  const ImageJob& job) {
-  const auto& [file, utc, problem, camera] = job.input;
+  const auto& [file, utc, problem, camera, label] = job.input;
   const auto unread = [&](const std::string& why) {
     return Answer{arguments.csv ? estimate_csv_line(file.string(), worker.utc_of(job.input), why) : "", why, ""};
   };

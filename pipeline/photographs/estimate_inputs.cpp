@@ -47,12 +47,14 @@ SkyInput input_of_line(std::string line) {
   SkyInput input;
   const auto tab = line.find('\t');
   input.file = line.substr(0, tab);
-  if (tab != std::string::npos) {
-    input.utc = parse_utc(line.substr(tab + 1));
-    if (!input.utc)
-      input.problem = fmt::format("{}: time '{}': expected a time like 2018-01-29T11:09:20Z", input.file.string(),
-                                  line.substr(tab + 1));
-  }
+  if (tab == std::string::npos) return input;
+  const auto second = line.find('\t', tab + 1);
+  const auto time = line.substr(tab + 1, second == std::string::npos ? second : second - tab - 1);
+  if (second != std::string::npos) input.label = line.substr(second + 1);
+  input.utc = parse_utc(time);
+  if (!input.utc)
+    input.problem =
+        fmt::format("{}: time '{}': expected a time like 2018-01-29T11:09:20Z", input.file.string(), time);
   return input;
 }
 

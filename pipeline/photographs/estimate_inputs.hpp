@@ -19,9 +19,10 @@ struct SkyInput {
   std::optional<Utc> utc;
   std::string problem;     // with its line of a list, or its row of a recording; the file is not read then
   std::size_t camera = 0;  // in EstimateInputs::cameras
+  std::string label{};     // of a list's line, what kind of air its writer calls it; `kasumi prove` tells it apart
 };
 
-// One line of a list: a path, or a path, a tab and a UTC time.
+// One line of a list: a path, or a path, a tab and a UTC time, or these, a tab and a label.
 SkyInput input_of_line(std::string line);
 
 class EstimateInputs {

@@ -46,6 +46,7 @@ inline const Walls kMayInclude = {
     {"estimator/light", {"estimator", "estimator/air", "estimator/horizon", "estimator/sky", "estimator/turbidity"}},
     {"estimator/passers", {}},
     {"estimator/photograph", {"estimator/air", "estimator/horizon", "estimator/light"}},
+    {"estimator/proof", {}},
     {"estimator/sky", {"estimator", "estimator/air"}},
     {"estimator/sky_camera", {"estimator", "estimator/air", "estimator/sky", "estimator/turbidity"}},
     {"estimator/sky_fit", {"estimator", "estimator/air", "estimator/sky"}},
@@ -85,6 +86,7 @@ inline const Walls kMayInclude = {
     {"pipeline/machine", {"pipeline/config"}},
     {"pipeline/past", {"pipeline"}},
     {"pipeline/photographs", {"pipeline", "pipeline/config", "pipeline/files", "pipeline/machine"}},
+    {"pipeline/prove", {"pipeline", "pipeline/config", "pipeline/files", "pipeline/machine", "pipeline/photographs"}},
     {"pipeline/recording",
      {"pipeline", "pipeline/config", "pipeline/files", "pipeline/machine", "pipeline/scene", "pipeline/stage"}},
     {"pipeline/scene", {"pipeline/config"}},
@@ -120,12 +122,13 @@ inline const Walls kMayInclude = {
 inline const std::set<std::string> kVerticals = {
     "pipeline/appliance",  "pipeline/bench",       "pipeline/calibrate", "pipeline/camera_drift",
     "pipeline/comparison", "pipeline/doctor",      "pipeline/haze",      "pipeline/past",
-    "pipeline/sky",        "pipeline/photographs", "pipeline/recording",
+    "pipeline/sky",        "pipeline/photographs", "pipeline/prove",     "pipeline/recording",
 };
 inline const Walls kVerticalsMayInclude = {
     {"pipeline/appliance", {"pipeline/camera_drift", "pipeline/doctor"}},
     {"pipeline/calibrate", {"pipeline/camera_drift", "pipeline/photographs"}},
     {"pipeline/haze", {"pipeline/photographs"}},
+    {"pipeline/prove", {"pipeline/photographs"}},
     {"pipeline/bench", {"pipeline/sky"}},
 };
 
