@@ -17,6 +17,9 @@ void check_throttling(const MachinePlaces& places, Findings& findings);
 void check_disk(const std::filesystem::path& folder, Findings& findings);
 void check_watchdogs(const MachinePlaces& places, Findings& findings);
 
+// check_proof.cpp: what `kasumi prove --state` left in the state's folder; nothing where there is none.
+void check_proof(const std::filesystem::path& state, Utc now, Findings& findings);
+
 // check_cameras.cpp
 const CameraRequest* request_of(const CameraOptions& options);  // null for a recording
 struct CameraMeasurement {                                      // of `lasted_s` seconds

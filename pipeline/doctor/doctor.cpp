@@ -195,7 +195,9 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
   check_clock(content ? (*content)->config.clock : ClockOptions{}, watch_time()->read(), clock.utc(), findings);
   check_temperature(places, findings);
   check_throttling(places, findings);
-  check_disk(content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state, findings);
+  const auto& state = content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state;
+  check_disk(state, findings);
+  check_proof(state, clock.utc(), findings);
   check_watchdogs(places, findings);
   return findings;
 }

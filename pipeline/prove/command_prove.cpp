@@ -40,6 +40,11 @@ Result<int> run_proof(const ProveRequest& request) {
     return fail(written.error());
   if (auto written = write_text_file(out / "index.html", proof_page(*proof, summary, sheet, now)); !written)
     return fail(written.error());
+  if (!request.state.empty())
+    if (auto kept = write_text_file(std::filesystem::path(request.state) / "proof.json",
+                                    remembered_proof(*proof, summary, now));
+        !kept)
+      return fail(kept.error());
   fmt::print("{}", proof_text(*proof, summary));
   return 0;
 }
@@ -83,6 +88,7 @@ void add_prove_command(CLI::App& app, Action& action) {
   command->add_option("--utc-offset-h", r.times.utc_offset_h, "Of those times from UTC: 9 in Japan")
       ->check(CLI::Range(-14.0, 14.0))
       ->capture_default_str();
+  command->add_option("--state", r.state, "The kiosk's folder of its state: kasumi doctor then tells of the result");
   command->add_option("--out", r.out, "Folder for index.html, sheet.png, proof.json")->required();
   command->callback([request, &action] { action = [request] { return run_proof(*request); }; });
 }

@@ -10,7 +10,7 @@
 
 #include "base/statistics.hpp"
 #include "estimator/air/attenuation.hpp"
-#include "estimator/proof/lens_drops.hpp"
+#include "estimator/photograph/lens_drops.hpp"
 #include "estimator/sky/sun.hpp"
 
 namespace kasumi {

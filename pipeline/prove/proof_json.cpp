@@ -11,11 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double to_digits(double value, double step) {
-  return std::isfinite(value) ? std::round(value / step) * step : 0.0;
-}
+// The double that prints with so many decimals.
 Json rounded(double value, int decimals) {
-  return to_digits(value, 1.0) == value ? Json(value) : Json::parse(fmt::format("{:.{}f}", value, decimals));
+  return std::isfinite(value) ? Json::parse(fmt::format("{:.{}f}", value, decimals)) : Json(nullptr);
 }
 Json by_channel(const glm::dvec3& values, int decimals) {
   return {rounded(values.r, decimals), rounded(values.g, decimals), rounded(values.b, decimals)};
@@ -93,6 +91,16 @@ std::string proof_json(const Proof& proof, const ProofSummary& summary, const st
   json["remarks"] = proof.remarks;
   json["pictures"] = Json::array();
   for (const auto& picture : proof.pictures) json["pictures"].push_back(picture_json(proof, picture));
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string remembered_proof(const Proof& proof, const ProofSummary& summary, const std::string& made_utc) {
+  const Json json{{"made_utc", made_utc},
+                  {"part", proof.scene.part.name},
+                  {"pictures", summary.ways[0].pictures},
+                  {"error_median_255", rounded(summary.ways[0].median_255, 2)},
+                  {"error_p95_255", rounded(summary.ways[0].p95_255, 2)},
+                  {"no_air_median_255", rounded(summary.ways[1].median_255, 2)}};
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -19,7 +19,7 @@ struct ProveRequest {
   std::vector<double> region, sky;      // x, y, width, height in pixels; empty: the landmark's
   std::optional<double> lat, lon;       // empty: [site] of the landmarks' file
   std::string reference;                // the picture in which the regions were marked; empty: found
-  std::string out;
+  std::string out, state;  // the second for `kasumi doctor`; empty: it is not told
 };
 
 }  // namespace kasumi

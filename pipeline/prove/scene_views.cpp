@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
 #include "base/saturation.hpp"
 #include "base/statistics.hpp"
 #include "estimator/landmarks/daylight.hpp"
 #include "estimator/photograph/other_air.hpp"
-#include "estimator/proof/lens_drops.hpp"
-#include "estimator/proof/same_view.hpp"
+#include "estimator/photograph/lens_drops.hpp"
+#include "estimator/photograph/same_view.hpp"
 #include "pipeline/config/descriptions.hpp"
 #include "pipeline/files/photograph_file.hpp"
 #include "pipeline/machine/progress.hpp"
@@ -194,7 +196,7 @@ Result<SameViews> place(const ProveRequest& request, SceneViews& scene) {
   if (scene.views.empty()) return fail(FaultKind::bad_input, "{}: no picture that can be read", request.scenes.front());
   if (!request.reference.empty() && !reference)
     return fail(FaultKind::bad_input, "--reference {}: expected one of the pictures", request.reference);
-  auto same = place_views(*scene.camera.lens, lines, reference);
+  auto same = place_views(lines, reference);
   if (!same)
     return fail(FaultKind::bad_input, "{}: no two pictures show the same view", request.scenes.front());
   const auto blurred = blurred_shares(fineness);
@@ -203,11 +205,9 @@ Result<SameViews> place(const ProveRequest& request, SceneViews& scene) {
   return *same;
 }
 
-double moved_px(const Camera& camera, const PictureBox& part, const glm::dvec3& turn) {
+double moved_px(const PictureBox& part, const ViewMove& move) {
   const glm::dvec2 middle{part.x + 0.5 * part.width, part.y + 0.5 * part.height};
-  const auto ray = camera.lens->unproject(middle);
-  const auto at = ray ? camera.lens->project(turned(ViewTurn{turn, {}, 0.0, 0}, *ray)) : std::nullopt;
-  return at ? glm::distance(*at, middle) : 0.0;
+  return glm::distance(move.at(middle), middle);
 }
 
 }  // namespace
@@ -245,8 +245,8 @@ Result<SceneViews> read_scene_views(const ProveRequest& request) {
     if (!photograph) return fail(photograph.error());
     const auto& placed = same->views[i];
     view.placed = placed.seen;
-    view.moved_px = moved_px(scene.camera, scene.part.surface, placed.turn);
-    const auto encoded = turned_back(*scene.camera.lens, photograph->encoded, placed.turn);
+    view.moved_px = moved_px(scene.part.surface, placed.move);
+    const auto encoded = moved_back(photograph->encoded, placed.move);
     view.unusable = why_not_daylight(look_for_daylight(encoded));
     view.readings = watch.read(scene.camera, encoded);
     view.sky = sky_in(scene.camera, encoded, *scene.part.sky, scene.part.surface.y, &view.sky_clipped);

@@ -11,7 +11,7 @@
 #include "base/result.hpp"
 #include "calib/camera.hpp"
 #include "estimator/landmarks/landmark_air.hpp"
-#include "estimator/proof/facade.hpp"
+#include "estimator/photograph/facade.hpp"
 #include "pipeline/prove/prove_request.hpp"
 
 namespace kasumi {

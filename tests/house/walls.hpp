@@ -46,7 +46,6 @@ inline const Walls kMayInclude = {
     {"estimator/light", {"estimator", "estimator/air", "estimator/horizon", "estimator/sky", "estimator/turbidity"}},
     {"estimator/passers", {}},
     {"estimator/photograph", {"estimator/air", "estimator/horizon", "estimator/light"}},
-    {"estimator/proof", {}},
     {"estimator/sky", {"estimator", "estimator/air"}},
     {"estimator/sky_camera", {"estimator", "estimator/air", "estimator/sky", "estimator/turbidity"}},
     {"estimator/sky_fit", {"estimator", "estimator/air", "estimator/sky"}},

@@ -1,4 +1,4 @@
-#include "estimator/proof/facade.hpp"
+#include "estimator/photograph/facade.hpp"
 
 #include <algorithm>
 

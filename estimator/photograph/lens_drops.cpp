@@ -1,4 +1,4 @@
-#include "estimator/proof/lens_drops.hpp"
+#include "estimator/photograph/lens_drops.hpp"
 
 #include <cmath>
 #include <limits>
