@@ -1,6 +1,7 @@
 #include "base/unfinished_file.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <charconv>
 #include <csignal>
@@ -10,6 +11,7 @@
 #include <set>
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -23,7 +25,7 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
 }
 
-// The process that was writing ".STEM.PID.part.EXT"; empty for any other name.
+// The process that was writing ".STEM.RANDOM.PID.part.EXT"; empty for any other name.
 std::optional<pid_t> writer_of(const std::string& name) {
   const auto part = name.rfind(".part");
   if (!name.starts_with('.') || part == std::string::npos || part == 0) return std::nullopt;
@@ -63,6 +65,14 @@ void sweep_once(const std::filesystem::path& folder) {
   if (swept.emplace(status.st_dev, status.st_ino).second) sweep(folder);
 }
 
+// So that nobody can put a link there before us, in a folder that others write to.
+std::uint32_t unguessable() {
+  static std::atomic<std::uint32_t> count = 0;  // where the kernel has no random numbers yet
+  std::uint32_t random = 0;
+  if (::getrandom(&random, sizeof random, GRND_NONBLOCK) != sizeof random) random = ++count;
+  return random;
+}
+
 // What was written to it is on the disk on return.
 Result<> write_through(const std::filesystem::path& file) {
   const UniqueFd fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
@@ -75,7 +85,8 @@ Result<> write_through(const std::filesystem::path& file) {
 std::filesystem::path unfinished_name(const std::filesystem::path& path) {
   sweep_once(folder_of(path));
   const auto name = path.filename();
-  return path.parent_path() / fmt::format(".{}.{}.part{}", name.stem().string(), ::getpid(), name.extension().string());
+  return path.parent_path() / fmt::format(".{}.{:08x}.{}.part{}", name.stem().string(), unguessable(), ::getpid(),
+                                          name.extension().string());
 }
 
 Result<> finish_file(const std::filesystem::path& unfinished, const std::filesystem::path& path) {

@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-// The hidden name, ".STEM.PID.part.EXT". The first file in a folder sweeps there what processes that were killed, or a
+// The hidden name, ".STEM.RANDOM.PID.part.EXT", which nobody can know beforehand. The first file in a folder sweeps there what processes that were killed, or a
 // power cut, left under such names.
 std::filesystem::path unfinished_name(const std::filesystem::path& path);
 

@@ -58,7 +58,7 @@ void list_keys_below(const toml::node& node, const std::string& full, std::vecto
 }  // namespace
 
 Result<ConfigTable> ConfigTable::read_file(const std::filesystem::path& path) {
-  auto text = read_text_file(path);
+  auto text = read_text_file(path, kSmallFile);
   if (!text) return fail(text.error());
   return parse(*text, path);
 }
@@ -69,7 +69,7 @@ std::filesystem::path ConfigTable::place_of_copy(const std::filesystem::path& pa
 }
 
 Result<ConfigTable> ConfigTable::read_copy(const std::filesystem::path& path, const std::filesystem::path& copies) {
-  const auto text = read_text_file(place_of_copy(path, copies));
+  const auto text = read_text_file(place_of_copy(path, copies), kSmallFile);
   if (!text) return fail(text.error());
   auto table = parse(*text, path);
   if (table) table->file_->copies = copies;
@@ -113,6 +113,9 @@ void ConfigTable::problem(std::string_view key, std::string_view expected) const
   const auto* node = node_->table->get(key);
   const auto full = full_key(key);
   const auto file = origin_of(full).string();
+  const auto named = file_->files.find(full);
+  if (named != file_->files.end() && named->second.extension() == ".toml")
+    file_->unread.insert(full.substr(0, full.find_first_of(".[")));
   if (node)
     file_->problems.add("{}: {} = {}: expected {}", file, full, shown(*node), expected);
   else if (!file_->missing_excused)
@@ -337,6 +340,7 @@ Result<> ConfigTable::finish() const {
   std::string skipped;  // keys inside an unknown table need no line of their own
   for (const auto& key : keys) {
     if (file_->read.contains(key)) continue;
+    if (file_->unread.contains(key.substr(0, key.find_first_of(".[")))) continue;
     if (!skipped.empty() && key.starts_with(skipped)) continue;
     file_->problems.add("{}: {}: unknown key", origin_of(key).string(), key);
     skipped = key + ".";

@@ -15,6 +15,8 @@ struct ConfigTable::File {
   std::map<std::string, std::filesystem::path> files;
   std::map<std::string, std::filesystem::path> adopted;  // full keys, and the file each came from
   std::filesystem::path copies;  // a folder in which named files are looked for first; empty: none
+  // Top tables of which a named table is missing or refused: what else stands there may not have been asked for.
+  std::set<std::string> unread;
   bool missing_excused = false;
 };
 

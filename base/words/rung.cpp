@@ -26,7 +26,9 @@ std::string_view name_of(Trouble trouble) {
     case Trouble::time_unknown: return "the time is not known: no sun, no building";
     case Trouble::closed: return "closed";
     case Trouble::safe_mode: return "safe mode: too many starts have failed";
+    case Trouble::content_refused: return "the content is refused, and none is left that worked";
     case Trouble::no_display: return "no display";
+    case Trouble::stopped: return "stopped";
   }
   return "unknown";
 }
@@ -55,7 +57,9 @@ std::string_view code_of(Trouble trouble) {
     case Trouble::time_unknown: return "time-unknown";
     case Trouble::closed: return "closed";
     case Trouble::safe_mode: return "safe-mode";
+    case Trouble::content_refused: return "content-refused";
     case Trouble::no_display: return "no-display";
+    case Trouble::stopped: return "stopped";
   }
   return "unknown";
 }

@@ -31,12 +31,15 @@ enum class Trouble {
   time_unknown,     // the sun's position is unknown, so no building is drawn
   closed,           // outside opening hours
   safe_mode,        // three boots came to nothing: neither cameras nor scene are tried
+  content_refused,  // neither the configured content nor any that worked before can be shown
   no_display,
+  stopped,  // by the service manager, or somebody
 };
-inline constexpr Trouble kAllTroubles[] = {Trouble::none,         Trouble::starting,      Trouble::scene_lost,
-                                           Trouble::scene_frozen, Trouble::scene_covered, Trouble::scene_white_out,
-                                           Trouble::sky_lost,     Trouble::time_unknown,  Trouble::closed,
-                                           Trouble::safe_mode,    Trouble::no_display};
+inline constexpr Trouble kAllTroubles[] = {Trouble::none,         Trouble::starting,        Trouble::scene_lost,
+                                           Trouble::scene_frozen, Trouble::scene_covered,   Trouble::scene_white_out,
+                                           Trouble::sky_lost,     Trouble::time_unknown,    Trouble::closed,
+                                           Trouble::safe_mode,    Trouble::content_refused, Trouble::no_display,
+                                           Trouble::stopped};
 // A sentence, as status.json has it; empty for none.
 std::string_view name_of(Trouble trouble);
 std::optional<Trouble> trouble_named(std::string_view name);

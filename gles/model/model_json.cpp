@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/json_depth.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -38,28 +40,6 @@ std::uint32_t word(std::span<const std::uint8_t> file, std::size_t at) {
          static_cast<std::uint32_t>(file[at + 2]) << 16 | static_cast<std::uint32_t>(file[at + 3]) << 24;
 }
 
-// Parsers recurse, so a file of nested brackets could exhaust the stack.
-int nesting_depth(std::string_view json) {
-  int depth = 0, deepest = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
-    if (in_string) {
-      if (c == '\\')
-        ++i;
-      else if (c == '"')
-        in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      deepest = std::max(deepest, ++depth);
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return deepest;
-}
-
 }  // namespace
 
 Result<std::string_view> gltf_json(std::span<const std::uint8_t> file, std::string_view name) {
@@ -80,7 +60,7 @@ Result<std::string_view> gltf_json(std::span<const std::uint8_t> file, std::stri
 
 Result<> check_gltf_json(std::string_view json, std::string_view name) {
   constexpr int kDeepest = 100;
-  if (const int depth = nesting_depth(json); depth > kDeepest)
+  if (const int depth = json_depth(json); depth > kDeepest)
     return fail(FaultKind::bad_input, "{}: JSON nested {} deep: expected {} at most", name, depth, kDeepest);
   const auto document = nlohmann::json::parse(json, nullptr, false);
   if (document.is_discarded() || !document.is_object())

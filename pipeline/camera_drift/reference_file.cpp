@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/json_depth.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/camera_drift/drift_reference.hpp"
 #include "pipeline/camera_drift/reference_pictures.hpp"
@@ -148,7 +149,7 @@ Result<DriftReference> load_reference(const std::filesystem::path& stem, const I
   if (!std::filesystem::exists(file, error)) return fail(FaultKind::io, "{}: there is no reference yet", file.string());
   const auto text = read_text_file(file);
   if (!text) return fail(text.error());
-  const auto json = Json::parse(*text, nullptr, false);
+  const auto json = Json::parse(modest_json(*text, 64 << 20), nullptr, false);
   const auto damaged = [&] {
     return fail(FaultKind::bad_input, "{}: expected a reference that kasumi calibrate check wrote; take a new one",
                 file.string());

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/json_depth.hpp"
 #include "base/lasting_file.hpp"
 #include "base/utc_text.hpp"
 
@@ -36,7 +37,8 @@ Result<> note_arrival(const std::filesystem::path& content, const Arrival& arriv
 std::optional<Arrival> last_arrival(const std::filesystem::path& content) {
   std::error_code error;
   if (content.empty() || !std::filesystem::is_regular_file(content / kArrivalFile, error)) return std::nullopt;
-  const auto json = nlohmann::json::parse(read_text_file(content / kArrivalFile).value_or(""), nullptr, false);
+  const auto json = nlohmann::json::parse(modest_json(read_text_file(content / kArrivalFile, kSmallFile).value_or("")),
+                                          nullptr, false);
   if (!json.is_object()) return std::nullopt;
   const auto text = [&](const char* key) {
     return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/json_depth.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/doctor/checks.hpp"
 
@@ -195,7 +196,8 @@ void check_live_air(const Json& status, Findings& findings) {
 
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
                      double seconds, Findings& findings) {
-  const auto was = Json::parse(before.status, nullptr, false), is = Json::parse(later.status, nullptr, false);
+  const auto was = Json::parse(modest_json(before.status), nullptr, false),
+             is = Json::parse(modest_json(later.status), nullptr, false);
   seconds = between(was, is).value_or(seconds);
   if (later.age_s > kStale_s) {
     findings.fail("service", fmt::format("pid {} has not written its status for {:.0f} s", later.pid, later.age_s),

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/json_depth.hpp"
 
 namespace kasumi {
 
@@ -27,8 +28,8 @@ std::optional<RunningAppliance> find_running_appliance(const std::filesystem::pa
   std::error_code error;
   if (!std::filesystem::is_regular_file(status_file, error)) return std::nullopt;
   RunningAppliance running;
-  running.status = read_text_file(status_file).value_or("");
-  const auto json = nlohmann::json::parse(running.status, nullptr, false);
+  running.status = read_text_file(status_file, kSmallFile).value_or("");
+  const auto json = nlohmann::json::parse(modest_json(running.status), nullptr, false);
   if (!json.is_object() || !json.contains("pid") || !json["pid"].is_number_integer()) return std::nullopt;
   running.pid = json["pid"].get<int>();
   // The process id may belong to another program by now.

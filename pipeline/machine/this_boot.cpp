@@ -1,4 +1,4 @@
-#include "pipeline/machine/this_boot.hpp"
+#include "base/this_boot.hpp"
 
 #include <ctime>
 

@@ -13,8 +13,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/json_depth.hpp"
+#include "base/this_boot.hpp"
 #include "base/unique_fd.hpp"
-#include "pipeline/machine/this_boot.hpp"
 #include "pipeline/machine/timedated.hpp"
 
 namespace kasumi {
@@ -114,7 +115,7 @@ class RememberedTrust final : public TimeWatch {
 
   std::optional<double> load() const {
     const auto text = read_text_file(file_);
-    const auto json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+    const auto json = text ? nlohmann::json::parse(modest_json(*text), nullptr, false) : nlohmann::json();
     if (!json.is_object() || boot_.id.empty() || json.value("boot", nlohmann::json()) != boot_.id) return std::nullopt;
     const auto offset = json.value("offset_s", nlohmann::json());
     if (!offset.is_number() || !(std::abs(offset.get<double>() - offset_s()) <= kSlewWhileDown_s)) return std::nullopt;

@@ -113,7 +113,7 @@ void EstimateInputs::add_pattern(const EstimateArguments& arguments, const std::
 
 void EstimateInputs::add_list(const std::filesystem::path& file) {
   const auto text = is_folder(file) ? fail(FaultKind::bad_input, "{}: expected a list, not a folder", file.string())
-                                    : read_text_file(file);
+                                    : read_text_file(file, {.or_pipe = true});
   if (!text) {
     problems_.add("@{}", text.error().message);
     return;

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/json_depth.hpp"
 #include "base/lasting_file.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/config/run_config.hpp"
@@ -30,7 +31,7 @@ std::set<std::filesystem::path> companions_of(const std::filesystem::path& model
   std::set<std::filesystem::path> found;
   if (model.extension() != ".gltf") return found;
   const auto text = read_text_file(model);
-  const auto json = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  const auto json = nlohmann::json::parse(modest_json(text.value_or(""), 256 << 20, 100), nullptr, false);
   if (!json.is_object()) return found;
   for (const char* list : {"buffers", "images"}) {
     if (!json.contains(list) || !json[list].is_array()) continue;
@@ -111,6 +112,9 @@ Result<std::unique_ptr<Recording>> Recording::create(const std::filesystem::path
   if (std::filesystem::exists(folder / "fixture.toml", error))
     return fail(FaultKind::bad_input, "{}: already contains a recording; expected a new folder", folder.string());
   if (auto made = create_folders(folder); !made) return fail(made.error());
+  // Visitors may be seen in it: for its own account alone.
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_all, error);
+  if (error) return fail(FaultKind::io, "{}: cannot be closed to others: {}", folder.string(), error.message());
 
   auto changes = copy_files(*root, folder);
   if (!changes) return fail(changes.error());

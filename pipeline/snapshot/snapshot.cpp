@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/json_depth.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -40,7 +41,7 @@ std::string snapshot_answer(const Snapshot& snapshot) {
 }
 
 Result<SnapshotHeader> parse_snapshot_header(std::string_view line) try {
-  const auto json = nlohmann::json::parse(line);
+  const auto json = nlohmann::json::parse(modest_json(line));
   SnapshotHeader header;
   auto& snapshot = header.snapshot;
   snapshot.kind = json.at("kind").get<std::string>() == "sharp" ? SnapshotKind::sharp : SnapshotKind::blurred;

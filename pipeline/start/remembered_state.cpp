@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/json_depth.hpp"
 #include "base/lasting_file.hpp"
 #include "base/utc_text.hpp"
 
@@ -147,7 +148,7 @@ Result<> save(const TurbidityState& state, const std::filesystem::path& folder) 
 Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder) {
   const auto text = read_text_file(turbidity_file(folder));
   if (!text) return fail(text.error());
-  const auto json = Json::parse(*text, nullptr, false);
+  const auto json = Json::parse(modest_json(*text), nullptr, false);
   const auto number = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_number() ? json[key].get<double>() : std::nan("");
   };
@@ -193,7 +194,7 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   if (!std::filesystem::exists(file, error)) return false;
   const auto text = read_text_file(file);
   if (!text) return fail(text.error());
-  const auto json = Json::parse(*text, nullptr, false);
+  const auto json = Json::parse(modest_json(*text), nullptr, false);
   const auto damaged = [&] {
     return fail(FaultKind::bad_input, "{}: damaged; learning the landmarks' contrasts again", file.string());
   };

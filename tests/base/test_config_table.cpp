@@ -279,5 +279,16 @@ TEST(ConfigTable, MissingKeysAreExcusedAndWrongOnesAreNot) {
   EXPECT_THAT(whole.error().message, testing::Not(HasSubstr("missing")));
 }
 
+// Keys of a table whose file is missing were never asked for, whatever they are.
+TEST(ConfigTable, OneMissingFileIsOneProblem) {
+  const auto root =
+      ConfigTable::parse("[scene]\ncalibration = \"gone.toml\"\nmask_px = 3\n[sky]\nb = 1\n", "a.toml").value();
+  root.table("scene").file("calibration");
+  root.table("sky");
+  EXPECT_EQ(root.finish().error().message,
+            "a.toml: scene.calibration = 'gone.toml': expected an existing file (looked for gone.toml)\n"
+            "a.toml: sky.b: unknown key");
+}
+
 }  // namespace
 }  // namespace kasumi

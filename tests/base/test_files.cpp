@@ -1,12 +1,19 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <new>
 #include <set>
+#include <thread>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/abandonable.hpp"
 #include "base/files.hpp"
+#include "base/json_depth.hpp"
 #include "base/lasting_file.hpp"
 #include "base/unfinished_file.hpp"
 #include "tests/places.hpp"
@@ -69,7 +76,70 @@ TEST(Files, AFileTooLargeForMemoryIsRefusedUnread) {
 
 TEST(Files, WhatDoesNotTellItsSizeIsReadToTheEnd) {
   EXPECT_NE(read_text_file("/proc/self/maps").value().find("[stack]"), std::string::npos);
-  EXPECT_EQ(read_file("/dev/null").value().size(), 0u);
+}
+
+// Root writes into folders of accounts, who may put links there.
+TEST(Files, Row44ALinkThatWasPutInTheWayIsNotFollowed) {
+  const auto path = folder() / "planted";
+  std::filesystem::remove_all(path);
+  ASSERT_TRUE(create_folders(path));
+  const auto target = path / "target";
+  ASSERT_TRUE(write_text_file(target, "theirs"));
+  std::filesystem::create_symlink(target, path / "state.json");
+  std::set<std::string> names;
+  for (int i = 0; i < 50; ++i) names.insert(unfinished_name(path / "state.json").filename());
+  EXPECT_EQ(names.size(), 50U) << "nobody can know the name beforehand";
+  ASSERT_TRUE(write_text_file(path / "state.json", "ours"));
+  EXPECT_EQ(read_text_file(target).value(), "theirs");
+  EXPECT_FALSE(std::filesystem::is_symlink(path / "state.json"));
+}
+
+// Whoever opens a pipe waits for its writer, and a device may never end.
+TEST(Files, Row40WhatIsNoFileIsRefusedAtOnce) {
+  const auto pipe = folder() / "pipe";
+  std::filesystem::remove(pipe);
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(read_file(pipe).error().message, pipe.string() + ": is a pipe, expected a file");
+  EXPECT_EQ(read_file("/dev/zero").error().message, "/dev/zero: is a device, expected a file");
+  EXPECT_EQ(read_file("/dev/zero").error().kind, FaultKind::bad_input);
+}
+
+TEST(Files, WhatAPersonNamesMayBeAPipe) {
+  const auto pipe = folder() / "named-pipe";
+  std::filesystem::remove(pipe);
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << "a list"; });
+  EXPECT_EQ(read_text_file(pipe, {.or_pipe = true}).value(), "a list");
+  writer.join();
+}
+
+TEST(Files, Row40WhatIsLargerThanItMayBeIsRefused) {
+  const auto path = folder() / "eleven";
+  ASSERT_TRUE(write_text_file(path, "eleven byte"));
+  EXPECT_TRUE(read_file(path, {.most_bytes = 11}));
+  EXPECT_FALSE(read_file(path, {.most_bytes = 10}));
+}
+
+TEST(Abandonable, WorkThatNeverEndsIsLeftBehind) {
+  const auto go_on = std::make_shared<std::atomic<bool>>(false);
+  Abandonable<int> work([go_on] {
+    while (!*go_on) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return 7;
+  });
+  EXPECT_FALSE(work.take(std::chrono::milliseconds(20)));
+  EXPECT_EQ(abandoned_threads, 1);
+  *go_on = true;
+  EXPECT_EQ(work.take(std::chrono::seconds(20)), 7);
+  EXPECT_EQ(abandoned_threads, 0);
+  EXPECT_THROW(within<int>(std::chrono::seconds(20), []() -> int { throw std::bad_alloc(); }), std::bad_alloc);
+}
+
+TEST(JsonDepth, Row40IsKnownBeforeItIsParsed) {
+  EXPECT_EQ(json_depth(R"({"a": [1, {"b": "[[[[\"["}]})"), 3);
+  EXPECT_EQ(modest_json("[[1]]", 5, 2), "[[1]]");
+  EXPECT_EQ(modest_json("[[1]]", 4, 2), "") << "too large";
+  EXPECT_EQ(modest_json("[[1]]", 5, 1), "") << "too deep";
+  EXPECT_EQ(modest_json(std::string(1'000'000, '[')), "");
 }
 
 TEST(Files, WhatAKilledProcessLeftIsSweptByTheFirstWhoWritesThere) {
