@@ -57,7 +57,7 @@ std::string read_secret(const ConfigTable& table, std::string_view key) {
   const auto file = table.optional_file(key);
   std::error_code error;
   if (!file || !std::filesystem::is_regular_file(*file, error)) return {};
-  auto text = read_text_file(*file);
+  auto text = read_text_file(*file, kSmallFile);
   if (!text) {
     table.problem(key, fmt::format("a file that can be read ({})", text.error().message));
     return {};
@@ -81,6 +81,14 @@ std::string machine_name() {
   return plain.empty() ? "kiosk" : plain;
 }
 
+// Machines that were made from one image have one name, but each an id of its own. A hash of it: it is not for others.
+std::string machine_mark() {
+  const auto id = read_text_file("/etc/machine-id", kSmallFile).value_or("");
+  std::uint32_t hash = 0x811c9dc5U;  // FNV-1a
+  for (const char c : "kasumi" + id) hash = (hash ^ static_cast<unsigned char>(c)) * 0x01000193U;
+  return fmt::format("{:08x}", hash);
+}
+
 bool is_one_word(std::string_view text) {
   return !text.empty() &&
          std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) > 0x20 && c != 0x7f; });
@@ -102,7 +110,7 @@ MqttOptions read_mqtt(const ConfigTable& table) {
   mqtt.user = table.text("user", std::string());
   mqtt.password = read_secret(table, "password_file");
   if (table.has("password_file") && mqtt.user.empty()) table.problem("user", "the user whose password it is");
-  mqtt.topic = table.text("topic", "kasumi/" + machine_name());
+  mqtt.topic = table.text("topic", fmt::format("kasumi/{}-{}", machine_name(), machine_mark()));
   if (!is_topic(mqtt.topic)) table.problem("topic", "words with / between them, without +, # and $ at their beginning");
   mqtt.discovery = table.text("discovery", mqtt.discovery);
   if (!mqtt.discovery.empty() && !is_topic(mqtt.discovery))

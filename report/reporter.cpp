@@ -105,7 +105,7 @@ std::string Reporter::metrics() const {
 
 Answer Reporter::answer(const Request& request) {
   if (!tokens_.empty()) {
-    const auto admission = tokens_.admit(request.authorization);
+    const auto admission = tokens_.admit(request.authorization, request.address);
     if (admission == Admission::admitted) return answer_admitted(request);
     ++turned_away_[std::string(name_of(admission))];
     if (admission == Admission::too_many) {

@@ -10,7 +10,7 @@ std::string state_text(const Heard& heard, Language language) {
   for (const auto& symptom : diagnosis.symptoms) {
     const auto words = symptom_words(symptom.ill, language);
     text += fmt::format("\n{}\n", words.what);
-    if (!symptom.detail.empty()) text += fmt::format("  {}\n", symptom.detail);
+    if (!symptom.detail.empty()) text += fmt::format("  {}\n", detail_text(symptom, language));
     text += fmt::format("  -> {}\n     {}\n", words.what_to_do, command_for(symptom.ill));
   }
   return text;

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "base/utc_text.hpp"
+#include "report/status/symptom_words.hpp"
 
 namespace kasumi::report {
 
@@ -103,10 +104,10 @@ void MailWatch::follow(const Diagnosis& diagnosis, const Heard& heard) {
   const auto utc = clock_.utc();
   auto symptoms = diagnosis.symptoms;
   std::map<std::optional<Ill>, std::string> seen;
-  for (auto& symptom : symptoms) seen.emplace(symptom.ill, std::move(symptom.detail));
+  for (auto& symptom : symptoms) seen.emplace(symptom.ill, detail_text(symptom, Language::english));
   const auto trouble = heard.status ? heard.status->trouble : std::nullopt;
   const bool explained =
-      (trouble && *trouble != Trouble::none && *trouble != Trouble::closed) ||
+      diagnosis.sight == Sight::stopped || (trouble && *trouble != Trouble::none && *trouble != Trouble::closed) ||
       std::ranges::any_of(diagnosis.symptoms, [](const Symptom& symptom) { return hides_the_picture(symptom.ill); });
   if (!is_well(diagnosis.sight) && !explained)
     seen.emplace(std::nullopt, heard.status ? heard.status->reason : std::string());

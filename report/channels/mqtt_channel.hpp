@@ -11,21 +11,9 @@
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "base/words/language.hpp"
-#include "report/channels/mqtt_messages.hpp"
+#include "report/channels/mqtt_link.hpp"
 
 namespace kasumi::report {
-
-struct MqttOptions {
-  std::string host;
-  int port = 8883;
-  bool tls = true;
-  std::string ca_file;              // empty: who the machine trusts
-  std::string cert_file, key_file;  // ours, where the broker asks who we are; empty: none
-  std::string user, password;
-  std::string topic;                         // the kiosk's
-  std::string discovery = "homeassistant";   // Home Assistant's prefix; empty: it is not told
-  Duration every = std::chrono::minutes(1);  // figures; what visitors see is told at once
-};
 
 // A message below the kiosk's topic, once, beside whoever talks to the broker for it already. BLOCKS for at most
 // `longest`, beside the look-up of its name. Errors (io): why the broker did not take it.
@@ -36,6 +24,8 @@ struct MqttPatience {
   Duration first_wait = std::chrono::seconds(1);    // after the first failure; doubled with each
   Duration longest_wait = std::chrono::minutes(2);  // as the wait grows
   Duration silence = std::chrono::seconds(30);      // until a broker that does not answer is left
+  Duration birth_pause = std::chrono::seconds(5);   // Home Assistant begins more rarely
+  Duration settled = std::chrono::minutes(1);       // a connection that lasted so long ends the doubling of waits
 };
 
 class MqttChannel {

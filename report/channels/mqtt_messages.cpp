@@ -102,7 +102,7 @@ std::string mqtt_state(const Heard& heard, Language language) {
     symptoms.push_back(name_of(symptom.ill));
     if (!wrong.empty()) wrong += ' ';
     wrong += symptom_words(symptom.ill, language).what;
-    if (!symptom.detail.empty()) wrong += fmt::format(" ({})", symptom.detail);
+    if (!symptom.detail.empty()) wrong += fmt::format(" ({})", detail_text(symptom, language));
   }
   if (wrong.empty()) wrong = kFigureWords.nothing_wrong.in(language);
   const ToldStatus none;

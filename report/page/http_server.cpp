@@ -15,6 +15,21 @@ namespace kasumi::report {
 
 namespace {
 
+std::string address_of(MHD_Connection* connection) {
+  const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+  if (!info || !info->client_addr) return {};
+  char text[INET6_ADDRSTRLEN] = {};
+  if (info->client_addr->sa_family == AF_INET) {
+    const auto* four = reinterpret_cast<const sockaddr_in*>(info->client_addr);
+    ::inet_ntop(AF_INET, &four->sin_addr, text, sizeof text);
+  } else if (info->client_addr->sa_family == AF_INET6) {
+    auto network = reinterpret_cast<const sockaddr_in6*>(info->client_addr)->sin6_addr;
+    std::fill(network.s6_addr + 8, network.s6_addr + 16, std::uint8_t{0});
+    ::inet_ntop(AF_INET6, &network, text, sizeof text);
+  }
+  return text;
+}
+
 constexpr std::size_t kBeyond = 16;  // connections that may wait to be cut off
 
 // Everything that is answered is for whoever looks after the kiosk: nobody keeps it, frames it or guesses what it is.
@@ -126,6 +141,7 @@ struct HttpServer::Daemon {
       request.key = text_of(connection, MHD_GET_ARGUMENT_KIND, "key");
       request.accept_language = text_of(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_ACCEPT_LANGUAGE);
       request.authorization = text_of(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_AUTHORIZATION);
+      request.address = address_of(connection);
       request.host = text_of(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST);
       answer = handler(request);
     }

@@ -21,6 +21,7 @@ struct Request {
   std::string view;      // of ?view=
   std::string key;       // of ?key=
   std::string accept_language, authorization, host;
+  std::string address;  // of the peer, as a number; of IPv6 its network, since a peer has as many as it likes
 };
 
 struct Answer {

@@ -50,9 +50,11 @@ Sight sight_of_spell(const Spell& spell) {
     case Shown::live: return Sight::live;
     case Shown::held: return Sight::held;
     case Shown::degraded: return spell.trouble == Trouble::time_unknown ? Sight::no_building : Sight::earlier_air;
-    case Shown::still: return spell.trouble == Trouble::safe_mode ? Sight::out_of_order : Sight::still;
+    case Shown::still:
+      return spell.trouble == Trouble::safe_mode || spell.trouble == Trouble::content_refused ? Sight::out_of_order
+                                                                                              : Sight::still;
     case Shown::dark: return Sight::closed;
-    case Shown::nothing: return Sight::nothing;
+    case Shown::nothing: return spell.trouble == Trouble::stopped ? Sight::stopped : Sight::nothing;
   }
   return Sight::unknown;
 }
@@ -91,7 +93,8 @@ void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
   for (const auto& symptom : diagnosis.symptoms) {
     const auto words = symptom_words(symptom.ill, page.language());
     page.add("<li><h3>{}</h3>\n", escaped(words.what));
-    if (!symptom.detail.empty()) page.add("<p class=\"detail\"><q lang=\"en\">{}</q></p>\n", escaped(symptom.detail));
+    if (!symptom.detail.empty())
+      page.add("<p class=\"detail\"><q lang=\"en\">{}</q></p>\n", escaped(detail_text(symptom, page.language())));
     page.add("<p>{}</p>\n<code lang=\"en\">{}</code></li>\n", escaped(words.what_to_do),
              escaped(command_for(symptom.ill)));
   }
@@ -256,7 +259,7 @@ std::string state_page(const StatePage& of, Language language) {
     const bool said = diagnosis.sight == Sight::nothing && first.ill == Ill::no_display;
     page.add("<p class=\"why\">{}",
              said ? std::string() : escaped(fmt::format("{} ", symptom_words(first.ill, language).what)));
-    if (!first.detail.empty()) page.add("<q lang=\"en\">{}</q>", escaped(first.detail));
+    if (!first.detail.empty()) page.add("<q lang=\"en\">{}</q>", escaped(detail_text(first, language)));
     page.add("</p>\n");
   }
   page.add("<p>{} {} <a class=\"again\" href=\"./?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),

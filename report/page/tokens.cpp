@@ -15,8 +15,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t kLongestToken = 128;
-constexpr int kGuessesPerSecond = 5;
+constexpr std::size_t kLongestToken = 128, kLongestAddress = 64;
+constexpr int kGuessesPerSecond = 5;            // of one address
+constexpr int kStrangersGuessesPerSecond = 20;  // of all: each costs a millisecond
+constexpr std::size_t kMostFriends = 64, kMostAddresses = 1000;
 
 // No shorter for the first difference, so that time tells nothing.
 bool are_equal(std::string_view a, std::string_view b) {
@@ -76,9 +78,15 @@ bool is_costly(const std::string& hash) {
 }
 
 std::string token_of(std::string_view authorization) {
-  constexpr std::string_view kBearer = "Bearer ", kBasic = "Basic ";
-  if (authorization.starts_with(kBearer)) return std::string(authorization.substr(kBearer.size()));
-  if (!authorization.starts_with(kBasic)) return {};
+  constexpr std::string_view kBearer = "bearer ", kBasic = "basic ";
+  // RFC 9110: the scheme is written in any case.
+  const auto is = [&](std::string_view scheme) {
+    return authorization.size() >= scheme.size() &&
+           std::ranges::equal(authorization.substr(0, scheme.size()), scheme, {},
+                              [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  };
+  if (is(kBearer)) return std::string(authorization.substr(kBearer.size()));
+  if (!is(kBasic)) return {};
   const auto both = from_base64(authorization.substr(kBasic.size()));
   const auto colon = both.find(':');
   return colon == std::string::npos ? std::string() : both.substr(colon + 1);
@@ -101,33 +109,41 @@ bool is_usable_hash(const std::string& hash) {
   return !is_costly(hash) && hash.starts_with('$') && !hashed("x", hash).empty();
 }
 
-bool Tokens::may_look() {
+bool Tokens::may_look(const std::string& address) {
   const auto now = clock_.now();
   if (now - window_ >= 1s) {
     window_ = now;
-    looked_ = 0;
+    looked_.clear();
+    looked_at_all_ = 0;
   }
-  return looked_++ < kGuessesPerSecond;
+  if (looked_.size() >= kMostAddresses && !looked_.contains(address)) return false;
+  if (looked_[address]++ >= kGuessesPerSecond) return false;
+  if (std::ranges::find(friends_, address) != friends_.end()) return true;
+  return looked_at_all_++ < kStrangersGuessesPerSecond;
 }
 
 bool Tokens::is_valid(const TokenOptions& option) const {
   return !option.until || clock_.utc() < *option.until;
 }
 
-Admission Tokens::admit(std::string_view authorization) {
+Admission Tokens::admit(std::string_view authorization, std::string_view from) {
+  const std::string address(from.substr(0, kLongestAddress));
   const auto token = token_of(authorization);
   if (token.empty()) return authorization.empty() ? Admission::none : Admission::wrong;
   if (token.size() > kLongestToken) return Admission::wrong;
   for (const auto& known : known_)
     if (are_equal(known.token, token))
       return is_valid(options_[known.option]) ? Admission::admitted : Admission::expired;
-  if (!may_look()) return Admission::too_many;
+  if (!may_look(address)) return Admission::too_many;
   // All of them, whichever it is.
   std::optional<std::size_t> found;
   for (std::size_t i = 0; i < options_.size(); ++i)
     if (are_equal(hashed(token, options_[i].hash), options_[i].hash)) found = i;
   if (!found) return Admission::wrong;
   known_.push_back({token, *found});
+  std::erase(friends_, address);
+  friends_.push_back(address);
+  if (friends_.size() > kMostFriends) friends_.pop_front();
   return is_valid(options_[*found]) ? Admission::admitted : Admission::expired;
 }
 

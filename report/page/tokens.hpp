@@ -1,6 +1,8 @@
 // Who may see the page: tokens, of which only hashes are kept.
 #pragma once
 
+#include <deque>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,22 +36,26 @@ class Tokens {
   Tokens(std::vector<TokenOptions> options, Clock& clock) : options_(std::move(options)), clock_(clock) {}
   bool empty() const { return options_.empty(); }
   // The token of an Authorization header: "Bearer TOKEN", or "Basic ..." with the token as password, which browsers ask
-  // for. A token that was admitted is known again without the cost of its hash. Compares in constant time.
-  Admission admit(std::string_view authorization);
+  // for. A token that was admitted is known again without the cost of its hash. Compares in constant time. Guesses are
+  // counted by the address that they come from, so that nobody can shut others out; and so many a second in all, of which
+  // some are left to addresses of which a right token came before.
+  Admission admit(std::string_view authorization, std::string_view address = {});
 
  private:
   struct Known {
     std::string token;
     std::size_t option;
   };
-  bool may_look();
+  bool may_look(const std::string& address);
   bool is_valid(const TokenOptions& option) const;
 
   std::vector<TokenOptions> options_;
   Clock& clock_;
   std::vector<Known> known_;
   Instant window_{};
-  int looked_ = 0;  // at guesses, in the window
+  std::map<std::string, int> looked_;  // at guesses, in the window, by address
+  int looked_at_all_ = 0;              // of strangers
+  std::deque<std::string> friends_;    // addresses of which a right token came, the newest last
 };
 
 // 26 letters and digits, of 130 random bits. Errors: io.

@@ -7,13 +7,18 @@ namespace kasumi::report {
 
 namespace {
 
+// Then their being away is no fault of theirs.
+bool leaves_cameras_alone(const ToldStatus& told) {
+  return told.safe_mode || told.trouble == Trouble::content_refused;
+}
+
 Sight sight_of(const ToldStatus& told) {
   if (!told.shown) return Sight::unknown;
   switch (*told.shown) {
     case Shown::live: return told.building_drawn ? Sight::live : Sight::no_building;
     case Shown::held: return Sight::held;
     case Shown::degraded: return told.building_drawn ? Sight::earlier_air : Sight::no_building;
-    case Shown::still: return told.safe_mode ? Sight::out_of_order : Sight::still;
+    case Shown::still: return leaves_cameras_alone(told) ? Sight::out_of_order : Sight::still;
     case Shown::dark: return Sight::closed;
     case Shown::nothing: return Sight::nothing;
   }
@@ -30,11 +35,19 @@ std::optional<Ill> ill_of(Trouble trouble) {
     case Trouble::sky_lost: return Ill::sky_lost;
     case Trouble::time_unknown: return Ill::clock_unset;
     case Trouble::safe_mode: return Ill::safe_mode;
+    case Trouble::content_refused: return Ill::content_refused;
     case Trouble::no_display: return Ill::no_display;
     case Trouble::none:
+    case Trouble::stopped:
     case Trouble::closed: return std::nullopt;
   }
   return std::nullopt;
+}
+
+// Of a long list the first, which often has caused the others.
+Symptom first_of(Ill ill, const std::vector<std::string>& lines) {
+  if (lines.empty()) return {ill, {}};
+  return {ill, lines.front(), lines.size() - 1};
 }
 
 std::string joined(const std::vector<std::string>& lines) {
@@ -63,6 +76,11 @@ void add_drift(const ToldStatus& told, std::vector<Symptom>& symptoms) {
 
 std::vector<Symptom> symptoms_of(const ToldStatus& told) {
   std::vector<Symptom> symptoms;
+  const auto add_list = [&](Ill ill, const std::vector<std::string>& lines) {
+    const bool known = std::ranges::any_of(symptoms, [&](const Symptom& other) { return other.ill == ill; });
+    if (!lines.empty() && !known) symptoms.push_back(first_of(ill, lines));
+  };
+  add_list(Ill::content_refused, told.refused);
   const auto add = [&](bool is_so, Ill ill, std::string detail) {
     const bool known = std::ranges::any_of(symptoms, [&](const Symptom& other) { return other.ill == ill; });
     if (is_so && !known) symptoms.push_back({ill, std::move(detail)});
@@ -72,21 +90,21 @@ std::vector<Symptom> symptoms_of(const ToldStatus& told) {
   const bool by_night = told.shown == Shown::dark;
   add(told.safe_mode, Ill::safe_mode, joined(told.start_why));
   // One that is not there yet is told as `starting`.
-  add(!told.scene_camera.up && !told.safe_mode && told.trouble != Trouble::starting, Ill::scene_lost,
-      told.scene_camera.cause);
+  const bool alone = leaves_cameras_alone(told);
+  add(!told.scene_camera.up && !alone && told.trouble != Trouble::starting, Ill::scene_lost, told.scene_camera.cause);
   add(!told.draw_refused.empty(), Ill::cannot_draw, told.draw_refused);
   add(!told.display_up && !by_night && !told.safe_mode, Ill::no_display, told.display_cause);
   add(!told.hung_loops.empty(), Ill::hung, joined(told.hung_loops));
-  add(!told.refused.empty(), Ill::content_refused, joined(told.refused));
-  add(!told.sky_camera.up && !told.safe_mode && told.trouble != Trouble::starting, Ill::sky_lost,
-      told.sky_camera.cause);
-  add(told.clock_trusted == false && !told.safe_mode, Ill::clock_unset, {});
+  add(!told.sky_camera.up && !alone && told.trouble != Trouble::starting, Ill::sky_lost, told.sky_camera.cause);
+  add(told.clock_trusted == false && !alone, Ill::clock_unset, {});
   add(told.pictures_share.value_or(1.0) < 1.0 || told.throttled, Ill::hot,
       told.celsius ? fmt::format("{:.0f} °C", *told.celsius) : std::string());
-  add(told.air_supposed.value_or(false), Ill::air_supposed, told.sky_reason);
+  // Without the sun's place, or the sky camera, nobody can see the air: they are what is wrong.
+  add(told.air_supposed.value_or(false) && told.sky_camera.up && told.clock_trusted != false, Ill::air_supposed,
+      told.sky_reason);
   add(told.observers_disagree, Ill::observers_disagree, told.visibility_words);
   add_drift(told, symptoms);
-  add(!told.reload_problems.empty(), Ill::reload_refused, joined(told.reload_problems));
+  add_list(Ill::reload_refused, told.reload_problems);
   std::ranges::stable_sort(symptoms, [](const Symptom& a, const Symptom& b) {
     return hides_the_picture(a.ill) && !hides_the_picture(b.ill);
   });
@@ -105,6 +123,7 @@ std::string_view name_of(Sight sight) {
     case Sight::out_of_order: return "out-of-order";
     case Sight::closed: return "closed";
     case Sight::nothing: return "nothing";
+    case Sight::stopped: return "stopped";
     case Sight::unknown: return "unknown";
   }
   return "unknown";
@@ -188,6 +207,7 @@ std::string_view command_for(Ill ill) {
 Diagnosis diagnose(const Heard& heard) {
   Diagnosis diagnosis;
   switch (heard.contact) {
+    case Contact::stopped: diagnosis.sight = Sight::stopped; return diagnosis;
     case Contact::absent: diagnosis.symptoms = {{Ill::not_running, {}}}; return diagnosis;
     case Contact::silent: diagnosis.symptoms = {{Ill::silent, heard.why}}; return diagnosis;
     case Contact::unreadable: diagnosis.symptoms = {{Ill::unreadable, heard.why}}; return diagnosis;

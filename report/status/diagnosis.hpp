@@ -19,11 +19,12 @@ enum class Sight {
   out_of_order,  // the still picture of safe mode
   closed,
   nothing,  // there is no display
+  stopped,  // lately, on purpose
   unknown,  // nobody tells
 };
-inline constexpr Sight kAllSights[] = {Sight::live,        Sight::held,    Sight::earlier_air,
-                                       Sight::no_building, Sight::still,   Sight::out_of_order,
-                                       Sight::closed,      Sight::nothing, Sight::unknown};
+inline constexpr Sight kAllSights[] = {Sight::live,    Sight::held,         Sight::earlier_air, Sight::no_building,
+                                       Sight::still,   Sight::out_of_order, Sight::closed,      Sight::nothing,
+                                       Sight::stopped, Sight::unknown};
 std::string_view name_of(Sight sight);
 // The building's picture is on the screen, as it should be, or it is closed on purpose.
 bool is_well(Sight sight);
@@ -67,7 +68,8 @@ std::string_view command_for(Ill ill);
 
 struct Symptom {
   Ill ill;
-  std::string detail;  // in the kiosk's own words, English; may be empty
+  std::string detail;    // in the kiosk's own words, English; may be empty
+  std::size_t more = 0;  // of the same kind, untold
 };
 
 struct Diagnosis {

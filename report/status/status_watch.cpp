@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include "base/this_boot.hpp"
 #include "base/unique_fd.hpp"
 
 namespace kasumi::report {
@@ -15,6 +17,7 @@ std::string_view name_of(Contact contact) {
   switch (contact) {
     case Contact::heard: return "heard";
     case Contact::silent: return "silent";
+    case Contact::stopped: return "stopped";
     case Contact::absent: return "absent";
     case Contact::unreadable: return "unreadable";
   }
@@ -47,6 +50,23 @@ Result<std::string> read_distrusted_file(const std::filesystem::path& path, std:
   return text;
 }
 
+ThisMachine this_machine() {
+  return {boot_id(), since_boot_s,
+          [](double pid) { return ::kill(static_cast<pid_t>(pid), 0) == 0 || errno != ESRCH; }};
+}
+
+// Of one that names no boot, an older version's, only what was seen is known. Not by the file's times, nor by the clock:
+// the machine's time may be set while it lies there.
+StatusWatch::Age StatusWatch::age_of(const ToldStatus& status) const {
+  Age age{clock_.now() - *changed_, false};
+  if (status.boot.empty() || !status.since_boot_s) return age;
+  if (status.boot != machine_.boot) return {kStopPassesBy + kSilent, true};
+  const auto since = from_seconds(std::clamp(machine_.since_boot_s() - *status.since_boot_s, 0.0, 1e9));
+  age.gone = status.pid && !machine_.runs(*status.pid);
+  age.silent = std::max<Duration>(age.silent, since);
+  return age;
+}
+
 Heard StatusWatch::look() {
   const auto now = clock_.now();
   auto text = read_distrusted_file(file_, kMostStatusBytes);
@@ -54,23 +74,38 @@ Heard StatusWatch::look() {
     const bool absent = text.error().kind == FaultKind::bad_input;
     changed_.reset();
     text_.clear();
-    return {absent ? Contact::absent : Contact::unreadable, std::nullopt, text.error().message, {}};
+    // The service manager takes the folder away with the service; when that crashes it stays.
+    const bool lately = absent && heard_at_ && now - *heard_at_ < kStopPassesBy;
+    return {lately   ? Contact::stopped
+            : absent ? Contact::absent
+                     : Contact::unreadable,
+            std::nullopt,
+            text.error().message,
+            {}};
   }
-  // By our own clock, not by the file's times: the machine's time may be set while it lies there.
   if (!changed_ || *text != text_) changed_ = now;
   text_ = std::move(*text);
   auto status = parse_status(text_);
   Heard heard;
-  heard.silent = now - *changed_;
   if (!status) {
     heard.contact = Contact::unreadable;
     heard.why = fmt::format("{}: {}", file_.string(), status.error().message);
-  } else if (heard.silent > kSilent) {
+    heard.silent = now - *changed_;
+    return heard;
+  }
+  const auto age = age_of(*status);
+  heard.silent = age.silent;
+  if (status->trouble == Trouble::stopped && age.silent < kStopPassesBy) {
+    heard.contact = Contact::stopped;
+    heard.why = "stopped";
+  } else if (age.silent > (age.gone ? kGone : kSilent)) {
     heard.contact = Contact::silent;
-    heard.why = fmt::format("{}: not written for {:.0f} s", file_.string(), to_seconds(heard.silent));
+    heard.why = fmt::format("{}: not written for {:.0f} s{}", file_.string(), to_seconds(heard.silent),
+                            age.gone ? ": whoever wrote it has gone" : "");
   } else {
     heard.contact = Contact::heard;
     heard.status = std::move(*status);
+    heard_at_ = now;
   }
   return heard;
 }

@@ -53,6 +53,13 @@ Translated translated_sight(Sight sight) {
       return {"Closed: the screen is dark on purpose.",          "Geschlossen: Der Bildschirm ist absichtlich dunkel.",
               "Fermé\u202F: l’écran est éteint volontairement.", "Chiuso: lo schermo è spento di proposito.",
               "Cerrado: la pantalla está apagada a propósito.",  "閉館中です。画面は意図して消しています。"};
+    case Sight::stopped:
+      return {"Visitors see nothing: the kiosk was stopped.",
+              "Besucher sehen nichts: Der Kiosk wurde angehalten.",
+              "Les visiteurs ne voient rien\u202F: la borne a été arrêtée.",
+              "I visitatori non vedono nulla: il chiosco è stato fermato.",
+              "Los visitantes no ven nada: el quiosco se ha detenido.",
+              "来場者には何も見えていません。キオスクは停止されました。"};
     case Sight::nothing:
       return {"Visitors see nothing: there is no screen.",
               "Besucher sehen nichts: Es ist kein Bildschirm da.",
@@ -298,6 +305,22 @@ std::string_view sight_text(Sight sight, Language language) {
 SymptomWords symptom_words(Ill ill, Language language) {
   const auto words = translated_symptom(ill);
   return {words.what.in(language), words.what_to_do.in(language)};
+}
+
+std::string detail_text(const Symptom& symptom, Language language) {
+  if (symptom.more == 0) return symptom.detail;
+  const auto more = [&](const char* before, const char* after) {
+    return fmt::format("{} ({}{}{})", symptom.detail, before, symptom.more, after);
+  };
+  switch (language) {
+    case Language::english: return more("and ", " more");
+    case Language::german: return more("und ", " weitere");
+    case Language::french: return more("et ", " autres");
+    case Language::italian: return more("e altri ", "");
+    case Language::spanish: return more("y ", " más");
+    case Language::japanese: return more("ほか", "件");
+  }
+  return symptom.detail;
 }
 
 }  // namespace kasumi::report

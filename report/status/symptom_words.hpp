@@ -1,6 +1,7 @@
 // What visitors see, what is wrong and what to do about it, in the operators' language.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "base/words/language.hpp"
@@ -16,5 +17,7 @@ struct SymptomWords {
   std::string_view what_to_do;  // a sentence or two
 };
 SymptomWords symptom_words(Ill ill, Language language);
+// The kiosk's own words, and how many more of the kind there are: "a.toml: x: unknown key (and 3 more)".
+std::string detail_text(const Symptom& symptom, Language language);
 
 }  // namespace kasumi::report

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/json_depth.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi::report {
@@ -15,28 +16,6 @@ using Json = nlohmann::json;
 
 constexpr double kMostCounted = 9007199254740992.0;  // 2^53: counts beyond are not exact
 constexpr double kLongest_s = 1e9;                   // 30 years
-
-// Before it is parsed, since each level costs memory. Brackets within texts do not count.
-bool is_too_deep(std::string_view text) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\')
-        ++i;
-      else if (c == '"')
-        quoted = false;
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > kDeepestStatus) return true;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return false;
-}
 
 // One line of at most kMostTextBytes whole characters.
 std::string plain(const std::string& text) {
@@ -192,7 +171,8 @@ void tell_machine(const Part& root, ToldStatus& told) {
 Result<ToldStatus> parse_status(std::string_view text) {
   if (text.size() > kMostStatusBytes)
     return fail(FaultKind::bad_input, "the status has {} bytes: expected at most {}", text.size(), kMostStatusBytes);
-  if (is_too_deep(text)) return fail(FaultKind::bad_input, "the status is nested more than {} deep", kDeepestStatus);
+  if (json_depth(text) > kDeepestStatus)
+    return fail(FaultKind::bad_input, "the status is nested more than {} deep", kDeepestStatus);
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) return fail(FaultKind::bad_input, "the status is no JSON object");
   const Part root(json);
@@ -218,6 +198,9 @@ Result<ToldStatus> parse_status(std::string_view text) {
   told.frames_dropped = root.count("frames_dropped");
   told.utc = parse_utc(root.text("utc"));
   told.since = parse_utc(root.text("since_utc"));
+  told.boot = root.text("boot");
+  told.since_boot_s = root.seconds("since_boot_s");
+  told.pid = root.number("pid", 1.0, 4194304.0);
   return told;
 }
 

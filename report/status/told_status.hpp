@@ -79,6 +79,8 @@ struct ToldStatus {
   bool throttled = false;
 
   std::optional<Utc> utc, since;
+  std::string boot;  // of the machine
+  std::optional<double> since_boot_s, pid;
 };
 
 // Errors (bad_input): no JSON object, too large or too deep. Of everything else as much is kept as can be understood.

@@ -1,6 +1,10 @@
 #include "report/web/web_request.hpp"
 
 #include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <poll.h>
 
 namespace kasumi::report {
 
@@ -54,10 +58,37 @@ std::optional<WebRequest::End> WebRequest::turn() {
   // The library's own words name milliseconds, which would make each failure a new one.
   const bool by_tls = result == CURLE_PEER_FAILED_VERIFICATION || result == CURLE_SSL_CONNECT_ERROR ||
                       result == CURLE_SSL_CACERT_BADFILE;
+  long error = 0;
+  if (result == CURLE_COULDNT_CONNECT) curl_easy_getinfo(easy_.get(), CURLINFO_OS_ERRNO, &error);
+  if (error != 0)
+    return End{0, fmt::format("{} ({})", curl_easy_strerror(result), std::strerror(static_cast<int>(error)))};
   if (result != CURLE_OK) return End{0, by_tls && words_[0] ? std::string(words_) : curl_easy_strerror(result)};
   End end;
   curl_easy_getinfo(easy_.get(), CURLINFO_RESPONSE_CODE, &end.code);
   return end;
+}
+
+Result<std::size_t> WebRequest::send(std::string_view bytes) {
+  std::size_t sent = 0;
+  const auto result = curl_easy_send(easy_.get(), bytes.data(), bytes.size(), &sent);
+  if (result == CURLE_OK || result == CURLE_AGAIN) return sent;
+  return fail(FaultKind::disconnected, "the connection was lost ({})", curl_easy_strerror(result));
+}
+
+Result<std::size_t> WebRequest::receive(std::span<char> bytes) {
+  std::size_t came = 0;
+  const auto result = curl_easy_recv(easy_.get(), bytes.data(), bytes.size(), &came);
+  if (result == CURLE_AGAIN) return std::size_t{0};
+  if (result == CURLE_OK && came > 0) return came;
+  if (result == CURLE_OK) return fail(FaultKind::disconnected, "the connection was closed");
+  return fail(FaultKind::disconnected, "the connection was lost ({})", words_[0] ? words_ : curl_easy_strerror(result));
+}
+
+void WebRequest::wait_for_bytes(std::chrono::milliseconds longest, bool or_sent) {
+  curl_socket_t socket = CURL_SOCKET_BAD;
+  curl_easy_getinfo(easy_.get(), CURLINFO_ACTIVESOCKET, &socket);
+  pollfd wanted{socket, static_cast<short>(POLLIN | (or_sent ? POLLOUT : 0)), 0};
+  ::poll(&wanted, 1, static_cast<int>(longest.count()));
 }
 
 }  // namespace kasumi::report

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,7 @@
 
 #include "base/c_ptr.hpp"
 #include "base/clock.hpp"
+#include "base/result.hpp"
 
 namespace kasumi::report {
 
@@ -38,6 +40,13 @@ class WebRequest {
     std::string problem;
   };
   std::optional<End> turn();
+
+  // Once it is over, where only a connection was asked for (CURLOPT_CONNECT_ONLY). How many bytes went, or came; 0: none
+  // now. Error (disconnected): the connection has ended, and why.
+  Result<std::size_t> send(std::string_view bytes);
+  Result<std::size_t> receive(std::span<char> bytes);
+  // BLOCKS until bytes can be received, or sent where that is wanted, for at most `longest`.
+  void wait_for_bytes(std::chrono::milliseconds longest, bool or_sent);
 
  private:
   char words_[CURL_ERROR_SIZE] = {};

@@ -158,7 +158,6 @@ inline const Walls kLibraryDoors = {
     {"linux/cec.h", {"pipeline/machine/television.cpp"}},
     {"linux/v", {"capture/v4l2/"}},
     {"microhttpd.h", {"report/page/http_server.cpp"}},
-    {"mosquitto.h", {"report/channels/mqtt_channel.cpp"}},
     {"nlohmann/",
      {"calib/colour/", "gles/model/", "pipeline/", "report/channels/mqtt_messages.cpp", "report/status/", "fixtures/"}},
     {"opencv2/", {"calib/board/",          "calib/lens/import_lens.cpp",   "calib/mask/",

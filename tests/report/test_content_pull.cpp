@@ -201,7 +201,7 @@ TEST_F(Pulls, WaitLongerAfterEachFailure) {
     EXPECT_EQ(pull.failed(), before + 1) << wait.count();
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            fmt::format("<4>content: 127.0.0.1:{}: Couldn't connect to server\n", nobody));
+            fmt::format("<4>content: 127.0.0.1:{}: Couldn't connect to server (Connection refused)\n", nobody));
 }
 
 TEST_F(Pulls, LeaveRoomOnTheDisk) {

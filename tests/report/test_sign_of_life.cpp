@@ -128,7 +128,7 @@ TEST_F(SignsOfLife, ThatFailAreToldOnceWithoutTheirSecretAndTriedAgain) {
   }
   EXPECT_EQ(sign.failed(), 4u);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
-            fmt::format("<4>sign of life: 127.0.0.1:{}: Couldn't connect to server\n", nobody));
+            fmt::format("<4>sign of life: 127.0.0.1:{}: Couldn't connect to server (Connection refused)\n", nobody));
 }
 
 TEST_F(SignsOfLife, OnlyAnAnswerThatSaysSoIsTaken) {

@@ -36,7 +36,60 @@ TEST_F(StatusWatches, AFileThatChangesIsHeard) {
     ASSERT_EQ(watch.look().contact, Contact::heard) << second;
   }
   std::filesystem::remove(file);
+  EXPECT_EQ(watch.look().contact, Contact::stopped) << "the service manager takes it away with the service";
+  clock.advance(kStopPassesBy);
   EXPECT_EQ(watch.look().contact, Contact::absent);
+}
+
+// A machine whose time, and whose processes, the test knows.
+struct KnownMachine {
+  double since_boot_s = 5000.0;
+  bool runs = true;
+  ThisMachine machine() {
+    return {"this-boot", [this] { return since_boot_s; }, [this](double) { return runs; }};
+  }
+};
+
+std::string told_at(double since_boot_s, const std::string& boot = "this-boot") {
+  return changed(kGoodStatus, "{",
+                 fmt::format("{{\"boot\": \"{}\", \"since_boot_s\": {}, \"pid\": 4711, ", boot, since_boot_s));
+}
+
+// `kasumi-report show` looks once.
+TEST_F(StatusWatches, Row45AFirstLookKnowsHowOldItIs) {
+  KnownMachine known;
+  const auto first = [&] { return StatusWatch(file, clock, known.machine()).look(); };
+  write(told_at(4999.0));
+  EXPECT_EQ(first().contact, Contact::heard);
+  known.runs = false;
+  EXPECT_EQ(first().contact, Contact::heard) << "the one that follows it has a moment";
+  known.since_boot_s = 5006.0;
+  EXPECT_EQ(first().contact, Contact::silent) << "killed";
+  EXPECT_THAT(first().why, testing::HasSubstr("has gone"));
+  known.runs = true;
+  EXPECT_EQ(first().contact, Contact::heard);
+  known.since_boot_s = 5038.0;
+  EXPECT_EQ(first().contact, Contact::silent) << "hung";
+  write(told_at(5037.0, "another-boot"));
+  EXPECT_EQ(first().contact, Contact::silent);
+  clock.advance(24h);
+  write(told_at(5037.0));
+  EXPECT_EQ(first().contact, Contact::heard) << "whatever the clock was set to";
+}
+
+TEST_F(StatusWatches, Row45AStopOnPurposeIsNoFaultForTenMinutes) {
+  KnownMachine known;
+  auto stopped = changed(told_at(5000.0), "\"shown\": \"live\"", "\"shown\": \"nothing\"");
+  stopped = changed(stopped, "\"reason\": \"\"", "\"reason\": \"stopped\"");
+  write(stopped);
+  known.runs = false;
+  known.since_boot_s = 5540.0;
+  const auto heard = StatusWatch(file, clock, known.machine()).look();
+  EXPECT_EQ(heard.contact, Contact::stopped);
+  EXPECT_EQ(diagnose(heard).sight, Sight::stopped);
+  EXPECT_TRUE(diagnose(heard).symptoms.empty());
+  known.since_boot_s = 5700.0;
+  EXPECT_EQ(StatusWatch(file, clock, known.machine()).look().contact, Contact::silent);
 }
 
 TEST_F(StatusWatches, AFileThatStaysTheSameIsSilence) {

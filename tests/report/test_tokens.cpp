@@ -70,6 +70,19 @@ TEST_F(TokenTests, GuessesAreBoundedAndDoNotKeepOutWhoIsKnown) {
   EXPECT_EQ(tokens.admit("Bearer 102"), Admission::wrong);
 }
 
+TEST_F(TokenTests, Row28GuessesFromElsewhereDoNotKeepTheOwnerOut) {
+  for (int i = 0; i < 100; ++i) tokens.admit(fmt::format("Bearer {}", i), "203.0.113.7");
+  EXPECT_EQ(tokens.admit("Bearer x", "203.0.113.7"), Admission::too_many);
+  EXPECT_EQ(tokens.admit("bearer " + mine.token, "192.0.2.1"), Admission::admitted) << "in any case of letters";
+  clock.advance(1s);
+  // From so many places that all guesses of a second are used up: who was here before still is.
+  for (int i = 0; i < 2000; ++i) tokens.admit("Bearer x", fmt::format("198.51.{}.{}", i / 250, i % 250));
+  EXPECT_EQ(tokens.admit("Bearer " + other.token, "192.0.2.2"), Admission::too_many);
+  clock.advance(1s);
+  for (int i = 0; i < 100; ++i) tokens.admit("Bearer x", fmt::format("198.51.100.{}", i));
+  EXPECT_EQ(tokens.admit("Bearer " + other.token, "192.0.2.1"), Admission::admitted);
+}
+
 TEST(NewTokens, AreLongDifferentAndKeptAsYescrypt) {
   std::set<std::string> made;
   for (int i = 0; i < 20; ++i) made.insert(new_token().value().token);
