@@ -38,6 +38,15 @@ double natural_exponent(AerosolKind kind) {
   return facts_of(kind).natural_exponent;
 }
 
+double natural_exponent(AerosolKind kind, AerosolKind other, double other_share) {
+  constexpr double kBlue = 450.0 / 550.0, kRed = 650.0 / 550.0;
+  const auto depth = [&](double wavelength) {
+    return (1.0 - other_share) * std::pow(wavelength, -natural_exponent(kind)) +
+           other_share * std::pow(wavelength, -natural_exponent(other));
+  };
+  return -std::log(depth(kRed) / depth(kBlue)) / std::log(kRed / kBlue);
+}
+
 double optical_depth(const Aerosol& aerosol, double wavelength_nm) {
   return aerosol.aod_550 * std::pow(wavelength_nm / 550.0, -aerosol.angstrom_exponent);
 }

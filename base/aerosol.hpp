@@ -18,12 +18,18 @@ std::string_view name_of(AerosolKind kind);  // "continental"
 std::optional<AerosolKind> aerosol_kind_named(std::string_view name);
 // Angstrom exponent between 450 and 650 nm that the kind has by nature.
 double natural_exponent(AerosolKind kind);
+// Of two kinds, the other having this share of their depth at 550 nm.
+double natural_exponent(AerosolKind kind, AerosolKind other, double other_share);
 
 // Without aerosol (aod_550 = 0) the air is molecules alone.
 struct Aerosol {
   double aod_550 = 0.1;  // optical depth at 550 nm of the whole column, from sea level upwards
   double angstrom_exponent = 1.3;
   AerosolKind kind = AerosolKind::continental;
+  // What of the depth at 550 nm is of another kind: real air is seldom one mixture. Skies are of both (estimator/sky);
+  // whoever asks for one kind gets the first.
+  AerosolKind other = AerosolKind::continental;
+  double other_share = 0.0;
   friend bool operator==(const Aerosol&, const Aerosol&) = default;
 };
 // aod_550 (wavelength / 550 nm)^-exponent

@@ -98,15 +98,9 @@ Row row_at(const Place& place, AerosolKind kind, double aod_550) {
   return row;
 }
 
-// The optical depths at 550 nm with which the kind at its natural exponent has the aerosol's own depth at the
-// wavelength of each of linear sRGB's channels.
-glm::dvec3 channel_aods(const Aerosol& aerosol) {
-  const double tilt = natural_exponent(aerosol.kind) - aerosol.angstrom_exponent;
-  return aerosol.aod_550 * glm::pow(kDomeChannels_nm / 550.0, glm::dvec3(tilt));
-}
-
 bool is_natural(const Aerosol& aerosol) {
-  return aerosol.aod_550 <= 0.0 || std::abs(aerosol.angstrom_exponent - natural_exponent(aerosol.kind)) < 1e-4;
+  return aerosol.aod_550 <= 0.0 ||
+         (aerosol.other_share <= 0.0 && std::abs(aerosol.angstrom_exponent - natural_exponent(aerosol.kind)) < 1e-4);
 }
 
 // XYZ of which each linear sRGB channel is that of one of three skies.
@@ -144,6 +138,21 @@ double horizon_sine(double altitude_m) {
   return -std::sqrt(1.0 - q * q);
 }
 
+std::array<KindInChannel, 2> kinds_in_channel(const Aerosol& aerosol, double wavelength_nm) {
+  const double wavelength = wavelength_nm / 550.0, share = aerosol.other_share;
+  const double one = std::pow(wavelength, -natural_exponent(aerosol.kind));
+  if (share <= 0.0) {
+    const double tilt = natural_exponent(aerosol.kind) - aerosol.angstrom_exponent;
+    return {{{aerosol.kind, 1.0, aerosol.aod_550 * std::pow(wavelength, tilt)}, {aerosol.kind, 0.0, 0.0}}};
+  }
+  const double other = std::pow(wavelength, -natural_exponent(aerosol.other));
+  const double both = (1.0 - share) * one + share * other;
+  const double tilt = natural_exponent(aerosol.kind, aerosol.other, share) - aerosol.angstrom_exponent;
+  const double depth = aerosol.aod_550 * both * std::pow(wavelength, tilt);
+  return {
+      {{aerosol.kind, (1.0 - share) * one / both, depth / one}, {aerosol.other, share * other / both, depth / other}}};
+}
+
 DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection& sun) {
   const DomeTable& table = dome_table();
   const Place place = clamped(altitude_m, sun);
@@ -154,8 +163,8 @@ DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection&
   sky.lobes = glm::dvec3(table.lobes[0], table.lobes[1], table.lobes[2]);
   const double lowest = 1.0 / (1.0 + double{sky.steepness});  // u overhead
   const Powers powers = chebyshev_in_powers(2.0 / (1.0 - lowest), -(1.0 + lowest) / (1.0 - lowest));
-  const auto coefficients_at = [&](double aod_550) {
-    const Row row = row_at(place, aerosol.kind, aod_550);
+  const auto coefficients_at = [&](AerosolKind kind, double aod_550) {
+    const Row row = row_at(place, kind, aod_550);
     const glm::dvec3 mean = glm::exp(row.log_mean);
     std::array<glm::dvec3, kDomeTerms> coefficients{};
     for (int j = 0; j < kDomeAngles; ++j)
@@ -167,13 +176,18 @@ DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection&
     return coefficients;
   };
   if (is_natural(aerosol)) {
-    const auto coefficients = coefficients_at(aerosol.aod_550);
+    const auto coefficients = coefficients_at(aerosol.kind, aerosol.aod_550);
     std::copy(coefficients.begin(), coefficients.end(), sky.coefficients.begin());
     return sky;
   }
-  const glm::dvec3 aods = channel_aods(aerosol);
-  const std::array skies{coefficients_at(aods[0]), coefficients_at(aods[1]), coefficients_at(aods[2])};
-  for (int k = 0; k < kDomeTerms; ++k)
+  std::array<std::array<glm::dvec3, kDomeTerms>, 3> skies{};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const KindInChannel& part : kinds_in_channel(aerosol, kDomeChannels_nm[static_cast<int>(c)])) {
+      if (part.share <= 0.0) continue;
+      const auto coefficients = coefficients_at(part.kind, part.aod_550);
+      for (std::size_t k = 0; k < kDomeTerms; ++k) skies[c][k] += part.share * coefficients[k];
+    }
+  for (std::size_t k = 0; k < kDomeTerms; ++k)
     sky.coefficients[k] = glm::vec3(channel_by_channel({skies[0][k], skies[1][k], skies[2][k]}));
   return sky;
 }
@@ -183,11 +197,15 @@ SunLight dome_sun(double altitude_m, const Aerosol& aerosol, const SunDirection&
   const double radius = kDomeSunRadius_rad;
   const double height = std::asin(std::clamp(sun.z, -1.0, 1.0)) - std::asin(horizon_sine(place.altitude_m));
   if (height <= -radius) return {};
-  const auto sun_at = [&](double aod_550) { return glm::exp(row_at(place, aerosol.kind, aod_550).log_sun); };
-  const glm::dvec3 aods = channel_aods(aerosol);
-  const glm::dvec3 whole = is_natural(aerosol)
-                               ? sun_at(aerosol.aod_550)
-                               : channel_by_channel({sun_at(aods[0]), sun_at(aods[1]), sun_at(aods[2])});
+  const auto sun_at = [&](AerosolKind kind, double aod_550) { return glm::exp(row_at(place, kind, aod_550).log_sun); };
+  const auto sun_in = [&](int channel) {
+    glm::dvec3 sum{0.0};
+    for (const KindInChannel& part : kinds_in_channel(aerosol, kDomeChannels_nm[channel]))
+      if (part.share > 0.0) sum += part.share * sun_at(part.kind, part.aod_550);
+    return sum;
+  };
+  const glm::dvec3 whole = is_natural(aerosol) ? sun_at(aerosol.kind, aerosol.aod_550)
+                                               : channel_by_channel({sun_in(0), sun_in(1), sun_in(2)});
   return {glm::vec3(whole * disc_above(height / radius)), glm::vec3(whole / (kPi * radius * radius))};
 }
 

@@ -3,6 +3,8 @@
 // own table cannot be used (physics 10).
 #pragma once
 
+#include <array>
+
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
@@ -21,6 +23,9 @@ constexpr Radians kLowestDomeSun = from_degrees(92.0);  // zenith angle, without
 // optical depth at this wavelength.
 constexpr glm::dvec3 kDomeChannels_nm{640.0, 542.0, 441.0};
 
+// Of a blend of two kinds each channel is the mean of their skies by their shares of its depth, both having all of it:
+// exact for light scattered once, within .3 to 1.2 % of the spectral atmosphere up to a depth of .4 (docs/sky.md).
+//
 // All arguments are clamped to the table's range: altitude 0 .. 30 km, aod_550 0 .. 1.8, sun's zenith angle 0 .. 92 deg
 // (a lower sun gives the sky of 92 deg with the sun's direction lifted to it). Light: CIE XYZ, Y in cd/m2, at the
 // earth's mean distance from the sun. Interpolates in a table in memory: 25 us, 65 us at an exponent that is not the
@@ -29,6 +34,14 @@ DomeFunction dome(double altitude_m, const Aerosol& aerosol, const SunDirection&
 
 // Light of the sun's disc that reaches the observer through the same air; XYZ, lux and cd/m2.
 SunLight dome_sun(double altitude_m, const Aerosol& aerosol, const SunDirection& sun);
+
+// What a wavelength sees of the aerosol: each kind's share of the depth there, and the optical depth at 550 nm with which
+// that kind, at its natural exponent, has the whole depth there.
+struct KindInChannel {
+  AerosolKind kind = AerosolKind::continental;
+  double share = 0.0, aod_550 = 0.0;
+};
+std::array<KindInChannel, 2> kinds_in_channel(const Aerosol& aerosol, double wavelength_nm);
 
 // Of the aerosol that a turbidity stands for (aerosol_of).
 inline DomeFunction dome(double altitude_m, Turbidity turbidity, const SunDirection& sun) {

@@ -23,7 +23,7 @@ double aerosol_back_share(double cosine) {
 
 GroundGlow::GroundGlow(const Aerosol& aerosol, double altitude_m, double ground_albedo, const glm::dvec3& lit,
                        const glm::dvec3& channels_nm)
-    : aerosol_albedo_(haze_scattering(aerosol.kind).albedo) {
+    : aerosol_albedo_(haze_scattering(aerosol).albedo) {
   for (int c = 0; c < 3; ++c) {
     const double nm = channels_nm[c];
     molecules_[c] = molecular_optical_depth(nm) * std::exp(-altitude_m / kRayleighScaleHeight_m);

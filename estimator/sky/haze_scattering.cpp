@@ -1,5 +1,7 @@
 #include "estimator/sky/haze_scattering.hpp"
 
+#include <glm/common.hpp>
+
 namespace kasumi {
 namespace {
 
@@ -31,6 +33,15 @@ sky_text::HazeScattering haze_scattering(AerosolKind kind) {
   return {lobes.albedo,
           {lobes.forwards, lobes.backwards},
           {height(lobes.share_forwards, lobes.forwards), height(1.0 - lobes.share_forwards, lobes.backwards)}};
+}
+
+sky_text::HazeScattering haze_scattering(const Aerosol& aerosol) {
+  const sky_text::HazeScattering one = haze_scattering(aerosol.kind);
+  if (aerosol.other_share <= 0.0) return one;
+  const sky_text::HazeScattering other = haze_scattering(aerosol.other);
+  const double share = aerosol.other_share;
+  return {glm::mix(one.albedo, other.albedo, share), glm::mix(one.asymmetry, other.asymmetry, share),
+          glm::mix(one.height, other.height, share)};
 }
 
 }  // namespace kasumi

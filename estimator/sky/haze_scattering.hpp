@@ -8,5 +8,7 @@
 namespace kasumi {
 
 sky_text::HazeScattering haze_scattering(AerosolKind kind);
+// Of a blend of two kinds the means by their shares.
+sky_text::HazeScattering haze_scattering(const Aerosol& aerosol);
 
 }  // namespace kasumi
