@@ -89,7 +89,7 @@ AirQuality air_quality(const AirState& air, double altitude_m);
 struct FoundAerosol {
   Aerosol aerosol;                                   // the mean; its kind is the likeliest
   AerosolCovariance covariance;                      // the spread of kinds and sky models included
-  std::array<double, kAerosolKinds.size()> kinds{};  // probability of each; all 0: nothing is known of the kind
+  std::array<double, kAerosolKinds.size()> kinds{};  // share of the depth that is likely of each; all 0: unknown
   double papers_share = 0.0;                         // probability that the sky is Preetham's, to which T alone belongs
 };
 

@@ -39,6 +39,19 @@ AerosolKind KindBelief::shown() const {
   return given_.value_or(shown_);
 }
 
+KindBelief::Beside KindBelief::beside() const {
+  if (given_ || !seen_) return {};
+  const auto known = [&](AerosolKind kind) {
+    return std::max(0.0, kinds_[static_cast<std::size_t>(kind)] - 1.0 / static_cast<double>(kinds_.size()));
+  };
+  Beside beside;
+  double most = 0.0;
+  for (const AerosolKind kind : kAerosolKinds)
+    if (kind != shown_ && known(kind) > most) most = known(kind), beside.kind = kind;
+  if (most > 0.0) beside.share = most / (most + known(shown_));
+  return beside;
+}
+
 void KindBelief::observe(const FoundAerosol& found, bool by_sky, Instant when) {
   if (!by_sky && seen_above_ && when - *seen_above_ < kSkyGoesBefore) return;
   const double total = std::accumulate(found.kinds.begin(), found.kinds.end(), 0.0);

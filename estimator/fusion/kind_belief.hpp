@@ -23,6 +23,13 @@ class KindBelief {
   void remember(AerosolKind kind, bool papers_sky, Instant when);
 
   AerosolKind shown() const;
+  // The kind beside the shown one, and its share of the two's depth: of each what it has over a kind of which nothing is
+  // known. 0 where there is none.
+  struct Beside {
+    AerosolKind kind = AerosolKind::continental;
+    double share = 0.0;
+  };
+  Beside beside() const;
   bool papers_sky() const { return !given_ && papers_sky_; }
   Kinds kinds(Instant when) const;  // sum 1; all alike where nothing is known
   double papers_share() const { return given_ ? 0.0 : papers_share_; }

@@ -83,8 +83,10 @@ std::vector<ObserverPart> AirTracker::parts(Instant when) const {
 }
 
 AirState AirTracker::air_of(const GaussMarkov& state, const Shown& of, double growth) const {
+  const auto [other, share] = kind_.beside();
   const Aerosol aerosol{std::min(aod_of(of.amount), kHighestGivenAod),
-                        std::clamp(of.exponent, kLowestGivenExponent, kHighestGivenExponent), kind_.shown()};
+                        std::clamp(of.exponent, kLowestGivenExponent, kHighestGivenExponent), kind_.shown(), other,
+                        share};
   const double path_aod = std::max(kLeastPath, aod_of(of.path_amount));
   if (kind_.papers_sky()) {
     const bool path_seen = std::ranges::any_of(last_, &LastReading::of_path);

@@ -7,66 +7,65 @@
 
 #include <Eigen/LU>
 
+#include "base/square.hpp"
+
 namespace kasumi {
 namespace {
 
-// Where colour says nothing of the exponent it stays near the kind's own.
-constexpr double kSigmaExponent = 0.3;
+// Where colour says nothing of the exponent it stays near the kind's own, where nothing tells the kinds apart both have
+// their part.
+constexpr double kSigmaTilt = 0.3;
+constexpr double kMiddleShare = 0.5, kSigmaShare = 0.5;
 // Found amounts of skies over another ground, or of another phase function, were off by this share for each standard
 // deviation that the doubts took.
 constexpr double kDoubtfulShare = 0.07;
+constexpr double kGain = 5e-3;  // of the sum of squares, some hundred: steps that gain less are the last
 constexpr double kLowestExponent = -0.5, kHighestExponent = 2.5;
+
+SkyAmount moved(const SkyAmount& amount, const Eigen::Vector3d& step) {
+  return {amount.place + step[kPlace], amount.tilt + step[kTilt], amount.share + step[kShare]};
+}
 
 }  // namespace
 
-WhitenedFamily::WhitenedFamily(const SkyFamily& family, const std::array<Eigen::MatrixXd, 3>& log_light,
-                               std::span<const Direction> patches, const PartsOfLight& measured,
-                               const Unexplained& unexplained)
+WhitenedFamily::WhitenedFamily(const SkyFamily& family, const FamilyTables& tables, std::span<const Direction> patches,
+                               const PartsOfLight& measured, const Unexplained& unexplained)
     : family_(family),
-      table_(log_light),
+      tables_(tables),
       patches_(patches),
       unexplained_(unexplained),
       counted_(static_cast<double>(patches.size()) / unexplained.independent()) {
-  const auto n = measured[0].size(), rows = unexplained.parts() * n;
-  measured_.resize(rows);
-  for (auto& channel : light_) channel = Eigen::MatrixXd::Zero(rows, family.nodes());
+  const auto n = measured[0].size();
+  measured_.resize(unexplained.parts() * n);
   for (int p = 0; p < unexplained.parts(); ++p) {
-    const auto part = static_cast<std::size_t>(p);
-    Eigen::VectorXd white = measured[part];
+    Eigen::VectorXd white = measured[static_cast<std::size_t>(p)];
     unexplained.whiten(p, white);
     measured_.segment(p * n, n) = white;
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (kPartsOfChannels[part][c] == 0.0) continue;
-      Eigen::MatrixXd channel = kPartsOfChannels[part][c] * log_light[c];
-      unexplained.whiten(p, channel);
-      light_[c].middleRows(p * n, n) = channel;
-    }
   }
+}
+
+Eigen::MatrixXd WhitenedFamily::whitened(const std::array<Eigen::MatrixXd, 3>& channels) const {
+  const auto n = channels[0].rows();
+  Eigen::MatrixXd rows(unexplained_.parts() * n, channels[0].cols());
+  for (int p = 0; p < unexplained_.parts(); ++p) {
+    Eigen::MatrixXd part = Eigen::MatrixXd::Zero(n, channels[0].cols());
+    for (std::size_t c = 0; c < 3; ++c) part += kPartsOfChannels[static_cast<std::size_t>(p)][c] * channels[c];
+    unexplained_.whiten(p, part);
+    rows.middleRows(p * n, n) = part;
+  }
+  return rows;
 }
 
 void WhitenedFamily::doubt_at(const SkyAmount& amount) {
   if (doubts_.cols() > 0) brighter_ground_ = doubt_squares_.solve(doubts_.transpose() * left_at(amount))[0];
-  const DoubtsOfLight doubts = family_.doubts(table_, amount, patches_, brighter_ground_);
-  const auto n = doubts[0].rows();
-  doubts_.resize(measured_.size(), doubts[0].cols());
-  for (int p = 0; p < unexplained_.parts(); ++p) {
-    Eigen::MatrixXd part = Eigen::MatrixXd::Zero(n, doubts[0].cols());
-    for (std::size_t c = 0; c < 3; ++c) part += kPartsOfChannels[static_cast<std::size_t>(p)][c] * doubts[c];
-    unexplained_.whiten(p, part);
-    doubts_.middleRows(p * n, n) = part;
-  }
+  doubts_ = whitened(family_.doubts(tables_, amount, patches_, brighter_ground_));
   doubt_squares_.compute(doubts_.transpose() * doubts_ +
                          counted_ * Eigen::MatrixXd::Identity(doubts_.cols(), doubts_.cols()));
 }
 
 Eigen::VectorXd WhitenedFamily::left_at(const SkyAmount& amount) const {
-  const auto places = family_.channel_places(amount);
-  Eigen::VectorXd left = measured_;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const CubicTaps taps = cubic_taps(places[c].place, family_.nodes());
-    left.noalias() -= light_[c].middleCols<4>(taps.first) * Eigen::Map<const Eigen::Vector4d>(taps.value.data());
-  }
-  return left;
+  const auto light = family_.log_light(tables_, amount);
+  return measured_ - whitened({light[0], light[1], light[2]});
 }
 
 double WhitenedFamily::sum_at(const SkyAmount& amount) const {
@@ -79,15 +78,9 @@ double WhitenedFamily::sum_at(const SkyAmount& amount) const {
 WhitenedFamily::Squares WhitenedFamily::squares_at(const SkyAmount& amount) const {
   Squares squares;
   const Eigen::VectorXd left = left_at(amount);
-  const auto places = family_.channel_places(amount);
-  Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(left.size(), 2);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const CubicTaps taps = cubic_taps(places[c].place, family_.nodes());
-    const Eigen::VectorXd slope =
-        light_[c].middleCols<4>(taps.first) * Eigen::Map<const Eigen::Vector4d>(taps.slope.data());
-    slopes.col(0) += places[c].by_place * slope;
-    slopes.col(1) += places[c].by_exponent * slope;
-  }
+  Eigen::MatrixXd slopes = whitened(family_.slopes(tables_, amount));
+  for (int u = 0; u < kSkyUnknowns; ++u)
+    if (!is_free(u)) slopes.col(u).setZero();
   squares.left = left;
   squares.freed = slopes;
   if (doubts_.cols() > 0) {
@@ -101,64 +94,165 @@ WhitenedFamily::Squares WhitenedFamily::squares_at(const SkyAmount& amount) cons
   return squares;
 }
 
-Eigen::Matrix2d WhitenedFamily::slope_covariance(const Squares& squares) const {
+WhitenedFamily::OfUnknowns WhitenedFamily::slope_covariance(const Squares& squares) const {
   const Eigen::MatrixXd by_doubts = doubts_.transpose() * squares.freed;
-  Eigen::Matrix2d sum = by_doubts.transpose() * by_doubts;
+  OfUnknowns sum = by_doubts.transpose() * by_doubts;
   const auto n = squares.freed.rows() / unexplained_.parts();
   for (int p = 0; p < unexplained_.parts(); ++p) sum += unexplained_.believed(p, squares.freed.middleRows(p * n, n));
   return sum;
 }
 
-FamilyFit WhitenedFamily::fitted(const GivenAir& known) {
-  const bool is_dome = family_.kind().has_value();
-  const double own = family_.natural_exponent(), top = family_.nodes() - 1.0;
-  const bool free_exponent = is_dome && !known.angstrom_exponent;
-  const double middle = is_dome && known.angstrom_exponent ? *known.angstrom_exponent : own;
-  const bool free_place = !known.aod_550;
-  const double given_place = family_.place_of(known.aod_550.value_or(0.0));
+SkyAmount WhitenedFamily::kept(SkyAmount amount) const {
+  amount.place = is_free(kPlace) ? std::clamp(amount.place, 0.0, family_.nodes() - 1.0) : given_place_;
+  amount.share = is_free(kShare) ? std::clamp(amount.share, 0.0, 1.0) : 0.0;
+  const double own = family_.natural_exponent(amount.share);
+  if (is_free(kTilt))
+    amount.tilt = std::clamp(amount.tilt, kLowestExponent - own, kHighestExponent - own);
+  else
+    amount.tilt = given_exponent_ ? *given_exponent_ - own : 0.0;
+  return amount;
+}
 
-  const double stiffness = counted_ / (kSigmaExponent * kSigmaExponent);
-  const auto prior = [&](double exponent) { return stiffness * (exponent - middle) * (exponent - middle); };
+double WhitenedFamily::prior(const SkyAmount& amount) const {
+  double sum = 0.0;
+  if (is_free(kTilt) || is_free(kShare)) sum += square(amount.tilt / kSigmaTilt);
+  if (is_free(kShare)) sum += square((amount.share - kMiddleShare) / kSigmaShare);
+  return counted_ * sum;
+}
+WhitenedFamily::Unknowns WhitenedFamily::stiffness() const {
+  return {0.0, is_free(kTilt) ? counted_ / square(kSigmaTilt) : 0.0,
+          is_free(kShare) ? counted_ / square(kSigmaShare) : 0.0};
+}
+WhitenedFamily::Unknowns WhitenedFamily::prior_slope(const SkyAmount& amount) const {
+  return stiffness().cwiseProduct(Unknowns(0.0, amount.tilt, amount.share - kMiddleShare));
+}
 
-  FamilyFit fit;
-  double least = std::numeric_limits<double>::infinity();
-  for (double x = 0.0; x <= top; x += 1.0)
-    for (int e = free_exponent ? -1 : 0; e <= (free_exponent ? 1 : 0); ++e) {
-      const SkyAmount amount{free_place ? x : given_place, middle + 0.4 * e};
-      const double sum = sum_at(amount) + prior(amount.exponent);
-      if (sum >= least) continue;
-      least = sum;
-      fit.best = amount;
+// Means over all amounts by their probability, on a grid: the range ends, and an optical depth is no linear function of
+// the place.
+void WhitenedFamily::integrate(FamilyFit& fit, const OfUnknowns& width) const {
+  // In this order, each along those before it.
+  constexpr std::array kOrder{kShare, kTilt, kPlace};
+  OfUnknowns ordered;
+  for (int i = 0; i < kSkyUnknowns; ++i)
+    for (int j = 0; j < kSkyUnknowns; ++j)
+      ordered(i, j) = width(kOrder[static_cast<std::size_t>(i)], kOrder[static_cast<std::size_t>(j)]);
+  for (int i = 0; i < kSkyUnknowns; ++i) ordered(i, i) += 1e-12;
+  const OfUnknowns root = ordered.llt().matrixL();
+  // A blend's grid is coarser: it has one dimension more.
+  const double step = is_free(kShare) ? 1.1 : 0.7;
+  const int reach = is_free(kShare) ? 3 : 5;
+  const auto reach_of = [&](int unknown) { return is_free(unknown) ? reach : 0; };
+  double whole = 0.0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
+  const double top = family_.nodes() - 1.0;
+  for (int k = -reach_of(kShare); k <= reach_of(kShare); ++k) {
+    SkyAmount amount;
+    amount.share = fit.best.share + step * root(0, 0) * k;
+    if (is_free(kShare) && (amount.share < 0.0 || amount.share > 1.0)) continue;
+    const double own = family_.natural_exponent(amount.share);
+    for (int i = -reach_of(kTilt); i <= reach_of(kTilt); ++i) {
+      amount.tilt = fit.best.tilt + step * (root(1, 0) * k + root(1, 1) * i);
+      if (is_free(kTilt) && (own + amount.tilt < kLowestExponent || own + amount.tilt > kHighestExponent)) continue;
+      if (given_exponent_) amount.tilt = *given_exponent_ - own;
+      for (int j = -reach_of(kPlace); j <= reach_of(kPlace); ++j) {
+        amount.place = fit.best.place + step * (root(2, 0) * k + root(2, 1) * i + root(2, 2) * j);
+        if (is_free(kPlace) && (amount.place < 0.0 || amount.place > top)) continue;
+        const double weight = std::exp(-0.5 * step * step * (i * i + j * j + k * k));
+        const Aerosol aerosol = family_.aerosol_at(amount, own);
+        const Eigen::Vector3d value(aerosol.aod_550, aerosol.angstrom_exponent,
+                                    family_.turbidity_of(amount, aerosol).value);
+        whole += weight;
+        mean += weight * value;
+        square += weight * value * value.transpose();
+      }
     }
-  const auto kept = [&](SkyAmount amount) {
-    amount.place = free_place ? std::clamp(amount.place, 0.0, top) : given_place;
-    amount.exponent = free_exponent ? std::clamp(amount.exponent, kLowestExponent, kHighestExponent) : middle;
-    return amount;
-  };
-  // Gauss and Newton's steps, each shortened until it helps; the doubts are laid out anew where they lead.
-  Eigen::Matrix2d curvature;
-  constexpr int kLayouts = 3, kTurns = 4;
+  }
+  mean /= whole;
+  square = square / whole - mean * mean.transpose();
+  fit.mean = family_.aerosol_at(fit.best);
+  fit.mean.aod_550 = mean[0];
+  fit.mean.angstrom_exponent = mean[1];
+  // What the doubts take is known in its rough form alone.
+  if (is_free(kPlace)) {
+    const double doubtful = kDoubtfulShare * kDoubtfulShare * fit.doubts.squaredNorm();
+    square(0, 0) += doubtful * mean[0] * mean[0];
+    square(2, 2) += doubtful * std::pow(mean[2] - turbidity_of({.aod_550 = 0.0}), 2);
+  }
+  fit.covariance = {std::max(0.0, square(0, 0)), square(0, 1), std::max(0.0, square(1, 1))};
+  fit.turbidity = mean[2];
+  fit.sigma_turbidity = std::sqrt(std::max(0.0, square(2, 2)));
+  fit.log_volume = std::log(whole) - 0.5 * (prior(fit.best) / counted_ + fit.doubts.squaredNorm());
+  if (is_free(kPlace)) fit.log_volume += std::log(step * root(2, 2) / top);
+  if (is_free(kTilt)) fit.log_volume += std::log(step * root(1, 1) / kSigmaTilt);
+  if (is_free(kShare)) fit.log_volume += std::log(step * root(0, 0));
+}
+
+void WhitenedFamily::hold(const GivenAir& known) {
+  const bool is_dome = family_.kind().has_value();
+  free_ = {!known.aod_550, is_dome && !known.angstrom_exponent, family_.other().has_value()};
+  if (is_dome) given_exponent_ = known.angstrom_exponent;
+  given_place_ = family_.place_of(known.aod_550.value_or(0.0));
+}
+
+WhitenedFamily::Look WhitenedFamily::look(const GivenAir& known, std::span<const SkyAmount> places) {
+  hold(known);
+  Look best{{}, std::numeric_limits<double>::infinity()};
+  for (const SkyAmount& place : places) {
+    const SkyAmount amount = kept(place);
+    const double sum = sum_at(amount) + prior(amount);
+    if (sum < best.sum) best = {amount, sum};
+  }
+  return best;
+}
+
+FamilyFit WhitenedFamily::fitted(const GivenAir& known, std::span<const SkyAmount> begin) {
+  // Preetham's and Hosek's, which alone may not be fitted again, have no doubts to lay out.
+  const int layouts = family_.kind() ? 2 : 3;
+  if (!begin.empty()) return settled(look(known, begin).amount, layouts);
+  std::vector<SkyAmount> everywhere, around;
+  for (int x = 0; x < family_.nodes(); ++x) everywhere.push_back({static_cast<double>(x), 0.0});
+  const SkyAmount best = look(known, everywhere).amount;
+  for (const double off : {0.0, -1.0, 1.0})
+    for (const double tilt : {0.0, -0.4, 0.4})
+      if (is_free(kTilt) || (off == 0.0 && tilt == 0.0)) around.push_back({best.place + off, tilt});
+  return settled(look(known, around).amount, layouts);
+}
+
+FamilyFit WhitenedFamily::fitted_again(const GivenAir& known, const FamilyFit& before) {
+  hold(known);
+  brighter_ground_ = before.brighter_ground;
+  constexpr int kLayouts = 2;
+  return settled(before.best, kLayouts);
+}
+
+// Gauss and Newton's steps, each shortened until it helps; the doubts are laid out anew where they lead.
+FamilyFit WhitenedFamily::settled(const SkyAmount& from, int layouts) {
+  FamilyFit fit;
+  fit.best = from;
+  double least = 0.0;
+  OfUnknowns curvature;
+  constexpr int kTurns = 4;
   bool better = false;
-  for (int turn = 0; turn < kLayouts * kTurns; ++turn) {
+  for (int turn = 0; turn < layouts * kTurns; ++turn) {
     if (turn % kTurns == 0) {
       doubt_at(fit.best);
-      least = sum_at(fit.best) + prior(fit.best.exponent);
+      least = sum_at(fit.best) + prior(fit.best);
     } else if (!better) {
       continue;
     }
     const Squares here = squares_at(fit.best);
     curvature = here.curvature;
-    curvature(1, 1) += stiffness;
-    if (!free_exponent) curvature(0, 1) = curvature(1, 0) = 0.0;
-    const Eigen::Vector2d slope = here.slope + Eigen::Vector2d(0.0, (fit.best.exponent - middle) * stiffness);
-    const Eigen::Vector2d step = -(curvature + 1e-9 * Eigen::Matrix2d::Identity()).inverse() * slope;
+    curvature += stiffness().asDiagonal();
+    const Unknowns slope = here.slope + prior_slope(fit.best);
+    const Unknowns step = -(curvature + 1e-9 * OfUnknowns::Identity()).inverse() * slope;
     double share = 1.0;
     better = false;
     for (; share > 0.05 && !better; share *= 0.4) {
-      const SkyAmount next = kept({fit.best.place + share * step[0], fit.best.exponent + share * step[1]});
-      const double sum = sum_at(next) + prior(next.exponent);
+      const SkyAmount next = kept(moved(fit.best, share * step));
+      const double sum = sum_at(next) + prior(next);
       if (sum >= least) continue;
-      better = least - sum > 1e-3;
+      better = least - sum > kGain;
       least = sum;
       fit.best = next;
     }
@@ -170,62 +264,25 @@ FamilyFit WhitenedFamily::fitted(const GivenAir& known) {
   fit.squares = here.sum;
   fit.doubts = here.doubts;
   fit.brighter_ground = brighter_ground_;
+  fit.at_edge = is_free(kPlace) && (fit.best.place <= 0.0 || fit.best.place >= family_.nodes() - 1.0);
   // How the likeliest varies by the errors believed in, which are smoother than they were weighed.
-  Eigen::Matrix2d varying = slope_covariance(here);
-  varying(1, 1) += stiffness * counted_;
-  if (!free_exponent) varying(0, 1) = varying(1, 0) = 0.0;
-  const Eigen::Matrix2d inverse = (curvature + 1e-6 * Eigen::Matrix2d::Identity()).inverse();
-  const Eigen::Matrix2d width = inverse * varying * inverse;
-
-  // Sums over a grid: the range ends, and an optical depth is no linear function of the place.
-  const double by_exponent = std::sqrt(width(1, 1)), along = width(0, 1) / width(1, 1),
-               by_place = std::sqrt(std::max(width(0, 0) - along * width(0, 1), 1e-12));
-  constexpr double kStep = 0.7;
-  constexpr int kReach = 5;
-  double whole = 0.0;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
-  for (int i = free_exponent ? -kReach : 0; i <= (free_exponent ? kReach : 0); ++i)
-    for (int j = free_place ? -kReach : 0; j <= (free_place ? kReach : 0); ++j) {
-      const double tilt = kStep * i * by_exponent;
-      const SkyAmount amount{fit.best.place + along * tilt + kStep * j * by_place, fit.best.exponent + tilt};
-      const SkyAmount inside = kept(amount);
-      if (inside.place != amount.place || inside.exponent != amount.exponent) continue;
-      const double weight = std::exp(-0.5 * kStep * kStep * (i * i + j * j));
-      const Aerosol aerosol = family_.aerosol_at(amount);
-      const Eigen::Vector3d value(aerosol.aod_550, aerosol.angstrom_exponent, family_.turbidity_at(amount).value);
-      whole += weight;
-      mean += weight * value;
-      square += weight * value * value.transpose();
-    }
-  mean /= whole;
-  square = square / whole - mean * mean.transpose();
-  fit.mean = family_.aerosol_at(fit.best);
-  fit.mean.aod_550 = mean[0];
-  fit.mean.angstrom_exponent = mean[1];
-  // What the doubts take is known in its rough form alone.
-  if (free_place) {
-    const double doubtful = kDoubtfulShare * kDoubtfulShare * here.doubts.squaredNorm();
-    square(0, 0) += doubtful * mean[0] * mean[0];
-    square(2, 2) += doubtful * std::pow(mean[2] - turbidity_of({.aod_550 = 0.0}), 2);
-  }
-  fit.covariance = {std::max(0.0, square(0, 0)), square(0, 1), std::max(0.0, square(1, 1))};
-  fit.turbidity = mean[2];
-  fit.sigma_turbidity = std::sqrt(std::max(0.0, square(2, 2)));
-  fit.log_volume = std::log(whole) - 0.5 * (prior(fit.best.exponent) / counted_ + here.doubts.squaredNorm());
-  if (free_place) fit.log_volume += std::log(kStep * by_place / top);
-  if (free_exponent) fit.log_volume += std::log(kStep * by_exponent / kSigmaExponent);
-  fit.at_edge = free_place && (fit.best.place <= 0.0 || fit.best.place >= top);
+  OfUnknowns varying = slope_covariance(here);
+  varying += (counted_ * stiffness()).asDiagonal();
+  const OfUnknowns inverse = (curvature + 1e-6 * OfUnknowns::Identity()).inverse();
+  OfUnknowns width = inverse * varying * inverse;
+  for (int u = 0; u < kSkyUnknowns; ++u)
+    if (!is_free(u)) width.row(u).setZero(), width.col(u).setZero();
+  integrate(fit, width);
   return fit;
 }
 
 PartsOfLight residuals_of(const SkyFamily& family, const FamilyFit& fit, std::span<const SkyPatch> patches,
-                          const std::array<Eigen::MatrixXd, 3>& log_light) {
+                          const FamilyTables& tables) {
   PartsOfLight residuals = parts_of(patches);
   std::vector<Direction> directions;
   for (const SkyPatch& patch : patches) directions.push_back(patch.direction);
-  auto light = family.log_light(log_light, fit.best);
-  const DoubtsOfLight doubts = family.doubts(log_light, fit.best, directions, fit.brighter_ground);
+  auto light = family.log_light(tables, fit.best);
+  const DoubtsOfLight doubts = family.doubts(tables, fit.best, directions, fit.brighter_ground);
   for (std::size_t c = 0; c < 3; ++c) light[c] += doubts[c] * fit.doubts;
   for (std::size_t p = 0; p < kLightParts; ++p)
     for (std::size_t c = 0; c < 3; ++c) residuals[p] -= kPartsOfChannels[p][c] * light[c];

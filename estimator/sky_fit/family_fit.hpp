@@ -20,46 +20,69 @@ struct FamilyFit {
   bool at_edge = false;
 };
 
-// A family's light at the patches, whitened once, so that any amount costs some thousand multiplications. Rows: part by
-// part, patch by patch.
+// A family compared with the patches, all whitened. Rows: part by part, patch by patch.
 class WhitenedFamily {
  public:
-  WhitenedFamily(const SkyFamily& family, const std::array<Eigen::MatrixXd, 3>& log_light,
-                 std::span<const Direction> patches, const PartsOfLight& measured, const Unexplained& unexplained);
+  WhitenedFamily(const SkyFamily& family, const FamilyTables& tables, std::span<const Direction> patches,
+                 const PartsOfLight& measured, const Unexplained& unexplained);
 
-  // `known`: what is given of the aerosol.
-  FamilyFit fitted(const GivenAir& known);
+  // The nearest of some places, the doubts not asked.
+  struct Look {
+    SkyAmount amount;
+    double sum = 0.0;  // of squares, what is believed beforehand included
+  };
+  Look look(const GivenAir& known, std::span<const SkyAmount> places);
+  // `known`: what is given of the aerosol. Looks everywhere first, or where it is told to `begin`.
+  FamilyFit fitted(const GivenAir& known, std::span<const SkyAmount> begin = {});
+  // From what was found when errors were weighed otherwise.
+  FamilyFit fitted_again(const GivenAir& known, const FamilyFit& before);
 
  private:
+  using Unknowns = Eigen::Matrix<double, kSkyUnknowns, 1>;
+  using OfUnknowns = Eigen::Matrix<double, kSkyUnknowns, kSkyUnknowns>;
   // Of what is left when the doubts of the family take what they may, their own squares included.
   struct Squares {
     double sum = 0.0;
-    Eigen::VectorXd left;             // without the doubts' share
-    Eigen::VectorXd doubts;           // what they take, in standard deviations
-    Eigen::MatrixXd freed;            // slopes by place and exponent, of what the doubts may take
-    Eigen::Vector2d slope{0.0, 0.0};  // of half the sum
-    Eigen::Matrix2d curvature;        // of that
+    Eigen::VectorXd left;    // without the doubts' share
+    Eigen::VectorXd doubts;  // what they take, in standard deviations
+    Eigen::MatrixXd freed;   // slopes by the unknowns, of what the doubts may take
+    Unknowns slope;          // of half the sum
+    OfUnknowns curvature;    // of that
   };
+  Eigen::MatrixXd whitened(const std::array<Eigen::MatrixXd, 3>& channels) const;
   Eigen::VectorXd left_at(const SkyAmount& amount) const;
   double sum_at(const SkyAmount& amount) const;
   Squares squares_at(const SkyAmount& amount) const;
-  Eigen::Matrix2d slope_covariance(const Squares& squares) const;  // by the errors believed in
+  OfUnknowns slope_covariance(const Squares& squares) const;  // by the errors believed in
   void doubt_at(const SkyAmount& amount);
-  double brighter_ground_ = 0.0;  // by which the doubts were laid out
+  void hold(const GivenAir& known);
+  FamilyFit settled(const SkyAmount& from, int layouts);
+  void integrate(FamilyFit& fit, const OfUnknowns& width) const;
+
+  // What is held: a number that is given, or that the family has not.
+  bool is_free(int unknown) const { return free_[static_cast<std::size_t>(unknown)]; }
+  SkyAmount kept(SkyAmount amount) const;
+  // Half of it is what is believed of tilt and share before anything is seen, and how that grows.
+  double prior(const SkyAmount& amount) const;
+  Unknowns prior_slope(const SkyAmount& amount) const;
+  Unknowns stiffness() const;
 
   const SkyFamily& family_;
-  const std::array<Eigen::MatrixXd, 3>& table_;
+  const FamilyTables tables_;
   std::span<const Direction> patches_;
   const Unexplained& unexplained_;
   double counted_;  // how often each independent value is among the patches: so much more does a prior count
   Eigen::VectorXd measured_;
-  std::array<Eigen::MatrixXd, 3> light_;  // of each channel, by node
+  std::array<bool, kSkyUnknowns> free_{};
+  std::optional<double> given_exponent_;
+  double given_place_ = 0.0;
+  double brighter_ground_ = 0.0;  // about which the doubts are laid out
   Eigen::MatrixXd doubts_;
   Eigen::LDLT<Eigen::MatrixXd> doubt_squares_;
 };
 
 // ln(measured / model) at the patches, part by part, no gain taken; the family's doubts are.
 PartsOfLight residuals_of(const SkyFamily& family, const FamilyFit& fit, std::span<const SkyPatch> patches,
-                          const std::array<Eigen::MatrixXd, 3>& log_light);
+                          const FamilyTables& tables);
 
 }  // namespace kasumi

@@ -35,6 +35,14 @@ std::vector<KnownSky> known_skies(std::span<const SkyReading> readings, const Su
       const AirState air(Aerosol{aod, natural_exponent(kind), kind});
       skies.push_back(known_sky(SiteSky(SiteSkyModel::dome, air, sun, altitude_m), aod, readings));
     }
+  // Fine particles beside coarse ones, as most measured air has them.
+  constexpr double kCoarse = 0.35;
+  for (const AerosolKind coarse : {AerosolKind::desert, AerosolKind::maritime})
+    for (const double aod : {0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6, 0.9}) {
+      const AerosolKind fine = AerosolKind::smoke;
+      const AirState air(Aerosol{aod, natural_exponent(fine, coarse, kCoarse), fine, coarse, kCoarse});
+      skies.push_back(known_sky(SiteSky(SiteSkyModel::dome, air, sun, altitude_m), aod, readings));
+    }
   return skies;
 }
 

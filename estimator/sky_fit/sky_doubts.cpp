@@ -50,7 +50,7 @@ DoubtsOfLight sky_doubts(const Aerosol& aerosol, double altitude_m, const SunDir
                          const glm::dvec3& on_ground, double brighter_ground) {
   const GroundGlow brighter(aerosol, altitude_m, kDomeGroundAlbedo + kSigmaGround, on_ground, kGlowChannels_nm);
   const double deviations = std::max(brighter_ground, -1.0);
-  const auto haze = haze_scattering(aerosol.kind);
+  const auto haze = haze_scattering(aerosol);
   const double asymmetry = static_cast<double>(haze.asymmetry.x);
   glm::dvec3 molecules, scattering;
   for (int c = 0; c < 3; ++c) {

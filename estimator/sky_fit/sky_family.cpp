@@ -68,6 +68,13 @@ SkyFamily SkyFamily::dome(AerosolKind kind, double altitude_m, const SunDirectio
   return family;
 }
 
+SkyFamily SkyFamily::blend(const SkyFamily& one, const SkyFamily& other) {
+  SkyFamily family = one;
+  family.other_ = other.kind_;
+  family.on_ground_ = 0.5 * (one.on_ground_ + other.on_ground_);
+  return family;
+}
+
 SkyFamily SkyFamily::hosek(std::shared_ptr<const HosekSky> sky, const SunDirection& sun) {
   SkyFamily family(Form::hosek, sun);
   family.hosek_ = std::move(sky);
@@ -79,30 +86,35 @@ SkyFamily SkyFamily::hosek(std::shared_ptr<const HosekSky> sky, const SunDirecti
 
 std::string SkyFamily::name() const {
   if (form_ == Form::preetham) return "preetham";
-  return form_ == Form::hosek ? "hosek" : "dome, " + std::string(name_of(*kind_));
+  if (form_ == Form::hosek) return "hosek";
+  std::string name = "dome, " + std::string(name_of(*kind_));
+  if (other_) name += " and " + std::string(name_of(*other_));
+  return name;
 }
 
 double SkyFamily::amount_at(double place) const {
   return std::max(0.0, std::exp(first_ + step_ * place) - shift_);
 }
 
-Aerosol SkyFamily::aerosol_at(const SkyAmount& amount) const {
-  if (form_ != Form::dome) return aerosol_of(amount_at(amount.place));
-  return {amount_at(amount.place), amount.exponent, *kind_};
+double SkyFamily::natural_exponent(double share) const {
+  if (!kind_) return 1.3;
+  return other_ ? kasumi::natural_exponent(*kind_, *other_, share) : kasumi::natural_exponent(*kind_);
 }
 
-Turbidity SkyFamily::turbidity_at(const SkyAmount& amount) const {
-  return {form_ == Form::dome ? turbidity_of(aerosol_at(amount)) : amount_at(amount.place)};
+Aerosol SkyFamily::aerosol_at(const SkyAmount& amount, double natural_exponent) const {
+  if (form_ != Form::dome) return aerosol_of(amount_at(amount.place));
+  const double exponent = natural_exponent + amount.tilt;
+  if (!other_) return {amount_at(amount.place), exponent, *kind_};
+  return {amount_at(amount.place), exponent, *kind_, *other_, amount.share};
+}
+
+Turbidity SkyFamily::turbidity_of(const SkyAmount& amount, const Aerosol& aerosol) const {
+  return {form_ == Form::dome ? kasumi::turbidity_of(aerosol) : amount_at(amount.place)};
 }
 
 double SkyFamily::place_of(double aod_550) const {
-  const double known = form_ == Form::dome ? aod_550 : turbidity_of({.aod_550 = aod_550});
+  const double known = form_ == Form::dome ? aod_550 : kasumi::turbidity_of({.aod_550 = aod_550});
   return std::clamp((std::log(known + shift_) - first_) / step_, 0.0, nodes_ - 1.0);
-}
-
-double SkyFamily::aod_slope(const SkyAmount& amount) const {
-  const double by_place = step_ * (amount_at(amount.place) + shift_);
-  return form_ == Form::dome ? by_place : by_place * (aerosol_of(3.0).aod_550 - aerosol_of(2.0).aod_550);
 }
 
 LightOfSky SkyFamily::light(const SkyAmount& amount) const {
@@ -110,7 +122,7 @@ LightOfSky SkyFamily::light(const SkyAmount& amount) const {
     return [sky = dome_in_srgb(altitude_m_, aerosol_at(amount), sun_)](const Direction& view) {
       return dome_light(sky, view);
     };
-  const Turbidity turbidity = turbidity_at(amount);
+  const Turbidity turbidity{amount_at(amount.place)};
   if (form_ == Form::preetham)
     return [sky = SkyModel(turbidity, sun_), to_srgb = xyz_to_linear_srgb()](const Direction& view) {
       return to_srgb * sky.relative_xyz(view);
@@ -118,9 +130,9 @@ LightOfSky SkyFamily::light(const SkyAmount& amount) const {
   return [sky = hosek_->sky(turbidity, kHosekGround, sun_)](const Direction& view) { return sky.linear_srgb(view); };
 }
 
-std::array<Eigen::MatrixXd, 3> SkyFamily::log_light(std::span<const Direction> directions) const {
+LightTable SkyFamily::log_light(std::span<const Direction> directions) const {
   const auto rows = static_cast<Eigen::Index>(directions.size());
-  std::array<Eigen::MatrixXd, 3> table;
+  LightTable table;
   for (auto& channel : table) channel.resize(rows, nodes_);
   if (form_ == Form::dome) {
     // The dome is linear in its coefficients: one product of matrices.
@@ -152,40 +164,81 @@ std::array<Eigen::MatrixXd, 3> SkyFamily::log_light(std::span<const Direction> d
   return table;
 }
 
-std::array<Eigen::VectorXd, 3> SkyFamily::log_light(const std::array<Eigen::MatrixXd, 3>& table,
-                                                    const SkyAmount& amount) const {
-  const auto places = channel_places(amount);
+std::array<SkyFamily::Tap, 2> SkyFamily::taps(std::size_t channel, const SkyAmount& amount) const {
+  Tap one, other;
+  one.place = amount.place;
+  if (form_ != Form::dome) return {one, other};
+  const double log_nm = std::log(kDomeChannels_nm[static_cast<int>(channel)] / 550.0), aod = amount_at(amount.place);
+  // Extinction over that at 550 nm: of each kind and of both.
+  const double share = other_ ? amount.share : 0.0, of_one = std::exp(-kasumi::natural_exponent(*kind_) * log_nm),
+               of_other = other_ ? std::exp(-kasumi::natural_exponent(*other_) * log_nm) : of_one,
+               both = (1.0 - share) * of_one + share * of_other, by_share = (of_other - of_one) / both;
+  const auto lay = [&](Tap& tap, double of_kind) {
+    const double scale = both / of_kind * std::exp(-amount.tilt * log_nm), own = aod * scale,
+                 by_log = own / ((own + shift_) * step_);
+    tap.place = (std::log(own + shift_) - first_) / step_;
+    tap.place_by = {scale * (aod + shift_) / (own + shift_), -log_nm * by_log, by_share * by_log};
+  };
+  lay(one, of_one);
+  lay(other, of_other);
+  other.weight = share * of_other / both;
+  one.weight = 1.0 - other.weight;
+  other.weight_by_share = of_other / both - other.weight * by_share;
+  one.weight_by_share = -other.weight_by_share;
+  return {one, other};
+}
+
+std::array<Eigen::VectorXd, 3> SkyFamily::log_light(const FamilyTables& tables, const SkyAmount& amount) const {
   std::array<Eigen::VectorXd, 3> light;
   for (std::size_t c = 0; c < 3; ++c) {
-    const CubicTaps taps = cubic_taps(places[c].place, nodes_);
-    light[c] = table[c].middleCols<4>(taps.first) * Eigen::Map<const Eigen::Vector4d>(taps.value.data());
+    const auto [one, other] = taps(c, amount);
+    const auto at = [&](const LightTable& table, const Tap& tap) {
+      const CubicTaps cubic = cubic_taps(tap.place, nodes_);
+      return (table[c].middleCols<4>(cubic.first) * Eigen::Map<const Eigen::Vector4d>(cubic.value.data())).eval();
+    };
+    light[c] = at(*tables.one, one);
+    if (other_)
+      light[c] = (one.weight * light[c].array().exp() + other.weight * at(*tables.other, other).array().exp()).log();
   }
   return light;
 }
 
-DoubtsOfLight SkyFamily::doubts(const std::array<Eigen::MatrixXd, 3>& table, const SkyAmount& amount,
+std::array<Eigen::MatrixXd, 3> SkyFamily::slopes(const FamilyTables& tables, const SkyAmount& amount) const {
+  std::array<Eigen::MatrixXd, 3> slopes;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto both = taps(c, amount);
+    const auto rows = (*tables.one)[c].rows();
+    slopes[c] = Eigen::MatrixXd::Zero(rows, kSkyUnknowns);
+    Eigen::ArrayXd whole = Eigen::ArrayXd::Zero(rows);
+    for (std::size_t k = 0; k < (other_ ? 2u : 1u); ++k) {
+      const Tap& tap = both[k];
+      const LightTable& table = k == 0 ? *tables.one : *tables.other;
+      const CubicTaps cubic = cubic_taps(tap.place, nodes_);
+      const auto four = table[c].middleCols<4>(cubic.first);
+      const Eigen::VectorXd slope = four * Eigen::Map<const Eigen::Vector4d>(cubic.slope.data());
+      Eigen::ArrayXd light = Eigen::ArrayXd::Ones(rows);
+      if (other_) light = (four * Eigen::Map<const Eigen::Vector4d>(cubic.value.data())).array().exp();
+      for (int u = 0; u < kSkyUnknowns; ++u)
+        slopes[c].col(u).array() += tap.weight * light * slope.array() * tap.place_by[static_cast<std::size_t>(u)];
+      slopes[c].col(kShare).array() += tap.weight_by_share * light;
+      whole += tap.weight * light;
+    }
+    if (other_)
+      slopes[c].array().colwise() /= whole;
+    else
+      slopes[c].col(kShare).setZero();
+  }
+  return slopes;
+}
+
+DoubtsOfLight SkyFamily::doubts(const FamilyTables& tables, const SkyAmount& amount,
                                 std::span<const Direction> directions, double brighter_ground) const {
   if (form_ == Form::dome)
-    return sky_doubts(aerosol_at(amount), altitude_m_, sun_, directions, log_light(table, amount), on_ground_,
+    return sky_doubts(aerosol_at(amount), altitude_m_, sun_, directions, log_light(tables, amount), on_ground_,
                       brighter_ground);
   DoubtsOfLight none;
   none.fill(Eigen::MatrixXd(static_cast<Eigen::Index>(directions.size()), 0));
   return none;
-}
-
-std::array<SkyFamily::ChannelPlace, 3> SkyFamily::channel_places(const SkyAmount& amount) const {
-  std::array<ChannelPlace, 3> places;
-  places.fill({amount.place, 1.0, 0.0});
-  if (form_ != Form::dome) return places;
-  const double aod = amount_at(amount.place), tilt = natural_exponent() - amount.exponent;
-  for (int c = 0; c < 3; ++c) {
-    const double log_nm = std::log(kDomeChannels_nm[c] / 550.0), share = std::exp(tilt * log_nm), own = aod * share;
-    auto& place = places[static_cast<std::size_t>(c)];
-    place.place = (std::log(own + shift_) - first_) / step_;
-    place.by_place = share * (aod + shift_) / (own + shift_);
-    place.by_exponent = -own * log_nm / ((own + shift_) * step_);
-  }
-  return places;
 }
 
 }  // namespace kasumi

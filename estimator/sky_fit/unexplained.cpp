@@ -100,12 +100,16 @@ double Unexplained::independent() const {
 
 Eigen::MatrixXd Unexplained::believed(int part, Eigen::MatrixXd columns) const {
   const auto p = static_cast<std::size_t>(part);
-  factors_[p].matrixU().solveInPlace(columns);
   const double variance = kBelievedTimes * (squared(scales_[p].smooth) + squared(scales_[p].rough));
-  return columns.transpose() *
-         (instrument_[p] * columns + (1.0 - kBelievedRough) * variance * (alike_ * columns) +
-          (noise_[p] + off_ + Eigen::VectorXd::Constant(off_.size(), kBelievedRough * variance)).asDiagonal() *
-              columns);
+  Eigen::MatrixXd varied(columns.rows(), columns.cols());
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    auto column = columns.col(k);
+    factors_[p].matrixU().solveInPlace(column);
+    varied.col(k).noalias() = instrument_[p] * column;
+    varied.col(k).noalias() += (1.0 - kBelievedRough) * variance * alike_ * column;
+    varied.col(k).array() += (noise_[p] + off_).array() * column.array() + kBelievedRough * variance * column.array();
+  }
+  return columns.transpose() * varied;
 }
 
 void Unexplained::learn(const PartsOfLight& residuals) {

@@ -21,6 +21,7 @@ constexpr double kHorizonMemory_s = 2.8;
 // Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kMinHazeChange = 0.005;
 constexpr double kMinExponentChange = 0.02;  // half a percent of haze, between green and blue
+constexpr double kMinShareChange = 0.1;  // of the kind beside the first
 constexpr Radians kMinSunMove = from_degrees(0.1);
 constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 
@@ -76,6 +77,8 @@ bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
   if (now.air.aerosol_known() || drawn.air.aerosol_known()) {
     const Aerosol &aerosol = now.air.aerosol(), &aerosol_drawn = drawn.air.aerosol();
     return now.air.aerosol_known() == drawn.air.aerosol_known() && aerosol.kind == aerosol_drawn.kind &&
+           aerosol.other == aerosol_drawn.other &&
+           std::abs(aerosol.other_share - aerosol_drawn.other_share) <= kMinShareChange &&
            std::abs(aerosol.angstrom_exponent - aerosol_drawn.angstrom_exponent) <= kMinExponentChange &&
            std::abs(aerosol.aod_550 - aerosol_drawn.aod_550) <= kMinHazeChange * aerosol_drawn.aod_550 &&
            angle_between(now.sun, drawn.sun) <= kMinSunMove;

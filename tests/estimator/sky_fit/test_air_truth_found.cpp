@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 #include <glm/exponential.hpp>
@@ -12,6 +11,7 @@
 
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/sky_fit/unknown_camera.hpp"
+#include "fixtures/aerosol/kinds.hpp"
 #include "fixtures/atmosphere/optics.hpp"
 #include "tests/estimator/sky_fit/skies_as_readings.hpp"
 #include "tests/estimator/sky_fit/strange_skies.hpp"
@@ -132,7 +132,7 @@ TEST(AirTruthFound, SkiesOfNoKindOfOurs) {
   }
   all.print("all");
   EXPECT_LT(all.chi / all.skies, 2.0);
-  EXPECT_GT(all.chi / all.skies, 0.2);
+  EXPECT_GT(all.chi / all.skies, 0.1);  // sigma was made for what differs more (test_air_truth_particles.cpp)
 }
 
 TEST(AirTruthFound, HeldOutSkies) {
@@ -251,13 +251,41 @@ double chromaticity_rms(const std::vector<SkyReading>& readings, const Direction
   return std::sqrt(sum);
 }
 
+// Of a blend as well; `nm`'s share of the depth that the other kind has.
+double share_of_other(const Aerosol& aerosol, double nm) {
+  const double one = (1.0 - aerosol.other_share) * reference::extinction_ratio(aerosol.kind, nm),
+               other = aerosol.other_share * reference::extinction_ratio(aerosol.other, nm);
+  return other / (one + other);
+}
+reference::AerosolShape shape_of_blend(const Aerosol& aerosol) {
+  const auto one = reference::shape_of(aerosol.kind), other = reference::shape_of(aerosol.other);
+  const auto albedo = [aerosol, one, other](double nm) {
+    return std::lerp(one.albedo(nm), other.albedo(nm), share_of_other(aerosol, nm));
+  };
+  return {albedo, [aerosol, one, other, albedo](double nm) {
+            const double t = share_of_other(aerosol, nm) * other.albedo(nm) / albedo(nm);
+            const auto p = one.phase(nm), q = other.phase(nm);
+            reference::PhaseCurve both;
+            both.value = [t, p, q](double cosine) { return std::lerp(p.value(cosine), q.value(cosine), t); };
+            for (std::size_t l = 0; l < both.moments.size(); ++l)
+              both.moments[l] = std::lerp(p.moments[l], q.moments[l], t);
+            return both;
+          }};
+}
+double depth_of_blend(const Aerosol& aerosol, double nm) {
+  const double ratio = std::lerp(reference::extinction_ratio(aerosol.kind, nm),
+                                 reference::extinction_ratio(aerosol.other, nm), aerosol.other_share);
+  const double tilt = aerosol.angstrom_exponent - natural_exponent(aerosol.kind, aerosol.other, aerosol.other_share);
+  return aerosol.aod_550 * ratio * std::pow(nm / 550.0, -tilt);
+}
+
 // Of ln L from 440 to 680 nm against the spectral atmosphere with the aerosol found, nothing fitted but a gain per
 // wavelength.
 double spectral_rms(const reference::MeasuredSky& sky, std::size_t index, const reference::SkyTable& table,
                     const Aerosol& aerosol) {
   double squares = 0.0;
   for (std::size_t w = 0; w < reference::kFitted_nm.size(); ++w) {
-    const double nm = reference::kFitted_nm[w], depth = reference::mie_depth(aerosol, nm);
+    const double nm = reference::kFitted_nm[w], depth = depth_of_blend(aerosol, nm);
     const auto measured = static_cast<std::size_t>(std::lround((nm - sky.wavelengths_nm.front()) / 10.0));
     double sum = 0.0, sum_of_squares = 0.0;
     for (std::size_t d = 0; d < sky.directions.size(); ++d) {
@@ -279,7 +307,6 @@ TEST_F(MeasuredSkiesFound, TellTheTwoDaysApart) {
     ASSERT_TRUE(fits.back().solved);
     ground += fits.back().models.front().ground_albedo / static_cast<double>(skies_.size());
   }
-  std::map<AerosolKind, reference::SkyTable> tables;
   double may = 0.0, september = 0.0, chi = 0.0, may_spectral = 0.0, worst_colour = 0.0;
   double may_sigma = 0.0, september_sigma = 0.0;
   int in_may = 0, as_known = 0;
@@ -297,10 +324,8 @@ TEST_F(MeasuredSkiesFound, TellTheTwoDaysApart) {
                  known = sky.in_may() ? 0.09 : 0.045, sigma_known = sky.in_may() ? 0.03 : 0.015;
     const double off = (aod - known) / std::hypot(sigma, sigma_known);
     const Aerosol& best = fit.models.front().aerosol;
-    if (!tables.contains(best.kind))
-      tables.emplace(best.kind, reference::SkyTable(skies_, reference::shape_of(best.kind), ground));
-    const double spectral = spectral_rms(sky, s, tables.at(best.kind), best),
-                 colour = chromaticity_rms(readings, sky.sun, best);
+    const reference::SkyTable table({sky}, shape_of_blend(best), ground);
+    const double spectral = spectral_rms(sky, 0, table, best), colour = chromaticity_rms(readings, sky.sun, best);
     fmt::print(
         "| {} | {:.3f} +- {:.3f} | {} +- {} | {:.2f} | {:.2f} +- {:.2f} | {}, {:.2f} | {:.1f} % | {:.1f} %, {:.4f} |\n",
         sky.utc, aod, sigma, known, sigma_known, off * off, fit.found.aerosol.angstrom_exponent,
