@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -176,6 +177,84 @@ TEST(SkyFitBounds, OfTheKinds) {
     EXPECT_LT(least[1], least[0]);
   }
   fmt::print("Where this is below some 3 a sky does not tell the two apart, whatever the fit.\n");
+}
+
+// Fine particles (smoke's and, larger, continental air's) beside desert's coarse ones.
+struct PartsOfAir {
+  double log_aod = std::log(0.2), exponent = 1.3;
+  double coarse = 0.3;     // of the depth at 550 nm
+  double larger = 0.3;     // of the fine ones' depth, of continental air's
+  double absorbing = 0.2;  // of the fine ones' depth, of town air's: each tenth takes .011 off their albedo
+};
+
+Eigen::VectorXd light_of_parts(const BoundedSky& sky, const PartsOfAir& air) {
+  using enum AerosolKind;
+  const double fine = 1.0 - air.coarse;
+  const std::array<std::pair<AerosolKind, double>, 4> parts{{{smoke, fine * (1.0 - air.larger - air.absorbing)},
+                                                             {continental, fine * air.larger},
+                                                             {urban, fine * air.absorbing},
+                                                             {desert, air.coarse}}};
+  Eigen::VectorXd light;
+  Eigen::Vector3d whole = Eigen::Vector3d::Zero();
+  for (const auto& [kind, share] : parts) {
+    const Eigen::VectorXd of_kind = sky.log_light({std::exp(air.log_aod), air.exponent, kind});
+    const auto n = of_kind.size() / 3;
+    if (light.size() == 0) light = Eigen::VectorXd::Zero(of_kind.size());
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const double in_channel =
+          share * std::pow(kDomeChannels_nm[static_cast<int>(c)] / 550.0, -natural_exponent(kind));
+      whole[c] += in_channel;
+      light.segment(c * n, n).array() += in_channel * of_kind.segment(c * n, n).array().exp();
+    }
+  }
+  const auto n = light.size() / 3;
+  for (Eigen::Index c = 0; c < 3; ++c) light.segment(c * n, n) /= whole[c];
+  return light.array().log();
+}
+
+TEST(SkyFitBounds, OfParticlesSetFree) {
+  fmt::print(
+      "\nLeast sigma where particles are free, a gain per channel; noise of 1 %, and with smooth errors of 3 %\n"
+      "| AOD, sun from the zenith | ln AOD | exponent | coarse share | share of larger fine ones | albedo |\n");
+  constexpr std::array<double PartsOfAir::*, 5> kParts{&PartsOfAir::log_aod, &PartsOfAir::exponent, &PartsOfAir::coarse,
+                                                       &PartsOfAir::larger, &PartsOfAir::absorbing};
+  constexpr std::array kUnits{1.0, 1.0, 1.0, 1.0, 0.11};
+  for (const double zenith_deg : {35.0, 65.0}) {
+    const SunDirection sun = direction_from(from_degrees(zenith_deg), from_degrees(40.0));
+    const BoundedSky noise(sun, false), smooth(sun, true);
+    for (const double aod : {0.05, 0.2, 0.6}) {
+      std::array<std::array<double, kParts.size()>, 2> bounds{};
+      for (std::size_t k = 0; k < 2; ++k) {
+        const BoundedSky& sky = k == 0 ? noise : smooth;
+        const Eigen::VectorXd here = light_of_parts(sky, {std::log(aod)});
+        Eigen::MatrixXd slopes = Eigen::MatrixXd::Zero(here.size(), kParts.size() + 3);
+        constexpr double kStep = 0.02;
+        for (std::size_t u = 0; u < kParts.size(); ++u) {
+          PartsOfAir less{std::log(aod)}, more = less;
+          less.*kParts[u] -= kStep;
+          more.*kParts[u] += kStep;
+          slopes.col(static_cast<Eigen::Index>(u)) =
+              (light_of_parts(sky, more) - light_of_parts(sky, less)) / (2.0 * kStep);
+        }
+        for (Eigen::Index c = 0; c < 3; ++c)
+          slopes.col(static_cast<Eigen::Index>(kParts.size()) + c)
+              .segment(c * here.size() / 3, here.size() / 3)
+              .setOnes();
+        const Eigen::MatrixXd white = sky.white(slopes);
+        const Eigen::MatrixXd inverse = (white.transpose() * white).inverse();
+        for (std::size_t u = 0; u < kParts.size(); ++u)
+          bounds[k][u] = kUnits[u] * std::sqrt(inverse(static_cast<Eigen::Index>(u), static_cast<Eigen::Index>(u)));
+      }
+      std::vector<std::string> cells{fmt::format("{}, {:.0f} deg", figure_text(aod, 2), zenith_deg)};
+      for (std::size_t u = 0; u < kParts.size(); ++u)
+        cells.push_back(figure_text(bounds[0][u], 3) + "; " + figure_text(bounds[1][u], 2));
+      for (const std::string& cell : cells) fmt::print("| {} ", cell);
+      fmt::print("|\n");
+      figure_row("particles-bounds", cells);
+      EXPECT_LT(bounds[0][0], bounds[1][0]);
+      EXPECT_LT(bounds[1][0], 0.6);
+    }
+  }
 }
 
 }  // namespace
