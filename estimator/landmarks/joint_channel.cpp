@@ -30,7 +30,7 @@ constexpr double kDarkest = 1.05;              // a camera that sharpens makes e
 constexpr double kSettled = 1e-4;              // of contrast
 constexpr double kIndependentPictures = 60.0;  // pictures; more of the same surfaces' faults are not more knowledge
 constexpr double kLeastContrastSigma = 0.006;
-constexpr double kLeastToldScatter = 0.6;  // of one picture: what deviates does so for hours
+constexpr double kLeastToldScatter = 0.4;  // of one picture: what deviates does so for hours
 constexpr double kScatterReadings = 12.0;  // of which the stated scatter is worth as much
 constexpr double kLeastScatter = 0.25, kGreatestScatter = 5.0;
 
