@@ -18,9 +18,7 @@ using Matrix = Eigen::MatrixXd;
 
 constexpr double kThickest_per_m = 0.3;  // a visibility of 13 m
 constexpr int kSteps = 400;              // of the logarithm of extinction: 2.6 % each
-// In mist and fog, below some 5 km of visibility, a meter's next reading, three minutes later, differs by a factor of
-// 1.48 in the middle, and the best map from a picture of its hill to its reading by 1.8 (shared data, real-air/road).
-constexpr double kFogPatches = 0.65, kMist_per_m = 8e-4;
+constexpr double kMist_per_m = 8e-4;
 constexpr double kOneSigma = 1.0, kTwoSigma = 4.0;  // of -2 ln likelihood
 
 Eigen::Map<const Matrix> square_matrix(const std::vector<double>& values, std::size_t side) {

@@ -126,7 +126,10 @@ TEST(JointSolution, AnUnchangedSceneIsOneReading) {
   const auto readings = picture(kTowers, 5e-5, random);
   for (int i = 0; i < 10; ++i) watch.learn(readings, 0.1 * i);
   EXPECT_EQ(watch.kept().size(), 1U);
-  for (int i = 0; i < 230; ++i) watch.learn(picture(kTowers, hazy_per_m(random), random), 1.0 + 0.02 * i);
+  std::vector<KeptReadings> kept;
+  for (int i = 0; i < 199; ++i) kept.push_back({picture(kTowers, hazy_per_m(random), random), 0.02 * i});
+  ASSERT_TRUE(watch.resume(kept));
+  for (int i = 0; i < 3; ++i) watch.learn(picture(kTowers, hazy_per_m(random), random), 4.0 + 0.02 * i);
   EXPECT_EQ(watch.kept().size(), LandmarkWatch::kMostKept);
   LandmarkWatch other(Camera{}, 0.0, landmarks_of(kTowers), {}, ScatteringModel::aerosol);
   ASSERT_TRUE(other.resume(watch.kept()));

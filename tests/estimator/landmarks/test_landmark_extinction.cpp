@@ -28,7 +28,7 @@ ContrastReading reading(double contrast, double sigma) {
   return {true, "", glm::dvec3{contrast}, glm::dvec3{sigma}};
 }
 
-constexpr ContrastSpread kNoSpread{0.0, 0.0, 0.0, 0.0, 0.0};
+constexpr ContrastSpread kNoSpread{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 
 TEST(LandmarkExtinction, IsKoschmiedersWhereContrastsAreKnown) {
   const auto landmarks = at({500.0, 2000.0, 8000.0}, 0.005);
@@ -60,7 +60,7 @@ TEST(LandmarkExtinction, OfTwoSurfacesSideBySideIsTheSame) {
 TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
   const auto landmarks = at({800.0, 1500.0, 3000.0, 6000.0});
   ContrastSpread spread;
-  spread.airlight = 0.0;
+  spread.airlight = spread.fog_patchy = 0.0;
   const LandmarkExtinction law(landmarks, 0.0, kClearest_per_m, 1, spread);
   fixtures::Random random(41);
   const double truth = 4e-4;
@@ -89,7 +89,9 @@ TEST(LandmarkExtinction, SigmaIsThatOfTheErrors) {
 }
 
 TEST(LandmarkExtinction, GivesABoundWhereLandmarksEnd) {
-  const LandmarkExtinction law(at({100.0, 200.0, 300.0}), 0.0, kClearest_per_m, 1);
+  ContrastSpread even;
+  even.fog_patchy = 0.0;
+  const LandmarkExtinction law(at({100.0, 200.0, 300.0}), 0.0, kClearest_per_m, 1, even);
   const auto clear = law.estimate({reading(0.85, 0.01), reading(0.85, 0.01), reading(0.84, 0.01)});
   EXPECT_EQ(clear.kind, ExtinctionKind::at_most);
   EXPECT_FALSE(clear.reason.empty());
