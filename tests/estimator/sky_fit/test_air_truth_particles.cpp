@@ -255,8 +255,10 @@ TEST(AirTruthParticles, BuildingInTheAirThatWasFound) {
     row.print(group.name);
   }
   all.print("all");
-  // The goals, 4 and 7, are missed: the sky hardly tells what particles absorb, and the horizon's light depends on it.
-  EXPECT_LT(all.mean(0), 8.0);
+  // The goals are 4 and 7. The sky hardly tells what particles absorb, and the horizon's light depends on it; the gate's
+  // two are the worst.
+  EXPECT_LT(all.mean(0), whole_figures() ? 4.0 : 8.0);
+  EXPECT_LT(all.worst[0], 8.0);
   EXPECT_LT(all.mean(0), 0.75 * all.mean(1));
 }
 
