@@ -40,10 +40,11 @@ struct SkyFit {
   Turbidity turbidity;
   double sigma_turbidity = 0.0;
   double log_residual = 0.0;        // of the likeliest model
-  std::vector<SkyModelFit> models;  // the likeliest first
+  std::vector<SkyModelFit> models;  // the likeliest first; the likeliest blend has the weight of all
 };
 
-// `readings`: of clear sky alone, some hundred. `sky`: which models, the site's altitude, what is given.
+// `readings`: of clear sky alone, some hundred. `sky`: which models, the site's altitude, what is given. Domes are asked
+// by kind and by blends of two; `found.covariance` holds what no dome knows of other particles (docs/aerosol.md).
 SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
                const InstrumentDoubt& doubt);
 
