@@ -61,7 +61,7 @@ class Reconnecting final : public ReconnectingSource {
     if (!bad_since_) bad_since_ = last_frame_at_;
     const std::lock_guard lock(mutex_);
     --health_.good_frames;
-    ++health_.bad_frames[std::string(reason)];
+    ++health_.bad_frames[why_bad_ = reason];
     health_.last_good = accepted_at_;
   }
 
@@ -73,7 +73,9 @@ class Reconnecting final : public ReconnectingSource {
         continue;
       }
       if (bad_since_ && last_frame_at_ - *bad_since_ >= options_.bad_frames_deadline)
-        return close("bad frames", fmt::format("no good frame for {:.1f} s", to_seconds(last_frame_at_ - *bad_since_)));
+        return close("bad frames",
+                     fmt::format("no good frame for {:.1f} s{}{}", to_seconds(last_frame_at_ - *bad_since_),
+                                 why_bad_.empty() ? "" : ": ", why_bad_));
       const auto watched_until =
           last_frame_at_ + (frames_came_ ? options_.stall_deadline : options_.first_frame_deadline);
       auto frame = source_->next(std::min(deadline, watched_until));
@@ -194,7 +196,7 @@ class Reconnecting final : public ReconnectingSource {
     if (condition) health_.condition = *condition;
     if (sample) update_camera();
     if (!good) {
-      ++health_.bad_frames[std::string(name_of(metadata.status))];
+      ++health_.bad_frames[why_bad_ = name_of(metadata.status)];
       if (!bad_since_) bad_since_ = now;
       return;
     }
@@ -257,6 +259,7 @@ class Reconnecting final : public ReconnectingSource {
   std::optional<Instant> undecided_;    // arrival of the last frame if it was good; the reader may still reject it
   std::optional<Instant> accepted_at_;  // arrival of the good frame before it
   std::optional<Instant> bad_since_;
+  std::string why_bad_;  // the last one was
   std::optional<Instant> up_since_;
   std::optional<Instant> sampled_at_;
   std::optional<std::uint32_t> last_sequence_;

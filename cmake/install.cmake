@@ -19,6 +19,7 @@ install(FILES README.md CHANGELOG.md DESTINATION ${doc})
 install(DIRECTORY docs DESTINATION ${doc} FILES_MATCHING PATTERN "*.md" PATTERN "*.jpg")
 install(FILES systemd/deb/copyright DESTINATION ${doc})
 install(FILES systemd/deb/lintian-overrides DESTINATION share/lintian/overrides RENAME kasumi)
+install(FILES ${PROJECT_BINARY_DIR}/bill/kasumi.spdx.json DESTINATION ${doc})
 # A demo without cameras: kasumi replay /usr/share/kasumi/demo --out demo
 install(DIRECTORY fixtures/demo DESTINATION share/kasumi)
 
@@ -30,6 +31,7 @@ install(FILES ${manual}/kasumi-report.bash DESTINATION share/bash-completion/com
 install(FILES systemd/report.toml DESTINATION share/doc/kasumi-report/examples COMPONENT report)
 install(FILES systemd/report/kasumi.rules.yml systemd/report/grafana-dashboard.json DESTINATION share/kasumi/report COMPONENT report)
 install(FILES systemd/deb/copyright DESTINATION share/doc/kasumi-report COMPONENT report)
+install(FILES ${PROJECT_BINARY_DIR}/bill/kasumi-report.spdx.json DESTINATION share/doc/kasumi-report COMPONENT report)
 install(FILES systemd/deb-report/lintian-overrides DESTINATION share/lintian/overrides RENAME kasumi-report COMPONENT report)
 
 # Only by name (cmake --install BUILD --component kiosk), for it changes the whole machine.

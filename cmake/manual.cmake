@@ -13,4 +13,14 @@ add_custom_command(OUTPUT ${manual}/kasumi.toml.5 ${manual}/kasumi.toml.5.gz
   COMMAND kasumi --manual keys < ${PROJECT_SOURCE_DIR}/systemd/kasumi.toml > ${manual}/kasumi.toml.5
   COMMAND gzip -9nk --force ${manual}/kasumi.toml.5
   DEPENDS kasumi ${PROJECT_SOURCE_DIR}/systemd/kasumi.toml VERBATIM)
+# What the packages are made of. Each build writes them anew: a library of the system may be another by then.
+foreach(package kasumi kasumi-report)
+  set(bill ${PROJECT_BINARY_DIR}/bill/${package}.spdx.json)
+  add_custom_command(OUTPUT ${bill}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/bill
+    COMMAND env OBJDUMP=${CMAKE_OBJDUMP} ${PROJECT_SOURCE_DIR}/cmake/bill-of-materials ${package} ${PROJECT_VERSION}
+      $<TARGET_FILE:${package}> > ${bill}
+    DEPENDS ${package} ${PROJECT_SOURCE_DIR}/cmake/bill-of-materials ${PROJECT_SOURCE_DIR}/cmake/compiled-in VERBATIM)
+  list(APPEND manuals ${bill})
+endforeach()
 add_custom_target(manual ALL DEPENDS ${manuals} ${manual}/kasumi.toml.5)

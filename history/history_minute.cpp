@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kasumi {
 
@@ -28,17 +29,19 @@ bool is_as_it_should_be(Shown shown) {
   return shown == Shown::live || shown == Shown::degraded || shown == Shown::dark;
 }
 
+std::optional<HistoryLine> HistoryMinute::end() {
+  auto ended = std::exchange(minute_, std::nullopt);
+  if (ended) ended->hidden_s = static_cast<int>(std::lround(std::min(60.0, to_seconds(hidden_))));
+  hidden_ = {};
+  return ended;
+}
+
 std::optional<HistoryLine> HistoryMinute::add(const HistoryLine& now, Instant at) {
   std::optional<HistoryLine> ended;
   // Silence before this second is not counted: nobody knows what was.
   const auto since = minute_ ? std::clamp(at - told_, Duration{}, Duration(2s)) : Duration{};
   told_ = at;
-  if (minute_ && minute_->utc != now.utc) {
-    ended = minute_;
-    ended->hidden_s = static_cast<int>(std::lround(std::min(60.0, to_seconds(hidden_))));
-    minute_.reset();
-    hidden_ = {};
-  }
+  if (minute_ && minute_->utc != now.utc) ended = end();
   auto worst = now;
   if (minute_ && rank_of(minute_->shown) >= rank_of(now.shown)) {
     worst.shown = minute_->shown;

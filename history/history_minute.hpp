@@ -10,6 +10,8 @@ class HistoryMinute {
   // A second's state, its number and hidden_s left open. Gives the minute that has just ended, if one has: the worst rung
   // in it, and all else as it was last.
   std::optional<HistoryLine> add(const HistoryLine& now, Instant at);
+  // The minute under way, as far as it has come: at a stop.
+  std::optional<HistoryLine> end();
 
  private:
   std::optional<HistoryLine> minute_;

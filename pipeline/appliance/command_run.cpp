@@ -1,10 +1,15 @@
 #include <malloc.h>
 
 #include <cstdlib>
+#include <memory>
+#include <thread>
 
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "base/outside/abandonable.hpp"
+#include "base/outside/lines.hpp"
+#include "base/outside/this_boot.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/appliance/safe_mode.hpp"
 #include "pipeline/appliance/threads.hpp"
@@ -12,14 +17,16 @@
 #include "pipeline/config/sighting.hpp"
 #include "pipeline/content/content_at_start.hpp"
 #include "pipeline/log_lines.hpp"
+#include "pipeline/machine/camera_acceptance.hpp"
+#include "pipeline/machine/notifier.hpp"
 #include "pipeline/machine/state_folder.hpp"
-#include "pipeline/machine/this_boot.hpp"
 #include "pipeline/stage/stage_making.hpp"
 
 namespace kasumi {
 
 namespace {
 
+constexpr std::chrono::seconds kContentDeadline{45};  // the unit waits for a minute
 constexpr int kBadConfiguration = 78;  // EX_CONFIG: the unit does not restart it until a person has fixed the file
 
 struct RunArguments {
@@ -82,9 +89,62 @@ Result<int> check(const RunArguments& arguments) {
     }
     if (!remark->empty()) fmt::print("{}\n", *remark);
   }
+  SystemClock clock;
+  std::vector<std::string> untried;
+  const auto usable = try_cameras((*content)->config, *machine_devices(clock), clock, untried);
+  for (const auto& remark : untried) fmt::print("{}\n", remark);
+  if (!usable) {
+    print_error("the content can never go live:\n" + usable.error().message);
+    return kBadConfiguration;
+  }
   if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
     fmt::print("{}\n", summary);
   return check_drawing(arguments, *content);
+}
+
+// What is configured or worked before, and can be drawn here as far as that can be known without the display.
+Result<ContentPtr> content_that_can_be_drawn(const ContentPlace& place, StartLog& starts,
+                                             const std::filesystem::path& kept_folder) {
+  auto content = content_at_start(place, starts, kept_folder, SystemClock().utc());
+  if (!content) return content;
+  std::string renderer;
+  const auto drawn = try_drawing(*content, prepare_stage(**content), renderer);
+  if (drawn || renderer.empty()) return content;
+  return fail(drawn.error());
+}
+
+// Until it is ended on purpose: content that cannot be read or drawn is replaced by what worked before, and where there is
+// none by the still picture and words, until there is some again.
+Result<int> show(const RunArguments& arguments, const ContentPlace& place, const std::shared_ptr<StartLog>& log,
+                 const std::filesystem::path& kept_folder) {
+  auto& starts = *log;
+  starts.doing("reading configuration and content");
+  auto content = within<Result<ContentPtr>>(kContentDeadline, [place, log, kept_folder] {
+                   return content_at_start(place, *log, kept_folder, SystemClock().utc());
+                 }).value_or(fail(FaultKind::io, "{}: the disk does not answer", place.config.string()));
+  const bool by_hand = kept_folder.empty();
+  if (!content && by_hand) return refused(content.error());
+  for (;;) {
+    if (!content) {
+      content = run_without_content(
+          [&] { return place.configuration(); }, starts, status_file(arguments.status),
+          lines_of(content.error().message),
+          [place, log, kept_folder] { return content_that_can_be_drawn(place, *log, kept_folder); });
+      if (!*content) return 0;
+    }
+    *content = in_its_era(*content, SystemClock().utc());
+    if (const auto era = era_name(**content); !era.empty()) spdlog::info("era: {}", era);
+    log_sighting(**content);
+    starts.doing("opening cameras and display");
+    StatusOptions status{.file = status_file(arguments.status), .stats = arguments.stats};
+    if (!by_hand) status.starts = &starts;
+    const auto why = run_appliance(place, *content, std::move(status), starts, kept_folder);
+    if (why.empty()) return 0;
+    if (by_hand) return refused({FaultKind::bad_input, why});
+    notify_systemd()->alive();  // reading other content takes a while
+    content = content_instead(place, **content, kept_folder, lines_of(why), SystemClock().utc());
+    if (!content) content = fail(FaultKind::bad_input, "{}", why);
+  }
 }
 
 Result<int> run(const RunArguments& arguments) {
@@ -94,27 +154,19 @@ Result<int> run(const RunArguments& arguments) {
   const auto folders = service_folders();
   const auto kept_folder = folders.state.empty() ? std::filesystem::path() : folders.state / "last-good";
   const ContentPlace place{arguments.config, Generations(arguments.content)};
-  StartLog starts(folders, boot_id(), since_boot_s());
-  if (starts.mode() != StartMode::whole) {
-    if (auto ended = run_safe_mode(place.configuration(), starts, status_file(arguments.status)); !ended)
-      return fail(ended.error());
-    return 0;
-  }
-  starts.doing("reading configuration and content");
-  auto content = content_at_start(place, starts, kept_folder, SystemClock().utc());
-  if (!content) {
-    if (content.error().kind != FaultKind::io) starts.ended();  // not a boot for nothing: a person reads why
-    return refused(content.error());
-  }
-  *content = in_its_era(*content, SystemClock().utc());
-  if (const auto era = era_name(**content); !era.empty()) spdlog::info("era: {}", era);
-  log_sighting(**content);
-  starts.doing("opening cameras and display");
-  StatusOptions status{.file = status_file(arguments.status), .stats = arguments.stats};
-  if (!folders.state.empty()) status.starts = &starts;
-  const auto ended = run_appliance(place, std::move(*content), std::move(status), starts, kept_folder);
-  if (!ended) return fail(ended.error());
-  return 0;
+  auto starts = std::make_shared<StartLog>(folders, boot_id(), since_boot_s());
+  Result<int> code = 0;
+  if (starts->mode() == StartMode::whole)
+    code = show(arguments, place, starts, kept_folder);
+  else if (auto ended = run_safe_mode([&] { return place.configuration(); }, *starts, status_file(arguments.status));
+           !ended)
+    code = fail(ended.error());
+  starts.reset();
+  for (int i = 0; i < 20 && abandoned_threads > 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  if (abandoned_threads == 0 || !code) return code;
+  spdlog::warn("a disk does not answer: exiting without the thread that waits for it");
+  spdlog::default_logger_raw()->flush();
+  std::_Exit(*code);
 }
 
 }  // namespace

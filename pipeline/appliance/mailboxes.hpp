@@ -113,6 +113,7 @@ struct HorizonMailbox : Mailbox {
 };
 
 struct ReloadMailbox {
+  Pulse pulse{"reload"};
   LatestSlot<StageAnswer> answer;
   Bell bell;
 };

@@ -1,10 +1,11 @@
 #include "pipeline/appliance/reload_loop.hpp"
 
+#include <algorithm>
 #include <new>
-#include <sstream>
 
 #include <spdlog/spdlog.h>
 
+#include "base/outside/lines.hpp"
 #include "pipeline/machine/memory_left.hpp"
 #include "pipeline/stage/stage_making.hpp"
 
@@ -14,17 +15,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kAnswerDeadline = 5min;  // a slow GPU with a heavy model; a loop that hangs is the watchdog's
+constexpr Duration kAnswerDeadline = 5min;   // a slow GPU with a heavy model; a loop that hangs is the watchdog's
+constexpr Duration kReadingDeadline = 1min;  // of everything that the content names
+constexpr Duration kReadingLook = 50ms;      // by the machine's clock
+constexpr int kReadingLooks = 20;            // a step
 constexpr Duration kReloadPollInterval = 10s;
 constexpr Duration kEraPollInterval = 1s;
 constexpr Duration kRefusedEraPause = 10min;  // before it is tried again
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
 
 // One budget for both: the old content stays until the new one is whole.
 Result<> fits_beside_the_old(const Content& content, const std::optional<std::uint64_t>& left) {
@@ -68,10 +65,13 @@ void ReloadLoop::ask() {
 }
 
 Instant ReloadLoop::step() {
+  mailboxes_.reload.pulse.turn(clock_.now(), kReloadPollInterval + kComputingBound);
   if (waiting_) take_answer();
   if (!waiting_ && asked_.exchange(false)) begin();
+  if (reading_) take_content();
+  if (reading_) return clock_.now();
   if (!waiting_) change_era();
-  if (waiting_) return waiting_->until;
+  if (waiting_) return std::min(waiting_->until, clock_.now() + kReloadPollInterval);
   return clock_.now() + (content_->eras ? kEraPollInterval : kReloadPollInterval);
 }
 
@@ -79,13 +79,30 @@ void ReloadLoop::begin() {
   began_ = clock_.now();
   notifier_.reloading();
   publish("reading");
+  config_file_ = place_.config;
+  reading_.emplace(
+      Reading{Abandonable<Result<ContentPtr>>([place = place_] { return read_content(place.configuration()); }),
+              began_ + kReadingDeadline});
+}
+
+// Looks every now and then whether somebody asked anew, and whether the time is up.
+void ReloadLoop::take_content() {
   try {
-    config_file_ = place_.configuration();
-    auto content = read_content(config_file_);
-    if (!content) return refuse(content.error().message);
-    if (auto fits = fits_beside_the_old(**content, probes_.memory_left()); !fits) return refuse(fits.error().message);
-    order(in_its_era(*content, clock_.utc()), Change::reload);
+    std::optional<Result<ContentPtr>> content;
+    for (int i = 0; i < kReadingLooks && !content && !asked_ && clock_.now() < reading_->until; ++i)
+      content = reading_->content.take(kReadingLook);
+    if (!content && asked_) return reading_.reset();  // for the newer one
+    if (!content && clock_.now() < reading_->until) return;
+    reading_.reset();
+    if (!content)
+      return refuse(fmt::format("{}: reading it and what it names takes longer than {:.0f} s: does the disk answer?",
+                                config_file_.string(), to_seconds(kReadingDeadline)));
+    if (!*content) return refuse(content->error().message);
+    config_file_ = (**content)->files.front().path;
+    if (auto fits = fits_beside_the_old(***content, probes_.memory_left()); !fits) return refuse(fits.error().message);
+    order(in_its_era(**content, clock_.utc()), Change::reload);
   } catch (const std::bad_alloc&) {
+    reading_.reset();
     refuse("there is not enough memory for the new content beside the old one");
   }
 }

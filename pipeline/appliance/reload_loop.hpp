@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 
+#include "base/outside/abandonable.hpp"
 #include "pipeline/appliance/status_mailbox.hpp"
 #include "pipeline/content/generations.hpp"
 #include "pipeline/machine/notifier.hpp"
@@ -30,14 +31,15 @@ class ReloadLoop {
   ReloadLoop(ContentPlace place, ContentPtr content, Clock& clock, Notifier& notifier, Mailboxes& mailboxes,
              Probes probes);
 
-  // Any thread. While one is under way another follows it.
+  // Any thread. What is being read is abandoned for it; where the new content is being prepared already, it follows.
   void ask();
-  // BLOCKS for the seconds that reading takes. Returns when to be called again unless the mailbox's bell rings.
+  // BLOCKS for a second at most. Returns when to be called again unless the mailbox's bell rings.
   Instant step();
 
  private:
   enum class Change { reload, era };
   void begin();
+  void take_content();
   void change_era();
   void order(ContentPtr content, Change change);
   void take_answer();
@@ -62,6 +64,11 @@ class ReloadLoop {
     Instant until;
     Change change = Change::reload;
   };
+  struct Reading {
+    Abandonable<Result<ContentPtr>> content;
+    Instant until;
+  };
+  std::optional<Reading> reading_;  // in a thread of its own: a disk may never answer
   std::optional<Waiting> waiting_;  // for the render loop's answer
   std::uint64_t orders_ = 0;
   Instant began_{};

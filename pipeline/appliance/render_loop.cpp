@@ -46,8 +46,10 @@ std::optional<Message> message_of(Trouble trouble) {
     case Trouble::sky_lost: return Message::sky_camera_missing;
     case Trouble::time_unknown: return Message::no_clock;
     case Trouble::closed: return Message::closed;
-    case Trouble::safe_mode: return Message::safe_mode;
-    case Trouble::no_display: return std::nullopt;
+    case Trouble::safe_mode:
+    case Trouble::content_refused: return Message::safe_mode;
+    case Trouble::no_display:
+    case Trouble::stopped: return std::nullopt;
   }
   return std::nullopt;
 }
@@ -78,8 +80,8 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       shown_at_(clock.now()),
       minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
-              &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.television.pulse,
-              &mailboxes.status->pulse}) {
+              &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.television.pulse, &mailboxes.status->pulse,
+              &mailboxes.reload.pulse}) {
   snapshots_.allow_pages(content_->config.snapshot.screen_picture);
 }
 
@@ -466,7 +468,7 @@ void RenderLoop::finish() {
   next_.lose();
   screen_.close();
   status_.rung.shown = Shown::nothing;
-  status_.rung.trouble = Trouble::no_display;
+  status_.rung.trouble = screen_.refused().empty() ? Trouble::stopped : Trouble::starting;
   published_at_.reset();
   publish();
 }

@@ -27,6 +27,8 @@ class RenderLoop {
   // Records the last flips and closes the display.
   void finish();
   bool closed() const { return closed_; }  // a person closed the window
+  // Other content is needed: why this one cannot be drawn. Empty: it can.
+  std::string refused() const { return screen_.refused(); }
   const Rung& rung() const { return status_.rung; }
   const RenderStatus& status() const { return status_; }  // current; published twice a second
   // The display, for tests; null while there is none.

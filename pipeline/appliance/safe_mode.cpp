@@ -9,9 +9,10 @@
 #include <spdlog/spdlog.h>
 
 #include "base/files.hpp"
+#include "base/outside/abandonable.hpp"
+#include "base/outside/lines.hpp"
 #include "pipeline/config/messages.hpp"
 #include "pipeline/loop/loop_guard.hpp"
-#include "pipeline/start/safe_content.hpp"
 
 namespace kasumi {
 
@@ -26,11 +27,13 @@ constexpr Duration kOpenInterval = 1s;
 constexpr Duration kSafeStatusInterval = 1s;
 constexpr Duration kSafeProof = 10min;
 constexpr Duration kLongestSleep = 200ms;
+constexpr Duration kFirstContentPause = 15s, kLongestContentPause = 5min;
+constexpr Duration kTrialDeadline = 2min;  // to read it and try to draw it: then another try begins
 
 }  // namespace
 
 SafeMode::SafeMode(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, StartLog& starts,
-                   std::optional<std::filesystem::path> status_file)
+                   std::optional<std::filesystem::path> status_file, SafeReason reason)
     : content_(std::move(content)),
       devices_(devices),
       clock_(clock),
@@ -47,9 +50,12 @@ SafeMode::SafeMode(ContentPtr content, Devices& devices, Clock& clock, Notifier&
   desk_.allow_pages(content_->config.snapshot.screen_picture);
   status_.since = clock.utc();
   status_.start = starts.record();
-  status_.render.rung = {Shown::still, Trouble::safe_mode, 1.0, 0.0};
-  for (const auto* camera : {"scene camera", "sky camera"}) spdlog::info("{}: left alone in safe mode", camera);
-  status_.scene_camera.health.cause = status_.sky_camera.health.cause = "safe mode: not opened";
+  status_.render.rung = {Shown::still, reason.trouble, 1.0, 0.0};
+  const bool without_content = reason.trouble == Trouble::content_refused;
+  if (without_content) status_.instead = InsteadOfConfigured{{}, std::move(reason.refused)};
+  for (const auto* camera : {"scene camera", "sky camera"}) spdlog::info("{}: left alone", camera);
+  status_.scene_camera.health.cause = status_.sky_camera.health.cause =
+      without_content ? "no content: not opened" : "safe mode: not opened";
 }
 
 void SafeMode::try_open() {
@@ -90,12 +96,12 @@ Result<> SafeMode::show() {
 
   auto& context = open_->display->context();
   const auto& config = content_->config;
-  const auto& font = config.messages.font_file;
   auto message = this->message();
   clear_to(*target, glm::vec3(kStillBackground) / 255.0f);
   if (auto drawn = open_->still.draw(*target, {}, 1.0); !drawn) return drawn;
-  if (auto drawn = open_->caption.draw(context, config.still.caption, font, false, 1.0, *target); !drawn) return drawn;
-  if (auto drawn = open_->message.draw(context, message, font, true, 1.0, *target); !drawn) return drawn;
+  if (auto drawn = open_->caption.draw(context, config.still.caption, config.messages, false, 1.0, *target); !drawn)
+    return drawn;
+  if (auto drawn = open_->message.draw(context, message, config.messages, true, 1.0, *target); !drawn) return drawn;
   if (desk_.is_due(clock_.now()))
     if (auto taken = desk_.take(snapshot_facts(), *target, clock_.now()); !taken) return taken;
   if (auto number = open_->display->show(); !number) return fail(number.error());
@@ -116,7 +122,8 @@ std::string SafeMode::message() const {
 Snapshot SafeMode::snapshot_facts() const {
   Snapshot facts;
   facts.shown = open_ ? name_of(Shown::still) : "nothing";
-  facts.reason = open_ ? std::string(name_of(Trouble::safe_mode)) : "no display: " + status_.render.display.cause;
+  facts.reason =
+      open_ ? std::string(name_of(status_.render.rung.trouble)) : "no display: " + status_.render.display.cause;
   facts.utc = clock_.utc();
   if (!open_) return facts;
   for (const auto& text : {content_->config.still.caption, message()})
@@ -165,18 +172,56 @@ Instant SafeMode::step() {
   return clock_.now() + (open_ ? kRedrawInterval / 10 : kOpenInterval / 4);
 }
 
-void SafeMode::finish() {
+void SafeMode::tried(Instant began, std::vector<std::string> problems) {
+  status_.instead->refused = problems;
+  status_.reload = {began, clock_.utc(), std::move(problems), {}, {}};
+  status_at_.reset();
+}
+
+void SafeMode::finish(Trouble trouble) {
   open_.reset();
+  status_.render.rung = {Shown::nothing, trouble, 1.0, 0.0};
   status_at_.reset();
   write_status();
 }
 
-Result<> run_safe_mode(const std::filesystem::path& config_file, StartLog& starts,
-                       std::optional<std::filesystem::path> status_file) {
+namespace {
+
+sigset_t block_signals() {
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&signals, signal);
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+// Steps it, answers snapshots, and hears the signals. `go_on` is asked after each step, with the signal that came (-1:
+// none).
+void run_until(SafeMode& mode, SystemClock& clock, const std::function<bool(int signal)>& go_on) {
+  const auto signals = block_signals();
+  std::atomic<bool> ending = false;
+  std::thread snapshots([&] {
+    LoopGuard guard("snapshot", clock);
+    while (!ending)
+      if (!guard.run([&] { mode.snapshot().step(); }) && !ending) clock.sleep_until(guard.again_at());
+  });
+  for (bool wanted = true; wanted;) {
+    const auto again = mode.step();
+    const auto pause = std::clamp<Duration>(again - clock.now(), 1ms, kLongestSleep);
+    const timespec timeout{0, static_cast<long>(pause.count())};
+    wanted = go_on(::sigtimedwait(&signals, nullptr, &timeout));
+  }
+  ending = true;
+  clock.interrupt();
+  mode.snapshot_bell().ring();
+  snapshots.join();
+}
+
+}  // namespace
+
+Result<> run_safe_mode(const FindConfiguration& find, StartLog& starts,
+                       std::optional<std::filesystem::path> status_file) {
+  block_signals();
   ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // what a driver kept may be what it stumbles over
 
   const auto record = starts.record();
@@ -189,30 +234,58 @@ Result<> run_safe_mode(const std::filesystem::path& config_file, StartLog& start
   SystemClock clock;
   const auto devices = machine_devices(clock);
   const auto notifier = notify_systemd();
-  SafeMode mode(read_safe_content(config_file, record.mode), *devices, clock, *notifier, starts,
-                std::move(status_file));
+  SafeMode mode(read_safe_content(find, record.mode), *devices, clock, *notifier, starts, std::move(status_file));
   starts.doing("showing the still picture in safe mode");
-  std::atomic<bool> ending = false;
-  std::thread snapshots([&] {
-    LoopGuard guard("snapshot", clock);
-    while (!ending)
-      if (!guard.run([&] { mode.snapshot().step(); }) && !ending) clock.sleep_until(guard.again_at());
+  run_until(mode, clock, [&](int signal) {
+    const bool wanted = signal < 0 && !mode.is_over();
+    if (!wanted) notifier->stopping();
+    if (!wanted) starts.ended();
+    return wanted;
   });
-  for (bool wanted = true; wanted;) {
-    const auto again = mode.step();
-    const auto pause = std::clamp<Duration>(again - clock.now(), 1ms, kLongestSleep);
-    const timespec timeout{0, static_cast<long>(pause.count())};
-    const int signal = ::sigtimedwait(&signals, nullptr, &timeout);
-    wanted = signal < 0 && !mode.is_over();
-  }
-  notifier->stopping();
-  starts.ended();
-  ending = true;
-  clock.interrupt();
-  mode.snapshot_bell().ring();
-  snapshots.join();
   mode.finish();
   return {};
+}
+
+ContentPtr run_without_content(const FindConfiguration& find, StartLog& starts,
+                               std::optional<std::filesystem::path> status_file, std::vector<std::string> refused,
+                               const std::function<Result<ContentPtr>()>& try_again) {
+  block_signals();
+  spdlog::error("nothing can be shown but the still picture and words; everything is tried again every few minutes:");
+  for (const auto& problem : refused) spdlog::error("  {}", problem);
+  SystemClock clock;
+  const auto devices = machine_devices(clock);
+  const auto notifier = notify_systemd();
+  SafeMode mode(read_safe_content(find, StartMode::safe), *devices, clock, *notifier, starts, std::move(status_file),
+                {Trouble::content_refused, refused});
+  starts.doing("showing the still picture, since no content is left that can be shown");
+  ContentPtr found;
+  std::optional<Abandonable<Result<ContentPtr>>> trying;
+  Duration pause = kFirstContentPause;
+  auto again_at = clock.now() + pause, abandon_at = clock.now(), began_at = clock.now();
+  run_until(mode, clock, [&](int signal) {
+    if (signal == SIGTERM || signal == SIGINT) {
+      notifier->stopping();
+      starts.ended();
+      return false;
+    }
+    const auto now = clock.now();
+    if (signal == SIGHUP) notifier->ready();  // ends its reload: the status tells what came of it
+    if (signal == SIGHUP || (!trying && now >= again_at) || (trying && now >= abandon_at)) {
+      trying.emplace(try_again);
+      began_at = now;
+      abandon_at = now + kTrialDeadline;
+      pause = std::min(2 * pause, kLongestContentPause);
+    }
+    auto content = trying ? trying->take(Duration{}) : std::nullopt;
+    if (!content) return true;
+    trying.reset();
+    again_at = now + pause;
+    if (*content) found = std::move(**content);
+    mode.tried(began_at, found ? std::vector<std::string>() : lines_of(content->error().message));
+    return !found;
+  });
+  mode.finish(found ? Trouble::starting : Trouble::stopped);
+  return found;
 }
 
 }  // namespace kasumi

@@ -1,6 +1,6 @@
-// Safe mode: the still picture and words, when boot after boot has come to nothing. Not the appliance: no cameras, no
-// scene, no state, none of its loops; whatever made it fail is left alone. It answers `kasumi snapshot`, since whoever
-// is to mend it may sit far away.
+// Safe mode: the still picture and words, when boot after boot has come to nothing, or no content is left that can be
+// shown. Not the appliance: no cameras, no scene, no state, none of its loops; whatever made it fail is left alone. It
+// answers `kasumi snapshot`, since whoever is to mend it may sit far away.
 #pragma once
 
 #include <filesystem>
@@ -14,24 +14,34 @@
 #include "pipeline/machine/watchdog.hpp"
 #include "pipeline/stage/still_picture.hpp"
 #include "pipeline/stage/words.hpp"
+#include "pipeline/start/safe_content.hpp"
 #include "pipeline/start/start_log.hpp"
 
 namespace kasumi {
+
+// Why it is only that, as the status tells it.
+struct SafeReason {
+  Trouble trouble = Trouble::safe_mode;
+  std::vector<std::string> refused{};  // what is wrong with the content
+};
 
 // Belongs to one thread, but for snapshot(), which has one of its own.
 class SafeMode {
  public:
   // All references must outlive it.
   SafeMode(ContentPtr content, Devices& devices, Clock& clock, Notifier& notifier, StartLog& starts,
-           std::optional<std::filesystem::path> status_file);
+           std::optional<std::filesystem::path> status_file, SafeReason reason = {});
 
   // Shows, writes the status, and returns when to be called again. BLOCKS for a quarter of a second at most, but while
   // a display is being opened.
   Instant step();
-  void finish();  // closes the display, writes the status one last time
+  // Closes the display, writes the status one last time, with this reason.
+  void finish(Trouble trouble = Trouble::stopped);
   // Its time is up: everything is to be tried again.
   bool is_over() const { return clock_.now() - began_ >= lasts_; }
   const Status& status() const { return status_; }
+  // What came of a look for content that began then; none: there is some.
+  void tried(Instant began, std::vector<std::string> problems);
   Display* display() { return open_ ? open_->display.get() : nullptr; }
   SnapshotServer& snapshot() { return server_; }
   Bell& snapshot_bell() { return answers_.bell; }
@@ -73,7 +83,14 @@ class SafeMode {
 
 // Runs it until SIGTERM or SIGINT; SIGHUP, or its time, ends it so that the service manager starts everything again.
 // Call it before any other thread exists.
-Result<> run_safe_mode(const std::filesystem::path& config_file, StartLog& starts,
+Result<> run_safe_mode(const FindConfiguration& find, StartLog& starts,
                        std::optional<std::filesystem::path> status_file);
+
+// Runs it where no content can be shown, until there is some: `try_again` is called behind the picture, in a thread of
+// its own that may never come back, after 15 s, 30 s, 1 min .. 5 min and at SIGHUP. Null: it was ended by SIGTERM or
+// SIGINT. As above in all else.
+ContentPtr run_without_content(const FindConfiguration& find, StartLog& starts,
+                               std::optional<std::filesystem::path> status_file, std::vector<std::string> refused,
+                               const std::function<Result<ContentPtr>()>& try_again);
 
 }  // namespace kasumi

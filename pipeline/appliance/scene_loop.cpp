@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pipeline/appliance/status_mailbox.hpp"
+#include "pipeline/machine/camera_acceptance.hpp"
 
 namespace kasumi {
 
@@ -35,9 +36,7 @@ void SceneLoop::step(Instant deadline) {
 void SceneLoop::forward(Frame frame) {
   const auto& scene = content_->config.installation.scene;
   const auto& metadata = frame.metadata;
-  if (metadata.width != scene.width || metadata.height != scene.height)
-    return camera_.reject(
-        fmt::format("{}x{} instead of {}x{}", metadata.width, metadata.height, scene.width, scene.height));
+  if (const auto why = why_unusable(metadata, scene); !why.empty()) return camera_.reject(why);
   if (is_spared()) return;
   auto picture = decode(frame, scene.yuv_encoding);
   if (!picture) return camera_.reject("damaged");

@@ -2,6 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include "pipeline/config/messages.hpp"
+#include "pipeline/stage/words.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -11,7 +14,9 @@ using namespace std::chrono_literals;
 constexpr Duration kBufferDeadline = 250ms;
 constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: reopen the display
 constexpr Duration kDisplayInterval = 1s;   // between attempts to open one
-constexpr Duration kDisplayPause = 250ms;   // the same after a hotplug event
+constexpr int kRefusalsForGood = 3;
+constexpr Duration kRefusalFlip = 1s;      // for the still picture to be on the glass
+constexpr Duration kDisplayPause = 250ms;  // the same after a hotplug event
 
 }  // namespace
 
@@ -27,7 +32,8 @@ Screen::Screen(ContentPtr content, Devices& devices, Clock& clock, Watchdog& wat
 
 bool Screen::try_open() {
   if (watch_ && watch_->take_change()) try_at_ = std::min(try_at_, tried_at_ + kDisplayPause);
-  return clock_.now() >= try_at_ && open();
+  if (refused_) await_refusal();
+  return !refused_ && clock_.now() >= try_at_ && open();
 }
 
 bool Screen::open() {
@@ -37,6 +43,13 @@ bool Screen::open() {
   auto display = devices_.open_display(content_->config.display);
   auto stage = display ? Stage::create((*display)->context(), content_, std::exchange(air_, std::nullopt))
                        : fail(display.error());
+  // What a driver lacks for a moment, memory, is asked for again first.
+  const bool refused = display && !stage && (*display)->context().check_alive();
+  refusals_ = refused ? refusals_ + 1 : 0;
+  if (refused && (stage.error().kind == FaultKind::bad_input || refusals_ >= kRefusalsForGood)) {
+    show_refusal(std::move(*display), stage.error().message);
+    return false;
+  }
   if (!stage) {
     status_.up = false;
     status_.cause = (display ? "the content cannot be drawn: " : "") + stage.error().message;
@@ -56,6 +69,35 @@ bool Screen::open() {
   open_ = Open{std::move(*display), std::move(*stage), {}};
   timeouts_since_.reset();
   return true;
+}
+
+// Whatever goes wrong here changes nothing: other content comes next.
+void Screen::show_refusal(std::unique_ptr<Display> display, std::string why) {
+  spdlog::error("display: {}: the content cannot be drawn: {}", display->description(), why);
+  status_.cause = "the content cannot be drawn: " + why;
+  status_.description = display->description();
+  refused_ = Refused{std::move(why), nullptr, clock_.now() + kRefusalFlip};
+  try_at_ = clock_.now();
+  auto still = StillPicture::create(display->context(), *content_);
+  const auto target = display->begin(clock_.now() + kBufferDeadline);
+  if (!target) return;
+  clear_to(*target, glm::vec3(kStillBackground) / 255.0F);
+  const auto& config = content_->config;
+  const auto message = config.messages.show_faults ? message_text(Message::safe_mode, config.messages.language) : "";
+  Words caption, words;
+  if (still) (void)still->draw(*target, {}, 1.0);
+  (void)caption.draw(display->context(), config.still.caption, config.messages, false, 1.0, *target);
+  (void)words.draw(display->context(), std::string(message), config.messages, true, 1.0, *target);
+  if (display->show()) refused_->display = std::move(display);
+}
+
+void Screen::await_refusal() {
+  const auto now = clock_.now();
+  try_at_ = now + kBufferDeadline / 5;
+  const bool seen = refused_->display && !refused_->display->take_flips().empty();
+  if (seen) ++status_.flips;
+  if (seen) watchdog_.picture_shown(now);
+  refused_->told = refused_->told || seen || now >= refused_->until;
 }
 
 Result<> Screen::adopt(const ContentPtr& content, std::optional<Stage> stage) {

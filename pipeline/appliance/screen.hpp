@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "pipeline/appliance/mailboxes.hpp"
@@ -27,6 +28,9 @@ class Screen {
   bool is_open() const { return open_.has_value(); }
   // Opens the display when an attempt is due; true: it is open now. BLOCKS for as long as its driver takes.
   bool try_open();
+  // Why GL refused the content's stage, the display being well; empty: it did not. The still picture with words is on the
+  // glass then, or a second has passed, and stays there until this ends: other content is needed.
+  std::string refused() const { return refused_ && refused_->told ? refused_->why : std::string(); }
   // When to call try_open() again: no later than `poll` where hotplug events are reported.
   Instant next_attempt(Instant poll) const { return watch_ ? std::min(try_at_, poll) : try_at_; }
 
@@ -72,6 +76,8 @@ class Screen {
     bool stays_on = false;  // it cannot be turned off
   };
   bool open();
+  void show_refusal(std::unique_ptr<Display> display, std::string why);
+  void await_refusal();
 
   ContentPtr content_;
   Devices& devices_;
@@ -81,6 +87,14 @@ class Screen {
   std::unique_ptr<DisplayWatch> watch_;
 
   std::optional<Open> open_;
+  struct Refused {
+    std::string why;
+    std::unique_ptr<Display> display;  // that shows no more than the still picture; null: not even that
+    Instant until;
+    bool told = false;
+  };
+  std::optional<Refused> refused_;
+  int refusals_ = 0;                // in a row
   std::optional<SceneAir> air_;     // of the last stage, for the next one
   std::optional<Passers> passers_;  // likewise: what it learnt of the scene
   Instant try_at_;

@@ -2,7 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include "base/outside/abandonable.hpp"
 #include "pipeline/appliance/status_mailbox.hpp"
+#include "pipeline/machine/camera_acceptance.hpp"
 #include "pipeline/scene/aged_report.hpp"
 #include "pipeline/start/remembered_state.hpp"
 
@@ -75,7 +77,9 @@ void SkyLoop::restore_air() {
   const auto& folder = content_->config.state_folder;
   if (air_restored_ || sun_from_ != SunSource::ephemeris || !folder) return;
   air_restored_ = true;
-  const auto state = load_turbidity_state(*folder);
+  const auto read = within<Result<TurbidityState>>(2s, [from = *folder] { return load_turbidity_state(from); });
+  if (!read) return spdlog::warn("{}: does not answer: the air of before is not known", folder->string());
+  const auto& state = *read;
   if (!state) {
     std::error_code error;
     if (std::filesystem::exists(*folder / "turbidity.json", error)) spdlog::warn("{}", state.error().message);
@@ -98,9 +102,10 @@ void SkyLoop::observe(const Frame& frame, SunSource sun_from) {
   observed_at_ = now;
   mailboxes_.sky.pulse.turn(now, kComputingBound);
   recorded_utc_offset_ = camera_.recorded() ? frame.metadata.utc - clock_.utc() : Duration{0};
-  auto report = watch_.observe(frame, now, sun_from);
+  const auto unusable = why_unusable(frame.metadata, content_->config.installation.sky);
+  auto report = unusable.empty() ? watch_.observe(frame, now, sun_from) : fail(FaultKind::bad_input, "{}", unusable);
   if (!report) {
-    camera_.reject("damaged");
+    camera_.reject(unusable.empty() ? "damaged" : unusable);
     return report_without_frame(sun_from);
   }
   if (sun_from == SunSource::image) hold_sun(report->sun);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/this_boot.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/camera_drift/drift_json.hpp"
 #include "pipeline/loop/hang_watch.hpp"
@@ -191,12 +192,13 @@ OrderedJson arrived_json(const std::optional<Arrival>& arrival) {
 OrderedJson content_json(const Status& status) {
   const auto reload = status.reload.value_or(ReloadStatus{});
   const auto& instead = status.instead;
+  const bool is_shown = status.render.rung.trouble != Trouble::content_refused;  // what worked before
   return {{"reloaded_utc", reload.ended ? OrderedJson(utc_text(*reload.ended)) : OrderedJson(nullptr)},
           {"problems", OrderedJson(reload.problems)},
           {"reload_began_s",
            reload.began ? OrderedJson(to_seconds(reload.began->time_since_epoch())) : OrderedJson(nullptr)},
           {"reloading", reload.doing.empty() ? OrderedJson(nullptr) : OrderedJson(reload.doing)},
-          {"last_good_utc", instead ? OrderedJson(utc_text(instead->kept_utc)) : OrderedJson(nullptr)},
+          {"last_good_utc", instead && is_shown ? OrderedJson(utc_text(instead->kept_utc)) : OrderedJson(nullptr)},
           {"refused", instead ? OrderedJson(instead->refused) : OrderedJson::array()},
           {"era", status.era.empty() ? OrderedJson(nullptr) : OrderedJson(status.era)},
           {"era_problem", reload.era_problem.empty() ? OrderedJson(nullptr) : OrderedJson(reload.era_problem)},
@@ -307,6 +309,8 @@ std::string status_json(const Status& status) {
   json["loops"] = loops_json(status.loops);
   json["heat"] = heat_json(status.heat);
   json["pid"] = ::getpid();
+  json["boot"] = boot_id();
+  json["since_boot_s"] = std::round(10.0 * since_boot_s()) / 10.0;
   json["since_utc"] = utc_text(status.since);
   json["utc"] = utc_text(status.utc);
   return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
@@ -317,7 +321,8 @@ std::string status_line(const Status& status) {
   std::string line(name_of(rung.shown));
   if (rung.trouble != Trouble::none) line += fmt::format(": {}", name_of(rung.trouble));
   if (!status.render.draw_refused.empty()) line += fmt::format("; cannot be drawn: {}", status.render.draw_refused);
-  if (!status.render.display.up) line += fmt::format("; no display: {}", status.render.display.cause);
+  if (!status.render.display.up && rung.trouble != Trouble::stopped)
+    line += fmt::format("; no display: {}", status.render.display.cause);
   if (status.heat.show_one_of > 1) line += "; too hot: " + heat_text(status.heat);
   for (const auto& loop : status.loops)
     if (loop.hung) line += fmt::format("; {} loop: {}", loop.name, hung_text(*loop.silent));
@@ -325,7 +330,7 @@ std::string status_line(const Status& status) {
     line += fmt::format("; T {:.2f} +- {:.2f}, {:.0f} s old", tracked->turbidity.value, tracked->sigma,
                         to_seconds(tracked->age));
   if (const auto& state = status.sky.report.state; state && state->supposed) line += "; the air is supposed";
-  if (status.instead)
+  if (status.instead && rung.trouble != Trouble::content_refused)
     line += fmt::format("; the configured content is refused, shown is that of {}",
                         utc_text(std::chrono::floor<std::chrono::seconds>(status.instead->kept_utc)));
   if (status.start && status.start->mode != StartMode::whole && !status.start->why.empty())

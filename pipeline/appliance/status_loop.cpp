@@ -74,6 +74,12 @@ void StatusLoop::gather() {
   for (const Mailbox* loop : std::as_const(mailboxes_).all())
     status_.loops.push_back(
         {std::string(loop->pulse.name()), loop->pulse.silent(status_.now), loop->pulse.hung(status_.now).has_value()});
+  const auto& reload = mailboxes_.reload.pulse;
+  status_.loops.push_back({"reload", reload.silent(status_.now), reload.hung(status_.now).has_value()});
+  if (options_.starts) {  // the disk
+    const auto busy = options_.starts->writer().busy().value_or(Duration{});
+    status_.loops.push_back({"state", busy, busy > kWaitingBound});
+  }
   status_.scene_camera = seen_from_here(told_.scene_camera, mailboxes_.scene.pulse);
   status_.sky_camera = seen_from_here(told_.sky_camera, mailboxes_.sky.pulse);
   age_sky();
@@ -150,7 +156,7 @@ void StatusLoop::step() {
   watch_openings();
   spdlog::default_logger_raw()->flush();  // what was left out of the log and may be told now
   write_status();
-  keep_history();
+  keep_history(minute_.add(history_line(status_), status_.now));
   if (status_.now - saved_ >= options_.save_interval) save_air();
   if (status_.now >= trim_at_) {
     trim_at_ = status_.now + kTrimInterval;
@@ -164,8 +170,10 @@ void StatusLoop::step() {
 
 void StatusLoop::keep() {
   gather();
+  keep_history(minute_.end());
   write_status();
   save_air();
+  if (options_.starts) options_.starts->writer().flush(1s);
 }
 
 void StatusLoop::finish() {
@@ -178,28 +186,19 @@ void StatusLoop::write_status() {
   if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), write_failing_, "status");
 }
 
-// A disk that refuses is asked again as often as for the air.
-void StatusLoop::keep_history() {
+// Elsewhere, since the disk may not answer; where nobody else writes, here.
+void StatusLoop::note(const std::string& what, std::function<void()> job) {
+  if (options_.starts)
+    options_.starts->writer().post(what, std::move(job));
+  else
+    job();
+}
+
+void StatusLoop::keep_history(const std::optional<HistoryLine>& minute) {
   const auto& folder = content_->config.state_folder;
-  const auto minute = minute_.add(history_line(status_), status_.now);
   if (!folder || !minute) return;
-  const auto file = *folder / kHistoryFile;
-  if (history_ && history_->file != file) history_.reset();
-  if (!history_ && history_tried_ && status_.now - *history_tried_ < options_.save_interval) return;
-  Result<> kept;
-  if (!history_) {
-    auto ring = HistoryRing::open(file);
-    if (ring)
-      history_.emplace(OpenHistory{file, std::move(*ring)});
-    else
-      kept = fail(ring.error());
-  }
-  if (history_) kept = history_->ring.append(*minute);
-  if (!kept) {
-    history_.reset();
-    history_tried_ = status_.now;
-  }
-  log_outage(kept, history_failing_, "history");
+  kept_->history.add(*folder / kHistoryFile, *minute);
+  note("history", [kept = kept_] { log_outage(kept->history.write(), kept->history_failing, "history"); });
 }
 
 void StatusLoop::save_air() {
@@ -212,7 +211,7 @@ void StatusLoop::save_air() {
   TurbidityState state =
       turbidity_state(tracked->target, tracked->sigma, status_.utc - tracked->age, installation.sky_to_fit());
   state.air = status_.sky.to_remember;
-  log_outage(save(state, *folder), save_failing_, "state");
+  note("air", [kept = kept_, state, to = *folder] { log_outage(save(state, to), kept->air_failing, "state"); });
 }
 
 }  // namespace kasumi

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 
+#include "history/history_keeper.hpp"
 #include "history/history_minute.hpp"
-#include "history/history_ring.hpp"
 #include "pipeline/appliance/status.hpp"
 #include "pipeline/loop/hang_watch.hpp"
 #include "pipeline/machine/notifier.hpp"
@@ -34,7 +36,8 @@ class StatusLoop {
   void gather();
   void write_status();
   void save_air();
-  void keep_history();
+  void keep_history(const std::optional<HistoryLine>& minute);
+  void note(const std::string& what, std::function<void()> job);
 
   ContentPtr content_;
   StatusOptions options_;
@@ -59,14 +62,13 @@ class StatusLoop {
   std::optional<Instant> heat_read_at_;
   HangWatch hangs_;  // of the render loop, which watches the others
   std::string line_;
-  bool write_failing_ = false, save_failing_ = false, history_failing_ = false;  // already logged
+  bool write_failing_ = false;  // already logged
   HistoryMinute minute_;
-  struct OpenHistory {
-    std::filesystem::path file;
-    HistoryRing ring;
+  struct Kept {  // belongs to whoever writes
+    HistoryKeeper history;
+    bool air_failing = false, history_failing = false;  // already logged
   };
-  std::optional<OpenHistory> history_;
-  std::optional<Instant> history_tried_;  // when it failed last
+  std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
   Instant saved_, stats_at_, trim_at_;
 };
 

@@ -27,25 +27,29 @@ using namespace std::chrono_literals;
 
 constexpr Duration kFrameTimeout = 200ms;       // for a frame: then a camera's loop checks whether to stop
 constexpr Duration kShutdownDeadline = 1500ms;  // for all threads together
+constexpr Duration kExchangeDeadline = 10s;     // the same where other content comes next
 
 // A request to stop, never withdrawn; wakes every waiting thread.
 class Stop {
  public:
   Stop(Clock& clock, Notifier& notifier) : clock_(clock), notifier_(notifier) {}
   void add(Bell& bell) { bells_.push_back(&bell); }
-  void now() {
+  enum class Why { for_good, other_content };
+  void now(Why why = Why::for_good) {
+    if (why != Why::for_good && !stopping_) for_good_ = false;
     if (stopping_.exchange(true)) return;
-    notifier_.stopping();
+    if (for_good_) notifier_.stopping();
     clock_.interrupt();
     for (auto* bell : bells_) bell->ring();
   }
   bool wanted() const { return stopping_; }
+  bool for_good() const { return for_good_; }
 
  private:
   Clock& clock_;
   Notifier& notifier_;
   std::vector<Bell*> bells_;
-  std::atomic<bool> stopping_ = false;
+  std::atomic<bool> stopping_ = false, for_good_ = true;
 };
 
 std::thread start(const char* name, std::function<void()> run) {
@@ -77,16 +81,17 @@ void wait_for_signals(Stop& stop, ReloadLoop& reload, Bell& ended) {
     if (signal == SIGHUP) reload.ask();
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }
-  if (ended.wait_for(kShutdownDeadline)) return;
+  const auto deadline = stop.for_good() ? kShutdownDeadline : kExchangeDeadline;
+  if (ended.wait_for(deadline)) return;
   // Stuck in a driver or a disk, or a check on a busy machine. Files are replaced atomically, so exiting corrupts nothing.
-  spdlog::warn("a thread did not end within {:.1f} s: exiting without it", to_seconds(kShutdownDeadline));
-  std::_Exit(EXIT_SUCCESS);
+  spdlog::warn("a thread did not end within {:.1f} s: exiting without it", to_seconds(deadline));
+  std::_Exit(stop.for_good() ? EXIT_SUCCESS : EXIT_FAILURE);
 }
 
 }  // namespace
 
-Result<> run_appliance(const ContentPlace& place, ContentPtr content, StatusOptions status, StartLog& starts,
-                       const std::filesystem::path& kept_folder) {
+std::string run_appliance(const ContentPlace& place, ContentPtr content, StatusOptions status, StartLog& starts,
+                          const std::filesystem::path& kept_folder) {
   const auto signals = our_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
@@ -153,16 +158,17 @@ Result<> run_appliance(const ContentPlace& place, ContentPtr content, StatusOpti
   while (!stop.wanted()) {
     const auto again = render.step();
     if (render.closed()) stop.now();
+    if (!render.refused().empty()) stop.now(Stop::Why::other_content);
     appliance.render_bell().wait_for(again - clock.now());
   }
 
-  starts.ended();
+  if (render.refused().empty()) starts.ended();
   for (auto& loop : loops) loop.join();
   render.finish();
   LoopGuard("status", clock).run([&] { appliance.status().finish(); });
   ended.ring();
   guard.join();
-  return {};
+  return render.refused();
 }
 
 }  // namespace kasumi

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "base/json_depth.hpp"
+#include "base/outside/json_depth.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/camera_drift/drift_reference.hpp"
 #include "pipeline/camera_drift/reference_pictures.hpp"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/files.hpp"
+#include "base/outside/abandonable.hpp"
 #include "base/picture_header.hpp"
 #include "gles/model/mip_levels.hpp"
 #include "pipeline/files/photograph_file.hpp"
@@ -187,6 +188,13 @@ Result<ContentPtr> read_content(const std::filesystem::path& config_file, const 
   return fail(FaultKind::io, "{}: not enough memory for what it names", config_file.string());
 } catch (const std::exception& thrown) {
   return fail(FaultKind::bad_input, "{}: cannot be read: {}", config_file.string(), thrown.what());
+}
+
+Result<ContentPtr> read_content_within(std::chrono::nanoseconds longest, const std::filesystem::path& config_file) {
+  auto content = within<Result<ContentPtr>>(longest, [config_file] { return read_content(config_file); });
+  if (content) return std::move(*content);
+  return fail(FaultKind::io, "{}: reading it and what it names takes longer than {:.0f} s: does the disk answer?",
+              config_file.string(), std::chrono::duration<double>(longest).count());
 }
 
 ContentPtr in_its_era(const ContentPtr& content, Utc now) {

@@ -1,11 +1,24 @@
 #include "pipeline/config/run_config.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 
 namespace kasumi {
 
 namespace {
+
+// The root of all, and folders that are the system's: what is kept would lie among its files, and be swept with them.
+bool is_of_the_system(const std::filesystem::path& folder) {
+  auto name = std::filesystem::absolute(folder).lexically_normal().string();
+  if (name.size() > 1 && name.ends_with('/')) name.pop_back();
+  constexpr std::string_view kWhole[] = {"/",     "/etc", "/home", "/lib", "/media", "/mnt",     "/opt",
+                                         "/root", "/run", "/srv",  "/tmp", "/var",   "/var/lib", "/var/tmp"};
+  constexpr std::string_view kBelow[] = {"/bin", "/boot", "/dev", "/lib64", "/proc", "/sbin", "/sys", "/usr"};
+  return std::ranges::find(kWhole, name) != std::end(kWhole) || std::ranges::any_of(kBelow, [&](std::string_view of) {
+           return (name + '/').starts_with(std::string(of) + '/');
+         });
+}
 
 using namespace std::chrono_literals;
 
@@ -248,7 +261,9 @@ RunConfig read_run_config(const ConfigTable& root) {
   config.state_folder = section(root, "state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
     const auto folder = table.text("folder", std::string());
     if (folder.empty()) return std::nullopt;
-    return table.folder() / folder;
+    const auto place = table.folder() / folder;
+    if (is_of_the_system(place)) table.problem("folder", "a folder of its own, such as \"/var/lib/kasumi\"");
+    return place;
   });
   return config;
 }

@@ -34,7 +34,8 @@ struct StillOptions {
 struct MessageOptions {
   Language language = Language::english;
   std::optional<std::filesystem::path> font_file;
-  bool show_faults = true;  // false: visitors see only the caption of the still picture
+  bool plain_letters = false;  // those of the program itself: no font is read
+  bool show_faults = true;     // false: visitors see only the caption of the still picture
 };
 
 // The daily check of the cameras against their calibration.

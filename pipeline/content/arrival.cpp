@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "base/json_depth.hpp"
 #include "base/lasting_file.hpp"
+#include "base/outside/json_depth.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {

@@ -9,11 +9,13 @@
 #include "base/utc_text.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/content/arrival.hpp"
+#include "pipeline/content/floor.hpp"
 #include "pipeline/content/install.hpp"
 #include "pipeline/content/packing.hpp"
 #include "pipeline/log_lines.hpp"
 #include "pipeline/machine/account.hpp"
 #include "pipeline/machine/ask_to_reload.hpp"
+#include "pipeline/machine/time_watch.hpp"
 
 namespace kasumi {
 
@@ -23,7 +25,8 @@ struct ContentArguments {
   std::string folder = kServiceContent, keys = "/etc/kasumi/keys", status, config = "/etc/kasumi/kasumi.toml";
   std::string path;                // of a bundle, or digits of a generation
   std::vector<std::string> paths;  // of bundles, or folders of them
-  std::string out, name, secret_key, password_file;
+  std::string out, name, secret_key, password_file, kiosk, date;
+  std::vector<std::string> for_kiosks;
   double seconds = 120.0;  // a slow GPU with a heavy model
   bool unsigned_too = false, again = false, newer = false;
 };
@@ -52,7 +55,7 @@ Result<std::string> ask_password(const std::string& key) {
 }
 
 Result<std::string> password_in(const std::string& file) {
-  auto word = read_text_file(file);
+  auto word = read_text_file(file, {.most_bytes = 10'000, .or_pipe = true});
   if (word)
     while (word->ends_with('\n') || word->ends_with('\r')) word->pop_back();
   return word;
@@ -62,6 +65,7 @@ Result<int> pack_content(const ContentArguments& arguments) {
   PackRequest request{arguments.path, arguments.out, arguments.name, SystemClock().utc(), std::nullopt, {}};
   if (request.name.empty()) request.name = std::filesystem::path(arguments.out).stem().string();
   if (!arguments.secret_key.empty()) request.secret_key = arguments.secret_key;
+  request.for_kiosks = arguments.for_kiosks;
   request.password = [&arguments] {
     return arguments.password_file.empty() ? ask_password(arguments.secret_key) : password_in(arguments.password_file);
   };
@@ -103,8 +107,18 @@ Result<int> put_on_screen(const ContentArguments& arguments, const Generations& 
   return 1;
 }
 
+std::string host_name() {
+  char name[256] = {};
+  return ::gethostname(name, sizeof name - 1) == 0 ? std::string(name) : std::string();
+}
+
 InstallRules rules_of(const ContentArguments& arguments) {
-  return {arguments.keys, arguments.unsigned_too, arguments.again, arguments.newer};
+  return {.keys = arguments.keys,
+          .unsigned_too = arguments.unsigned_too,
+          .again = arguments.again,
+          .newer_only = arguments.newer,
+          .clock_trusted = watch_time()->read().synchronized,
+          .kiosk = arguments.kiosk.empty() ? host_name() : arguments.kiosk};
 }
 
 // What came of it, in a line.
@@ -243,8 +257,20 @@ Result<int> roll_back(const ContentArguments& arguments) {
   return put_on_screen(arguments, generations, nullptr);
 }
 
+Result<int> accept_older(const ContentArguments& arguments) {
+  const Generations generations(arguments.folder);
+  const auto current = generations.current();
+  auto to =
+      arguments.date.empty() ? std::optional(current ? current->manifest.created : Utc{}) : parse_utc(arguments.date);
+  if (!to) return fail(FaultKind::bad_input, "--since {}: expected a time like 2026-06-21T03:00:00Z", arguments.date);
+  if (auto owner = become_owner_of(arguments.folder); !owner) return fail(owner.error());
+  if (auto set = set_floor(generations.folder(), *to); !set) return fail(set.error());
+  fmt::print("what was made after {} is taken from now on when it comes by itself\n", second_of(*to));
+  return 0;
+}
+
 Result<int> verify_bundle(const ContentArguments& arguments) {
-  const auto trusted = open_trusted(arguments.path, {arguments.keys, arguments.unsigned_too, false, false});
+  const auto trusted = open_trusted(arguments.path, {.keys = arguments.keys, .unsigned_too = arguments.unsigned_too});
   if (!trusted) return fail(trusted.error());
   if (auto whole = check_files(trusted->bundle); !whole) return fail(whole.error());
   const auto& manifest = trusted->bundle.manifest;
@@ -312,6 +338,7 @@ void add_content_command(CLI::App& app, Action& action) {
   packing->add_option("CONFIG", arguments->path, "kasumi.toml; all it names lies next to it or below")->required();
   packing->add_option("--out", arguments->out, "The bundle, NAME.kasumi")->required();
   packing->add_option("--name", arguments->name, "For people (default: the file's)");
+  packing->add_option("--for", arguments->for_kiosks, "Only for kiosks of these names (default: for all)");
   packing->add_option("--key", arguments->secret_key, "Sign it: a secret key of minisign's");
   packing->add_option("--password-file", arguments->password_file, "The key's password (default: it is asked for)");
 
@@ -323,8 +350,11 @@ void add_content_command(CLI::App& app, Action& action) {
       ->required();
   installing->add_flag("--again", arguments->again, "Even what went back before");
   installing->add_flag("--newer", arguments->newer,
-                       "Leave alone what is not newer than the content shown now, or went back before");
+                       "Leave alone what is not newer than all that was taken before, or went back before");
+  installing->add_option("--kiosk", arguments->kiosk, "This kiosk's name (default: this machine's)");
 
+  with_store(add("accept-older", "Let content in that is older than what was taken before", accept_older))
+      ->add_option("--since", arguments->date, "Made after that time, in UTC (default: after the content shown now)");
   with_config(with_store(add("list", "The generations on this machine", list_content)));
   with_config(with_status(with_store(add("rollback", "Show the content before this again, or another", roll_back))))
       ->add_option("GENERATION", arguments->path, "One of the list, by the first digits of its id");

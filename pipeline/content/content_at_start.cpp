@@ -1,10 +1,11 @@
 #include "pipeline/content/content_at_start.hpp"
 
-#include <sstream>
-
 #include <spdlog/spdlog.h>
 
+#include "base/outside/abandonable.hpp"
+#include "base/outside/lines.hpp"
 #include "base/utc_text.hpp"
+#include "pipeline/content/bundle.hpp"
 #include "pipeline/start/kept_content.hpp"
 
 namespace kasumi {
@@ -13,12 +14,8 @@ namespace {
 
 using Problem = std::vector<std::string>;
 
-Problem problems_in(const std::string& message) {
-  Problem lines;
-  std::istringstream stream(message);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
+// The longest seen are some seconds; the unit waits for a minute.
+constexpr std::chrono::seconds kReadingDeadline{20};
 
 Problem failed_starts() {
   return {fmt::format("{} starts in a row have failed with it", kStartsBeforeKeptContent)};
@@ -30,13 +27,26 @@ void log_instead(Utc since, const Problem& problems) {
   for (const auto& problem : problems) spdlog::error("  {}", problem);
 }
 
+// Not as it was signed: damaged, or changed by somebody since.
+Result<ContentPtr> read_generation(const Generations& generations, const Generation& generation) {
+  auto content = read_content_within(kReadingDeadline, generations.config_of(generation));
+  if (!content) return content;
+  const auto whole =
+      within<Result<>>(kReadingDeadline, [folder = generations.folder_of(generation), manifest = generation.manifest] {
+        return check_unpacked(folder, manifest);
+      });
+  if (!whole) return fail(FaultKind::io, "{}: the disk does not answer", generations.folder_of(generation).string());
+  if (!*whole) return fail(whole->error());
+  return content;
+}
+
 // Set up by hand.
 Result<ContentPtr> by_hand_or_kept(const std::filesystem::path& config, const StartLog& starts,
                                    const std::filesystem::path& kept_folder) {
-  auto configured = read_content(config);
+  auto configured = read_content_within(kReadingDeadline, config);
   const bool suspect = configured && suspects_content(starts.record()) && !is_kept(**configured, kept_folder);
   if (kept_folder.empty() || (configured && !suspect)) return configured;
-  auto problems = configured ? failed_starts() : problems_in(configured.error().message);
+  auto problems = configured ? failed_starts() : lines_of(configured.error().message);
   auto kept = read_kept_content(config, kept_folder, problems);
   if (!kept) {
     spdlog::info("no earlier content to show instead: {}", kept.error().message);
@@ -64,26 +74,47 @@ void go_back(const Generations& generations, const Generation& generation, const
 
 }  // namespace
 
-Result<ContentPtr> content_at_start(const ContentPlace& place, const StartLog& starts,
+Result<ContentPtr> content_instead(const ContentPlace& place, const Content& refused,
+                                   const std::filesystem::path& kept_folder, std::vector<std::string> problems,
+                                   Utc now) {
+  const auto& generations = place.generations;
+  const auto& config = refused.files.empty() ? place.config : refused.files.front().path;
+  if (const auto generation = generations.of(config)) {
+    const auto before = generations.before(generation->id);
+    auto earlier = before ? read_generation(generations, *before) : read_content_within(kReadingDeadline, place.config);
+    if (!earlier) return earlier;
+    if (generation->proven) return shown_instead(*earlier, before ? *before->proven : now, std::move(problems));
+    go_back(generations, *generation, problems, now);
+    return earlier;
+  }
+  if (refused.instead || kept_folder.empty() || is_kept(refused, kept_folder))
+    return fail(FaultKind::bad_input, "this is what worked last");
+  auto kept = read_kept_content(place.config, kept_folder, problems);
+  if (kept) log_instead((*kept)->instead->kept_utc, problems);
+  return kept;
+}
+
+Result<ContentPtr> content_at_start(const ContentPlace& place, StartLog& starts,
                                     const std::filesystem::path& kept_folder, Utc now) {
   const auto& generations = place.generations;
   const auto current = generations.current();
   if (!current) return by_hand_or_kept(place.config, starts, kept_folder);
-  auto content = read_content(generations.config_of(*current));
+  auto content = read_generation(generations, *current);
   const bool suspect = current->on_probation() && current->starts >= kStartsBeforeKeptContent;
   const bool is_going_back = current->went_back.has_value();
   if (content && !suspect && !is_going_back) {
     if (current->on_probation())
-      if (auto noted = generations.note_start(current->id); !noted)
-        spdlog::warn("the start is not counted: {}", noted.error().message);
+      starts.note_too("generation", [generations, id = current->id] {
+        if (auto noted = generations.note_start(id); !noted)
+          spdlog::warn("the start is not counted: {}", noted.error().message);
+      });
     return content;
   }
   const auto problems = is_going_back ? Problem{current->went_back->why}
                         : content     ? failed_starts()
-                                      : problems_in(content.error().message);
+                                      : lines_of(content.error().message);
   const auto before = generations.before(current->id);
-  auto earlier =
-      before ? read_content(generations.config_of(*before)) : by_hand_or_kept(place.config, starts, kept_folder);
+  auto earlier = before ? read_generation(generations, *before) : by_hand_or_kept(place.config, starts, kept_folder);
   if (!earlier) {
     spdlog::error("no earlier content to show instead: {}", earlier.error().message);
     return content;

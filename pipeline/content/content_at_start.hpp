@@ -13,7 +13,13 @@ namespace kasumi {
 // One that has served it stays the current one, for what made it fail may pass; shown is the one before, and
 // `Content::instead` says why. `kept_folder`: of copies; empty: none are kept.
 // Errors: those of the configuration set up by hand, when nothing else can be shown either.
-Result<ContentPtr> content_at_start(const ContentPlace& place, const StartLog& starts,
+Result<ContentPtr> content_at_start(const ContentPlace& place, StartLog& starts,
                                     const std::filesystem::path& kept_folder, Utc now);
+
+// What to show instead of content that was read and then could not be drawn, by the same rules. Error (bad_input, io):
+// there is nothing else.
+Result<ContentPtr> content_instead(const ContentPlace& place, const Content& refused,
+                                   const std::filesystem::path& kept_folder, std::vector<std::string> problems,
+                                   Utc now);
 
 }  // namespace kasumi

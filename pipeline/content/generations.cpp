@@ -13,6 +13,7 @@
 
 #include "base/files.hpp"
 #include "base/lasting_file.hpp"
+#include "base/outside/json_depth.hpp"
 #include "base/unfinished_file.hpp"
 #include "base/unique_fd.hpp"
 #include "base/utc_text.hpp"
@@ -56,7 +57,7 @@ std::string words_in(const RecordJson& json, const char* key) {
 }
 
 void read_record(const std::string& text, Generation& generation) {
-  const auto json = RecordJson::parse(text, nullptr, false);
+  const auto json = RecordJson::parse(modest_json(text), nullptr, false);
   generation.installed = utc_in(json, "installed_utc").value_or(Utc{});
   generation.signed_by = words_in(json, "signed_by");
   generation.proven = utc_in(json, "proven_utc");
@@ -102,13 +103,13 @@ fs::path hidden_folder(const fs::path& folder) {
 
 std::optional<Generation> Generations::read(const std::string& id) const {
   if (!is_id(id)) return std::nullopt;
-  const auto text = read_text_file(folder_ / id / kManifestName);
+  const auto text = read_text_file(folder_ / id / kManifestName, {.most_bytes = kMostManifestBytes});
   auto manifest = text ? parse_manifest(*text) : fail(text.error());
   if (!manifest) return std::nullopt;
   Generation generation;
   generation.id = id;
   generation.manifest = std::move(*manifest);
-  read_record(read_text_file(folder_ / (id + ".json")).value_or(""), generation);
+  read_record(read_text_file(folder_ / (id + ".json"), kSmallFile).value_or(""), generation);
   return generation;
 }
 

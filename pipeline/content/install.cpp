@@ -4,6 +4,7 @@
 
 #include "base/utc_text.hpp"
 #include "pipeline/config/content.hpp"
+#include "pipeline/content/floor.hpp"
 
 namespace kasumi {
 
@@ -106,9 +107,24 @@ Result<> unpack_beside(const Trusted& trusted, const Generations& generations, c
   return {};
 }
 
+// What no rule lets in. `by itself` or by hand.
+Result<> may_be_taken(const Manifest& manifest, const InstallRules& rules, const std::optional<Utc>& latest) {
+  if (latest && manifest.created > *latest)
+    return fail(
+        FaultKind::bad_input,
+        "{}: made {}, which has not come yet: expected at most {}; is the clock of this machine, or of the desk "
+        "where it was packed, set?",
+        manifest.name, day_of(manifest.created), day_of(*latest));
+  const auto& kiosks = manifest.for_kiosks;
+  if (kiosks.empty() || std::ranges::find(kiosks, rules.kiosk) != kiosks.end()) return {};
+  return fail(FaultKind::bad_input, "{}: is for {}, and this kiosk is \"{}\"", manifest.name, fmt::join(kiosks, ", "),
+              rules.kiosk);
+}
+
 // Empty: it may be installed. `known`: as it is on this machine already.
 Result<std::string> reason_to_leave_alone(const Generation& next, const std::optional<Generation>& known,
-                                          const std::optional<Generation>& current, const InstallRules& rules) {
+                                          const std::optional<Generation>& current, const InstallRules& rules,
+                                          const std::optional<Utc>& floor) {
   if (current && current->id == next.id) return "it is shown already";
   if (known && known->went_back && !rules.again) {
     const auto why = fmt::format("it was shown before and went back on {}: {}", day_of(known->went_back->utc),
@@ -116,9 +132,10 @@ Result<std::string> reason_to_leave_alone(const Generation& next, const std::opt
     if (rules.newer_only) return why;
     return fail(FaultKind::bad_input, "{} ({}): {}; --again tries it once more", next.manifest.name, next.id, why);
   }
-  if (rules.newer_only && current && next.manifest.created <= current->manifest.created)
-    return fmt::format("it is of {}, not newer than the one that is shown, of {}", day_of(next.manifest.created),
-                       day_of(current->manifest.created));
+  if (rules.newer_only && floor && next.manifest.created <= *floor)
+    return fmt::format(
+        "it is of {}, not newer than what was taken before, of {}; kasumi content accept-older lets it in",
+        day_of(next.manifest.created), day_of(*floor));
   return std::string();
 }
 
@@ -156,9 +173,15 @@ Result<Installed> install(const Trusted& trusted, const Generations& generations
                   .manifest = trusted.bundle.manifest,
                   .installed = now,
                   .signed_by = trusted.signature.by};
+  const auto latest = latest_believable(now, rules.clock_trusted);
+  if (auto may = may_be_taken(next.manifest, rules, latest); !may) return fail(may.error());
   const auto known = generations.find(next.id);
   const auto there = known ? std::optional(*known) : std::nullopt;
-  const auto leave = reason_to_leave_alone(next, there, generations.current(), rules);
+  const auto current = generations.current();
+  auto floor = read_floor(generations.folder(), latest);
+  // Of before there was a floor; and a date that was believed by a clock that was wrong shuts nobody out.
+  if (!floor && current && (!latest || current->manifest.created <= *latest)) floor = current->manifest.created;
+  const auto leave = reason_to_leave_alone(next, there, current, rules, floor);
   if (!leave) return fail(leave.error());
   if (!leave->empty()) return Installed{there.value_or(next), *leave};
   const bool whole = there && check_unpacked(generations.folder_of(next), next.manifest);
@@ -166,6 +189,9 @@ Result<Installed> install(const Trusted& trusted, const Generations& generations
     if (auto removed = generations.remove(next.id); !removed) return fail(removed.error());
   if (!whole)
     if (auto unpacked = unpack_beside(trusted, generations, next, free_bytes); !unpacked) return fail(unpacked.error());
+  // First, so that a power cut leaves no way back.
+  if (auto raised = raise_floor(generations.folder(), next.manifest.created, latest); !raised)
+    return fail(raised.error());
   if (auto shown = generations.show(&next.id); !shown) return fail(shown.error());
   generations.prune();
   return Installed{whole ? *there : next, {}};

@@ -12,7 +12,9 @@ struct InstallRules {
   std::filesystem::path keys;  // a folder of public keys that are trusted
   bool unsigned_too = false;
   bool again = false;       // what went back before may be tried once more
-  bool newer_only = false;  // what is not newer than the content shown now, or went back before, is left alone
+  bool newer_only = false;  // what is not newer than all that was taken, or went back before, is left alone
+  bool clock_trusted = true;
+  std::string kiosk{};  // its name; empty: not known
 };
 
 // A bundle whose signature is known; empty `by`: it is not signed, which the rules allow.
@@ -40,7 +42,8 @@ struct Installed {
   std::string left_alone;  // why nothing was changed; empty: it is shown next
 };
 // Unpacks it beside the others, reads the whole content as a start would, and only then replaces the link. A power cut
-// leaves the old content or the new. Errors: bad_input (all problems of the content, or it went back before), io (also
+// leaves the old content or the new. Errors: bad_input (all problems of the content, it went back before, is for other
+// kiosks, or of a date that has not come yet), io (also
 // where its files would leave less of the disk free: nothing is written then).
 Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now,
                           const FreeBytes& free_bytes = free_bytes_of);

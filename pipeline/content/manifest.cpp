@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_depth.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/content/digest.hpp"
 
@@ -39,6 +40,16 @@ PackedFile read_packed_file(const ManifestJson& json, Problems& problems) {
   return file;
 }
 
+void read_kiosks(const ManifestJson& json, Manifest& manifest, Problems& problems) {
+  if (!json.contains("for")) return;
+  const auto& named = json["for"];
+  if (named.is_array() && !named.empty() && named.size() <= kMostKiosks)
+    for (const auto& name : named)
+      if (name.is_string() && !name.get<std::string>().empty()) manifest.for_kiosks.push_back(name.get<std::string>());
+  if (manifest.for_kiosks.empty() || manifest.for_kiosks.size() != named.size())
+    problems.add("{}: for: expected 1 to {} names of kiosks", kManifestName, kMostKiosks);
+}
+
 // No file twice, and none where another one's folder is.
 void check_names(const Manifest& manifest, Problems& problems) {
   std::set<std::string> names, folders;
@@ -49,8 +60,9 @@ void check_names(const Manifest& manifest, Problems& problems) {
   }
   for (const auto& name : names)
     if (folders.contains(name)) problems.add("{}: {}: a file, and a folder of another", kManifestName, name);
-  if (names.contains(kManifestName) || names.contains(kSignatureName))
-    problems.add("{}: names itself among its files", kManifestName);
+  for (const char* own : {kManifestName, kSignatureName})
+    if (names.contains(own) || folders.contains(own))
+      problems.add("{}: names {} among its files, which is the bundle's own", kManifestName, own);
   if (!names.contains(manifest.configuration) || manifest.configuration.find('/') != std::string::npos)
     problems.add("{}: configuration = \"{}\": expected one of its files, in no folder", kManifestName,
                  manifest.configuration);
@@ -93,17 +105,18 @@ std::string manifest_text(const Manifest& manifest) {
   ManifestJson files = ManifestJson::array();
   for (const auto& file : manifest.files)
     files.push_back({{"path", file.path}, {"bytes", file.bytes}, {"sha256", file.sha256}});
-  const ManifestJson json{{"format", "kasumi-content"},
-                          {"version", 1},
-                          {"name", manifest.name},
-                          {"created_utc", utc_text(manifest.created)},
-                          {"configuration", manifest.configuration},
-                          {"files", files}};
+  ManifestJson json{{"format", "kasumi-content"},
+                    {"version", 1},
+                    {"name", manifest.name},
+                    {"created_utc", utc_text(manifest.created)},
+                    {"configuration", manifest.configuration},
+                    {"files", files}};
+  if (!manifest.for_kiosks.empty()) json["for"] = manifest.for_kiosks;
   return json.dump(1, ' ', false, ManifestJson::error_handler_t::replace) + "\n";
 }
 
 Result<Manifest> parse_manifest(std::string_view text) try {
-  const auto json = ManifestJson::parse(text, nullptr, false);
+  const auto json = ManifestJson::parse(modest_json(text), nullptr, false);
   if (!json.is_object() || json_text_of(json, "format") != "kasumi-content")
     return fail(FaultKind::bad_input, "{}: not the manifest of a bundle for Kasumi", kManifestName);
   if (!json.contains("version") || json["version"] != 1)
@@ -117,6 +130,7 @@ Result<Manifest> parse_manifest(std::string_view text) try {
     manifest.created = *created;
   else
     problems.add("{}: created_utc: expected a time like 2026-06-21T03:00:00Z", kManifestName);
+  read_kiosks(json, manifest, problems);
   if (!json.contains("files") || !json["files"].is_array() || json["files"].empty() ||
       json["files"].size() > kMostFiles) {
     problems.add("{}: files: expected a list of 1 to {}", kManifestName, kMostFiles);

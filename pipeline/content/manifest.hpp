@@ -17,6 +17,7 @@ inline constexpr const char* kSignatureName = "manifest.json.minisig";
 // Content comes from outside: nothing is unpacked that is beyond these.
 inline constexpr std::size_t kMostFiles = 1000;
 inline constexpr std::size_t kMostNameBytes = 200;
+inline constexpr std::size_t kMostKiosks = 100;
 inline constexpr std::size_t kMostFolders = 8;  // one in the other
 inline constexpr std::uint64_t kMostFileBytes = std::uint64_t{1} << 30;
 inline constexpr std::uint64_t kMostBytes = std::uint64_t{2} << 30;  // of all files
@@ -37,6 +38,7 @@ struct Manifest {
   Utc created{};              // to the second
   std::string configuration;  // which of the files is the configuration: "kasumi.toml", in no folder
   std::vector<PackedFile> files;
+  std::vector<std::string> for_kiosks{};  // by name; empty: for all
   std::uint64_t bytes() const;
 };
 

@@ -7,6 +7,7 @@
 #include "pipeline/config/content.hpp"
 #include "pipeline/content/digest.hpp"
 #include "pipeline/content/signature.hpp"
+#include "pipeline/machine/camera_acceptance.hpp"
 #include "pipeline/stage/stage_making.hpp"
 
 namespace kasumi {
@@ -76,7 +77,7 @@ Result<> check_drawable(const ContentPtr& content, Packed& packed) {
 
 Result<std::string> signature_of(const PackRequest& request, const std::string& text) {
   if (!request.secret_key) return std::string();
-  const auto file = read_text_file(*request.secret_key);
+  const auto file = read_text_file(*request.secret_key, {.most_bytes = 10'000, .or_pipe = true});
   if (!file) return fail(file.error());
   const auto key = read_secret_key(*file, request.password);
   if (!key) return fail(key.error().kind, "{}: {}", request.secret_key->string(), key.error().message);
@@ -95,10 +96,14 @@ Result<Packed> pack(const PackRequest& request) {
   manifest.name = request.name;
   manifest.created = std::chrono::floor<std::chrono::seconds>(request.created);
   manifest.configuration = config.filename().string();
+  manifest.for_kiosks = request.for_kiosks;
   Problems problems;
   for (const auto& file : (*content)->files) add_file_of(file, folder, manifest, packed, problems);
   check_folders((*content)->config, folder, problems);
   if (!problems.empty()) return fail(problems.fault());
+  SystemClock clock;
+  if (auto usable = try_cameras((*content)->config, *machine_devices(clock), clock, packed.remarks); !usable)
+    return fail(usable.error());
   const auto text = manifest_text(manifest);
   if (auto readable = parse_manifest(text); !readable) return fail(readable.error());
   if (auto drawable = check_drawable(*content, packed); !drawable) return fail(drawable.error());

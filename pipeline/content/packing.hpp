@@ -15,6 +15,7 @@ struct PackRequest {
   Utc created{};
   std::optional<std::filesystem::path> secret_key;  // of minisign's
   std::function<Result<std::string>()> password;    // asked for if the key is encrypted
+  std::vector<std::string> for_kiosks{};            // empty: for all
 };
 
 struct Packed {

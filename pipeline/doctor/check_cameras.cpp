@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "pipeline/doctor/checks.hpp"
+#include "pipeline/machine/camera_acceptance.hpp"
 
 namespace kasumi {
 
@@ -56,7 +57,7 @@ const CameraRequest* request_of(const CameraOptions& options) {
   return nullptr;
 }
 
-CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Duration length) {
+CameraMeasurement measure_camera(const SourceOpener& opener, const Camera& configured, Clock& clock, Duration length) {
   CameraMeasurement measurement;
   auto source = opener.open();
   if (!source) {
@@ -77,8 +78,10 @@ CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Durat
       break;
     }
     const auto& metadata = frame->metadata;
-    const bool good = metadata.status == FrameStatus::good;
-    if (!good) ++measurement.bad[std::string(name_of(metadata.status))];
+    const auto why = metadata.status == FrameStatus::good ? why_unusable(metadata, configured)
+                                                          : std::string(name_of(metadata.status));
+    const bool good = why.empty();
+    if (!good) ++measurement.bad[why];
     if (sequence && metadata.sequence > *sequence + 1) measurement.gaps += metadata.sequence - *sequence - 1;
     sequence = metadata.sequence;
     if (first) {
@@ -89,6 +92,8 @@ CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Durat
     }
   }
   if (first) measurement.lasted_s = to_seconds(clock.now() - *first);
+  if (!first && measurement.problem.empty() && !measurement.bad.empty())
+    measurement.problem = "no frame can be used: " + commonest(measurement.bad);
   if (!first && measurement.problem.empty())
     measurement.problem = fmt::format("no good frame arrived within {:.0f} s", to_seconds(kFirstFrame));
   if (const auto* camera = dynamic_cast<const CameraSource*>(source->get())) measurement.mode = camera->mode();

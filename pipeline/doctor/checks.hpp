@@ -32,7 +32,7 @@ struct CameraMeasurement {                                      // of `lasted_s`
   std::uint64_t gaps = 0;
   double lasted_s = 0.0;
 };
-CameraMeasurement measure_camera(const SourceOpener& opener, Clock& clock, Duration length);
+CameraMeasurement measure_camera(const SourceOpener& opener, const Camera& configured, Clock& clock, Duration length);
 void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                        Findings& findings);
 void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraOptions& options,

@@ -88,7 +88,8 @@ void check_calibration(const char* name, const Camera& camera, const Installatio
 void check_cameras(const DoctorRequest& request, const RunConfig& config, Devices& devices, Clock& clock,
                    Findings& findings) {
   const auto watch = [&](CameraRole role, const CameraOptions& options) {
-    return measure_camera(devices.camera(role, options).opener, clock, request.watch);
+    const auto& camera = role == CameraRole::sky ? config.installation.sky : config.installation.scene;
+    return measure_camera(devices.camera(role, options).opener, camera, clock, request.watch);
   };
   CameraMeasurement sky;
   std::thread other([&] { sky = watch(CameraRole::sky, config.sky_camera); });

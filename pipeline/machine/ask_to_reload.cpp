@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/json_depth.hpp"
+#include "base/outside/json_depth.hpp"
 #include "pipeline/machine/running_appliance.hpp"
 
 namespace kasumi {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "base/json_depth.hpp"
+#include "base/outside/json_depth.hpp"
 
 namespace kasumi {
 

@@ -13,8 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "base/json_depth.hpp"
-#include "base/this_boot.hpp"
+#include "base/outside/json_depth.hpp"
+#include "base/outside/this_boot.hpp"
 #include "base/unique_fd.hpp"
 #include "pipeline/machine/timedated.hpp"
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "base/json_depth.hpp"
 #include "base/lasting_file.hpp"
+#include "base/outside/json_depth.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/config/run_config.hpp"
 #include "pipeline/machine/time_watch.hpp"

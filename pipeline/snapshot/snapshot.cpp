@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/json_depth.hpp"
+#include "base/outside/json_depth.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {

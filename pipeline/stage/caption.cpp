@@ -12,6 +12,7 @@
 
 #include <glm/common.hpp>
 
+#include "base/files.hpp"
 #include "pipeline/stage/text_breaking.hpp"
 
 namespace kasumi {
@@ -30,6 +31,8 @@ constexpr std::array kFonts{
 constexpr std::size_t kMostCharacters = 4000;
 constexpr double kMinHeight = 6.0, kMostHeight = 512.0;
 constexpr int kMostWidth = 16384;
+constexpr std::size_t kMostFontBytes = 64 << 20;
+
 // A font may claim glyphs of any size, and each pixel of one takes memory. The widest of usual fonts, a whole sentence
 // in one character (U+FDFD), has a dozen.
 constexpr double kLargestGlyph_em = 16.0;
@@ -65,7 +68,9 @@ class Fonts {
     if (FT_Init_FreeType(&library) != 0) return fail(FaultKind::unsupported, "FreeType cannot be initialised");
     Fonts fonts{Library(library)};
     if (style.font_file) {
-      if (const FT_Error error = fonts.add(style.font_file->c_str(), style.height_px); error != 0)
+      auto file = read_file(*style.font_file, {.most_bytes = kMostFontBytes});
+      if (!file) return fail(file.error());
+      if (const FT_Error error = fonts.add(std::move(*file), style.height_px); error != 0)
         return fail(FaultKind::bad_input, "{}: expected a font that can be scaled: FreeType error {}",
                     style.font_file->string(), error);
     }
@@ -112,6 +117,20 @@ class Fonts {
   FT_Error add(const char* file, double height_px) {
     FT_Face opened = nullptr;
     if (const FT_Error error = FT_New_Face(library_.get(), file, 0, &opened); error != 0) return error;
+    return add(opened, height_px);
+  }
+
+  FT_Error add(std::vector<std::uint8_t> file, double height_px) {
+    own_ = std::move(file);
+    FT_Face opened = nullptr;
+    if (const FT_Error error =
+            FT_New_Memory_Face(library_.get(), own_.data(), static_cast<FT_Long>(own_.size()), 0, &opened);
+        error != 0)
+      return error;
+    return add(opened, height_px);
+  }
+
+  FT_Error add(FT_Face opened, double height_px) {
     Face face(opened);
     if (!FT_IS_SCALABLE(opened)) return FT_Err_Unknown_File_Format;
     // The first font's ascenders and descenders fit a line; the others use its size.
@@ -126,7 +145,8 @@ class Fonts {
   }
 
   Library library_;
-  std::vector<Face> faces_;  // closed before the library
+  std::vector<std::uint8_t> own_;  // the given font's file: FreeType would map it, and die with the disk
+  std::vector<Face> faces_;        // closed before either
   double em_px_ = 0.0;
 };
 

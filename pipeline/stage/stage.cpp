@@ -70,10 +70,10 @@ Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, 
   const auto& rung = composition.rung;
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
   if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
-  const auto& font = content_->config.messages.font_file;
-  if (auto drawn = caption_.draw(*context_, content_->config.still.caption, font, false, rung.still, target); !drawn)
+  const auto& letters = content_->config.messages;
+  if (auto drawn = caption_.draw(*context_, content_->config.still.caption, letters, false, rung.still, target); !drawn)
     return drawn;
-  if (auto drawn = trouble_.draw(*context_, composition.message, font, true, 1.0, target); !drawn) return drawn;
+  if (auto drawn = trouble_.draw(*context_, composition.message, letters, true, 1.0, target); !drawn) return drawn;
   return rung.dark > 0.0 ? black_->draw(target, everywhere(target), rung.dark) : Result<>{};
 }
 

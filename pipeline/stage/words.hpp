@@ -1,24 +1,24 @@
 // A line or two over the picture, for the people in front of it. Drawn anew only when text or screen change.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
 #include "gles/picture/flat_picture.hpp"
+#include "pipeline/config/run_config.hpp"
 
 namespace kasumi {
 
 class Words {
  public:
-  // At the top or the bottom of the target, in its middle. Words that cannot be rendered are logged once and left out.
+  // At the top or the bottom of the target, in its middle. Words that cannot be rendered as they should are
+  // logged once and drawn in the program's own letters.
   // Errors: device.
-  Result<> draw(GlContext& context, const std::string& text, const std::optional<std::filesystem::path>& font_file,
-                bool at_top, double opacity, const DrawTarget& target);
+  Result<> draw(GlContext& context, const std::string& text, const MessageOptions& options, bool at_top, double opacity,
+                const DrawTarget& target);
 
  private:
-  void update(GlContext& context, const std::string& text, const std::optional<std::filesystem::path>& font_file,
-              const DrawTarget& target);
+  void update(GlContext& context, const std::string& text, const MessageOptions& options, const DrawTarget& target);
   std::string text_;
   int target_width_ = 0;
   std::optional<FlatPicture> picture_;  // empty: no text, or it could not be rendered

@@ -1,5 +1,6 @@
 // The configuration and content that have proven themselves, kept for a start that finds the current ones refused,
-// unreadable, or failing again and again. Copies of all files, in the service's state folder.
+// unreadable, or failing again and again. Copies of all files with
+// their hashes, in the service's state folder: two generations, since a disk may damage either.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +14,7 @@ namespace kasumi {
 // Errors: bad_input (a file has changed since it was read, or the copies cannot be read), io.
 Result<> keep_content(const Content& content, const std::filesystem::path& folder, Utc now);
 
-// What was kept of that configuration, with `instead` filled: `refused` says what is wrong with the configured content.
+// What was kept of that configuration, the newest generation that is whole, with `instead` filled: `refused` says what is wrong with the configured content.
 // Errors: bad_input (nothing was kept, damaged), io.
 Result<ContentPtr> read_kept_content(const std::filesystem::path& config_file, const std::filesystem::path& folder,
                                      std::vector<std::string> refused);

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/abandonable.hpp"
+#include "base/outside/json_depth.hpp"
 
 namespace kasumi {
 
@@ -16,6 +18,7 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr const char* kRecordName = "starts.json";
 constexpr const char* kModes[] = {"whole", "safe", "plain"};
 
 std::filesystem::path folder_of(const char* variable) {
@@ -24,7 +27,7 @@ std::filesystem::path folder_of(const char* variable) {
 }
 
 std::filesystem::path record_file(const ServiceFolders& folders) {
-  return folders.state / "starts.json";
+  return folders.state / kRecordName;
 }
 
 std::string json_text(const StartRecord& record) {
@@ -48,7 +51,7 @@ std::string json_text(const StartRecord& record) {
 // Damaged values are left out: a start is never refused because of them.
 StartRecord record_in(const std::string& text) {
   StartRecord record;
-  const auto json = Json::parse(text, nullptr, false);
+  const auto json = Json::parse(modest_json(text), nullptr, false);
   if (!json.is_object()) return record;
   const auto read = [&](const char* key, auto is, auto& value) {
     if (json.contains(key) && (json[key].*is)()) json[key].get_to(value);
@@ -75,15 +78,28 @@ StartRecord record_in(const std::string& text) {
   return record;
 }
 
-// systemd/wait-before-start counts them, since a program that cannot be loaded counts nothing.
-void forget_boots_without_this_program(const ServiceFolders& folders, std::string boot) {
-  std::erase(boot, '-');  // as systemd writes it
-  std::istringstream boots(read_text_file(folders.state / "never-began").value_or(""));
-  for (std::string line; std::getline(boots, line);)
-    if (line != boot) spdlog::warn("never began in an earlier boot: `journalctl -u kasumi -b {}` says why", line);
-  std::error_code error;
-  std::filesystem::remove(folders.state / "never-began", error);
-  if (!folders.runtime.empty()) std::filesystem::remove(folders.runtime / "no-reboot", error);
+constexpr Duration kReadDeadline = std::chrono::seconds(2);
+constexpr Duration kShowFirst = std::chrono::seconds(5);  // a picture, before anything is noted on the disk
+constexpr Duration kCountDeadline = std::chrono::seconds(2);
+
+// What earlier starts left.
+struct Left {
+  StartRecord record;
+  std::vector<std::string> never_began;  // boots, as systemd writes their ids
+};
+
+Left read_left(const ServiceFolders& folders) {
+  Left left{record_in(read_text_file(record_file(folders), kSmallFile).value_or("")), {}};
+  std::istringstream boots(read_text_file(folders.state / "never-began", kSmallFile).value_or(""));
+  for (std::string line; std::getline(boots, line);) left.never_began.push_back(line);
+  return left;
+}
+
+// Of this boot: newer than what the disk has.
+std::optional<StartRecord> record_in_memory(const ServiceFolders& folders, const std::string& boot) {
+  if (folders.runtime.empty()) return std::nullopt;
+  auto record = record_in(read_text_file(folders.runtime / kRecordName, kSmallFile).value_or(""));
+  return record.boot == boot ? std::optional(std::move(record)) : std::nullopt;
 }
 
 }  // namespace
@@ -94,23 +110,59 @@ ServiceFolders service_folders() {
 
 StartLog::StartLog(const ServiceFolders& folders, const std::string& boot, double since_boot_s) : folders_(folders) {
   if (folders_.state.empty()) return;
-  forget_boots_without_this_program(folders_, boot);
-  record_ = record_in(read_text_file(record_file(folders_)).value_or(""));
-  change([&](StartRecord& record) { note_start(record, boot, since_boot_s); });
+  auto left = within<Left>(kReadDeadline, [folders] { return read_left(folders); });
+  if (!left) spdlog::error("{}: does not answer: earlier starts are not known", folders_.state.string());
+  if (!left) left.emplace();
+  auto this_boot = boot;
+  std::erase(this_boot, '-');
+  for (const auto& line : left->never_began)
+    if (line != this_boot) spdlog::warn("never began in an earlier boot: `journalctl -u kasumi -b {}` says why", line);
+  std::error_code error;
+  if (!folders_.runtime.empty()) std::filesystem::remove(folders_.runtime / "no-reboot", error);
+  auto record = record_in_memory(folders_, boot).value_or(std::move(left->record));
+  failed_before_ = record.boot == boot && !record.shown && !record.ended;
+  hold_until_ = SystemClock().now() + (failed_before_ ? Duration{} : kShowFirst);
+  {
+    const MutexLock lock(mutex_);
+    record_ = std::move(record);
+  }
+  change([&](StartRecord& noted) { note_start(noted, boot, since_boot_s); });
+  if (failed_before_) writer_.flush(kCountDeadline);
 }
 
 template <class Change>
 void StartLog::change(Change apply) {
   if (folders_.state.empty()) return;
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   apply(record_);
-  const auto written = write_text_file(record_file(folders_), json_text(record_));
-  if (!written && !write_failed_) spdlog::warn("starts are not counted: {}", written.error().message);
-  write_failed_ = !written;
+  note();
+}
+
+void StartLog::note() {
+  const auto text = json_text(record_);
+  if (!folders_.runtime.empty()) (void)write_text_file(folders_.runtime / kRecordName, text);
+  const auto job = [folders = folders_, text, failed = write_failed_] {
+    const auto written = write_text_file(record_file(folders), text);
+    if (!written && !failed->exchange(true)) spdlog::warn("starts are not counted: {}", written.error().message);
+    if (written) *failed = false;
+    std::error_code error;
+    std::filesystem::remove(folders.state / "never-began", error);
+  };
+  writer_.post("starts", job, held());
+}
+
+Duration StartLog::held() const {
+  return released_ ? Duration{} : std::max<Duration>(hold_until_ - SystemClock().now(), Duration{});
+}
+
+void StartLog::note_too(const std::string& name, std::function<void()> job) {
+  if (folders_.state.empty()) return job();
+  writer_.post(name, std::move(job), held());
+  if (failed_before_) writer_.flush(kCountDeadline);
 }
 
 StartRecord StartLog::record() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return record_;
 }
 
@@ -119,10 +171,12 @@ void StartLog::doing(const std::string& what) {
 }
 
 void StartLog::shown() {
+  released_ = true;
   change([](StartRecord& record) { record.shown = true; });
 }
 
 void StartLog::well() {
+  released_ = true;
   change(note_well);
   std::error_code error;
   if (!folders_.runtime.empty()) std::filesystem::remove(folders_.runtime / "starts", error);
@@ -130,10 +184,12 @@ void StartLog::well() {
 
 void StartLog::ended() {
   change([](StartRecord& record) { record.ended = true; });
+  writer_.flush(std::chrono::seconds(1));
 }
 
 void StartLog::opening_hangs(const std::string& camera) {
   change([&](StartRecord& record) { note_hung_opening(record, camera); });
+  writer_.flush(std::chrono::seconds(10));
 }
 
 void StartLog::opened(const std::string& camera) {

@@ -11,10 +11,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/abandonable.hpp"
 #include "base/files.hpp"
-#include "base/json_depth.hpp"
 #include "base/lasting_file.hpp"
+#include "base/outside/abandonable.hpp"
+#include "base/outside/json_depth.hpp"
 #include "base/unfinished_file.hpp"
 #include "tests/places.hpp"
 

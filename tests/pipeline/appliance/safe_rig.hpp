@@ -28,8 +28,8 @@ struct SafeRig {
     EXPECT_EQ(starts->mode(), mode);
   }
   void start() {
-    safe = std::make_unique<SafeMode>(read_safe_content(config, starts->mode()), devices, clock, notifier, *starts,
-                                      folder / "status.json");
+    safe = std::make_unique<SafeMode>(read_safe_content([this] { return config; }, starts->mode()), devices, clock,
+                                      notifier, *starts, folder / "status.json");
   }
   void advance(Duration by) {
     for (const auto end = clock.now() + by; clock.now() < end; clock.advance(20ms)) safe->step();

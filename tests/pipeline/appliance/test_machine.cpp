@@ -18,6 +18,7 @@
 
 #include "base/files.hpp"
 #include "capture/codec/encode.hpp"
+#include "pipeline/machine/camera_acceptance.hpp"
 #include "pipeline/start/remembered_state.hpp"
 #include "tests/pipeline/appliance/rig.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
@@ -560,6 +561,36 @@ TEST(Appliance, NoPictureOfVisitorsIsKept) {
   EXPECT_EQ(files(), before) << "status.json and the state, written over and over";
   EXPECT_LE(std::filesystem::file_size(rig->folder / "state" / "turbidity.json"), 1000u);
   EXPECT_EQ(nlohmann::json::parse(read_text_file(rig->folder / "status.json").value())["recording"], false);
+}
+
+// By the same rule as the appliance: what it would never show is not called valid on the desk.
+TEST(CameraAcceptance, Row47AFrameOfEachCameraIsTriedBeforehand) {
+  const auto folder = test_output_folder() / "pipeline" / "acceptance";
+  std::filesystem::remove_all(folder);
+  auto config = read_content(write_config(folder)).value()->config;
+  SystemClock clock;
+  std::vector<std::string> untried;
+  const auto problems = [&] {
+    untried.clear();
+    const auto tried = try_cameras(config, *machine_devices(clock), clock, untried);
+    return tried ? std::string() : tried.error().message;
+  };
+  EXPECT_EQ(problems(), "");
+  EXPECT_TRUE(untried.empty());
+  const auto right = config.installation.scene.width;
+  config.installation.scene.width = 2 * right;
+  EXPECT_THAT(problems(),
+              testing::HasSubstr("[scene.camera]: no picture of it can be used: 320x180 instead of 640x180"));
+  config.installation.scene.width = right;
+
+  const auto recording = folder / "recording";
+  std::filesystem::copy(bench_fixture(), recording, std::filesystem::copy_options::recursive);
+  std::filesystem::remove_all(recording / "scene");
+  config.scene_camera = ReplayCamera{recording};
+  EXPECT_THAT(problems(), testing::HasSubstr("[scene.camera]: "));
+  config.scene_camera = V4l2Options{.device = "/dev/kasumi-no-such-camera"};
+  EXPECT_EQ(problems(), "") << "on the desk there is no camera";
+  EXPECT_THAT(untried, testing::ElementsAre(testing::HasSubstr("scene camera: not here")));
 }
 
 }  // namespace

@@ -2,10 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <sys/stat.h>
-
-#include "base/unique_fd.hpp"
-#include "pipeline/machine/this_boot.hpp"
+#include "base/outside/this_boot.hpp"
 #include "pipeline/start/kept_content.hpp"
 #include "pipeline/start/start_log.hpp"
 #include "tests/pipeline/appliance/kiosk_process.hpp"
@@ -57,32 +54,6 @@ TEST(Process, RunsReloadsContentAndEndsWithinTwoSecondsOfSigterm) {
   }
   EXPECT_THAT(kasumi.log(), HasSubstr("capture to flip"));
   EXPECT_TRUE(std::filesystem::exists(folder / "state" / "turbidity.json"));
-}
-
-// Whatever a disk or a driver does to one thread: systemd does not have to kill it. The limit is far beyond the deadline
-// for all threads, so that a busy machine keeps it, and is the same under a sanitizer: nothing is computed any more.
-TEST(Process, AThreadThatHangsDoesNotKeepItFromEnding) {
-  const auto folder = process_folder("hangs");
-  const auto config = folder / "kasumi.toml";
-  Process kasumi(folder, {"run", "--config", config.string()});
-  ASSERT_TRUE(eventually([&] { return status_in(folder)["shown"] == "live"; })) << kasumi.log();
-  // The reload's thread waits for what nobody writes into a pipe, as for a disk that does not answer.
-  std::filesystem::remove(config);
-  ASSERT_EQ(::mkfifo(config.c_str(), 0644), 0);
-  kasumi.send(SIGHUP);
-  UniqueFd silent;
-  ASSERT_TRUE(eventually([&] {
-    silent = UniqueFd(::open(config.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));  // once somebody reads
-    return bool(silent);
-  })) << kasumi.log();
-  const auto requested = SteadyClock::now();
-  kasumi.send(SIGTERM);
-  const auto code = kasumi.wait(30s / kSlowness);
-  ASSERT_TRUE(code) << kasumi.log();
-  std::printf("a thread hangs: ended %.2f s after SIGTERM\n",
-              std::chrono::duration<double>(SteadyClock::now() - requested).count());
-  EXPECT_EQ(*code, 0) << kasumi.log();
-  EXPECT_THAT(kasumi.log(), HasSubstr("exiting without it"));
 }
 
 // No measure of speed, which is for `kasumi bench`: a start takes a second. The limit is on a fault, a wait for something
@@ -196,13 +167,6 @@ TEST(Process, Row32ARefusedConfigurationStartsWithWhatWorkedLastAndSaysSo) {
   kasumi.send(SIGHUP);
   EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["refused"].empty(); })) << kasumi.log();
   EXPECT_TRUE(status_in(folder)["content"]["last_good_utc"].is_null());
-}
-
-TEST(Process, Row32WithNothingKeptARefusedConfigurationIsStill78) {
-  const auto folder = process_folder("nothing-kept");
-  ASSERT_TRUE(write_text_file(folder / "kasumi.toml", "nonsense = 1\n"));
-  Process kasumi(folder, {"run", "--config", (folder / "kasumi.toml").string()}, {}, folder / "state");
-  EXPECT_EQ(kasumi.wait(60s), 78) << kasumi.log();
 }
 
 // Content that is accepted and then kills the program, start after start.

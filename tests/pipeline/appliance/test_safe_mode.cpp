@@ -2,10 +2,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <map>
+#include <new>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
 #include "pipeline/start/kept_content.hpp"
+#include "tests/pipeline/appliance/kiosk_process.hpp"
 #include "tests/pipeline/appliance/safe_rig.hpp"
 #include "tests/pipeline/recorded.hpp"
 
@@ -66,6 +74,80 @@ TEST(SafeMode, Row34WhereTheStillItselfIsTheCauseItIsLeftOut) {
   rig.start();
   rig.advance(1s);
   EXPECT_EQ(*rig.corner(), (Rgb8{38, 44, 52}));
+}
+
+// The configuration as somebody else left it, in every way that its reader can come to grief.
+TEST(SafeMode, Row40ACrashAHangOrAnErrorOfItsReaderIsAnAnswer) {
+  SafeRig rig("reader");
+  const std::map<std::string, FindConfiguration> ways{
+      {"crash",
+       []() -> std::filesystem::path {
+         std::raise(SIGSEGV);
+         return {};
+       }},
+      {"hang",
+       []() -> std::filesystem::path {
+         for (;;) ::pause();
+       }},
+      {"exception", []() -> std::filesystem::path { throw std::bad_alloc(); }},
+      {"absent", [] { return std::filesystem::path("/nowhere/kasumi.toml"); }},
+  };
+  for (const auto& [way, find] : ways) {
+    SCOPED_TRACE(way);
+    const auto content = read_safe_content(find, StartMode::safe, 300ms);
+    ASSERT_TRUE(content);
+    EXPECT_TRUE(content->config.messages.plain_letters) << "words all the same";
+    EXPECT_FALSE(content->still);
+  }
+}
+
+// Each file that safe mode names, in every state.
+TEST(SafeMode, Row40EveryFileOfItMayBeAPipeUnreadableEmptyOrTooDeep) {
+  for (const char* name : {"kasumi.toml", "still.png"})
+    for (const char* state : {"pipe", "unreadable", "empty", "deep", "absent"}) {
+      SCOPED_TRACE(fmt::format("{} {}", name, state));
+      SafeRig rig("files");
+      const auto file = rig.folder / name;
+      std::filesystem::remove(file);
+      if (state == std::string("pipe")) {
+        ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+      }
+      if (state == std::string("unreadable")) make_unreadable(file);
+      if (state == std::string("empty")) {
+        ASSERT_TRUE(write_text_file(file, ""));
+      }
+      if (state == std::string("deep")) {
+        std::string deep = "a";
+        for (int i = 0; i < 100'000; ++i) deep += ".a";
+        ASSERT_TRUE(write_text_file(file, deep + " = 1\n"));
+      }
+      const auto began = std::chrono::steady_clock::now();
+      rig.start();
+      rig.advance(1s);
+      EXPECT_LT(std::chrono::steady_clock::now() - began, 10s * kSlowness);
+      EXPECT_EQ(rig.notifier.readies, 1);
+      EXPECT_TRUE(rig.corner());
+    }
+}
+
+TEST(SafeMode, Row40ThePlainModeReadsNothing) {
+  SafeRig rig("plain-reads-nothing", StartMode::plain);
+  bool asked = false;
+  const auto content = read_safe_content(
+      [&] {
+        asked = true;
+        return rig.config;
+      },
+      StartMode::plain);
+  EXPECT_FALSE(asked);
+  EXPECT_TRUE(content->config.messages.plain_letters);
+  rig.start();
+  rig.advance(1s);
+  const auto picture = read_picture(*rig.safe->display()).value();
+  int letters = 0;
+  for (int y = 0; y < picture.height() / 2; ++y)
+    for (int x = 0; x < picture.width(); ++x) letters += picture.at(x, y).r > 200;
+  EXPECT_GT(letters, 200) << "words in its own letters";
 }
 
 TEST(SafeMode, ADisplayComesAndGoes) {

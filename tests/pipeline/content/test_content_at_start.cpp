@@ -34,7 +34,7 @@ struct Starting : testing::Test {
     return id;
   }
   ContentPtr start() {
-    const StartLog starts({}, "boot", 15.0);
+    StartLog starts({}, "boot", 15.0);
     auto content = content_at_start(place, starts, folder / "last-good", kMonday);
     if (!content) {
       ADD_FAILURE() << content.error().message;
@@ -251,6 +251,18 @@ TEST_F(Starting, PackingNamesWhatAKioskWouldRefuse) {
   replace_in(config, "distortion = [-0.6,", "distortion = [-300.0,");
   EXPECT_THAT(why(), HasSubstr("folds the picture"));
   EXPECT_FALSE(fs::exists(out));
+}
+
+// Damaged, or changed by somebody since: it is not what was signed.
+TEST_F(Starting, Row46AGenerationThatIsNotAsItWasSignedIsNotShown) {
+  proven("Spring", kMonday);
+  const auto summer = proven("Summer", kMonday + 24h);
+  EXPECT_EQ(caption(), "Summer");
+  replace_in(folder / "content" / summer / "kasumi.toml", "\"Summer\"", "\"Hacked\"");
+  const auto shown = start();
+  EXPECT_EQ(shown->config.still.caption, "Spring");
+  ASSERT_TRUE(shown->instead);
+  EXPECT_THAT(shown->instead->refused.front(), HasSubstr("kasumi.toml"));
 }
 
 }  // namespace

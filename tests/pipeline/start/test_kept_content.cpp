@@ -96,7 +96,37 @@ TEST(KeptContent, ACutWhileKeepingLeavesTheOldContent) {
   EXPECT_FALSE(fs::exists(kiosk.kept / "b" / "half"));
   const auto now = read_kept_content(kiosk.config, kiosk.kept, {}).value();
   EXPECT_DOUBLE_EQ(now->config.installation.site.altitude_m, 981.0);
-  EXPECT_FALSE(fs::exists(kiosk.kept / "a")) << "the disk is small";
+}
+
+// What the disk did to the newer copies, the older ones do not have: every file of them, every way.
+TEST(KeptContent, Row41WhereTheNewestIsDamagedTheOneBeforeItServes) {
+  KeptKiosk kiosk("damaged");
+  ASSERT_TRUE(keep_content(*kiosk.read(), kiosk.kept, kNoon));
+  kiosk.change("altitude_m = 980.0", "altitude_m = 981.0");
+  ASSERT_TRUE(keep_content(*kiosk.read(), kiosk.kept, kNoon + std::chrono::hours(1)));
+  const auto altitude = [&] {
+    const auto kept = read_kept_content(kiosk.config, kiosk.kept, {});
+    return kept ? (*kept)->config.installation.site.altitude_m : 0.0;
+  };
+  EXPECT_DOUBLE_EQ(altitude(), 981.0);
+  std::vector<fs::path> files{kiosk.kept / "kept.json"};
+  for (const auto& entry : fs::recursive_directory_iterator(kiosk.kept / "b"))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  ASSERT_GE(files.size(), 4u);
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.string());
+    const auto good = read_file(file).value();
+    auto flipped = good;
+    flipped[flipped.size() / 2] ^= 1;
+    ASSERT_TRUE(write_file(file, flipped));
+    EXPECT_DOUBLE_EQ(altitude(), 980.0) << "one bit";
+    ASSERT_TRUE(write_text_file(file, ""));
+    EXPECT_DOUBLE_EQ(altitude(), 980.0) << "empty";
+    fs::remove(file);
+    EXPECT_DOUBLE_EQ(altitude(), 980.0) << "gone";
+    ASSERT_TRUE(write_file(file, good));
+  }
+  EXPECT_DOUBLE_EQ(altitude(), 981.0);
 }
 
 TEST(KeptContent, AModelsOwnFilesAreKeptWithIt) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "base/this_boot.hpp"
+#include "base/outside/this_boot.hpp"
 #include "pipeline/start/start_log.hpp"
 #include "tests/places.hpp"
 

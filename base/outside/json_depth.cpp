@@ -1,4 +1,4 @@
-#include "base/json_depth.hpp"
+#include "base/outside/json_depth.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "pipeline/machine/state_writer.hpp"
+#include "pipeline/start/state_writer.hpp"
 
 #include <algorithm>
 #include <condition_variable>
@@ -8,7 +8,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "base/abandonable.hpp"
+#include "base/outside/abandonable.hpp"
 #include "base/thread_annotations.hpp"
 
 namespace kasumi {

@@ -1,4 +1,4 @@
-#include "base/this_boot.hpp"
+#include "base/outside/this_boot.hpp"
 
 #include <ctime>
 
