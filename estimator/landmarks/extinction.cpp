@@ -187,7 +187,9 @@ Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& read
                             : (closed_above ? ExtinctionKind::at_most : ExtinctionKind::nothing);
   // The air is not the same everywhere: haze hardly, fog by more than half. What other paths have, or a meter's cubic metre, differs
   // by so much from that before these landmarks.
-  const auto patches = [](double per_m) { return kFogPatches * square(per_m) / (square(per_m) + square(kMist_per_m)); };
+  const auto patches = [&](double per_m) {
+    return spread_.fog_patchy * square(per_m) / (square(per_m) + square(kMist_per_m));
+  };
   const double common = patches(found.per_m) * found.per_m;
   const double below = 0.5 * (found.per_m - low), above = 0.5 * (high - found.per_m);
   if (closed_below) found.lowest_per_m = std::max(grid_per_m_[0], found.per_m - 2.0 * std::hypot(below, common));

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/json_depth.hpp"
+#include "base/outside/json_depth.hpp"
 
 namespace kasumi {
 namespace {

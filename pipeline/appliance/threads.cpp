@@ -27,7 +27,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration kFrameTimeout = 200ms;       // for a frame: then a camera's loop checks whether to stop
 constexpr Duration kShutdownDeadline = 1500ms;  // for all threads together
-constexpr Duration kExchangeDeadline = 10s;     // the same where other content comes next
+constexpr Duration kExchangeDeadline = 1min;    // the same where other content comes next
 
 // A request to stop, never withdrawn; wakes every waiting thread.
 class Stop {
@@ -73,7 +73,7 @@ sigset_t our_signals() {
   return set;
 }
 
-void wait_for_signals(Stop& stop, ReloadLoop& reload, Bell& ended) {
+void wait_for_signals(Stop& stop, ReloadLoop& reload, Notifier& notifier, Bell& ended) {
   const auto set = our_signals();
   while (!stop.wanted()) {
     const timespec timeout{0, 200'000'000};
@@ -82,7 +82,12 @@ void wait_for_signals(Stop& stop, ReloadLoop& reload, Bell& ended) {
     if (signal == SIGTERM || signal == SIGINT) stop.now();
   }
   const auto deadline = stop.for_good() ? kShutdownDeadline : kExchangeDeadline;
-  if (ended.wait_for(deadline)) return;
+  // Where other content comes, the still picture stays on the glass meanwhile, which is life enough; a check on a busy
+  // machine may take long to end.
+  for (Duration waited{}; waited < deadline; waited += 500ms) {
+    if (ended.wait_for(500ms)) return;
+    if (!stop.for_good()) notifier.alive();
+  }
   // Stuck in a driver or a disk, or a check on a busy machine. Files are replaced atomically, so exiting corrupts nothing.
   spdlog::warn("a thread did not end within {:.1f} s: exiting without it", to_seconds(deadline));
   std::_Exit(stop.for_good() ? EXIT_SUCCESS : EXIT_FAILURE);
@@ -111,7 +116,7 @@ std::string run_appliance(const ContentPlace& place, ContentPtr content, StatusO
                      &appliance.reload_bell(), &appliance.snapshot_bell(), &appliance.render_bell()})
     stop.add(*bell);
 
-  auto guard = start("signals", [&] { wait_for_signals(stop, appliance.reload(), ended); });
+  auto guard = start("signals", [&] { wait_for_signals(stop, appliance.reload(), *notifier, ended); });
   std::vector<std::thread> loops;
   loops.push_back(start("scene", [&] {
     keep_stepping("scene camera's loop", clock, stop, [&] { appliance.scene().step(clock.now() + kFrameTimeout); });

@@ -8,7 +8,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
-#include "base/this_boot.hpp"
+#include "base/outside/this_boot.hpp"
 #include "base/unique_fd.hpp"
 
 namespace kasumi::report {

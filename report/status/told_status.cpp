@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/json_depth.hpp"
+#include "base/outside/json_depth.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi::report {
