@@ -14,9 +14,9 @@ namespace kasumi {
 
 // Light from infinity beside the building, row by row: the horizon brightens downwards.
 struct FacadeSky {
-  glm::dvec3 light{0.0};      // linear, at row 0 of the facade
-  glm::dvec3 per_row{0.0};    // and what a row adds
-  glm::dvec3 variance{0.0};   // of `light`
+  glm::dvec3 light{0.0};            // linear, at row 0 of the facade
+  glm::dvec3 per_row{0.0};          // and what a row adds
+  glm::dvec3 variance{0.0};         // of `light`
   glm::dvec3 at(double row) const;  // never below a hundredth of `light`
 };
 
@@ -30,9 +30,9 @@ struct FacadeView {
 
 // In units of the light from infinity beside it, without air.
 struct Facade {
-  Image<glm::vec3> shade;         // L0 / Linf of each pixel where the sun does not reach it
-  Image<glm::vec3> lit;           // what a sun at right angles adds; empty: never seen
-  glm::dvec3 shade_sigma{0.0};    // of the whole facade's mean, from picture to picture
+  Image<glm::vec3> shade;       // L0 / Linf of each pixel where the sun does not reach it
+  Image<glm::vec3> lit;         // what a sun at right angles adds; empty: never seen
+  glm::dvec3 shade_sigma{0.0};  // of the whole facade's mean, from picture to picture
   glm::dvec3 lit_sigma{0.0};
   int shaded_views = 0, lit_views = 0;
 

@@ -47,8 +47,8 @@ struct Match {
 };
 
 // Of `box` in `now`, around a shift.
-std::optional<Match> match(const cv::Mat1f& reference, const cv::Mat1f& now, const cv::Rect& box, const cv::Point& around,
-                           int jump_x, int jump_y) {
+std::optional<Match> match(const cv::Mat1f& reference, const cv::Mat1f& now, const cv::Rect& box,
+                           const cv::Point& around, int jump_x, int jump_y) {
   const cv::Rect whole(0, 0, now.cols, now.rows);
   const cv::Rect search(box.x + around.x - jump_x, box.y + around.y - jump_y, box.width + 2 * jump_x,
                         box.height + 2 * jump_y);

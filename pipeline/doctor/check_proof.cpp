@@ -30,9 +30,9 @@ void check_proof(const std::filesystem::path& state, Utc now, Findings& findings
     return;
   }
   const double days = to_seconds(now - *made) / 86400.0;
-  const auto found = fmt::format(
-      "{:.0f} days ago {} was drawn {:.1f} of 255 off in the median, {:.1f} at 95 % (without air {:.1f})", days,
-      json["part"].get<std::string>(), *middle, *most, *none);
+  const auto found =
+      fmt::format("{:.0f} days ago {} was drawn {:.1f} of 255 off in the median, {:.1f} at 95 % (without air {:.1f})",
+                  days, json["part"].get<std::string>(), *middle, *most, *none);
   auto& finding = *middle > kBelievable_255
                       ? findings.warn("proof", found, "landmarks' distances, their regions, the camera's calibration?")
                       : findings.good("proof", found);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array kUsual{"%Y%m%d_%H%M%S",     "%Y%m%d-%H%M%S",     "%Y%m%dT%H%M%S",     "%Y%m%d%H%M%S",
                             "%Y-%m-%d_%H-%M-%S", "%Y-%m-%dT%H-%M-%S", "%Y-%m-%dT%H:%M:%S", "%Y-%m-%d_%H:%M:%S",
-                            "%Y_%m_%d_%H_%M_%S", "%Y-%m-%d %H-%M-%S", "%Y%m%d_%H%M"};
+                            "%Y_%m_%d_%H_%M_%S", "%Y-%m-%d %H-%M-%S", "%Y%m%d_%H%M",       "%Y%m%d-%H%M"};
 constexpr const char* kExif = "%Y:%m:%d %H:%M:%S";
 constexpr int kFirstYear = 1990, kLastYear = 2100;  // others are numbers that look like a date
 

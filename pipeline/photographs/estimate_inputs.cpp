@@ -53,8 +53,7 @@ SkyInput input_of_line(std::string line) {
   if (second != std::string::npos) input.label = line.substr(second + 1);
   input.utc = parse_utc(time);
   if (!input.utc)
-    input.problem =
-        fmt::format("{}: time '{}': expected a time like 2018-01-29T11:09:20Z", input.file.string(), time);
+    input.problem = fmt::format("{}: time '{}': expected a time like 2018-01-29T11:09:20Z", input.file.string(), time);
   return input;
 }
 

@@ -28,9 +28,10 @@ std::vector<ToldAir> air_by_landmarks(const SceneViews& scene) {
       if (channel.kind == ExtinctionKind::nothing) airs[i].unknown = channel.reason;
       airs[i].per_m[c] = channel.per_m;
       // Of a bound the value is the likeliest within it, and half the way to its end the sigma.
-      airs[i].sigma_per_m[c] = channel.kind == ExtinctionKind::value
-                                   ? channel.sigma_per_m
-                                   : std::max(channel.sigma_per_m, 0.25 * (channel.highest_per_m - channel.lowest_per_m));
+      airs[i].sigma_per_m[c] =
+          channel.kind == ExtinctionKind::value
+              ? channel.sigma_per_m
+              : std::max(channel.sigma_per_m, 0.25 * (channel.highest_per_m - channel.lowest_per_m));
     }
   }
   return airs;

@@ -1,8 +1,8 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "base/clock.hpp"
 #include "base/files.hpp"
@@ -57,19 +57,22 @@ void add_prove_command(CLI::App& app, Action& action) {
   auto request = std::make_shared<ProveRequest>();
   auto& r = *request;
   command
-      ->add_option("scenes", r.scenes,
-                   "Pictures of the scene camera over many days: a folder, @LIST (a path, a tab, a time, and if you like "
-                   "a tab and the kind of air), a pattern in quotes")
+      ->add_option(
+          "scenes", r.scenes,
+          "Pictures of the scene camera over many days: a folder, @LIST (a path, a tab, a time, and if you like "
+          "a tab and the kind of air), a pattern in quotes")
       ->required();
   command->add_option("--part", r.part, "The building: a name of --landmarks, or a name for --region-px")->required();
   command->add_option("--distance-m", r.distance_m, "How far away it is; default: as its landmark says")
       ->check(CLI::Range(5.0, 400e3));
-  command->add_option("--faces-deg", r.faces_deg,
-                      "Where the facade faces, degrees from north clockwise: by that the sun is on it or not")
+  command
+      ->add_option("--faces-deg", r.faces_deg,
+                   "Where the facade faces, degrees from north clockwise: by that the sun is on it or not")
       ->check(CLI::Range(-360.0, 360.0));
   command->add_option("--landmarks", r.landmarks, "[[landmarks]] that tell the air, those of the building left aside");
-  command->add_option("--air", r.air, "A table of it instead: utc, extinction_g_per_m, if known extinction_r_per_m, "
-                                      "extinction_b_per_m, extinction_sigma_per_m");
+  command->add_option("--air", r.air,
+                      "A table of it instead: utc, extinction_g_per_m, if known extinction_r_per_m, "
+                      "extinction_b_per_m, extinction_sigma_per_m");
   command->add_option("--region-px", r.region, "The facade in the reference picture; default: its landmark's")
       ->type_name("X,Y,W,H")
       ->delimiter(',')

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
@@ -18,13 +17,17 @@ namespace {
 
 constexpr double kNight_deg = 3.0, kLowSun_deg = 8.0;
 constexpr double kGreen_nm = 550.0;
-constexpr double kClearShare = 0.3;    // of the pictures measure the facade, those with the least air before it ...
-constexpr double kClearDepth = 0.7;    // ... and where its own light is at least half of what is seen
+constexpr double kClearShare = 0.3;  // of the pictures measure the facade, those with the least air before it ...
+constexpr double kClearDepth = 0.7;  // ... and where its own light is at least half of what is seen
 constexpr int kFewestClear = 3;
+constexpr std::size_t kFewestAlike = 5;
+constexpr double kAlikeShare = 0.25;  // of the clear pictures in the shade
 using Day = std::chrono::sys_days;
 
-Day day_of(const SceneView& view) {
-  return std::chrono::floor<std::chrono::days>(view.utc.value_or(Utc{}));
+// Where no time is known each picture is a day of its own.
+Day day_of(const SceneViews& scene, std::size_t view) {
+  const auto& utc = scene.views[view].utc;
+  return utc ? std::chrono::floor<std::chrono::days>(*utc) : Day{} - std::chrono::days(1 + static_cast<int>(view));
 }
 
 glm::dvec3 encoded_255(const SceneViews& scene, const glm::dvec3& light) {
@@ -34,7 +37,7 @@ glm::dvec3 encoded_255(const SceneViews& scene, const glm::dvec3& light) {
   return 255.0 * glm::clamp(scene.camera.response.to_encoded(seen), 0.0, 1.0);
 }
 
-std::string class_of(const SceneView& view, const ProvedPicture& picture) {
+std::string class_of(const ProofView& view, const ProvedPicture& picture) {
   if (!view.label.empty()) return view.label;
   if (picture.sun_elevation_deg && *picture.sun_elevation_deg < kLowSun_deg) return "low sun";
   if (!picture.air.unknown.empty()) return "unknown";
@@ -42,7 +45,7 @@ std::string class_of(const SceneView& view, const ProvedPicture& picture) {
   return std::string(name_of(weather_class(std::max(0.0, picture.air.per_m.g - molecules))));
 }
 
-void place_sun(const SceneViews& scene, const ProveRequest& request, const SceneView& view, ProvedPicture& picture) {
+void place_sun(const SceneViews& scene, const ProveRequest& request, const ProofView& view, ProvedPicture& picture) {
   if (!scene.site || !view.utc) return;
   const auto sun = sun_position(*view.utc, *scene.site);
   const double elevation = 90.0 - to_degrees(sun.zenith), azimuth = to_degrees(sun.azimuth);
@@ -54,14 +57,15 @@ void place_sun(const SceneViews& scene, const ProveRequest& request, const Scene
   picture.sunlit = std::max(0.0, incidence);
 }
 
-std::string why_left_out(const SceneView& view, const ProvedPicture& picture) {
+std::string why_left_out(const ProofView& view, const ProvedPicture& picture) {
   if (picture.sun_elevation_deg && *picture.sun_elevation_deg < kNight_deg)
     return fmt::format("night: the sun stands {:.1f} deg high", *picture.sun_elevation_deg);
   if (!view.unusable.empty()) return view.unusable;
   if (view.blurred_share >= kDropsOnLens)
     return fmt::format("drops on the lens: {:.0f} % of the picture is blurred", 100.0 * view.blurred_share);
   if (view.sky_clipped) return "the sky beside it is brighter than full scale";
-  if (std::min({view.sky.light.r, view.sky.light.g, view.sky.light.b}) <= 0.0) return "no light from infinity beside it";
+  if (std::min({view.sky.light.r, view.sky.light.g, view.sky.light.b}) <= 0.0)
+    return "no light from infinity beside it";
   if (!picture.air.unknown.empty()) return "the others tell no air: " + picture.air.unknown;
   return {};
 }
@@ -79,6 +83,15 @@ void choose_clear(const SceneViews& scene, std::vector<ProvedPicture>& pictures)
     picture.clear = may_measure(picture) && picture.air.per_m.g * scene.part.distance_m <= most;
 }
 
+// Between the suns of two pictures, degrees; 0 where no place is known.
+double apart(const ProvedPicture& one, const ProvedPicture& other) {
+  if (!one.sun_elevation_deg || !other.sun_elevation_deg) return 0.0;
+  const auto towards = [](const ProvedPicture& picture) {
+    return direction_from(from_degrees(90.0 - *picture.sun_elevation_deg), from_degrees(*picture.sun_azimuth_deg));
+  };
+  return to_degrees(angle_between(towards(one), towards(other)));
+}
+
 class Painter {
  public:
   Painter(const SceneViews& scene, const std::vector<ProvedPicture>& pictures) : scene_(scene) {
@@ -92,14 +105,8 @@ class Painter {
       one.sunlit = picture.sunlit;
       views_.push_back(std::move(one));
     }
-    std::map<Day, std::optional<Facade>> days;
-    for (const auto& picture : pictures) {
-      const auto day = day_of(scene.views[picture.view]);
-      auto [at, added] = days.try_emplace(day);
-      if (added) at->second = measured_without(pictures, day);
-    }
-    for (const auto& picture : pictures) facades_.push_back(days[day_of(scene.views[picture.view])]);
-    whole_ = measured_without(pictures, std::nullopt);
+    for (const auto& picture : pictures) facades_.push_back(measured_for(pictures, &picture));
+    whole_ = measured_for(pictures, nullptr);
   }
   const std::optional<Facade>& whole() const { return whole_; }
   const std::optional<Facade>& facade_of(std::size_t i) const { return facades_[i]; }
@@ -110,11 +117,25 @@ class Painter {
   }
 
  private:
-  std::optional<Facade> measured_without(const std::vector<ProvedPicture>& pictures, std::optional<Day> day) const {
-    std::vector<const FacadeView*> clear;
-    for (std::size_t i = 0; i < pictures.size(); ++i)
-      if (pictures[i].clear && day_of(scene_.views[pictures[i].view]) != day) clear.push_back(&views_[i]);
-    return measure_facade(clear);
+  // By the clear pictures of other days; in the shade by those whose sun stood most like the picture's, since where the
+  // sun stands the horizon is brighter, and glass shows another part of the sky. Null: by all.
+  std::optional<Facade> measured_for(const std::vector<ProvedPicture>& pictures, const ProvedPicture* one) const {
+    std::vector<const FacadeView*> lit;
+    std::vector<std::pair<double, const FacadeView*>> shaded;
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      const auto& other = pictures[i];
+      if (!other.clear || (one && day_of(scene_, other.view) == day_of(scene_, one->view))) continue;
+      if (other.sunlit > 0.0)
+        lit.push_back(&views_[i]);
+      else
+        shaded.emplace_back(one ? apart(*one, other) : 0.0, &views_[i]);
+    }
+    std::ranges::stable_sort(shaded, {}, [](const auto& view) { return view.first; });
+    const auto enough =
+        std::max(kFewestAlike, static_cast<std::size_t>(kAlikeShare * static_cast<double>(shaded.size())));
+    if (one && shaded.size() > enough) shaded.resize(enough);
+    for (const auto& view : shaded) lit.push_back(view.second);
+    return measure_facade(lit);
   }
 
   const SceneViews& scene_;
@@ -125,8 +146,9 @@ class Painter {
 
 glm::dvec3 fixed_depth(const SceneViews& scene) {
   const auto nodes = attenuation_nodes(spectral_measure(scene.camera));
-  return scene.part.distance_m * model_extinction_per_m(nodes, ScatteringModel::morales2017, Turbidity{kPapersTurbidity},
-                                                        scene.altitude_m, scene.part.distance_m);
+  return scene.part.distance_m * model_extinction_per_m(nodes, ScatteringModel::morales2017,
+                                                        Turbidity{kPapersTurbidity}, scene.altitude_m,
+                                                        scene.part.distance_m);
 }
 
 // The depth, by channel, under which the median of the judged pictures' differences is least.
@@ -156,6 +178,7 @@ glm::dvec3 constant_depth(const Painter& painter, const std::vector<ProvedPictur
 void judge(const SceneViews& scene, const Painter& painter, std::size_t i, ProvedPicture& picture) {
   const auto& facade = painter.facade_of(i);
   const auto& view = painter.view(i);
+  if (!facade && picture.left_out.empty()) picture.left_out = "too few clear pictures of other days";
   if (!facade || !picture.air.unknown.empty()) return;
   if (picture.sunlit > 0.0 && facade->lit.empty() && picture.left_out.empty())
     picture.left_out = fmt::format("the sun is on it ({:.0f} deg), and too few clear pictures show it lit",

@@ -80,6 +80,9 @@ std::string proof_json(const Proof& proof, const ProofSummary& summary, const st
   json["fixed_t3_extinction_per_m"] = by_channel(proof.fixed_depth / scene.part.distance_m, 7);
   json["best_constant_extinction_per_m"] = by_channel(proof.constant_per_m, 7);
   json["errors"] = errors_json(summary.ways);
+  json["errors"]["told_with_left_out"] = {{"pictures", summary.with_left_out.pictures},
+                                          {"error_median_255", rounded(summary.with_left_out.median_255, 2)},
+                                          {"error_p95_255", rounded(summary.with_left_out.p95_255, 2)}};
   json["bias_255"] = by_channel(summary.bias_255, 2);
   json["within_sigma_share"] = rounded(summary.within_sigma_share, 3);
   json["worst_sigmas"] = rounded(summary.worst_sigma, 1);
@@ -106,21 +109,27 @@ std::string remembered_proof(const Proof& proof, const ProofSummary& summary, co
 
 std::string proof_text(const Proof& proof, const ProofSummary& summary) {
   const auto& scene = proof.scene;
-  auto text = fmt::format("{} at {:.2f} km, put back into {} of {} pictures under the air that {} tell\n", scene.part.name,
-                          scene.part.distance_m / 1e3, summary.ways[0].pictures, proof.pictures.size(),
+  auto text = fmt::format("{} at {:.2f} km, put back into {} of {} pictures under the air that {} told\n",
+                          scene.part.name, scene.part.distance_m / 1e3, summary.ways[0].pictures, proof.pictures.size(),
                           scene.others.empty() ? "a table" : fmt::format("{} other landmarks", scene.others.size()));
   const std::array<const char*, kProofWays.size()> words{"as told", "no air", "T = 3", "best constant"};
   for (std::size_t k = 0; k < words.size(); ++k)
     text += fmt::format("  {:<15}  off by {:.1f} of 255 in the median, {:.1f} at 95 %\n", words[k],
                         summary.ways[k].median_255, summary.ways[k].p95_255);
+  if (summary.with_left_out.pictures > summary.ways[0].pictures)
+    text +=
+        fmt::format("  {:<15}  off by {:.1f} of 255 in the median, {:.1f} at 95 % ({} pictures)\n", "with all left out",
+                    summary.with_left_out.median_255, summary.with_left_out.p95_255, summary.with_left_out.pictures);
   text += fmt::format("  bias             R {:+.1f}, G {:+.1f}, B {:+.1f}; within sigma {:.0f} % (68 expected)\n",
                       summary.bias_255.r, summary.bias_255.g, summary.bias_255.b, 100.0 * summary.within_sigma_share);
-  text += fmt::format("  its own light    R {:.3f}, G {:.3f}, B {:.3f} of the horizon's, in the shade of {} clear pictures\n",
-                      proof.shade.r, proof.shade.g, proof.shade.b, proof.shaded_views);
+  text += fmt::format(
+      "  its own light    R {:.3f}, G {:.3f}, B {:.3f} of the horizon's, in the shade of {} clear pictures\n",
+      proof.shade.r, proof.shade.g, proof.shade.b, proof.shaded_views);
   for (const auto& one : summary.classes)
     text += fmt::format("  {:<15}  {} pictures: {:.1f}, {:.1f} at 95 %; without air {:.1f}\n", one.air_class,
                         one.ways[0].pictures, one.ways[0].median_255, one.ways[0].p95_255, one.ways[1].median_255);
-  for (const auto& [reason, count] : summary.left_out) text += fmt::format("  left out         {}: {}\n", count, reason);
+  for (const auto& [reason, count] : summary.left_out)
+    text += fmt::format("  left out         {}: {}\n", count, reason);
   for (const auto& remark : proof.remarks) text += fmt::format("  {}\n", remark);
   return text;
 }

@@ -42,7 +42,8 @@ void add_errors_row(ProofText& page, const std::string& name, const std::array<E
 
 void add_errors(ProofText& page, const ProofSummary& summary) {
   page.add(
-      "<h2>How far off it is drawn</h2>\n<p class=\"quiet\">Of 255, the mean of the three channels; median, and what 95 % "
+      "<h2>How far off it is drawn</h2>\n<p class=\"quiet\">Of 255, the mean of the three channels; median, and what "
+      "95 % "
       "of the pictures stay below.</p>\n<div class=\"scroll\"><table><thead><tr><th></th><th>pictures</th>"
       "<th>air told</th><th>95 %</th><th>no air</th><th>95 %</th><th>T = 3</th><th>95 %</th><th>best constant</th>"
       "<th>95 %</th></tr></thead><tbody>\n");
@@ -53,7 +54,11 @@ void add_errors(ProofText& page, const ProofSummary& summary) {
 
 void add_left_out(ProofText& page, const Proof& proof, const ProofSummary& summary) {
   if (summary.left_out.empty()) return;
-  page.add("<h2>Left out</h2>\n<ul>\n");
+  page.add(
+      "<h2>Left out</h2>\n<p>Drawn all the same, they and the others together are off by {:.1f} in the median and "
+      "{:.1f} "
+      "at 95 %.</p>\n<ul>\n",
+      summary.with_left_out.median_255, summary.with_left_out.p95_255);
   for (const auto& [reason, count] : summary.left_out) page.add("<li>{}: {}</li>\n", count, html_escaped(reason));
   page.add("</ul>\n<details><summary>Each of them</summary><ul>\n");
   for (const auto& picture : proof.pictures)
@@ -88,7 +93,8 @@ std::string proof_page(const Proof& proof, const ProofSummary& summary, std::spa
       "{:.1f} at 95 %. Without air it would be {:.1f} and {:.1f}.</p>\n",
       summary.ways[0].median_255, summary.ways[0].p95_255, summary.ways[1].median_255, summary.ways[1].p95_255);
   page.add(
-      "<p>Its facade was measured pixel by pixel in {} clear pictures in which the sun does not reach it{}, each time on "
+      "<p>Its facade was measured pixel by pixel in {} clear pictures in which the sun does not reach it{}, each time "
+      "on "
       "other days than the picture's own: it returns {:.3f}, {:.3f}, {:.3f} (red, green, blue) of the horizon's light "
       "in the shade. The air before it is told by {}; it is not asked itself{}.</p>\n",
       proof.shaded_views, proof.lit_views > 0 ? fmt::format(", and in {} in which it does", proof.lit_views) : "",
@@ -96,7 +102,8 @@ std::string proof_page(const Proof& proof, const ProofSummary& summary, std::spa
       scene.others.empty() ? "a table" : html_escaped(names_of(scene.others)),
       scene.left_aside.size() > 1 ? ", nor is what belongs to the same building" : "");
   page.add(
-      "<p>Bias (drawn - seen): red {:+.1f}, green {:+.1f}, blue {:+.1f} of 255. {:.0f} % are within one sigma (of normal "
+      "<p>Bias (drawn - seen): red {:+.1f}, green {:+.1f}, blue {:+.1f} of 255. {:.0f} % are within one sigma (of "
+      "normal "
       "errors 68 %), the worst at {:.1f}. Single pixels are off by {:.1f}.</p>\n",
       summary.bias_255.r, summary.bias_255.g, summary.bias_255.b, 100.0 * summary.within_sigma_share,
       summary.worst_sigma, summary.pixel_median_255);

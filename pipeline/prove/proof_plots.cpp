@@ -26,9 +26,9 @@ struct Axis {
 class Plot {
  public:
   Plot(Axis across, Axis up) : across_(std::move(across)), up_(std::move(up)) {
-    text_ = fmt::format(
-        "<svg viewBox=\"0 0 {} {}\" role=\"img\" font-family=\"system-ui, sans-serif\" font-size=\"12\">\n", kWidth,
-        kHeight);
+    text_ =
+        fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\" font-family=\"system-ui, sans-serif\" font-size=\"12\">\n",
+                    kWidth, kHeight);
     for (double v = up_.least; v <= up_.most + 1e-9; v += up_.step) {
       add_line(kLeft, y(v), kWidth - kRight, y(v), "#e0e0e0");
       text_ += fmt::format("<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\" fill=\"#555\">{:g}</text>\n", kLeft - 6,
@@ -47,8 +47,8 @@ class Plot {
         (kTop + kHeight - kBottom) / 2, up_.title);
   }
   void add_point(double across, double up, const char* ink) {
-    text_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\" fill=\"{}\" fill-opacity=\".55\"/>\n", x(across),
-                         y(up), ink);
+    text_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\" fill=\"{}\" fill-opacity=\".55\"/>\n",
+                         x(across), y(up), ink);
   }
   void add_straight(double x0, double y0, double x1, double y1, const char* ink) {
     add_line(x(x0), y(y0), x(x1), y(y1), ink);
@@ -107,7 +107,8 @@ std::string plot_errors_over_extinction(const Proof& proof) {
 std::string plot_over_time(const Proof& proof) {
   const double count = static_cast<double>(std::max<std::size_t>(2, proof.pictures.size()));
   const double step = std::max(1.0, std::pow(10.0, std::floor(std::log10(count / 3.0))));
-  Plot plot({0.0, count, count / step > 12.0 ? 5.0 * step : step, "picture, in order of time"}, levels_axis("green, of 255"));
+  Plot plot({0.0, count, count / step > 12.0 ? 5.0 * step : step, "picture, in order of time"},
+            levels_axis("green, of 255"));
   for (std::size_t i = 0; i < proof.pictures.size(); ++i) {
     const auto& picture = proof.pictures[i];
     if (!picture.judged()) continue;

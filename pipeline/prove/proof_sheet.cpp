@@ -28,8 +28,7 @@ std::vector<const ProvedPicture*> chosen(const Proof& proof) {
   std::ranges::stable_sort(judged, {}, [](const auto* picture) { return picture->air.per_m.g; });
   if (judged.size() <= kMostPictures) return judged;
   std::vector<const ProvedPicture*> some;
-  for (std::size_t k = 0; k < kMostPictures; ++k)
-    some.push_back(judged[k * (judged.size() - 1) / (kMostPictures - 1)]);
+  for (std::size_t k = 0; k < kMostPictures; ++k) some.push_back(judged[k * (judged.size() - 1) / (kMostPictures - 1)]);
   return some;
 }
 
@@ -50,7 +49,8 @@ Image<Rgb8> proof_sheet(const Proof& proof) {
         const auto &is = picture->part.at(x, y), seen = view.patch.at(px, py);
         drawn.at(px, py) = is;
         for (int c = 0; c < 3; ++c)
-          off.at(px, py)[c] = static_cast<std::uint8_t>(std::clamp(128 + kAmplified * (int{is[c]} - int{seen[c]}), 0, 255));
+          off.at(px, py)[c] =
+              static_cast<std::uint8_t>(std::clamp(128 + kAmplified * (int{is[c]} - int{seen[c]}), 0, 255));
       }
     sheet.add(enlarged(view.patch), view.file.stem().string());
     sheet.add(enlarged(drawn), fmt::format("drawn: {:.1f} off", picture->error_255(ProofWay::told)));

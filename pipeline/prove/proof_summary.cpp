@@ -33,7 +33,7 @@ ProofSummary summary_of(const Proof& proof) {
   ProofSummary summary;
   const auto judged = [](const ProvedPicture& picture) { return picture.judged(); };
   summary.ways = all_ways(proof, judged);
-  summary.lit_left_out_too = errors_of(proof, ProofWay::told, [](const auto& picture) { return picture.drawn; });
+  summary.with_left_out = errors_of(proof, ProofWay::told, [](const auto& picture) { return picture.drawn; });
   std::array<std::vector<double>, 3> bias;
   std::vector<double> pixels;
   std::map<std::string, int> classes, reasons;

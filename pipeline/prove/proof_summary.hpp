@@ -21,12 +21,12 @@ struct ClassSummary {
 
 struct ProofSummary {
   std::array<ErrorSummary, kProofWays.size()> ways;
-  ErrorSummary lit_left_out_too;     // told, of all that were drawn, whether judged or not
-  glm::dvec3 bias_255{0.0};          // median of drawn - seen, by channel
-  double within_sigma_share = 0.0;   // of pictures and channels; 68 % of what is known as it is told
+  ErrorSummary with_left_out;       // told, of all whose air is, whether judged or not
+  glm::dvec3 bias_255{0.0};         // median of drawn - seen, by channel
+  double within_sigma_share = 0.0;  // of pictures and channels; 68 % of what is known as it is told
   double worst_sigma = 0.0;
   double pixel_median_255 = 0.0;
-  std::vector<ClassSummary> classes;  // the most pictures first
+  std::vector<ClassSummary> classes;                  // the most pictures first
   std::vector<std::pair<std::string, int>> left_out;  // reasons without their numbers, and how many
 };
 ProofSummary summary_of(const Proof& proof);

@@ -9,8 +9,8 @@
 #include "base/saturation.hpp"
 #include "base/statistics.hpp"
 #include "estimator/landmarks/daylight.hpp"
-#include "estimator/photograph/other_air.hpp"
 #include "estimator/photograph/lens_drops.hpp"
+#include "estimator/photograph/other_air.hpp"
 #include "estimator/photograph/same_view.hpp"
 #include "pipeline/config/descriptions.hpp"
 #include "pipeline/files/photograph_file.hpp"
@@ -120,9 +120,10 @@ Result<> find_part(const ProveRequest& request, std::vector<ContrastLandmark> la
       scene.others.push_back(std::move(landmark));
   }
   if (scene.others.empty() && request.air.empty())
-    return fail(FaultKind::bad_input,
-                "--landmarks: nothing but {} itself tells the air: expected landmarks of other distances, or --air TABLE",
-                request.part);
+    return fail(
+        FaultKind::bad_input,
+        "--landmarks: nothing but {} itself tells the air: expected landmarks of other distances, or --air TABLE",
+        request.part);
   scene.patch = around(scene.part.surface, scene.camera);
   return {};
 }
@@ -142,23 +143,23 @@ Result<> know_camera(const ProveRequest& request, int width, int height, SceneVi
   return find_part(request, std::move(landmarks), scene);
 }
 
-Result<std::vector<SceneView>> listed(const ProveRequest& request) {
+Result<std::vector<ProofView>> listed(const ProveRequest& request) {
   EstimateArguments arguments;
   arguments.images = request.scenes;
   auto inputs = EstimateInputs::expand(arguments);
   if (!inputs) return fail(inputs.error());
   Problems problems = inputs->problems();
-  std::vector<SceneView> views;
+  std::vector<ProofView> views;
   for (const auto& input : inputs->all()) {
     if (!input.problem.empty()) problems.add("{}", input.problem);
-    SceneView view;
+    ProofView view;
     view.file = input.file;
     view.utc = input.utc ? input.utc : picture_time(input.file, request.times);
     view.label = input.label;
     views.push_back(std::move(view));
   }
   if (!problems.empty()) return fail(problems.fault());
-  std::ranges::stable_sort(views, {}, [](const SceneView& view) { return view.utc.value_or(Utc{}); });
+  std::ranges::stable_sort(views, {}, [](const ProofView& view) { return view.utc.value_or(Utc{}); });
   return views;
 }
 
@@ -166,7 +167,7 @@ Result<std::vector<SceneView>> listed(const ProveRequest& request) {
 Result<SameViews> place(const ProveRequest& request, SceneViews& scene) {
   std::vector<ViewLines> lines;
   std::vector<DetailFineness> fineness;
-  std::vector<SceneView> good;
+  std::vector<ProofView> good;
   std::optional<std::size_t> reference;
   Progress progress("placing", scene.views.size());
   for (auto& view : scene.views) {
@@ -197,8 +198,7 @@ Result<SameViews> place(const ProveRequest& request, SceneViews& scene) {
   if (!request.reference.empty() && !reference)
     return fail(FaultKind::bad_input, "--reference {}: expected one of the pictures", request.reference);
   auto same = place_views(lines, reference);
-  if (!same)
-    return fail(FaultKind::bad_input, "{}: no two pictures show the same view", request.scenes.front());
+  if (!same) return fail(FaultKind::bad_input, "{}: no two pictures show the same view", request.scenes.front());
   const auto blurred = blurred_shares(fineness);
   for (std::size_t i = 0; i < blurred.size(); ++i) scene.views[i].blurred_share = blurred[i];
   scene.reference = scene.views[same->reference].file;
@@ -212,12 +212,11 @@ double moved_px(const PictureBox& part, const ViewMove& move) {
 
 }  // namespace
 
-Image<glm::vec3> SceneViews::part_of(const SceneView& view) const {
+Image<glm::vec3> SceneViews::part_of(const ProofView& view) const {
   Image<glm::vec3> encoded(part.surface.width, part.surface.height);
   for (int y = 0; y < encoded.height(); ++y)
     for (int x = 0; x < encoded.width(); ++x)
-      encoded.at(x, y) =
-          glm::vec3(view.patch.at(x + part.surface.x - patch.x, y + part.surface.y - patch.y)) / 255.0F;
+      encoded.at(x, y) = glm::vec3(view.patch.at(x + part.surface.x - patch.x, y + part.surface.y - patch.y)) / 255.0F;
   return encoded;
 }
 

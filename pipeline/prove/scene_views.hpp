@@ -16,13 +16,13 @@
 
 namespace kasumi {
 
-struct SceneView {
+struct ProofView {
   std::filesystem::path file;
   std::optional<Utc> utc;
-  std::string label;      // of a list, empty: none
-  std::string unusable;   // why nothing can be said of it, before its air is asked: night, another size
-  bool placed = false;    // its lines were found; false: taken to stand as its neighbour does
-  double moved_px = 0.0;  // of the part, in that picture
+  std::string label;                      // of a list, empty: none
+  std::string unusable;                   // why nothing can be said of it, before its air is asked: night, another size
+  bool placed = false;                    // its lines were found; false: taken to stand as its neighbour does
+  double moved_px = 0.0;                  // of the part, in that picture
   double blurred_share = 0.0;             // of the picture, by drops on the lens
   std::vector<ContrastReading> readings;  // of the others
   FacadeSky sky;
@@ -39,11 +39,11 @@ struct SceneViews {
   std::vector<std::string> left_aside;   // names of landmarks of the part's own building
   PictureBox patch;                      // in the reference's pixels
   std::filesystem::path reference;
-  std::vector<SceneView> views;  // in order of time
+  std::vector<ProofView> views;  // in order of time
   int unreadable = 0;
 
   // The part's pixels of a view, as the camera gave them.
-  Image<glm::vec3> part_of(const SceneView& view) const;
+  Image<glm::vec3> part_of(const ProofView& view) const;
   // The same as light.
   Image<glm::vec3> light_of_part(const Image<glm::vec3>& encoded) const;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include "base/files.hpp"
 #include "base/picture.hpp"
@@ -22,10 +23,11 @@ struct DrawnTower {
   int x, top, width;
   double own;  // L0 / Linf
 };
-constexpr std::array kTowers{DrawnTower{"mill", 900.0, 40, 110, 24, 0.08},   DrawnTower{"church", 1500.0, 100, 100, 20, 0.05},
-                             DrawnTower{"silo", 2100.0, 165, 95, 22, 0.07},  DrawnTower{"keep", 2600.0, 230, 90, 26, 0.06},
-                             DrawnTower{"works", 3400.0, 300, 105, 24, 0.05}, DrawnTower{"mast", 4600.0, 370, 100, 20, 0.06},
-                             DrawnTower{"abbey", 3000.0, 425, 90, 26, 0.06}};
+constexpr std::array kTowers{
+    DrawnTower{"mill", 900.0, 40, 110, 24, 0.08},    DrawnTower{"church", 1500.0, 100, 100, 20, 0.05},
+    DrawnTower{"silo", 2100.0, 165, 95, 22, 0.07},   DrawnTower{"keep", 2600.0, 230, 90, 26, 0.06},
+    DrawnTower{"works", 3400.0, 300, 105, 24, 0.05}, DrawnTower{"mast", 4600.0, 370, 100, 20, 0.06},
+    DrawnTower{"abbey", 3000.0, 425, 90, 26, 0.06}};
 
 // Repeats for ever, without any pattern that a lag of a few pixels would fit.
 double scattered(int x, int y) {
@@ -58,7 +60,8 @@ glm::dvec3 light_at(int x, int y, const DrawnPicture& picture) {
   if (y < kSkyline) return infinity_at(y);
   // Roofs, the nearer the lower.
   const double roof = 0.1 + 0.6 * scattered(x / 7, y / 5);
-  return through_air(glm::dvec3{1.2, 1.0, 0.8} * roof, y, picture, 120.0 + 600.0 * (kHeight - y) / (kHeight - kSkyline));
+  return through_air(glm::dvec3{1.2, 1.0, 0.8} * roof, y, picture,
+                     120.0 + 600.0 * (kHeight - y) / (kHeight - kSkyline));
 }
 
 Image<Rgb8> drawn(const DrawnPicture& picture, int number) {
@@ -111,7 +114,7 @@ DrawnSeries draw_series(const std::filesystem::path& folder) {
   int number = 0;
   for (const auto& picture : series.pictures) {
     const auto file = folder / (picture.name + ".png");
-    write_png(file, drawn(picture, ++number)).value();
+    EXPECT_TRUE(write_png(file, drawn(picture, ++number)));
     list += fmt::format("{}\t{}\t{}\n", file.string(), picture.utc, picture.per_m.g > 1e-4 ? "haze" : "clear");
     air += fmt::format("{},{},{},{}\n", picture.utc, picture.per_m.r, picture.per_m.g, picture.per_m.b);
   }
@@ -120,9 +123,9 @@ DrawnSeries draw_series(const std::filesystem::path& folder) {
         "[[landmarks]]\nname = \"{}\"\ndistance_m = {}\nregion_px = [{}, {}, {}, {}]\nsky_px = [{}, {}, 16, {}]\n",
         tower.name, tower.distance_m, tower.x + 2, tower.top + 4, tower.width - 4, kSkyline - tower.top - 8,
         tower.x - kMargin, tower.top, kSkyline - tower.top - 6);
-  write_text_file(series.list, list).value();
-  write_text_file(series.air, air).value();
-  write_text_file(series.landmarks, landmarks).value();
+  EXPECT_TRUE(write_text_file(series.list, list));
+  EXPECT_TRUE(write_text_file(series.air, air));
+  EXPECT_TRUE(write_text_file(series.landmarks, landmarks));
   return series;
 }
 

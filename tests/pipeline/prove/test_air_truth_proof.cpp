@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -19,8 +20,6 @@
 namespace kasumi {
 namespace {
 
-constexpr const char* kPrinted = "`test_air_truth_proof`";
-
 struct MilanRow {
   std::string name, air_class;
   double sun_elevation_deg = 0.0;
@@ -30,15 +29,13 @@ struct MilanRow {
 // name, sun_azimuth_deg, sun_elevation_deg, class, ...
 std::vector<MilanRow> read_rows(const std::filesystem::path& table) {
   std::vector<MilanRow> rows;
-  const auto text = read_text_file(table).value();
-  for (auto from = text.find('\n') + 1; from < text.size(); from = text.find('\n', from) + 1) {
+  std::istringstream lines(read_text_file(table).value());
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    std::istringstream from(line);
     std::array<std::string, 4> cells;
-    auto at = from;
-    for (auto& cell : cells) {
-      const auto end = text.find(',', at);
-      cell = text.substr(at, end - at);
-      at = end + 1;
-    }
+    for (auto& cell : cells) std::getline(from, cell, ',');
     // Local time; summer time of 2025.
     const bool summer = cells[0] >= "20250330" && cells[0] < "20251026";
     const auto utc = picture_time(cells[0], {"%Y%m%d-%H%M", summer ? 2.0 : 1.0}).value();
@@ -50,11 +47,10 @@ std::vector<MilanRow> read_rows(const std::filesystem::path& table) {
 struct ProvedTower {
   const char *name, *facade;
 };
-// Those of the landmarks' own table of four, and the others that stand free of their neighbours.
-constexpr std::array kTowers{ProvedTower{"Galfa", "galfa"},         ProvedTower{"Lombardia", "lombardia-high"},
+// The four by which landmarks are judged (test_air_truth_towers), one that is five pixels wide, and one that is a mirror.
+constexpr std::array kTowers{ProvedTower{"Galfa", "galfa"},          ProvedTower{"Lombardia", "lombardia-high"},
                              ProvedTower{"Solaria", "solaria-dark"}, ProvedTower{"Generali", "generali"},
-                             ProvedTower{"Allianz", "allianz"},      ProvedTower{"UniCredit", "unicredit-left"},
-                             ProvedTower{"Pirelli", "pirelli"}};
+                             ProvedTower{"Allianz", "allianz"},      ProvedTower{"UniCredit", "unicredit-left"}};
 constexpr std::size_t kFour = 4;
 
 std::string two(const ErrorSummary& errors) {
@@ -72,8 +68,9 @@ TEST(AirTruthProof, RealTowersAreDrawnAsTheCameraSawThem) {
     lines += fmt::format("{}\t{}\t{}\n", (folder / (row.name + ".jpg")).string(), utc_text(row.utc), row.air_class);
     elevations_deg[row.name] = row.sun_elevation_deg;
   }
-  write_text_file(list, lines).value();
+  ASSERT_TRUE(write_text_file(list, lines));
   std::array<std::vector<double>, kProofWays.size()> four;
+  std::vector<double> with_left_out;
   double within = 0.0;
   const auto towers = figure_cases("towers", std::vector<ProvedTower>{kTowers[3]}, {kTowers.begin(), kTowers.end()});
   for (std::size_t k = 0; k < towers.size(); ++k) {
@@ -90,16 +87,18 @@ TEST(AirTruthProof, RealTowersAreDrawnAsTheCameraSawThem) {
     for (const auto& picture : proof->pictures) {
       const auto& view = proof->scene.views[picture.view];
       EXPECT_NEAR(*picture.sun_elevation_deg, elevations_deg.at(view.file.stem().string()), 0.6) << view.file;
-      for (std::size_t way = 0; way < four.size() && k < kFour && picture.judged(); ++way)
+      if (k >= kFour || !picture.drawn) continue;
+      with_left_out.push_back(picture.error_255(ProofWay::told));
+      for (std::size_t way = 0; way < four.size() && picture.judged(); ++way)
         four[way].push_back(picture.error_255(kProofWays[way]));
     }
     if (k < kFour) within += summary.within_sigma_share / kFour;
     fmt::print("{}: {} of {} pictures; told {}, no air {}, T = 3 {}, best constant {}; bias {:+.1f} {:+.1f} {:+.1f}\n",
                towers[k].name, summary.ways[0].pictures, proof->pictures.size(), two(summary.ways[0]),
-               two(summary.ways[1]), two(summary.ways[2]), two(summary.ways[3]), summary.bias_255.r,
-               summary.bias_255.g, summary.bias_255.b);
+               two(summary.ways[1]), two(summary.ways[2]), two(summary.ways[3]), summary.bias_255.r, summary.bias_255.g,
+               summary.bias_255.b);
     figure_row("real-proof", {towers[k].name, fmt::format("{:.2f}", proof->scene.part.distance_m / 1e3),
-                              std::to_string(summary.ways[0].pictures), two(summary.ways[0]), two(summary.ways[1]),
+                              std::to_string(summary.ways[0].pictures), two(summary.ways[0]), "", two(summary.ways[1]),
                               two(summary.ways[2]), two(summary.ways[3]),
                               fmt::format("{:.0f} %", 100.0 * summary.within_sigma_share)});
   }
@@ -109,10 +108,14 @@ TEST(AirTruthProof, RealTowersAreDrawnAsTheCameraSawThem) {
     return ErrorSummary{errors.size(), median(errors), quantile(errors, 0.95), 0.0};
   };
   const auto told = both(ProofWay::told), none = both(ProofWay::no_air);
-  fmt::print("four towers: told {}, no air {}, T = 3 {}, best constant {}; within sigma {:.0f} %\n", two(told), two(none),
-             two(both(ProofWay::fixed_t)), two(both(ProofWay::constant)), 100.0 * within);
-  figure_row("real-proof-goals", {"four towers, air by the others, of 255: median; 95 %", two(told), "<= 4.0; <= 24",
-                                  kPrinted});
+  fmt::print("four towers: told {}, no air {}, T = 3 {}, best constant {}; within sigma {:.0f} %\n", two(told),
+             two(none), two(both(ProofWay::fixed_t)), two(both(ProofWay::constant)), 100.0 * within);
+  figure_row("real-proof",
+             {"the first four", "", std::to_string(told.pictures), two(told), "<= 4.0; <= 24", two(none),
+              two(both(ProofWay::fixed_t)), two(both(ProofWay::constant)), fmt::format("{:.0f} %", 100.0 * within)});
+  const ErrorSummary all{with_left_out.size(), median(with_left_out), quantile(with_left_out, 0.95), 0.0};
+  figure_row("real-proof",
+             {"the first four, with those left out", "", std::to_string(all.pictures), two(all), "", "", "", "", ""});
   EXPECT_LT(told.median_255, 0.5 * none.median_255);
 }
 
