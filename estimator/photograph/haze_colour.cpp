@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "base/square.hpp"
 #include "base/statistics.hpp"
 #include "estimator/horizon/horizon.hpp"
 #include "estimator/photograph/depth_from_haze.hpp"
@@ -315,7 +316,7 @@ HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, Haze
 
 std::optional<PartContrast> part_contrast(const HazyPicture& picture, const HazyPart& box) {
   constexpr double kBeside = 0.02, kBySky = 0.05, kByThickest = 0.15;  // relative: how alike the light from infinity is
-  constexpr double kFlare = 0.005, kDarkest = 0.05;
+  constexpr double kFlare = 0.005, kDarkest = 0.05, kSmooth = 0.03;
   constexpr int kSeam_px = 6, kFewestSky = 30;  // cameras that sharpen draw bright seams around what is dark
   const int width = picture.relative.width(), height = picture.relative.height();
   const auto end = [](int from, int length, int size) {
@@ -333,6 +334,7 @@ std::optional<PartContrast> part_contrast(const HazyPicture& picture, const Hazy
   if (pixels.empty()) return std::nullopt;
   mean /= static_cast<double>(pixels.size());
   glm::dvec3 sky{0.0};
+  double square_sum = 0.0;  // green
   int beside = 0;
   const int reach = std::max(2 * kSeam_px, right - left) + kSeam_px;
   if (!picture.sky.empty())
@@ -340,9 +342,12 @@ std::optional<PartContrast> part_contrast(const HazyPicture& picture, const Hazy
       for (int x = std::max(0, left - reach); x < std::min(width, right + reach); ++x) {
         if ((x >= left - kSeam_px && x < right + kSeam_px) || picture.sky.at(x, y) != 255) continue;
         sky += glm::dvec3(picture.relative.at(x, y));
+        square_sum += square(static_cast<double>(picture.relative.at(x, y).g));
         ++beside;
       }
-  const bool seen = beside >= kFewestSky;
+  // What has texture is hazy land that was taken for sky.
+  const double variance = beside > 0 ? square_sum / beside - square(sky.g / beside) : 0.0;
+  const bool seen = beside >= kFewestSky && std::sqrt(std::max(0.0, variance)) < kSmooth * sky.g / beside;
   sky = seen ? sky / static_cast<double>(beside) : glm::dvec3(1.0);
   PartContrast found;
   found.contrast = 1.0 - mean / sky;

@@ -21,7 +21,7 @@ constexpr double kHorizonMemory_s = 2.8;
 // Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kMinHazeChange = 0.005;
 constexpr double kMinExponentChange = 0.02;  // half a percent of haze, between green and blue
-constexpr double kMinShareChange = 0.1;  // of the kind beside the first
+constexpr double kMinShareChange = 0.1;      // of the kind beside the first
 constexpr Radians kMinSunMove = from_degrees(0.1);
 constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 

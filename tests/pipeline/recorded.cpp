@@ -53,8 +53,8 @@ class RecipeText {
     put(name, latitude, longitude, altitude);
   }
   void put_one(const Aerosol& aerosol) {
-    const auto& [depth, exponent, kind] = aerosol;
-    put(depth, exponent, kind);
+    const auto& [depth, exponent, kind, other, share] = aerosol;
+    put(depth, exponent, kind, other, share);
   }
   void put_one(const ImageQuality& quality) {
     const auto& [spread, full_scale, read, chroma, sharpening, blocks] = quality;

