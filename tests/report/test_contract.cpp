@@ -90,7 +90,7 @@ TEST(ReportContract, WhatIsMeasuredArrives) {
   EXPECT_EQ(seen.since, status.since);
   std::vector<Ill> ills;
   for (const auto& symptom : diagnosis_of(status).symptoms) ills.push_back(symptom.ill);
-  EXPECT_THAT(ills, testing::ElementsAre(Ill::scene_lost, Ill::hung, Ill::content_refused, Ill::hot));
+  EXPECT_THAT(ills, testing::ElementsAre(Ill::scene_lost, Ill::content_refused, Ill::hung, Ill::hot));
 }
 
 }  // namespace

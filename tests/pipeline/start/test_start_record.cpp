@@ -209,7 +209,7 @@ TEST(StartLog, CountsOverProcessesAndBoots) {
 }
 
 TEST(StartLog, Row30RemembersOverProcessesWhatHung) {
-  const ServiceFolders folders{log_folder("hung"), {}};
+  const ServiceFolders folders{log_folder("hung"), log_folder("hung-run")};
   for (int start = 0; start < 3; ++start) {
     StartLog log(folders, "a", 100.0 * start);
     EXPECT_EQ(log.record().hung_openings.count("sky"), start > 0 ? 1u : 0u);
