@@ -349,11 +349,14 @@ std::optional<PartContrast> part_contrast(const HazyPicture& picture, const Hazy
   const double variance = beside > 0 ? square_sum / beside - square(sky.g / beside) : 0.0;
   const bool seen = beside >= kFewestSky && std::sqrt(std::max(0.0, variance)) < kSmooth * sky.g / beside;
   sky = seen ? sky / static_cast<double>(beside) : glm::dvec3(1.0);
+  const glm::dvec3 dark = darkest_of(pixels, kDarkest);
   PartContrast found;
+  // Land has many materials, of which only the dark ones are as a landmark is supposed to be.
+  if (!seen) mean = dark;
   found.contrast = 1.0 - mean / sky;
   found.sigma = glm::dvec3(std::hypot(kFlare, kBeside * std::min(1.0, mean.g / sky.g)));
   found.infinity_sigma = seen ? kBeside : picture.from_sky ? kBySky : kByThickest;
-  found.spread = std::max(0.0, (mean.g - darkest_of(pixels, kDarkest).g) / sky.g);
+  found.spread = std::max(0.0, (mean.g - dark.g) / sky.g);
   return found;
 }
 

@@ -61,12 +61,13 @@ HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, Haze
 struct HazyPart {
   int left = 0, top = 0, width = 0, height = 0;
 };
-// How a part of a picture stands out from the sky beside it, at its own height: 1 - mean of the part / mean of that sky;
-// where no sky is beside it, from the light from infinity as it was read. Nothing: the part is outside of the picture.
+// How a part of a picture stands out from the smooth sky beside it, at its own height: 1 - mean of the part / mean of
+// that sky; where none is beside it, how the part's darkest twentieth does from the light from infinity as it was read.
+// Nothing: the part is outside of the picture.
 struct PartContrast {
   glm::dvec3 contrast{0.0}, sigma{0.0};
   double infinity_sigma = 0.0;  // by which the light from infinity behind it may differ from what it was compared with
-  double spread = 0.0;          // by how much its mean is brighter than its darkest twentieth: many materials
+  double spread = 0.0;          // by how much what was compared is brighter than its darkest twentieth: many materials
 };
 std::optional<PartContrast> part_contrast(const HazyPicture& picture, const HazyPart& box);
 

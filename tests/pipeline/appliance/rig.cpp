@@ -141,7 +141,9 @@ CameraOpening BenchDevices::camera(CameraRole role, const CameraOptions& options
 }
 
 Result<std::unique_ptr<Display>> BenchDevices::open_display(const DisplayOptions& options) {
-  return open_faulty_display(std::get<HeadlessDisplayOptions>(options), clock_, display);
+  // Where no configuration is read it is the first screen that is found: the bench's.
+  const auto* headless = std::get_if<HeadlessDisplayOptions>(&options);
+  return open_faulty_display(headless ? *headless : HeadlessDisplayOptions{}, clock_, display);
 }
 
 Rig::Rig(RigOptions options)
