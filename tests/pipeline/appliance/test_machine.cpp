@@ -512,7 +512,8 @@ TEST(Appliance, RunCheckTriesTheStatesFolder) {
   EXPECT_THAT(outcome.err, HasSubstr("may not write"));
   ASSERT_EQ(::chmod((folder / "state").c_str(), 0700), 0);
   EXPECT_EQ(check().code, 0) << check().err;
-  replace_in(config, "folder = \"state\"", "folder = \"/proc/self/fd\"");
+  std::filesystem::create_directory_symlink("/proc/self/fd", folder / "failing");
+  replace_in(config, "folder = \"state\"", "folder = \"failing\"");
   outcome = check();
   EXPECT_EQ(outcome.code, 1) << "a disk, not the configuration: " << outcome.err;
 }
