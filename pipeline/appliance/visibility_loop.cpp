@@ -18,9 +18,7 @@ constexpr int kDisagreementsToReport = 5;          // readings in a row: a lorry
 }  // namespace
 
 VisibilityLoop::VisibilityLoop(ContentPtr content, Clock& clock, Mailboxes& mailboxes)
-    : content_(std::move(content)), clock_(clock), mailboxes_(mailboxes) {
-  adopt_content();
-}
+    : content_(std::move(content)), clock_(clock), mailboxes_(mailboxes) {}
 
 void VisibilityLoop::adopt_content() {
   const auto& installation = content_->config.installation;
@@ -53,7 +51,10 @@ Instant VisibilityLoop::step() {
     content_ = *content;
     adopt_content();
     mailboxes_.status->visibility.put({});
+  } else if (!begun_) {
+    adopt_content();
   }
+  begun_ = true;
   const auto now = clock_.now();
   if (!watch_) return now + kVisibilityPollInterval;
   if (auto sky = mailboxes_.visibility.sky.take()) sky_ = *sky;

@@ -31,6 +31,7 @@ class VisibilityLoop {
   bool save_failing_ = false;  // already logged
   int disagreements_ = 0;      // looks in a row that disagreed with the sky
   bool reported_ = false;      // that they disagree
+  bool begun_ = false;         // what was learnt before is read in its own thread: a disk may hang
 };
 
 }  // namespace kasumi
