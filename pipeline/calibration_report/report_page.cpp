@@ -1,5 +1,3 @@
-#include <iterator>
-
 #include <fmt/format.h>
 
 #include "pipeline/calibration_report/report.hpp"
@@ -57,18 +55,6 @@ std::string_view sign_of(Verdict verdict) {
   return "\xe2\x9c\x97";
 }
 
-class Page {
- public:
-  template <class... Args>
-  void add(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
-  }
-  std::string text() && { return std::move(text_); }
-
- private:
-  std::string text_;
-};
-
 // "2026-06-21T09:00:00Z" as "2026-06-21 09:00:00 UTC".
 std::string readable(std::string utc) {
   if (utc.size() < 20 || utc[10] != 'T' || utc.back() != 'Z') return utc;
@@ -77,7 +63,7 @@ std::string readable(std::string utc) {
   return utc + " UTC";
 }
 
-void add_row(Page& page, const ReportRow& row) {
+void add_row(PageText& page, const ReportRow& row) {
   page.add("<tr><td>{}</td><td class=\"number\">{}</td>", html_escaped(row.label), html_escaped(row.value));
   page.add("<td class=\"number\" data-is=\"sigma\">{}</td><td class=\"number\" data-is=\"should be\">{}</td>",
            html_escaped(row.sigma), html_escaped(row.should_be));
@@ -89,7 +75,7 @@ void add_row(Page& page, const ReportRow& row) {
   page.add("</tr>\n");
 }
 
-void add_step(Page& page, const ReportCamera& camera, const ReportStep& step) {
+void add_step(PageText& page, const ReportCamera& camera, const ReportStep& step) {
   page.add("<h3>{}</h3>\n", html_escaped(step.title));
   if (!step.utc.empty()) page.add("<p>Measured {}.</p>\n", html_escaped(readable(step.utc)));
   if (!step.from.empty()) page.add("<p class=\"quiet\">From {}.</p>\n", html_escaped(step.from));
@@ -126,7 +112,7 @@ Count count_of(const ReportCamera& camera) {
   return count;
 }
 
-void add_camera(Page& page, const ReportCamera& camera, const std::string& calibration, bool first) {
+void add_camera(PageText& page, const ReportCamera& camera, const std::string& calibration, bool first) {
   page.add("<h2{}>The {} camera</h2>\n", first ? " class=\"first\"" : "", html_escaped(camera.name));
   if (!camera.description.empty()) page.add("<p class=\"quiet\">{}</p>\n", html_escaped(camera.description));
   if (camera.steps.empty()) {
@@ -148,7 +134,7 @@ void add_camera(Page& page, const ReportCamera& camera, const std::string& calib
 }  // namespace
 
 std::string html_of(const CalibrationReport& report, const std::string& made_utc) {
-  Page page;
+  PageText page;
   page.add(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"

@@ -1,7 +1,5 @@
 #include "pipeline/prove/proof_page.hpp"
 
-#include <iterator>
-
 #include <fmt/format.h>
 
 #include "pipeline/files/html.hpp"
@@ -22,25 +20,13 @@ svg { width: 100%; max-width: 48rem; height: auto; } img { display: block; max-w
 @media print { body { font-size: 10.5pt; max-width: none; padding: 0; } h2, svg, img { break-inside: avoid; } }
 )";
 
-class ProofText {
- public:
-  template <class... Args>
-  void add(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
-  }
-  std::string text() && { return std::move(text_); }
-
- private:
-  std::string text_;
-};
-
-void add_errors_row(ProofText& page, const std::string& name, const std::array<ErrorSummary, kProofWays.size()>& ways) {
+void add_errors_row(PageText& page, const std::string& name, const std::array<ErrorSummary, kProofWays.size()>& ways) {
   page.add("<tr><td>{}</td><td>{}</td>", html_escaped(name), ways[0].pictures);
   for (const auto& way : ways) page.add("<td>{:.1f}</td><td>{:.1f}</td>", way.median_255, way.p95_255);
   page.add("</tr>\n");
 }
 
-void add_errors(ProofText& page, const ProofSummary& summary) {
+void add_errors(PageText& page, const ProofSummary& summary) {
   page.add(
       "<h2>How far off it is drawn</h2>\n<p class=\"quiet\">Of 255, the mean of the three channels; median, and what "
       "95 % "
@@ -52,7 +38,7 @@ void add_errors(ProofText& page, const ProofSummary& summary) {
   page.add("</tbody></table></div>\n");
 }
 
-void add_left_out(ProofText& page, const Proof& proof, const ProofSummary& summary) {
+void add_left_out(PageText& page, const Proof& proof, const ProofSummary& summary) {
   if (summary.left_out.empty()) return;
   page.add(
       "<h2>Left out</h2>\n<p>Drawn all the same, they and the others together are off by {:.1f} in the median and "
@@ -80,7 +66,7 @@ std::string proof_page(const Proof& proof, const ProofSummary& summary, std::spa
                        const std::string& made_utc) {
   const auto& scene = proof.scene;
   const auto name = html_escaped(scene.part.name);
-  ProofText page;
+  PageText page;
   page.add(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Proof: {}</title>\n"
