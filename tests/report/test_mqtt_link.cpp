@@ -129,7 +129,7 @@ TEST(MqttChannel, Row43AnotherClientOfTheSameNameIsNamedOnceAndGivenRoom) {
   FakeBroker broker([](FakeBroker&, int client) {
     FakeBroker::hear(client, 2000);
     FakeBroker::say(client, kWelcome);
-    FakeBroker::hear(client, 50);  // then the other one comes
+    FakeBroker::hear(client, 2000);  // what a client tells that has been welcomed; then the other one comes
   });
   testing::internal::CaptureStderr();
   {
