@@ -1,6 +1,7 @@
 // A service manager that only listens.
 #pragma once
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -16,19 +17,19 @@ namespace kasumi {
 // Between two calls of heard() it is as deaf as one that hangs: the kernel keeps a few messages and refuses the others.
 class ServiceManager {
  public:
-  explicit ServiceManager(const std::filesystem::path& path)
-      : path_(path), socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
-    std::filesystem::remove(path);
+  ServiceManager() : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+    EXPECT_NE(::mkdtemp(folder_.data()), nullptr);
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
-    path.string().copy(address.sun_path, sizeof address.sun_path - 1);
+    path().copy(address.sun_path, sizeof address.sun_path - 1);
     EXPECT_EQ(::bind(socket_.value(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
   }
   ~ServiceManager() {
     std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
+    std::filesystem::remove_all(folder_, ignored);
   }
-  std::string path() const { return path_.string(); }
+  // A short one: a socket's path has at most 107 bytes, and a test's own folder may lie deeper.
+  std::string path() const { return folder_ + "/notify"; }
   // All messages so far.
   const std::string& heard() {
     char buffer[4096];
@@ -38,7 +39,7 @@ class ServiceManager {
   }
 
  private:
-  std::filesystem::path path_;
+  std::string folder_ = "/tmp/kasumi-manager-XXXXXX";
   UniqueFd socket_;
   std::string heard_;
 };

@@ -30,7 +30,7 @@ struct NeverBlack : testing::Test {
     config = folder / "kasumi.toml";
     state = folder / "state";
     rule = folder / "rule";
-    manager.emplace(folder / "notify");
+    manager.emplace();
   }
   // As the service, on a disk with these rules.
   std::unique_ptr<Process> run() {

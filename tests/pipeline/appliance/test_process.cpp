@@ -17,7 +17,7 @@ using testing::HasSubstr;
 // Runs all threads: the main test for the thread sanitizer.
 TEST(Process, RunsReloadsContentAndEndsWithinTwoSecondsOfSigterm) {
   const auto folder = process_folder("run");
-  ServiceManager manager(folder / "notify");
+  ServiceManager manager;
   Process kasumi(folder, {"run", "--config", (folder / "kasumi.toml").string(), "--stats"}, manager.path());
   ASSERT_TRUE(eventually([&] { return manager.heard().find("READY=1") != std::string::npos; })) << kasumi.log();
   ASSERT_TRUE(eventually([&] {
@@ -67,7 +67,7 @@ TEST(Process, TheFirstPictureWaitsForNothing) {
              "[scene.camera]\nsource = \"v4l2\"\ndevice = \"/dev/kasumi-no-such-camera\"\n#");
   double quickest_s = 1e9;
   for (int start = 0; start < 3 && quickest_s > kLongest_s; ++start) {
-    ServiceManager manager(folder / "notify");
+    ServiceManager manager;
     std::filesystem::remove(folder / "status.json");
     const auto began = SteadyClock::now();
     Process kasumi(folder, {"run", "--config", config.string()}, manager.path());
@@ -187,7 +187,7 @@ TEST(Process, Row34AfterThreeFailedBootsItIsSafeModeUntilSomebodyRestartsIt) {
   for (const char* boot : {"a", "b", "c"}) StartLog({state, {}}, boot, 15.0).doing("opening cameras and display");
   const std::vector<std::string> arguments{"run", "--config", (folder / "kasumi.toml").string()};
   {
-    ServiceManager manager(folder / "notify");
+    ServiceManager manager;
     Process kasumi(folder, arguments, manager.path(), state);
     ASSERT_TRUE(eventually([&] { return manager.heard().find("READY=1") != std::string::npos; })) << kasumi.log();
     ASSERT_TRUE(eventually([&] { return status_in(folder)["display"]["up"] == true; })) << kasumi.log();

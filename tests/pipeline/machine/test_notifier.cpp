@@ -4,7 +4,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "pipeline/machine/notifier.hpp"
 #include "tests/pipeline/service_manager.hpp"
@@ -23,7 +22,7 @@ struct Notified {
     notifier = notify_systemd();
     ::unsetenv("NOTIFY_SOCKET");
   }
-  ServiceManager manager{std::filesystem::path("/tmp") / ("kasumi-notified-" + std::to_string(::getpid()))};
+  ServiceManager manager;
   std::unique_ptr<Notifier> notifier;
 };
 
