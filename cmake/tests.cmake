@@ -1,16 +1,20 @@
-# kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [SHARDS N] [THREADED] [HOSTILE] [FIGURES] [COMPUTES])
+# kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [SHARDS N] [THREADED] [HOSTILE] [AS_SHIPPED] [FIGURES]
+#             [COMPUTES])
 #   One GoogleTest program, and a test of ctest for each of its N shards: a process that runs its share of the program's tests one
 #   after the other. Each writes its results to test-results/, from which tests/summary counts all tests, names skipped ones and takes
 #   the processor time. Tests find files, and folders to write to, through tests/places.hpp.
 #   THREADED programs share data between our own threads: the thread sanitizer runs them. HOSTILE ones handle external input or
-#   faults: the address sanitizer runs them. FIGURES programs measure accuracy over many cases: ./bootstrap figures builds and runs
-#   them, the gate does not. Those and programs that COMPUTE for long themselves are optimised.
-#   Each of the first three is a label of ctest, and a target that builds the programs with it: threaded_tests, hostile_tests, figures_tests.
+#   faults: the address sanitizer runs them. With KASUMI_LEAVE_TO_SANITIZERS (the gate's) both kinds run only there, but for those that
+#   measure the memory or replace the calls of the program AS_SHIPPED. FIGURES programs measure accuracy over many cases: ./bootstrap
+#   figures builds and runs them, the gate does not. Those and programs that COMPUTE for long themselves are optimised.
+#   THREADED, HOSTILE and FIGURES are each a label of ctest, and a target that builds the programs with it: threaded_tests,
+#   hostile_tests, figures_tests.
 #   A program holds a room or a large part of one, since each is another 40 MB to link; where mold is installed, it does so in a
 #   quarter of the time. What is shipped it never links.
 if(NOT CMAKE_CROSSCOMPILING AND NOT KASUMI_FUZZ)
   find_program(KASUMI_MOLD mold)
 endif()
+option(KASUMI_LEAVE_TO_SANITIZERS "Whoever tests runs the sanitizers, too" OFF)
 foreach(kind threaded hostile figures)
   add_custom_target(${kind}_tests)
 endforeach()
@@ -55,9 +59,13 @@ function(kasumi_compile_test name computes)
 endfunction()
 
 function(kasumi_test name)
-  cmake_parse_arguments(TEST "THREADED;HOSTILE;FIGURES;COMPUTES" "SHARDS" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(TEST "THREADED;HOSTILE;AS_SHIPPED;FIGURES;COMPUTES" "SHARDS" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
-  if(TEST_FIGURES)
+  set(left_to_sanitizers NO)
+  if(KASUMI_LEAVE_TO_SANITIZERS AND NOT KASUMI_SANITIZE AND NOT TEST_AS_SHIPPED AND (TEST_THREADED OR TEST_HOSTILE))
+    set(left_to_sanitizers YES)
+  endif()
+  if(TEST_FIGURES OR left_to_sanitizers)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
   endif()
   if(TEST_FIGURES OR TEST_COMPUTES)
@@ -83,6 +91,9 @@ function(kasumi_test name)
       add_dependencies(${label}_tests ${name})
     endif()
   endforeach()
+  if(left_to_sanitizers)
+    return()
+  endif()
   if(NOT TEST_SHARDS)
     set(TEST_SHARDS 1)
   endif()
