@@ -21,7 +21,7 @@ const std::map<std::string_view, std::vector<std::string_view>>& shared_tables()
         "aerosol"}},
       {"sky", {"camera"}},
       {"scene",
-       {"camera", "point_spread_px", "sharpening", "shared_chroma", "jpeg_blocks", "noise", "depth_map",
+       {"camera", "point_spread_px", "sharpening", "saturation", "shared_chroma", "jpeg_blocks", "noise", "depth_map",
         "people_in_front", "depth_step_m"}},
       {"landmarks", {"name", "latitude_deg", "longitude_deg", "altitude_m"}}};
   return kTables;

@@ -1,5 +1,7 @@
 #include "calib/image_quality.hpp"
 
+#include "calib/colour/camera_saturation.hpp"
+
 namespace kasumi {
 
 ImageQuality read_image_quality(const ConfigTable& scene) {
@@ -8,6 +10,7 @@ ImageQuality read_image_quality(const ConfigTable& scene) {
   quality.point_spread_px = scene.number("point_spread_px", kSpread_px, quality.point_spread_px);
   quality.shared_chroma = scene.flag("shared_chroma", quality.shared_chroma);
   quality.sharpening = scene.number("sharpening", kSharpening, quality.sharpening);
+  if (scene.has("saturation")) quality.saturation = scene.number("saturation", {kLeastSaturation, kMostSaturation});
   quality.jpeg_blocks = scene.flag("jpeg_blocks", quality.jpeg_blocks);
   const auto noise = scene.optional_table("noise");
   if (!noise) return quality;

@@ -82,6 +82,10 @@ struct AirlightGrid {
   glm::dvec2 first_px{};  // pixel of point (0, 0)
   glm::dvec2 last_px{};   // pixel of point (kColumns - 1, kRows - 1)
   std::array<glm::dvec3, kColumns * kRows> light{};
+  // Of measured light: it is given without the camera's saturation (calib/colour/camera_saturation), and what is drawn in it
+  // gets that. 1: the camera leaves colours as they are.
+  double saturation = 1.0;
+  bool saturates() const { return saturation != 1.0; }
 };
 
 // The share of the sun's light that reaches the real ground, as it lies in the camera's picture, 0..1: bilinear between

@@ -76,39 +76,6 @@ bool look_alike(const std::vector<ContrastReading>& one, const std::vector<Contr
   return count > 0 && squares < kAlike * count;
 }
 
-// By how much the camera exaggerates colours: so that the aerosols of all pictures have, in the middle, the exponent
-// that aerosols have.
-double camera_chroma(const std::vector<glm::dvec3>& per_m, const glm::dvec3& wavelength_nm, double altitude_m,
-                     double path_m) {
-  constexpr std::size_t kFewest = 12;
-  constexpr double kLogChroma = 0.4, kUsual = 1.3, kPlaces = 0.35;
-  const glm::dvec3 grey{0.21, 0.72, 0.07};
-  glm::dvec3 molecules{0.0};
-  for (int c = 0; c < 3; ++c) molecules[c] = rayleigh_per_m(ScatteringModel::aerosol, wavelength_nm[c], altitude_m);
-  const auto exponent = [&](double chroma) {
-    std::vector<double> all;
-    for (const auto& seen : per_m) {
-      const glm::dvec3 contrast = glm::exp(-seen * path_m);
-      const double middle = glm::dot(contrast, grey);
-      const glm::dvec3 true_contrast = middle + (contrast - middle) / chroma;
-      const glm::dvec3 aerosol = -glm::log(glm::max(true_contrast, glm::dvec3(1e-3))) / path_m - molecules;
-      // Where there is enough, and not too much.
-      if (!(std::min({aerosol.r, aerosol.g, aerosol.b}) > 0.5 * molecules.g) || aerosol.g * path_m > 1.5) continue;
-      all.push_back(std::log(aerosol.b / aerosol.r) / std::log(wavelength_nm.r / wavelength_nm.b));
-    }
-    return all.size() < kFewest ? std::optional<double>() : std::optional(median(std::move(all)));
-  };
-  double best = 1.0, least = std::numeric_limits<double>::infinity();
-  for (int k = -20; k <= 28; ++k) {
-    const double log_chroma = 0.05 * k;
-    const auto found = exponent(std::exp(log_chroma));
-    if (!found) continue;
-    const double cost = square(log_chroma / kLogChroma) + square((*found - kUsual) / kPlaces);
-    if (cost < least) least = cost, best = std::exp(log_chroma);
-  }
-  return best;
-}
-
 }  // namespace
 
 std::string_view name_of(Agreement agreement) {
@@ -195,7 +162,8 @@ void LandmarkWatch::solve(const std::vector<KeptReadings>& pictures, int most_st
   std::vector<glm::dvec3> per_m;
   for (std::size_t t = 0; t < pictures.size(); ++t)
     per_m.emplace_back(joint_[0].per_m()[t], joint_[1].per_m()[t], joint_[2].per_m()[t]);
-  colours_.set_chroma(camera_chroma(per_m, colours_.wavelength_nm(), altitude_m_, typical_path_m_));
+  chroma_ = camera_chroma(per_m, colours_.wavelength_nm(), altitude_m_, typical_path_m_);
+  colours_.set_chroma(chroma_.chroma);
   believe(std::nullopt);
 }
 
@@ -296,7 +264,7 @@ std::vector<LandmarkAir> LandmarkWatch::estimate_all(const std::vector<std::vect
 }
 
 LandmarkAir LandmarkWatch::with_turbidity(std::array<Extinction, 3> channels, PathAerosol aerosol) const {
-  LandmarkAir air{std::move(channels), {}, std::move(aerosol)};
+  LandmarkAir air{std::move(channels), {}, std::move(aerosol), chroma_};
   const auto& green = air.extinction();
   auto& found = air.turbidity;
   if (green.kind != ExtinctionKind::value) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "estimator/air/attenuation.hpp"
+#include "estimator/landmarks/camera_chroma.hpp"
 #include "estimator/landmarks/extinction.hpp"
 #include "estimator/landmarks/joint_channel.hpp"
 #include "estimator/landmarks/path_aerosol.hpp"
@@ -37,6 +38,7 @@ struct LandmarkAir {
   double optical_range_m() const;  // MOR, 2.996 / extinction; for a bound, the bound
   LandmarkTurbidity turbidity;
   PathAerosol aerosol{};  // by all channels at once
+  CameraChroma camera{};  // by all pictures so far
   std::string doubt{};    // for people: near and far do not agree; sigma holds it
 };
 
@@ -89,6 +91,8 @@ class LandmarkWatch {
   SkyComparison compare(const LandmarkAir& air, Turbidity sky, double sky_sigma) const;
   const LandmarkExtinction& channel(int c) const { return channels_[static_cast<std::size_t>(c)]; }
   const LandmarkColours& colours() const { return colours_; }
+  // By all pictures that are kept.
+  const CameraChroma& chroma() const { return chroma_; }
 
  private:
   // Unusable where the sky is none, lit where their colours say so, as far as they are known.
@@ -106,6 +110,7 @@ class LandmarkWatch {
   std::vector<LandmarkExtinction> channels_;
   std::vector<JointChannel> joint_;
   LandmarkColours colours_;
+  CameraChroma chroma_;
   std::vector<KeptReadings> kept_;
 };
 

@@ -33,6 +33,8 @@ void check(const AirlightGrid& grid, std::string_view name, bool positive, Probl
       grid.last_px.y < grid.first_px.y)
     problems.add("{}: corners ({}, {}) and ({}, {}): expected finite pixels, the last right of and below the first",
                  name, grid.first_px.x, grid.first_px.y, grid.last_px.x, grid.last_px.y);
+  if (!std::isfinite(grid.saturation) || grid.saturation <= 0.0)
+    problems.add("{}: saturation {}: expected a finite number > 0", name, grid.saturation);
   for (std::size_t i = 0; i < grid.light.size(); ++i)
     for (int c = 0; c < 3; ++c)
       if (const double value = grid.light[i][c]; !std::isfinite(value) || value < 0.0 || (positive && value <= 0.0)) {
@@ -46,6 +48,7 @@ void set_airlight(const Program& program, const std::string& name, const Airligh
   const glm::dvec2 scale = points_per_pixel(grid);
   program.set(name + "_light", grid.light);
   program.set(name + "_place", glm::dvec4(grid.first_px, scale));
+  if (grid.saturates()) program.set("saturation", grid.saturation);
 }
 
 }  // namespace kasumi

@@ -16,7 +16,7 @@ glm::dvec3 airlight_at(const AirlightGrid& grid, const glm::dvec2& pixel);
 // positive: also refuses zero, because the value is a divisor.
 void check(const AirlightGrid& grid, std::string_view name, bool positive, Problems& problems);
 
-// Uniforms NAME_light and NAME_place of airlight.glsl.
+// Uniforms NAME_light and NAME_place of airlight.glsl, and where the grid saturates that of saturation.glsl.
 void set_airlight(const Program& program, const std::string& name, const AirlightGrid& grid);
 
 }  // namespace kasumi

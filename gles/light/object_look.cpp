@@ -18,8 +18,10 @@ bool differs(const glm::dvec3& a, const glm::dvec3& b, double relative) {
 }  // namespace
 
 bool look_alike(const ObjectLook& a, const ObjectLook& b) {
-  if (a.measured.first_px != b.measured.first_px || a.measured.last_px != b.measured.last_px ||
-      differs(a.noise.shot, b.noise.shot, kOtherNoise) || differs(a.noise.read, b.noise.read, kOtherNoise))
+  if (differs(glm::dvec3{a.measured.saturation}, glm::dvec3{b.measured.saturation}, kHalfAStep) ||
+      a.measured.saturates() != b.measured.saturates() || a.measured.first_px != b.measured.first_px ||
+      a.measured.last_px != b.measured.last_px || differs(a.noise.shot, b.noise.shot, kOtherNoise) ||
+      differs(a.noise.read, b.noise.read, kOtherNoise))
     return false;
   return std::ranges::equal(a.measured.light, b.measured.light,
                             [](const glm::dvec3& p, const glm::dvec3& q) { return !differs(p, q, kHalfAStep); });

@@ -157,7 +157,10 @@ Result<> Composite::draw_area(PictureArea area, Part* part, Defines defines, Pro
   if (area != PictureArea::plain && !covered) defines.insert("EDGE");
   // Then what the processing left tells all.
   const bool looked_up = processing && !defines.contains("PLANE");
-  if (area != PictureArea::plain && !looked_up) defines.insert(frame.response.define());
+  if (area != PictureArea::plain && !looked_up) {
+    defines.insert(frame.response.define());
+    if (measured.saturates()) defines.insert("SATURATED");
+  }
   const bool noisy = !noise.none() && !processing;
   if (area != PictureArea::plain && noisy) defines.insert("NOISE");
   if (area != PictureArea::plain && processing) defines.insert("PROCESSED");

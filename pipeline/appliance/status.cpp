@@ -124,6 +124,10 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   json["turbidity_sigma"] =
       value && status.air->turbidity.turbidity ? OrderedJson(status.air->turbidity.sigma) : OrderedJson(nullptr);
   json["landmarks"] = status.air ? status.air->extinction().landmarks : 0;
+  const CameraChroma camera = status.air ? status.air->camera : CameraChroma{};
+  json["saturation"] = camera.known() ? OrderedJson(std::round(1e3 * camera.chroma) / 1e3) : OrderedJson(nullptr);
+  json["saturation_sigma"] =
+      camera.known() ? OrderedJson(std::round(1e3 * camera.chroma * camera.log_sigma) / 1e3) : OrderedJson(nullptr);
   json["reason"] = status.reason;
   json["agreement"] = name_of(status.sky ? status.sky->agreement : Agreement::unknown);
   json["sigmas_apart"] = status.sky ? OrderedJson(status.sky->sigmas) : OrderedJson(nullptr);

@@ -113,6 +113,9 @@ std::string visibility_json(const LandmarkWatch& watch, const SceneVisibility& s
   json["angstrom_exponent"] = coloured ? Json(rounded(aerosol.angstrom_exponent, 3)) : Json(nullptr);
   json["angstrom_sigma"] = coloured ? Json(rounded(std::sqrt(aerosol.covariance.exponent), 2)) : Json(nullptr);
   const auto& turbidity = air.turbidity;
+  json["saturation"] = air.camera.known() ? Json(rounded(air.camera.chroma, 3)) : Json(nullptr);
+  json["saturation_sigma"] =
+      air.camera.known() ? Json(rounded(air.camera.chroma * air.camera.log_sigma, 2)) : Json(nullptr);
   json["turbidity"] = turbidity.turbidity ? Json(rounded(turbidity.turbidity->value, 4)) : Json(nullptr);
   json["turbidity_sigma"] = turbidity.turbidity ? Json(rounded(turbidity.sigma, 3)) : Json(nullptr);
   json["turbidity_reason"] = turbidity.reason;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
 #include "base/earth.hpp"
+#include "calib/colour/camera_saturation.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/light/finite_path.hpp"
 #include "pipeline/scene/for_gles.hpp"
@@ -66,6 +68,25 @@ OpticalPath path_to(const Installation& installation) {
   return optical_path(altitude_m, altitude_m + place.up_m, std::hypot(place.east_m, place.north_m, place.up_m));
 }
 
+// Empty: it is learnt. A camera whose colours or tone curve were measured shows them as they were found.
+std::optional<double> saturation_of(const Installation& installation) {
+  if (installation.scene_quality.saturation) return installation.scene_quality.saturation;
+  const Camera& scene = installation.scene;
+  const bool measured =
+      scene.colour_space != Camera::ColourSpace::srgb || scene.response.kind() != Response::Kind::srgb;
+  return measured ? std::optional(1.0) : std::nullopt;
+}
+
+// The horizon as it would be without the camera's saturation, which comes behind its white balance.
+HorizonLight unsaturated(HorizonLight horizon, const glm::dvec3& white_balance, double saturation) {
+  constexpr double kLeast = 1e-3;  // of a colour that no camera of less than 1 can have saturated so far
+  for (auto& column : horizon.columns) {
+    const glm::dvec3 seen = column.light * white_balance;
+    column.light = glm::max(with_saturation(seen, 1.0 / saturation), kLeast * seen) / white_balance;
+  }
+  return horizon;
+}
+
 }  // namespace
 
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
@@ -93,6 +114,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
       shadows_(installation.object.shadows),
+      saturation_(saturation_of(installation)),
       skyline_(installation.object.skyline),
       sky_model_(installation.surroundings.sky_model),
       given_(installation.surroundings.air),
@@ -134,6 +156,7 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
   conditions.past_hills = skyline_.sunlight(conditions.sun);
   conditions.measured = report.measured;
+  conditions.saturation = saturation_.value_or(report.scene_saturation.value_or(1.0));
   conditions.haze_blur_px = haze_blur_px(conditions.air);
   return conditions;
 }
@@ -202,12 +225,16 @@ AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBo
     return airlight_grid(scene(), box, [&](const glm::dvec2&, const Direction& direction) {
       return glm::dvec3{0.5} * before_object(direction);
     });
-  const Airlight airlight(horizon_, SiteSky(sky_model_, conditions.air, conditions.sun, altitude_m_),
-                          scene().light_to_xyz(), options_.zeta);
-  return airlight_grid(scene(), box, [&](const glm::dvec2& pixel, const Direction& direction) {
+  const bool saturates = conditions.saturation != 1.0;
+  const Airlight airlight(saturates ? unsaturated(horizon_, scene().white_balance, conditions.saturation) : horizon_,
+                          SiteSky(sky_model_, conditions.air, conditions.sun, altitude_m_), scene().light_to_xyz(),
+                          options_.zeta);
+  auto grid = airlight_grid(scene(), box, [&](const glm::dvec2& pixel, const Direction& direction) {
     // Back into the camera's own linear light, in which its pixels are compared and blended.
     return airlight.from(direction) * before_object(direction) * scene().white_balance * scene().vignetting.at(pixel);
   });
+  grid.saturation = conditions.saturation;
+  return grid;
 }
 
 }  // namespace kasumi

@@ -40,7 +40,7 @@ class SceneAir {
   SceneConditions conditions(const SkyReport& report) const;
   // Haze, light and the model's horizon over the object's part of the picture. `box`: where the object appears.
   ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
-  // Measured light from infinity in the scene camera's linear light; a plain grey of 0.5 while no horizon is known.
+  // Measured light from infinity in the scene camera's linear light, and its saturation; a plain grey of 0.5 while no horizon is known.
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
 
   // With each frame. The horizon follows the camera's exposure; it is measured again, by whoever has the time, once per
@@ -66,6 +66,7 @@ class SceneAir {
   double altitude_m_;
   double ground_albedo_;
   bool shadows_;
+  std::optional<double> saturation_;  // of the camera; empty: it is learnt
   Skyline skyline_;
   SiteSkyModel sky_model_;
   GivenAir given_;

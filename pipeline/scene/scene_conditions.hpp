@@ -18,6 +18,7 @@ struct SceneConditions {
   // Blur of the object by the haze in front of it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
   // deviation in pixels. The fog of a valley is not counted.
   double haze_blur_px = 0.0;
+  double saturation = 1.0;  // of the scene camera (calib/colour/camera_saturation)
 };
 
 }  // namespace kasumi

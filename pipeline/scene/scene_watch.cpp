@@ -65,6 +65,7 @@ SceneLook SceneWatch::look(const PictureView& picture, Instant when, const SkyAb
   look.reason =
       look.landmarks->extinction().reason.empty() ? look.landmarks->doubt : look.landmarks->extinction().reason;
   look.air.path = landmarks_.colours().reading_of(look.landmarks->aerosol);
+  if (landmarks_.chroma().known()) look.air.saturation = saturation_believed(landmarks_.chroma());
   if (learnt_ && when - *learnt_ < kLearnInterval) return look;
   learnt_ = when;
   landmarks_.learn(readings, days(when) + first_day_);

@@ -23,7 +23,8 @@ struct SceneAirReading {
   Instant when{};                        // the picture was taken
   std::optional<PathReading> path;       // by landmarks
   std::optional<ColumnReading> low_sky;  // above the horizon
-  bool empty() const { return !path && !low_sky; }
+  std::optional<double> saturation{};    // of the camera, as all pictures so far tell; empty: they do not
+  bool empty() const { return !path && !low_sky && !saturation; }
 };
 
 struct SceneLook {

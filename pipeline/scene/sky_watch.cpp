@@ -93,6 +93,7 @@ FoundAerosol SkyWatch::of_site(FoundAerosol found) const {
 }
 
 void SkyWatch::add_air(SkyReport& report, Instant when) const {
+  report.scene_saturation = scene_saturation_;
   report.tracked = report.by_sky = tracker_.at(when);
   report.state = air_ ? std::optional(air_->at(when)) : std::nullopt;
   report.air.reset();
@@ -114,6 +115,7 @@ void SkyWatch::add_air(SkyReport& report, Instant when) const {
 }
 
 void SkyWatch::observe(const SceneAirReading& scene) {
+  if (scene.saturation) scene_saturation_ = scene.saturation;
   if (!air_) return;
   if (scene.low_sky) air_->observe(ColumnReading{AirObserver::horizon, of_site(scene.low_sky->found)}, scene.when);
   if (scene.path) air_->observe(*scene.path, scene.when);

@@ -27,6 +27,7 @@ struct SkyReport {
   std::optional<TrackedTurbidity> by_sky;  // over time, by the sky camera alone, for comparison
   std::optional<TrackedAir> state;         // by all observers; empty: T alone is followed (sky_model = "preetham")
   std::optional<AirQuality> air;           // of `tracked`, or the given air's
+  std::optional<double> scene_saturation;  // learnt of the scene camera; empty: nothing was
   SunCheck sun;
   std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: nothing beyond the model
   std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
@@ -81,6 +82,7 @@ class SkyWatch {
   SkyObserver observer_;
   TurbidityTracker tracker_;       // of the sky camera's T
   std::optional<AirTracker> air_;  // of all observers; empty: T alone is followed
+  std::optional<double> scene_saturation_;
   TurbidityEstimate last_estimate_;
   std::shared_ptr<const MeasuredSky> last_measured_;  // of the same frame
   Instant last_observed_{};

@@ -57,8 +57,9 @@ class RecipeText {
     put(depth, exponent, kind, other, share);
   }
   void put_one(const ImageQuality& quality) {
-    const auto& [spread, full_scale, read, chroma, sharpening, blocks] = quality;
+    const auto& [spread, full_scale, read, chroma, sharpening, saturation, blocks] = quality;
     put(spread, full_scale, read, chroma, sharpening, blocks);
+    if (saturation) put(*saturation);
   }
   void put_one(const fixtures::Sharpness& sharpness) {
     const auto& [spread, sharpening] = sharpness;

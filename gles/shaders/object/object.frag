@@ -7,6 +7,7 @@
 #if defined(FINAL_COLOUR)
 #include "response.glsl"
 #include "camera_picture.glsl"
+#include "saturation.glsl"
 #else
 #include "scene_depth.glsl"
 #endif
@@ -52,6 +53,9 @@ void main() {
   vec3 light = radiance * v_gain * passed + v_airlight * (1.0 - passed);
 #else
   vec3 light = radiance * v_gain + v_airlight;
+#endif
+#if defined(SATURATED)
+  light = saturated(light);
 #endif
 #if defined(FOREGROUND)
   vec2 place = (fragment_to_picture * vec3(gl_FragCoord.xy, 1.0)).xy;

@@ -10,6 +10,7 @@ precision highp sampler2D;  // small differences of the picture's values are sol
 #include "camera_picture.glsl"
 #include "matte.glsl"
 #include "noise.glsl"
+#include "saturation.glsl"
 #include "plane.glsl"
 
 #if !defined(COVERED)
@@ -42,6 +43,9 @@ void main() {
 #elif defined(COVERED)
   vec4 object = texture2D(layer, v_layer);
   vec3 root = v_airlight_root * object.rgb;
+#if defined(SATURATED)
+  root = sqrt(saturated(root * root));
+#endif
 #if defined(NOISE)
   root = sqrt(noisy(root * root, 1.0));
 #endif
@@ -55,6 +59,9 @@ void main() {
   float coverage = coverage_in(object.a);
   vec3 root = v_airlight_root * object.rgb;
   vec3 own = root * root;
+#if defined(SATURATED)
+  own = saturated(own);
+#endif
   vec3 light = light_of(clamp(behind, 0.0, 1.0));
 #if defined(MATTE) || defined(IN_FRONT)
 #if defined(MATTE)

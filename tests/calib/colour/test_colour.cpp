@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "calib/colour/camera_saturation.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "calib/colour/spectral_sensitivity.hpp"
 #include "tests/places.hpp"
@@ -166,6 +167,16 @@ TEST(SrgbToXyz, WhiteIsD65AndThePrimariesAreThoseOfTheStandard) {
     EXPECT_NEAR(found.y, primaries[c].y, 2e-4);
   }
   EXPECT_NEAR((matrix * glm::dvec3{1.0}).y, 1.0, 1e-12);
+}
+
+TEST(Saturation, MovesColoursAwayFromGreyAndBack) {
+  const glm::dvec3 grey{0.4}, sky{0.3, 0.5, 0.8};
+  EXPECT_NEAR(glm::distance(with_saturation(grey, 1.7), grey), 0.0, 1e-12);
+  const auto more = with_saturation(sky, 1.7);
+  EXPECT_LT(more.r, sky.r);
+  EXPECT_GT(more.b, sky.b);
+  EXPECT_NEAR(glm::dot(more, kLuminanceOfSrgb), glm::dot(sky, kLuminanceOfSrgb), 1e-12);
+  EXPECT_NEAR(glm::distance(with_saturation(more, 1.0 / 1.7), sky), 0.0, 1e-12);
 }
 
 }  // namespace

@@ -417,16 +417,19 @@ ReferencePicture before_picture(ReferencePicture picture, const ReferenceScene& 
       const glm::dvec4& object = picture.layer.at(x, y);
       const glm::dvec3& taken = picture.taken.at(x, y);
       const glm::dvec3 airlight = bilinear(scene.measured, {x, y});
+      const glm::dvec3 unsaturated = airlight * glm::dvec3(object);
+      const double grey = glm::dot(unsaturated, glm::dvec3{0.2126, 0.7152, 0.0722});
+      const glm::dvec3 own = glm::max(grey + scene.measured.saturation * (unsaturated - grey), glm::dvec3{0.0});
       const double by_mask = scene.mask.empty() ? 1.0 : scene.mask.at(x, y) / 255.0;
       std::optional<ReferenceMatte> matte;
       if (!scene.by_mask && by_mask > 0.0 && by_mask < 1.0 && object.a > 0.0)
         matte = reference_matte(scene, camera, x, y);
       for (int c = 0; c < 3; ++c) {
         const double code = camera.at(x, y)[c] / 255.0;
-        double light = reference_light(scene.response, c, code) * (1.0 - taken[c]) + airlight[c] * object[c];
+        double light = reference_light(scene.response, c, code) * (1.0 - taken[c]) + own[c];
         if (matte)  // the layer is the mask's share of the whole
           light = reference_light(scene.response, c, code) +
-                  (airlight[c] * object[c] * matte->open_share - taken[c] * matte->behind[c]) / by_mask;
+                  (own[c] * matte->open_share - taken[c] * matte->behind[c]) / by_mask;
         picture.encoded.at(x, y)[c] = 255.0 * (object.a > 0.0 ? reference_code(scene.response, c, light) : code);
       }
     }

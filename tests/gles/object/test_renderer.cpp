@@ -99,6 +99,18 @@ TEST_F(RendererAgainstReference, LeavesOutTheAirOnRequest) {
   expect_same_with(scene, {{}, {.force_rgba8 = true}});
 }
 
+TEST_F(RendererAgainstReference, SaturatesTheObjectAsTheCameraSaturatesTheRest) {
+  ReferenceScene scene = box_scene();
+  for (const double saturation : {0.6, 1.8}) {
+    scene.measured.saturation = saturation;
+    expect_same_with(scene, {{}, {.force_rgba8 = true}});
+  }
+  scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 80; ++x) scene.mask.at(x, y) = static_cast<std::uint8_t>(std::max(0, (x - 60) * 255 / 20));
+  expect_same_with(scene, {{}}, 48.0);
+}
+
 TEST_F(RendererAgainstReference, ShowsTheForegroundThroughASoftMask) {
   ReferenceScene scene = box_scene();
   scene.mask = Image<std::uint8_t>(scene.view.width, scene.view.height, 255);

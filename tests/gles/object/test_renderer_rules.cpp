@@ -74,7 +74,8 @@ TEST_F(RendererRules, TheLayerIsValidForEveryExposure) {
 }
 
 TEST_F(RendererRules, OnePassMatchesTheLayerInsideTheObject) {
-  const ReferenceScene scene = box_scene();
+  ReferenceScene scene = box_scene();
+  scene.measured.saturation = 1.4;
   const Image<Rgb8> camera = landscape(160, 120);
   const auto reference = render_reference(scene, camera, upright_grid(4));
   Renderer renderer = make_renderer();
@@ -266,6 +267,10 @@ TEST_F(RendererRules, ReportsEveryProblemWithItsInput) {
   AirlightGrid dark = scene.measured;
   dark.light[3].g = std::nan("");
   EXPECT_THAT(renderer.draw(dark, target.target()).error().message, HasSubstr("light[3] channel 1"));
+  AirlightGrid wild_colours = scene.measured;
+  wild_colours.saturation = 0.0;
+  EXPECT_THAT(renderer.draw(wild_colours, target.target()).error().message,
+              HasSubstr("measured airlight: saturation 0: expected a finite number > 0"));
   scene.appearance.horizon.light[0].b = 0.0;
   scene.appearance.light.sun_direction = {0, 0, 2};
   EXPECT_THAT(renderer.redraw_layer(scene.appearance).error().message,

@@ -206,6 +206,12 @@ TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {
   EXPECT_EQ(json["agreement"], "agrees") << json.dump();
   EXPECT_EQ(json["finding"], false);
   EXPECT_EQ(json["landmarks"], kLandmarks);
+  EXPECT_TRUE(json["saturation"].is_null()) << "one picture does not tell";
+  VisibilityStatus later = latest;
+  later.air->camera = {1.6, 0.1, 40};
+  latest = later;
+  EXPECT_EQ(reported()["saturation"], 1.6);
+  EXPECT_EQ(reported()["saturation_sigma"], 0.16);
 }
 
 TEST_F(VisibilityLoopTest, TellsTheSkysLoopWhatItReads) {

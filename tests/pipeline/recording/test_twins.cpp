@@ -3,12 +3,17 @@
 // kasumi composites it. The whole pipeline is compared: the aerosol's amount as found in the sky camera's picture, the
 // horizon as found in the scene camera's, with its noise.
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/files.hpp"
+#include "calib/colour/camera_saturation.hpp"
+#include "calib/light/radiometry.hpp"
 #include "pipeline/files/photograph_file.hpp"
 #include "pipeline/recording/replay.hpp"
 #include "tests/figures.hpp"
@@ -34,15 +39,25 @@ struct Difference {
   double worst_bias() const { return std::max({std::abs(bias.r), std::abs(bias.g), std::abs(bias.b)}); }
 };
 
-Difference between_twins(const fixtures::Recipe& recipe, const std::string& name) {
-  const auto fixture = recorded(recipe, name), out = test_folder(name + "-out");
+// sRGB, as a camera of that saturation gives it.
+glm::dvec3 as_saturated(const glm::dvec3& encoded, double saturation) {
+  const Response srgb = Response::srgb();
+  return glm::clamp(srgb.to_encoded(glm::clamp(with_saturation(srgb.to_light(encoded), saturation), 0.0, 1.0)), 0.0,
+                    1.0);
+}
+
+// `saturation`: of the camera that took both pictures; 1: the generator's.
+Difference between_twins(const std::filesystem::path& fixture, const std::string& name, double saturation = 1.0) {
+  const auto out = test_folder(name + "-out");
   const auto summary = replay({fixture, out, false, false, 1, {}});
   if (!summary) {
     ADD_FAILURE() << summary.error().message;
     return {};
   }
   const auto composited = read_photograph(out / "frame-000000.png").value();
-  const auto real = read_photograph(fixture / "truth" / "composite-000000.png").value();
+  auto real = read_photograph(fixture / "truth" / "composite-000000.png").value();
+  if (saturation != 1.0)
+    for (auto& pixel : real.encoded.elements()) pixel = glm::vec3(as_saturated(glm::dvec3(pixel), saturation));
   const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
   Difference found;
   for (int y = 0; y < real.encoded.height(); ++y)
@@ -71,7 +86,7 @@ fixtures::Recipe twin(double distance_m, double turbidity, Utc start) {
 }
 
 Difference expect_like(const fixtures::Recipe& recipe, const std::string& name, const std::string& words) {
-  const auto found = between_twins(recipe, name);
+  const auto found = between_twins(recorded(recipe, name), name);
   fmt::print("| {} | {:.1f} | {:+.1f} {:+.1f} {:+.1f} |\n", words, found.mean, found.bias.r, found.bias.g,
              found.bias.b);
   EXPECT_GT(found.pixels, 150.0) << words << ": the building must be seen";
@@ -102,6 +117,48 @@ TEST(Twins, AreIndistinguishableAtAllDistancesAndAirsUnderAHighSun) {
 
 TEST(Twins, AreIndistinguishableAtAllDistancesAndAirsUnderALowSun) {
   expect_alike("twin-low", kLow, "sun 8 deg high", {{200.0, 4.0}, {1000.0, 2.0}, {3500.0, 2.0}});
+}
+
+// A copy of a recording whose scene camera saturates colours, and whose description says so, or not.
+std::filesystem::path by_saturating_camera(const std::filesystem::path& fixture, const std::string& name,
+                                           double saturation, bool told) {
+  const auto copy = test_folder(name);
+  std::filesystem::copy(fixture, copy,
+                        std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
+  for (const auto& entry : std::filesystem::directory_iterator(copy / "scene")) {
+    if (entry.path().extension() == ".csv") continue;
+    auto bytes = read_text_file(entry.path()).value();  // RGB3
+    for (std::size_t i = 0; i + 2 < bytes.size(); i += 3) {
+      glm::dvec3 pixel{0.0};
+      for (int c = 0; c < 3; ++c) pixel[c] = static_cast<unsigned char>(bytes[i + static_cast<std::size_t>(c)]) / 255.0;
+      pixel = as_saturated(pixel, saturation);
+      for (int c = 0; c < 3; ++c)
+        bytes[i + static_cast<std::size_t>(c)] = static_cast<char>(std::lround(255.0 * pixel[c]));
+    }
+    std::ofstream(entry.path(), std::ios::binary | std::ios::trunc) << bytes;
+  }
+  if (!told) return copy;
+  auto text = read_text_file(copy / "fixture.toml").value();
+  const auto at = text.find("[scene]\n") + 8;
+  text.insert(at, fmt::format("saturation = {}\n", saturation));
+  std::ofstream(copy / "fixture.toml", std::ios::trunc) << text;
+  return copy;
+}
+
+// The light on the building follows the horizon's, channel by channel, and a saturated horizon is no white balance.
+TEST(Twins, AreAlikeBeforeACameraThatSaturatesColours) {
+  constexpr double kSaturation = 2.0;
+  const auto plain = recorded(twin(1000.0, 2.0, kHigh), "twin-high");
+  const auto known =
+      between_twins(by_saturating_camera(plain, "twin-saturated", kSaturation, true), "twin-known", kSaturation);
+  const auto unknown =
+      between_twins(by_saturating_camera(plain, "twin-untold", kSaturation, false), "twin-unknown", kSaturation);
+  for (const auto& [words, found] : {std::pair{"saturation known", known}, std::pair{"not known", unknown}})
+    fmt::print("| 1 km, T 2, {} | {:.1f} | {:+.1f} {:+.1f} {:+.1f} |\n", words, found.mean, found.bias.r, found.bias.g,
+               found.bias.b);
+  EXPECT_LE(known.mean, 3.5);
+  EXPECT_LE(known.worst_bias(), 2.5);
+  EXPECT_GT(unknown.worst_bias(), 2.0 * known.worst_bias());
 }
 
 // Nothing was tuned on these. The first once revealed that the glow of a low sun was taken for a cloud; the second has

@@ -4,7 +4,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <glm/geometric.hpp>
 
+#include "calib/colour/camera_saturation.hpp"
 #include "calib/lens/lens.hpp"
 #include "capture/codec/encode.hpp"
 #include "estimator/air/scattering.hpp"
@@ -235,6 +237,62 @@ TEST_F(SkyWatchTest, NonsenseIsNotRemembered) {
   auto watch = watch_over(site());
   watch.remember(Turbidity{std::nan("")}, 0.2, kStart);
   EXPECT_TRUE(watch.at(kStart, Utc{}, SunSource::none).state->supposed);
+}
+
+// Learnt from landmarks, the scene camera's saturation reaches what the picture is drawn under; what the configuration
+// says goes before it, and a camera that was measured has none.
+TEST(SceneCamerasSaturation, IsLearntUnlessItIsKnown) {
+  auto installation = site();
+  installation.scene.width = installation.scene.height = 32;
+  installation.scene.lens = pinhole_lens({{30.0, 30.0}, {15.5, 15.5}, {}});
+  SkyWatch watch(installation);
+  EXPECT_FALSE(watch.with_air({}, kStart).scene_saturation);
+  SceneAirReading reading;
+  reading.when = kStart;
+  reading.saturation = 1.6;
+  EXPECT_FALSE(reading.empty());
+  watch.observe(reading);
+  const auto report = watch.with_air({}, kStart);
+  ASSERT_TRUE(report.scene_saturation);
+
+  const auto drawn_by = [&](const SkyReport& now) { return SceneAir(installation, {}).conditions(now).saturation; };
+  EXPECT_EQ(drawn_by(SkyReport{}), 1.0);
+  EXPECT_EQ(drawn_by(report), 1.6);
+  const SceneAir air(installation, {});
+  EXPECT_EQ(air.measured(air.conditions(SkyReport{}), {0, 0, 32, 32}).saturation, 1.0);
+  installation.scene.colour_space = Camera::ColourSpace::sensor;
+  EXPECT_EQ(drawn_by(report), 1.0);
+  installation.scene_quality.saturation = 1.2;
+  EXPECT_EQ(drawn_by(report), 1.2);
+}
+
+// The horizon is taken back by as much as what is drawn in it is saturated: endless air looks as the camera shows it.
+TEST(SceneCamerasSaturation, LeavesTheHorizonAsItIsSeen) {
+  auto installation = site();
+  installation.scene.width = installation.scene.height = 32;
+  installation.scene.lens = pinhole_lens({{30000.0, 30000.0}, {15.5, 15.5}, {}});
+  installation.scene.to_world = glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0})  // level, to the north
+      ;
+  installation.scene.white_balance = {0.9, 1.0, 1.3};
+  installation.scene_quality.saturation = 1.7;
+  SceneAir air(installation, {});
+  const auto seen_with = [&](SceneAir& by) {
+    HorizonAnswer answer{by.observer(), {}, {}, nullptr, {}};
+    answer.seen.source = HorizonLight::Source::scene_camera;
+    answer.seen.columns = {{Radians{0.0}, from_degrees(90.0), {0.3, 0.4, 0.45}, 1.0}};
+    by.adopt(answer);
+    return by.measured(by.conditions(SkyReport{}), {0, 0, 32, 32});
+  };
+  const auto grid = seen_with(air);
+  installation.scene_quality.saturation = 1.0;
+  SceneAir plain(installation, {});
+  const auto as_seen = seen_with(plain);
+  ASSERT_EQ(grid.saturation, 1.7);
+  for (std::size_t i = 0; i < grid.light.size(); ++i) {
+    const auto shown = with_saturation(grid.light[i], grid.saturation);
+    EXPECT_NEAR(glm::distance(shown, as_seen.light[i]) / as_seen.light[i].g, 0.0, 0.01) << i;
+    EXPECT_LT(grid.light[i].b, as_seen.light[i].b);
+  }
 }
 
 }  // namespace
