@@ -5,6 +5,7 @@
 #include "base/utc_text.hpp"
 #include "calib/mask/distance_map.hpp"
 #include "gles/scene.hpp"
+#include "pipeline/config/cards.hpp"
 #include "pipeline/config/given_air_keys.hpp"
 
 namespace kasumi {
@@ -61,6 +62,7 @@ Installation read_installation(const ConfigTable& root) {
   installation.contrast_landmarks = read_contrast_landmarks(
       root, installation.site,
       {installation.scene.width, installation.scene.height, &installation.scene, &installation.scene_distances_m});
+  installation.cards = read_cards(root, installation.scene.width, installation.scene.height);
   return installation;
 }
 

@@ -6,6 +6,7 @@
 #include "calib/camera.hpp"
 #include "calib/image_quality.hpp"
 #include "estimator/given_air.hpp"
+#include "estimator/light/card_light.hpp"
 #include "estimator/sky/site_sky.hpp"
 #include "pipeline/config/landmarks.hpp"
 #include "pipeline/config/placement.hpp"
@@ -45,7 +46,8 @@ struct Installation {
   ObjectPlacement object;
   std::vector<Landmark> landmarks;
   std::vector<ContrastLandmark> contrast_landmarks;  // those used to measure visibility
-  std::optional<AdoptedCalibration> calibration;     // the calibration file it builds on
+  std::vector<LightCard> cards{};
+  std::optional<AdoptedCalibration> calibration;  // the calibration file it builds on
 
   // How the air is found in the sky camera's picture: by every model, or by the one that is asked for, which is never
   // automatic.

@@ -173,7 +173,9 @@ std::future<HorizonAnswer> Compositor::measure_horizon(const FrameMetadata& meta
   if (!clock_ || !air_.horizon().usable())
     return std::async(std::launch::async, [&metadata, &picture, &now, sky = sky.picture, observer = air_.observer()] {
       const auto* above = sky ? &sky->view() : nullptr;
-      return HorizonAnswer{observer, metadata, observer->observe(picture.view(), above, &now), nullptr, {}};
+      HorizonAnswer answer{observer, metadata, observer->observe(picture.view(), above, &now), nullptr, {}, {}};
+      answer.cards = observer->read_cards(picture.view(), answer.seen, now);
+      return answer;
     });
   air_.asked(metadata);
   question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now, {}};

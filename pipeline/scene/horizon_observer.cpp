@@ -21,13 +21,28 @@ HorizonLight HorizonObserver::modelled(const SceneConditions& conditions, const 
   return horizon_from_model([&](const Direction& view) { return sky.relative_xyz(view); }, scene_, scene);
 }
 
+std::vector<CardReading> HorizonObserver::read_cards(const PictureView& scene, const HorizonLight& horizon,
+                                                     const SceneConditions& conditions) const {
+  std::vector<CardReading> readings;
+  if (cards_.empty() || horizon.source != HorizonLight::Source::scene_camera) return readings;
+  const Daylight daylight(
+      scene_, conditions.air, conditions.sun,
+      {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get(), conditions.past_hills});
+  for (const LightCard& card : cards_)
+    if (const auto seen = card_over_horizon(card, scene_, scene, horizon, conditions.saturation))
+      readings.push_back(card_reading(card, *seen, towards_card(card, scene_, horizon), daylight));
+  return readings;
+}
+
 HorizonAnswer answer(const HorizonQuestion& question) {
   const auto* sky = question.sky_picture ? &question.sky_picture->view() : nullptr;
   HorizonAnswer made{question.observer,
                      question.metadata,
                      question.observer->observe(question.picture.view(), sky, &question.conditions),
                      nullptr,
+                     {},
                      {}};
+  made.cards = question.observer->read_cards(question.picture.view(), made.seen, question.conditions);
   if (!question.ground) return made;
   GroundWatch& watch = *question.ground->watch;
   watch.see(question.picture.view(), question.metadata, *question.ground->appearance, question.ground->measured);

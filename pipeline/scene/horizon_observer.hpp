@@ -5,11 +5,13 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/picture.hpp"
 #include "calib/camera.hpp"
 #include "capture/frame.hpp"
 #include "estimator/horizon/horizon.hpp"
+#include "estimator/light/card_light.hpp"
 #include "estimator/sky/site_sky.hpp"
 #include "pipeline/scene/ground_watch.hpp"
 #include "pipeline/scene/scene_conditions.hpp"
@@ -18,14 +20,24 @@ namespace kasumi {
 
 class HorizonObserver {
  public:
-  HorizonObserver(Camera scene, Camera sky, SiteSkyModel sky_model, double altitude_m)
-      : scene_(std::move(scene)), sky_(std::move(sky)), sky_model_(sky_model), altitude_m_(altitude_m) {}
+  HorizonObserver(Camera scene, Camera sky, SiteSkyModel sky_model, double altitude_m,
+                  std::vector<LightCard> cards = {}, double ground_albedo = DaylightOptions{}.ground_albedo)
+      : scene_(std::move(scene)),
+        sky_(std::move(sky)),
+        sky_model_(sky_model),
+        altitude_m_(altitude_m),
+        cards_(std::move(cards)),
+        ground_albedo_(ground_albedo) {}
 
   const Camera& scene() const { return scene_; }
   // As the scene camera's picture shows it; where that shows no sky, by the sky camera's latest (`sky_picture`; may be
   // null), and at last by a model of the sky under `conditions` (may be null).
   HorizonLight observe(const PictureView& scene, const PictureView* sky_picture,
                        const SceneConditions* conditions) const;
+  // What the cards say under `conditions`, one for each that can be read. Only before a horizon that the scene's picture
+  // shows: others have no brightness of their own.
+  std::vector<CardReading> read_cards(const PictureView& scene, const HorizonLight& horizon,
+                                      const SceneConditions& conditions) const;
 
  private:
   HorizonLight modelled(const SceneConditions& conditions, const PictureView& scene) const;
@@ -33,6 +45,8 @@ class HorizonObserver {
   Camera scene_, sky_;
   SiteSkyModel sky_model_;
   double altitude_m_;
+  std::vector<LightCard> cards_;
+  double ground_albedo_;
 };
 
 // What whoever draws asks of whoever measures.
@@ -50,6 +64,7 @@ struct HorizonAnswer {
   HorizonLight seen;
   std::shared_ptr<const GroundWatch> watch{};  // that was asked; null: none
   GroundLook ground{};
+  std::vector<CardReading> cards{};
 };
 HorizonAnswer answer(const HorizonQuestion& question);
 

@@ -19,12 +19,14 @@ namespace {
 // Clouds and people pass while the air stays, so the horizon is smoothed with this time constant. A horizon from before
 // a long outage has no weight.
 constexpr double kHorizonMemory_s = 2.8;
+constexpr double kCardsMemory_s = 180.0;  // somebody leans on the wall; light is reckoned from clouds a moment too late
 
 // Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kMinHazeChange = 0.005;
 constexpr double kMinExponentChange = 0.02;  // half a percent of haze, between green and blue
 constexpr double kMinShareChange = 0.1;      // of the kind beside the first
 constexpr Radians kMinSunMove = from_degrees(0.1);
+constexpr double kMinLightChange = 0.02;
 constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of the sky
 
 std::optional<double> exposure_of(const FrameMetadata& metadata) {
@@ -62,6 +64,12 @@ void darken(ObjectLight& light) {
   for (glm::vec3& texel : light.around.radiance.elements()) texel *= static_cast<float>(kBlack);
 }
 
+void follow_cards(ObjectLight& light, const LightFactors& by_cards) {
+  if (by_cards.sun == glm::dvec3{1.0} && by_cards.around == glm::dvec3{1.0}) return;
+  light.sun_irradiance *= by_cards.sun;
+  for (glm::vec3& texel : light.around.radiance.elements()) texel *= glm::vec3(by_cards.around);
+}
+
 OpticalPath path_to(const Installation& installation) {
   const auto& place = installation.object.placement;
   const double altitude_m = installation.site.altitude_m;
@@ -90,6 +98,10 @@ HorizonLight unsaturated(HorizonLight horizon, const glm::dvec3& white_balance, 
 }  // namespace
 
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
+  for (int c = 0; c < 3; ++c)
+    if (std::abs(now.by_cards.sun[c] - drawn.by_cards.sun[c]) > kMinLightChange ||
+        std::abs(now.by_cards.around[c] - drawn.by_cards.around[c]) > kMinLightChange)
+      return false;
   if (now.sky != drawn.sky || (now.measured == nullptr) != (drawn.measured == nullptr)) return false;
   if (now.measured && difference(*drawn.measured, *now.measured) > kMinSkyChange) return false;
   if (std::abs(now.past_hills - drawn.past_hills) > kMinSkyChange) return false;
@@ -110,7 +122,8 @@ bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
 
 SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
     : observer_(std::make_shared<const HorizonObserver>(
-          installation.scene, installation.sky, installation.surroundings.sky_model, installation.site.altitude_m)),
+          installation.scene, installation.sky, installation.surroundings.sky_model, installation.site.altitude_m,
+          installation.cards, installation.surroundings.ground_albedo)),
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
       shadows_(installation.object.shadows),
@@ -156,6 +169,7 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
   conditions.past_hills = skyline_.sunlight(conditions.sun);
   conditions.measured = report.measured;
+  conditions.by_cards = by_cards_;
   conditions.saturation = saturation_.value_or(report.scene_saturation.value_or(1.0));
   conditions.haze_blur_px = haze_blur_px(conditions.air);
   return conditions;
@@ -168,6 +182,7 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   ObjectAppearance appearance;
   appearance.haze = haze_for_gles(haze(conditions.air), altitude_m_, fog_);
   appearance.light = light_for_gles(daylight.on_object());
+  follow_cards(appearance.light, conditions.by_cards);
   if (options_.black_object) darken(appearance.light);
   const auto before_object = air_before_object(conditions);
   appearance.horizon = airlight_grid(scene(), box, [&](const glm::dvec2&, const Direction& direction) {
@@ -201,6 +216,17 @@ void SceneAir::adopt(const HorizonAnswer& answer) {
   const auto then = exposure_of(answer.metadata);
   if (then && exposure_) scale(seen, *exposure_ / *then);  // the camera has moved on
   adopt(std::move(seen), answer.metadata);
+  adopt(answer.cards, answer.metadata);
+}
+
+void SceneAir::adopt(const std::vector<CardReading>& cards, const FrameMetadata& metadata) {
+  if (cards.empty()) return;
+  const double since_s = cards_seen_at_ ? std::abs(to_seconds(metadata.captured_at - *cards_seen_at_)) : 0.0;
+  const double weight = cards_seen_at_ ? 1.0 - std::exp(-since_s / kCardsMemory_s) : 1.0;
+  cards_seen_at_ = metadata.captured_at;
+  const LightFactors now = factors_by_cards(cards);
+  by_cards_ = {glm::mix(by_cards_.sun, now.sun, weight), glm::mix(by_cards_.around, now.around, weight), now.sun_sigma,
+               now.around_sigma};
 }
 
 void SceneAir::adopt(HorizonLight seen, const FrameMetadata& metadata) {

@@ -51,6 +51,7 @@ class SceneAir {
   void adopt(const HorizonAnswer& answer);  // one to another observer is left
   const std::shared_ptr<const HorizonObserver>& observer() const { return observer_; }
   const HorizonLight& horizon() const { return horizon_; }
+  const LightFactors& by_cards() const { return by_cards_; }
 
  private:
   AirState air_under(const SkyReport& report) const;
@@ -60,6 +61,7 @@ class SceneAir {
   // Factor on the light from infinity by direction, as the model has it and as measured alike (FinitePath).
   std::function<glm::dvec3(const Direction&)> air_before_object(const SceneConditions& conditions) const;
   void adopt(HorizonLight seen, const FrameMetadata& metadata);
+  void adopt(const std::vector<CardReading>& cards, const FrameMetadata& metadata);
   const Camera& scene() const { return observer_->scene(); }
 
   std::shared_ptr<const HorizonObserver> observer_;
@@ -83,6 +85,9 @@ class SceneAir {
     AttenuationNodes nodes;
   };
   mutable std::optional<Nodes> nodes_;
+  // By cards of known reflectance, over minutes; without any the model's own.
+  LightFactors by_cards_;
+  std::optional<Instant> cards_seen_at_;
   HorizonLight horizon_;
   std::optional<Instant> horizon_seen_at_, horizon_asked_at_;
   std::optional<double> exposure_;  // of the last frame: seconds times gain

@@ -295,5 +295,30 @@ TEST(SceneCamerasSaturation, LeavesTheHorizonAsItIsSeen) {
   }
 }
 
+// What cards say reaches the light on the object, and a layer drawn without it is another.
+TEST(CardsInTheScene, CorrectTheLightOnTheObject) {
+  auto installation = site();
+  installation.scene.width = installation.scene.height = 32;
+  installation.scene.lens = pinhole_lens({{30.0, 30.0}, {15.5, 15.5}, {}});
+  installation.scene.to_world = glm::dmat3({1, 0, 0}, {0, 0, -1}, {0, 1, 0});
+  SceneAir air(installation, {});
+  SkyReport report;
+  report.sun = {SunSource::ephemeris, SunDirection{0.0, -0.6, 0.8}, std::nullopt, false, {}};
+  const auto before = air.conditions(report);
+  HorizonAnswer answer{air.observer(), {}, {}, nullptr, {}, {}};
+  answer.cards = {{glm::dvec3{1.3}, glm::dvec3{0.0}}, {glm::dvec3{0.8}, glm::dvec3{0.9}}};
+  air.adopt(answer);
+  const auto after = air.conditions(report);
+  EXPECT_FALSE(look_alike(after, before));
+  EXPECT_TRUE(look_alike(after, after));
+  EXPECT_LT(after.by_cards.sun.g, 0.95);
+  EXPECT_GT(after.by_cards.around.g, 1.05);
+  const PixelBox box{0, 0, 32, 32};
+  const auto plain = air.appearance(before, box).light, corrected = air.appearance(after, box).light;
+  EXPECT_NEAR(corrected.sun_irradiance.g / plain.sun_irradiance.g, after.by_cards.sun.g, 1e-6);
+  EXPECT_NEAR(irradiance(corrected.around, {0, 0, 1}).g / irradiance(plain.around, {0, 0, 1}).g,
+              after.by_cards.around.g, 1e-4);
+}
+
 }  // namespace
 }  // namespace kasumi

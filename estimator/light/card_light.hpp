@@ -1,0 +1,51 @@
+// Light on cards of known reflectance in the scene camera's view, by which the model's light on the object, in units of
+// its light at the horizon, is corrected: sun and sky apart, channel by channel.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "base/geometry.hpp"
+#include "base/picture.hpp"
+#include "calib/camera.hpp"
+#include "estimator/horizon/horizon.hpp"
+#include "estimator/light/object_light.hpp"
+
+namespace kasumi {
+
+// A card, a wall, a boulder so near that air does not matter.
+struct LightCard {
+  std::string name;
+  int x = 0, y = 0, width = 1, height = 1;  // pixels of the scene camera's picture that show nothing else
+  glm::dvec3 reflectance{0.0};              // in the camera's channels, dull
+  Direction normal{0, 0, 1};                // where it faces, world
+};
+
+// The card's mean light over the horizon's in that direction. `saturation`: of the camera (calib/colour/camera_saturation),
+// which is taken back. Nothing: clipped, black, or no horizon.
+std::optional<glm::dvec3> card_over_horizon(const LightCard& card, const Camera& scene, const PictureView& picture,
+                                            const HorizonLight& horizon, double saturation);
+
+// What a card says: how many times as bright it is as by the model, and the sun's share of the model's light on it.
+struct CardReading {
+  glm::dvec3 over_model{1.0}, sun_share{0.0};
+};
+// `towards`: as for card_over_horizon, which found `over_horizon`.
+CardReading card_reading(const LightCard& card, const glm::dvec3& over_horizon, const Direction& towards,
+                         const Daylight& daylight);
+Direction towards_card(const LightCard& card, const Camera& scene, const HorizonLight& horizon);
+
+// To be multiplied on the model's light of the sun and of sky and ground.
+struct LightFactors {
+  glm::dvec3 sun{1.0}, around{1.0};
+  glm::dvec3 sun_sigma{0.0}, around_sigma{0.0};  // one standard deviation
+};
+// The model's own, +- 14 % each, half of its variance in common, with every reading, +- 7 %, as a normal distribution. A
+// reading farther off than three standard deviations (the card lies in a shadow that nobody told of) counts the less.
+LightFactors factors_by_cards(std::span<const CardReading> readings);
+
+}  // namespace kasumi
