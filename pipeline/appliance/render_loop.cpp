@@ -20,10 +20,12 @@ constexpr Duration kRefreshInterval = 1s;   // an unchanged picture is shown aga
 constexpr Duration kContentMessage = 2min;  // that earlier content is shown
 constexpr Duration kFadeStep = 33ms;
 constexpr Duration kRenderStatusInterval = 500ms;
-constexpr Duration kSkySilence = 2s;       // the sky's loop usually tells its news once a second
-constexpr Duration kHangRestart = 60s;     // a camera's loop hangs for so long: restart
-constexpr Duration kPreparingTime = 10ms;  // for a coming stage, after each look for a picture
-constexpr int kMostPreparingPieces = 16;   // the same by a clock that stands still
+constexpr Duration kSkySilence = 2s;    // the sky's loop usually tells its news once a second
+constexpr Duration kHangRestart = 60s;  // a camera's loop hangs for so long: restart
+// For a coming stage, after each look for a picture: as long as the picture took, within these bounds. One that took
+// seconds must not be followed by as many more.
+constexpr Duration kPreparingTime = 10ms, kLongestPreparing = 250ms;
+constexpr int kMostPreparingPieces = 16;  // the same by a clock that stands still
 
 std::optional<Trouble> trouble_of(PictureCondition condition) {
   switch (condition) {
@@ -132,8 +134,12 @@ void RenderLoop::watch_loops() {
   watchdog_.withhold(for_long(mailboxes_.scene) || for_long(mailboxes_.sky));
 }
 
-void RenderLoop::adopt_content() {
+void RenderLoop::take_content() {
   if (auto content = mailboxes_.render.content.take()) new_content_ = std::move(*content);
+}
+
+void RenderLoop::adopt_content() {
+  take_content();
   // A new stage has no scene yet: the old picture stays on the display until there is a frame to draw or the still
   // picture covers it.
   const bool is_seen = screen_.is_open() && status_.rung.still < 1.0 && !is_closed();
@@ -155,10 +161,18 @@ void RenderLoop::answer(const std::optional<StageAnswer>& answer) {
   mailboxes_.reload.bell.ring();
 }
 
+// What is ready is shown before the next is begun, which takes its place: else it would be made once more, whole, while
+// nothing is drawn. It was put into its mailbox before the next was ordered, and is looked for after.
+void RenderLoop::take_order() {
+  if (auto order = mailboxes_.render.order.take()) order_ = std::move(*order);
+  take_content();
+  if (order_ && !new_content_) next_.order(*std::exchange(order_, std::nullopt));
+}
+
 // Pictures go first: what takes longer than a few milliseconds, or than the picture itself where drawing is slow, waits
 // for the next step.
 void RenderLoop::prepare_next_stage() {
-  if (auto order = mailboxes_.render.order.take()) next_.order(std::move(*order));
+  take_order();
   if (!next_.is_unfinished()) return;
   auto* display = screen_.display();
   if (!display) return answer(next_.lose());
@@ -166,7 +180,7 @@ void RenderLoop::prepare_next_stage() {
   Rehearsal rehearsal{sky_.report, layout_};
   if (target_size_) std::tie(rehearsal.target_width, rehearsal.target_height) = *target_size_;
   const auto began = clock_.now();
-  const Duration longest = std::max<Duration>(kPreparingTime, began - turned_);
+  const auto longest = std::clamp<Duration>(began - turned_, kPreparingTime, kLongestPreparing);
   for (int i = 1; next_.is_unfinished(); ++i) {
     answer(next_.work(display->context(), rehearsal));
     const Duration taken = clock_.now() - began;

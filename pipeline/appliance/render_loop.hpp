@@ -39,7 +39,9 @@ class RenderLoop {
   void watch_loops();
   void read_mailbox();
   void read_sky();
+  void take_content();
   void adopt_content();
+  void take_order();
   void prepare_next_stage();
   void answer(const std::optional<StageAnswer>& answer);
   LadderInput ladder_input() const;
@@ -70,6 +72,7 @@ class RenderLoop {
 
   ContentPtr content_;
   ContentPtr new_content_;                          // not yet adopted; null: none
+  std::optional<StageOrder> order_;                 // not yet begun
   PixelLayout layout_ = PixelLayout::rgb8;          // of the scene camera's last picture
   std::optional<std::pair<int, int>> target_size_;  // of the display
   Clock& clock_;

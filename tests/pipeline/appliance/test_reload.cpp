@@ -1,4 +1,6 @@
 // New content: prepared on the GPU before anybody uses it, then used by all loops, or by none.
+#include <functional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -107,6 +109,32 @@ INSTANTIATE_TEST_SUITE_P(
       std::erase(name, '-');
       return name;
     });
+
+// The second is asked for while the first is being prepared, and ordered in the moment in which the first is ready. Were
+// that thrown away, it would be made again in one piece, while nothing is drawn: with shaders that are refused by then.
+TEST(Reloading, WhatIsReadyIsShownBeforeTheNextIsBegun) {
+  const auto rig = running({.name = "reload-twice"});
+  const auto reloads = [&] { return rig->notifier.reloads; };
+  rig->hang_up();
+  rig->advance(Rig::kTick);
+  ASSERT_EQ(reloads(), 1);
+  rig->hang_up();
+  const auto live_until = [&](const std::function<bool()>& condition) {
+    return rig->advance_until(
+        [&] {
+          EXPECT_EQ(rig->shown(), Shown::live);
+          return condition();
+        },
+        20s);
+  };
+  ASSERT_TRUE(live_until([&] { return reloads() == 2; }));
+  gl_faults.shaders_with = kShaderOfTheLayer;
+  const auto adopted = live_until([&] { return !rig->status().reload->problems.empty(); });
+  gl_faults.shaders_with.clear();
+  ASSERT_TRUE(adopted);
+  EXPECT_THAT(rig->status().reload->problems.front(), HasSubstr("does not compile"));
+  EXPECT_EQ(rig->devices.display.opened, 1) << "the first was made again, and could not be";
+}
 
 TEST(Reloading, WithoutADisplayContentIsTriedUnseen) {
   const auto rig = running({.name = "reload-no-display"});
