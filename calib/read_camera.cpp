@@ -51,6 +51,9 @@ std::vector<double> read_curve(const ConfigTable& table, const char* key) {
 
 Response read_response(const ConfigTable& table) {
   const auto kind = table.choice("response", {"srgb", "linear", "table"});
+  if (table.if_text("response") != kind)  // whether there is a table depends on it: the one problem
+    for (const char* key : {"response_table", "response_table_red", "response_table_green", "response_table_blue"})
+      table.ignore(key);
   if (kind == "linear") return Response::linear();
   if (kind == "srgb") return Response::srgb();
   if (table.has("response_table")) {
@@ -210,7 +213,10 @@ Camera read_camera(const ConfigTable& table, std::string name) {
   const auto gains = table.numbers("white_balance", 3, {0.01, 100.0}, std::vector{1.0, 1.0, 1.0});
   camera.white_balance = {gains[0], gains[1], gains[2]};
   camera.sensitivity = read_sensitivity(table, camera.colour_space);
-  if (sized) camera.mask = read_mask(table, camera.width, camera.height);
+  if (sized)
+    camera.mask = read_mask(table, camera.width, camera.height);
+  else
+    table.ignore("mask");
   camera.calibrated_utc = table.optional_utc("calibrated_utc");
   // Notes of kasumi calibrate; informative only.
   table.text("serial", std::string());

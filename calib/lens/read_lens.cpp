@@ -98,6 +98,10 @@ LensDescription read_pinhole(const ConfigTable& table) {
 
 LensDescription read_lens_description(const ConfigTable& table) {
   const auto model = table.choice("model", {"equidistant", "equisolid", "opencv_fisheye", "scaramuzza", "pinhole"});
+  if (table.if_text("model") != model) {  // which other keys there are depends on it: the one problem
+    for (const auto& other : table.keys()) table.ignore(other);
+    return {};
+  }
   if (model == "pinhole") return read_pinhole(table);
   LensDescription fisheye = model == "opencv_fisheye" ? read_opencv_fisheye(table)
                             : model == "scaramuzza"

@@ -51,8 +51,18 @@ CameraRequest read_request(const ConfigTable& table, const Camera& camera) {
   return request;
 }
 
+// A word that decides which other keys the table has. Empty: it is missing or none of them, and the one problem.
+std::string read_kind(const ConfigTable& table, std::string_view key, std::initializer_list<std::string_view> words,
+                      std::optional<std::string> usual = std::nullopt) {
+  auto kind = table.choice(key, words, usual);
+  if (table.has(key) ? table.if_text(key) == kind : usual.has_value()) return kind;
+  for (const auto& other : table.keys()) table.ignore(other);
+  return {};
+}
+
 CameraOptions read_camera_options(const ConfigTable& table, const Camera& camera) {
-  const auto source = table.choice("source", {"v4l2", "libcamera", "replay"});
+  const auto source = read_kind(table, "source", {"v4l2", "libcamera", "replay"});
+  if (source.empty()) return ReplayCamera{};
   if (source == "replay") {
     ReplayCamera replay{table.folder() / table.text("fixture")};
     std::error_code error;
@@ -91,7 +101,8 @@ void read_mode(const ConfigTable& table, KmsDisplayOptions& options) {
 
 DisplayOptions read_display(const ConfigTable& table) {
   constexpr Range kSize_px{16, 16384};
-  const auto kind = table.choice("kind", {"kms", "window", "headless"}, std::string("kms"));
+  const auto kind = read_kind(table, "kind", {"kms", "window", "headless"}, std::string("kms"));
+  if (kind.empty()) return HeadlessDisplayOptions{};
   if (kind == "window") {
     WindowDisplayOptions window;
     window.width = table.integer("width", kSize_px, window.width);

@@ -27,11 +27,11 @@ struct MailWords : FigureWords {
                    "Messaggio di prova", "Mensaje de prueba", "試験メール"};
   Translated trial_says{
       "This mail was asked for by kasumi-report try. Mails about this kiosk arrive here.",
-      "Diese Mail wurde mit kasumi-report try verlangt. Mails über diesen Kiosk kommen hier an.",
+      "Diese Mail wurde mit kasumi-report try verlangt. Mails über diese Station kommen hier an.",
       "Ce message a été demandé par kasumi-report try. Les messages sur cette borne arrivent ici.",
-      "Questo messaggio è stato chiesto con kasumi-report try. I messaggi su questo chiosco arrivano qui.",
-      "Este mensaje se pidió con kasumi-report try. Los mensajes sobre este quiosco llegan aquí.",
-      "このメールは kasumi-report try によるものです。このキオスクに関するメールはここに届きます。"};
+      "Questo messaggio è stato chiesto con kasumi-report try. I messaggi su questa postazione arrivano qui.",
+      "Este mensaje se pidió con kasumi-report try. Los mensajes sobre este puesto llegan aquí.",
+      "このメールは kasumi-report try によるものです。この装置に関するメールはここに届きます。"};
   Translated next{"The next mail comes in {} minutes at the earliest; what happens until then will be in it.",
                   "Die nächste Mail kommt frühestens in {} Minuten; was bis dahin geschieht, steht dann darin.",
                   "Le prochain message arrivera au plus tôt dans {} minutes\u202F; il dira ce qui se sera passé.",

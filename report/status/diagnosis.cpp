@@ -74,27 +74,53 @@ void add_drift(const ToldStatus& told, std::vector<Symptom>& symptoms) {
   if (!soiled.empty()) symptoms.push_back({Ill::camera_soiled, joined(soiled)});
 }
 
+// Pictures come, and none can be shown: neither a cable nor a wait would help.
+bool comes_in_another_size(const ToldCamera& camera) {
+  return !camera.up && camera.cause.find(" instead of ") != std::string::npos;
+}
+
+// The picture's trouble is that none has come which could be drawn, and why is told by itself.
+bool is_explained_by_drawing(Trouble trouble, const ToldStatus& told) {
+  const bool none_came = trouble == Trouble::starting || trouble == Trouble::scene_lost;
+  return none_came &&
+         (comes_in_another_size(told.scene_camera) || (told.scene_camera.up && !told.draw_refused.empty()));
+}
+
+// A camera whose loop hangs is told to be gone, and that it hangs.
+std::vector<std::string> other_hung_loops(const ToldStatus& told) {
+  auto loops = told.hung_loops;
+  std::erase_if(loops, [&](const std::string& loop) {
+    return (loop == "scene" && !told.scene_camera.up) || (loop == "sky" && !told.sky_camera.up);
+  });
+  return loops;
+}
+
 std::vector<Symptom> symptoms_of(const ToldStatus& told) {
   std::vector<Symptom> symptoms;
   const auto add_list = [&](Ill ill, const std::vector<std::string>& lines) {
     const bool known = std::ranges::any_of(symptoms, [&](const Symptom& other) { return other.ill == ill; });
     if (!lines.empty() && !known) symptoms.push_back(first_of(ill, lines));
   };
-  add_list(Ill::content_refused, told.refused);
+  // Of a content that is refused again by a reload the newest words.
+  const bool refused_again = !told.refused.empty() && !told.reload_problems.empty();
+  add_list(Ill::content_refused, refused_again ? told.reload_problems : told.refused);
   const auto add = [&](bool is_so, Ill ill, std::string detail) {
     const bool known = std::ranges::any_of(symptoms, [&](const Symptom& other) { return other.ill == ill; });
     if (is_so && !known) symptoms.push_back({ill, std::move(detail)});
   };
-  if (told.trouble)
+  if (told.trouble && !is_explained_by_drawing(*told.trouble, told))
     if (const auto ill = ill_of(*told.trouble)) add(true, *ill, detail_of(*ill, told));
   const bool by_night = told.shown == Shown::dark;
   add(told.safe_mode, Ill::safe_mode, joined(told.start_why));
   // One that is not there yet is told as `starting`.
   const bool alone = leaves_cameras_alone(told);
-  add(!told.scene_camera.up && !alone && told.trouble != Trouble::starting, Ill::scene_lost, told.scene_camera.cause);
   add(!told.draw_refused.empty(), Ill::cannot_draw, told.draw_refused);
+  add(comes_in_another_size(told.scene_camera) && !alone, Ill::cannot_draw, told.scene_camera.cause);
+  add(!told.scene_camera.up && !alone && told.trouble != Trouble::starting && !comes_in_another_size(told.scene_camera),
+      Ill::scene_lost, told.scene_camera.cause);
   add(!told.display_up && !by_night && !told.safe_mode, Ill::no_display, told.display_cause);
-  add(!told.hung_loops.empty(), Ill::hung, joined(told.hung_loops));
+  const auto hung = other_hung_loops(told);
+  add(!hung.empty(), Ill::hung, joined(hung));
   add(!told.sky_camera.up && !alone && told.trouble != Trouble::starting, Ill::sky_lost, told.sky_camera.cause);
   add(told.clock_trusted == false && !alone, Ill::clock_unset, {});
   add(told.pictures_share.value_or(1.0) < 1.0 || told.throttled, Ill::hot,
@@ -102,9 +128,9 @@ std::vector<Symptom> symptoms_of(const ToldStatus& told) {
   // Without the sun's place, or the sky camera, nobody can see the air: they are what is wrong.
   add(told.air_supposed.value_or(false) && told.sky_camera.up && told.clock_trusted != false, Ill::air_supposed,
       told.sky_reason);
-  add(told.observers_disagree, Ill::observers_disagree, told.visibility_words);
+  add(told.observers_disagree && told.clock_trusted != false, Ill::observers_disagree, told.visibility_words);
   add_drift(told, symptoms);
-  add_list(Ill::reload_refused, told.reload_problems);
+  if (!refused_again) add_list(Ill::reload_refused, told.reload_problems);
   std::ranges::stable_sort(symptoms, [](const Symptom& a, const Symptom& b) {
     return hides_the_picture(a.ill) && !hides_the_picture(b.ill);
   });

@@ -55,11 +55,11 @@ Translated translated_sight(Sight sight) {
               "Cerrado: la pantalla está apagada a propósito.",  "閉館中です。画面は意図して消しています。"};
     case Sight::stopped:
       return {"Visitors see nothing: the kiosk was stopped.",
-              "Besucher sehen nichts: Der Kiosk wurde angehalten.",
+              "Besucher sehen nichts: Die Station wurde angehalten.",
               "Les visiteurs ne voient rien\u202F: la borne a été arrêtée.",
-              "I visitatori non vedono nulla: il chiosco è stato fermato.",
-              "Los visitantes no ven nada: el quiosco se ha detenido.",
-              "来場者には何も見えていません。キオスクは停止されました。"};
+              "I visitatori non vedono nulla: la postazione è stata fermata.",
+              "Los visitantes no ven nada: el puesto se ha detenido.",
+              "装置は人の操作で停止されており、来場者には何も見えていません。"};
     case Sight::nothing:
       return {"Visitors see nothing: there is no screen.",
               "Besucher sehen nichts: Es ist kein Bildschirm da.",
@@ -259,13 +259,14 @@ TranslatedSymptom translated_symptom(Ill ill) {
     case Ill::hung:
       return {{"A part of the program hangs.", "Ein Teil des Programms hängt.", "Une partie du programme est bloquée.",
                "Una parte del programma è bloccata.", "Una parte del programa está colgada.",
-               "プログラムの一部が停止しています。"},
-              {"A driver or disk does not answer. After 60 s it is restarted by itself.",
-               "Ein Treiber oder eine Platte antwortet nicht. Nach 60 s wird von selbst neu gestartet.",
-               "Un pilote ou un disque ne répond pas. Après 60 s, il redémarre de lui-même.",
-               "Un driver o un disco non risponde. Dopo 60 s si riavvia da solo.",
-               "Un controlador o disco no responde. A los 60 s se reinicia por sí solo.",
-               "ドライバーまたはディスクが応答していません。60秒後に自動で再起動します。"}};
+               "プログラムの一部が応答していません。"},
+              {"A driver or the disk does not answer. If this stays: sudo systemctl restart kasumi.",
+               "Ein Treiber oder die Platte antwortet nicht. Bleibt es so: sudo systemctl restart kasumi.",
+               "Un pilote ou le disque ne répond pas. Si cela dure\u202F: sudo systemctl restart kasumi.",
+               "Un driver o il disco non risponde. Se continua: sudo systemctl restart kasumi.",
+               "Un controlador o el disco no responde. Si continúa: sudo systemctl restart kasumi.",
+               "ドライバーまたはディスクが応答していません。続く場合は sudo systemctl restart kasumi "
+               "を実行してください。"}};
     case Ill::content_refused:
       return {{"The configured content is refused; shown is what worked last.",
                "Der eingestellte Inhalt wird abgelehnt; gezeigt wird, was zuletzt ging.",

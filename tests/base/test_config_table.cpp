@@ -3,6 +3,7 @@
 
 #include <fmt/ranges.h>
 
+#include "base/outside/lines.hpp"
 #include "base/table/config_table.hpp"
 
 namespace kasumi {
@@ -68,6 +69,17 @@ TEST(Problems, WhatALineAnnouncesStaysWithIt) {
   EXPECT_EQ(problems.fault().message,
             "sky.sensitivity: expected one that can be read:\nb.csv: line 3\n"
             "scene.sensitivity: expected one that can be read:\nb.csv: line 3");
+}
+
+// In lists, which count: one refused file is one problem, not one and another.
+TEST(Problems, WhatALineAnnouncesIsOneProblemWithIt) {
+  EXPECT_THAT(
+      lines_of("a.toml: calibration = 'b.toml': expected a file that kasumi calibrate wrote:\nb.toml:1: not TOML\n"
+               "a.toml: nonsense: unknown key"),
+      testing::ElementsAre(
+          "a.toml: calibration = 'b.toml': expected a file that kasumi calibrate wrote: b.toml:1: not TOML",
+          "a.toml: nonsense: unknown key"));
+  EXPECT_THAT(lines_of(""), testing::IsEmpty());
 }
 
 TEST(ConfigTable, ValuesThatAreNotFiniteNumbersAreRefused) {

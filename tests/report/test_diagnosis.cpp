@@ -71,6 +71,46 @@ TEST(Diagnoses, WhatHidesThePictureComesFirst) {
   EXPECT_EQ(symptoms[0].detail, "unplugged");
 }
 
+// What a symptom explains is not told beside it: there is one thing to do.
+TEST(Diagnoses, OneCauseIsToldOnce) {
+  using testing::ElementsAre;
+  const auto still = [](Trouble trouble, const std::string& status = kGoodStatus) {
+    return changed(status, "\"live\", \"reason\": \"\"",
+                   fmt::format("\"still\", \"reason\": \"{}\"", name_of(trouble)));
+  };
+  const auto no_clock = changed(kGoodStatus, "\"clock_trusted\": true", "\"clock_trusted\": false");
+  EXPECT_THAT(ills_of(changed(no_clock, "\"supposed\": false", "\"supposed\": true")), ElementsAre(Ill::clock_unset))
+      << "no clear sky would help";
+  EXPECT_THAT(ills_of(changed(no_clock, "\"finding\": false", "\"finding\": true")), ElementsAre(Ill::clock_unset));
+  const auto refused = changed(kGoodStatus, "\"draw_refused\": null", "\"draw_refused\": \"mask\"");
+  EXPECT_THAT(ills_of(still(Trouble::starting, refused)), ElementsAre(Ill::cannot_draw)) << "pictures have come";
+
+  const auto hung = changed(changed(kLostStatus, "\"cause\": \"unplugged\"", "\"cause\": \"hung\""),
+                            "{\"up\": true, \"silent_s\": 0.1}", "{\"up\": false, \"silent_s\": 9}");
+  EXPECT_THAT(ills_of(hung), ElementsAre(Ill::scene_lost));
+  EXPECT_THAT(ills_of(changed(hung, "\"loops\": {", "\"loops\": {\"state\": {\"up\": false, \"silent_s\": 9}, ")),
+              ElementsAre(Ill::scene_lost, Ill::hung))
+      << "the disk is another matter";
+}
+
+TEST(Diagnoses, PicturesOfAnotherSizeAreNoMatterOfACable) {
+  const auto status = changed(kLostStatus, "unplugged", "1280x720 instead of 960x540");
+  const auto symptoms = diagnose(heard_of(status)).symptoms;
+  ASSERT_EQ(symptoms.size(), 1U);
+  EXPECT_EQ(symptoms[0].ill, Ill::cannot_draw);
+  EXPECT_EQ(symptoms[0].detail, "1280x720 instead of 960x540");
+  EXPECT_THAT(std::string(symptom_words(Ill::cannot_draw, Language::english).what_to_do), HasSubstr("picture size"));
+}
+
+TEST(Diagnoses, ContentThatAReloadRefusesAgainIsToldOnceAndAsItIsNow) {
+  const auto status = changed(changed(kGoodStatus, "\"refused\": []", "\"refused\": [\"as it was\", \"more\"]"),
+                              "\"problems\": []", "\"problems\": [\"as it is\"]");
+  const auto symptoms = diagnose(heard_of(status)).symptoms;
+  ASSERT_EQ(symptoms.size(), 1U);
+  EXPECT_EQ(symptoms[0].ill, Ill::content_refused);
+  EXPECT_EQ(detail_text(symptoms[0], Language::japanese), "as it is");
+}
+
 TEST(Diagnoses, ClosedIsNoFault) {
   const auto status = changed(changed(kGoodStatus, "\"live\", \"reason\": \"\"", "\"dark\", \"reason\": \"closed\""),
                               "\"display\": {\"up\": true", "\"display\": {\"up\": false");

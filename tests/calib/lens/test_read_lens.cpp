@@ -75,5 +75,12 @@ TEST(ReadLens, BrokenKeysAreAllNamedAndALensIsStillReturned) {
   }
 }
 
+TEST(ReadLens, OfAModelThatDoesNotExistNothingElseIsAsked) {
+  const auto problems =
+      read("model = 'pinhola'\nfocal_px = [9, 9]\ncentre_px = [1, 2]\ndistortion = [0, 0, 0, 0]").problems;
+  EXPECT_THAT(problems, HasSubstr("model = 'pinhola'"));
+  EXPECT_EQ(problems.find('\n'), std::string::npos) << problems;
+}
+
 }  // namespace
 }  // namespace kasumi

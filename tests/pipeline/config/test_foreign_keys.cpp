@@ -55,6 +55,29 @@ TEST(ForeignKeys, ATypingErrorIsStillReported) {
   }
 }
 
+// Which other keys a camera or a display has depends on its kind, and a mask's size on the camera's.
+TEST(ForeignKeys, OneWrongWordIsOneProblem) {
+  const auto with = [](std::string text, const std::string& what, const std::string& by) {
+    const auto at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    return ConfigTable::parse(text.replace(at, what.size(), by), "a.toml").value();
+  };
+  const auto problems = [](const ConfigTable& root) {
+    read_run_config(root);
+    return root.finish().error().message;
+  };
+  EXPECT_THAT(problems(with(kiosk(), "kind = \"headless\"", "kind = \"head\"\nwidth = 9\nheight = 9")),
+              testing::AllOf(HasSubstr("display.kind = 'head'"), testing::Not(HasSubstr("display.width")),
+                             testing::Not(HasSubstr("display.height"))));
+  EXPECT_THAT(problems(with(kiosk("camera = {source = \"v4l3\", device = \"/dev/video1\", gain = 2}\n"), "", "")),
+              testing::AllOf(HasSubstr("scene.camera.source = 'v4l3'"), testing::Not(HasSubstr("scene.camera.device")),
+                             testing::Not(HasSubstr("scene.camera.gain"))));
+  EXPECT_THAT(problems(with(kiosk(), "camera = {source = \"v4l2\", device", "camera = {device")),
+              testing::AllOf(HasSubstr("sky.camera.source is missing"), testing::Not(HasSubstr("sky.camera.device"))));
+  EXPECT_THAT(problems(with(kiosk("mask = \"mask.png\"\n"), "[scene]\nwidth = 60", "[scene]\nwidth = \"60\"")),
+              testing::AllOf(HasSubstr("scene.width = '60'"), testing::Not(HasSubstr("scene.mask"))));
+}
+
 // Otherwise a key added to the configuration would become a typing error elsewhere.
 TEST(ForeignKeys, EveryKeyOfTheCompleteReadersIsKnown) {
   const auto complete = ConfigTable::parse(kiosk(), "a.toml").value();
