@@ -19,7 +19,7 @@ struct SceneConditions {
   // Blur of the object by the haze in front of it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
   // deviation in pixels. The fog of a valley is not counted.
   double haze_blur_px = 0.0;
-  LightFactors by_cards;    // on the model's light
+  LightFactors by_cards{};  // on the model's light
   double saturation = 1.0;  // of the scene camera (calib/colour/camera_saturation)
 };
 
