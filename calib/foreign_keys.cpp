@@ -11,7 +11,7 @@ namespace {
 constexpr std::array kRoot{"calibration", "format", "name",  "description", "licence", "provenance",
                            "start_utc",   "site",   "sky",   "scene",       "object",  "landmarks",
                            "display",     "still",  "words", "clock",       "opening", "check",
-                           "ladder",      "state",  "heat",  "snapshot",    "era"};
+                           "ladder",      "state",  "heat",  "snapshot",    "era",     "cards"};
 
 // Keys that the readers of site, camera and landmark contrast leave to others.
 const std::map<std::string_view, std::vector<std::string_view>>& shared_tables() {
