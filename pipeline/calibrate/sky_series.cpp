@@ -53,6 +53,14 @@ Camera unfitted(const SeriesPictures& series) {
                    camera_to_world(from_degrees(180.0), edge, Radians{0.0}));
 }
 
+// The lens's circle at the horizon. The picture's rim is round about the lens's axis; where sky ends is round about the
+// zenith, and tells the size alone.
+ImageCircle at_horizon(const FoundCircle& found) {
+  ImageCircle circle = found.circle;
+  if (found.horizon) circle.radius_px = found.horizon->radius_px;
+  return circle;
+}
+
 struct SeenSun {
   std::filesystem::path file;
   SunSight sight;
@@ -295,7 +303,7 @@ Result<int> calibrate_sky_series(const SkySeries& asked) {
   const auto series = read_series(asked.pictures, asked.times, asked.circle);
   if (!series) return fail(series.error());
   SkyCameraPrior prior;
-  prior.circle = series->circle.horizon.value_or(series->circle.circle);
+  prior.circle = at_horizon(series->circle);
   prior.level_sigma = from_degrees(asked.level_sigma_deg);
   Camera camera = unfitted(*series);
   SeenSuns suns;

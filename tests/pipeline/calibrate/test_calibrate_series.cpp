@@ -19,12 +19,14 @@ const SeriesDay kDay{.times = {"2026-05-04T21:30:00Z", "2026-05-04T22:30:00Z", "
                                "2026-05-05T01:30:00Z", "2026-05-05T03:00:00Z", "2026-05-05T05:00:00Z",
                                "2026-05-05T06:30:00Z", "2026-05-05T08:00:00Z"}};
 
+// The mirrored one sees below the horizon and is tilted: its horizon is round about the zenith, and not about its axis.
 StrangeCamera equisolid_camera(bool mirrored) {
   StrangeCamera camera;
+  const double edge_deg = mirrored ? 92.0 : 91.0, pitch_deg = mirrored ? 87.4 : 88.5;
   const double focal = 150.0;
   camera.lens = {IdealFisheyeModel{{243.0, 236.5}, focal, true}, from_degrees(95.0), mirrored};
-  camera.circle = {{243.0, 236.5}, 2.0 * focal * std::sin(0.5 * from_degrees(91.0).value)};
-  camera.to_world = camera_to_world(from_degrees(75.0), from_degrees(88.5), from_degrees(40.0));
+  camera.circle = {{243.0, 236.5}, 2.0 * focal * std::sin(0.5 * from_degrees(edge_deg).value)};
+  camera.to_world = camera_to_world(from_degrees(75.0), from_degrees(pitch_deg), from_degrees(40.0));
   camera.tone_exponent = 1.25;
   camera.rim_loss = 0.3;
   return camera;
