@@ -21,7 +21,8 @@ struct ImageQuality {
   bool jpeg_blocks = false;  // where the camera delivers JPEG, the object is rounded as its blocks are
 };
 
-// point_spread_px, sharpening, saturation, shared_chroma, jpeg_blocks and [.noise] of [scene]. Problems are recorded in the table.
+// point_spread_px, sharpening, saturation, shared_chroma, jpeg_blocks and [.noise] of [scene]. Problems are recorded in
+// the table.
 ImageQuality read_image_quality(const ConfigTable& scene);
 
 }  // namespace kasumi

@@ -40,7 +40,8 @@ class SceneAir {
   SceneConditions conditions(const SkyReport& report) const;
   // Haze, light and the model's horizon over the object's part of the picture. `box`: where the object appears.
   ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
-  // Measured light from infinity in the scene camera's linear light, and its saturation; a plain grey of 0.5 while no horizon is known.
+  // Measured light from infinity in the scene camera's linear light, and its saturation; a plain grey of 0.5 while no
+  // horizon is known.
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
 
   // With each frame. The horizon follows the camera's exposure; it is measured again, by whoever has the time, once per
