@@ -362,6 +362,7 @@ void RenderLoop::present() {
   snapshots_.told(clock_.now());
   status_.building_drawn = is_building_seen();
   status_.ground_known = screen_.stage().ground().known;
+  status_.cards = screen_.stage().cards();
   ++status_.pictures;
   shown_at_ = clock_.now();
   if (!frame) return;

@@ -136,6 +136,24 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   return json;
 }
 
+OrderedJson cards_json(const Status& status) {
+  const auto& cards = status.render.cards;
+  if (!cards) return nullptr;
+  const auto thousandths = [](const glm::dvec3& values) {
+    OrderedJson list = OrderedJson::array();
+    for (int c = 0; c < 3; ++c) list.push_back(std::round(1e3 * values[c]) / 1e3);
+    return list;
+  };
+  const LightFactors& factors = cards->factors;
+  return {{"in_view", cards->in_view},
+          {"read", cards->read},
+          {"age_s", cards->read_at ? OrderedJson(to_seconds(status.now - *cards->read_at)) : OrderedJson(nullptr)},
+          {"sun", thousandths(factors.sun)},
+          {"sun_sigma", thousandths(factors.sun_sigma)},
+          {"around", thousandths(factors.around)},
+          {"around_sigma", thousandths(factors.around_sigma)}};
+}
+
 OrderedJson passers_json(const std::optional<PassersStatus>& passers) {
   if (!passers) return nullptr;
   const bool learns = passers->state == PassersState::learning;
@@ -295,6 +313,7 @@ std::string status_json(const Status& status) {
   json["building_drawn"] = status.render.building_drawn;
   json["ground_light_known"] = nullptr;
   if (status.render.ground_known) json["ground_light_known"] = *status.render.ground_known;
+  json["cards"] = cards_json(status);
   const auto& refused = status.render.draw_refused;
   json["draw_refused"] = refused.empty() ? OrderedJson(nullptr) : OrderedJson(refused);
   json["people_in_front"] = passers_json(status.render.passers);

@@ -39,6 +39,7 @@ struct RenderStatus {
   DisplayStatus display;
   bool building_drawn = false;                   // in the picture shown last
   std::optional<double> ground_known;            // share of the ground whose sunlight is known; empty: not looked at
+  std::optional<CardsLook> cards;                // of known reflectance in view; empty: there are none
   std::uint64_t pictures = 0;                    // shown
   std::string draw_refused;                      // why the newest scene frames cannot be drawn; empty: they can
   std::uint64_t scene_frames = 0;                // of them, with a new frame from the scene camera

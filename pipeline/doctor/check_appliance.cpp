@@ -192,6 +192,35 @@ void check_live_air(const Json& status, Findings& findings) {
         "which is right? clean the sky camera's dome, look at the landmarks' boxes (kasumi replay --overlay)");
 }
 
+// The model of the light is right to some 14 %: what is said of it beyond that is a card that is not what it was taken for.
+void check_cards(const Json& status, Findings& findings) {
+  constexpr double kLeast = 0.7, kMost = 1.4;
+  const auto cards = part(status, "cards");
+  if (!cards.is_object()) return;
+  const int in_view = static_cast<int>(number(cards, "in_view"));
+  if (!cards.contains("age_s") || !cards["age_s"].is_number()) {
+    findings.warn("air.cards", fmt::format("none of {} read since the start", in_view),
+                  "is the horizon's sky in view, nothing burnt out? region_px of [[cards]] (docs/cameras.md)");
+    return;
+  }
+  std::string told;
+  bool far_off = false;
+  for (const auto& [key, name] : {std::pair("sun", "sun"), std::pair("around", "sky and ground")}) {
+    const auto factors = part(cards, key);
+    const bool three = factors.is_array() && factors.size() == 3 &&
+                       std::ranges::all_of(factors, [](const Json& factor) { return factor.is_number(); });
+    if (!three) return;
+    told += fmt::format("{}{} {:.2f} {:.2f} {:.2f}", told.empty() ? "" : ", ", name, factors[0].get<double>(),
+                        factors[1].get<double>(), factors[2].get<double>());
+    for (const auto& factor : factors) far_off |= factor.get<double>() < kLeast || factor.get<double>() > kMost;
+  }
+  told += fmt::format(" of the model's light; {:.0f} of {} cards read", number(cards, "read"), in_view);
+  if (far_off)
+    findings.warn("air.cards", told, "a card's reflectance or faces_deg, a shadow on it, something before it");
+  else
+    findings.good("air.cards", told);
+}
+
 }  // namespace
 
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
@@ -236,6 +265,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
     finding.values = {{"median_ms", number(latency, "median")}, {"p95_ms", number(latency, "p95")}};
   }
   check_live_air(is, findings);
+  check_cards(is, findings);
   if (const auto check = part(is, "check"); check.is_object()) {
     const auto found = fmt::format("{} ({})", text(check, "summary"), text(check, "utc"));
     const auto well = part(check, "well");

@@ -171,14 +171,13 @@ std::future<HorizonAnswer> Compositor::measure_horizon(const FrameMetadata& meta
                                                        const SkyReport& sky, const SceneConditions& now) {
   if (!air_.horizon_is_due(metadata)) return {};
   if (!clock_ || !air_.horizon().usable())
-    return std::async(std::launch::async, [&metadata, &picture, &now, sky = sky.picture, observer = air_.observer()] {
-      const auto* above = sky ? &sky->view() : nullptr;
-      HorizonAnswer answer{observer, metadata, observer->observe(picture.view(), above, &now), nullptr, {}, {}};
-      answer.cards = observer->read_cards(picture.view(), answer.seen, now);
-      return answer;
+    return std::async(std::launch::async, [&metadata, &picture, &now, sky = sky.picture, observer = air_.observer(),
+                                           box = renderer_.object_box()] {
+      return answer(observer, metadata, picture.view(), sky ? &sky->view() : nullptr, now, box);
     });
   air_.asked(metadata);
-  question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()), sky.picture, now, {}};
+  question_ = HorizonQuestion{air_.observer(), metadata, CopiedPicture(picture.view()),
+                              sky.picture,     now,      renderer_.object_box()};
   return {};
 }
 

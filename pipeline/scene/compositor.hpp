@@ -88,7 +88,8 @@ class Compositor {
   void adopt(std::optional<Passers> passers) { passers_ = std::move(passers); }
 
   const SceneAir& air() const { return air_; }
-  const GroundLook& ground() const { return ground_look_; }  // as seen last
+  const GroundLook& ground() const { return ground_look_; }        // as seen last
+  std::optional<CardsLook> cards() const { return air_.cards(); }  // empty: there are none
   std::uint64_t layers_drawn() const { return layers_drawn_; }
   // How frames reached the GPU: copied, or read in the driver's buffers. Such a buffer stays in use until the next
   // frame is drawn and the display has replaced the picture (Display::show() holds it), or until draw_again(). The

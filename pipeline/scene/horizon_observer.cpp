@@ -1,6 +1,7 @@
 #include "pipeline/scene/horizon_observer.hpp"
 
 #include "calib/colour/colorimetry.hpp"
+#include "pipeline/scene/light_behind.hpp"
 
 namespace kasumi {
 
@@ -34,15 +35,20 @@ std::vector<CardReading> HorizonObserver::read_cards(const PictureView& scene, c
   return readings;
 }
 
+HorizonAnswer answer(std::shared_ptr<const HorizonObserver> observer, const FrameMetadata& metadata,
+                     const PictureView& picture, const PictureView* sky_picture, const SceneConditions& conditions,
+                     const PixelBox& object_box) {
+  HorizonAnswer made{std::move(observer), metadata, {}};
+  made.seen = made.observer->observe(picture, sky_picture, &conditions);
+  made.cards = made.observer->read_cards(picture, made.seen, conditions);
+  made.behind = light_behind(made.observer->scene(), picture, object_box, made.seen);
+  return made;
+}
+
 HorizonAnswer answer(const HorizonQuestion& question) {
   const auto* sky = question.sky_picture ? &question.sky_picture->view() : nullptr;
-  HorizonAnswer made{question.observer,
-                     question.metadata,
-                     question.observer->observe(question.picture.view(), sky, &question.conditions),
-                     nullptr,
-                     {},
-                     {}};
-  made.cards = question.observer->read_cards(question.picture.view(), made.seen, question.conditions);
+  HorizonAnswer made = answer(question.observer, question.metadata, question.picture.view(), sky, question.conditions,
+                              question.object_box);
   if (!question.ground) return made;
   GroundWatch& watch = *question.ground->watch;
   watch.see(question.picture.view(), question.metadata, *question.ground->appearance, question.ground->measured);

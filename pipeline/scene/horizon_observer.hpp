@@ -13,6 +13,7 @@
 #include "estimator/horizon/horizon.hpp"
 #include "estimator/light/card_light.hpp"
 #include "estimator/sky/site_sky.hpp"
+#include "gles/scene.hpp"
 #include "pipeline/scene/ground_watch.hpp"
 #include "pipeline/scene/scene_conditions.hpp"
 
@@ -56,16 +57,22 @@ struct HorizonQuestion {
   CopiedPicture picture;
   std::shared_ptr<const DecodedPicture> sky_picture;  // may be null
   SceneConditions conditions;
-  std::optional<GroundQuestion> ground;  // of the same picture
+  PixelBox object_box{};                   // where the object appears; empty: not yet
+  std::optional<GroundQuestion> ground{};  // of the same picture
 };
 struct HorizonAnswer {
   std::shared_ptr<const HorizonObserver> observer;  // that was asked
   FrameMetadata metadata;                           // of the picture
   HorizonLight seen;
+  std::vector<CardReading> cards{};
+  std::optional<AirlightGrid> behind{};        // light_behind()
   std::shared_ptr<const GroundWatch> watch{};  // that was asked; null: none
   GroundLook ground{};
-  std::vector<CardReading> cards{};
 };
 HorizonAnswer answer(const HorizonQuestion& question);
+// The same of a picture that stays where it is, the ground left out. `sky_picture` may be null.
+HorizonAnswer answer(std::shared_ptr<const HorizonObserver> observer, const FrameMetadata& metadata,
+                     const PictureView& picture, const PictureView* sky_picture, const SceneConditions& conditions,
+                     const PixelBox& object_box);
 
 }  // namespace kasumi

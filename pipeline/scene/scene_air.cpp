@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
@@ -10,7 +11,9 @@
 #include "calib/colour/camera_saturation.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/light/finite_path.hpp"
+#include "gles/light/airlight_grid.hpp"
 #include "pipeline/scene/for_gles.hpp"
+#include "pipeline/scene/light_behind.hpp"
 
 namespace kasumi {
 
@@ -20,6 +23,8 @@ namespace {
 // a long outage has no weight.
 constexpr double kHorizonMemory_s = 2.8;
 constexpr double kCardsMemory_s = 180.0;  // somebody leans on the wall; light is reckoned from clouds a moment too late
+constexpr double kCardsForgotten_s = 1800.0;  // unread, what they said of other light leads astray
+constexpr double kBehindMemory_s = 60.0;      // somebody walks through the fog before the camera
 
 // Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kMinHazeChange = 0.005;
@@ -32,6 +37,11 @@ constexpr double kMinSkyChange = 0.03;  // of the sun's share, of a quarter of t
 std::optional<double> exposure_of(const FrameMetadata& metadata) {
   if (!metadata.exposure_s || *metadata.exposure_s <= 0) return std::nullopt;
   return *metadata.exposure_s * metadata.gain.value_or(1.0);
+}
+
+// Of what a frame shows against what was believed at `last`, which fades with a time constant.
+double weight_after(const std::optional<Instant>& last, const FrameMetadata& metadata, double memory_s) {
+  return last ? 1.0 - std::exp(-std::abs(to_seconds(metadata.captured_at - *last)) / memory_s) : 1.0;
 }
 
 void scale(HorizonLight& horizon, double factor) {
@@ -136,7 +146,9 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
       to_object_(path_to(installation)),
       to_object_m_(std::hypot(installation.object.placement.east_m, installation.object.placement.north_m)),
       options_(options),
-      measure_(spectral_measure(installation.scene)) {}
+      measure_(spectral_measure(installation.scene)) {
+  cards_.in_view = installation.cards.size();
+}
 
 AirState SceneAir::air_under(const SkyReport& report) const {
   if (options_.turbidity) return air_of(*options_.turbidity, given_.to_be_found());
@@ -169,7 +181,7 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   if (report.sun.source != SunSource::none) conditions.sun = report.sun.direction;
   conditions.past_hills = skyline_.sunlight(conditions.sun);
   conditions.measured = report.measured;
-  conditions.by_cards = by_cards_;
+  conditions.by_cards = cards_.factors;
   conditions.saturation = saturation_.value_or(report.scene_saturation.value_or(1.0));
   conditions.haze_blur_px = haze_blur_px(conditions.air);
   return conditions;
@@ -217,22 +229,39 @@ void SceneAir::adopt(const HorizonAnswer& answer) {
   if (then && exposure_) scale(seen, *exposure_ / *then);  // the camera has moved on
   adopt(std::move(seen), answer.metadata);
   adopt(answer.cards, answer.metadata);
+  adopt(answer.behind, answer.metadata);
 }
 
 void SceneAir::adopt(const std::vector<CardReading>& cards, const FrameMetadata& metadata) {
-  if (cards.empty()) return;
-  const double since_s = cards_seen_at_ ? std::abs(to_seconds(metadata.captured_at - *cards_seen_at_)) : 0.0;
-  const double weight = cards_seen_at_ ? 1.0 - std::exp(-since_s / kCardsMemory_s) : 1.0;
-  cards_seen_at_ = metadata.captured_at;
-  const LightFactors now = factors_by_cards(cards);
-  by_cards_ = {glm::mix(by_cards_.sun, now.sun, weight), glm::mix(by_cards_.around, now.around, weight), now.sun_sigma,
-               now.around_sigma};
+  cards_.read = cards.size();
+  if (cards.empty() && !cards_followed_at_) return;
+  const LightFactors now = factors_by_cards(cards);  // of none: the model's own
+  const double weight = weight_after(cards_followed_at_, metadata, cards.empty() ? kCardsForgotten_s : kCardsMemory_s);
+  cards_followed_at_ = metadata.captured_at;
+  if (!cards.empty()) cards_.read_at = metadata.captured_at;
+  LightFactors& factors = cards_.factors;
+  factors = {glm::mix(factors.sun, now.sun, weight), glm::mix(factors.around, now.around, weight), now.sun_sigma,
+             now.around_sigma};
+}
+
+std::optional<CardsLook> SceneAir::cards() const {
+  return cards_.in_view == 0 ? std::nullopt : std::optional(cards_);
+}
+
+void SceneAir::adopt(const std::optional<AirlightGrid>& behind, const FrameMetadata& metadata) {
+  if (!behind) return;
+  const bool same = behind_ && behind_->first_px == behind->first_px && behind_->last_px == behind->last_px;
+  const double weight = same ? weight_after(behind_seen_at_, metadata, kBehindMemory_s) : 1.0;
+  behind_seen_at_ = metadata.captured_at;
+  if (!same) behind_ = behind;
+  for (std::size_t i = 0; i < behind->light.size(); ++i)
+    behind_->light[i] = glm::mix(behind_->light[i], behind->light[i], weight);
 }
 
 void SceneAir::adopt(HorizonLight seen, const FrameMetadata& metadata) {
-  const double since_s = !horizon_seen_at_ ? 0.0 : std::abs(to_seconds(metadata.captured_at - *horizon_seen_at_));
+  const double weight = weight_after(horizon_seen_at_, metadata, kHorizonMemory_s);
   horizon_seen_at_ = metadata.captured_at;
-  horizon_ = blend(horizon_, seen, horizon_.usable() ? 1.0 - std::exp(-since_s / kHorizonMemory_s) : 1.0);
+  horizon_ = blend(horizon_, seen, horizon_.usable() ? weight : 1.0);
 }
 
 std::function<glm::dvec3(const Direction&)> SceneAir::air_before_object(const SceneConditions& conditions) const {
@@ -245,6 +274,12 @@ std::function<glm::dvec3(const Direction&)> SceneAir::air_before_object(const Sc
   return [air](const Direction& direction) { return air.factor(direction); };
 }
 
+glm::dvec3 SceneAir::most_before_object(const glm::dvec2& pixel, const HorizonLight& horizon,
+                                        const Direction& direction, const glm::dvec3& left) const {
+  if (!behind_) return glm::dvec3{std::numeric_limits<double>::infinity()};
+  return most_airlight(airlight_at(*behind_, pixel) * column_at(horizon, azimuth_angle(direction)).light, left);
+}
+
 AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBox& box) const {
   const auto before_object = air_before_object(conditions);
   if (!horizon_.usable())
@@ -252,12 +287,16 @@ AirlightGrid SceneAir::measured(const SceneConditions& conditions, const PixelBo
       return glm::dvec3{0.5} * before_object(direction);
     });
   const bool saturates = conditions.saturation != 1.0;
-  const Airlight airlight(saturates ? unsaturated(horizon_, scene().white_balance, conditions.saturation) : horizon_,
-                          SiteSky(sky_model_, conditions.air, conditions.sun, altitude_m_), scene().light_to_xyz(),
-                          options_.zeta);
+  const HorizonLight beyond =
+      saturates ? unsaturated(horizon_, scene().white_balance, conditions.saturation) : horizon_;
+  const Airlight airlight(beyond, SiteSky(sky_model_, conditions.air, conditions.sun, altitude_m_),
+                          scene().light_to_xyz(), options_.zeta);
+  const glm::dvec3 left = attenuation(haze(conditions.air), to_object_);
   auto grid = airlight_grid(scene(), box, [&](const glm::dvec2& pixel, const Direction& direction) {
+    const glm::dvec3 light = glm::min(airlight.from(direction) * before_object(direction),
+                                      most_before_object(pixel, beyond, direction, left));
     // Back into the camera's own linear light, in which its pixels are compared and blended.
-    return airlight.from(direction) * before_object(direction) * scene().white_balance * scene().vignetting.at(pixel);
+    return light * scene().white_balance * scene().vignetting.at(pixel);
   });
   grid.saturation = conditions.saturation;
   return grid;

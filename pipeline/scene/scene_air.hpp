@@ -30,6 +30,14 @@ struct SceneAirOptions {
   Duration horizon_interval = std::chrono::seconds(1);  // between measurements of the horizon
 };
 
+// What the cards in view say.
+struct CardsLook {
+  LightFactors factors;            // on the model's light, as it is drawn
+  std::size_t in_view = 0;         // so many there are
+  std::size_t read = 0;            // so many could be read in the last picture that was looked at
+  std::optional<Instant> read_at;  // when one was last; of the pictures' clock
+};
+
 // Whether a layer drawn under the one looks the same under the other.
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn);
 
@@ -52,7 +60,7 @@ class SceneAir {
   void adopt(const HorizonAnswer& answer);  // one to another observer is left
   const std::shared_ptr<const HorizonObserver>& observer() const { return observer_; }
   const HorizonLight& horizon() const { return horizon_; }
-  const LightFactors& by_cards() const { return by_cards_; }
+  std::optional<CardsLook> cards() const;  // empty: there are none
 
  private:
   AirState air_under(const SkyReport& report) const;
@@ -63,6 +71,9 @@ class SceneAir {
   std::function<glm::dvec3(const Direction&)> air_before_object(const SceneConditions& conditions) const;
   void adopt(HorizonLight seen, const FrameMetadata& metadata);
   void adopt(const std::vector<CardReading>& cards, const FrameMetadata& metadata);
+  void adopt(const std::optional<AirlightGrid>& behind, const FrameMetadata& metadata);
+  glm::dvec3 most_before_object(const glm::dvec2& pixel, const HorizonLight& horizon, const Direction& direction,
+                                const glm::dvec3& left) const;
   const Camera& scene() const { return observer_->scene(); }
 
   std::shared_ptr<const HorizonObserver> observer_;
@@ -87,8 +98,10 @@ class SceneAir {
   };
   mutable std::optional<Nodes> nodes_;
   // By cards of known reflectance, over minutes; without any the model's own.
-  LightFactors by_cards_;
-  std::optional<Instant> cards_seen_at_;
+  CardsLook cards_;
+  std::optional<Instant> cards_followed_at_;
+  std::optional<AirlightGrid> behind_;  // light_behind(), over a minute; empty: not seen
+  std::optional<Instant> behind_seen_at_;
   HorizonLight horizon_;
   std::optional<Instant> horizon_seen_at_, horizon_asked_at_;
   std::optional<double> exposure_;  // of the last frame: seconds times gain

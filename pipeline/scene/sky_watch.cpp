@@ -1,5 +1,6 @@
 #include "pipeline/scene/sky_watch.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimator/sky/sun.hpp"
@@ -37,6 +38,12 @@ AirTracker tracker_of(const Installation& installation) {
 }
 
 }  // namespace
+
+double SkyWatch::Saturation::at(Instant when) const {
+  constexpr double kFollowed_s = 300.0;
+  const double since_s = std::max(0.0, to_seconds(when - learnt_at));
+  return learnt + (before - learnt) * std::exp(-since_s / kFollowed_s);
+}
 
 SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
     : site_(installation.site),
@@ -93,7 +100,7 @@ FoundAerosol SkyWatch::of_site(FoundAerosol found) const {
 }
 
 void SkyWatch::add_air(SkyReport& report, Instant when) const {
-  report.scene_saturation = scene_saturation_;
+  if (scene_saturation_) report.scene_saturation = scene_saturation_->at(when);
   report.tracked = report.by_sky = tracker_.at(when);
   report.state = air_ ? std::optional(air_->at(when)) : std::nullopt;
   report.air.reset();
@@ -115,7 +122,12 @@ void SkyWatch::add_air(SkyReport& report, Instant when) const {
 }
 
 void SkyWatch::observe(const SceneAirReading& scene) {
-  if (scene.saturation) scene_saturation_ = scene.saturation;
+  if (scene.saturation) {
+    const double unlearnt = scene_seen_ ? 1.0 : *scene.saturation;
+    scene_saturation_ = {scene_saturation_ ? scene_saturation_->at(scene.when) : unlearnt, *scene.saturation,
+                         scene.when};
+  }
+  scene_seen_ = true;
   if (!air_) return;
   if (scene.low_sky) air_->observe(ColumnReading{AirObserver::horizon, of_site(scene.low_sky->found)}, scene.when);
   if (scene.path) air_->observe(*scene.path, scene.when);

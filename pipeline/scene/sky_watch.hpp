@@ -82,7 +82,14 @@ class SkyWatch {
   SkyObserver observer_;
   TurbidityTracker tracker_;       // of the sky camera's T
   std::optional<AirTracker> air_;  // of all observers; empty: T alone is followed
-  std::optional<double> scene_saturation_;
+  // Of the scene camera. What is learnt while visitors look comes in over minutes; what was known at a start, at once.
+  struct Saturation {
+    double before = 1.0, learnt = 1.0;
+    Instant learnt_at{};
+    double at(Instant when) const;
+  };
+  std::optional<Saturation> scene_saturation_;
+  bool scene_seen_ = false;
   TurbidityEstimate last_estimate_;
   std::shared_ptr<const MeasuredSky> last_measured_;  // of the same frame
   Instant last_observed_{};

@@ -48,6 +48,7 @@ class Stage {
   std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
   std::optional<LayerQuestion> take_layer_question() { return compositor_.take_layer_question(); }
   const GroundLook& ground() const { return compositor_.ground(); }
+  std::optional<CardsLook> cards() const { return compositor_.cards(); }
   void adopt(const HorizonAnswer& answer) { compositor_.adopt(answer); }
   void adopt(LayerAnswer answer) { compositor_.adopt(std::move(answer)); }
 

@@ -442,6 +442,29 @@ TEST(DoctorAppliance, ReadsItsStatusTwiceAndComparesThem) {
   EXPECT_EQ(judged("service").grade, Grade::failure);
 }
 
+TEST(DoctorAppliance, SaysWhatTheCardsMakeOfTheLightAndWhenThatCannotBe) {
+  auto status = healthy_status();
+  const auto judged = [&]() -> std::optional<Finding> {
+    Findings findings;
+    check_appliance({}, {4711, status.dump(), 0.2}, {4711, status.dump(), 0.2}, 3.0, findings);
+    return has(findings, "air.cards") ? std::optional(found(findings, "air.cards")) : std::nullopt;
+  };
+  EXPECT_FALSE(judged());
+  status["cards"] = {{"in_view", 2}, {"read", 0}, {"age_s", nullptr}, {"sun", {1, 1, 1}}, {"around", {1, 1, 1}}};
+  ASSERT_TRUE(judged());
+  EXPECT_EQ(judged()->grade, Grade::warning);
+  EXPECT_THAT(judged()->found, HasSubstr("none of 2"));
+  status["cards"] = {
+      {"in_view", 2}, {"read", 2}, {"age_s", 3.0}, {"sun", {1.1, 1.05, 1.0}}, {"around", {0.9, 0.9, 0.9}}};
+  EXPECT_EQ(judged()->grade, Grade::good);
+  EXPECT_THAT(judged()->found, HasSubstr("sun 1.10 1.05 1.00, sky and ground 0.90 0.90 0.90"));
+  status["cards"]["around"][2] = 1.6;
+  EXPECT_EQ(judged()->grade, Grade::warning);
+  EXPECT_THAT(judged()->advice, HasSubstr("reflectance"));
+  status["cards"]["sun"] = {1, "x", nullptr};
+  EXPECT_FALSE(judged()) << "a damaged status is harmless";
+}
+
 TEST(DoctorAppliance, SaysWhoSeesTheAirAndWhenItIsSupposed) {
   auto status = healthy_status();
   const auto judged = [&](const char* check) {

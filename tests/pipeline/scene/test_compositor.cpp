@@ -438,7 +438,7 @@ TEST_P(LiveCompositors, LeaveWhatWasMeasuredForOthers) {
   ManualClock clock({});
   live.go_live(clock);
   const auto before = drawn(live, frame);
-  HorizonAnswer strange{other.air().observer(), frame.metadata, live.air().horizon(), nullptr, {}};
+  HorizonAnswer strange{other.air().observer(), frame.metadata, live.air().horizon()};
   ASSERT_FALSE(strange.seen.columns.empty());
   for (auto& column : strange.seen.columns) column.light *= 3.0;
   live.adopt(strange);

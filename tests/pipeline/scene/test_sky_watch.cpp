@@ -266,6 +266,24 @@ TEST(SceneCamerasSaturation, IsLearntUnlessItIsKnown) {
   EXPECT_EQ(drawn_by(report), 1.2);
 }
 
+// The twelfth hazy picture of a kiosk's first month must not change the building's colours before a visitor's eyes.
+TEST(SceneCamerasSaturation, ComesInOverMinutesWhereItIsLearntWhileOneLooks) {
+  SkyWatch watch(site());
+  SceneAirReading reading;
+  reading.when = kStart;
+  watch.observe(reading);  // nothing is known of it yet
+  EXPECT_FALSE(watch.with_air({}, kStart).scene_saturation);
+  reading.when = kStart + std::chrono::minutes(30);
+  reading.saturation = 1.6;
+  watch.observe(reading);
+  const auto after_s = [&](int seconds) {
+    return watch.with_air({}, reading.when + std::chrono::seconds(seconds)).scene_saturation.value_or(0.0);
+  };
+  EXPECT_EQ(after_s(0), 1.0);
+  EXPECT_LT(after_s(1), 1.005);
+  EXPECT_NEAR(after_s(3600), 1.6, 1e-3);
+}
+
 // The horizon is taken back by as much as what is drawn in it is saturated: endless air looks as the camera shows it.
 TEST(SceneCamerasSaturation, LeavesTheHorizonAsItIsSeen) {
   auto installation = site();
@@ -277,7 +295,7 @@ TEST(SceneCamerasSaturation, LeavesTheHorizonAsItIsSeen) {
   installation.scene_quality.saturation = 1.7;
   SceneAir air(installation, {});
   const auto seen_with = [&](SceneAir& by) {
-    HorizonAnswer answer{by.observer(), {}, {}, nullptr, {}};
+    HorizonAnswer answer{by.observer(), {}, {}};
     answer.seen.source = HorizonLight::Source::scene_camera;
     answer.seen.columns = {{Radians{0.0}, from_degrees(90.0), {0.3, 0.4, 0.45}, 1.0}};
     by.adopt(answer);
@@ -295,6 +313,26 @@ TEST(SceneCamerasSaturation, LeavesTheHorizonAsItIsSeen) {
   }
 }
 
+// A card that can no longer be read tells nothing of today's light.
+TEST(CardsInTheScene, AreForgottenWhereTheyAreNotReadForLong) {
+  auto installation = site();
+  installation.cards = {{"wall", 0, 0, 4, 4, glm::dvec3{0.4}, {0, 0, 1}}};
+  SceneAir air(installation, {});
+  HorizonAnswer answer{air.observer(), {}, {}};
+  answer.cards = {{glm::dvec3{1.5}, glm::dvec3{0.0}}};
+  air.adopt(answer);
+  const double read = air.cards()->factors.around.g;
+  ASSERT_GT(read, 1.2);
+  answer.cards.clear();
+  const auto after = [&](std::chrono::minutes unread) {
+    answer.metadata.captured_at += unread;
+    air.adopt(answer);
+    return air.cards()->factors.around.g;
+  };
+  EXPECT_GT(after(std::chrono::minutes(2)), 1.0 + 0.9 * (read - 1.0));
+  EXPECT_NEAR(after(std::chrono::hours(3)), 1.0, 0.01);
+}
+
 // What cards say reaches the light on the object, and a layer drawn without it is another.
 TEST(CardsInTheScene, CorrectTheLightOnTheObject) {
   auto installation = site();
@@ -305,7 +343,7 @@ TEST(CardsInTheScene, CorrectTheLightOnTheObject) {
   SkyReport report;
   report.sun = {SunSource::ephemeris, SunDirection{0.0, -0.6, 0.8}, std::nullopt, false, {}};
   const auto before = air.conditions(report);
-  HorizonAnswer answer{air.observer(), {}, {}, nullptr, {}, {}};
+  HorizonAnswer answer{air.observer(), {}, {}};
   answer.cards = {{glm::dvec3{1.3}, glm::dvec3{0.0}}, {glm::dvec3{0.8}, glm::dvec3{0.9}}};
   air.adopt(answer);
   const auto after = air.conditions(report);
