@@ -93,6 +93,7 @@ namespace {
 Defines object_defines(const ObjectLayer::Options& options, const Projection& projection) {
   Defines defines{"HAZE_PER_FRAGMENT"};
   if (!options.aerial_perspective) defines = {"NO_AIR"};
+  if (options.aerial_perspective && options.fog) defines.insert("FOG_LIGHT");
   if (projection.distorted) defines.insert("DISTORTED");
   if (options.in_8_bits) defines.insert("LAYER_IN_8_BITS");
   if (options.scene_depth) defines.insert("SCENE_DEPTH");

@@ -344,6 +344,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
     defines.insert("NO_AIR");
   else if (detail == HazeDetail::per_fragment)
     defines.insert("HAZE_PER_FRAGMENT");
+  if (appearance.aerial_perspective && appearance.haze.fog_per_m > 0.0) defines.insert("FOG_LIGHT");
   if (measured.saturates()) defines.insert("SATURATED");
   if (s.foreground) defines.insert("FOREGROUND");
   if (s.projection->distorted) defines.insert("DISTORTED");

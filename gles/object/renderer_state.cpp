@@ -181,15 +181,16 @@ Result<> Renderer::State::begin_tiles(UnfinishedLayer& unfinished) {
   auto ground = GroundLight::upload(appearance, projection->model_to_world, info);
   if (!ground) return fail(ground.error());
   unfinished.ground = std::make_unique<GroundLight>(std::move(*ground));
-  auto drawing = LayerDrawing::begin(
-      *model, *projection, unfinished.box, appearance.horizon,
-      {layer_in_8_bits(), largest_n(appearance, sky, model->materials()), appearance.aerial_perspective,
-       foreground.has_value(), unfinished.detail, scene_depth ? &*scene_depth : nullptr, scene_depth_unit,
-       casts_shadow(appearance) ? &*shadow : nullptr, unfinished.ground.get()},
-      info, programs, [this, appearance](const Program& program) {
-        set_appearance(program, appearance);
-        sky.bind(program, units_for_layer().sky);
-      });
+  auto drawing =
+      LayerDrawing::begin(*model, *projection, unfinished.box, appearance.horizon,
+                          {layer_in_8_bits(), largest_n(appearance, sky, model->materials()),
+                           appearance.aerial_perspective, appearance.haze.fog_per_m > 0.0, foreground.has_value(),
+                           unfinished.detail, scene_depth ? &*scene_depth : nullptr, scene_depth_unit,
+                           casts_shadow(appearance) ? &*shadow : nullptr, unfinished.ground.get()},
+                          info, programs, [this, appearance](const Program& program) {
+                            set_appearance(program, appearance);
+                            sky.bind(program, units_for_layer().sky);
+                          });
   if (!drawing) return fail(drawing.error());
   unfinished.drawing = std::move(*drawing);
   return {};

@@ -2,6 +2,7 @@
 #include "surface.glsl"
 #include "sun.glsl"
 #include "sky_atlas.glsl"
+#include "fog_light.glsl"
 #include "sun_shadow.glsl"
 
 #if defined(UNLIT) || defined(EMITS)
@@ -61,13 +62,17 @@ vec3 lit(Surface s) {
   vec3 glint = sun_light * (max(dot(s.normal, sun_direction), 0.0) *
                             sun_lobe(s.normal, eye, across, s.roughness, mix(coat, body, s.metallic),
                                      mix(coat_edge, vec3(1.0), s.metallic)));
+#if defined(FOG_LIGHT)
+  mirrored = mirrored * light_through_fog() + fog_glow();
+  glint *= sun_through_fog();
+#endif
   float seen = sun_seen(s.face);
-  return (coloured + between) * (s.open_sky * from_sky(s.normal) + seen * from_sun(s.normal)) +
+  return (coloured + between) * (s.open_sky * sky_here(s.normal) + seen * sun_here(s.normal)) +
          open_image * once * mirrored + seen * glint;
 }
 #else
 vec3 lit(Surface s) {
-  return in_channels(s.colour.rgb) * (s.open_sky * from_sky(s.normal) + sun_seen(s.face) * from_sun(s.normal));
+  return in_channels(s.colour.rgb) * (s.open_sky * sky_here(s.normal) + sun_seen(s.face) * sun_here(s.normal));
 }
 #endif
 

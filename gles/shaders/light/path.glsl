@@ -20,3 +20,9 @@ vec3 path_through_air(float range_km, float climb_km) {
   float fog = min(range_km * fog_per_km * exp(clamp(-lower, -80.0, 40.0)) * mean_density(abs(above)), 60.0);
   return vec3(range_km * observer_density * vec2(mean_density(heights.x), mean_density(heights.y)), fog);
 }
+
+// Optical depth of the fog straight up from there, within the range of half floats.
+float fog_straight_up(float climb_km) {
+  float lower = observer_above_fog + climb_km * inverse_fog_height_km;
+  return min(fog_per_km / inverse_fog_height_km * exp(clamp(-lower, -80.0, 40.0)), 60.0);
+}

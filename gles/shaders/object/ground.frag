@@ -15,6 +15,7 @@
 #endif
 #include "sun.glsl"
 #include "sky_atlas.glsl"
+#include "fog_light.glsl"
 #include "sun_shadow.glsl"
 
 uniform vec4 base_colour;
@@ -50,7 +51,7 @@ const float kMapOfGround_m = 10.0;  // tolerance against being hidden, since the
 void main() {
   vec3 normal = normalize(v_normal);
   if (!gl_FrontFacing) normal = -normal;
-  vec3 sun = from_sun(normal), sky = from_sky(normal);
+  vec3 sun = sun_here(normal), sky = sky_here(normal);
 #if defined(GROUND_SUNLIGHT)
   sun *= texture2D(ground_sunlight, (fragment_to_sunlight * vec3(gl_FragCoord.xy, 1.0)).xy).r;
 #endif

@@ -50,6 +50,9 @@ varying vec4 v_colour;
 #if defined(HAZE_PER_FRAGMENT)
 varying vec3 v_path;
 #endif
+#if defined(FOG_LIGHT)
+varying float v_fog_above;
+#endif
 #if defined(FINAL_COLOUR)
 uniform vec3 measured_light[AIRLIGHT_COLUMNS * AIRLIGHT_ROWS];
 uniform vec4 measured_place;
@@ -96,6 +99,9 @@ void main() {
 #endif
 #if defined(HAZE_PER_FRAGMENT)
   v_path = path;
+#endif
+#if defined(FOG_LIGHT)
+  v_fog_above = fog_straight_up(0.001 * dot(camera_up, camera));
 #endif
 #if defined(FINAL_COLOUR)
   vec2 seen = pixel.xy / max(camera.z, near_m);

@@ -208,21 +208,31 @@ TEST_F(CameraProcessingOfObject, WhatIsSeenOfTheObjectIsSharpenedAndTheRestNotTw
   const auto own = to_rgb(camera.view);
   const auto plain = composite(camera, {.point_spread_px = 0.6});
   const auto sharp = composite(camera, {.point_spread_px = 0.6, .sharpening = kAmount});
-  const auto detail = [](const Image<Rgb8>& picture, int x, int y) {
-    const auto luma = [&](int u, int v) {
-      return glm::dot(glm::dvec3(0.299, 0.587, 0.114),
-                      glm::dvec3(picture.at(std::clamp(u, 0, kWide - 1), std::clamp(v, 0, kTall - 1))));
-    };
+  const auto luma_of = [](const Image<Rgb8>& picture, int u, int v) {
+    return glm::dot(glm::dvec3(0.299, 0.587, 0.114),
+                    glm::dvec3(picture.at(std::clamp(u, 0, kWide - 1), std::clamp(v, 0, kTall - 1))));
+  };
+  const auto detail = [&](const Image<Rgb8>& picture, int x, int y) {
     double around = 0.0;
     for (int v = -1; v <= 1; ++v)
-      for (int u = -1; u <= 1; ++u) around += (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * luma(x + u, y + v);
-    return luma(x, y) - around;
+      for (int u = -1; u <= 1; ++u)
+        around += (2 - std::abs(u)) * (2 - std::abs(v)) / 16.0 * luma_of(picture, x + u, y + v);
+    return luma_of(picture, x, y) - around;
+  };
+  // Beyond the pixel and its four neighbours by no more than at a straight edge.
+  const auto bounded = [&](double more, int x, int y) {
+    const double here = luma_of(plain, x, y);
+    const auto [least, most] = std::minmax(
+        {here, luma_of(plain, x - 1, y), luma_of(plain, x + 1, y), luma_of(plain, x, y - 1), luma_of(plain, x, y + 1)});
+    const double over = 0.25 * kAmount * (most - least);
+    return std::clamp(more, least - over - here, most + over - here);
   };
   double worst = 0.0, most = 0.0;
   for (int y = 0; y < kTall; ++y)
     for (int x = 0; x < kWide; ++x) {
       if (coverage(x, y) <= 0.0F) continue;
-      const double more = kAmount * (detail(plain, x, y) - (1.0 - double{coverage(x, y)}) * detail(own, x, y));
+      const double more =
+          bounded(kAmount * (detail(plain, x, y) - (1.0 - double{coverage(x, y)}) * detail(own, x, y)), x, y);
       most = std::max(most, std::abs(more));
       for (int c = 0; c < 3; ++c)
         worst = std::max(worst, std::abs(std::clamp(plain.at(x, y)[c] + more, 0.0, 255.0) - sharp.at(x, y)[c]));
