@@ -21,6 +21,7 @@
 #include "pipeline/machine/notifier.hpp"
 #include "pipeline/machine/state_folder.hpp"
 #include "pipeline/stage/stage_making.hpp"
+#include "pipeline/stage/words_on_glass.hpp"
 
 namespace kasumi {
 
@@ -97,6 +98,7 @@ Result<int> check(const RunArguments& arguments) {
     print_error("the content can never go live:\n" + usable.error().message);
     return kBadConfiguration;
   }
+  for (const auto& fault : words_that_cannot_be_read((*content)->config)) fmt::print("{}\n", fault);
   if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
     fmt::print("{}\n", summary);
   return check_drawing(arguments, *content);

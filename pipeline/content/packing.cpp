@@ -9,6 +9,7 @@
 #include "pipeline/content/signature.hpp"
 #include "pipeline/machine/camera_acceptance.hpp"
 #include "pipeline/stage/stage_making.hpp"
+#include "pipeline/stage/words_on_glass.hpp"
 
 namespace kasumi {
 
@@ -104,6 +105,7 @@ Result<Packed> pack(const PackRequest& request) {
   SystemClock clock;
   if (auto usable = try_cameras((*content)->config, *machine_devices(clock), clock, packed.remarks); !usable)
     return fail(usable.error());
+  for (auto& fault : words_that_cannot_be_read((*content)->config)) packed.remarks.push_back(std::move(fault));
   const auto text = manifest_text(manifest);
   if (auto readable = parse_manifest(text); !readable) return fail(readable.error());
   if (auto drawable = check_drawable(*content, packed); !drawable) return fail(drawable.error());

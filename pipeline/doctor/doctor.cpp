@@ -13,6 +13,7 @@
 #include "pipeline/content/bundle.hpp"
 #include "pipeline/doctor/checks.hpp"
 #include "pipeline/machine/time_watch.hpp"
+#include "pipeline/stage/words_on_glass.hpp"
 
 namespace kasumi {
 
@@ -42,6 +43,14 @@ void check_content(const Content& content, Findings& findings) {
     findings.warn("content.still",
                   "no still picture: while a camera is unavailable, visitors see the sky over plain land",
                   "set [still] picture to a photograph of the view");
+}
+
+void check_words(const RunConfig& config, Findings& findings) {
+  const auto faults = words_that_cannot_be_read(config);
+  if (faults.empty()) return (void)findings.good("content.words", "the installed fonts show all of them");
+  std::string found = faults.front();
+  for (std::size_t i = 1; i < faults.size(); ++i) found += "\n" + faults[i];
+  findings.warn("content.words", found, "install the package, or name a font: [words] font_file");
 }
 
 // What lies on the disk; what becomes of it on the screen is the running appliance's to say.
@@ -187,6 +196,7 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
       check_display(config, devices, clock, findings);
     }
     check_content(**content, findings);
+    check_words(config, findings);
     check_generation(request.generations, findings);
     const auto& installation = config.installation;
     check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);

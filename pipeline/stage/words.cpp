@@ -4,18 +4,23 @@
 
 #include <spdlog/spdlog.h>
 
-#include "pipeline/stage/caption.hpp"
 #include "pipeline/stage/plain_letters.hpp"
 
 namespace kasumi {
 
+CaptionStyle style_of(const MessageOptions& options, int width, int height) {
+  CaptionStyle style;
+  style.font_file = options.font_file;
+  style.language = code_of(options.language);
+  style.height_px = std::max(14.0, height / 28.0);
+  style.largest_width_px = std::max(64, width * 8 / 10);
+  return style;
+}
+
 namespace {
 
 Image<Rgba8> picture_of(const std::string& text, const MessageOptions& options, const DrawTarget& target) {
-  CaptionStyle style;
-  style.font_file = options.font_file;
-  style.height_px = std::max(14.0, target.height / 28.0);
-  style.largest_width_px = std::max(64, target.width * 8 / 10);
+  const CaptionStyle style = style_of(options, target.width, target.height);
   if (!options.plain_letters) {
     if (auto picture = draw_caption(text, style))
       return std::move(*picture);

@@ -6,8 +6,12 @@
 
 #include "gles/picture/flat_picture.hpp"
 #include "pipeline/config/run_config.hpp"
+#include "pipeline/stage/caption.hpp"
 
 namespace kasumi {
+
+// How words look on a picture of that size.
+CaptionStyle style_of(const MessageOptions& options, int width, int height);
 
 class Words {
  public:
