@@ -78,7 +78,7 @@ inline const Walls kMayInclude = {
     {"pipeline/comparison", {"pipeline", "pipeline/files"}},
     {"pipeline/config", {"pipeline/files"}},
     {"pipeline/content", {"pipeline", "pipeline/config", "pipeline/machine", "pipeline/stage", "pipeline/start"}},
-    {"pipeline/doctor", {"pipeline", "pipeline/config", "pipeline/content", "pipeline/machine"}},
+    {"pipeline/doctor", {"pipeline", "pipeline/config", "pipeline/content", "pipeline/machine", "pipeline/stage"}},
     {"pipeline/files", {}},
     {"pipeline/haze",
      {"pipeline", "pipeline/config", "pipeline/files", "pipeline/photographs", "pipeline/scene", "pipeline/stage"}},
