@@ -1,6 +1,7 @@
 // Preloaded into kasumi by its tests: a disk that does not answer. The file named by KASUMI_HUNG_DISK has lines "open TEXT"
-// and "fsync TEXT": such calls for files whose names hold TEXT wait until the line has gone. "told TEXT FILE" appends the
-// name of each file that is opened for writing and holds TEXT to FILE.
+// and "fsync TEXT": such calls for files whose names hold TEXT wait until the line has gone. "fail TEXT": what is read of
+// such a file is an error (EIO), though it can be opened. "told TEXT FILE" appends the name of each file that is opened for
+// writing and holds TEXT to FILE.
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
@@ -56,6 +57,16 @@ void before_opening(const char* name, int flags) {
   errno = before;
 }
 
+// The kernel's own file whose first bytes cannot be read stands for one on a failing disk.
+int open_on_that_disk(const char* name, int flags, mode_t mode) {
+  before_opening(name, flags);
+  char rest[512];
+  const int before = errno;
+  const bool fails = (flags & O_ACCMODE) == O_RDONLY && rule_for("fail", name, rest, sizeof rest);
+  errno = before;
+  return static_cast<int>(::syscall(SYS_openat, AT_FDCWD, fails ? "/proc/self/mem" : name, flags, mode));
+}
+
 mode_t mode_of(int flags, va_list& arguments) {
   return flags & (O_CREAT | O_TMPFILE) ? va_arg(arguments, mode_t) : 0;
 }
@@ -67,8 +78,7 @@ extern "C" int open(const char* name, int flags, ...) {
   va_start(arguments, flags);
   const mode_t mode = mode_of(flags, arguments);
   va_end(arguments);
-  before_opening(name, flags);
-  return static_cast<int>(::syscall(SYS_openat, AT_FDCWD, name, flags, mode));
+  return open_on_that_disk(name, flags, mode);
 }
 
 extern "C" int open64(const char* name, int flags, ...) {
@@ -76,8 +86,7 @@ extern "C" int open64(const char* name, int flags, ...) {
   va_start(arguments, flags);
   const mode_t mode = mode_of(flags, arguments);
   va_end(arguments);
-  before_opening(name, flags);
-  return static_cast<int>(::syscall(SYS_openat, AT_FDCWD, name, flags, mode));
+  return open_on_that_disk(name, flags, mode);
 }
 
 extern "C" int fsync(int fd) {

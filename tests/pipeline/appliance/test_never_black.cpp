@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include <sys/stat.h>
 
 #include "pipeline/start/kept_content.hpp"
@@ -145,6 +147,34 @@ TEST_F(NeverBlack, Row41WhereNoContentIsLeftTheStillAndWordsAreShownUntilThereIs
   EXPECT_TRUE(shows("live")) << kasumi->log();
   kasumi->send(SIGTERM);
   EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+}
+
+// Each file that a start reads, on a disk that fails or does not answer, and as a power cut leaves it. Without earlier
+// content to go back to, what is of the content makes the still and words; what was only remembered is done without.
+TEST_F(NeverBlack, Row40EveryFileOfAStartMayFailHangOrBeEmpty) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  for (const auto& [input, shown] : std::map<std::string, std::string>{
+           {"/temple.glb", "still"}, {"/scene-mask.png", "still"}, {"/still.png", "still"}, {"/state/", "live"}})
+    for (const std::string way : {"fail", "open", "empty"}) {
+      SCOPED_TRACE(input + ", " + way);
+      make("inputs");
+      if (input == "/state/") {  // as an earlier start left them
+        for (const char* name : {"turbidity.json", "landmarks.json", "ground.bin", "starts.json"}) {
+          ASSERT_TRUE(write_text_file(state / name, way == "empty" ? "" : "{}"));
+        }
+      } else if (way == "empty") {
+        ASSERT_TRUE(write_text_file(folder / input.substr(1), ""));
+      }
+      if (way != "empty") {
+        ASSERT_TRUE(write_text_file(rule, fmt::format("{} {}{}\n", way, folder.string(), input)));
+      }
+      const auto kasumi = run();
+      EXPECT_TRUE(is_ready()) << kasumi->log();
+      EXPECT_TRUE(shows(shown)) << kasumi->log();
+      EXPECT_TRUE(kasumi->runs());
+      kasumi->send(SIGTERM);
+      EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+    }
 }
 
 // The configuration itself, however it was left.
