@@ -82,6 +82,7 @@ Result<int> check(const RunArguments& arguments) {
   const auto content = read_content(arguments.config);  // what was set up by hand: a bundle was checked when packed
   if (!content) return refused(content.error());
   log_sighting(**content);
+  for (const auto& fault : words_that_cannot_be_read((*content)->config)) fmt::print("{}\n", fault);
   if (const auto& folder = (*content)->config.state_folder) {
     const auto remark = try_state_folder(*folder);
     if (!remark) {
@@ -98,7 +99,6 @@ Result<int> check(const RunArguments& arguments) {
     print_error("the content can never go live:\n" + usable.error().message);
     return kBadConfiguration;
   }
-  for (const auto& fault : words_that_cannot_be_read((*content)->config)) fmt::print("{}\n", fault);
   if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
     fmt::print("{}\n", summary);
   return check_drawing(arguments, *content);

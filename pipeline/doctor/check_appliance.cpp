@@ -196,7 +196,7 @@ void check_live_air(const Json& status, Findings& findings) {
 void check_cards(const Json& status, Findings& findings) {
   constexpr double kLeast = 0.7, kMost = 1.4;
   const auto cards = part(status, "cards");
-  if (!cards.is_object()) return;
+  if (!cards.is_object() || !cards.contains("in_view")) return;
   const int in_view = static_cast<int>(number(cards, "in_view"));
   if (!cards.contains("age_s") || !cards["age_s"].is_number()) {
     findings.warn("air.cards", fmt::format("none of {} read since the start", in_view),

@@ -168,7 +168,7 @@ Result<TextLayout> TextLayout::of(const std::string& text, const TextStyle& styl
   PangoContext* context = parts->context.get();
   pango_context_set_round_glyph_positions(context, FALSE);
   Owned<cairo_font_options_t, cairo_font_options_destroy> exact(cairo_font_options_create());
-  cairo_font_options_set_hint_style(exact.get(), CAIRO_HINT_STYLE_NONE);
+  cairo_font_options_set_hint_style(exact.get(), CAIRO_HINT_STYLE_SLIGHT);
   cairo_font_options_set_hint_metrics(exact.get(), CAIRO_HINT_METRICS_OFF);
   pango_cairo_context_set_font_options(context, exact.get());
   PangoLanguage* language = style.language.empty() ? nullptr : pango_language_from_string(style.language.c_str());
@@ -247,7 +247,7 @@ Result<Image<std::uint8_t>> TextLayout::draw(int width, int height, double top) 
   const Owned<cairo_t, cairo_destroy> cairo(cairo_create(surface.get()));
   for (const Line& line : lines_) {
     cairo_new_path(cairo.get());
-    cairo_move_to(cairo.get(), 0.5 * (width - line.width), std::round(top + line.baseline));
+    cairo_move_to(cairo.get(), std::round(0.5 * (width - line.width)), std::round(top + line.baseline));
     pango_cairo_layout_line_path(cairo.get(), pango_layout_get_line_readonly(parts_->layout.get(), line.number));
     cairo_fill(cairo.get());
   }

@@ -35,7 +35,7 @@ Image<float> harfbuzz_line(const std::string& text, const std::filesystem::path&
     for (unsigned i = 0; i < count; ++i) {
       const double x = pen + at[i].x_offset / 64.0, y = 2.0 * margin - at[i].y_offset / 64.0;
       pen += at[i].x_advance / 64.0;
-      if (FT_Load_Glyph(face, info[i].codepoint, FT_LOAD_NO_HINTING | FT_LOAD_NO_BITMAP) != 0) continue;
+      if (FT_Load_Glyph(face, info[i].codepoint, FT_LOAD_TARGET_LIGHT | FT_LOAD_NO_BITMAP) != 0) continue;
       const double left = std::floor(x), top = std::ceil(y);
       FT_Outline_Translate(&face->glyph->outline, std::lround((x - left) * 64.0), std::lround((top - y) * 64.0));
       FT_Render_Glyph(face->glyph, FT_RENDER_MODE_NORMAL);
