@@ -6,10 +6,10 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME kasumi)
 install(TARGETS kasumi RUNTIME DESTINATION bin)
 # A build's id is a hash that includes its debug information, and with it the folder of the checkout: of all that remains after
 # stripping, it alone would differ between two builds of one commit (.ci/same-twice). Nothing asks for it: no dump is ever written.
-foreach(shipped kasumi kasumi_rare_files kasumi-report)
+foreach(shipped kasumi kasumi_rare_files kasumi_rare_models kasumi-report)
   target_link_options(${shipped} PRIVATE LINKER:--build-id=none)
 endforeach()
-install(TARGETS kasumi_rare_files LIBRARY DESTINATION lib/kasumi)
+install(TARGETS kasumi_rare_files kasumi_rare_models LIBRARY DESTINATION lib/kasumi)
 install(FILES systemd/kasumi.service systemd/kasumi-content.path systemd/kasumi-content.service
   systemd/kasumi-stick@.service systemd/kasumi-stick-mount@.service DESTINATION lib/systemd/system)
 install(PROGRAMS systemd/wait-before-start DESTINATION lib/kasumi)

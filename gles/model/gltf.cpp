@@ -2,42 +2,20 @@
 #include <charconv>
 #include <cmath>
 
-#include <glm/geometric.hpp>
-#include <glm/gtc/quaternion.hpp>
-#include <glm/matrix.hpp>
-
 #include "gles/model/accessor.hpp"
+#include "gles/model/gltf_values.hpp"
 #include "gles/model/material.hpp"
 #include "gles/model/model.hpp"
 #include "gles/model/model_file.hpp"
 #include "gles/model/model_mesh.hpp"
+#include "gles/model/pose.hpp"
+#include "gles/model/unpack.hpp"
 
 namespace kasumi {
 namespace {
 
 bool finite(const glm::dvec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-Result<glm::dmat4> transform_of(const tinygltf::Node& node, const std::string& what) {
-  for (const auto* numbers : {&node.matrix, &node.translation, &node.rotation, &node.scale})
-    if (!std::ranges::all_of(*numbers, [](double v) { return std::isfinite(v); }))
-      return fail(FaultKind::bad_input, "{}: its transform is not finite", what);
-  if (node.matrix.size() == 16) {
-    glm::dmat4 matrix;
-    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
-    return matrix;
-  }
-  glm::dmat4 matrix{1.0};
-  if (node.rotation.size() == 4) {
-    const glm::dquat turn(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
-    if (glm::length(turn) < 1e-9) return fail(FaultKind::bad_input, "{}: its rotation is (0, 0, 0, 0)", what);
-    matrix = glm::mat4_cast(glm::normalize(turn));
-  }
-  if (node.scale.size() == 3)
-    for (int i = 0; i < 3; ++i) matrix[i] *= node.scale[static_cast<std::size_t>(i)];
-  if (node.translation.size() == 3) matrix[3] = {node.translation[0], node.translation[1], node.translation[2], 1.0};
-  return matrix;
 }
 
 // Nodes marked as the real ground. Matches the beginning of the name, because Blender appends numbers to copies.
@@ -50,8 +28,7 @@ bool marks_ground(const tinygltf::Node& node) {
 
 class SceneReader {
  public:
-  SceneReader(const tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene,
-              Model& model)
+  SceneReader(tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene, Model& model)
       : gltf_(gltf), name_(std::move(name)), limits_(limits), wanted_scene_(scene), model_(model) {}
 
   Result<> read() {
@@ -64,8 +41,11 @@ class SceneReader {
     if (gltf_.nodes.size() > limits_.nodes)
       return fail(FaultKind::bad_input, "{}: {} nodes: expected {} at most", name_, gltf_.nodes.size(), limits_.nodes);
     if (auto walked = walk(); !walked) return walked;
-    if (!gltf_.animations.empty()) note("its animations are not played");
-    if (model_.triangle_count() == 0) return fail(FaultKind::bad_input, "{}: no triangles in its scene", name_);
+    if (!gltf_.animations.empty()) note("its animations are not played: it stands as its nodes say");
+    if (model_.triangle_count() == 0)
+      return fail(
+          FaultKind::bad_input, "{}: no triangles in its scene{}", name_,
+          points_ ? ", but points or lines: make a mesh of them first (CloudCompare: Plugins, PoissonRecon)" : "");
     return {};
   }
 
@@ -134,32 +114,70 @@ class SceneReader {
       if (!local) return fail(local.error());
       const glm::dmat4 whole = visit.parent * *local;
       const bool ground = visit.ground || marks_ground(node);
-      if (node.mesh >= 0)
-        if (auto read = read_mesh(node.mesh, whole, ground ? model_.ground : model_.parts); !read) return read;
-      if (node.skin >= 0) note("its skinned meshes are not deformed");
+      if (hidden(node)) continue;
+      if (auto read = read_node(node, whole, ground ? model_.ground : model_.parts, what); !read) return read;
       for (const int child : node.children) open.push_back({child, whole, ground});
     }
     return {};
   }
 
-  Result<> read_mesh(int index, const glm::dmat4& transform, std::vector<ModelPart>& into) {
-    if (static_cast<std::size_t>(index) >= gltf_.meshes.size())
-      return fail(FaultKind::bad_input, "{}: mesh {}: there are {}", name_, index, gltf_.meshes.size());
-    const tinygltf::Mesh& mesh = gltf_.meshes[static_cast<std::size_t>(index)];
-    for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
-      const std::string what = fmt::format("{}: mesh {}, primitive {}", name_, index, i);
-      if (auto read = read_primitive(mesh.primitives[i], transform, into, what); !read) return read;
+  // With all that hangs from it (KHR_node_visibility).
+  bool hidden(const tinygltf::Node& node) {
+    const auto* visibility = extension_of(node.extensions, "KHR_node_visibility");
+    if (visibility == nullptr || !visibility->IsObject() || !visibility->Has("visible")) return false;
+    const tinygltf::Value& visible = visibility->Get("visible");
+    if (!visible.IsBool() || visible.Get<bool>()) return false;
+    note("nodes that it calls invisible are left out");
+    return true;
+  }
+
+  // What moves a mesh's vertices.
+  struct Stand {
+    glm::dmat4 transform{1.0};
+    std::vector<glm::dmat4> joints;  // none: the transform alone
+    std::vector<double> weights;     // of morph targets
+  };
+
+  Result<> read_node(const tinygltf::Node& node, const glm::dmat4& whole, std::vector<ModelPart>& into,
+                     const std::string& what) {
+    if (node.mesh < 0) return {};
+    if (static_cast<std::size_t>(node.mesh) >= gltf_.meshes.size())
+      return fail(FaultKind::bad_input, "{}: mesh {}: there are {}", name_, node.mesh, gltf_.meshes.size());
+    Stand stand;
+    const auto& own = gltf_.meshes[static_cast<std::size_t>(node.mesh)].weights;
+    stand.weights = node.weights.empty() ? own : node.weights;
+    if (node.skin >= 0) {
+      auto joints = joints_of(gltf_, node.skin, limits_, what);
+      if (!joints) return fail(joints.error());
+      stand.joints = std::move(*joints);
+    }
+    const auto copies = instances_of(gltf_, node, limits_, what);
+    if (!copies) return fail(copies.error());
+    for (const glm::dmat4& copy : *copies) {
+      stand.transform = whole * copy;
+      if (auto read = read_mesh(node.mesh, stand, into); !read) return read;
     }
     return {};
   }
 
-  Result<> read_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& transform,
-                          std::vector<ModelPart>& into, const std::string& what) {
+  Result<> read_mesh(int index, const Stand& stand, std::vector<ModelPart>& into) {
+    tinygltf::Mesh& mesh = gltf_.meshes[static_cast<std::size_t>(index)];
+    for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+      const std::string what = fmt::format("{}: mesh {}, primitive {}", name_, index, i);
+      if (auto read = unpack_primitive(gltf_, mesh.primitives[i], what, limits_, model_.notes); !read) return read;
+      if (auto read = read_primitive(mesh.primitives[i], stand, into, what); !read) return read;
+    }
+    return {};
+  }
+
+  Result<> read_primitive(const tinygltf::Primitive& primitive, const Stand& stand, std::vector<ModelPart>& into,
+                          const std::string& what) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode > TINYGLTF_MODE_TRIANGLE_FAN)
       return fail(FaultKind::bad_input, "{}: mode {}: expected 0 .. 6", what, mode);
     if (mode < TINYGLTF_MODE_TRIANGLES) {
       note("its points and lines are left out");
+      points_ = true;
       return {};
     }
     ModelPart part;
@@ -168,14 +186,23 @@ class SceneReader {
       return fail(FaultKind::bad_input, "{}: material {}: there are {}", what, part.material, gltf_.materials.size());
     if (auto read = read_vertices(primitive, part, what); !read) return read;
     if (auto read = read_triangles(primitive, mode, part, what); !read) return read;
+    triangles_ += part.indices.size() / 3;
+    vertices_ += part.vertices.size();
+    if (triangles_ > limits_.triangles || vertices_ > limits_.vertices)
+      return fail(FaultKind::bad_input, "{}: more than {} triangles or {} vertices", name_, limits_.triangles,
+                  limits_.vertices);
     if (part.indices.empty()) return {};
+    if (auto moved = morph(gltf_, primitive, stand.weights, part, limits_, what); !moved) return moved;
 
     const bool with_normals = primitive.attributes.contains("NORMAL");
     if (with_normals) {
       if (const std::size_t replaced = mend_normals(part); replaced > 0)
         note("{} invalid normals replaced by those of their faces", replaced);
     }
-    if (auto placed = place(part, transform, what); !placed) return placed;
+    const bool skinned = !stand.joints.empty() && primitive.attributes.contains("JOINTS_0");
+    auto placed =
+        skinned ? pose(gltf_, primitive, stand.joints, part, limits_, what) : place(part, stand.transform, what);
+    if (!placed) return placed;
     if (!with_normals) give_flat_normals(part);
     if (const ModelMap& normals = model_.materials[static_cast<std::size_t>(part.material)].normal_map;
         normals.used()) {
@@ -184,12 +211,6 @@ class SceneReader {
       else  // glTF requires ignoring tangents if there are no normals
         give_tangents(part, normals.second);
     }
-    if (!primitive.targets.empty()) note("its morph targets are left out");
-    triangles_ += part.indices.size() / 3;
-    vertices_ += part.vertices.size();
-    if (triangles_ > limits_.triangles || vertices_ > limits_.vertices)
-      return fail(FaultKind::bad_input, "{}: more than {} triangles or {} vertices", name_, limits_.triangles,
-                  limits_.vertices);
     if (&into == &model_.ground && primitive.material < 0) part.material = plain_ground();
     into.push_back(std::move(part));
     return {};
@@ -292,38 +313,14 @@ class SceneReader {
     return {};
   }
 
-  Result<> place(ModelPart& part, const glm::dmat4& transform, const std::string& what) {
-    constexpr double kFarthest_m = 1e7;  // a float still resolves metres
-    const glm::dmat3 turn(transform);
-    const bool mirrors = glm::determinant(turn) < 0.0;
-    // The cofactor matrix is the inverse transpose times the determinant, and also exists for singular transforms.
-    const glm::dmat3 normal_turn(glm::cross(turn[1], turn[2]), glm::cross(turn[2], turn[0]),
-                                 glm::cross(turn[0], turn[1]));
-    for (std::size_t i = 0; i < part.vertices.size(); ++i) {
-      ModelVertex& vertex = part.vertices[i];
-      const glm::dvec3 position(transform * glm::dvec4(vertex.position, 1.0));
-      if (!finite(position) || glm::length(position) > kFarthest_m)
-        return fail(FaultKind::bad_input, "{}: vertex {}: more than {} m from the model's origin", what, i,
-                    kFarthest_m);
-      vertex.position = glm::vec3(position);
-      const glm::dvec3 normal = (mirrors ? -1.0 : 1.0) * (normal_turn * glm::dvec3(vertex.normal));
-      if (const double length = glm::length(normal); length > 0.0) vertex.normal = glm::vec3(normal / length);
-      const glm::dvec3 tangent = turn * glm::dvec3(vertex.tangent);
-      if (const double length = glm::length(tangent); length > 0.0)
-        vertex.tangent = glm::vec4(glm::vec3(tangent / length), mirrors ? -vertex.tangent.w : vertex.tangent.w);
-    }
-    if (mirrors)
-      for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) std::swap(part.indices[i + 1], part.indices[i + 2]);
-    return {};
-  }
-
-  const tinygltf::Model& gltf_;
+  tinygltf::Model& gltf_;
   std::string name_;
   const ModelLimits& limits_;
   std::string_view wanted_scene_;
   Model& model_;
   std::vector<Surfaces::Placements> placements_;
   int plain_ground_ = -1;
+  bool points_ = false;
   std::size_t triangles_ = 0;
   std::size_t vertices_ = 0;
 };
@@ -333,8 +330,9 @@ class SceneReader {
 Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits, std::string_view scene) {
   Model model;
   model.name = path.string();
-  const auto gltf = parse_gltf(path, limits, model.notes, model.files);
+  auto gltf = parse_gltf(path, limits, model.notes, model.files, model.extensions);
   if (!gltf) return fail(gltf.error());
+  if (auto unpacked = unpack_views(*gltf, path.string(), limits); !unpacked) return fail(unpacked.error());
   if (auto read = SceneReader(*gltf, path.string(), limits, scene, model).read(); !read) return fail(read.error());
   if (auto sound = check(model); !sound) return fail(sound.error());
   return model;

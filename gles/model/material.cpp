@@ -7,29 +7,11 @@
 
 #include <glm/common.hpp>
 
+#include "gles/model/gltf_values.hpp"
 #include "gles/model/model_picture.hpp"
 
 namespace kasumi {
 namespace {
-
-std::vector<double> numbers(const tinygltf::Value& object, const std::string& key, std::vector<double> fallback) {
-  if (!object.IsObject() || !object.Has(key)) return fallback;
-  const tinygltf::Value& value = object.Get(key);
-  std::vector<double> read;
-  if (value.IsNumber()) read.push_back(value.GetNumberAsDouble());
-  if (value.IsArray())
-    for (std::size_t i = 0; i < value.ArrayLen(); ++i) {
-      const tinygltf::Value& element = value.Get(static_cast<int>(i));
-      if (element.IsNumber()) read.push_back(element.GetNumberAsDouble());
-    }
-  const bool usable =
-      read.size() == fallback.size() && std::ranges::all_of(read, [](double v) { return std::isfinite(v); });
-  return usable ? read : fallback;
-}
-
-int whole_number(const tinygltf::Value& object, const std::string& key, int fallback) {
-  return static_cast<int>(std::clamp(numbers(object, key, {double(fallback)}).front(), -1.0, 1e6));
-}
 
 // A material's reference to a picture.
 struct TextureReference {
@@ -109,29 +91,43 @@ class TextureReader {
   std::vector<ModelTexture> textures() && { return std::move(textures_); }
 
  private:
+  void note(std::string text) {
+    text = fmt::format("{}: {}", name_, text);
+    if (std::ranges::find(notes_, text) == notes_.end()) notes_.push_back(std::move(text));
+  }
+
+  // The picture that Kasumi reads; -1: none.
+  int source_of(const tinygltf::Texture& texture) {
+    const auto* webp = extension_of(texture.extensions, "EXT_texture_webp");
+    const int source = texture.source >= 0 || webp == nullptr ? texture.source : whole_number(*webp, "source", -1);
+    std::string kinds;
+    for (const auto& [kind, value] : texture.extensions)
+      if (kind != "EXT_texture_webp") kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind);
+    if (source < 0)
+      note(fmt::format("a texture {} is left out: Kasumi reads PNG, JPEG and WebP",
+                       kinds.empty() ? "without a picture" : "only available through " + kinds));
+    else if (!kinds.empty())
+      note(fmt::format("of textures of {} the other picture, which they bring, is shown", kinds));
+    return source;
+  }
+
   Result<int> decode(const tinygltf::Texture& texture, bool data) {
-    if (texture.source < 0) {
-      std::string kinds;
-      for (const auto& [kind, value] : texture.extensions)
-        kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind);
-      notes_.push_back(fmt::format("{}: a texture {} is left out: Kasumi reads PNG and JPEG", name_,
-                                   kinds.empty() ? "without a picture" : "only available through " + kinds));
-      return -1;
-    }
-    if (static_cast<std::size_t>(texture.source) >= gltf_.images.size())
-      return fail(FaultKind::bad_input, "{}: image {}: there are {}", name_, texture.source, gltf_.images.size());
-    const tinygltf::Image& image = gltf_.images[static_cast<std::size_t>(texture.source)];
+    const int source = source_of(texture);
+    if (source < 0) return -1;
+    if (static_cast<std::size_t>(source) >= gltf_.images.size())
+      return fail(FaultKind::bad_input, "{}: image {}: there are {}", name_, source, gltf_.images.size());
+    const tinygltf::Image& image = gltf_.images[static_cast<std::size_t>(source)];
     const std::string what =
-        fmt::format("{}: image {}{}", name_, texture.source, image.uri.empty() ? "" : " (" + image.uri + ")");
+        fmt::format("{}: image {}{}", name_, source, image.uri.empty() ? "" : " (" + image.uri + ")");
     if (image.image.empty())
-      return fail(FaultKind::bad_input, "{}: missing: expected a PNG or JPEG within the model's folder", what);
+      return fail(FaultKind::bad_input, "{}: missing: expected a PNG, JPEG or WebP within the model's folder", what);
     const auto size = model_picture_size(image.image, limits_.texture_size);
     if (!size) return fail(FaultKind::bad_input, "{}: {}", what, size.error().message);
     pixels_ += static_cast<std::size_t>(size->width * size->height);
     if (pixels_ > limits_.texture_pixels)
       return fail(FaultKind::bad_input, "{}: textures of more than {} pixels together", name_, limits_.texture_pixels);
     auto pixels = decode_picture(image.image, limits_.texture_size);
-    if (!pixels) return fail(FaultKind::bad_input, "{}: {}", what, pixels.error().message);
+    if (!pixels) return fail(pixels.error().kind, "{}: {}", what, pixels.error().message);
     ModelTexture made;
     made.pixels = std::move(*pixels);
     made.data = data;
@@ -154,11 +150,6 @@ class TextureReader {
   std::size_t pixels_ = 0;
 };
 
-const tinygltf::Value* extension(const tinygltf::Material& from, const std::string& name) {
-  const auto found = from.extensions.find(name);
-  return found == from.extensions.end() ? nullptr : &found->second;
-}
-
 // One material's pictures, each assigned to one of two sets of texture coordinates.
 class MaterialReader {
  public:
@@ -173,10 +164,10 @@ class MaterialReader {
     if (std::isfinite(from.alphaCutoff))
       material.alpha_cutoff = static_cast<float>(std::clamp(from.alphaCutoff, 0.0, 2.0));
     material.double_sided = from.doubleSided;
-    material.unlit = extension(from, "KHR_materials_unlit") != nullptr;
+    material.unlit = extension_of(from.extensions, "KHR_materials_unlit") != nullptr;
 
     TextureReference base, roughness;
-    if (const auto* older = extension(from, "KHR_materials_pbrSpecularGlossiness"); older != nullptr) {
+    if (const auto* older = extension_of(from.extensions, "KHR_materials_pbrSpecularGlossiness"); older != nullptr) {
       base = read_older(*older, material);
     } else {
       base = laid(from.pbrMetallicRoughness.baseColorTexture);
@@ -185,6 +176,7 @@ class MaterialReader {
       material.metallic = fraction(from.pbrMetallicRoughness.metallicFactor, 1.0f);
       material.roughness = fraction(from.pbrMetallicRoughness.roughnessFactor, 1.0f);
       read_dielectric(from, material);
+      read_transmission(from, material);
     }
     material.normal_scale =
         std::isfinite(from.normalTexture.scale) ? static_cast<float>(from.normalTexture.scale) : 1.0f;
@@ -227,13 +219,13 @@ class MaterialReader {
 
   static void read_dielectric(const tinygltf::Material& from, ModelMaterial& material) {
     double head_on = 0.04;
-    if (const auto* refraction = extension(from, "KHR_materials_ior"); refraction != nullptr) {
+    if (const auto* refraction = extension_of(from.extensions, "KHR_materials_ior"); refraction != nullptr) {
       const double n = std::max(numbers(*refraction, "ior", {1.5}).front(), 0.0);
       head_on = n == 0.0 ? 1.0 : std::pow((n - 1.0) / (n + 1.0), 2);  // 0 means full reflection
     }
     material.reflectance = glm::vec3(static_cast<float>(head_on));
     material.edge_reflectance = 1.0f;
-    if (const auto* specular = extension(from, "KHR_materials_specular"); specular != nullptr) {
+    if (const auto* specular = extension_of(from.extensions, "KHR_materials_specular"); specular != nullptr) {
       const float strength = fraction(numbers(*specular, "specularFactor", {1.0}).front(), 1.0f);
       const glm::vec3 tint = glm::max(three(numbers(*specular, "specularColorFactor", {1.0, 1.0, 1.0})), 0.0f);
       material.reflectance = glm::min(material.reflectance * tint, 1.0f) * strength;
@@ -241,9 +233,28 @@ class MaterialReader {
     }
   }
 
+  // Glass shows what stands behind it, as blended materials do; a tenth of it stays, for its dirt.
+  void read_transmission(const tinygltf::Material& from, ModelMaterial& material) {
+    const auto* transmission = extension_of(from.extensions, "KHR_materials_transmission");
+    if (transmission == nullptr) return;
+    const float share = fraction(numbers(*transmission, "transmissionFactor", {0.0}).front(), 0.0f);
+    if (share <= 0.0f) return;
+    if (transmission->IsObject() && transmission->Has("transmissionTexture")) {
+      notes_.push_back(
+          fmt::format("{}: material \"{}\": its transmissionTexture is left out: it is opaque", name_, material.name));
+      return;
+    }
+    material.alpha = ModelMaterial::Alpha::blend;
+    material.base_colour.a *= 1.0f - 0.9f * share;
+    notes_.push_back(
+        fmt::format("{}: material \"{}\": light through it (KHR_materials_transmission) is drawn as "
+                    "{:.0f} % opaque",
+                    name_, material.name, 100.0f * material.base_colour.a));
+  }
+
   static void read_emission(const tinygltf::Material& from, ModelMaterial& material) {
     double strength = 1.0;
-    if (const auto* stronger = extension(from, "KHR_materials_emissive_strength"); stronger != nullptr)
+    if (const auto* stronger = extension_of(from.extensions, "KHR_materials_emissive_strength"); stronger != nullptr)
       strength = std::clamp(numbers(*stronger, "emissiveStrength", {1.0}).front(), 0.0, 1e6);
     for (std::size_t i = 0; i < std::min<std::size_t>(from.emissiveFactor.size(), 3); ++i)
       material.emission[static_cast<int>(i)] =

@@ -96,6 +96,7 @@ struct Model {
   std::vector<std::string> notes;            // what was left out or repaired, for the log
   std::vector<std::filesystem::path> files;  // it was read from these, its own first
   std::vector<std::string> scenes;           // names of all scenes in the file; "" where one has none
+  std::vector<std::string> extensions;       // glTF's that it uses, sorted
 
   // Bounds of the object, without its ground.
   std::size_t triangle_count() const;
@@ -113,8 +114,9 @@ struct ModelLimits {
   std::size_t texture_pixels = std::size_t{256} << 20;  // of all textures together
 };
 
-// Reads .glb, or .gltf with buffers and pictures from the same folder tree only; never from a network. Compressed files
-// (Draco, meshopt, KTX2 and the like) are refused with advice. `scene`: one of the file's scenes by name, or by number
+// Reads .glb, or .gltf with buffers and pictures from the same folder tree only; never from a network. Draco,
+// meshopt and WebP are unpacked by a module (rare_models.hpp); KTX2 and AVIF are refused with advice. Skins and morph
+// targets stand as the file leaves them: joints where their nodes are, default weights. `scene`: one of the file's scenes by name, or by number
 // from 0; empty: the default one. Nodes whose name begins with "kasumi_ground" or whose extras say "kasumi": "ground"
 // become, with their children, the model's ground.
 // Errors: bad_input, naming the file and what is wrong with it; io.

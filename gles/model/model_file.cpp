@@ -65,6 +65,23 @@ bool keep_picture(tinygltf::Image* image, int, std::string*, std::string*, int, 
   return true;
 }
 
+// The file with another JSON in its place.
+std::vector<std::uint8_t> with_json(const std::vector<std::uint8_t>& file, std::string_view before, std::string json,
+                                    bool binary) {
+  if (!binary) return {json.begin(), json.end()};
+  while (json.size() % 4 != 0) json += ' ';
+  const std::size_t rest = 20 + before.size();
+  std::vector<std::uint8_t> made(file.begin(), file.begin() + 20);
+  made.insert(made.end(), json.begin(), json.end());
+  made.insert(made.end(), file.begin() + static_cast<std::ptrdiff_t>(rest), file.end());
+  const auto put = [&](std::size_t at, std::size_t value) {
+    for (std::size_t i = 0; i < 4; ++i) made[at + i] = static_cast<std::uint8_t>(value >> 8 * i);
+  };
+  put(8, made.size());
+  put(12, json.size());
+  return made;
+}
+
 // tinygltf's messages have several lines.
 std::string one_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
@@ -76,7 +93,7 @@ std::string one_line(std::string text) {
 }  // namespace
 
 Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limits, std::vector<std::string>& notes,
-                                   std::vector<std::filesystem::path>& files) {
+                                   std::vector<std::filesystem::path>& files, std::vector<std::string>& extensions) {
   const std::string name = path.string();
   std::error_code size_error;
   const std::uintmax_t size = fs::file_size(path, size_error);
@@ -87,7 +104,17 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
   files.push_back(path);
   const auto json = gltf_json(*file, name);
   if (!json) return fail(json.error());
-  if (auto sound = check_gltf_json(*json, name); !sound) return fail(sound.error());
+  auto claims = check_gltf_json(*json, name);
+  if (!claims) return fail(claims.error());
+  notes.insert(notes.end(), claims->notes.begin(), claims->notes.end());
+  extensions = std::move(claims->extensions);
+  const bool binary = json->data() != reinterpret_cast<const char*>(file->data());
+  std::span<const std::uint8_t> bytes = *file;
+  std::vector<std::uint8_t> mended;
+  if (claims->to_mend) {
+    mended = with_json(*file, *json, mended_json(*json), binary);
+    bytes = mended;
+  }
 
   std::error_code folder_error;
   const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -101,10 +128,10 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
     tinygltf::TinyGLTF parser;
     parser.SetFsCallbacks({file_exists, as_written, read_whole_file, refuse_writing, &folder});
     parser.SetImageLoader(keep_picture, nullptr);
-    const auto length = static_cast<unsigned>(file->size());
-    const bool binary = json->data() != reinterpret_cast<const char*>(file->data());
-    parsed = binary ? parser.LoadBinaryFromMemory(&gltf, &error, &warning, file->data(), length, folder.root.string())
-                    : parser.LoadASCIIFromString(&gltf, &error, &warning, json->data(), length, folder.root.string());
+    const auto length = static_cast<unsigned>(bytes.size());
+    const auto* text = reinterpret_cast<const char*>(bytes.data());
+    parsed = binary ? parser.LoadBinaryFromMemory(&gltf, &error, &warning, bytes.data(), length, folder.root.string())
+                    : parser.LoadASCIIFromString(&gltf, &error, &warning, text, length, folder.root.string());
   } catch (const std::exception& thrown) {
     error += thrown.what();
   }

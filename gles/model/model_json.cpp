@@ -1,38 +1,89 @@
 #include "gles/model/model_json.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
+#include "gles/model/gltf_extensions.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr std::array<std::string_view, 9> kKnownExtensions{
-    "KHR_materials_unlit",     "KHR_texture_transform",
-    "KHR_mesh_quantization",   "KHR_materials_ior",
-    "KHR_materials_specular",  "KHR_materials_emissive_strength",
-    "KHR_materials_clearcoat", "KHR_materials_pbrSpecularGlossiness",
-    "KHR_lights_punctual"};
+std::vector<std::string> names_in(const nlohmann::json& document, const char* key) {
+  std::vector<std::string> names;
+  if (const auto list = document.find(key); list != document.end() && list->is_array())
+    for (const auto& name : *list) names.push_back(name.is_string() ? name.get<std::string>() : "(not a name)");
+  return names;
+}
 
-// What the user can do about an unsupported extension.
-std::string_view advice(std::string_view extension) {
-  struct Advice {
-    std::string_view extension, text;
+bool is_hollow(const nlohmann::json& buffer) {
+  if (!buffer.is_object() || buffer.contains("uri")) return false;
+  const auto extensions = buffer.find("extensions");
+  return extensions != buffer.end() && extensions->is_object() &&
+         (extensions->contains("EXT_meshopt_compression") || extensions->contains("KHR_meshopt_compression"));
+}
+
+// Calls `visit` for each primitive that Draco packed whose indices stand nowhere else.
+template <class Document, class Visit>
+void each_without_indices(Document& document, Visit visit) {
+  const auto list = [](auto& of, const char* key) {
+    const auto found = of.is_object() ? of.find(key) : of.end();
+    return found != of.end() && found->is_array() ? &*found : nullptr;
   };
-  constexpr std::array<Advice, 6> kAdvice{{
-      {"KHR_draco_mesh_compression", "Draco-compressed meshes: export without mesh compression"},
-      {"EXT_meshopt_compression", "meshopt-compressed meshes: export without them (gltfpack without -c and -cc)"},
-      {"KHR_meshopt_compression", "meshopt-compressed meshes: export without them (gltfpack without -c and -cc)"},
-      {"KHR_texture_basisu", "KTX2 pictures of Basis Universal: export pictures as PNG or JPEG (gltfpack without -tc)"},
-      {"EXT_texture_webp", "WebP pictures: export pictures as PNG or JPEG"},
-      {"EXT_texture_avif", "AVIF pictures: export pictures as PNG or JPEG"},
-  }};
-  const auto found = std::ranges::find(kAdvice, extension, &Advice::extension);
-  return found == kAdvice.end() ? "export without it" : found->text;
+  auto* meshes = list(document, "meshes");
+  auto* accessors = list(document, "accessors");
+  if (meshes == nullptr || accessors == nullptr) return;
+  for (auto& mesh : *meshes) {
+    auto* primitives = list(mesh, "primitives");
+    if (primitives == nullptr) continue;
+    for (auto& primitive : *primitives) {
+      if (!primitive.is_object() || !primitive.contains("indices") || !primitive.contains("extensions")) continue;
+      const auto& extensions = primitive["extensions"];
+      const auto& indices = primitive["indices"];
+      if (!extensions.is_object() || !extensions.contains("KHR_draco_mesh_compression") ||
+          !indices.is_number_unsigned() || indices.template get<std::size_t>() >= accessors->size())
+        continue;
+      const auto& accessor = (*accessors)[indices.template get<std::size_t>()];
+      if (accessor.is_object() && !accessor.contains("bufferView")) visit(primitive);
+    }
+  }
+}
+
+// Data in the JSON under a name that tinygltf does not know, as WebP's; what they are is seen in the data. Empty: none.
+std::string known_data_uri(const nlohmann::json& of) {
+  if (!of.is_object()) return {};
+  const auto uri = of.find("uri");
+  if (uri == of.end() || !uri->is_string()) return {};
+  const auto& text = uri->get_ref<const std::string&>();
+  constexpr std::string_view kBase64 = ";base64,";
+  const auto data = text.substr(0, 100).find(kBase64);
+  if (!text.starts_with("data:") || data == std::string::npos) return {};
+  for (const char* known : {"application/octet-stream", "application/gltf-buffer", "image/png", "image/jpeg"})
+    if (text.substr(5, data - 5) == known) return {};
+  return "data:application/octet-stream" + text.substr(data);
+}
+
+template <class Document, class Visit>
+void each_data_uri(Document& document, Visit visit) {
+  for (const char* key : {"buffers", "images"})
+    if (const auto list = document.find(key); list != document.end() && list->is_array())
+      for (auto& of : *list)
+        if (auto known = known_data_uri(of); !known.empty()) visit(of, std::move(known));
+}
+
+// Each texture of KTX2 has another picture as well.
+bool ktx2_is_spare(const nlohmann::json& document) {
+  const auto textures = document.find("textures");
+  if (textures == document.end() || !textures->is_array()) return true;
+  return std::ranges::all_of(*textures, [](const nlohmann::json& texture) {
+    if (!texture.is_object()) return true;
+    const auto extensions = texture.find("extensions");
+    const bool ktx2 =
+        extensions != texture.end() && extensions->is_object() && extensions->contains("KHR_texture_basisu");
+    return !ktx2 || texture.contains("source") || extensions->contains("EXT_texture_webp");
+  });
 }
 
 std::uint32_t word(std::span<const std::uint8_t> file, std::size_t at) {
@@ -58,7 +109,7 @@ Result<std::string_view> gltf_json(std::span<const std::uint8_t> file, std::stri
   return text(20, length);
 }
 
-Result<> check_gltf_json(std::string_view json, std::string_view name) {
+Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name) {
   constexpr int kDeepest = 100;
   if (const int depth = json_depth(json); depth > kDeepest)
     return fail(FaultKind::bad_input, "{}: JSON nested {} deep: expected {} at most", name, depth, kDeepest);
@@ -73,14 +124,40 @@ Result<> check_gltf_json(std::string_view json, std::string_view name) {
     if (const auto at = asset->find("version"); at != asset->end() && at->is_string()) version = at->get<std::string>();
   if (!version.starts_with("2."))
     problems.add("{}: glTF version \"{}\": expected 2.x (glTF 1 files have to be converted)", name, version);
-  if (const auto required = document.find("extensionsRequired"); required != document.end() && required->is_array())
-    for (const auto& extension : *required) {
-      const std::string wanted = extension.is_string() ? extension.get<std::string>() : "(not a name)";
-      if (std::ranges::find(kKnownExtensions, wanted) == kKnownExtensions.end())
-        problems.add("{}: needs the glTF extension {}, which Kasumi does not read: {}", name, wanted, advice(wanted));
-    }
+  GltfClaims claims;
+  claims.extensions = names_in(document, "extensionsUsed");
+  for (std::string& wanted : names_in(document, "extensionsRequired")) {
+    const bool spare = wanted == "KHR_texture_basisu" && ktx2_is_spare(document);
+    if (const auto note = extension_note(wanted); note.use == ExtensionUse::unknown && !spare)
+      problems.add("{}: needs the glTF extension {}, which Kasumi does not read: {}", name, wanted, note.text);
+    claims.extensions.push_back(std::move(wanted));
+  }
+  std::ranges::sort(claims.extensions);
+  claims.extensions.erase(std::ranges::unique(claims.extensions).begin(), claims.extensions.end());
+  for (const std::string& extension : claims.extensions) {
+    const auto note = extension_note(extension);
+    if (note.use == ExtensionUse::without)
+      claims.notes.push_back(fmt::format("{}: {} is left out: {}", name, extension, note.text));
+    if (note.use == ExtensionUse::unknown && extension != "KHR_texture_basisu" && extension != "EXT_texture_avif")
+      claims.notes.push_back(fmt::format("{}: the extension {} is left out: Kasumi does not know it", name, extension));
+  }
+  if (const auto buffers = document.find("buffers"); buffers != document.end() && buffers->is_array())
+    claims.to_mend = std::ranges::any_of(*buffers, is_hollow);
+  each_without_indices(document, [&](const nlohmann::json&) { claims.to_mend = true; });
+  each_data_uri(document, [&](const nlohmann::json&, const std::string&) { claims.to_mend = true; });
   if (!problems.empty()) return fail(problems.fault());
-  return {};
+  return claims;
+}
+
+std::string mended_json(std::string_view json) {
+  auto document = nlohmann::json::parse(json, nullptr, false);
+  if (!document.is_object()) return std::string(json);
+  if (document.contains("buffers") && document["buffers"].is_array())
+    for (auto& buffer : document["buffers"])
+      if (is_hollow(buffer)) buffer = {{"byteLength", 1}, {"uri", "data:application/octet-stream;base64,AA=="}};
+  each_data_uri(document, [](nlohmann::json& of, std::string known) { of["uri"] = std::move(known); });
+  each_without_indices(document, [](nlohmann::json& primitive) { primitive.erase("indices"); });
+  return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace kasumi

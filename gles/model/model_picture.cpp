@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "base/picture_files/picture_file.hpp"
+#include "gles/model/rare_models.hpp"
 
 namespace kasumi {
 
@@ -19,8 +20,8 @@ std::uint8_t in_8_bits(const DecodedFile& file, std::size_t sample) {
 
 Result<PictureHeader> model_picture_size(std::span<const std::uint8_t> file, int largest) {
   const auto header = picture_header(file);
-  if (!header || (header->format != "PNG" && header->format != "JPEG"))
-    return fail(FaultKind::bad_input, "neither a PNG nor a JPEG");
+  if (!header || (header->format != "PNG" && header->format != "JPEG" && header->format != "WebP"))
+    return fail(FaultKind::bad_input, "neither a PNG nor a JPEG nor a WebP");
   if (auto bounded = check_size(*header, {largest, kPhotographLimits.pixels}); !bounded) return fail(bounded.error());
   return *header;
 }
@@ -28,6 +29,11 @@ Result<PictureHeader> model_picture_size(std::span<const std::uint8_t> file, int
 Result<Image<glm::u8vec4>> decode_picture(std::span<const std::uint8_t> file, int largest) {
   const auto header = model_picture_size(file, largest);
   if (!header) return fail(header.error());
+  if (header->format == "WebP") {
+    const auto models = rare_models();
+    if (!models) return fail(models.error());
+    return (*models)->webp_picture(file, static_cast<int>(header->width), static_cast<int>(header->height));
+  }
   const auto decoded = header->format == "PNG" ? decode_png(file) : decode_jpeg_file(file);
   if (!decoded) return fail(decoded.error());
   const bool grey = decoded->channels == 1;

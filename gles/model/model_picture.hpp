@@ -1,4 +1,4 @@
-// Pictures inside models: PNG and JPEG.
+// Pictures inside models: PNG, JPEG and, by the module of rare_models.hpp, WebP.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace kasumi {
 
-// Width and height, without decoding. Errors (bad_input, without the file's name): neither PNG nor JPEG, larger than
+// Width and height, without decoding. Errors (bad_input, without the file's name): none of these, larger than
 // `largest` pixels a side or than any picture (kPhotographLimits).
 Result<PictureHeader> model_picture_size(std::span<const std::uint8_t> file, int largest);
 
-// Errors: the same; damaged.
+// Errors: the same; damaged; unsupported (no module).
 Result<Image<glm::u8vec4>> decode_picture(std::span<const std::uint8_t> file, int largest);
 
 }  // namespace kasumi

@@ -260,7 +260,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     first = std::async(std::launch::async, [&] { return air.next_scene_frame(*sources, stop_requested); });
   auto output = open_output(request, *fixture);
   if (!output) return fail(output.error());
-  const auto model = read_gltf(fixture->installation.object.model);
+  const auto model = read_gltf(fixture->installation.object.model, {}, fixture->installation.object.scene);
   if (!model) return fail(model.error());
   auto compositor = Compositor::create(output->context(), fixture->installation, *model, request.air);
   if (!compositor) return fail(compositor.error());
@@ -277,6 +277,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   if (!played) return fail(played.error());
   auto summary = run.finish();
   if (summary) summary->given = given.whole();
+  if (summary) summary->notes.insert(summary->notes.end(), model->notes.begin(), model->notes.end());
   if (summary) summary->sighting = sight_object(fixture->installation, model->bounds());
   if (summary) summary->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return summary;

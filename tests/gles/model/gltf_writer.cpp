@@ -60,16 +60,28 @@ void GltfFile::add_picture(const std::vector<std::uint8_t>& file) {
   json["textures"] = nlohmann::json::array({{{"source", 0}}});
 }
 
+namespace {
+
+void add_hollow(nlohmann::json& json, std::size_t bytes) {
+  if (bytes > 0)
+    json["buffers"].push_back(
+        {{"byteLength", bytes}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}});
+}
+
+}  // namespace
+
 std::string GltfFile::text() const {
   nlohmann::json whole = json;
   whole["buffers"] = nlohmann::json::array(
       {{{"byteLength", buffer.size()}, {"uri", "data:application/octet-stream;base64," + base64(buffer)}}});
+  add_hollow(whole, hollow_bytes);
   return whole.dump();
 }
 
 std::vector<std::uint8_t> GltfFile::binary() const {
   nlohmann::json whole = json;
   whole["buffers"] = nlohmann::json::array({{{"byteLength", buffer.size()}}});
+  add_hollow(whole, hollow_bytes);
   std::string text = whole.dump();
   while (text.size() % 4 != 0) text += ' ';
   std::vector<std::uint8_t> data = buffer;

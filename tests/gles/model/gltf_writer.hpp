@@ -19,6 +19,7 @@ std::string base64(const std::vector<std::uint8_t>& bytes);
 struct GltfFile {
   nlohmann::json json;
   std::vector<std::uint8_t> buffer;
+  std::size_t hollow_bytes = 0;  // not 0: a second buffer of so many bytes, which the file does not bring
 
   GltfFile();  // an asset with one scene of one node of one mesh of one primitive, which has no attributes yet
   nlohmann::json& primitive() { return json["meshes"][0]["primitives"][0]; }

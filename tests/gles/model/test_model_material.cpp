@@ -175,14 +175,15 @@ TEST(GltfScenes, ErasAreChosenByNameOrNumber) {
 
 TEST(GltfCompression, IsRefusedByNameWithARemedy) {
   GltfFile file = square_file();
-  file.json["extensionsRequired"] = {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu",
-                                     "VENDOR_new_thing"};
+  file.json["extensionsRequired"] = {"EXT_texture_avif", "KHR_texture_basisu", "VENDOR_new_thing"};
+  file.json["textures"] = nlohmann::json::array({{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}});
   const auto refused = file.read("compressed");
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message,
-              testing::AllOf(HasSubstr("compressed.gltf"), HasSubstr("Draco"), HasSubstr("without mesh compression"),
-                             HasSubstr("meshopt"), HasSubstr("KTX2"), HasSubstr("PNG or JPEG"),
-                             HasSubstr("VENDOR_new_thing, which Kasumi does not read: export without it")));
+  EXPECT_THAT(
+      refused.error().message,
+      testing::AllOf(HasSubstr("compressed.gltf"), HasSubstr("KTX2"), HasSubstr("gltf-transform/cli ktxdecompress"),
+                     HasSubstr("AVIF"), HasSubstr("gltf-transform/cli png"),
+                     HasSubstr("VENDOR_new_thing, which Kasumi does not read: export without it")));
 }
 
 TEST(GltfCompression, TexturesAvailableOnlyInKtx2AreIgnoredAndReported) {
@@ -212,9 +213,7 @@ TEST(GltfSamples, OfTheKhronosGroupKeepTheirMaterials) {
         ASSERT_NEAR(glm::length(glm::vec3(vertex.tangent)), 1.0f, 1e-4);
         ASSERT_NEAR(glm::dot(glm::vec3(vertex.tangent), vertex.normal), 0.0f, 1e-4);
       }
-  const auto draco = read_gltf(root / "draco/2CylinderEngine.gltf");
-  ASSERT_FALSE(draco);
-  EXPECT_THAT(draco.error().message, HasSubstr("KHR_draco_mesh_compression"));
+  EXPECT_EQ(loaded(read_gltf(root / "draco/2CylinderEngine.gltf")).triangle_count(), 110336u);
   // Six texture transforms on a square, and a seventh for reference.
   EXPECT_GT(loaded(read_gltf(root / "textureTransform/TextureTransformTest.gltf")).parts.size(), 5u);
 }

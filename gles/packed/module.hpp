@@ -1,0 +1,17 @@
+// What stands in the module kasumi-rare-models.so (gles/model/rare_models.hpp): one file for each library.
+#pragma once
+
+#include "gles/model/rare_models.hpp"
+
+namespace kasumi {
+
+Result<DracoMesh> read_draco(std::span<const std::uint8_t> stream, std::span<DracoAttribute> attributes,
+                             const DracoLimits& limits);
+Result<std::vector<std::uint8_t>> read_meshopt(std::span<const std::uint8_t> stream, const MeshoptView& view,
+                                               std::size_t most);
+Result<Image<glm::u8vec4>> read_webp(std::span<const std::uint8_t> file, int width, int height);
+
+// The least bytes of a stream for as much as it claims: no compressor known packs a thousand to one.
+constexpr std::size_t kMostForAByte = 1000;
+
+}  // namespace kasumi
