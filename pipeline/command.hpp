@@ -19,6 +19,7 @@ void add_estimate_command(CLI::App& app, Action& action);
 void add_retarget_command(CLI::App& app, Action& action);
 void add_sky_command(CLI::App& app, Action& action);
 void add_haze_command(CLI::App& app, Action& action);
+void add_look_command(CLI::App& app, Action& action);
 void add_calibrate_command(CLI::App& app, Action& action);
 void add_prove_command(CLI::App& app, Action& action);
 void add_compare_command(CLI::App& app, Action& action);

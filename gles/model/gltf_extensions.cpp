@@ -59,7 +59,8 @@ ExtensionNote extension_note(std::string_view extension) {
       Row{"KHR_xmp", metadata, ""},
       Row{"KHR_xmp_json_ld", metadata, ""},
 
-      Row{"EXT_texture_avif", unknown, "AVIF pictures: npx @gltf-transform/cli png IN.glb OUT.glb makes PNG of them"},
+      Row{"EXT_texture_avif", unknown,
+          "AVIF pictures: npx @gltf-transform/cli png IN.glb OUT.glb --formats \"*\" makes PNG of them"},
       Row{"KHR_gaussian_splatting", unknown,
           "a cloud of splats has no surface that light could fall on: deliver the mesh that was made of the same "
           "photographs"},

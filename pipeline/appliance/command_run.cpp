@@ -57,6 +57,7 @@ int refused(const Fault& fault) {
 void log_sighting(const Content& content) {
   const auto sighting = sight_object(content.config.installation, content.model->bounds());
   spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.message);
+  for (const auto& note : model_notes(content)) spdlog::info("{}", note);
 }
 
 // Draws it once where nobody sees it: what only GL refuses is found out like that, too.

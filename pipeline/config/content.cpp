@@ -210,6 +210,18 @@ std::vector<ContentPtr> all_eras(const ContentPtr& content) {
   return all;
 }
 
+std::vector<std::string> model_notes(const Content& content) {
+  std::vector<std::string> notes;
+  const auto add = [&](const Model& model) {
+    for (const auto& note : model.notes)
+      if (std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+  };
+  add(*content.model);
+  if (content.eras)
+    for (const auto& era : *content.eras) add(*era.model);
+  return notes;
+}
+
 std::string era_name(const Content& content) {
   return content.eras ? content.config.eras[content.era].name : std::string();
 }

@@ -67,6 +67,8 @@ Result<ContentPtr> read_content_within(std::chrono::nanoseconds longest, const s
 ContentPtr in_its_era(const ContentPtr& content, Utc now);
 // One for each era, so that all can be tried; without eras the content itself.
 std::vector<ContentPtr> all_eras(const ContentPtr& content);
+// What the reader left out of the models of all eras, each once, for the terminal.
+std::vector<std::string> model_notes(const Content& content);
 // Its name; empty: there are no eras.
 std::string era_name(const Content& content);
 

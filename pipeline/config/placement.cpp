@@ -54,6 +54,7 @@ ObjectPlacement read_placement(const ConfigTable& table, const Site& site) {
   }
   object.placement = {place.x, place.y, place.z, from_degrees(table.number("heading_deg", {-360, 360}, 0.0)),
                       table.number("scale", {1e-4, 1e4}, 1.0)};
+  if (table.choice("up", {"y", "z"}, "y") == "z") object.placement.up_axis = UpAxis::z;
   object.shadows = table.flag("shadows", true);
   object.ground_light = table.flag("ground_light", false);
   object.skyline = read_skyline(table);

@@ -32,7 +32,7 @@ constexpr double kUsualRefraction = 0.13;
 double lift_by_refraction(double distance_m, double coefficient = kUsualRefraction);
 
 // [object]: model, scene, east_m north_m up_m or latitude_deg longitude_deg altitude_m (then refraction, default .13,
-// lifts it), heading_deg, scale, shadows, ground_light, skyline. Problems are collected in the table's file.
+// lifts it), heading_deg, scale, up, shadows, ground_light, skyline. Problems are collected in the table's file.
 ObjectPlacement read_placement(const ConfigTable& table, const Site& site);
 
 }  // namespace kasumi

@@ -109,6 +109,7 @@ Result<Packed> pack(const PackRequest& request) {
   const auto text = manifest_text(manifest);
   if (auto readable = parse_manifest(text); !readable) return fail(readable.error());
   if (auto drawable = check_drawable(*content, packed); !drawable) return fail(drawable.error());
+  for (auto& note : model_notes(**content)) packed.remarks.push_back(std::move(note));
   const auto signature = signature_of(request, text);
   if (!signature) return fail(signature.error());
   if (auto written = write_bundle(request.out, folder, manifest, *signature); !written) return fail(written.error());

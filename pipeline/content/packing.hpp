@@ -21,7 +21,7 @@ struct PackRequest {
 struct Packed {
   std::string id;
   Manifest manifest;
-  std::vector<std::string> remarks;  // files of the machine's own that are named but not packed; what was not tried
+  std::vector<std::string> remarks;  // files of the machine's own that are named but not packed; what was not tried; what of models is left out
   std::string renderer;              // what drew it; empty: no GL here
 };
 

@@ -32,10 +32,12 @@ Result<std::string> ask_systemctl() {
 }
 
 void check_content(const Content& content, Findings& findings) {
+  std::string left_out;
+  for (const auto& note : model_notes(content)) left_out += "; " + note;
   findings
       .good("content.model",
-            fmt::format("{}: {} triangles, {} textures", content.config.installation.object.model.filename().string(),
-                        content.model->triangle_count(), content.model->textures.size()))
+            fmt::format("{}: {} triangles, {} textures{}", content.config.installation.object.model.filename().string(),
+                        content.model->triangle_count(), content.model->textures.size(), left_out))
       .values["triangles"] = static_cast<double>(content.model->triangle_count());
   if (content.still)
     findings.good("content.still", fmt::format("{}x{}", content.still->width(), content.still->height()));

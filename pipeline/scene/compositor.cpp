@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <spdlog/spdlog.h>
 #include <glm/geometric.hpp>
 
 #include "pipeline/scene/for_gles.hpp"
@@ -31,6 +32,7 @@ ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, SceneAirOptions options) {
   auto model = read_gltf(installation.object.model, {}, installation.object.scene);
   if (!model) return fail(model.error());
+  for (const auto& note : model->notes) spdlog::info("{}", note);
   return create(context, installation, *model, options);
 }
 

@@ -42,5 +42,18 @@ TEST(Reading, NoPictureIsDecodedBeforeItsSizeIsKnown) {
   EXPECT_GE(decoders.size(), 5u);
 }
 
+// What a reader leaves out of a model must reach whoever brought it: whatever reads one hands its notes on.
+// (tests/pipeline/look runs the commands.)
+TEST(Reading, NoModelIsReadWithoutItsNotes) {
+  std::vector<std::string> readers, found;
+  for (const auto& [name, text] : texts_ending_in(repository_files(), {".cpp", ".hpp"})) {
+    if (!name.starts_with("pipeline/") || text.find("read_gltf(") == std::string::npos) continue;
+    readers.push_back(name);
+    if (text.find("notes") == std::string::npos) found.push_back(name);
+  }
+  EXPECT_THAT(found, testing::IsEmpty());
+  EXPECT_GE(readers.size(), 4u);
+}
+
 }  // namespace
 }  // namespace kasumi::house
