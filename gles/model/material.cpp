@@ -9,6 +9,7 @@
 
 #include "gles/model/gltf_values.hpp"
 #include "gles/model/model_picture.hpp"
+#include "gles/model/specular_glossiness.hpp"
 
 namespace kasumi {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 struct TextureReference {
   int texture = -1;
   TexturePlacement placement;
+  int made = -1;  // index in Surfaces::textures of what was made in its place; -1: nothing
 };
 
 TexturePlacement placement_of(int set, const tinygltf::ExtensionMap& extensions) {
@@ -83,9 +85,49 @@ class TextureReader {
     if (const auto known = places_.find({texture, data}); known != places_.end()) return known->second;
     if (static_cast<std::size_t>(texture) >= gltf_.textures.size())
       return fail(FaultKind::bad_input, "{}: texture {}: there are {}", name_, texture, gltf_.textures.size());
-    const auto read = decode(gltf_.textures[static_cast<std::size_t>(texture)], data);
-    if (read) places_[{texture, data}] = *read;
-    return read;
+    auto decoded = decode(gltf_.textures[static_cast<std::size_t>(texture)], data);
+    if (!decoded) return fail(decoded.error());
+    return places_[{texture, data}] = *decoded ? keep(std::move(**decoded)) : -1;
+  }
+
+  // Of an older material's pictures; diffuse may be -1. Empty: the one of gloss cannot be used.
+  struct OlderPictures {
+    int diffuse = -1, gloss = -1;
+    glm::vec4 diffuse_factor{1.0f};
+    glm::vec3 specular_factor{1.0f};
+    float gloss_factor = 1.0f;
+    friend bool operator==(const OlderPictures&, const OlderPictures&) = default;
+  };
+  struct MadePictures {
+    int colour = -1, roughness = -1;
+  };
+  Result<std::optional<MadePictures>> convert(const OlderPictures& older) {
+    for (const auto& [known, made] : converted_)
+      if (known == older) return made;
+    for (const int texture : {older.diffuse, older.gloss})
+      if (texture >= 0 && static_cast<std::size_t>(texture) >= gltf_.textures.size())
+        return fail(FaultKind::bad_input, "{}: texture {}: there are {}", name_, texture, gltf_.textures.size());
+    auto gloss = decode(gltf_.textures[static_cast<std::size_t>(older.gloss)], false);
+    if (!gloss) return fail(gloss.error());
+    if (!*gloss) return std::nullopt;
+    std::optional<ModelTexture> diffuse;
+    if (older.diffuse >= 0) {
+      auto decoded = decode(gltf_.textures[static_cast<std::size_t>(older.diffuse)], false);
+      if (!decoded) return fail(decoded.error());
+      diffuse = std::move(*decoded);
+    }
+    auto made = metal_rough(diffuse ? diffuse->pixels : Image<glm::u8vec4>(), older.diffuse_factor, (*gloss)->pixels,
+                            older.specular_factor, older.gloss_factor);
+    pixels_ += made.colour.elements().size() + made.roughness.elements().size();
+    if (pixels_ > limits_.texture_pixels)
+      return fail(FaultKind::bad_input, "{}: textures of more than {} pixels together", name_, limits_.texture_pixels);
+    ModelTexture colour = diffuse ? std::move(*diffuse) : **gloss, roughness = std::move(**gloss);
+    colour.pixels = std::move(made.colour);
+    roughness.pixels = std::move(made.roughness);
+    roughness.data = true;
+    const MadePictures pictures{keep(std::move(colour)), keep(std::move(roughness))};
+    converted_.emplace_back(older, pictures);
+    return pictures;
   }
 
   std::vector<ModelTexture> textures() && { return std::move(textures_); }
@@ -111,9 +153,15 @@ class TextureReader {
     return source;
   }
 
-  Result<int> decode(const tinygltf::Texture& texture, bool data) {
+  int keep(ModelTexture texture) {
+    textures_.push_back(std::move(texture));
+    return static_cast<int>(textures_.size()) - 1;
+  }
+
+  // Empty: no usable picture.
+  Result<std::optional<ModelTexture>> decode(const tinygltf::Texture& texture, bool data) {
     const int source = source_of(texture);
-    if (source < 0) return -1;
+    if (source < 0) return std::nullopt;
     if (static_cast<std::size_t>(source) >= gltf_.images.size())
       return fail(FaultKind::bad_input, "{}: image {}: there are {}", name_, source, gltf_.images.size());
     const tinygltf::Image& image = gltf_.images[static_cast<std::size_t>(source)];
@@ -137,8 +185,7 @@ class TextureReader {
       made.wrap_t = wrap_of(sampler.wrapT);
       made.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
     }
-    textures_.push_back(std::move(made));
-    return static_cast<int>(textures_.size()) - 1;
+    return made;
   }
 
   const tinygltf::Model& gltf_;
@@ -146,6 +193,7 @@ class TextureReader {
   const ModelLimits& limits_;
   std::vector<std::string>& notes_;
   std::map<std::pair<int, bool>, int> places_;  // by texture and whether it is data
+  std::vector<std::pair<OlderPictures, MadePictures>> converted_;
   std::vector<ModelTexture> textures_;
   std::size_t pixels_ = 0;
 };
@@ -168,7 +216,7 @@ class MaterialReader {
 
     TextureReference base, roughness;
     if (const auto* older = extension_of(from.extensions, "KHR_materials_pbrSpecularGlossiness"); older != nullptr) {
-      base = read_older(*older, material);
+      if (auto read = read_older(*older, material, base, roughness); !read) return fail(read.error());
     } else {
       base = laid(from.pbrMetallicRoughness.baseColorTexture);
       roughness = laid(from.pbrMetallicRoughness.metallicRoughnessTexture);
@@ -201,20 +249,36 @@ class MaterialReader {
   const Surfaces::Placements& placements() const { return placements_; }
 
  private:
-  TextureReference read_older(const tinygltf::Value& older, ModelMaterial& material) {
+  Result<> read_older(const tinygltf::Value& older, ModelMaterial& material, TextureReference& base,
+                      TextureReference& roughness) {
     material.base_colour = colour_of(numbers(older, "diffuseFactor", {1.0, 1.0, 1.0, 1.0}));
-    material.roughness = 1.0f - fraction(numbers(older, "glossinessFactor", {1.0}).front(), 1.0f);
+    const float gloss_factor = fraction(numbers(older, "glossinessFactor", {1.0}).front(), 1.0f);
+    material.roughness = 1.0f - gloss_factor;
     material.reflectance =
         glm::clamp(three(numbers(older, "specularFactor", {1.0, 1.0, 1.0})), glm::vec3(0.0f), glm::vec3(1.0f));
     material.edge_reflectance = 1.0f;
-    if (older.IsObject() && older.Has("specularGlossinessTexture")) {
-      // Its texture is not supported, and its full values everywhere would turn walls into mirrors.
-      material.reflectance = glm::vec3(0.04f);
+    base = laid(older, "diffuseTexture");
+    const TextureReference gloss = laid(older, "specularGlossinessTexture");
+    if (gloss.texture < 0) return {};
+    std::optional<TextureReader::MadePictures> made;
+    if (base.texture < 0 || base.placement == gloss.placement) {
+      auto converted =
+          textures_.convert({base.texture, gloss.texture, material.base_colour, material.reflectance, gloss_factor});
+      if (!converted) return fail(converted.error());
+      made = *converted;
+    }
+    material.reflectance = glm::vec3(0.04f);
+    if (!made) {  // its full values everywhere would turn walls into mirrors
       material.roughness = 0.8f;
       notes_.push_back(
           fmt::format("{}: material \"{}\": its specularGlossinessTexture is left out", name_, material.name));
+      return {};
     }
-    return laid(older, "diffuseTexture");
+    material.base_colour = glm::vec4(1.0f, 1.0f, 1.0f, material.base_colour.a);
+    material.metallic = material.roughness = 1.0f;
+    base = {base.texture, gloss.placement, made->colour};
+    roughness = {gloss.texture, gloss.placement, made->roughness};
+    return {};
   }
 
   static void read_dielectric(const tinygltf::Material& from, ModelMaterial& material) {
@@ -262,7 +326,7 @@ class MaterialReader {
   }
 
   Result<> add(const TextureReference& picture, bool data, const char* what, ModelMap& map) {
-    const auto texture = textures_.read(picture.texture, data);
+    const auto texture = picture.made >= 0 ? Result<int>(picture.made) : textures_.read(picture.texture, data);
     if (!texture) return fail(texture.error());
     if (*texture < 0) return {};
     for (std::size_t i = 0; i < placements_.size(); ++i) {

@@ -28,6 +28,7 @@ struct DracoMesh {
 };
 struct DracoLimits {
   std::size_t triangles, vertices;
+  std::size_t bytes;  // of all attributes together, unpacked
 };
 
 // One compressed buffer view (EXT_meshopt_compression): count elements of `stride` bytes each.

@@ -120,7 +120,7 @@ Result<> decode_primitive(tinygltf::Model& gltf, tinygltf::Primitive& primitive,
   }
   const auto models = rare_models();
   if (!models) return fail(models.error());
-  const auto mesh = (*models)->draco_mesh(*stream, attributes, {limits.triangles, limits.vertices});
+  const auto mesh = (*models)->draco_mesh(*stream, attributes, {limits.triangles, limits.vertices, limits.file_bytes});
   if (!mesh) return fail(mesh.error());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const int components = attributes[i].components;

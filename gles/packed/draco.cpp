@@ -83,6 +83,11 @@ Result<DracoMesh> read_draco(std::span<const std::uint8_t> stream, std::span<Dra
   if (out.vertices > limits.vertices || mesh.num_faces() > limits.triangles)
     return fail(FaultKind::bad_input, "a Draco mesh of {} vertices: expected {} at most", out.vertices,
                 limits.vertices);
+  std::size_t components = 0;
+  for (const DracoAttribute& attribute : attributes) components += static_cast<std::size_t>(attribute.components);
+  if (out.vertices * components > limits.bytes / sizeof(float))
+    return fail(FaultKind::bad_input, "a Draco mesh of {} vertices of {} numbers each: expected {} bytes at most",
+                out.vertices, components, limits.bytes);
   out.indices.reserve(std::size_t{3} * mesh.num_faces());
   for (std::uint32_t f = 0; f < mesh.num_faces(); ++f)
     for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) {

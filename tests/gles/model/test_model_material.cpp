@@ -87,6 +87,43 @@ TEST(GltfMaterial, IndexOfRefractionAndSpecularSetTheReflectance) {
   EXPECT_EQ(material.edge_reflectance, 0.5f);
 }
 
+// Gold by its specular colour over black, and plaster by its diffuse one: two texels each.
+TEST(GltfMaterial, OlderMaterialsBecomeMetalOrNotByTheirSpecularTexture) {
+  GltfFile file = surface_file();
+  const auto picture = [](const cv::Vec4b& left, const cv::Vec4b& right) {
+    cv::Mat texels(1, 2, CV_8UC4);
+    texels.at<cv::Vec4b>(0, 0) = left;
+    texels.at<cv::Vec4b>(0, 1) = right;
+    std::vector<std::uint8_t> png;
+    cv::imencode(".png", texels, png);
+    return "data:image/png;base64," + base64(png);
+  };
+  // Blue, green, red, alpha.
+  file.json["images"] = {{{"uri", picture({0, 0, 0, 255}, {150, 160, 170, 255})}},
+                         {{"uri", picture({90, 200, 250, 204}, {56, 56, 56, 51})}}};
+  file.json["textures"] = {{{"source", 0}}, {{"source", 1}}};
+  auto& older = file.json["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+  older = {{"diffuseTexture", {{"index", 0}}}, {"specularGlossinessTexture", {{"index", 1}}}};
+  const Model model = loaded(file.read("older"));
+  const ModelMaterial& material = model.materials.at(0);
+  ASSERT_EQ(model.textures.size(), 2u);  // what they are made of is not kept
+  const auto& colour = model.textures.at(static_cast<std::size_t>(material.texture)).pixels;
+  const auto& rough = model.textures.at(static_cast<std::size_t>(material.roughness_map.texture)).pixels;
+  EXPECT_NEAR(colour.at(0, 0).r, 250, 2);
+  EXPECT_NEAR(colour.at(0, 0).b, 90, 2);
+  EXPECT_NEAR(colour.at(1, 0).r, 170, 2);
+  EXPECT_NEAR(colour.at(1, 0).b, 150, 2);
+  EXPECT_NEAR(rough.at(0, 0).b, 255, 2);  // metal
+  EXPECT_NEAR(rough.at(1, 0).b, 0, 3);
+  EXPECT_NEAR(rough.at(0, 0).g, 51, 1);
+  EXPECT_NEAR(rough.at(1, 0).g, 204, 1);
+  EXPECT_EQ(material.metallic, 1.0f);
+  EXPECT_THAT(model.notes, testing::IsEmpty());
+  // Pictures that are laid differently are not converted, which is said.
+  older["specularGlossinessTexture"]["texCoord"] = 1;
+  EXPECT_THAT(loaded(file.read("older")).notes, testing::Contains(HasSubstr("specularGlossinessTexture is left out")));
+}
+
 TEST(GltfMaterial, UnlitNeedsOnlyItsColour) {
   GltfFile file = surface_file();
   file.json["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},

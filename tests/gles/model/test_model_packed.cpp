@@ -272,6 +272,19 @@ TEST(PackedModel, UnpackedViewsCountTogether) {
   EXPECT_THAT(refused.error().message, HasSubstr("bytes at most"));
 }
 
+TEST(PackedModel, AttributesOfADracoMeshCountTogether) {
+  GltfFile file = file_of(dome(30), Packing::draco);
+  const std::size_t bytes = file.text().size() + 4096;
+  ASSERT_TRUE(file.read("many", {.file_bytes = bytes * 4}));
+  auto& attributes = file.primitive()["attributes"];
+  auto& packed = file.primitive()["extensions"]["KHR_draco_mesh_compression"]["attributes"];
+  for (int set = 2; set < 60; ++set) {  // the same stream, again and again
+    attributes[fmt::format("TEXCOORD_{}", set)] = attributes["TEXCOORD_0"];
+    packed[fmt::format("TEXCOORD_{}", set)] = 2;
+  }
+  EXPECT_THAT(file.read("many", {.file_bytes = bytes * 4}).error().message, HasSubstr("bytes at most"));
+}
+
 // Bytes changed at random within the packed streams: a valid model or a message.
 TEST(PackedModel, RandomDamageNeverCausesHarm) {
   std::mt19937_64 random(20260719);

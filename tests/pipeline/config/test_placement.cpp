@@ -65,6 +65,15 @@ TEST_F(PlacementFile, MetresAreUsedUnchanged) {
   EXPECT_EQ(object.placement.scale, 2);
 }
 
+TEST_F(PlacementFile, AModelMayHaveItsZUp) {
+  const std::string place = "east_m = 0\nnorth_m = 3500\nup_m = 0\n";
+  ASSERT_TRUE(read(place));
+  EXPECT_EQ(object.placement.up_axis, UpAxis::y);
+  ASSERT_TRUE(read(place + "up = 'z'"));
+  EXPECT_EQ(object.placement.up_axis, UpAxis::z);
+  EXPECT_THAT(read(place + "up = 'x'").error().message, testing::HasSubstr("object.up"));
+}
+
 TEST_F(PlacementFile, APlaceOnEarthIsTurnedIntoMetres) {
   ASSERT_TRUE(read("latitude_deg = 34.7215\nlongitude_deg = 135.8\naltitude_m = 180"));
   EXPECT_NEAR(object.placement.north_m, 3494, 3);
