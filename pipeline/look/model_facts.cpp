@@ -80,6 +80,7 @@ bool seems_z_up(const Model& model) {
   if (faces.area <= 0.0) return false;
   const auto box = model.bounds();
   const glm::dvec3 lowest(box.lowest), size = glm::dvec3(box.highest) - lowest;
+  if (size.z < 0.1 * std::max(size.x, size.y)) return false;  // a facade or a panel, which stands
   const auto stands = [&](int axis) { return std::abs(lowest[axis]) < 0.1 * size[axis]; };
   const auto centred = [&](int axis, double within) {
     return std::abs(lowest[axis] + 0.5 * size[axis]) < within * size[axis];

@@ -9,6 +9,7 @@
 
 #include "pipeline/look/model_facts.hpp"
 #include "pipeline/look/turntable.hpp"
+#include "tests/gles/model/packed_files.hpp"
 #include "tests/pipeline/content/desk.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
@@ -75,7 +76,10 @@ TEST(Look, TellsWhichAxisSeemsToPointUp) {
   ASSERT_TRUE(pagoda);
   EXPECT_FALSE(seems_z_up(*pagoda));
   EXPECT_TRUE(seems_z_up(with_z_up(*pagoda)));
-  EXPECT_FALSE(seems_z_up(facade()));  // faces z, but stands
+  Model wall = facade();
+  EXPECT_FALSE(seems_z_up(wall));  // faces z, but stands
+  for (ModelVertex& vertex : wall.parts[0].vertices) vertex.position -= glm::vec3(10, 6, 0);
+  EXPECT_FALSE(seems_z_up(wall));
 }
 
 TEST(Look, TellsWhatIsDoubtful) {
@@ -114,6 +118,55 @@ TEST(Look, TurnsTheModelRoundAndAZUpOneStandsUpright) {
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_LT(difference((*views)[i], (*same)[i]), 0.05) << i;
     EXPECT_GT(difference((*views)[i], (*views)[(i + 1) % 8]), 0.5) << i;
+  }
+}
+
+// The model, its meshes written to a file in that packing and read back.
+Model through_file(const Model& model, Packing packing) {
+  GltfFile file;
+  file.json["meshes"][0]["primitives"] = nlohmann::json::array();
+  for (const ModelPart& part : model.parts) {
+    PlainMesh mesh;
+    for (const ModelVertex& vertex : part.vertices) {
+      mesh.positions.insert(mesh.positions.end(), {vertex.position.x, vertex.position.y, vertex.position.z});
+      mesh.normals.insert(mesh.normals.end(), {vertex.normal.x, vertex.normal.y, vertex.normal.z});
+      mesh.texture.insert(mesh.texture.end(), {vertex.texture.x, vertex.texture.y});
+    }
+    mesh.indices = part.indices;
+    add_primitive(file, mesh, packing);
+    // A material with a picture, or its coordinates would not be read.
+    file.json["meshes"][0]["primitives"].back()["material"] = 0;
+  }
+  std::vector<std::uint8_t> rgba(16, 255);
+  file.json["images"] = {{{"uri", "data:image/webp;base64," + base64(webp_file(rgba, 2, 2))}}};
+  file.json["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}}};
+  file.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  Model read = loaded(file.read("packed"));
+  EXPECT_EQ(read.parts.size(), model.parts.size());
+  for (std::size_t i = 0; i < read.parts.size() && i < model.parts.size(); ++i)
+    read.parts[i].material = model.parts[i].material;
+  read.materials = model.materials;
+  read.textures = model.textures;
+  read.ground = model.ground;
+  return read;
+}
+
+TEST(Look, ACompressedModelLooksLikeTheSameUncompressed) {
+  auto context = open_headless_context();
+  if (!context) GTEST_SKIP() << context.error().message;
+  const Model plain = temple();
+  const auto views = turntable(**context, plain, UpAxis::y);
+  ASSERT_TRUE(views) << views.error().message;
+  // Of 255, over the whole picture, a sixth of which or more is the building. meshopt may turn a triangle's corners round.
+  for (const auto& [packing, most] :
+       {std::pair{Packing::none, 0.0}, {Packing::meshopt, 1e-3}, {Packing::draco, 0.05}}) {
+    const auto packed = turntable(**context, through_file(plain, packing), UpAxis::y);
+    ASSERT_TRUE(packed) << packed.error().message;
+    for (std::size_t i = 0; i < 8; ++i) {
+      const double off = difference((*views)[i], (*packed)[i]);
+      RecordProperty(fmt::format("packing-{}-view-{}", int(packing), i), fmt::format("{:.3f}", off));
+      EXPECT_LE(off, most) << "view " << i << ", packing " << int(packing);
+    }
   }
 }
 
