@@ -1,4 +1,5 @@
 // Vertex streams of version 1, which Debian's meshoptimizer (0.18) does not read: KHR_meshopt_compression, "Mode 0".
+// The order of the bytes is that of the format's reference decoder (meshoptimizer, J. St. Pierre and A. Kapoulkine).
 #pragma once
 
 #include <cstdint>
