@@ -1,8 +1,8 @@
 #include "pipeline/config/descriptions.hpp"
 
 #include "calib/adopt_calibration.hpp"
+#include "calib/distances/distance_map.hpp"
 #include "calib/foreign_keys.hpp"
-#include "calib/mask/distance_map.hpp"
 #include "pipeline/config/landmarks.hpp"
 
 namespace kasumi {

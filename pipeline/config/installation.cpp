@@ -3,7 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "base/utc_text.hpp"
-#include "calib/mask/distance_map.hpp"
+#include "calib/distances/distance_map.hpp"
 #include "gles/scene.hpp"
 #include "pipeline/config/cards.hpp"
 #include "pipeline/config/given_air_keys.hpp"

@@ -8,7 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/finite_number.hpp"
-#include "calib/mask/distance_map.hpp"
+#include "calib/distances/distance_map.hpp"
 #include "estimator/photograph/other_air.hpp"
 
 namespace kasumi {

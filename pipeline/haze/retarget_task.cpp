@@ -8,7 +8,7 @@
 
 #include "base/finite_number.hpp"
 #include "base/utc_text.hpp"
-#include "calib/mask/distance_map.hpp"
+#include "calib/distances/distance_map.hpp"
 #include "calib/mask/scene_planes.hpp"
 #include "estimator/photograph/haze_colour.hpp"
 #include "estimator/sky/sun.hpp"

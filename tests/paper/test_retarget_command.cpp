@@ -8,7 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
-#include "calib/mask/distance_map.hpp"
+#include "calib/distances/distance_map.hpp"
 #include "pipeline/files/photograph_file.hpp"
 #include "pipeline/files/picture_sink.hpp"
 #include "pipeline/files/picture_source.hpp"

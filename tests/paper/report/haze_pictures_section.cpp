@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
-#include "calib/mask/distance_map.hpp"
+#include "calib/distances/distance_map.hpp"
 #include "estimator/haze/haze_picture.hpp"
 #include "pipeline/files/contact_sheet.hpp"
 #include "pipeline/files/photograph_file.hpp"

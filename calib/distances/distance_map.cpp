@@ -1,4 +1,4 @@
-#include "calib/mask/distance_map.hpp"
+#include "calib/distances/distance_map.hpp"
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
-#include "calib/mask/distance_map.hpp"
+#include "calib/distances/distance_map.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
