@@ -5,6 +5,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "base/picture_files/colour_profile.hpp"
+#include "base/picture_files/exr_channels.hpp"
 #include "base/picture_files/rare_files.hpp"
 
 namespace kasumi {
@@ -50,6 +52,15 @@ class OpenCvFiles final : public RareFiles {
     // OpenCV only reads from it.
     const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
     return cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+  }
+  std::vector<std::string> exr_channels(std::span<const std::uint8_t> file) const override {
+    return names_of_exr_channels(file);
+  }
+  cv::Mat exr_channel(std::span<const std::uint8_t> file, const std::string& name) const override {
+    return read_exr_channel(file, name);
+  }
+  std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const override {
+    return profile_to_srgb(picture, profile);
   }
   bool encode(const std::string& ending, const cv::Mat& bgr, std::vector<std::uint8_t>& file) const override {
     setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);  // OpenCV writes EXR only when this variable is set

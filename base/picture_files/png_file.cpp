@@ -117,15 +117,15 @@ class PngWriter {
   PngWriter& operator=(const PngWriter&) = delete;
   ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
 
-  Result<std::vector<std::uint8_t>> write(const PngSamples& picture) {
+  Result<std::vector<std::uint8_t>> write(const PngSamples& picture, const PictureMarks& marks) {
     if (picture.width < 1 || picture.height < 1) return fail(FaultKind::bad_input, "a picture without pixels");
-    if (!info_ || !errors_.guard(png_, [&] { write_all(picture); }))
+    if (!info_ || !errors_.guard(png_, [&] { write_all(picture, marks); }))
       return fail(FaultKind::io, "the picture cannot be encoded as PNG: {}", errors_.message());
     return std::move(bytes_);
   }
 
  private:
-  void write_all(const PngSamples& picture) {
+  void write_all(const PngSamples& picture, const PictureMarks& marks) {
     png_set_write_fn(png_, &bytes_, append, nullptr);
     png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png_, kBestSpeed);
@@ -133,6 +133,10 @@ class PngWriter {
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height),
                  picture.bits, picture.colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
+    if (marks.srgb) png_set_sRGB(png_, info_, PNG_sRGB_INTENT_RELATIVE);
+    if (!marks.exif.empty())
+      png_set_eXIf_1(png_, info_, static_cast<png_uint_32>(marks.exif.size()),
+                     const_cast<png_bytep>(marks.exif.data()));
     png_write_info(png_, info_);
     if (picture.bits == 16 && kBytesAreSwapped) png_set_swap(png_);
     for (int y = 0; y < picture.height; ++y)
@@ -157,11 +161,13 @@ class PngWriter {
 };
 
 template <class T>
-Result<std::vector<std::uint8_t>> encode_samples(const Image<T>& image, int colour, int bits) {
+Result<std::vector<std::uint8_t>> encode_samples(const Image<T>& image, int colour, int bits,
+                                                 const PictureMarks& marks = {}) {
   PngWriter writer;
   const void* first = image.elements().data();
   return writer.write({image.width(), image.height(), colour, bits, static_cast<const std::uint8_t*>(first),
-                       static_cast<std::size_t>(image.width()) * sizeof(T)});
+                       static_cast<std::size_t>(image.width()) * sizeof(T)},
+                      marks);
 }
 
 }  // namespace
@@ -171,12 +177,12 @@ Result<DecodedFile> decode_png(std::span<const std::uint8_t> file) {
   return reader.read();
 }
 
-Result<std::vector<std::uint8_t>> encode_png(const Image<Rgb8>& picture) {
-  return encode_samples(picture, PNG_COLOR_TYPE_RGB, 8);
+Result<std::vector<std::uint8_t>> encode_png(const Image<Rgb8>& picture, const PictureMarks& marks) {
+  return encode_samples(picture, PNG_COLOR_TYPE_RGB, 8, marks);
 }
 
-Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture) {
-  return encode_samples(picture, PNG_COLOR_TYPE_RGB, 16);
+Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture, const PictureMarks& marks) {
+  return encode_samples(picture, PNG_COLOR_TYPE_RGB, 16, marks);
 }
 
 Result<std::vector<std::uint8_t>> encode_png(const Image<std::uint8_t>& grey) {

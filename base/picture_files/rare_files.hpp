@@ -35,6 +35,12 @@ class RareFiles {
   virtual ~RareFiles() = default;
   // Samples as they are, in OpenCV's order of channels; empty: not a picture that can be read.
   virtual cv::Mat decode(std::span<const std::uint8_t> file) const = 0;
+  // An EXR's channels, "ViewLayer.Depth.Z", of all its parts but deep ones.
+  virtual std::vector<std::string> exr_channels(std::span<const std::uint8_t> file) const = 0;
+  // One of them as floats; empty: it cannot be read.
+  virtual cv::Mat exr_channel(std::span<const std::uint8_t> file, const std::string& name) const = 0;
+  // From an ICC profile's colours to sRGB (colour_profile.hpp). What is wrong; empty: nothing.
+  virtual std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const = 0;
   // By the name's ending, ".tiff"; false: not one that can be written.
   virtual bool encode(const std::string& ending, const cv::Mat& bgr, std::vector<std::uint8_t>& file) const = 0;
   // Null: cannot be opened.

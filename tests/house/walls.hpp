@@ -146,6 +146,7 @@ inline const Walls kLibraryDoors = {
      {"calib/", "estimator/horizon/", "estimator/landmarks/", "estimator/passers/", "estimator/sky_",
       "fixtures/atmosphere/", "fixtures/light/"}},
     {"GLES2/", {"gles/gl/", "pipeline/bench/gles_"}},
+    {"OpenEXR/", {"base/picture_files/exr_channels.cpp"}},
     {"SDL", {"gles/display/window.cpp"}},
     {"archive", {"pipeline/content/"}},
     {"cairo.h", {"pipeline/stage/text_layout.cpp"}},
@@ -158,6 +159,7 @@ inline const Walls kLibraryDoors = {
     {"fontconfig/", {"pipeline/stage/text_layout.cpp"}},
     {"gbm.h", {"gles/display/kms_scanout_gbm.cpp"}},
     {"jpeglib.h", {"base/picture_files/"}},
+    {"lcms2.h", {"base/picture_files/colour_profile.cpp"}},
     {"libcamera/", {"capture/libcamera/"}},
     {"libexif/", {"pipeline/files/"}},
     {"libudev.h", {"gles/display/kms_udev.cpp"}},
@@ -170,7 +172,7 @@ inline const Walls kLibraryDoors = {
     {"opencv2/",
      {"calib/board/",
       "calib/distances/",
-      "calib/lens/import_lens.cpp",
+      "calib/lens/key_file.cpp",
       "calib/mask/",
       "calib/pose/",
       "calib/read_camera.cpp",
@@ -201,6 +203,7 @@ inline const Walls kLibraryDoors = {
     {"toml++/", {"base/table/"}},
     {"webp/", {"gles/packed/"}},
     {"xf86drm", {"gles/display/kms_drm"}},
+    {"zlib.h", {"base/picture_files/picture_tags.cpp"}},
 };
 
 }  // namespace kasumi::house

@@ -1,0 +1,88 @@
+#include "base/picture_files/colour_profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <lcms2.h>
+#include <opencv2/imgproc.hpp>
+
+namespace kasumi {
+
+namespace {
+
+struct CloseProfile {
+  void operator()(void* profile) const { cmsCloseProfile(profile); }
+};
+struct DeleteTransform {
+  void operator()(void* transform) const { cmsDeleteTransform(transform); }
+};
+using ProfilePtr = std::unique_ptr<void, CloseProfile>;
+using TransformPtr = std::unique_ptr<void, DeleteTransform>;
+
+// Whether it leaves all colours within half a step of 255 of where they are.
+bool changes_nothing(cmsHTRANSFORM transform) {
+  constexpr int kSteps = 9;
+  for (int r = 0; r < kSteps; ++r)
+    for (int g = 0; g < kSteps; ++g)
+      for (int b = 0; b < kSteps; ++b) {
+        const cv::Vec3f from(static_cast<float>(r) / (kSteps - 1), static_cast<float>(g) / (kSteps - 1),
+                             static_cast<float>(b) / (kSteps - 1));
+        cv::Vec3f to;
+        cmsDoTransform(transform, from.val, to.val, 1);
+        for (int c = 0; c < 3; ++c)
+          if (!(std::abs(std::clamp(to[c], 0.0F, 1.0F) - from[c]) < 0.5F / 255.0F)) return false;
+      }
+  return true;
+}
+
+std::string text_of_space(cmsColorSpaceSignature space) {
+  return space == cmsSigCmykData   ? "four inks, as for print"
+         : space == cmsSigGrayData ? "grey"
+                                   : "other colours than R, G, B";
+}
+
+}  // namespace
+
+std::string profile_to_srgb(cv::Mat& picture, std::span<const std::uint8_t> bytes) {
+  if (picture.depth() != CV_8U && picture.depth() != CV_16U) return {};
+  const ProfilePtr profile(cmsOpenProfileFromMem(bytes.data(), static_cast<cmsUInt32Number>(bytes.size())));
+  if (!profile) return "its colour profile is damaged";
+  const auto space = cmsGetColorSpace(profile.get());
+  const bool grey = picture.channels() == 1;
+  if (space != (grey ? cmsSigGrayData : cmsSigRgbData)) {
+    // Grey samples below an RGB profile are its neutral colours.
+    if (!(grey && space == cmsSigRgbData)) return "its colour profile is of " + text_of_space(space);
+    cv::cvtColor(picture, picture, cv::COLOR_GRAY2RGB);
+  }
+  const ProfilePtr srgb(cmsCreate_sRGBProfile());
+  const bool is_grey_profile = space == cmsSigGrayData;
+  const TransformPtr transform(cmsCreateTransform(profile.get(), is_grey_profile ? TYPE_GRAY_FLT : TYPE_RGB_FLT,
+                                                  srgb.get(), TYPE_RGB_FLT, INTENT_RELATIVE_COLORIMETRIC,
+                                                  cmsFLAGS_BLACKPOINTCOMPENSATION | cmsFLAGS_NOCACHE));
+  if (!transform) return "its colour profile cannot be used";
+  if (!is_grey_profile && changes_nothing(transform.get())) return {};
+
+  cv::Mat floats, alpha;
+  picture.convertTo(floats, CV_32F, picture.depth() == CV_8U ? 1.0 / 255.0 : 1.0 / 65535.0);
+  if (floats.channels() == 4) {
+    cv::extractChannel(floats, alpha, 3);
+    cv::cvtColor(floats, floats, cv::COLOR_RGBA2RGB);
+  }
+  cv::Mat made(floats.size(), CV_32FC3);
+  for (int y = 0; y < floats.rows; ++y)
+    cmsDoTransform(transform.get(), floats.ptr(y), made.ptr(y), static_cast<cmsUInt32Number>(floats.cols));
+  cv::Mat clamped = cv::min(cv::max(made, 0.0), 1.0);
+  cv::patchNaNs(clamped, 0.0);
+  if (!alpha.empty()) {
+    std::vector<cv::Mat> channels;
+    cv::split(clamped, channels);
+    channels.push_back(alpha);
+    cv::merge(channels, clamped);
+  }
+  picture = clamped;
+  return {};
+}
+
+}  // namespace kasumi

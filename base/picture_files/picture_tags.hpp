@@ -1,0 +1,22 @@
+// What a picture's file says beside its samples: how it is to be turned, what its colours mean, when and where it was
+// taken. JPEG, PNG, TIFF, WebP.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/picture_header.hpp"
+
+namespace kasumi {
+
+struct PictureTags {
+  int orientation = 1;                // EXIF's, 1 to 8
+  std::vector<std::uint8_t> profile;  // ICC; empty: none
+  std::vector<std::uint8_t> exif;     // a TIFF of tags, from its "II" or "MM" on; empty: none
+};
+
+// Damaged tags are left out; a profile of more than 4 MB is refused (bad_input).
+Result<PictureTags> picture_tags(const PictureHeader& header, std::span<const std::uint8_t> file);
+
+}  // namespace kasumi

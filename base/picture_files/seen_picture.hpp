@@ -1,0 +1,30 @@
+// A picture as a viewer shows it: turned as its EXIF says, its colours sRGB. The one reader of photographs and masks.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "base/picture_header.hpp"
+#include "base/result.hpp"
+
+namespace kasumi {
+
+struct SeenPicture {
+  cv::Mat picture;       // R G B (A) or grey: as the file has it, or floats of 0..1 where a colour profile was applied
+  double quantum = 0.0;  // of the file's samples: 1/255, 1/65535; 0: floats
+  bool is_converted = false;       // by its profile
+  std::vector<std::uint8_t> exif;  // the file's, a TIFF of tags
+};
+
+// Whoever calls has bounded its size. Without orientation and profile the samples are those of decode_picture_file(),
+// bit for bit. Errors (bad_input, unsupported): those of that, a colour profile that cannot be applied.
+Result<SeenPicture> decode_seen_picture(const PictureHeader& header, std::span<const std::uint8_t> file);
+
+// White where a mask lets see, of 8 bits. One painted as transparency is its alpha: transparent hides. Errors
+// (bad_input): other bits; black on transparency, of which nobody knows which of the two is to hide.
+Result<cv::Mat> mask_of(const SeenPicture& seen);
+
+}  // namespace kasumi
