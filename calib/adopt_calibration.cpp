@@ -11,7 +11,8 @@ const ConfigTable::Rivals& rivals() {
       {"latitude_deg", "longitude_deg"},
       {"azimuth_up_deg", "heading_deg", "pitch_deg", "roll_deg"},
       {"response", "response_table", "response_table_red", "response_table_green", "response_table_blue"},
-      {"depth_map", "depth_step_m"}};
+      {"depth_map", "depth_step_m", "depth_no_data", "depth_sky_beyond_m", "depth_channel", "depth_inverse_scale",
+       "depth_inverse_offset"}};
   return kRivals;
 }
 

@@ -44,15 +44,22 @@ Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOpti
                 picture.width(), picture.height(), range_m.width(), range_m.height());
   const int width = range_m.width(), height = range_m.height();
   HazeRange made;
-  if (!range_m.empty()) made.farthest_m = *std::ranges::max_element(range_m.elements());
+  const bool has_sky = options.smallest_sky_share < 1.0;
+  for (const float range : range_m.elements())
+    if (std::isfinite(range)) made.farthest_m = std::max(made.farthest_m, static_cast<double>(range));
   if (!(made.farthest_m > 0.0))
     return fail(FaultKind::bad_input, "the range map holds no measured range: expected metres > 0");
   made.range = range_m;
-  for (float& range : made.range.elements()) range /= static_cast<float>(made.farthest_m);
+  int told_sky_pixels = 0;
+  for (float& range : made.range.elements()) {
+    if (std::isinf(range) && has_sky) ++told_sky_pixels;
+    range = std::isfinite(range) ? range / static_cast<float>(made.farthest_m) : 0.0F;
+  }
 
   Image<std::uint8_t> undefined(width, height);
-  std::ranges::transform(range_m.elements(), undefined.elements().begin(),
-                         [](float range) -> std::uint8_t { return range > 0.0F ? 0 : 255; });
+  std::ranges::transform(range_m.elements(), undefined.elements().begin(), [&](float range) -> std::uint8_t {
+    return range > 0.0F && (has_sky || std::isfinite(range)) ? 0 : 255;
+  });
   Image<int> labels(width, height);
   cv::Mat label_map(height, width, CV_32S, labels.elements().data()), stats, centres;
   const int count = cv::connectedComponentsWithStats(cv::Mat(height, width, CV_8U, undefined.elements().data()),
@@ -62,17 +69,17 @@ Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOpti
   int hole_pixels = 0, sky_pixels = 0;
   for (int i = 1; i < count; ++i) {
     const int area = stats.at<int>(i, cv::CC_STAT_AREA);
-    const bool is_sky = options.smallest_sky_share < 1.0 && area >= options.smallest_sky_share * pixels;
+    const bool is_sky = has_sky && area >= options.smallest_sky_share * pixels;
     (is_sky ? sky_pixels : hole_pixels) += area;
     if (!is_sky) hole_number[static_cast<std::size_t>(i)] = ++made.holes;
   }
   made.hole_share = hole_pixels / pixels;
-  made.sky_share = sky_pixels / pixels;
+  made.sky_share = (sky_pixels + told_sky_pixels) / pixels;
   made.sky = Image<std::uint8_t>(width, height);
   for (std::size_t i = 0; i < labels.elements().size(); ++i) {
     int& label = labels.elements()[i];
     const int hole = hole_number[static_cast<std::size_t>(label)];
-    if (label > 0 && hole == 0) {
+    if ((label > 0 && hole == 0) || (has_sky && std::isinf(range_m.elements()[i]))) {
       made.sky.elements()[i] = 255;
       made.range.elements()[i] = static_cast<float>(options.sky_range);
     }

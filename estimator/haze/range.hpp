@@ -34,7 +34,7 @@ struct HazeRange {
 
 constexpr float kRangeStepTurn = 8.0F;  // e^8: a step from 1 m to 3 km is not mistaken for the same surface
 
-// `range_m`: metres along the line of sight; 0 is undefined. Deterministic. Errors: bad_input (nothing measured,
+// `range_m`: metres along the line of sight; 0 is undefined, infinity sky (indoors, smallest_sky_share 1: undefined). Deterministic. Errors: bad_input (nothing measured,
 // options out of their ranges).
 // `picture`: encoded, of the same size; not needed where outlines stay.
 Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOptions& options = {},

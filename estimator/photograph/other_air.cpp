@@ -191,8 +191,8 @@ UnderOtherAir OtherAir::under(const std::optional<AirState>& target) const {
   constexpr double kFine = 1.0 / 65535.0;
   auto direct = std::move(made.light);
   for (std::size_t i = 0; i < direct.elements().size(); ++i) direct.elements()[i] -= made.airlight.elements()[i];
-  found.airlight = Photograph{encoded_of(camera, made.airlight), {}, kFine};
-  found.direct = Photograph{encoded_of(camera, direct), {}, kFine};
+  found.airlight = Photograph{encoded_of(camera, made.airlight), {}, kFine, {}};
+  found.direct = Photograph{encoded_of(camera, direct), {}, kFine, {}};
   return found;
 }
 

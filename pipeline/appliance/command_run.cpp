@@ -102,6 +102,7 @@ Result<int> check(const RunArguments& arguments) {
   }
   if (const auto summary = calibration_summary((*content)->config.installation, arguments.config); !summary.empty())
     fmt::print("{}\n", summary);
+  if (const auto& map = (*content)->config.installation.depth_map; !map.empty()) fmt::print("{}\n", map);
   return check_drawing(arguments, *content);
 }
 

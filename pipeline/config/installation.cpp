@@ -52,7 +52,8 @@ Installation read_installation(const ConfigTable& root) {
   const auto scene = root.table("scene");
   installation.scene = read_camera(scene, "scene");
   installation.scene_quality = read_image_quality(scene);
-  installation.scene_distances_m = read_distance_map(scene, installation.scene.width, installation.scene.height);
+  installation.scene_distances_m =
+      read_distance_map(scene, installation.scene.width, installation.scene.height, &installation.depth_map);
   installation.people_in_front = scene.flag("people_in_front", false);
   if (installation.scene.lens && !pinhole_model(*installation.scene.lens))
     scene.table("lens").problem("model",

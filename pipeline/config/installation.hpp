@@ -42,6 +42,7 @@ struct Installation {
   ImageQuality scene_quality;
   Image<float> scene_distances_m;  // of the scene camera's size, along each pixel's line of sight, 0 where nothing is
                                    // known to stand; empty: nowhere
+  std::string depth_map;           // what that map knows, for people; empty: there is none
   bool people_in_front = false;    // people, birds and vehicles before the building stay in front of it
   ObjectPlacement object;
   std::vector<Landmark> landmarks;

@@ -97,18 +97,9 @@ void add_haze_command(CLI::App& app, Action& action) {
   auto& a = *arguments;
   auto& options = a.options;
   command->add_option("picture", options.picture, "The picture")->required();
-  command->add_option("--depth", options.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: unknown");
-  command->add_option("--depth-step-m", options.depth_step_m, "Metres per step of the PNG (with --disparity: pixels)")
-      ->check(CLI::Range(1e-5, 1e3));
-  command->add_option("--disparity", options.disparity,
-                      "Instead of --depth: disparities in pixels, from a stereo pair");
-  command
-      ->add_option("--disparity-scale", options.disparity_scale, "Focal length times baseline, in pixels times metres")
-      ->check(CLI::Range(1e-6, 1e9));
-  command->add_option("--disparity-offset-px", options.disparity_offset_px, "Added to disparities (Middlebury: doffs)")
-      ->check(CLI::Range(-1e4, 1e4))
-      ->capture_default_str();
-  command->add_flag("--indoors", options.indoors, "There is no sky: every unknown region is a hole");
+  add_distance_options(*command, options.distances, "not known");
+  command->add_flag("--indoors", options.indoors,
+                    "There is no sky: every unknown region is a hole, and the airlight may come from bright walls");
   command
       ->add_option("--sky-share", options.range.smallest_sky_share,
                    "Unknown regions of at least this share of the picture are sky, smaller ones are holes")

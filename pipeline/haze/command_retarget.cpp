@@ -63,8 +63,7 @@ void add_retarget_command(CLI::App& app, Action& action) {
   command->add_option("--sky", a.sky, "Estimate the source T from this picture of the sky, taken by [sky] of --camera");
   command->add_option("--sky-model", a.sky_model, std::string(kSkyModelWords) + ". Default: auto; for --sky")
       ->type_name("MODEL");
-  command->add_option("--depth", a.depth, "Distances: PFM or EXR of metres, or a PNG of 16 bits; 0: sky");
-  command->add_option("--depth-step-m", a.depth_step_m, "Metres per step of the PNG")->check(CLI::Range(1e-4, 1e3));
+  add_distance_options(*command, a.distances, "sky");
   command->add_option("--planes", a.planes, "Instead of --depth: TOML of ground and walls (docs/photographs.md)");
   command->add_option("--distance-m", a.distance_m, "Instead of --depth: one distance for everything but the sky")
       ->check(CLI::Range(1.0, 200e3));

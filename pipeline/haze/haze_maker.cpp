@@ -10,10 +10,11 @@
 namespace kasumi {
 namespace {
 
-Photograph encoded_of(const Camera& camera, const Image<glm::vec3>& light, double quantum) {
+Photograph encoded_of(const Camera& camera, const Image<glm::vec3>& light, const Photograph& source) {
   Photograph made;
   made.encoded = Image<glm::vec3>(light.width(), light.height());
-  made.quantum = quantum;
+  made.quantum = source.quantum;
+  made.origin = source.origin;
   std::ranges::transform(light.elements(), made.encoded.elements().begin(), [&](const glm::vec3& linear) {
     return glm::clamp(camera.response.to_encoded(glm::dvec3(linear)), 0.0, 1.0);
   });
@@ -44,18 +45,17 @@ Result<HazeMaker> HazeMaker::create(const HazeTask& task, bool on_cpu) {
 
 Result<RenderedHaze> HazeMaker::make(const HazeValues& haze) {
   const auto optics = task_->optics_of(haze);
-  const double quantum = task_->photograph.quantum;
   if (!blur_) {
     auto made = under_haze(task_->light, task_->range, optics, task_->airlight, task_->scheme);
     if (!made) return fail(made.error());
-    return RenderedHaze{encoded_of(task_->camera, made->light, quantum), made->cost};
+    return RenderedHaze{encoded_of(task_->camera, made->light, task_->photograph), made->cost};
   }
   if (auto run = blur_->run(haze_look(optics, task_->range, task_->airlight, task_->scheme)); !run)
     return fail(run.error());
   const auto blurred = blur_->read();
   if (!blurred) return fail(blurred.error());
   const auto farthest = static_cast<double>(*std::ranges::max_element(task_->range.range.elements()));
-  return RenderedHaze{encoded_of(task_->camera, composited(*blurred, task_->airlight), quantum),
+  return RenderedHaze{encoded_of(task_->camera, composited(*blurred, task_->airlight), task_->photograph),
                       cost_of(task_->scheme, optics.inner_px, optics.sigma_px(farthest))};
 }
 

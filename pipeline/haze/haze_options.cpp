@@ -8,7 +8,6 @@
 #include <spdlog/spdlog.h>
 
 #include "base/finite_number.hpp"
-#include "calib/distances/distance_map.hpp"
 #include "estimator/photograph/other_air.hpp"
 
 namespace kasumi {
@@ -66,32 +65,18 @@ std::vector<HazeValues> read_values(const HazeOptions& options, Problems& proble
   return all;
 }
 
-// Distances in metres from disparities; 0 and invalid values mean unknown.
-Image<float> metres_of(const Image<float>& disparity, double scale, double offset_px) {
-  auto metres = disparity;
-  for (float& value : metres.elements()) {
-    const double shifted = static_cast<double>(value) + offset_px;
-    value = value > 0.0F && shifted > 0.0 ? static_cast<float>(scale / shifted) : 0.0F;
-  }
-  return metres;
-}
-
-std::optional<Image<float>> read_range(const HazeOptions& options, Problems& problems) {
-  if (options.depth.empty() == options.disparity.empty()) {
-    problems.add("expected --depth FILE, or --disparity FILE with --disparity-scale");
+// `size`: the picture's; empty where it could not be read.
+std::optional<Image<float>> read_range(const HazeOptions& options, const std::optional<glm::ivec2>& size,
+                                       Problems& problems) {
+  if (options.distances.ways() != 1) {
+    problems.add(
+        "expected --depth FILE, --disparity FILE with --disparity-scale, or --inverse-depth FILE with --inverse-scale");
     return std::nullopt;
   }
-  if (options.disparity.empty() && options.disparity_scale)
-    problems.add("--disparity-scale: expected together with --disparity");
-  if (!options.disparity.empty() && !options.disparity_scale)
-    problems.add("--disparity: expected --disparity-scale, focal length times baseline, in pixels times metres");
-  auto read = read_distances(options.depth.empty() ? options.disparity : options.depth, options.depth_step_m);
-  if (!read) {
-    problems.add("{}", read.error().message);
-    return std::nullopt;
-  }
-  if (options.disparity.empty()) return std::move(*read);
-  return metres_of(*read, options.disparity_scale.value_or(1.0), options.disparity_offset_px);
+  if (!size) return std::nullopt;
+  auto read = read_distances(options.distances, false, size->x, size->y, problems);
+  if (!read) return std::nullopt;
+  return std::move(read->metres);
 }
 
 Image<glm::vec3> light_of(const Camera& camera, const Image<glm::vec3>& encoded) {
@@ -108,6 +93,21 @@ Result<glm::dvec3> measured_airlight(const Camera& camera, const Photograph& pho
   glm::dvec3 sum{0.0};
   for (const auto& column : horizon->columns) sum += column.light;
   return sum / static_cast<double>(horizon->columns.size());
+}
+
+// Where there is no sky, what lights a room: the mean of the brightest hundredth of the picture.
+glm::dvec3 light_of_walls(const Camera& camera, const Photograph& photograph) {
+  const auto light = light_of(camera, photograph.encoded);
+  std::vector<glm::vec3> all(light.elements().begin(), light.elements().end());
+  const auto count = std::max<std::size_t>(1, all.size() / 100);
+  const auto brightness = [](const glm::vec3& c) { return c.r + c.g + c.b; };
+  std::ranges::nth_element(all, all.begin() + static_cast<std::ptrdiff_t>(count - 1), std::greater{}, brightness);
+  glm::dvec3 sum{0.0};
+  for (std::size_t i = 0; i < count; ++i) sum += glm::dvec3(all[i]);
+  const auto mean = glm::max(sum / static_cast<double>(count), glm::dvec3(1e-3));
+  fmt::print("airlight {:.3f},{:.3f},{:.3f}: of the picture's brightest hundredth, for there is no sky indoors\n",
+             mean.r, mean.g, mean.b);
+  return mean;
 }
 
 }  // namespace
@@ -135,7 +135,9 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
   auto photograph = read_photograph(options.picture, options.allow_damaged ? &damage : nullptr);
   if (!photograph) problems.add("{}", photograph.error().message);
   if (!damage.empty()) spdlog::warn("{}: {}; what is left of it is used", options.picture, damage);
-  auto range_m = read_range(options, problems);
+  const auto size =
+      photograph ? std::optional(glm::ivec2(photograph->encoded.width(), photograph->encoded.height())) : std::nullopt;
+  auto range_m = read_range(options, size, problems);
   std::optional<SpectralSensitivity> sensitivity;
   if (!options.sensitivity.empty()) {
     auto read = read_spectral_sensitivity(options.sensitivity);
@@ -144,20 +146,12 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
     else
       problems.add("{}", read.error().message);
   }
-  if (photograph && range_m &&
-      (range_m->width() != photograph->encoded.width() || range_m->height() != photograph->encoded.height()))
-    problems.add("{}: is {} x {}: expected {} x {}, as the picture is",
-                 options.depth.empty() ? options.disparity : options.depth, range_m->width(), range_m->height(),
-                 photograph->encoded.width(), photograph->encoded.height());
   if (range_m) {
     auto range_options = options.range;
     if (options.indoors) range_options.smallest_sky_share = 1.0;
     range_options.outline_reach_px =
         options.outline_reach_px.value_or(std::clamp(static_cast<int>(std::lround(0.01 * range_m->width())), 3, 64));
-    const bool comparable = photograph && photograph->encoded.width() == range_m->width() &&
-                            photograph->encoded.height() == range_m->height();
-    if (!comparable) range_options.outline_reach_px = 0;
-    auto prepared = prepare_range(*range_m, range_options, comparable ? photograph->encoded : Image<glm::vec3>());
+    auto prepared = prepare_range(*range_m, range_options, photograph->encoded);
     if (prepared)
       task.range = std::move(*prepared);
     else
@@ -175,6 +169,8 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
       task.airlight = {options.airlight[0], options.airlight[1], options.airlight[2]};
     else if (const auto measured = measured_airlight(task.camera, *photograph, options.picture))
       task.airlight = *measured;
+    else if (options.indoors)
+      task.airlight = light_of_walls(task.camera, *photograph);
     else
       problems.add("{}", measured.error().message);
   }

@@ -9,13 +9,14 @@
 #include "estimator/haze/haze_picture.hpp"
 #include "pipeline/air_options.hpp"
 #include "pipeline/files/photograph_file.hpp"
+#include "pipeline/haze/distance_options.hpp"
 
 namespace kasumi {
 
 struct HazeOptions {
-  std::string picture, depth, disparity, sensitivity, scattering = "auto", scheme = "matched";
-  std::optional<double> depth_step_m, disparity_scale;  // the latter: metres times pixels
-  double disparity_offset_px = 0.0, altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
+  std::string picture, sensitivity, scattering = "auto", scheme = "matched";
+  DistanceOptions distances;
+  double altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
   HazeRangeOptions range;
   std::optional<int> outline_reach_px;  // left out: a hundredth of the picture's width
   bool indoors = false, allow_damaged = false;

@@ -52,6 +52,7 @@ std::filesystem::path RetargetOutputs::path_of(const std::string& stem, std::siz
 }
 
 void RetargetOutputs::as_taken(const Photograph& photograph) {
+  origin_ = photograph.origin;
   if (!sheet_file_.empty()) sheet_.add(to_rgb8(photograph), "as taken");
 }
 
@@ -59,7 +60,9 @@ Result<> RetargetOutputs::put(const std::string& stem, std::size_t target, const
   if (!out_.empty()) {
     const auto place = path_of(stem, target);
     const auto beside = [&](const char* ending) { return std::filesystem::path(place).replace_extension(ending); };
-    if (auto done = write_photograph(place, made.picture); !done) return done;
+    auto picture = made.picture;
+    picture.origin = origin_;
+    if (auto done = write_photograph(place, picture); !done) return done;
     if (auto done = write_mask(beside(".restored.png"), made.restored); !done) return done;
     if (made.airlight)
       if (auto done = write_photograph(beside(".airlight.png"), *made.airlight); !done) return done;

@@ -30,8 +30,9 @@ class RetargetOutputs {
 
   std::filesystem::path out_, sheet_file_;
   std::vector<std::string> targets_;
-  bool single_ = false;  // --out is a picture's name
-  bool prints_ = false;  // a line for each picture
+  bool single_ = false;               // --out is a picture's name
+  bool prints_ = false;               // a line for each picture
+  std::vector<std::uint8_t> origin_;  // of the picture at hand
   ContactSheet sheet_;
   std::vector<std::unique_ptr<PictureSink>> films_;
 };

@@ -8,7 +8,6 @@
 
 #include "base/finite_number.hpp"
 #include "base/utc_text.hpp"
-#include "calib/distances/distance_map.hpp"
 #include "calib/mask/scene_planes.hpp"
 #include "estimator/photograph/haze_colour.hpp"
 #include "estimator/sky/sun.hpp"
@@ -110,24 +109,18 @@ std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
 
 // Reads the distances; exactly one of the options for them must be given.
 void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& problems) {
-  const int ways =
-      (a.depth.empty() ? 0 : 1) + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
+  const int ways = a.distances.ways() + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
   if (ways != 1)
     return problems.add(
-        "expected one of --depth FILE, --planes FILE, --distance-m for one distance of everything but the sky, or "
+        "expected one of --depth FILE (--disparity, --inverse-depth), --planes FILE, --distance-m for one distance of "
+        "everything but the sky, or "
         "--from-haze when nothing is known");
   setup.everything_at_m = a.distance_m;
   setup.from_haze = a.from_haze;
   const int width = setup.camera.width, height = setup.camera.height;
-  if (!a.depth.empty()) {
-    auto distances = read_distances(a.depth, a.depth_step_m);
-    if (!distances)
-      problems.add("{}", distances.error().message);
-    else if (distances->width() != width || distances->height() != height)
-      problems.add("{}: is {} x {}: expected {} x {}, as the picture is", a.depth, distances->width(),
-                   distances->height(), width, height);
-    else
-      setup.distance_m = std::move(*distances);
+  if (a.distances.ways() == 1) {
+    if (const auto distances = read_distances(a.distances, true, width, height, problems))
+      setup.distance_m = sky_as_zero(*distances);
   } else if (!a.planes.empty()) {
     const auto planes = read_scene_planes(a.planes);
     if (!planes) return problems.add("{}", planes.error().message);

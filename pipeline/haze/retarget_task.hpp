@@ -8,15 +8,16 @@
 #include "base/result.hpp"
 #include "estimator/photograph/other_air.hpp"
 #include "pipeline/air_options.hpp"
+#include "pipeline/haze/distance_options.hpp"
 
 namespace kasumi {
 
 struct RetargetArguments {
   std::vector<std::string> pictures, turbidities, aods;
-  std::string camera, depth, planes, sky, sky_model, utc, target_picture, scattering = "auto", out, sheet, film;
+  std::string camera, planes, sky, sky_model, utc, target_picture, scattering = "auto", out, sheet, film;
   AirOptions aerosol;  // exponent and kind, of source and targets alike
-  std::optional<double> depth_step_m, distance_m, source_turbidity, source_aod, sun_zenith_deg, sun_azimuth_deg,
-      frames_per_second;
+  DistanceOptions distances;
+  std::optional<double> distance_m, source_turbidity, source_aod, sun_zenith_deg, sun_azimuth_deg, frames_per_second;
   double field_of_view_deg = 50.0, pitch_deg = 0.0, altitude_m = 0.0;
   double largest_gain = RetargetOptions{}.largest_gain;
   std::vector<double> airlight, target_airlight;

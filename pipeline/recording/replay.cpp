@@ -279,6 +279,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   if (summary) summary->given = given.whole();
   if (summary) summary->notes.insert(summary->notes.end(), model->notes.begin(), model->notes.end());
   if (summary) summary->sighting = sight_object(fixture->installation, model->bounds());
+  if (summary && !fixture->installation.depth_map.empty()) summary->notes.push_back(fixture->installation.depth_map);
   if (summary) summary->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return summary;
 }

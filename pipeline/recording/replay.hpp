@@ -42,7 +42,7 @@ struct ReplaySummary {
   std::string gl_renderer;
   bool software_gl = false;
   double seconds = 0.0;
-  std::vector<std::string> notes;  // of the model: what of it is left out; and of the renderer
+  std::vector<std::string> notes;  // of the model: what of it is left out; of depth_map; and of the renderer
 };
 
 // Without `realtime`: as fast as possible, in one thread, so that the same fixture gives the same pictures bit for bit.

@@ -225,7 +225,7 @@ TEST_F(RetargetCommand, TakesDistancesFromGroundAndWalls) {
 
 TEST_F(RetargetCommand, ReadsExrAsItReadsPfm) {
   const EnvironmentVariable exr("OPENCV_IO_ENABLE_OPENEXR", "1");
-  const auto distances = read_distances(folder / "depth.pfm", std::nullopt).value();
+  const auto distances = read_distances(folder / "depth.pfm", {}, 320, 180).value().metres;
   cv::Mat map(distances.height(), distances.width(), CV_32FC1);
   for (int y = 0; y < map.rows; ++y)
     for (int x = 0; x < map.cols; ++x) map.at<float>(y, x) = distances.at(x, y);
@@ -243,12 +243,23 @@ TEST_F(RetargetCommand, ReadsExrAsItReadsPfm) {
   EXPECT_EQ(mean_difference(read("by-exr.png"), read("by-pfm.png")), 0.0);
 }
 
-TEST_F(RetargetCommand, RefusesADepthOfAnotherSize) {
-  ASSERT_TRUE(write_pfm(folder / "small.pfm", Image<float>(32, 18, 100.0F)));
+TEST_F(RetargetCommand, TakesADepthOfAnotherSizeButOfNoOtherShape) {
+  ASSERT_TRUE(write_pfm(folder / "same.pfm", Image<float>(320, 180, 100.0F)));
+  ASSERT_TRUE(write_pfm(folder / "half.pfm", Image<float>(160, 90, 100.0F)));
+  for (const char* size : {"same", "half"}) {
+    const auto made =
+        run_kasumi(fmt::format("retarget {} --depth {}.pfm --source-turbidity 2 --turbidity 3 --out {}.png",
+                               in_folder("source.png"), in_folder(size), in_folder(size)));
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_THAT(made.out, HasSubstr("100 to 100 m in 100.0 % of the picture"));
+    EXPECT_EQ(made.out.find("resampled from 160 x 90") != std::string::npos, std::string(size) == "half") << made.out;
+  }
+  EXPECT_EQ(mean_difference(read("same.png"), read("half.png")), 0.0);
+  ASSERT_TRUE(write_pfm(folder / "small.pfm", Image<float>(32, 20, 100.0F)));
   const auto outcome = run_kasumi(fmt::format("retarget {} --depth {} --source-turbidity 2 --turbidity 3 --out {}",
                                               in_folder("source.png"), in_folder("small.pfm"), in_folder("never.png")));
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("is 32 x 18: expected 320 x 180"));
+  EXPECT_THAT(outcome.err, HasSubstr("320 x 180 (it is 32 x 20)"));
 }
 
 // Grey haze that leaves half of each surface, every neighbourhood with something black in it: .9 of the haze is

@@ -116,15 +116,16 @@ Result<Pictured> motorcycle(const ReportOptions& options) {
   const auto folder = options.shared_data / "rgbd" / "motorcycle";
   const auto photograph = read_photograph(folder / "left.png");
   if (!photograph) return fail(photograph.error());
-  const auto depth = read_distances(folder / "depth_m.pfm", std::nullopt);
+  const auto depth =
+      read_distances(folder / "depth_m.pfm", {}, photograph->encoded.width(), photograph->encoded.height());
   if (!depth) return fail(depth.error());
   const Camera camera;
   Image<glm::vec3> light(photograph->encoded.width(), photograph->encoded.height());
   for (std::size_t i = 0; i < light.elements().size(); ++i)
     light.elements()[i] = glm::vec3(camera.response.to_light(glm::dvec3(photograph->encoded.elements()[i])));
-  auto range = prepare_range(*depth, {.smallest_sky_share = 1.0});
+  auto range = prepare_range(depth->metres, {.smallest_sky_share = 1.0});
   if (!range) return fail(range.error());
-  return Pictured{"Middlebury's Motorcycle (H: another of that set)", light, *range, *depth};
+  return Pictured{"Middlebury's Motorcycle (H: another of that set)", light, *range, depth->metres};
 }
 
 Result<Pictured> outdoors(const ReportOptions& options) {

@@ -170,10 +170,44 @@ TEST_F(HazeCommand, ReportsAllProblemsAtOnce) {
   EXPECT_FALSE(std::filesystem::exists(folder / "x.png"));
 }
 
+// What is told of distances, and sky that the map tells where no share of the picture would.
+TEST_F(HazeCommand, SaysWhatTheDistancesAreAndTakesFarAwayForSky) {
+  ASSERT_TRUE(write_pfm(folder / "sky.pfm", [](int x, int y) { return y < 2 && x > 100 ? 1e10F : range_at(x, y); }));
+  const auto outcome = run_kasumi(fmt::format("haze {} --depth {} --airlight .6,.7,.8 --kappa-s .5 --out {}",
+                                              in_folder("board.png"), in_folder("sky.pfm"), in_folder("sky.png")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("4 to 40 m in 99.3 % of the picture, sky in 0.7 %, nothing known in 0.0 %"),
+                                 HasSubstr("range to 40 m; 0 holes filled (0.0 % of the picture), sky 0.7 %")));
+  ASSERT_TRUE(write_pfm(folder / "nothing.pfm", [](int, int) { return 0.0F; }));
+  const auto nothing = run_kasumi(fmt::format("haze {} --depth {} --airlight .6,.7,.8 --kappa-s .5 --out {}",
+                                              in_folder("board.png"), in_folder("nothing.pfm"), in_folder("x.png")));
+  EXPECT_EQ(nothing.code, 2);
+  EXPECT_THAT(nothing.err, HasSubstr("nothing is known in any pixel"));
+}
+
+TEST_F(HazeCommand, NearnessNeedsItsScale) {
+  ASSERT_TRUE(write_pfm(folder / "near.pfm", [](int x, int y) { return (1.0F / range_at(x, y) - 0.005F) / 0.01F; }));
+  const auto haze = fmt::format("haze {} --inverse-depth {} --indoors --airlight .6,.7,.8 --kappa-s .5 --out {}",
+                                in_folder("board.png"), in_folder("near.pfm"), in_folder("near.png"));
+  const auto refused = run_kasumi(haze);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--inverse-scale"));
+  const auto made = run_kasumi(haze + " --inverse-scale .01 --inverse-offset .005");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("range to 40 m"));
+}
+
+TEST_F(HazeCommand, IndoorsNeedsNoSky) {
+  const auto outcome = run_kasumi(fmt::format("haze {} --depth {} --indoors --kappa-s .5 --out {}",
+                                              in_folder("board.png"), in_folder("depth.pfm"), in_folder("room.png")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("of the picture's brightest hundredth"));
+}
+
 TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
   HazeOptions options;
   options.picture = in_folder("board.png");
-  options.depth = in_folder("depth.pfm");
+  options.distances.depth = in_folder("depth.pfm");
   options.indoors = true;
   options.scatterings = {"0.5"};
   options.airlight = {0.6, 0.7, 0.8};
