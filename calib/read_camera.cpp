@@ -1,13 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
-
 #include <glm/geometric.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/decode_picture.hpp"
+#include "base/picture_files/seen_picture.hpp"
 #include "base/picture_header.hpp"
 #include "calib/camera.hpp"
 #include "calib/lens/polynomial.hpp"
@@ -125,18 +122,6 @@ SpectralSensitivity read_sensitivity(const ConfigTable& table, Camera::ColourSpa
   return *sensitivity;
 }
 
-// 8 bits of grey, transparency left out; empty: it has other bits.
-Image<std::uint8_t> grey_of(cv::Mat picture) {
-  if (!picture.empty() && picture.depth() == CV_16U)
-    picture.convertTo(picture, CV_8U, 1.0 / 256.0, -0.498);  // the upper byte
-  if (picture.empty() || picture.depth() != CV_8U) return {};
-  if (picture.channels() == 3) cv::cvtColor(picture, picture, cv::COLOR_RGB2GRAY);
-  if (picture.channels() == 4) cv::cvtColor(picture, picture, cv::COLOR_RGBA2GRAY);
-  Image<std::uint8_t> grey(picture.cols, picture.rows);
-  for (int y = 0; y < grey.height(); ++y) std::copy_n(picture.ptr<std::uint8_t>(y), grey.width(), grey.row(y));
-  return grey;
-}
-
 Image<std::uint8_t> read_mask(const ConfigTable& table, int width, int height) {
   const auto path = table.optional_file("mask");
   std::error_code error;
@@ -147,17 +132,28 @@ Image<std::uint8_t> read_mask(const ConfigTable& table, int width, int height) {
     return {};
   }
   const auto header = picture_header(*bytes);
-  if (header && !header->is(width, height)) {
+  const auto of_another_size = [&](std::int64_t is_width, std::int64_t is_height) {
     table.problem("mask", fmt::format("a PNG as large as the camera's pictures, {} x {} (it is {} x {})", width, height,
-                                      header->width, header->height));
+                                      is_width, is_height));
+    return Image<std::uint8_t>();
+  };
+  // Before it is decoded; it may have to be turned.
+  if (header && !header->is(width, height) && !header->is(height, width))
+    return of_another_size(header->width, header->height);
+  const Result<SeenPicture> seen = header ? decode_seen_picture(*header, *bytes) : Result<SeenPicture>();
+  if (!seen || seen->picture.empty()) {
+    table.problem("mask", seen ? "a PNG" : fmt::format("a PNG that can be read ({})", seen.error().message));
     return {};
   }
-  const auto picture = header ? decode_picture_file(*header, *bytes) : Result<cv::Mat>();
-  auto mask = grey_of(picture.value_or(cv::Mat()));
-  if (mask.width() != width || mask.height() != height) {
-    table.problem("mask", "a PNG");
+  if (seen->picture.cols != width || seen->picture.rows != height)
+    return of_another_size(seen->picture.cols, seen->picture.rows);
+  const auto grey = mask_of(*seen);
+  if (!grey) {
+    table.problem("mask", "a PNG " + grey.error().message);
     return {};
   }
+  Image<std::uint8_t> mask(width, height);
+  for (int y = 0; y < height; ++y) std::copy_n(grey->ptr<std::uint8_t>(y), width, mask.row(y));
   return mask;
 }
 

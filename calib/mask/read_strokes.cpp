@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/decode_picture.hpp"
+#include "base/picture_files/seen_picture.hpp"
 #include "base/picture_header.hpp"
 #include "base/table/config_table.hpp"
 #include "calib/mask/scene_mask.hpp"
@@ -18,13 +18,13 @@ Result<Image<Stroke>> read_picture(const std::filesystem::path& path, int width,
   const auto bytes = read_file(path);
   if (!bytes) return fail(bytes.error());
   const auto header = picture_header(*bytes);
-  if (header && !header->is(width, height))
+  if (header && !header->is(width, height) && !header->is(height, width))
     return fail(FaultKind::bad_input, "{}: {} x {}, expected {} x {} like the picture the strokes are for",
                 path.string(), header->width, header->height, width, height);
-  const auto read = header ? decode_picture_file(*header, *bytes) : Result<cv::Mat>();
+  const auto read = header ? decode_seen_picture(*header, *bytes) : Result<SeenPicture>();
   if (!read && read.error().kind == FaultKind::unsupported)
     return fail(read.error().kind, "{}: {}", path.string(), read.error().message);
-  const cv::Mat rgba = read.value_or(cv::Mat());
+  const cv::Mat rgba = read ? read->picture : cv::Mat();
   if (rgba.empty() || rgba.depth() != CV_8U || rgba.channels() < 3 || rgba.cols != width || rgba.rows != height)
     return fail(FaultKind::bad_input, "{}: expected a PNG of 8-bit colours with red, green or blue strokes",
                 path.string());

@@ -42,7 +42,8 @@ Result<> same_size(const std::string& file, const Photograph& picture, const std
 CountedPixels counted_in(const Photograph& mask) {
   CountedPixels counted(mask.encoded.width(), mask.encoded.height());
   for (std::size_t i = 0; i < counted.elements().size(); ++i)
-    counted.elements()[i] = mask.encoded.elements()[i].g >= 0.5F ? 255 : 0;
+    counted.elements()[i] =
+        mask.encoded.elements()[i].g >= 0.5F && (mask.opacity.empty() || mask.opacity.elements()[i] >= 0.5F) ? 255 : 0;
   return counted;
 }
 

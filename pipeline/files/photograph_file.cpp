@@ -8,12 +8,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/decode_picture.hpp"
 #include "base/picture_files/picture_file.hpp"
 #include "base/picture_files/rare_files.hpp"
+#include "base/picture_files/seen_picture.hpp"
 #include "base/picture_header.hpp"
 #include "capture/codec/encode.hpp"
 #include "capture/codec/jpeg.hpp"
+#include "pipeline/files/picture_origin.hpp"
 
 namespace kasumi {
 
@@ -23,21 +24,20 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
 }
 
-// R G B (A), as many bits as the file has.
-Result<cv::Mat> decode_file(const std::filesystem::path& path, std::string* damage) {
+Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* damage) {
   const auto bytes = read_file(path);
   if (!bytes) return fail(bytes.error());
   const auto header = picture_header(*bytes);
   if (header)
     if (auto bounded = check_size(*header, kPhotographLimits); !bounded)
       return fail(FaultKind::bad_input, "{}: {}", path.string(), bounded.error().message);
-  cv::Mat image;
+  SeenPicture image;
   if (header) {
-    auto decoded = decode_picture_file(*header, *bytes);
+    auto decoded = decode_seen_picture(*header, *bytes);
     if (!decoded) return fail(decoded.error().kind, "{}: {}", path.string(), decoded.error().message);
     image = std::move(*decoded);
   }
-  if (image.empty())
+  if (image.picture.empty())
     return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF or PNM)",
                 path.string());
   // Decoders make grey of what is missing, without a word.
@@ -77,11 +77,26 @@ Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& pictu
   return bytes;
 }
 
+// Behind JFIF's own segment, or first.
+Result<std::vector<std::uint8_t>> with_exif(Result<std::vector<std::uint8_t>> jpeg,
+                                            const std::vector<std::uint8_t>& exif) {
+  constexpr std::size_t kMostInSegment = 65535 - 8;
+  if (!jpeg || jpeg->size() < 6 || exif.empty() || exif.size() > kMostInSegment) return jpeg;
+  const bool jfif = (*jpeg)[3] == 0xe0;
+  const std::size_t at = jfif ? 4 + std::size_t{(*jpeg)[4]} * 256 + (*jpeg)[5] : 2, length = exif.size() + 8;
+  std::vector<std::uint8_t> segment{
+      0xff, 0xe1, static_cast<std::uint8_t>(length >> 8), static_cast<std::uint8_t>(length), 'E', 'x', 'i', 'f', 0, 0};
+  segment.insert(segment.end(), exif.begin(), exif.end());
+  jpeg->insert(jpeg->begin() + static_cast<std::ptrdiff_t>(std::min(at, jpeg->size())), segment.begin(), segment.end());
+  return jpeg;
+}
+
 }  // namespace
 
 Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage) {
-  auto image = decode_file(path, damage);
-  if (!image) return fail(image.error());
+  const auto seen = decode_file(path, damage);
+  if (!seen) return fail(seen.error());
+  const cv::Mat* image = &seen->picture;
   cv::Mat rgb;
   switch (image->channels()) {
     case 1: cv::cvtColor(*image, rgb, cv::COLOR_GRAY2RGB); break;
@@ -91,12 +106,15 @@ Result<Photograph> read_photograph(const std::filesystem::path& path, std::strin
   }
 
   Photograph photograph;
+  photograph.quantum = seen->quantum;
+  photograph.origin = time_and_place(seen->exif);
   double scale = 1.0;
   switch (rgb.depth()) {
-    case CV_8U: scale = photograph.quantum = 1.0 / 255.0; break;
-    case CV_16U: scale = photograph.quantum = 1.0 / 65535.0; break;
+    case CV_8U: scale = 1.0 / 255.0; break;
+    case CV_16U: scale = 1.0 / 65535.0; break;
     case CV_32F:
     case CV_64F: {
+      if (seen->is_converted) break;
       double largest = 0.0;
       cv::patchNaNs(rgb, 0.0);
       cv::minMaxLoc(rgb.reshape(1), nullptr, &largest);
@@ -125,6 +143,7 @@ Result<> write_photograph(const std::filesystem::path& path, const Photograph& p
   if (!jpeg && extension != ".png" && extension != ".tif" && extension != ".tiff")
     return fail(FaultKind::bad_input, "{}: expected a name that ends in .png, .jpg or .tiff", path.string());
   const bool fine = !jpeg && photograph.quantum < 1.0 / 255.0;
+  const PictureMarks marks{true, time_and_place(photograph.origin, jpeg)};
   const auto& encoded = photograph.encoded;
   if (encoded.empty()) return fail(FaultKind::bad_input, "{}: the picture is empty", path.string());
   constexpr int kJpegQuality = 95;
@@ -132,11 +151,11 @@ Result<> write_photograph(const std::filesystem::path& path, const Photograph& p
     const bool tiff = !jpeg && extension != ".png";
     if (fine) {
       const auto picture = rounded<std::uint16_t>(encoded, 65535.0F);
-      return tiff ? encode_tiff(picture) : encode_png(picture);
+      return tiff ? encode_tiff(picture) : encode_png(picture, marks);
     }
     const auto picture = rounded<std::uint8_t>(encoded, 255.0F);
-    if (jpeg) return encode_jpeg(picture, kJpegQuality, ChromaSubsampling::s420);
-    return tiff ? encode_tiff(picture) : encode_png(picture);
+    if (jpeg) return with_exif(encode_jpeg(picture, kJpegQuality, ChromaSubsampling::s420), marks.exif);
+    return tiff ? encode_tiff(picture) : encode_png(picture, marks);
   };
   const auto bytes = encode();
   if (!bytes) return fail(bytes.error().kind, "{}: cannot be encoded: {}", path.string(), bytes.error().message);
