@@ -11,17 +11,24 @@
 namespace kasumi {
 
 struct ImportedLens {
-  LensDescription lens;  // largest_angle: 90 deg, which the files do not state
+  LensDescription lens;  // largest_angle: as asked for, else 90 deg or as far as the picture reaches
   int width = 0;
   int height = 0;
-  std::string program;           // "OCamCalib", "OpenCV"
+  std::string program;           // "OCamCalib", "OpenCV", "ROS", "Kalibr", "COLMAP", "Agisoft", "Hugin"
+  std::string foreign_model;     // as that program names it; empty: it has one only
+  double moved_px = 0.0;         // by how much our model differs from that program's, at most
   std::optional<double> rms_px;  // as that program reported it
 };
 
-// OCamCalib's calib_results.txt; OpenCV's .yml, .yaml, .xml or .json as its samples and most tools write it: a 3 x 3
-// matrix camera_matrix (or cameraMatrix, K), distortion_coefficients (or distCoeffs, D), image_width and image_height,
-// fisheye_model = 1 (or distortion_model: equidistant, fisheye) for the fisheye. Errors (bad_input): everything wrong
-// with it.
-Result<ImportedLens> import_lens(const std::filesystem::path& path);
+struct ImportOptions {
+  std::string model = "auto";            // one of our models' names; it decides where the file leaves it open
+  std::optional<Radians> largest_angle;  // of a fisheye
+};
+
+// By content, not by name: OCamCalib's calib_results.txt; OpenCV's .yml, .xml and .json of pinhole, fisheye and omnidir;
+// ROS' camera_info; Kalibr's camchain; ORB-SLAM's settings; COLMAP's cameras.txt; Agisoft's calibration; Hugin's .pto.
+// Errors (bad_input): everything wrong with it; a number whose meaning is not known; a model that none of ours holds to
+// .1 px; `model` or `largest_angle` without effect.
+Result<ImportedLens> import_lens(const std::filesystem::path& path, const ImportOptions& options = {});
 
 }  // namespace kasumi

@@ -1,4 +1,6 @@
+#include <cmath>
 #include <cstdio>
+#include <set>
 
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
@@ -31,6 +33,7 @@ struct LensArguments {
   std::string model = "auto";
   std::optional<double> largest_angle_deg;
   std::string out;
+  std::vector<std::string> without_effect;  // options typed that --import does not use
 };
 
 std::optional<LensFamily> family_of(const std::string& model) {
@@ -181,10 +184,32 @@ CalibrationStep step_of(const LensArguments& arguments, int width, int height, c
   return step;
 }
 
+// By which a wrong model or unit shows itself.
+void print_landing(const ImportedLens& imported) {
+  constexpr double kOff_deg = 60.0;
+  const auto lens = make_lens(imported.lens);
+  const double sine = std::sin(from_degrees(kOff_deg).value), cosine = std::cos(from_degrees(kOff_deg).value);
+  std::vector<std::string> places;
+  for (const auto& [side, ray] :
+       {std::pair{"to the right", glm::dvec3{sine, 0.0, cosine}}, {"down", glm::dvec3{0.0, sine, cosine}}}) {
+    const auto pixel = lens->project(ray);
+    const bool inside = pixel && pixel->x >= -0.5 && pixel->y >= -0.5 && pixel->x < imported.width - 0.5 &&
+                        pixel->y < imported.height - 0.5;
+    places.push_back(pixel ? fmt::format("{} at ({:.1f}, {:.1f}){}", side, pixel->x, pixel->y,
+                                         inside ? "" : ", outside of the picture")
+                           : fmt::format("{} nowhere: beyond the model's reach", side));
+  }
+  fmt::print("a direction {:.0f} deg off the axis lands {}\n", kOff_deg, fmt::join(places, "; "));
+}
+
 Result<int> import(const LensArguments& arguments) {
-  auto imported = import_lens(arguments.import_file);
+  ImportOptions options{arguments.model, {}};
+  if (arguments.largest_angle_deg) options.largest_angle = from_degrees(*arguments.largest_angle_deg);
+  const auto imported = import_lens(arguments.import_file, options);
   if (!imported) return fail(imported.error());
-  if (arguments.largest_angle_deg) imported->lens.largest_angle = from_degrees(*arguments.largest_angle_deg);
+  if (arguments.camera == "scene" && !std::holds_alternative<PinholeModel>(imported->lens.model))
+    return fail(FaultKind::bad_input, "{}: {} {}: expected a pinhole, for the scene is drawn through one",
+                arguments.import_file, imported->program, imported->foreign_model);
   const auto now = utc_now();
   auto step = step_of(arguments, imported->width, imported->height, imported->lens, now);
   Measured measured{"lens",
@@ -194,9 +219,12 @@ Result<int> import(const LensArguments& arguments) {
                     {},
                     {}};
   if (imported->rms_px) measured.numbers.emplace_back("rms_px", *imported->rms_px);
+  if (imported->moved_px > 0.0) measured.numbers.emplace_back("moved_px", imported->moved_px);
   step.measured.push_back(std::move(measured));
-  fmt::print("{} of {} x {} pictures, from {}\n", model_name(imported->lens), imported->width, imported->height,
-             imported->program);
+  fmt::print("{} of {} x {} pictures, from {}{}\n", model_name(imported->lens), imported->width, imported->height,
+             imported->program, imported->foreign_model.empty() ? "" : "'s " + imported->foreign_model);
+  if (imported->moved_px > 0.0) fmt::print("fitted to it: no pixel moves by more than {:.4f}\n", imported->moved_px);
+  print_landing(*imported);
   return write(arguments, step);
 }
 
@@ -205,6 +233,8 @@ Result<int> calibrate(const LensArguments& arguments) {
   const bool importing = !arguments.import_file.empty();
   const auto board = importing ? AnyBoard() : read_board(arguments.board, false, problems);
   const bool running = !arguments.config.empty() || !arguments.live.empty();
+  for (const auto& option : arguments.without_effect)
+    if (importing) problems.add("{}: has no effect with --import", option);
   if (importing && !arguments.pictures.empty())
     problems.add("--import {}: expected either this or pictures, not both", arguments.import_file);
   if (running && (importing || !arguments.pictures.empty() || (!arguments.config.empty() && !arguments.live.empty())))
@@ -242,8 +272,9 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
   auto& a = *arguments;
   command->add_option("picture", a.pictures, "Pictures of the board, held still, in every part of the frame");
   add_board_options(*command, a.board);
-  command->add_option("--import", a.import_file,
-                      "Import OCamCalib's calib_results.txt or OpenCV's .yml or .xml instead");
+  command->add_option(
+      "--import", a.import_file,
+      "Import a calibration of OpenCV, ROS, Kalibr, ORB-SLAM, COLMAP, Agisoft, Hugin or OCamCalib instead");
   command->add_option("--config", a.config, "Take pictures live from the camera in this kasumi.toml instead");
   command->add_option("--live", a.live, "Take pictures live from this Video4Linux device or recording instead");
   command->add_option("--size", a.size, "Size of the device's pictures")->type_name("WIDTHxHEIGHT");
@@ -255,7 +286,9 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
       ->check(CLI::IsMember({"sky", "scene"}))
       ->capture_default_str();
   command->add_option("--serial", a.serial, "The camera's serial number or name, for the record");
-  command->add_option("--model", a.model, "Lens model; auto: the one that predicts views it was not fitted to best")
+  command
+      ->add_option("--model", a.model,
+                   "Lens model; auto: the one that predicts views it was not fitted to best, or that holds --import's")
       ->check(CLI::IsMember({"auto", "pinhole", "opencv_fisheye", "scaramuzza"}))
       ->capture_default_str();
   command
@@ -263,7 +296,13 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
                    "How far off the axis a fisheye is used; default: 5 deg beyond the farthest corner")
       ->check(CLI::Range(1.0, 180.0));
   command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
-  command->callback([arguments, &action] { action = [arguments] { return calibrate(*arguments); }; });
+  command->callback([arguments, command, &action] {
+    const std::set<std::string> used{"--import", "--camera", "--serial", "--model", "--largest-angle-deg", "--out"};
+    for (const auto* option : command->get_options())
+      if (option->count() > 0 && !option->get_positional() && !used.contains(option->get_name()))
+        arguments->without_effect.push_back(option->get_name());
+    action = [arguments] { return calibrate(*arguments); };
+  });
 }
 
 }  // namespace kasumi

@@ -52,7 +52,8 @@ TEST(ImportLens, OpencvXmlIsReadAsWell) {
       "k.xml",
       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>800</image_width>\n<image_height>600</image_height>\n"
       "<K type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt><data>400. 0. 400. 0. 401. 300. 0. 0. 1."
-      "</data></K>\n<D type_id=\"opencv-matrix\"><rows>1</rows><cols>4</cols><dt>d</dt><data>0.1 0. 0. 0.</data></D>\n"
+      "</data></K>\n<D type_id=\"opencv-matrix\"><rows>1</rows><cols>5</cols><dt>d</dt><data>0.1 0. 0. 0. "
+      "0.</data></D>\n"
       "</opencv_storage>\n"));
   ASSERT_TRUE(lens) << lens.error().message;
   EXPECT_EQ(std::get<PinholeModel>(lens->lens.model).focal_px, glm::dvec2(400.0, 401.0));
@@ -64,7 +65,7 @@ TEST(ImportLens, ReportsAllProblemsAtOnce) {
                                     matrix("distortion_coefficients", 8, 1, "1., 2., 3., 4., 5., 6., 7., 8.")));
   ASSERT_FALSE(broken);
   EXPECT_EQ(broken.error().kind, FaultKind::bad_input);
-  for (const char* part : {"camera_matrix", "rational", "image_width"})
+  for (const char* part : {"camera_matrix", "image_width"})
     EXPECT_THAT(broken.error().message, HasSubstr(part));
   EXPECT_FALSE(import_lens(import_file("text.yml", "this is no calibration")));
   EXPECT_FALSE(import_lens(import_file("empty.xml", "")));

@@ -79,6 +79,17 @@ TEST(CalibrateLens, AnotherProgramsFileIsImported) {
   EXPECT_EQ(root.table("sky").table("lens").text("model"), "scaramuzza");
   EXPECT_EQ(root.table("sky").integer("height"), 768);
   EXPECT_THAT(root.table("sky").table("measured").table("lens").text("from"), HasSubstr("OCamCalib"));
+  EXPECT_THAT(outcome.out, HasSubstr("a direction 60 deg off the axis lands to the right at ("));
+  // What has no effect, and what the scene is not drawn through.
+  for (const auto& [options, word] : {std::pair{"--board 8x6", "--board: has no effect with --import"},
+                                      {"--window", "--window: has no effect with --import"},
+                                      {"--model pinhole", "--model pinhole"},
+                                      {"--camera scene", "expected a pinhole"}}) {
+    const auto refused = run(
+        fmt::format("lens --import {} {} --out {}", (folder / "calib_results.txt").string(), options, file.string()));
+    EXPECT_EQ(refused.code, 2) << options;
+    EXPECT_THAT(refused.err, HasSubstr(word));
+  }
 }
 
 TEST(CalibrateLens, ReportsAllProblemsAtOnce) {

@@ -1,0 +1,176 @@
+#include "calib/lens/key_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include <opencv2/core.hpp>
+
+#include "base/finite_number.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr int kDeepest = 12;
+constexpr std::size_t kMostNumbers = 200'000;
+
+std::string trimmed(const std::string& text) {
+  const auto from = text.find_first_not_of(" \t\r\n");
+  if (from == std::string::npos) return {};
+  return text.substr(from, text.find_last_not_of(" \t\r\n") - from + 1);
+}
+
+std::string without_quotes(std::string text) {
+  if (text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front())
+    return text.substr(1, text.size() - 2);
+  return text;
+}
+
+int open_brackets(const std::string& text) {
+  return static_cast<int>(std::ranges::count(text, '[') - std::ranges::count(text, ']'));
+}
+
+}  // namespace
+
+void KeyFile::add(const std::string& key, const std::string& token) {
+  auto& value = values_[key];
+  if (const auto number = finite_number(token))
+    value.numbers.push_back(*number);
+  else
+    value.text += (value.text.empty() ? "" : " ") + without_quotes(token);
+}
+
+// What of YAML such files use: keys below keys by indentation, lists in brackets or of lines with a dash.
+Result<KeyFile> KeyFile::parse_yaml(const std::string& text) {
+  KeyFile file;
+  struct Level {
+    std::size_t indentation;
+    std::string key;
+  };
+  std::vector<Level> levels;
+  std::istringstream lines(text);
+  std::size_t numbers = 0;
+  const auto add_all = [&](const std::string& key, std::string values) {
+    for (char& c : values)
+      if (c == '[' || c == ']' || c == ',') c = ' ';
+    std::istringstream tokens(values);
+    for (std::string token; tokens >> token && numbers < kMostNumbers; ++numbers) file.add(key, token);
+  };
+  for (std::string line; std::getline(lines, line);) {
+    if (const auto comment = line.find('#'); comment != std::string::npos && (comment == 0 || line[comment - 1] == ' '))
+      line.resize(comment);
+    const auto content = trimmed(line);
+    if (content.empty() || content == "---" || content == "...") continue;
+    const auto indentation = line.find_first_not_of(' ');
+    const bool item = content.starts_with("- ");
+    while (!levels.empty() &&
+           (levels.back().indentation > indentation || (levels.back().indentation == indentation && !item)))
+      levels.pop_back();
+    const auto colon = content.find(": ") != std::string::npos ? content.find(": ")
+                       : content.ends_with(':')                ? content.size() - 1
+                                                               : std::string::npos;
+    if (item || colon == std::string::npos) {
+      if (levels.empty()) return fail(FaultKind::bad_input, "\"{}\" is no key with a value", content.substr(0, 60));
+      auto values = item ? content.substr(2) : content;
+      for (std::string more; open_brackets(values) > 0 && std::getline(lines, more);) values += " " + more;
+      add_all(levels.back().key, values);
+      continue;
+    }
+    const auto name = without_quotes(trimmed(content.substr(0, colon)));
+    auto value = trimmed(content.substr(colon + 1));
+    const auto key = levels.empty() ? name : levels.back().key + "." + name;
+    if (value.empty() || value.starts_with("!!")) {
+      if (levels.size() >= kDeepest)
+        return fail(FaultKind::bad_input, "keys below keys of more than {} levels", kDeepest);
+      levels.push_back({indentation, key});
+      continue;
+    }
+    for (std::string more; open_brackets(value) > 0 && std::getline(lines, more);) value += " " + more;
+    if (value.starts_with('['))
+      add_all(key, value);
+    else
+      file.add(key, value);
+  }
+  if (file.values_.empty()) return fail(FaultKind::bad_input, "no keys with values");
+  return file;
+}
+
+Result<KeyFile> KeyFile::parse_storage(const std::string& text) try {
+  const cv::FileStorage storage(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+  if (!storage.isOpened()) return fail(FaultKind::bad_input, "not as OpenCV writes it");
+  KeyFile file;
+  std::size_t numbers = 0;
+  const auto flatten = [&](const auto& self, const cv::FileNode& node, const std::string& key, int depth) -> void {
+    if (depth > kDeepest || numbers > kMostNumbers) return;
+    if (node.isMap()) {
+      for (const auto& child : node)
+        self(self, child, key.empty() ? child.name() : key + "." + child.name(), depth + 1);
+    } else if (node.isSeq()) {
+      for (const auto& child : node) self(self, child, key, depth + 1);
+    } else if (node.isInt() || node.isReal()) {
+      file.values_[key].numbers.push_back(static_cast<double>(node));
+      ++numbers;
+    } else if (node.isString()) {
+      file.values_[key].text = static_cast<std::string>(node);
+    }
+  };
+  flatten(flatten, storage.root(), "", 0);
+  if (file.values_.empty()) return fail(FaultKind::bad_input, "no keys with values");
+  return file;
+} catch (const cv::Exception& error) {
+  return fail(FaultKind::bad_input, "{}", error.err);
+}
+
+Result<KeyFile> KeyFile::parse(const std::string& text) {
+  const auto start = trimmed(text.substr(0, 4096));
+  if (start.starts_with("%YAML") || start.starts_with('<') || start.starts_with('{')) return parse_storage(text);
+  return parse_yaml(text);
+}
+
+const KeyFile::Value* KeyFile::find(std::initializer_list<const char*> keys, const std::string& prefix) const {
+  for (const char* key : keys)
+    for (const auto& name : {prefix + key, prefix + key + ".data"})
+      if (const auto found = values_.find(name); found != values_.end()) {
+        found->second.asked = true;
+        return &found->second;
+      }
+  return nullptr;
+}
+
+std::vector<double> KeyFile::numbers(std::initializer_list<const char*> keys, const std::string& prefix) const {
+  const auto* value = find(keys, prefix);
+  if (!value || !std::ranges::all_of(value->numbers, [](double x) { return std::isfinite(x); })) return {};
+  return value->numbers;
+}
+
+std::optional<double> KeyFile::number(std::initializer_list<const char*> keys, const std::string& prefix) const {
+  const auto all = numbers(keys, prefix);
+  return all.size() == 1 ? std::optional(all.front()) : std::nullopt;
+}
+
+std::optional<std::string> KeyFile::text(std::initializer_list<const char*> keys, const std::string& prefix) const {
+  const auto* value = find(keys, prefix);
+  return value && !value->text.empty() ? std::optional(value->text) : std::nullopt;
+}
+
+bool KeyFile::has(const std::string& key) const {
+  return values_.contains(key) || values_.contains(key + ".data");
+}
+
+std::vector<std::string> KeyFile::unread(const std::set<std::string, std::less<>>& harmless) const {
+  std::vector<std::string> left;
+  for (const auto& [key, value] : values_) {
+    const auto last = key.substr(key.rfind('.') + 1);
+    const bool shape = last == "rows" || last == "cols" || last == "dt";
+    if (value.asked || value.numbers.empty() || shape) continue;
+    bool known = harmless.contains(last) || key.find("std_dev") != std::string::npos;
+    for (std::size_t dot = key.find('.'), from = 0;; from = dot + 1, dot = key.find('.', from)) {
+      known = known || harmless.contains(key.substr(from, dot == std::string::npos ? dot : dot - from));
+      if (dot == std::string::npos) break;
+    }
+    if (!known) left.push_back(key);
+  }
+  return left;
+}
+
+}  // namespace kasumi
