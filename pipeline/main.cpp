@@ -33,9 +33,10 @@ int exit_code(const kasumi::Fault& fault) {
   std::abort();
 }
 
-int parse_error(const CLI::App& app, const CLI::ParseError& error) {
+int parse_error(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   std::ostringstream refusal;
   const int code = app.exit(error, std::cout, refusal);
+  if (code != 0) refusal << kasumi::meant_instead(app, refusal.str(), argc, argv);
   kasumi::print_refusal(refusal.str());
   return code == 0 ? 0 : kBadInput;
 }
@@ -53,7 +54,7 @@ int main(int argc, char** argv) try {
   try {
     app->parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return parse_error(*app, error);
+    return parse_error(*app, error, argc, argv);
   }
 
   const auto done = action();

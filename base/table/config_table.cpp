@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/files.hpp"
+#include "base/nearest_word.hpp"
 #include "base/table/config_table_file.hpp"
 #include "base/table/key_depth.hpp"
 
@@ -32,6 +33,17 @@ std::string describe(Range range, std::string_view noun) {
   if (low) return fmt::format("{} >= {}", noun, range.lowest);
   if (high) return fmt::format("{} <= {}", noun, range.highest);
   return std::string(noun);
+}
+
+// By the keys that were read of the same table.
+std::string meant_key(const std::string& key, const std::set<std::string>& read) {
+  const auto dot = key.rfind('.');
+  const auto table = key.substr(0, dot == std::string::npos ? 0 : dot + 1);
+  std::vector<std::string> beside;
+  for (const auto& other : read)
+    if (other.starts_with(table) && other.find('.', table.size()) == std::string::npos)
+      beside.push_back(other.substr(table.size()));
+  return did_you_mean(key.substr(table.size()), beside);
 }
 
 bool inside(double value, Range range) {
@@ -173,7 +185,9 @@ std::string ConfigTable::choice(std::string_view key, std::initializer_list<std:
     const auto value = *node->value<std::string>();
     if (std::find(words.begin(), words.end(), value) != words.end()) return value;
   }
-  problem(key, fmt::format("one of \"{}\"", fmt::join(words, "\", \"")));
+  const auto typed = node && node->is_string() ? *node->value<std::string>() : std::string();
+  problem(key, fmt::format("one of \"{}\"{}", fmt::join(words, "\", \""),
+                           did_you_mean(typed, std::vector<std::string>(words.begin(), words.end()))));
   return fallback.value_or(std::string(*words.begin()));
 }
 
@@ -342,7 +356,7 @@ Result<> ConfigTable::finish() const {
     if (file_->read.contains(key)) continue;
     if (file_->unread.contains(key.substr(0, key.find_first_of(".[")))) continue;
     if (!skipped.empty() && key.starts_with(skipped)) continue;
-    file_->problems.add("{}: {}: unknown key", origin_of(key).string(), key);
+    file_->problems.add("{}: {}: unknown key{}", origin_of(key).string(), key, meant_key(key, file_->read));
     skipped = key + ".";
   }
   if (file_->problems.empty()) return {};

@@ -35,6 +35,23 @@ double hidden_by_the_sea_m(double altitude_m, double distance_m) {
   return beyond * beyond / (2.0 * seen_radius);
 }
 
+// What is out of all proportion was probably meant in another unit.
+std::string doubt_of_units(const std::array<glm::dvec3, 8>& corners, double distance_m) {
+  constexpr double kFarthestSeen_m = 300e3, kUsualFrom_m = 100.0, kUsualTo_m = 100e3;
+  const double size_m = glm::length(corners[7] - corners[0]);
+  const auto usual = [&](double metres) { return metres >= kUsualFrom_m && metres <= kUsualTo_m; };
+  if (distance_m > kFarthestSeen_m && usual(distance_m / 1000.0))
+    return fmt::format(
+        " (a thousand times {:.2f} km: is its place in metres, and are latitude and longitude in order?)",
+        distance_m / 1e6);
+  if (distance_m > kFarthestSeen_m) return " (farther than anything is seen: are latitude and longitude in order?)";
+  if (distance_m < size_m && distance_m < kUsualFrom_m && usual(distance_m * 1000.0))
+    return fmt::format(" (the camera stands in it: was {:.2f} km meant, and kilometres given for metres?)", distance_m);
+  if (size_m > 0.0 && size_m < 1e-3 * distance_m && size_m < 1.0)
+    return fmt::format(" (it is {:.3g} m large: is the model in metres?)", size_m);
+  return {};
+}
+
 // Extent of the corners in pixels.
 struct Span {
   glm::dvec2 least{1e18}, greatest{-1e18};
@@ -90,8 +107,8 @@ Sighting sight_object(const Installation& installation, const ModelBounds& bound
   Sighting sighting;
   sighting.distance_m = glm::length(centre);
   const double distance = std::hypot(centre.x, centre.y);
-  const auto place = fmt::format("{:.2f} km away at azimuth {:.1f} deg", sighting.distance_m / 1000.0,
-                                 to_degrees(azimuth_angle(centre)));
+  const auto place = fmt::format("{:.2f} km away at azimuth {:.1f} deg{}", sighting.distance_m / 1000.0,
+                                 to_degrees(azimuth_angle(centre)), doubt_of_units(corners, sighting.distance_m));
   const auto result = [&](Verdict verdict, std::string message) {
     sighting.verdict = verdict;
     sighting.message = std::move(message);

@@ -227,7 +227,11 @@ Result<int> list_content(const ContentArguments& arguments) {
     fmt::print("{} {}  {}  installed {}  {}  {}: {}\n", current && current->id == each.id ? '*' : ' ', each.id,
                second_of(each.manifest.created), second_of(each.installed),
                each.signed_by.empty() ? "not signed" : "by " + each.signed_by, each.manifest.name, state_of(each));
-  fmt::print("{} {}: set up by hand\n", current ? ' ' : '*', arguments.config);
+  std::error_code error;
+  if (std::filesystem::exists(arguments.config, error))
+    fmt::print("{} {}: set up by hand\n", current ? ' ' : '*', arguments.config);
+  else if (!current)
+    fmt::print("* nothing: no generation is shown, and nothing is set up by hand\n");
   return 0;
 }
 

@@ -19,10 +19,17 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::vector<std::string> cells_of(std::string_view line) {
+// What stands between the names: a comma, or what spreadsheets write where the comma is in the numbers.
+char separator_of(std::string_view names) {
+  const auto count = [&](char c) { return std::ranges::count(names, c); };
+  if (count(';') > count(',')) return ';';
+  return count('\t') > count(',') ? '\t' : ',';
+}
+
+std::vector<std::string> cells_of(std::string_view line, char separator) {
   std::vector<std::string> cells;
   for (std::size_t from = 0; from <= line.size();) {
-    const auto comma = std::min(line.find(',', from), line.size());
+    const auto comma = std::min(line.find(separator, from), line.size());
     cells.emplace_back(trimmed(line.substr(from, comma - from)));
     from = comma + 1;
   }
@@ -70,12 +77,13 @@ CsvTable CsvTable::read(const std::filesystem::path& file, Problems& problems) {
     from = end + 1;
     ++number;
     if (number == 1) {
-      table.names_ = cells_of(line);
+      table.separator_ = separator_of(line);
+      table.names_ = cells_of(line, table.separator_);
       check_names(file.string(), table.names_, problems);
       continue;
     }
     if (line.empty()) continue;
-    auto cells = cells_of(line);
+    auto cells = cells_of(line, table.separator_);
     if (cells.size() == table.names_.size()) {
       table.lines_.push_back(number);
       table.cells_.push_back(std::move(cells));
@@ -95,7 +103,9 @@ std::optional<std::size_t> CsvTable::column(std::string_view name) const {
 
 std::optional<double> CsvTable::number(std::size_t row, std::size_t column, double least, double most,
                                        Problems& problems) const {
-  const std::string& cell = cells_[row][column];
+  std::string cell = cells_[row][column];
+  if (separator_ != ',' && std::ranges::count(cell, ',') == 1 && cell.find('.') == std::string::npos)
+    cell[cell.find(',')] = '.';
   double value = std::numeric_limits<double>::quiet_NaN();
   const char* const from = cell.data() + (cell.starts_with('+') ? 1 : 0);
   const auto [end, error] = std::from_chars(from, cell.data() + cell.size(), value);

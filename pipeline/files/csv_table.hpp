@@ -1,5 +1,6 @@
-// Tables of numbers as comma-separated text with a line of names on top, read for people who must put them right: every
-// problem is told with file, line and column.
+// Tables of numbers as text with a line of names on top, separated by commas, or, as that line is, by semicolons or
+// tabs, when numbers may have a decimal comma; read for people who must put them right: every problem is told with file,
+// line and column.
 #pragma once
 
 #include <cstddef>
@@ -31,6 +32,7 @@ class CsvTable {
 
  private:
   std::filesystem::path file_;
+  char separator_ = ',';
   std::vector<std::string> names_;
   std::vector<int> lines_;
   std::vector<std::vector<std::string>> cells_;  // [row][column]

@@ -313,5 +313,17 @@ TEST(CommandLine, AMissingFixtureIsBadInput) {
   EXPECT_THAT(outcome.err, HasSubstr("/nowhere/at-all"));
 }
 
+TEST(CommandLine, AsksWhatAMistypedWordWasMeantFor) {
+  for (const auto& [typed, meant] : {std::pair{"retraget a.png", "retarget"},
+                                     {"calibrate lans a.png", "lens"},
+                                     {"haze a.png --turbidty 8 --out b.png", "--turbidity"},
+                                     {"haze a.png --scheme matchd --turbidity 8 --out b.png", "matched"}}) {
+    const auto outcome = run_kasumi(typed);
+    EXPECT_EQ(outcome.code, 2) << typed;
+    EXPECT_THAT(outcome.err, HasSubstr(std::string("did you mean ") + meant + "?")) << typed;
+  }
+  EXPECT_THAT(run_kasumi("xylophone").err, testing::Not(HasSubstr("did you mean")));
+}
+
 }  // namespace
 }  // namespace kasumi

@@ -42,6 +42,17 @@ TEST_F(SightingOf, ReportsPositionAndSizeInThePicture) {
   EXPECT_THAT(sighting.message, testing::HasSubstr("3.50 km away at azimuth 0.0 deg, 11 x 6 pixels"));
 }
 
+TEST_F(SightingOf, WhatIsOutOfProportionIsProbablyInAnotherUnit) {
+  stand_at(0.0, 3500e3, 0.0);
+  EXPECT_THAT(now().message, testing::HasSubstr("a thousand times 3.5"));
+  stand_at(0.0, 3.5, 0.0);
+  EXPECT_THAT(now().message, testing::HasSubstr("kilometres given for metres?"));
+  stand_at(0.0, 3500.0, 0.0);
+  EXPECT_THAT(sight_object(installation, {{-.02F, 0.0F, -.02F}, {.02F, .02F, .02F}}).message,
+              testing::HasSubstr("is the model in metres?"));
+  EXPECT_THAT(now().message, testing::Not(testing::HasSubstr("?")));
+}
+
 TEST_F(SightingOf, ATurnedCameraLosesItAndReportsWhere) {
   look_to(30.0);
   EXPECT_EQ(now().verdict, Verdict::outside);

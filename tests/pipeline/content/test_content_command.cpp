@@ -157,8 +157,12 @@ TEST_F(Carried, Row22ARunningKioskShowsItOnProbation) {
   EXPECT_EQ(back.code, 0) << back.err;
   EXPECT_TRUE(eventually([&] { return content()["generation"].is_null(); })) << kiosk.log();
   EXPECT_EQ(content()["went_back"]["why"], "by hand");
-  const auto spring = run_kasumi(fmt::format("content list --content {}/content", folder.string())).out;
-  EXPECT_THAT(spring, AllOf(HasSubstr("Summer: went back"), HasSubstr("* /etc/kasumi/kasumi.toml")));
+  const auto spring =
+      run_kasumi(fmt::format("content list --content {}/content --config {}", folder.string(), by_hand.string())).out;
+  EXPECT_THAT(spring, AllOf(HasSubstr("Summer: went back"), HasSubstr("* " + by_hand.string() + ": set up by hand")));
+  const auto nothing =
+      run_kasumi(fmt::format("content list --content {0}/content --config {0}/absent.toml", folder.string())).out;
+  EXPECT_THAT(nothing, AllOf(HasSubstr("* nothing"), testing::Not(HasSubstr("absent.toml"))));
   kiosk.send(SIGTERM);
   EXPECT_EQ(kiosk.wait(20s), 0);
 }

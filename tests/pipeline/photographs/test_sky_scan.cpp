@@ -44,6 +44,21 @@ std::vector<Line> lines_of_a_scanner() {
   return lines;
 }
 
+TEST(SkyScanTable, SemicolonsAndDecimalCommasAreReadAsSpreadsheetsWriteThem) {
+  Problems problems;
+  const auto comma = CsvTable::read(written("comma", "azimuth_deg,luminance\n6,670.6\n42,1.5e3\n"), problems);
+  const auto semicolon = CsvTable::read(written("semicolon", "azimuth_deg;luminance\n6;670,6\n42;1,5e3\n"), problems);
+  const auto tab = CsvTable::read(written("tab", "azimuth_deg\tluminance\n6\t670.6\n42\t1,5e3\n"), problems);
+  ASSERT_TRUE(problems.empty());
+  for (const auto& table : {semicolon, tab})
+    for (std::size_t row = 0; row < 2; ++row)
+      for (std::size_t column = 0; column < 2; ++column)
+        EXPECT_EQ(table.number(row, column, 0, 1e4, problems), comma.number(row, column, 0, 1e4, problems));
+  EXPECT_TRUE(problems.empty());
+  const auto thousands = CsvTable::read(written("thousands", "a;b\n1;1,234,567\n"), problems);
+  EXPECT_FALSE(thousands.number(0, 1, 0, 1e9, problems)) << "no thousands: two commas are no number";
+}
+
 // The dome's own sky as X, Y, Z, or whatever `change` makes of it.
 std::string table_of_dome(const Aerosol& aerosol, const std::function<glm::dvec3(int, glm::dvec3)>& change = {}) {
   const auto sky = dome(0.0, aerosol, direction_from(from_degrees(40.0), from_degrees(130.0)));
