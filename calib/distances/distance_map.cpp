@@ -93,14 +93,23 @@ bool same_shape(int width, int height, int other_width, int other_height) {
   return std::abs(ratio - 1.0) <= kSameShape;
 }
 
-// Land rises towards the horizon: what is nearer above than below is upside down, or nearness.
+// Land goes away upwards: what is nearer in the upper third of what is known than in the lower is upside down, or
+// nearness.
 bool is_nearer_above(const Image<float>& metres) {
-  std::vector<float> above, below;
+  int first = metres.height(), last = -1;
   for (int y = 0; y < metres.height(); ++y)
     for (int x = 0; x < metres.width(); ++x)
       if (is_known(metres.at(x, y))) {
-        if (3 * y < metres.height()) above.push_back(metres.at(x, y));
-        if (3 * y >= 2 * metres.height()) below.push_back(metres.at(x, y));
+        first = std::min(first, y);
+        last = y;
+      }
+  std::vector<float> above, below;
+  const int height = last - first + 1;
+  for (int y = first; y <= last; ++y)
+    for (int x = 0; x < metres.width(); ++x)
+      if (is_known(metres.at(x, y))) {
+        if (3 * (y - first) < height) above.push_back(metres.at(x, y));
+        if (3 * (y - first) >= 2 * height) below.push_back(metres.at(x, y));
       }
   if (above.size() < 16 || below.size() < 16) return false;
   const auto median = [](std::vector<float>& of) {
@@ -108,7 +117,7 @@ bool is_nearer_above(const Image<float>& metres) {
     std::nth_element(of.begin(), middle, of.end());
     return *middle;
   };
-  return median(above) < 0.7F * median(below);
+  return median(above) < 0.5F * median(below);
 }
 
 void measure(DistanceMap& map) {
@@ -128,11 +137,16 @@ void measure(DistanceMap& map) {
   map.far_m = farthest;
 }
 
+std::string metres_text(double metres) {
+  return metres < 1000.0 ? fmt::format("{:.4g}", metres) : fmt::format("{:.0f}", metres);
+}
+
 }  // namespace
 
 std::string DistanceMap::summary() const {
-  auto text = fmt::format("{:.4g} to {:.4g} m in {:.1f} % of the picture, sky in {:.1f} %, nothing known in {:.1f} %",
-                          near_m, far_m, 100.0 * known, 100.0 * sky, 100.0 * std::max(0.0, 1.0 - known - sky));
+  auto text = fmt::format("{} to {} m in {:.1f} % of the picture, sky in {:.1f} %, nothing known in {:.1f} %",
+                          metres_text(near_m), metres_text(far_m), 100.0 * known, 100.0 * sky,
+                          100.0 * std::max(0.0, 1.0 - known - sky));
   for (const auto& remark : remarks) text += "; " + remark;
   return text;
 }
@@ -170,7 +184,15 @@ Result<DistanceMap> read_distances(const std::filesystem::path& path, const Dist
         "{}: all within {:.3g} to {:.3g} m: expected metres; of relative distances say what 1 is (--depth-step-m, "
         "depth_step_m), of a network's nearness --inverse-depth, --inverse-scale",
         name, map.near_m, map.far_m);
-  if (is_nearer_above(map.metres)) map.remarks.push_back("nearer above than below: upside down, or inverse depth?");
+  if (is_nearer_above(map.metres)) {
+    if (!numbers->are_whole && !file.scale)
+      return fail(
+          FaultKind::bad_input,
+          "{}: nearer above than below, as a network's nearness or disparities are: expected --inverse-depth "
+          "with --inverse-scale, or --disparity; if these are metres, say so by --depth-step-m 1 (depth_step_m)",
+          name);
+    map.remarks.push_back("nearer above than below: upside down, or inverse depth?");
+  }
   return map;
 }
 

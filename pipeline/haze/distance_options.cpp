@@ -67,6 +67,9 @@ std::optional<DistanceMap> read_distances(const DistanceOptions& options, bool z
     file.offset = options.inverse_offset;
   }
   auto map = read_distances(options.path(), file, width, height);
+  const bool is_told = (options.disparity.empty() || options.disparity_scale) &&
+                       (options.inverse_depth.empty() || options.inverse_scale);
+  if (map && !is_told) return std::nullopt;
   if (!map) {
     problems.add("{}", map.error().message);
     return std::nullopt;

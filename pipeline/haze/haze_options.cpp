@@ -65,16 +65,16 @@ std::vector<HazeValues> read_values(const HazeOptions& options, Problems& proble
   return all;
 }
 
-// `size`: the picture's; empty where it could not be read.
-std::optional<Image<float>> read_range(const HazeOptions& options, const std::optional<glm::ivec2>& size,
+// `picture`: null where it could not be read.
+std::optional<Image<float>> read_range(const HazeOptions& options, const Image<glm::vec3>* picture,
                                        Problems& problems) {
   if (options.distances.ways() != 1) {
     problems.add(
         "expected --depth FILE, --disparity FILE with --disparity-scale, or --inverse-depth FILE with --inverse-scale");
     return std::nullopt;
   }
-  if (!size) return std::nullopt;
-  auto read = read_distances(options.distances, false, size->x, size->y, problems);
+  if (!picture) return std::nullopt;
+  auto read = read_distances(options.distances, false, picture->width(), picture->height(), problems);
   if (!read) return std::nullopt;
   return std::move(read->metres);
 }
@@ -135,9 +135,7 @@ Result<HazeTask> haze_task(const HazeOptions& options) {
   auto photograph = read_photograph(options.picture, options.allow_damaged ? &damage : nullptr);
   if (!photograph) problems.add("{}", photograph.error().message);
   if (!damage.empty()) spdlog::warn("{}: {}; what is left of it is used", options.picture, damage);
-  const auto size =
-      photograph ? std::optional(glm::ivec2(photograph->encoded.width(), photograph->encoded.height())) : std::nullopt;
-  auto range_m = read_range(options, size, problems);
+  auto range_m = read_range(options, photograph ? &photograph->encoded : nullptr, problems);
   std::optional<SpectralSensitivity> sensitivity;
   if (!options.sensitivity.empty()) {
     auto read = read_spectral_sensitivity(options.sensitivity);

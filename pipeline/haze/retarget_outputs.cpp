@@ -5,10 +5,16 @@
 namespace kasumi {
 namespace {
 
-Result<> write_mask(const std::filesystem::path& path, const Image<std::uint8_t>& mask) {
+// `old`: what it was called when its name did not say that it is a mask; a link, or a copy where there are no links.
+Result<> write_mask(const std::filesystem::path& path, const std::filesystem::path& old,
+                    const Image<std::uint8_t>& mask) {
   Image<Rgb8> picture(mask.width(), mask.height());
   for (std::size_t i = 0; i < mask.elements().size(); ++i) picture.elements()[i] = Rgb8(mask.elements()[i]);
-  return write_png(path, picture);
+  if (auto written = write_png(path, picture); !written) return written;
+  std::error_code error;
+  std::filesystem::remove(old, error);
+  std::filesystem::create_symlink(path.filename(), old, error);
+  return error ? write_png(old, picture) : Result<>{};
 }
 
 }  // namespace
@@ -63,7 +69,8 @@ Result<> RetargetOutputs::put(const std::string& stem, std::size_t target, const
     auto picture = made.picture;
     picture.origin = origin_;
     if (auto done = write_photograph(place, picture); !done) return done;
-    if (auto done = write_mask(beside(".restored.png"), made.restored); !done) return done;
+    if (auto done = write_mask(beside(".restored-mask.png"), beside(".restored.png"), made.restored); !done)
+      return done;
     if (made.airlight)
       if (auto done = write_photograph(beside(".airlight.png"), *made.airlight); !done) return done;
     if (made.direct)

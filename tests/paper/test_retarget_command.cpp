@@ -88,7 +88,8 @@ TEST_F(RetargetCommand, ShowsTheSceneAsItIsInThatAir) {
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_LE(mean_difference(read("made.png"), target), 2.0);
   EXPECT_GT(mean_difference(read("source.png"), target), 10.0) << "otherwise the test shows nothing";
-  EXPECT_TRUE(std::filesystem::exists(folder / "made.restored.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "made.restored-mask.png"));
+  EXPECT_EQ(std::filesystem::read_symlink(folder / "made.restored.png"), "made.restored-mask.png") << "the old name";
 }
 
 // Without a picture of the target the sky model gives the brightness of the haze.

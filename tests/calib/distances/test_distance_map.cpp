@@ -223,11 +223,15 @@ TEST(DistanceNumbers, DisparitiesAndNearnessBecomeDistances) {
 
 TEST(DistanceNumbers, WhatIsUpsideDownOrRelativeIsTold) {
   auto nearness = landscape(0.0f);
-  for (float& value : nearness.elements()) value = value > 0.0f ? 1000.0f / value : 0.01f;
-  const auto told = read_distances(pfm_of("nearer.pfm", nearness), {}, kWide, kHigh);
+  for (float& value : nearness.elements()) value = value > 0.0f ? 10000.0f / value : 0.0f;
+  EXPECT_THAT(read_distances(pfm_of("nearer.pfm", nearness), {}, kWide, kHigh).error().message,
+              HasSubstr("if these are metres, say so"));
+  DistanceFile metres;
+  metres.scale = 1.0;
+  const auto told = read_distances(folder() / "nearer.pfm", metres, kWide, kHigh);
   ASSERT_TRUE(told) << told.error().message;
   EXPECT_THAT(told->summary(), HasSubstr("inverse depth?"));
-  for (float& value : nearness.elements()) value *= 0.05f;
+  for (float& value : nearness.elements()) value *= 0.008f;
   EXPECT_THAT(read_distances(pfm_of("relative.pfm", nearness), {}, kWide, kHigh).error().message,
               HasSubstr("all within"));
 }
