@@ -82,17 +82,19 @@ LensDescription moved(LensDescription description, const glm::dvec2& centre, dou
 std::string toml_of(const LensDescription& description) {
   auto text = fmt::format("model = \"{}\"\n", model_name(description));
   text += std::visit(
-      Overloaded{
-          [](const IdealFisheyeModel& m) { return fmt::format("focal_px = {}\n", toml_number(m.focal_px)); },
-          [](const OpencvFisheyeModel& m) {
-            return fmt::format("focal_px = {}\nk = {}\n", pair(m.focal_px), list(m.k));
-          },
-          [](const ScaramuzzaModel& m) {
-            return fmt::format("polynomial = {}\naffine = {}\n", list(m.polynomial), list(std::array{m.c, m.d, m.e}));
-          },
-          [](const PinholeModel& m) {
-            return fmt::format("focal_px = {}\ndistortion = {}\n", pair(m.focal_px), list(m.distortion));
-          }},
+      Overloaded{[](const IdealFisheyeModel& m) { return fmt::format("focal_px = {}\n", toml_number(m.focal_px)); },
+                 [](const OpencvFisheyeModel& m) {
+                   return fmt::format("focal_px = {}\nk = {}\n", pair(m.focal_px), list(m.k));
+                 },
+                 [](const ScaramuzzaModel& m) {
+                   // The focal length is the polynomial's: for people and other programs' scripts.
+                   return fmt::format("focal_px = {}\npolynomial = {}\naffine = {}\n",
+                                      pair(-m.polynomial.front() * glm::dvec2{1.0, m.c}), list(m.polynomial),
+                                      list(std::array{m.c, m.d, m.e}));
+                 },
+                 [](const PinholeModel& m) {
+                   return fmt::format("focal_px = {}\ndistortion = {}\n", pair(m.focal_px), list(m.distortion));
+                 }},
       description.model);
   text += fmt::format("centre_px = {}\n", pair(centre_of(description)));
   if (!std::holds_alternative<PinholeModel>(description.model))

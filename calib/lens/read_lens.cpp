@@ -71,6 +71,7 @@ ScaramuzzaModel read_scaramuzza_model(const ConfigTable& table) {
   else if (!polynomial.empty())
     table.problem("polynomial",
                   "2 to 20 coefficients a0, a1, ... with a0 < 0 (a model with the opposite sign: turn every sign)");
+  table.numbers("focal_px", 2, kFocal_px, std::vector{1.0, 1.0});  // for people: the polynomial has it
   model.centre = read_centre(table);
   const auto affine = table.numbers("affine", 3, {-10.0, 10.0}, std::vector{1.0, 0.0, 0.0});
   if (affine[0] - affine[1] * affine[2] > 0.0) {
