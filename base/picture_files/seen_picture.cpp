@@ -36,8 +36,8 @@ Result<SeenPicture> decode_seen_picture(const PictureHeader& header, std::span<c
       return fail(FaultKind::bad_input, "{}: expected it saved as sRGB", wrong);
     seen.is_converted = seen.picture.depth() == CV_32F;
   }
-  // OpenCV turns TIFFs of 8 bits itself, and no others.
-  if (!(header.format == "TIFF" && depth == CV_8U)) turn(seen.picture, tags->orientation);
+  if (header.format != "TIFF")
+    turn(seen.picture, tags->orientation);  // OpenCV turns TIFFs itself, whatever it is asked
   return seen;
 }
 

@@ -47,6 +47,10 @@ NamedModel model_named(std::string name) {
 
 // Keys of results and settings that say nothing of where light falls.
 const std::set<std::string, std::less<>> kHarmless{"nframes",
+                                                   "ret",
+                                                   "error",
+                                                   "mean_error",
+                                                   "version",
                                                    "nr_of_frames",
                                                    "framesCount",
                                                    "board_width",
@@ -127,7 +131,7 @@ std::optional<SensorMatrix> matrix_of(const KeyFile& file, const std::string& at
 
 std::vector<double> distortion_of(const KeyFile& file, const std::string& at) {
   auto found = file.numbers({"distortion_coefficients", "distortion_coeffs", "distCoeffs", "DistCoeffs", "dist_coeffs",
-                             "Distortion_Coefficients", "D", "dist"},
+                             "dist_coeff", "Distortion_Coefficients", "D", "dist"},
                             at);
   if (!found.empty()) return found;
   const std::string slam = file.has("Camera1.fx") ? "Camera1." : "Camera.";
@@ -140,7 +144,8 @@ std::vector<double> distortion_of(const KeyFile& file, const std::string& at) {
 void read_size(const KeyFile& file, const std::string& at, ForeignLens& lens, Problems& problems) {
   const auto width = file.number({"image_width", "imageWidth", "width", "Camera.width"}, at),
              height = file.number({"image_height", "imageHeight", "height", "Camera.height"}, at);
-  auto size = file.numbers({"image_size", "imageSize", "cameraResolution", "resolution", "image_Size"}, at);
+  auto size =
+      file.numbers({"image_size", "imageSize", "cameraResolution", "resolution", "image_Size", "DIM", "dim"}, at);
   if (width && height) size = {*width, *height};
   if (size.size() == 2 && size[0] >= 1.0 && size[1] >= 1.0 && size[0] <= 1e5 && size[1] <= 1e5) {
     lens.width = static_cast<int>(size[0]);

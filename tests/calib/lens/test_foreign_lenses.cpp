@@ -111,6 +111,18 @@ TEST(ForeignLens, FourCoefficientsWithoutAModelsNameAskForIt) {
   expect_projection(imported_from(text, {"pinhole", {}}), "OpenCV", by_opencv_pinhole(kBent), {0.0, 30.0});
 }
 
+// As scripts in Python write them.
+TEST(ForeignLens, ScriptsOfOpencvsInJsonAndPlainYaml) {
+  expect_projection(imported_from("{\"DIM\": [1600, 1500], \"K\": [[450.5, 0.0, 801.25], [0.0, 452.0, 748.5], [0.0, "
+                                  "0.0, 1.0]], \"D\": [[0.02], [-0.01], [0.003], [-0.0005]], \"ret\": 0.2}",
+                                  {"opencv_fisheye", {}}),
+                    "OpenCV", by_opencv_fisheye(0.0));
+  expect_projection(imported_from("camera_matrix:\n- - 450.5\n  - 0.0\n  - 801.25\n- - 0.0\n  - 452.0\n  - 748.5\n- - "
+                                  "0.0\n  - 0.0\n  - 1.0\ndist_coeff:\n- - -0.05\n  - 0.008\n  - 0.001\n  - -0.0005\n"
+                                  "  - -0.0006\nimage_size: [1600, 1500]\n"),
+                    "OpenCV", by_opencv_pinhole({-0.05, 0.008, 1e-3, -5e-4, -0.0006}), {0.0, 30.0, 55.0});
+}
+
 TEST(ForeignLens, OpencvsPinholeItsRationalModelAndItsOwnProgram) {
   const std::vector<double> brown{-0.05, 0.008, 1e-3, -5e-4, -0.0006};
   expect_projection(imported_from(kHead + kMatrix + opencv_matrix("D", brown, 5)), "OpenCV", by_opencv_pinhole(brown),

@@ -1,5 +1,6 @@
 // Completing measured range maps: synthetic maps with known truth.
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -42,6 +43,29 @@ TEST(HazeRange, AHoleInASlantedWallIsFilledByTheWall) {
       worst = std::max(worst, std::abs(metres / slanted_wall_m(x, y) - 1.0));
     }
   EXPECT_LT(worst, 1e-4) << "of the range";
+}
+
+// However small its share; a hole of the wall beside it stays a hole.
+TEST(HazeRange, InfinityIsSkyAndIndoorsAHole) {
+  auto range = slanted_wall(120, 90);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 10; x < 14; ++x) range.at(x, y) = std::numeric_limits<float>::infinity();
+  range.at(60, 40) = 0.0F;
+  HazeRangeOptions options;
+  options.margin_px = 0;
+  const auto outdoors = prepare_range(range, options);
+  ASSERT_TRUE(outdoors) << outdoors.error().message;
+  EXPECT_EQ(outdoors->holes, 1);
+  EXPECT_NEAR(outdoors->sky_share, 16.0 / (120.0 * 90.0), 1e-9);
+  EXPECT_EQ(outdoors->sky.at(11, 1), 255);
+  EXPECT_EQ(outdoors->sky.at(60, 40), 0);
+  EXPECT_EQ(outdoors->range.at(11, 1), static_cast<float>(options.sky_range));
+  EXPECT_NEAR(outdoors->farthest_m, slanted_wall_m(119, 0), 1e-4);
+  const auto room = prepare_range(range, indoors());
+  ASSERT_TRUE(room);
+  EXPECT_EQ(room->holes, 2);
+  EXPECT_EQ(room->sky_share, 0.0);
+  EXPECT_NEAR(static_cast<double>(room->range.at(11, 1)) * room->farthest_m, slanted_wall_m(11, 1), 1e-3);
 }
 
 TEST(HazeRange, AHoleWhoseBorderIsPartlyAnObjectInFrontIsFilledByTheWallBehind) {

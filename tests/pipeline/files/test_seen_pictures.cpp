@@ -77,6 +77,29 @@ SeenBytes orientation_exif(int orientation, bool big_endian) {
   return exif;
 }
 
+// A TIFF, little-endian as OpenCV writes it, with its directory again at the end and tag 274 in it.
+SeenBytes with_orientation(SeenBytes tiff, int orientation) {
+  const auto number = [&](std::size_t at, int count) {
+    std::size_t value = 0;
+    for (int i = count - 1; i >= 0; --i) value = value << 8 | tiff[at + static_cast<std::size_t>(i)];
+    return value;
+  };
+  const std::size_t old = number(4, 4), count = number(old, 2);
+  std::map<std::size_t, SeenBytes> entries;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto at = tiff.begin() + static_cast<std::ptrdiff_t>(old + 2 + 12 * i);
+    entries[number(old + 2 + 12 * i, 2)] = SeenBytes(at, at + 12);
+  }
+  entries[274] = {0x12, 0x01, 3, 0, 1, 0, 0, 0, static_cast<std::uint8_t>(orientation), 0, 0, 0};
+  tiff.resize(tiff.size() + tiff.size() % 2);
+  for (int i = 0; i < 4; ++i) tiff[4 + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(tiff.size() >> (8 * i));
+  tiff.push_back(static_cast<std::uint8_t>(entries.size()));
+  tiff.push_back(0);
+  for (const auto& [tag, entry] : entries) tiff.insert(tiff.end(), entry.begin(), entry.end());
+  tiff.insert(tiff.end(), 4, 0);
+  return tiff;
+}
+
 // 3 x 2 blocks of colours, large enough for JPEG to keep them.
 constexpr int kBlock = 32, kAcross = 3, kDown = 2;
 cv::Vec3b block_colour(int column, int row) {  // B G R
@@ -114,12 +137,7 @@ TEST(SeenPicture, IsTurnedAsExifSays) {
       const auto exif = orientation_exif(orientation, orientation % 2 == 0);
       if (std::string(ending).ends_with(".jpg")) bytes = with_segment(bytes, 0xe1, headed("Exif\0\0", 6, exif));
       if (std::string(ending).ends_with(".png")) bytes = with_chunk(bytes, "eXIf", exif);
-      if (std::string(ending).ends_with(".tiff")) {  // OpenCV writes tag 274 itself
-        const unsigned char tag[] = {0x12, 0x01, 0x03, 0x00, 0x01, 0x00, 0x00, 0x00};
-        const auto at = std::search(bytes.begin(), bytes.end(), std::begin(tag), std::end(tag));
-        ASSERT_NE(at, bytes.end());
-        *(at + 8) = static_cast<std::uint8_t>(orientation);
-      }
+      if (std::string(ending).ends_with(".tiff")) bytes = with_orientation(std::move(bytes), orientation);
       const auto file = seen_folder() / (std::string("turned") + ending);
       ASSERT_TRUE(write_file(file, bytes));
       const auto seen = read_photograph(file);
@@ -309,7 +327,8 @@ TEST(SeenPicture, AMaskPaintedAsTransparencyIsAMask) {
   inked.at<cv::Vec4b>(0, 0) = {255, 255, 255, 255};
   inked.at<cv::Vec4b>(0, 1) = {0, 0, 0, 255};
   inked.at<cv::Vec4b>(0, 2) = {255, 255, 255, 0};
-  EXPECT_EQ(cv::norm(mask_from(inked).value(), cv::Mat((cv::Mat_<std::uint8_t>(1, 3) << 255, 0, 0)), cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(mask_from(inked).value(), cv::Mat((cv::Mat_<std::uint8_t>(1, 3) << 255, 0, 0)), cv::NORM_INF),
+            0.0);
   // Opaque: as without alpha.
   cv::Mat opaque(1, 2, CV_8UC4, cv::Scalar(50, 50, 50, 255));
   EXPECT_EQ(mask_from(opaque).value().at<std::uint8_t>(0, 1), 50);
