@@ -1,7 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/manual/manual.hpp"
-#include "base/nearest_word.hpp"
+#include "base/words/nearest_word.hpp"
 
 namespace kasumi {
 

@@ -6,9 +6,9 @@
 #include <sstream>
 
 #include "base/files.hpp"
-#include "base/nearest_word.hpp"
 #include "base/table/config_table_file.hpp"
 #include "base/table/key_depth.hpp"
+#include "base/words/nearest_word.hpp"
 
 namespace kasumi {
 

@@ -183,6 +183,7 @@ Result<HeldLens> hold(const ForeignLens& lens, Radians largest_angle, const std:
   const bool pinhole_does = best && best->moved_px <= 0.01;
   double farthest = 0.0;
   for (const auto& direction : seen) farthest = std::max(farthest, direction.angle);
+  if (farthest > 0.999 * largest_angle.value) farthest = largest_angle.value;
   for (int power = 3; may("scaramuzza") && !pinhole_does && power <= kHighestPower; ++power) {
     if (best && best->moved_px <= 1e-3) break;
     consider(fitted_polynomial(seen, *matrix, power, farthest));

@@ -14,13 +14,13 @@
 namespace kasumi {
 
 // To a pixel, whose centre is a whole number; empty: the model does not reach there.
-using Projection = std::function<std::optional<glm::dvec2>(const glm::dvec3& ray)>;
+using ForeignProjection = std::function<std::optional<glm::dvec2>(const glm::dvec3& ray)>;
 
 struct ForeignLens {
   std::string program, model;  // "ROS", "equidistant"
   int width = 0, height = 0;   // of the calibration's pictures
   std::optional<double> rms_px;
-  Projection project;
+  ForeignProjection project;
   bool is_fisheye = false;               // it may see beyond 90 deg
   std::optional<LensDescription> exact;  // where one of our models holds it number by number
 };

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "base/nearest_word.hpp"
+#include "base/words/nearest_word.hpp"
 
 namespace kasumi {
 namespace {

@@ -14,12 +14,12 @@ using Walls = std::map<std::string, std::set<std::string>>;
 // named in full; what a room may include of others, its sub-rooms may too.
 inline const Walls kMayInclude = {
     {"base", {}},
-    {"base/manual", {}},
+    {"base/manual", {"base/words"}},
     {"base/outside", {"base"}},
     {"base/picture_files", {"base", "base/outside"}},
     {"base/sky", {"base"}},
     {"base/socket", {"base"}},
-    {"base/table", {"base"}},
+    {"base/table", {"base", "base/words"}},
     {"base/words", {"base"}},
 
     {"calib", {"base", "calib/colour", "calib/lens", "calib/light"}},

@@ -184,7 +184,7 @@ TEST(ForeignLens, KalibrsCamchain) {
                     by_opencv_pinhole({-0.05, 0.008, 0.001, -0.0005}), {0.0, 30.0, 55.0});
   expect_projection(imported_from(text("omni", "1.2, " + four, "radtan", "-0.1, 0.02, 0.0, 0.0")), "Kalibr",
                     by_omnidir(1.2, {-0.1, 0.02, 0.0, 0.0}));
-  // Usenko 2018, Eq 40 to 43; Khomutenko 2016.
+  // The double sphere and the extended unified model, as their authors define them.
   expect_projection(
       imported_from(text("ds", "-0.2, 0.6, " + four, "none", "")), "Kalibr",
       [](double theta, double phi) {
@@ -226,7 +226,7 @@ TEST(ForeignLens, ColmapsCamerasCountFromTheCorner) {
                                         749.5 + 450.0 * std::tan(theta) * std::sin(phi)};
                     },
                     {0.0, 30.0, 60.0});
-  // Devernay and Faugeras 2001.
+  // The model of one angle, omega.
   expect_projection(imported_from(head + "1 FOV 1600 1500 450.5 452 801.25 748.5 0.9\n"), "COLMAP",
                     [](double theta, double phi) {
                       const double r = std::atan(2.0 * std::tan(theta) * std::tan(0.45)) / 0.9;

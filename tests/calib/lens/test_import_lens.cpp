@@ -65,8 +65,7 @@ TEST(ImportLens, ReportsAllProblemsAtOnce) {
                                     matrix("distortion_coefficients", 8, 1, "1., 2., 3., 4., 5., 6., 7., 8.")));
   ASSERT_FALSE(broken);
   EXPECT_EQ(broken.error().kind, FaultKind::bad_input);
-  for (const char* part : {"camera_matrix", "image_width"})
-    EXPECT_THAT(broken.error().message, HasSubstr(part));
+  for (const char* part : {"camera_matrix", "image_width"}) EXPECT_THAT(broken.error().message, HasSubstr(part));
   EXPECT_FALSE(import_lens(import_file("text.yml", "this is no calibration")));
   EXPECT_FALSE(import_lens(import_file("empty.xml", "")));
   EXPECT_FALSE(import_lens("/nowhere/at-all.yml"));

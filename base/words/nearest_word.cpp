@@ -1,4 +1,4 @@
-#include "base/nearest_word.hpp"
+#include "base/words/nearest_word.hpp"
 
 #include <algorithm>
 #include <cctype>
