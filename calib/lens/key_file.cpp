@@ -4,9 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-#include <opencv2/core.hpp>
+#include <nlohmann/json.hpp>
 
 #include "base/finite_number.hpp"
+#include "base/outside/json_depth.hpp"
 
 namespace kasumi {
 namespace {
@@ -60,7 +61,7 @@ Result<KeyFile> KeyFile::parse_yaml(const std::string& text) {
     if (const auto comment = line.find('#'); comment != std::string::npos && (comment == 0 || line[comment - 1] == ' '))
       line.resize(comment);
     const auto content = trimmed(line);
-    if (content.empty() || content == "---" || content == "...") continue;
+    if (content.empty() || content == "---" || content == "..." || content.starts_with("%")) continue;
     const auto indentation = line.find_first_not_of(' ');
     const bool item = content.starts_with("- ");
     while (!levels.empty() &&
@@ -95,36 +96,66 @@ Result<KeyFile> KeyFile::parse_yaml(const std::string& text) {
   return file;
 }
 
-Result<KeyFile> KeyFile::parse_storage(const std::string& text) try {
-  const cv::FileStorage storage(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-  if (!storage.isOpened()) return fail(FaultKind::bad_input, "not as OpenCV writes it");
+// Elements within elements; OpenCV's own parser reads behind the end of what is cut off.
+Result<KeyFile> KeyFile::parse_xml(const std::string& text) {
   KeyFile file;
+  std::vector<std::string> open;  // full keys; the outermost element is the file itself
   std::size_t numbers = 0;
-  const auto flatten = [&](const auto& self, const cv::FileNode& node, const std::string& key, int depth) -> void {
-    if (depth > kDeepest || numbers > kMostNumbers) return;
-    if (node.isMap()) {
-      for (const auto& child : node)
-        self(self, child, key.empty() ? child.name() : key + "." + child.name(), depth + 1);
-    } else if (node.isSeq()) {
-      for (const auto& child : node) self(self, child, key, depth + 1);
-    } else if (node.isInt() || node.isReal()) {
-      file.values_[key].numbers.push_back(static_cast<double>(node));
-      ++numbers;
-    } else if (node.isString()) {
-      file.values_[key].text = static_cast<std::string>(node);
+  for (std::size_t at = 0; at < text.size();) {
+    const auto tag = std::min(text.find('<', at), text.size());
+    if (!open.empty()) {
+      std::istringstream words(text.substr(at, tag - at));
+      for (std::string word; words >> word && numbers < kMostNumbers; ++numbers) file.add(open.back(), word);
     }
-  };
-  flatten(flatten, storage.root(), "", 0);
+    if (tag == text.size()) break;
+    const auto end = text.find('>', tag);
+    if (end == std::string::npos) return fail(FaultKind::bad_input, "the XML ends within an element");
+    auto name = text.substr(tag + 1, end - tag - 1);
+    at = end + 1;
+    if (name.starts_with('?') || name.starts_with('!') || name.ends_with('/')) continue;
+    if (name.starts_with('/')) {
+      if (open.empty()) return fail(FaultKind::bad_input, "an element ends that did not begin: {}", name.substr(0, 60));
+      open.pop_back();
+      continue;
+    }
+    name = name.substr(0, name.find_first_of(" \t\r\n"));
+    if (open.size() >= kDeepest)
+      return fail(FaultKind::bad_input, "elements within elements of more than {} levels", kDeepest);
+    open.push_back(open.size() < 2 ? (open.empty() ? "" : name) : open.back() + "." + name);
+  }
+  file.values_.erase("");
+  if (!open.empty()) return fail(FaultKind::bad_input, "the XML ends within {}", open.back().substr(0, 60));
   if (file.values_.empty()) return fail(FaultKind::bad_input, "no keys with values");
   return file;
-} catch (const cv::Exception& error) {
-  return fail(FaultKind::bad_input, "{}", error.err);
+}
+
+Result<KeyFile> KeyFile::parse_json(const std::string& text) {
+  const auto json = nlohmann::json::parse(modest_json(text), nullptr, false);
+  if (!json.is_object()) return fail(FaultKind::bad_input, "not JSON");
+  KeyFile file;
+  std::size_t numbers = 0;
+  const auto flatten = [&](const auto& self, const nlohmann::json& node, const std::string& key) -> void {
+    if (numbers > kMostNumbers) return;
+    if (node.is_object()) {
+      for (const auto& [name, child] : node.items()) self(self, child, key.empty() ? name : key + "." + name);
+    } else if (node.is_array()) {
+      for (const auto& child : node) self(self, child, key);
+    } else if (node.is_number()) {
+      file.values_[key].numbers.push_back(node.get<double>());
+      ++numbers;
+    } else if (node.is_string()) {
+      file.values_[key].text = node.get<std::string>();
+    }
+  };
+  flatten(flatten, json, "");
+  if (file.values_.empty()) return fail(FaultKind::bad_input, "no keys with values");
+  return file;
 }
 
 Result<KeyFile> KeyFile::parse(const std::string& text) {
   const auto start = trimmed(text.substr(0, 4096));
-  if (start.starts_with("%YAML") || start.starts_with('<') || start.starts_with('{')) return parse_storage(text);
-  return parse_yaml(text);
+  if (start.starts_with('<')) return parse_xml(text);
+  return start.starts_with('{') ? parse_json(text) : parse_yaml(text);
 }
 
 const KeyFile::Value* KeyFile::find(std::initializer_list<const char*> keys, const std::string& prefix) const {

@@ -33,7 +33,8 @@ class KeyFile {
     mutable bool asked = false;
   };
   const Value* find(std::initializer_list<const char*> keys, const std::string& prefix) const;
-  static Result<KeyFile> parse_storage(const std::string& text);
+  static Result<KeyFile> parse_xml(const std::string& text);
+  static Result<KeyFile> parse_json(const std::string& text);
   static Result<KeyFile> parse_yaml(const std::string& text);
   void add(const std::string& key, const std::string& token);
 

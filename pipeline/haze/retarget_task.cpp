@@ -112,9 +112,8 @@ void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& pr
   const int ways = a.distances.ways() + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
   if (ways != 1)
     return problems.add(
-        "expected one of --depth FILE (--disparity, --inverse-depth), --planes FILE, --distance-m for one distance of "
-        "everything but the sky, or "
-        "--from-haze when nothing is known");
+        "expected one of --depth FILE, --planes FILE, --disparity FILE, --inverse-depth FILE, --distance-m for one "
+        "distance of everything but the sky, or --from-haze when nothing is known");
   setup.everything_at_m = a.distance_m;
   setup.from_haze = a.from_haze;
   const int width = setup.camera.width, height = setup.camera.height;
