@@ -114,11 +114,13 @@ TEST(ExampleConfiguration, EveryKeyThatIsReadIsInIt) {
   const auto text = example();
   const auto known = documented(text);
   // Keys of other lenses and alternative notations are described in comments and in docs/cameras.md.
-  const std::set<std::string> text_of{"sky.heading_deg",     "sky.pitch_deg",        "sky.roll_deg",
-                                      "sky.response_table",  "scene.azimuth_up_deg", "scene.response_table",
-                                      "object.latitude_deg", "object.longitude_deg", "object.altitude_m",
-                                      "sky.lens.fov_deg",    "sky.lens.circle_px",   "sky.measured",
-                                      "scene.measured"};
+  const std::set<std::string> text_of{"sky.heading_deg",      "sky.pitch_deg",
+                                      "sky.roll_deg",         "sky.response_table",
+                                      "scene.azimuth_up_deg", "scene.response_table",
+                                      "object.latitude_deg",  "object.longitude_deg",
+                                      "object.altitude_m",    "sky.lens.fov_deg",
+                                      "sky.lens.circle_px",   "sky.measured",
+                                      "scene.measured",       "scene.depth_inverse_offset"};
   const auto scene_device = text.find("[scene.camera]");
   auto replay = text;
   replay =
