@@ -26,16 +26,28 @@ SkyReport clear_afternoon() {
   return report;
 }
 
-// Sky over plain land, as the camera encodes it.
-Image<Rgb8> backdrop(const Camera& camera) {
-  const glm::dvec3 above{0.10, 0.19, 0.42}, at_horizon{0.26, 0.34, 0.42}, land{0.10, 0.12, 0.06};
+// The sky that lights the model, over plain land, as the camera encodes it: another sky's colours would be taken for the
+// camera's white balance.
+Image<Rgb8> backdrop(const Installation& installation) {
+  constexpr double kHorizon = 0.34, kLand = 0.3;  // green, linear; of the horizon's light
+  const glm::dvec3 grass{0.8, 1.0, 0.5};
+  const Camera& camera = installation.scene;
+  const auto conditions = SceneAir(installation, {}).conditions(clear_afternoon());
+  const auto& around = installation.surroundings;
+  const Daylight daylight(
+      camera, conditions.air, conditions.sun,
+      {conditions.sky, around.ground_albedo, installation.site.altitude_m, around.sky_model, nullptr, 1.0});
+  const auto light_from = [&](const Direction& direction) {
+    return daylight.airlight(direction) * camera.white_balance;
+  };
+  const glm::dvec3 ahead = camera.to_world * glm::dvec3{0.0, 0.0, 1.0};
+  const double unit = kHorizon / light_from(glm::normalize(glm::dvec3{ahead.x, ahead.y, 0.0})).g;
   Image<Rgb8> picture(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      const auto direction = camera.direction_at({x, y});
-      const double up = direction ? direction->z : 1.0;
-      const glm::dvec3 light = up > 0.0 ? glm::mix(at_horizon, above, std::min(1.0, 2.0 * std::sqrt(up)))
-                                        : glm::mix(at_horizon, land, std::min(1.0, -60.0 * up));
+      const Direction direction = camera.direction_at({x, y}).value_or(Direction{0.0, 0.0, 1.0});
+      const glm::dvec3 sky = unit * light_from(direction);
+      const glm::dvec3 light = glm::mix(sky, kLand * grass * sky.g, std::clamp(-60.0 * direction.z, 0.0, 1.0));
       picture.at(x, y) = Rgb8(glm::round(255.0 * glm::clamp(camera.response.to_encoded(light), 0.0, 1.0)));
     }
   }
@@ -80,7 +92,7 @@ Result<Image<Rgb8>> drawn_over_backdrop(GlContext& context, const Installation& 
   if (!compositor) return fail(compositor.error());
   auto target = Offscreen::create(context.info(), installation.scene.width, installation.scene.height);
   if (!target) return fail(target.error());
-  const auto frame = frame_of(backdrop(installation.scene));
+  const auto frame = frame_of(backdrop(installation));
   if (auto drawn = compositor->draw(frame, clear_afternoon(), target->target()); !drawn) return fail(drawn.error());
   return target->read();
 }
@@ -88,6 +100,7 @@ Result<Image<Rgb8>> drawn_over_backdrop(GlContext& context, const Installation& 
 Installation table_for(const Model& model, UpAxis up, int side) {
   Installation table;
   table.site = {"", 34.0, 135.0, 100.0};
+  table.surroundings.sky_model = SiteSkyModel::dome;
   Camera& camera = table.scene;
   camera.name = "scene";
   camera.width = kViewWidth;
@@ -128,7 +141,7 @@ Result<std::vector<Image<Rgb8>>> turntable(GlContext& context, const Model& mode
 Result<KioskView> seen_from_kiosk(GlContext& context, const Installation& installation, const Model& model) {
   auto whole = drawn_over_backdrop(context, installation, model);
   if (!whole) return fail(whole.error());
-  auto enlarged = changed_part(*whole, backdrop(installation.scene));
+  auto enlarged = changed_part(*whole, backdrop(installation));
   return KioskView{std::move(*whole), std::move(enlarged)};
 }
 
