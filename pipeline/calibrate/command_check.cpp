@@ -114,8 +114,9 @@ void add_calibrate_check(CLI::App& calibrate_command, Action& action) {
   command->add_option("--calibration", a.calibration,
                       "The calibration file whose reference is used (default: the one named where the "
                       "cameras are described, else next to that description)");
-  command->add_flag("--reference", a.reference,
-                    "Save the current state as the reference (the first check does so by itself)");
+  command->add_flag(
+      "--reference", a.reference,
+      "Save the current state as the reference, from pictures over --minutes (the first check does so by itself)");
   command->add_flag("--json", a.json, "One JSON object");
   command->callback([arguments, &action] { action = [arguments] { return check(*arguments); }; });
 }

@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "capture/reconnecting_source.hpp"
+#include "pipeline/machine/progress.hpp"
 
 namespace kasumi {
 namespace {
@@ -46,6 +47,7 @@ Result<DriftFrames> gather_live(const RunConfig& config, Devices& devices, Clock
   const auto apart = length / kMostCheckFrames;
   auto sky = devices.camera(CameraRole::sky, config.sky_camera);
   const bool recorded = sky.recorded;
+  Progress progress("pictures", static_cast<std::size_t>(kMostCheckFrames));
   // The threads write to different members of `frames`.
   std::thread other([&] {
     watch(std::move(sky), config.installation.sky, clock, until, apart, stop,
@@ -55,7 +57,10 @@ Result<DriftFrames> gather_live(const RunConfig& config, Devices& devices, Clock
           });
   });
   watch(devices.camera(CameraRole::scene, config.scene_camera), config.installation.scene, clock, until, apart, stop,
-        [&](const Frame&, const PictureView& view) { frames.add_scene(view); });
+        [&](const Frame&, const PictureView& view) {
+          frames.add_scene(view);
+          progress.advance("");
+        });
   other.join();
   return frames;
 }

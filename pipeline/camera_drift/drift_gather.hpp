@@ -13,7 +13,7 @@ namespace kasumi {
 Result<DriftFrames> gather_recorded(const Fixture& fixture);
 
 // 15 of each camera over `length`. BLOCKS for that time, or until `stop` returns true: then returns what has come so
-// far. `time_known`: whether the clock can be trusted for the sun's position.
+// far; a person at a terminal sees how far it is. `time_known`: whether the clock can be trusted for the sun's position.
 Result<DriftFrames> gather_live(const RunConfig& config, Devices& devices, Clock& clock, Duration length,
                                 bool time_known, const std::function<bool()>& stop);
 
