@@ -44,6 +44,15 @@ std::string wall_time(UtcMinute utc, minutes wall) {
                      (of_day % minutes{60}).count());
 }
 
+// With the zone: whoever reads it may sit in another.
+std::string wall_stamp(UtcMinute utc, minutes wall) {
+  if (wall == minutes{0}) return wall_time(utc, wall) + " UTC";
+  const auto off = std::chrono::abs(wall);
+  auto zone = fmt::format(" UTC{}{}", wall < minutes{0} ? '-' : '+', off / minutes{60});
+  if (off % minutes{60} != minutes{0}) zone += fmt::format(":{:02}", (off % minutes{60}).count());
+  return wall_time(utc, wall) + zone;
+}
+
 // What a rung meant for visitors, as the page words it now.
 Sight sight_of_spell(const Spell& spell) {
   switch (spell.shown) {
@@ -105,7 +114,7 @@ void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
 // Where content is asked for: what it last said, and how far the next is.
 std::string pull_text(const PullStatus& pull, minutes wall, const Writer& page) {
   const auto asked = pull.asked ? fmt::format("{} {}", page.in(kWords.answered),
-                                              wall_time(std::chrono::floor<minutes>(*pull.asked), wall))
+                                              wall_stamp(std::chrono::floor<minutes>(*pull.asked), wall))
                                 : std::string(page.in(kWords.not_asked));
   std::string text = pull.problem.empty() ? asked : fmt::format("{}; {}", pull.problem, asked);
   constexpr double kMega = 1e6;
@@ -119,8 +128,8 @@ std::string pull_text(const PullStatus& pull, minutes wall, const Writer& page) 
 void write_content(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
   page.figure(kWords.content, std::string(page.in(told.refused.empty() ? kWords.as_configured : kWords.earlier)));
   if (told.arrived)
-    page.figure(kWords.brought,
-                fmt::format("{}: {}", wall_time(std::chrono::floor<minutes>(*told.arrived), wall), told.arrived_words));
+    page.figure(kWords.brought, fmt::format("{}: {}", wall_stamp(std::chrono::floor<minutes>(*told.arrived), wall),
+                                            told.arrived_words));
   if (pull) page.figure(kWords.server, pull_text(*pull, wall, page));
 }
 
@@ -147,7 +156,7 @@ void write_figures(const ToldStatus& told, const std::optional<PullStatus>& pull
                 fmt::format("{:.0f} ms; 95 %: {:.0f} ms", *told.latency_median_ms, told.latency_95_ms.value_or(0.0)));
   if (told.celsius) page.figure(kWords.temperature, fmt::format("{:.0f} °C", *told.celsius));
   write_content(told, pull, wall, page);
-  if (told.since) page.figure(kWords.running, wall_time(std::chrono::floor<minutes>(*told.since), wall));
+  if (told.since) page.figure(kWords.running, wall_stamp(std::chrono::floor<minutes>(*told.since), wall));
   page.add("</dl>\n</section>\n");
 }
 
@@ -263,7 +272,7 @@ std::string state_page(const StatePage& of, Language language) {
     page.add("</p>\n");
   }
   page.add("<p>{} {} <a class=\"again\" href=\"./?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
-           wall_time(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
+           wall_stamp(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
   if (of.screen) write_screen(of, page);
   write_symptoms(diagnosis, page);
   if (of.heard.status) write_figures(*of.heard.status, of.pull, of.wall, page);

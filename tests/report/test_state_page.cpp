@@ -50,6 +50,7 @@ TEST(StatePages, SayWhatIsWrongAndWhatToDo) {
     EXPECT_THAT(html, HasSubstr("2.41 ± 0.05"));
     EXPECT_THAT(html, HasSubstr("0.120 ± 0.010"));
     EXPECT_THAT(html, HasSubstr("<polyline"));
+    EXPECT_THAT(html, HasSubstr("2026-06-21 14:00 UTC+2")) << "whoever reads it may sit in another zone";
   }
   const auto german = state_page(page_of(kLostStatus), Language::german);
   EXPECT_THAT(german, HasSubstr("Kabel, Hub und Strom prüfen."));
