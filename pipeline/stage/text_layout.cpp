@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <mutex>
 #include <set>
 
@@ -124,21 +125,22 @@ Result<std::shared_ptr<const Fonts>> read_fonts(const std::optional<std::filesys
   return fonts;
 }
 
-// A picture may have dozens of labels: the fonts asked for last are kept.
+// A picture may have dozens of labels: fonts are kept. Pango does not let go of what it was given, so that reading them for
+// each text would take a quarter of a megabyte each time.
 Result<std::shared_ptr<const Fonts>> fonts_with(const std::optional<std::filesystem::path>& file) {
+  constexpr std::size_t kMostKept = 8;
+  using Key = std::pair<std::string, std::filesystem::file_time_type>;
   static std::mutex busy;
-  static std::shared_ptr<const Fonts> last;
-  static std::optional<std::filesystem::path> last_file;
-  static std::filesystem::file_time_type last_written;
+  static std::map<Key, std::shared_ptr<const Fonts>> kept;
   std::error_code unreadable;
-  const auto written = file ? std::filesystem::last_write_time(*file, unreadable) : decltype(last_written){};
+  const Key key(file ? file->string() : std::string(),
+                file ? std::filesystem::last_write_time(*file, unreadable) : std::filesystem::file_time_type{});
   const std::lock_guard alone(busy);
-  if (last && last_file == file && last_written == written && !unreadable) return last;
+  if (const auto known = kept.find(key); known != kept.end()) return known->second;
   auto fonts = read_fonts(file);
   if (!fonts) return fonts;
-  last = *fonts;
-  last_file = file;
-  last_written = written;
+  if (kept.size() >= kMostKept) kept.clear();
+  kept[key] = *fonts;
   return fonts;
 }
 
@@ -151,6 +153,8 @@ struct TextLayout::Parts {
   Owned<PangoLayout, g_object_unref> layout;
 };
 void TextLayout::CloseParts::operator()(Parts* parts) const {
+  // What the map's own thread has asked of the fonts goes with it.
+  if (parts->map) pango_fc_font_map_shutdown(PANGO_FC_FONT_MAP(parts->map.get()));
   delete parts;
 }
 
