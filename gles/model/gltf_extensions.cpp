@@ -25,11 +25,9 @@ ExtensionNote extension_note(std::string_view extension) {
       Row{"KHR_mesh_quantization", read, ""},
       Row{"KHR_meshopt_compression", read, ""},
       Row{"KHR_node_visibility", read, ""},
+      Row{"KHR_texture_basisu", read, ""},
       Row{"KHR_texture_transform", read, ""},
       Row{"KHR_materials_transmission", read, ""},  // told by each material
-      Row{"KHR_texture_basisu", unknown,            // a file whose textures all have another picture is read
-          "KTX2 pictures of Basis Universal: npx @gltf-transform/cli ktxdecompress IN.glb OUT.glb makes PNG of them "
-          "(it needs the program ktx of KTX-Software)"},
 
       Row{"KHR_animation_pointer", without, "animations are not played"},
       Row{"KHR_lights_punctual", without, "lamps do not shine"},

@@ -1,6 +1,7 @@
 #include "gles/model/material.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -140,13 +141,16 @@ class TextureReader {
 
   // The picture that Kasumi reads; -1: none.
   int source_of(const tinygltf::Texture& texture) {
-    const auto* webp = extension_of(texture.extensions, "EXT_texture_webp");
-    const int source = texture.source >= 0 || webp == nullptr ? texture.source : whole_number(*webp, "source", -1);
+    constexpr std::array<std::string_view, 2> kRare{"EXT_texture_webp", "KHR_texture_basisu"};
+    int source = texture.source;
+    for (const std::string_view rare : kRare)
+      if (const auto* other = extension_of(texture.extensions, std::string(rare)); source < 0 && other != nullptr)
+        source = whole_number(*other, "source", -1);
     std::string kinds;
     for (const auto& [kind, value] : texture.extensions)
-      if (kind != "EXT_texture_webp") kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind);
+      if (std::ranges::find(kRare, kind) == kRare.end()) kinds += fmt::format("{}{}", kinds.empty() ? "" : ", ", kind);
     if (source < 0)
-      note(fmt::format("a texture {} is left out: Kasumi reads PNG, JPEG and WebP",
+      note(fmt::format("a texture {} is left out: Kasumi reads PNG, JPEG, WebP and KTX2",
                        kinds.empty() ? "without a picture" : "only available through " + kinds));
     else if (!kinds.empty())
       note(fmt::format("of textures of {} the other picture, which they bring, is shown", kinds));
@@ -168,7 +172,8 @@ class TextureReader {
     const std::string what =
         fmt::format("{}: image {}{}", name_, source, image.uri.empty() ? "" : " (" + image.uri + ")");
     if (image.image.empty())
-      return fail(FaultKind::bad_input, "{}: missing: expected a PNG, JPEG or WebP within the model's folder", what);
+      return fail(FaultKind::bad_input, "{}: missing: expected a PNG, JPEG, WebP or KTX2 within the model's folder",
+                  what);
     const auto size = model_picture_size(image.image, limits_.texture_size);
     if (!size) return fail(FaultKind::bad_input, "{}: {}", what, size.error().message);
     pixels_ += static_cast<std::size_t>(size->width * size->height);

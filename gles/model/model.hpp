@@ -115,7 +115,7 @@ struct ModelLimits {
 };
 
 // Reads .glb, or .gltf with buffers and pictures from the same folder tree only; never from a network. Draco,
-// meshopt and WebP are unpacked by a module (rare_models.hpp); KTX2 and AVIF are refused with advice. Skins and morph
+// meshopt, WebP and KTX2 are unpacked by a module (rare_models.hpp); AVIF is refused with advice. Skins and morph
 // targets stand as the file leaves them: joints where their nodes are, default weights. `scene`: one of the file's scenes by name, or by number
 // from 0; empty: the default one. Nodes whose name begins with "kasumi_ground" or whose extras say "kasumi": "ground"
 // become, with their children, the model's ground.

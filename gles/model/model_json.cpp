@@ -73,19 +73,6 @@ void each_data_uri(Document& document, Visit visit) {
         if (auto known = known_data_uri(of); !known.empty()) visit(of, std::move(known));
 }
 
-// Each texture of KTX2 has another picture as well.
-bool ktx2_is_spare(const nlohmann::json& document) {
-  const auto textures = document.find("textures");
-  if (textures == document.end() || !textures->is_array()) return true;
-  return std::ranges::all_of(*textures, [](const nlohmann::json& texture) {
-    if (!texture.is_object()) return true;
-    const auto extensions = texture.find("extensions");
-    const bool ktx2 =
-        extensions != texture.end() && extensions->is_object() && extensions->contains("KHR_texture_basisu");
-    return !ktx2 || texture.contains("source") || extensions->contains("EXT_texture_webp");
-  });
-}
-
 std::uint32_t word(std::span<const std::uint8_t> file, std::size_t at) {
   return static_cast<std::uint32_t>(file[at]) | static_cast<std::uint32_t>(file[at + 1]) << 8 |
          static_cast<std::uint32_t>(file[at + 2]) << 16 | static_cast<std::uint32_t>(file[at + 3]) << 24;
@@ -127,8 +114,7 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
   GltfClaims claims;
   claims.extensions = names_in(document, "extensionsUsed");
   for (std::string& wanted : names_in(document, "extensionsRequired")) {
-    const bool spare = wanted == "KHR_texture_basisu" && ktx2_is_spare(document);
-    if (const auto note = extension_note(wanted); note.use == ExtensionUse::unknown && !spare)
+    if (const auto note = extension_note(wanted); note.use == ExtensionUse::unknown)
       problems.add("{}: needs the glTF extension {}, which Kasumi does not read: {}", name, wanted, note.text);
     claims.extensions.push_back(std::move(wanted));
   }
@@ -138,7 +124,7 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
     const auto note = extension_note(extension);
     if (note.use == ExtensionUse::without)
       claims.notes.push_back(fmt::format("{}: {} is left out: {}", name, extension, note.text));
-    if (note.use == ExtensionUse::unknown && extension != "KHR_texture_basisu" && extension != "EXT_texture_avif")
+    if (note.use == ExtensionUse::unknown && extension != "EXT_texture_avif")
       claims.notes.push_back(fmt::format("{}: the extension {} is left out: Kasumi does not know it", name, extension));
   }
   if (const auto buffers = document.find("buffers"); buffers != document.end() && buffers->is_array())

@@ -1,5 +1,7 @@
 #include "gles/model/model_picture.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "base/picture_files/picture_file.hpp"
@@ -16,12 +18,26 @@ std::uint8_t in_8_bits(const DecodedFile& file, std::size_t sample) {
   return static_cast<std::uint8_t>((value + 128) / 257);
 }
 
+// Basis Universal's textures: no photograph comes in one, so that base/picture_header.hpp does not know it.
+std::optional<PictureHeader> ktx2_header(std::span<const std::uint8_t> file) {
+  constexpr std::string_view kBegins = "\xabKTX 20\xbb\r\n\x1a\n";
+  if (file.size() < 28 || std::memcmp(file.data(), kBegins.data(), kBegins.size()) != 0) return std::nullopt;
+  const auto at = [&](std::size_t place) {
+    std::int64_t value = 0;
+    for (std::size_t i = 4; i-- > 0;) value = value << 8 | file[place + i];
+    return value;
+  };
+  return PictureHeader{"KTX2", at(20), at(24)};
+}
+
 }  // namespace
 
 Result<PictureHeader> model_picture_size(std::span<const std::uint8_t> file, int largest) {
-  const auto header = picture_header(file);
-  if (!header || (header->format != "PNG" && header->format != "JPEG" && header->format != "WebP"))
-    return fail(FaultKind::bad_input, "neither a PNG nor a JPEG nor a WebP");
+  auto header = picture_header(file);
+  if (!header) header = ktx2_header(file);
+  constexpr std::array<std::string_view, 4> kRead{"PNG", "JPEG", "WebP", "KTX2"};
+  if (!header || std::ranges::find(kRead, header->format) == kRead.end())
+    return fail(FaultKind::bad_input, "neither a PNG nor a JPEG nor a WebP nor a KTX2");
   if (auto bounded = check_size(*header, {largest, kPhotographLimits.pixels}); !bounded) return fail(bounded.error());
   return *header;
 }
@@ -29,10 +45,12 @@ Result<PictureHeader> model_picture_size(std::span<const std::uint8_t> file, int
 Result<Image<glm::u8vec4>> decode_picture(std::span<const std::uint8_t> file, int largest) {
   const auto header = model_picture_size(file, largest);
   if (!header) return fail(header.error());
-  if (header->format == "WebP") {
+  if (header->format == "WebP" || header->format == "KTX2") {
     const auto models = rare_models();
     if (!models) return fail(models.error());
-    return (*models)->webp_picture(file, static_cast<int>(header->width), static_cast<int>(header->height));
+    const int width = static_cast<int>(header->width), height = static_cast<int>(header->height);
+    return header->format == "WebP" ? (*models)->webp_picture(file, width, height)
+                                    : (*models)->ktx2_picture(file, width, height);
   }
   const auto decoded = header->format == "PNG" ? decode_png(file) : decode_jpeg_file(file);
   if (!decoded) return fail(decoded.error());

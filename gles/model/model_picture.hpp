@@ -1,4 +1,4 @@
-// Pictures inside models: PNG, JPEG and, by the module of rare_models.hpp, WebP.
+// Pictures inside models: PNG, JPEG and, by the module of rare_models.hpp, WebP and KTX2.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What compressed models are packed in: Draco's meshes, meshoptimizer's buffers, WebP pictures. Kiosks rarely meet them,
-// and their decoders read what strangers made, so they stand in a module beside the program, loaded at the first such
+// What compressed models are packed in: Draco's meshes, meshoptimizer's buffers, pictures of WebP and Basis Universal. Kiosks
+// rarely meet them, and their decoders read what strangers made, so they stand in a module beside the program, loaded at the first such
 // model. For this room's glTF sources only.
 #pragma once
 
@@ -52,6 +52,9 @@ class RareModels {
   // Whoever calls has bounded its size (base/picture_header.hpp): one of width x height is expected. Errors
   // (bad_input): damaged, a film, of another size.
   virtual Result<Image<glm::u8vec4>> webp_picture(std::span<const std::uint8_t> file, int width, int height) const = 0;
+  // The same for the largest level of a KTX2 of Basis Universal (ETC1S in BasisLZ, UASTC plain or in Zstandard). Errors
+  // (bad_input): damaged, another kind of KTX2, layers, faces, depth.
+  virtual Result<Image<glm::u8vec4>> ktx2_picture(std::span<const std::uint8_t> file, int width, int height) const = 0;
 };
 
 // Any thread may call it. Errors: unsupported (the module is not there, or a library that it needs is not).

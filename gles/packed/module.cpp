@@ -29,6 +29,9 @@ class PackedModels final : public RareModels {
   Result<Image<glm::u8vec4>> webp_picture(std::span<const std::uint8_t> file, int width, int height) const override {
     return guarded([&] { return read_webp(file, width, height); });
   }
+  Result<Image<glm::u8vec4>> ktx2_picture(std::span<const std::uint8_t> file, int width, int height) const override {
+    return guarded([&] { return read_ktx2(file, width, height); });
+  }
 };
 
 }  // namespace

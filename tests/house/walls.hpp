@@ -204,6 +204,7 @@ inline const Walls kLibraryDoors = {
     {"webp/", {"gles/packed/"}},
     {"xf86drm", {"gles/display/kms_drm"}},
     {"zlib.h", {"base/picture_files/picture_tags.cpp"}},
+    {"zstd.h", {"gles/packed/"}},
 };
 
 }  // namespace kasumi::house

@@ -121,12 +121,12 @@ TEST(HostileModel, EachFalseClaimIsRefusedByName) {
          f.node()["translation"] = {1e12, 0, 0};
        },
        "from the model's origin"},
-      {"Basis alone",
+      {"AVIF alone",
        [](GltfFile& f) {
-         f.json["extensionsRequired"] = {"EXT_meshopt_compression", "KHR_texture_basisu"};
-         f.json["textures"][0] = {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}};
+         f.json["extensionsRequired"] = {"EXT_meshopt_compression", "EXT_texture_avif"};
+         f.json["textures"][0] = {{"extensions", {{"EXT_texture_avif", {{"source", 0}}}}}};
        },
-       "KHR_texture_basisu"},
+       "EXT_texture_avif"},
       {"glTF 1", [](GltfFile& f) { f.json["asset"]["version"] = "1.0"; }, "version \"1.0\""},
       {"no asset", [](GltfFile& f) { f.json.erase("asset"); }, "version \"\""},
       {"sparse beyond the end",

@@ -213,23 +213,21 @@ TEST(GltfScenes, ErasAreChosenByNameOrNumber) {
 TEST(GltfCompression, IsRefusedByNameWithARemedy) {
   GltfFile file = square_file();
   file.json["extensionsRequired"] = {"EXT_texture_avif", "KHR_texture_basisu", "VENDOR_new_thing"};
-  file.json["textures"] = nlohmann::json::array({{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}});
   const auto refused = file.read("compressed");
   ASSERT_FALSE(refused);
-  EXPECT_THAT(
-      refused.error().message,
-      testing::AllOf(HasSubstr("compressed.gltf"), HasSubstr("KTX2"), HasSubstr("gltf-transform/cli ktxdecompress"),
-                     HasSubstr("AVIF"), HasSubstr("gltf-transform/cli png"),
-                     HasSubstr("VENDOR_new_thing, which Kasumi does not read: export without it")));
+  EXPECT_THAT(refused.error().message,
+              testing::AllOf(HasSubstr("compressed.gltf"), HasSubstr("AVIF"), HasSubstr("gltf-transform/cli png"),
+                             testing::Not(HasSubstr("KHR_texture_basisu")),
+                             HasSubstr("VENDOR_new_thing, which Kasumi does not read: export without it")));
 }
 
-TEST(GltfCompression, TexturesAvailableOnlyInKtx2AreIgnoredAndReported) {
+TEST(GltfCompression, TexturesAvailableOnlyInAvifAreIgnoredAndReported) {
   GltfFile file = surface_file();
-  file.json["textures"][0] = {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}};
+  file.json["textures"][0] = {{"extensions", {{"EXT_texture_avif", {{"source", 0}}}}}};
   file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 0;
-  const Model model = loaded(file.read("ktx2"));
+  const Model model = loaded(file.read("avif"));
   EXPECT_EQ(model.materials.at(0).texture, -1);
-  EXPECT_THAT(model.notes, testing::Contains(HasSubstr("KHR_texture_basisu")));
+  EXPECT_THAT(model.notes, testing::Contains(HasSubstr("EXT_texture_avif")));
 }
 
 TEST(GltfSamples, OfTheKhronosGroupKeepTheirMaterials) {
