@@ -47,17 +47,6 @@ void set_thin_prism_fisheye(ForeignLens& lens, const SensorMatrix& matrix, const
   };
 }
 
-void set_colmap_fov(ForeignLens& lens, const SensorMatrix& matrix, double omega) {
-  lens.project = [=](const glm::dvec3& ray) -> std::optional<glm::dvec2> {
-    if (!(ray.z > 1e-9)) return std::nullopt;
-    const double r = std::hypot(ray.x, ray.y) / ray.z;
-    const double stretch =
-        r < 1e-9 ? 2.0 * std::tan(0.5 * omega) / omega : std::atan(2.0 * r * std::tan(0.5 * omega)) / (omega * r);
-    return matrix(glm::dvec2{ray.x, ray.y} / ray.z * stretch);
-  };
-  lens.is_fisheye = true;
-}
-
 }  // namespace
 
 bool is_colmap(const std::string& text) {
@@ -110,7 +99,7 @@ Result<ForeignLens> read_colmap_lens(const std::string& text) {
   else if (model == "THIN_PRISM_FISHEYE")
     set_thin_prism_fisheye(lens, matrix, {k, k + 8});
   else if (model == "FOV")
-    set_colmap_fov(lens, matrix, k[0]);
+    set_field_of_view(lens, matrix, k[0]);
   else
     set_pinhole(lens, matrix, {});
   return lens;

@@ -160,6 +160,17 @@ void set_omnidirectional(ForeignLens& lens, const SensorMatrix& matrix, double x
   };
 }
 
+void set_field_of_view(ForeignLens& lens, const SensorMatrix& matrix, double omega) {
+  lens.is_fisheye = true;
+  lens.project = [=](const glm::dvec3& ray) -> std::optional<glm::dvec2> {
+    if (!(ray.z > 1e-9)) return std::nullopt;
+    const double r = std::hypot(ray.x, ray.y) / ray.z;
+    const double stretch =
+        r < 1e-9 ? 2.0 * std::tan(0.5 * omega) / omega : std::atan(2.0 * r * std::tan(0.5 * omega)) / (omega * r);
+    return matrix(glm::dvec2{ray.x, ray.y} / ray.z * stretch);
+  };
+}
+
 Result<HeldLens> hold(const ForeignLens& lens, Radians largest_angle, const std::string& wanted) {
   const auto may = [&](std::string_view name) { return wanted == "auto" || wanted == name; };
   if (lens.exact && may(model_name(*lens.exact))) {

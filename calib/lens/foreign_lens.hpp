@@ -41,6 +41,8 @@ void set_pinhole(ForeignLens& lens, const SensorMatrix& matrix, const BrownCoeff
 void set_fisheye(ForeignLens& lens, const SensorMatrix& matrix, const std::array<double, 4>& k);
 // OpenCV's omnidir, Kalibr's omni, Mei's: a sphere's point, seen from xi behind its middle, distorted as a pinhole's.
 void set_omnidirectional(ForeignLens& lens, const SensorMatrix& matrix, double xi, const BrownCoefficients& k);
+// Devernay and Faugeras's field of view, as Kalibr and COLMAP have it: r = atan(2 tan(angle) tan(omega / 2)) / omega.
+void set_field_of_view(ForeignLens& lens, const SensorMatrix& matrix, double omega);
 
 constexpr double kMostMovedPx = 0.1;
 

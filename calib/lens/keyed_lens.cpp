@@ -184,17 +184,6 @@ void set_extended_unified(ForeignLens& lens, const SensorMatrix& matrix, double 
   };
 }
 
-void set_field_of_view(ForeignLens& lens, const SensorMatrix& matrix, double omega) {
-  lens.is_fisheye = true;
-  lens.project = [=](const glm::dvec3& ray) -> std::optional<glm::dvec2> {
-    if (!(ray.z > 1e-9)) return std::nullopt;
-    const double r = std::hypot(ray.x, ray.y) / ray.z;
-    const double stretch =
-        r < 1e-9 ? 2.0 * std::tan(0.5 * omega) / omega : std::atan(2.0 * r * std::tan(0.5 * omega)) / (omega * r);
-    return matrix(glm::dvec2{ray.x, ray.y} / ray.z * stretch);
-  };
-}
-
 // Kalibr: camera_model, intrinsics, distortion_model, distortion_coeffs of each camera.
 Result<ForeignLens> read_kalibr(const KeyFile& file) {
   const std::string at = "cam0.";
