@@ -13,6 +13,12 @@ namespace kasumi {
 
 namespace {
 
+constexpr const char* kPointCloud =
+    "a point cloud, which has no surfaces that light could fall on: make a mesh of it first (CloudCompare: Plugins, "
+    "PoissonRecon) and save that";
+constexpr const char* kSplats =
+    "Gaussian splats, which have no surfaces that light could fall on: deliver the mesh that was made of the same "
+    "photographs";
 constexpr double kLargest_m = 300.0;
 
 struct Faces {
@@ -142,20 +148,10 @@ std::string advice_for_file(const std::filesystem::path& file) {
     return "a tile of 3D Tiles (b3dm): npx 3d-tiles-tools b3dmToGlb -i IN.b3dm -o OUT.glb takes the glTF out of it";
   if (bytes.starts_with("i3dm"))
     return "a tile of 3D Tiles (i3dm): npx 3d-tiles-tools i3dmToGlb -i IN.i3dm -o OUT.glb takes the glTF out of it";
-  if (bytes.starts_with("pnts") || bytes.starts_with("LASF"))
-    return "a point cloud, which has no surfaces that light could fall on: make a mesh of it first (CloudCompare: "
-           "Plugins, PoissonRecon) and save that";
-  if (bytes.starts_with("ply") && bytes.find("f_dc_0") != std::string_view::npos)
-    return "Gaussian splats, which have no surfaces that light could fall on: deliver the mesh that was made of the "
-           "same "
-           "photographs";
-  if (bytes.starts_with("ply") && bytes.find("element face") == std::string_view::npos)
-    return "a point cloud, which has no surfaces that light could fall on: make a mesh of it first (CloudCompare: "
-           "Plugins, PoissonRecon) and save that";
-  if (ending == ".splat" || ending == ".spz" || ending == ".ksplat")
-    return "Gaussian splats, which have no surfaces that light could fall on: deliver the mesh that was made of the "
-           "same "
-           "photographs";
+  if (bytes.starts_with("pnts") || bytes.starts_with("LASF")) return kPointCloud;
+  if (bytes.starts_with("ply") && bytes.find("f_dc_0") != std::string_view::npos) return kSplats;
+  if (bytes.starts_with("ply") && bytes.find("element face") == std::string_view::npos) return kPointCloud;
+  if (ending == ".splat" || ending == ".spz" || ending == ".ksplat") return kSplats;
   for (const char* other : {".obj", ".ply", ".stl", ".fbx", ".dae", ".3ds"})
     if (ending == other)
       return fmt::format("no glTF: assimp export IN{} OUT.glb (Debian: assimp-utils) makes one", ending);

@@ -15,6 +15,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "base/c_ptr.hpp"
 #include "base/files.hpp"
 #include "base/unique_fd.hpp"
 #include "pipeline/stage/text_breaking.hpp"
@@ -29,23 +30,13 @@ constexpr int kTries = 12;                         // to find lines of equal len
 
 }  // namespace
 
-// Members of TextLayout's parts: named, so that those have linkage.
+// A member of TextLayout's parts: named, so that those have linkage.
 namespace text_parts {
-
-template <auto Close>
-struct Closer {
-  template <class T>
-  void operator()(T* owned) const {
-    Close(owned);
-  }
-};
-template <class T, auto Close>
-using Owned = std::unique_ptr<T, Closer<Close>>;
 
 // All fonts there are, the given file's before them.
 struct Fonts {
   UniqueFd own_file;
-  Owned<FcConfig, FcConfigDestroy> config;
+  CPtr<FcConfig, FcConfigDestroy> config;
   std::string family = kUsualFont;
 };
 
@@ -54,7 +45,6 @@ struct Fonts {
 namespace {
 
 using text_parts::Fonts;
-using text_parts::Owned;
 
 double px(int pango) {
   return static_cast<double>(pango) / PANGO_SCALE;
@@ -148,9 +138,9 @@ Result<std::shared_ptr<const Fonts>> fonts_with(const std::optional<std::filesys
 
 struct TextLayout::Parts {
   std::shared_ptr<const Fonts> fonts;
-  Owned<PangoFontMap, g_object_unref> map;  // of this text: they are not for several threads
-  Owned<PangoContext, g_object_unref> context;
-  Owned<PangoLayout, g_object_unref> layout;
+  CPtr<PangoFontMap, g_object_unref> map;  // of this text: they are not for several threads
+  CPtr<PangoContext, g_object_unref> context;
+  CPtr<PangoLayout, g_object_unref> layout;
 };
 void TextLayout::CloseParts::operator()(Parts* parts) const {
   // What the map's own thread has asked of the fonts goes with it.
@@ -171,7 +161,7 @@ Result<TextLayout> TextLayout::of(const std::string& text, const TextStyle& styl
   parts->context.reset(pango_font_map_create_context(parts->map.get()));
   PangoContext* context = parts->context.get();
   pango_context_set_round_glyph_positions(context, FALSE);
-  Owned<cairo_font_options_t, cairo_font_options_destroy> exact(cairo_font_options_create());
+  CPtr<cairo_font_options_t, cairo_font_options_destroy> exact(cairo_font_options_create());
   cairo_font_options_set_hint_style(exact.get(), CAIRO_HINT_STYLE_SLIGHT);
   cairo_font_options_set_hint_metrics(exact.get(), CAIRO_HINT_METRICS_OFF);
   pango_cairo_context_set_font_options(context, exact.get());
@@ -182,7 +172,7 @@ Result<TextLayout> TextLayout::of(const std::string& text, const TextStyle& styl
   made.text_ = text;
   std::erase(made.text_, '\r');
   made.em_px_ = style.line_px / kLineOverEm;
-  Owned<PangoFontDescription, pango_font_description_free> font(pango_font_description_new());
+  CPtr<PangoFontDescription, pango_font_description_free> font(pango_font_description_new());
   pango_font_description_set_family(font.get(), made.parts_->fonts->family.c_str());
   pango_font_description_set_absolute_size(font.get(), made.em_px_ * PANGO_SCALE);
   made.parts_->layout.reset(pango_layout_new(context));
@@ -246,9 +236,9 @@ void TextLayout::place_lines(double line_px, int most_lines) {
 }
 
 Result<Image<std::uint8_t>> TextLayout::draw(int width, int height, double top) const {
-  using Surface = Owned<cairo_surface_t, cairo_surface_destroy>;
+  using Surface = CPtr<cairo_surface_t, cairo_surface_destroy>;
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, width, height));
-  const Owned<cairo_t, cairo_destroy> cairo(cairo_create(surface.get()));
+  const CPtr<cairo_t, cairo_destroy> cairo(cairo_create(surface.get()));
   for (const Line& line : lines_) {
     cairo_new_path(cairo.get());
     cairo_move_to(cairo.get(), std::round(0.5 * (width - line.width)), std::round(top + line.baseline));

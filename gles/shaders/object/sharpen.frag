@@ -1,8 +1,8 @@
 // The camera's sharpening of a picture that the object covers in part. What is seen of the camera's own, the share 1 - a,
 // has been sharpened already: shown = composite + amount (detail of the composite - (1 - a) detail of the camera's), where
-// detail is Y less its binomial mean over 3 x 3 pixels, in encoded values. It overshoots what lies
-// around it by no more than at a straight edge, a quarter of the step: a wall seen through a gap of one pixel between
-// leaves, which a lens would have blurred, would shine out by three quarters.
+// detail is Y less its binomial mean over 3 x 3 pixels, in encoded values. It overshoots what lies around it by
+// no more than at a straight edge, a quarter of the step: a wall seen through a gap of one pixel between leaves, which a
+// lens would have blurred, would shine out by three quarters.
 uniform sampler2D camera;     // both filtered: a sample between four pixels is their mean
 uniform sampler2D composite;  // the object's share in alpha
 uniform vec2 texel;
