@@ -26,7 +26,7 @@ class ObjectLayer {
     bool in_8_bits = false;  // RGBA8 with square roots instead of half floats
     double unit = 1.0;       // 8 bits: the largest N that occurs
     bool aerial_perspective = true;
-    bool fog = false;  // dims and spreads the light on the object
+    bool fog = false;         // dims and spreads the light on the object
     bool foreground = false;  // something is bound to kForegroundUnit
     ObjectDetail detail = {};
     const SceneDepth* scene_depth = nullptr;  // null: no real surfaces

@@ -21,8 +21,9 @@ struct PackRequest {
 struct Packed {
   std::string id;
   Manifest manifest;
-  std::vector<std::string> remarks;  // files of the machine's own that are named but not packed; what was not tried; what of models is left out
-  std::string renderer;              // what drew it; empty: no GL here
+  std::vector<std::string>
+      remarks;  // files of the machine's own that are named but not packed; what was not tried; what of models is left out
+  std::string renderer;  // what drew it; empty: no GL here
 };
 
 // Reads everything as the appliance would and draws it once unseen, so that a mistake is named before it leaves the

@@ -123,9 +123,9 @@ inline const Walls kMayInclude = {
 
 // The sub-rooms of pipeline that each serve one purpose of the program: none includes another, but for the pairs named.
 inline const std::set<std::string> kVerticals = {
-    "pipeline/appliance",  "pipeline/bench",       "pipeline/calibrate", "pipeline/camera_drift",
-    "pipeline/comparison", "pipeline/doctor",      "pipeline/haze",      "pipeline/look",      "pipeline/past",
-    "pipeline/sky",        "pipeline/photographs", "pipeline/prove",     "pipeline/recording",
+    "pipeline/appliance",   "pipeline/bench", "pipeline/calibrate", "pipeline/camera_drift", "pipeline/comparison",
+    "pipeline/doctor",      "pipeline/haze",  "pipeline/look",      "pipeline/past",         "pipeline/sky",
+    "pipeline/photographs", "pipeline/prove", "pipeline/recording",
 };
 inline const Walls kVerticalsMayInclude = {
     {"pipeline/appliance", {"pipeline/camera_drift", "pipeline/doctor"}},
