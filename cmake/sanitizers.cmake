@@ -14,8 +14,8 @@ function(kasumi_is_under folder folders result)
 endfunction()
 
 # Generators and benches, and what an installer or a researcher starts by hand on pictures of their own: never watched.
-set(KASUMI_NEVER_WATCHED fixtures pipeline/bench pipeline/calibrate pipeline/calibration_report pipeline/comparison pipeline/haze
-  pipeline/sky)
+set(KASUMI_NEVER_WATCHED fixtures pipeline/lab/bench pipeline/install/calibrate pipeline/install/calibration_report pipeline/lab/comparison pipeline/lab/haze
+  pipeline/lab/sky)
 if(NOT KASUMI_SANITIZE)
   return()
 endif()

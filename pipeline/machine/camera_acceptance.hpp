@@ -7,8 +7,8 @@
 #include <string>
 
 #include "capture/frame.hpp"
-#include "pipeline/config/run_config.hpp"
 #include "pipeline/machine/devices.hpp"
+#include "pipeline/site/config/run_config.hpp"
 
 namespace kasumi {
 

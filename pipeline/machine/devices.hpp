@@ -5,8 +5,8 @@
 
 #include "capture/reconnecting_source.hpp"
 #include "gles/display/display.hpp"
-#include "pipeline/config/run_config.hpp"
 #include "pipeline/machine/television.hpp"
+#include "pipeline/site/config/run_config.hpp"
 
 namespace kasumi {
 

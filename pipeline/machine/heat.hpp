@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/config/heat_governor.hpp"
+#include "pipeline/site/config/heat_governor.hpp"
 
 namespace kasumi {
 

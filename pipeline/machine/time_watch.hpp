@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/config/time_trust.hpp"
+#include "pipeline/site/config/time_trust.hpp"
 
 namespace kasumi {
 

@@ -1,8 +1,8 @@
 // Content that somebody brings: a bundle, or what minisign writes. What is accepted stays below its folder and is whole.
 #include <string_view>
 
-#include "pipeline/content/bundle.hpp"
-#include "pipeline/content/signature.hpp"
+#include "pipeline/kiosk/content/bundle.hpp"
+#include "pipeline/kiosk/content/signature.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 namespace {

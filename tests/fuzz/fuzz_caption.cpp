@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "pipeline/stage/caption.hpp"
+#include "pipeline/show/stage/caption.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 // A whole kiosk: kasumi.toml and the files it names, as one input (pack.hpp). What is accepted must be usable.
 #include "gles/model/model.hpp"
-#include "pipeline/config/content.hpp"
+#include "pipeline/site/config/content.hpp"
 #include "tests/fuzz/pack.hpp"
 #include "tests/fuzz/scratch.hpp"
 

@@ -1,7 +1,7 @@
 // A picture from outside, in whatever format its first byte says.
 #include <string>
 
-#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/fuzz/scratch.hpp"
 #include "tests/fuzz/small_picture.hpp"
 

@@ -1,6 +1,6 @@
 // What an appliance left on its disk for its next start. The first byte chooses the file.
-#include "pipeline/camera_drift/drift_reference.hpp"
-#include "pipeline/start/remembered_state.hpp"
+#include "pipeline/install/camera_drift/drift_reference.hpp"
+#include "pipeline/kiosk/start/remembered_state.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 // What researchers bring: 's' a sky scanner's table, 'h' the published data of Hosek and Wilkie's sky.
 #include "estimator/sky/tensor_file.hpp"
-#include "pipeline/photographs/sky_scan.hpp"
+#include "pipeline/lab/photographs/sky_scan.hpp"
 #include "tests/fuzz/scratch.hpp"
 
 void kasumi::try_input(std::span<const std::uint8_t> input) {

@@ -28,8 +28,15 @@ inline std::string folder_of(const std::string& name) {
   return slash == std::string::npos ? "" : name.substr(0, slash);
 }
 
+// The room around a folder, so many names deep: "pipeline/show" for "pipeline/show/stage" at 2.
+inline std::string room_at(const std::string& folder, int level) {
+  std::size_t end = 0;
+  for (; level > 0 && end != std::string::npos; --level) end = folder.find('/', end + 1);
+  return folder.substr(0, end);
+}
+
 inline std::string room_of(const std::string& name) {
-  return name.substr(0, name.find('/'));
+  return room_at(name, 1);
 }
 
 inline SourceFile source_file(const std::string& name, std::istream& text) {

@@ -18,22 +18,25 @@ std::vector<std::string> page() {
 }
 
 // Rows of the rooms' table: `folder/` | what it owns | what it may include. A room's sub-rooms stand below it, without
-// its name.
+// its name; those of a room of `pipeline` with that room's.
 Walls walls_of_page() {
   Walls walls;
   std::string room;
-  static const std::regex row(R"(^\| (\*\*)?`([\w]+)/`(\*\*)? \|.*\|([^|]*)\|$)");
+  static const std::regex row(R"(^\| (\*\*)?`([\w/]+)/`(\*\*)? \|.*\|([^|]*)\|$)");
   for (const std::string& line : page()) {
     std::smatch match;
     if (!std::regex_match(line, match, row)) continue;
     const bool is_room = match[1].matched;
     if (is_room) room = match[2];
-    auto& allowed = walls[is_room ? room : room + "/" + match[2].str()];
+    const std::string folder = is_room ? room : room + "/" + match[2].str();
+    auto& allowed = walls[folder];
     static const std::regex word(R"(\w+)");
     const std::string cell = match[4];
     for (std::sregex_iterator name(cell.begin(), cell.end(), word), end; name != end; ++name) {
-      const std::string inner = room + "/" + name->str();
-      allowed.insert(kMayInclude.contains(inner) ? inner : name->str());
+      const std::string beside = folder_of(folder) + "/" + name->str(), within = folder + "/" + name->str();
+      allowed.insert(kMayInclude.contains(beside)              ? beside
+                     : is_room && kMayInclude.contains(within) ? within
+                                                               : name->str());
     }
   }
   return walls;

@@ -1,5 +1,5 @@
 // The commands in the documents name what is there: words of ./bootstrap, targets, presets, programs and their options,
-// units and files. tests/pipeline/operating/test_documents.cpp parses those of `kasumi` itself.
+// units and files. tests/pipeline/kiosk/operating/test_documents.cpp parses those of `kasumi` itself.
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -186,7 +186,7 @@ TEST(Commands, NameOnlyWhatIsThere) {
 
 TEST(Commands, AnOffenderWouldBeFound) {
   const auto known =
-      known_in({"systemd/kasumi.service", "systemd/kiosk/kasumi-stick@.service", "pipeline/haze/command_haze.cpp",
+      known_in({"systemd/kasumi.service", "systemd/kiosk/kasumi-stick@.service", "pipeline/lab/haze/command_haze.cpp",
                 "docs/sky.md"},
                {{"bootstrap", "case $1 in\n  build)\n    ;;\n  test)\n    ;;\nesac\n"},
                 {"CMakePresets.json", "{\"name\": \"debug\"}"},
@@ -199,8 +199,8 @@ TEST(Commands, AnOffenderWouldBeFound) {
         "    cmake --preset debug && ninja -C build-debug test_sky && build-debug/test_sky  # words\n",
         "`build/test_sky --gtest_filter='Solv*'`", "<!-- figures: SKY by build/test_sky -->", "`build/test_NAME`",
         "`sudo systemctl restart kasumi`", "`journalctl -u 'kasumi-stick@*' -u kasumi.service`",
-        "`pipeline/ROOM/command_NAME.cpp`", "`pipeline/haze/`", "`docs/*.md`", "`kasumi-make run --out docs/sky.md`",
-        "`kasumi-kiosk`", "`docs/sk`", "`pipeline/*/command_`"})
+        "`pipeline/ROOM/command_NAME.cpp`", "`pipeline/lab/haze/`", "`docs/*.md`",
+        "`kasumi-make run --out docs/sky.md`", "`kasumi-kiosk`", "`docs/sk`", "`pipeline/*/command_`"})
     EXPECT_THAT(found(good), testing::IsEmpty()) << good;
   for (const std::string bad :
        {"`./bootstrap tset`", "    ./bootstrap build && ./bootstrap demo\n", "    cmake --preset quick\n",

@@ -43,7 +43,7 @@ TEST(Reading, NoPictureIsDecodedBeforeItsSizeIsKnown) {
 }
 
 // What a reader leaves out of a model must reach whoever brought it: whatever reads one hands its notes on.
-// (tests/pipeline/look runs the commands.)
+// (tests/pipeline/lab/look runs the commands.)
 TEST(Reading, NoModelIsReadWithoutItsNotes) {
   std::vector<std::string> readers, found;
   for (const auto& [name, text] : texts_ending_in(repository_files(), {".cpp", ".hpp"})) {

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "estimator/landmarks/daylight.hpp"
-#include "pipeline/files/photograph_file.hpp"
-#include "pipeline/photographs/scene_visibility.hpp"
+#include "pipeline/lab/photographs/scene_visibility.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 
 namespace kasumi {
 namespace {

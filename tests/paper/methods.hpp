@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "estimator/photograph/retarget.hpp"
-#include "pipeline/comparison/similarity.hpp"
+#include "pipeline/lab/comparison/similarity.hpp"
 #include "tests/paper/generated_scene.hpp"
 
 namespace kasumi::paper {

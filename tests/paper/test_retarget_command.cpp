@@ -9,9 +9,9 @@
 
 #include "base/files.hpp"
 #include "calib/distances/distance_map.hpp"
-#include "pipeline/files/photograph_file.hpp"
-#include "pipeline/files/picture_sink.hpp"
-#include "pipeline/files/picture_source.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
+#include "pipeline/site/files/picture_sink.hpp"
+#include "pipeline/site/files/picture_source.hpp"
 #include "tests/environment.hpp"
 #include "tests/estimator/photograph/hazy_land.hpp"
 #include "tests/paper/generated_scene.hpp"

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "pipeline/files/photograph_file.hpp"
-#include "pipeline/recording/replay.hpp"
+#include "pipeline/lab/recording/replay.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/figures.hpp"
 
 namespace kasumi {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/files/picture_sink.hpp"
+#include "pipeline/site/files/picture_sink.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {

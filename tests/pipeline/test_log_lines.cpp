@@ -8,7 +8,7 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
-#include "pipeline/appliance/camera_link.hpp"
+#include "pipeline/kiosk/appliance/camera_link.hpp"
 #include "pipeline/log_lines.hpp"
 #include "pipeline/machine/mode_log.hpp"
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "base/utc_text.hpp"
-#include "pipeline/appliance/status.hpp"
+#include "pipeline/kiosk/appliance/status.hpp"
 #include "report/status/diagnosis.hpp"
 #include "report/web/content_pull.hpp"
 

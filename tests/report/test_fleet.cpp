@@ -6,8 +6,8 @@
 #include <stop_token>
 #include <thread>
 
-#include "pipeline/appliance/status.hpp"
-#include "tests/pipeline/appliance/kiosk_process.hpp"
+#include "pipeline/kiosk/appliance/status.hpp"
+#include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
 #include "tests/report/mqtt_broker.hpp"
 
 namespace kasumi::report {

@@ -2,8 +2,8 @@
 // presses the button.
 #include <gmock/gmock.h>
 
-#include "pipeline/snapshot/blurred_picture.hpp"
-#include "tests/pipeline/appliance/kiosk_process.hpp"
+#include "pipeline/kiosk/snapshot/blurred_picture.hpp"
+#include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
 #include "tests/report/running_reporter.hpp"
 
 namespace kasumi::report {

@@ -8,8 +8,8 @@
 #include "estimator/photograph/depth_from_haze.hpp"
 #include "estimator/photograph/picture_noise.hpp"
 #include "estimator/photograph/retarget.hpp"
-#include "pipeline/files/contact_sheet.hpp"
-#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/site/files/contact_sheet.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "pipeline/bench/gles.hpp"
+#include "pipeline/lab/bench/gles.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

@@ -6,8 +6,8 @@
 
 #include "calib/distances/distance_map.hpp"
 #include "estimator/haze/haze_picture.hpp"
-#include "pipeline/files/contact_sheet.hpp"
-#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/site/files/contact_sheet.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/paper/generated_scene.hpp"
 #include "tests/paper/report/section.hpp"
 

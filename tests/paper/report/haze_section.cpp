@@ -7,9 +7,9 @@
 #include "estimator/haze/haze_picture.hpp"
 #include "gles/air/haze_blur.hpp"
 #include "gles/gl/context.hpp"
-#include "pipeline/bench/bench.hpp"
-#include "pipeline/files/photograph_file.hpp"
-#include "pipeline/scene/haze_blur_for_gles.hpp"
+#include "pipeline/lab/bench/bench.hpp"
+#include "pipeline/show/scene/haze_blur_for_gles.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

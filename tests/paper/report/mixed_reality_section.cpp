@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include "fixtures/generator/generator.hpp"
-#include "pipeline/files/contact_sheet.hpp"
-#include "pipeline/files/photograph_file.hpp"
-#include "pipeline/recording/replay.hpp"
+#include "pipeline/lab/recording/replay.hpp"
+#include "pipeline/site/files/contact_sheet.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {

@@ -4,8 +4,8 @@
 
 #include "estimator/horizon/horizon.hpp"
 #include "estimator/photograph/other_air.hpp"
-#include "pipeline/files/contact_sheet.hpp"
-#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/site/files/contact_sheet.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/paper/methods.hpp"
 #include "tests/paper/report/section.hpp"
 

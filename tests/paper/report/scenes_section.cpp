@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/files/contact_sheet.hpp"
+#include "pipeline/site/files/contact_sheet.hpp"
 #include "tests/figures.hpp"
 #include "tests/paper/methods.hpp"
 #include "tests/paper/report/section.hpp"

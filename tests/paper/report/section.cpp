@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/files/html.hpp"
+#include "pipeline/site/files/html.hpp"
 
 namespace kasumi::paper {
 namespace {

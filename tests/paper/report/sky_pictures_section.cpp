@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "estimator/turbidity/turbidity.hpp"
-#include "pipeline/files/contact_sheet.hpp"
-#include "pipeline/files/photograph_file.hpp"
+#include "pipeline/site/files/contact_sheet.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
 #include "tests/paper/report/section.hpp"
 

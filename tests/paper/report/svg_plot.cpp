@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/files/html.hpp"
+#include "pipeline/site/files/html.hpp"
 
 namespace kasumi::paper {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
-#include "pipeline/files/contact_sheet.hpp"
+#include "pipeline/site/files/contact_sheet.hpp"
 #include "tests/paper/methods.hpp"
 #include "tests/paper/report/section.hpp"
 #include "tests/paper/single_image.hpp"

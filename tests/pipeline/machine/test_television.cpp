@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "pipeline/loop/television_switch.hpp"
+#include "pipeline/kiosk/loop/television_switch.hpp"
 #include "tests/pipeline/machine/fake_television.hpp"
 
 namespace kasumi {

@@ -1,0 +1,56 @@
+// Whether this start has come well: ten minutes of pictures forgive the failures before it, end the probation of new
+// content, and let content that was set up by hand be kept for a day on which another one is refused.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "pipeline/kiosk/appliance/mailboxes.hpp"
+#include "pipeline/kiosk/content/probation.hpp"
+#include "pipeline/kiosk/start/start_log.hpp"
+
+namespace kasumi {
+
+struct ProvingOptions {
+  StartLog* starts = nullptr;         // null: nothing is counted
+  std::filesystem::path kept_folder;  // of the content; empty: none is kept
+};
+
+// Where content comes from, and what judges it.
+struct ProvingPlaces {
+  ContentPlace content;
+  std::optional<std::filesystem::path> status_file;  // which the doctor reads; empty: it is not asked
+  std::function<void()> reload;
+};
+
+class ProvingLoop {
+ public:
+  ProvingLoop(ContentPtr content, ProvingOptions options, ProvingPlaces places, Clock& clock, Mailboxes& mailboxes);
+  // Returns when to be called again. BLOCKS for as long as the disk takes to keep the content.
+  Instant step();
+
+ private:
+  // Time during which something went on; what stands still proves nothing.
+  struct Proof {
+    std::uint64_t last = 0;
+    Duration lasted{};
+    bool advance(std::uint64_t count, Duration by);
+  };
+  void keep();
+  Probation::FailingChecks ask_doctor(Duration passed);
+
+  ContentPtr content_;
+  ProvingOptions options_;
+  std::optional<std::filesystem::path> status_file_;
+  Clock& clock_;
+  Mailboxes& mailboxes_;
+  Probation probation_;
+  std::string status_before_;
+  Instant stepped_;
+  Proof alive_, scene_, camera_;
+  bool shown_ = false, well_ = false;
+  Instant keep_at_{};
+  bool kept_ = false, keeping_failed_ = false;
+};
+
+}  // namespace kasumi

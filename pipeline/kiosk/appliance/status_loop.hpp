@@ -1,0 +1,75 @@
+// The status loop: writes the appliance's status and saves the air for the next start.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "history/history_keeper.hpp"
+#include "history/history_minute.hpp"
+#include "pipeline/kiosk/appliance/status.hpp"
+#include "pipeline/kiosk/loop/hang_watch.hpp"
+#include "pipeline/kiosk/start/start_log.hpp"
+#include "pipeline/machine/notifier.hpp"
+
+namespace kasumi {
+
+struct StatusOptions {
+  std::optional<std::filesystem::path> file;         // status.json
+  bool stats = false;                                // log latency and copies every minute
+  Duration save_interval = std::chrono::minutes(5);  // of the air
+  StartLog* starts = nullptr;                        // null: not started by the service
+  std::filesystem::path sys = "/sys";                // where the kernel says how hot it is
+};
+
+class StatusLoop {
+ public:
+  StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
+  // BLOCKS for as long as the disk takes. Call it about once a second.
+  void step();
+  void keep();    // writes and saves what there is
+  void finish();  // the same, and the last statistics
+  const Status& status() const { return status_; }
+
+ private:
+  void gather();
+  void write_status();
+  void save_air();
+  void keep_history(const std::optional<HistoryLine>& minute);
+  void note(const std::string& what, std::function<void()> job);
+
+  ContentPtr content_;
+  StatusOptions options_;
+  Clock& clock_;
+  Notifier& notifier_;
+  Mailboxes& mailboxes_;
+  struct Told {  // as the other loops told it
+    CameraStatus scene_camera, sky_camera;
+    SkyStatus sky;
+    RenderStatus render;
+  };
+  CameraStatus seen_from_here(CameraStatus camera, const Pulse& loop) const;
+  void watch_openings();
+  void age_sky();
+  void judge_render();
+  void govern_heat();
+
+  Told told_;
+  bool scene_opening_told_ = false, sky_opening_told_ = false;  // that it hangs
+  Status status_;
+  HeatGovernor heat_;
+  std::optional<Instant> heat_read_at_;
+  HangWatch hangs_;  // of the render loop, which watches the others
+  std::string line_;
+  bool write_failing_ = false;  // already logged
+  HistoryMinute minute_;
+  struct Kept {  // belongs to whoever writes
+    HistoryKeeper history;
+    bool air_failing = false, history_failing = false;  // already logged
+  };
+  std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
+  Instant saved_, stats_at_, trim_at_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,295 @@
+#include <cstdio>
+#include <map>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+
+#include "pipeline/command.hpp"
+#include "pipeline/lab/photographs/estimate_answer.hpp"
+#include "pipeline/lab/photographs/estimate_arguments.hpp"
+#include "pipeline/lab/photographs/estimate_csv.hpp"
+#include "pipeline/lab/photographs/estimate_inputs.hpp"
+#include "pipeline/lab/photographs/estimate_tally.hpp"
+#include "pipeline/lab/photographs/estimated_response.hpp"
+#include "pipeline/lab/photographs/fit_plot.hpp"
+#include "pipeline/lab/photographs/found_air.hpp"
+#include "pipeline/lab/photographs/haze_answer.hpp"
+#include "pipeline/lab/photographs/learn_cameras.hpp"
+#include "pipeline/lab/photographs/scan_report.hpp"
+#include "pipeline/lab/photographs/scene_visibility.hpp"
+#include "pipeline/log_lines.hpp"
+#include "pipeline/machine/ordered_jobs.hpp"
+#include "pipeline/machine/progress.hpp"
+#include "pipeline/site/files/picture_sink.hpp"
+
+namespace kasumi {
+
+namespace {
+
+struct ImageJob {
+  SkyInput input;
+  const SceneVisibility* scene = nullptr;  // taken at the same time
+};
+
+// The landmarks' result from the scene camera's picture of the same time, compared with the sky.
+std::string landmarks_answer(const SceneVisibilities& scenes, const SceneVisibility& scene,
+                             const SkyPhotographReport* report, bool json) {
+  std::optional<SkyComparison> sky;
+  if (report && report->look.estimate.usable)
+    sky = scenes.watch.compare(scene.air, report->look.estimate.turbidity, report->look.estimate.sigma);
+  return json ? visibility_json(scenes.watch, scene, sky ? &*sky : nullptr)
+              : visibility_text(scenes.watch, scene, sky ? &*sky : nullptr);
+}
+
+std::filesystem::path plot_path(const EstimateArguments& arguments, const std::filesystem::path& image) {
+  auto name = image.filename();
+  name += ".fit.png";
+  return (arguments.plot_dir.empty() ? image.parent_path() : std::filesystem::path(arguments.plot_dir)) / name;
+}
+
+struct Answer {
+  std::string text;     // for standard output
+  std::string error;    // for standard error
+  std::string useless;  // why nothing is known from it; empty: something is, or `error` says more
+};
+
+// What one thread keeps of each camera.
+class Worker {
+ public:
+  explicit Worker(const std::vector<SkyPhotographOptions>& cameras) : cameras_(&cameras) {}
+  SkyPhotographs& of(std::size_t camera) { return photographs_.try_emplace(camera, (*cameras_)[camera]).first->second; }
+  std::optional<Utc> utc_of(const SkyInput& input) const {
+    return input.utc ? input.utc : (*cameras_)[input.camera].utc;
+  }
+
+ private:
+  const std::vector<SkyPhotographOptions>* cameras_;
+  std::map<std::size_t, SkyPhotographs> photographs_;
+};
+
+Answer answer_of(const EstimateArguments& arguments, Worker& worker, const SceneVisibilities* scenes,
+                 const ImageJob& job) {
+  const auto& [file, utc, problem, camera, label] = job.input;
+  const auto unread = [&](const std::string& why) {
+    return Answer{arguments.csv ? estimate_csv_line(file.string(), worker.utc_of(job.input), why) : "", why, ""};
+  };
+  if (!problem.empty()) return unread(problem);
+  const auto report = worker.of(camera).estimate_from(file, utc);
+  if (!report) return unread(report.error().message);
+  const auto landmarks_text =
+      job.scene ? landmarks_answer(*scenes, *job.scene, &*report, arguments.json) : std::string();
+  Answer answer;
+  if (!report->look.estimate.usable && !(job.scene && job.scene->usable()))
+    answer.useless = why_useless(report->look.estimate);
+  if (arguments.csv)
+    answer.text = estimate_csv_line(estimate_json(file, *report, ""), worker.utc_of(job.input));
+  else
+    answer.text =
+        arguments.json ? estimate_json(file, *report, landmarks_text) : estimate_text(file, *report) + landmarks_text;
+  if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
+    const auto path = plot_path(arguments, file);
+    const auto& estimate = report->look.estimate;
+    auto title = fmt::format("{}: {}", file.filename().string(), estimate.reason);
+    if (estimate.usable)
+      title = fmt::format("{}: T = {:.3f} +- {:.3f}, aerosol depth {:.3f} +- {:.3f}", file.filename().string(),
+                          estimate.turbidity.value, estimate.sigma, report->quality->aod_550,
+                          aerosol_sigmas(estimate, *report->air).aod_550);
+    if (auto written = write_png(path, plot_fit(*report->picture, report->look, title)); !written)
+      answer.error = written.error().message;
+  }
+  return answer;
+}
+
+int exit_code_of(const EstimateTally& tally, std::string_view what) {
+  if (const auto told = tally.told(what); !told.empty()) fmt::print(stderr, "kasumi: {}\n", told);
+  return tally.exit_code();
+}
+
+// Errors (bad_input): it cannot be made, or is a file.
+Result<> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && std::filesystem::is_directory(folder)) return {};
+  return fail(FaultKind::bad_input, "--plot-dir {}: expected a folder, or a place for a new one ({})", folder.string(),
+              error ? error.message() : "a file is there");
+}
+
+Result<int> estimate_scans(const EstimateArguments& arguments) {
+  const auto options = sky_photograph_options(arguments);
+  if (!options) return fail(options.error());
+  EstimateTally tally;
+  if (arguments.csv) fmt::print("{}", estimate_csv_header());
+  for (const std::filesystem::path file : arguments.scans) {
+    const auto report = report_on_scan(file, *options);
+    if (arguments.csv)
+      fmt::print("{}", report ? estimate_csv_line(estimate_json(file, report->answer, ""), options->utc)
+                              : estimate_csv_line(file.string(), options->utc, report.error().message));
+    else if (report)
+      fmt::print("{}", arguments.json ? estimate_json(file, report->answer, "") : estimate_text(file, report->answer));
+    std::fflush(stdout);
+    const std::string told = report ? report->note : report.error().message;
+    if (!told.empty()) fmt::print(stderr, "kasumi: {}{}\n", report ? file.string() + ": " : "", told);
+    if (!report)
+      tally.unread();
+    else if (const auto& estimate = report->answer.look.estimate; !estimate.usable)
+      tally.useless(why_useless(estimate));
+    else
+      tally.useful();
+  }
+  return exit_code_of(tally, "scan");
+}
+
+Result<int> estimate_hazes(const EstimateArguments& arguments) {
+  if (!arguments.images.empty() || !arguments.scenes.empty() || !arguments.scans.empty())
+    return fail(FaultKind::bad_input, "--haze: stands instead of other pictures, expected none beside it");
+  HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m.value_or(0.0)};
+  if (const auto& part = arguments.part; part.size() == 4) question.part = HazyPart{part[0], part[1], part[2], part[3]};
+  EstimateTally tally;
+  for (const auto& answer : hazes_of({arguments.hazes.begin(), arguments.hazes.end()}, question)) {
+    if (!answer) {
+      fmt::print(stderr, "kasumi: {}\n", answer.error().message);
+      tally.unread();
+      continue;
+    }
+    fmt::print("{}", arguments.json ? haze_json(*answer) : haze_text(*answer));
+    answer->useful() ? tally.useful() : tally.useless(answer->colour.reason);
+  }
+  return exit_code_of(tally, "picture");
+}
+
+Result<int> answer_scenes(const SceneVisibilities& scenes, const EstimateArguments& arguments) {
+  MeasuredVisibilities measured;
+  if (!arguments.measured.empty()) {
+    auto read = read_measured_visibilities(arguments.measured);
+    if (!read) return fail(read.error());
+    measured = std::move(*read);
+  }
+  EstimateTally tally;
+  std::vector<VisibilityCheck> checks;
+  for (const auto& scene : scenes.pictures) {
+    const auto instrument = measured.find(scene.picture.filename().string());
+    const bool checked = instrument != measured.end();
+    if (checked) checks.push_back(check_visibility(scene.air, instrument->second));
+    const auto* check = checked ? &checks.back() : nullptr;
+    if (arguments.json)
+      fmt::print("{}\n", visibility_json(scenes.watch, scene, nullptr, check));
+    else
+      fmt::print("{}{}", visibility_text(scenes.watch, scene, nullptr), check ? check_text(*check) : "");
+    scene.usable() ? tally.useful() : tally.useless(scene.air.extinction().reason);
+  }
+  if (!measured.empty() && !arguments.json) fmt::print("{}", checks_text(checks));
+  return exit_code_of(tally, "picture");
+}
+
+// What must be known of the cameras before the first answer: of --response estimate from all pictures, else from as many
+// as are there at once.
+Result<> learn(const EstimateArguments& arguments, EstimateInputs& inputs, std::size_t threads) {
+  constexpr std::size_t kMost = 200;
+  if (arguments.response_from_pictures()) {
+    std::vector<PhotographOfSky> taken;
+    for (auto& input : inputs.all())
+      if (input.problem.empty()) taken.push_back({input.file, input.utc});
+    const auto tone = tone_curve_of(taken, inputs.cameras().front());
+    if (!tone) return fail(FaultKind::bad_input, "--response estimate: {}", tone.error().message);
+    inputs.set_tone(*tone);
+  }
+  CameraMemory memory;
+  if (!arguments.camera_memory.empty()) {
+    auto before = CameraMemory::read(arguments.camera_memory);
+    if (!before) return fail(before.error());
+    memory = std::move(*before);
+  }
+  const bool kept = !arguments.camera_memory.empty();
+  const auto learned = learn_cameras(inputs.ahead(kMost), inputs.cameras(), std::move(memory), kept, threads);
+  inputs.set_memory(learned);
+  return kept ? learned->write(arguments.camera_memory) : Result<>();
+}
+
+// Arguments that name no picture are reported first; the others are answered all the same.
+Result<int> estimate_pictures(const EstimateArguments& arguments, const std::optional<SceneVisibilities>& scenes) {
+  auto inputs = EstimateInputs::expand(arguments);
+  if (!inputs) return fail(inputs.error());
+  const auto& missing = inputs->problems();
+  if (!missing.empty() && (inputs->empty() || scenes)) return fail(missing.fault());
+  if (scenes && scenes->pictures.size() != inputs->count())
+    return fail(FaultKind::bad_input,
+                "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
+                scenes->pictures.size(), inputs->count().value_or(0));
+  if (!arguments.plot_dir.empty())
+    if (auto made = make_folder(arguments.plot_dir); !made) return fail(made.error());
+  EstimateTally tally;
+  if (!missing.empty()) print_error(missing.fault().message);
+  for (std::size_t i = 0; i < missing.lines().size(); ++i) tally.unread();
+
+  const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
+  std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
+  threads = std::min(threads, inputs->count().value_or(threads));
+  if (auto learned = learn(arguments, *inputs, threads); !learned) return fail(learned.error());
+  std::size_t given = 0;
+  const auto next = [&]() -> std::optional<ImageJob> {
+    auto input = inputs->next();
+    if (!input) return std::nullopt;
+    return ImageJob{std::move(*input), scenes ? &scenes->pictures[given++] : nullptr};
+  };
+
+  std::vector<Worker> workers(threads, Worker(inputs->cameras()));
+  if (arguments.csv) fmt::print("{}", estimate_csv_header());
+  std::fflush(stdout);
+  Progress progress("estimate", inputs->count());
+  run_in_order<ImageJob, Answer>(
+      threads, next,
+      [&](std::size_t worker, const ImageJob& job) {
+        return answer_of(arguments, workers[worker], scenes ? &*scenes : nullptr, job);
+      },
+      [&](const ImageJob&, const Answer& answer) {
+        progress.clear();
+        fmt::print("{}", answer.text);
+        std::fflush(stdout);
+        if (!answer.error.empty()) {
+          fmt::print(stderr, "kasumi: {}\n", answer.error);
+          tally.unread();
+        } else if (!answer.useless.empty()) {
+          tally.useless(answer.useless);
+        } else {
+          tally.useful();
+        }
+        progress.advance("");
+      });
+  progress.clear();
+  return exit_code_of(tally, "picture");
+}
+
+Result<int> estimate(const EstimateArguments& arguments) {
+  const bool pictures_asked = !arguments.images.empty() || (arguments.scenes.empty() && arguments.scans.empty());
+  if (arguments.csv && (!arguments.hazes.empty() || !arguments.scenes.empty()))
+    return fail(FaultKind::bad_input, "--csv: has no columns for --haze and --scene, expected --json");
+  if (!arguments.hazes.empty()) return estimate_hazes(arguments);
+  if (!arguments.scans.empty()) return estimate_scans(arguments);
+  std::optional<SceneVisibilities> scenes;
+  if (!arguments.scenes.empty()) {
+    auto visibilities =
+        read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
+    if (!visibilities) return fail(visibilities.error());
+    scenes = std::move(*visibilities);
+    if (!pictures_asked) return answer_scenes(*scenes, arguments);
+  }
+  if (!arguments.measured.empty())
+    return fail(FaultKind::bad_input, "--measured: is for --scene alone, expected no pictures of the sky beside it");
+  return estimate_pictures(arguments, scenes);
+}
+
+}  // namespace
+
+void add_estimate_command(CLI::App& app, Action& action) {
+  auto* command = app.add_subcommand("estimate", "Turbidity from photographs of the sky");
+  auto arguments = std::make_shared<EstimateArguments>();
+  add_estimate_options(*command, *arguments);
+  command->callback([command, arguments, &action] {
+    if (!arguments->scenes.empty() && arguments->landmarks.empty())
+      throw CLI::ValidationError("--scene", "expected --landmarks FILE with their places and distances");
+    order_lists(*command, *arguments);
+    action = [arguments] { return estimate(*arguments); };
+  });
+}
+
+}  // namespace kasumi

@@ -1,0 +1,17 @@
+// What `kasumi estimate` says of a photograph of the sky.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/lab/photographs/sky_photograph.hpp"
+
+namespace kasumi {
+
+// One JSON object and a newline; `landmarks`: a JSON object stored under that key, or empty.
+std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
+                          const std::string& landmarks);
+// Text for people.
+std::string estimate_text(const std::filesystem::path& image, const SkyPhotographReport& report);
+
+}  // namespace kasumi

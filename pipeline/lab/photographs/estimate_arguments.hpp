@@ -1,0 +1,63 @@
+// What `kasumi estimate` is asked for.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/air_options.hpp"
+#include "pipeline/lab/photographs/sky_photograph.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace kasumi {
+
+struct EstimateArguments {
+  std::vector<std::string> images;  // of the sky: files, folders, recordings, "@LIST", patterns, "-"; in order
+  std::vector<std::string> lists;   // until they are in `images`
+  std::vector<std::string> scenes;  // of the scene camera
+  std::vector<std::string> scans;   // a sky scanner's tables, instead of pictures
+  std::string landmarks;
+  std::string measured;            // visibilities beside --scene
+  std::vector<std::string> hazes;  // photographs of land, of whose haze is asked
+  std::vector<int> part;           // of them: left, top, width, height
+  std::optional<double> distance_m;
+  std::string calibration;
+  std::string lens = "equidistant";
+  std::optional<double> fov_deg;
+  std::vector<double> circle;
+  std::optional<double> azimuth_up_deg;
+  std::string response;  // empty: auto where every model of the sky is asked, else srgb
+  std::optional<double> tone_exponent;
+  std::string vignetting = "fit";  // or the share of light that is lost at the rim
+  std::string camera_memory;
+  std::optional<double> sun_zenith_deg, sun_azimuth_deg, lat, lon;
+  std::optional<double> altitude_m;  // empty: nobody said; the sea's level, within some 500 m
+  std::string utc;
+  bool sun_from_image = false;
+  bool allow_damaged = false;
+  std::string method = "free-gain";
+  std::string sky_model;  // empty: auto, or preetham with the papers' method
+  AirOptions aerosol;     // exponent and kind
+  int samples = EstimateOptions{}.samples;
+  std::uint64_t seed = 1;
+  bool json = false;
+  bool csv = false;
+  bool plot = false;
+  std::string plot_dir;
+  std::size_t jobs = 0;
+
+  bool response_from_pictures() const { return response == "estimate"; }
+};
+
+void add_estimate_options(CLI::App& command, EstimateArguments& arguments);
+// Puts each --list into the images, as @LIST, where it stood among them. After parsing.
+void order_lists(const CLI::App& command, EstimateArguments& arguments);
+
+// How to read the pictures of the sky. Errors (bad_input): everything that is wrong with them at once.
+Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments);
+
+}  // namespace kasumi

@@ -1,0 +1,211 @@
+#include "pipeline/lab/photographs/estimate_inputs.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <sstream>
+
+#include <glob.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include "base/files.hpp"
+#include "base/utc_text.hpp"
+#include "capture/fixture/fixture.hpp"
+#include "pipeline/site/files/picture_source.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr const char* kFixtureFile = "fixture.toml";
+
+bool is_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+bool is_there(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::exists(path, error);
+}
+// --plot writes IMAGE.fit.png beside its image; some systems and programs leave hidden files that are named as pictures.
+bool is_sky_picture(const std::filesystem::path& path) {
+  const auto name = path.filename().string();
+  return is_picture_file(path) && !name.starts_with(".") && !name.ends_with(".fit.png");
+}
+
+// Whether standard input has more, or ends, within a moment; std::cin reads ahead, so that its buffer is asked first.
+bool line_is_there() {
+  constexpr int kMoment_ms = 50;
+  if (std::cin.rdbuf()->in_avail() > 0) return true;
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  return ::poll(&input, 1, kMoment_ms) > 0;
+}
+
+}  // namespace
+
+SkyInput input_of_line(std::string line) {
+  if (!line.empty() && line.back() == '\r') line.pop_back();
+  SkyInput input;
+  const auto tab = line.find('\t');
+  input.file = line.substr(0, tab);
+  if (tab == std::string::npos) return input;
+  const auto second = line.find('\t', tab + 1);
+  const auto time = line.substr(tab + 1, second == std::string::npos ? second : second - tab - 1);
+  if (second != std::string::npos) input.label = line.substr(second + 1);
+  input.utc = parse_utc(time);
+  if (!input.utc)
+    input.problem = fmt::format("{}: time '{}': expected a time like 2018-01-29T11:09:20Z", input.file.string(), time);
+  return input;
+}
+
+Result<EstimateInputs> EstimateInputs::expand(const EstimateArguments& arguments) {
+  EstimateInputs inputs;
+  if (arguments.images.empty())
+    inputs.add(arguments, "-");
+  else
+    for (const auto& word : arguments.images) inputs.add(arguments, word);
+  if (inputs.of_command_line_) {
+    auto options = sky_photograph_options(arguments);
+    if (!options) return fail(options.error());
+    inputs.cameras_.front() = std::move(*options);
+  }
+  return inputs;
+}
+
+void EstimateInputs::add(const EstimateArguments& arguments, const std::string& word) {
+  if (word == "-") {
+    if (std::ranges::any_of(inputs_, &Entry::standard_input)) {
+      problems_.add("-: given twice, expected standard input once");
+      return;
+    }
+    of_command_line_ = true;
+    std::ios::sync_with_stdio(false);  // else nobody can tell whether a line is there
+    inputs_.push_back({{}, true});
+  } else if (is_there(word)) {
+    add_path(arguments, word);
+  } else if (word.starts_with("@")) {
+    add_list(word.substr(1));
+  } else if (word.find_first_of("*?[") != std::string::npos) {
+    add_pattern(arguments, word);
+  } else {
+    problems_.add("{}: no such file or folder", word);
+  }
+}
+
+void EstimateInputs::add_path(const EstimateArguments& arguments, const std::filesystem::path& path) {
+  if (!is_folder(path)) {
+    of_command_line_ = true;
+    inputs_.push_back({{path, {}, {}, 0}});
+  } else if (is_there(path / kFixtureFile)) {
+    add_recording(arguments, path);
+  } else {
+    add_folder(path);
+  }
+}
+
+void EstimateInputs::add_pattern(const EstimateArguments& arguments, const std::string& pattern) {
+  glob_t matches{};
+  const bool any = ::glob(pattern.c_str(), 0, nullptr, &matches) == 0;
+  if (!any) problems_.add("{}: no file matches", pattern);
+  for (std::size_t i = 0; any && i < matches.gl_pathc; ++i) add_path(arguments, matches.gl_pathv[i]);
+  ::globfree(&matches);
+}
+
+void EstimateInputs::add_list(const std::filesystem::path& file) {
+  const auto text = is_folder(file) ? fail(FaultKind::bad_input, "{}: expected a list, not a folder", file.string())
+                                    : read_text_file(file, {.or_pipe = true});
+  if (!text) {
+    problems_.add("@{}", text.error().message);
+    return;
+  }
+  const auto before = inputs_.size();
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);)
+    if (!line.empty() && line != "\r") inputs_.push_back({input_of_line(line)});
+  if (inputs_.size() == before) problems_.add("@{}: an empty list, expected one path a line", file.string());
+  of_command_line_ = of_command_line_ || inputs_.size() > before;
+}
+
+void EstimateInputs::add_folder(const std::filesystem::path& folder) {
+  auto files = pictures_in(folder);
+  std::erase_if(files, [](const auto& file) { return !is_sky_picture(file); });
+  if (files.empty()) problems_.add("{}: a folder without any picture", folder.string());
+  for (auto& file : files) inputs_.push_back({{std::move(file), {}, {}, 0}});
+  of_command_line_ = of_command_line_ || !files.empty();
+}
+
+void EstimateInputs::add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder) {
+  const auto rows = read_index(folder / "sky");
+  if (!rows) {
+    problems_.add("{}", rows.error().message);
+    return;
+  }
+  std::size_t camera = 0;
+  if (arguments.calibration.empty()) {
+    auto own = arguments;
+    own.calibration = (folder / kFixtureFile).string();
+    auto options = sky_photograph_options(own);
+    if (!options) {
+      problems_.add("{}: {}", folder.string(), options.error().message);
+      return;
+    }
+    camera = cameras_.size();
+    cameras_.push_back(std::move(*options));
+  }
+  const auto before = inputs_.size();
+  for (const auto& row : *rows) {
+    if (row.disconnected) continue;
+    SkyInput input{folder / "sky" / row.payload, row.metadata.utc, {}, camera};
+    if (row.payload.empty() || row.metadata.format != kMjpg) {
+      problems_.add("{}: its sky camera recorded {}, expected JPEG files: kasumi replay reads it", folder.string(),
+                    row.metadata.format.text());
+      inputs_.resize(before);
+      return;
+    }
+    if (row.metadata.status == FrameStatus::flagged && !arguments.allow_damaged)
+      input.problem = fmt::format("{}: the camera's driver says that it is damaged", input.file.string());
+    inputs_.push_back({std::move(input)});
+  }
+  if (inputs_.size() == before) problems_.add("{}: a recording without any picture of the sky", folder.string());
+  of_command_line_ = of_command_line_ || (camera == 0 && inputs_.size() > before);
+}
+
+std::optional<std::size_t> EstimateInputs::count() const {
+  if (std::ranges::any_of(inputs_, &Entry::standard_input)) return std::nullopt;
+  return inputs_.size();
+}
+
+std::optional<SkyInput> EstimateInputs::take(bool wait) {
+  while (at_ < inputs_.size()) {
+    if (!inputs_[at_].standard_input) return inputs_[at_++].input;
+    if (!wait && !line_is_there()) return std::nullopt;
+    std::string line;
+    if (!std::getline(std::cin, line))
+      ++at_;
+    else if (!line.empty() && line != "\r")
+      return input_of_line(std::move(line));
+  }
+  return std::nullopt;
+}
+
+std::optional<SkyInput> EstimateInputs::next() {
+  if (ahead_.empty()) return take(true);
+  auto first = std::move(ahead_.front());
+  ahead_.pop_front();
+  return first;
+}
+
+std::vector<SkyInput> EstimateInputs::ahead(std::size_t most) {
+  while (ahead_.size() < most) {
+    auto input = take(false);
+    if (!input) break;
+    ahead_.push_back(std::move(*input));
+  }
+  return {ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(std::min(most, ahead_.size()))};
+}
+
+std::vector<SkyInput> EstimateInputs::all() {
+  while (auto input = take(true)) ahead_.push_back(std::move(*input));
+  return {ahead_.begin(), ahead_.end()};
+}
+
+}  // namespace kasumi

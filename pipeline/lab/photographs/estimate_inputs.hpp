@@ -1,0 +1,76 @@
+// What `kasumi estimate` is given: picture files, folders of them, recordings, lists and patterns, mixed, as one stream
+// of pictures in the order given.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.hpp"
+#include "pipeline/lab/photographs/estimate_arguments.hpp"
+
+namespace kasumi {
+
+struct SkyInput {
+  std::filesystem::path file;
+  std::optional<Utc> utc;
+  std::string problem;     // with its line of a list, or its row of a recording; the file is not read then
+  std::size_t camera = 0;  // in EstimateInputs::cameras
+  std::string label{};     // of a list's line, what kind of air its writer calls it; `kasumi prove` tells it apart
+};
+
+// One line of a list: a path, or a path, a tab and a UTC time, or these, a tab and a label.
+SkyInput input_of_line(std::string line);
+
+class EstimateInputs {
+ public:
+  // Expands arguments.images; standard input is read when its turn comes. Folders give the pictures in them, by name,
+  // without those of --plot; folders with fixture.toml the frames of their sky camera, under their own camera and site
+  // unless a --calibration is given. Errors (bad_input): all of the options for pictures of the command line's camera.
+  static Result<EstimateInputs> expand(const EstimateArguments& arguments);
+
+  // Arguments that give no picture: "x.png: no such file or folder". The other arguments are not affected.
+  const Problems& problems() const { return problems_; }
+  bool empty() const { return inputs_.empty(); }
+  // How many pictures; empty: that is known when standard input has ended.
+  std::optional<std::size_t> count() const;
+  // Not thread-safe.
+  std::optional<SkyInput> next();
+  // The next pictures, at most so many, without taking them. Of standard input only the lines that are there: whoever
+  // writes one and waits for its answer does not wait for ever.
+  std::vector<SkyInput> ahead(std::size_t most);
+  // All that are left, without taking them; waits for the end of standard input.
+  std::vector<SkyInput> all();
+  // The first is the command line's; the others are recordings'.
+  const std::vector<SkyPhotographOptions>& cameras() const { return cameras_; }
+  void set_tone(const ToneCurve& tone) { cameras_.front().tone = tone; }
+  void set_memory(const std::shared_ptr<const CameraMemory>& memory) {
+    for (auto& camera : cameras_) camera.memory = memory;
+  }
+
+ private:
+  struct Entry {
+    SkyInput input;
+    bool standard_input = false;  // a list is read from there; no picture
+  };
+  void add(const EstimateArguments& arguments, const std::string& word);
+  void add_path(const EstimateArguments& arguments, const std::filesystem::path& path);
+  void add_pattern(const EstimateArguments& arguments, const std::string& pattern);
+  void add_list(const std::filesystem::path& file);
+  void add_folder(const std::filesystem::path& folder);
+  void add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder);
+
+  std::optional<SkyInput> take(bool wait);
+
+  std::vector<Entry> inputs_;
+  std::size_t at_ = 0;
+  std::deque<SkyInput> ahead_;  // taken from inputs_, not yet by next()
+  std::vector<SkyPhotographOptions> cameras_{SkyPhotographOptions{}};
+  bool of_command_line_ = false;  // pictures need the camera of the command line
+  Problems problems_;
+};
+
+}  // namespace kasumi

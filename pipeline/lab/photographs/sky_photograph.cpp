@@ -1,0 +1,210 @@
+#include "pipeline/lab/photographs/sky_photograph.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "calib/mask/square_pixels.hpp"
+#include "estimator/sky/sun.hpp"
+#include "estimator/turbidity/sky_picture.hpp"
+#include "pipeline/lab/photographs/found_air.hpp"
+
+namespace kasumi {
+
+namespace {
+
+bool same(const std::optional<ImageCircle>& a, const ImageCircle& b) {
+  return a && a->centre == b.centre && a->radius_px == b.radius_px;
+}
+
+constexpr double kSigmaOfKnownTone = 0.02, kSigmaOfKnownRim = 0.05;
+constexpr Radians kWrongSun = from_degrees(15.0);  // seen so far from where it is given: that is not the sky's sun
+
+ImageCircle in_own_pixels(ImageCircle circle, double pixel_aspect) {
+  circle.centre.x /= pixel_aspect;
+  return circle;
+}
+
+// Refusals that depend on where in the picture the sun is.
+bool asked_the_sky(SkyCondition sky) {
+  return sky != SkyCondition::night && sky != SkyCondition::sun_too_low && sky != SkyCondition::covered_lens;
+}
+
+}  // namespace
+
+double SkyPhotographs::altitude_m() const {
+  if (options_.site) return options_.site->altitude_m;
+  // One model alone answers as it always did: for the sea's level.
+  return options_.estimate.sky.every_model ? options_.estimate.sky.altitude_m : 0.0;
+}
+
+Camera SkyPhotographs::ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle,
+                                    const SkyTurn* turn) const {
+  Camera camera;
+  camera.name = "sky";
+  camera.width = picture.width();
+  camera.height = picture.height();
+  const Radians edge = 0.5 * options_.field_of_view.value_or(from_degrees(180.0));
+  camera.lens = options_.equisolid
+                    ? equisolid_lens(circle.centre, circle.radius_px / (2.0 * std::sin(0.5 * edge.value)), edge)
+                    : equidistant_lens(circle.centre, circle.radius_px / edge.value, edge);
+  if (turn && turn->mirrored) camera.lens = mirrored_lens(camera.lens);
+  const Radians up = options_.azimuth_up.value_or(turn ? turn->azimuth_up : Radians{});
+  camera.to_world = camera_to_world(up - from_degrees(180.0), from_degrees(90.0), Radians{0.0});
+  camera.response = options_.linear_response ? Response::linear() : Response::srgb();
+  if (options_.tone) camera.response = corrected(camera.response, options_.tone->exponent);
+  if (options_.rim_loss) camera.vignetting = {circle.centre, circle.radius_px, {-*options_.rim_loss, 0.0, 0.0}};
+  return camera;
+}
+
+SunGiven SkyPhotographs::sun_given(const std::optional<Utc>& utc, const SkyTurn* turn) const {
+  SunGiven given;
+  given.from_picture = options_.sun_from_image;
+  given.unknown_camera = !options_.calibrated;
+  given.orientation_known = options_.calibrated || options_.azimuth_up || turn;
+  given.azimuth_up = options_.azimuth_up.value_or(turn ? turn->azimuth_up : Radians{});
+  given.direction = options_.sun;
+  given.by = "as given";
+  if (!given.direction && utc && options_.site) {
+    given.direction = sun_position(*utc, *options_.site).direction;
+    given.by = "by time and place";
+  }
+  return given;
+}
+
+PictureCircle SkyPhotographs::circle_alone(const std::filesystem::path& file, const Photograph& photograph) const {
+  PictureCircle alone{photograph.encoded.width(), photograph.encoded.height(), std::nullopt};
+  if (options_.circle)
+    alone.found = FoundCircle{*options_.circle, 1.0, {}, 1.0, {}};
+  else if (const auto* before = options_.memory ? options_.memory->found_in(file) : nullptr)
+    alone = *before;
+  else
+    alone.found = find_image_circle(to_rgb8(photograph));
+  return alone;
+}
+
+Result<PictureCircle> SkyPhotographs::circle_in(const std::filesystem::path& file) const {
+  std::string damage;
+  const auto photograph = read_photograph(file, options_.allow_damaged ? &damage : nullptr);
+  if (!photograph) return fail(photograph.error());
+  return circle_alone(file, *photograph);
+}
+
+std::optional<ImageCircle> SkyPhotographs::placed_circle(const std::filesystem::path& file, Photograph& photograph,
+                                                         SkyPhotographReport& report) const {
+  report.camera_circle = circle_alone(file, photograph);
+  auto& found = report.camera_circle.found;
+  if (options_.memory && !options_.circle) found = options_.memory->circle_of(report.camera_circle);
+  if (!found) return std::nullopt;
+  report.circle_confidence = found->confidence;
+  report.pixel_aspect = found->pixel_aspect;
+  report.circle = in_own_pixels(found->circle, found->pixel_aspect);
+  if (found->horizon) report.horizon_circle = in_own_pixels(*found->horizon, found->pixel_aspect);
+  photograph.encoded = with_square_pixels(std::move(photograph.encoded), found->pixel_aspect);
+  // The horizon is 90 deg off the axis, whatever the lens' field of view.
+  return found->horizon && !options_.field_of_view ? found->horizon : found->circle;
+}
+
+const RememberedCamera* SkyPhotographs::remembered(const SkyPhotographReport& report) const {
+  const auto& [width, height, found] = report.camera_circle;
+  return options_.memory && found ? options_.memory->camera_of(width, height, found->circle) : nullptr;
+}
+
+void SkyPhotographs::observe_by_unknown_camera(const std::filesystem::path& file, const SkyPicture& picture,
+                                               SkyPhotographReport& report) {
+  auto& estimate = report.look.estimate;
+  if (report.cover.sky == SkyClass::overcast || report.cover.sky == SkyClass::night || !report.cover.fraction) {
+    estimate.sky = report.cover.sky == SkyClass::overcast ? SkyCondition::overcast
+                   : report.cover.sky == SkyClass::night  ? SkyCondition::night
+                                                          : SkyCondition::unknown;
+    estimate.reason = report.cover.fraction ? fmt::format("{}: {:.0f} % of the sky is cloud", name_of(report.cover.sky),
+                                                          100.0 * *report.cover.fraction)
+                                            : report.cover.reason;
+    return;
+  }
+  const auto* known = remembered(report);
+  CameraBelief belief = known ? CameraMemory::belief_beside(*known, file) : CameraBelief{};
+  if (options_.tone_exponent) {
+    belief.log_exponent = std::log(*options_.tone_exponent);
+    belief.sigma_log_exponent = kSigmaOfKnownTone;
+  }
+  belief.sigma_altitude_m = options_.sigma_altitude_m;
+  if (options_.rim_loss) belief.rim_loss = kSigmaOfKnownRim;
+  report.look = observer_->observe_by_unknown_camera(picture, report.sun.in_camera, clear_air_of(report.cover), belief,
+                                                     options_.estimate);
+  if (report.look.tone_exponent > 0.0)
+    report.tone = ToneCurve{report.look.tone_exponent, report.look.sigma_tone_exponent, estimate.log_residual,
+                            known ? known->tones + (known->told.contains(file) ? 0 : 1) : 1};
+}
+
+Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
+  SkyPhotographReport report;
+  auto photograph = read_photograph(file, options_.allow_damaged ? &report.damage : nullptr);
+  if (!photograph) return fail(photograph.error());
+  report.tone = options_.tone;
+  auto& estimate = report.look.estimate;
+  const SkyTurn* turn = nullptr;
+
+  if (options_.calibrated) {
+    if (!observer_) observer_.emplace(*options_.calibrated);
+  } else {
+    const auto circle = placed_circle(file, *photograph, report);
+    if (!circle) {
+      estimate.reason = report.cover.reason = "no image circle is seen: no picture of a fisheye";
+      return report;
+    }
+    if (report.circle_confidence < kLeastCircleConfidence) {
+      estimate.reason = report.cover.reason = fmt::format(
+          "no sky through a fisheye: the likeliest image circle is right with {:.1f} % only; give it with "
+          "--circle CX,CY,R",
+          100.0 * report.circle_confidence);
+      return report;
+    }
+    if (const auto* known = remembered(report); known && known->turn && !options_.azimuth_up) turn = &*known->turn;
+    report.mirrored = turn && turn->mirrored;
+    const auto& picture = photograph->encoded;
+    const bool same_camera = observer_ && same(observed_circle_, *circle) &&
+                             observer_->camera().width == picture.width() &&
+                             observer_->camera().height == picture.height();
+    if (!same_camera) observer_.emplace(ideal_camera(picture, *circle, turn));
+    observed_circle_ = circle;
+  }
+
+  auto picture = sky_picture(photograph->encoded, photograph->quantum, observer_->camera());
+  if (!picture) return fail(FaultKind::bad_input, "{}: {}", file.string(), picture.error().message);
+
+  report.sun = find_photographed_sun(*picture, observer_->camera(), sun_given(utc ? utc : options_.utc, turn));
+  if (turn) {
+    report.sun.orientation = Orientation::from_series;
+    report.sun.orientation_told =
+        fmt::format("by {} suns of this camera{}", turn->suns, turn->mirrored ? "; its pictures are mirrored" : "") +
+        (report.sun.orientation_told.empty() ? "" : "; " + report.sun.orientation_told);
+  }
+  report.cover = cloud_cover(*picture, observer_->camera(),
+                             report.sun.direction ? std::optional(report.sun.in_camera) : std::nullopt);
+  if (!report.sun.direction) {
+    estimate.reason = "no sun is seen in the picture: give its position, or time and place";
+    return report;
+  }
+  if (options_.unknown_camera && !options_.calibrated)
+    observe_by_unknown_camera(file, *picture, report);
+  else
+    report.look = observer_->observe(*picture, report.sun.in_camera, options_.estimate);
+  if (!report.sun.doubt.empty()) {
+    if (estimate.usable && report.sun.disagreement > kWrongSun) {
+      estimate.usable = false;  // whatever fits a sun that is elsewhere
+      estimate.reason = "rejected: " + report.sun.doubt;
+    } else if (!estimate.usable && asked_the_sky(estimate.sky)) {
+      estimate.reason = report.sun.doubt + "; " + estimate.reason;
+    }
+  }
+  report.picture = std::move(*picture);
+  if (estimate.usable) {
+    report.air = found_air(estimate, report.look.sky);
+    report.quality = air_quality(*report.air, altitude_m());
+  }
+  return report;
+}
+
+}  // namespace kasumi

@@ -1,0 +1,91 @@
+// One photograph of the sky: its camera, the sun's position, and the turbidity it shows.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "calib/camera.hpp"
+#include "calib/mask/image_circle.hpp"
+#include "estimator/cloud_cover/cloud_cover.hpp"
+#include "estimator/sky_fit/tone_curve.hpp"
+#include "estimator/turbidity/turbidity.hpp"
+#include "pipeline/lab/photographs/camera_memory.hpp"
+#include "pipeline/lab/photographs/photographed_sun.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
+
+namespace kasumi {
+
+// How to read photographs: with a calibration file, or as an ideal fisheye that looks up.
+struct SkyPhotographOptions {
+  std::optional<Camera> calibrated;  // [sky] of a calibration file
+  std::optional<Site> site;          // [site] of it, or --lat --lon
+
+  bool equisolid = false;                // else equidistant
+  std::optional<Radians> field_of_view;  // across the circle; empty: 180 deg, or to the horizon where that is seen
+  std::optional<ImageCircle> circle;     // empty: detected in each picture
+  std::optional<Radians> azimuth_up;     // empty: nobody said how the camera was turned
+  bool linear_response = false;          // else sRGB
+  std::optional<ToneCurve> tone;         // over sRGB
+  // Neither response nor vignetting was measured: both are unknowns beside the air.
+  bool unknown_camera = false;
+  std::optional<double> tone_exponent;         // of an unknown camera, where it is known all the same
+  double sigma_altitude_m = 0.0;               // of the site\'s, for an unknown camera; 0: it is known
+  std::optional<double> rim_loss;              // of light at the circle's edge, 0 .. 1
+  std::shared_ptr<const CameraMemory> memory;  // what other pictures told of cameras; null: nothing
+
+  std::optional<SunDirection> sun;  // given by angles
+  std::optional<Utc> utc;           // of pictures without a time of their own
+  bool sun_from_image = false;
+  bool allow_damaged = false;  // pictures: what is left of them is used
+
+  EstimateOptions estimate;
+};
+
+struct SkyPhotographReport {
+  SkyObservation look;
+  std::optional<SkyPicture> picture;          // empty when no camera could be determined
+  std::optional<AirState> air;                // of a usable estimate
+  std::optional<AirQuality> quality;          // of that air
+  PhotographedSun sun;                        // its direction is empty when it was not found
+  std::string damage;                         // of the file, where that is allowed; empty: none
+  std::optional<ImageCircle> circle;          // in the picture's own pixels; of pixels that are not square, in rows
+  std::optional<ImageCircle> horizon_circle;  // where a ring of land is seen outside the sky
+  double circle_confidence = 1.0;             // that it is within 2 %; 1 where it is given
+  double pixel_aspect = 1.0;                  // width of a pixel over its height
+  bool mirrored = false;                      // turned over, left to right, by what the memory knows
+  PictureCircle camera_circle;                // the same circle, for the memory
+  CloudCover cover;                           // told whether or not the air is
+  std::optional<ToneCurve> tone;              // that was undone
+};
+
+// Estimates one picture after the other and keeps what depends only on the camera. Not thread-safe.
+class SkyPhotographs {
+ public:
+  explicit SkyPhotographs(SkyPhotographOptions options) : options_(std::move(options)) {}
+  // Errors: bad_input (unreadable or damaged picture, size other than the calibration's). A picture without usable sky
+  // is no error: its estimate gives the reason.
+  Result<SkyPhotographReport> estimate_from(const std::filesystem::path& file, std::optional<Utc> utc);
+  // The circle that is given or found in a picture alone. Errors: bad_input (unreadable or damaged picture).
+  Result<PictureCircle> circle_in(const std::filesystem::path& file) const;
+
+ private:
+  double altitude_m() const;
+  SunGiven sun_given(const std::optional<Utc>& utc, const SkyTurn* turn) const;
+  PictureCircle circle_alone(const std::filesystem::path& file, const Photograph& photograph) const;
+  // Finds the circle where none is given and makes pixels square; empty: no picture of a fisheye.
+  std::optional<ImageCircle> placed_circle(const std::filesystem::path& file, Photograph& photograph,
+                                           SkyPhotographReport& report) const;
+  const RememberedCamera* remembered(const SkyPhotographReport& report) const;
+  void observe_by_unknown_camera(const std::filesystem::path& file, const SkyPicture& picture,
+                                 SkyPhotographReport& report);
+  Camera ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle, const SkyTurn* turn) const;
+
+  SkyPhotographOptions options_;
+  std::optional<ImageCircle> observed_circle_;
+  std::optional<SkyObserver> observer_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,26 @@
+// The air before the part in each picture, as everything but the part itself tells it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "base/result.hpp"
+#include "pipeline/lab/prove/scene_views.hpp"
+
+namespace kasumi {
+
+struct ToldAir {
+  glm::dvec3 per_m{0.0}, sigma_per_m{0.0};  // extinction along a level path, by channel
+  std::string unknown;                      // why it is not told; empty: it is
+};
+
+// By the other landmarks, all pictures together.
+std::vector<ToldAir> air_by_landmarks(const SceneViews& scene);
+// By a table with utc and extinction_g_per_m, and where known extinction_r_per_m, extinction_b_per_m and
+// extinction_sigma_per_m: the row nearest in time, at most half an hour away. Errors (bad_input): all problems of the table.
+Result<std::vector<ToldAir>> air_by_table(const SceneViews& scene, const std::filesystem::path& table);
+
+}  // namespace kasumi

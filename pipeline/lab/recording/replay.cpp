@@ -1,0 +1,287 @@
+#include "pipeline/lab/recording/replay.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <future>
+#include <thread>
+
+#include "base/files.hpp"
+#include "base/latest_slot.hpp"
+#include "base/statistics.hpp"
+#include "capture/fixture/replay_source.hpp"
+#include "gles/display/window.hpp"
+#include "gles/gl/offscreen.hpp"
+#include "pipeline/lab/recording/light_terms.hpp"
+#include "pipeline/lab/recording/replayed_air.hpp"
+#include "pipeline/machine/progress.hpp"
+#include "pipeline/machine/stop_signal.hpp"
+#include "pipeline/show/scene/compositor.hpp"
+#include "pipeline/show/stage/overlay.hpp"
+#include "pipeline/site/config/fixture_file.hpp"
+#include "pipeline/site/files/picture_sink.hpp"
+
+namespace kasumi {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// Frame rate of the video: the recorded rate, or a time lapse where there are seconds between frames.
+double film_rate(const std::vector<IndexRow>& rows) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    intervals.push_back(to_seconds(rows[i].metadata.captured_at - rows[i - 1].metadata.captured_at));
+  if (intervals.empty()) return 10.0;
+  const double interval = median(std::move(intervals));
+  return interval > 0.0 && interval <= 1.0 ? std::min(1.0 / interval, 120.0) : 10.0;
+}
+
+bool is_film(const std::filesystem::path& out) {
+  return out.extension() == ".mp4";
+}
+
+// Where the pictures of one run are drawn and stored.
+struct ReplayOutput {
+  std::unique_ptr<GlContext> headless;
+  std::unique_ptr<Window> window;
+  std::optional<Offscreen> offscreen;
+  std::unique_ptr<PictureSink> sink;
+
+  GlContext& context() { return window ? *window : *headless; }
+};
+
+Result<ReplayOutput> open_output(const ReplayRequest& request, const Fixture& fixture) {
+  ReplayOutput output;
+  const auto& scene = fixture.installation.scene;
+  if (request.window) {
+    auto window = open_window({"Kasumi: " + fixture.info.name, scene.width, scene.height, request.realtime});
+    if (!window) return fail(window.error());
+    output.window = std::move(*window);
+  } else {
+    auto context = open_headless_context();
+    if (!context) return fail(context.error());
+    output.headless = std::move(*context);
+  }
+  if (request.out || !request.window) {
+    auto offscreen = Offscreen::create(output.context().info(), scene.width, scene.height);
+    if (!offscreen) return fail(offscreen.error());
+    output.offscreen = std::move(*offscreen);
+  }
+  if (request.out) {
+    Result<std::unique_ptr<PictureSink>> sink;
+    if (is_film(*request.out)) {
+      const auto rows = read_index(fixture.folder / "scene");
+      if (!rows) return fail(rows.error());
+      sink = open_film(*request.out, film_rate(*rows));
+    } else {
+      sink = open_picture_folder(*request.out);
+    }
+    if (!sink) return fail(sink.error());
+    output.sink = std::move(*sink);
+  }
+  return output;
+}
+
+// The state of one run and what each kind of frame does.
+class Run {
+ public:
+  Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, ReplayOutput output,
+      Compositor compositor, std::optional<LightTerms> terms, ReplayedAir& air)
+      : request_(request),
+        output_(std::move(output)),
+        compositor_(std::move(compositor)),
+        terms_(std::move(terms)),
+        site_(fixture.installation.site),
+        air_(air) {
+    if (request.overlay) overlay_.emplace(output_.context(), fixture.installation, model.bounds(), std::nullopt);
+    summary_.fixture = fixture.info.name;
+    summary_.gl_renderer = output_.context().info().renderer;
+    summary_.software_gl = output_.context().info().software;
+  }
+
+  // `first`: the first of the scene camera's frames.
+  Result<> play(FixtureSources& sources, std::future<ReplayedFrame> first) {
+    Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
+    ReplayedFrame frame = first.get();
+    while (frame && !over()) {
+      latest_ = air_.latest();
+      if (auto shown = show(std::move(*frame)); !shown) return shown;
+      progress.advance(progress_detail());
+      frame = air_.next_scene_frame(sources, [this] { return over(); });
+    }
+    air_.finish_sky(sources, [this] { return over(); });
+    latest_ = air_.latest();
+    return {};
+  }
+
+  // The sky runs in a thread of its own; this thread owns GL.
+  Result<> play_in_real_time(FixtureSources& sources, Clock& clock) {
+    Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
+    LatestSlot<SkyReport> reports;
+    LatestSlot<Sight> sights;
+    std::atomic<bool> stopping = false;
+    std::thread sky([&] {
+      SkyAbove above;
+      while (!stopping && sources.sky->due()) {
+        if (const auto sight = sights.take()) air_.look(*sight, above);
+        if (auto report = air_.observe_sky(sources.sky->next(clock.now() + 500ms))) {
+          above = above_in(*report);
+          reports.put(std::move(*report));
+        }
+      }
+    });
+    Result<> result;
+    while (!over() && sources.scene->due()) {
+      auto frame = sources.scene->next(clock.now() + 50ms);
+      if (auto report = reports.take()) latest_ = std::move(*report);
+      if (!frame && frame.error().kind == FaultKind::timeout)
+        continue;  // a gap: keep handling the window's events and hold the picture
+      if (auto sight = air_.sight_due(frame)) sights.put(std::move(*sight));
+      if (result = show(std::move(frame)); !result) break;
+      progress.advance(progress_detail());
+    }
+    stopping = true;
+    clock.interrupt();
+    sky.join();
+    summary_.dropped = reports.dropped();
+    return result;
+  }
+
+  Result<ReplaySummary> finish() {
+    if (output_.sink) {
+      if (auto finished = output_.sink->finish(); !finished) return fail(finished.error());
+      const auto folder = is_film(*request_.out) ? request_.out->parent_path() : *request_.out;
+      if (auto written = air_.table().write(folder / "turbidity.csv"); !written) return fail(written.error());
+      if (!air_.curve().empty())
+        if (auto written = write_text_file(folder / "air.svg", air_.curve().svg()); !written)
+          return fail(written.error());
+    }
+    summary_.sky_frames = air_.sky_frames();
+    summary_.usable_sky_frames = air_.usable_sky_frames();
+    summary_.skipped.merge(std::map(air_.skipped()));
+    summary_.layers_drawn = compositor_.layers_drawn();
+    summary_.horizon = compositor_.air().horizon().source;
+    summary_.horizon_reason = compositor_.air().horizon().reason;
+    summary_.notes = compositor_.notes();
+    if (latest_.picture) summary_.last = latest_;
+    return summary_;
+  }
+
+ private:
+  bool over() {
+    if (request_.frames && summary_.pictures >= *request_.frames) return true;
+    summary_.interrupted = stop_requested() || (output_.window && !output_.window->handle_events());
+    return summary_.interrupted;
+  }
+
+  std::string progress_detail() const {
+    return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T unknown yet";
+  }
+
+  Result<> show(Result<Frame> frame) {
+    if (!frame) {
+      if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
+        ++summary_.skipped[fmt::format("scene camera: {}", name_of(frame.error().kind))];
+      return {};
+    }
+    place_sun(latest_, frame->metadata.utc, site_);
+    if (output_.offscreen) {
+      if (auto drawn = compositor_.draw(*frame, latest_, output_.offscreen->target()); !drawn)
+        return skip_or_fail(*frame, drawn.error());
+      if (terms_)
+        if (auto written = write_terms(*frame); !written) return written;
+      if (auto drawn = draw_overlay(output_.offscreen->target()); !drawn) return drawn;
+      auto picture = output_.offscreen->read();
+      if (!picture) return fail(picture.error());
+      if (output_.sink)
+        if (auto put = output_.sink->put(*picture); !put) return put;
+    }
+    if (output_.window) {
+      if (auto drawn = compositor_.draw(*frame, latest_, output_.window->target()); !drawn)
+        return skip_or_fail(*frame, drawn.error());
+      if (auto drawn = draw_overlay(output_.window->target()); !drawn) return drawn;
+      output_.window->show();
+    }
+    ++summary_.pictures;
+    return {};
+  }
+
+  Result<> write_terms(const Frame& frame) {
+    const auto picture = output_.offscreen->read();
+    if (!picture) return fail(picture.error());
+    return terms_->write(*request_.out, summary_.pictures, frame, latest_, *picture);
+  }
+
+  Result<> draw_overlay(const DrawTarget& target) { return overlay_ ? overlay_->draw(target) : Result<>{}; }
+
+  Result<> skip_or_fail(const Frame& frame, const Fault& fault) {
+    if (fault.kind != FaultKind::bad_input) return fail(fault);
+    const auto status = frame.metadata.status;
+    ++summary_.skipped[fmt::format("scene camera: {}", status == FrameStatus::good ? "damaged" : name_of(status))];
+    return {};
+  }
+
+  const ReplayRequest& request_;
+  ReplayOutput output_;
+  Compositor compositor_;
+  std::optional<LightTerms> terms_;  // empty: not wanted
+  std::optional<Overlay> overlay_;
+  Site site_;
+  ReplayedAir& air_;
+  SkyReport latest_;
+  ReplaySummary summary_;
+};
+
+}  // namespace
+
+Result<ReplaySummary> replay(const ReplayRequest& request) {
+  const auto started = std::chrono::steady_clock::now();
+  if (request.terms && (!request.out || is_film(*request.out)))
+    return fail(FaultKind::bad_input, "--terms: expected --out FOLDER, in which two more pictures stand next to each");
+  auto fixture = read_fixture(request.fixture);
+  if (!fixture) return fail(fixture.error());
+  auto& given = fixture->installation.surroundings.air;
+  given = given.overridden_by(request.given);
+  if (request.air.turbidity) given.aod_550.reset();
+
+  std::unique_ptr<Clock> clock;
+  if (request.realtime)
+    clock = std::make_unique<SystemClock>();
+  else
+    clock = std::make_unique<FastForwardClock>(fixture->info.start_utc);
+  auto sources = open_fixture_sources(fixture->folder, *clock);
+  if (!sources) return fail(sources.error());
+  // What the first pictures tell of the air is found while GL, which is this thread's, and the model are opened. Nobody
+  // else touches it meanwhile, so the pictures do not depend on who is first.
+  ReplayedAir air(fixture->installation);
+  std::future<ReplayedFrame> first;
+  if (!request.realtime)
+    first = std::async(std::launch::async, [&] { return air.next_scene_frame(*sources, stop_requested); });
+  auto output = open_output(request, *fixture);
+  if (!output) return fail(output.error());
+  const auto model = read_gltf(fixture->installation.object.model, {}, fixture->installation.object.scene);
+  if (!model) return fail(model.error());
+  auto compositor = Compositor::create(output->context(), fixture->installation, *model, request.air);
+  if (!compositor) return fail(compositor.error());
+
+  std::optional<LightTerms> terms;
+  if (request.terms) {
+    auto created = LightTerms::create(output->context(), fixture->installation, *model, request.air);
+    if (!created) return fail(created.error());
+    terms = std::move(*created);
+  }
+
+  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor), std::move(terms), air);
+  auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources, std::move(first));
+  if (!played) return fail(played.error());
+  auto summary = run.finish();
+  if (summary) summary->given = given.whole();
+  if (summary) summary->notes.insert(summary->notes.end(), model->notes.begin(), model->notes.end());
+  if (summary) summary->sighting = sight_object(fixture->installation, model->bounds());
+  if (summary && !fixture->installation.depth_map.empty()) summary->notes.push_back(fixture->installation.depth_map);
+  if (summary) summary->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return summary;
+}
+
+}  // namespace kasumi

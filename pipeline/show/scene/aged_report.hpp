@@ -1,0 +1,17 @@
+// A report of the sky as it reads some time after it was made, for whoever shows it while its maker is silent.
+#pragma once
+
+#include "pipeline/show/scene/sky_watch.hpp"
+#include "pipeline/site/config/installation.hpp"
+
+namespace kasumi {
+
+constexpr Duration kCloudsHold = std::chrono::minutes(2);  // longer than between two pictures of a slow camera; older
+                                                           // clouds have moved on
+constexpr Duration kSunHold = std::chrono::minutes(10);    // of a sun seen in the picture: it moves 2.5 deg meanwhile
+
+// What is known of the air has grown older and is trusted as long as ever, the sun has moved on, seen clouds and a seen
+// sun hold for a while. Only the widths of what drifts stay as they were. `later` >= 0, else it counts as 0.
+SkyReport aged(SkyReport report, Duration later, const Installation& installation);
+
+}  // namespace kasumi

@@ -1,0 +1,80 @@
+#include "pipeline/show/stage/stage.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include "pipeline/show/stage/stage_making.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr Rgba8 kBlack{0, 0, 0, 255};
+
+}  // namespace
+
+Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optional<SceneAir> air) {
+  auto making = StageMaking::begin(context, std::move(content), nullptr, std::move(air));
+  if (!making) return fail(making.error());
+  for (;;) {
+    const auto whole = making->step();
+    if (!whole) return fail(whole.error());
+    if (*whole) return making->take();
+  }
+}
+
+Result<Stage> Stage::assemble(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still) {
+  Stage stage(context, content, std::move(compositor), std::move(still));
+  if (content->config.overlay)
+    stage.overlay_.emplace(context, content->config.installation, content->model->bounds(),
+                           content->config.messages.font_file);
+  auto black = FlatPicture::create(context, Image<Rgba8>(1, 1, kBlack));
+  if (!black) return fail(black.error());
+  stage.black_ = std::move(*black);
+  return stage;
+}
+
+Result<> Stage::draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target) {
+  if (frame) {
+    const bool sun_known = sky.sun.source != SunSource::none;
+    auto drawn = sun_known ? compositor_.draw(frame->metadata, frame->picture, sky, target)
+                           : compositor_.draw_without_object(frame->picture, target);
+    has_scene_ = has_scene_ || drawn;
+    if (drawn) draws_object_ = sun_known;
+    return drawn;
+  }
+  if (has_scene_) return compositor_.draw_again(target);
+  clear_to(target, glm::vec3(kStillBackground) / 255.0f);
+  return {};
+}
+
+Result<> Stage::take_scene(const SceneFrame& frame, const SkyReport& sky) {
+  const bool sun_known = sky.sun.source != SunSource::none;
+  auto taken =
+      sun_known ? compositor_.take(frame.metadata, frame.picture, sky) : compositor_.take_without_object(frame.picture);
+  has_scene_ = has_scene_ || taken;
+  if (taken) draws_object_ = sun_known;
+  return taken;
+}
+
+// An overlay that cannot be drawn is dropped, and the picture goes on without it.
+Result<> Stage::draw_overlay(const DrawTarget& target) {
+  if (!overlay_ || !has_scene_) return {};
+  auto drawn = overlay_->draw(target);
+  if (drawn || drawn.error().kind == FaultKind::device) return drawn;
+  spdlog::warn("the overlay cannot be drawn: {}", drawn.error().message);
+  overlay_.reset();
+  return {};
+}
+
+Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target) {
+  const auto& rung = composition.rung;
+  if (auto drawn = draw_overlay(target); !drawn) return drawn;
+  if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
+  const auto& letters = content_->config.messages;
+  if (auto drawn = caption_.draw(*context_, content_->config.still.caption, letters, false, rung.still, target); !drawn)
+    return drawn;
+  if (auto drawn = trouble_.draw(*context_, composition.message, letters, true, 1.0, target); !drawn) return drawn;
+  return rung.dark > 0.0 ? black_->draw(target, everywhere(target), rung.dark) : Result<>{};
+}
+
+}  // namespace kasumi

@@ -1,0 +1,93 @@
+// All that one content draws in one GL context: the scene with its building, the curated picture, the messages.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pipeline/show/scene/building_planes.hpp"
+#include "pipeline/show/scene/compositor.hpp"
+#include "pipeline/show/scene/scene_frame.hpp"
+#include "pipeline/show/stage/overlay.hpp"
+#include "pipeline/show/stage/still_picture.hpp"
+#include "pipeline/show/stage/words.hpp"
+#include "pipeline/site/config/content.hpp"
+#include "pipeline/site/config/ladder.hpp"
+
+namespace kasumi {
+
+// What one picture consists of, besides the scene.
+struct Composition {
+  Rung rung;
+  std::string message;  // what is wrong, for visitors; empty: nothing
+  friend bool operator==(const Composition&, const Composition&) = default;
+};
+
+// Belongs to the thread of its GL context.
+class Stage {
+ public:
+  // BLOCKS while model and pictures are uploaded; StageMaking does it in pieces. `air`: of an earlier stage of this
+  // content. Errors: bad_input (too large for this GL), device, unsupported.
+  static Result<Stage> create(GlContext& context, ContentPtr content, std::optional<SceneAir> air = std::nullopt);
+
+  void go_live(const Clock& clock) { compositor_.go_live(clock); }
+
+  // Draws the scene, from a new frame or (null) as it was drawn last. Errors: bad_input (the frame has another size:
+  // nothing was drawn), device.
+  Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
+  // For a display that lays the building over the camera's picture by itself: takes a frame that lies in a driver's
+  // buffer instead of drawing it, and gives the picture for Display::show_planes(). Errors: unsupported (the display has
+  // no such buffers), and as draw_scene(); the frame is taken unless it is bad_input.
+  Result<> take_scene(const SceneFrame& frame, const SkyReport& sky);
+  Result<PlanePicture> scene_for_planes(Display& display, Instant now) {
+    return buildings_.next(compositor_, display, now);
+  }
+  // Then draws what lies over it. Errors: device.
+  Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
+
+  // What somebody else is to measure in a scene drawn lately, and what came of it.
+  std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
+  std::optional<LayerQuestion> take_layer_question() { return compositor_.take_layer_question(); }
+  const GroundLook& ground() const { return compositor_.ground(); }
+  std::optional<CardsLook> cards() const { return compositor_.cards(); }
+  void adopt(const HorizonAnswer& answer) { compositor_.adopt(answer); }
+  void adopt(LayerAnswer answer) { compositor_.adopt(std::move(answer)); }
+
+  // For when the scene camera is gone. Errors: device.
+  Result<> drop_camera_buffers() { return compositor_.drop_camera_buffers(); }
+
+  // Whether the scene drawn last includes the building.
+  bool draws_object() const { return draws_object_; }
+
+  const PassersLook* passers() const { return compositor_.passers(); }
+  // What was learnt of the scene, from the stage before this one.
+  std::optional<Passers> take_passers() { return compositor_.take_passers(); }
+  void adopt(std::optional<Passers> passers) { compositor_.adopt(std::move(passers)); }
+
+  const SceneAir& air() const { return compositor_.air(); }
+  FrameCounts frames() const { return compositor_.frames(); }
+
+  const std::vector<std::string>& notes() const { return compositor_.notes(); }
+
+ private:
+  friend class StageMaking;
+  static Result<Stage> assemble(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still);
+  Stage(GlContext& context, ContentPtr content, Compositor compositor, StillPicture still)
+      : context_(&context),
+        content_(std::move(content)),
+        compositor_(std::move(compositor)),
+        still_(std::move(still)) {}
+  Result<> draw_overlay(const DrawTarget& target);
+
+  GlContext* context_;
+  ContentPtr content_;
+  Compositor compositor_;
+  std::optional<Overlay> overlay_;  // empty: not enabled
+  BuildingPlanes buildings_;
+  StillPicture still_;
+  std::optional<FlatPicture> black_;  // one pixel, to fill the target
+  Words caption_, trouble_;
+  bool has_scene_ = false;
+  bool draws_object_ = false;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,54 @@
+#include "pipeline/show/stage/words.hpp"
+
+#include <algorithm>
+
+#include <spdlog/spdlog.h>
+
+#include "pipeline/show/stage/plain_letters.hpp"
+
+namespace kasumi {
+
+CaptionStyle style_of(const MessageOptions& options, int width, int height) {
+  CaptionStyle style;
+  style.font_file = options.font_file;
+  style.language = code_of(options.language);
+  style.height_px = std::max(14.0, height / 28.0);
+  style.largest_width_px = std::max(64, width * 8 / 10);
+  return style;
+}
+
+namespace {
+
+Image<Rgba8> picture_of(const std::string& text, const MessageOptions& options, const DrawTarget& target) {
+  const CaptionStyle style = style_of(options, target.width, target.height);
+  if (!options.plain_letters) {
+    if (auto picture = draw_caption(text, style))
+      return std::move(*picture);
+    else
+      spdlog::warn("a message is drawn in plain letters: {}", picture.error().message);
+  }
+  return draw_plain_letters(text, style.height_px, style.largest_width_px);
+}
+
+}  // namespace
+
+void Words::update(GlContext& context, const std::string& text, const MessageOptions& options,
+                   const DrawTarget& target) {
+  if (text_ == text && target_width_ == target.width) return;
+  text_ = text;
+  target_width_ = target.width;
+  picture_.reset();
+  if (text.empty()) return;
+  if (auto flat = FlatPicture::create(context, picture_of(text, options, target))) picture_ = std::move(*flat);
+}
+
+Result<> Words::draw(GlContext& context, const std::string& text, const MessageOptions& options, bool at_top,
+                     double opacity, const DrawTarget& target) {
+  update(context, text, options, target);
+  if (!picture_ || opacity <= 0.0) return {};
+  const double width = picture_->width(), height = picture_->height(), margin = target.height / 24.0;
+  const FlatPlace place{(target.width - width) / 2.0, at_top ? margin : target.height - margin - height, width, height};
+  return picture_->draw(target, place, opacity);
+}
+
+}  // namespace kasumi

@@ -1,0 +1,207 @@
+// What a start and a reload do with a disk that does not answer, and with content that nobody can show: a picture and words
+// come all the same, and the rest when it can.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include <sys/stat.h>
+
+#include "pipeline/kiosk/start/kept_content.hpp"
+#include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
+#include "tests/pipeline/service_manager.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+// A sanitizer stands before the same calls.
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+constexpr bool kHasOwnCalls = true;
+#else
+constexpr bool kHasOwnCalls = false;
+#endif
+
+struct NeverBlack : testing::Test {
+  std::filesystem::path folder, config, state, rule;
+  std::optional<ServiceManager> manager;
+
+  void make(const std::string& name) {
+    folder = process_folder("never-black-" + name);
+    config = folder / "kasumi.toml";
+    state = folder / "state";
+    rule = folder / "rule";
+    manager.emplace();
+  }
+  // As the service, on a disk with these rules.
+  std::unique_ptr<Process> run() {
+    const auto library = kasumi_program().parent_path() / "libhung_disk.so";
+    return std::make_unique<Process>(
+        folder, std::vector<std::string>{"run", "--config", config.string()}, manager->path(), state,
+        kHasOwnCalls ? std::vector<std::pair<std::string, std::string>>{}
+                     : std::vector<std::pair<std::string, std::string>>{{"LD_PRELOAD", library.string()},
+                                                                        {"KASUMI_HUNG_DISK", rule.string()}});
+  }
+  bool is_ready() {
+    return eventually([&] { return manager->heard().find("READY=1") != std::string::npos; });
+  }
+  bool shows(const std::string& shown) {
+    return eventually([&] {
+      const auto status = status_in(folder);
+      return status.is_object() && status["shown"] == shown;
+    });
+  }
+  void fold_the_lens() const { replace_in(config, "distortion = [-0.6,", "distortion = [-300.0,"); }
+};
+
+TEST_F(NeverBlack, Row40ADiskWhoseWritesHangHoldsNoPictureUp) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  make("writes");
+  ASSERT_TRUE(write_text_file(rule, fmt::format("told /state {0}/written\nfsync /state\n", folder.string())));
+  const auto kasumi = run();
+  ASSERT_TRUE(is_ready()) << kasumi->log();
+  EXPECT_EQ(read_text_file(folder / "written").value_or(""), "") << "before the first picture";
+  EXPECT_TRUE(shows("live")) << kasumi->log();
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["loops"]["state"]["up"] == false; }))
+      << "and the status says so";
+  EXPECT_NE(read_text_file(folder / "written").value_or(""), "");
+  std::filesystem::remove(rule);
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["loops"]["state"]["up"] == true; }));
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+  EXPECT_TRUE(std::filesystem::exists(state / "starts.json"));
+  EXPECT_EQ(status_in(folder)["reason"], "stopped");
+}
+
+// Of the first one nobody hears again; the second is whole.
+TEST_F(NeverBlack, Row40AReloadThatHangsIsAbandonedForTheNext) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  make("reload");
+  const auto kasumi = run();
+  ASSERT_TRUE(shows("live")) << kasumi->log();
+  const auto still = folder / "another.png";
+  std::filesystem::copy_file(folder / "still.png", still);
+  const auto good = read_text_file(config).value();
+  replace_in(config, "still.png", "another.png");
+  ASSERT_TRUE(write_text_file(rule, "open another.png\n"));
+  kasumi->send(SIGHUP);
+  ASSERT_TRUE(eventually([&] { return status_in(folder)["content"]["reloading"] == "reading"; })) << kasumi->log();
+  ASSERT_TRUE(write_text_file(config, good));
+  kasumi->send(SIGHUP);
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["reloaded_utc"].is_string(); })) << kasumi->log();
+  EXPECT_EQ(status_in(folder)["content"]["problems"].size(), 0U);
+  EXPECT_EQ(status_in(folder)["shown"], "live");
+
+  // A pipe is no file at all.
+  ASSERT_EQ(::mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+  replace_in(config, "still.png", "pipe.png");
+  kasumi->send(SIGHUP);
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["problems"].size() > 0; })) << kasumi->log();
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(20s), 0) << "with a thread left behind: " << kasumi->log();
+}
+
+// Whatever a disk or a driver does to one thread: systemd does not have to kill it.
+TEST_F(NeverBlack, AThreadThatHangsDoesNotKeepItFromEnding) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  make("hangs");
+  ASSERT_TRUE(write_text_file(config, read_text_file(config).value() + kAWood));
+  ASSERT_TRUE(write_text_file(state / "landmarks.json", "{}"));
+  ASSERT_TRUE(write_text_file(rule, "open landmarks.json\n"));
+  const auto kasumi = run();
+  ASSERT_TRUE(shows("live")) << kasumi->log();
+  std::this_thread::sleep_for(1s);
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(30s), 0) << kasumi->log();
+  EXPECT_THAT(kasumi->log(), HasSubstr("exiting without it"));
+}
+
+TEST_F(NeverBlack, Row41ContentThatOnlyTheGpuRefusesIsReplacedWithinOneStart) {
+  make("gpu");
+  ASSERT_TRUE(keep_content(*read_content(config).value(), state / "last-good", Utc{}));
+  fold_the_lens();
+  const auto kasumi = run();
+  EXPECT_TRUE(is_ready()) << kasumi->log();
+  EXPECT_TRUE(shows("live")) << kasumi->log();
+  EXPECT_THAT(status_in(folder)["content"]["refused"].dump(), HasSubstr("folds the picture"));
+  EXPECT_EQ(manager->heard().find("STOPPING=1"), std::string::npos);
+}
+
+TEST_F(NeverBlack, Row41WhereNoContentIsLeftTheStillAndWordsAreShownUntilThereIsSome) {
+  make("nothing");
+  const auto good = read_text_file(config).value();
+  ASSERT_TRUE(keep_content(*read_content(config).value(), state / "last-good", Utc{}));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(state / "last-good"))
+    if (entry.path().filename() == "temple.glb") {
+      ASSERT_TRUE(write_text_file(entry.path(), "damaged"));
+    }
+  ASSERT_TRUE(write_text_file(config, good + "\n[nonsense]\na = 1\n"));
+  const auto kasumi = run();
+  ASSERT_TRUE(is_ready()) << kasumi->log();
+  ASSERT_TRUE(shows("still")) << kasumi->log();
+  EXPECT_THAT(status_in(folder)["reason"].dump(), HasSubstr("the content is refused"));
+  EXPECT_THAT(status_in(folder)["content"]["refused"].dump(), HasSubstr("nonsense"));
+  ASSERT_TRUE(write_text_file(config, good));
+  kasumi->send(SIGHUP);
+  EXPECT_TRUE(shows("live")) << kasumi->log();
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+}
+
+// Each file that a start reads, on a disk that fails or does not answer, and as a power cut leaves it. Without earlier
+// content to go back to, what is of the content makes the still and words; what was only remembered is done without.
+TEST_F(NeverBlack, Row40EveryFileOfAStartMayFailHangOrBeEmpty) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  for (const auto& [input, shown] : std::map<std::string, std::string>{
+           {"/temple.glb", "still"}, {"/scene-mask.png", "still"}, {"/still.png", "still"}, {"/state/", "live"}})
+    for (const std::string way : {"fail", "open", "empty"}) {
+      SCOPED_TRACE(input + ", " + way);
+      make("inputs");
+      if (input == "/state/") {  // as an earlier start left them
+        for (const char* name : {"turbidity.json", "landmarks.json", "ground.bin", "starts.json"}) {
+          ASSERT_TRUE(write_text_file(state / name, way == "empty" ? "" : "{}"));
+        }
+      } else if (way == "empty") {
+        ASSERT_TRUE(write_text_file(folder / input.substr(1), ""));
+      }
+      if (way != "empty") {
+        ASSERT_TRUE(write_text_file(rule, fmt::format("{} {}{}\n", way, folder.string(), input)));
+      }
+      const auto kasumi = run();
+      EXPECT_TRUE(is_ready()) << kasumi->log();
+      EXPECT_TRUE(shows(shown)) << kasumi->log();
+      EXPECT_TRUE(kasumi->runs());
+      kasumi->send(SIGTERM);
+      EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+    }
+}
+
+// The configuration itself, however it was left.
+TEST_F(NeverBlack, Row41EveryStateOfTheConfigurationShowsAPicture) {
+  for (const char* way : {"absent", "empty", "unreadable", "pipe", "deep"}) {
+    SCOPED_TRACE(way);
+    make("configuration");
+    std::filesystem::remove(config);
+    if (way == std::string("empty")) {
+      ASSERT_TRUE(write_text_file(config, ""));
+    }
+    if (way == std::string("unreadable")) make_unreadable(config);
+    if (way == std::string("pipe")) {
+      ASSERT_EQ(::mkfifo(config.c_str(), 0600), 0);
+    }
+    if (way == std::string("deep")) {
+      std::string deep = "a";
+      for (int i = 0; i < 26'200; ++i) deep += ".a";
+      ASSERT_TRUE(write_text_file(config, deep + " = 1\n"));
+    }
+    const auto kasumi = run();
+    EXPECT_TRUE(shows("still")) << kasumi->log();  // on whatever screen is found: here there is none
+    EXPECT_TRUE(kasumi->runs());
+    kasumi->send(SIGTERM);
+    EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+  }
+}
+
+}  // namespace
+}  // namespace kasumi

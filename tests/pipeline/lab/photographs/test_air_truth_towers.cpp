@@ -1,0 +1,366 @@
+// Landmarks against real air: towers over a city, whose extinction is known from all of their facades together, and a
+// road beside a visibility meter. Without ../shared/data/real-air it is skipped.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <glm/common.hpp>
+
+#include "base/files.hpp"
+#include "base/statistics.hpp"
+#include "calib/colour/camera_saturation.hpp"
+#include "estimator/air/scattering.hpp"
+#include "estimator/photograph/other_air.hpp"
+#include "pipeline/lab/photographs/scene_visibility.hpp"
+#include "pipeline/site/config/descriptions.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
+#include "tests/figures.hpp"
+#include "tests/paper/landmark_table.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+constexpr const char* kPrinted = "`test_air_truth_towers`";
+
+// A table of comma-separated values: by its first column, then by the names in its heading.
+using Table = std::map<std::string, std::map<std::string, std::string>>;
+Table read_table(const std::filesystem::path& file) {
+  Table table;
+  std::istringstream lines(read_text_file(file).value());
+  const auto cells_of = [](const std::string& line) {
+    std::vector<std::string> cells;
+    std::istringstream from(line);
+    for (std::string cell; std::getline(from, cell, ',');) cells.push_back(cell);
+    return cells;
+  };
+  std::string line;
+  std::getline(lines, line);
+  const auto names = cells_of(line);
+  while (std::getline(lines, line)) {
+    const auto cells = cells_of(line);
+    for (std::size_t i = 0; i < cells.size(); ++i) table[cells[0]][names[i]] = cells[i];
+  }
+  return table;
+}
+
+struct Seen {
+  std::string name;
+  std::vector<ContrastReading> readings;
+  std::vector<glm::dvec3> sky;  // linear light of each landmark's sky box
+};
+
+struct SeenSite {
+  Camera camera;
+  std::optional<LandmarkWatch> watch;
+  std::vector<Seen> pictures;
+  Table truth;
+
+  std::vector<std::vector<ContrastReading>> readings(std::size_t every = 1) const {
+    std::vector<std::vector<ContrastReading>> all;
+    for (std::size_t t = 0; t < pictures.size(); t += every) all.push_back(pictures[t].readings);
+    return all;
+  }
+  std::optional<double> known(std::size_t t, const char* column) const {
+    const auto& text = truth.at(pictures[t].name).at(column);
+    return text.empty() ? std::nullopt : std::optional(std::stod(text));
+  }
+  std::vector<std::size_t> landmarks(const std::function<bool(const ContrastLandmark&)>& those) const {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < watch->landmarks().size(); ++i)
+      if (those(watch->landmarks()[i])) found.push_back(i);
+    return found;
+  }
+};
+
+glm::dvec3 mean_light(const Camera& camera, const Image<glm::vec3>& encoded, const PictureBox& box) {
+  glm::dvec3 sum{0};
+  for (int y = box.y; y < box.y + box.height; ++y)
+    for (int x = box.x; x < box.x + box.width; ++x) sum += camera.light_at({x, y}, glm::dvec3(encoded.at(x, y)));
+  return sum / static_cast<double>(box.width * box.height);
+}
+
+// Empty: the data are not there.
+std::optional<SeenSite> site_of(const std::string& name) {
+  const auto folder = shared_data_folder() / "real-air" / name;
+  if (!std::filesystem::exists(folder)) return std::nullopt;
+  SeenSite site;
+  site.truth = read_table(folder / "truth.csv");
+  for (const auto& [picture, row] : site.truth) {
+    const auto photograph = read_photograph(folder / (picture + ".jpg"));
+    if (!photograph) continue;
+    const int width = photograph->encoded.width(), height = photograph->encoded.height();
+    if (!site.watch) {
+      auto read = read_landmark_file(folder / "landmarks.toml", width, height).value();
+      site.camera = read.scene.value_or(plain_camera(width, height, from_degrees(50.0), Radians{0.0}));
+      site.watch.emplace(site.camera, read.altitude_m, std::move(read.landmarks));
+    }
+    Seen seen{picture, site.watch->read(site.camera, photograph->encoded), {}};
+    for (const auto& landmark : site.watch->landmarks())
+      seen.sky.push_back(mean_light(site.camera, photograph->encoded, landmark.sky.value()));
+    site.pictures.push_back(std::move(seen));
+  }
+  return site;
+}
+
+// Both are read once.
+const std::optional<SeenSite>& milan() {
+  static const auto site = site_of("milan");
+  return site;
+}
+const std::optional<SeenSite>& road() {
+  static const auto site = site_of("road");
+  return site;
+}
+
+bool far(const ContrastLandmark& landmark) {
+  return landmark.distance_m > 4000.0;
+}
+
+double share_of(int of, int all) {
+  return all > 0 ? static_cast<double>(of) / all : 0.0;
+}
+
+TEST(AirTruthTowers, NearAndFarOnesTellTheSame) {
+  if (!milan()) GTEST_SKIP() << "no shared data: real-air/milan";
+  const auto& site = *milan();
+  const auto readings = site.readings();
+  const auto near = site.landmarks([](const auto&one) { return !far(one); }), distant = site.landmarks(far);
+  const auto by_near = site.watch->estimate_all(readings, distant), by_far = site.watch->estimate_all(readings, near);
+  int alike = 0, told = 0, told_alike = 0;
+  for (std::size_t t = 0; t < readings.size(); ++t) {
+    const auto &one = by_near[t].extinction(), &other = by_far[t].extinction();
+    if (one.landmarks == 0 || other.landmarks == 0) continue;
+    const bool same = std::abs(std::log(one.per_m / other.per_m)) <= std::log(1.2);
+    alike += same;
+    if (one.kind != ExtinctionKind::value || other.kind != ExtinctionKind::value) continue;
+    ++told;
+    told_alike += same;
+  }
+  const double share = share_of(alike, static_cast<int>(readings.size()));
+  fmt::print("near and far towers within 20 %: {} of {} pictures; {} of {} where both give a value\n", alike,
+             readings.size(), told_alike, told);
+  figure_row("real-landmarks",
+             {"near and far towers within 20 %", fmt::format("{:.0f} %", 100.0 * share), ">= 45 %", kPrinted});
+  EXPECT_GE(share, 0.45);
+}
+
+TEST(AirTruthTowers, ValuesAndBoundsAreAsSureAsTheySay) {
+  if (!milan()) GTEST_SKIP() << "no shared data: real-air/milan";
+  const auto& site = *milan();
+  std::vector<double> all_ratios;
+  for (const std::size_t every : {1U, 2U, 4U, 8U}) {
+    const auto airs = site.watch->estimate_all(site.readings(every));
+    int values = 0, within = 0, within_two = 0, bounds = 0, contradicted = 0;
+    std::vector<double> ratios, offs, sigmas;
+    for (std::size_t k = 0; k < airs.size(); ++k) {
+      const auto known = site.known(k * every, "joint_g_per_km");
+      const auto& found = airs[k].extinction();
+      if (!known || found.kind == ExtinctionKind::nothing) continue;
+      const double truth = 1e-3 * *known;
+      ratios.push_back(found.per_m / truth);
+      if (found.kind == ExtinctionKind::value) {
+        ++values;
+        const double off = std::abs(found.per_m - truth) / found.sigma_per_m;
+        within += off <= 1.0;
+        within_two += off <= 2.0;
+        sigmas.push_back(1e3 * found.sigma_per_m);
+        offs.push_back(1e3 * (found.per_m - truth));
+      } else {
+        ++bounds;
+        contradicted +=
+            found.kind == ExtinctionKind::at_most ? truth > found.highest_per_m : truth < found.lowest_per_m;
+      }
+    }
+    all_ratios.push_back(median(ratios));
+    fmt::print(
+        "{} pictures: told over known {:.3f}; values {}, within 1 sigma {:.0f} %, within 2 {:.0f} %; bounds {}, "
+        "contradicted {}; off {:.4f}, sigma {:.4f} per km in the median\n",
+        airs.size(), all_ratios.back(), values, 100.0 * share_of(within, values), 100.0 * share_of(within_two, values),
+        bounds, contradicted, median(offs), median(sigmas));
+    if (every == 1)
+      figure_row("real-landmarks", {"towers' values within 1 sigma; bounds contradicted",
+                                    fmt::format("{:.0f} %; {:.0f} %", 100.0 * share_of(within, values),
+                                                100.0 * share_of(contradicted, bounds)),
+                                    "58 to 78 %; <= 4 %", kPrinted});
+  }
+  const auto [least, most] = std::ranges::minmax(all_ratios);
+  figure_row("real-landmarks", {"told over known, 20 to 166 pictures: from, to", figure_range(least, most, 2),
+                                "within .10 of each other", kPrinted});
+  EXPECT_LE(most / least, 1.1);
+}
+
+// The program's way from the aerosol that all landmarks tell to a dull dark facade behind it: as if the camera left
+// colours as they are, and with the saturation that the same landmarks have taught.
+TEST(AirTruthTowers, DarkFacadesAreDrawnInTheCamerasColours) {
+  if (!milan()) GTEST_SKIP() << "no shared data: real-air/milan";
+  const auto& site = *milan();
+  const auto airs = site.watch->estimate_all(site.readings());
+  const glm::dvec3 nm = site.watch->colours().wavelength_nm(), own{0.05};  // of the horizon's light
+  std::array<std::array<std::vector<double>, 3>, 2> off;
+  for (std::size_t t = 0; t < airs.size(); ++t)
+    for (std::size_t i = 0; i < site.watch->landmarks().size(); ++i) {
+      const auto& landmark = site.watch->landmarks()[i];
+      const auto& reading = site.pictures[t].readings[i];
+      constexpr std::array kDull{"pirelli", "galfa", "gioia22-face", "solaria-dark", "bosco"};
+      if (std::ranges::find(kDull, landmark.name) == kDull.end() || !reading.usable || reading.contrast.g < 0.1 ||
+          airs[t].aerosol.kind != ExtinctionKind::value)
+        continue;
+      glm::dvec3 light{0.0};
+      for (int c = 0; c < 3; ++c) {
+        const double per_m = rayleigh_per_m(ScatteringModel::aerosol, nm[c]) +
+                             airs[t].aerosol.per_m * std::pow(nm[c] / 550.0, -airs[t].aerosol.angstrom_exponent);
+        const double left = std::exp(-per_m * landmark.distance_m);
+        light[c] = 1.0 - left + left * own[c];
+      }
+      const glm::dvec3& sky = site.pictures[t].sky[i];
+      const auto encoded = [&](const glm::dvec3& shown) {
+        return 255.0 * site.camera.response.to_encoded(glm::clamp(shown, 0.0, 1.0));
+      };
+      const glm::dvec3 seen = encoded(sky * (1.0 - reading.contrast));
+      for (const bool learnt : {false, true}) {
+        const double saturation = learnt ? saturation_believed(airs[t].camera) : 1.0;
+        const auto drawn = encoded(with_saturation(with_saturation(sky, 1.0 / saturation) * light, saturation));
+        for (int c = 0; c < 3; ++c) off[learnt ? 1 : 0][static_cast<std::size_t>(c)].push_back(drawn[c] - seen[c]);
+      }
+    }
+  ASSERT_FALSE(off[0][0].empty());
+  std::array<std::string, 2> told;
+  std::array<double, 2> worst{};
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::array<double, 3> bias{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      bias[c] = median(off[k][c]);
+      worst[k] = std::max(worst[k], std::abs(bias[c]));
+    }
+    told[k] = fmt::format("{:+.1f} {:+.1f} {:+.1f}", bias[0], bias[1], bias[2]);
+  }
+  const auto& camera = airs.back().camera;
+  fmt::print("dull dark facades drawn, bias R G B of 255: {} -> {}; saturation {:.2f} +- {:.2f}, {} facades\n", told[0],
+             told[1], camera.chroma, camera.chroma * camera.log_sigma, off[0][0].size());
+  figure_row("real-landmarks",
+             {"dull dark facades drawn, bias of R, G, B: the camera's colours not known", told[0], "", kPrinted});
+  figure_row("real-landmarks", {"the same, its saturation learnt", told[1], "each <= 5", kPrinted});
+  EXPECT_LE(worst[1], 5.0);
+  EXPECT_LE(worst[1], 0.6 * worst[0]);
+}
+
+struct Tower {
+  std::string name;  // of its facades' first letters
+  std::string facade;
+};
+
+// The air by the other towers; the facade as it is by clear hours of other days; drawn into every picture's own light
+// from infinity.
+TEST(AirTruthTowers, AFacadeIsDrawnAsTheCameraSawIt) {
+  if (!milan()) GTEST_SKIP() << "no shared data: real-air/milan";
+  const auto& site = *milan();
+  const auto readings = site.readings();
+  std::vector<double> errors, without_air;
+  std::array<double, 3> bias{};
+  for (const Tower& tower : {Tower{"galfa", "galfa"}, Tower{"lombardia", "lombardia-high"},
+                             Tower{"solaria", "solaria-dark"}, Tower{"generali", "generali"}}) {
+    const auto own = site.landmarks([&](const auto& one) { return one.name.starts_with(tower.name); });
+    const auto at = site.landmarks([&](const auto& one) { return one.name == tower.facade; }).at(0);
+    const double distance_m = site.watch->landmarks()[at].distance_m;
+    const auto airs = site.watch->estimate_all(readings, own);
+    std::vector<double> greens;
+    for (const auto& air : airs) greens.push_back(air.extinction().per_m);
+    std::ranges::sort(greens);
+    const double clear = greens[greens.size() / 3];
+    const auto left = [&](std::size_t t) {
+      glm::dvec3 kept;
+      for (int c = 0; c < 3; ++c) kept[c] = std::exp(-airs[t].channels[static_cast<std::size_t>(c)].per_m * distance_m);
+      return kept;
+    };
+    std::vector<double> of_tower;
+    for (std::size_t t = 0; t < airs.size(); ++t) {
+      if (!readings[t][at].usable || airs[t].extinction().landmarks == 0) continue;
+      std::array<std::vector<double>, 3> bare;
+      for (std::size_t u = 0; u < airs.size(); ++u) {
+        if (!readings[u][at].usable || airs[u].extinction().landmarks == 0 || airs[u].extinction().per_m > clear)
+          continue;
+        if (site.pictures[u].name.substr(0, 8) == site.pictures[t].name.substr(0, 8)) continue;
+        for (int c = 0; c < 3; ++c)
+          bare[static_cast<std::size_t>(c)].push_back(readings[u][at].contrast[c] / left(u)[c]);
+      }
+      double error = 0.0, none = 0.0;
+      for (int c = 0; c < 3; ++c) {
+        const double whole = std::min(1.0, median(bare[static_cast<std::size_t>(c)])),
+                     sky = site.pictures[t].sky[at][c];
+        const auto shown = [&](double contrast) {
+          return 255.0 * site.camera.response.to_encoded(glm::dvec3(std::max(0.0, (1.0 - contrast) * sky)))[c];
+        };
+        const double off = shown(whole * left(t)[c]) - shown(readings[t][at].contrast[c]);
+        error += std::abs(off) / 3.0;
+        bias[static_cast<std::size_t>(c)] += off;
+        none += std::abs(shown(whole) - shown(readings[t][at].contrast[c])) / 3.0;
+      }
+      errors.push_back(error);
+      of_tower.push_back(error);
+      without_air.push_back(none);
+    }
+    fmt::print("{}: {} pictures, {:.1f} of 255 in the median, {:.1f} at 95 %\n", tower.facade, of_tower.size(),
+               median(of_tower), quantile(of_tower, 0.95));
+  }
+  fmt::print(
+      "four towers, air by the others: {:.2f} of 255 in the median, {:.1f} at 95 % ({} drawn); without air {:.1f}, "
+      "{:.1f}; "
+      "bias R {:+.1f}, G {:+.1f}, B {:+.1f}\n",
+      median(errors), quantile(errors, 0.95), errors.size(), median(without_air), quantile(without_air, 0.95),
+      bias[0] / static_cast<double>(errors.size()), bias[1] / static_cast<double>(errors.size()),
+      bias[2] / static_cast<double>(errors.size()));
+  figure_row("real-landmarks",
+             {"four towers, air by the others, of 255: median; 95 %",
+              fmt::format("{}; {}", figure_text(median(errors), 1), figure_text(quantile(errors, 0.95), 0)),
+              "<= 4.0; <= 24", kPrinted});
+}
+
+TEST(AirTruthTowers, VisibilityOnARoadIsTheMeters) {
+  if (!road()) GTEST_SKIP() << "no shared data: real-air/road";
+  const auto& site = *road();
+  const auto airs = site.watch->estimate_all(site.readings());
+  std::vector<double> ours, measured, biases;
+  int alike = 0, values = 0, within = 0, bounds = 0, contradicted = 0;
+  for (std::size_t t = 0; t < airs.size(); ++t) {
+    const double meter = *site.known(t, "visibility_m");
+    const auto& found = airs[t].extinction();
+    if (found.kind == ExtinctionKind::nothing) continue;
+    const double range = airs[t].optical_range_m();
+    ours.push_back(kMeteorologicalOpticalRange / found.per_m);
+    measured.push_back(meter);
+    const double factor = range / meter;
+    alike += factor >= 0.5 && factor <= 2.0;
+    if (meter >= 200.0 && meter <= 5000.0) biases.push_back(kMeteorologicalOpticalRange / found.per_m / meter);
+    const double truth = kMeteorologicalOpticalRange / meter;
+    if (found.kind == ExtinctionKind::value) {
+      ++values;
+      within += std::abs(found.per_m - truth) <= found.sigma_per_m;
+    } else {
+      ++bounds;
+      contradicted += found.kind == ExtinctionKind::at_most ? truth > found.highest_per_m : truth < found.lowest_per_m;
+    }
+  }
+  const double rank = spearman(ours, measured), share = share_of(alike, static_cast<int>(airs.size()));
+  fmt::print(
+      "road: Spearman {:.3f}; within a factor of 2 {:.2f}; ours over the meter's from 200 m to 5 km {:.2f}; values {}, "
+      "within 1 sigma {:.0f} %; bounds {}, contradicted {}\n",
+      rank, share, median(biases), values, 100.0 * share_of(within, values), bounds, contradicted);
+  figure_row("real-landmarks", {"road: Spearman", figure_text(rank, 2), ">= .78", kPrinted});
+  figure_row("real-landmarks", {"road: within a factor of 2", figure_text(share, 2), ">= .60", kPrinted});
+  figure_row("real-landmarks",
+             {"road: over the meter's, 200 m to 5 km", figure_text(median(biases), 2), ".8 to 1.25", kPrinted});
+  figure_row("real-landmarks", {"road: values within 1 sigma; bounds contradicted",
+                                fmt::format("{:.0f} %; {:.0f} %", 100.0 * share_of(within, values),
+                                            100.0 * share_of(contradicted, bounds)),
+                                "58 to 78 %; <= 4 %", kPrinted});
+  EXPECT_GE(rank, 0.78);
+}
+
+}  // namespace
+}  // namespace kasumi

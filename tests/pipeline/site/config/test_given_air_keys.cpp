@@ -1,0 +1,65 @@
+// The air in [site]: values, "auto", and what is said of bad ones.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/site/config/given_air_keys.hpp"
+#include "pipeline/site/config/installation.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+GivenAir read_air(const std::string& text, std::string* problems = nullptr) {
+  const auto table = ConfigTable::parse(text, "kasumi.toml").value();
+  const auto given = read_given_air(table);
+  const auto finished = table.finish();
+  if (problems)
+    *problems = finished ? "" : finished.error().message;
+  else
+    EXPECT_TRUE(finished) << finished.error().message;
+  return given;
+}
+
+TEST(GivenAirKeys, EachIsAValueOrAuto) {
+  EXPECT_EQ(read_air(""), GivenAir{});
+  EXPECT_EQ(read_air("aod_550 = \"auto\"\nangstrom_exponent = \"auto\"\naerosol = \"auto\""), GivenAir{});
+  EXPECT_EQ(read_air("aod_550 = 0.3\nangstrom_exponent = -0.1\naerosol = \"dust\""),
+            (GivenAir{0.3, -0.1, AerosolKind::dust}));
+  EXPECT_EQ(read_air("aod_550 = 0"), (GivenAir{0.0, std::nullopt, std::nullopt})) << "molecules alone";
+}
+
+TEST(GivenAirKeys, EveryBadValueIsNamedWithWhatIsExpected) {
+  std::string problems;
+  read_air("aod_550 = 3\nangstrom_exponent = \"steep\"\naerosol = \"fog\"", &problems);
+  EXPECT_THAT(problems, HasSubstr("aod_550 = 3: expected a number from 0 to 1.8, or \"auto\""));
+  EXPECT_THAT(problems, HasSubstr("angstrom_exponent = 'steep': expected a number from -0.5 to 2.5, or \"auto\""));
+  EXPECT_THAT(problems, HasSubstr("aerosol = 'fog': expected one of \"continental\""));
+  EXPECT_THAT(problems, HasSubstr("\"smoke\", or \"auto\""));
+}
+
+TEST(GivenAirKeys, ANumberThatIsNoneIsRefused) {
+  for (const char* text : {"aod_550 = nan", "aod_550 = true", "aerosol = 3"}) {
+    std::string problems;
+    EXPECT_EQ(read_air(text, &problems), GivenAir{});
+    EXPECT_THAT(problems, HasSubstr("expected")) << text;
+  }
+}
+
+TEST(GivenAirKeys, DecideTheSkyThatIsFitted) {
+  Installation installation;
+  installation.site.altitude_m = 300.0;
+  EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::preetham);
+  EXPECT_TRUE(installation.sky_to_fit().every_model) << "all are asked";
+  installation.surroundings.air.kind = AerosolKind::smoke;
+  EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::dome);
+  EXPECT_EQ(installation.sky_to_fit().aerosol->kind, AerosolKind::smoke);
+  EXPECT_EQ(installation.sky_to_fit().known, installation.surroundings.air);
+  installation.surroundings.sky_model = SiteSkyModel::preetham;
+  EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::preetham) << "asked for";
+  EXPECT_FALSE(installation.sky_to_fit().every_model);
+  EXPECT_FALSE(installation.sky_to_fit().aerosol);
+}
+
+}  // namespace
+}  // namespace kasumi
