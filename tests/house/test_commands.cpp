@@ -199,8 +199,8 @@ TEST(Commands, AnOffenderWouldBeFound) {
         "    cmake --preset debug && ninja -C build-debug test_sky && build-debug/test_sky  # words\n",
         "`build/test_sky --gtest_filter='Solv*'`", "<!-- figures: SKY by build/test_sky -->", "`build/test_NAME`",
         "`sudo systemctl restart kasumi`", "`journalctl -u 'kasumi-stick@*' -u kasumi.service`",
-        "`pipeline/ROOM/command_NAME.cpp`", "`pipeline/lab/haze/`", "`docs/*.md`",
-        "`kasumi-make run --out docs/sky.md`", "`kasumi-kiosk`", "`docs/sk`", "`pipeline/*/command_`"})
+        "`pipeline/ROOM/PART/command_NAME.cpp`", "`pipeline/lab/haze/`", "`docs/*.md`",
+        "`kasumi-make run --out docs/sky.md`", "`kasumi-kiosk`", "`docs/sk`", "`pipeline/*/*/command_`"})
     EXPECT_THAT(found(good), testing::IsEmpty()) << good;
   for (const std::string bad :
        {"`./bootstrap tset`", "    ./bootstrap build && ./bootstrap demo\n", "    cmake --preset quick\n",
