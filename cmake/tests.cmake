@@ -21,7 +21,8 @@ endforeach()
 configure_file(${PROJECT_SOURCE_DIR}/tests/places.cpp.in ${CMAKE_BINARY_DIR}/places.cpp @ONLY)
 # tests/made_once.hpp: which folder holds what this generator made.
 file(GLOB_RECURSE sources RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
-  base/*.[ch]pp base/*.glsl calib/*.[ch]pp capture/*.[ch]pp fixtures/*.[ch]pp tests/pipeline/recorded.cpp)
+  base/*.[ch]pp base/*.glsl calib/*.[ch]pp capture/*.[ch]pp fixtures/*.[ch]pp
+  fixtures/temple.glb fixtures/pagoda-matt.glb tests/pipeline/recorded.cpp)
 list(JOIN sources "\n" lines)
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/made_once.list CONTENT "${lines}" @ONLY)
 list(TRANSFORM sources PREPEND ${PROJECT_SOURCE_DIR}/)

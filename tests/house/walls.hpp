@@ -106,21 +106,19 @@ inline const Walls kMayInclude = {
     {"report/status", {}},
     {"report/web", {}},
 
-    {"fixtures", {"base", "calib", "capture", "fixtures/generator", "fixtures/model", "fixtures/temple"}},
+    {"fixtures", {"base", "calib", "capture", "fixtures/generator", "fixtures/model"}},
     {"fixtures/aerosol", {}},
     {"fixtures/assemble", {}},
     {"fixtures/atmosphere", {"fixtures/aerosol", "fixtures/model", "fixtures/spectrum"}},
     {"fixtures/generator",
      {"fixtures/in_front", "fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise",
-      "fixtures/pagoda", "fixtures/spectrum", "fixtures/temple"}},
+      "fixtures/spectrum"}},
     {"fixtures/in_front", {"fixtures/landscape", "fixtures/light", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/light", {"fixtures/aerosol", "fixtures/atmosphere", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/model", {}},
     {"fixtures/noise", {}},
-    {"fixtures/pagoda", {"fixtures/landscape", "fixtures/model", "fixtures/noise"}},
     {"fixtures/spectrum", {}},
-    {"fixtures/temple", {"fixtures/model", "fixtures/noise"}},
 };
 
 // Prefixes of a library's headers, and of the names of the files that may include them; * matches anything.

@@ -15,8 +15,8 @@
 
 #include "base/files.hpp"
 #include "capture/fixture/fixture.hpp"
-#include "fixtures/model/glb.hpp"
-#include "fixtures/model/shapes.hpp"
+#include "fixtures/model/png.hpp"
+#include "tests/gles/model/gltf_writer.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/recorded.hpp"
 
@@ -110,15 +110,24 @@ class TimedDevices final : public Devices {
 
 // Eight walls, each with a picture of its own.
 void write_heavy_model(const std::filesystem::path& file, int texels) {
-  Image<Rgb8> picture(texels, texels, Rgb8{150, 140, 120});
-  std::vector<fixtures::MeshPart> walls(8);
-  fixtures::GlbNode node{"heavy", {}};
-  for (std::size_t i = 0; i < walls.size(); ++i) {
-    const auto x = 6.0F * static_cast<float>(i);
-    fixtures::add_box(walls[i], {x, 0, 0}, {x + 5, 15, 5}, 5.0F);
-    node.parts.push_back({{.name = fmt::format("wall {}", i), .colour = &picture}, &walls[i]});
+  const std::vector<std::uint8_t> png = fixtures::png_of(Image<Rgb8>(texels, texels, Rgb8{150, 140, 120}));
+  GltfFile model = square_file();
+  nlohmann::json wall = model.primitive();
+  wall["attributes"]["TEXCOORD_0"] = model.add_floats({0, 1, 1, 1, 1, 0, 0, 0}, 2);
+  for (int i = 0; i < 8; ++i) {
+    while (model.buffer.size() % 4 != 0) model.buffer.push_back(0);
+    model.json["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", model.buffer.size()}, {"byteLength", png.size()}});
+    model.buffer.insert(model.buffer.end(), png.begin(), png.end());
+    model.json["images"].push_back({{"bufferView", model.json["bufferViews"].size() - 1}, {"mimeType", "image/png"}});
+    model.json["textures"].push_back({{"source", i}});
+    model.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+    wall["material"] = i;
+    model.json["meshes"][std::size_t(i)]["primitives"] = {wall};
+    model.json["nodes"][std::size_t(i)] = {{"mesh", i}, {"scale", {5, 15, 1}}, {"translation", {6 * i, 0, 5}}};
+    model.json["scenes"][0]["nodes"][std::size_t(i)] = i;
   }
-  ASSERT_TRUE(write_file(file, fixtures::glb_of({node}, fixtures::GlbKind::exact, "test")));
+  ASSERT_TRUE(write_file(file, model.binary()));
 }
 
 // Processor time since boot, in ticks: what all processes and other machines on the same host took, and what this one did.
