@@ -11,10 +11,7 @@
 #include "pipeline/command.hpp"
 #include "pipeline/lab/bench/bench.hpp"
 #include "pipeline/lab/bench/gles.hpp"
-#include "pipeline/lab/bench/growth.hpp"
 #include "pipeline/lab/bench/haze.hpp"
-#include "pipeline/lab/bench/kiosk_memory.hpp"
-#include "pipeline/lab/bench/peers.hpp"
 #include "pipeline/lab/bench/recorded_run.hpp"
 
 namespace kasumi {
@@ -24,7 +21,7 @@ namespace {
 struct BenchArguments {
   bool markdown = false;
   std::vector<std::string> only;
-  std::string json, against, growth, memory, peers;
+  std::string json, against;
 };
 
 struct Part {
@@ -136,45 +133,7 @@ Result<int> compare(RecordedRun& run, const RecordedRun& before, const std::stri
   return compared.is_regression() ? 1 : 0;
 }
 
-Result<int> measure_growth(const std::filesystem::path& folder, bool markdown) {
-  auto curves = growth_curves();
-  for (auto& curve : curves)
-    for (auto& point : curve.points) {
-      const auto cost = growth_cost(point.size);
-      if (!cost) return fail(cost.error());
-      point.cost = *cost;
-      if (!markdown)
-        fmt::print(
-            "{:<26} {:>9g} {:>7.1f} pictures/s {:>6.2f} x blit {:>8.1f} ms redrawn {:>7.1f} MiB model {:>5.0f} MiB "
-            "peak\n",
-            curve.over, point.at, 1e3 / cost->picture_ms, cost->over_blit, cost->redraw_ms, cost->model_mib,
-            cost->peak_mib);
-      std::fflush(stdout);
-    }
-  if (markdown) fmt::print("{}", growth_markdown(curves));
-  if (auto written = write_growth(folder, curves); !written) return fail(written.error());
-  return 0;
-}
-
-Result<int> measure_peers(const std::string& fixture, bool markdown) {
-  const auto peers = bench_peers(fixture);
-  if (!peers) return fail(peers.error());
-  Table(markdown, true).add(peers->rows);
-  for (const auto& why : peers->skipped) fmt::print(stderr, "SKIPPED {}\n", why);
-  return 0;
-}
-
-Result<int> measure_memory(const std::string& fixture, bool markdown) {
-  const auto rows = bench_memory(fixture);
-  if (!rows) return fail(rows.error());
-  Table(markdown, true).add(*rows);
-  return 0;
-}
-
 Result<int> bench(const BenchArguments& arguments, const std::string& version) {
-  if (!arguments.growth.empty()) return measure_growth(arguments.growth, arguments.markdown);
-  if (!arguments.memory.empty()) return measure_memory(arguments.memory, arguments.markdown);
-  if (!arguments.peers.empty()) return measure_peers(arguments.peers, arguments.markdown);
   std::optional<RecordedRun> before;
   if (!arguments.against.empty()) {
     auto read = read_recorded_run(arguments.against);
@@ -216,14 +175,6 @@ void add_bench_command(CLI::App& app, Action& action) {
   command->add_option("--against", arguments->against,
                       "Names what became more than 10 % slower since the run in this file, which --json wrote, after "
                       "measuring it twice; exit code 1 if anything did and the run is of this machine");
-  command->add_option("--growth", arguments->growth,
-                      "Instead: how pictures a second and memory change with triangles, textures, the picture's size "
-                      "and buildings, as growth.csv and growth.svg in this folder");
-  command->add_option("--memory", arguments->memory,
-                      "Instead: memory of a kiosk that runs on this fixture, on an unseen screen of full HD");
-  command->add_option("--peers", arguments->peers,
-                      "Instead: processor time of a picture beside GStreamer's and mpv's, playing the JPEG frames of "
-                      "this fixture's scene camera in a window");
   const std::string version = app.version();
   command->callback([&action, arguments, version] { action = [=] { return bench(*arguments, version); }; });
 }
