@@ -37,7 +37,7 @@ void add_show_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("show", "What visitors see now, what is wrong, and what to do about it");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("--status", arguments->status, "The appliance's status file")->capture_default_str();
-  command->add_option("--language", arguments->language, "en, de, fr, it, es, ja")->capture_default_str();
+  command->add_option("--language", arguments->language, language_codes())->capture_default_str();
   command->callback([arguments, &action] {
     action = [arguments]() -> Result<int> {
       const auto language = parse_language(arguments->language);

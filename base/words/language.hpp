@@ -1,18 +1,25 @@
-// The languages that visitors and operators are spoken to in.
+// The languages that visitors and operators are spoken to in: one for each file in base/words/languages.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.hpp"
 
 namespace kasumi {
 
-enum class Language { english, german, french, italian, spanish, japanese };
-inline constexpr Language kLanguages[] = {Language::english, Language::german,  Language::french,
-                                          Language::italian, Language::spanish, Language::japanese};
+// The others: parse_language().
+enum class Language : std::size_t { english };
 
-// ISO 639: "en", "de", "fr", "it", "es", "ja". Error (bad_input): any other code.
+// In the order in which people choose from them, English first.
+std::vector<Language> all_languages();
+// Of ISO 639: "en", "de". Error (bad_input): any other code.
 Result<Language> parse_language(std::string_view code);
 std::string_view code_of(Language language);
+// In itself: "Deutsch".
+std::string_view name_of(Language language);
+// "en, de, fr".
+std::string language_codes();
 
 }  // namespace kasumi

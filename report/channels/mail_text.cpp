@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/utc_text.hpp"
-#include "report/status/figure_words.hpp"
+#include "base/words/texts.hpp"
 #include "report/status/symptom_words.hpp"
 
 namespace kasumi::report {
@@ -11,35 +11,6 @@ namespace kasumi::report {
 namespace {
 
 constexpr std::size_t kLine = 76, kLongestLine = 900, kLongestDetail = 2000;
-
-struct MailWords : FigureWords {
-  Translated over{"Over since the last mail",          "Seit der letzten Mail vorbei",
-                  "Terminé depuis le dernier message", "Finito dall’ultimo messaggio",
-                  "Terminado desde el último mensaje", "前回のメール以降に解消したもの"};
-  Translated since{"Since {}", "Seit {}", "Depuis {}", "Dal {}", "Desde {}", "{} から"};
-  Translated from_to{"From {} to {}", "Von {} bis {}", "Du {} au {}",
-                     "Dal {} al {}",  "Del {} al {}",  "{} から {} まで"};
-  Translated times{"{} times", "{} Mal", "{} fois", "{} volte", "{} veces", "{} 回"};
-  Translated more{"And {} more.", "Und {} weitere.", "Et {} de plus.", "E altri {}.", "Y {} más.", "ほか {} 件。"};
-  Translated no_reason{"It does not say why.",      "Es sagt nicht, warum.", "La raison n’est pas indiquée.",
-                       "Il motivo non è indicato.", "No dice por qué.",      "理由は示されていません。"};
-  Translated trial{"Trial mail",         "Probemail",         "Message d’essai",
-                   "Messaggio di prova", "Mensaje de prueba", "試験メール"};
-  Translated trial_says{
-      "This mail was asked for by kasumi-report try. Mails about this kiosk arrive here.",
-      "Diese Mail wurde mit kasumi-report try verlangt. Mails über diese Station kommen hier an.",
-      "Ce message a été demandé par kasumi-report try. Les messages sur cette borne arrivent ici.",
-      "Questo messaggio è stato chiesto con kasumi-report try. I messaggi su questa postazione arrivano qui.",
-      "Este mensaje se pidió con kasumi-report try. Los mensajes sobre este puesto llegan aquí.",
-      "このメールは kasumi-report try によるものです。この装置に関するメールはここに届きます。"};
-  Translated next{"The next mail comes in {} minutes at the earliest; what happens until then will be in it.",
-                  "Die nächste Mail kommt frühestens in {} Minuten; was bis dahin geschieht, steht dann darin.",
-                  "Le prochain message arrivera au plus tôt dans {} minutes\u202F; il dira ce qui se sera passé.",
-                  "Il prossimo messaggio arriverà non prima di {} minuti e dirà che cosa è successo nel frattempo.",
-                  "El próximo mensaje llegará como pronto en {} minutos y dirá lo que haya ocurrido entretanto.",
-                  "次のメールは早くても {} 分後です。それまでの出来事はそこに記されます。"};
-};
-constexpr MailWords kMailWords;
 
 bool begins_character(char c) {
   return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u;
@@ -113,13 +84,9 @@ std::string minute_text(Utc utc) {
   return text + " UTC";
 }
 
-template <class... Arguments>
-std::string filled(std::string_view format, const Arguments&... arguments) {
-  return fmt::format(fmt::runtime(format), arguments...);
-}
-
 std::string times_text(const Episode& episode, Language language) {
-  return episode.times > 1 ? ", " + filled(kMailWords.times.in(language), episode.times) : std::string();
+  return episode.times > 1 ? ", " + filled_text("mail.times", language, fmt::arg("count", episode.times))
+                           : std::string();
 }
 
 std::string header_text(const MailOptions& options, const std::string& name, std::string_view subject) {
@@ -148,35 +115,39 @@ std::string mail_text(const MailNews& news, const MailOptions& options, const st
   const auto seen = sight_text(news.sight, language);
   auto text = header_text(options, name, seen);
   text += wrapped(seen, "", "");
-  text +=
-      fmt::format("\n{}\n", news.wrong.empty() ? kMailWords.nothing_wrong.in(language) : kMailWords.wrong.in(language));
+  text += fmt::format(
+      "\n{}\n", news.wrong.empty() ? text_of("figure.nothing_wrong", language) : text_of("figure.wrong", language));
   for (const auto& episode : news.wrong) {
     const auto words = episode.ill ? symptom_words(*episode.ill, language) : SymptomWords{};
-    text += "\n" + wrapped(episode.ill ? words.what : kMailWords.no_reason.in(language), "- ", "  ");
+    text += "\n" + wrapped(episode.ill ? words.what : text_of("mail.no_reason", language), "- ", "  ");
     if (!episode.detail.empty()) text += wrapped(first_bytes(episode.detail, kLongestDetail), "  ", "  ");
-    text += wrapped(filled(kMailWords.since.in(language), minute_text(episode.from)) + times_text(episode, language),
+    text += wrapped(filled_text("mail.since", language, fmt::arg("time", minute_text(episode.from))) +
+                        times_text(episode, language),
                     "  ", "  ");
     if (!episode.ill) continue;
     text += wrapped(words.what_to_do, "  -> ", "     ");
     text += fmt::format("     {}\n", command_for(*episode.ill));
   }
-  if (!news.over.empty()) text += fmt::format("\n{}\n", kMailWords.over.in(language));
+  if (!news.over.empty()) text += fmt::format("\n{}\n", text_of("mail.over", language));
   for (const auto& episode : news.over) {
     const auto what = episode.ill ? symptom_words(*episode.ill, language).what : seen;
     text += "\n" + wrapped(what, "- ", "  ");
-    text += wrapped(filled(kMailWords.from_to.in(language), minute_text(episode.from), minute_text(episode.to)) +
+    text += wrapped(filled_text("mail.from_to", language, fmt::arg("from", minute_text(episode.from)),
+                                fmt::arg("to", minute_text(episode.to))) +
                         times_text(episode, language),
                     "  ", "  ");
   }
-  if (news.more_over > 0) text += "\n" + wrapped(filled(kMailWords.more.in(language), news.more_over), "", "");
-  text += "\n" +
-          wrapped(filled(kMailWords.next.in(language), std::chrono::ceil<std::chrono::minutes>(next).count()), "", "");
+  if (news.more_over > 0)
+    text += "\n" + wrapped(filled_text("mail.more", language, fmt::arg("count", news.more_over)), "", "");
+  text += "\n" + wrapped(filled_text("mail.next", language,
+                                     fmt::arg("minutes", std::chrono::ceil<std::chrono::minutes>(next).count())),
+                         "", "");
   return text;
 }
 
 std::string trial_mail(const MailOptions& options, const std::string& name, Language language, Sight sight) {
-  return header_text(options, name, kMailWords.trial.in(language)) +
-         wrapped(kMailWords.trial_says.in(language), "", "") + "\n" + wrapped(sight_text(sight, language), "", "");
+  return header_text(options, name, text_of("mail.trial", language)) +
+         wrapped(text_of("mail.trial_says", language), "", "") + "\n" + wrapped(sight_text(sight, language), "", "");
 }
 
 }  // namespace kasumi::report

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/words/texts.hpp"
 #include "report/status/diagnosis.hpp"
-#include "report/status/figure_words.hpp"
 #include "report/status/symptom_words.hpp"
 
 namespace kasumi::report {
@@ -15,7 +15,6 @@ namespace {
 using Message = nlohmann::ordered_json;
 
 constexpr std::size_t kMostTopicBytes = 128;
-constexpr FigureWords kFigureWords;
 
 template <class T>
 Message or_null(const std::optional<T>& value) {
@@ -39,27 +38,27 @@ std::string identifier(std::string_view text) {
 struct Entity {
   std::string_view component;  // "sensor" or "binary_sensor"
   std::string_view key;        // of the state
-  Translated name;
+  std::string_view name;       // of its text
   std::string_view device_class, unit;
   bool diagnostic = true;  // for who looks after it
 };
 
 const Entity kEntities[] = {
-    {"binary_sensor", "well", kFigureWords.picture, "problem", "", false},
-    {"sensor", "seen", kFigureWords.seen, "", "", false},
-    {"sensor", "wrong", kFigureWords.wrong, "", "", false},
-    {"sensor", "turbidity", kFigureWords.turbidity, "", "1", false},
-    {"sensor", "aod_550", kFigureWords.aod, "", "1", false},
-    {"sensor", "visibility_m", kFigureWords.visibility, "distance", "m", false},
-    {"binary_sensor", "scene_camera", kFigureWords.scene, "connectivity", ""},
-    {"binary_sensor", "sky_camera", kFigureWords.sky, "connectivity", ""},
-    {"sensor", "latency_ms", kFigureWords.latency, "duration", "ms"},
-    {"sensor", "temperature_celsius", kFigureWords.temperature, "temperature", "°C"},
+    {"binary_sensor", "well", "figure.picture", "problem", "", false},
+    {"sensor", "seen", "figure.seen", "", "", false},
+    {"sensor", "wrong", "figure.wrong", "", "", false},
+    {"sensor", "turbidity", "figure.turbidity", "", "1", false},
+    {"sensor", "aod_550", "figure.aod", "", "1", false},
+    {"sensor", "visibility_m", "figure.visibility", "distance", "m", false},
+    {"binary_sensor", "scene_camera", "figure.scene", "connectivity", ""},
+    {"binary_sensor", "sky_camera", "figure.sky", "connectivity", ""},
+    {"sensor", "latency_ms", "figure.latency", "duration", "ms"},
+    {"sensor", "temperature_celsius", "figure.temperature", "temperature", "°C"},
 };
 
 Message entity_message(const Entity& entity, const std::string& topic, const std::string& id, Language language) {
   const auto state = topic + std::string(kStateTopic);
-  Message message{{"name", entity.name.in(language)},
+  Message message{{"name", text_of(entity.name, language)},
                   {"unique_id", id + "_" + std::string(entity.key)},
                   {"object_id", id + "_" + std::string(entity.key)},
                   {"state_topic", state},
@@ -104,7 +103,7 @@ std::string mqtt_state(const Heard& heard, Language language) {
     wrong += symptom_words(symptom.ill, language).what;
     if (!symptom.detail.empty()) wrong += fmt::format(" ({})", detail_text(symptom, language));
   }
-  if (wrong.empty()) wrong = kFigureWords.nothing_wrong.in(language);
+  if (wrong.empty()) wrong = text_of("figure.nothing_wrong", language);
   const ToldStatus none;
   const auto& told = heard.status ? *heard.status : none;
   const auto camera = [&](const ToldCamera& is) { return heard.status ? Message(is.up) : Message(); };

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "base/words/texts.hpp"
 #include "history/history_plot.hpp"
 #include "report/page/bitmap.hpp"
-#include "report/page/page_words.hpp"
 #include "report/status/symptom_words.hpp"
 
 namespace kasumi::report {
@@ -15,11 +15,9 @@ namespace {
 
 using std::chrono::minutes;
 
-constexpr PageWords kWords;
 constexpr minutes kDay{24 * 60};
 constexpr std::size_t kMostSpells = 40;
 constexpr int kScreenShown_px = 160;  // along the longer side: the browser enlarges it softly
-constexpr std::string_view kNames[] = {"English", "Deutsch", "Français", "Italiano", "Español", "日本語"};
 
 std::string escaped(std::string_view text) {
   std::string safe;
@@ -71,13 +69,13 @@ Sight sight_of_spell(const Spell& spell) {
 class Writer {
  public:
   explicit Writer(Language language) : language_(language) {}
-  std::string_view in(const Translated& words) const { return words.in(language_); }
+  std::string_view in(std::string_view key) const { return text_of(key, language_); }
   void add(std::string_view html) { html_ += html; }
   template <class... Arguments>
   void add(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     html_ += fmt::format(format, std::forward<Arguments>(arguments)...);
   }
-  void figure(const Translated& what, const std::string& value) {
+  void figure(std::string_view what, const std::string& value) {
     if (!value.empty()) add("<div><dt>{}</dt><dd>{}</dd></div>\n", in(what), escaped(value));
   }
   const std::string& html() const { return html_; }
@@ -96,8 +94,8 @@ std::string with_sigma(const std::optional<double>& value, const std::optional<d
 }
 
 void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
-  page.add("<section aria-labelledby=\"wrong\">\n<h2 id=\"wrong\">{}</h2>\n", page.in(kWords.wrong));
-  if (diagnosis.symptoms.empty()) page.add("<p>{}</p>\n", page.in(kWords.nothing_wrong));
+  page.add("<section aria-labelledby=\"wrong\">\n<h2 id=\"wrong\">{}</h2>\n", page.in("figure.wrong"));
+  if (diagnosis.symptoms.empty()) page.add("<p>{}</p>\n", page.in("figure.nothing_wrong"));
   if (!diagnosis.symptoms.empty()) page.add("<ul class=\"symptoms\">\n");
   for (const auto& symptom : diagnosis.symptoms) {
     const auto words = symptom_words(symptom.ill, page.language());
@@ -113,50 +111,50 @@ void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
 
 // Where content is asked for: what it last said, and how far the next is.
 std::string pull_text(const PullStatus& pull, minutes wall, const Writer& page) {
-  const auto asked = pull.asked ? fmt::format("{} {}", page.in(kWords.answered),
+  const auto asked = pull.asked ? fmt::format("{} {}", page.in("page.answered"),
                                               wall_stamp(std::chrono::floor<minutes>(*pull.asked), wall))
-                                : std::string(page.in(kWords.not_asked));
+                                : std::string(page.in("page.not_asked"));
   std::string text = pull.problem.empty() ? asked : fmt::format("{}; {}", pull.problem, asked);
   constexpr double kMega = 1e6;
   if (pull.bytes > 0)
-    text += fmt::format("; {}: {:.1f}", page.in(kWords.arriving), static_cast<double>(pull.bytes) / kMega);
+    text += fmt::format("; {}: {:.1f}", page.in("page.arriving"), static_cast<double>(pull.bytes) / kMega);
   if (pull.bytes > 0 && pull.of_bytes > 0) text += fmt::format(" / {:.1f}", static_cast<double>(pull.of_bytes) / kMega);
   if (pull.bytes > 0) text += " MB";
   return text;
 }
 
 void write_content(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
-  page.figure(kWords.content, std::string(page.in(told.refused.empty() ? kWords.as_configured : kWords.earlier)));
+  page.figure("page.content", std::string(page.in(told.refused.empty() ? "page.as_configured" : "page.earlier")));
   if (told.arrived)
-    page.figure(kWords.brought, fmt::format("{}: {}", wall_stamp(std::chrono::floor<minutes>(*told.arrived), wall),
+    page.figure("page.brought", fmt::format("{}: {}", wall_stamp(std::chrono::floor<minutes>(*told.arrived), wall),
                                             told.arrived_words));
-  if (pull) page.figure(kWords.server, pull_text(*pull, wall, page));
+  if (pull) page.figure("page.server", pull_text(*pull, wall, page));
 }
 
 void write_figures(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
-  page.add("<section aria-labelledby=\"figures\">\n<h2 id=\"figures\">{}</h2>\n<dl>\n", page.in(kWords.figures));
+  page.add("<section aria-labelledby=\"figures\">\n<h2 id=\"figures\">{}</h2>\n<dl>\n", page.in("page.figures"));
   const auto camera = [&](const ToldCamera& of) {
-    auto text = std::string(page.in(of.up ? kWords.works : kWords.fails));
+    auto text = std::string(page.in(of.up ? "page.works" : "page.fails"));
     if (of.up && of.width_px && of.height_px)
       text += fmt::format(", {:.0f} × {:.0f} {}", *of.width_px, *of.height_px, of.format);
     return of.up ? text : text + (of.cause.empty() ? "" : ": " + of.cause);
   };
-  page.figure(kWords.turbidity, with_sigma(told.turbidity, told.sigma_turbidity, 2));
-  page.figure(kWords.aod, with_sigma(told.aod_550, told.sigma_aod_550, 3));
+  page.figure("figure.turbidity", with_sigma(told.turbidity, told.sigma_turbidity, 2));
+  page.figure("figure.aod", with_sigma(told.aod_550, told.sigma_aod_550, 3));
   if (told.visibility_m)
     page.figure(
-        kWords.visibility,
+        "figure.visibility",
         with_sigma(*told.visibility_m / 1000.0,
                    told.sigma_visibility_m ? std::optional(*told.sigma_visibility_m / 1000.0) : std::nullopt, 0) +
             " km");
-  page.figure(kWords.scene, camera(told.scene_camera));
-  page.figure(kWords.sky, camera(told.sky_camera));
+  page.figure("figure.scene", camera(told.scene_camera));
+  page.figure("figure.sky", camera(told.sky_camera));
   if (told.latency_median_ms)
-    page.figure(kWords.latency,
+    page.figure("figure.latency",
                 fmt::format("{:.0f} ms; 95 %: {:.0f} ms", *told.latency_median_ms, told.latency_95_ms.value_or(0.0)));
-  if (told.celsius) page.figure(kWords.temperature, fmt::format("{:.0f} °C", *told.celsius));
+  if (told.celsius) page.figure("figure.temperature", fmt::format("{:.0f} °C", *told.celsius));
   write_content(told, pull, wall, page);
-  if (told.since) page.figure(kWords.running, wall_stamp(std::chrono::floor<minutes>(*told.since), wall));
+  if (told.since) page.figure("page.running", wall_stamp(std::chrono::floor<minutes>(*told.since), wall));
   page.add("</dl>\n</section>\n");
 }
 
@@ -165,23 +163,23 @@ void write_day(const StatePage& of, Writer& page) {
   std::vector<HistoryLine> day;
   for (const auto& line : of.history)
     if (line.utc > now - kDay && line.utc <= now) day.push_back(line);
-  page.add("<section aria-labelledby=\"day\">\n<h2 id=\"day\">{}</h2>\n", page.in(kWords.day));
+  page.add("<section aria-labelledby=\"day\">\n<h2 id=\"day\">{}</h2>\n", page.in("page.day"));
   if (day.empty()) {
-    page.add("<p>{}</p>\n</section>\n", page.in(kWords.no_history));
+    page.add("<p>{}</p>\n</section>\n", page.in("page.no_history"));
     return;
   }
-  const PlotWords words{page.in(kWords.plot), page.in(kWords.strip), "T", page.in(kWords.aod),
-                        page.in(kWords.no_figures)};
+  const PlotWords words{page.in("page.plot"), page.in("page.strip"), "T", page.in("figure.aod"),
+                        page.in("page.no_figures")};
   page.add("<div class=\"plot\">{}</div>\n", history_plot(day, now - kDay, now, of.wall, words));
   page.add(
       "<table>\n<thead><tr><th scope=\"col\">{}</th><th scope=\"col\">{}</th><th "
       "scope=\"col\">{}</th></tr></thead>\n<tbody>\n",
-      page.in(kWords.from), page.in(kWords.to), page.in(kWords.seen));
+      page.in("page.from"), page.in("page.to"), page.in("figure.seen"));
   const auto spells = spells_of(day);
   const std::size_t first = spells.size() > kMostSpells ? spells.size() - kMostSpells : 0;
   for (std::size_t i = spells.size(); i-- > first;) {
     const auto& spell = spells[i];
-    const auto seen = spell.told ? sight_text(sight_of_spell(spell), page.language()) : page.in(kWords.off);
+    const auto seen = spell.told ? sight_text(sight_of_spell(spell), page.language()) : page.in("page.off");
     page.add("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", wall_time(spell.from, of.wall).substr(11),
              wall_time(spell.to, of.wall).substr(11), escaped(seen));
   }
@@ -197,7 +195,7 @@ std::string wall_second(Utc utc, minutes wall) {
 
 void write_screen_reply(const ScreenReply& reply, minutes wall, Writer& page) {
   const auto& picture = reply.answer.picture;
-  const auto say = [&](const Translated& words, std::string_view more = {}) {
+  const auto say = [&](std::string_view words, std::string_view more = {}) {
     page.add("<p role=\"status\"><strong>{}</strong>{}</p>\n", page.in(words), more);
   };
   switch (reply.outcome) {
@@ -205,33 +203,33 @@ void write_screen_reply(const ScreenReply& reply, minutes wall, Writer& page) {
       const int longer = std::max(picture.width(), picture.height());
       const auto side = [&](int of) { return std::max(1, of * kScreenShown_px / longer); };
       page.add("<p><img src=\"{}\" width=\"{}\" height=\"{}\" alt=\"{}\"></p>\n", bitmap_address(picture),
-               side(picture.width()), side(picture.height()), page.in(kWords.screen_alt));
-      return say(kWords.screen_taken, fmt::format(" {}", wall_second(reply.answer.utc, wall)));
+               side(picture.width()), side(picture.height()), page.in("page.screen_alt"));
+      return say("page.screen_taken", fmt::format(" {}", wall_second(reply.answer.utc, wall)));
     }
     case ScreenOutcome::wait:
-      return say(kWords.screen_wait, fmt::format(" {} s", reply.answer.wait.value_or(kScreenPause).count()));
-    case ScreenOutcome::nothing: return say(kWords.screen_nothing);
-    case ScreenOutcome::off: return say(kWords.screen_off);
+      return say("page.screen_wait", fmt::format(" {} s", reply.answer.wait.value_or(kScreenPause).count()));
+    case ScreenOutcome::nothing: return say("page.screen_nothing");
+    case ScreenOutcome::off: return say("page.screen_off");
     case ScreenOutcome::no_answer:
-      return say(kWords.screen_no_answer, fmt::format(" <q lang=\"en\">{}</q>", escaped(reply.why)));
+      return say("page.screen_no_answer", fmt::format(" <q lang=\"en\">{}</q>", escaped(reply.why)));
   }
 }
 
 void write_screen(const StatePage& of, Writer& page) {
   const auto& told = of.heard.status;
   const bool off = told && !told->screen_allowed.value_or(false);
-  page.add("<section aria-labelledby=\"screen\">\n<h2 id=\"screen\">{}</h2>\n", page.in(kWords.screen));
+  page.add("<section aria-labelledby=\"screen\">\n<h2 id=\"screen\">{}</h2>\n", page.in("page.screen"));
   if (of.screen->reply)
     write_screen_reply(*of.screen->reply, of.wall, page);
   else if (off)
-    page.add("<p>{}</p>\n", page.in(kWords.screen_off));
+    page.add("<p>{}</p>\n", page.in("page.screen_off"));
   if (!off)
     page.add(
         "<form method=\"post\" action=\"./screen?language={}&amp;key={}\">\n<button>{}</button>\n</form>\n"
         "<p class=\"detail\">{}</p>\n",
-        code_of(page.language()), escaped(of.screen->key), page.in(kWords.screen_take), page.in(kWords.screen_note));
+        code_of(page.language()), escaped(of.screen->key), page.in("page.screen_take"), page.in("page.screen_note"));
   if (told && told->screen_pictures.value_or(0.0) > 0.0)
-    page.add("<p class=\"detail\">{}: {:.0f}</p>\n", page.in(kWords.screen_count), *told->screen_pictures);
+    page.add("<p class=\"detail\">{}: {:.0f}</p>\n", page.in("page.screen_count"), *told->screen_pictures);
   page.add("</section>\n");
 }
 
@@ -243,7 +241,7 @@ Language wanted_language(std::string_view asked, std::string_view accept_languag
     const auto end = std::min(accept_language.find(','), accept_language.size());
     auto tag = accept_language.substr(0, end);
     tag.remove_prefix(std::min(tag.find_first_not_of(' '), tag.size()));
-    if (const auto language = parse_language(tag.substr(0, 2))) return *language;
+    if (const auto language = parse_language(tag.substr(0, tag.find_first_of("-; ")))) return *language;
     accept_language.remove_prefix(std::min(end + 1, accept_language.size()));
   }
   return fallback;
@@ -252,7 +250,7 @@ Language wanted_language(std::string_view asked, std::string_view accept_languag
 std::string state_page(const StatePage& of, Language language) {
   Writer page(language);
   const auto diagnosis = diagnose(of.heard);
-  const auto state = page.in(kWords.state);
+  const auto state = page.in("page.state");
   page.add(
       "<!DOCTYPE html>\n<html lang=\"{}\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}: {}</title>\n"
@@ -260,7 +258,7 @@ std::string state_page(const StatePage& of, Language language) {
       code_of(language), escaped(of.name), escaped(sight_text(diagnosis.sight, language)));
   page.add("<header>\n<h1>{} <span>{}</span></h1>\n</header>\n<main>\n", escaped(of.name), state);
   page.add("<section class=\"now {}\" aria-labelledby=\"seen\">\n<h2 id=\"seen\">{}</h2>\n<p class=\"sight\">{}</p>\n",
-           is_well(diagnosis.sight) ? "well" : "ill", page.in(kWords.seen),
+           is_well(diagnosis.sight) ? "well" : "ill", page.in("figure.seen"),
            escaped(sight_text(diagnosis.sight, language)));
   // Why, before anything else is read.
   if (!diagnosis.symptoms.empty() && !is_well(diagnosis.sight)) {
@@ -271,16 +269,16 @@ std::string state_page(const StatePage& of, Language language) {
     if (!first.detail.empty()) page.add("<q lang=\"en\">{}</q>", escaped(detail_text(first, language)));
     page.add("</p>\n");
   }
-  page.add("<p>{} {} <a class=\"again\" href=\"./?language={}\">{}</a></p>\n</section>\n", page.in(kWords.as_of),
-           wall_stamp(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in(kWords.refresh));
+  page.add("<p>{} {} <a class=\"again\" href=\"./?language={}\">{}</a></p>\n</section>\n", page.in("page.as_of"),
+           wall_stamp(std::chrono::floor<minutes>(of.now), of.wall), code_of(language), page.in("page.refresh"));
   if (of.screen) write_screen(of, page);
   write_symptoms(diagnosis, page);
   if (of.heard.status) write_figures(*of.heard.status, of.pull, of.wall, page);
   write_day(of, page);
-  page.add("</main>\n<footer>\n<nav aria-label=\"{}\">\n<ul>\n", page.in(kWords.language));
-  for (const Language other : kLanguages)
+  page.add("</main>\n<footer>\n<nav aria-label=\"{}\">\n<ul>\n", page.in("page.language"));
+  for (const Language other : all_languages())
     page.add("<li><a href=\"./?language={0}\" lang=\"{0}\" hreflang=\"{0}\"{1}>{2}</a></li>\n", code_of(other),
-             other == language ? " aria-current=\"true\"" : "", kNames[static_cast<std::size_t>(other)]);
+             other == language ? " aria-current=\"true\"" : "", name_of(other));
   page.add("</ul>\n</nav>\n</footer>\n</body>\n</html>\n");
   return page.html();
 }

@@ -63,7 +63,7 @@ void try_status(std::string_view text) {
     heard.contact = Contact::unreadable;
     heard.why = status.error().message;
   }
-  const auto language = kLanguages[text.size() % std::size(kLanguages)];
+  const auto language = all_languages()[text.size() % all_languages().size()];
   expect_page(state_page(page_of(heard, {}), language));
   expect(!state_text(heard, language).empty());
   const auto metrics = metrics_text(heard, DiskFigures{1e9, 1e10}, {});

@@ -1,8 +1,10 @@
 // What visitors see and what is wrong, in every language.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <set>
 
+#include "base/words/texts.hpp"
 #include "report/show.hpp"
 #include "report/status/symptom_words.hpp"
 #include "tests/report/told.hpp"
@@ -108,7 +110,7 @@ TEST(Diagnoses, ContentThatAReloadRefusesAgainIsToldOnceAndAsItIsNow) {
   const auto symptoms = diagnose(heard_of(status)).symptoms;
   ASSERT_EQ(symptoms.size(), 1U);
   EXPECT_EQ(symptoms[0].ill, Ill::content_refused);
-  EXPECT_EQ(detail_text(symptoms[0], Language::japanese), "as it is");
+  EXPECT_EQ(detail_text(symptoms[0], *parse_language("ja")), "as it is");
 }
 
 TEST(Diagnoses, ClosedIsNoFault) {
@@ -133,7 +135,12 @@ TEST(Diagnoses, AbsenceAndSilenceAreFaultsOfTheirOwn) {
 }
 
 TEST(Diagnoses, AreWordedInEveryLanguageAndNoTwoAlike) {
-  for (const Language language : kLanguages) {
+  const auto entries = [](std::string_view section) {
+    return std::ranges::count_if(text_keys(), [&](std::string_view key) { return key.starts_with(section); });
+  };
+  EXPECT_EQ(entries("sight."), std::ssize(kAllSights)) << "every entry is used";
+  EXPECT_EQ(entries("symptom."), 2 * std::ssize(kAllIlls)) << "every entry is used";
+  for (const Language language : all_languages()) {
     std::set<std::string_view> said;
     for (const Ill ill : kAllIlls) {
       const auto words = symptom_words(ill, language);
@@ -148,7 +155,7 @@ TEST(Diagnoses, AreWordedInEveryLanguageAndNoTwoAlike) {
 }
 
 TEST(Diagnoses, ThePersonAtATerminalReadsWhatToDo) {
-  const auto text = state_text({Contact::absent, std::nullopt, {}, {}}, Language::german);
+  const auto text = state_text({Contact::absent, std::nullopt, {}, {}}, *parse_language("de"));
   EXPECT_THAT(text, HasSubstr("Das Programm der Station läuft nicht."));
   EXPECT_THAT(text, HasSubstr("systemctl status kasumi"));
 }

@@ -176,7 +176,7 @@ TEST(MailText, IsAMailInEveryLanguage) {
   options.to = {"me@example.org", "you@example.org"};
   options.from = "hill@example.org";
   const auto folder = report_folder("mail-text");
-  for (const Language language : kLanguages) {
+  for (const Language language : all_languages()) {
     const auto text = mail_text(every_trouble(), options, "Hügel\r\nBcc: x@y.z\r\n\r\n日本", language, 15min);
     ASSERT_TRUE(write_text_file(folder / "mail", text));
     const auto read =

@@ -37,7 +37,7 @@ TEST(MqttMessages, SayWhatVisitorsSeeAndWhatIsWrong) {
   EXPECT_EQ(well["turbidity"], 2.41);
   EXPECT_EQ(well["visibility_m"], 32000.0);
   EXPECT_EQ(well["temperature_celsius"], 51.5);
-  const auto lost = json_of(mqtt_state(heard_of(kLostStatus), Language::german));
+  const auto lost = json_of(mqtt_state(heard_of(kLostStatus), *parse_language("de")));
   EXPECT_EQ(lost["well"], false);
   EXPECT_EQ(lost["scene_camera"], false);
   EXPECT_EQ(lost["symptoms"][0], "scene-lost");
@@ -52,13 +52,13 @@ TEST(MqttMessages, SayWhatVisitorsSeeAndWhatIsWrong) {
 // Whatever a hostile status holds is text within JSON.
 TEST(MqttMessages, AreJsonWhateverTheKioskSays) {
   const auto hostile = changed(kLostStatus, "\"cause\": \"\"", R"("cause": "\"}, {{ x }}\u0000\ud83d\ude00")");
-  EXPECT_TRUE(nlohmann::json::accept(mqtt_state(heard_of(hostile), Language::japanese)));
+  EXPECT_TRUE(nlohmann::json::accept(mqtt_state(heard_of(hostile), *parse_language("ja"))));
 }
 
 TEST(MqttMessages, HomeAssistantIsToldOfEntitiesThatAreInTheState) {
   const auto state = json_of(mqtt_state(heard_of(kGoodStatus), Language::english));
   std::set<std::string> ids, topics;
-  for (const auto& [topic, payload] : discovery_messages("ha", "kasumi/the hill", "Hill", Language::french)) {
+  for (const auto& [topic, payload] : discovery_messages("ha", "kasumi/the hill", "Hill", *parse_language("fr"))) {
     const auto entity = json_of(payload);
     ASSERT_TRUE(entity.is_object()) << payload;
     EXPECT_THAT(topic, testing::MatchesRegex("ha/(binary_)?sensor/kasumi_the_hill/[a-z0-9_]+/config"));
