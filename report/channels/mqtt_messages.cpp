@@ -1,9 +1,8 @@
 #include "report/channels/mqtt_messages.hpp"
 
-#include <optional>
-
 #include <nlohmann/json.hpp>
 
+#include "base/words/status_figures.hpp"
 #include "base/words/texts.hpp"
 #include "report/status/diagnosis.hpp"
 #include "report/status/symptom_words.hpp"
@@ -15,11 +14,6 @@ namespace {
 using Message = nlohmann::ordered_json;
 
 constexpr std::size_t kMostTopicBytes = 128;
-
-template <class T>
-Message or_null(const std::optional<T>& value) {
-  return value ? Message(*value) : Message();
-}
 
 std::string text_of(const Message& message) {
   return message.dump(-1, ' ', false, Message::error_handler_t::replace);
@@ -43,18 +37,22 @@ struct Entity {
   bool diagnostic = true;  // for who looks after it
 };
 
-const Entity kEntities[] = {
-    {"binary_sensor", "well", "figure.picture", "problem", "", false},
-    {"sensor", "seen", "figure.seen", "", "", false},
-    {"sensor", "wrong", "figure.wrong", "", "", false},
-    {"sensor", "turbidity", "figure.turbidity", "", "1", false},
-    {"sensor", "aod_550", "figure.aod", "", "1", false},
-    {"sensor", "visibility_m", "figure.visibility", "distance", "m", false},
-    {"binary_sensor", "scene_camera", "figure.scene", "connectivity", ""},
-    {"binary_sensor", "sky_camera", "figure.sky", "connectivity", ""},
-    {"sensor", "latency_ms", "figure.latency", "duration", "ms"},
-    {"sensor", "temperature_celsius", "figure.temperature", "temperature", "°C"},
-};
+void add_figures(bool machine, std::vector<Entity>& entities) {
+  for (const auto& figure : kStatusFigures)
+    if (const auto& shown = figure.shown; !shown.text.empty() && shown.machine == machine)
+      entities.push_back({"sensor", figure.mqtt, shown.text, shown.device_class, shown.unit, machine});
+}
+
+std::vector<Entity> all_entities() {
+  std::vector<Entity> entities{{"binary_sensor", "well", "figure.picture", "problem", "", false},
+                               {"sensor", "seen", "figure.seen", "", "", false},
+                               {"sensor", "wrong", "figure.wrong", "", "", false}};
+  add_figures(false, entities);
+  entities.push_back({"binary_sensor", "scene_camera", "figure.scene", "connectivity", ""});
+  entities.push_back({"binary_sensor", "sky_camera", "figure.sky", "connectivity", ""});
+  add_figures(true, entities);
+  return entities;
+}
 
 Message entity_message(const Entity& entity, const std::string& topic, const std::string& id, Language language) {
   const auto state = topic + std::string(kStateTopic);
@@ -106,23 +104,21 @@ std::string mqtt_state(const Heard& heard, Language language) {
   if (wrong.empty()) wrong = text_of("figure.nothing_wrong", language);
   const ToldStatus none;
   const auto& told = heard.status ? *heard.status : none;
-  const auto camera = [&](const ToldCamera& is) { return heard.status ? Message(is.up) : Message(); };
-  return text_of({{"sight", name_of(diagnosis.sight)},
-                  {"well", is_well(diagnosis.sight)},
-                  {"seen", sight_text(diagnosis.sight, language)},
-                  {"wrong", wrong},
-                  {"symptoms", symptoms},
-                  {"scene_camera", camera(told.scene_camera)},
-                  {"sky_camera", camera(told.sky_camera)},
-                  {"clock_trusted", or_null(told.clock_trusted)},
-                  {"turbidity", or_null(told.turbidity)},
-                  {"sigma_turbidity", or_null(told.sigma_turbidity)},
-                  {"aod_550", or_null(told.aod_550)},
-                  {"sigma_aod_550", or_null(told.sigma_aod_550)},
-                  {"air_age_s", or_null(told.air_age_s)},
-                  {"visibility_m", or_null(told.visibility_m)},
-                  {"latency_ms", or_null(told.latency_median_ms)},
-                  {"temperature_celsius", or_null(told.celsius)}});
+  const auto camera = [&](const ToldCamera& of) { return heard.status ? Message(of.values.is("up")) : Message(); };
+  Message state{{"sight", name_of(diagnosis.sight)},
+                {"well", is_well(diagnosis.sight)},
+                {"seen", sight_text(diagnosis.sight, language)},
+                {"wrong", wrong},
+                {"symptoms", symptoms},
+                {"scene_camera", camera(told.scene_camera)},
+                {"sky_camera", camera(told.sky_camera)}};
+  for (const auto& figure : kStatusFigures) {
+    if (figure.mqtt.empty()) continue;
+    Message& is = state[std::string(figure.mqtt)];
+    if (const auto value = told.values.of(figure.key))
+      is = figure.believed.kind == FigureKind::number ? Message(*value) : Message(*value == 1.0);
+  }
+  return text_of(state);
 }
 
 std::vector<MqttMessage> discovery_messages(const std::string& prefix, const std::string& topic,
@@ -130,7 +126,7 @@ std::vector<MqttMessage> discovery_messages(const std::string& prefix, const std
   const auto id = identifier(topic);
   const Message device{{"identifiers", {id}}, {"name", name}, {"manufacturer", "Kasumi"}};
   std::vector<MqttMessage> messages;
-  for (const auto& entity : kEntities) {
+  for (const auto& entity : all_entities()) {
     auto message = entity_message(entity, topic, id, language);
     message["device"] = device;
     messages.push_back({fmt::format("{}/{}/{}/{}/config", prefix, entity.component, id, entity.key), text_of(message)});

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "base/words/status_figures.hpp"
 #include "base/words/texts.hpp"
 #include "history/history_plot.hpp"
 #include "report/page/bitmap.hpp"
@@ -86,11 +87,14 @@ class Writer {
   std::string html_;
 };
 
-std::string with_sigma(const std::optional<double>& value, const std::optional<double>& sigma, int decimals) {
-  if (!value) return {};
-  auto text = fmt::format("{:.{}f}", *value, decimals);
-  if (sigma) text += fmt::format(" ± {:.{}f}", *sigma, decimals);
-  return text;
+void write_table(const ToldStatus& told, bool machine, Writer& page) {
+  for (const auto& figure : kStatusFigures) {
+    const auto& shown = figure.shown;
+    const auto value = told.values.of(figure.key), beside = told.values.of(shown.beside);
+    if (shown.text.empty() || shown.machine != machine || !value) continue;
+    const auto format = fmt::runtime(beside ? shown.page_both : shown.page);
+    page.figure(shown.text, fmt::format(format, *value / shown.page_unit, beside.value_or(0.0) / shown.page_unit));
+  }
 }
 
 void write_symptoms(const Diagnosis& diagnosis, Writer& page) {
@@ -134,25 +138,17 @@ void write_content(const ToldStatus& told, const std::optional<PullStatus>& pull
 void write_figures(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
   page.add("<section aria-labelledby=\"figures\">\n<h2 id=\"figures\">{}</h2>\n<dl>\n", page.in("page.figures"));
   const auto camera = [&](const ToldCamera& of) {
-    auto text = std::string(page.in(of.up ? "page.works" : "page.fails"));
-    if (of.up && of.width_px && of.height_px)
-      text += fmt::format(", {:.0f} × {:.0f} {}", *of.width_px, *of.height_px, of.format);
-    return of.up ? text : text + (of.cause.empty() ? "" : ": " + of.cause);
+    if (!of.values.is("up"))
+      return fmt::format("{}{}{}", page.in("page.fails"), of.cause.empty() ? "" : ": ", of.cause);
+    std::string text(page.in("page.works"));
+    const auto width = of.values["width"], height = of.values["height"];
+    if (width && height) text += fmt::format(", {:.0f} × {:.0f} {}", *width, *height, of.format);
+    return text;
   };
-  page.figure("figure.turbidity", with_sigma(told.turbidity, told.sigma_turbidity, 2));
-  page.figure("figure.aod", with_sigma(told.aod_550, told.sigma_aod_550, 3));
-  if (told.visibility_m)
-    page.figure(
-        "figure.visibility",
-        with_sigma(*told.visibility_m / 1000.0,
-                   told.sigma_visibility_m ? std::optional(*told.sigma_visibility_m / 1000.0) : std::nullopt, 0) +
-            " km");
+  write_table(told, false, page);
   page.figure("figure.scene", camera(told.scene_camera));
   page.figure("figure.sky", camera(told.sky_camera));
-  if (told.latency_median_ms)
-    page.figure("figure.latency",
-                fmt::format("{:.0f} ms; 95 %: {:.0f} ms", *told.latency_median_ms, told.latency_95_ms.value_or(0.0)));
-  if (told.celsius) page.figure("figure.temperature", fmt::format("{:.0f} °C", *told.celsius));
+  write_table(told, true, page);
   write_content(told, pull, wall, page);
   if (told.since) page.figure("page.running", wall_stamp(std::chrono::floor<minutes>(*told.since), wall));
   page.add("</dl>\n</section>\n");
@@ -217,7 +213,7 @@ void write_screen_reply(const ScreenReply& reply, minutes wall, Writer& page) {
 
 void write_screen(const StatePage& of, Writer& page) {
   const auto& told = of.heard.status;
-  const bool off = told && !told->screen_allowed.value_or(false);
+  const bool off = told && !told->values.is("screen_picture.allowed");
   page.add("<section aria-labelledby=\"screen\">\n<h2 id=\"screen\">{}</h2>\n", page.in("page.screen"));
   if (of.screen->reply)
     write_screen_reply(*of.screen->reply, of.wall, page);
@@ -228,8 +224,9 @@ void write_screen(const StatePage& of, Writer& page) {
         "<form method=\"post\" action=\"./screen?language={}&amp;key={}\">\n<button>{}</button>\n</form>\n"
         "<p class=\"detail\">{}</p>\n",
         code_of(page.language()), escaped(of.screen->key), page.in("page.screen_take"), page.in("page.screen_note"));
-  if (told && told->screen_pictures.value_or(0.0) > 0.0)
-    page.add("<p class=\"detail\">{}: {:.0f}</p>\n", page.in("page.screen_count"), *told->screen_pictures);
+  if (told && told->values["screen_picture.taken"].value_or(0.0) > 0.0)
+    page.add("<p class=\"detail\">{}: {:.0f}</p>\n", page.in("page.screen_count"),
+             *told->values["screen_picture.taken"]);
   page.add("</section>\n");
 }
 

@@ -9,15 +9,15 @@ namespace {
 
 // Then their being away is no fault of theirs.
 bool leaves_cameras_alone(const ToldStatus& told) {
-  return told.safe_mode || told.trouble == Trouble::content_refused;
+  return told.values.is("start.safe_mode") || told.trouble == Trouble::content_refused;
 }
 
 Sight sight_of(const ToldStatus& told) {
   if (!told.shown) return Sight::unknown;
   switch (*told.shown) {
-    case Shown::live: return told.building_drawn ? Sight::live : Sight::no_building;
+    case Shown::live: return told.values.is("building_drawn") ? Sight::live : Sight::no_building;
     case Shown::held: return Sight::held;
-    case Shown::degraded: return told.building_drawn ? Sight::earlier_air : Sight::no_building;
+    case Shown::degraded: return told.values.is("building_drawn") ? Sight::earlier_air : Sight::no_building;
     case Shown::still: return leaves_cameras_alone(told) ? Sight::out_of_order : Sight::still;
     case Shown::dark: return Sight::closed;
     case Shown::nothing: return Sight::nothing;
@@ -76,21 +76,22 @@ void add_drift(const ToldStatus& told, std::vector<Symptom>& symptoms) {
 
 // Pictures come, and none can be shown: neither a cable nor a wait would help.
 bool comes_in_another_size(const ToldCamera& camera) {
-  return !camera.up && camera.cause.find(" instead of ") != std::string::npos;
+  return !camera.values.is("up") && camera.cause.find(" instead of ") != std::string::npos;
 }
 
 // The picture's trouble is that none has come which could be drawn, and why is told by itself.
 bool is_explained_by_drawing(Trouble trouble, const ToldStatus& told) {
   const bool none_came = trouble == Trouble::starting || trouble == Trouble::scene_lost;
-  return none_came &&
-         (comes_in_another_size(told.scene_camera) || (told.scene_camera.up && !told.draw_refused.empty()));
+  return none_came && (comes_in_another_size(told.scene_camera) ||
+                       (told.scene_camera.values.is("up") && !told.draw_refused.empty()));
 }
 
 // A camera whose loop hangs is told to be gone, and that it hangs.
 std::vector<std::string> other_hung_loops(const ToldStatus& told) {
   auto loops = told.hung_loops;
   std::erase_if(loops, [&](const std::string& loop) {
-    return (loop == "scene" && !told.scene_camera.up) || (loop == "sky" && !told.sky_camera.up);
+    return (loop == "scene" && !told.scene_camera.values.is("up")) ||
+           (loop == "sky" && !told.sky_camera.values.is("up"));
   });
   return loops;
 }
@@ -111,24 +112,28 @@ std::vector<Symptom> symptoms_of(const ToldStatus& told) {
   if (told.trouble && !is_explained_by_drawing(*told.trouble, told))
     if (const auto ill = ill_of(*told.trouble)) add(true, *ill, detail_of(*ill, told));
   const bool by_night = told.shown == Shown::dark;
-  add(told.safe_mode, Ill::safe_mode, joined(told.start_why));
+  add(told.values.is("start.safe_mode"), Ill::safe_mode, joined(told.start_why));
   // One that is not there yet is told as `starting`.
   const bool alone = leaves_cameras_alone(told);
   add(!told.draw_refused.empty(), Ill::cannot_draw, told.draw_refused);
   add(comes_in_another_size(told.scene_camera) && !alone, Ill::cannot_draw, told.scene_camera.cause);
-  add(!told.scene_camera.up && !alone && told.trouble != Trouble::starting && !comes_in_another_size(told.scene_camera),
+  add(!told.scene_camera.values.is("up") && !alone && told.trouble != Trouble::starting &&
+          !comes_in_another_size(told.scene_camera),
       Ill::scene_lost, told.scene_camera.cause);
-  add(!told.display_up && !by_night && !told.safe_mode, Ill::no_display, told.display_cause);
+  add(!told.values.is("display.up") && !by_night && !told.values.is("start.safe_mode"), Ill::no_display,
+      told.display_cause);
   const auto hung = other_hung_loops(told);
   add(!hung.empty(), Ill::hung, joined(hung));
-  add(!told.sky_camera.up && !alone && told.trouble != Trouble::starting, Ill::sky_lost, told.sky_camera.cause);
-  add(told.clock_trusted == false && !alone, Ill::clock_unset, {});
-  add(told.pictures_share.value_or(1.0) < 1.0 || told.throttled, Ill::hot,
-      told.celsius ? fmt::format("{:.0f} °C", *told.celsius) : std::string());
+  add(!told.sky_camera.values.is("up") && !alone && told.trouble != Trouble::starting, Ill::sky_lost,
+      told.sky_camera.cause);
+  add(told.values.is_not("clock_trusted") && !alone, Ill::clock_unset, {});
+  add(told.values["heat.pictures_share"].value_or(1.0) < 1.0 || told.values.is("heat.throttled"), Ill::hot,
+      told.values["heat.celsius"] ? fmt::format("{:.0f} °C", *told.values["heat.celsius"]) : std::string());
   // Without the sun's place, or the sky camera, nobody can see the air: they are what is wrong.
-  add(told.air_supposed.value_or(false) && told.sky_camera.up && told.clock_trusted != false, Ill::air_supposed,
-      told.sky_reason);
-  add(told.observers_disagree && told.clock_trusted != false, Ill::observers_disagree, told.visibility_words);
+  add(told.values.is("air.supposed") && told.sky_camera.values.is("up") && !told.values.is_not("clock_trusted"),
+      Ill::air_supposed, told.sky_reason);
+  add(told.values.is("visibility.finding") && !told.values.is_not("clock_trusted"), Ill::observers_disagree,
+      told.visibility_words);
   add_drift(told, symptoms);
   if (!refused_again) add_list(Ill::reload_refused, told.reload_problems);
   std::ranges::stable_sort(symptoms, [](const Symptom& a, const Symptom& b) {

@@ -14,9 +14,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kMostCounted = 9007199254740992.0;  // 2^53: counts beyond are not exact
-constexpr double kLongest_s = 1e9;                   // 30 years
-
 // One line of at most kMostTextBytes whole characters.
 std::string plain(const std::string& text) {
   auto end = std::min(text.size(), kMostTextBytes);
@@ -32,47 +29,58 @@ class Part {
  public:
   explicit Part(const Json& json) : json_(json) {}
 
-  Part part(const char* key) const {
+  Part part(std::string_view key) const {
     static const Json kNothing = Json::object();
     const auto* found = find(key);
     return Part(found && found->is_object() ? *found : kNothing);
   }
-  std::optional<double> number(const char* key, double lowest, double highest) const {
+  std::optional<double> number(std::string_view key, const Believed& believed) const {
     const auto* found = find(key);
     if (!found || !found->is_number()) return std::nullopt;
     const double value = found->get<double>();
-    if (!std::isfinite(value) || value < lowest || value > highest) return std::nullopt;
+    if (!std::isfinite(value) || value < believed.lowest || value > believed.highest) return std::nullopt;
     return value;
   }
-  std::optional<double> count(const char* key) const { return number(key, 0.0, kMostCounted); }
-  std::optional<double> seconds(const char* key) const { return number(key, 0.0, kLongest_s); }
-  std::optional<bool> flag(const char* key) const {
+  std::optional<double> seconds(std::string_view key) const { return number(key, kSeconds); }
+  std::optional<bool> flag(std::string_view key) const {
     const auto* found = find(key);
     return found && found->is_boolean() ? std::optional(found->get<bool>()) : std::nullopt;
   }
-  bool is(const char* key) const { return flag(key).value_or(false); }
-  std::string text(const char* key) const {
+  bool is(std::string_view key) const { return flag(key).value_or(false); }
+  std::string text(std::string_view key) const {
     const auto* found = find(key);
     return found && found->is_string() ? plain(found->get_ref<const std::string&>()) : std::string();
   }
-  std::vector<std::string> texts(const char* key) const {
+  std::vector<std::string> texts(std::string_view key) const {
     std::vector<std::string> lines;
     for_each(key, [&](const Json& entry) {
       if (entry.is_string()) lines.push_back(plain(entry.get_ref<const std::string&>()));
     });
     return lines;
   }
-  double sum(const char* key) const {
+  double sum(std::string_view key, const Believed& believed) const {
     double total = 0.0;
     const auto* found = find(key);
     if (!found || !found->is_object()) return total;
     for (const auto& [name, value] : found->items())
-      if (value.is_number()) total += std::clamp(value.get<double>(), 0.0, kMostCounted);
+      if (value.is_number()) total += std::clamp(value.get<double>(), believed.lowest, believed.highest);
     return std::isfinite(total) ? total : 0.0;
+  }
+  // "heat.celsius"
+  std::optional<double> figure(std::string_view key, const Believed& believed) const {
+    if (const auto dot = key.find('.'); dot != std::string_view::npos)
+      return part(key.substr(0, dot)).figure(key.substr(dot + 1), believed);
+    switch (believed.kind) {
+      case FigureKind::number: return number(key, believed);
+      case FigureKind::flag: return flag(key);
+      case FigureKind::is_so: return is(key) ? 1.0 : 0.0;
+      case FigureKind::sum: return sum(key, believed);
+    }
+    return std::nullopt;
   }
   // The first entries of a list.
   template <class Do>
-  void for_each(const char* key, Do act) const {
+  void for_each(std::string_view key, Do act) const {
     const auto* found = find(key);
     if (!found || !found->is_array()) return;
     for (std::size_t i = 0; i < std::min(found->size(), kMostListed); ++i) act((*found)[i]);
@@ -80,7 +88,7 @@ class Part {
   const Json& json() const { return json_; }
 
  private:
-  const Json* find(const char* key) const {
+  const Json* find(std::string_view key) const {
     if (!json_.is_object()) return nullptr;
     const auto found = json_.find(key);
     return found == json_.end() ? nullptr : &*found;
@@ -88,45 +96,32 @@ class Part {
   const Json& json_;
 };
 
+template <const auto& kFigures>
+void read_figures(const Part& part, BelievedFigures<kFigures>& values) {
+  for (std::size_t i = 0; i < std::size(kFigures); ++i) {
+    const StatusFigure& figure = kFigures[i];
+    values.at(i) = part.figure(figure.key, figure.believed);
+    if (!values.at(i) && !figure.otherwise.empty()) values.at(i) = part.figure(figure.otherwise, figure.believed);
+  }
+}
+
 ToldCamera told_camera(const Part& part) {
   ToldCamera camera;
-  camera.up = part.is("up");
+  read_figures(part, camera.values);
   camera.cause = part.text("cause");
   camera.condition = part.text("condition");
   camera.format = part.text("format");
-  camera.down_s = part.seconds("down_s");
-  camera.last_good_age_s = part.seconds("last_good_age_s");
-  camera.good_frames = part.count("good_frames");
-  camera.sequence_gaps = part.count("sequence_gaps");
-  camera.width_px = part.number("width", 1.0, 65536.0);
-  camera.height_px = part.number("height", 1.0, 65536.0);
-  camera.frames_per_second = part.part("mode").number("frames_per_second", 0.0, 10000.0);
-  camera.bad_frames = part.sum("bad_frames");
-  camera.reopened = part.sum("reopened");
   return camera;
 }
 
 void tell_air(const Part& root, ToldStatus& told) {
-  const Part air = root.part("air");
-  told.turbidity = root.number("turbidity", 0.0, 1000.0);
-  told.sigma_turbidity = root.number("sigma", 0.0, 1000.0);
-  told.turbidity_age_s = root.seconds("turbidity_age_s");
-  told.aod_550 = root.number("aod_550", 0.0, 100.0);
-  told.sigma_aod_550 = air.number("sigma_aod_550", 0.0, 100.0);
-  told.angstrom_exponent = root.number("angstrom_exponent", -10.0, 10.0);
   told.aerosol = root.text("aerosol");
-  told.air_text = air.text("text");
-  told.air_supposed = air.flag("supposed");
-  told.air_age_s = air.seconds("age_s");
-  if (!told.air_age_s) told.air_age_s = told.turbidity_age_s;
+  told.air_text = root.part("air").text("text");
   told.sky = root.text("sky");
   told.sky_reason = root.text("sky_reason");
   const Part visibility = root.part("visibility");
-  told.visibility_m = visibility.number("visibility_m", 0.0, 1e7);
-  told.sigma_visibility_m = visibility.number("sigma_m", 0.0, 1e7);
   told.visibility_bound = visibility.text("bound");
   told.visibility_words = visibility.text("words");
-  told.observers_disagree = visibility.is("finding");
 }
 
 void tell_content(const Part& root, ToldStatus& told) {
@@ -138,8 +133,6 @@ void tell_content(const Part& root, ToldStatus& told) {
   const Part arrived = content.part("arrived");
   told.arrived = parse_utc(arrived.text("utc"));
   told.arrived_words = arrived.text("words");
-  told.safe_mode = start.is("safe_mode");
-  told.failed_boots = start.count("failed_boots");
   told.start_why = start.texts("why");
   told.check_utc = check.text("utc");
   told.check_summary = check.text("summary");
@@ -151,14 +144,8 @@ void tell_content(const Part& root, ToldStatus& told) {
 }
 
 void tell_machine(const Part& root, ToldStatus& told) {
-  const Part display = root.part("display"), heat = root.part("heat"), loops = root.part("loops");
-  told.display_up = display.is("up");
-  told.display_cause = display.text("cause");
-  told.flip_timeouts = display.count("flip_timeouts");
-  told.display_resets = display.count("resets");
-  told.pictures_share = heat.number("pictures_share", 0.0, 1.0);
-  told.celsius = heat.number("celsius", -100.0, 300.0);
-  told.throttled = heat.is("throttled");
+  const Part loops = root.part("loops");
+  told.display_cause = root.part("display").text("cause");
   for (const auto& [name, loop] : loops.json().items()) {
     const Part life(loop);
     if (life.is("up") || !life.seconds("silent_s") || told.hung_loops.size() == kMostListed) continue;
@@ -177,6 +164,7 @@ Result<ToldStatus> parse_status(std::string_view text) {
   if (!json.is_object()) return fail(FaultKind::bad_input, "the status is no JSON object");
   const Part root(json);
   ToldStatus told;
+  read_figures(root, told.values);
   told.shown = shown_named(root.text("shown"));
   told.reason = root.text("reason");
   told.trouble = trouble_named(told.reason);
@@ -185,22 +173,10 @@ Result<ToldStatus> parse_status(std::string_view text) {
   tell_air(root, told);
   tell_content(root, told);
   tell_machine(root, told);
-  const Part screen = root.part("screen_picture");
-  told.screen_allowed = screen.flag("allowed");
-  told.screen_pictures = screen.count("taken");
-  told.clock_trusted = root.flag("clock_trusted");
-  told.building_drawn = root.is("building_drawn");
   told.draw_refused = root.text("draw_refused");
-  const Part latency = root.part("latency_ms_last_minute");
-  told.latency_median_ms = latency.number("median", 0.0, 1e6);
-  told.latency_95_ms = latency.number("p95", 0.0, 1e6);
-  told.pictures = root.count("pictures");
-  told.frames_dropped = root.count("frames_dropped");
   told.utc = parse_utc(root.text("utc"));
   told.since = parse_utc(root.text("since_utc"));
   told.boot = root.text("boot");
-  told.since_boot_s = root.seconds("since_boot_s");
-  told.pid = root.number("pid", 1.0, 4194304.0);
   return told;
 }
 

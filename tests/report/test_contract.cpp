@@ -1,6 +1,10 @@
 // The appliance writes, the reporter reads: that both mean the same, and that the reporter misses nothing it needs.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/appliance/status.hpp"
 #include "report/status/diagnosis.hpp"
@@ -77,20 +81,48 @@ TEST(ReportContract, WhatIsMeasuredArrives) {
   status.instead->refused = {"model: no such file"};
   const auto seen = told(status);
   EXPECT_EQ(seen.scene_camera.cause, "unplugged");
-  EXPECT_EQ(seen.scene_camera.down_s, 90.0);
-  EXPECT_EQ(seen.scene_camera.bad_frames, 3.0);
-  EXPECT_EQ(seen.scene_camera.reopened, 2.0);
-  EXPECT_EQ(seen.latency_median_ms, 61.0);
-  EXPECT_EQ(seen.celsius, 88.0);
-  EXPECT_EQ(seen.pictures_share, 0.5);
-  EXPECT_EQ(seen.screen_allowed, true);
-  EXPECT_EQ(seen.screen_pictures, 3.0);
+  EXPECT_EQ(seen.scene_camera.values["down_s"], 90.0);
+  EXPECT_EQ(seen.scene_camera.values["bad_frames"], 3.0);
+  EXPECT_EQ(seen.scene_camera.values["reopened"], 2.0);
+  EXPECT_EQ(seen.values["latency_ms_last_minute.median"], 61.0);
+  EXPECT_EQ(seen.values["heat.celsius"], 88.0);
+  EXPECT_EQ(seen.values["heat.pictures_share"], 0.5);
+  EXPECT_TRUE(seen.values.is("screen_picture.allowed"));
+  EXPECT_EQ(seen.values["screen_picture.taken"], 3.0);
   EXPECT_THAT(seen.hung_loops, testing::ElementsAre("sky"));
   EXPECT_THAT(seen.refused, testing::ElementsAre("model: no such file"));
   EXPECT_EQ(seen.since, status.since);
   std::vector<Ill> ills;
   for (const auto& symptom : diagnosis_of(status).symptoms) ills.push_back(symptom.ill);
   EXPECT_THAT(ills, testing::ElementsAre(Ill::scene_lost, Ill::content_refused, Ill::hung, Ill::hot));
+}
+
+// Of a status in which every part is known.
+TEST(ReportContract, EveryFigureOfTheTableIsWrittenAndBelieved) {
+  auto status = some_status();
+  status.scene_camera.health.width = status.scene_camera.health.height = 480;
+  status.scene_camera.health.last_good = status.now;
+  status.scene_camera.health.mode.emplace();
+  status.sky.report.tracked.emplace();
+  status.sky.report.air.emplace().aerosol.emplace();
+  status.sky.report.state.emplace();
+  status.visibility.at = status.utc;
+  status.render.latency_minute = LatencySummary{.median_ms = 61.0, .p95_ms = 80.0, .max_ms = 99.0, .pictures = 1500};
+  status.heat.zone = ThermalZone{.name = "cpu", .celsius = 88.0};
+  status.start.emplace();
+  const auto json = nlohmann::json::parse(status_json(status));
+  const auto seen = told(status);
+  const auto written = [&](std::string key) -> nlohmann::json {
+    std::ranges::replace(key, '.', '/');
+    const nlohmann::json::json_pointer path("/" + key);
+    EXPECT_TRUE(json.contains(path)) << key;
+    return json.contains(path) ? json.at(path) : nlohmann::json();
+  };
+  for (const auto& figure : kStatusFigures)
+    EXPECT_EQ(written(std::string(figure.key)).is_null(), !seen.values.of(figure.key)) << figure.key;
+  for (const auto& figure : kCameraFigures)
+    EXPECT_EQ(written(fmt::format("scene_camera.{}", figure.key)).is_null(), !seen.scene_camera.values.of(figure.key))
+        << figure.key;
 }
 
 }  // namespace
