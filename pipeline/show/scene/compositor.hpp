@@ -2,18 +2,14 @@
 #pragma once
 
 #include <future>
-#include <memory>
 #include <optional>
 #include <utility>
 
 #include "base/clock.hpp"
-#include "estimator/passers/passers.hpp"
 #include "gles/gl/context.hpp"
-#include "gles/gpu_model/model_chunks.hpp"
-#include "gles/object/renderer.hpp"
-#include "pipeline/show/scene/ground_watch.hpp"
-#include "pipeline/show/scene/layer_light.hpp"
-#include "pipeline/show/scene/scene_air.hpp"
+#include "pipeline/show/scene/building_layer.hpp"
+#include "pipeline/show/scene/frame_upload.hpp"
+#include "pipeline/show/scene/surroundings_watch.hpp"
 
 namespace kasumi {
 
@@ -22,7 +18,7 @@ struct BuildingLook {
   std::uint64_t layer = 0;  // as Compositor::layers_drawn() counts
   AirlightGrid measured;
   SensorNoise noise;
-  std::uint64_t passers = 0;  // in the picture, counted: another number is another outline; 0: nobody
+  std::uint64_t passers = 0;  // changes with the outline of those in the picture; 0: none
 };
 
 // Belongs to the thread of its GL context. When that context is lost, a new compositor with the same model
@@ -49,8 +45,8 @@ class Compositor {
   // the frame, which must be in a driver's buffer, is only taken. draw_again() draws it. Errors: as draw().
   Result<> take(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
   Result<> take_without_object(const DecodedPicture& picture);
-  const ExternalPicture& camera_buffer() const { return camera_buffer_; }  // of the frame taken last
-  std::optional<BuildingLook> look() const;                                // of the same; empty: it has no building
+  const ExternalPicture& camera_buffer() const { return frame_.camera_buffer(); }  // of the frame taken last
+  std::optional<BuildingLook> look() const;  // of the same; empty: it has no building
   PixelBox object_box() const { return renderer_.object_box(); }
   PixelBox drawn_box() const { return renderer_.drawn_box(); }
   bool has_matte() const { return renderer_.has_matte(); }
@@ -66,7 +62,7 @@ class Compositor {
   // Before the first frame: draws the building's layer under `sky` for pictures of that layout, in pieces between which
   // others may draw. The first frame then needs none of its own, unless the sky is another by then. Errors: device.
   Result<> begin_layer(const SkyReport& sky, PixelLayout layout);
-  Result<bool> continue_layer();  // true: it is drawn
+  Result<bool> continue_layer() { return layer_.go_on(renderer_); }  // true: it is drawn
   // Draws that layer over a grey picture, so that every program is compiled and what cannot be drawn is known; leaves no
   // trace in the air. Errors: device.
   Result<> rehearse(PixelLayout layout, const DrawTarget& target);
@@ -76,21 +72,21 @@ class Compositor {
   // horizon, and computes light and air of the layer. `clock` must outlive it.
   void go_live(const Clock& clock) { clock_ = &clock; }
   // To be answered; once for each.
-  std::optional<HorizonQuestion> take_question() { return std::exchange(question_, std::nullopt); }
-  std::optional<LayerQuestion> take_layer_question() { return std::exchange(layer_question_, std::nullopt); }
+  std::optional<HorizonQuestion> take_question() { return around_.take_question(); }
+  std::optional<LayerQuestion> take_layer_question() { return layer_.take_question(); }
   void adopt(const HorizonAnswer& answer);
-  void adopt(LayerAnswer answer);  // one to another question than the last is left
+  void adopt(LayerAnswer answer) { layer_.adopt(std::move(answer)); }  // one to another question than the last is left
 
   // Who passes before the building in the picture drawn or taken last; null: nobody is looked for.
-  const PassersLook* passers() const { return passers_ ? &passers_->last() : nullptr; }
+  const PassersLook* passers() const { return around_.passers(); }
   // What was learnt of the scene, for a compositor that follows this one. It is used where it looks at the same pixels.
-  std::optional<Passers> take_passers() { return std::exchange(passers_, std::nullopt); }
-  void adopt(std::optional<Passers> passers) { passers_ = std::move(passers); }
+  std::optional<Passers> take_passers() { return around_.take_passers(); }
+  void adopt(std::optional<Passers> passers) { around_.adopt(std::move(passers)); }
 
   const SceneAir& air() const { return air_; }
-  const GroundLook& ground() const { return ground_look_; }        // as seen last
+  const GroundLook& ground() const { return around_.ground(); }    // as seen last
   std::optional<CardsLook> cards() const { return air_.cards(); }  // empty: there are none
-  std::uint64_t layers_drawn() const { return layers_drawn_; }
+  std::uint64_t layers_drawn() const { return layer_.drawn(); }
   // How frames reached the GPU: copied, or read in the driver's buffers. Such a buffer stays in use until the next
   // frame is drawn and the display has replaced the picture (Display::show() holds it), or until draw_again(). The
   // GPU holds those it has seen until drop_camera_buffers().
@@ -102,101 +98,29 @@ class Compositor {
   Compositor(Renderer renderer, SceneAir air, const Installation& installation)
       : renderer_(std::move(renderer)),
         air_(std::move(air)),
+        frame_(installation.scene.width, installation.scene.height),
+        around_(installation),
         encoding_(installation.scene.yuv_encoding),
         quality_(installation.scene_quality),
         white_balance_(installation.scene.white_balance),
         width_(installation.scene.width),
-        height_(installation.scene.height),
-        people_in_front_(installation.people_in_front),
-        response_(installation.scene.response) {}
-  Result<> copy_lent();
-  Result<> lend(const DecodedPicture& picture);
+        height_(installation.scene.height) {}
   Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
-  Result<> keep_passers_in_front(const FrameMetadata& metadata, const DecodedPicture& picture);
-  Result<> pass_to_gpu(const DecodedPicture& picture);
-  std::future<HorizonAnswer> measure_horizon(const FrameMetadata& metadata, const DecodedPicture& picture,
-                                             const SkyReport& sky, const SceneConditions& now);
-  Result<> update_layer_at_once(const SceneConditions& now, const ObjectDetail& wanted);
-  Result<> update_layer_in_slices(const FrameMetadata& metadata, const SceneConditions& now,
-                                  const ObjectDetail& wanted);
-  Result<> begin_layer(const SceneConditions& now, ObjectAppearance appearance, const GroundLook& ground,
-                       const WithLayer& with = {});
-  ObjectAppearance lit_appearance(const SceneConditions& now) const;
-  void look_at_ground(const FrameMetadata& metadata, const DecodedPicture& picture, const SceneConditions& now);
-  Result<bool> continue_layer(const std::function<bool()>& time_is_left);
-  Result<> update_detail(const ObjectDetail& wanted);
   Result<> show(const DrawTarget& target);
 
   std::future<void> filters_;  // of the sky, on their way
   Renderer renderer_;
   SceneAir air_;
+  FrameUpload frame_;
+  BuildingLayer layer_;
+  SurroundingsWatch around_;
   YuvEncoding encoding_;
   ImageQuality quality_;
   glm::dvec3 white_balance_;
-  int width_, height_;  // of the camera's pictures
-  bool people_in_front_;
-  Response response_;
-  std::optional<Passers> passers_;
-  std::uint64_t outlines_ = 0, outline_ = 0;  // so far; the one shown, 0: nobody's
-  ObjectDetail detail_;
-  std::optional<SceneConditions> layer_;  // the air the cached layer was drawn under
-  struct UnfinishedLayer {
-    SceneConditions conditions;
-    ObjectDetail detail;
-    GroundLook ground;
-  };
-  GroundLook layer_ground_;                             // and the ground's light
-  std::shared_ptr<GroundWatch> ground_;                 // null: there is none to be seen, or no shadow on it
-  GroundLook ground_look_;                              // newest
-  std::shared_ptr<const ObjectAppearance> appearance_;  // of the layer begun last
-  std::optional<UnfinishedLayer> unfinished_layer_;
-  std::uint64_t layers_drawn_ = 0;
-  bool drawn_ = false;
-  const Clock* clock_ = nullptr;             // live; null: everything is done at once
-  std::optional<HorizonQuestion> question_;  // not yet taken
-  struct AskedLayer {
-    std::shared_ptr<const SceneAir> air;  // of the question
-    Instant at;                           // when its picture was captured
-  };
-  std::optional<AskedLayer> asked_layer_;        // not yet answered
-  std::optional<LayerQuestion> layer_question_;  // not yet taken
-  std::optional<LayerAnswer> layer_answer_;      // not yet begun
-  std::optional<DecodedPicture> lent_;           // the picture drawn or taken last, while it uses the driver's buffer
-  bool lent_to_gpu_ = false;                     // else only taken
-  ExternalPicture camera_buffer_;
+  int width_, height_;                    // of the camera's pictures
+  const Clock* clock_ = nullptr;          // live; null: everything is done at once
   SensorNoise noise_;                     // of the picture drawn last
   std::optional<AirlightGrid> measured_;  // of the picture drawn last; empty: it has no building
-};
-
-// What a compositor needs beside the installation and takes long to compute, made without GL.
-struct PreparedScene {
-  ModelChunks chunks;
-  Image<float> depth_m;                 // as depth_for_gles()
-  std::shared_ptr<GroundWatch> ground;  // null: there is none to be seen, or no shadow on it
-};
-PreparedScene prepare_scene(const Installation& installation, const Model& model);
-
-// Makes a compositor in pieces of some milliseconds, between which others may draw under the same context.
-class CompositorMaking {
- public:
-  // All references must outlive it; `prepared`: null: made here. Errors: as Compositor::create().
-  static Result<CompositorMaking> begin(GlContext& context, const Installation& installation, const Model& model,
-                                        std::shared_ptr<const PreparedScene> prepared, SceneAir air,
-                                        const RendererOptions& renderer = {});
-  // true: it is whole. Errors: as Compositor::create().
-  Result<bool> step();
-  Compositor take() { return std::move(made_); }
-
- private:
-  CompositorMaking(Compositor made, const Installation& installation, const Model& model,
-                   std::shared_ptr<const PreparedScene> prepared)
-      : made_(std::move(made)), installation_(&installation), model_(&model), prepared_(std::move(prepared)) {}
-  Result<> set_scene();
-
-  Compositor made_;
-  const Installation* installation_;
-  const Model* model_;
-  std::shared_ptr<const PreparedScene> prepared_;
 };
 
 }  // namespace kasumi

@@ -11,23 +11,29 @@
 
 namespace kasumi {
 
+// What a layer of the building is drawn under.
+struct LayerConditions {
+  SceneConditions scene;
+  ObjectDetail detail;
+  GroundLook ground;
+};
+
 // What whoever draws asks of whoever computes.
 struct LayerQuestion {
   std::shared_ptr<const SceneAir> air;  // of then; nobody else uses it until the answer
-  SceneConditions conditions;
-  ObjectDetail detail;  // of the layer
-  PixelBox box;         // where the object appears with it
+  LayerConditions under;
+  PixelBox box;  // where the object appears with that detail
   bool mirrors = false;
-  GroundLook ground;
 };
 struct LayerAnswer {
   std::shared_ptr<const SceneAir> air;  // of the question
-  SceneConditions conditions;
-  ObjectDetail detail;
+  LayerConditions under;
   ObjectAppearance appearance;
   std::shared_ptr<const SkySquares> sky;
-  GroundLook ground;
 };
 LayerAnswer answer(const LayerQuestion& question);
+
+// With the ground's light.
+ObjectAppearance appearance_under(const LayerConditions& under, const SceneAir& air, const PixelBox& box);
 
 }  // namespace kasumi

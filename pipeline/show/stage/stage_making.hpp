@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "gles/gl/offscreen.hpp"
+#include "pipeline/show/scene/compositor_making.hpp"
 #include "pipeline/show/stage/stage.hpp"
 
 namespace kasumi {

@@ -1,0 +1,60 @@
+// The building's layer: when it is drawn again, at once or in slices between the pictures.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "base/clock.hpp"
+#include "gles/object/renderer.hpp"
+#include "pipeline/show/scene/layer_light.hpp"
+
+namespace kasumi {
+
+// Belongs to the renderer that it is always given.
+class BuildingLayer {
+ public:
+  // Draws what is missing under these conditions. Errors: device.
+  Result<> update_at_once(Renderer& renderer, const SceneAir& air, const LayerConditions& now);
+  // The same in a few milliseconds of `clock`, while the old layer is shown; somebody else computes its light and air.
+  // One layer at a time: asked for, answered, drawn, and then the next that is due. Needs a layer. `captured_at`: of
+  // the picture. Errors: device.
+  Result<> update_in_slices(Renderer& renderer, const SceneAir& air, const LayerConditions& now, Instant captured_at,
+                            const Clock& clock);
+  std::optional<LayerQuestion> take_question() { return std::exchange(question_, std::nullopt); }
+  void adopt(LayerAnswer answer);  // one to another question than the last is left
+
+  // The pieces of update_at_once(). go_on(): true: it is drawn.
+  Result<> fit(Renderer& renderer, const ObjectDetail& wanted);
+  Result<> begin(Renderer& renderer, const LayerConditions& under, ObjectAppearance appearance,
+                 const WithLayer& with = {});
+  Result<bool> go_on(Renderer& renderer, const std::function<bool()>& time_is_left = {});
+
+  bool any() const { return layer_.has_value(); }
+  std::uint64_t drawn() const { return drawn_; }  // layers so far
+  const ObjectDetail& detail() const { return detail_; }
+  // Of the layer begun last; null: none was.
+  const std::shared_ptr<const ObjectAppearance>& appearance() const { return appearance_; }
+  // The same where it still holds, else that of now, the ground left out.
+  const std::shared_ptr<const ObjectAppearance>& appearance_at(const SceneConditions& now, const SceneAir& air,
+                                                               const PixelBox& box);
+
+ private:
+  bool is_as(const LayerConditions& now) const;
+
+  ObjectDetail detail_;                                 // of the renderer
+  std::optional<LayerConditions> layer_, unfinished_;   // what the cached layer was drawn under, and the next one is
+  std::shared_ptr<const ObjectAppearance> appearance_;  // of the layer begun last
+  std::uint64_t drawn_ = 0;
+  struct Asked {
+    std::shared_ptr<const SceneAir> air;  // of the question
+    Instant at;                           // when its picture was captured
+  };
+  std::optional<Asked> asked_;             // not yet answered
+  std::optional<LayerQuestion> question_;  // not yet taken
+  std::optional<LayerAnswer> answer_;      // not yet begun
+};
+
+}  // namespace kasumi
