@@ -19,7 +19,6 @@ constexpr Duration kPollInterval = 100ms;   // for everything that is cheap to c
 constexpr Duration kRefreshInterval = 1s;   // an unchanged picture is shown again: it proves that the loop is alive
 constexpr Duration kContentMessage = 2min;  // that earlier content is shown
 constexpr Duration kFadeStep = 33ms;
-constexpr Duration kRenderStatusInterval = 500ms;
 constexpr Duration kSkySilence = 2s;    // the sky's loop usually tells its news once a second
 constexpr Duration kHangRestart = 60s;  // a camera's loop hangs for so long: restart
 // For a coming stage, after each look for a picture: as long as the picture took, within these bounds. One that took
@@ -56,13 +55,6 @@ std::optional<Message> message_of(Trouble trouble) {
   return std::nullopt;
 }
 
-// What is drawn over the scene, so that planes alone cannot show it; empty: nothing is.
-std::string lies_over(const Composition& composition) {
-  if (composition.rung.dark > 0.0) return "the screen is dark";
-  if (composition.rung.still > 0.0) return "the still picture is shown";
-  return composition.message.empty() ? "" : "words are shown";
-}
-
 bool is_fading(const Rung& rung) {
   const auto between = [](double opacity) { return opacity > 0.0 && opacity < 1.0; };
   return between(rung.still) || between(rung.dark);
@@ -78,9 +70,9 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       ladder_(content_->config.ladder),
       screen_(content_, devices, clock, watchdog_, status_.display),
       started_(clock.now()),
+      report_(mailboxes, clock.now()),
       snapshots_(mailboxes.snapshot),
       shown_at_(clock.now()),
-      minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
               &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.television.pulse, &mailboxes.status->pulse,
               &mailboxes.reload.pulse}) {
@@ -193,7 +185,7 @@ void RenderLoop::read_mailbox() {
   if (auto camera = mailboxes_.render.scene_camera.take()) {
     if (camera->outages != camera_.outages) {
       shown_.reset();  // redraw at once, so that the driver's buffer is released
-      camera_gone_ = true;
+      screen_.lose_camera();
     }
     if (camera->frame_interval != camera_.frame_interval)
       ladder_.adopt(patient_with(content_->config.ladder, camera->frame_interval));
@@ -262,18 +254,10 @@ Composition RenderLoop::composition() const {
 
 // All but the picture itself.
 Snapshot RenderLoop::snapshot_facts() const {
-  Snapshot facts;
-  facts.shown = screen_.is_open() ? name_of(status_.rung.shown) : "nothing";
-  facts.reason =
-      screen_.is_open() ? std::string(name_of(status_.rung.trouble)) : "no display: " + status_.display.cause;
-  facts.utc = clock_.utc();
-  facts.building = is_building_seen();
-  if (!screen_.is_open()) return facts;
   auto texts = words();
   if (const auto& caption = content_->config.still.caption; status_.rung.still > 0.0 && !caption.empty())
     texts.insert(texts.begin(), caption);
-  facts.words = fmt::format("{}", fmt::join(texts, " / "));
-  return facts;
+  return snapshot_of(status_, is_building_seen(), texts, clock_.utc());
 }
 
 bool RenderLoop::is_building_seen() const {
@@ -306,7 +290,7 @@ void RenderLoop::handle_screen_fault(const Fault& fault) {
   answer(next_.lose());
   screen_.handle_fault(fault);
   status_.building_drawn = false;
-  latency_.forget_pending();
+  report_.latency().forget_pending();
 }
 
 // Asleep once the screen has faded to black; at the start not before it is known whether it is open.
@@ -348,23 +332,22 @@ void RenderLoop::present() {
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   const auto* newest = frame ? &*frame : nullptr;
   const auto holder = frame ? frame->holder : nullptr;
-  bool taken = false;  // the frame, without drawing it
-  const auto tried = try_planes(newest, **target, taken);
-  if (!tried) return handle_screen_fault(tried.error());
-  if (tried->outcome == PlaneMode::Outcome::left_out) {
-    shown_at_ = clock_.now();
-    return;
-  }
-  auto number = tried->outcome == PlaneMode::Outcome::shown ? Result<std::uint64_t>(tried->number)
-                                                            : compose(taken ? nullptr : newest, **target, holder);
+  const auto uploaded_before = screen_.stage().frames().uploaded;
+  const auto on_planes = try_planes(newest, **target);
+  if (!on_planes) return handle_screen_fault(on_planes.error());
+  auto number = Result<std::uint64_t>(on_planes->number);
+  if (on_planes->outcome == PlaneMode::Outcome::compose)
+    number = compose(on_planes->taken ? nullptr : newest, **target, holder);
   if (!number) return handle_screen_fault(number.error());
+  status_.uploads += screen_.stage().frames().uploaded - uploaded_before;
+  shown_at_ = clock_.now();
+  if (on_planes->outcome == PlaneMode::Outcome::left_out) return;
 
   snapshots_.told(clock_.now());
   status_.building_drawn = is_building_seen();
   status_.ground_known = screen_.stage().ground().known;
   status_.cards = screen_.stage().cards();
   ++status_.pictures;
-  shown_at_ = clock_.now();
   if (!frame) return;
   if (auto question = screen_.stage().take_question()) {
     mailboxes_.horizon.question.put(std::move(*question));
@@ -376,53 +359,22 @@ void RenderLoop::present() {
   }
   ++status_.scene_frames;
   layout_ = frame->picture.view().layout;
-  latency_.shown(*number, frame->metadata.captured_at);
-}
-
-// Why the next picture cannot go onto the display's planes; empty: it may. `frame`: null: the scene as it is.
-std::string RenderLoop::against_planes(const SceneFrame* frame) const {
-  const auto& planes = screen_.planes();
-  if (!content_->config.planes) return "turned off in the configuration";
-  if (planes.given_up()) return planes.state();
-  if (screen_.nothing_shown()) return "no picture yet";
-  if (content_->config.overlay) return "the overlay is shown";
-  if (auto over = lies_over(composition()); !over.empty()) return over;
-  if (camera_gone_) return "the scene camera is gone";
-  return frame || planes.is_on() ? "" : planes.state();
+  report_.latency().shown(*number, frame->metadata.captured_at);
 }
 
 // Errors: device, disconnected.
-Result<PlaneMode::Attempt> RenderLoop::try_planes(const SceneFrame* frame, const DrawTarget& target, bool& taken) {
-  if (auto why = against_planes(frame); !why.empty()) {
-    screen_.planes().compose(std::move(why));
-    return PlaneMode::Attempt{};
-  }
-  if (frame && !frame->picture.dma_buf()) {  // a camera that runs short of buffers copies some
-    const auto tried =
-        screen_.planes().leave_out("the camera's pictures do not lie in buffers that a display can read");
-    if (tried.outcome == PlaneMode::Outcome::left_out) good_picture_came();
-    return tried;
-  }
-  auto& stage = screen_.stage();
-  const auto uploaded_before = stage.frames().uploaded;
-  if (frame) {
-    if (auto took = stage.take_scene(*frame, sky_.report); !took) {
-      if (took.error().kind != FaultKind::bad_input) return fail(took.error());
-      screen_.planes().compose(took.error().message);
-      return PlaneMode::Attempt{};
-    }
-    taken = true;
-    good_picture_came();
-  }
-  if (snapshots_.is_due(clock_.now())) {  // as the GPU would compose it
-    if (auto drawn = stage.draw_scene(nullptr, sky_.report, target); !drawn) return fail(drawn.error());
-    if (auto read = snapshots_.take(snapshot_facts(), target, clock_.now()); !read) return fail(read.error());
-  }
-  const auto tried = frame ? screen_.show_on_planes(frame->holder) : screen_.show_planes_again();
-  status_.uploads += stage.frames().uploaded - uploaded_before;
-  if (!tried || tried->outcome != PlaneMode::Outcome::shown) return tried;
+Result<Screen::OnPlanes> RenderLoop::try_planes(const SceneFrame* frame, const DrawTarget& target) {
+  const auto tried = screen_.try_planes(frame, sky_.report, composition(), [&]() -> Result<> {
+    if (!snapshots_.is_due(clock_.now())) return {};
+    // As the GPU would compose it.
+    if (auto drawn = screen_.stage().draw_scene(nullptr, sky_.report, target); !drawn) return drawn;
+    return snapshots_.take(snapshot_facts(), target, clock_.now());
+  });
+  if (!tried) return tried;
+  if (frame && (tried->taken || tried->outcome == PlaneMode::Outcome::left_out)) good_picture_came();
+  if (tried->outcome != PlaneMode::Outcome::shown) return tried;
   update_rung();
-  if (lies_over(composition()).empty()) shown_ = composition();  // else it is due at once
+  if (auto now = composition(); now.over_scene().empty()) shown_ = std::move(now);  // else it is due at once
   return tried;
 }
 
@@ -444,11 +396,9 @@ void RenderLoop::good_picture_came() {
 // Errors: device.
 Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
   auto& stage = screen_.stage();
-  if (std::exchange(camera_gone_, false)) {
-    if (auto dropped = stage.drop_camera_buffers(); !dropped) return dropped;
-    ++status_.camera_buffers_dropped;
-  }
-  const auto uploaded_before = stage.frames().uploaded;
+  const auto dropped = screen_.drop_lost_buffers();
+  if (!dropped) return fail(dropped.error());
+  if (*dropped) ++status_.camera_buffers_dropped;
   auto drawn = stage.draw_scene(frame, sky_.report, target);
   if (drawn && frame) good_picture_came();
   if (!drawn && drawn.error().kind == FaultKind::bad_input) {
@@ -456,7 +406,6 @@ Result<> RenderLoop::draw(const SceneFrame* frame, const DrawTarget& target) {
     drawn = stage.draw_scene(nullptr, sky_.report, target);
   }
   if (!drawn) return drawn;
-  status_.uploads += stage.frames().uploaded - uploaded_before;
   update_rung();
   shown_ = composition();
   return stage.draw_over(*shown_, sky_.report, target);
@@ -472,7 +421,7 @@ void RenderLoop::refuse(const Fault& why) {
 void RenderLoop::record_flips() {
   if (!screen_.is_open()) return;
   for (const auto& flip : screen_.take_flips()) {
-    latency_.flipped(flip.number, flip.at);
+    report_.latency().flipped(flip.number, flip.at);
     watchdog_.picture_shown(clock_.now());
   }
 }
@@ -484,29 +433,19 @@ void RenderLoop::finish() {
   screen_.close();
   status_.rung.shown = Shown::nothing;
   status_.rung.trouble = screen_.refused().empty() ? Trouble::stopped : Trouble::starting;
-  published_at_.reset();
+  report_.hasten();
   publish();
 }
 
 void RenderLoop::publish() {
   const auto now = clock_.now();
-  if (published_at_ && now - *published_at_ < kRenderStatusInterval) return;
-  published_at_ = now;
-  status_.told = now;
-  status_.frames_dropped = mailboxes_.render.frames.dropped();
-  status_.latency = latency_.whole();
-  status_.display.planes = screen_.is_open() ? screen_.planes().state() : "";
+  if (!report_.is_due(now)) return;
+  screen_.report_planes();
   status_.passers.reset();
   if (const auto* look = screen_.is_open() ? screen_.stage().passers() : nullptr)
     status_.passers = PassersStatus{look->state, look->known_share, look->covered_share, look->until_watching};
   status_.page_pictures = snapshots_.page_pictures();
-  if (now - minute_began_ >= 1min) {
-    minute_began_ = now;
-    status_.latency_minute = latency_.take_minute();
-  }
-  mailboxes_.proving.scene_pictures = status_.scene_frames;
-  mailboxes_.proving.closed = status_.rung.shown == Shown::dark;
-  mailboxes_.status->render.put(status_);
+  report_.publish(status_, now);
 }
 
 }  // namespace kasumi

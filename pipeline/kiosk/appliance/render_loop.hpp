@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "pipeline/kiosk/appliance/next_stage.hpp"
+#include "pipeline/kiosk/appliance/render_report.hpp"
 #include "pipeline/kiosk/appliance/screen.hpp"
 #include "pipeline/kiosk/appliance/snapshot_desk.hpp"
-#include "pipeline/kiosk/appliance/status_mailbox.hpp"
 #include "pipeline/kiosk/loop/hang_watch.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
@@ -59,8 +59,7 @@ class RenderLoop {
   void tell_television();
   bool turn_off_if_closed();
   void present();
-  std::string against_planes(const SceneFrame* frame) const;
-  Result<PlaneMode::Attempt> try_planes(const SceneFrame* frame, const DrawTarget& target, bool& taken);
+  Result<Screen::OnPlanes> try_planes(const SceneFrame* frame, const DrawTarget& target);
   Result<std::uint64_t> compose(const SceneFrame* frame, const DrawTarget& target,
                                 std::shared_ptr<const void> until_replaced);
   void good_picture_came();
@@ -89,18 +88,15 @@ class RenderLoop {
   SkyStatus told_sky_, sky_;           // as it was told, and as it reads now
   std::optional<Instant> sky_as_of_;   // empty: nothing was told yet
   std::optional<SceneFrame> waiting_;  // not yet drawn
-  bool camera_gone_ = false;           // the GPU still holds its buffers
   std::optional<Instant> picture_at_;  // when the last good scene picture came
   std::optional<bool> television_on_;  // as it was last told to be
   int refused_in_a_row_ = 0;           // frames that could not be drawn
 
-  LatencyWatch latency_;
+  RenderReport report_;
   SnapshotDesk snapshots_;
   std::optional<Composition> shown_;
   Instant turned_;  // when the present step began
   Instant shown_at_;
-  std::optional<Instant> published_at_;
-  Instant minute_began_;
   HangWatch hangs_;  // the other loops
 };
 

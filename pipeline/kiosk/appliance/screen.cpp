@@ -157,6 +157,40 @@ Result<std::uint64_t> Screen::show(std::shared_ptr<const void> until_replaced) {
   return number;
 }
 
+// Why the next picture cannot go onto the display's planes; empty: it may.
+std::string Screen::against_planes(const SceneFrame* frame, const Composition& composition) const {
+  const auto& planes = open_->planes;
+  if (!content_->config.planes) return "turned off in the configuration";
+  if (planes.given_up()) return planes.state();
+  if (open_->dark) return "no picture yet";
+  if (content_->config.overlay) return "the overlay is shown";
+  if (auto over = composition.over_scene(); !over.empty()) return over;
+  if (camera_gone_) return "the scene camera is gone";
+  return frame || planes.is_on() ? "" : planes.state();
+}
+
+Result<Screen::OnPlanes> Screen::try_planes(const SceneFrame* frame, const SkyReport& sky,
+                                            const Composition& composition, const std::function<Result<>()>& before) {
+  auto& planes = open_->planes;
+  if (auto why = against_planes(frame, composition); !why.empty()) {
+    planes.compose(std::move(why));
+    return OnPlanes{};
+  }
+  if (frame && !frame->picture.dma_buf())  // a camera that runs short of buffers copies some
+    return OnPlanes{planes.leave_out("the camera's pictures do not lie in buffers that a display can read").outcome};
+  if (frame) {
+    if (auto took = open_->stage.take_scene(*frame, sky); !took) {
+      if (took.error().kind != FaultKind::bad_input) return fail(took.error());
+      planes.compose(took.error().message);
+      return OnPlanes{};
+    }
+  }
+  if (auto done = before(); !done) return fail(done.error());
+  const auto shown = frame ? show_on_planes(frame->holder) : planes.show_again(*open_->display);
+  if (!shown) return fail(shown.error());
+  return OnPlanes{shown->outcome, shown->number, frame != nullptr};
+}
+
 Result<PlaneMode::Attempt> Screen::show_on_planes(std::shared_ptr<const void> until_replaced) {
   auto& planes = open_->planes;
   auto picture = open_->stage.scene_for_planes(*open_->display, clock_.now());
@@ -164,6 +198,12 @@ Result<PlaneMode::Attempt> Screen::show_on_planes(std::shared_ptr<const void> un
   if (picture.error().kind != FaultKind::unsupported) return fail(picture.error());
   planes.give_up(picture.error().message);
   return PlaneMode::Attempt{};
+}
+
+Result<bool> Screen::drop_lost_buffers() {
+  if (!std::exchange(camera_gone_, false)) return false;
+  if (auto dropped = open_->stage.drop_camera_buffers(); !dropped) return fail(dropped.error());
+  return true;
 }
 
 std::vector<Flip> Screen::take_flips() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -49,11 +50,20 @@ class Screen {
   Result<std::optional<DrawTarget>> begin();
   // Errors: those of Display::show(), or device when the GL context is lost.
   Result<std::uint64_t> show(std::shared_ptr<const void> until_replaced);
-  // Without the GPU: the frame that the stage took last. Errors: those of show().
-  Result<PlaneMode::Attempt> show_on_planes(std::shared_ptr<const void> until_replaced);
-  Result<PlaneMode::Attempt> show_planes_again() { return open_->planes.show_again(*open_->display); }
-  PlaneMode& planes() { return open_->planes; }
-  const PlaneMode& planes() const { return open_->planes; }
+  // The scene without the GPU, where nothing lies over it: a new frame, which the stage takes, or (null) as it is.
+  // `before`: called once the stage has what is to be shown. Errors: device, disconnected.
+  struct OnPlanes {
+    PlaneMode::Outcome outcome = PlaneMode::Outcome::compose;
+    std::uint64_t number = 0;  // of the picture shown
+    bool taken = false;        // the frame
+  };
+  Result<OnPlanes> try_planes(const SceneFrame* frame, const SkyReport& sky, const Composition& composition,
+                              const std::function<Result<>()>& before);
+  // The camera's buffers must no longer be shown until they have been dropped.
+  void lose_camera() { camera_gone_ = true; }
+  // Gives buffers back that the GPU still holds of a camera that is gone; true: it did. Errors: device.
+  Result<bool> drop_lost_buffers();
+  void report_planes() { status_.planes = open_ ? open_->planes.state() : ""; }
   std::vector<Flip> take_flips();
   bool nothing_shown() const { return open_->dark; }
 
@@ -76,6 +86,8 @@ class Screen {
     bool stays_on = false;  // it cannot be turned off
   };
   bool open();
+  Result<PlaneMode::Attempt> show_on_planes(std::shared_ptr<const void> until_replaced);
+  std::string against_planes(const SceneFrame* frame, const Composition& composition) const;
   void show_refusal(std::unique_ptr<Display> display, std::string why);
   void await_refusal();
 
@@ -87,6 +99,7 @@ class Screen {
   std::unique_ptr<DisplayWatch> watch_;
 
   std::optional<Open> open_;
+  bool camera_gone_ = false;  // the GPU still holds its buffers
   struct Refused {
     std::string why;
     std::unique_ptr<Display> display;  // that shows no more than the still picture; null: not even that

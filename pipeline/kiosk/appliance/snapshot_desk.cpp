@@ -1,8 +1,20 @@
 #include "pipeline/kiosk/appliance/snapshot_desk.hpp"
 
+#include <fmt/format.h>
+
 #include "gles/gl/offscreen.hpp"
 
 namespace kasumi {
+
+Snapshot snapshot_of(const RenderStatus& status, bool building, const std::vector<std::string>& words, Utc utc) {
+  Snapshot facts;
+  facts.shown = status.display.up ? name_of(status.rung.shown) : "nothing";
+  facts.reason = status.display.up ? std::string(name_of(status.rung.trouble)) : "no display: " + status.display.cause;
+  facts.utc = utc;
+  facts.building = building;
+  if (status.display.up) facts.words = fmt::format("{}", fmt::join(words, " / "));
+  return facts;
+}
 
 void SnapshotDesk::request(SnapshotKind kind, const RunConfig& config, Instant now) {
   const bool refused = (kind == SnapshotKind::sharp && !config.snapshot.sharp) ||

@@ -3,11 +3,15 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gles/gl/target.hpp"
-#include "pipeline/kiosk/appliance/mailboxes.hpp"
+#include "pipeline/kiosk/appliance/status_mailbox.hpp"
 
 namespace kasumi {
+
+// A snapshot of what the glass shows, without its picture. `words`: a line each.
+Snapshot snapshot_of(const RenderStatus& status, bool building, const std::vector<std::string>& words, Utc utc);
 
 // A sharp picture may show people: the glass says so for some seconds first, and on the picture itself. Of one for the
 // state page it says so on the picture, and for some seconds after.

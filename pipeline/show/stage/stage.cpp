@@ -12,6 +12,12 @@ constexpr Rgba8 kBlack{0, 0, 0, 255};
 
 }  // namespace
 
+std::string Composition::over_scene() const {
+  if (rung.dark > 0.0) return "the screen is dark";
+  if (rung.still > 0.0) return "the still picture is shown";
+  return message.empty() ? "" : "words are shown";
+}
+
 Result<Stage> Stage::create(GlContext& context, ContentPtr content, std::optional<SceneAir> air) {
   auto making = StageMaking::begin(context, std::move(content), nullptr, std::move(air));
   if (!making) return fail(making.error());

@@ -18,7 +18,8 @@ namespace kasumi {
 // What one picture consists of, besides the scene.
 struct Composition {
   Rung rung;
-  std::string message;  // what is wrong, for visitors; empty: nothing
+  std::string message;             // what is wrong, for visitors; empty: nothing
+  std::string over_scene() const;  // what is drawn over the scene, for people; empty: nothing is
   friend bool operator==(const Composition&, const Composition&) = default;
 };
 
