@@ -75,10 +75,10 @@ TEST(Nightly, WritesDownWhatItsStagesSaid) {
   std::ofstream(folder / "page.md")
       << "| stage | last run | result | clock | processor | counted |\n|---|---|\n"
          "| fuzz | never | | | | |\n| browser | never | | | | |\n| rauc | never | | | | |\n"
-         "| mutations | 2026-11-01 | passed | 1 s | 1 s | 9 noticed |\n\n"
-         "Hostile inputs so far: 100 (goal: 1000).\n";
+         "| mutations | 2026-11-01 | passed | 1 s | 1 s | 9 noticed |\n";
   std::ofstream(folder / "lists.md")
-      << "# Lists\n\n## fuzz\n\n| reader | inputs | clock | |\n|---|---|---|---|\n"
+      << "# Lists\n\n## fuzz\n\nHostile inputs so far: 100 (goal: 1000).\n\n| reader | inputs | clock | "
+         "|\n|---|---|---|---|\n"
          "| gone | 7 | 1 s | nothing found |\n\n## mutations\n\nWhat survived.\n\n"
          "| promise | file | |\n|---|---|---|\n| old | a.cpp | SURVIVED |\n\n## bench\n\n"
          "| what | was | is | more |\n|---|---|---|---|\n| kept | 1 | 2 | 100 % |\n";
@@ -105,14 +105,14 @@ TEST(Nightly, WritesDownWhatItsStagesSaid) {
         R"(\| mutations \| )" + today +
             R"( \| passed \| \d+ s \| \d+ s \| 81 noticed, 1 survived \(1.2 %\), 1 of no use, tried in 21 s \|)"})
     EXPECT_TRUE(std::regex_search(page, std::regex("\n" + row + "\n"))) << row << "\n" << page;
-  EXPECT_THAT(page, AllOf(HasSubstr("\n| rauc | never | | | | |\n"), HasSubstr("so far: 3120 (goal: 1000)")));
-  EXPECT_EQ(
-      text_of(folder / "lists.md"),
-      "# Lists\n\n## fuzz\n\n| reader | inputs | clock | |\n|---|---|---|---|\n| edid | 3000 | 12 s | nothing found |\n"
-      "| table | 20 | 5 s | FOUND something |\n\n## mutations\n\nWhat survived.\n\n| promise | file | |\n"
-      "|---|---|---|\n| Either a \\| b | base/b.cpp | SURVIVED |\n"
-      "| Gone | base/c.cpp | useless its line occurs 0 times |\n\n## bench\n\n"
-      "| what | was | is | more |\n|---|---|---|---|\n| kept | 1 | 2 | 100 % |\n");
+  EXPECT_THAT(page, HasSubstr("\n| rauc | never | | | | |\n"));
+  EXPECT_EQ(text_of(folder / "lists.md"),
+            "# Lists\n\n## fuzz\n\nHostile inputs so far: 3120 (goal: 1000).\n\n| reader | inputs | clock | "
+            "|\n|---|---|---|---|\n| edid | 3000 | 12 s | nothing found |\n"
+            "| table | 20 | 5 s | FOUND something |\n\n## mutations\n\nWhat survived.\n\n| promise | file | |\n"
+            "|---|---|---|\n| Either a \\| b | base/b.cpp | SURVIVED |\n"
+            "| Gone | base/c.cpp | useless its line occurs 0 times |\n\n## bench\n\n"
+            "| what | was | is | more |\n|---|---|---|---|\n| kept | 1 | 2 | 100 % |\n");
 }
 
 TEST(Nightly, AStageWithoutARowOnThePageIsNamed) {
