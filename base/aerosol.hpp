@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-// Mixtures of particles (docs/aerosol.md). Single scattering albedo and phase function by wavelength belong to the
+// Mixtures of particles (docs/sky.md). Single scattering albedo and phase function by wavelength belong to the
 // kind.
 enum class AerosolKind { continental, polluted, urban, maritime, desert, dust, smoke };
 inline constexpr std::array kAerosolKinds{AerosolKind::continental, AerosolKind::polluted, AerosolKind::urban,

@@ -6,7 +6,7 @@ namespace kasumi {
 namespace {
 
 // Fitted to ln p of the kinds' Mie sums at 550 nm, every degree from 3 to 170; albedo at 610, 550 and 465 nm
-// (docs/aerosol.md; tests/estimator/sky/test_haze_scattering.cpp compares).
+// (docs/sky.md; tests/estimator/sky/test_haze_scattering.cpp compares).
 struct KindLobes {
   glm::dvec3 albedo;
   double forwards, backwards;  // asymmetries

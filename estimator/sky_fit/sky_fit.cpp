@@ -22,7 +22,7 @@ constexpr double kHosekSigmaAod = 0.03, kHosekSigmaShare = 0.3;
 constexpr double kSupposedSigmaExponent = 0.4;
 
 // Of the optical depth, what no model knows of air that it was not made of: a quarter of little haze, .02 of more, 8 % of
-// much (docs/aerosol.md: skies of measured particles).
+// much (docs/sky.md: skies of measured particles).
 double sigma_of_models(double aod_550) {
   return std::max(std::min(0.25 * aod_550, 0.02), 0.08 * aod_550);
 }

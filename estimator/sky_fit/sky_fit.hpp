@@ -44,7 +44,7 @@ struct SkyFit {
 };
 
 // `readings`: of clear sky alone, some hundred. `sky`: which models, the site's altitude, what is given. Domes are asked
-// by kind and by blends of two; `found.covariance` holds what no dome knows of other particles (docs/aerosol.md).
+// by kind and by blends of two; `found.covariance` holds what no dome knows of other particles (docs/sky.md).
 SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
                const InstrumentDoubt& doubt);
 
