@@ -33,8 +33,7 @@ TEST(ImageQualityKeys, WithoutThemTheObjectIsSharpAndNoiseless) {
 TEST(ImageQualityKeys, AreReadAsWritten) {
   const auto [quality, problems] = read_quality(
       "point_spread_px = 0.55\nsharpening = 0.9\nshared_chroma = true\njpeg_blocks = "
-      "true\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = "
-      "4\n");
+      "true\n[scene.noise]\nfull_scale_electrons = 9000\nread_electrons = 4\n");
   EXPECT_EQ(problems, "");
   EXPECT_EQ(quality.point_spread_px, 0.55);
   EXPECT_TRUE(quality.shared_chroma);

@@ -5,6 +5,7 @@
 #include "history/history_ring.hpp"
 #include "tests/base/power_cut.hpp"
 #include "tests/history/minutes.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -107,9 +108,8 @@ TEST(HistoryRings, WhatIsNoHistoryBeginsAnew) {
     EXPECT_EQ(read_history(file).value().size(), 1U);
   }
   EXPECT_FALSE(read_history(file.parent_path() / "none"));
-  const auto nowhere = HistoryRing::open(file.parent_path() / "no/such/folder");
-  ASSERT_FALSE(nowhere);
-  EXPECT_THAT(nowhere.error().message, testing::HasSubstr("no/such/folder"));
+  EXPECT_THAT(HistoryRing::open(file.parent_path() / "no/such/folder"),
+              FailsWith(testing::HasSubstr("no/such/folder")));
 }
 
 // A line copied to another place is not where its number belongs.

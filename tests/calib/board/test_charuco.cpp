@@ -9,6 +9,7 @@
 #include "calib/board/charuco.hpp"
 #include "calib/lens/lens_calibration.hpp"
 #include "tests/calib/lens/lenses.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -89,16 +90,14 @@ TEST(Charuco, CornersAreFoundEvenOnAPartlyVisibleBoard) {
   const auto lens = equidistant_lens({319.5, 239.5}, 200.0, from_degrees(90.0));
   const auto page = printed();
   const auto whole = pose_at({0.05, -0.02, 1.0}, 0.26, 0.2, 0.1);
-  const auto all = find_charuco(picture(*lens, 640, 480, whole, page), kBoard, "whole");
-  ASSERT_TRUE(all);
+  const auto all = must(find_charuco(picture(*lens, 640, 480, whole, page), kBoard, "whole"));
   EXPECT_GE(all->pixels.size(), 30u);  // of 7 x 5
   EXPECT_LE(worst_px(*lens, whole, *all), 0.3);
 
   // Half of it lies outside the picture, where findChessboardCorners finds nothing.
   const auto aside = pose_at({-1.5, 0.1, 0.35}, 0.22, 0.1, 0.0);
   const auto cut = picture(*lens, 640, 480, aside, page);
-  const auto part = find_charuco(cut, kBoard, "part");
-  ASSERT_TRUE(part);
+  const auto part = must(find_charuco(cut, kBoard, "part"));
   EXPECT_GE(part->pixels.size(), 6u);
   EXPECT_LT(part->pixels.size(), 35u);
   EXPECT_LE(worst_px(*lens, aside, *part), 0.5);
@@ -132,8 +131,7 @@ TEST(Charuco, PartialViewsOfABoardRecoverTheLens) {
     EXPECT_GE(partly, 1);
     LensCalibrationOptions options;
     options.family = family;
-    const auto found = calibrate_lens(views, 640, 480, options);
-    ASSERT_TRUE(found) << found.error().message;
+    const auto found = must(calibrate_lens(views, 640, 480, options));
     const auto fitted = make_lens(found->fit.lens);
     double worst = 0.0;
     for (double off = 0.0; off <= std::min(reach, 0.9 * to_degrees(found->coverage.farthest) * kPi / 180.0); off += 0.1)

@@ -6,6 +6,7 @@
 
 #include "base/files.hpp"
 #include "calib/colour/spectral_sensitivity.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -36,8 +37,7 @@ std::string refusal(const fs::path& path) {
 TEST(SpectralSensitivity, RawtoacesJsonIsSortedByWavelengthAndNormalisedToOne) {
   const auto path = written(
       "camera.json", json_of(R"(["B", "R", "G"])", R"({"1000": [0, 0, 0], "400": [4, 1, 2], "700": [0, 8, 0.5]})"));
-  const auto read = read_spectral_sensitivity(path);
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = must(read_spectral_sensitivity(path));
   EXPECT_EQ(read->name, "camera");
   EXPECT_EQ(read->first_nm, 400.0);
   EXPECT_EQ(read->last_nm(), 1000.0);
@@ -50,8 +50,7 @@ TEST(SpectralSensitivity, CsvColumnsAreFoundByNameAndUnevenStepsAreInterpolated)
   const auto path = written("camera.csv",
                             "# in percent\nwavelength_nm;Blue;ir;green_qe;R\r\n400;80;1;10;0\r\n405;60;1;20;0\r\n"
                             "425;20;1;40;0\r\n430;0;1;50;100\r\n");
-  const auto read = read_spectral_sensitivity(path);
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = must(read_spectral_sensitivity(path));
   EXPECT_EQ(read->step_nm, 5.0);
   ASSERT_EQ(read->samples.size(), 7U);
   EXPECT_NEAR(read->at(415.0).g, 0.3, 1e-12);
@@ -107,15 +106,13 @@ TEST(SpectralSensitivity, TheGenericCameraHasThreeBellCurvesInTheRightPlaces) {
 
 TEST(SpectralSensitivity, MeasuredCamerasAreReadAsPublished) {
   if (!fs::exists(kSpectral)) GTEST_SKIP() << "no spectral data at " << kSpectral;
-  const auto canon = read_spectral_sensitivity(kSpectral / "rawtoaces/Canon_EOS_5D_Mark_II_380_780_5.json");
-  ASSERT_TRUE(canon) << canon.error().message;
+  const auto canon = must(read_spectral_sensitivity(kSpectral / "rawtoaces/Canon_EOS_5D_Mark_II_380_780_5.json"));
   EXPECT_EQ(canon->samples.size(), 81U);
   EXPECT_EQ(canon->step_nm, 5.0);
   // 400 nm over 405 nm, blue, straight from the file.
   EXPECT_NEAR(canon->at(400.0).b / canon->at(405.0).b, 0.020333479473463246 / 0.03511128699885068, 1e-12);
 
-  const auto imx219 = read_spectral_sensitivity(kSpectral / "IMX219.csv");
-  ASSERT_TRUE(imx219) << imx219.error().message;
+  const auto imx219 = must(read_spectral_sensitivity(kSpectral / "IMX219.csv"));
   EXPECT_EQ(imx219->first_nm, 400.0);
   EXPECT_EQ(imx219->last_nm(), 700.0);
   EXPECT_NEAR(imx219->at(400.0).b / imx219->at(400.0).r, 48.8481749159944 / 9.85823991842632, 1e-12);

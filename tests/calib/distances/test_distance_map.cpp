@@ -15,6 +15,7 @@
 
 #include "base/files.hpp"
 #include "calib/distances/distance_map.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -228,8 +229,7 @@ TEST(DistanceNumbers, WhatIsUpsideDownOrRelativeIsTold) {
               HasSubstr("if these are metres, say so"));
   DistanceFile metres;
   metres.scale = 1.0;
-  const auto told = read_distances(folder() / "nearer.pfm", metres, kWide, kHigh);
-  ASSERT_TRUE(told) << told.error().message;
+  const auto told = must(read_distances(folder() / "nearer.pfm", metres, kWide, kHigh));
   EXPECT_THAT(told->summary(), HasSubstr("inverse depth?"));
   for (float& value : nearness.elements()) value *= 0.008f;
   EXPECT_THAT(read_distances(pfm_of("relative.pfm", nearness), {}, kWide, kHigh).error().message,
@@ -238,15 +238,13 @@ TEST(DistanceNumbers, WhatIsUpsideDownOrRelativeIsTold) {
 
 TEST(DistanceNumbers, AMapOfNothingIsAnError) {
   for (const float nothing : {0.0f, 1e10f, std::numeric_limits<float>::quiet_NaN()}) {
-    const auto map = read_distances(pfm_of("nothing.pfm", Image<float>(kWide, kHigh, nothing)), {}, kWide, kHigh);
-    ASSERT_FALSE(map);
-    EXPECT_THAT(map.error().message, HasSubstr("nothing is known in any pixel"));
+    EXPECT_THAT(read_distances(pfm_of("nothing.pfm", Image<float>(kWide, kHigh, nothing)), {}, kWide, kHigh),
+                FailsWith(HasSubstr("nothing is known in any pixel")));
   }
 }
 
 TEST(DistanceNumbers, AnotherSizeOfTheSameShapeIsResampled) {
-  const auto half = read_distances(pfm_of("size.pfm", landscape(kSky)), {}, 2 * kWide, 2 * kHigh);
-  ASSERT_TRUE(half) << half.error().message;
+  const auto half = must(read_distances(pfm_of("size.pfm", landscape(kSky)), {}, 2 * kWide, 2 * kHigh));
   EXPECT_THAT(half->summary(), HasSubstr("resampled from 60 x 40"));
   for (int y = 30; y < kHigh; ++y) {
     EXPECT_NEAR(half->metres.at(11, 2 * y), land_m(y), 0.1f * land_m(y)) << y;
@@ -264,8 +262,7 @@ TEST(DistanceNumbers, ASparseMapIsFilledUpToTheHorizonAndTold) {
     for (int y = kScale * kHorizon; y < map.height(); ++y)
       for (int x = 0; x < map.width(); ++x)
         if (lines ? y % 8 == 0 && x % 2 == 0 : random() % 20 == 0) map.at(x, y) = land_m(y / kScale);
-    const auto read = read_distances(pfm_of("sparse.pfm", map), {}, map.width(), map.height());
-    ASSERT_TRUE(read) << read.error().message;
+    const auto read = must(read_distances(pfm_of("sparse.pfm", map), {}, map.width(), map.height()));
     EXPECT_THAT(read->summary(), HasSubstr("sparse, as a lidar's"));
     EXPECT_NEAR(read->known, 0.6, 0.03) << read->summary();
     double worst = 0.0;

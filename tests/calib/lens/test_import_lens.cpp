@@ -5,6 +5,7 @@
 
 #include "base/files.hpp"
 #include "calib/lens/import_lens.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -28,10 +29,9 @@ std::string matrix(const std::string& name, int rows, int columns, const std::st
 TEST(ImportLens, OpencvYamlIsReadWithItsModel) {
   const auto head = std::string("%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\n");
   const auto camera = matrix("camera_matrix", 3, 3, "500.5, 0., 319.25, 0., 501.5, 240.75, 0., 0., 1.");
-  const auto plain = import_lens(import_file(
+  const auto plain = must(import_lens(import_file(
       "brown.yml", head + camera + matrix("distortion_coefficients", 5, 1, "-0.2, 0.05, 1e-3, -2e-3, 0.01") +
-                       "avg_reprojection_error: 0.25\n"));
-  ASSERT_TRUE(plain) << plain.error().message;
+                       "avg_reprojection_error: 0.25\n")));
   const auto& brown = std::get<PinholeModel>(plain->lens.model);
   EXPECT_EQ(brown.focal_px, glm::dvec2(500.5, 501.5));
   EXPECT_EQ(brown.centre, glm::dvec2(319.25, 240.75));
@@ -40,22 +40,20 @@ TEST(ImportLens, OpencvYamlIsReadWithItsModel) {
   EXPECT_EQ(plain->height, 480);
   EXPECT_EQ(plain->rms_px, 0.25);
 
-  const auto fisheye = import_lens(import_file(
+  const auto fisheye = must(import_lens(import_file(
       "fisheye.yml",
-      head + "fisheye_model: 1\n" + camera + matrix("distortion_coefficients", 4, 1, "-0.01, 0.02, -0.007, 0.001")));
-  ASSERT_TRUE(fisheye) << fisheye.error().message;
+      head + "fisheye_model: 1\n" + camera + matrix("distortion_coefficients", 4, 1, "-0.01, 0.02, -0.007, 0.001"))));
   EXPECT_EQ(std::get<OpencvFisheyeModel>(fisheye->lens.model).k, (std::array{-0.01, 0.02, -0.007, 0.001}));
 }
 
 TEST(ImportLens, OpencvXmlIsReadAsWell) {
-  const auto lens = import_lens(import_file(
+  const auto lens = must(import_lens(import_file(
       "k.xml",
       "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>800</image_width>\n<image_height>600</image_height>\n"
       "<K type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt><data>400. 0. 400. 0. 401. 300. 0. 0. 1."
       "</data></K>\n<D type_id=\"opencv-matrix\"><rows>1</rows><cols>5</cols><dt>d</dt><data>0.1 0. 0. 0. "
       "0.</data></D>\n"
-      "</opencv_storage>\n"));
-  ASSERT_TRUE(lens) << lens.error().message;
+      "</opencv_storage>\n")));
   EXPECT_EQ(std::get<PinholeModel>(lens->lens.model).focal_px, glm::dvec2(400.0, 401.0));
 }
 
@@ -73,8 +71,7 @@ TEST(ImportLens, ReportsAllProblemsAtOnce) {
 
 TEST(ImportLens, OcamcalibTextIsRecognised) {
   const auto path = import_file("ocam.txt", "3 -100.0 0.0 1e-003\n1 5\n 40.5 60.25\n1.01 0.02 0.03\n80 120\n");
-  const auto lens = import_lens(path);
-  ASSERT_TRUE(lens) << lens.error().message;
+  const auto lens = must(import_lens(path));
   EXPECT_EQ(lens->program, "OCamCalib");
   EXPECT_EQ(lens->width, 120);
   EXPECT_EQ(centre_of(lens->lens), glm::dvec2(60.25, 40.5));

@@ -15,6 +15,7 @@
 #include "calib/lens/lens_calibration.hpp"
 #include "tests/calib/lens/boards.hpp"
 #include "tests/calib/lens/lenses.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -111,8 +112,7 @@ TEST(BoardPose, IsFoundFromRaysAlone) {
       on_board.push_back(kBoard.square_m * glm::dvec2{corner % 4, corner / 4});
       rays.push_back(glm::normalize(pose.rotation * glm::dvec3(on_board.back(), 0.0) + pose.translation_m));
     }
-    const auto found = board_pose(rays, on_board);
-    ASSERT_TRUE(found);
+    const auto found = must(board_pose(rays, on_board));
     EXPECT_LE(glm::length(found->translation_m - pose.translation_m), 1e-9);
     for (int axis = 0; axis < 3; ++axis) EXPECT_LE(glm::length(found->rotation[axis] - pose.rotation[axis]), 1e-9);
   }
@@ -139,8 +139,7 @@ TEST(LensFit, ExactCornersRecoverTheLens) {
 
 TEST(LensCalibration, TheRightModelIsChosenAndItsErrorIsAsReported) {
   for (const auto& [sample, away_m] : {std::pair{kFisheye, 0.25}, std::pair{kPinhole, 0.6}}) {
-    const auto found = calibrate_lens(views_of(sample, 12, 0.3, away_m), sample.width, sample.height);
-    ASSERT_TRUE(found) << found.error().message;
+    const auto found = must(calibrate_lens(views_of(sample, 12, 0.3, away_m), sample.width, sample.height));
     EXPECT_EQ(model_name(found->fit.lens), sample.what);
     EXPECT_TRUE(found->dropped.empty());
     EXPECT_NEAR(found->fit.rms_px, 0.3 * std::sqrt(2.0), 0.04);
@@ -158,8 +157,8 @@ TEST(LensCalibration, AnOutlierViewIsDroppedByName) {
   std::mt19937_64 random(3);
   for (auto& pixel : views[7].pixels) pixel += 4.0 * glm::dvec2{normal(random), normal(random)};
   views[7].name = "moved-while-taken.jpg";
-  const auto found = calibrate_lens(views, kFisheye.width, kFisheye.height, {.family = LensFamily::opencv_fisheye});
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found =
+      must(calibrate_lens(views, kFisheye.width, kFisheye.height, {.family = LensFamily::opencv_fisheye}));
   ASSERT_EQ(found->dropped.size(), 1u);
   EXPECT_EQ(found->dropped[0].name, "moved-while-taken.jpg");
   EXPECT_THAT(found->dropped[0].reason, HasSubstr("px off"));
@@ -175,8 +174,8 @@ TEST(LensCalibration, ParametersThePicturesDoNotFixAreReported) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i));
     for (auto& pixel : views.back().pixels) pixel += 0.1 * glm::dvec2{normal(random), normal(random)};
   }
-  const auto found = calibrate_lens(views, kFisheye.width, kFisheye.height, {.family = LensFamily::opencv_fisheye});
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found =
+      must(calibrate_lens(views, kFisheye.width, kFisheye.height, {.family = LensFamily::opencv_fisheye}));
   const auto advice = fmt::format("{}", fmt::join(found->coverage.advice, "\n"));
   EXPECT_THAT(advice, HasSubstr("lower right"));
   EXPECT_THAT(advice, HasSubstr("tilt the board"));
@@ -195,8 +194,7 @@ TEST(Board, CornersOfADrawnBoardAreFoundWithinAFifthOfAPixel) {
   pose.rotation[2] = glm::cross(pose.rotation[0], pose.rotation[1]);
   pose.translation_m = {-0.11, -0.07, 0.2};
   const auto picture = picture_of_board(*lens, 400, 300, kBoard, pose, 6);
-  const auto view = find_board(picture, kBoard, "drawn");
-  ASSERT_TRUE(view);
+  const auto view = must(find_board(picture, kBoard, "drawn"));
   const auto truth = view_of_board(*lens, 400, 300, pose, "").value();
   // The board may have been found rotated by 180 degrees.
   double forwards = 0.0, backwards = 0.0;
@@ -221,8 +219,7 @@ TEST(LensCalibration, APublishedFisheyeCalibrationIsReproduced) {
     if (auto view = find_board(grey, {6, 8, 1.0}, name)) views.push_back(std::move(*view));
   }
   EXPECT_GE(views.size(), 13u);
-  const auto found = calibrate_lens(views, 1032, 778);
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(calibrate_lens(views, 1032, 778));
   for (const auto& candidate : found->candidates)
     std::printf("%s: %.3f px\n", std::string(name_of(candidate.family)).c_str(),
                 candidate.held_out_rms_px.value_or(-1.0));

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "calib/light/one_view.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -83,8 +84,7 @@ TEST(OneView, AViewWithoutContrastIsNoOtherView) {
     for (auto& pixel : wall.elements()) pixel = glm::vec3(std::round(level + 2.0f * noise(random)) / 255.0f);
     stack.pictures.push_back(std::move(wall));
   }
-  const auto agreement = compare_views(stack.pictures[0], stack.pictures[1], {});
-  ASSERT_TRUE(agreement);
+  const auto agreement = must(compare_views(stack.pictures[0], stack.pictures[1], {}));
   EXPECT_LT(agreement->rank_correlation, 0.2);
   EXPECT_LT(agreement->residual_steps, 2.0);
   EXPECT_TRUE(check_one_view(stack, {}));
@@ -108,9 +108,7 @@ TEST(ExposureRatios, ThatAreAllOneSayNothing) {
   known.stack.names = {"a.png", "b.png", "c.png"};
   known.stack.log_s = {std::log(0.01), std::log(0.01), std::log(0.0103)};
   known.exposures.known = true;
-  const auto checked = check_exposure_ratios(known);
-  ASSERT_FALSE(checked);
-  EXPECT_THAT(checked.error().message, HasSubstr("a.png 1.000, b.png 1.000, c.png 1.030"));
+  EXPECT_THAT(check_exposure_ratios(known), FailsWith(HasSubstr("a.png 1.000, b.png 1.000, c.png 1.030")));
   known.stack.log_s.back() = std::log(0.02);
   EXPECT_TRUE(check_exposure_ratios(known));
 }
@@ -121,8 +119,7 @@ TEST(Prediction, WorseThanThreeStepsIsRefusedWithItsFigureAndTheWorstPicture) {
   for (auto& pixel : known.stack.pictures[2].elements()) pixel *= 0.7f;  // a cloud before the sun
   known.exposures = {known.stack.log_s, 0.0, true};
   const auto samples = sample_stack(known.stack.pictures, known.stack.quantum, glm::dvec3(0.0), {}, 3000);
-  auto calibration = calibrate_response(samples, known.exposures);
-  ASSERT_TRUE(calibration) << calibration.error().message;
+  auto calibration = must(calibrate_response(samples, known.exposures));
   const auto checked = check_prediction(*calibration, samples, known);
   ASSERT_FALSE(checked) << calibration->held_out_steps;
   EXPECT_THAT(checked.error().message,

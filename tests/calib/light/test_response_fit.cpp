@@ -8,6 +8,7 @@
 #include "base/units.hpp"
 #include "calib/light/response_fit.hpp"
 #include "calib/light/vignetting_fit.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -104,8 +105,7 @@ class KnownCurve : public testing::TestWithParam<Case> {};
 TEST_P(KnownCurve, IsFoundWithinOnePercentOverEightStops) {
   const auto exposures = doublings(11);
   const auto samples = sample_stack(stack(GetParam().encode, exposures, 1), 1.0 / 255.0, glm::dvec3(0.0), {}, 40000);
-  const auto found = calibrate_response(samples, {logarithms(exposures), 0.0, true});
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(calibrate_response(samples, {logarithms(exposures), 0.0, true}));
   const double worst = worst_error(found->fit, GetParam().encode);
   std::printf("%s: %s, %.2f %% at worst over 8 stops, predicts to %.3f steps\n", GetParam().name,
               found->fit.method.c_str(), 100.0 * worst, found->held_out_steps);
@@ -128,15 +128,13 @@ TEST(ResponseFit, TheUnknownExposuresAndNoiseOfALinearCameraAreFound) {
     ASSERT_TRUE(ratio);
     unknown.log_s.push_back(unknown.log_s.back() + std::log(*ratio));
   }
-  const auto found = calibrate_response(samples, unknown);
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(calibrate_response(samples, unknown));
   EXPECT_TRUE(found->fit.is_straight) << found->fit.method;
   for (std::size_t j = 1; j < exposures.size(); ++j)
     EXPECT_NEAR(std::exp(found->fit.log_s[j] - found->fit.log_s[j - 1]) / (exposures[j] / exposures[j - 1]), 1.0, 0.01);
   EXPECT_THAT(found->undetermined, testing::Contains(HasSubstr("power")));
   // 12000 electrons; medians of thousands of values, and a two-parameter fit to them.
-  const auto noise = fit_noise(samples, found->fit);
-  ASSERT_TRUE(noise);
+  const auto noise = must(fit_noise(samples, found->fit));
   EXPECT_NEAR(noise->full_scale_electrons() / 12000.0, 1.0, 0.15);
 }
 
@@ -160,8 +158,7 @@ TEST(VignettingFit, AFlatFieldWithDustRecoversTheLensWithinOnePercent) {
       }
     flats.push_back(std::move(flat));
   }
-  const auto found = fit_vignetting(flats, {}, truth.centre, truth.radius_px);
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(fit_vignetting(flats, {}, truth.centre, truth.radius_px));
   for (double r = 0.0; r <= 130.0; r += 5.0) {
     const glm::dvec2 at = truth.centre + glm::dvec2{0.6 * r, 0.8 * r};
     EXPECT_NEAR(found->vignetting.at(at) / truth.at(at), 1.0, 0.01) << r;

@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/units.hpp"
 #include "fixtures/noise/noise.hpp"
 #include "fixtures/noise/random.hpp"
+#include "tests/opencv_pictures.hpp"
 
 namespace kasumi::test {
 namespace {
@@ -54,16 +54,8 @@ Image<Rgb8> taken(const Light& light, Random& random, RimSet set) {
         bgr(y, x)[c] =
             static_cast<std::uint8_t>(std::lround(255.0 * std::pow(std::clamp(noisy, 0.0, 1.0), 1.0 / gamma)));
       }
-  if (!once_in(random, 4.0)) {
-    std::vector<std::uint8_t> bytes;
-    const int quality = static_cast<int>(between(random, set == RimSet::held_out ? 50.0 : 60.0, 95.0));
-    cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-    bgr = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  }
-  Image<Rgb8> pixels(bgr.cols, bgr.rows);
-  for (int y = 0; y < bgr.rows; ++y)
-    for (int x = 0; x < bgr.cols; ++x) pixels.at(x, y) = {bgr(y, x)[2], bgr(y, x)[1], bgr(y, x)[0]};
-  return pixels;
+  if (once_in(random, 4.0)) return rgb_of(bgr);
+  return rgb_of(through_jpeg(bgr, static_cast<int>(between(random, set == RimSet::held_out ? 50.0 : 60.0, 95.0))));
 }
 
 void stamp(Image<Rgb8>& pixels, Random& random) {  // time and place, or a maker's name

@@ -8,12 +8,12 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/units.hpp"
 #include "fixtures/noise/noise.hpp"
 #include "fixtures/noise/random.hpp"
+#include "tests/opencv_pictures.hpp"
 
 namespace kasumi::test {
 namespace {
@@ -117,13 +117,7 @@ Image<Rgb8> taken(cv::Mat3f light, Dice& dice, double noise, bool grey, double s
     cv::cvtColor(bgr, one, cv::COLOR_BGR2GRAY);
     cv::cvtColor(one, bgr, cv::COLOR_GRAY2BGR);
   }
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, static_cast<int>(dice.between(45.0, 97.0))});
-  bgr = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  Image<Rgb8> pixels(bgr.cols, bgr.rows);
-  for (int y = 0; y < bgr.rows; ++y)
-    for (int x = 0; x < bgr.cols; ++x) pixels.at(x, y) = {bgr(y, x)[2], bgr(y, x)[1], bgr(y, x)[0]};
-  return pixels;
+  return rgb_of(through_jpeg(bgr, static_cast<int>(dice.between(45.0, 97.0))));
 }
 
 }  // namespace

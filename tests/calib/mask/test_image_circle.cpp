@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
@@ -19,6 +17,10 @@
 #include "base/units.hpp"
 #include "calib/mask/fixed_circle.hpp"
 #include "calib/mask/image_circle.hpp"
+#include "tests/alpnach.hpp"
+#include "tests/csv.hpp"
+#include "tests/must.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -121,8 +123,7 @@ TEST(ImageCircle, ALensFlareOutsideTheCircleIsNotMistakenForIt) {
   auto picture = drawn({});
   for (int y = 10; y < 30; ++y)
     for (int x = 340; x < 380; ++x) picture.at(x, y) = Rgb8{200, 200, 180};
-  const auto found = find_image_circle(picture);
-  ASSERT_TRUE(found);
+  const auto found = must(find_image_circle(picture));
   EXPECT_NEAR(found->circle.radius_px, 180.0, 1.8);
 }
 
@@ -134,8 +135,7 @@ TEST(ImageCircle, ARingOfStrayLightOutsideTheCircleIsNotFollowed) {
       const auto light = static_cast<std::uint8_t>(std::lround(14.0 * std::exp(-away * away / 4.0)));
       if (away > -8.0) picture.at(x, y) += Rgb8{light, light, light};
     }
-  const auto found = find_image_circle(picture);
-  ASSERT_TRUE(found);
+  const auto found = must(find_image_circle(picture));
   EXPECT_NEAR(found->circle.radius_px, 180.0, 1.8);
 }
 
@@ -145,8 +145,7 @@ TEST(ImageCircle, SurroundsOfAnyColourAreTold) {
     for (int y = 0; y < picture.height(); ++y)
       for (int x = 0; x < picture.width(); ++x)
         if (glm::distance(glm::dvec2{x, y}, Disc{}.centre) > 180.0) picture.at(x, y) = surround;
-    const auto found = find_image_circle(picture);
-    ASSERT_TRUE(found);
+    const auto found = must(find_image_circle(picture));
     EXPECT_NEAR(found->circle.radius_px, 180.0, 1.8) << int{surround.r};
     EXPECT_GT(found->confidence, 0.5) << int{surround.r};
   }
@@ -164,8 +163,7 @@ TEST(ImageCircle, ACircleCutOnAllSidesIsFoundByItsCorners) {
 TEST(ImageCircle, HorizonAndEdgeAreBothToldWhereALandRingLiesBetween) {
   Disc disc;
   disc.open = [](double, double r) { return r > 0.92 ? 0.3 : 1.0; };
-  const auto found = find_image_circle(drawn(disc));
-  ASSERT_TRUE(found);
+  const auto found = must(find_image_circle(drawn(disc)));
   EXPECT_NEAR(found->circle.radius_px, 180.0, 1.8);
   ASSERT_TRUE(found->horizon);
   EXPECT_NEAR(found->horizon->radius_px, 0.92 * 180.0, 1.8);
@@ -176,8 +174,7 @@ TEST(ImageCircle, PixelsThatAreNotSquareMakeAnEllipse) {
   Image<Rgb8> squeezed(round.width() * 15 / 16, round.height());  // 480 columns in 450
   for (int y = 0; y < squeezed.height(); ++y)
     for (int x = 0; x < squeezed.width(); ++x) squeezed.at(x, y) = round.at((x * 16 + 8) / 15, y);
-  const auto found = find_image_circle(squeezed);
-  ASSERT_TRUE(found);
+  const auto found = must(find_image_circle(squeezed));
   EXPECT_NEAR(found->pixel_aspect, 16.0 / 15.0, 0.01);
   EXPECT_NEAR(found->circle.radius_px, 180.0, 2.0);
   EXPECT_LE(glm::distance(found->circle.centre, Disc{}.centre), 2.0) << "in square pixels";
@@ -222,24 +219,11 @@ TEST(ImageCircle, ThereIsNoneInPicturesWithoutOne) {
   EXPECT_LT(confidence_in(drawn(dark)), kNone) << "noise";
 }
 
-Image<Rgb8> loaded(const fs::path& path) {
-  const cv::Mat bgr = cv::imread(path.string(), cv::IMREAD_COLOR);
-  Image<Rgb8> picture(bgr.cols, bgr.rows);
-  for (int y = 0; y < bgr.rows; ++y)
-    for (int x = 0; x < bgr.cols; ++x) {
-      const auto& pixel = bgr.at<cv::Vec3b>(y, x);
-      picture.at(x, y) = {pixel[2], pixel[1], pixel[0]};
-    }
-  return picture;
-}
-
 TEST(ImageCircle, ARealFisheyesCircleIsFoundWithinThreePixels) {
-  const auto folder = kData / "sky/skycam-alpnach";
-  if (!fs::exists(folder)) GTEST_SKIP() << "no sky pictures at " << folder;
+  if (!alpnach::is_there()) GTEST_SKIP() << "no sky pictures at " << alpnach::file(0);
   int found = 0;
-  for (int exposure = 0; exposure < 13; ++exposure) {
-    const auto name = fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure);
-    const auto circle = find_image_circle(loaded(folder / name));
+  for (int exposure = 0; exposure < alpnach::kExposures; ++exposure) {
+    const auto circle = find_image_circle(read_rgb(alpnach::file(exposure)));
     if (!circle || circle->confidence < 0.9) continue;
     ++found;
     EXPECT_NEAR(circle->circle.centre.x, 149.6, 3.0) << exposure;
@@ -255,7 +239,7 @@ TEST(ImageCircle, ThereIsNoneInPhotographs) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const auto extension = entry.path().extension();
     if (extension != ".png" && extension != ".jpg") continue;
-    EXPECT_LT(confidence_in(loaded(entry.path())), kNone) << entry.path();
+    EXPECT_LT(confidence_in(read_rgb(entry.path())), kNone) << entry.path();
   }
 }
 
@@ -266,39 +250,16 @@ struct LabelledPicture {
   double tolerance = 0.02;           // of the radius
 };
 std::vector<LabelledPicture> labelled_pictures(const fs::path& folder) {
-  std::ifstream lines(folder / "labels.csv");
-  const auto fields_of = [](const std::string& line) {
-    std::vector<std::string> fields(1);
-    bool quoted = false;
-    for (const char c : line) {
-      if (c == '"')
-        quoted = !quoted;
-      else if (c == ',' && !quoted)
-        fields.emplace_back();
-      else
-        fields.back() += c;
-    }
-    return fields;
-  };
-  std::string line;
-  std::getline(lines, line);
-  const auto names = fields_of(line);
   std::vector<LabelledPicture> pictures;
-  while (std::getline(lines, line)) {
-    const auto fields = fields_of(line);
-    const auto field = [&](const std::string& name) {
-      const auto at = std::ranges::find(names, name) - names.begin();
-      return at < std::ssize(fields) ? fields[static_cast<std::size_t>(at)] : std::string();
-    };
-    LabelledPicture picture{field("file"), field("camera"), field("kind"), {}, 0.02};
+  for (CsvRow& row : read_csv(folder / "labels.csv")) {
+    LabelledPicture picture{row["file"], row["camera"], row["kind"], {}, 0.02};
     if (!fs::exists(folder / picture.file)) continue;
-    if (field("circle") == "yes") {
-      picture.tolerance = 0.01 * std::stod(field("tol"));
+    if (row["circle"] == "yes") {
+      picture.tolerance = 0.01 * std::stod(row["tol"]);
       for (const char* other : {"", "2"})
-        if (const auto r = field(std::string("r") + other); !r.empty())
+        if (const auto r = row[std::string("r") + other]; !r.empty())
           picture.circles.push_back(
-              {{std::stod(field(std::string("cx") + other)), std::stod(field(std::string("cy") + other))},
-               std::stod(r)});
+              {{std::stod(row[std::string("cx") + other]), std::stod(row[std::string("cy") + other])}, std::stod(r)});
     }
     pictures.push_back(picture);
   }
@@ -325,7 +286,7 @@ TEST(ImageCircle, StrangersCamerasAreUnderstood) {
   const auto pictures = labelled_pictures(folder);
   double seconds = 0.0;
   for (const auto& picture : pictures) {
-    const auto pixels = loaded(folder / picture.file);
+    const auto pixels = read_rgb(folder / picture.file);
     const auto before = std::clock();
     all.push_back({pixels.width(), pixels.height(), find_image_circle(pixels)});
     seconds += static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;

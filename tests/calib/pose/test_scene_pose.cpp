@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "calib/pose/scene_pose.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -96,8 +97,7 @@ TEST(ScenePose, SixLandmarksWithOneGrossErrorGiveThePose) {
     const auto wrong = static_cast<std::size_t>(random.uniform(0.0, 6.0));
     const double off = std::exp(random.uniform(std::log(12.0), std::log(384.0))), way = random.uniform(0.0, 2.0 * kPi);
     sights[wrong].pixel += off * glm::dvec2{std::cos(way), std::sin(way)};
-    const auto pose = pose_scene(sights, {}, camera.prior());
-    ASSERT_TRUE(pose) << pose.error().message;
+    const auto pose = must(pose_scene(sights, {}, camera.prior()));
     axis.push_back(to_degrees(angle_between(pose->to_world[2], camera.to_world[2])));
     anywhere.push_back(worst_direction_deg(camera, *pose));
     expected.push_back(to_degrees(pose->sigma.anywhere));
@@ -126,8 +126,7 @@ TEST(ScenePose, TheReportedSigmaIsTheActualError) {
     const auto sights = landmarks(camera, 8, random, 0.7);
     prior.lens = moved(camera.lens, centre_of(camera.lens), 1.0 + 0.03 * random.normal());
     prior.scale_sigma = 0.03;
-    const auto pose = pose_scene(sights, {}, prior);
-    ASSERT_TRUE(pose) << pose.error().message;
+    const auto pose = must(pose_scene(sights, {}, prior));
     const glm::dvec3 error = glm::transpose(camera.to_world) * pose->to_world[2];
     heading += std::pow(error.x / pose->sigma.heading.value, 2) / kSeeds;
     pitch += std::pow(error.y / pose->sigma.pitch.value, 2) / kSeeds;
@@ -151,8 +150,7 @@ TEST(ScenePose, APoorlyKnownFocalLengthIsFoundDespiteAWrongLandmark) {
     prior.scale_sigma = 0.03;
     auto sights = landmarks(camera, 7, random, 1.0);
     sights[2].pixel += glm::dvec2{70.0, -40.0};
-    const auto pose = pose_scene(sights, {}, prior);
-    ASSERT_TRUE(pose) << pose.error().message;
+    const auto pose = must(pose_scene(sights, {}, prior));
     focal_percent.push_back(100.0 * std::abs(focal_px_of(pose->lens) / focal_px_of(camera.lens) - 1.0));
     axis.push_back(to_degrees(angle_between(pose->to_world[2], camera.to_world[2])));
   }
@@ -172,8 +170,7 @@ TEST(ScenePose, TheHorizonLevelsACameraWhoseLandmarksAreTooCloseTogether) {
     sight.pixel += glm::dvec2{random.normal(), random.normal()};
     sights.push_back(sight);
   }
-  const auto without = pose_scene(sights, {}, camera.prior());
-  ASSERT_TRUE(without) << without.error().message;
+  const auto without = must(pose_scene(sights, {}, camera.prior()));
   ASSERT_FALSE(without->undetermined.empty());
   EXPECT_THAT(without->undetermined.front(), HasSubstr("roll"));
 
@@ -187,8 +184,7 @@ TEST(ScenePose, TheHorizonLevelsACameraWhoseLandmarksAreTooCloseTogether) {
     horizon.push_back(
         {lens->project(direction * camera.to_world).value() + glm::dvec2{0.0, random.normal()}, dip, 1.0});
   }
-  const auto with = pose_scene(sights, horizon, camera.prior());
-  ASSERT_TRUE(with) << with.error().message;
+  const auto with = must(pose_scene(sights, horizon, camera.prior()));
   EXPECT_LE(to_degrees(with->sigma.roll), 0.1);
   EXPECT_LE(to_degrees(angle_between(with->to_world[0], camera.to_world[0])), 0.2);
   EXPECT_THAT(with->horizon_used, testing::Each(true));
@@ -208,8 +204,7 @@ TEST(ScenePose, ThreeSunSightingsAndTheHorizonGiveThePoseAndOneIsEnough) {
     std::vector<LandmarkSight> sights;
     for (const double hour : {-0.4, 0.05, 0.4}) {
       const auto sun = direction_from(from_degrees(90.0 - 4.5 + 6.0 * hour), from_degrees(heading + 14.0 * hour));
-      const auto pixel = lens->project(sun * camera.to_world);
-      ASSERT_TRUE(pixel);
+      const auto pixel = must(lens->project(sun * camera.to_world));
       sights.push_back({"the sun", 1.5e11 * sun, *pixel + noise(), 1.0, 0.0});
     }
     const Radians dip = dip_of_horizon(500.0, 0.16);
@@ -218,11 +213,9 @@ TEST(ScenePose, ThreeSunSightingsAndTheHorizonGiveThePoseAndOneIsEnough) {
       const auto sea = direction_from(from_degrees(90.0) + dip, from_degrees(heading + off));
       horizon.push_back({lens->project(sea * camera.to_world).value() + noise(), dip, 1.0});
     }
-    const auto pose = pose_scene(sights, horizon, camera.prior());
-    ASSERT_TRUE(pose) << pose.error().message;
+    const auto pose = must(pose_scene(sights, horizon, camera.prior()));
     three.push_back(to_degrees(angle_between(pose->to_world[2], camera.to_world[2])));
-    const auto from_one = pose_scene(std::span(sights).first(1), horizon, camera.prior());
-    ASSERT_TRUE(from_one) << from_one.error().message;
+    const auto from_one = must(pose_scene(std::span(sights).first(1), horizon, camera.prior()));
     one.push_back(to_degrees(angle_between(from_one->to_world[2], camera.to_world[2])));
   }
   std::printf("optical axis, three suns: median %.4f, 95 %% %.4f, largest %.4f deg; one: %.4f, %.4f, %.4f deg\n",
@@ -244,8 +237,7 @@ TEST(ScenePose, AWrongCameraPositionIsNoticedByNearLandmarks) {
   }
   auto prior = camera.prior();
   prior.position_sigma_m = 3.0;
-  const auto pose = pose_scene(sights, {}, prior);
-  ASSERT_TRUE(pose) << pose.error().message;
+  const auto pose = must(pose_scene(sights, {}, prior));
   // Across the line of sight; a shift along it has little effect.
   EXPECT_LE(std::abs(glm::dot(pose->position_m - stands, camera.to_world[0])), 0.3);
   EXPECT_LE(std::abs(glm::dot(pose->position_m - stands, camera.to_world[1])), 0.3);
@@ -258,16 +250,13 @@ TEST(ScenePose, MissingRedundancyIsReportedAndNonsenseIsRefused) {
   auto sights = landmarks(camera, 2, random, 1.0);
   auto prior = camera.prior();
   prior.scale_sigma = 0.03;
-  const auto two = pose_scene(sights, {}, prior);
-  ASSERT_TRUE(two) << two.error().message;
+  const auto two = must(pose_scene(sights, {}, prior));
   EXPECT_THAT(two->undetermined, testing::Contains(HasSubstr("too little else checks it")));
 
   EXPECT_FALSE(pose_scene(std::span(sights).first(1), {}, prior));
   auto nonsense = landmarks(camera, 6, random, 1.0);
   for (auto& sight : nonsense) sight.pixel = {random.uniform(0, 1919), random.uniform(0, 1079)};
-  const auto refused = pose_scene(nonsense, {}, camera.prior());
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("expected the right places"));
+  EXPECT_THAT(pose_scene(nonsense, {}, camera.prior()), FailsWith(HasSubstr("expected the right places")));
 }
 
 }  // namespace

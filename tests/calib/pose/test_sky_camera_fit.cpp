@@ -9,6 +9,7 @@
 
 #include "base/statistics.hpp"
 #include "calib/pose/sky_camera_fit.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -104,8 +105,7 @@ TEST(SkyCameraFit, TwentySunsOfADayTellProjectionHeadingAndMirror) {
     for (const Projection& projection : kProjections) {
       const Drawn camera = drawn(random, projection);
       const auto suns = suns_of(camera, 20, 12.0, random);
-      const auto fit = fit_sky_camera(suns, prior_of(camera, random));
-      ASSERT_TRUE(fit) << fit.error().message;
+      const auto fit = must(fit_sky_camera(suns, prior_of(camera, random)));
       ++all;
       mirrors += fit->mirror_known && fit->mirrored == camera.mirrored ? 1 : 0;
       near += worst_deg(camera, *fit, from_degrees(45.0)) < 0.5 ? 1 : 0;
@@ -127,8 +127,7 @@ TEST(SkyCameraFit, FalseSunsAreLeftOut) {
   const Drawn camera = drawn(random, kProjections[1]);
   auto suns = suns_of(camera, 16, 10.0, random);
   for (int k = 0; k < 3; ++k) suns[static_cast<std::size_t>(5 * k + 2)].pixel += glm::dvec2{60.0 + 30.0 * k, -45.0};
-  const auto fit = fit_sky_camera(suns, prior_of(camera, random));
-  ASSERT_TRUE(fit) << fit.error().message;
+  const auto fit = must(fit_sky_camera(suns, prior_of(camera, random)));
   EXPECT_EQ(std::count(fit->orientation.used.begin(), fit->orientation.used.end(), false), 3);
   EXPECT_EQ(fit->mirrored, camera.mirrored);
 }
@@ -137,8 +136,7 @@ TEST(SkyCameraFit, SunsAtOnePlaceTellTheHeadingAndSayThatItIsAll) {
   std::mt19937_64 random(5);
   const Drawn camera = drawn(random, kProjections[0]);
   const auto suns = suns_of(camera, 2, 0.1, random);
-  const auto fit = fit_sky_camera(suns, prior_of(camera, random));
-  ASSERT_TRUE(fit) << fit.error().message;
+  const auto fit = must(fit_sky_camera(suns, prior_of(camera, random)));
   EXPECT_FALSE(fit->mirror_known);
   EXPECT_EQ(fit->projection, "equidistant");
   EXPECT_FALSE(fit->orientation.undetermined.empty());

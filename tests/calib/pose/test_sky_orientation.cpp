@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "calib/pose/sky_orientation.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -98,8 +99,7 @@ TEST(SkyOrientation, ThreeHoursOfSunThroughCloudsFixItForAKnownLens) {
   const Roof roof;
   for (const auto& day : kDays) {
     const auto sights = track(roof, day.from_h, day.from_h + 3.0, day.declination_deg, 0.4, 0.5, day.seed);
-    const auto found = orient_sky(sights, roof.known_lens());
-    ASSERT_TRUE(found) << found.error().message;
+    const auto found = must(orient_sky(sights, roof.known_lens()));
     std::printf("%zu sights: off by %.4f deg; sigma %.4f %.4f %.4f deg\n", sights.size(),
                 error_deg(found->to_world, roof.to_world), to_degrees(found->sigma.azimuth),
                 to_degrees(found->sigma.tilt_east), to_degrees(found->sigma.tilt_north));
@@ -115,8 +115,7 @@ TEST(SkyOrientation, ThreeHoursOfSunGiveTheFocalLengthOfALensFromADataSheet) {
   const Roof roof;
   for (const auto& day : kDays) {
     const auto sights = track(roof, day.from_h, day.from_h + 3.0, day.declination_deg, 0.4, 0.5, day.seed);
-    const auto found = orient_sky(sights, roof.prior());
-    ASSERT_TRUE(found) << found.error().message;
+    const auto found = must(orient_sky(sights, roof.prior()));
     EXPECT_LE(std::abs(focal_px_of(found->lens) / focal_px_of(roof.lens) - 1.0), 0.003);
     EXPECT_LE(glm::distance(centre_of(found->lens), centre_of(roof.lens)), 0.003 * 540.0);
     EXPECT_LE(error_deg(found->to_world, roof.to_world), 0.3);
@@ -137,8 +136,7 @@ TEST(SkyOrientation, ThreePicturesOfADayFixItForAKnownLens) {
     std::mt19937_64 random(seed);
     std::vector<SunSight> sights;
     for (const double hours : {-3.0, 0.0, 3.0}) sights.push_back(roof.sight(sun_at(hours, 5.0), 0.5, random));
-    const auto found = orient_sky(sights, prior);
-    ASSERT_TRUE(found) << found.error().message;
+    const auto found = must(orient_sky(sights, prior));
     EXPECT_LE(error_deg(found->to_world, roof.to_world), 0.3);
     std::printf("off by %.3f deg, sigma azimuth %.3f deg\n", error_deg(found->to_world, roof.to_world),
                 to_degrees(found->sigma.azimuth));
@@ -171,8 +169,7 @@ TEST(SkyOrientation, OnePictureFixesTheAzimuthOnlyAndSaysSo) {
   prior.lens = roof.lens;
   std::mt19937_64 random(1);
   const std::vector sights{roof.sight(sun_at(-1.0, 10.0), 0.0, random)};
-  const auto found = orient_sky(sights, prior);
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(orient_sky(sights, prior));
   EXPECT_LE(error_deg(found->to_world, roof.to_world), 1e-6);
   ASSERT_EQ(found->undetermined.size(), 1u);
   EXPECT_THAT(found->undetermined[0], HasSubstr("azimuth only"));
@@ -182,8 +179,7 @@ TEST(SkyOrientation, OnePictureFixesTheAzimuthOnlyAndSaysSo) {
 
 TEST(SkyOrientation, AShortTrackReportsWhatItDoesNotFix) {
   const Roof roof;
-  const auto found = orient_sky(track(roof, -0.2, 0.4, 10.0, 0.0, 0.5, 5), roof.prior());
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(orient_sky(track(roof, -0.2, 0.4, 10.0, 0.0, 0.5, 5), roof.prior()));
   EXPECT_FALSE(found->undetermined.empty());
   EXPECT_LE(error_deg(found->to_world, roof.to_world), 4.0);
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "calib/pose/sky_turn.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -21,8 +22,7 @@ double off_deg(const SkyTurn& turn, double up_deg) {
 TEST(SkyTurn, OneSunTellsTheTurnButNoMirror) {
   for (const double up : {0.0, 75.0, 190.0, 359.0}) {
     const std::vector one{pair(50.0, 120.0, up, false)};
-    const auto turn = turn_of_sky(one);
-    ASSERT_TRUE(turn);
+    const auto turn = must(turn_of_sky(one));
     EXPECT_LT(off_deg(*turn, up), 1e-6);
     EXPECT_FALSE(turn->mirror_known);
     EXPECT_EQ(turn->suns, 1);
@@ -33,8 +33,7 @@ TEST(SkyTurn, TwoSunsTellThatPicturesAreMirrored) {
   for (const bool mirrored : {false, true})
     for (const double up : {10.0, 200.0}) {
       const std::vector two{pair(50.0, 120.0, up, mirrored), pair(40.0, 170.0, up, mirrored)};
-      const auto turn = turn_of_sky(two);
-      ASSERT_TRUE(turn);
+      const auto turn = must(turn_of_sky(two));
       EXPECT_EQ(turn->mirrored, mirrored);
       EXPECT_TRUE(turn->mirror_known);
       EXPECT_LT(off_deg(*turn, up), 1e-6);
@@ -46,8 +45,7 @@ TEST(SkyTurn, FalseSunsAreLeftOut) {
   for (int k = 0; k < 6; ++k) suns.push_back(pair(60.0 - 4.0 * k, 100.0 + 20.0 * k, 33.0, true, k % 2 ? 0.8 : -0.8));
   suns.push_back(pair(30.0, 100.0, 180.0, false));
   suns.push_back(pair(70.0, 10.0, 250.0, false));
-  const auto turn = turn_of_sky(suns);
-  ASSERT_TRUE(turn);
+  const auto turn = must(turn_of_sky(suns));
   EXPECT_EQ(turn->suns, 6);
   EXPECT_TRUE(turn->mirrored);
   EXPECT_LT(off_deg(*turn, 33.0), 1.0);
