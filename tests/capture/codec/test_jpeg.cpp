@@ -6,6 +6,7 @@
 #include "capture/codec/jpeg.hpp"
 #include "tests/capture/codec/exotic_jpeg.hpp"
 #include "tests/capture/known_frames.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -46,8 +47,7 @@ TEST(Jpeg, EverySubsamplingAndOddSizeDecodesAsInOpenCv) {
     for (const auto& [width, height] : {std::pair{64, 48}, std::pair{33, 17}, std::pair{1, 1}, std::pair{101, 50},
                                         std::pair{16, 31}, std::pair{2, 64}}) {
       const auto bytes = jpeg_of(width, height, kind);
-      const auto picture = decode_jpeg_frame(bytes, width, height);
-      ASSERT_TRUE(picture) << picture.error().message;
+      const auto picture = must(decode_jpeg_frame(bytes, width, height));
       EXPECT_EQ(picture->view().layout, layout);
       EXPECT_EQ(picture->view().encoding, YuvEncoding::bt601_full);
       EXPECT_LE(largest_difference_to_opencv(bytes, picture->view()), 2) << width << "x" << height;
@@ -56,8 +56,7 @@ TEST(Jpeg, EverySubsamplingAndOddSizeDecodesAsInOpenCv) {
 
 TEST(Jpeg, HighQualityReproducesTheEncodedPicture) {
   const auto image = test_picture(40, 30);
-  const auto picture = decode_jpeg_frame(encode_jpeg(image, 100, ChromaSubsampling::s444).value(), 40, 30);
-  ASSERT_TRUE(picture);
+  const auto picture = must(decode_jpeg_frame(encode_jpeg(image, 100, ChromaSubsampling::s444).value(), 40, 30));
   for (int y = 0; y < 30; ++y)
     for (int x = 0; x < 40; ++x)
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb_at(picture->view(), x, y)[c], image.at(x, y)[c], 3);
@@ -92,8 +91,7 @@ TEST(Jpeg, SamplingFactorsWithACommonMultipleAreReduced) {
     for (int i = 0; i < 3; ++i) info.comp_info[i].h_samp_factor = 1, info.comp_info[i].v_samp_factor = 2;
   });
   for (const auto& [bytes, layout] : {std::pair{odd_422, PixelLayout::i422}, std::pair{odd_444, PixelLayout::i444}}) {
-    const auto picture = decode_jpeg_frame(bytes, 37, 29);
-    ASSERT_TRUE(picture) << picture.error().message;
+    const auto picture = must(decode_jpeg_frame(bytes, 37, 29));
     EXPECT_EQ(picture->view().layout, layout);
     EXPECT_LE(largest_difference_to_opencv(bytes, picture->view()), 2);
   }
@@ -108,8 +106,7 @@ TEST(Jpeg, RestartMarkersAndMissingHuffmanTablesChangeNothing) {
   ASSERT_LT(tableless.size() + 100, plain.size());
   const auto expected = to_rgb(decode_jpeg_frame(plain, 64, 48).value().view()).elements();
   for (const auto& bytes : {restarts, tableless}) {
-    const auto picture = decode_jpeg_frame(bytes, 64, 48);
-    ASSERT_TRUE(picture) << picture.error().message;
+    const auto picture = must(decode_jpeg_frame(bytes, 64, 48));
     EXPECT_EQ(to_rgb(picture->view()).elements(), expected);
   }
 }
@@ -122,8 +119,7 @@ TEST(Jpeg, PaddingAndAMissingEndMarkerAreTolerated) {
   padded.insert(padded.begin() + 2, {0, 0, 0});  // between the first two segments
   const Bytes endless(whole.begin(), whole.end() - 2);
   for (const auto& bytes : {padded, endless}) {
-    const auto picture = decode_jpeg_frame(bytes, 64, 48);
-    ASSERT_TRUE(picture) << picture.error().message;
+    const auto picture = must(decode_jpeg_frame(bytes, 64, 48));
     EXPECT_EQ(to_rgb(picture->view()).elements(), expected);
   }
 }
@@ -191,9 +187,7 @@ TEST(Jpeg, AMissingPartIsNoticedOfAnyKindOfJpeg) {
     }
   }
   progressive.resize(progressive.size() - 2);  // it may have had more
-  const auto coarse = check_jpeg(progressive);
-  ASSERT_FALSE(coarse);
-  EXPECT_THAT(coarse.error().message, HasSubstr("its finer scans are missing"));
+  EXPECT_THAT(check_jpeg(progressive), FailsWith(HasSubstr("its finer scans are missing")));
   Bytes unended = jpeg_of(160, 120);
   unended.resize(unended.size() - 2);
   EXPECT_TRUE(check_jpeg(unended)) << "some cameras write no end marker";
@@ -213,9 +207,7 @@ TEST(Jpeg, AFewBytesCannotClaimTheMemoryOfAHugePicture) {
       bytes[at + 7] = 0x20;
       break;
     }
-  const auto refused = decode_jpeg_frame(bytes, 0x2040, 0x1030);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("bytes: expected at least"));
+  EXPECT_THAT(decode_jpeg_frame(bytes, 0x2040, 0x1030), FailsWith(HasSubstr("bytes: expected at least")));
 }
 
 TEST(Jpeg, PicturesThatCannotBeEncodedAreRefused) {

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "capture/libcamera/libcamera_source.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -38,14 +39,12 @@ class LibcameraLive : public testing::Test {
 };
 
 TEST_F(LibcameraLive, FramesAreCompleteFreshAndDecodable) {
-  const auto source = open();
-  ASSERT_TRUE(source);
+  const auto source = must(open());
   EXPECT_EQ(source->mode().width, 480);
   EXPECT_EQ(source->mode().height, 360);
   std::optional<FrameMetadata> last;
   for (int i = 0; i < 10; ++i) {
-    const auto frame = source->next(clock_.now() + 4s);
-    ASSERT_TRUE(frame) << frame.error().message;
+    const auto frame = must(source->next(clock_.now() + 4s));
     ASSERT_EQ(frame->metadata.status, FrameStatus::good);
     EXPECT_TRUE(decode(*frame, YuvEncoding::bt601_full));
     EXPECT_LT(std::chrono::abs(clock_.now() - frame->metadata.captured_at), 2s);
@@ -58,12 +57,10 @@ TEST_F(LibcameraLive, FramesAreCompleteFreshAndDecodable) {
 }
 
 TEST_F(LibcameraLive, ACameraWhoseFramesAreKeptContinuesWithCopies) {
-  const auto source = open();
-  ASSERT_TRUE(source);
+  const auto source = must(open());
   std::vector<Frame> kept;
   for (int i = 0; i < 8; ++i) {
-    auto frame = source->next(clock_.now() + 4s);
-    ASSERT_TRUE(frame) << frame.error().message;
+    auto frame = must(source->next(clock_.now() + 4s));
     kept.push_back(std::move(*frame));
   }
   EXPECT_GT(source->frames_copied(), 0u);
@@ -76,10 +73,8 @@ TEST_F(LibcameraLive, FramesStayReadableAfterTheSourceIsGoneAndTheCameraReopens)
   for (int round = 0; round < 3; ++round) {
     std::optional<Frame> kept;
     {
-      const auto source = open();
-      ASSERT_TRUE(source);
-      auto frame = source->next(clock_.now() + 4s);
-      ASSERT_TRUE(frame) << frame.error().message;
+      const auto source = must(open());
+      auto frame = must(source->next(clock_.now() + 4s));
       kept = std::move(*frame);
     }
     EXPECT_TRUE(decode(*kept, YuvEncoding::bt601_full));
@@ -87,8 +82,7 @@ TEST_F(LibcameraLive, FramesStayReadableAfterTheSourceIsGoneAndTheCameraReopens)
 }
 
 TEST_F(LibcameraLive, DeadlinesAreMet) {
-  const auto source = open();
-  ASSERT_TRUE(source);
+  const auto source = must(open());
   const auto before = clock_.now();
   const auto frame = source->next(before);
   EXPECT_LT(clock_.now() - before, 1s);

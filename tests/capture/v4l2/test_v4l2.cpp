@@ -4,13 +4,11 @@
 #include <linux/v4l2-controls.h>
 
 #include <atomic>
-#include <cerrno>
 #include <future>
 #include <thread>
 
 #include "base/latest_slot.hpp"
-#include "tests/capture/known_frames.hpp"
-#include "tests/capture/v4l2/fake_camera.hpp"
+#include "tests/capture/v4l2/v4l2_test.hpp"
 
 namespace kasumi {
 namespace {
@@ -21,43 +19,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-const FakeMode kNv12{V4L2_PIX_FMT_NV12, 64, 48};
-
 std::vector<Rgb8> pixels(const PictureView& view) {
   return to_rgb(view).elements();
 }
-
-int open_descriptors() {
-  int count = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) ++count;
-  return count;
-}
-
-class V4l2 : public testing::Test {
- protected:
-  FakeCamera& camera(std::vector<FakeMode> modes) {
-    camera_ = std::make_unique<FakeCamera>(std::move(modes), clock);
-    return *camera_;
-  }
-  CameraRequest request(int width = 64, int height = 48) {
-    CameraRequest request;
-    request.width = width;
-    request.height = height;
-    return request;
-  }
-  Result<std::unique_ptr<CameraSource>> try_open(const CameraRequest& request) {
-    return open_v4l2_source(camera_->open(), {"/dev/v4l/by-id/fake", request}, clock);
-  }
-  std::unique_ptr<CameraSource> open(const CameraRequest& request) {
-    auto source = try_open(request);
-    EXPECT_TRUE(source) << source.error().message;
-    return source ? std::move(*source) : nullptr;
-  }
-  Result<Frame> next(FrameSource& source, Duration longest = 1s) { return source.next(clock.now() + longest); }
-
-  FastForwardClock clock{Utc{std::chrono::sys_days{std::chrono::June / 21 / 2026}}};
-  std::unique_ptr<FakeCamera> camera_;
-};
 
 // --- frames
 
@@ -66,8 +30,7 @@ TEST_F(V4l2, FramesArriveOnTimeWithTheDriversMetadata) {
   auto source = open(request());
   const auto start = clock.now();
   for (std::uint32_t i = 0; i < 20; ++i) {
-    const auto frame = next(*source);
-    ASSERT_TRUE(frame) << frame.error().message;
+    const auto frame = must(next(*source));
     const auto at = start + 40ms * (i + 1);
     EXPECT_EQ(frame->metadata.sequence, i);
     EXPECT_EQ(frame->metadata.captured_at, at);
@@ -104,13 +67,10 @@ TEST_F(V4l2, EveryFormatDecodesToTheEncodedPicture) {
     camera({mode}).content = [&](std::uint32_t) {
       return std::vector<std::vector<std::uint8_t>>{{encoded.payload.bytes.begin(), encoded.payload.bytes.end()}};
     };
-    auto source = open(request());
-    ASSERT_TRUE(source);
+    auto source = must(open(request()));
     EXPECT_EQ(source->mode().format, four_cc(format));
-    const auto frame = next(*source);
-    ASSERT_TRUE(frame) << frame.error().message;
-    const auto got = decode(*frame, YuvEncoding::bt601_full), expected = decode(encoded, YuvEncoding::bt601_full);
-    ASSERT_TRUE(got) << got.error().message;
+    const auto frame = must(next(*source));
+    const auto got = must(decode(*frame, YuvEncoding::bt601_full)), expected = decode(encoded, YuvEncoding::bt601_full);
     EXPECT_EQ(pixels(got->view()), pixels(expected->view()));
   }
 }
@@ -141,13 +101,10 @@ TEST_F(V4l2, PlanesInSeparateMemoriesAreGathered) {
       }
       return planes;
     };
-    auto source = open(request(62, 46));
-    ASSERT_TRUE(source);
-    const auto frame = next(*source);
-    ASSERT_TRUE(frame) << frame.error().message;
+    auto source = must(open(request(62, 46)));
+    const auto frame = must(next(*source));
     EXPECT_EQ(frame->metadata.status, FrameStatus::good);
-    const auto got = decode(*frame, YuvEncoding::bt601_full);
-    ASSERT_TRUE(got) << got.error().message;
+    const auto got = must(decode(*frame, YuvEncoding::bt601_full));
     EXPECT_EQ(pixels(got->view()), pixels(view.view()));
     EXPECT_EQ(source->frames_copied(), 1u);
     EXPECT_EQ(camera_->with_driver(), 6);
@@ -158,12 +115,10 @@ TEST_F(V4l2, AMultiplanarDriverWithOneMemoryPlaneLendsItFromItsDataOffset) {
   camera({kNv12}).multiplanar = true;
   camera_->tamper([](FakeAnswer& answer) { answer.planes[0].data_offset = 128; });
   auto lent = open(request());
-  const auto frame = next(*lent);
-  ASSERT_TRUE(frame) << frame.error().message;
+  const auto frame = must(next(*lent));
   EXPECT_EQ(frame->metadata.status, FrameStatus::truncated) << "128 bytes too few remain after the header";
   camera_->tamper({});
-  const auto whole = next(*lent);
-  ASSERT_TRUE(whole);
+  const auto whole = must(next(*lent));
   EXPECT_EQ(whole->metadata.status, FrameStatus::good);
   ASSERT_TRUE(whole->payload.dma_buf);
   EXPECT_EQ(whole->payload.dma_buf->offset, 0u);
@@ -174,8 +129,7 @@ TEST_F(V4l2, TheNewestFrameWinsAndOlderOnesAreRequeued) {
   auto source = open(request());
   ASSERT_TRUE(next(*source));
   clock.sleep_until(clock.now() + 130ms);  // three more
-  const auto frame = next(*source, 0s);
-  ASSERT_TRUE(frame) << frame.error().message;
+  const auto frame = must(next(*source, 0s));
   EXPECT_EQ(frame->metadata.sequence, 3u);
   EXPECT_EQ(frame->metadata.skipped, 2u);
   EXPECT_EQ(camera_->with_driver(), 5);
@@ -185,8 +139,7 @@ TEST_F(V4l2, WithoutAMonotonicTimestampTheArrivalTimeIsUsed) {
   camera({kNv12}).latency = 7ms;
   camera_->tamper([](FakeAnswer& answer) { answer.buffer.flags = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN; });
   auto source = open(request());
-  const auto frame = next(*source);
-  ASSERT_TRUE(frame);
+  const auto frame = must(next(*source));
   EXPECT_EQ(frame->metadata.captured_at, clock.now());
   EXPECT_EQ(frame->metadata.utc, clock.utc());
 }
@@ -206,13 +159,11 @@ TEST_F(V4l2, AMissingFrameIsATimeoutAtTheDeadline) {
 TEST_F(V4l2, FramesStayInTheDriversBuffersUntilReleased) {
   camera({kNv12});
   auto source = open(request());
-  auto frame = next(*source);
-  ASSERT_TRUE(frame);
+  auto frame = must(next(*source));
   EXPECT_EQ(camera_->with_driver(), 5);
   ASSERT_TRUE(frame->payload.dma_buf);
   EXPECT_GE(frame->payload.dma_buf->fd, 0);
-  auto picture = decode(*frame, YuvEncoding::bt601_full);
-  ASSERT_TRUE(picture);
+  auto picture = must(decode(*frame, YuvEncoding::bt601_full));
   EXPECT_EQ(picture->dma_buf()->buffer, frame->payload.dma_buf->buffer);
   *frame = Frame{};
   EXPECT_EQ(camera_->with_driver(), 5) << "the picture still holds the buffer";
@@ -230,8 +181,7 @@ TEST_F(V4l2, EachBufferOfAStreamHasItsOwnNumber) {
     auto source = open(request());
     std::map<const std::uint8_t*, std::uint64_t> now;
     for (int i = 0; i < 12; ++i) {
-      const auto frame = next(*source);
-      ASSERT_TRUE(frame);
+      const auto frame = must(next(*source));
       const auto [entry, added] = now.emplace(frame->payload.bytes.data(), frame->payload.dma_buf->buffer);
       EXPECT_EQ(entry->second, frame->payload.dma_buf->buffer);
       EXPECT_EQ(distinct.insert(entry->second).second, added);
@@ -244,8 +194,7 @@ TEST_F(V4l2, HoldingFramesDoesNotStarveTheCamera) {
   auto source = open(request());
   std::vector<Frame> held;
   for (std::uint32_t i = 0; i < 20; ++i) {
-    auto frame = next(*source);
-    ASSERT_TRUE(frame) << frame.error().message;
+    auto frame = must(next(*source));
     EXPECT_EQ(frame->metadata.sequence, i) << "no frame was lost";
     EXPECT_EQ(frame->payload.dma_buf.has_value(), i < 4) << "six buffers, of which the driver keeps two";
     held.push_back(std::move(*frame));
@@ -262,8 +211,7 @@ TEST_F(V4l2, CopiesHoldNoDriverBuffers) {
   auto wanted = request();
   wanted.lend_buffers = false;
   auto source = open(wanted);
-  const auto frame = next(*source);
-  ASSERT_TRUE(frame);
+  const auto frame = must(next(*source));
   EXPECT_FALSE(frame->payload.dma_buf);
   EXPECT_EQ(camera_->with_driver(), 6);
   source.reset();
@@ -291,8 +239,7 @@ TEST_F(V4l2, FramesOfALoopbackThatOverwritesBuffersAreCopied) {
 TEST_F(V4l2, ADriverWithoutDmabufExportStillLendsItsMemory) {
   camera({kNv12}).exports = false;
   auto source = open(request());
-  const auto frame = next(*source);
-  ASSERT_TRUE(frame);
+  const auto frame = must(next(*source));
   EXPECT_FALSE(frame->payload.dma_buf);
   EXPECT_EQ(camera_->with_driver(), 5);
 }
@@ -401,15 +348,13 @@ TEST_F(V4l2, AHeldFrameOutlivesItsSourceAndTheCameraCanBeReopenedMeanwhile) {
   camera({kNv12});
   const int before = open_descriptors();
   auto source = open(request());
-  auto held = next(*source);
-  ASSERT_TRUE(held);
+  auto held = must(next(*source));
   source.reset();
   EXPECT_FALSE(camera_->streaming());
   EXPECT_EQ(camera_->mapped(), 1) << "only what is held";
   EXPECT_EQ(camera_->opened(), 1);
   EXPECT_THAT(held->payload.bytes, testing::Each(0));
-  auto again = open(request());
-  ASSERT_TRUE(again);
+  auto again = must(open(request()));
   EXPECT_TRUE(next(*again));
   *held = Frame{};
   EXPECT_TRUE(next(*again)) << "releasing it affects nothing else";
@@ -425,10 +370,7 @@ TEST_F(V4l2, AnOldKernelsBuffersAreFreedWithTheLastFrame) {
   auto held = next(*source);
   source.reset();
   EXPECT_TRUE(camera_->allocated());
-  const auto refused = try_open(request());
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, FaultKind::device);
-  EXPECT_THAT(refused.error().message, HasSubstr("in use"));
+  EXPECT_THAT(try_open(request()), FailsAs(FaultKind::device, HasSubstr("in use")));
   *held = Frame{};
   EXPECT_FALSE(camera_->allocated());
   EXPECT_TRUE(open(request()));
@@ -442,10 +384,7 @@ TEST_F(V4l2, AFailureAtAnyStepOfOpeningLeavesNothingBehind) {
         std::pair{VIDIOC_QBUF, "VIDIOC_QBUF"}, std::pair{VIDIOC_STREAMON, "VIDIOC_STREAMON"}}) {
     SCOPED_TRACE(name);
     camera({kNv12}).refuse(request_code, EIO, 1);
-    const auto refused = try_open(request());
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().kind, FaultKind::device);
-    EXPECT_THAT(refused.error().message, HasSubstr(name));
+    EXPECT_THAT(try_open(request()), FailsAs(FaultKind::device, HasSubstr(name)));
     EXPECT_EQ(camera_->opened(), 0);
     EXPECT_EQ(camera_->mapped(), 0);
     EXPECT_FALSE(camera_->allocated());
@@ -463,141 +402,6 @@ TEST_F(V4l2, UnpluggingAtAnyStepOfOpeningIsADisconnect) {
     EXPECT_EQ(refused.error().kind, FaultKind::disconnected) << refused.error().message;
     EXPECT_EQ(camera_->mapped(), 0);
   }
-}
-
-// --- what drivers answer
-
-TEST_F(V4l2, FlaggedEmptyAndShortFramesReportTheirStatusAndTheStreamContinues) {
-  camera({kNv12}).tamper([](FakeAnswer& answer) {
-    if (answer.number % 4 == 1) answer.buffer.flags |= V4L2_BUF_FLAG_ERROR;
-    if (answer.number % 4 == 2) answer.planes[0].bytesused = 0;
-    if (answer.number % 4 == 3) answer.planes[0].bytesused -= 1;
-  });
-  auto source = open(request());
-  const std::array expected{FrameStatus::good, FrameStatus::flagged, FrameStatus::truncated, FrameStatus::truncated};
-  for (std::uint32_t i = 0; i < 40; ++i) {
-    const auto frame = next(*source);
-    ASSERT_TRUE(frame) << frame.error().message;
-    EXPECT_EQ(frame->metadata.sequence, i) << "every buffer was requeued";
-    EXPECT_EQ(frame->metadata.status, expected[i % 4]) << i;
-  }
-}
-
-TEST_F(V4l2, NoMoreBytesAreReadThanTheBufferHolds) {
-  camera({kNv12}).tamper([](FakeAnswer& answer) { answer.planes[0].bytesused = 0xffffffff; });
-  auto source = open(request());
-  const auto frame = next(*source);
-  ASSERT_TRUE(frame);
-  EXPECT_EQ(frame->metadata.status, FrameStatus::flagged);
-  EXPECT_EQ(frame->payload.bytes.size(), 64u * 48 * 3 / 2);
-  EXPECT_EQ(camera_->with_driver(), 6);
-}
-
-TEST_F(V4l2, ABufferThatIsNotQueuedIsAFault) {
-  for (const std::uint32_t index : {6u, 31u, 0xffffffffu}) {
-    camera({kNv12}).tamper([&](FakeAnswer& answer) { answer.buffer.index = index; });
-    auto source = open(request());
-    const auto frame = next(*source);
-    ASSERT_FALSE(frame);
-    EXPECT_EQ(frame.error().kind, FaultKind::device);
-    EXPECT_THAT(frame.error().message, HasSubstr(fmt::format("buffer {}", index)));
-  }
-  camera({kNv12});  // the same one twice
-  camera_->tamper([](FakeAnswer& answer) { answer.buffer.index = 0; });
-  auto source = open(request());
-  const auto first = next(*source);
-  ASSERT_TRUE(first);
-  const auto second = next(*source);
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().kind, FaultKind::device);
-}
-
-TEST_F(V4l2, StridesAndSizesTooSmallForThePictureAreRefused) {
-  const auto refused_with = [&](std::function<void(v4l2_pix_format&)> change) {
-    camera({kNv12}).lie([change](unsigned long code, void* argument) {
-      if (code == VIDIOC_S_FMT) change(static_cast<v4l2_format*>(argument)->fmt.pix);
-    });
-    const auto source = try_open(request());
-    EXPECT_EQ(camera_->opened(), source ? 1 : 0);
-    return source ? std::string("opened") : source.error().message;
-  };
-  EXPECT_THAT(refused_with([](auto& pix) { pix.bytesperline = 63; }), HasSubstr("63 bytes in a row"));
-  EXPECT_THAT(refused_with([](auto& pix) { pix.bytesperline = 1u << 31; }), HasSubstr("bytes in a row"));
-  EXPECT_THAT(refused_with([](auto& pix) { pix.sizeimage = 64 * 48; }), HasSubstr("3072 bytes for a picture"));
-  EXPECT_THAT(refused_with([](auto& pix) { pix.sizeimage = 0xffffffff; }), HasSubstr("expected at most"));
-  EXPECT_THAT(refused_with([](auto& pix) { pix.width = 32; }), HasSubstr("it would give NV12 32x48"));
-  EXPECT_THAT(refused_with([](auto& pix) { pix.field = V4L2_FIELD_ALTERNATE; }), HasSubstr("single fields"));
-  EXPECT_EQ(refused_with([](auto& pix) { pix.bytesperline = 0; }), "opened") << "old drivers mean: packed";
-}
-
-TEST_F(V4l2, BuffersThatAreTooSmallOrTooFewAreRefused) {
-  camera({kNv12}).lie([](unsigned long code, void* argument) {
-    if (code == VIDIOC_QUERYBUF) static_cast<v4l2_buffer*>(argument)->length = 4095;
-  });
-  EXPECT_THAT(try_open(request()).error().message, HasSubstr("buffer 0 has 4095 bytes"));
-  EXPECT_EQ(camera_->mapped(), 0);
-  camera({kNv12}).most_buffers = 1;
-  EXPECT_THAT(try_open(request()).error().message, HasSubstr("1 buffers"));
-  camera({kNv12}).lie([](unsigned long code, void* argument) {
-    if (code == VIDIOC_REQBUFS) static_cast<v4l2_requestbuffers*>(argument)->count = 1000;
-  });
-  EXPECT_THAT(try_open(request()).error().message, HasSubstr("1000 buffers"));
-}
-
-TEST_F(V4l2, AnUnpluggedCameraIsReportedAtOnceAndPermanently) {
-  camera({kNv12});
-  auto source = open(request());
-  ASSERT_TRUE(next(*source));
-  camera_->unplug();
-  const auto at = clock.now();
-  const auto gone = next(*source, 10s);
-  ASSERT_FALSE(gone);
-  EXPECT_EQ(gone.error().kind, FaultKind::disconnected);
-  EXPECT_EQ(clock.now(), at);
-  camera_->plug_in();
-  EXPECT_EQ(next(*source).error().kind, FaultKind::disconnected) << "another camera may have come";
-}
-
-TEST_F(V4l2, AFailedQueueIsAFaultWithTheDriversError) {
-  camera({kNv12});
-  auto source = open(request());
-  ASSERT_TRUE(next(*source));
-  camera_->fail_queue();
-  const auto at = clock.now();
-  const auto failed = next(*source, 10s);
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().kind, FaultKind::device);
-  EXPECT_THAT(failed.error().message, HasSubstr("Input/output error"));
-  EXPECT_EQ(clock.now(), at);
-}
-
-TEST_F(V4l2, ABufferThatCannotBeRequeuedIsAFault) {
-  camera({kNv12});
-  auto source = open(request());
-  auto frame = next(*source);
-  ASSERT_TRUE(frame);
-  camera_->refuse(VIDIOC_QBUF, EINVAL);
-  *frame = Frame{};
-  const auto failed = next(*source);
-  ASSERT_FALSE(failed);
-  EXPECT_THAT(failed.error().message, HasSubstr("VIDIOC_QBUF"));
-}
-
-TEST_F(V4l2, ASourceThatChangesItsSizeIsAFault) {
-  camera({kNv12});
-  auto source = open(request());
-  ASSERT_TRUE(next(*source));
-  camera_->announce_source_change();
-  const auto failed = next(*source);
-  ASSERT_FALSE(failed);
-  EXPECT_THAT(failed.error().message, HasSubstr("changed size"));
-}
-
-TEST_F(V4l2, TheEndOfAStreamIsAFault) {
-  camera({kNv12});
-  auto source = open(request());
-  camera_->refuse(VIDIOC_DQBUF, EPIPE);
-  EXPECT_THAT(next(*source).error().message, HasSubstr("ended the stream"));
 }
 
 }  // namespace
