@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/haze/range.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -32,8 +33,7 @@ TEST(HazeRange, AHoleInASlantedWallIsFilledByTheWall) {
   for (int y = 30; y < 55; ++y)
     for (int x = 40; x < 80; ++x) range.at(x, y) = 0.0F;
   range.at(3, 3) = 0.0F;
-  const auto made = prepare_range(range, indoors());
-  ASSERT_TRUE(made);
+  const auto made = must(prepare_range(range, indoors()));
   EXPECT_EQ(made->holes, 2);
   EXPECT_NEAR(made->hole_share, (25.0 * 40.0 + 1.0) / (120.0 * 90.0), 1e-9);
   double worst = 0.0;
@@ -53,16 +53,14 @@ TEST(HazeRange, InfinityIsSkyAndIndoorsAHole) {
   range.at(60, 40) = 0.0F;
   HazeRangeOptions options;
   options.margin_px = 0;
-  const auto outdoors = prepare_range(range, options);
-  ASSERT_TRUE(outdoors) << outdoors.error().message;
+  const auto outdoors = must(prepare_range(range, options));
   EXPECT_EQ(outdoors->holes, 1);
   EXPECT_NEAR(outdoors->sky_share, 16.0 / (120.0 * 90.0), 1e-9);
   EXPECT_EQ(outdoors->sky.at(11, 1), 255);
   EXPECT_EQ(outdoors->sky.at(60, 40), 0);
   EXPECT_EQ(outdoors->range.at(11, 1), static_cast<float>(options.sky_range));
   EXPECT_NEAR(outdoors->farthest_m, slanted_wall_m(119, 0), 1e-4);
-  const auto room = prepare_range(range, indoors());
-  ASSERT_TRUE(room);
+  const auto room = must(prepare_range(range, indoors()));
   EXPECT_EQ(room->holes, 2);
   EXPECT_EQ(room->sky_share, 0.0);
   EXPECT_NEAR(static_cast<double>(room->range.at(11, 1)) * room->farthest_m, slanted_wall_m(11, 1), 1e-3);
@@ -77,8 +75,7 @@ TEST(HazeRange, AHoleWhoseBorderIsPartlyAnObjectInFrontIsFilledByTheWallBehind) 
     for (int x = 40; x < 75; ++x) range.at(x, y) = 0.0F;
   std::mt19937_64 random(5);
   for (int i = 0; i < 12; ++i) range.at(40 + static_cast<int>(random() % 35), 24) = 0.5F + 0.1F * static_cast<float>(i);
-  const auto made = prepare_range(range, indoors());
-  ASSERT_TRUE(made);
+  const auto made = must(prepare_range(range, indoors()));
   double worst = 0.0;
   for (int y = 25; y < 65; ++y)
     for (int x = 40; x < 75; ++x)
@@ -92,8 +89,7 @@ TEST(HazeRange, MeasuredRangesStayUnchanged) {
   for (int x = 0; x < 100; ++x)
     for (int y = 0; y < 20 + x / 10; ++y) range.at(x, y) = 0.0F;  // sky
   for (int x = 30; x < 36; ++x) range.at(x, 60) = 0.0F;           // hole
-  const auto made = prepare_range(range);
-  ASSERT_TRUE(made);
+  const auto made = must(prepare_range(range));
   for (int y = 0; y < 80; ++y)
     for (int x = 0; x < 100; ++x)
       if (range.at(x, y) > 0.0F) {
@@ -110,8 +106,7 @@ TEST(HazeRange, TheLargeUndefinedRegionsAreSkyAndTheSmallOnesAreNot) {
     for (int x = 50; x < 55; ++x) range.at(x, y) = 0.0F;
   HazeRangeOptions options;
   options.sky_range = 1.5;
-  const auto made = prepare_range(range, options);
-  ASSERT_TRUE(made);
+  const auto made = must(prepare_range(range, options));
   EXPECT_EQ(made->holes, 1);
   EXPECT_NEAR(made->sky_share, 199.0 * 40.0 / (200.0 * 100.0), 1e-9);
   EXPECT_FLOAT_EQ(made->range.at(10, 2), 1.5F);
@@ -119,8 +114,7 @@ TEST(HazeRange, TheLargeUndefinedRegionsAreSkyAndTheSmallOnesAreNot) {
   EXPECT_FLOAT_EQ(made->range.at(52, 72), 1.0F);
   EXPECT_EQ(made->sky.at(52, 72), 0);
   EXPECT_FLOAT_EQ(made->range.at(120, 2), 1.0F);
-  const auto inside = prepare_range(range, indoors());
-  ASSERT_TRUE(inside);
+  const auto inside = must(prepare_range(range, indoors()));
   EXPECT_EQ(inside->holes, 3);
   EXPECT_EQ(inside->sky_share, 0.0);
 }

@@ -8,6 +8,7 @@
 #include "estimator/horizon/clear_horizon.hpp"
 #include "estimator/horizon/horizon.hpp"
 #include "tests/estimator/horizon/drawn_scene.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -130,8 +131,7 @@ TEST(ClearHorizon, GoesThroughTheClearCellsWhenMostAreCloud) {
   std::mt19937_64 random(11);
   for (const double cloudy : {0.0, 0.3, 0.6, 0.7}) {
     const auto cells = drawn_cells(cloudy, random);
-    const auto clear = fit_clear_horizon(cells, std::vector<std::uint8_t>(cells.size(), 1));
-    ASSERT_TRUE(clear);
+    const auto clear = must(fit_clear_horizon(cells, std::vector<std::uint8_t>(cells.size(), 1)));
     EXPECT_NEAR(clear->share, 1.0 - cloudy, 0.06);  // including clouds too thin to be detected
     for (const double azimuth : {-0.04, 0.0, 0.04}) {
       for (const double elevation : {0.005, 0.025, 0.045}) {
@@ -153,8 +153,7 @@ TEST(ClearHorizon, LooksOnlyAtTheCellsInUse) {
     use[i] = 0;
     cells[i].log_light += glm::dvec3{0.03};
   }
-  const auto clear = fit_clear_horizon(cells, use);
-  ASSERT_TRUE(clear);
+  const auto clear = must(fit_clear_horizon(cells, use));
   EXPECT_NEAR(clear->log_light(0.0, 0.0).x, -1.0, 0.002);
 }
 

@@ -2,10 +2,10 @@
 #include <filesystem>
 
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "estimator/horizon/horizon.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -13,35 +13,19 @@ namespace {
 
 const std::filesystem::path kHaze = shared_data_folder() / "haze";
 
-Image<Rgb8> read(const std::filesystem::path& path) {
-  cv::Mat read = cv::imread(path.string(), cv::IMREAD_COLOR);
-  Image<Rgb8> picture(read.cols, read.rows);
-  for (int y = 0; y < read.rows; ++y) {
-    for (int x = 0; x < read.cols; ++x) {
-      const auto& bgr = read.at<cv::Vec3b>(y, x);
-      picture.at(x, y) = {bgr[2], bgr[1], bgr[0]};
-    }
-  }
-  return picture;
-}
-
 void save_overlay(const Image<Rgb8>& picture, const Image<std::uint8_t>& sky, const std::string& name) {
-  cv::Mat overlay(picture.height(), picture.width(), CV_8UC3);
-  for (int y = 0; y < picture.height(); ++y) {
-    for (int x = 0; x < picture.width(); ++x) {
-      const Rgb8& rgb = picture.at(x, y);
-      const auto red = static_cast<std::uint8_t>(sky.at(x, y) != 0 ? 100 + rgb.x * 155 / 255 : rgb.x);
-      overlay.at<cv::Vec3b>(y, x) = {rgb.z, rgb.y, red};
-    }
-  }
+  Image<Rgb8> overlay = picture;
+  for (std::size_t i = 0; i < sky.elements().size(); ++i)
+    if (auto& red = overlay.elements()[i].r; sky.elements()[i] != 0)
+      red = static_cast<std::uint8_t>(100 + red * 155 / 255);
   std::filesystem::create_directories(test_output_folder());
-  cv::imwrite(test_output_folder().string() + "/sky-" + name + ".png", overlay);
+  cv::imwrite(test_output_folder().string() + "/sky-" + name + ".png", bgr_of(overlay));
 }
 
 TEST(HorizonPictures, TheSkyEndsAtTheHazyGatesRoof) {
   const auto path = kHaze / "classic" / "tiananmen.png";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-  const Image<Rgb8> picture = read(path);  // 600x450
+  const Image<Rgb8> picture = read_rgb(path);  // 600x450
   const SkySegmentation found = segment_sky(picture);
   save_overlay(picture, found.sky, "tiananmen");
   ASSERT_TRUE(found.visible) << found.reason;
@@ -59,7 +43,8 @@ TEST(HorizonPictures, TheSkyOverAMeadowEndsAtItsTreesFromMistToClearAir) {
   for (const std::string name : {"Meetterrein_20151006_0620", "Meetterrein_20151006_1430", "Meetterrein_20151007_0650",
                                  "Meetterrein_20151007_1310", "Meetterrein_20151008_1620", "Meetterrein_20151010_0830",
                                  "Meetterrein_20151017_0630"}) {  // 1.6, 14, 19, 23, 48, 9.7, .47 km of visibility
-    const Image<Rgb8> picture = read(kHaze / "knmi-debilt" / (name + ".jpg"));  // 768x576, tree tops at rows 270-295
+    const Image<Rgb8> picture =
+        read_rgb(kHaze / "knmi-debilt" / (name + ".jpg"));  // 768x576, tree tops at rows 270-295
     const SkySegmentation found = segment_sky(picture);
     save_overlay(picture, found.sky, name);
     ASSERT_TRUE(found.visible) << name << ": " << found.reason;

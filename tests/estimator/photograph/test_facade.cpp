@@ -5,6 +5,7 @@
 #include <glm/exponential.hpp>
 
 #include "estimator/photograph/facade.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -33,8 +34,7 @@ TEST(Facade, IsMeasuredInClearAirAndDrawnAsItWouldBeSeenInHaze) {
   for (const double sunlit : {0.4, 0.6, 0.8}) views.push_back(seen_through(0.12, sunlit));
   std::vector<const FacadeView*> all;
   for (const auto& view : views) all.push_back(&view);
-  const auto facade = measure_facade(all);
-  ASSERT_TRUE(facade);
+  const auto facade = must(measure_facade(all));
   EXPECT_EQ(facade->shaded_views, 3);
   EXPECT_EQ(facade->lit_views, 3);
   EXPECT_NEAR(facade->shade.at(3, 1).g, 0.11, 1e-4);
@@ -49,8 +49,7 @@ TEST(Facade, IsMeasuredInClearAirAndDrawnAsItWouldBeSeenInHaze) {
 
 TEST(Facade, ASigmaOfTheAirIsOneOfTheDrawing) {
   std::vector<FacadeView> views{seen_through(0.1, 0.0), seen_through(0.1, 0.0), seen_through(0.1, 0.0)};
-  const auto facade = measure_facade({&views[0], &views[1], &views[2]});
-  ASSERT_TRUE(facade);
+  const auto facade = must(measure_facade({&views[0], &views[1], &views[2]}));
   const auto hazy = seen_through(1.0, 0.0);
   const auto more = put_back(*facade, hazy.sky, hazy.depth + hazy.depth_sigma, 0.0);
   const auto less = put_back(*facade, hazy.sky, hazy.depth - hazy.depth_sigma, 0.0);

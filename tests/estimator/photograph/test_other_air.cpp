@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/photograph/other_air.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -130,16 +131,13 @@ TEST(OtherAir, ReportsWhatCannotBeDone) {
   auto options = options_for(Turbidity{2.0});
   Photograph small;
   small.encoded = Image<glm::vec3>(3, 2);
-  const auto other_size = OtherAir(options).set_picture(small, "small.png");
-  ASSERT_FALSE(other_size);
-  EXPECT_THAT(other_size.error().message, HasSubstr("small.png: is 3 x 2: expected 12 x 8"));
+  EXPECT_THAT(OtherAir(options).set_picture(small, "small.png"),
+              FailsWith(HasSubstr("small.png: is 3 x 2: expected 12 x 8")));
   options.airlight.reset();
   Photograph dark;
   dark.encoded = Image<glm::vec3>(kWidth, kHeight, glm::vec3(0.0F));
-  const auto no_horizon = OtherAir(options).set_picture(dark, "dark.png");
-  ASSERT_FALSE(no_horizon);
-  EXPECT_EQ(no_horizon.error().kind, FaultKind::bad_input);
-  EXPECT_THAT(no_horizon.error().message, HasSubstr("dark.png: no horizon"));
+  EXPECT_THAT(OtherAir(options).set_picture(dark, "dark.png"),
+              FailsAs(FaultKind::bad_input, HasSubstr("dark.png: no horizon")));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "estimator/sky/dome.hpp"
 #include "estimator/sky/sky_model.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
+#include "tests/alpnach.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi::test {
@@ -47,11 +48,10 @@ Direction view_of_pixel(const Lens& lens, const glm::dvec2& pixel) {
   return {std::sin(theta) * d.x / r, -std::sin(theta) * d.y / r, std::cos(theta)};
 }
 
-std::vector<Pixel> merged(const Lens& lens, const std::string& folder) {
+std::vector<Pixel> merged(const Lens& lens) {
   std::vector<cv::Mat> exposures;
   for (std::size_t i = 0; i < kExposures.size(); ++i)
-    exposures.push_back(cv::imread(
-        fmt::format("{}/Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", folder, kFirst + i)));
+    exposures.push_back(cv::imread(alpnach::file(static_cast<int>(kFirst + i)).string()));
   const Direction sun = view_of_pixel(lens, kSun);
   std::vector<Pixel> pixels;
   for (int y = 5; y < kSide - 10; y += 2)
@@ -127,8 +127,7 @@ Fit fit(const std::vector<Pixel>& pixels, const std::vector<double>& model, cons
 }
 
 TEST(RealSky, DISABLED_WhoseSkyIsNearer) {
-  const auto folder = (shared_data_folder() / "sky" / "skycam-alpnach").string();
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data: " << folder;
+  if (!alpnach::is_there()) GTEST_SKIP() << "no shared data: " << alpnach::file(0);
   const double sun_px = glm::length(kSun - kCentre);
   const auto equidistant = [&](double sun_deg) -> Lens {
     return [f = sun_px / from_degrees(sun_deg).value](double r) { return r / f; };
@@ -145,7 +144,7 @@ TEST(RealSky, DISABLED_WhoseSkyIsNearer) {
   for (const auto& [name, lens] : {std::pair{"equidistant", equidistant(62.1)},
                                    {"equidistant", equidistant(65.1)},
                                    {"stereographic", stereographic(67.7)}}) {
-    const auto pixels = merged(lens, folder);
+    const auto pixels = merged(lens);
     const Direction sun = view_of_pixel(lens, kSun);
     fmt::print("{}, sun at {:.1f} deg, {} pixels\n", name, to_degrees(zenith_angle(sun)), pixels.size());
     using Models = std::vector<std::pair<double, std::vector<std::array<double, 4>>>>;  // T, light of each pixel

@@ -2,56 +2,32 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <map>
 
-#include <opencv2/imgcodecs.hpp>
-
+#include "tests/csv.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi::test {
 namespace {
 
-// The fields of a line; commas between quotes are none of the table's.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      fields.emplace_back();
-    } else if (c != '\r') {
-      fields.back() += c;
-    }
-  }
-  return fields;
-}
-
 double number(const std::string& text, double otherwise) {
   return text.empty() ? otherwise : std::stod(text);
 }
 
-LabelledSky read(const std::filesystem::path& folder, std::map<std::string, std::string>& row) {
+LabelledSky read(const std::filesystem::path& folder, CsvRow& row) {
   LabelledSky sky;
   sky.file = row["file"];
   sky.id = row["id"];
   sky.name = row["camera"];
   sky.sky = row["sky"];
   if (!row["cloud"].empty()) sky.cloud = std::stod(row["cloud"]);
-  const cv::Mat image = cv::imread((folder / sky.file).string(), cv::IMREAD_COLOR);
-  sky.pixels = Image<Rgb8>(image.cols, image.rows);
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) {
-      const auto& bgr = image.at<cv::Vec3b>(y, x);
-      sky.pixels.at(x, y) = {bgr[2], bgr[1], bgr[0]};
-    }
+  sky.pixels = read_rgb(folder / sky.file);
   // The horizon's circle where that and the image's edge are labelled.
   const bool second = number(row["r2"], 1e9) < number(row["r"], 0.0);
   const std::string which = second ? "2" : "";
   const double radius = number(row["r" + which], 0.0);
-  sky.camera.width = image.cols;
-  sky.camera.height = image.rows;
+  sky.camera.width = sky.pixels.width();
+  sky.camera.height = sky.pixels.height();
   sky.camera.lens = equidistant_lens({number(row["cx" + which], 0.0), number(row["cy" + which], 0.0)},
                                      radius / (0.5 * kPi), {0.5 * kPi});
   sky.camera.to_world = camera_to_world(from_degrees(180), from_degrees(90), {0});
@@ -72,17 +48,9 @@ LabelledSky read(const std::filesystem::path& folder, std::map<std::string, std:
 
 std::vector<LabelledSky> labelled_skies() {
   const auto folder = shared_data_folder() / "sky" / "real";
-  std::ifstream table(folder / "labels.csv");
   std::vector<LabelledSky> skies;
-  std::string line;
-  if (!std::getline(table, line)) return skies;
-  const auto columns = fields_of(line);
-  while (std::getline(table, line)) {
-    const auto fields = fields_of(line);
-    std::map<std::string, std::string> row;
-    for (std::size_t i = 0; i < std::min(columns.size(), fields.size()); ++i) row[columns[i]] = fields[i];
+  for (CsvRow& row : read_csv(folder / "labels.csv"))
     if (row["circle"] == "yes" && std::filesystem::exists(folder / row["file"])) skies.push_back(read(folder, row));
-  }
   return skies;
 }
 

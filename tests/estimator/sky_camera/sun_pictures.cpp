@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "base/aerosol.hpp"
 #include "base/units.hpp"
@@ -16,6 +15,7 @@
 #include "fixtures/light/sky.hpp"
 #include "fixtures/noise/noise.hpp"
 #include "fixtures/noise/random.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi::test {
@@ -231,15 +231,7 @@ Image<Rgb8> as_jpeg(const Image<glm::dvec3>& encoded, int quality) {
       const glm::dvec3 v = glm::round(255.0 * glm::clamp(encoded.at(x, y), 0.0, 1.0));
       bgr(y, x) = {static_cast<std::uint8_t>(v.b), static_cast<std::uint8_t>(v.g), static_cast<std::uint8_t>(v.r)};
     }
-  if (quality > 0) {
-    std::vector<std::uint8_t> bytes;
-    cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-    bgr = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  }
-  Image<Rgb8> pixels(bgr.cols, bgr.rows);
-  for (int y = 0; y < bgr.rows; ++y)
-    for (int x = 0; x < bgr.cols; ++x) pixels.at(x, y) = {bgr(y, x)[2], bgr(y, x)[1], bgr(y, x)[0]};
-  return pixels;
+  return rgb_of(quality > 0 ? through_jpeg(bgr, quality) : bgr);
 }
 
 }  // namespace

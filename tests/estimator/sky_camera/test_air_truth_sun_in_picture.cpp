@@ -7,11 +7,12 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "estimator/sky_camera/sun_in_image.hpp"
+#include "tests/alpnach.hpp"
 #include "tests/estimator/sky_camera/sun_pictures.hpp"
 #include "tests/figures.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -55,8 +56,7 @@ struct Tally {
     std::ranges::sort(sigmas);
     std::printf(
         "%s: sun found in %zu of %d, median %.2f deg, 90%% %.2f, worst %.2f, within %.0f deg %.0f %%; error / sigma of "
-        "one "
-        "axis, median %.2f (Rayleigh 1.18); no sun in %d: false %d, beside the hidden one %d\n    before: %s\n",
+        "one axis, median %.2f (Rayleigh 1.18); no sun in %d: false %d, beside the hidden one %d\n    before: %s\n",
         set, errors_deg.size(), with_sun, error_deg(0.5), error_deg(0.9), error_deg(1.0), kNear_deg,
         100.0 * near_share(), sigmas.empty() ? 0.0 : sigmas[sigmas.size() / 2], without, false_suns, beside_hidden,
         before);
@@ -101,17 +101,6 @@ TEST(AirTruthSunInPicture, IsNearOrNotFoundInOthers) {
   expect_near_or_not_found(tally);
 }
 
-Image<Rgb8> picture_at(const std::filesystem::path& file) {
-  const cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
-  Image<Rgb8> pixels(image.cols, image.rows);
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) {
-      const auto& bgr = image.at<cv::Vec3b>(y, x);
-      pixels.at(x, y) = {bgr[2], bgr[1], bgr[0]};
-    }
-  return pixels;
-}
-
 Camera looking_up(const Image<Rgb8>& pixels, const glm::dvec2& centre, double radius_px, double field_of_view_deg) {
   Camera camera;
   camera.width = pixels.width();
@@ -123,21 +112,18 @@ Camera looking_up(const Image<Rgb8>& pixels, const glm::dvec2& centre, double ra
 }
 
 TEST(AirTruthSunInPicture, IsWhereItIsInAPhotographedSkyOrNotFound) {
-  const auto folder = shared_data_folder() / "sky/skycam-alpnach";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no shared data: " << folder;
+  if (!alpnach::is_there()) GTEST_SKIP() << "no shared data: " << alpnach::file(0);
   int found = 0;
-  for (int exposure = 0; exposure < 13; ++exposure) {
-    const auto pixels =
-        picture_at(folder / fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure));
-    Camera camera = looking_up(pixels, {149.6, 140.7}, 133.0, 185.0);
-    camera.response = Response::linear();
+  const Camera camera = alpnach::camera();
+  for (int exposure = 0; exposure < alpnach::kExposures; ++exposure) {
+    const auto pixels = read_rgb(alpnach::file(exposure));
     const auto blob = find_sun(*sky_picture(view_of(pixels), camera), camera);
     if (!blob) {
       std::printf("exposure %2d: not found\n", exposure);
       continue;
     }
     ++found;
-    const double error_deg = to_degrees(angle_between(blob->direction, *camera.direction_at({83.3, 80.9})));
+    const double error_deg = to_degrees(angle_between(blob->direction, *camera.direction_at(alpnach::kSun)));
     std::printf("exposure %2d: (%.2f, %.2f), %.2f deg off, sigma %.2f, confidence %.2f\n", exposure, blob->pixel.x,
                 blob->pixel.y, error_deg, to_degrees(blob->sigma), blob->confidence);
     EXPECT_LT(error_deg, 0.5) << exposure;
@@ -152,7 +138,7 @@ TEST(AirTruthSunInPicture, IsNotFoundInRooms) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (entry.path().extension() != ".jpg") continue;
     ++pictures;
-    const auto pixels = picture_at(entry.path());
+    const auto pixels = read_rgb(entry.path());
     const glm::dvec2 middle{0.5 * (pixels.width() - 1), 0.5 * (pixels.height() - 1)};
     const Camera camera = looking_up(pixels, middle, 0.5 * pixels.width(), 180.0);
     EXPECT_FALSE(find_sun(*sky_picture(view_of(pixels), camera), camera)) << entry.path();

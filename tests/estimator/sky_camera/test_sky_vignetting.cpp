@@ -4,6 +4,7 @@
 
 #include "estimator/sky_camera/sky_vignetting.hpp"
 #include "fixtures/generator/generator.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -66,8 +67,7 @@ TEST(SkyVignetting, SkiesThatFollowTheModelGiveTheLensToAPercent) {
   for (const auto& [seed, turbidity, clouds] :
        {std::tuple{1, 2.7, 0.0}, std::tuple{2, 3.6, 0.0}, std::tuple{3, 5.1, 0.0}, std::tuple{4, 4.0, 0.3}}) {
     const auto made = day(static_cast<std::uint64_t>(seed), turbidity, 6, clouds);
-    const auto found = vignetting_from_sky(made.camera, made.moments);
-    ASSERT_TRUE(found) << found.error().message;
+    const auto found = must(vignetting_from_sky(made.camera, made.moments));
     const double error = worst(*found, made.camera);
     std::printf("T about %.1f, clouds %.1f: %+.2f %% at worst within 80 deg, %+.2f %% within 90; said: %.2f %%\n",
                 turbidity, clouds, 100.0 * error, 100.0 * worst(*found, made.camera, 1.0), 100.0 * found->rim_sigma);
@@ -80,8 +80,7 @@ TEST(SkyVignetting, SkiesThatFollowTheModelGiveTheLensToAPercent) {
 
 TEST(SkyVignetting, ASkyBrighterAtTheRimThanTheModelIsMistakenForTheLensWithinTheStatedError) {
   const auto made = day(5, 3.4, 6, 0.0, 0.03);
-  const auto found = vignetting_from_sky(made.camera, made.moments);
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(vignetting_from_sky(made.camera, made.moments));
   EXPECT_NEAR(found->by_3_percent_at_rim, 0.03, 0.003);
   EXPECT_NEAR(worst(*found, made.camera), 0.03, 0.02);
 }
@@ -96,8 +95,7 @@ TEST(SkyVignetting, OnePictureIsRefusedUnlessTIsKnown) {
 
   SkyVignettingOptions known;
   known.turbidity = KnownTurbidity{3.0 + 0.2 * std::sin(6.0), 0.02};
-  const auto found = vignetting_from_sky(made.camera, made.moments, known);
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(vignetting_from_sky(made.camera, made.moments, known));
   EXPECT_LE(std::abs(worst(*found, made.camera)), 0.015);
   EXPECT_LE(found->by_3_percent_about_sun, 0.1);  // with T fitted it is several times that
 }
@@ -106,9 +104,8 @@ TEST(SkyVignetting, ReportsThatThereIsNoClearSky) {
   auto made = day(7, 3.0, 2);
   for (auto& moment : made.moments)
     for (auto& value : moment.picture.encoded.elements()) value = glm::vec3(0.5f);
-  const auto found = vignetting_from_sky(made.camera, made.moments);
-  ASSERT_FALSE(found);
-  EXPECT_THAT(found.error().message, HasSubstr("none of 2 pictures shows enough clear sky"));
+  EXPECT_THAT(vignetting_from_sky(made.camera, made.moments),
+              FailsWith(HasSubstr("none of 2 pictures shows enough clear sky")));
 }
 
 }  // namespace

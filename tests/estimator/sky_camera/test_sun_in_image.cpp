@@ -7,6 +7,7 @@
 #include "estimator/sky_camera/sun_in_image.hpp"
 #include "tests/estimator/sky_camera/labelled_skies.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -64,8 +65,7 @@ TEST(SunInImage, IsNotMistakenForAReflection) {
   paint(seen.image, *seen.camera.pixel_of(opposite), 5.0, {255, 255, 255});
   for (int x = 200; x < 330; ++x)  // and glare across the dome
     for (int y = 420; y < 426; ++y) seen.image.at(x, y) = {255, 255, 255};
-  const auto blob = seen.find();
-  ASSERT_TRUE(blob);
+  const auto blob = must(seen.find());
   EXPECT_LT(to_degrees(angle_between(blob->direction, seen.sun)), 0.3);
 }
 
@@ -125,8 +125,7 @@ TEST(SunInImage, IsFoundWhereTheSensorShowsItBlack) {
   const glm::dvec2 sun = *seen.camera.pixel_of(seen.sun);
   paint_glare(seen.image, sun, 20.0);
   paint(seen.image, sun + glm::dvec2{3.0, 0.0}, 4.0, {20, 20, 20});
-  const auto blob = seen.find();
-  ASSERT_TRUE(blob);
+  const auto blob = must(seen.find());
   EXPECT_LT(to_degrees(angle_between(blob->direction, seen.sun)), 0.5);
 }
 
@@ -185,8 +184,7 @@ TEST(SunInImage, IsTheSameInACroppedPicture) {
   const glm::dvec2 sun = *seen.camera.pixel_of(seen.sun);
   paint_glare(seen.image, sun, 22.0);
   paint(seen.image, sun + glm::dvec2{26.0, 10.0}, 12.0, kWhite);
-  const auto whole = find_sun(*sky_picture(view_of(seen.image), seen.camera), seen.camera, {.by_shape = true});
-  ASSERT_TRUE(whole);
+  const auto whole = must(find_sun(*sky_picture(view_of(seen.image), seen.camera), seen.camera, {.by_shape = true}));
   for (const int left : {0, 1, 7, 30})
     for (const int top : {0, 3, 45}) {
       Image<Rgb8> part(590 - left, 585 - top);

@@ -10,13 +10,13 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/statistics.hpp"
 #include "base/units.hpp"
 #include "fixtures/noise/noise.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
+#include "tests/opencv_pictures.hpp"
 
 namespace kasumi::test {
 namespace {
@@ -67,30 +67,13 @@ void flatten(Image<glm::dvec3>& light, const Image<double>& sun_distance, double
         light.at(x, y) *= std::exp(-power * static_cast<double>(level(y, x) / seen(y, x)));
 }
 
-Image<Rgb8> through_jpeg(const Image<Rgb8>& picture, int quality) {
-  cv::Mat3b image(picture.height(), picture.width());
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) {
-      const Rgb8& c = picture.at(x, y);
-      image(y, x) = {c.b, c.g, c.r};
-    }
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-  const cv::Mat3b back = cv::imdecode(bytes, cv::IMREAD_COLOR);
-  Image<Rgb8> read(picture.width(), picture.height());
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) read.at(x, y) = {back(y, x)[2], back(y, x)[1], back(y, x)[0]};
-  return read;
-}
-
 }  // namespace
 
 std::string StrangeCamera::text() const {
   const char* const names[] = {"srgb", "power", "contrast", "film"};
   return fmt::format(
       "{} {:.2f}, vignetting {:.2f}, veil {:.3f}, halo {:.3f}, ghost {:.2f}, flattened {:.2f}, white {:.1f}, "
-      "saturation "
-      "{:.2f}, level {:.2f}, jpeg {}, noise {:.3f}{}",
+      "saturation {:.2f}, level {:.2f}, jpeg {}, noise {:.3f}{}",
       names[static_cast<int>(curve)], strength, vignetting, veil, halo, ghost, flattened, white_balance, saturation,
       median_level, jpeg_quality, noise, trees ? ", trees" : "");
 }
@@ -202,7 +185,7 @@ Image<Rgb8> photograph(const PopulationSky& sky, const StrangeCamera& camera, in
         picture.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(255.0 * encoded(camera, rgb[c])));
       }
     }
-  return camera.jpeg_quality > 0 ? through_jpeg(picture, camera.jpeg_quality) : picture;
+  return camera.jpeg_quality > 0 ? rgb_of(through_jpeg(bgr_of(picture), camera.jpeg_quality)) : picture;
 }
 
 }  // namespace kasumi::test

@@ -11,13 +11,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <glm/common.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "estimator/turbidity/turbidity.hpp"
 #include "fixtures/landscape/sky_view.hpp"
+#include "tests/alpnach.hpp"
 #include "tests/estimator/turbidity/sky_photographs.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
 #include "tests/figures.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -119,37 +120,15 @@ TEST(AirTruthPictures, MeasuredSkies) {
 // Thirteen exposures of one clear winter sky, and what is best of all for each pixel.
 class PhotographedSky : public testing::Test {
  protected:
-  static constexpr int kExposures = 13;
   void SetUp() override {
-    for (int i = 0; i < kExposures; ++i) {
-      const cv::Mat image =
-          cv::imread(fmt::format("{}/sky/skycam-alpnach/Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png",
-                                 shared_data_folder().string(), i));
-      if (image.empty()) GTEST_SKIP() << "no shared data";
-      Image<glm::vec3> light(300, 300);
-      for (int y = 0; y < 300; ++y)
-        for (int x = 0; x < 300; ++x) {
-          const auto& bgr = image.at<cv::Vec3b>(y, x);
-          light.at(x, y) = glm::vec3{bgr[2], bgr[1], bgr[0]} / 255.0f;
-        }
+    if (!alpnach::is_there()) GTEST_SKIP() << "no shared data";
+    for (int i = 0; i < alpnach::kExposures; ++i) {
+      const Image<Rgb8> picture = read_rgb(alpnach::file(i));
+      Image<glm::vec3> light(picture.width(), picture.height());
+      std::ranges::transform(picture.elements(), light.elements().begin(),
+                             [](const Rgb8& p) { return glm::vec3(p) / 255.0f; });
       exposures_.push_back(std::move(light));
     }
-  }
-  // Land up to 25 deg high is masked.
-  static Camera camera() {
-    Camera camera;
-    camera.name = "sky";
-    camera.width = camera.height = 300;
-    const double half = from_degrees(92.5).value;
-    camera.lens = equidistant_lens({149.6, 140.7}, 133.0 / half, {half});
-    camera.to_world = camera_to_world(from_degrees(180), from_degrees(90), {0});
-    camera.response = Response::linear();
-    camera.mask = Image<std::uint8_t>(300, 300);
-    for (int y = 0; y < 300; ++y)
-      for (int x = 0; x < 300; ++x)
-        if (const auto d = camera.direction_at({x, y}))
-          camera.mask.at(x, y) = d->z > std::sin(from_degrees(25.0).value) ? 255 : 0;
-    return camera;
   }
   // Over how much more light there is in exposure i + 1 than in i, as measured where both tell it.
   Image<glm::vec3> merged() const {
@@ -188,8 +167,8 @@ class PhotographedSky : public testing::Test {
 };
 
 TEST_F(PhotographedSky, AllExposuresAndTheirMerger) {
-  const Camera camera = PhotographedSky::camera();
-  const SunDirection sun = *camera.direction_at({83.3, 80.9});
+  const Camera camera = alpnach::camera(alpnach::kFieldOfView_deg, alpnach::Land::masked);
+  const SunDirection sun = *camera.direction_at(alpnach::kSun);
   constexpr double kAlpnach_m = 440.0;
   const TurbidityEstimate whole = found_in(*sky_picture(merged(), 0.0, camera), camera, sun, kAlpnach_m);
   print_row("Alpnach, merged", whole);
@@ -197,7 +176,7 @@ TEST_F(PhotographedSky, AllExposuresAndTheirMerger) {
   ASSERT_TRUE(whole.found);
   int usable = 0;
   double least = 1.0, most = 0.0;
-  for (int i = 0; i < kExposures; ++i) {
+  for (int i = 0; i < alpnach::kExposures; ++i) {
     const auto& exposure = exposures_[static_cast<std::size_t>(i)];
     const TurbidityEstimate e = found_in(*sky_picture(exposure, 1.0 / 255.0, camera), camera, sun, kAlpnach_m);
     print_row(fmt::format("Alpnach, exposure {}", i), e);

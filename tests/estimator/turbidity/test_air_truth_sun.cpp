@@ -9,15 +9,16 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "estimator/turbidity/own_sky.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "fixtures/generator/generator.hpp"
 #include "fixtures/landscape/sky_view.hpp"
 #include "fixtures/noise/random.hpp"
+#include "tests/alpnach.hpp"
 #include "tests/estimator/turbidity/sky_photographs.hpp"
 #include "tests/figures.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -211,33 +212,12 @@ TEST(AirTruthSun, StaysOnUnderMeasuredSkies) {
 }
 
 TEST(AirTruthSun, StaysOnUnderAPhotographedSky) {
-  // What stands above the horizon, up to 25 deg high, is masked.
-  Camera camera;
-  camera.width = camera.height = 300;
-  const double half = from_degrees(92.5).value;
-  camera.lens = equidistant_lens({149.6, 140.7}, 133.0 / half, {half});
-  camera.to_world = camera_to_world(from_degrees(180), from_degrees(90), {0});
-  camera.response = Response::linear();
-  camera.mask = Image<std::uint8_t>(300, 300);
-  for (int y = 0; y < 300; ++y)
-    for (int x = 0; x < 300; ++x)
-      if (const auto d = camera.direction_at({x, y}))
-        camera.mask.at(x, y) = d->z > std::sin(from_degrees(25.0).value) ? 255 : 0;
-  const SunDirection sun = *camera.direction_at({83.3, 80.9});
+  if (!alpnach::is_there()) GTEST_SKIP() << "no shared data";
+  const Camera camera = alpnach::camera(alpnach::kFieldOfView_deg, alpnach::Land::masked);
+  const SunDirection sun = *camera.direction_at(alpnach::kSun);
   Kept kept;
-  for (int exposure = 0; exposure < 13; ++exposure) {
-    const cv::Mat image =
-        cv::imread(fmt::format("{}/sky/skycam-alpnach/Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png",
-                               shared_data_folder().string(), exposure));
-    if (image.empty()) GTEST_SKIP() << "no shared data";
-    Image<Rgb8> pixels(300, 300);
-    for (int y = 0; y < 300; ++y)
-      for (int x = 0; x < 300; ++x) {
-        const auto& bgr = image.at<cv::Vec3b>(y, x);
-        pixels.at(x, y) = {bgr[2], bgr[1], bgr[0]};
-      }
-    kept.add(Look(pixels, camera, sun));
-  }
+  for (int exposure = 0; exposure < alpnach::kExposures; ++exposure)
+    kept.add(Look(read_rgb(alpnach::file(exposure)), camera, sun));
   kept.print("Alpnach, thirteen exposures");
   EXPECT_EQ(kept.lost, 0);
 }

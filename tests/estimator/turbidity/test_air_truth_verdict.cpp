@@ -7,12 +7,13 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "estimator/turbidity/turbidity.hpp"
+#include "tests/alpnach.hpp"
 #include "tests/estimator/turbidity/sky_population.hpp"
 #include "tests/estimator/turbidity/strange_camera.hpp"
 #include "tests/figures.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -141,26 +142,12 @@ INSTANTIATE_TEST_SUITE_P(Both, AirTruthVerdict, testing::Values(Population::deve
 
 // Alpnach's thirteen exposures: linear pictures; what stands above the horizon is not masked.
 TEST(AirTruthVerdictReal, AlpnachIsUsedWhereItIsExposed) {
-  Camera camera;
-  camera.width = camera.height = 300;
-  const double half = from_degrees(92.5).value;
-  camera.lens = equidistant_lens({149.6, 140.7}, 133.0 / half, {half});
-  camera.to_world = camera_to_world(from_degrees(180), from_degrees(90), {0});
-  camera.response = Response::linear();
-  const SunDirection sun = *camera.direction_at({83.3, 80.9});
+  if (!alpnach::is_there()) GTEST_SKIP() << "no shared data";
+  const Camera camera = alpnach::camera();
+  const SunDirection sun = *camera.direction_at(alpnach::kSun);
   int used = 0;
-  for (int exposure = 0; exposure < 13; ++exposure) {
-    const cv::Mat image =
-        cv::imread(fmt::format("{}/sky/skycam-alpnach/Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png",
-                               shared_data_folder().string(), exposure));
-    if (image.empty()) GTEST_SKIP() << "no shared data";
-    Image<Rgb8> pixels(image.cols, image.rows);
-    for (int y = 0; y < image.rows; ++y)
-      for (int x = 0; x < image.cols; ++x) {
-        const auto& bgr = image.at<cv::Vec3b>(y, x);
-        pixels.at(x, y) = {bgr[2], bgr[1], bgr[0]};
-      }
-    const TurbidityEstimate e = judge(pixels, camera, sun, 500.0);
+  for (int exposure = 0; exposure < alpnach::kExposures; ++exposure) {
+    const TurbidityEstimate e = judge(read_rgb(alpnach::file(exposure)), camera, sun, 500.0);
     std::printf("exposure %2d: %s\n", exposure,
                 e.usable ? fmt::format("T {:.2f} +- {:.2f}, AOD {:.3f} +- {:.3f}, {}, off by {:.1f} %",
                                        e.turbidity.value, e.sigma, e.found->aerosol.aod_550,

@@ -2,6 +2,7 @@
 
 #include "estimator/turbidity/sky_picture.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -12,8 +13,7 @@ TEST(SkyPicture, PicksPixelsAndKnowsWhereTheyAre) {
   for (int y = 0; y < 1000; ++y)
     for (int x = 0; x < 1000; ++x)
       image.at(x, y) = {static_cast<std::uint8_t>(x % 256), static_cast<std::uint8_t>(y % 256), 7};
-  const auto picture = sky_picture(view_of(image), camera);
-  ASSERT_TRUE(picture) << picture.error().message;
+  const auto picture = must(sky_picture(view_of(image), camera));
   EXPECT_LE(picture->encoded.width(), kSkyPictureSide);
   EXPECT_GT(picture->encoded.width(), kSkyPictureSide / 2);
   for (const auto& [x, y] :
@@ -28,8 +28,7 @@ TEST(SkyPicture, PicksPixelsAndKnowsWhereTheyAre) {
 
 TEST(SkyPicture, KeepsASmallPictureWhole) {
   const Camera camera = test::upward_camera(101);
-  const auto picture = sky_picture(Image<glm::vec3>(101, 101, glm::vec3{0.25f}), 1.0 / 65535, camera);
-  ASSERT_TRUE(picture);
+  const auto picture = must(sky_picture(Image<glm::vec3>(101, 101, glm::vec3{0.25f}), 1.0 / 65535, camera));
   EXPECT_EQ(picture->encoded.width(), 101);
   EXPECT_EQ(picture->camera_pixel(3, 5), (glm::dvec2{3, 5}));
 }
