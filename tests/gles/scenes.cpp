@@ -33,6 +33,19 @@ std::uint8_t byte(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
 }
 
+// A texture of u and v in 0 .. 2 pi.
+ModelTexture waves(int size, bool data, const std::function<glm::dvec3(double, double)>& of) {
+  ModelTexture texture;
+  texture.data = data;
+  texture.pixels = Image<glm::u8vec4>(size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const glm::dvec3 value = of(2.0 * kPi * x / size, 2.0 * kPi * y / size);
+      texture.pixels.at(x, y) = {byte(value.x), byte(value.y), byte(value.z), 255};
+    }
+  return texture;
+}
+
 }  // namespace
 
 ModelPart box_part(glm::dvec3 a, glm::dvec3 b, int cells, int material) {
@@ -71,41 +84,21 @@ Model columns_model(int count, double thickness_m, double spacing_m, double heig
 }
 
 ModelTexture soft_texture(int size) {
-  ModelTexture texture;
-  texture.pixels = Image<glm::u8vec4>(size, size);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const double u = 2.0 * kPi * x / size, v = 2.0 * kPi * y / size;
-      texture.pixels.at(x, y) = {byte(150 + 60 * std::sin(u)), byte(140 + 50 * std::cos(v)),
-                                 byte(120 + 50 * std::sin(u + v)), 255};
-    }
-  return texture;
+  return waves(size, false, [](double u, double v) {
+    return glm::dvec3{150 + 60 * std::sin(u), 140 + 50 * std::cos(v), 120 + 50 * std::sin(u + v)};
+  });
 }
 
 ModelTexture soft_normals(int size) {
-  ModelTexture texture;
-  texture.data = true;
-  texture.pixels = Image<glm::u8vec4>(size, size);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const double u = 2.0 * kPi * x / size, v = 2.0 * kPi * y / size;
-      const glm::dvec3 n = glm::normalize(glm::dvec3{0.5 * std::sin(u), 0.35 * std::cos(u + v), 1.0});
-      texture.pixels.at(x, y) = {byte(127.5 * n.x + 127.5), byte(127.5 * n.y + 127.5), byte(127.5 * n.z + 127.5), 255};
-    }
-  return texture;
+  return waves(size, true, [](double u, double v) {
+    return 127.5 * glm::normalize(glm::dvec3{0.5 * std::sin(u), 0.35 * std::cos(u + v), 1.0}) + 127.5;
+  });
 }
 
 ModelTexture soft_data(int size) {
-  ModelTexture texture;
-  texture.data = true;
-  texture.pixels = Image<glm::u8vec4>(size, size);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const double u = 2.0 * kPi * x / size, v = 2.0 * kPi * y / size;
-      const auto wave = [](double s) { return byte(160.0 + 80.0 * s); };
-      texture.pixels.at(x, y) = {wave(std::sin(u + v)), wave(std::cos(u)), wave(std::sin(v)), 255};
-    }
-  return texture;
+  return waves(size, true, [](double u, double v) {
+    return 160.0 + 80.0 * glm::dvec3{std::sin(u + v), std::cos(u), std::sin(v)};
+  });
 }
 
 ModelPart ball_part(glm::dvec3 centre, double radius, int steps, int material) {
@@ -238,6 +231,12 @@ void GlesTest::load(Renderer& renderer, const ReferenceScene& scene) {
   ASSERT_OK(renderer.redraw_layer(scene.appearance));
 }
 
+Renderer GlesTest::loaded(const ReferenceScene& scene, const RendererOptions& options) {
+  Renderer renderer = make_renderer(options);
+  load(renderer, scene);
+  return renderer;
+}
+
 Image<Rgb8> GlesTest::draw(Renderer& renderer, const AirlightGrid& measured, const PictureView& frame) {
   Offscreen target = make_target(frame.width, frame.height);
   const auto done = renderer.upload(frame).and_then([&] { return renderer.draw(measured, target.target()); });
@@ -270,6 +269,15 @@ void GlesTest::expect_like(const Image<Rgb8>& picture, const ReferencePicture& r
   const std::filesystem::path folder = test_output_folder() / "gles";
   save_png(picture, folder / fmt::format("{}-gpu.png", test->name()));
   save_png(expected, folder / fmt::format("{}-cpu.png", test->name()));
+}
+
+void GlesTest::expect_same(const ReferenceScene& scene, const std::vector<RendererOptions>& ways, double least_db) {
+  const Image<Rgb8> camera = landscape(scene.view.width, scene.view.height);
+  const auto reference = render_reference(scene, camera, turned_lattice());
+  for (const RendererOptions& options : ways) {
+    Renderer renderer = loaded(scene, options);
+    expect_like(draw(renderer, scene.measured, view_of(camera)), reference, least_db);
+  }
 }
 
 void save_png(const Image<Rgb8>& picture, const std::filesystem::path& path) {

@@ -50,11 +50,15 @@ class GlesTest : public testing::Test {
   Offscreen make_target(int width, int height, int samples = 1);
   // Model, view, response, mask and layer of a scene.
   void load(Renderer& renderer, const ReferenceScene& scene);
+  Renderer loaded(const ReferenceScene& scene, const RendererOptions& options = {});
   Image<Rgb8> draw(Renderer& renderer, const AirlightGrid& measured, const PictureView& frame);
   Image<Rgb8> draw_moving(Renderer& renderer, const ReferenceScene& scene, const PictureView& frame, HazeDetail detail,
                           int samples = 1);
   // PSNR over the object's pixels; both pictures are saved when it is too low.
   void expect_like(const Image<Rgb8>& picture, const ReferencePicture& reference, double least_db = 50.0);
+  // What the GPU draws in each of these ways. The rays are cast only once because they take most of the time.
+  void expect_same(const ReferenceScene& scene, const std::vector<RendererOptions>& ways = {{}},
+                   double least_db = 50.0);
 
   std::unique_ptr<GlContext> context_;
 };

@@ -29,6 +29,15 @@ class KmsRig : public testing::Test {
       return fail(target.error());
     return display_->show(std::move(holder));
   }
+  // The first picture: drawn, and on the screen.
+  void show_first() {
+    switch_on();
+    ASSERT_TRUE(show().has_value());
+  }
+  void see_first() {
+    show_first();
+    ASSERT_TRUE(display_->begin(clock_.now() + std::chrono::milliseconds(50)).has_value());
+  }
   // Shows pictures until the display reports that it must be reopened, for ten seconds at most.
   Result<std::uint64_t> show_until_refused() {
     const Instant start = clock_.now();

@@ -8,6 +8,7 @@
 #include "gles/gl/gl.hpp"
 #include "tests/environment.hpp"
 #include "tests/gles/display/display_helpers.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -29,28 +30,24 @@ void fill(const DrawTarget& target, Rgb8 colour) {
 
 TEST(HeadlessDisplays, ShowWhatWasDrawnLast) {
   ManualClock clock(kNoon);
-  auto display = headless(clock);
-  ASSERT_TRUE(display);
+  auto display = must(headless(clock));
   EXPECT_THAT(display->description(), HasSubstr("headless 8x6"));
   EXPECT_EQ(display->read().error().kind, FaultKind::bad_input);  // nothing has been shown yet
 
   for (const Rgb8 colour : {Rgb8{200, 10, 30}, Rgb8{1, 2, 3}, Rgb8{255, 255, 0}}) {
-    const auto target = display->begin(clock.now());
-    ASSERT_TRUE(target.has_value()) << target.error().message;
+    const auto target = must(display->begin(clock.now()));
     EXPECT_EQ(target->width, 8);
     EXPECT_EQ(target->height, 6);
     fill(*target, colour);
     ASSERT_TRUE(display->show().has_value());
-    const auto picture = display->read();
-    ASSERT_TRUE(picture.has_value()) << picture.error().message;
+    const auto picture = must(display->read());
     EXPECT_THAT(picture->elements(), testing::Each(colour));
   }
 }
 
 TEST(HeadlessDisplays, KeepShowingThePictureWhileTheNextIsDrawn) {
   ManualClock clock(kNoon);
-  auto display = headless(clock);
-  ASSERT_TRUE(display);
+  auto display = must(headless(clock));
   fill(*display->begin(clock.now()), {40, 50, 60});
   ASSERT_TRUE(display->show().has_value());
   fill(*display->begin(clock.now()), {90, 90, 90});
@@ -59,8 +56,7 @@ TEST(HeadlessDisplays, KeepShowingThePictureWhileTheNextIsDrawn) {
 
 TEST(HeadlessDisplays, FlipImmediatelyByTheirClock) {
   ManualClock clock(kNoon);
-  auto display = headless(clock);
-  ASSERT_TRUE(display);
+  auto display = must(headless(clock));
   EXPECT_THAT(display->take_flips(), testing::IsEmpty());
   std::vector<Instant> shown_at;
   std::vector<std::uint64_t> numbers;
@@ -82,8 +78,7 @@ TEST(HeadlessDisplays, FlipImmediatelyByTheirClock) {
 
 TEST(HeadlessDisplays, HoldTheCamerasBufferUntilThePictureIsReplaced) {
   ManualClock clock(kNoon);
-  auto display = headless(clock);
-  ASSERT_TRUE(display);
+  auto display = must(headless(clock));
   auto first = std::make_shared<int>(1);
   const std::weak_ptr<int> first_held = first;
   ASSERT_TRUE(display->begin(clock.now()).has_value());
@@ -121,8 +116,7 @@ TEST(WindowDisplays, FlipWithTheWindow) {
   EXPECT_THAT((*display)->description(), HasSubstr("window 120x80"));
   auto held = std::make_shared<int>(1);
   const std::weak_ptr<int> still_held = held;
-  const auto target = (*display)->begin(clock.now());
-  ASSERT_TRUE(target.has_value()) << target.error().message;
+  const auto target = must((*display)->begin(clock.now()));
   EXPECT_FALSE(target->top_row_first);
   fill(*target, {10, 200, 30});
   ASSERT_EQ((*display)->show(std::move(held)).value(), 1u);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/gles/display/kms_rig.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -65,9 +66,7 @@ TEST_F(KmsRig, ReportsWhenEachPictureReachedTheScreen) {
 TEST_F(KmsRig, RejectsImpossibleFlipTimes) {
   for (const Duration wrong : {Duration(1h), Duration(-1h)}) {
     card_.event_offset = wrong;
-    switch_on();
-    ASSERT_TRUE(show().has_value());
-    ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+    see_first();
     const auto flips = display_->take_flips();
     ASSERT_EQ(flips.size(), 1u);
     EXPECT_EQ(flips[0].at, clock_.now());
@@ -78,9 +77,7 @@ TEST_F(KmsRig, RejectsImpossibleFlipTimes) {
 // A driver that predicts scanout reports a flip before it happens; and events may have been read late.
 TEST_F(KmsRig, AcceptsPlausibleFlipTimes) {
   card_.event_offset = 1ms;
-  switch_on();
-  ASSERT_TRUE(show().has_value());
-  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  see_first();
   EXPECT_EQ(display_->take_flips().at(0).at, clock_.now() + 1ms);
   card_.event_offset = 0ms;
   ASSERT_TRUE(display_->show().has_value());
@@ -118,8 +115,7 @@ TEST_F(KmsRig, HoldsTheCamerasBufferUntilTheFlipThatReplacedIt) {
 }
 
 TEST_F(KmsRig, NeverWaitsBeyondItsDeadline) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
+  show_first();
   card_.stuck = true;
   const Instant before = clock_.now();
   const auto late = display_->begin(before + 5ms);
@@ -152,9 +148,7 @@ TEST_F(KmsRig, Row16ALostFlipIsRecoveredByANewModeset) {
 }
 
 TEST_F(KmsRig, Row16AStuckDriverIsReopened) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
-  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  see_first();
   card_.stuck = true;
   const Instant stuck = clock_.now();
   const auto shown = show_until_refused();
@@ -170,9 +164,7 @@ TEST_F(KmsRig, Row16AStuckDriverIsReopened) {
 }
 
 TEST_F(KmsRig, Row16ABusyDriverIsRetried) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
-  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  see_first();
   card_.busy = 5;
   const Duration took = recover();
   std::printf("row 16, EBUSY five times: picture after %.0f ms\n", ms(took));
@@ -187,21 +179,13 @@ TEST_F(KmsRig, Row16ABusyDriverIsRetried) {
 }
 
 TEST_F(KmsRig, Row16ALostMasterIsReported) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
-  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  see_first();
   card_.master_elsewhere = true;
   system_->users = "Xorg (pid 812) is master";
-  const auto shown = show();
-  ASSERT_FALSE(shown);
-  EXPECT_EQ(shown.error().kind, FaultKind::device);
-  EXPECT_THAT(shown.error().message, AllOf(HasSubstr("DRM master"), HasSubstr("Xorg (pid 812)")));
+  EXPECT_THAT(show(), FailsAs(FaultKind::device, AllOf(HasSubstr("DRM master"), HasSubstr("Xorg (pid 812)"))));
   display_.reset();
   EXPECT_EQ(card_.count("restore"), 0) << "the screen belongs to another program";
-  const auto again = open();
-  ASSERT_FALSE(again);
-  EXPECT_EQ(again.error().kind, FaultKind::device);
-  EXPECT_THAT(again.error().message, AllOf(HasSubstr("DRM master"), HasSubstr("Xorg (pid 812)")));
+  EXPECT_THAT(open(), FailsAs(FaultKind::device, AllOf(HasSubstr("DRM master"), HasSubstr("Xorg (pid 812)"))));
   card_.master_elsewhere = false;
   const Duration took = recover();
   std::printf("row 16, DRM master given back: picture after %.0f ms\n", ms(took));
@@ -209,34 +193,25 @@ TEST_F(KmsRig, Row16ALostMasterIsReported) {
 }
 
 TEST_F(KmsRig, Row16ALostMasterIsNoticedWhileNothingIsShown) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
-  ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
+  see_first();
   card_.master_elsewhere = true;
   clock_.advance(1s);
   EXPECT_EQ(display_->begin(clock_.now() + 50ms).error().kind, FaultKind::device);
 }
 
 TEST_F(KmsRig, ARefusedFlipSetsTheModeAgainOnce) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
+  show_first();
   card_.refusals = {std::errc::invalid_argument};  // another program turned the CRTC off
   ASSERT_TRUE(show().has_value());
   ASSERT_TRUE(display_->begin(clock_.now() + 50ms).has_value());
   EXPECT_EQ(display_->counts().modesets, 2u);
   card_.refusals = {std::errc::invalid_argument, std::errc::invalid_argument};
-  const auto refused = show();
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, FaultKind::device);
-  EXPECT_THAT(refused.error().message, HasSubstr("Invalid argument"));
+  EXPECT_THAT(show(), FailsAs(FaultKind::device, HasSubstr("Invalid argument")));
 }
 
 TEST_F(KmsRig, Row15NoDisplayAtBoot) {
   card_.unplug();
-  const auto none = open();
-  ASSERT_FALSE(none);
-  EXPECT_EQ(none.error().kind, FaultKind::disconnected);
-  EXPECT_THAT(none.error().message, HasSubstr("HDMI-A-1: disconnected"));
+  EXPECT_THAT(open(), FailsAs(FaultKind::disconnected, HasSubstr("HDMI-A-1: disconnected")));
   card_.plug(fake_connector(30, "HDMI-A-1", {fake_mode(64, 48, 60, true)}));
   const Duration took = recover();
   std::printf("row 15, display plugged in after boot: picture after %.0f ms\n", ms(took));
@@ -274,16 +249,14 @@ TEST_F(KmsRig, Row15UnpluggedAndAnotherModeOnReturn) {
     std::printf("row 15, another display on return: picture after %.0f ms\n", ms(took));
     EXPECT_LE(took, 3s);
     EXPECT_THAT(display_->description(), HasSubstr("32x24@75.00"));
-    const auto target = display_->begin(clock_.now() + 50ms);
-    ASSERT_TRUE(target.has_value());
+    const auto target = must(display_->begin(clock_.now() + 50ms));
     EXPECT_EQ(target->width, 32);
     display_.reset();
   }
 }
 
 TEST_F(KmsRig, Row15AnotherDisplayIsPluggedInBetweenTwoPictures) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
+  show_first();
   auto other = card_.connectors[0];
   other.identity = 8;
   card_.plug(other);
@@ -291,14 +264,10 @@ TEST_F(KmsRig, Row15AnotherDisplayIsPluggedInBetweenTwoPictures) {
 }
 
 TEST_F(KmsRig, Row15ConnectedButWithoutModes) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
+  show_first();
   const auto before = card_.connectors[0];
   card_.plug(fake_connector(30, "HDMI-A-1", {}));
-  const auto shown = show();
-  ASSERT_FALSE(shown);
-  EXPECT_EQ(shown.error().kind, FaultKind::disconnected);
-  EXPECT_THAT(shown.error().message, HasSubstr("lists no modes"));
+  EXPECT_THAT(show(), FailsAs(FaultKind::disconnected, HasSubstr("lists no modes")));
   display_.reset();
   EXPECT_EQ(open().error().kind, FaultKind::disconnected);
   card_.plug(before);
@@ -308,8 +277,7 @@ TEST_F(KmsRig, Row15ConnectedButWithoutModes) {
 }
 
 TEST_F(KmsRig, Row15TheCardDisappears) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
+  show_first();
   card_.present = false;
   const auto shown = show_until_refused();
   EXPECT_EQ(shown.error().kind, FaultKind::disconnected);
@@ -329,8 +297,7 @@ TEST_F(KmsRig, FallsBackToThePreferredModeIfAllowedWhenTheNewDisplayLacksTheRequ
 }
 
 TEST_F(KmsRig, ABadLinkIsRetrained) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
+  show_first();
   auto bad = card_.connectors[0];
   bad.link_bad = true;
   card_.plug(bad);
@@ -390,13 +357,9 @@ TEST_F(KmsRig, DistinguishesScreensThatCannotTurnOffAreBusyOrAreLost) {
 }
 
 TEST_F(KmsRig, Row17ALostContextIsReported) {
-  switch_on();
-  ASSERT_TRUE(show().has_value());
+  show_first();
   card_.gl_lost = true;
-  const auto shown = show();
-  ASSERT_FALSE(shown);
-  EXPECT_EQ(shown.error().kind, FaultKind::device);
-  EXPECT_THAT(shown.error().message, HasSubstr("GL context lost"));
+  EXPECT_THAT(show(), FailsAs(FaultKind::device, HasSubstr("GL context lost")));
   display_.reset();
   card_.gl_lost = false;
   const Duration took = recover();
@@ -473,8 +436,7 @@ TEST_F(KmsRig, ListsWhatTheDisplayMayLayABuildingOver) {
 
 TEST_F(KmsRig, MeasuresItsFlips) {
   switch_on();
-  const auto timing = measure_flips(*display_, clock_, 20);
-  ASSERT_TRUE(timing.has_value()) << timing.error().message;
+  const auto timing = must(measure_flips(*display_, clock_, 20));
   EXPECT_EQ(timing->flips, 20);
   EXPECT_EQ(timing->median_interval, card_.refresh);
   EXPECT_EQ(timing->longest_interval, card_.refresh);

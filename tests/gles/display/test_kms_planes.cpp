@@ -4,6 +4,7 @@
 
 #include "gles/display/kms_plane_choice.hpp"
 #include "tests/gles/display/kms_rig.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -23,8 +24,7 @@ const KmsPlane kPrimary = fake_plane(50, KmsPlane::Kind::primary);
 const KmsPlane kOverlay = fake_plane(51, KmsPlane::Kind::overlay);
 
 TEST(KmsPlaneChoice, PutsTheBuildingOnTheOverlay) {
-  const auto pairs = choose_planes({kPrimary, kOverlay}, 50, kRgb, std::nullopt);
-  ASSERT_TRUE(pairs.has_value()) << pairs.error().message;
+  const auto pairs = must(choose_planes({kPrimary, kOverlay}, 50, kRgb, std::nullopt));
   EXPECT_THAT(*pairs, ElementsAre(KmsPlanePair{50, 51}));
 }
 
@@ -48,9 +48,8 @@ TEST(KmsPlaneChoice, ShowsYuvWhereItIsConvertedAsTheCameraMeansIt) {
   video.encodings = {YuvEncoding::bt709_limited};
   EXPECT_THAT(choose_planes({graphics, video}, 50, kNv12, YuvEncoding::bt709_limited).value(),
               ElementsAre(KmsPlanePair{51, 50}));
-  const auto other = choose_planes({graphics, video}, 50, kNv12, YuvEncoding::bt601_full);
-  ASSERT_FALSE(other.has_value());
-  EXPECT_THAT(other.error().message, HasSubstr("plane 51 cannot be told to convert"));
+  EXPECT_THAT(choose_planes({graphics, video}, 50, kNv12, YuvEncoding::bt601_full),
+              FailsWith(HasSubstr("plane 51 cannot be told to convert")));
 }
 
 TEST(KmsPlaneChoice, SaysWhyNot) {
@@ -81,8 +80,7 @@ class KmsPlanes : public KmsRig {
     if (IsSkipped()) return;
     switch_on();
     ASSERT_TRUE(show().has_value());  // sets the mode
-    auto made = display_->make_plane_buffer(16, 12);
-    ASSERT_TRUE(made.has_value()) << made.error().message;
+    auto made = must(display_->make_plane_buffer(16, 12));
     building_ = *made;
     settle();
     card_.calls.clear();
@@ -198,9 +196,7 @@ TEST_F(KmsPlanes, ReportWhatTheDriverRefuses) {
 TEST_F(KmsPlanes, ShowOnlyPicturesOfTheScreensSize) {
   auto small = picture();
   small.camera.width = 32;
-  const auto shown = show_planes(small);
-  ASSERT_FALSE(shown.has_value());
-  EXPECT_THAT(shown.error().message, HasSubstr("32 x 48"));
+  EXPECT_THAT(show_planes(small), FailsWith(HasSubstr("32 x 48")));
   EXPECT_TRUE(card_.calls.empty());
 }
 
@@ -211,9 +207,7 @@ TEST_F(KmsPlanes, NeedAtomicCommits) {
   switch_on();
   ASSERT_TRUE(show().has_value());
   building_ = display_->make_plane_buffer(16, 12).value();
-  const auto shown = show_planes(picture());
-  ASSERT_FALSE(shown.has_value());
-  EXPECT_THAT(shown.error().message, HasSubstr("no atomic commits"));
+  EXPECT_THAT(show_planes(picture()), FailsWith(HasSubstr("no atomic commits")));
 }
 
 // A refused commit leaves what is shown as it is, and the display goes on.
@@ -232,8 +226,7 @@ TEST_F(KmsPlanes, LeaveOutAPictureThatIsRefused) {
 
 TEST_F(KmsPlanes, AreTriedAgainWhileTheDriverIsBusy) {
   card_.busy = 2;
-  const auto number = show_planes(picture());
-  ASSERT_TRUE(number.has_value()) << number.error().message;
+  const auto number = must(show_planes(picture()));
   settle();
   EXPECT_EQ(display_->take_flips().back().number, *number);
 }

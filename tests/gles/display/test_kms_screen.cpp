@@ -13,6 +13,7 @@
 #include "gles/gl/gl.hpp"
 #include "tests/gles/display/display_helpers.hpp"
 #include "tests/gles/display/kms_decorator.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -72,8 +73,7 @@ class KmsScreen : public testing::TestWithParam<bool> {
 };
 
 TEST_P(KmsScreen, ShowsTheTestPattern) {
-  auto display = open();
-  ASSERT_TRUE(display);
+  auto display = must(open());
   std::printf("%s\n", display->description().c_str());
   EXPECT_THAT(display->description(), HasSubstr(GetParam() ? "atomic" : "legacy"));
   const Instant before = clock_.now();
@@ -92,10 +92,8 @@ TEST_P(KmsScreen, ShowsTheTestPattern) {
 }
 
 TEST_P(KmsScreen, FlipsEveryPictureInOrder) {
-  auto display = open();
-  ASSERT_TRUE(display);
-  const auto timing = measure_flips(*display, clock_, 100);
-  ASSERT_TRUE(timing.has_value()) << timing.error().message;
+  auto display = must(open());
+  const auto timing = must(measure_flips(*display, clock_, 100));
   std::printf("%s: %d flips, every %.2f ms (median), %.2f ms (longest); %.2f ms from show to flip (median)\n",
               display->description().c_str(), timing->flips, ms(timing->median_interval), ms(timing->longest_interval),
               ms(timing->median_latency));
@@ -104,8 +102,7 @@ TEST_P(KmsScreen, FlipsEveryPictureInOrder) {
 }
 
 TEST_P(KmsScreen, ReleasesTheCamerasBufferWithTheFlipThatReplacesIt) {
-  auto display = open();
-  ASSERT_TRUE(display);
+  auto display = must(open());
   std::vector<std::weak_ptr<int>> holders;
   for (int i = 0; i < 20; ++i) {
     auto holder = std::make_shared<int>(i);
@@ -122,40 +119,31 @@ TEST_P(KmsScreen, ReopensWithoutLeakingDescriptors) {
   ASSERT_TRUE(show_pattern(*open()).has_value());  // what the libraries keep permanently is allocated now
   const std::size_t before = open_descriptors();
   for (int i = 0; i < 10; ++i) {
-    auto display = open();
-    ASSERT_TRUE(display);
+    auto display = must(open());
     for (int picture = 0; picture < 4; ++picture) ASSERT_TRUE(show_pattern(*display).has_value());
   }
   EXPECT_EQ(open_descriptors(), before);
 }
 
 TEST_P(KmsScreen, BelongsToOneHolderAtATime) {
-  auto display = open();
-  ASSERT_TRUE(display);
-  const auto second = open_kms_display(options(), clock_);
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().kind, FaultKind::device);
-  EXPECT_THAT(second.error().message, HasSubstr("DRM master"));
+  auto display = must(open());
+  EXPECT_THAT(open_kms_display(options(), clock_), FailsAs(FaultKind::device, HasSubstr("DRM master")));
 }
 
 TEST_P(KmsScreen, ListsItsModesWhenTheRequestedOneIsMissing) {
   KmsDisplayOptions strange = options();
   strange.width = 1234;
   strange.height = 567;
-  const auto refused = open_kms_display(strange, clock_);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
-  EXPECT_THAT(refused.error().message, testing::AllOf(HasSubstr("1234x567"), HasSubstr("(preferred)")));
+  EXPECT_THAT(open_kms_display(strange, clock_),
+              FailsAs(FaultKind::bad_input, testing::AllOf(HasSubstr("1234x567"), HasSubstr("(preferred)"))));
   strange.preferred_instead = true;
-  const auto taken = open_kms_display(strange, clock_);
-  ASSERT_TRUE(taken.has_value()) << taken.error().message;
+  const auto taken = must(open_kms_display(strange, clock_));
   EXPECT_THAT((*taken)->description(), HasSubstr("not offered"));
 }
 
 TEST_P(KmsScreen, ReportsWhenItIsNoLongerMaster) {
   auto system = std::make_shared<DecoratedSystem>();
-  auto display = open(system);
-  ASSERT_TRUE(display);
+  auto display = must(open(system));
   ASSERT_TRUE(show_pattern(*display).has_value());
   ASSERT_TRUE(show_pattern(*display).has_value());
   ASSERT_TRUE(display->begin(clock_.now() + 3s).has_value());
@@ -168,15 +156,13 @@ TEST_P(KmsScreen, ReportsWhenItIsNoLongerMaster) {
   EXPECT_THAT(shown.error().message, HasSubstr("DRM master"));
   std::printf("lost master: reported after %.1f ms\n", ms(clock_.now() - taken));
   display.reset();
-  auto again = open();
-  ASSERT_TRUE(again);
+  auto again = must(open());
   ASSERT_TRUE(show_pattern(*again).has_value());
 }
 
 TEST_P(KmsScreen, SetsTheModeAgainAfterALostFlip) {
   auto system = std::make_shared<DecoratedSystem>();
-  auto display = open(system);
-  ASSERT_TRUE(display);
+  auto display = must(open(system));
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(show_pattern(*display).has_value());
   ASSERT_TRUE(display->begin(clock_.now() + 3s).has_value());
   system->last->lost_events = 1;
@@ -206,8 +192,7 @@ TEST_P(KmsScreen, ComesBackWhenTheDisplayDoes) {
     file << word << std::flush;
     return static_cast<bool>(file);
   };
-  auto display = open();
-  ASSERT_TRUE(display);
+  auto display = must(open());
   ASSERT_TRUE(show_pattern(*display).has_value());
   if (!force("off")) GTEST_SKIP() << status << " cannot be written";
   const Instant pulled = clock_.now();

@@ -19,6 +19,7 @@
 #include "gles/display/display_listing.hpp"
 #include "tests/gles/display/kms_decorator.hpp"
 #include "tests/gles/scenes.hpp"
+#include "tests/picture_difference.hpp"
 
 namespace kasumi {
 namespace {
@@ -181,26 +182,6 @@ class KmsWriteback : public testing::Test {
   ReferenceScene scene_;
 };
 
-struct Difference {
-  double psnr_db = 0.0;
-  int worst = 0;
-  int changed = 0;  // pixels that are not the same
-};
-Difference between(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  Difference found;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < a.elements().size(); ++i) {
-    if (a.elements()[i] != b.elements()[i]) ++found.changed;
-    for (int c = 0; c < 3; ++c) {
-      const int off = std::abs(int{a.elements()[i][c]} - int{b.elements()[i][c]});
-      found.worst = std::max(found.worst, off);
-      squares += off * off;
-    }
-  }
-  found.psnr_db = 10.0 * std::log10(255.0 * 255.0 * 3.0 * double(a.elements().size()) / std::max(squares, 1e-9));
-  return found;
-}
-
 TEST_F(KmsWriteback, ShowsThePictureThatTheGpuComposes) {
   const auto camera = landscape(kWidth, kHeight);
   auto moved = camera;
@@ -223,22 +204,22 @@ TEST_F(KmsWriteback, ShowsThePictureThatTheGpuComposes) {
   picture.left = seen.left, picture.top = seen.top, picture.right = seen.right, picture.bottom = seen.bottom;
   picture.source_left = seen.left - all.left, picture.source_top = seen.top - all.top;
   ASSERT_OK(display_->show_planes(picture));
-  const auto on_planes = between(read_back(), by_gpu);
+  const auto on_planes = difference(read_back(), by_gpu);
   picture.camera = second.picture;
   ASSERT_OK(display_->show_planes(picture));
-  const auto on_planes_moved = between(read_back(), by_gpu_moved);
+  const auto on_planes_moved = difference(read_back(), by_gpu_moved);
   fmt::print(
       "planes against the GPU's composite: {:.1f} dB, {} steps at worst, {} pixels differ; over a background "
       "that moved by 16: {:.1f} dB, {} steps\n",
-      on_planes.psnr_db, on_planes.worst, on_planes.changed, on_planes_moved.psnr_db, on_planes_moved.worst);
-  EXPECT_LE(on_planes.worst, 1);
+      on_planes.psnr_db, on_planes.largest, on_planes.changed, on_planes_moved.psnr_db, on_planes_moved.largest);
+  EXPECT_LE(on_planes.largest, 1);
   EXPECT_GE(on_planes.psnr_db, 45.0);
-  EXPECT_LE(on_planes_moved.worst, 4);
+  EXPECT_LE(on_planes_moved.largest, 4);
   EXPECT_GE(on_planes_moved.psnr_db, 45.0);
   EXPECT_LT(on_planes.changed, (all.right - all.left) * (all.bottom - all.top) / 4) << "opaque pixels are the same";
 
   // And back, in one commit.
-  EXPECT_EQ(between(composed_by_the_gpu(camera), by_gpu).changed, 0);
+  EXPECT_EQ(difference(composed_by_the_gpu(camera), by_gpu).changed, 0);
 }
 
 }  // namespace

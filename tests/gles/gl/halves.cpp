@@ -44,11 +44,4 @@ bool computes_in_halves() {
   return pixel[0] < 128;
 }
 
-int largest_step(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  int largest = 0;
-  for (std::size_t i = 0; i < a.elements().size(); ++i)
-    for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(a.elements()[i][c] - b.elements()[i][c]));
-  return largest;
-}
-
 }  // namespace kasumi

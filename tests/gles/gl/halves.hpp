@@ -10,7 +10,4 @@ namespace kasumi {
 // processor converts them (F16C). A context is current.
 bool computes_in_halves();
 
-// The largest difference of two pictures of one size.
-int largest_step(const Image<Rgb8>& a, const Image<Rgb8>& b);
-
 }  // namespace kasumi

@@ -111,8 +111,7 @@ TEST_F(Limits, OfTexturesHalveWhatIsLarger) {
   scene.model.textures.push_back(texture);
   scene.model.materials[0].texture = 0;
   scene.appearance.shadows = true;
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   EXPECT_THAT(renderer.notes(), Contains(HasSubstr("2100")));
   EXPECT_THAT(renderer.notes(), Contains(HasSubstr("8 bits"))) << "vc4 draws to no half floats";
   const auto camera = landscape(160, 120);

@@ -27,8 +27,7 @@ class MaterialRules : public GlesTest {
     scene.appearance = furnace(0.7);
     scene.measured = furnace(0.7).horizon;
     scene.measured.light.fill(glm::dvec3{0.5});
-    Renderer renderer = make_renderer(options);
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, options);
     const auto layer = renderer.read_layer();
     ASSERT_OK(layer);
     int covered = 0;
@@ -77,8 +76,7 @@ TEST_F(MaterialRules, GreyMetalLosesLightOnlyThroughItsColour) {
     scene.model.parts.push_back(ball_part({0, 0, 0}, 25, 24));
     scene.model_to_world = model_to_world({0, 3500, 0, {}, 1.0});
     scene.appearance = furnace(1.0);
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     const auto layer = renderer.read_layer();
     ASSERT_OK(layer);
     for (const glm::vec4& texel : layer->elements()) {
@@ -205,8 +203,7 @@ TEST_F(MaterialRules, LeavesStayVisibleAtADistance) {
     for (const float repeats : {1.0f, 8.0f, 40.0f}) {
       ReferenceScene there = scene;
       for (ModelVertex& vertex : there.model.parts[0].vertices) vertex.texture *= repeats;
-      Renderer renderer = make_renderer();
-      load(renderer, there);
+      Renderer renderer = loaded(there);
       const auto layer = renderer.read_layer();
       ASSERT_OK(layer);
       double sum = 0.0, count = 0.0;
@@ -241,8 +238,7 @@ TEST_F(MaterialRules, AFlatRoofKeepsItsStripes) {
   scene.view.world_to_camera = glm::dmat4({1, 0, 0, 0}, {0, std::sin(pitch), std::cos(pitch), 0},
                                           {0, -std::cos(pitch), std::sin(pitch), 0}, {0, 0, 0, 1});
   const Image<Rgb8> camera = landscape(160, 120);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   expect_like(draw(renderer, scene.measured, view_of(camera)), render_reference(scene, camera, turned_lattice()), 34.0);
 }
 

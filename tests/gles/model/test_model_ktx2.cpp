@@ -9,6 +9,7 @@
 #include "gles/model/model.hpp"
 #include "gles/model/model_picture.hpp"
 #include "tests/gles/model/gltf_writer.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -91,8 +92,7 @@ TEST(Ktx2, HasThePixelsOfBasisUniversalsTranscoder) {
   };
   for (const Truth& truth : {Truth{kEtc1s, 22, 13, 0x6ab69d466cf4521bu}, Truth{kUastc, 75, 14, 0xb393fb1c956b67eau},
                              Truth{kUastcZ, 22, 13, 0x3b21fafc14fa7c32u}}) {
-    const auto picture = decode_picture(bytes_of(truth.file), 4096);
-    ASSERT_TRUE(picture) << picture.error().message;
+    const auto picture = must(decode_picture(bytes_of(truth.file), 4096));
     EXPECT_EQ(picture->width(), truth.width);
     EXPECT_EQ(picture->height(), truth.height);
     EXPECT_EQ(sum_of(*picture), truth.sum) << truth.file.substr(0, 100);
@@ -115,11 +115,9 @@ TEST(Ktx2, IsTheTextureOfAModelThatRequiresIt) {
 
 TEST(Ktx2, ASecondChannelCalledGreenIsGreen) {
   Bytes file = bytes_of(kEtc1s);
-  const auto before = decode_picture(file, 4096);
-  ASSERT_TRUE(before);
+  const auto before = must(decode_picture(file, 4096));
   file[151] = 0x44;  // the second sample's channel: 15 is transparency, 4 green
-  const auto after = decode_picture(file, 4096);
-  ASSERT_TRUE(after) << after.error().message;
+  const auto after = must(decode_picture(file, 4096));
   for (std::size_t i = 0; i < before->elements().size(); ++i) {
     const glm::u8vec4 from = before->elements()[i];
     ASSERT_EQ(after->elements()[i], glm::u8vec4(from.r, from.a, 0, 255)) << i;

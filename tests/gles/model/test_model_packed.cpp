@@ -12,6 +12,7 @@
 #include "gles/model/model_picture.hpp"
 #include "gles/model/rare_models.hpp"
 #include "tests/gles/model/packed_files.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -126,10 +127,8 @@ constexpr std::uint8_t kVersion1[]{
     0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0xfa, 0x00, 0xe8, 0xfd, 0x00, 0x00, 0x07, 0x00, 0x52, 0x01, 0x00};
 
 TEST(PackedModel, MeshoptsNewerVertexStreamsAreRead) {
-  const auto models = rare_models();
-  ASSERT_TRUE(models) << models.error().message;
-  const auto bytes = (*models)->meshopt_view(kVersion1, {"ATTRIBUTES", "", 24, 12}, 1 << 20);
-  ASSERT_TRUE(bytes) << bytes.error().message;
+  const auto models = must(rare_models());
+  const auto bytes = must((*models)->meshopt_view(kVersion1, {"ATTRIBUTES", "", 24, 12}, 1 << 20));
   for (std::size_t i = 0; i < 24; ++i) {
     const auto* at = bytes->data() + 12 * i;
     float first = 0;
@@ -151,8 +150,7 @@ TEST(PackedModel, MeshoptsColourFilterIsRead) {
   // The encoder of version 0 packs bytes as they are, so a stream can be made here.
   const std::vector<std::uint8_t> filtered{0x90, 0x5f, 0xf1, 0xff, 0x53, 0x8d, 0xe0, 0xc0};
   GltfFile file = file_of(dome(1), Packing::none);
-  const auto models = rare_models();
-  ASSERT_TRUE(models);
+  const auto models = must(rare_models());
   std::vector<std::uint8_t> stream{0xa0, 0x03, 0x03, 0x03, 0x03};
   stream.clear();
   // One header of 16 verbatim deltas for each of four bytes: from the first element, which stands at the end.
@@ -166,8 +164,7 @@ TEST(PackedModel, MeshoptsColourFilterIsRead) {
   }
   stream.insert(stream.end(), 28, 0);
   stream.insert(stream.end(), filtered.begin(), filtered.begin() + 4);
-  const auto colours = (*models)->meshopt_view(stream, {"ATTRIBUTES", "COLOR", 2, 4}, 1 << 20);
-  ASSERT_TRUE(colours) << colours.error().message;
+  const auto colours = must((*models)->meshopt_view(stream, {"ATTRIBUTES", "COLOR", 2, 4}, 1 << 20));
   const std::vector<int> meant{255, 128, 64, 255, 0, 51, 230, 128};
   for (std::size_t i = 0; i < meant.size(); ++i) EXPECT_NEAR((*colours)[i], meant[i], 2) << i;
 }
@@ -267,9 +264,7 @@ TEST(PackedModel, EachFalseClaimIsRefusedByName) {
 TEST(PackedModel, UnpackedViewsCountTogether) {
   const GltfFile file = file_of(dome(30), Packing::meshopt);
   const std::size_t bytes = file.text().size();
-  const auto refused = file.read("together", {.file_bytes = bytes});
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("bytes at most"));
+  EXPECT_THAT(file.read("together", {.file_bytes = bytes}), FailsWith(HasSubstr("bytes at most")));
 }
 
 TEST(PackedModel, AttributesOfADracoMeshCountTogether) {

@@ -336,8 +336,7 @@ TEST_F(Detail, ImpossibleValuesAreRefused) {
 TEST_F(Detail, ChangedSettingsInvalidateTheLayer) {
   const auto scene = board(70.5, 90.5);
   const Image<Rgb8> camera = landscape(160, 120);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const PixelBox before = renderer.object_box();
   ASSERT_OK(renderer.set_detail({.point_spread_px = 1.0}));
   EXPECT_LT(renderer.object_box().left, before.left);

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "tests/gles/scenes.hpp"
+#include "tests/picture_difference.hpp"
 
 namespace kasumi {
 namespace {
@@ -18,8 +19,7 @@ class ObjectPixelsKept : public GlesTest {
   }
   // By a renderer that has kept nothing.
   Image<Rgb8> drawn_anew(const DrawTarget& target, const AirlightGrid& measured, const SensorNoise& noise = {}) {
-    Renderer renderer = make_renderer();
-    load(renderer, scene_);
+    Renderer renderer = loaded(scene_);
     return drawn(renderer, target, measured, noise);
   }
   AirlightGrid brighter(double factor) const {
@@ -32,45 +32,29 @@ class ObjectPixelsKept : public GlesTest {
   Image<Rgb8> camera_;
 };
 
-int largest_difference(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  int largest = 0;
-  for (std::size_t i = 0; i < a.elements().size(); ++i)
-    for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(a.elements()[i][c] - b.elements()[i][c]));
-  return largest;
-}
-
-double share_of_differing(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  int differing = 0;
-  for (std::size_t i = 0; i < a.elements().size(); ++i) differing += a.elements()[i] != b.elements()[i] ? 1 : 0;
-  return differing / static_cast<double>(a.elements().size());
-}
-
-// Where pixels of the target lie between the picture's, both are interpolated to a rounding of theirs.
 TEST_F(ObjectPixelsKept, AreThoseDrawnAnewOnEveryTarget) {
   Offscreen same = make_target(scene_.view.width, scene_.view.height);
   Offscreen larger = make_target(397, 241);  // bars beside the picture, and pixels between the picture's
   DrawTarget window = larger.target();
   window.top_row_first = false;
   const SensorNoise noise{glm::dvec3{1.0 / 900.0}, glm::dvec3{0.01}, 2};
-  Renderer renderer = make_renderer();
-  load(renderer, scene_);
+  Renderer renderer = loaded(scene_);
   for (const DrawTarget& target : {same.target(), larger.target(), window, same.target()})
     for (const SensorNoise& with : {SensorNoise{}, noise}) {
       const auto anew = drawn_anew(target, scene_.measured, with);
       for (int picture = 0; picture < 4; ++picture) {
         const auto seen = drawn(renderer, target, scene_.measured, with);
         const bool same_size = target.width == scene_.view.width;
-        EXPECT_LE(largest_difference(seen, anew), same_size ? 0 : 1)
+        EXPECT_LE(difference(seen, anew).largest, same_size ? 0 : 1)
             << target.width << (target.top_row_first ? "" : " upside down") << ", picture " << picture;
-        EXPECT_LE(share_of_differing(seen, anew), 0.01);
+        EXPECT_LE(difference(seen, anew).changed, 0.01 * static_cast<double>(seen.elements().size()));
       }
     }
 }
 
 TEST_F(ObjectPixelsKept, AreLookedUpWhileNobodyCouldSeeTheDifference) {
   Offscreen target = make_target(scene_.view.width, scene_.view.height);
-  Renderer renderer = make_renderer();
-  load(renderer, scene_);
+  Renderer renderer = loaded(scene_);
   for (int picture = 0; picture < 2; ++picture) drawn(renderer, target.target(), scene_.measured);
   const auto kept = drawn(renderer, target.target(), scene_.measured);
   const auto hardly_brighter = drawn(renderer, target.target(), brighter(1.003));
@@ -93,22 +77,20 @@ TEST_F(ObjectPixelsKept, AreLookedUpWhileNobodyCouldSeeTheDifference) {
 
 TEST_F(ObjectPixelsKept, FollowALightThatDriftsSlowly) {
   Offscreen target = make_target(scene_.view.width, scene_.view.height);
-  Renderer renderer = make_renderer();
-  load(renderer, scene_);
+  Renderer renderer = loaded(scene_);
   const SensorNoise none;
   for (int picture = 0; picture < 60; ++picture) {
     const AirlightGrid now = brighter(1.0 - 0.001 * picture);
     const auto seen = drawn(renderer, target.target(), now, none);
     if (picture % 6 != 5) continue;
-    EXPECT_LE(largest_difference(seen, drawn_anew(target.target(), now)), 1) << picture;
+    EXPECT_LE(difference(seen, drawn_anew(target.target(), now)).largest, 1) << picture;
   }
 }
 
 TEST_F(ObjectPixelsKept, AreDrawnAnewWithOtherLightNoiseResponseAndLayer) {
   Offscreen target = make_target(scene_.view.width, scene_.view.height);
   const SensorNoise noise{glm::dvec3{1.0 / 900.0}, glm::dvec3{0.01}, 2};
-  Renderer renderer = make_renderer();
-  load(renderer, scene_);
+  Renderer renderer = loaded(scene_);
   const auto keep = [&] {
     for (int picture = 0; picture < 3; ++picture) drawn(renderer, target.target(), scene_.measured, noise);
   };
@@ -133,8 +115,7 @@ TEST_F(ObjectPixelsKept, AreDrawnAnewWithOtherLightNoiseResponseAndLayer) {
 
 TEST_F(ObjectPixelsKept, StandBehindWhoPassesAndComeBackAfterwards) {
   Offscreen target = make_target(scene_.view.width, scene_.view.height);
-  Renderer renderer = make_renderer();
-  load(renderer, scene_);
+  Renderer renderer = loaded(scene_);
   for (int picture = 0; picture < 2; ++picture) drawn(renderer, target.target(), scene_.measured);
   const auto before = drawn(renderer, target.target(), scene_.measured);
   InFront passer;

@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "calib/mask/sway_mask.hpp"
 #include "fixtures/in_front/leaves.hpp"
 #include "fixtures/noise/random.hpp"
 #include "gles/object/matte_nodes.hpp"
 #include "tests/figures.hpp"
 #include "tests/gles/scenes.hpp"
+#include "tests/opencv_pictures.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -24,13 +23,7 @@ Image<Rgb8> land(int left, int top) {
   const auto path = source_folder() / "fixtures/demo/scene/frame-000000.jpg";
   const cv::Mat picture = cv::imread(path.string());
   if (picture.empty()) throw std::runtime_error("cannot read " + path.string());
-  Image<Rgb8> part(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y)
-    for (int x = 0; x < kWidth; ++x) {
-      const auto& pixel = picture.at<cv::Vec3b>(top + y, left + x);
-      part.at(x, y) = {pixel[2], pixel[1], pixel[0]};
-    }
-  return part;
+  return rgb_of(picture(cv::Rect(left, top, kWidth, kHeight)));
 }
 
 std::vector<double> minutes() {
@@ -200,16 +193,7 @@ class MatteOfLeaves : public GlesTest {
         for (int c = 0; c < 3; ++c)
           noisy.at<cv::Vec3b>(y, x)[2 - c] = static_cast<std::uint8_t>(
               std::lround(std::clamp(picture.at(x, y)[c] + kNoise * random.normal(), 0.0, 255.0)));
-    std::vector<std::uint8_t> bytes;
-    cv::imencode(".jpg", noisy, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality});
-    const cv::Mat decoded = cv::imdecode(bytes, cv::IMREAD_COLOR);
-    Image<Rgb8> film(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) {
-        const auto& pixel = decoded.at<cv::Vec3b>(y, x);
-        film.at(x, y) = {pixel[2], pixel[1], pixel[0]};
-      }
-    return film;
+    return rgb_of(through_jpeg(noisy, kQuality));
   }
 
   static void ask_oracles(const ReferenceScene& scene, const Image<Rgb8>& back, const Image<Rgb8>& with,
@@ -281,8 +265,7 @@ TEST_F(MatteOfLeaves, IsTheCpusOnEveryPath) {
   const auto reference = render_reference(scene, camera, turned_lattice());
   for (const RendererOptions& options :
        {RendererOptions{}, RendererOptions{.force_rgba8 = true}, RendererOptions{.force_promised_units = true}}) {
-    Renderer renderer = make_renderer(options);
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, options);
     const auto drawn = draw(renderer, scene.measured, view_of(camera));
     expect_like(drawn, reference, 47.0);
     int beyond = 0, open = 0;
@@ -317,8 +300,7 @@ TEST_F(MatteOfLeaves, LooksAsIfTheBuildingStoodBehindThem) {
     ReferenceScene scene = MatteOfLeaves::scene();
     const fixtures::Bough bough(MatteOfLeaves::bough(a_case.sway_px, 3, a_case.light));
     const auto back = land(a_case.left, a_case.top);
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     const auto with = draw(renderer, scene.measured, view_of(back));
     scene.mask = fixtures::mask_of(bough, a_case.sway_px > 0.0 ? minutes() : std::vector<double>{0.0});
     load(renderer, scene);
@@ -363,8 +345,7 @@ TEST_F(MatteOfLeaves, IsNoWorseThanTheMaskBeforeWoodsAsBright) {
     ReferenceScene scene = MatteOfLeaves::scene();
     const fixtures::Bough bough(MatteOfLeaves::bough(6.0, 3, a_case.light));
     const auto back = land(a_case.left, a_case.top);
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     const auto with = draw(renderer, scene.measured, view_of(back));
     const auto truth = fixtures::mask_of(bough, minutes());
     const auto errors_by = [&](const Image<std::uint8_t>& mask) {
@@ -408,8 +389,7 @@ TEST_F(MatteOfLeaves, LooksSoByTheMaskThatARecordingProposes) {
     ReferenceScene scene = MatteOfLeaves::scene();
     const fixtures::Bough bough(MatteOfLeaves::bough(a_case.sway_px, 3, a_case.light));
     const auto back = land(a_case.left, a_case.top);
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     const auto with = draw(renderer, scene.measured, view_of(back));
     const auto truth = fixtures::mask_of(bough, minutes());
     const auto proposed = find_sway_mask(a_minute(back, bough), Response::srgb(), {});
@@ -440,8 +420,7 @@ TEST_F(MatteOfLeaves, LooksSoToACameraThatSharpens) {
       ReferenceScene scene = MatteOfLeaves::scene();
       const fixtures::Bough bough(MatteOfLeaves::bough(sway_px, 3, 1.0));
       const auto back = land(420, 180);
-      Renderer renderer = make_renderer(options);
-      load(renderer, scene);
+      Renderer renderer = loaded(scene, options);
       const auto with = draw(renderer, scene.measured, view_of(back));
       scene.mask = fixtures::mask_of(bough, sway_px > 0.0 ? minutes() : std::vector<double>{0.0});
       ASSERT_OK(renderer.set_detail({.sharpening = kAmount}));
@@ -464,8 +443,7 @@ TEST_F(MatteOfLeaves, StillEdgesAreAsSoftAsTheirCamerasPicture) {
   ReferenceScene scene = MatteOfLeaves::scene();
   const fixtures::Bough bough(MatteOfLeaves::bough(0.0, 3, 0.4));
   const auto back = land(420, 180);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const auto with = draw(renderer, scene.measured, view_of(back));
   const auto leaves = bough.at(0.0);
   const auto filmed = [&](const Image<Rgb8>& behind) {
@@ -506,8 +484,7 @@ TEST_F(MatteOfLeaves, FollowsALayerThatIsDrawnWithAnotherDetail) {
   scene.mask = fixtures::mask_of(bough, minutes());
   const auto camera = fixtures::put_before(land(420, 180), bough.at(1.3));
   const ObjectDetail hazy{.point_spread_px = 2.5};
-  Renderer renderer = make_renderer(), fresh = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene), fresh = make_renderer();
   const auto box = renderer.object_box();
   draw(renderer, scene.measured, view_of(camera));
   ASSERT_OK(renderer.begin_layer(scene.appearance, {.detail = hazy}));

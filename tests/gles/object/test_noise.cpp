@@ -45,8 +45,7 @@ Statistics statistics_of(const Image<Rgb8>& picture, int channel) {
 
 TEST_F(Noise, HasTheModelsVarianceAtEveryLightLevelAndKeepsTheMean) {
   ReferenceScene scene = wall();
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const Image<Rgb8> camera(256, 192);
   const SensorNoise noise{glm::dvec3{1.0, 1.5, 2.0} / 900.0, glm::dvec3{0.004, 0.01, 0.02}, 7};
   for (const double light : {0.1, 0.2, 0.4, 0.6, 0.8}) {
@@ -66,8 +65,7 @@ TEST_F(Noise, HasTheModelsVarianceAtEveryLightLevelAndKeepsTheMean) {
 TEST_F(Noise, IsUnbiasedInLinearLightBehindACurvedResponse) {
   ReferenceScene scene = wall();
   scene.response.kind = ResponseCurve::Kind::srgb;
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   for (const double light : {0.08, 0.3, 0.6}) {
     scene.measured.light.fill(glm::dvec3{light});
     const auto picture =
@@ -83,9 +81,7 @@ TEST_F(Noise, RepeatsForTheSameFrameAndDiffersForTheNext) {
   static_assert(kNoisePatterns == 4, "of the numbers below, 41 and 45 have one pattern");
   ReferenceScene scene = wall();
   scene.measured.light.fill(glm::dvec3{0.4});
-  Renderer renderer = make_renderer(), other = make_renderer();
-  load(renderer, scene);
-  load(other, scene);
+  Renderer renderer = loaded(scene), other = loaded(scene);
   const Image<Rgb8> camera(256, 192);
   SensorNoise noise{glm::dvec3{1.0 / 900.0}, glm::dvec3{0.01}, 41};
   const auto first = noisy(renderer, scene, noise, camera);
@@ -108,8 +104,7 @@ TEST_F(Noise, ShowsNoPattern) {
   // Neighbours in every direction, and channels among each other, are uncorrelated.
   ReferenceScene scene = wall();
   scene.measured.light.fill(glm::dvec3{0.4});
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const auto picture = noisy(renderer, scene, {glm::dvec3{1.0 / 500.0}, glm::dvec3{0.0}, 5}, Image<Rgb8>(256, 192));
   const auto correlation = [&](int dx, int dy, int a, int b) {
     const auto one = statistics_of(picture, a), other = statistics_of(picture, b);
@@ -129,8 +124,7 @@ TEST_F(Noise, ShowsNoPattern) {
 
 TEST_F(Noise, LeavesPixelsWithoutTheObjectUnchanged) {
   for (const auto& scene : {wall(40.0), box_scene()}) {
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     const Image<Rgb8> camera = landscape(scene.view.width, scene.view.height);
     const auto layer = renderer.read_layer().value();
     const PixelBox box = renderer.object_box();
@@ -157,8 +151,7 @@ TEST_F(Noise, AddsOnlyTheMissingNoiseBehindASoftMask) {
   ReferenceScene scene = wall();
   scene.mask = Image<std::uint8_t>(256, 192, 102);
   scene.measured.light.fill(glm::dvec3{0.5});
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const Image<Rgb8> camera(256, 192, Rgb8{128, 128, 128});
   const auto [mean, variance] =
       statistics_of(noisy(renderer, scene, {glm::dvec3{1.0 / 500.0}, glm::dvec3{0.0}, 9}, camera), 1);
@@ -170,8 +163,7 @@ TEST_F(Noise, AddsOnlyTheMissingNoiseBehindASoftMask) {
 
 TEST_F(Noise, ImpossibleValuesAreRefused) {
   const ReferenceScene scene = wall();
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   Offscreen target = make_target(256, 192);
   const Image<Rgb8> camera(256, 192);
   ASSERT_OK(renderer.upload(view_of(camera)));

@@ -31,8 +31,7 @@ class PassersBefore : public GlesTest {
 TEST_F(PassersBefore, ShowsThemAsTheCameraSawThemAndMixesTheirEdgesInLinearLight) {
   const ReferenceScene scene = box_scene();
   for (const RendererOptions& options : {RendererOptions{}, RendererOptions{.force_promised_units = true}}) {
-    Renderer renderer = make_renderer(options);
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, options);
     ASSERT_OK(renderer.redraw_layer(scene.appearance));
     const Image<Rgb8> camera = landscape(kWidth, kHeight);
     const Image<Rgb8> alone = draw(renderer, scene.measured, view_of(camera));
@@ -77,8 +76,7 @@ TEST_F(PassersBefore, StayInFrontOfLeavesToo) {
   for (int y = 0; y < kHeight; ++y)
     for (int x = 60; x < 110; ++x) scene.mask.at(x, y) = 128;
   for (const RendererOptions& options : {RendererOptions{}, RendererOptions{.force_promised_units = true}}) {
-    Renderer renderer = make_renderer(options);
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, options);
     ASSERT_OK(renderer.redraw_layer(scene.appearance));
     ASSERT_TRUE(renderer.has_matte());
     const Image<Rgb8> camera = landscape(kWidth, kHeight);
@@ -94,8 +92,7 @@ TEST_F(PassersBefore, StayInFrontOfLeavesToo) {
 
 TEST_F(PassersBefore, AreLeftOutOfTheBuildingsPlane) {
   const ReferenceScene scene = box_scene();
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   ASSERT_OK(renderer.redraw_layer(scene.appearance));
   const Image<Rgb8> camera = landscape(kWidth, kHeight);
   ASSERT_OK(renderer.upload(view_of(camera)));

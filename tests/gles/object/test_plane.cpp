@@ -5,6 +5,7 @@
 #include "gles/gl/gl.hpp"
 #include "tests/figures.hpp"
 #include "tests/gles/scenes.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -131,8 +132,7 @@ TEST_F(PlaneOfTheBuilding, GivesDrawsPictureOverTheSameBackground) {
 // Also where the building is much brighter or darker than what lies behind its edges.
 TEST_F(PlaneOfTheBuilding, FollowsABackgroundThatMoves) {
   ReferenceScene made = scene();
-  Renderer renderer = make_renderer();
-  load(renderer, made);
+  Renderer renderer = loaded(made);
   const auto measured = made.measured;
   for (const double light : {0.25, 1.0})
     for (const int darker : {1, 4}) {
@@ -176,13 +176,10 @@ TEST_F(PlaneOfTheBuilding, LiesInTheBoxThatItTells) {
 
 TEST_F(PlaneOfTheBuilding, RefusesATargetOfAnotherSize) {
   const ReferenceScene made = scene();
-  Renderer renderer = make_renderer();
-  load(renderer, made);
+  Renderer renderer = loaded(made);
   ASSERT_OK(renderer.upload(view_of(landscape(made.view.width, made.view.height))));
   Offscreen target = make_target(10, 10);
-  const auto drawn = renderer.draw_for_plane(made.measured, target.target());
-  ASSERT_FALSE(drawn.has_value());
-  EXPECT_THAT(drawn.error().message, HasSubstr("the object's box"));
+  EXPECT_THAT(renderer.draw_for_plane(made.measured, target.target()), FailsWith(HasSubstr("the object's box")));
 }
 
 }  // namespace

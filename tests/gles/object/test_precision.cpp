@@ -9,6 +9,7 @@
 #include "tests/gles/gl/lesser_gl.hpp"
 #include "tests/gles/picture/all_layouts.hpp"
 #include "tests/gles/scenes.hpp"
+#include "tests/picture_difference.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -44,7 +45,7 @@ class Precision : public GlesTest {
       ASSERT_EQ(pictures.size(), exact.size());
       for (std::size_t i = 0; i < exact.size(); ++i) {
         const auto& [name, picture] = pictures[i];
-        const int off = largest_step(picture, exact[i].second), most = medium ? all_in_16 : as_written;
+        const int off = difference(picture, exact[i].second).largest, most = medium ? all_in_16 : as_written;
         fmt::print("{}, {}: {} of 255\n", name, medium ? "all in 16 bits" : "as written", off);
         EXPECT_LE(off, most) << name << (medium ? ", all in 16 bits" : ", as written");
         if (off <= most) continue;
@@ -143,8 +144,9 @@ TEST_F(Precision, OfTheCamerasProcessing) {
     add(pictures, "sharpened, in blocks", far_corner(box_scene()), {},
         {.point_spread_px = 0.6, .sharpening = 0.9, .jpeg_blocks = true}, {}, &steps);
   };
-  const int off = largest_step(drawn_in(FragmentPrecision::driver, draw_all)[0].second,
-                               drawn_in(FragmentPrecision::high, draw_all)[0].second);
+  const int off = difference(drawn_in(FragmentPrecision::driver, draw_all)[0].second,
+                             drawn_in(FragmentPrecision::high, draw_all)[0].second)
+                      .largest;
   fmt::print("sharpened, in blocks, as written: {} of 255\n", off);
   EXPECT_LE(off, 8) << "coefficients of one block that turn by 2 each";
 }
@@ -192,7 +194,7 @@ TEST_F(Precision, OfShadowsAndDepths) {
   const Pictures exact = drawn_in(FragmentPrecision::high, draw_all);
   const Pictures written = drawn_in(FragmentPrecision::driver, draw_all);
   for (std::size_t i = 0; i < exact.size(); ++i)
-    EXPECT_LE(largest_step(written[i].second, exact[i].second), 2) << exact[i].first;
+    EXPECT_LE(difference(written[i].second, exact[i].second).largest, 2) << exact[i].first;
   // They need 24 bits: without them they are left out, and that is said.
   const LesserGl gl(FragmentPrecision::medium);
   context_ = std::move(*open_headless_context());
@@ -206,8 +208,7 @@ TEST_F(Precision, OfWhatADisplayLaysOverThePicture) {
   expect_alike([&](Pictures& pictures) {
     for (const bool table : {false, true}) {
       const ReferenceScene scene = table ? with_table(far_corner(box_scene())) : far_corner(box_scene());
-      Renderer renderer = make_renderer();
-      load(renderer, scene);
+      Renderer renderer = loaded(scene);
       ASSERT_OK(renderer.upload(view_of(camera_)));
       const PixelBox box = renderer.object_box();
       Offscreen target = make_target(box.right - box.left, box.bottom - box.top);
@@ -220,8 +221,7 @@ TEST_F(Precision, OfWhatADisplayLaysOverThePicture) {
 TEST_F(Precision, OfAMovingView) {
   const auto draw_moving_views = [&](Pictures& pictures, const std::string& name, const ReferenceScene& scene) {
     for (const auto detail : {HazeDetail::per_vertex, HazeDetail::per_fragment}) {
-      Renderer renderer = make_renderer();
-      load(renderer, scene);
+      Renderer renderer = loaded(scene);
       pictures.emplace_back(name + (detail == HazeDetail::per_vertex ? ", by vertex" : ", by fragment"),
                             draw_moving(renderer, scene, view_of(camera_), detail));
     }

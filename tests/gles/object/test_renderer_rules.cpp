@@ -27,8 +27,7 @@ TEST_F(RendererRules, SameInputsGiveSameBits) {
   const Image<Rgb8> camera = landscape(160, 120);
   std::vector<Image<Rgb8>> pictures;
   for (int i = 0; i < 2; ++i) {
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     pictures.push_back(draw(renderer, scene.measured, view_of(camera)));
     pictures.push_back(draw(renderer, scene.measured, view_of(camera)));
   }
@@ -41,8 +40,7 @@ TEST_F(RendererRules, DitheringKeepsTheMean) {
   const Image<Rgb8> camera(160, 120);
   for (const auto kind : {ResponseCurve::Kind::srgb, ResponseCurve::Kind::linear}) {
     scene.response.kind = kind;
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     for (const double exposure : {0.03, 0.111, 0.4, 0.77}) {
       scene.measured.light.fill(glm::dvec3{exposure});
       const auto reference = render_reference(scene, camera, pixel_centre());
@@ -61,8 +59,7 @@ TEST_F(RendererRules, DitheringKeepsTheMean) {
 TEST_F(RendererRules, TheLayerIsValidForEveryExposure) {
   ReferenceScene scene = box_scene();
   for (const bool force_rgba8 : {false, true}) {
-    Renderer renderer = make_renderer({.force_rgba8 = force_rgba8});
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, {.force_rgba8 = force_rgba8});
     for (const double exposure : {1.0 / 64.0, 0.2, 1.0, 3.0}) {
       scene.measured = measured_airlight(scene.view, exposure);
       Image<Rgb8> camera = landscape(160, 120);
@@ -78,8 +75,7 @@ TEST_F(RendererRules, OnePassMatchesTheLayerInsideTheObject) {
   scene.measured.saturation = 1.4;
   const Image<Rgb8> camera = landscape(160, 120);
   const auto reference = render_reference(scene, camera, upright_grid(4));
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const Image<Rgb8> cached = draw(renderer, scene.measured, view_of(camera));
   for (const int samples : {1, 4})
     for (const auto detail : {HazeDetail::per_vertex, HazeDetail::per_fragment}) {
@@ -112,8 +108,7 @@ TEST_F(RendererRules, MultisamplingSmoothsTheMovingView) {
   const Image<Rgb8> camera = landscape(160, 120);
   if (make_target(160, 120, 4).samples() < 4) GTEST_SKIP() << info().renderer << " does not multisample";
   const auto reference = render_reference(scene, camera, turned_lattice());
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const double plain = psnr(draw_moving(renderer, scene, view_of(camera), HazeDetail::per_vertex, 1), reference);
   const double smooth = psnr(draw_moving(renderer, scene, view_of(camera), HazeDetail::per_vertex, 4), reference);
   EXPECT_GE(smooth, plain + 3.0) << "dB";
@@ -126,8 +121,7 @@ TEST_F(RendererRules, WithoutAVisibleObjectTheCamerasPictureIsUnchanged) {
     ReferenceScene scene = box_scene();
     scene.model = box_model(10, 10, 10);
     scene.model_to_world = model_to_world(away);
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     EXPECT_TRUE(renderer.object_box().empty());
     EXPECT_EQ(draw(renderer, scene.measured, view_of(camera)).elements(), camera.elements());
     EXPECT_EQ(draw_moving(renderer, scene, view_of(camera), HazeDetail::per_vertex).elements(), camera.elements());
@@ -138,8 +132,7 @@ TEST_F(RendererRules, WhollyHiddenObjectsLeaveNoTrace) {
   ReferenceScene scene = box_scene();
   scene.mask = Image<std::uint8_t>(160, 120, 0);
   const Image<Rgb8> camera = landscape(160, 120);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   EXPECT_EQ(draw(renderer, scene.measured, view_of(camera)).elements(), camera.elements());
   EXPECT_EQ(draw_moving(renderer, scene, view_of(camera), HazeDetail::per_vertex).elements(), camera.elements());
 }
@@ -147,8 +140,7 @@ TEST_F(RendererRules, WhollyHiddenObjectsLeaveNoTrace) {
 TEST_F(RendererRules, APoseChangeInvalidatesTheLayer) {
   const ReferenceScene scene = box_scene();
   const Image<Rgb8> camera = landscape(160, 120);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   EXPECT_NE(draw(renderer, scene.measured, view_of(camera)).elements(), camera.elements());
   ASSERT_OK(renderer.set_view(scene.view, model_to_world({20, 3600, -12, {}, 1.0})));
   EXPECT_EQ(draw(renderer, scene.measured, view_of(camera)).elements(), camera.elements());
@@ -158,8 +150,7 @@ TEST_F(RendererRules, RedrawsTheLayerOnlyOnRequest) {
   // The layer is redrawn on request only: another sun changes nothing until then.
   ReferenceScene scene = box_scene();
   const Image<Rgb8> camera = landscape(160, 120);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const Image<Rgb8> afternoon_picture = draw(renderer, scene.measured, view_of(camera));
   scene.appearance.light.sun_irradiance = glm::dvec3{0.0};
   EXPECT_EQ(draw(renderer, scene.measured, view_of(camera)).elements(), afternoon_picture.elements());
@@ -170,8 +161,7 @@ TEST_F(RendererRules, RedrawsTheLayerOnlyOnRequest) {
 TEST_F(RendererRules, TheOldLayerIsShownUntilTheNewOneIsWhole) {
   ReferenceScene scene = box_scene();
   const Image<Rgb8> camera = landscape(160, 120);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const auto picture = [&] { return draw(renderer, scene.measured, view_of(camera)).elements(); };
   const auto before = picture();
   scene.appearance.light.sun_direction = glm::normalize(glm::dvec3{0.5, -0.4, 0.6});
@@ -184,8 +174,7 @@ TEST_F(RendererRules, TheOldLayerIsShownUntilTheNewOneIsWhole) {
   EXPECT_GT(pieces, 16) << "the shadow's maps, at least";
   const auto after = picture();
   EXPECT_NE(after, before);
-  Renderer at_once = make_renderer();
-  load(at_once, scene);
+  Renderer at_once = loaded(scene);
   EXPECT_EQ(draw(at_once, scene.measured, view_of(camera)).elements(), after);
 }
 
@@ -194,8 +183,7 @@ TEST_F(RendererRules, DrawsALayerLargerThanOneTile) {
   ReferenceScene scene = wall();
   scene.view = view_north(500, 450, 6000);
   scene.measured = measured_airlight(scene.view);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const auto layer = renderer.read_layer();
   ASSERT_OK(layer);
   ASSERT_EQ(layer->width(), 500);
@@ -213,8 +201,7 @@ TEST_F(RendererRules, ReducesTexturesTheDriverCannotTake) {
   wide.pixels = Image<glm::u8vec4>(info().max_texture_size * 2, 4, glm::u8vec4{200, 100, 50, 255});
   scene.model.textures.push_back(wide);
   scene.model.materials[0].texture = 0;
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   ASSERT_EQ(renderer.notes().size(), 1u);
   EXPECT_THAT(renderer.notes()[0], HasSubstr("reduced to"));
 }
@@ -227,8 +214,7 @@ TEST_F(RendererRules, WithoutAGpuATextureHas2048TexelsASideAtMost) {
   large.pixels = Image<glm::u8vec4>(4096, 2048, glm::u8vec4{200, 100, 50, 255});
   scene.model.textures.push_back(large);
   scene.model.materials[0].texture = 0;
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   EXPECT_THAT(renderer.notes(), ElementsAre(HasSubstr("texture of 4096 x 2048 reduced to 2048 x 1024")));
 }
 

@@ -33,8 +33,7 @@ class SceneDepths : public GlesTest {
     return scene;
   }
   Image<glm::vec4> layer_of(const ReferenceScene& scene, const RendererOptions& options = {}) {
-    Renderer renderer = make_renderer(options);
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, options);
     const PixelBox box = renderer.object_box();
     EXPECT_EQ(box, (PixelBox{0, 0, 160, 120}));
     return renderer.read_layer().value();
@@ -68,8 +67,7 @@ TEST_F(SceneDepths, MatchTheRayTracer) {
   ReferenceScene without = scene;
   without.depth_m = {};
   for (const bool force_rgba8 : {false, true}) {
-    Renderer renderer = make_renderer({.force_rgba8 = force_rgba8});
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, {.force_rgba8 = force_rgba8});
     const auto picture = draw(renderer, scene.measured, view_of(camera));
     expect_like(picture, reference, 48.0);
     EXPECT_LT(psnr(picture, render_reference(without, camera, turned_lattice())), 35.0) << "something must be hidden";
@@ -127,8 +125,7 @@ TEST_F(SceneDepths, AnEmptyMapHidesNothingAndOneOfAnotherSizeIsRefused) {
   scene.depth_m = {};
   const auto whole = layer_of(scene);
   for (const auto& texel : whole.elements()) ASSERT_EQ(texel.a, 1.0f);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   ASSERT_OK(renderer.set_scene_depth(Image<float>(80, 60, 100.0f)));
   EXPECT_THAT(renderer.redraw_layer(scene.appearance).error().message,
               HasSubstr("depth map of 80 x 60 pixels: the view is of 160 x 120"));

@@ -3,6 +3,7 @@
 
 #include "tests/gles/picture/all_layouts.hpp"
 #include "tests/gles/scenes.hpp"
+#include "tests/picture_difference.hpp"
 
 namespace kasumi {
 namespace {
@@ -31,14 +32,6 @@ struct NoisePicture {
   }
 };
 
-int largest_difference(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  int largest = 0;
-  for (std::size_t i = 0; i < a.elements().size(); ++i)
-    for (int c = 0; c < 3; ++c)
-      largest = std::max(largest, std::abs(int(a.elements()[i][c]) - int(b.elements()[i][c])));
-  return largest;
-}
-
 class CameraPicture : public GlesTest {};
 
 TEST_F(CameraPicture, PassesUnchangedInEveryLayout) {
@@ -49,7 +42,7 @@ TEST_F(CameraPicture, PassesUnchangedInEveryLayout) {
       for (const std::size_t gap : {0u, 1u, 12u}) {
         const NoisePicture noise(layout, YuvEncoding::bt601_full, width, height, gap);
         const Image<Rgb8> picture = draw(renderer, measured, noise.view);
-        EXPECT_LE(largest_difference(picture, to_rgb(noise.view)), is_rgb(layout) ? 0 : 1)
+        EXPECT_LE(difference(picture, to_rgb(noise.view)).largest, is_rgb(layout) ? 0 : 1)
             << name_of(layout) << " " << width << " x " << height << ", rows " << gap << " bytes longer";
       }
 }
@@ -59,7 +52,7 @@ TEST_F(CameraPicture, FollowsEachYuvEncoding) {
   for (const auto encoding :
        {YuvEncoding::bt601_full, YuvEncoding::bt601_limited, YuvEncoding::bt709_full, YuvEncoding::bt709_limited}) {
     const NoisePicture noise(PixelLayout::nv12, encoding, 62, 46, 2);
-    EXPECT_LE(largest_difference(draw(renderer, {}, noise.view), to_rgb(noise.view)), 1) << name_of(encoding);
+    EXPECT_LE(difference(draw(renderer, {}, noise.view), to_rgb(noise.view)).largest, 1) << name_of(encoding);
   }
 }
 
@@ -67,8 +60,7 @@ TEST_F(CameraPicture, PassesUnchangedWhereTheObjectIsNot) {
   ReferenceScene scene = box_scene();
   const auto reference = render_reference(scene, landscape(160, 120), turned_lattice());
   for (const bool force_rgba8 : {false, true}) {
-    Renderer renderer = make_renderer({.force_rgba8 = force_rgba8});
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, {.force_rgba8 = force_rgba8});
     for (const PixelLayout layout : kLayouts) {
       const NoisePicture noise(layout, YuvEncoding::bt601_full, 160, 120, 4);
       const Image<Rgb8> expected = to_rgb(noise.view);
@@ -93,8 +85,7 @@ TEST_F(CameraPicture, PassesUnchangedWhereTheObjectIsNot) {
 
 TEST_F(CameraPicture, CompositesOverEveryLayoutAlike) {
   ReferenceScene scene = box_scene();
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   for (const PixelLayout layout : kLayouts) {
     const NoisePicture noise(layout, YuvEncoding::bt709_limited, 160, 120, 4);
     expect_like(draw(renderer, scene.measured, noise.view),
@@ -124,8 +115,7 @@ TEST_F(CameraPicture, FillsAWindowOfAnotherShapeBetweenBlackBars) {
 
 TEST_F(CameraPicture, IsUprightInAWindowAsInAFile) {
   ReferenceScene scene = box_scene();
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const Image<Rgb8> camera = landscape(160, 120);
   Offscreen file = make_target(160, 120), window = make_target(160, 120);
   ASSERT_OK(renderer.upload(view_of(camera)));

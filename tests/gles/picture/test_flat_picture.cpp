@@ -157,8 +157,7 @@ TEST_F(FlatPictures, FitWhereTheCamerasPictureWouldBe) {
 TEST_F(FlatPictures, LeaveTheSceneDrawnBeforeUnchanged) {
   // Drawn between two composites, a caption must not leak its GL state into the second.
   ReferenceScene scene = box_scene();
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const Image<Rgb8> camera = landscape(160, 120);
   const Image<Rgb8> before = draw(renderer, scene.measured, view_of(camera));
   Offscreen offscreen = make_target(160, 120);

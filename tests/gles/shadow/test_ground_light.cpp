@@ -42,8 +42,7 @@ class GroundLightInTheLayer : public GlesTest {
     double at(int x, int y) const { return static_cast<double>(layer.at(x - box.left, y - box.top).a); }
   };
   Seen layer_of(const ReferenceScene& scene, const RendererOptions& options = {}) {
-    Renderer renderer = make_renderer(options);
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, options);
     return {renderer.read_layer().value(), renderer.object_box()};
   }
   // In the shadow beside the slab: 20 m / tan 30 deg = 35 m to the east of it, .75 pixels a metre; and in the sun.

@@ -77,8 +77,7 @@ class Shadow : public GlesTest {
     const Image<Rgb8> camera = ground_picture(scene);
     const auto reference = render_reference(scene, camera, turned_lattice());
     for (const RendererOptions& options : ways) {
-      Renderer renderer = make_renderer(options);
-      load(renderer, scene);
+      Renderer renderer = loaded(scene, options);
       const Image<Rgb8> picture = draw(renderer, scene.measured, view_of(camera));
       fmt::print("{:.2f} dB\n", psnr(picture, reference));
       expect_like(picture, reference, least_db);
@@ -86,8 +85,7 @@ class Shadow : public GlesTest {
   }
 
   Image<glm::vec4> layer_of(const ReferenceScene& scene, const RendererOptions& options = {}) {
-    Renderer renderer = make_renderer(options);
-    load(renderer, scene);
+    Renderer renderer = loaded(scene, options);
     auto layer = renderer.read_layer();
     EXPECT_TRUE(layer) << layer.error().message;
     return std::move(*layer);
@@ -157,8 +155,7 @@ TEST_F(Shadow, RemovesOnlyTheSunsShareOfTheGroundsLight) {
     if (!proxy_colour)
       for (Rgb8& pixel : camera.elements()) pixel = Rgb8(0.8 * glm::dvec3(pixel) + glm::dvec3{10, 20, 0});
     const auto expected = before_picture(reference, scene, camera);
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     const auto picture = draw(renderer, scene.measured, view_of(camera));
     int core = 0;
     glm::dvec3 mean{0.0};
@@ -187,8 +184,7 @@ TEST_F(Shadow, LeavesUncoveredPixelsUnchangedBitForBit) {
   const ReferenceScene scene = gate_scene();
   const Image<Rgb8> camera = landscape(128, 96);
   const auto reference = render_reference(scene, camera, upright_grid(4));
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const Image<Rgb8> picture = draw(renderer, scene.measured, view_of(camera));
   int free = 0, shaded = 0;
   for (int y = 1; y < 95; ++y)
@@ -212,8 +208,7 @@ TEST_F(Shadow, IsAbsentUnderAnOvercastSkyBitForBit) {
   std::vector<Image<Rgb8>> cached, moving;
   for (const bool shadows : {true, false}) {
     scene.appearance.shadows = shadows;
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     cached.push_back(draw(renderer, scene.measured, view_of(camera)));
     moving.push_back(draw_moving(renderer, scene, view_of(camera), HazeDetail::per_vertex));
   }
@@ -238,8 +233,7 @@ TEST_F(Shadow, IsAlsoDrawnInAMovingView) {
   }
   // Neither object nor shadow appears over the foreground.
   scene.mask = Image<std::uint8_t>(128, 96, 0);
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   EXPECT_EQ(draw_moving(renderer, scene, view_of(camera), HazeDetail::per_vertex).elements(), camera.elements());
 }
 
@@ -314,8 +308,7 @@ TEST_F(Shadow, SoftensWithDistanceAsTheSunsDiscDemands) {
     scene.appearance = afternoon(scene.view);
     scene.appearance.light.sun_direction = sun_at(elevation, 180);
     scene.appearance.shadows = true;
-    Renderer renderer = make_renderer();
-    load(renderer, scene);
+    Renderer renderer = loaded(scene);
     const auto layer = renderer.read_layer();
     ASSERT_OK(layer);
     const PixelBox box = renderer.object_box();
@@ -361,8 +354,7 @@ TEST_F(Shadow, OfThinPostsDoesNotFlickerWhileTheSunMoves) {
 
 TEST_F(Shadow, TheBoxContainsTheShadedGround) {
   ReferenceScene scene = gate_scene();
-  Renderer renderer = make_renderer();
-  load(renderer, scene);
+  Renderer renderer = loaded(scene);
   const PixelBox with = renderer.object_box();
   scene.model.ground.clear();
   load(renderer, scene);

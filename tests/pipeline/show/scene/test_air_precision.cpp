@@ -13,6 +13,7 @@
 #include "tests/estimator/haze/haze_scenes.hpp"
 #include "tests/gles/gl/halves.hpp"
 #include "tests/gles/gl/lesser_gl.hpp"
+#include "tests/picture_difference.hpp"
 
 namespace kasumi {
 namespace {
@@ -54,7 +55,7 @@ TEST_F(AirPrecision, OfTheDome) {
         return picture;
       };
       for (const auto precision : {FragmentPrecision::driver, FragmentPrecision::medium}) {
-        const int off = largest_step(without_rim(drawn_in(precision)), without_rim(exact));
+        const int off = difference(without_rim(drawn_in(precision)), without_rim(exact)).largest;
         fmt::print("{}, sun {} deg high, {}: {} of 255\n", name_of(projection), sun_deg,
                    precision == FragmentPrecision::medium ? "all in 16 bits" : "as written", off);
         EXPECT_LE(off, 2);
@@ -87,7 +88,7 @@ TEST_F(AirPrecision, OfHazeThatBlurs) {
   };
   for (const bool in_bytes : {false, true}) {
     const int off =
-        largest_step(drawn_in(FragmentPrecision::driver, in_bytes), drawn_in(FragmentPrecision::high, in_bytes));
+        difference(drawn_in(FragmentPrecision::driver, in_bytes), drawn_in(FragmentPrecision::high, in_bytes)).largest;
     fmt::print("haze {}: {} of 255\n", in_bytes ? "in bytes" : "in half floats", off);
     EXPECT_LE(off, 2);
   }
