@@ -12,16 +12,12 @@
 #include "pipeline/lab/recording/replay.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/figures.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 
 inline ReplaySummary played(const std::filesystem::path& fixture, const std::filesystem::path& out) {
-  const auto summary = replay({fixture, out, false, false, std::nullopt, {}});
-  if (!summary) {
-    ADD_FAILURE() << summary.error().message;
-    return {};
-  }
-  return *summary;
+  return *must(replay({fixture, out, false, false, std::nullopt, {}}));
 }
 
 // Each pixel as the mean of the `side` x `side` pixels around it that lie in the picture.
@@ -41,6 +37,28 @@ Image<Pixel> means_over(const Image<Pixel>& image, int side) {
   return means;
 }
 
+// Over the pixels that the building covers, each by the share that it covers, in levels of 255.
+struct CoveredDifference {
+  double mean = 0.0;    // of the channels' absolute differences
+  glm::dvec3 bias{};    // one minus other
+  double pixels = 0.0;  // covered
+  double worst_bias() const { return std::max({std::abs(bias.r), std::abs(bias.g), std::abs(bias.b)}); }
+};
+inline CoveredDifference covered_difference(const Image<glm::vec3>& one, const Image<glm::vec3>& other,
+                                            const Image<glm::vec3>& coverage) {
+  CoveredDifference found;
+  for (std::size_t i = 0; i < coverage.elements().size(); ++i) {
+    const double covered = coverage.elements()[i].r;
+    const auto off = 255.0 * (glm::dvec3(one.elements()[i]) - glm::dvec3(other.elements()[i]));
+    found.mean += covered * (std::abs(off.r) + std::abs(off.g) + std::abs(off.b)) / 3.0;
+    found.bias += covered * off;
+    found.pixels += covered;
+  }
+  found.mean /= found.pixels;
+  found.bias /= found.pixels;
+  return found;
+}
+
 // Mean error of the building's pixels, in levels of 255, against the picture that the slow spectral path draws of the
 // same scene. `table`: of a document, in which it is a row. `mean_over_px`: compared are means over so many pixels each
 // way, for a camera whose noise and JPEG are drawn, too.
@@ -50,25 +68,14 @@ inline double building_error(const std::filesystem::path& fixture, const std::fi
   auto truth = read_photograph(fixture / "truth" / "composite-000000.png").value();
   for (auto* shown : {&picture, &truth}) shown->encoded = means_over(shown->encoded, mean_over_px);
   const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
-  double error = 0.0, weight = 0.0;
-  glm::dvec3 bias{};
-  for (int y = 0; y < truth.encoded.height(); ++y)
-    for (int x = 0; x < truth.encoded.width(); ++x) {
-      const double covered = coverage.encoded.at(x, y).r;
-      if (covered <= 0.0) continue;
-      const auto difference = 255.0 * (glm::dvec3(picture.encoded.at(x, y)) - glm::dvec3(truth.encoded.at(x, y)));
-      error += covered * (std::abs(difference.r) + std::abs(difference.g) + std::abs(difference.b)) / 3.0;
-      bias += covered * difference;
-      weight += covered;
-    }
-  EXPECT_GT(weight, 500.0) << "the building must be seen";
-  bias /= weight;
+  const auto [error, bias, pixels] = covered_difference(picture.encoded, truth.encoded, coverage.encoded);
+  EXPECT_GT(pixels, 500.0) << "the building must be seen";
   fmt::print("{}: mean error over the building {:.2f}/255, bias R {:.2f} G {:.2f} B {:.2f}, {:.0f} pixels\n", name,
-             error / weight, bias.r, bias.g, bias.b, weight);
+             error, bias.r, bias.g, bias.b, pixels);
   if (!table.empty())
-    figure_row(table, {name, figure_text(error / weight, 1) + " / 255",
+    figure_row(table, {name, figure_text(error, 1) + " / 255",
                        figure_text(bias.r, 1) + ", " + figure_text(bias.g, 1) + ", " + figure_text(bias.b, 1)});
-  return error / weight;
+  return error;
 }
 
 }  // namespace kasumi

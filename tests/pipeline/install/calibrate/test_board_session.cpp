@@ -10,6 +10,7 @@
 #include "calib/lens/lens_fit.hpp"
 #include "pipeline/install/calibrate/board_window.hpp"
 #include "tests/calib/lens/boards.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/calibrating.hpp"
 
 namespace kasumi {
@@ -141,13 +142,11 @@ TEST(CalibrateLens, ARecordingInACamerasPlaceIsReadUntilThePictureIsCovered) {
 }
 
 TEST(CalibrateLens, AllProblemsOfALiveSessionAreReportedAtOnce) {
-  const auto outcome = run("lens a.png --live /nowhere/at-all --charuco 2x2 --out /nowhere/c.toml");
-  EXPECT_EQ(outcome.code, 2);
+  const auto outcome = ended(2, run("lens a.png --live /nowhere/at-all --charuco 2x2 --out /nowhere/c.toml"));
   EXPECT_THAT(outcome.err, HasSubstr("expected one of pictures, --config, --live and --import"));
   EXPECT_THAT(outcome.err, HasSubstr("--charuco 2x2"));
-  const auto device = run("lens --live /nowhere/at-all --board 8x6 --out /nowhere/c.toml");
-  EXPECT_EQ(device.code, 2);
-  EXPECT_THAT(device.err, HasSubstr("--size (none): expected the size"));
+  EXPECT_THAT(ended(2, run("lens --live /nowhere/at-all --board 8x6 --out /nowhere/c.toml")).err,
+              HasSubstr("--size (none): expected the size"));
 }
 
 }  // namespace

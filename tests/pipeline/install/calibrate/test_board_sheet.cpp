@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "pipeline/install/calibrate/board_sheet.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/calibrating.hpp"
 
 namespace kasumi {
@@ -56,15 +57,14 @@ TEST(BoardSheet, ThePdfsOffsetsAreCorrect) {
 TEST(CalibrateBoard, WritesAPageAndReportsAllProblemsAtOnce) {
   const auto folder = fresh_folder("calibrate-board");
   const auto file = folder / "board.svg";
-  const auto done = run("board --charuco 8x6 --square-mm 30 --marker-mm 22 --out " + file.string());
-  ASSERT_EQ(done.code, 0) << done.err;
+  const auto done = ended(0, run("board --charuco 8x6 --square-mm 30 --marker-mm 22 --out " + file.string()));
   EXPECT_THAT(done.out, HasSubstr("on A4"));
   const auto svg = read_text_file(file).value();
   EXPECT_THAT(svg, HasSubstr("width=\"297mm\" height=\"210mm\" viewBox=\"0 0 297 210\""));
   EXPECT_THAT(svg, HasSubstr("width=\"30\" height=\"30\""));
 
-  const auto wrong = run("board --charuco 8by6 --square-mm 30 --marker-mm 40 --dictionary DICT_0 --out b.gif");
-  EXPECT_EQ(wrong.code, 2);
+  const auto wrong =
+      ended(2, run("board --charuco 8by6 --square-mm 30 --marker-mm 40 --dictionary DICT_0 --out b.gif"));
   for (const char* part : {"--charuco 8by6", "--marker-mm 40", "--dictionary DICT_0", "--out b.gif"})
     EXPECT_THAT(wrong.err, HasSubstr(part));
 }

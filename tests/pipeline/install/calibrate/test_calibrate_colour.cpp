@@ -9,6 +9,7 @@
 #include "calib/colour/sensitivity_fit.hpp"
 #include "fixtures/generator/generator.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/calibrating.hpp"
 
 namespace kasumi {
@@ -82,22 +83,19 @@ TEST(CalibrateColour, ARecordingGivesAMaskAndThenAUsableSensitivity) {
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.sky-mask.png"), 1000u);
 
   // A second run keeps a mask, which a person may have edited, and the previous curves.
-  const auto again = run(fmt::format("mask {} --out {}", recording.string(), file.string()));
-  ASSERT_EQ(again.code, 0) << again.err;
+  ended(0, run(fmt::format("mask {} --out {}", recording.string(), file.string())));
   EXPECT_TRUE(std::filesystem::exists(folder / "calibration.sky-free.png.1.old"));
   EXPECT_EQ(ConfigTable::read_file(file).value().table("sky").text("sensitivity"), "calibration.sky-sensitivity.csv");
 
   // The best-fitting file instead of the estimate.
-  const auto chosen = run(fmt::format("colour {} --choose --turbidity 2.4 --cameras {} --out {}", recording.string(),
-                                      cameras.string(), file.string()));
-  ASSERT_EQ(chosen.code, 0) << chosen.err;
+  const auto chosen = ended(0, run(fmt::format("colour {} --choose --turbidity 2.4 --cameras {} --out {}",
+                                               recording.string(), cameras.string(), file.string())));
   EXPECT_THAT(chosen.out, HasSubstr("chosen: camera-"));
   EXPECT_TRUE(std::filesystem::exists(folder / "calibration.sky-sensitivity.csv.1.old"));
 
   // A scene camera of the same make.
-  const auto scene = run(fmt::format("colour {} --camera scene --choose --cameras {} --out {}", recording.string(),
-                                     cameras.string(), file.string()));
-  ASSERT_EQ(scene.code, 0) << scene.err;
+  ended(0, run(fmt::format("colour {} --camera scene --choose --cameras {} --out {}", recording.string(),
+                           cameras.string(), file.string())));
   const auto of_scene = ConfigTable::read_file(file).value().table("scene");
   EXPECT_EQ(of_scene.text("sensitivity"), "calibration.scene-sensitivity.csv");
   EXPECT_FALSE(of_scene.has("white_balance"));
@@ -131,9 +129,8 @@ TEST(CalibrateMask, StrokesOnASceneBecomeAMaskNextToTheCalibration) {
   ASSERT_TRUE(write_text_file(folder / "strokes.toml",
                               "[[hidden]]\npoints = [5, 80, 150, 82]\n[[free]]\npoints = [5, 10, 150, 14]\n"));
   const auto file = folder / "calibration.toml";
-  const auto outcome = run(fmt::format("mask --picture {} --strokes {} --out {}", (folder / "scene.png").string(),
-                                       (folder / "strokes.toml").string(), file.string()));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ended(0, run(fmt::format("mask --picture {} --strokes {} --out {}", (folder / "scene.png").string(),
+                           (folder / "strokes.toml").string(), file.string())));
   const auto scene = ConfigTable::read_file(file).value().table("scene");
   EXPECT_EQ(scene.text("mask"), "calibration.scene-free.png");
   const cv::Mat mask = cv::imread((folder / "calibration.scene-free.png").string(), cv::IMREAD_UNCHANGED);
@@ -145,13 +142,11 @@ TEST(CalibrateMask, StrokesOnASceneBecomeAMaskNextToTheCalibration) {
   EXPECT_LE(wrong, 20);
   EXPECT_GT(std::filesystem::file_size(folder / "calibration.scene-mask.png"), 1000u);
 
-  const auto neither = run(fmt::format("mask --out {}", file.string()));
-  EXPECT_EQ(neither.code, 2);
-  EXPECT_THAT(neither.err, HasSubstr("--picture and --strokes"));
-  const auto box = run(fmt::format("mask --picture {} --strokes {} --box 100,50,100,50 --out {}",
-                                   (folder / "scene.png").string(), (folder / "none.png").string(), file.string()));
-  EXPECT_EQ(box.code, 2);
-  EXPECT_THAT(box.err, testing::AllOf(HasSubstr("none.png"), HasSubstr("--box 100,50,100,50")));
+  EXPECT_THAT(ended(2, run(fmt::format("mask --out {}", file.string()))).err, HasSubstr("--picture and --strokes"));
+  EXPECT_THAT(ended(2, run(fmt::format("mask --picture {} --strokes {} --box 100,50,100,50 --out {}",
+                                       (folder / "scene.png").string(), (folder / "none.png").string(), file.string())))
+                  .err,
+              testing::AllOf(HasSubstr("none.png"), HasSubstr("--box 100,50,100,50")));
 }
 
 }  // namespace

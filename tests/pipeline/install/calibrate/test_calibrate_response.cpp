@@ -7,6 +7,7 @@
 
 #include "calib/camera.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/calibrating.hpp"
 
 namespace kasumi {
@@ -111,8 +112,7 @@ TEST(CalibrateResponse, OneExposureRepeatedIsRefused) {
   const auto files = written(folder, {0.5, 0.5, 0.5});
   const auto file = folder / "calibration.toml";
   for (const std::string times : {"", "--exposures-s .01,.01,.01"}) {
-    const auto outcome = run(fmt::format("response{} {} --out {}", files, times, file.string()));
-    EXPECT_EQ(outcome.code, 2) << outcome.out;
+    const auto outcome = ended(2, run(fmt::format("response{} {} --out {}", files, times, file.string())));
     EXPECT_THAT(outcome.err, HasSubstr("all exposures are the same"));
     EXPECT_THAT(outcome.err, HasSubstr("e0.png 1.0"));
     EXPECT_FALSE(std::filesystem::exists(file));
@@ -138,9 +138,9 @@ TEST(CalibrateResponse, APictureOfAnotherViewIsNamed) {
 TEST(CalibrateResponse, AStackWithWrongTimesIsRefusedWithItsFigure) {
   const auto folder = fresh_folder("calibrate-response-times");
   const auto file = folder / "calibration.toml";
-  const auto outcome = run(fmt::format("response{} --exposures-s .01,.02,.02,.08,.1 --circle 44,46,25 --out {}",
-                                       written(folder, {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0}), file.string()));
-  EXPECT_EQ(outcome.code, 2) << outcome.out;
+  const auto outcome =
+      ended(2, run(fmt::format("response{} --exposures-s .01,.02,.02,.08,.1 --circle 44,46,25 --out {}",
+                               written(folder, {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0}), file.string())));
   EXPECT_THAT(outcome.err, HasSubstr("steps of 255 (rms), expected at most 3; worst in e"));
   EXPECT_FALSE(std::filesystem::exists(file));
 }
@@ -154,18 +154,17 @@ TEST(CalibrateResponse, TheSkyOverAlpnachIsAStackAndNineDaysAreNot) {
   const auto stack =
       run(fmt::format("response {}/*_image.png --out {}", (skies / "skycam-alpnach").string(), file.string()));
   EXPECT_EQ(stack.code, 0) << stack.err;
-  const auto days = run(fmt::format("response {}/beijing-28*.jpg --out {}", (skies / "real").string(), file.string()));
-  EXPECT_EQ(days.code, 2) << days.out;
+  const auto days =
+      ended(2, run(fmt::format("response {}/beijing-28*.jpg --out {}", (skies / "real").string(), file.string())));
   EXPECT_THAT(days.err, HasSubstr("beijing-281700.jpg: at best "));
-  const auto hour = run(fmt::format("response {}/unam-11*.jpg --out {}", (skies / "real").string(), file.string()));
-  EXPECT_EQ(hour.code, 2) << hour.out;
+  const auto hour =
+      ended(2, run(fmt::format("response {}/unam-11*.jpg --out {}", (skies / "real").string(), file.string())));
   EXPECT_THAT(hour.err, HasSubstr("unam-11841.jpg: at best "));
 }
 
 TEST(CalibrateResponse, ReportsAllProblemsAtOnce) {
-  const auto outcome = run("response one.png --exposures-s 0.1,0.2 --circle 5,5,-1 --out " +
-                           (fresh_folder("r-wrong") / "c.toml").string());
-  EXPECT_EQ(outcome.code, 2);
+  const auto outcome = ended(2, run("response one.png --exposures-s 0.1,0.2 --circle 5,5,-1 --out " +
+                                    (fresh_folder("r-wrong") / "c.toml").string()));
   for (const char* part : {"1 pictures", "2 times, expected 1", "--circle"}) EXPECT_THAT(outcome.err, HasSubstr(part));
 }
 

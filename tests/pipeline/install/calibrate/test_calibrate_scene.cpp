@@ -9,6 +9,7 @@
 #include "fixtures/spectrum/sunlight.hpp"
 #include "pipeline/site/config/placement.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/calibrating.hpp"
 
 namespace kasumi {
@@ -94,9 +95,8 @@ TEST(CalibrateScene, LandmarksOnTheMapGiveTheCamerasPoseAndAWrongOneIsNamed) {
   auto again = landmarks(truth, 1900.0, 99);
   again.erase(again.find("[scene]"), again.find("[[landmarks]]") - again.find("[scene]"));
   ASSERT_TRUE(write_text_file(folder / "landmarks.toml", again));
-  const auto second = run(fmt::format("scene {} --picture {} --out {}", (folder / "landmarks.toml").string(),
-                                      (folder / "scene.png").string(), file.string()));
-  ASSERT_EQ(second.code, 0) << second.err;
+  ended(0, run(fmt::format("scene {} --picture {} --out {}", (folder / "landmarks.toml").string(),
+                           (folder / "scene.png").string(), file.string())));
   EXPECT_TRUE(std::filesystem::exists(file.string() + ".1.old"));
   EXPECT_EQ(ConfigTable::read_file(file).value().table("scene").text("serial"), "SC-7");
 }
@@ -146,9 +146,8 @@ TEST(CalibrateScene, ThreeSightingsOfTheSettingSunAndTheHorizonGiveThePose) {
 
   text.replace(text.find("T17:18:00Z"), 10, "T21:18:00Z");
   ASSERT_TRUE(write_text_file(folder / "sights.toml", text));
-  const auto night = run(fmt::format("scene {} --picture {} --out {}", (folder / "sights.toml").string(),
-                                     (folder / "scene.png").string(), (folder / "n.toml").string()));
-  EXPECT_EQ(night.code, 2);
+  const auto night = ended(2, run(fmt::format("scene {} --picture {} --out {}", (folder / "sights.toml").string(),
+                                              (folder / "scene.png").string(), (folder / "n.toml").string())));
   EXPECT_THAT(night.err, HasSubstr("sightings[2].utc"));
   EXPECT_THAT(night.err, HasSubstr("a time at which the sun is up"));
 }
@@ -167,9 +166,8 @@ TEST(CalibrateScene, ReportsAllProblemsAtOnce) {
   replace("latitude_deg = 46.958", "latitude_deg = -46.958");
   replace("name = 'Burg'", "nam = 'Burg'");
   ASSERT_TRUE(write_text_file(folder / "landmarks.toml", text));
-  const auto outcome = run(fmt::format("scene {} --picture /nowhere/at-all.png --out {}",
-                                       (folder / "landmarks.toml").string(), (folder / "c.toml").string()));
-  EXPECT_EQ(outcome.code, 2);
+  const auto outcome = ended(2, run(fmt::format("scene {} --picture /nowhere/at-all.png --out {}",
+                                                (folder / "landmarks.toml").string(), (folder / "c.toml").string())));
   for (const char* part :
        {"at-all.png", "scene.lens.zoom", "landmarks[0].latitude_deg", "landmarks[4].name", "landmarks[4].nam:"})
     EXPECT_THAT(outcome.err, HasSubstr(part));

@@ -7,6 +7,7 @@
 #include "base/table/config_table.hpp"
 #include "base/utc_text.hpp"
 #include "estimator/sky/sun.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/strange_series.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
@@ -41,14 +42,13 @@ TEST(CalibrateSeries, AFolderOfADayTellsTheCamera) {
     const auto file = test_folder("series-calibration") / (mirrored ? "mirrored.toml" : "plain.toml");
     std::filesystem::create_directories(file.parent_path());
     std::filesystem::remove(file);
-    const auto told = run_kasumi(fmt::format("calibrate sky {} --lat 34.7 --lon 135.8 --altitude-m 100 --out {}",
-                                             folder.string(), file.string()));
-    ASSERT_EQ(told.code, 0) << told.err;
+    const auto told =
+        ended(0, run_kasumi(fmt::format("calibrate sky {} --lat 34.7 --lon 135.8 --altitude-m 100 --out {}",
+                                        folder.string(), file.string())));
     std::printf("%s", told.out.c_str());
     EXPECT_THAT(told.out, HasSubstr(mirrored ? "pictures are mirrored\n" : "pictures are not mirrored\n"));
 
-    const auto table = ConfigTable::read_file(file);
-    ASSERT_TRUE(table) << table.error().message;
+    const auto table = must(ConfigTable::read_file(file));
     const Camera camera = read_camera(table->table("sky"), "sky");
     read_site(table->table("site"));
     for (const double zenith_deg : {20.0, 50.0, 75.0}) {
@@ -97,8 +97,7 @@ TEST(CalibrateSeries, WhatIsMissingIsSaid) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   const auto file = (folder / "x.toml").string();
-  auto told = run_kasumi(fmt::format("calibrate sky {} --out {}", folder.string(), file));
-  EXPECT_EQ(told.code, 2);
+  auto told = ended(2, run_kasumi(fmt::format("calibrate sky {} --out {}", folder.string(), file)));
   EXPECT_THAT(told.err, HasSubstr("expected --lat and --lon"));
   told = run_kasumi(fmt::format("calibrate sky {} --lat 1 --lon 2 --out {}", folder.string(), file));
   EXPECT_EQ(told.code, 2);

@@ -4,6 +4,7 @@
 
 #include "calib/calibration_file.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/calibrating.hpp"
 
 namespace kasumi {
@@ -25,9 +26,8 @@ TEST(CalibrateVignetting, ARecordedDayRecoversTheLensItWasRenderedThrough) {
   const auto file = fresh_folder("calibrate-vignetting-out") / "calibration.toml";
 
   // Nothing is known about the camera yet: this is reported, and nothing is written.
-  const auto early = run(fmt::format("vignetting {} --out {}", folder.string(), file.string()));
-  EXPECT_EQ(early.code, 2);
-  EXPECT_THAT(early.err, HasSubstr("expected the calibration file with the sky camera's lens and orientation"));
+  EXPECT_THAT(ended(2, run(fmt::format("vignetting {} --out {}", folder.string(), file.string()))).err,
+              HasSubstr("expected the calibration file with the sky camera's lens and orientation"));
   EXPECT_FALSE(std::filesystem::exists(file));
 
   CalibrationStep step;

@@ -10,6 +10,7 @@
 #include "estimator/sky_camera/sky_colours.hpp"
 #include "estimator/sky_camera/sky_sensitivity.hpp"
 #include "fixtures/landscape/sky_view.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -106,8 +107,7 @@ TEST(ColourFromSky, EachMeasuredCameraIsFoundFromTheOthersAndTheSkyWithinAHundre
   for (const double off : {0.0, 0.1})
     for (std::size_t out = 0; out < cameras.size(); ++out) {
       const auto colours = colours_of(cameras[out], kTurbidity, kTurbidity + off);
-      const auto fit = fit_sensitivity(colours, without(cameras, out));
-      ASSERT_TRUE(fit) << fit.error().message;
+      const auto fit = must(fit_sensitivity(colours, without(cameras, out)));
       const auto error = gamma_error(fit->sensitivity, cameras[out]);
       std::printf("%-34s %6.1f |", cameras[out].name.c_str(), off);
       for (const double one : error.by_turbidity) std::printf(" %.4f", one);
@@ -160,8 +160,7 @@ TEST(ColourFromSky, AnInventedCameraIsFoundAndItsReportedUncertaintyHolds) {
 TEST(SensitivityFromSky, TheMeasuredCameraThatTookTheSkyIsChosen) {
   const auto cameras = invented_cameras();
   const auto day = day_of(cameras[1], 3.0);
-  const auto found = sensitivity_from_sky(day.camera, day.moments, cameras, {.choose = true});
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(sensitivity_from_sky(day.camera, day.moments, cameras, {.choose = true}));
   EXPECT_EQ(found->sensitivity.name, cameras[1].name);
   ASSERT_EQ(found->ranked.size(), cameras.size());
   EXPECT_EQ(found->ranked.front().camera, 1u);
@@ -178,8 +177,7 @@ TEST(SensitivityFromSky, AnUnmeasuredCameraIsFittedFromTheOthers) {
   const auto cameras = invented_cameras();
   const auto day = day_of(cameras[0], 3.0);
   const auto others = without(cameras, 0);
-  const auto found = sensitivity_from_sky(day.camera, day.moments, others, {.turbidity = 3.0});
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found = must(sensitivity_from_sky(day.camera, day.moments, others, {.turbidity = 3.0}));
   ASSERT_TRUE(found->fit);
   EXPECT_LE(gamma_error(found->sensitivity, cameras[0]).largest, 0.01);
   EXPECT_THAT(found->turbidities, testing::Each(3.0));

@@ -15,6 +15,7 @@
 #include "fixtures/in_front/leaves.hpp"
 #include "fixtures/landscape/scene_view.hpp"
 #include "fixtures/landscape/sky_view.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -56,8 +57,7 @@ TEST(SkyMask, ObstructionsAreFoundThroughCloudsSunAndHaze) {
       exposure.seed = seed + static_cast<std::uint64_t>(i);
       pictures.push_back(fixtures::expose(view.light, camera, exposure));
     }
-    const auto found = find_sky_mask(pictures, camera, 0.0);
-    ASSERT_TRUE(found) << found.error().message;
+    const auto found = must(find_sky_mask(pictures, camera, 0.0));
     // The true sky lies above the skyline's formula.
     Image<std::uint8_t> truth(camera.width, camera.height, 0);
     int standing = 0, missed = 0;
@@ -149,8 +149,7 @@ TEST(SceneMask, AFewStrokesCutTreesFromTheRidgesBehind) {
     std::mt19937_64 random(seed);
     draw_strokes(scene.free, Stroke::hidden, 8, random, strokes);
     draw_strokes(scene.free, Stroke::free, 8, random, strokes);
-    auto found = find_scene_mask(scene.picture, strokes, {});
-    ASSERT_TRUE(found) << found.error().message;
+    auto found = must(find_scene_mask(scene.picture, strokes, {}));
     for (int y = 0; y < scene.free.height(); ++y)
       for (int x = 0; x < scene.free.width(); ++x)
         if (!is_inside(scene.free, x, y)) found->mask.at(x, y) = scene.free.at(x, y);
@@ -167,8 +166,8 @@ TEST(SceneMask, NothingIsHiddenOutsideTheBox) {
   std::mt19937_64 random(1);
   draw_strokes(scene.free, Stroke::hidden, 12, random, strokes);
   draw_strokes(scene.free, Stroke::free, 12, random, strokes);
-  const auto found = find_scene_mask(scene.picture, strokes, {.box = glm::ivec4(100, 60, 200, 150), .soft_px = 2.0});
-  ASSERT_TRUE(found) << found.error().message;
+  const auto found =
+      must(find_scene_mask(scene.picture, strokes, {.box = glm::ivec4(100, 60, 200, 150), .soft_px = 2.0}));
   int hidden_inside = 0;
   for (int y = 0; y < 225; ++y)
     for (int x = 0; x < 400; ++x) {
@@ -179,9 +178,8 @@ TEST(SceneMask, NothingIsHiddenOutsideTheBox) {
         ASSERT_EQ(found->mask.at(x, y), 255);
     }
   EXPECT_GT(hidden_inside, 100);
-  const auto none = find_scene_mask(scene.picture, strokes, {.box = glm::ivec4(0, 0, 20, 20), .soft_px = 2.0});
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().message, HasSubstr("what stands in front"));
+  EXPECT_THAT(find_scene_mask(scene.picture, strokes, {.box = glm::ivec4(0, 0, 20, 20), .soft_px = 2.0}),
+              FailsWith(HasSubstr("what stands in front")));
 }
 
 constexpr int kCloudyPictures = 24;

@@ -12,6 +12,7 @@
 #include "pipeline/install/camera_drift/drift.hpp"
 #include "pipeline/install/camera_drift/drift_gather.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/install/calibrate/calibrating.hpp"
 #include "tests/places.hpp"
 
@@ -222,8 +223,7 @@ TEST(Drift, TheCommandTakesAReferenceThenComparesAndSetsItsExitCode) {
   const auto call = [&](const std::filesystem::path& recording, const std::string& more) {
     return run(fmt::format("check {} --calibration {}.toml {}", recording.string(), stem.string(), more));
   };
-  auto outcome = call(first, "");
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  auto outcome = ended(0, call(first, ""));
   EXPECT_THAT(outcome.err, HasSubstr("saved as the reference"));
   outcome = call(first, "");
   EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
@@ -254,8 +254,7 @@ TEST(Drift, AReferenceIsReadBackUnchanged) {
   const auto taken = take_reference(gather_recorded(fixture).value(), fixture.installation, kNoon).value();
   const auto stem = fresh_folder("drift-reference") / "calibration";
   ASSERT_TRUE(save_reference(taken, stem));
-  const auto again = load_reference(stem, fixture.installation);
-  ASSERT_TRUE(again) << again.error().message;
+  const auto again = must(load_reference(stem, fixture.installation));
   EXPECT_TRUE(belongs_to(*again, fixture.installation));
   ASSERT_TRUE(again->scene && taken.scene);
   EXPECT_EQ(again->scene->lines.strength.elements(), taken.scene->lines.strength.elements());
@@ -294,8 +293,7 @@ TEST(Drift, AReferenceWithPicturesBecomesOneWithout) {
   ASSERT_TRUE(replace_kept_pictures(stem, installation));
   for (const auto& entry : std::filesystem::directory_iterator(stem.parent_path()))
     EXPECT_EQ(entry.path().string(), file);
-  const auto made = load_reference(stem, installation);
-  ASSERT_TRUE(made) << made.error().message;
+  const auto made = must(load_reference(stem, installation));
   ASSERT_TRUE(made->scene && made->sky);
   EXPECT_EQ(made->taken, reference().taken);
   EXPECT_EQ(made->scene->lines.strength.elements(), reference().scene->lines.strength.elements());

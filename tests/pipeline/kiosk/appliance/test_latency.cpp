@@ -1,4 +1,5 @@
 #include "pipeline/kiosk/loop/latency.hpp"
+#include "tests/must.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,8 +31,7 @@ TEST(Latency, QuantilesAreTrueToHalfAPercentFromMillisecondsToMinutes) {
       histogram.add(milliseconds(latencies.back()));
     }
     std::sort(latencies.begin(), latencies.end());
-    const auto summary = histogram.summary();
-    ASSERT_TRUE(summary);
+    const auto summary = must(histogram.summary());
     EXPECT_EQ(summary->pictures, 1001u);
     EXPECT_NEAR(summary->median_ms / quantile(latencies, 0.5), 1.0, 0.0051) << scale_ms << " ms";
     EXPECT_NEAR(summary->p95_ms / quantile(latencies, 0.95), 1.0, 0.0051) << scale_ms << " ms";
@@ -43,8 +43,7 @@ TEST(Latency, TheShortestAndTheLongestHaveTheirPlace) {
   LatencyHistogram histogram;
   EXPECT_FALSE(histogram.summary());
   for (const Duration latency : {Duration{0}, Duration{0}, Duration{1000h}}) histogram.add(latency);
-  const auto summary = histogram.summary();
-  ASSERT_TRUE(summary);
+  const auto summary = must(histogram.summary());
   EXPECT_LE(summary->median_ms, 0.1);
   EXPECT_DOUBLE_EQ(summary->max_ms, 3.6e9);
 }
@@ -69,8 +68,7 @@ TEST(Latency, APictureCountsFromItsFrameToItsOwnFlip) {
   watch.shown(3, start + 20ms);
   watch.flipped(2, start + 50ms);  // the flip of picture 1 never came
   watch.flipped(2, start + 90ms);
-  const auto minute = watch.take_minute();
-  ASSERT_TRUE(minute);
+  const auto minute = must(watch.take_minute());
   EXPECT_EQ(minute->pictures, 1u);
   EXPECT_NEAR(minute->max_ms, 40.0, 1e-6);
   EXPECT_FALSE(watch.take_minute());

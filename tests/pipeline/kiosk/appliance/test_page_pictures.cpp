@@ -16,6 +16,8 @@
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/snapshot/blurred_picture.hpp"
 #include "pipeline/site/config/messages.hpp"
+#include "tests/must.hpp"
+#include "tests/picture_difference.hpp"
 #include "tests/pipeline/kiosk/appliance/glass.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/kiosk/appliance/safe_rig.hpp"
@@ -106,8 +108,7 @@ TEST(PagePicture, IsWhatTheGlassShowsAndVisitorsAreTold) {
   auto rig = running({.name = "page", .more_config = kAllowed});
   const auto before = rig->picture();
   const Served served(*rig);
-  const auto answer = served.ask();
-  ASSERT_TRUE(answer) << answer.error().message;
+  const auto answer = must(served.ask());
   EXPECT_FALSE(answer->wait);
   const auto expected = blurred_beyond_recognition(before);
   ASSERT_EQ(answer->picture.width(), expected.width());
@@ -117,10 +118,10 @@ TEST(PagePicture, IsWhatTheGlassShowsAndVisitorsAreTold) {
             lower.row(0));
   std::copy(answer->picture.row(expected.height() - lower.height()),
             answer->picture.row(0) + expected.elements().size(), seen.row(0));
-  EXPECT_LE(mean_difference(seen, lower), 3.0) << "below the words it is the picture that they see";
+  EXPECT_LE(difference(seen, lower).mean, 3.0) << "below the words it is the picture that they see";
   EXPECT_LE(rig->clock.utc() - answer->utc, 2s);
 
-  const auto told = [&] { return mean_difference(upper_quarter(rig->picture()), upper_quarter(before)) > 5.0; };
+  const auto told = [&] { return difference(upper_quarter(rig->picture()), upper_quarter(before)).mean > 5.0; };
   EXPECT_TRUE(told()) << "it is on the glass when it is taken";
   rig->advance(SnapshotDesk::kToldAfter - 1s);
   EXPECT_TRUE(told()) << "and for some seconds after";
@@ -138,14 +139,12 @@ TEST(PagePicture, IsTakenOnceAMinuteAndTheRestIsTold) {
   ASSERT_TRUE(served.ask());
   const auto began = rig->clock.now();
   rig->advance(20s);
-  const auto soon = served.ask();
-  ASSERT_TRUE(soon) << soon.error().message;
+  const auto soon = must(served.ask());
   EXPECT_TRUE(soon->picture.empty());
   ASSERT_TRUE(soon->wait);
   EXPECT_NEAR(static_cast<double>(soon->wait->count()), 40.0, 3.0);
   rig->advance(*soon->wait);
-  const auto next = served.ask();
-  ASSERT_TRUE(next) << next.error().message;
+  const auto next = must(served.ask());
   EXPECT_FALSE(next->picture.empty());
   EXPECT_GE(rig->clock.now() - began, 55s);
   rig->advance(1s);  // it tells its status twice a second
@@ -184,8 +183,7 @@ TEST(PagePicture, HoldsNothingThatTheBlurDoesNotLeave) {
 TEST(PagePicture, WhereNothingIsOnTheGlassThereIsNone) {
   Rig closed({.name = "page", .more_config = std::string(kAllowed) + "[opening]\nevery_day = \"closed\"\n"});
   closed.advance(4s);
-  const auto dark = Served(closed).ask();
-  ASSERT_TRUE(dark) << dark.error().message;
+  const auto dark = must(Served(closed).ask());
   EXPECT_TRUE(dark->picture.empty());
   EXPECT_FALSE(dark->wait);
   EXPECT_EQ(closed.status().render.page_pictures.taken, 0u);
@@ -221,13 +219,11 @@ TEST(PagePicture, PeersThatMeanNoGoodKeepNobodyOut) {
   EXPECT_EQ(rig->status().render.page_pictures.taken, 1u);
   EXPECT_GT(rig->status().render.pictures, pictures + 5) << "the picture goes on";
   rig->advance(60s);
-  const auto answer = served.ask();
-  ASSERT_TRUE(answer) << answer.error().message;
+  const auto answer = must(served.ask());
   EXPECT_FALSE(answer->picture.empty());
 
   // `kasumi snapshot` is answered meanwhile.
-  const auto socket = connect_to(rig->folder / kSnapshotSocket);
-  ASSERT_TRUE(socket);
+  const auto socket = must(connect_to(rig->folder / kSnapshotSocket));
   ASSERT_TRUE(write_within(*socket, snapshot_request_line(SnapshotKind::blurred), 1s));
   Result<std::string> line = fail(FaultKind::timeout, "");
   for (int i = 0; i < 1000 && !line; ++i) {
@@ -240,8 +236,7 @@ TEST(PagePicture, PeersThatMeanNoGoodKeepNobodyOut) {
 TEST(ScreenAnswer, SaysWhatItMeansAndNothingElseIsTaken) {
   ScreenAnswer picture{Image<Rgb8>(2, 1, Rgb8(1, 10, 255)), *parse_utc("2026-06-21T12:00:00Z"), {}};
   EXPECT_EQ(screen_answer_bytes(picture), "picture 2 1 2026-06-21T12:00:00Z\n\x01\n\xff\x01\n\xff");
-  const auto read = parse_screen_line("picture 32 18 2026-06-21T12:00:00Z");
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = must(parse_screen_line("picture 32 18 2026-06-21T12:00:00Z"));
   EXPECT_EQ(read->picture.width(), 32);
   EXPECT_EQ(read->picture.height(), 18);
   EXPECT_EQ(read->utc, picture.utc);

@@ -11,7 +11,7 @@
 #include "base/files.hpp"
 #include "base/picture_files/picture_file.hpp"
 #include "capture/fixture/fixture.hpp"
-#include "tests/pipeline/kiosk/appliance/rig.hpp"
+#include "tests/pipeline/kiosk/appliance/reloading.hpp"
 #include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
@@ -143,20 +143,12 @@ class PeopleBefore : public testing::Test {
 
   // The reload's problems; the picture is live all the time.
   static std::vector<std::string> reload(Rig& rig) {
-    rig.hang_up();
-    rig.advance(Rig::kTick);
-    const auto ended = rig.advance_until(
-        [&] {
-          EXPECT_EQ(rig.shown(), Shown::live);
-          return rig.status().reload && rig.status().reload->doing.empty();
-        },
-        20s);
-    EXPECT_TRUE(ended);
+    const auto problems = problems_of_reload(rig);
     const auto pictures = rig.status().render.pictures;
     rig.advance(4s, kStep);
     EXPECT_GE(rig.status().render.pictures, pictures + 3) << "the picture stands still";
     EXPECT_TRUE(rig.status().render.building_drawn);
-    return rig.status().reload->problems;
+    return problems;
   }
   static void switch_key(Rig& rig, bool on) {
     const std::string with = "[scene]\npeople_in_front = true\n", without = "[scene]\n";

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/picture_difference.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 
 namespace kasumi {
@@ -34,23 +35,6 @@ std::unique_ptr<Rig> running_on_planes(RigOptions options) {
   return rig;
 }
 
-struct Difference {
-  double psnr_db = 0.0;
-  int worst = 0;
-};
-Difference between(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  Difference found;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < a.elements().size(); ++i)
-    for (int c = 0; c < 3; ++c) {
-      const int off = std::abs(int{a.elements()[i][c]} - int{b.elements()[i][c]});
-      found.worst = std::max(found.worst, off);
-      squares += off * off;
-    }
-  found.psnr_db = 10.0 * std::log10(255.0 * 255.0 * 3.0 * double(a.elements().size()) / std::max(squares, 1e-9));
-  return found;
-}
-
 TEST(Planes, ShowThePictureThatTheGpuWouldCompose) {
   const auto with = running_on_planes(lent("planes-with")), without = running_on_planes(lent("planes-without", false));
   EXPECT_EQ(planes(*with), "on");
@@ -62,8 +46,8 @@ TEST(Planes, ShowThePictureThatTheGpuWouldCompose) {
     with->advance(kSceneInterval);
     without->advance(kSceneInterval);
     ASSERT_EQ(frame_number(with->picture()), frame_number(without->picture()));
-    const auto found = between(with->picture(), without->picture());
-    EXPECT_LE(found.worst, 2) << "picture " << i;
+    const auto found = difference(with->picture(), without->picture());
+    EXPECT_LE(found.largest, 2) << "picture " << i;
     EXPECT_GE(found.psnr_db, 45.0);
   }
   EXPECT_GE(with->devices.display.on_planes, shown + 20);

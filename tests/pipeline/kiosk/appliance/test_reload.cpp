@@ -7,26 +7,12 @@
 #include "base/files.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 #include "tests/pipeline/kiosk/appliance/faulty_gl.hpp"
-#include "tests/pipeline/kiosk/appliance/rig.hpp"
+#include "tests/pipeline/kiosk/appliance/reloading.hpp"
 
 namespace kasumi {
 namespace {
 
 using testing::HasSubstr;
-
-// Advances, live all the time, until the reload has ended.
-std::string problems_of_reload(Rig& rig) {
-  rig.hang_up();
-  rig.advance(Rig::kTick);
-  const auto ended = rig.advance_until(
-      [&] {
-        EXPECT_EQ(rig.shown(), Shown::live);
-        return rig.status().reload && rig.status().reload->doing.empty();
-      },
-      20s);
-  EXPECT_TRUE(ended);
-  return testing::PrintToString(rig.status().reload->problems);
-}
 
 void fold_the_lens(const Rig& rig) {
   replace_in(rig.config, "distortion = [-0.6,", "distortion = [-300.0,");
@@ -40,6 +26,15 @@ void name_another_camera(const Rig& rig) {
   const auto at = text.rfind(fmt::format("fixture = \"{}\"", bench_fixture().string()));
   text.replace(at, text.find('\n', at) - at, "fixture = \"other\"");
   ASSERT_TRUE(write_text_file(rig.config, text));
+}
+
+TEST(Appliance, AnotherCameraIsOpenedInsteadOfTheOldOne) {
+  const auto rig = running({.name = "reload-camera"});
+  name_another_camera(*rig);
+  rig->hang_up();
+  rig->advance(100ms);
+  EXPECT_TRUE(rig->recover("reload with another scene camera", 3s));
+  EXPECT_EQ(rig->status().scene_camera.health.opened, 1u) << "of the new camera";
 }
 
 // Compiled with the first picture of the building.
@@ -68,7 +63,7 @@ TEST_P(Reload, Row31ContentThatOnlyGlRefusesIsUsedByNobody) {
   else
     little_memory = true;
 
-  EXPECT_THAT(problems_of_reload(*rig), HasSubstr(refusal.expected));
+  EXPECT_THAT(testing::PrintToString(problems_of_reload(*rig)), HasSubstr(refusal.expected));
   rig->advance(2s);
   EXPECT_EQ(rig->shown(), Shown::live);
   EXPECT_EQ(rig->devices.scene.opened, opened) << "the scene's loop uses content that was refused";
@@ -78,7 +73,7 @@ TEST_P(Reload, Row31ContentThatOnlyGlRefusesIsUsedByNobody) {
   if (refusal.mend) refusal.mend(*rig);
   little_memory = false;
   ASSERT_TRUE(write_text_file(rig->config, good));
-  EXPECT_EQ(problems_of_reload(*rig), "{}") << "content that is good again";
+  EXPECT_THAT(problems_of_reload(*rig), testing::IsEmpty()) << "content that is good again";
 }
 INSTANTIATE_TEST_SUITE_P(
     Kinds, Reload,

@@ -7,6 +7,8 @@
 #include "base/files.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
+#include "tests/picture_difference.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/places.hpp"
 
@@ -43,15 +45,6 @@ RigOptions with_eras(const std::string& name, Utc utc) {
   return options;
 }
 
-double mean_difference(const Image<Rgb8>& a, const Image<Rgb8>& b) {
-  EXPECT_EQ(a.elements().size(), b.elements().size());
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.elements().size(); ++i)
-    sum += std::abs(a.elements()[i].r - b.elements()[i].r) + std::abs(a.elements()[i].g - b.elements()[i].g) +
-           std::abs(a.elements()[i].b - b.elements()[i].b);
-  return sum / (3.0 * static_cast<double>(a.elements().size()));
-}
-
 TEST(Schedule, AnEraFollowsTheOtherWithoutADarkOrStillPictureAndWithoutTheDisk) {
   const auto rig = running(with_eras("era-change", kDay + 3h + 45s));
   EXPECT_EQ(status_of(*rig)["content"]["era"], "temple");
@@ -60,8 +53,7 @@ TEST(Schedule, AnEraFollowsTheOtherWithoutADarkOrStillPictureAndWithoutTheDisk) 
   for (const char* file : {"pagoda.glb", "other-still.png", "temple.glb", "kasumi.toml"})
     std::filesystem::remove(rig->folder / file);
   const int opened = rig->devices.scene.opened;
-  const auto air = rig->status().sky.report.tracked;
-  ASSERT_TRUE(air);
+  const auto air = must(rig->status().sky.report.tracked);
   std::optional<Utc> changed;
   for (int i = 0; i < 1500 && !changed; ++i) {
     rig->advance(Rig::kTick);
@@ -77,10 +69,9 @@ TEST(Schedule, AnEraFollowsTheOtherWithoutADarkOrStillPictureAndWithoutTheDisk) 
   EXPECT_EQ(rig->devices.scene.opened, opened) << "the cameras go on";
   EXPECT_EQ(rig->devices.display.opened, 1);
   EXPECT_EQ(rig->notifier.reloads, 0) << "the service manager has nothing to do with it";
-  const auto later = rig->status().sky.report.tracked;
-  ASSERT_TRUE(later);
+  const auto later = must(rig->status().sky.report.tracked);
   EXPECT_NEAR(later->turbidity.value, air->turbidity.value, 0.2) << "the air stays known";
-  EXPECT_GT(mean_difference(before, rig->picture()), 0.3) << "another building";
+  EXPECT_GT(difference(before, rig->picture()).mean, 0.3) << "another building";
   EXPECT_TRUE(status_of(*rig)["content"]["era_problem"].is_null());
 
   rig->devices.scene.unplugged = true;

@@ -8,6 +8,8 @@
 
 #include "base/socket/local_socket.hpp"
 #include "pipeline/kiosk/snapshot/blurred_picture.hpp"
+#include "tests/must.hpp"
+#include "tests/picture_difference.hpp"
 #include "tests/pipeline/kiosk/appliance/glass.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/kiosk/appliance/safe_rig.hpp"
@@ -87,16 +89,15 @@ class Asking {
 TEST(Snapshot, IsWhatTheGlassShowsBlurred) {
   auto rig = running({.name = "snapshot"});
   const auto before = rig->picture();
-  const auto snapshot = Asking(*rig, SnapshotKind::blurred).wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto snapshot = must(Asking(*rig, SnapshotKind::blurred).wait());
   EXPECT_EQ(snapshot->shown, "live");
   EXPECT_TRUE(snapshot->building);
   EXPECT_THAT(snapshot->words, IsEmpty());
   EXPECT_EQ(snapshot->screen_width, before.width());
   EXPECT_EQ(std::max(snapshot->picture.width(), snapshot->picture.height()), kBlurredPixels)
       << "nothing sharp leaves it";
-  EXPECT_LE(mean_difference(snapshot->picture, blurred_beyond_recognition(before)), 3.0);
-  EXPECT_LE(mean_difference(rig->picture(), before), 3.0) << "visitors see nothing of it";
+  EXPECT_LE(difference(snapshot->picture, blurred_beyond_recognition(before)).mean, 3.0);
+  EXPECT_LE(difference(rig->picture(), before).mean, 3.0) << "visitors see nothing of it";
 }
 
 TEST(Snapshot, OfTheStillPictureSaysWhyAndItsWords) {
@@ -104,8 +105,7 @@ TEST(Snapshot, OfTheStillPictureSaysWhyAndItsWords) {
   rig->devices.scene.unplugged = true;
   rig->advance(4s);
   ASSERT_TRUE(rig->shows_still());
-  const auto snapshot = Asking(*rig, SnapshotKind::blurred).wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto snapshot = must(Asking(*rig, SnapshotKind::blurred).wait());
   EXPECT_EQ(snapshot->shown, "still");
   EXPECT_FALSE(snapshot->reason.empty());
   EXPECT_THAT(snapshot->words, HasSubstr("The view returns in a moment."));
@@ -117,24 +117,20 @@ TEST(Snapshot, Row34SafeModeAnswersAsWell) {
   SafeRig rig("snapshot");
   rig.start();
   rig.advance(2s);
-  const auto before = read_picture(*rig.safe->display());
-  ASSERT_TRUE(before);
-  const auto snapshot = Asking(rig, SnapshotKind::blurred).wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto before = must(read_picture(*rig.safe->display()));
+  const auto snapshot = must(Asking(rig, SnapshotKind::blurred).wait());
   EXPECT_EQ(snapshot->shown, "still");
   EXPECT_THAT(snapshot->reason, HasSubstr("safe mode"));
   EXPECT_THAT(snapshot->words, HasSubstr("The view returns in a moment."));
   EXPECT_FALSE(snapshot->building);
-  EXPECT_LE(mean_difference(snapshot->picture, blurred_beyond_recognition(*before)), 3.0);
-  const auto sharp = Asking(rig, SnapshotKind::sharp).wait();
-  ASSERT_TRUE(sharp) << sharp.error().message;
+  EXPECT_LE(difference(snapshot->picture, blurred_beyond_recognition(*before)).mean, 3.0);
+  const auto sharp = must(Asking(rig, SnapshotKind::sharp).wait());
   EXPECT_TRUE(sharp->refused);
 
   rig.devices.display.unplugged = true;
   rig.devices.display.context_lost = true;
   rig.advance(3s);
-  const auto none = Asking(rig, SnapshotKind::blurred).wait();
-  ASSERT_TRUE(none) << none.error().message;
+  const auto none = must(Asking(rig, SnapshotKind::blurred).wait());
   EXPECT_EQ(none->shown, "nothing");
   EXPECT_THAT(none->reason, HasSubstr("no display"));
   EXPECT_TRUE(none->picture.empty());
@@ -147,19 +143,17 @@ TEST(Snapshot, Row34SafeModeTellsVisitorsBeforeASharpOne) {
   rig.advance(2s);
   const auto before = upper_quarter(read_picture(*rig.safe->display()).value());
   const auto began = rig.clock.now();
-  const auto snapshot = Asking(rig, SnapshotKind::sharp).wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto snapshot = must(Asking(rig, SnapshotKind::sharp).wait());
   EXPECT_GE(rig.clock.now() - began, SnapshotDesk::kTold);
   EXPECT_EQ(snapshot->picture.width(), snapshot->screen_width);
-  EXPECT_GT(mean_difference(upper_quarter(snapshot->picture), before), 1.0) << "the picture itself says so";
+  EXPECT_GT(difference(upper_quarter(snapshot->picture), before).mean, 1.0) << "the picture itself says so";
   rig.advance(2s);
-  EXPECT_LE(mean_difference(upper_quarter(read_picture(*rig.safe->display()).value()), before), 0.1);
+  EXPECT_LE(difference(upper_quarter(read_picture(*rig.safe->display()).value()), before).mean, 0.1);
 }
 
 TEST(Snapshot, SharpIsRefusedUnlessTheConfigurationAllowsIt) {
   auto rig = running({.name = "snapshot"});
-  const auto snapshot = Asking(*rig, SnapshotKind::sharp).wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto snapshot = must(Asking(*rig, SnapshotKind::sharp).wait());
   EXPECT_TRUE(snapshot->refused);
   EXPECT_TRUE(snapshot->picture.empty());
 }
@@ -169,19 +163,18 @@ TEST(Snapshot, SharpIsToldToVisitorsBeforeAndOnThePictureItself) {
   const auto before = upper_quarter(rig->picture());
   const auto began = rig->clock.now();
   Asking asking(*rig, SnapshotKind::sharp);
-  const auto told = [&] { return mean_difference(upper_quarter(rig->picture()), before) > 5.0; };
+  const auto told = [&] { return difference(upper_quarter(rig->picture()), before).mean > 5.0; };
   ASSERT_TRUE(rig->advance_until(told, 60s)) << "words on the glass";
   const auto told_at = rig->clock.now();
   EXPECT_FALSE(asking.answered());
-  const auto snapshot = asking.wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto snapshot = must(asking.wait());
   EXPECT_GE(rig->clock.now() - told_at, 2900ms);
   EXPECT_EQ(snapshot->kind, SnapshotKind::sharp);
   EXPECT_EQ(snapshot->picture.width(), snapshot->screen_width);
   EXPECT_THAT(snapshot->words, HasSubstr("A picture of what you see here"));
-  EXPECT_GT(mean_difference(upper_quarter(snapshot->picture), before), 5.0) << "they are on the picture";
+  EXPECT_GT(difference(upper_quarter(snapshot->picture), before).mean, 5.0) << "they are on the picture";
   rig->advance(1s);
-  EXPECT_LT(mean_difference(upper_quarter(rig->picture()), before), 5.0) << "and gone afterwards";
+  EXPECT_LT(difference(upper_quarter(rig->picture()), before).mean, 5.0) << "and gone afterwards";
   EXPECT_LT(rig->clock.now() - began, 60s);
 }
 
@@ -190,8 +183,7 @@ TEST(Snapshot, WhatIsWrongStaysOnTheGlassBelowThatSomebodyLooks) {
   rig->devices.scene.unplugged = true;
   rig->advance(4s);
   ASSERT_TRUE(rig->shows_still());
-  const auto snapshot = Asking(*rig, SnapshotKind::sharp).wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto snapshot = must(Asking(*rig, SnapshotKind::sharp).wait());
   EXPECT_THAT(snapshot->words, HasSubstr("A picture of what you see here"));
   EXPECT_THAT(snapshot->words, HasSubstr("No picture is coming from the camera."));
 }
@@ -200,16 +192,14 @@ TEST(Snapshot, WhereNothingIsOnTheGlassItSaysWhy) {
   auto rig = running({.name = "snapshot"});
   rig->devices.display.unplugged = true;
   rig->advance(2s);
-  const auto without = Asking(*rig, SnapshotKind::blurred).wait();
-  ASSERT_TRUE(without) << without.error().message;
+  const auto without = must(Asking(*rig, SnapshotKind::blurred).wait());
   EXPECT_TRUE(without->picture.empty());
   EXPECT_EQ(without->shown, "nothing");
   EXPECT_THAT(without->reason, HasSubstr("no display"));
 
   Rig closed({.name = "snapshot", .more_config = "\n[opening]\nevery_day = \"closed\"\n"});
   closed.advance(4s);
-  const auto dark = Asking(closed, SnapshotKind::blurred).wait();
-  ASSERT_TRUE(dark) << dark.error().message;
+  const auto dark = must(Asking(closed, SnapshotKind::blurred).wait());
   EXPECT_TRUE(dark->picture.empty());
   EXPECT_EQ(dark->shown, "dark");
 }
@@ -223,8 +213,7 @@ TEST(Snapshot, StrangersOnItsSocketDoNotHoldItUp) {
   ASSERT_TRUE(write_within(*strange, std::string(5000, 'x'), 1s));
   ASSERT_TRUE(write_within(*gone, "blurred\n", 1s));
   *gone = UniqueFd();
-  const auto snapshot = Asking(*rig, SnapshotKind::blurred).wait();
-  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const auto snapshot = must(Asking(*rig, SnapshotKind::blurred).wait());
   EXPECT_FALSE(snapshot->picture.empty());
 }
 

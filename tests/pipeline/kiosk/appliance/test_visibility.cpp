@@ -11,6 +11,7 @@
 #include "pipeline/kiosk/appliance/status.hpp"
 #include "pipeline/kiosk/appliance/visibility_loop.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -76,8 +77,7 @@ class VisibilityCommand : public testing::Test {
 std::filesystem::path VisibilityCommand::folder;
 
 TEST_F(VisibilityCommand, ReportsTheVisibilityOfAPicture) {
-  const auto outcome = run_kasumi(estimate_command("scenes/1.png"));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome = ended(0, run_kasumi(estimate_command("scenes/1.png")));
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["visibility"], "value");
   EXPECT_NEAR(json["visibility_m"].get<double>() / meteorological_range_m(Turbidity{3.0}, 0.0), 1.0, 0.1);
@@ -89,8 +89,7 @@ TEST_F(VisibilityCommand, ReportsTheVisibilityOfAPicture) {
 }
 
 TEST_F(VisibilityCommand, TakesAFolder) {
-  const auto outcome = run_kasumi(estimate_command("scenes"));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome = ended(0, run_kasumi(estimate_command("scenes")));
   std::istringstream lines(outcome.out);
   std::vector<double> turbidities;
   for (std::string line; std::getline(lines, line);)
@@ -104,9 +103,8 @@ TEST_F(VisibilityCommand, IsReportedNextToTheSkysOwnAndNotMixedWithIt) {
   const std::string sky =
       in_folder("sky.png") + " --circle 199.5,199.5,200 --sun-zenith-deg 58.4 --sun-azimuth-deg 180 --response srgb";
   const auto alone = run_kasumi("estimate --json " + sky);
-  const auto same = run_kasumi(estimate_command("scenes/1.png") + sky),
-             other = run_kasumi(estimate_command("scenes/2.png") + sky);
-  ASSERT_EQ(same.code, 0) << same.err;
+  const auto same = ended(0, run_kasumi(estimate_command("scenes/1.png") + sky),
+                          other = run_kasumi(estimate_command("scenes/2.png") + sky));
   ASSERT_EQ(other.code, 0) << other.err;
   auto json = nlohmann::json::parse(same.out);
   EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "agrees") << json["landmarks"]["sky"].dump();

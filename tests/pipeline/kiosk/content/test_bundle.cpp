@@ -8,6 +8,7 @@
 #include <archive_entry.h>
 
 #include "base/c_ptr.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/content/bundles.hpp"
 
 namespace kasumi {
@@ -70,8 +71,7 @@ struct Packing : testing::Test {
 TEST_F(Packing, WhatIsPackedIsUnpackedAsItWas) {
   const auto file = folder / "good.kasumi";
   ASSERT_TRUE(write_bundle(file, folder / "desk", manifest, "signature\n"));
-  const auto bundle = look_into(file);
-  ASSERT_TRUE(bundle) << bundle.error().message;
+  const auto bundle = must(look_into(file));
   EXPECT_EQ(bundle->manifest.files, manifest.files);
   EXPECT_EQ(bundle->manifest.name, "Spring");
   EXPECT_EQ(bundle->signature, "signature\n");
@@ -171,9 +171,7 @@ TEST_F(Packing, SizesAreBoundedBeforeAnythingIsRead) {
     sum += i >= 148 && i < 156 ? ' ' : static_cast<unsigned char>(bytes[header + i]);
   bytes.replace(header + 148, 8, fmt::format("{:06o}", sum) + std::string("\0 ", 2));
   ASSERT_TRUE(write_text_file(file, bytes));
-  const auto bundle = look_into(file);
-  ASSERT_FALSE(bundle);
-  EXPECT_THAT(bundle.error().message, HasSubstr("8589934591 bytes, expected at most"));
+  EXPECT_THAT(look_into(file), FailsWith(HasSubstr("8589934591 bytes, expected at most")));
 }
 
 TEST_F(Packing, WhatIsCutShortOrNoTarIsRefused) {
@@ -199,15 +197,12 @@ TEST_F(Packing, AChangedFileIsFoundByItsHash) {
   all[3].text = "pnG";
   const auto bundle = look_into(write_tar(folder / "changed.kasumi", all));
   ASSERT_TRUE(bundle) << "as long as it was";
-  const auto checked = check_files(*bundle);
-  ASSERT_FALSE(checked);
-  EXPECT_THAT(checked.error().message, HasSubstr("still.png: is not what the manifest names"));
+  EXPECT_THAT(check_files(*bundle), FailsWith(HasSubstr("still.png: is not what the manifest names")));
 }
 
 // A stick that answers differently the second time.
 TEST_F(Packing, WhatChangesBetweenLookingAndUnpackingIsRefused) {
-  const auto bundle = look_into(write_tar(folder / "turn.kasumi", entries()));
-  ASSERT_TRUE(bundle);
+  const auto bundle = must(look_into(write_tar(folder / "turn.kasumi", entries())));
   auto other = entries();
   other[3] = {"still.png", "", AE_IFLNK, "/etc/passwd"};
   other.push_back({"../evil", "x"});
@@ -218,18 +213,15 @@ TEST_F(Packing, WhatChangesBetweenLookingAndUnpackingIsRefused) {
     std::fclose(file);
   }
   fs::create_directories(folder / "out");
-  const auto unpacked = unpack(*bundle, folder / "out");
-  ASSERT_FALSE(unpacked);
-  EXPECT_THAT(unpacked.error().message, HasSubstr("still.png: is not there any more"));
+  EXPECT_THAT(unpack(*bundle, folder / "out"), FailsWith(HasSubstr("still.png: is not there any more")));
   EXPECT_FALSE(fs::exists(folder / "evil"));
   EXPECT_FALSE(fs::is_symlink(folder / "out/still.png"));
 }
 
 TEST_F(Packing, AFileThatChangesWhilePackedIsRefusedAndNothingIsLeft) {
   ASSERT_TRUE(write_text_file(folder / "desk/still.png", "other"));
-  const auto written = write_bundle(folder / "out.kasumi", folder / "desk", manifest, "");
-  ASSERT_FALSE(written);
-  EXPECT_THAT(written.error().message, HasSubstr("has changed while it was packed"));
+  EXPECT_THAT(write_bundle(folder / "out.kasumi", folder / "desk", manifest, ""),
+              FailsWith(HasSubstr("has changed while it was packed")));
   EXPECT_FALSE(fs::exists(folder / "out.kasumi"));
 }
 

@@ -4,6 +4,7 @@
 
 #include "pipeline/kiosk/content/content_at_start.hpp"
 #include "pipeline/kiosk/start/kept_content.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/content/desk.hpp"
 
 namespace kasumi {
@@ -157,9 +158,8 @@ TEST_F(Starting, WhatWentBackIsNotInstalledAgainUnlessAskedFor) {
   const auto bundle = folder / "Summer.kasumi";
   EXPECT_EQ(install_file(bundle, generations, kMonday)->left_alone, "it is shown already");
   ASSERT_TRUE(generations.go_back(summer, kMonday, "dark"));
-  const auto refused = install_file(bundle, generations, kMonday);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, testing::AllOf(HasSubstr("dark"), HasSubstr("--again")));
+  EXPECT_THAT(install_file(bundle, generations, kMonday),
+              FailsWith(testing::AllOf(HasSubstr("dark"), HasSubstr("--again"))));
   auto rules = kUnsigned;
   rules.newer_only = true;  // a stick that stays in the machine
   EXPECT_THAT(install_file(bundle, generations, kMonday, rules)->left_alone, HasSubstr("dark"));
@@ -174,8 +174,7 @@ TEST_F(Starting, OnlyNewerContentReplacesByItself) {
   const auto config = write_desk(folder / "older");
   auto rules = kUnsigned;
   rules.newer_only = true;
-  const auto left = install_file(packed(config, "Spring", kMonday), generations, kMonday, rules);
-  ASSERT_TRUE(left) << left.error().message;
+  const auto left = must(install_file(packed(config, "Spring", kMonday), generations, kMonday, rules));
   EXPECT_THAT(left->left_alone, HasSubstr("not newer"));
   EXPECT_EQ(install_file(folder / "Spring.kasumi", generations, kMonday)->left_alone, "") << "by hand it does";
 }
@@ -186,19 +185,16 @@ TEST_F(Starting, ContentOfTheSameMomentDoesNotReplaceByItself) {
   const auto config = write_desk(folder / "beside");
   auto rules = kUnsigned;
   rules.newer_only = true;
-  const auto left = install_file(packed(config, "Spring", kMonday), generations, kMonday, rules);
-  ASSERT_TRUE(left) << left.error().message;
+  const auto left = must(install_file(packed(config, "Spring", kMonday), generations, kMonday, rules));
   EXPECT_THAT(left->left_alone, HasSubstr("not newer"));
   EXPECT_EQ(generations.current()->manifest.name, "Summer");
-  const auto newer = install_file(packed(config, "Autumn", kMonday + 1s), generations, kMonday, rules);
-  ASSERT_TRUE(newer) << newer.error().message;
+  const auto newer = must(install_file(packed(config, "Autumn", kMonday + 1s), generations, kMonday, rules));
   EXPECT_EQ(newer->left_alone, "");
 }
 
 TEST_F(Starting, Row21WithoutRoomOnTheDiskNothingIsUnpacked) {
   const auto spring = proven("Spring", kMonday);
-  const auto trusted = open_trusted(packed(write_desk(folder / "desk"), "Summer", kMonday + 1h), kUnsigned);
-  ASSERT_TRUE(trusted) << trusted.error().message;
+  const auto trusted = must(open_trusted(packed(write_desk(folder / "desk"), "Summer", kMonday + 1h), kUnsigned));
   const auto needed = trusted->bundle.manifest.bytes() + kContentLeavesFree;
   const auto install_with = [&](std::uint64_t left) {
     return kasumi::install(*trusted, generations, kUnsigned, kMonday + 1h, [&, left](const fs::path& asked) {
@@ -212,8 +208,7 @@ TEST_F(Starting, Row21WithoutRoomOnTheDiskNothingIsUnpacked) {
   EXPECT_THAT(refused.error().message, HasSubstr("MB are needed"));
   EXPECT_EQ(generations.all().size(), 1u);
   EXPECT_EQ(generations.current()->id, spring);
-  const auto done = install_with(needed);
-  ASSERT_TRUE(done) << done.error().message;
+  const auto done = must(install_with(needed));
   EXPECT_EQ(generations.current()->manifest.name, "Summer");
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/kiosk/content/arrival.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
 #include "tests/pipeline/kiosk/content/desk.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
@@ -36,25 +37,22 @@ struct Carried : testing::Test {
 };
 
 TEST_F(Carried, SignedOnTheDeskAndTakenByTheKiosk) {
-  const auto made = pack("Spring", key());
-  ASSERT_EQ(made.code, 0) << made.err;
+  const auto made = ended(0, pack("Spring", key()));
   EXPECT_THAT(made.out, AllOf(HasSubstr("files"), testing::Not(HasSubstr("not signed"))));
   // By tar and minisign, which know nothing of Kasumi.
   EXPECT_EQ(shell(fmt::format("cd {0} && tar -xf Spring.kasumi manifest.json manifest.json.minisig && minisign -V -p "
                               "keys/curator.pub -m manifest.json",
                               folder.string())),
             0);
-  const auto verified = run_kasumi(fmt::format("content verify {0}/Spring.kasumi --keys {0}/keys", folder.string()));
-  EXPECT_EQ(verified.code, 0) << verified.err;
+  const auto verified =
+      ended(0, run_kasumi(fmt::format("content verify {0}/Spring.kasumi --keys {0}/keys", folder.string())));
   EXPECT_THAT(verified.out, HasSubstr("signed by curator (Spring, "));
-  const auto done = install("Spring");
-  EXPECT_EQ(done.code, 0) << done.err;
+  const auto done = ended(0, install("Spring"));
   EXPECT_THAT(done.out, AllOf(HasSubstr("signed by curator: installed"), HasSubstr("the next start shows it")));
   EXPECT_THAT(install("Spring").out, HasSubstr("it is shown already"));
   const auto listed = run_kasumi(fmt::format("content list --content {}/content", folder.string()));
   EXPECT_THAT(listed.out, AllOf(HasSubstr("* "), HasSubstr("by curator  Spring: on probation")));
-  const auto whole = run_kasumi(fmt::format("content verify --content {}/content", folder.string()));
-  EXPECT_EQ(whole.code, 0) << whole.err;
+  ended(0, run_kasumi(fmt::format("content verify --content {}/content", folder.string())));
 }
 
 TEST_F(Carried, MinisignMaySignLater) {
@@ -64,16 +62,13 @@ TEST_F(Carried, MinisignMaySignLater) {
                               "manifest.json && tar -rf Late.kasumi manifest.json.minisig",
                               folder.string())),
             0);
-  const auto done = install("Late");
-  EXPECT_EQ(done.code, 0) << done.err;
+  ended(0, install("Late"));
 }
 
 TEST_F(Carried, WhatNobodyTrustedSignedStaysOutside) {
   make_keys(folder / "elsewhere", "stranger");
   ASSERT_EQ(pack("Strange", "--key " + (folder / "elsewhere/stranger.key").string()).code, 0);
-  const auto refused = install("Strange");
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("not trusted here"));
+  EXPECT_THAT(ended(2, install("Strange")).err, HasSubstr("not trusted here"));
   EXPECT_EQ(install("Strange", "--unsigned").code, 2) << "signed by somebody else is not unsigned";
   EXPECT_FALSE(fs::exists(folder / "content"));
   ASSERT_EQ(pack("Plain", "").code, 0);
@@ -96,8 +91,7 @@ TEST_F(Carried, WhatCameByItselfIsNoted) {
   ASSERT_TRUE(write_text_file(server / "Rubbish.kasumi", "rubbish"));
   // A link may lead to where only we may read.
   fs::create_symlink("/etc/passwd", server / "Link.kasumi");
-  auto done = newest(both);
-  EXPECT_EQ(done.code, 0) << done.err;
+  auto done = ended(0, newest(both));
   EXPECT_TRUE(arrived().taken);
   EXPECT_THAT(arrived().words, AllOf(HasSubstr("signed by curator: installed; "), HasSubstr("Rubbish.kasumi: "),
                                      testing::Not(HasSubstr("Link.kasumi"))));
@@ -123,9 +117,7 @@ TEST_F(Carried, WhatCameByItselfIsNoted) {
 
 TEST_F(Carried, AMistakeIsNamedBeforeItLeavesTheDesk) {
   ASSERT_TRUE(write_text_file(config, read_text_file(config).value() + "\nnonsense = 1\n"));
-  const auto refused = pack("Bad", key());
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("nonsense"));
+  EXPECT_THAT(ended(2, pack("Bad", key())).err, HasSubstr("nonsense"));
   EXPECT_FALSE(fs::exists(folder / "Bad.kasumi"));
 }
 
@@ -141,8 +133,7 @@ TEST_F(Carried, Row22ARunningKioskShowsItOnProbation) {
   const auto content = [&] { return status_in(folder / "run")["content"]; };
   ASSERT_TRUE(eventually([&] { return status_in(folder / "run")["shown"] == "live"; })) << kiosk.log();
   EXPECT_TRUE(content()["generation"].is_null());
-  auto done = install("Spring");
-  EXPECT_EQ(done.code, 0) << done.err;
+  auto done = ended(0, install("Spring"));
   EXPECT_THAT(done.out, HasSubstr("shown now, on probation"));
   EXPECT_TRUE(eventually([&] { return content()["generation"].is_object(); })) << kiosk.log();
   EXPECT_EQ(content()["generation"]["name"], "Spring");
@@ -176,8 +167,7 @@ TEST_F(Carried, AKioskThatDoesNotAnswerInTimeIsNotSaidToHaveRefused) {
                 folder / "state");
   ASSERT_TRUE(eventually([&] { return status_in(folder / "run")["shown"] == "live"; })) << kiosk.log();
   kiosk.send(SIGSTOP);
-  const auto slow = install("Spring", "--seconds 0.5");
-  EXPECT_EQ(slow.code, 1);
+  const auto slow = ended(1, install("Spring", "--seconds 0.5"));
   EXPECT_THAT(slow.out, HasSubstr("signed by curator: installed"));
   EXPECT_THAT(slow.err, AllOf(HasSubstr("not been shown within 0.5 s: the kiosk shows it once it is prepared"),
                               HasSubstr("status.json")));

@@ -5,6 +5,7 @@
 #include "base/utc_text.hpp"
 #include "report/page/state_page.hpp"
 #include "report/web/content_pull.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/content/kiosk_rig.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 #include "tests/report/web_server.hpp"
@@ -28,9 +29,8 @@ struct FarKiosk : KioskRig {
   void send(const std::string& name, const std::string& from, const std::string& to) {
     const auto made = write_desk(desk / name);
     replace_in(made, from, to);
-    const auto packed = run_kasumi(fmt::format("content pack {} --out {}/{}.kasumi --name {} --key {}/curator.key",
-                                               made.string(), folder.string(), name, name, folder.string()));
-    ASSERT_EQ(packed.code, 0) << packed.err;
+    ended(0, run_kasumi(fmt::format("content pack {} --out {}/{}.kasumi --name {} --key {}/curator.key", made.string(),
+                                    folder.string(), name, name, folder.string())));
     fs::rename(folder / (name + ".kasumi"), folder / "www/hill.kasumi");
   }
   // What the reporter does every quarter of an hour, and kasumi-content.service whenever something has come.
@@ -69,8 +69,7 @@ TEST(FromServer, Row22AWrongBundleOfTheEveningIsGoneInTheMorning) {
   // In the evening. Nobody at the desk could know that the kiosk has no such camera.
   kiosk.send("Wrong", "[scene.camera]\nsource = \"replay\"\n",
              "[scene.camera]\nsource = \"v4l2\"\ndevice = \"/dev/v4l/by-id/not-there\"\n#");
-  auto done = kiosk.look_for_content();
-  EXPECT_EQ(done.code, 0) << done.err;
+  auto done = ended(0, kiosk.look_for_content());
   EXPECT_THAT(done.out, HasSubstr("signed by curator: installed"));
   kiosk.pass(60s);
   EXPECT_EQ(kiosk.shown(), Shown::still);
@@ -114,9 +113,7 @@ TEST(FromServer, WhatNobodyTrustedSignedChangesNothing) {
   make_keys(kiosk.folder / "elsewhere", "stranger");
   fs::rename(kiosk.folder / "elsewhere/stranger.key", kiosk.folder / "curator.key");
   kiosk.send("Strange", "The view returns in a moment.", "Strange");
-  const auto done = kiosk.look_for_content();
-  EXPECT_EQ(done.code, 2);
-  EXPECT_THAT(done.err, HasSubstr("not trusted here"));
+  EXPECT_THAT(ended(2, kiosk.look_for_content()).err, HasSubstr("not trusted here"));
   EXPECT_TRUE(kiosk.generations.all().empty()) << "nothing is unpacked of it";
   kiosk.pass(10s);
   EXPECT_THAT(kiosk.content()["arrived"]["words"].get<std::string>(),

@@ -12,6 +12,7 @@
 #include "pipeline/lab/recording/recording.hpp"
 #include "pipeline/site/config/content.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/operating/kiosk.hpp"
 #include "tests/places.hpp"
 
@@ -90,8 +91,7 @@ TEST(CalibrationAdopted, TheKioskUsesMeasuredValuesThatItDoesNotOverride) {
   const auto folder = operating_folder("adopted");
   const auto config = write_calibrated_kiosk(folder);
   write_measured(folder / "measured/calibration.toml");
-  const auto content = read_content(config);
-  ASSERT_TRUE(content) << content.error().message;
+  const auto content = must(read_content(config));
   const auto& installation = (*content)->config.installation;
   EXPECT_EQ(installation.site.latitude_deg, 46.9);
   EXPECT_EQ(installation.sky.response.kind(), Response::Kind::linear);
@@ -127,8 +127,7 @@ TEST(CalibrationAdopted, ARecordingContainsAllAdoptedValues) {
   ASSERT_TRUE(write_text_file(folder / "measured/calibration.toml", text));
   const auto recording = Recording::create(config, folder / "kept", Utc{}, {});
   ASSERT_TRUE(recording) << recording.error().message;
-  const auto kept = read_fixture(folder / "kept");
-  ASSERT_TRUE(kept) << kept.error().message;
+  const auto kept = must(read_fixture(folder / "kept"));
   EXPECT_FALSE(kept->installation.calibration) << "it is self-contained";
   EXPECT_EQ(kept->installation.site.longitude_deg, 8.25);
   EXPECT_EQ(kept->installation.sky.lens->project({0.0, 0.0, 1.0}), glm::dvec2(30.25, 22.75));
@@ -156,8 +155,7 @@ east_m = 306.0
 north_m = 3487.15
 up_m = -39.0
 )"));
-  const auto fixture = read_fixture(folder);
-  ASSERT_TRUE(fixture) << fixture.error().message;
+  const auto fixture = must(read_fixture(folder));
   EXPECT_EQ(fixture->installation.scene.width, kKioskWidth);
   EXPECT_EQ(fixture->installation.site.altitude_m, 450.0);
 }

@@ -16,6 +16,7 @@
 #include "pipeline/lab/recording/replay.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/operating/kiosk.hpp"
 #include "tests/places.hpp"
 
@@ -74,13 +75,11 @@ Result<PlayedFixture> play(const std::filesystem::path& folder) {
 TEST(Record, ARecordingReplaysWithItsCalibration) {
   const auto folder = operating_folder("whole");
   const auto config = write_kiosk(folder);
-  const auto summary = record_kiosk(request_in(folder, config));
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(record_kiosk(request_in(folder, config)));
   EXPECT_TRUE(summary->whole) << summary->ended;
   EXPECT_THAT(summary->ended, HasSubstr("s recorded"));
 
-  const auto played = play(folder / "kept");
-  ASSERT_TRUE(played) << played.error().message;
+  const auto played = must(play(folder / "kept"));
   EXPECT_EQ(played->sky.good, summary->sky.rows);
   EXPECT_EQ(played->scene.good, summary->scene.rows);
   EXPECT_GT(played->scene.good, 5) << "of 30 in 1.5 s, on a machine that may be slow";
@@ -105,8 +104,7 @@ TEST(Record, ARecordingReplaysWithItsCalibration) {
   ReplayRequest replay_request;
   replay_request.fixture = folder / "kept";
   replay_request.frames = 3;
-  const auto replayed = replay(replay_request);
-  ASSERT_TRUE(replayed) << replayed.error().message;
+  const auto replayed = must(replay(replay_request));
   EXPECT_EQ(replayed->pictures, 3u);
 }
 
@@ -114,10 +112,8 @@ TEST(Record, AnOutageIsPartOfTheRecording) {
   const auto folder = operating_folder("outage");
   auto request = request_in(folder, write_kiosk(folder, 10));  // gone from 0.5 s to 1.5 s
   request.length = 4s;
-  const auto summary = record_kiosk(request);
-  ASSERT_TRUE(summary) << summary.error().message;
-  const auto played = play(folder / "kept");
-  ASSERT_TRUE(played) << played.error().message;
+  const auto summary = must(record_kiosk(request));
+  const auto played = must(play(folder / "kept"));
   EXPECT_EQ(played->scene.outages, 1);
   EXPECT_EQ(played->sky.outages, 0);
   EXPECT_GT(played->scene.good, 10) << "frames from before and after";
@@ -134,8 +130,7 @@ TEST(Record, ASlowCameraIsNotTakenForLost) {
   }
   auto request = request_in(folder, config);
   request.length = 6s;
-  const auto summary = record_kiosk(request);
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(record_kiosk(request));
   for (const char* camera : {"sky", "scene"}) {
     const auto rows = read_index(folder / "kept" / camera).value();
     EXPECT_GE(rows.size(), 2u) << camera;
@@ -163,8 +158,7 @@ TEST(Record, FramesAreThinnedToTheInterval) {
   const auto folder = operating_folder("every");
   auto request = request_in(folder, write_kiosk(folder));
   request.every = 500ms;
-  const auto summary = record_kiosk(request);
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(record_kiosk(request));
   EXPECT_GE(summary->scene.rows, 2);
   EXPECT_LE(summary->scene.rows, 4) << "at 0, 0.5, 1.0 and possibly 1.5 s";
 }
@@ -174,8 +168,7 @@ TEST(Record, ItEndsBeforeItsBytesAreExceeded) {
   auto request = request_in(folder, write_kiosk(folder));
   request.limits.most_bytes = 10 * kKioskBytes + 5;
   request.length = 20s;
-  const auto summary = record_kiosk(request);
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(record_kiosk(request));
   EXPECT_TRUE(summary->whole) << summary->ended;
   EXPECT_THAT(summary->ended, HasSubstr("MB recorded, the limit"));
   EXPECT_LT(summary->lasted, 15s);
@@ -192,8 +185,7 @@ TEST(Record, ItKeepsSpaceOnTheDiskFree) {
   const auto folder = operating_folder("floor");
   auto request = request_in(folder, write_kiosk(folder));
   request.limits.keep_free = std::uint64_t{1} << 60;
-  const auto summary = record_kiosk(request);
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(record_kiosk(request));
   EXPECT_FALSE(summary->whole);
   EXPECT_THAT(summary->ended, HasSubstr("left on the disk, and"));
   EXPECT_EQ(summary->bytes, 0u);
@@ -204,10 +196,7 @@ TEST(Record, ARecordingIsNotOverwritten) {
   auto request = request_in(folder, write_kiosk(folder));
   request.length = 300ms;
   ASSERT_TRUE(record_kiosk(request));
-  const auto again = record_kiosk(request);
-  ASSERT_FALSE(again);
-  EXPECT_EQ(again.error().kind, FaultKind::bad_input);
-  EXPECT_THAT(again.error().message, HasSubstr("already contains a recording"));
+  EXPECT_THAT(record_kiosk(request), FailsAs(FaultKind::bad_input, HasSubstr("already contains a recording")));
 }
 
 // A separate file system, so that it can be filled.
@@ -234,13 +223,11 @@ TEST(Record, AFullDiskEndsItAndTheRestReplays) {
   if (!disk.mounted()) GTEST_SKIP() << "only root may mount a small disk to fill";
   request.folder = folder / "disk/kept";
   request.length = 30s;
-  const auto summary = record_kiosk(request);
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(record_kiosk(request));
   EXPECT_FALSE(summary->whole);
   EXPECT_LT(summary->lasted, 25s) << summary->ended;
   EXPECT_THAT(summary->ended, testing::AnyOf(HasSubstr("No space left"), HasSubstr("must stay free")));
-  const auto played = play(request.folder);
-  ASSERT_TRUE(played) << played.error().message;
+  const auto played = must(play(request.folder));
   EXPECT_EQ(played->scene.good, summary->scene.rows);
   EXPECT_EQ(played->sky.good, summary->sky.rows);
   EXPECT_GT(played->scene.good, 5);
@@ -275,8 +262,7 @@ TEST(Record, KilledAtAnyMomentItReplays) {
     int how = 0;
     ::waitpid(child, &how, 0);
     ASSERT_TRUE(WIFSIGNALED(how)) << "it ended by itself, exit code " << WEXITSTATUS(how);
-    const auto played = play(kept);
-    ASSERT_TRUE(played) << played.error().message;
+    const auto played = must(play(kept));
     EXPECT_EQ(played->scene.cut + played->sky.cut, 0) << "a row names a payload that is whole";
     replayed += played->scene.good;
   }
@@ -288,15 +274,12 @@ TEST(RecordScreen, ShowsThePictureAndTheNotice) {
   const auto root = ConfigTable::read_file(write_kiosk(folder));
   const auto config = read_run_config(*root);
   SystemClock clock;
-  auto headless = open_headless_display({320, 240}, clock);
-  ASSERT_TRUE(headless) << headless.error().message;
+  auto headless = must(open_headless_display({320, 240}, clock));
   auto* seen = headless->get();
-  auto screen = RecordScreen::open(std::move(*headless), config);
-  ASSERT_TRUE(screen) << screen.error().message;
+  auto screen = must(RecordScreen::open(std::move(*headless), config));
   const auto frame = kiosk_frame(0, 200);
   ASSERT_TRUE(screen->show(&frame, "Recording\n00:42   12 MB", clock.now() + 1s));
-  const auto picture = seen->read();
-  ASSERT_TRUE(picture);
+  const auto picture = must(seen->read());
   ASSERT_TRUE(write_png(folder / "seen.png", *picture));
 
   int red = 0;

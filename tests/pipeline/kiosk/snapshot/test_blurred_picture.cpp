@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/kiosk/snapshot/blurred_picture.hpp"
+#include "tests/picture_difference.hpp"
 
 namespace kasumi {
 namespace {
@@ -32,13 +33,6 @@ double contrast_left(double period_cells, double phase) {
     highest = std::max<int>(highest, blurred.at(x, 1).g);
   }
   return (highest - lowest) / 255.0;
-}
-
-int largest_difference(const Image<Rgb8>& one, const Image<Rgb8>& other) {
-  int largest = 0;
-  for (std::size_t i = 0; i < one.elements().size(); ++i)
-    for (const int c : {0, 1, 2}) largest = std::max(largest, std::abs(one.elements()[i][c] - other.elements()[i][c]));
-  return largest;
 }
 
 TEST(BlurredPicture, HasThirtyTwoPixelsAlongItsLongerSide) {
@@ -79,8 +73,8 @@ TEST(BlurredPicture, TellsNoFaceFromAnother) {
     Image<Rgb8> one(kWidth, kHeight, Rgb8(130)), other = one;
     face(one, 700 + 7 * trial, 400 + 11 * trial);
     face(other, 700 + 7 * trial, 400 + 11 * trial);
-    ASSERT_GE(largest_difference(one, other), 180);
-    largest = std::max(largest, largest_difference(blurred_beyond_recognition(one), blurred_beyond_recognition(other)));
+    ASSERT_GE(difference(one, other).largest, 180);
+    largest = std::max(largest, difference(blurred_beyond_recognition(one), blurred_beyond_recognition(other)).largest);
   }
   std::printf("two faces of 96 x 120 of 1920 x 1080 pixels differ by %d of 255 at most\n", largest);
   EXPECT_LE(largest, 10);

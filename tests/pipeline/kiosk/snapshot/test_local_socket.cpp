@@ -6,6 +6,7 @@
 
 #include "base/socket/local_socket.hpp"
 #include "pipeline/kiosk/snapshot/snapshot.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -36,10 +37,8 @@ TEST(LocalSocket, AFolderMayBeDeeperThanTheKernelsAddress) {
   const auto path = folder / "deep.sock";
   ASSERT_GT(path.string().size(), 107U);
   {
-    const auto listening = listen_at(path);
-    ASSERT_TRUE(listening) << listening.error().message;
-    const auto caller = connect_to(path);
-    ASSERT_TRUE(caller) << caller.error().message;
+    const auto listening = must(listen_at(path));
+    const auto caller = must(connect_to(path));
     EXPECT_TRUE(accept_within(*listening, 1s));
   }
   EXPECT_EQ(connect_to(path).error().kind, FaultKind::disconnected) << "an earlier process left it there";
@@ -48,8 +47,7 @@ TEST(LocalSocket, AFolderMayBeDeeperThanTheKernelsAddress) {
 
 TEST(LocalSocket, IsOnlyForItsAccountAndItsGroup) {
   const auto path = socket_path("mode");
-  const auto listening = listen_at(path);
-  ASSERT_TRUE(listening) << listening.error().message;
+  const auto listening = must(listen_at(path));
   EXPECT_EQ(std::filesystem::status(path).permissions(), static_cast<std::filesystem::perms>(0660));
 }
 
@@ -62,11 +60,9 @@ TEST(LocalSocket, NoFileIsReplacedByIt) {
 
 TEST(LocalSocket, WhoSaysNothingIsNotWaitedForLongerThanTold) {
   const auto path = socket_path("silent");
-  const auto listening = listen_at(path);
-  ASSERT_TRUE(listening);
+  const auto listening = must(listen_at(path));
   EXPECT_FALSE(accept_within(*listening, 10ms));
-  const auto caller = connect_to(path);
-  ASSERT_TRUE(caller);
+  const auto caller = must(connect_to(path));
   const auto heard = accept_within(*listening, 1s);
   ASSERT_TRUE(heard);
   const auto began = std::chrono::steady_clock::now();
@@ -82,8 +78,7 @@ TEST(LocalSocket, WhoSaysNothingIsNotWaitedForLongerThanTold) {
 
 TEST(LocalSocket, CarriesAWholeAnswer) {
   const auto path = socket_path("whole");
-  const auto listening = listen_at(path);
-  ASSERT_TRUE(listening);
+  const auto listening = must(listen_at(path));
   Snapshot snapshot;
   snapshot.picture = Image<Rgb8>(500, 300);
   for (std::size_t i = 0; i < snapshot.picture.elements().size(); ++i)

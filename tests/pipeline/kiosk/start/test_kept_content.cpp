@@ -6,6 +6,7 @@
 
 #include "base/files.hpp"
 #include "pipeline/kiosk/start/kept_content.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/operating/kiosk.hpp"
 
 namespace kasumi {
@@ -44,16 +45,13 @@ struct KeptKiosk {
 
 TEST(KeptContent, Row32WhatWorkedIsWholeAfterEveryFileWasSpoilt) {
   KeptKiosk kiosk("whole");
-  const auto before = kiosk.read();
-  ASSERT_TRUE(before);
-  const auto kept = keep_content(*before, kiosk.kept, kNoon);
-  ASSERT_TRUE(kept) << kept.error().message;
+  const auto before = must(kiosk.read());
+  const auto kept = must(keep_content(*before, kiosk.kept, kNoon));
   EXPECT_TRUE(is_kept(*before, kiosk.kept));
   for (const char* file : {"kasumi.toml", "temple.glb", "roof mask.pgm"})
     ASSERT_TRUE(write_text_file(kiosk.folder / file, "spoilt"));
   ASSERT_FALSE(read_content(kiosk.config));
-  const auto after = read_kept_content(kiosk.config, kiosk.kept, {"kasumi.toml: not valid TOML"});
-  ASSERT_TRUE(after) << after.error().message;
+  const auto after = must(read_kept_content(kiosk.config, kiosk.kept, {"kasumi.toml: not valid TOML"}));
   EXPECT_EQ((*after)->model->triangle_count(), before->model->triangle_count());
   EXPECT_EQ((*after)->config.installation.sky.mask.width(), kKioskWidth);
   EXPECT_EQ((*after)->config.state_folder, before->config.state_folder) << "folders stay where they are";
@@ -65,8 +63,7 @@ TEST(KeptContent, Row32WhatWorkedIsWholeAfterEveryFileWasSpoilt) {
 
 TEST(KeptContent, AnEditThatNobodyAppliedIsNotKept) {
   KeptKiosk kiosk("edited");
-  const auto shown = kiosk.read();
-  ASSERT_TRUE(shown);
+  const auto shown = must(kiosk.read());
   ASSERT_TRUE(keep_content(*shown, kiosk.kept, kNoon));
   std::ofstream(kiosk.config, std::ios::app) << "# a night's idea\n";
   const auto kept = keep_content(*shown, kiosk.kept, kNoon + std::chrono::hours(1));
@@ -77,8 +74,7 @@ TEST(KeptContent, AnEditThatNobodyAppliedIsNotKept) {
 
 TEST(KeptContent, UnchangedContentIsNotWrittenAgain) {
   KeptKiosk kiosk("again");
-  const auto shown = kiosk.read();
-  ASSERT_TRUE(shown);
+  const auto shown = must(kiosk.read());
   ASSERT_TRUE(keep_content(*shown, kiosk.kept, kNoon));
   ASSERT_TRUE(keep_content(*kiosk.read(), kiosk.kept, kNoon + std::chrono::hours(1)));
   EXPECT_EQ(read_kept_content(kiosk.config, kiosk.kept, {}).value()->instead->kept_utc, kNoon);
@@ -133,14 +129,12 @@ TEST(KeptContent, AModelsOwnFilesAreKeptWithIt) {
   KeptKiosk kiosk("gltf");
   if (!fs::exists(kiosk.folder / "models/BoxTextured.gltf")) GTEST_SKIP() << "assimp-testmodels are not installed";
   kiosk.change(fmt::format("\"{}\"", (kiosk.folder / "temple.glb").string()), "\"models/BoxTextured.gltf\"");
-  const auto before = kiosk.read();
-  ASSERT_TRUE(before);
+  const auto before = must(kiosk.read());
   ASSERT_EQ(before->model->textures.size(), 1u);
   const auto kept = keep_content(*before, kiosk.kept, kNoon);
   ASSERT_TRUE(kept) << kept.error().message;
   fs::remove_all(kiosk.folder / "models");
-  const auto after = read_kept_content(kiosk.config, kiosk.kept, {});
-  ASSERT_TRUE(after) << after.error().message;
+  const auto after = must(read_kept_content(kiosk.config, kiosk.kept, {}));
   EXPECT_EQ((*after)->model->textures.size(), 1u);
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/files.hpp"
 #include "pipeline/lab/bench/recorded_run.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -98,8 +99,7 @@ TEST(RecordedRun, IsReadAsItWasWritten) {
   const auto file = bench_folder() / "run.json";
   const RecordedRun run = run_of(1.25, 2.2, 30.0);
   ASSERT_TRUE(write_text_file(file, json_of(run)));
-  const auto read = read_recorded_run(file);
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = must(read_recorded_run(file));
   EXPECT_EQ(json_of(*read), json_of(run));
 }
 
@@ -119,10 +119,8 @@ TEST(RecordedRun, AllProblemsOfAFileAreNamed) {
 
 TEST(BenchCommand, TellsWhatGotSlower) {
   const auto file = bench_folder() / "air.json";
-  const auto first = run_kasumi(fmt::format("bench --only air --json {}", file.string()));
-  ASSERT_EQ(first.code, 0) << first.err;
-  auto recorded = read_recorded_run(file);
-  ASSERT_TRUE(recorded) << recorded.error().message;
+  ended(0, run_kasumi(fmt::format("bench --only air --json {}", file.string())));
+  auto recorded = must(read_recorded_run(file));
   ASSERT_EQ(recorded->rows.size(), 2U);
   for (const double better : {1.0, 100.0}) {
     recorded->rows[1].value *= better;  // how many times slower the reference is
@@ -135,10 +133,9 @@ TEST(BenchCommand, TellsWhatGotSlower) {
   }
   recorded->processor = "another";
   ASSERT_TRUE(write_text_file(file, json_of(*recorded)));
-  const auto elsewhere = run_kasumi(fmt::format("bench --only air --against {}", file.string()));
-  EXPECT_EQ(elsewhere.code, 0);
-  EXPECT_THAT(elsewhere.err, AllOf(HasSubstr("recorded on another machine (another; "),
-                                   HasSubstr("(measured twice): 1 nm reference / K = 2, on the CPU")));
+  EXPECT_THAT(ended(0, run_kasumi(fmt::format("bench --only air --against {}", file.string()))).err,
+              AllOf(HasSubstr("recorded on another machine (another; "),
+                    HasSubstr("(measured twice): 1 nm reference / K = 2, on the CPU")));
 }
 
 TEST(BenchCommand, RefusesPartsAndFilesThatItDoesNotKnow) {

@@ -8,6 +8,7 @@
 
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -38,8 +39,7 @@ class CompareCommand : public testing::Test {
 };
 
 TEST_F(CompareCommand, SaysHowAlikeTwoPicturesAre) {
-  const auto outcome = compare("one", "other", "--json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome = ended(0, compare("one", "other", "--json"));
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["pixels"], 1200);
   EXPECT_FALSE(json["equal"]);
@@ -54,8 +54,7 @@ TEST_F(CompareCommand, SaysHowAlikeTwoPicturesAre) {
 }
 
 TEST_F(CompareCommand, UnderAMaskOnlyItsWhiteCounts) {
-  const auto outcome = compare("one", "other", "--json --mask " + at("half"));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome = ended(0, compare("one", "other", "--json --mask " + at("half")));
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["pixels"], 600);
   EXPECT_TRUE(json["equal"]);
@@ -71,21 +70,14 @@ TEST_F(CompareCommand, SixteenBitsAreSeen) {
   ASSERT_TRUE(write_photograph(at("fine"), fine));
   for (auto& pixel : fine.encoded.elements()) pixel += 0.25F / 255.0F;
   ASSERT_TRUE(write_photograph(at("finer"), fine));
-  const auto outcome = compare("fine", "finer", "--json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome = ended(0, compare("fine", "finer", "--json"));
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["mean_error"].get<double>(), 0.25, 0.01);
 }
 
 TEST_F(CompareCommand, WhatCannotBeComparedIsRefused) {
-  const auto sizes = compare("one", "small");
-  EXPECT_EQ(sizes.code, 2);
-  EXPECT_THAT(sizes.err, HasSubstr("small.png: is 39 x 30: expected 40 x 30"));
-  const auto mask = compare("one", "other", "--mask " + at("small"));
-  EXPECT_EQ(mask.code, 2);
-  EXPECT_THAT(mask.err, HasSubstr("small.png"));
-  const auto black = compare("one", "other", "--mask " + at("night"));
-  EXPECT_EQ(black.code, 2);
-  EXPECT_THAT(black.err, HasSubstr("night.png: all black"));
+  EXPECT_THAT(ended(2, compare("one", "small")).err, HasSubstr("small.png: is 39 x 30: expected 40 x 30"));
+  EXPECT_THAT(ended(2, compare("one", "other", "--mask " + at("small"))).err, HasSubstr("small.png"));
+  EXPECT_THAT(ended(2, compare("one", "other", "--mask " + at("night"))).err, HasSubstr("night.png: all black"));
   const auto missing = compare("one", "missing");
   EXPECT_NE(missing.code, 0);
   EXPECT_THAT(missing.err, HasSubstr("missing.png"));

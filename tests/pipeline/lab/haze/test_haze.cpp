@@ -12,6 +12,7 @@
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 #include "tests/environment.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -105,13 +106,11 @@ TEST_F(HazeCommand, FadesByTheEquationsBlursTheFarAndKeepsTheNear) {
 TEST_F(HazeCommand, CpuDisparityAndExplicitSchemeGiveTheSameResult) {
   const std::string haze = " --kappa-s .5 --lambda 4";
   ASSERT_EQ(run_kasumi(board() + haze + " --out " + in_folder("gpu.png")).code, 0);
-  const auto cpu = run_kasumi(board() + haze + " --cpu --out " + in_folder("cpu.png"));
-  ASSERT_EQ(cpu.code, 0) << cpu.err;
+  const auto cpu = ended(0, run_kasumi(board() + haze + " --cpu --out " + in_folder("cpu.png")));
   EXPECT_THAT(cpu.out, HasSubstr("the CPU"));
-  const auto stereo = run_kasumi(fmt::format(
-      "haze {} --disparity {} --disparity-scale 400 --disparity-offset-px 5 --indoors --airlight .6,.7,.8 {} --out {}",
-      in_folder("board.png"), in_folder("disparity.pfm"), haze, in_folder("stereo.png")));
-  ASSERT_EQ(stereo.code, 0) << stereo.err;
+  ended(0, run_kasumi(fmt::format("haze {} --disparity {} --disparity-scale 400 --disparity-offset-px 5 --indoors "
+                                  "--airlight .6,.7,.8 {} --out {}",
+                                  in_folder("board.png"), in_folder("disparity.pfm"), haze, in_folder("stereo.png"))));
   const auto made = read("gpu.png");
   for (const char* other : {"cpu.png", "stereo.png"}) {
     const auto picture = read(other);
@@ -131,10 +130,9 @@ TEST_F(HazeCommand, CpuDisparityAndExplicitSchemeGiveTheSameResult) {
 }
 
 TEST_F(HazeCommand, ASweepOfTurbiditiesBecomesPicturesAndASheet) {
-  const auto outcome = run_kasumi(
-      fmt::format("haze {} --depth {} --indoors --airlight .6,.7,.8 --turbidity 4:20:8 --out {} --sheet {}",
-                  in_folder("board.png"), in_folder("depth.pfm"), in_folder("sweep"), in_folder("sheet.png")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ended(0, run_kasumi(fmt::format(
+               "haze {} --depth {} --indoors --airlight .6,.7,.8 --turbidity 4:20:8 --out {} --sheet {}",
+               in_folder("board.png"), in_folder("depth.pfm"), in_folder("sweep"), in_folder("sheet.png"))));
   for (const char* name : {"board.T4.00.png", "board.T12.00.png", "board.T20.00.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / "sweep" / name)) << name;
   EXPECT_GT(read("sheet.png").width(), 2 * kWidth);
@@ -144,28 +142,27 @@ TEST_F(HazeCommand, ASweepOfTurbiditiesBecomesPicturesAndASheet) {
 }
 
 TEST_F(HazeCommand, AKnownAerosolIsGivenByItsOpticalDepth) {
-  const auto outcome = run_kasumi(
-      fmt::format("haze {} --depth {} --indoors --airlight .6,.7,.8 --aod 0.6:1.8:0.6 --aerosol maritime --out {}",
-                  in_folder("board.png"), in_folder("depth.pfm"), in_folder("aods")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ended(0, run_kasumi(fmt::format(
+               "haze {} --depth {} --indoors --airlight .6,.7,.8 --aod 0.6:1.8:0.6 --aerosol maritime --out {}",
+               in_folder("board.png"), in_folder("depth.pfm"), in_folder("aods"))));
   for (const char* name : {"board.AOD0.600.png", "board.AOD1.200.png", "board.AOD1.800.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / "aods" / name)) << name;
-  const auto wrong = run_kasumi(fmt::format("haze {} --depth {} --aod 3 --turbidity 4 --aerosol fog --out {}",
-                                            in_folder("board.png"), in_folder("depth.pfm"), in_folder("x.png")));
-  EXPECT_EQ(wrong.code, 2);
-  EXPECT_THAT(wrong.err, HasSubstr("--aerosol"));
-  const auto both = run_kasumi(fmt::format("haze {} --depth {} --aod 3 --turbidity 4 --out {}", in_folder("board.png"),
-                                           in_folder("depth.pfm"), in_folder("x.png")));
-  EXPECT_EQ(both.code, 2);
-  EXPECT_THAT(both.err, AllOf(HasSubstr("--aod 3: expected an optical depth of 0 to 1.8"), HasSubstr("one of them")));
+  EXPECT_THAT(ended(2, run_kasumi(fmt::format("haze {} --depth {} --aod 3 --turbidity 4 --aerosol fog --out {}",
+                                              in_folder("board.png"), in_folder("depth.pfm"), in_folder("x.png"))))
+                  .err,
+              HasSubstr("--aerosol"));
+  EXPECT_THAT(ended(2, run_kasumi(fmt::format("haze {} --depth {} --aod 3 --turbidity 4 --out {}",
+                                              in_folder("board.png"), in_folder("depth.pfm"), in_folder("x.png"))))
+                  .err,
+              AllOf(HasSubstr("--aod 3: expected an optical depth of 0 to 1.8"), HasSubstr("one of them")));
 }
 
 TEST_F(HazeCommand, ReportsAllProblemsAtOnce) {
-  const auto outcome = run_kasumi(fmt::format("haze {} --disparity {} --turbidity 40,x --kappa-a .2 --out {}",
-                                              in_folder("board.png"), in_folder("nothing.pfm"), in_folder("x.png")));
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, AllOf(HasSubstr("--turbidity 40"), HasSubstr("--turbidity x"), HasSubstr("--kappa-a"),
-                                 HasSubstr("--disparity-scale"), HasSubstr("nothing.pfm"), HasSubstr("--airlight")));
+  EXPECT_THAT(ended(2, run_kasumi(fmt::format("haze {} --disparity {} --turbidity 40,x --kappa-a .2 --out {}",
+                                              in_folder("board.png"), in_folder("nothing.pfm"), in_folder("x.png"))))
+                  .err,
+              AllOf(HasSubstr("--turbidity 40"), HasSubstr("--turbidity x"), HasSubstr("--kappa-a"),
+                    HasSubstr("--disparity-scale"), HasSubstr("nothing.pfm"), HasSubstr("--airlight")));
   EXPECT_EQ(run_kasumi(board() + " --kappa-s .5").code, 2) << "nothing to write";
   EXPECT_FALSE(std::filesystem::exists(folder / "x.png"));
 }
@@ -173,34 +170,31 @@ TEST_F(HazeCommand, ReportsAllProblemsAtOnce) {
 // What is told of distances, and sky that the map tells where no share of the picture would.
 TEST_F(HazeCommand, SaysWhatTheDistancesAreAndTakesFarAwayForSky) {
   ASSERT_TRUE(write_pfm(folder / "sky.pfm", [](int x, int y) { return y < 2 && x > 100 ? 1e10F : range_at(x, y); }));
-  const auto outcome = run_kasumi(fmt::format("haze {} --depth {} --airlight .6,.7,.8 --kappa-s .5 --out {}",
-                                              in_folder("board.png"), in_folder("sky.pfm"), in_folder("sky.png")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome =
+      ended(0, run_kasumi(fmt::format("haze {} --depth {} --airlight .6,.7,.8 --kappa-s .5 --out {}",
+                                      in_folder("board.png"), in_folder("sky.pfm"), in_folder("sky.png"))));
   EXPECT_THAT(outcome.out, AllOf(HasSubstr("4 to 40 m in 99.3 % of the picture, sky in 0.7 %, nothing known in 0.0 %"),
                                  HasSubstr("range to 40 m; 0 holes filled (0.0 % of the picture), sky 0.7 %")));
   ASSERT_TRUE(write_pfm(folder / "nothing.pfm", [](int, int) { return 0.0F; }));
-  const auto nothing = run_kasumi(fmt::format("haze {} --depth {} --airlight .6,.7,.8 --kappa-s .5 --out {}",
-                                              in_folder("board.png"), in_folder("nothing.pfm"), in_folder("x.png")));
-  EXPECT_EQ(nothing.code, 2);
-  EXPECT_THAT(nothing.err, HasSubstr("nothing is known in any pixel"));
+  EXPECT_THAT(ended(2, run_kasumi(fmt::format("haze {} --depth {} --airlight .6,.7,.8 --kappa-s .5 --out {}",
+                                              in_folder("board.png"), in_folder("nothing.pfm"), in_folder("x.png"))))
+                  .err,
+              HasSubstr("nothing is known in any pixel"));
 }
 
 TEST_F(HazeCommand, NearnessNeedsItsScale) {
   ASSERT_TRUE(write_pfm(folder / "near.pfm", [](int x, int y) { return (1.0F / range_at(x, y) - 0.005F) / 0.01F; }));
   const auto haze = fmt::format("haze {} --inverse-depth {} --indoors --airlight .6,.7,.8 --kappa-s .5 --out {}",
                                 in_folder("board.png"), in_folder("near.pfm"), in_folder("near.png"));
-  const auto refused = run_kasumi(haze);
-  EXPECT_EQ(refused.code, 2);
-  EXPECT_THAT(refused.err, HasSubstr("--inverse-scale"));
-  const auto made = run_kasumi(haze + " --inverse-scale .01 --inverse-offset .005");
-  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(ended(2, run_kasumi(haze)).err, HasSubstr("--inverse-scale"));
+  const auto made = ended(0, run_kasumi(haze + " --inverse-scale .01 --inverse-offset .005"));
   EXPECT_THAT(made.out, HasSubstr("range to 40 m"));
 }
 
 TEST_F(HazeCommand, IndoorsNeedsNoSky) {
-  const auto outcome = run_kasumi(fmt::format("haze {} --depth {} --indoors --kappa-s .5 --out {}",
-                                              in_folder("board.png"), in_folder("depth.pfm"), in_folder("room.png")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome =
+      ended(0, run_kasumi(fmt::format("haze {} --depth {} --indoors --kappa-s .5 --out {}", in_folder("board.png"),
+                                      in_folder("depth.pfm"), in_folder("room.png"))));
   EXPECT_THAT(outcome.out, HasSubstr("of the picture's brightest hundredth"));
 }
 
@@ -211,8 +205,7 @@ TEST_F(HazeCommand, TheWindowFollowsItsKeys) {
   options.indoors = true;
   options.scatterings = {"0.5"};
   options.airlight = {0.6, 0.7, 0.8};
-  const auto task = haze_task(options);
-  ASSERT_TRUE(task) << task.error().message;
+  const auto task = must(haze_task(options));
   auto window = HazeWindow::open(*task);
   if (!window) {
     const auto no_display = window.error().message;

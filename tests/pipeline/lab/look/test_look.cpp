@@ -10,6 +10,8 @@
 #include "pipeline/lab/look/model_facts.hpp"
 #include "pipeline/lab/look/turntable.hpp"
 #include "tests/gles/model/packed_files.hpp"
+#include "tests/must.hpp"
+#include "tests/picture_difference.hpp"
 #include "tests/pipeline/kiosk/content/desk.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
@@ -72,8 +74,7 @@ TEST(Look, TellsWhichAxisSeemsToPointUp) {
   const Model standing = temple();
   EXPECT_FALSE(seems_z_up(standing));
   EXPECT_TRUE(seems_z_up(with_z_up(standing)));
-  const auto pagoda = read_gltf(source_folder() / "fixtures/pagoda.glb");
-  ASSERT_TRUE(pagoda);
+  const auto pagoda = must(read_gltf(source_folder() / "fixtures/pagoda.glb"));
   EXPECT_FALSE(seems_z_up(*pagoda));
   EXPECT_TRUE(seems_z_up(with_z_up(*pagoda)));
   Model wall = facade();
@@ -93,31 +94,21 @@ TEST(Look, TellsWhatIsDoubtful) {
 }
 
 TEST(Look, TellsSizeTrianglesAndGround) {
-  const auto told = run_kasumi("look " + (source_folder() / "fixtures/temple.glb").string());
-  EXPECT_EQ(told.code, 0) << told.err;
+  const auto told = ended(0, run_kasumi("look " + (source_folder() / "fixtures/temple.glb").string()));
   EXPECT_THAT(told.out, AllOf(HasSubstr("84.00 m wide (x), 68.20 m deep, 46.20 m high (y up)"),
                               HasSubstr("8124 triangles"), HasSubstr("7 textures"), HasSubstr("ground: 608 triangles"),
                               HasSubstr("nothing was left out"), Not(HasSubstr("DOUBTFUL"))));
 }
 
-double difference(const Image<Rgb8>& one, const Image<Rgb8>& other) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < one.elements().size(); ++i)
-    for (int c = 0; c < 3; ++c) sum += std::abs(int(one.elements()[i][c]) - int(other.elements()[i][c]));
-  return sum / (3.0 * static_cast<double>(one.elements().size()));
-}
-
 TEST(Look, TurnsTheModelRoundAndAZUpOneStandsUpright) {
   auto context = open_headless_context();
   if (!context) GTEST_SKIP() << context.error().message;
-  const auto views = turntable(**context, temple(), UpAxis::y);
-  ASSERT_TRUE(views) << views.error().message;
+  const auto views = must(turntable(**context, temple(), UpAxis::y));
   ASSERT_EQ(views->size(), 8u);
-  const auto same = turntable(**context, with_z_up(temple()), UpAxis::z);
-  ASSERT_TRUE(same) << same.error().message;
+  const auto same = must(turntable(**context, with_z_up(temple()), UpAxis::z));
   for (std::size_t i = 0; i < 8; ++i) {
-    EXPECT_LT(difference((*views)[i], (*same)[i]), 0.05) << i;
-    EXPECT_GT(difference((*views)[i], (*views)[(i + 1) % 8]), 0.5) << i;
+    EXPECT_LT(difference((*views)[i], (*same)[i]).mean, 0.05) << i;
+    EXPECT_GT(difference((*views)[i], (*views)[(i + 1) % 8]).mean, 0.5) << i;
   }
 }
 
@@ -155,15 +146,13 @@ TEST(Look, ACompressedModelLooksLikeTheSameUncompressed) {
   auto context = open_headless_context();
   if (!context) GTEST_SKIP() << context.error().message;
   const Model plain = temple();
-  const auto views = turntable(**context, plain, UpAxis::y);
-  ASSERT_TRUE(views) << views.error().message;
+  const auto views = must(turntable(**context, plain, UpAxis::y));
   // Of 255, over the whole picture, a sixth of which or more is the building. meshopt may turn a triangle's corners round.
   for (const auto& [packing, most] :
        {std::pair{Packing::none, 0.0}, {Packing::meshopt, 1e-3}, {Packing::draco, 0.05}}) {
-    const auto packed = turntable(**context, through_file(plain, packing), UpAxis::y);
-    ASSERT_TRUE(packed) << packed.error().message;
+    const auto packed = must(turntable(**context, through_file(plain, packing), UpAxis::y));
     for (std::size_t i = 0; i < 8; ++i) {
-      const double off = difference((*views)[i], (*packed)[i]);
+      const double off = difference((*views)[i], (*packed)[i]).mean;
       RecordProperty(fmt::format("packing-{}-view-{}", int(packing), i), fmt::format("{:.3f}", off));
       EXPECT_LE(off, most) << "view " << i << ", packing " << int(packing);
     }
@@ -176,8 +165,7 @@ TEST(Look, AFoldersShareIsTold) {
   fs::copy_file(source_folder() / "fixtures/temple.glb", folder / "below/temple.GLB",
                 fs::copy_options::overwrite_existing);
   ASSERT_TRUE(write_text_file(folder / "tile.b3dm", "b3dm and more"));
-  const auto told = run_kasumi("look " + folder.string());
-  EXPECT_EQ(told.code, 2);
+  const auto told = ended(2, run_kasumi("look " + folder.string()));
   EXPECT_THAT(told.out, AllOf(HasSubstr("temple.GLB: 8124 triangles"), HasSubstr("3d-tiles-tools b3dmToGlb"),
                               HasSubstr("1 of 2 models can be read (50 %)")));
 }

@@ -6,6 +6,7 @@
 
 #include "base/files.hpp"
 #include "pipeline/lab/photographs/camera_memory.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
@@ -34,8 +35,7 @@ TEST(CameraMemory, SeveralPicturesMakeACameraAndOneDoesNot) {
   EXPECT_FALSE(memory.camera_of(640, 480, {{330, 200}, 150}));
   EXPECT_TRUE(memory.knows(640, 480, {{330, 200}, 150}));
   // A picture that shows its rim badly gets the camera's circle; one of another size keeps its own.
-  const auto badly = memory.circle_of(picture(250, 236, 232, 0.12));
-  ASSERT_TRUE(badly);
+  const auto badly = must(memory.circle_of(picture(250, 236, 232, 0.12)));
   EXPECT_NEAR(badly->circle.radius_px, 220.0, 1.0);
   EXPECT_NEAR(memory.circle_of(picture(330, 200, 150, 0.2, 640))->circle.radius_px, 150.0, 1e-9);
   ASSERT_TRUE(memory.found_in("03.jpg"));
@@ -83,8 +83,7 @@ TEST(CameraMemory, IsWrittenAndReadAgain) {
   memory->learn({{"a.jpg", with_horizon, ToneSight{1.4, 0.15}, sun(100)},
                  {"b.jpg", with_horizon, ToneSight{1.3, 0.2}, sun(160)}});
   ASSERT_TRUE(memory->write(file));
-  const auto again = CameraMemory::read(file);
-  ASSERT_TRUE(again) << again.error().message;
+  const auto again = must(CameraMemory::read(file));
   ASSERT_EQ(again->cameras().size(), 1u);
   const auto &was = memory->cameras()[0], &is = again->cameras()[0];
   EXPECT_EQ(is.circle.circle.radius_px, was.circle.circle.radius_px);

@@ -8,6 +8,7 @@
 
 #include "base/utc_text.hpp"
 #include "pipeline/lab/photographs/estimate_csv.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -86,8 +87,8 @@ TEST(EstimateCsv, TheCommandWritesALineForEachPictureAsItsJsonSays) {
                                  << frame.string() << "\t2026-10-20T06:10:00Z\n";
   const auto arguments = fmt::format("--calibration {}/fixtures/demo/fixture.toml --list {}", source_folder().string(),
                                      (folder / "list").string());
-  const auto table = run_kasumi("estimate --csv " + arguments), objects = run_kasumi("estimate --json " + arguments);
-  EXPECT_EQ(table.code, 2) << table.err;
+  const auto table = ended(2, run_kasumi("estimate --csv " + arguments)),
+             objects = run_kasumi("estimate --json " + arguments);
   EXPECT_THAT(table.err, HasSubstr("broken.png"));
   const auto rows = rows_of(table.out);
   ASSERT_EQ(rows.size(), 3u) << table.out;
@@ -104,12 +105,9 @@ TEST(EstimateCsv, TheCommandWritesALineForEachPictureAsItsJsonSays) {
 }
 
 TEST(EstimateCsv, OnlyOneOfTheTwoForms) {
-  const auto both = run_kasumi("estimate --csv --json --sun-from-image x.png");
-  EXPECT_EQ(both.code, 2);
-  EXPECT_THAT(both.err, testing::AllOf(HasSubstr("--csv"), HasSubstr("--json")));
-  const auto haze = run_kasumi("estimate --csv --haze x.png");
-  EXPECT_EQ(haze.code, 2);
-  EXPECT_THAT(haze.err, HasSubstr("--csv"));
+  EXPECT_THAT(ended(2, run_kasumi("estimate --csv --json --sun-from-image x.png")).err,
+              testing::AllOf(HasSubstr("--csv"), HasSubstr("--json")));
+  EXPECT_THAT(ended(2, run_kasumi("estimate --csv --haze x.png")).err, HasSubstr("--csv"));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "capture/fixture/fixture.hpp"
 #include "pipeline/lab/photographs/estimate_inputs.hpp"
 #include "tests/house/document_code.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -97,13 +98,11 @@ TEST_F(GivenInputs, ARecordingHasItsOwnTimesCameraAndSite) {
   arguments.sun_from_image = false;
   const auto demo = source_folder() / "fixtures/demo";
   arguments.images = {demo.string()};
-  auto expanded = EstimateInputs::expand(arguments);
-  ASSERT_TRUE(expanded) << expanded.error().message;
+  auto expanded = must(EstimateInputs::expand(arguments));
   EXPECT_THAT(expanded->problems().lines(), IsEmpty());
   EXPECT_EQ(expanded->count(), 6u);
   expanded->next();
-  const auto second = expanded->next();
-  ASSERT_TRUE(second);
+  const auto second = must(expanded->next());
   EXPECT_EQ(second->file, demo / "sky/frame-000001.jpg");
   EXPECT_EQ(second->utc, parse_utc("2026-10-20T06:10:05Z"));
   const auto& camera = expanded->cameras().at(second->camera);
@@ -117,8 +116,7 @@ TEST_F(GivenInputs, ARecordingHasItsOwnTimesCameraAndSite) {
   text.replace(text.find("980.0"), 5, "981.0");
   std::filesystem::copy_file(demo / "sky-mask.png", folder / "sky-mask.png");
   ASSERT_TRUE(write_text_file(arguments.calibration, text));
-  auto calibrated = EstimateInputs::expand(arguments);
-  ASSERT_TRUE(calibrated) << calibrated.error().message;
+  auto calibrated = must(EstimateInputs::expand(arguments));
   EXPECT_EQ(calibrated->cameras().at(calibrated->next()->camera).site->altitude_m, 981.0);
 }
 
@@ -141,8 +139,7 @@ TEST_F(GivenInputs, PicturesWithoutTimesTakeTheSunFromThemselves) {
 
 TEST_F(GivenInputs, AFirstLookTakesNothing) {
   arguments.images = {"@" + in("list"), in("sky")};
-  auto expanded = EstimateInputs::expand(arguments);
-  ASSERT_TRUE(expanded);
+  auto expanded = must(EstimateInputs::expand(arguments));
   EXPECT_EQ(expanded->ahead(2).size(), 2u);
   const auto all = expanded->ahead(100);
   EXPECT_EQ(expanded->ahead(1).size(), 1u);
@@ -154,16 +151,16 @@ TEST_F(GivenInputs, AFirstLookTakesNothing) {
 
 TEST_F(GivenInputs, TheCommandTellsAllThatIsMissingInOneMessageAndAnswersTheRest) {
   const auto frame = (source_folder() / "fixtures/demo/sky/frame-000000.jpg").string();
-  const auto outcome = run_kasumi(fmt::format(
-      "estimate --json --calibration {}/fixtures/demo/fixture.toml --utc 2026-10-20T06:10:00Z {} {} {} '{}/*.gif'",
-      source_folder().string(), in("none.png"), frame, in("empty"), folder.string()));
-  EXPECT_EQ(outcome.code, 2);
+  const auto outcome = ended(
+      2,
+      run_kasumi(fmt::format(
+          "estimate --json --calibration {}/fixtures/demo/fixture.toml --utc 2026-10-20T06:10:00Z {} {} {} '{}/*.gif'",
+          source_folder().string(), in("none.png"), frame, in("empty"), folder.string())));
   EXPECT_EQ(outcome.err, fmt::format("kasumi: {}: no such file or folder\n{}: a folder without any picture\n{}/*.gif: "
                                      "no file matches\n",
                                      in("none.png"), in("empty"), folder.string()));
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["image"], frame);
-  const auto nothing = run_kasumi("estimate --sun-from-image " + in("none.png") + " " + in("empty"));
-  EXPECT_EQ(nothing.code, 2);
+  const auto nothing = ended(2, run_kasumi("estimate --sun-from-image " + in("none.png") + " " + in("empty")));
   EXPECT_EQ(nothing.out, "");
   EXPECT_THAT(nothing.err, testing::AllOf(HasSubstr("none.png"), HasSubstr("without any picture")));
 }
@@ -171,9 +168,9 @@ TEST_F(GivenInputs, TheCommandTellsAllThatIsMissingInOneMessageAndAnswersTheRest
 TEST_F(GivenInputs, OptionsForListsKeepTheirPlaceAndStandardInputComesInItsTurn) {
   std::ofstream(folder / "l1") << "l1.png\n";
   std::ofstream(folder / "l2") << "l2.png\n";
-  const auto outcome = run_kasumi(fmt::format("estimate --csv --sun-from-image --list {} {} - --list={} @{} </dev/null",
-                                              in("l1"), in("one.png"), in("l2"), in("l1")));
-  EXPECT_EQ(outcome.code, 2);
+  const auto outcome =
+      ended(2, run_kasumi(fmt::format("estimate --csv --sun-from-image --list {} {} - --list={} @{} </dev/null",
+                                      in("l1"), in("one.png"), in("l2"), in("l1"))));
   std::vector<std::string> images;
   for (const auto& line : house::lines_of(outcome.out))
     if (!line.empty()) images.push_back(line.substr(0, line.find(',')));

@@ -8,6 +8,7 @@
 
 #include "pipeline/lab/photographs/measured_visibility.hpp"
 #include "tests/environment.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -23,8 +24,7 @@ std::filesystem::path table_of(const std::string& text) {
 }
 
 TEST(MeasuredVisibility, IsReadByThePicturesName) {
-  const auto read = read_measured_visibilities(table_of("name,visibility_m\na.jpg,1620\r\n\nb.jpg,73.5\n"));
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = must(read_measured_visibilities(table_of("name,visibility_m\na.jpg,1620\r\n\nb.jpg,73.5\n")));
   EXPECT_EQ(*read, (MeasuredVisibilities{{"a.jpg", 1620.0}, {"b.jpg", 73.5}}));
 }
 
@@ -73,11 +73,9 @@ TEST(MeasuredVisibility, OfTheMeadowOfDeBiltIsComparedByOneCommand) {
   const auto command =
       fmt::format("estimate --scene {} --landmarks {} --measured {}", folder.string(),
                   (source_folder() / "tests/paper/knmi-debilt.toml").string(), (folder / "visibility.csv").string());
-  const auto said = run_kasumi(command);
-  ASSERT_EQ(said.code, 0) << said.err;
+  const auto said = ended(0, run_kasumi(command));
   fmt::print("{}", said.out);
-  const auto outcome = run_kasumi(command + " --json");
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto outcome = ended(0, run_kasumi(command + " --json"));
   std::istringstream lines(outcome.out);
   int values = 0, bounds = 0, nothing = 0, within_factor = 0, within_sigmas = 0;
   for (std::string line; std::getline(lines, line);) {

@@ -8,6 +8,7 @@
 #include "base/utc_text.hpp"
 #include "pipeline/lab/photographs/sky_photograph.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/alpnach.hpp"
 #include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
@@ -37,7 +38,7 @@ SkyPhotographReport looked_at(const fixtures::SkyRecipe& recipe, double zenith_d
   options.circle = ImageCircle{{middle, middle}, 0.5 * recipe.size};
   options.sun = direction_from(from_degrees(zenith_deg), from_degrees(azimuth_deg));
   if (azimuth_up_deg) options.azimuth_up = from_degrees(*azimuth_up_deg);
-  auto report = SkyPhotographs(options).estimate_from(file, std::nullopt);
+  auto report = SkyPhotographs(options).estimate_from(alpnach::file(exposure), std::nullopt);
   if (!report) ADD_FAILURE() << report.error().message;
   return report.value_or(SkyPhotographReport{});
 }
@@ -98,18 +99,16 @@ TEST(PhotographedSun, SaysHowSureItIs) {
 // Real fisheyes that nobody has oriented, by time and place alone: what docs/commands.md shows. Where the sun is found
 // its place tells the orientation; where it is clipped too widely the refusal says that this is what is missing.
 TEST(PhotographedSun, OrientsARealSkyByTimeAndPlace) {
-  const auto folder = shared_data_folder() / "sky" / "skycam-alpnach";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here: real sky not tested";
+  if (!alpnach::is_there()) GTEST_SKIP() << alpnach::file(0) << " is not here: real sky not tested";
   SkyPhotographOptions options;
-  options.field_of_view = from_degrees(185.0);
-  options.circle = ImageCircle{{149.6, 140.7}, 133.0};
+  options.field_of_view = from_degrees(alpnach::kFieldOfView_deg);
+  options.circle = ImageCircle{alpnach::kCentre, alpnach::kRadius_px};
   options.linear_response = true;
   options.site = Site{"", 46.94, 8.28, 440.0};
   options.utc = parse_utc("2018-01-29T11:09:20Z");
   int oriented = 0;
-  for (int exposure = 0; exposure < 13; ++exposure) {
-    const auto file = folder / fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure);
-    const auto report = SkyPhotographs(options).estimate_from(file, std::nullopt).value();
+  for (int exposure = 0; exposure < alpnach::kExposures; ++exposure) {
+    const auto report = SkyPhotographs(options).estimate_from(alpnach::file(exposure), std::nullopt).value();
     const auto& estimate = report.look.estimate;
     std::printf("exposure %d: %s, up %.1f deg; T %.2f +- %.2f; %s\n", exposure,
                 std::string(name_of(report.sun.orientation)).c_str(), degrees_of_azimuth(report.sun.azimuth_up),

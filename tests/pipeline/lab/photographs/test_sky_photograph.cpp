@@ -6,6 +6,8 @@
 
 #include "pipeline/lab/photographs/sky_photograph.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/alpnach.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/places.hpp"
 
@@ -32,8 +34,7 @@ TEST(SkyPhotograph, AGeneratedSkyGivesItsTurbidity) {
     fixtures::SkyRecipe recipe;
     recipe.turbidity = turbidity;
     SkyPhotographs photographs(sky_photograph_options(recipe));
-    const auto report = photographs.estimate_from(generated(recipe, "clear"), std::nullopt);
-    ASSERT_TRUE(report) << report.error().message;
+    const auto report = must(photographs.estimate_from(generated(recipe, "clear"), std::nullopt));
     ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
     EXPECT_NEAR(report->look.estimate.turbidity.value, turbidity, 0.1);
     ASSERT_TRUE(report->quality);
@@ -84,20 +85,17 @@ TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
 
 // A real winter sky over Alpnach; details are in the data's README.
 TEST(SkyPhotograph, TwoExposuresOfOneRealSkyAgree) {
-  const auto folder = shared_data_folder() / "sky" / "skycam-alpnach";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here: real sky not tested";
+  if (!alpnach::is_there()) GTEST_SKIP() << alpnach::file(0) << " is not here: real sky not tested";
   SkyPhotographOptions options;
-  options.field_of_view = from_degrees(185.0);
-  options.circle = ImageCircle{{149.6, 140.7}, 133.0};
+  options.field_of_view = from_degrees(alpnach::kFieldOfView_deg);
+  options.circle = ImageCircle{alpnach::kCentre, alpnach::kRadius_px};
   options.linear_response = true;
   // Where exposures 1 to 7 show it. In these two it is clipped too widely to be found with certainty.
   options.sun = direction_from(from_degrees(62.8), from_degrees(48.0));
   SkyPhotographs photographs(options);
   std::vector<TurbidityEstimate> estimates;
   for (const int exposure : {8, 9}) {
-    const auto file = folder / fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure);
-    const auto report = photographs.estimate_from(file, std::nullopt);
-    ASSERT_TRUE(report) << report.error().message;
+    const auto report = must(photographs.estimate_from(alpnach::file(exposure), std::nullopt));
     ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
     estimates.push_back(report->look.estimate);
     std::printf("exposure %d: T %.3f +- %.3f\n", exposure, estimates.back().turbidity.value, estimates.back().sigma);

@@ -11,6 +11,7 @@
 #include "base/files.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 #include "pipeline/lab/prove/proof_json.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/lab/prove/drawn_series.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 #include "tests/places.hpp"
@@ -39,8 +40,7 @@ ProveRequest asked() {
 TEST(Prove, UnderTheTrueAirTheBuildingIsDrawnAsItIsSeen) {
   auto request = asked();
   request.air = series().air.string();
-  const auto proof = prove(request);
-  ASSERT_TRUE(proof) << proof.error().message;
+  const auto proof = must(prove(request));
   const auto summary = summary_of(*proof);
   EXPECT_EQ(summary.ways[0].pictures, 39U);
   EXPECT_LE(summary.ways[0].median_255, 0.5);
@@ -52,8 +52,7 @@ TEST(Prove, UnderTheTrueAirTheBuildingIsDrawnAsItIsSeen) {
 }
 
 TEST(Prove, TheOtherTowersTellTheAir) {
-  const auto proof = prove(asked());
-  ASSERT_TRUE(proof) << proof.error().message;
+  const auto proof = must(prove(asked()));
   const auto summary = summary_of(*proof);
   EXPECT_EQ(proof->scene.others.size(), 6U);
   EXPECT_THAT(proof->scene.left_aside, testing::ElementsAre("abbey"));
@@ -65,8 +64,7 @@ TEST(Prove, TheOtherTowersTellTheAir) {
 TEST(Prove, LeavesOutWhatSaysNothingWithTheReasonAndFollowsAViewThatJumps) {
   auto request = asked();
   request.air = series().air.string();
-  const auto proof = prove(request);
-  ASSERT_TRUE(proof) << proof.error().message;
+  const auto proof = must(prove(request));
   ASSERT_EQ(proof->pictures.size(), series().pictures.size());
   for (const auto& picture : proof->pictures) {
     const auto& view = proof->scene.views[picture.view];
@@ -87,9 +85,9 @@ TEST(Prove, LeavesOutWhatSaysNothingWithTheReasonAndFollowsAViewThatJumps) {
 TEST(Prove, WritesAPageASheetAndNumbers) {
   const char* kept = std::getenv("KASUMI_PROOF");  // docs/make-pictures
   const auto out = kept ? std::filesystem::path(kept) : test_folder("proof");
-  const auto said = run_kasumi(fmt::format("prove @{} --part abbey --landmarks {} --out {}", series().list.string(),
-                                           series().landmarks.string(), out.string()));
-  ASSERT_EQ(said.code, 0) << said.err;
+  const auto said =
+      ended(0, run_kasumi(fmt::format("prove @{} --part abbey --landmarks {} --out {}", series().list.string(),
+                                      series().landmarks.string(), out.string())));
   EXPECT_THAT(said.out, HasSubstr("abbey at 3.00 km"));
   const auto page = read_text_file(out / "index.html").value();
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
@@ -109,10 +107,9 @@ TEST(Prove, TheDoctorTellsOfItsResult) {
   std::filesystem::remove(state / "proof.json");
   check_proof(state, Utc{}, none);
   EXPECT_TRUE(none.all().empty());
-  const auto said = run_kasumi(fmt::format("prove @{} --part abbey --landmarks {} --air {} --out {} --state {}",
-                                           series().list.string(), series().landmarks.string(), series().air.string(),
-                                           test_folder("proof-kept").string(), state.string()));
-  ASSERT_EQ(said.code, 0) << said.err;
+  ended(0, run_kasumi(fmt::format("prove @{} --part abbey --landmarks {} --air {} --out {} --state {}",
+                                  series().list.string(), series().landmarks.string(), series().air.string(),
+                                  test_folder("proof-kept").string(), state.string())));
   Findings findings;
   check_proof(state, SystemClock().utc(), findings);
   ASSERT_EQ(findings.all().size(), 1U);
@@ -124,9 +121,9 @@ TEST(Prove, TheDoctorTellsOfItsResult) {
 }
 
 TEST(Prove, SaysAllThatIsWrong) {
-  const auto said = run_kasumi(fmt::format("prove @{} --part tower --landmarks {} --out {}", series().list.string(),
-                                           series().landmarks.string(), test_folder("none").string()));
-  EXPECT_EQ(said.code, 2);
+  const auto said =
+      ended(2, run_kasumi(fmt::format("prove @{} --part tower --landmarks {} --out {}", series().list.string(),
+                                      series().landmarks.string(), test_folder("none").string())));
   EXPECT_THAT(said.err, HasSubstr("expected a landmark of --landmarks (mill, church"));
   EXPECT_THAT(said.err, HasSubstr("--distance-m"));
 }

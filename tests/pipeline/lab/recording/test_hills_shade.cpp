@@ -8,11 +8,12 @@
 
 #include "base/files.hpp"
 #include "estimator/sky/sun.hpp"
-#include "pipeline/lab/recording/replay.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/figures.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/recorded.hpp"
+#include "tests/pipeline/replayed.hpp"
 
 namespace kasumi {
 namespace {
@@ -56,26 +57,18 @@ std::string surveyed(const fixtures::Hill& hill, const glm::dvec3& from) {
 // Of each picture, the mean error over the pixels that the building covers, levels of 255.
 std::vector<double> errors_of(const std::filesystem::path& fixture, std::size_t pictures) {
   const auto out = test_folder("hills-shade-out");
-  const auto summary = replay({fixture, out, false, false, {}, {}});
-  if (!summary) {
-    ADD_FAILURE() << summary.error().message;
-    return {};
-  }
+  must(replay({fixture, out, false, false, {}, {}}));
   const auto picture = [](const std::filesystem::path& path) { return read_photograph(path).value().encoded; };
   std::vector<double> errors;
   for (std::size_t i = 0; i < pictures; ++i) {
     const auto ours = picture(out / fmt::format("frame-{:06}.png", i));
     const auto truth = picture(fixture / "truth" / fmt::format("composite-{:06}.png", i));
     const auto coverage = picture(fixture / "truth" / fmt::format("coverage-{:06}.png", i));
-    double sum = 0.0, pixels = 0.0;
-    for (int y = 0; y < truth.height(); ++y)
-      for (int x = 0; x < truth.width(); ++x) {
-        if (coverage.at(x, y).r < 1.0f) continue;
-        for (int c = 0; c < 3; ++c) sum += 255.0 * std::abs(double(ours.at(x, y)[c]) - double(truth.at(x, y)[c])) / 3.0;
-        ++pixels;
-      }
-    EXPECT_GT(pixels, 100.0);
-    errors.push_back(sum / pixels);
+    auto wholly = coverage;
+    for (auto& share : wholly.elements()) share = glm::floor(share);
+    const auto off = covered_difference(ours, truth, wholly);
+    EXPECT_GT(off.pixels, 100.0);
+    errors.push_back(off.mean);
   }
   return errors;
 }

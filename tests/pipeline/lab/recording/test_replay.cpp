@@ -12,6 +12,7 @@
 #include "base/files.hpp"
 #include "pipeline/lab/recording/replay.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/pipeline/replayed.hpp"
 #include "tests/places.hpp"
@@ -132,8 +133,7 @@ TEST(Replay, ItsTermsAddUpToThePictureInLinearLight) {
   request.fixture = fixture;
   request.out = out;
   request.terms = true;
-  const auto summary = replay(request);
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(replay(request));
   request.out = without_air;
   request.terms = false;
   request.air.aerial_perspective = false;
@@ -179,9 +179,7 @@ TEST(Replay, ItsTermsAddUpToThePictureInLinearLight) {
 
   request.out = out / "film.mp4";
   request.terms = true;
-  const auto film = replay(request);
-  ASSERT_FALSE(film);
-  EXPECT_THAT(film.error().message, testing::HasSubstr("--terms: expected --out FOLDER"));
+  EXPECT_THAT(replay(request), FailsWith(testing::HasSubstr("--terms: expected --out FOLDER")));
 }
 
 TEST(Replay, WithoutUsableSkyThePictureIsStillDrawn) {
@@ -214,16 +212,13 @@ TEST(Replay, EveryFaultOfTheFormatIsSkippedAndCounted) {
 
 TEST(Replay, NoMorePicturesThanRequested) {
   const auto fixture = recorded(small_scene("clear-noon", 3), "two");
-  const auto summary = replay({fixture, test_folder("two-out"), false, false, 2, {}});
-  ASSERT_TRUE(summary) << summary.error().message;
+  const auto summary = must(replay({fixture, test_folder("two-out"), false, false, 2, {}}));
   EXPECT_EQ(summary->pictures, 2u);
 }
 
 TEST(Replay, AMissingFixtureIsReported) {
-  const auto summary = replay({"/nowhere/fixture", std::nullopt, false, false, std::nullopt, {}});
-  ASSERT_FALSE(summary);
-  EXPECT_EQ(summary.error().kind, FaultKind::bad_input);
-  EXPECT_THAT(summary.error().message, testing::HasSubstr("/nowhere/fixture"));
+  EXPECT_THAT(replay({"/nowhere/fixture", std::nullopt, false, false, std::nullopt, {}}),
+              FailsAs(FaultKind::bad_input, testing::HasSubstr("/nowhere/fixture")));
 }
 
 TEST(Replay, EveryProblemOfADescriptionIsReportedAtOnce) {
@@ -249,10 +244,8 @@ TEST(Replay, ADamagedModelGivesAMessage) {
   auto bytes = read_file(fixture / "temple.glb").value();
   bytes.resize(bytes.size() / 2);
   ASSERT_TRUE(write_file(fixture / "temple.glb", bytes));
-  const auto summary = replay({fixture, std::nullopt, false, false, std::nullopt, {}});
-  ASSERT_FALSE(summary);
-  EXPECT_EQ(summary.error().kind, FaultKind::bad_input);
-  EXPECT_THAT(summary.error().message, testing::HasSubstr("temple.glb"));
+  EXPECT_THAT(replay({fixture, std::nullopt, false, false, std::nullopt, {}}),
+              FailsAs(FaultKind::bad_input, testing::HasSubstr("temple.glb")));
 }
 
 }  // namespace

@@ -2,9 +2,7 @@
 // building drawn by the slow spectral path. test_air_truth_scenes does the same in the physical world.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <map>
-
+#include "tests/csv.hpp"
 #include "tests/figures.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/pipeline/replayed.hpp"
@@ -12,40 +10,6 @@
 
 namespace kasumi {
 namespace {
-
-using Row = std::map<std::string, std::string>;
-
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else
-      fields.back() += c;
-  }
-  return fields;
-}
-
-std::vector<Row> read_csv(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::vector<Row> rows;
-  std::vector<std::string> names;
-  for (std::string line; std::getline(file, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    const auto fields = fields_of(line);
-    if (names.empty()) {
-      names = fields;
-      continue;
-    }
-    Row row;
-    for (std::size_t i = 0; i < names.size() && i < fields.size(); ++i) row[names[i]] = fields[i];
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 // Sky frames and truth are listed by time; each estimate is compared with the truth at its time.
 void expect_turbidity(const std::filesystem::path& fixture, const std::filesystem::path& out, double tolerance) {

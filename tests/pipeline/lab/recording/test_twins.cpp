@@ -14,30 +14,24 @@
 #include "base/files.hpp"
 #include "calib/colour/camera_saturation.hpp"
 #include "calib/light/radiometry.hpp"
-#include "pipeline/lab/recording/replay.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/figures.hpp"
-#include "tests/pipeline/recorded.hpp"
+#include "tests/must.hpp"
+#include "tests/pipeline/lab/recording/building_scenes.hpp"
+#include "tests/pipeline/replayed.hpp"
 
 namespace kasumi {
 namespace {
 
-using std::chrono::hours;
 using std::chrono::minutes;
 
-constexpr Utc kHigh = Utc(std::chrono::sys_days(std::chrono::year{2026} / 6 / 21)) + hours(2) + minutes(40);
-constexpr Utc kLow = Utc(std::chrono::sys_days(std::chrono::year{2026} / 10 / 20)) + hours(7) + minutes(34);
+constexpr Utc kHigh = utc_of_2026(6, 21, minutes(160)), kLow = utc_of_2026(10, 20, minutes(454));
 
 struct Air {
   double distance_m, turbidity;
 };
 
-struct Difference {
-  double mean = 0.0;  // of the absolute difference over the building's pixels and channels, levels of 255
-  glm::dvec3 bias{};  // composited minus real
-  double pixels = 0.0;
-  double worst_bias() const { return std::max({std::abs(bias.r), std::abs(bias.g), std::abs(bias.b)}); }
-};
+using Difference = CoveredDifference;
 
 // sRGB, as a camera of that saturation gives it.
 glm::dvec3 as_saturated(const glm::dvec3& encoded, double saturation) {
@@ -49,28 +43,13 @@ glm::dvec3 as_saturated(const glm::dvec3& encoded, double saturation) {
 // `saturation`: of the camera that took both pictures; 1: the generator's.
 Difference between_twins(const std::filesystem::path& fixture, const std::string& name, double saturation = 1.0) {
   const auto out = test_folder(name + "-out");
-  const auto summary = replay({fixture, out, false, false, 1, {}});
-  if (!summary) {
-    ADD_FAILURE() << summary.error().message;
-    return {};
-  }
+  must(replay({fixture, out, false, false, 1, {}}));
   const auto composited = read_photograph(out / "frame-000000.png").value();
   auto real = read_photograph(fixture / "truth" / "composite-000000.png").value();
   if (saturation != 1.0)
     for (auto& pixel : real.encoded.elements()) pixel = glm::vec3(as_saturated(glm::dvec3(pixel), saturation));
   const auto coverage = read_photograph(fixture / "truth" / "coverage-000000.png").value();
-  Difference found;
-  for (int y = 0; y < real.encoded.height(); ++y)
-    for (int x = 0; x < real.encoded.width(); ++x) {
-      const double covered = coverage.encoded.at(x, y).r;
-      const auto off = 255.0 * (glm::dvec3(composited.encoded.at(x, y)) - glm::dvec3(real.encoded.at(x, y)));
-      found.mean += covered * (std::abs(off.r) + std::abs(off.g) + std::abs(off.b)) / 3.0;
-      found.bias += covered * off;
-      found.pixels += covered;
-    }
-  found.mean /= found.pixels;
-  found.bias /= found.pixels;
-  return found;
+  return covered_difference(composited.encoded, real.encoded, coverage.encoded);
 }
 
 fixtures::Recipe twin(double distance_m, double turbidity, Utc start) {
@@ -170,14 +149,14 @@ TEST(Twins, AreIndistinguishableAtOtherPlacesHoursAndAirs) {
     double heading_deg;
     std::uint64_t seed;
   };
-  const auto at = [](unsigned month, unsigned day, minutes utc) {
-    return Utc(std::chrono::sys_days(std::chrono::year{2026} / static_cast<int>(month) / static_cast<int>(day))) + utc;
-  };
-  const std::vector others{
-      Other{3500.0, 1.9, at(7, 1, minutes(540)), 20.0, 26},    Other{450.0, 2.7, at(3, 3, minutes(60)), 70.0, 21},
-      Other{2800.0, 7.1, at(11, 11, minutes(455)), 100.0, 28}, Other{2100.0, 5.3, at(5, 17, minutes(470)), 300.0, 22},
-      Other{5200.0, 3.4, at(8, 9, minutes(290)), 150.0, 23},   Other{7300.0, 2.2, at(12, 24, minutes(150)), 200.0, 24},
-      Other{1500.0, 6.4, at(1, 20, minutes(30)), 255.0, 25},   Other{850.0, 3.1, at(4, 9, minutes(530)), 340.0, 27}};
+  const std::vector others{Other{3500.0, 1.9, utc_of_2026(7, 1, minutes(540)), 20.0, 26},
+                           Other{450.0, 2.7, utc_of_2026(3, 3, minutes(60)), 70.0, 21},
+                           Other{2800.0, 7.1, utc_of_2026(11, 11, minutes(455)), 100.0, 28},
+                           Other{2100.0, 5.3, utc_of_2026(5, 17, minutes(470)), 300.0, 22},
+                           Other{5200.0, 3.4, utc_of_2026(8, 9, minutes(290)), 150.0, 23},
+                           Other{7300.0, 2.2, utc_of_2026(12, 24, minutes(150)), 200.0, 24},
+                           Other{1500.0, 6.4, utc_of_2026(1, 20, minutes(30)), 255.0, 25},
+                           Other{850.0, 3.1, utc_of_2026(4, 9, minutes(530)), 340.0, 27}};
   double least = 255.0, most = 0.0;
   for (const Other& other : figure_cases("places, hours and airs", {others[0], others[1]}, others)) {
     auto recipe = twin(other.distance_m, other.turbidity, other.start);

@@ -12,6 +12,7 @@
 #include "pipeline/lab/sky/sky_comparison.hpp"
 #include "pipeline/lab/sky/sky_drawing.hpp"
 #include "pipeline/lab/sky/sky_window.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -85,8 +86,7 @@ TEST_F(DrawnSkies, WithLandMatchTheCpuAwayFromEdges) {
   const SkyCamera camera = small_camera(SkyProjection::perspective);
   for (const double altitude_m : {40.0, 3000.0}) {
     const SkyRequest sky = sky_under(2.5, 60.0, altitude_m);
-    const auto land = land_for(camera, altitude_m, true);
-    ASSERT_TRUE(land.has_value());
+    const auto land = must(land_for(camera, altitude_m, true));
     const auto drawn = by_gpu(camera, sky, &*land), expected = by_cpu(camera, sky, &*land);
     // An edge of the land may differ by a pixel.
     int far_off = 0;
@@ -180,12 +180,10 @@ TEST(TheDome, IsBlueOverheadUnderALowSun) {
 TEST(MadeLand, IsHitFromAboveWhereItsPointsAre) {
   SkyCamera camera = small_camera(SkyProjection::perspective);
   camera.pitch_deg = -20.0;
-  const auto land = land_for(camera, 3000.0, true);
-  ASSERT_TRUE(land.has_value());
+  const auto land = must(land_for(camera, 3000.0, true));
   const LandRayCaster sight(land->land, land->from, land->to);
   // Down to the plain: the ray's slope determines where it hits.
-  const auto hit = sight.along(direction_from(from_degrees(120.0), from_degrees(0.0)), 3000.0);
-  ASSERT_TRUE(hit.has_value());
+  const auto hit = must(sight.along(direction_from(from_degrees(120.0), from_degrees(0.0)), 3000.0));
   const double ground = synthetic_height_m({hit->place.x, hit->place.y});
   EXPECT_NEAR(hit->altitude_m, ground, 8.0);
   EXPECT_NEAR(std::hypot(hit->place.x, hit->place.y), (3000.0 - ground) * std::tan(from_degrees(60.0).value), 20.0);
@@ -235,8 +233,7 @@ TEST(SeenScene, MetersOnItsOwnPictureAndTakesAGivenExposure) {
 TEST(SeenScene, HasNoGlareOfASunBehindMountains) {
   SkyCamera camera = small_camera(SkyProjection::perspective);
   SkyRequest sky = standing_on_land(camera, sky_under(2.0, 89.0));
-  const auto land = land_for(camera, sky.altitude_m, true);
-  ASSERT_TRUE(land.has_value());
+  const auto land = must(land_for(camera, sky.altitude_m, true));
   EXPECT_EQ(scene_seen(camera, sky, &*land).sun_luminance, glm::dvec3(0.0));
   EXPECT_GT(scene_seen(camera, sky, nullptr).sun_luminance.g, 0.0);
 }
@@ -272,8 +269,7 @@ TEST(SkyWindow, PutsTheSunWhereThePointerIs) {
   shown.sky = sky_under(2.5, 45.0);
   EXPECT_FALSE(shown.apply({false, 100.0, 60.0, ""}));
   EXPECT_TRUE(shown.apply({true, 100.0, 60.0, ""}));
-  const auto seen = pixel_of(view_of(shown.camera), shown.sky.sun);
-  ASSERT_TRUE(seen.has_value());
+  const auto seen = must(pixel_of(view_of(shown.camera), shown.sky.sun));
   EXPECT_NEAR(seen->x + 0.5, 100.0, 1e-6);
   EXPECT_NEAR(seen->y + 0.5, 60.0, 1e-6);
 }

@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 #include "pipeline/show/scene/foot_shade.hpp"
+#include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
@@ -55,8 +56,7 @@ TEST(FootShade, OfAWallIsWhatTheFormulaSays) {
   constexpr float kWidth_m = 60.0f, kHeight_m = 10.0f;
   ModelPart wall;
   add_quad(wall, {-0.5f * kWidth_m, 0, 0}, {kWidth_m, 0, 0}, {0, kHeight_m, 0});
-  const auto sky = sky_over_ground(with_ground(wall), model_to_world({.east_m = 900.0, .north_m = 2000.0}));
-  ASSERT_TRUE(sky);
+  const auto sky = must(sky_over_ground(with_ground(wall), model_to_world({.east_m = 900.0, .north_m = 2000.0})));
   const FootShade shade = sky->under(even_sky());
   double worst = 0.0;
   for (const double distance_m : {0.7, 1.0, 2.0, 5.0, 10.0, 20.0}) {
@@ -76,8 +76,7 @@ TEST(FootShade, UnderARoofOnPillarsIsWhatTheFormulaSays) {
   add_quad(roof, {-0.5f * float(kSide_m), float(kUp_m), 0.5f * float(kSide_m)}, {float(kSide_m), 0, 0},
            {0, 0, -float(kSide_m)});
   add_quad(roof, {-0.05f, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0});  // the object reaches to the ground
-  const auto sky = sky_over_ground(with_ground(roof), model_to_world({}));
-  ASSERT_TRUE(sky);
+  const auto sky = must(sky_over_ground(with_ground(roof), model_to_world({})));
   const FootShade shade = sky->under(even_sky());
   // A rectangle parallel to the element, each quarter above its corner (Siegel and Howell's C-1).
   const double a = 0.5 * kSide_m / kUp_m, root = std::sqrt(1.0 + a * a);
@@ -94,8 +93,7 @@ TEST(FootShade, IsThatOfTheSkysBrightParts) {
   constexpr double kAway_m = 4.0, kUp_m = 30.0;
   ModelPart wall;
   add_quad(wall, {-50, 0, 0}, {100, 0, 0}, {0, float(kUp_m), 0});
-  const auto sky = sky_over_ground(with_ground(wall), model_to_world({}));
-  ASSERT_TRUE(sky);
+  const auto sky = must(sky_over_ground(with_ground(wall), model_to_world({})));
   const double top = std::atan2(kUp_m, kAway_m);
   for (const double slope : {1.0, 0.0, -1.0}) {
     const auto light =
@@ -112,8 +110,7 @@ TEST(FootShade, EndsWhereTheMapEndsAndIsNoneWithoutGround) {
   ModelPart wall;
   add_quad(wall, {-10, 0, 0}, {20, 0, 0}, {0, 8, 0});
   const Model model = with_ground(wall);
-  const auto sky = sky_over_ground(model, model_to_world({}));
-  ASSERT_TRUE(sky);
+  const auto sky = must(sky_over_ground(model, model_to_world({})));
   const FootShade shade = sky->under(even_sky());
   const auto& seen = shade.sky_seen;
   for (int x = 0; x < seen.width(); ++x) {

@@ -10,6 +10,7 @@
 #include "pipeline/lab/recording/replay.hpp"
 #include "pipeline/show/stage/overlay_drawing.hpp"
 #include "pipeline/show/stage/overlay_shapes.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
@@ -98,8 +99,7 @@ TEST(Overlay, TheGridFollowsTheLens) {
   ASSERT_NE(label, nullptr);
   for (const auto& line : lines_of(overlay_shapes(installation, kBuilding), OverlayLineKind::grid))
     for (const auto& p : line.points) {
-      const auto direction = installation.scene.direction_at(p);
-      ASSERT_TRUE(direction);
+      const auto direction = must(installation.scene.direction_at(p));
       const double azimuth = std::remainder(to_degrees(azimuth_angle(*direction)), 5.0);
       const double elevation = std::remainder(90.0 - to_degrees(zenith_angle(*direction)), 5.0);
       EXPECT_LT(std::min(std::abs(azimuth), std::abs(elevation)), 1e-4) << p.x << ", " << p.y;
@@ -236,8 +236,7 @@ TEST(OverlayDrawing, LinesOutsideThePictureAreHarmless) {
 TEST(OverlayDrawing, IsDrawnAtTheDisplayedSize) {
   const auto shapes = overlay_shapes(kiosk(), kBuilding);
   for (const double scale : {0.5, 1.0, 2.0}) {
-    const auto picture = draw_shapes(shapes, int(960 * scale), int(540 * scale), scale, std::nullopt);
-    ASSERT_TRUE(picture) << picture.error().message;
+    const auto picture = must(draw_shapes(shapes, int(960 * scale), int(540 * scale), scale, std::nullopt));
     EXPECT_EQ(picture->width(), int(960 * scale));
     // The level line of the grid, away from its label.
     const int row = int(std::lround((kCentreY + 0.5) * scale - 0.5));
@@ -277,9 +276,8 @@ TEST(OverlayInReplay, ChangesThePictureAndNoMeasurement) {
 }
 
 TEST(OverlayDrawing, AMissingFontIsReported) {
-  const auto picture = draw_shapes(overlay_shapes(kiosk(), kBuilding), 960, 540, 1.0, "/nowhere/font.ttf");
-  ASSERT_FALSE(picture);
-  EXPECT_THAT(picture.error().message, HasSubstr("/nowhere/font.ttf"));
+  EXPECT_THAT(draw_shapes(overlay_shapes(kiosk(), kBuilding), 960, 540, 1.0, "/nowhere/font.ttf"),
+              FailsWith(HasSubstr("/nowhere/font.ttf")));
 }
 
 }  // namespace

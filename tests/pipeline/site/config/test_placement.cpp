@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "pipeline/site/config/placement.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -90,9 +91,8 @@ TEST_F(PlacementFile, RefractionAppliesOnlyToGeographicPlaces) {
 }
 
 TEST_F(PlacementFile, BothKindsOfPlaceAtOnceAreRejected) {
-  const auto result = read("east_m = 1\nnorth_m = 2\nup_m = 3\nlatitude_deg = 34\nlongitude_deg = 135\naltitude_m = 1");
-  ASSERT_FALSE(result);
-  EXPECT_THAT(result.error().message, testing::HasSubstr("not both"));
+  EXPECT_THAT(read("east_m = 1\nnorth_m = 2\nup_m = 3\nlatitude_deg = 34\nlongitude_deg = 135\naltitude_m = 1"),
+              FailsWith(testing::HasSubstr("not both")));
 }
 
 TEST_F(PlacementFile, EveryProblemOfThePlaceIsNamed) {

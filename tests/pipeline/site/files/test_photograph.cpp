@@ -38,9 +38,7 @@ TEST(Photograph, APictureOfTooManyPixelsIsRefusedBeforeItIsDecoded) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, FaultKind::bad_input);
   EXPECT_EQ(refused.error().message,
-            file.string() +
-                ": a PNG of 14000 x 14000 pixels: expected 1 .. 32768 each way and 160 million "
-                "at most");
+            file.string() + ": a PNG of 14000 x 14000 pixels: expected 1 .. 32768 each way and 160 million at most");
 }
 
 // Whatever the format, half a file is no picture; of a JPEG what is left may be asked for.

@@ -16,6 +16,7 @@
 #include "base/picture_files/seen_picture.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_times.hpp"
+#include "tests/must.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -140,8 +141,7 @@ TEST(SeenPicture, IsTurnedAsExifSays) {
       if (std::string(ending).ends_with(".tiff")) bytes = with_orientation(std::move(bytes), orientation);
       const auto file = seen_folder() / (std::string("turned") + ending);
       ASSERT_TRUE(write_file(file, bytes));
-      const auto seen = read_photograph(file);
-      ASSERT_TRUE(seen) << seen.error().message;
+      const auto seen = must(read_photograph(file));
       const bool upright = orientation < 5;
       const int columns = upright ? kAcross : kDown, rows = upright ? kDown : kAcross;
       ASSERT_EQ(seen->encoded.width(), columns * kBlock) << ending << orientation;
@@ -211,8 +211,7 @@ TEST(SeenPicture, ColoursOfAProfileBecomeSrgb) {
                                                {"p3.jpg", jpeg}};
   for (const auto& [name, bytes] : files) {
     ASSERT_TRUE(write_file(seen_folder() / name, bytes));
-    const auto seen = read_photograph(seen_folder() / name);
-    ASSERT_TRUE(seen) << seen.error().message;
+    const auto seen = must(read_photograph(seen_folder() / name));
     EXPECT_DOUBLE_EQ(seen->quantum, name == "p3-16.png" ? 1.0 / 65535.0 : 1.0 / 255.0);
     double moved = 0.0;
     for (int row = 0; row < kDown; ++row)
@@ -317,8 +316,7 @@ TEST(SeenPicture, AMaskPaintedAsTransparencyIsAMask) {
   cv::randu(photograph, 0, 255);
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 4; ++x) photograph.at<cv::Vec4b>(y, x)[3] = x < 2 ? 255 : x == 2 ? 100 : 0;
-  const auto erased = mask_from(photograph);
-  ASSERT_TRUE(erased) << erased.error().message;
+  const auto erased = must(mask_from(photograph));
   EXPECT_EQ(erased->at<std::uint8_t>(1, 0), 255);
   EXPECT_EQ(erased->at<std::uint8_t>(1, 2), 100);
   EXPECT_EQ(erased->at<std::uint8_t>(1, 3), 0);
