@@ -14,6 +14,7 @@
 namespace kasumi::paper {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -55,12 +56,8 @@ TEST(Report, ShowsThePapersNumbersNextToOursAndIsSelfContained) {
     EXPECT_THAT(page, HasSubstr("<a href=\"#" + id + "\">"));
     EXPECT_FALSE(report.figures.at(id).at("findings").empty()) << id;
   }
-  EXPECT_THAT(page, Not(HasSubstr("<script")));
-  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
-  EXPECT_THAT(page, Not(HasSubstr("<link")));
-  EXPECT_THAT(page, HasSubstr("data:image/jpeg;base64,"));
-  EXPECT_THAT(page, HasSubstr("<svg "));
-  EXPECT_THAT(page, HasSubstr("</html>"));
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script")), Not(HasSubstr("src=\"http")), Not(HasSubstr("<link")),
+                          HasSubstr("data:image/jpeg;base64,"), HasSubstr("<svg "), HasSubstr("</html>")));
 
   EXPECT_LT(report.figure("turbidity", "worst_bias"), 0.1);
   EXPECT_NEAR(report.figure("turbidity", "worst_bias_of_morales"), 0.0118, 1e-4) << "M Table 1, T = 2, 5, 8";
@@ -128,10 +125,8 @@ TEST(SvgPlot, PlacesPointsByItsAxesAndLabelsItsSeries) {
                            .range_across = glm::dvec2{0.0, 10.0},
                            .range_up = glm::dvec2{0.0, 10.0}});
   // 640 x 380 with margins of 64, 16, 34 and 48: x from 64 to 624, y from 332 to 34.
-  EXPECT_THAT(svg, HasSubstr("M64.0 332.0L624.0 183.0"));
-  EXPECT_THAT(svg, HasSubstr("cx=\"624.0\" cy=\"183.0\""));
-  EXPECT_THAT(svg, HasSubstr("a &lt; b"));
-  EXPECT_THAT(svg, HasSubstr("one &amp; two"));
+  EXPECT_THAT(svg, AllOf(HasSubstr("M64.0 332.0L624.0 183.0"), HasSubstr("cx=\"624.0\" cy=\"183.0\""),
+                         HasSubstr("a &lt; b"), HasSubstr("one &amp; two")));
 }
 
 TEST(SvgPlot, OmitsNonPositiveValuesOnALogarithmicAxis) {
@@ -143,9 +138,7 @@ TEST(SvgPlot, OmitsNonPositiveValuesOnALogarithmicAxis) {
                            .log_up = true,
                            .range_across = glm::dvec2{1.0, 100.0},
                            .range_up = glm::dvec2{1.0, 100.0}});
-  EXPECT_THAT(svg, HasSubstr("\"M64.0 332.0L624.0 34.0\""));
-  EXPECT_THAT(svg, Not(HasSubstr("nan")));
-  EXPECT_THAT(svg, Not(HasSubstr("inf")));
+  EXPECT_THAT(svg, AllOf(HasSubstr("\"M64.0 332.0L624.0 34.0\""), Not(HasSubstr("nan")), Not(HasSubstr("inf"))));
 }
 
 }  // namespace

@@ -14,7 +14,9 @@
 #include "pipeline/site/files/picture_source.hpp"
 #include "tests/environment.hpp"
 #include "tests/estimator/photograph/hazy_land.hpp"
+#include "tests/must.hpp"
 #include "tests/paper/generated_scene.hpp"
+#include "tests/picture_difference.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -32,15 +34,6 @@ Result<> write_pfm(const std::filesystem::path& path, const Image<float>& values
     std::memcpy(bytes.data() + at, values.row(y), length);
   }
   return write_file(path, bytes);
-}
-
-double mean_difference(const Image<Rgb8>& one, const Image<Rgb8>& other) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < one.elements().size(); ++i) {
-    const auto off = glm::abs(glm::dvec3(one.elements()[i]) - glm::dvec3(other.elements()[i]));
-    sum += (off.r + off.g + off.b) / 3.0;
-  }
-  return sum / static_cast<double>(one.elements().size());
 }
 
 class RetargetCommand : public testing::Test {
@@ -83,20 +76,18 @@ std::filesystem::path RetargetCommand::folder;
 Image<Rgb8> RetargetCommand::target;
 
 TEST_F(RetargetCommand, ShowsTheSceneAsItIsInThatAir) {
-  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 2.94 --target-picture {} --out {}", known(),
-                                              in_folder("target.png"), in_folder("made.png")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_LE(mean_difference(read("made.png"), target), 2.0);
-  EXPECT_GT(mean_difference(read("source.png"), target), 10.0) << "otherwise the test shows nothing";
+  ended(0, run_kasumi(fmt::format("retarget {} --turbidity 2.94 --target-picture {} --out {}", known(),
+                                  in_folder("target.png"), in_folder("made.png"))));
+  EXPECT_LE(difference(read("made.png"), target).mean, 2.0);
+  EXPECT_GT(difference(read("source.png"), target).mean, 10.0) << "otherwise the test shows nothing";
   EXPECT_TRUE(std::filesystem::exists(folder / "made.restored-mask.png"));
   EXPECT_EQ(std::filesystem::read_symlink(folder / "made.restored.png"), "made.restored-mask.png") << "the old name";
 }
 
 // Without a picture of the target the sky model gives the brightness of the haze.
 TEST_F(RetargetCommand, FindsTheLightFromInfinityByTheSkyModel) {
-  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 1.9 --out {}", known(), in_folder("same.png")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_LE(mean_difference(read("same.png"), read("source.png")), 0.01) << "the same air leaves the picture unchanged";
+  ended(0, run_kasumi(fmt::format("retarget {} --turbidity 1.9 --out {}", known(), in_folder("same.png"))));
+  EXPECT_LE(difference(read("same.png"), read("source.png")).mean, 0.01) << "the same air leaves the picture unchanged";
 }
 
 TEST_F(RetargetCommand, MakesAFolderASheetAndAFilmOfSeveralAirs) {
@@ -139,16 +130,17 @@ TEST_F(RetargetCommand, WritesAirlightAndDirectTransmissionApart) {
 }
 
 TEST_F(RetargetCommand, TakesAKnownAerosolByItsOpticalDepth) {
-  const auto outcome = run_kasumi(fmt::format(
-      "retarget {} --depth {} --source-aod 0.1 --aod 0.2:0.4:0.2,clear --aerosol dust --airlight .5,.6,.7 --out {}",
-      in_folder("source.png"), in_folder("depth.pfm"), in_folder("aods")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ended(
+      0,
+      run_kasumi(fmt::format(
+          "retarget {} --depth {} --source-aod 0.1 --aod 0.2:0.4:0.2,clear --aerosol dust --airlight .5,.6,.7 --out {}",
+          in_folder("source.png"), in_folder("depth.pfm"), in_folder("aods"))));
   for (const char* name : {"source.clear.png", "source.AOD0.200.png", "source.AOD0.400.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / "aods" / name)) << name;
-  const auto wrong = run_kasumi(
-      fmt::format("retarget {} --depth {} --source-aod 0.1 --source-turbidity 2 --aod 3 --turbidity 2 --out {}",
-                  in_folder("source.png"), in_folder("depth.pfm"), in_folder("never.png")));
-  EXPECT_EQ(wrong.code, 2);
+  const auto wrong =
+      ended(2, run_kasumi(fmt::format(
+                   "retarget {} --depth {} --source-aod 0.1 --source-turbidity 2 --aod 3 --turbidity 2 --out {}",
+                   in_folder("source.png"), in_folder("depth.pfm"), in_folder("never.png"))));
   EXPECT_THAT(wrong.err, HasSubstr("--aod 3: expected an optical depth of 0 to 1.8"));
   EXPECT_THAT(wrong.err, HasSubstr("expected --turbidity or --aod"));
   EXPECT_THAT(wrong.err, HasSubstr("expected one of --source-turbidity T, --source-aod"));
@@ -156,9 +148,9 @@ TEST_F(RetargetCommand, TakesAKnownAerosolByItsOpticalDepth) {
 
 TEST_F(RetargetCommand, ReportsAllProblemsAtOnceAndWritesNothing) {
   const auto out = in_folder("never.png");
-  const auto outcome = run_kasumi(fmt::format("retarget {} --depth {} --turbidity 99,2:1:1 --utc yesterday --out {}",
-                                              in_folder("source.png"), in_folder("no-depth.pfm"), out));
-  EXPECT_EQ(outcome.code, 2);
+  const auto outcome =
+      ended(2, run_kasumi(fmt::format("retarget {} --depth {} --turbidity 99,2:1:1 --utc yesterday --out {}",
+                                      in_folder("source.png"), in_folder("no-depth.pfm"), out)));
   EXPECT_THAT(outcome.err, HasSubstr("--turbidity 99: expected a T of 1.7 to 20"));
   EXPECT_THAT(outcome.err, HasSubstr("--turbidity 2:1:1"));
   EXPECT_THAT(outcome.err, HasSubstr("--utc yesterday"));
@@ -170,23 +162,20 @@ TEST_F(RetargetCommand, ReportsAllProblemsAtOnceAndWritesNothing) {
 // A film from a fixed camera: the same number and rate of frames, each retargeted like a picture.
 TEST_F(RetargetCommand, TakesAFilmAndWritesOneForEachAir) {
   {
-    auto film = open_film(folder / "day.mp4", 5.0);
-    ASSERT_TRUE(film);
+    auto film = must(open_film(folder / "day.mp4", 5.0));
     for (int i = 0; i < 4; ++i)
       if (const auto put = (*film)->put(read("source.png")); !put) GTEST_SKIP() << put.error().message;
     ASSERT_TRUE((*film)->finish());
   }
   const auto rest = known().substr(known().find(' '));
-  const auto outcome = run_kasumi(
-      fmt::format("retarget {} {} --turbidity 2.5,4 --film {}", in_folder("day.mp4"), rest, in_folder("other.mp4")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ended(0, run_kasumi(fmt::format("retarget {} {} --turbidity 2.5,4 --film {}", in_folder("day.mp4"), rest,
+                                  in_folder("other.mp4"))));
   ASSERT_EQ(run_kasumi(fmt::format("retarget {} --turbidity 4 --out {}", known(), in_folder("four.png"))).code, 0);
-  const auto film = open_pictures({in_folder("other.T4.00.mp4")});
-  ASSERT_TRUE(film) << film.error().message;
+  const auto film = must(open_pictures({in_folder("other.T4.00.mp4")}));
   EXPECT_NEAR((*film)->frames_per_second().value_or(0.0), 5.0, 0.01);
   int frames = 0;
   for (auto next = (*film)->next(); next && *next; next = (*film)->next(), ++frames)
-    EXPECT_LE(mean_difference(to_rgb8((*next)->photograph), read("four.png")), 5.0) << "two codecs between";
+    EXPECT_LE(difference(to_rgb8((*next)->photograph), read("four.png")).mean, 5.0) << "two codecs between";
   EXPECT_EQ(frames, 4);
   EXPECT_TRUE(std::filesystem::exists(folder / "other.T2.50.mp4"));
   EXPECT_FALSE(std::filesystem::exists(folder / "other.mp4"));
@@ -196,15 +185,14 @@ TEST_F(RetargetCommand, TakesAFolderOfFramesByName) {
   std::filesystem::create_directories(folder / "frames");
   for (const char* name : {"b.png", "a.png"}) ASSERT_TRUE(write_png(folder / "frames" / name, read("source.png")));
   const auto rest = known().substr(known().find(' '));
-  const auto outcome = run_kasumi(
-      fmt::format("retarget {} {} --turbidity 2.94 --out {}", in_folder("frames"), rest, in_folder("made-frames")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ended(0, run_kasumi(fmt::format("retarget {} {} --turbidity 2.94 --out {}", in_folder("frames"), rest,
+                                  in_folder("made-frames"))));
   for (const char* name : {"a.T2.94.png", "b.T2.94.png", "a.T2.94.restored.png"})
     EXPECT_TRUE(std::filesystem::exists(folder / "made-frames" / name)) << name;
-  const auto sheet = run_kasumi(
-      fmt::format("retarget {} {} --turbidity 2.94 --sheet {}", in_folder("frames"), rest, in_folder("never.png")));
-  EXPECT_EQ(sheet.code, 2);
-  EXPECT_THAT(sheet.err, HasSubstr("a sheet keeps all of them in memory"));
+  EXPECT_THAT(ended(2, run_kasumi(fmt::format("retarget {} {} --turbidity 2.94 --sheet {}", in_folder("frames"), rest,
+                                              in_folder("never.png"))))
+                  .err,
+              HasSubstr("a sheet keeps all of them in memory"));
 }
 
 // One wall without a top, seen through a narrow lens, is nearly one distance for all pixels.
@@ -216,12 +204,12 @@ TEST_F(RetargetCommand, TakesDistancesFromGroundAndWalls) {
       run_kasumi(fmt::format("{} --planes {} --out {}", command, in_folder("planes.toml"), in_folder("wall.png")));
   ASSERT_EQ(by_wall.code, 0) << by_wall.err;
   ASSERT_EQ(run_kasumi(fmt::format("{} --distance-m 6000 --out {}", command, in_folder("one.png"))).code, 0);
-  EXPECT_LE(mean_difference(read("wall.png"), read("one.png")), 1.0);
-  EXPECT_GT(mean_difference(read("wall.png"), read("source.png")), 5.0) << "otherwise the test shows nothing";
-  const auto both = run_kasumi(fmt::format("{} --planes {} --distance-m 6000 --out {}", command,
-                                           in_folder("planes.toml"), in_folder("never.png")));
-  EXPECT_EQ(both.code, 2);
-  EXPECT_THAT(both.err, HasSubstr("expected one of --depth FILE, --planes FILE"));
+  EXPECT_LE(difference(read("wall.png"), read("one.png")).mean, 1.0);
+  EXPECT_GT(difference(read("wall.png"), read("source.png")).mean, 5.0) << "otherwise the test shows nothing";
+  EXPECT_THAT(ended(2, run_kasumi(fmt::format("{} --planes {} --distance-m 6000 --out {}", command,
+                                              in_folder("planes.toml"), in_folder("never.png"))))
+                  .err,
+              HasSubstr("expected one of --depth FILE, --planes FILE"));
 }
 
 TEST_F(RetargetCommand, ReadsExrAsItReadsPfm) {
@@ -239,9 +227,8 @@ TEST_F(RetargetCommand, ReadsExrAsItReadsPfm) {
   auto command = known();
   command.replace(command.find("depth.pfm"), 9, "depth.exr");
   ASSERT_EQ(run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", known(), in_folder("by-pfm.png"))).code, 0);
-  const auto outcome = run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", command, in_folder("by-exr.png")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_EQ(mean_difference(read("by-exr.png"), read("by-pfm.png")), 0.0);
+  ended(0, run_kasumi(fmt::format("retarget {} --turbidity 3 --out {}", command, in_folder("by-exr.png"))));
+  EXPECT_EQ(difference(read("by-exr.png"), read("by-pfm.png")).mean, 0.0);
 }
 
 TEST_F(RetargetCommand, TakesADepthOfAnotherSizeButOfNoOtherShape) {
@@ -255,12 +242,12 @@ TEST_F(RetargetCommand, TakesADepthOfAnotherSizeButOfNoOtherShape) {
     EXPECT_THAT(made.out, HasSubstr("100 to 100 m in 100.0 % of the picture"));
     EXPECT_EQ(made.out.find("resampled from 160 x 90") != std::string::npos, std::string(size) == "half") << made.out;
   }
-  EXPECT_EQ(mean_difference(read("same.png"), read("half.png")), 0.0);
+  EXPECT_EQ(difference(read("same.png"), read("half.png")).mean, 0.0);
   ASSERT_TRUE(write_pfm(folder / "small.pfm", Image<float>(32, 20, 100.0F)));
-  const auto outcome = run_kasumi(fmt::format("retarget {} --depth {} --source-turbidity 2 --turbidity 3 --out {}",
-                                              in_folder("source.png"), in_folder("small.pfm"), in_folder("never.png")));
-  EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("320 x 180 (it is 32 x 20)"));
+  EXPECT_THAT(ended(2, run_kasumi(fmt::format("retarget {} --depth {} --source-turbidity 2 --turbidity 3 --out {}",
+                                              in_folder("source.png"), in_folder("small.pfm"), in_folder("never.png"))))
+                  .err,
+              HasSubstr("320 x 180 (it is 32 x 20)"));
 }
 
 // Grey haze that leaves half of each surface, every neighbourhood with something black in it: .9 of the haze is
@@ -276,9 +263,8 @@ TEST_F(RetargetCommand, RemovesHazeWhenOnlyThePictureIsKnown) {
     for (int x = 0; x < 160; ++x)
       hazy.at(x, y) = y < 30 ? pixel(kInfinity) : pixel(kInfinity * ((x / 2 + y / 2) % 2 == 0 ? 0.5 : 0.75));
   ASSERT_TRUE(write_png(folder / "hazy.png", hazy));
-  const auto outcome = run_kasumi(fmt::format("retarget {} --from-haze --source-turbidity 4 --turbidity clear --out {}",
-                                              in_folder("hazy.png"), in_folder("guessed.png")));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ended(0, run_kasumi(fmt::format("retarget {} --from-haze --source-turbidity 4 --turbidity clear --out {}",
+                                  in_folder("hazy.png"), in_folder("guessed.png"))));
   const auto made = read("guessed.png");
   EXPECT_NEAR(made.at(80, 80).g, pixel(kInfinity * (1.0 - 0.5 / 0.55)).g, 8.0) << "black";
   EXPECT_NEAR(made.at(82, 80).g, pixel(kInfinity * (1.0 - 0.25 / 0.55)).g, 8.0) << "grey of one half";
@@ -315,8 +301,7 @@ TEST_F(RetargetCommand, KeepsGreySmogGreyByThePictureItself) {
   write_smog(folder, 0.0);
   const auto command = fmt::format("retarget {} --depth {} --source-turbidity 6 --turbidity 3", in_folder("smog.png"),
                                    in_folder("smog.pfm"));
-  const auto ours = run_kasumi(fmt::format("{} --out {}", command, in_folder("smog-ours.png")));
-  ASSERT_EQ(ours.code, 0) << ours.err;
+  const auto ours = ended(0, run_kasumi(fmt::format("{} --out {}", command, in_folder("smog-ours.png"))));
   EXPECT_THAT(ours.out, HasSubstr("by the picture"));
   const auto papers =
       run_kasumi(fmt::format("{} --scattering morales2017 --out {}", command, in_folder("smog-papers.png")));

@@ -50,14 +50,11 @@ Section classic_section(const ReportOptions& options) {
   Section section("classic", "Hazy photographs without distances");
   section.say(
       "The photographs that papers on dehazing show. Nobody measured their distances or their air, so there is no "
-      "truth to "
-      "compare with; these pictures are for visual inspection. Distances are guessed from the haze itself (every "
-      "neighbourhood is taken to hold something black in some channel, in linear light; edges by the guided filter); "
-      "the "
-      "light from infinity is the sky's where some was found, else the thickest haze's; the haze is taken for grey, as "
-      "thick "
-      "haze of cities is: with M's, which takes more of blue, they come out yellow. 'As taken' is called T 8; only the "
-      "ratio to 3 and 16 means anything.");
+      "truth to compare with; these pictures are for visual inspection. Distances are guessed from the haze itself "
+      "(every neighbourhood is taken to hold something black in some channel, in linear light; edges by the guided "
+      "filter); the light from infinity is the sky's where some was found, else the thickest haze's; the haze is taken "
+      "for grey, as thick haze of cities is: with M's, which takes more of blue, they come out yellow. 'As taken' is "
+      "called T 8; only the ratio to 3 and 16 means anything.");
   const auto folder = options.shared_data / "haze" / "classic";
   if (!std::filesystem::exists(folder)) {
     section.finding(Finding::skipped, fmt::format("{}: not there.", folder.string()));
@@ -117,8 +114,7 @@ Section classic_section(const ReportOptions& options) {
                   blackest));
   section.say(
       "What these pictures cannot show is whether the air is right: a white wall passes for haze, and no distance in "
-      "them "
-      "is measured. With measured distances see the generated scenes.");
+      "them is measured. With measured distances see the generated scenes.");
   return section;
 }
 

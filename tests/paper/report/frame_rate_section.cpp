@@ -38,8 +38,7 @@ Section frame_rate_section(const ReportOptions& options) {
                   against_papers, against_81));
   section.say(
       "M's 14 frames a second and its factor of 225 over Zhao belong to M's machine and to a program that is not "
-      "public; "
-      "neither can be measured here.");
+      "public; neither can be measured here.");
   return section;
 }
 

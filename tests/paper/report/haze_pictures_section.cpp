@@ -144,8 +144,7 @@ Section haze_pictures_section(const ReportOptions& options) {
   Section section("haze-pictures", "Haze over pictures: H Fig 1, 3, 4 and 5");
   section.say(
       "H's coefficients, per farthest range: absorption alone; scattering that takes as much and blurs; both. By our "
-      "scheme, "
-      "on the CPU.");
+      "scheme, on the CPU.");
   struct Shown {
     Result<Pictured> scene;
     const char* figure;

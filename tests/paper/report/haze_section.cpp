@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 
 #include "estimator/haze/haze_picture.hpp"
 #include "gles/air/haze_blur.hpp"
@@ -10,6 +9,7 @@
 #include "pipeline/lab/bench/bench.hpp"
 #include "pipeline/show/scene/haze_blur_for_gles.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
+#include "tests/estimator/haze/gaussian.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {
@@ -72,23 +72,6 @@ Image<glm::vec4> picture_of(const ReportOptions& options, std::string& what) {
                                    static_cast<float>(tile % 83) / 82.0F, 1.0F);
     }
   return picture;
-}
-
-Image<glm::vec4> gaussian(Image<glm::vec4> picture, double variance_px2) {
-  Image<glm::vec4> blurred(picture.width(), picture.height());
-  const cv::Mat from(picture.height(), picture.width(), CV_32FC4, picture.elements().data());
-  cv::Mat to(picture.height(), picture.width(), CV_32FC4, blurred.elements().data());
-  cv::GaussianBlur(from, to, {}, std::sqrt(variance_px2), 0.0, cv::BORDER_REFLECT);
-  return blurred;
-}
-
-double rms(const Image<glm::vec4>& one, const Image<glm::vec4>& other) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < one.elements().size(); ++i) {
-    const glm::dvec3 off = glm::dvec3(one.elements()[i]) - glm::dvec3(other.elements()[i]);
-    sum += off.r * off.r + off.g * off.g + off.b * off.b;
-  }
-  return std::sqrt(sum / (3.0 * static_cast<double>(one.elements().size())));
 }
 
 // H Fig 6 and 7 with light in half floats, as the GPU keeps it where it can. H's invariant scheme needs filtering that

@@ -12,12 +12,9 @@ Section landmarks_section(const ReportOptions& options) {
   Section section("landmarks", "Visibility from landmarks: not in the papers");
   section.say(
       "A second way to the air, independent of the sky's turbidity: how much contrast landmarks at known distance have "
-      "left. "
-      "KNMI's meadow at De Bilt, whose visibility (where 5 % of contrast is left) is measured next to the camera; "
-      "distances "
-      "from published places and the camera's geometry, nothing fitted to a visibility; the contrasts without air are "
-      "learnt "
-      "from the other pictures.");
+      "left. KNMI's meadow at De Bilt, whose visibility (where 5 % of contrast is left) is measured next to the "
+      "camera; distances from published places and the camera's geometry, nothing fitted to a visibility; the "
+      "contrasts without air are learnt from the other pictures.");
   const auto folder = options.shared_data / "haze" / "knmi-debilt";
   if (!std::filesystem::exists(folder)) {
     section.finding(Finding::skipped, fmt::format("{}: not there.", folder.string()));

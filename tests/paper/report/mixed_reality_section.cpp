@@ -77,8 +77,7 @@ Section mixed_reality_section(const ReportOptions& options) {
       "900 m). The papers' scenes and models are not public, so a generated scene stands for them, in which the temple "
       "truly stands for comparison. It is of the physical world, whose air is neither M's nor Zhao's; both are told "
       "the T of its optical depth and light the temple by Preetham's sky, Kasumi finds the air in the sky camera's "
-      "picture. Errors are means over the temple's "
-      "pixels, of 255.");
+      "picture. Errors are means over the temple's pixels, of 255.");
   const Workplace work;
   std::vector<std::vector<std::string>> rows;
   int nearest = 0, zhao_worse = 0, scenes = 0;

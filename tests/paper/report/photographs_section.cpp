@@ -77,16 +77,12 @@ Section photographs_section(const ReportOptions& options) {
   Section section("photographs", "Other air on a real meadow: M Fig 12 and 13");
   section.say(
       "KNMI's meadow at De Bilt, one camera, visibility measured next to it: a clear noon (23 km) made into the "
-      "mornings of "
-      "1620, 466, 444 and 73 m, against the pictures taken then. T from the measured visibility, far beyond 20, where "
-      "the "
-      "papers' haze ends and fog begins; distances from the meadow's geometry, nothing fitted; Kasumi takes fog for "
-      "grey, as its droplets are. The camera sets its own "
-      "exposure and white balance, the sun stands elsewhere, grass is wet or dry: what the pictures have in common is "
-      "the "
-      "meadow, so these figures say less than the generated scenes do. He and Zhu again with the haze that comes "
-      "nearest to "
-      "the true picture, up to 400 times their own.");
+      "mornings of 1620, 466, 444 and 73 m, against the pictures taken then. T from the measured visibility, far "
+      "beyond 20, where the papers' haze ends and fog begins; distances from the meadow's geometry, nothing fitted; "
+      "Kasumi takes fog for grey, as its droplets are. The camera sets its own exposure and white balance, the sun "
+      "stands elsewhere, grass is wet or dry: what the pictures have in common is the meadow, so these figures say "
+      "less than the generated scenes do. He and Zhu again with the haze that comes nearest to the true picture, up to "
+      "400 times their own.");
   const auto folder = options.shared_data / "haze" / "knmi-debilt";
   if (!std::filesystem::exists(folder)) {
     section.finding(Finding::skipped, fmt::format("{}: not there.", folder.string()));

@@ -49,13 +49,10 @@ Section report_u_section(const ReportOptions&) {
   Section section("report-u", "The report of Universiti Teknologi Malaysia: U Table 3.1, its air masses");
   section.say(
       "U's atmosphere at five altitudes, from which U makes the skies of a flight simulator: standard atmosphere, "
-      "paths "
-      "through mixed gases, water and ozone (U Eq 3.7 to 3.13), recomputed. Each cell: U, here. U's pictures and rates "
-      "of "
-      "its flight simulator (U Chapter 5) belong to a program and a card that are not to be had; the three older skies "
-      "that it draws are drawn by 'kasumi sky --compare', and what U's interpolation between the five altitudes costs "
-      "is in "
-      "docs/sky.md.");
+      "paths through mixed gases, water and ozone (U Eq 3.7 to 3.13), recomputed. Each cell: U, here. U's pictures and "
+      "rates of its flight simulator (U Chapter 5) belong to a program and a card that are not to be had; the three "
+      "older skies that it draws are drawn by 'kasumi sky --compare', and what U's interpolation between the five "
+      "altitudes costs is in docs/sky.md.");
   std::vector<std::vector<std::string>> rows;
   double worst = 0.0, worst_ozone = 0.0;
   const auto cell = [&](double theirs, double ours, int decimals, double& most) {

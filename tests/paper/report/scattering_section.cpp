@@ -79,9 +79,8 @@ void equation_5(Section& section) {
   section.figure("eq5_miss_percent", 100.0 * miss);
   section.finding(
       std::abs(miss) < 0.02 ? Finding::reproduced : Finding::differs,
-      fmt::format("M's coefficients miss M's own definition of T (Eq 5): T - 1 comes out {:.1f} % off over a "
-                  "whole column, whatever the T, since K_R and K_M are fitted to a table of coefficients at "
-                  "the ground.",
+      fmt::format("M's coefficients miss M's own definition of T (Eq 5): T - 1 comes out {:.1f} % off over a whole "
+                  "column, whatever the T, since K_R and K_M are fitted to a table of coefficients at the ground.",
                   100.0 * miss));
 }
 

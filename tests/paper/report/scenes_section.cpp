@@ -53,23 +53,18 @@ Section scenes_section(const ReportOptions& options) {
   Section section("scenes", "Other air on generated scenes: M Fig 12 and 13, M14 Fig 8");
   section.say(
       "M's turbidities, T 1.9 made into 2.11, 2.54, 2.94 and 4.36, on generated scenes whose distances and true "
-      "pictures "
-      "are known (spectra in steps of 1 nm; 8 bits with a camera's noise in both pictures). SSIM as Wang 2004; HSV "
-      "correlation as M Eq 27, mean of hue, saturation and value (30, 32, 32 bins). 'Another shot' is the true picture "
-      "with other noise: no method can be expected to be closer than that.");
+      "pictures are known (spectra in steps of 1 nm; 8 bits with a camera's noise in both pictures). SSIM as Wang "
+      "2004; HSV correlation as M Eq 27, mean of hue, saturation and value (30, 32, 32 bins). 'Another shot' is the "
+      "true picture with other noise: no method can be expected to be closer than that.");
   section.say(
       "All are given the light from infinity of both pictures, as measured at their horizons, and the sky's outline. "
       "Kasumi, M and Zhao: distances and both T. Zhao 2012, a thesis that is not public: M's equation with Preetham's "
       "coefficients times .01, as M and M14 describe it. He 2011 and Zhu 2015: their transmission from the one picture "
       "with its guided filter, then as many times the haze as comes nearest to the true picture, in encoded values or "
-      "in "
-      "linear light, for each measure by itself: more than anybody could know. 'M as printed' keeps rho (Eq 25), "
-      "Kasumi "
-      "lets the light on the land change with the air, sun and shade apart, and does not amplify noise. The scenes are "
-      "of "
-      "Preetham's world, whose haze is M's own: they show how well each method carries that haze over, not whether "
-      "real "
-      "air is so.");
+      "in linear light, for each measure by itself: more than anybody could know. 'M as printed' keeps rho (Eq 25), "
+      "Kasumi lets the light on the land change with the air, sun and shade apart, and does not amplify noise. The "
+      "scenes are of Preetham's world, whose haze is M's own: they show how well each method carries that haze over, "
+      "not whether real air is so.");
   std::vector<Given> places{{"sun 40 deg high", {}},
                             {"sun 55 deg high", {.terrain = 5, .sun_zenith_deg = 35.0, .sun_azimuth_deg = 300.0}},
                             {"sun 25 deg high", {.terrain = 7, .sun_zenith_deg = 65.0, .sun_azimuth_deg = 110.0}}};

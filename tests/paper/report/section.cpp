@@ -99,8 +99,7 @@ Result<> write_report(const std::filesystem::path& folder, const std::vector<Sec
       "<p>Tables and figures of the papers that Kasumi builds on, next to its own results, all computed by the command "
       "that wrote this page. M: Morales, Oishi, Ikeuchi 2017; M14: Morales et al. 2014; H: Hansard, Fast synthesis of "
       "atmospheric image effects; P: the poster of M14; U: the report of Universiti Teknologi Malaysia. Where a figure "
-      "of theirs does not come out again, the page says so and why.</p>\n{}"
-      "<nav><ul>\n",
+      "of theirs does not come out again, the page says so and why.</p>\n{}<nav><ul>\n",
       kStyle,
       options.quick
           ? "<p class=\"finding differs\"><b>quick</b>: made with few repeats and small pictures, to check that it "

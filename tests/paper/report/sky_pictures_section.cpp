@@ -6,6 +6,7 @@
 #include "estimator/turbidity/turbidity.hpp"
 #include "pipeline/site/files/contact_sheet.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
+#include "tests/alpnach.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
 #include "tests/paper/report/section.hpp"
 
@@ -39,21 +40,14 @@ void figure_8(Section& section, const ReportOptions& options) {
     section.finding(Finding::skipped, fmt::format("{}: not there.", folder.string()));
     return;
   }
-  Camera camera;
-  camera.name = "sky";
-  camera.width = camera.height = 300;
-  const double half = from_degrees(92.5).value;
-  camera.lens = equidistant_lens({149.6, 140.7}, 133.0 / half, {half});
-  camera.to_world = camera_to_world(from_degrees(180), from_degrees(90), {0});
-  camera.response = Response::linear();
-  const SunDirection sun = *camera.direction_at({83.3, 80.9});
+  const Camera camera = alpnach::camera();
+  const SunDirection sun = *camera.direction_at(alpnach::kSun);
   ContactSheet sheet;
   double least = 1e9, most = 0.0, sigma = 0.0;
   int usable = 0;
   std::string shown;
-  for (int exposure = 0; exposure < 13; ++exposure) {
-    const auto file = folder / fmt::format("Alpnach_20180129_11-09-20_ExposureStack_Image_{:02}_image.png", exposure);
-    const auto photograph = read_photograph(file);
+  for (int exposure = 0; exposure < alpnach::kExposures; ++exposure) {
+    const auto photograph = read_photograph(folder / alpnach::file(exposure).filename());
     if (!photograph) {
       section.finding(Finding::skipped, photograph.error().message);
       return;

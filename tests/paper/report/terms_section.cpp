@@ -139,9 +139,8 @@ Section terms_section(const ReportOptions& options) {
   Section section("terms", "Airlight and direct transmission apart: M Fig 11, M14 Fig 7 and 10");
   section.say(
       "One generated scene at M14's turbidities, divided into what the air adds and what of the land reaches the "
-      "camera, "
-      "by each method's own transmission and the light from infinity at the picture's horizon. The scenes are of "
-      "Preetham's world, whose haze is M's: they say what the methods do, not what air does.");
+      "camera, by each method's own transmission and the light from infinity at the picture's horizon. The scenes are "
+      "of Preetham's world, whose haze is M's: they say what the methods do, not what air does.");
   Place place;
   if (options.quick) {
     place.width = 160;

@@ -14,8 +14,7 @@ Section turbidity_section(const ReportOptions& options) {
   Section section("turbidity", "Turbidity from the sky: M Table 1, M14 Tables 1 and 2");
   section.say(fmt::format(
       "Generated skies as M describes them: 500 x 500 pixels, 8 bits, sun 58.4 degrees from the zenith, 100 samples, "
-      "{} "
-      "repeats. M14 Table 1 is T = 2, 5, 7, 9 of M Table 1. 'Bound' is the Cramer-Rao bound: no unbiased estimate "
+      "{} repeats. M14 Table 1 is T = 2, 5, 7, 9 of M Table 1. 'Bound' is the Cramer-Rao bound: no unbiased estimate "
       "scatters less. M Eq 8 (one reference pixel) is solved over the whole range of T, with no cloud mask.",
       repeats));
 
