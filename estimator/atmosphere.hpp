@@ -19,6 +19,7 @@ struct Turbidity {
   double value = 2.0;
   friend constexpr auto operator<=>(Turbidity, Turbidity) = default;
 };
+// Where the sky model is valid.
 constexpr Turbidity kLowestTurbidity{1.7};
 constexpr Turbidity kHighestTurbidity{20.0};
 

@@ -13,13 +13,14 @@ namespace kasumi {
 // Preetham's published code has a unit factor of .01 that M did not apply. zhao: the same with e-18. aerosol: no paper's
 // law but the air's own state: molecules after Bodhaine 1999, the aerosol's optical depth over 1200 m (physics 12).
 enum class ScatteringModel { morales2017, preetham, zhao, aerosol };
+// All of them, as options list them.
 inline constexpr std::array kScatteringModels{ScatteringModel::morales2017, ScatteringModel::preetham,
                                               ScatteringModel::zhao, ScatteringModel::aerosol};
 std::string_view name_of(ScatteringModel model);
 std::optional<ScatteringModel> scattering_model_named(std::string_view name);
 
-constexpr double kRayleighScaleHeight_m = 7994.0;
-constexpr double kMieScaleHeight_m = 1200.0;
+constexpr double kRayleighScaleHeight_m = 7994.0;  // M Eq 3
+constexpr double kMieScaleHeight_m = 1200.0;       // M Eq 4
 
 // Coefficients in 1/m of the air near the ground. Wavelength in nm, altitude in metres above sea level. Turbidities for
 // which a model's concentration would be negative (below 1, or .995) give zero. Of the aerosol the papers' models know

@@ -10,7 +10,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kTerms = 5;
+constexpr int kTerms = 5;  // as many as clear_terms() makes
 using Terms = std::array<double, kTerms>;
 
 // 1, the growth of the air's mass towards the horizon (whole, and its first third), the sun's aureole (narrow, wide).
@@ -168,7 +168,7 @@ ClearBlue fit_clear_blue(const SkyElements& sky, const cv::Mat1b& region, const 
   ClearBlue best;
   best.sun_known = !sun_deg.empty();
   std::vector<Sample> samples = samples_of(sky, region, sky.partly, sun_deg, options.samples);
-  constexpr std::size_t kFewest = 100;
+  constexpr std::size_t kFewest = 100;  // chosen: 20 samples for each of the five terms
   // Where blue is at full scale nearly everywhere, sky is at least as blue as it looks.
   if (samples.size() < kFewest) samples = samples_of(sky, region, sky.clipped, sun_deg, options.samples);
   if (samples.size() < kFewest) return best;

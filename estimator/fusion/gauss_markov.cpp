@@ -8,9 +8,9 @@
 namespace kasumi {
 namespace {
 
-constexpr int kGridPoints = 241;
-constexpr double kGridReach = 8.0;  // standard deviations on either side
-constexpr double kLeastVariance = 1e-12;
+constexpr int kGridPoints = 241;          // steps of 1/15 standard deviation
+constexpr double kGridReach = 8.0;        // standard deviations on either side
+constexpr double kLeastVariance = 1e-12;  // below, a quantity counts as given
 
 }  // namespace
 

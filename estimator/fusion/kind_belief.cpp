@@ -7,10 +7,14 @@
 namespace kasumi {
 namespace {
 
+// Chosen: longer, a new kind shows late; shorter, single pictures change sky and light.
 constexpr Duration kAveragedOver = std::chrono::minutes(20);
+// The time in which the exponent returns to its usual value, which goes with the kind.
 constexpr Duration kKindMemory = std::chrono::hours(24);
+// Chosen: a high sky shows the kind better than a low one, so the low one waits for a gap of that length.
 constexpr Duration kSkyGoesBefore = std::chrono::hours(2);
 constexpr double kClearlyLikelier = 1.5;  // times as likely
+// Hysteresis: shares near one half do not switch the sky's model back and forth.
 constexpr double kToPapers = 0.6, kFromPapers = 0.4;
 
 double passed_over(Instant from, Instant to, Duration span) {

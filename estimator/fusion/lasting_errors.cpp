@@ -6,6 +6,7 @@
 namespace kasumi {
 namespace {
 
+// Chosen: shorter than an error lasts (six hours), longer than a passing cloud.
 constexpr Duration kSigmaAveragedOver = std::chrono::minutes(30);
 
 }  // namespace

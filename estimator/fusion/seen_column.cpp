@@ -8,6 +8,7 @@
 namespace kasumi {
 namespace {
 
+// Chosen: below, rounding in an estimate could pass for certainty.
 constexpr double kLeastLogSigma = 0.005, kLeastExponentSigma = 0.01;
 
 bool possible(const FoundAerosol& found) {

@@ -20,7 +20,7 @@ constexpr double kPapersExponent = 1.3;
 // The papers' air of a T whose extinction near the ground is, at 550 nm, as believed; as far as the relation of path and
 // column is `known` (0..1), else as the T has it.
 AirState papers_air(const Aerosol& aerosol, double path_aod, double known, double altitude_m) {
-  constexpr auto kPapers = ScatteringModel::morales2017;
+  constexpr auto kPapers = ScatteringModel::morales2017;  // the papers' own law, M Eq 14-18
   const AirState air(Turbidity{turbidity_of(aerosol)});
   const double seen_per_m = rayleigh_per_m(ScatteringModel::aerosol, 550.0, altitude_m) +
                             path_aod / kAerosolHeight_m * std::exp(-altitude_m / kAerosolHeight_m);

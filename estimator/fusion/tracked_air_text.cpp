@@ -8,9 +8,9 @@
 namespace kasumi {
 namespace {
 
-constexpr double kWorthNaming = 0.05;  // share
-constexpr Duration kNow = std::chrono::minutes(10);
-constexpr double kUnlikeColumn = 1.25;
+constexpr double kWorthNaming = 0.05;                // share
+constexpr Duration kNow = std::chrono::minutes(10);  // as AirTracker's kStillNow: no age is named below
+constexpr double kUnlikeColumn = 1.25;               // chosen: a smaller factor is within near_ground's own sigma
 
 std::string name_and_age(const ObserverPart& part) {
   if (part.age <= kNow) return std::string(name_of(part.by));

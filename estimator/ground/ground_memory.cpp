@@ -17,6 +17,7 @@ constexpr double kInSun = 0.8, kInShade = 0.17, kAtEdge = 0.03;
 constexpr double kSomethingElse = 1e-3;  // density of a brightness that no ground explains: people, snow, a puddle
 
 constexpr double kLately_s = 15.0;  // what is older says nothing about now
+// Chosen: the sun moves by a quarter of a degree in it, so more often shows the same.
 constexpr double kLearnEvery_s = 60.0;
 constexpr double kIndependent_s = 600.0;    // sights so far apart err independently of each other
 constexpr double kForget_s = 14 * 86400.0;  // seasons, mowing, new gravel

@@ -29,6 +29,7 @@ void conductances(const FlowRule& rule, const float* one_px2, const float* other
 }
 
 void stop_at_steps(const float* one_sum, const float* other_sum, int count, float* flow) {
+  // 1 over the width of the ramp between the two.
   constexpr float kPerDifference = 1.0F / (kOtherSurface - kSameSurface);
   for (int i = 0; i < count; ++i) {
     float apart = std::abs(one_sum[i] - other_sum[i]);

@@ -15,18 +15,19 @@
 namespace kasumi {
 namespace {
 
+// Of the picture's height: small enough to lie between a cloud's edges.
 constexpr double kCellShare = 1.0 / 180.0;
 // How many stacks of cells a strip has, and how many pixels of a cell are looked at: the next where the picture is too
 // noisy to tell clear sky from clouds by the one before.
 struct CellSize {
   int stacks, pixels;
 };
-constexpr std::array<CellSize, 3> kCellSizes{{{4, 32}, {2, 64}, {1, 128}}};
+constexpr std::array<CellSize, 3> kCellSizes{{{4, 32}, {2, 64}, {1, 128}}};  // tried from the finest
 // Less clear sky than this may be chance: real clouds have uniform parts, too.
 constexpr double kLeastShare = 0.25;              // of the cells
 constexpr double kLeastColumns = 0.75;            // of the strips
 constexpr Radians kFarthest = from_degrees(2.0);  // between a strip that shows none and one that does
-constexpr double kDarkest = 1e-6;
+constexpr double kDarkest = 1e-6;                 // keeps the logarithm of black finite
 
 // A cell of the picture and its classification.
 struct Cell {

@@ -15,11 +15,12 @@
 namespace kasumi {
 namespace {
 
-constexpr int kStripsOfLowSky = 16;
-constexpr int kPatchesInStrip = 2;
+constexpr int kStripsOfLowSky = 16;          // across the picture
+constexpr int kPatchesInStrip = 2;           // side by side: 32 across the picture
 constexpr double kPatchHeight = 1.0 / 60.0;  // of the picture
-constexpr int kPixelsOfPatch = 48;
-constexpr double kLeastSkyShare = 0.95;  // of a patch
+constexpr int kPixelsOfPatch = 48;           // noise of the mean is a seventh of a pixel's
+constexpr double kLeastSkyShare = 0.95;      // of a patch
+// Chosen: as few as hot pixels and noise clip, while a burnt sky clips more.
 constexpr double kMostClippedShare = 0.02;
 // Of ln light within a patch, beyond noise and the sky's own gradient: a cloud's edge.
 constexpr double kRoughest = 0.02;

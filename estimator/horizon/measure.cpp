@@ -10,8 +10,8 @@
 namespace kasumi {
 // Every 8th pixel decides for its block.
 Image<std::uint8_t> below_horizon(const Camera& camera) {
-  constexpr int kBlock = 8;
-  constexpr double kBelow = 0.5 * kPi / 180.0;
+  constexpr int kBlock = 8;  // chosen: the mask is uncertain by the mounting's error anyway, some pixels
+  constexpr double kBelow = 0.5 * kPi / 180.0;  // as far as a camera may be mounted off level, [rad]
   Image<std::uint8_t> mask(camera.width, camera.height);
   for (int y0 = 0; y0 < camera.height; y0 += kBlock) {
     for (int x0 = 0; x0 < camera.width; x0 += kBlock) {

@@ -15,6 +15,7 @@ namespace {
 constexpr int kWorkingWidth = 360;           // enough for a silhouette, and downscaling averages noise away
 constexpr double kSmallestSkyShare = 0.015;  // of the picture
 constexpr double kDarkestSky = 25.0;         // lightness 0..100
+// Markers of OpenCV's watershed: any positive numbers.
 constexpr int kSkyLabel = 1;
 constexpr int kGroundLabel = 2;
 
@@ -143,7 +144,7 @@ cv::Mat ground_seeds(const Working& w, const cv::Mat& sky, double smooth) {
 
 // Stretches differences from the sky's colour, so that hills that fade into it still have an edge for the watershed.
 cv::Mat stretched(const Working& w, const cv::Mat& sky) {
-  constexpr double kStretch = 4.0;
+  constexpr double kStretch = 4.0;  // differences of 32 of 255 from the sky's colour then reach full scale
   const cv::Scalar mean = cv::mean(w.rgb, sky);
   cv::Mat smooth, result;
   cv::GaussianBlur(w.rgb, smooth, {}, 1.0);

@@ -15,6 +15,7 @@
 namespace kasumi {
 namespace {
 
+// As near to the horizon as trees and houses around a sky camera allow.
 constexpr double kRingTop_deg = 75.0;
 constexpr double kRingBottom_deg = 85.0;
 
@@ -27,6 +28,7 @@ struct RingSample {
 std::optional<RingSample> ring_at(const Camera& sky, const PictureView& picture, const glm::dmat3& to_xyz,
                                   double azimuth, double half_width) {
   std::vector<RingSample> seen;
+  // Steps of a degree; enough that a cloud or a mast does not hold the median.
   constexpr int kZeniths = 11, kAzimuths = 9;
   for (int i = 0; i < kZeniths; ++i) {
     for (int j = 0; j < kAzimuths; ++j) {

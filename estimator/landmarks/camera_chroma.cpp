@@ -16,12 +16,13 @@
 namespace kasumi {
 namespace {
 
+// Priors: a camera's chroma is within e^.4 of 1, the middle exponent of a dozen pictures 1.3 +- .35 (physics 11).
 constexpr double kLogChromaOfCameras = 0.4, kMiddleExponent = 1.3, kMiddleExponentSigma = 0.35;
 
 // Of the middle picture, were the camera's chroma that.
 std::optional<double> middle_exponent(const std::vector<glm::dvec3>& per_m, const glm::dvec3& wavelength_nm,
                                       const glm::dvec3& molecules, double path_m, double chroma, std::size_t& told) {
-  constexpr std::size_t kFewest = 12;
+  constexpr std::size_t kFewest = 12;  // a dozen pictures: fewer may all be of one kind of air
   const glm::dvec3 grey{0.21, 0.72, 0.07};
   std::vector<double> all;
   for (const auto& seen : per_m) {
@@ -75,7 +76,7 @@ double saturation_believed(const CameraChroma& learnt) {
   const auto density = [&](double all) { return std::exp(-0.5 * square(seen) / all) / std::sqrt(all); };
   const double exaggerates = density(seen_variance + square(kLogChromaOfCameras)), exact = density(seen_variance);
   const double believed = exaggerates / (exaggerates + exact) * found;
-  constexpr double kUnseen = 0.01;
+  constexpr double kUnseen = 0.01;  // chosen: one per cent of colour is not visible, so it is left at exactly 1
   return std::abs(believed) < kUnseen ? 1.0 : std::exp(believed);
 }
 

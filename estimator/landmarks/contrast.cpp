@@ -181,6 +181,8 @@ void mark_lit(const std::vector<ContrastLandmark>& landmarks, const Direction& s
 }
 
 void refuse_dark_skies(const std::vector<ContrastLandmark>& landmarks, std::vector<ContrastReading>& readings) {
+  // A dark surface more than 10 % brighter than its sky shows a sky that is no light from infinity. Two such, and a
+  // fifth of all, refuse the picture (physics 11): a single one may be a lamp or a window.
   constexpr double kBrighter = -0.1, kDark = 0.5, kMany = 0.2, kSeveral = 2.0;
   static const std::string kWhy = "the sky beside it is darker than it, and no light from infinity";
   double before_sky = 0.0, brighter = 0.0;
@@ -198,6 +200,8 @@ void refuse_dark_skies(const std::vector<ContrastLandmark>& landmarks, std::vect
 }
 
 double infinity_sigma(const ContrastLandmark& landmark, int picture_width) {
+  // sigma of f, the contrast that is left when all light is gone: right beside, .4 more a picture's width away (physics
+  // 11)
   constexpr double kBeside = 0.01, kAtHorizon = 0.03, kAcross = 0.4;
   if (landmark.against || picture_width <= 0) return kBeside;
   if (!landmark.sky) return kAtHorizon;

@@ -9,14 +9,19 @@
 namespace kasumi {
 namespace {
 
+// Chosen: JPEG may leave as much colour in grey, and as little of white; De Bilt's infrared frames then have under .5 %
+// of coloured pixels (physics 11).
 constexpr float kColourless = 3.0F / 255.0F, kFullScale = 252.0F / 255.0F;
+// Two of JPEG's blocks: enough pixels for a median of the noise, few enough to lie on one surface.
 constexpr int kBlock_px = 16;
 
 // By day a camera's noise is 1 or 2 of 255 where it is bright, by night, with all its gain, 4 to 9.
 constexpr double kNightNoise = 3.0 / 255.0;
 constexpr double kFewestColoured = 0.03;  // a date written into the picture leaves some pixels of colour
+// Grey fog by day is without contrast (docs/physics.md 11, "By day only")
 constexpr double kFogRange = 50.0 / 255.0;
-constexpr double kNightSky = 50.0 / 255.0;
+constexpr double kNightSky = 50.0 / 255.0;  // chosen: exposure control keeps a sky by day brighter
+// Chosen: lamps are a few full-scale points on land under a dark sky; more than 5 % is sunlit snow or a burnt picture.
 constexpr double kLampSky = 110.0 / 255.0, kFewestLamps = 2e-4, kMostLamps = 0.05;
 
 double quantile_of(std::vector<float>& values, double share) {

@@ -18,6 +18,7 @@ using Matrix = Eigen::MatrixXd;
 
 constexpr double kThickest_per_m = 0.3;  // a visibility of 13 m
 constexpr int kSteps = 400;              // of the logarithm of extinction: 2.6 % each
+// .8 per km: thinner air is even, thicker is patchy (physics 11, "Patches")
 constexpr double kMist_per_m = 8e-4;
 constexpr double kOneSigma = 1.0, kTwoSigma = 4.0;  // of -2 ln likelihood
 

@@ -19,13 +19,13 @@ namespace {
 using JointVector = Eigen::VectorXd;
 using JointMatrix = Eigen::MatrixXd;
 
-constexpr int kGridSteps = 160;
+constexpr int kGridSteps = 160;  // over asinh of the depth: a likelihood's width takes several steps
 constexpr double kLeastDepth = -0.3, kGreatestDepth = 9.0;  // of the farthest, of the nearest
 constexpr double kSmallDepth = 0.1;                         // of the farthest: even steps below, even ratios above
 // One surface in seven is in the sun, or has a light cloud behind the camera mirrored in it: then it returns more of the
 // horizon's light, by some .3. One in fifty is anything (a crane, a blind).
 constexpr double kLitOften = 0.14, kLeastLitBy = 0.02, kAnythingOften = 0.02, kAnything = 2.0;
-constexpr double kLeastLit = 0.02;
+constexpr double kLeastLit = 0.02;             // keeps the variance of a black surface's own light above zero
 constexpr double kDarkest = 1.05;              // a camera that sharpens makes edges blacker than black
 constexpr double kSettled = 1e-4;              // of contrast
 constexpr double kIndependentPictures = 60.0;  // pictures; more of the same surfaces' faults are not more knowledge
@@ -42,7 +42,7 @@ constexpr double kLogSpread = 0.7, kClearestLogSigma = 0.6, kClearestShare = 0.0
 // read with such an error: errors make hours look clearer that are not. But no less than nothing: errors of neighbouring
 // hours are alike.
 double clearest_seen(double usual, double share, double sigma) {
-  constexpr int kHours = 64;
+  constexpr int kHours = 64;  // in steps of an eighth of a standard deviation
   double low = 0.0, high = usual;
   const auto below = [&](double level) {
     double sum = 0.0;

@@ -42,11 +42,13 @@ double middle_path_m(const std::vector<ContrastLandmark>& landmarks, double alti
 }
 
 constexpr double kUsualAod = 0.06;  // of the air near the ground at the median hour, over Europe: some .05 per km
+// Of alternation: cold, and with one more picture beside those that are solved.
 constexpr int kStepsFromNothing = 25, kStepsOnward = 4;
 
 // Extinction that grows with wavelength is no air: warm sunlight on the surface.
 bool lit_by_colour(const std::vector<LandmarkExtinction>& channels, std::size_t landmark,
                    const ContrastReading& reading) {
+  // What is left is read as at least a tenth, else noise decides the logarithm; lit where red loses .1 more than blue.
   constexpr double kFaint = 0.1, kRedder = 0.1;
   double red = 0.0, blue = 0.0, variance = 0.0;
   for (const int c : {0, 2}) {
@@ -179,6 +181,7 @@ void LandmarkWatch::believe(std::optional<std::size_t> without) {
 LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& all) const {
   const auto readings = judged(all);
   const auto green = channels_[1].estimate(readings);
+  // Chosen: colours may differ from green's interval by that factor, and are not asked near pure air.
   constexpr double kMargin = 2.0;
   const double molecules = rayleigh_per_m(ScatteringModel::aerosol, 550.0, altitude_m_);
   std::optional<LandmarkColours::Within> within;
@@ -191,6 +194,7 @@ LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& all) con
 
 // Whether near and far landmarks tell the same extinction.
 LandmarkAir LandmarkWatch::agreed(LandmarkAir air, const std::vector<ContrastReading>& readings) const {
+  // Distances that differ by 1.4 and more are asked apart; results that differ by over 20 % are reported (physics 11).
   constexpr double kApart = 1.4, kAgree = 1.2;
   if (air.extinction().kind != ExtinctionKind::value) return air;
   std::vector<double> paths;
@@ -291,7 +295,7 @@ SkyComparison LandmarkWatch::compare(const LandmarkAir& air, Turbidity sky, doub
   const auto model = [&](double t) {
     return model_extinction_per_m(nodes_, model_, Turbidity{t}, altitude_m_, typical_path_m_).g;
   };
-  constexpr double kStep = 1e-3;
+  constexpr double kStep = 1e-3;  // of a numerical derivative by T
   SkyComparison found;
   found.sky_per_m = model(sky.value);
   found.sky_sigma_per_m = sky_sigma * (model(sky.value + kStep) - model(sky.value - kStep)) / (2.0 * kStep);

@@ -17,7 +17,7 @@ namespace kasumi {
 
 constexpr double kMeteorologicalRange = 3.912;         // ln 50: Koschmieder's 2 %, as visibility is elsewhere here
 constexpr double kMeteorologicalOpticalRange = 2.996;  // ln 20: WMO's 5 %, as transmissometers and KNMI report it
-constexpr double kDisagreement_sigmas = 3.0;
+constexpr double kDisagreement_sigmas = 3.0;           // one in 370 by chance
 
 // The T whose air attenuates the camera's green channel as much over the landmarks' distances.
 struct LandmarkTurbidity {
@@ -86,6 +86,7 @@ class LandmarkWatch {
   std::vector<LandmarkAir> estimate_all(const std::vector<std::vector<ContrastReading>>& pictures,
                                         std::span<const std::size_t> left_out = {}) const;
 
+  // Chosen: more would see more hours and slow the joint solution, fewer forget the clearest ones.
   static constexpr std::size_t kMostKept = 200;
 
   SkyComparison compare(const LandmarkAir& air, Turbidity sky, double sky_sigma) const;

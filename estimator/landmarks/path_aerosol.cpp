@@ -276,7 +276,7 @@ PathCovariance LandmarkColours::bound(const std::vector<ContrastReading>& readin
   const auto asked = this->asked(readings, {});
   const auto here = model_under(per_m, angstrom_exponent, asked);
   const Eigen::LLT<ColourMatrix> factor(here.haze.asDiagonal() * asked.known * here.haze.asDiagonal() + here.noise);
-  constexpr double kStep = 1e-3;
+  constexpr double kStep = 1e-3;  // of a numerical derivative by the exponent
   Eigen::MatrixX2d by(asked.contrast.size(), 2);
   by.col(0) = here.by_log_amount.cwiseProduct(asked.mean - asked.floor) / per_m;
   by.col(1) = (model_under(per_m, angstrom_exponent + kStep, asked).haze -

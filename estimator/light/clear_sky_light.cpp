@@ -35,8 +35,9 @@ constexpr std::array kSolar = {1655.90, 1623.37, 2112.75, 2588.82, 2582.91, 2423
 constexpr std::array kOzone = {0.0,   0.003, 0.006, 0.009, 0.014, 0.021, 0.030, 0.040, 0.048, 0.063, 0.075, 0.085,
                                0.103, 0.120, 0.120, 0.115, 0.125, 0.120, 0.105, 0.090, 0.079, 0.067, 0.057, 0.048,
                                0.036, 0.028, 0.023, 0.018, 0.014, 0.011, 0.010, 0.009, 0.007, 0.004, 0.0,   0.0};
-constexpr double kOzone_cm = 0.35;
+constexpr double kOzone_cm = 0.35;  // physics 6
 
+// Chosen: of the order of a clear sky at sunset, below which SPCTRAL2 does not go.
 constexpr double kLeastClearSky_lux = 800.0;
 
 // The rural aerosol of Bird and Riordan.
@@ -109,7 +110,7 @@ double sky_transmittance(const ColumnDepth& depth, Radians sun_zenith, double gr
 }
 
 double clear_sky_lux(Turbidity turbidity, Radians sun_zenith, double altitude_m, double ground_albedo) {
-  constexpr double kStep_nm = 5.0;
+  constexpr double kStep_nm = 5.0;  // half the step of the tables
   double lux = 0.0;
   for (double nm = kFirstVisible_nm; nm <= kLastVisible_nm; nm += kStep_nm)
     lux += kStep_nm * kLuminousEfficacy * colour_matching(nm).y * solar_irradiance(nm) *

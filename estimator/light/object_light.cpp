@@ -25,7 +25,7 @@ double visible_share_of_sun(Radians zenith) {
 
 // Zenith luminance of a sky with the model's distribution and horizontal illuminance `lux`.
 double zenith_for(const SiteSky& model, double lux) {
-  constexpr int kZeniths = 60, kAzimuths = 72;
+  constexpr int kZeniths = 60, kAzimuths = 72;  // cells of 5 deg: the aureole is no edge at that size
   double per_zenith = 0.0;
   for (int i = 0; i < kZeniths; ++i) {
     // Uniform steps of cos^2, which have equal weight on the ground, so that a uniform sky is exact.
@@ -75,7 +75,7 @@ double Daylight::zenith_luminance() const {
 
 void Daylight::glow_by_ground(const Aerosol& aerosol) {
   if (is_overcast() || model_.dome_share() <= 0.0 || options_.ground_albedo == kDomeGroundAlbedo) return;
-  constexpr int kZeniths = 16, kAzimuths = 24;
+  constexpr int kZeniths = 16, kAzimuths = 24;  // of a correction by the ground, which is smooth
   glm::dvec3 lit = std::max(0.0, sun_.z) * *model_.sun_xyz();
   for (int i = 0; i < kZeniths; ++i)  // even steps of cos^2 weigh the same on the ground
     for (int j = 0; j < kAzimuths; ++j)
@@ -132,7 +132,7 @@ void Daylight::light_by_ground() {
 }
 
 std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
-  constexpr std::size_t kLeastCells = 8;
+  constexpr std::size_t kLeastCells = 8;  // of each channel: a median of fewer follows a single cloud
   const double not_near_sun = std::cos(from_degrees(20.0).value), not_low = std::cos(from_degrees(80.0).value);
   std::array<std::vector<double>, 3> ratios;
   for (int ring = 0; ring < MeasuredSky::kRings; ++ring)
@@ -155,7 +155,7 @@ std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
 glm::dvec3 Daylight::sky_xyz(const Direction& direction) const {
   const Direction view = raised_to_horizon(direction);
   if (is_overcast()) {
-    constexpr double kD65x = 0.3127, kD65y = 0.3290;
+    constexpr double kD65x = 0.3127, kD65y = 0.3290;  // CIE's D65, the white of a closed sky
     return xyz_of({zenith_cd_m2_ * (1.0 + 2.0 * view.z) / 3.0, kD65x, kD65y});
   }
   // A high site's horizon lies below the level, and the dome goes down to it.

@@ -12,12 +12,16 @@ namespace kasumi {
 namespace {
 
 constexpr std::size_t kEnough = 12;  // pictures
+// Between remembered pictures: while the scene is learnt, while the light is new, and while it stays. Shorter fills the
+// memory with one light, longer misses a cloud's passing.
 constexpr Duration kOften = std::chrono::seconds(10), kSoon = std::chrono::seconds(4),
                    kSeldom = std::chrono::seconds(20);
 constexpr float kNoise = 0.8F, kRelative = 0.012F;  // of a cell's luma
-constexpr float kColourNoise = 0.7F;
+constexpr float kColourNoise = 0.7F;  // of a cell's chroma; a camera averages chroma over twice the pixels
 constexpr float kOther = 3.0F, kMoved = 5.0F, kOfLate_s = 10.0F;  // a cell's own standard deviations
+// Short of full scale by what noise and sharpening take; above, light is unknown.
 constexpr float kBurnt = 248.0F;
+// Time constants. Longer keeps passers out of what counts as usual, shorter follows new light.
 constexpr float kSpreadFollows_s = 120.0F, kOffFollows_s = 40.0F;
 
 glm::mat3 to_rgb(const YuvToRgb& conversion) {

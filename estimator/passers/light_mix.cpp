@@ -20,7 +20,7 @@ constexpr float kWider = 2.0F, kWiderOfAll = 4.0F;  // than the pictures scatter
 constexpr float kFalls = 0.3F;                      // across a window, relative
 constexpr float kTint = 0.1F;                       // of red and blue, relative
 constexpr float kOutlier = 3.5F;                    // in a cell's own deviations of three channels
-constexpr int kRounds = 5;
+constexpr int kRounds = 5;                          // of reweighting: outliers' weights settle
 
 }  // namespace
 

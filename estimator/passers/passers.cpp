@@ -12,8 +12,10 @@ constexpr float kAlone = 14.0F;              // one cell alone is somebody: a bi
 constexpr int kLeastCells = 3;               // else
 constexpr double kDark_luma = 18.0;          // median of the part
 constexpr float kStill_s = 30.0F;            // nobody keeps as still as that
-constexpr float kStillShare = 0.9F;
+constexpr float kStillShare = 0.9F;          // of an island's cells: the edge of a parked car flickers
+// More at once is new light or a turned camera (docs/cameras.md), or a vehicle that large.
 constexpr double kUnsettledShare = 0.15;
+// Chosen: longer than a passer takes, so that only new light has the scene learnt anew.
 constexpr Duration kUnsettled = std::chrono::minutes(2);
 constexpr Duration kOutdated = std::chrono::minutes(20);  // without a picture that was bright enough
 

@@ -9,7 +9,7 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kOfMedian = 5;
+constexpr std::size_t kOfMedian = 5;                 // the fewest of which two may show a passer
 constexpr Duration kOld = std::chrono::minutes(40);  // the sun has gone on by ten degrees
 constexpr std::size_t kNewest = 3;                   // never forgotten for being alike
 

@@ -23,7 +23,7 @@ struct RememberedPicture {
 
 class SceneMemory {
  public:
-  static constexpr std::size_t kMost = 24;
+  static constexpr std::size_t kMost = 24;  // two dozen: enough kinds of light for a mixture, and bounded memory
   static constexpr Duration kBetween = std::chrono::milliseconds(750);  // of the five
 
   // Whether a picture of that time is wanted for the next median. A driver's time may go backwards.

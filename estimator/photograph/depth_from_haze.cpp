@@ -73,7 +73,7 @@ Image<float> depth_from_haze(const Image<glm::vec3>& relative, const Image<glm::
   const auto haze = guided_filter(encoded, darkest_around(relative, options), radius, 1e-3);
   // Pixels with the same optical depth have the same path: a table avoids Newton's method for each.
   const auto coefficients = haze_coefficients(nodes, model, air);
-  constexpr int kSteps = 256;
+  constexpr int kSteps = 256;  // steps of 1/256 of the deepest, less than 8 bits show
   std::vector<double> metres(kSteps + 1);
   for (int i = 0; i <= kSteps; ++i)
     metres[static_cast<std::size_t>(i)] = i == 0 ? 0.0 : distance_of(coefficients, options.deepest * i / kSteps);

@@ -21,13 +21,13 @@ namespace kasumi {
 namespace {
 
 constexpr double kLeastComponent = 0.1;  // of a line's direction: haze takes some of every channel
-constexpr int kLeastPlaces = 24;
-constexpr double kNeighbours = 4.0;    // places side by side show one material: so many count as one
-constexpr double kNoSky = 3.0;         // the thickest haze is so much less sure to be infinity than the low sky
-constexpr double kDisagreement = 3.0;  // channels that differ by more sigmas follow no law of the air
-constexpr double kDark = 0.05;         // rho of dark things, give or take as much
-constexpr double kDarkColour = 0.03;   // by which that of dark things may differ by channel, sigma
-constexpr double kNoDepth = 1e-3;
+constexpr int kLeastPlaces = 24;         // six independent ones at four neighbours each
+constexpr double kNeighbours = 4.0;      // places side by side show one material: so many count as one
+constexpr double kNoSky = 3.0;           // the thickest haze is so much less sure to be infinity than the low sky
+constexpr double kDisagreement = 3.0;    // channels that differ by more sigmas follow no law of the air
+constexpr double kDark = 0.05;           // rho of dark things, give or take as much
+constexpr double kDarkColour = 0.03;     // by which that of dark things may differ by channel, sigma
+constexpr double kNoDepth = 1e-3;        // keeps the logarithm of no haze finite
 constexpr double kLeastExponent = -0.5, kGreatestExponent = 2.5;  // that an aerosol may be given
 constexpr double kMolecules = 4.08;  // Angstrom's exponent of molecules in visible light (Bodhaine 1999)
 
@@ -145,6 +145,7 @@ struct Fit {
   glm::dvec3 depth{0.0};  // optical depth of the places' middle, if what is dark there is as dark as dark things are
   Told by_slope, by_middle;
 };
+// Up to a quarter of the light from infinity: .9 per km in closed form had read 1.28.
 constexpr double kLargestLack = 0.25, kLackStep = 0.025;
 
 // Light from infinity that the measured lacks, by channel.
@@ -316,6 +317,8 @@ HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, Haze
 
 std::optional<PartContrast> part_contrast(const HazyPicture& picture, const HazyPart& box) {
   constexpr double kBeside = 0.02, kBySky = 0.05, kByThickest = 0.15;  // relative: how alike the light from infinity is
+  // Of the sky: a lens's flare; the share of pixels that counts as dark; relative variation of a sky that is even (hazy
+  // land that passes for sky has texture).
   constexpr double kFlare = 0.005, kDarkest = 0.05, kSmooth = 0.03;
   constexpr int kSeam_px = 6, kFewestSky = 30;  // cameras that sharpen draw bright seams around what is dark
   const int width = picture.relative.width(), height = picture.relative.height();

@@ -188,7 +188,7 @@ UnderOtherAir OtherAir::under(const std::optional<AirState>& target) const {
   found.restored = std::move(made.restored);
   found.too_faint_fraction = made.too_faint_fraction;
   if (!options_.terms) return found;
-  constexpr double kFine = 1.0 / 65535.0;
+  constexpr double kFine = 1.0 / 65535.0;  // of 16 bits, so that sums of parts do not show steps of 8 bits
   auto direct = std::move(made.light);
   for (std::size_t i = 0; i < direct.elements().size(); ++i) direct.elements()[i] -= made.airlight.elements()[i];
   found.airlight = Photograph{encoded_of(camera, made.airlight), {}, kFine, {}};

@@ -23,7 +23,7 @@ const glm::mat3& to_directions() {
   return matrix;
 }
 
-constexpr int kRadius_px = 2;
+constexpr int kRadius_px = 2;  // windows of 5 x 5 pixels
 // A window of 25 pixels of pure noise varies by up to twice the noise's variance; anything not well beyond that is
 // noise.
 constexpr double kNoiseAlone = 3.0;
@@ -39,6 +39,7 @@ cv::Mat window_mean(const cv::Mat& values) {
 }  // namespace
 
 glm::dvec3 noise_of(const Image<glm::vec3>& encoded) {
+  // Enough tiles for a tenth of them to be smooth; more cost time alone.
   constexpr int kTile_px = 16, kMostTiles = 5000;
   constexpr double kSmoothest = 0.1;  // of the tiles
   // From the mean of |z| to sigma, through the mask; for pure noise the smoothest tenth of the tiles reads a tenth too

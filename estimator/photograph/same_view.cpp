@@ -12,12 +12,13 @@
 namespace kasumi {
 namespace {
 
-constexpr int kAcross = 1000;
+constexpr int kAcross = 1000;          // elements: lines stay sharp, and larger pictures cost no more
 constexpr double kClearest = 0.25;     // of the pictures may be the reference
 constexpr double kLeftAlone_px = 0.3;  // at the corners
 constexpr double kSoft = 1.2;          // of lines, in elements of the shrunk picture
 // The whole view may have jumped by this share of its sides, a part of it by so many elements more.
 constexpr double kLargestJump = 0.08;
+// Elements: wide enough to hold distinct lines, small enough that a part moves as one.
 constexpr int kPart = 64, kPartJump = 6, kPartStep = 48;
 constexpr double kSameWhole = 0.12, kSamePart = 0.5;  // correlations
 constexpr double kLinesInPart = 1.5;                  // mean strength, of ViewLines::kStrongest: less is sky

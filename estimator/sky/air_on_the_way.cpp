@@ -73,6 +73,7 @@ struct LightAround {
 
 LightAround light_around_at(double altitude_m, const AirBetween& air, const sky_text::DomeSky& sky,
                             const glm::dvec3& land, double cos_sun_zenith) {
+  // Even solid angles, 11 deg wide: the dome is smooth but for the aureole.
   constexpr int kRings = 16, kSectors = 20;
   LightAround around;
   for (int ring = 0; ring < kRings; ++ring)
@@ -138,8 +139,8 @@ Departures departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky
 }
 
 LightFromBelow light_from_below(const SkyScene& scene, const SkyAtAltitude& sky_at, const glm::dvec3& land) {
-  constexpr std::array kSlopes{0.05, 0.15, 0.3, 0.5};
-  constexpr int kPasses = 2;  // the light from below itself passes this air
+  constexpr std::array kSlopes{0.05, 0.15, 0.3, 0.5};  // the steepnesses that are tried; least squares choose
+  constexpr int kPasses = 2;                           // the light from below itself passes this air
   AirBetween air = air_between(scene);
   for (int pass = 0; pass < kPasses; ++pass)
     for (int place = 0; place < 3; ++place) {

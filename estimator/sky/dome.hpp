@@ -14,7 +14,7 @@
 
 namespace kasumi {
 
-constexpr double kHighestDomeAltitude_m = 30000.0;
+constexpr double kHighestDomeAltitude_m = 30000.0;      // the highest of U's altitudes
 constexpr double kHighestDomeAod = 1.8;                 // at 550 nm
 constexpr Turbidity kHighestDomeTurbidity{10.0};        // to which T is fitted: an aod_550 of .90
 constexpr Radians kLowestDomeSun = from_degrees(92.0);  // zenith angle, without refraction

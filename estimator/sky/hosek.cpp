@@ -9,6 +9,7 @@
 namespace kasumi {
 namespace {
 
+// The layout of their data file (docs/sky.md)
 constexpr int kTurbidities = 10, kAlbedos = 2, kControlPoints = 6, kNumbers = 9;
 // Their colours are sums over the spectrum, weighted by CIE 1931's curves at 1 nm, whose y adds up to this.
 constexpr double kEyeWidth_nm = 106.856980;
@@ -54,7 +55,7 @@ HosekForm HosekSky::Tables::form(int channel, double turbidity, double ground_al
   const double albedo = std::clamp(ground_albedo, 0.0, 1.0);
   // Control points of a Bezier curve over the cube root of the elevation, close together where the sun is low.
   const double x = std::cbrt(sun_elevation_rad / (0.5 * std::numbers::pi));
-  constexpr std::array<double, kControlPoints> kBinomials{1.0, 5.0, 10.0, 10.0, 5.0, 1.0};
+  constexpr std::array<double, kControlPoints> kBinomials{1.0, 5.0, 10.0, 10.0, 5.0, 1.0};  // 5 over k
   HosekForm form;
   for (const int high : {0, 1})
     for (const int white : {0, 1})

@@ -38,9 +38,9 @@ class HosekClearSky {
 
 class HosekSky {
  public:
-  static constexpr int kWavelengths = 11;
-  static constexpr double kFirst_nm = 320.0, kStep_nm = 40.0;
-  static constexpr Turbidity kLowest{1.0}, kHighest{10.0};
+  static constexpr int kWavelengths = 11;                      // as their data: 320 to 720 nm, T 1 to 10
+  static constexpr double kFirst_nm = 320.0, kStep_nm = 40.0;  // as their data
+  static constexpr Turbidity kLowest{1.0}, kHighest{10.0};     // as their data
 
   // One file of their data (docs/sky.md gives its layout). Errors: bad_input.
   static Result<HosekSky> read_file(const std::filesystem::path& file);

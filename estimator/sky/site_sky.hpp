@@ -22,7 +22,7 @@ class HosekSky;  // estimator/sky/hosek.hpp
 enum class SiteSkyModel { automatic, preetham, dome };
 std::string_view name_of(SiteSkyModel model);
 std::optional<SiteSkyModel> site_sky_model_named(std::string_view name);
-constexpr double kHighestPreethamSite_m = 1500.0;
+constexpr double kHighestPreethamSite_m = 1500.0;  // above, the dome is drawn (docs/physics.md 12)
 SiteSkyModel resolved(SiteSkyModel model, double altitude_m, bool aerosol_known = false);  // never automatic
 
 // Preetham's chromaticities turn olive under a low sun. Between these elevations his sky fades into the dome of the same

@@ -11,6 +11,7 @@ namespace {
 struct Table {
   PerezCoefficients slope, offset;
 };
+// Preetham 1999, appendix A.2.
 constexpr Table kLuminance{{.1787, -.3554, -.0227, .1206, -.0670}, {-1.4630, .4275, 5.3251, -2.5771, .3703}};
 constexpr Table kX{{-.0193, -.0665, -.0004, -.0641, -.0033}, {-.2592, .0008, .2125, -.8989, .0452}};
 constexpr Table kY{{-.0167, -.0950, -.0079, -.0441, -.0109}, {-.2608, .0092, .2102, -1.6537, .0529}};
@@ -34,6 +35,7 @@ double zenith_chromaticity(const double (&m)[3][4], double t, double s) {
   const auto cubic = [s](const double(&k)[4]) { return ((k[0] * s + k[1]) * s + k[2]) * s + k[3]; };
   return (cubic(m[0]) * t + cubic(m[1])) * t + cubic(m[2]);
 }
+// Preetham 1999, appendix A.2.
 constexpr double kZenithX[3][4] = {
     {.00166, -.00375, .00209, 0.0}, {-.02903, .06377, -.03202, .00394}, {.11693, -.21196, .06052, .25886}};
 constexpr double kZenithY[3][4] = {

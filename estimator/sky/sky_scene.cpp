@@ -16,11 +16,11 @@
 namespace kasumi {
 namespace {
 
-constexpr double kLandTop_m = 3600.0;
+constexpr double kLandTop_m = 3600.0;  // land that a sky scene draws is no higher
 
 // Hoffman and Preetham's own wavelengths of red, green and blue, and the sun's illuminance outside the air.
 constexpr glm::dvec3 kOlderWavelengths_nm{650.0, 570.0, 475.0};
-constexpr double kSunOutside_lux = 128e3;
+constexpr double kSunOutside_lux = 128e3;  // Hoffman and Preetham's
 
 // zhao: Preetham's haze in the unit his published code uses (physics 3).
 sky_text::OlderAir older_air(Turbidity turbidity, const SunDirection& sun, double altitude_m) {
@@ -71,12 +71,15 @@ constexpr double kPlainAlbedo = 0.2;  // the reference atmosphere's
 }  // namespace
 
 double exposure_for(double mean_luminance) {
+  // A day's mean sky is shown at .8 of full scale; at dusk the exposure follows by the power .9, so that dusk looks
+  // darker than day.
   constexpr double kDay_cd_m2 = 5000.0, kShown = 0.8, kAdaptation = 0.9;
   const double relative = std::max(mean_luminance, 1e-4) / kDay_cd_m2;
   return kShown / (kDay_cd_m2 * std::pow(relative, kAdaptation));
 }
 
 SkySums sky_sums(const SkyPainter& painter) {
+  // Cells of 7.5 deg of azimuth: sums over the sky, in which the aureole is no edge.
   constexpr int kRings = 24, kSectors = 48;
   SkySums sums;
   double log_sum = 0.0;

@@ -15,9 +15,11 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);  // as the file is
 
+// Mitsuba's tensor file, version 1: magic, versions, fields with names, types and shapes (docs/sky.md).
 constexpr std::string_view kMagic{"tensor_file\0", 12};
 constexpr std::uint8_t kMajorVersion = 1;
 constexpr unsigned kFloat64 = 11;
+// Far above any real file: bounds what a broken one can ask for.
 constexpr std::size_t kMostFields = 1000, kMostDimensions = 16;
 
 }  // namespace

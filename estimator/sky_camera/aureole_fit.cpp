@@ -15,9 +15,11 @@ namespace kasumi {
 
 namespace {
 
+// Of the aureole by distance, a quadratic sky, and the sun's place.
 constexpr int kRadialTerms = 4, kSkyTerms = kRadialTerms + 6, kFitTerms = kSkyTerms + 2;
+// Jackknife: sigma of the sun's place from leaving out 30 deg of azimuth at a time.
 constexpr std::size_t kFitSectors = 12;
-constexpr Radians kFarthestSpot = from_degrees(50.0);
+constexpr Radians kFarthestSpot = from_degrees(50.0);  // beyond, a quadratic in direction is no sky
 using Row = Eigen::Matrix<double, kFitTerms, 1>;
 using Square = Eigen::Matrix<double, kFitTerms, kFitTerms>;
 
@@ -94,12 +96,14 @@ struct Radial {
 
 // A thin sky grows brighter towards the horizon as the air along the view does, 1 / cos zenith; a thick one less.
 float added_by_horizon(float cosine_of_zenith) {
+  // Between a thin sky's 1 and a thick one's 0; the cosine's floor keeps the horizon finite.
   constexpr float kShare = 0.6f, kLeastCosine = 0.1f;
   return -kShare * std::log(std::max(cosine_of_zenith, 0.0f) + kLeastCosine);
 }
 
 // What is known of the sky within the widest reach of a direction; far from it every second row and column will do.
 std::vector<Spot> spots_around(const CoarseSky& sky, const SunDirection& direction, bool less_horizon) {
+  // The aureole is steep within 10 deg; farther out a quarter of the elements shows as much.
   constexpr int kThinning = 2;
   const auto dense = static_cast<float>(std::cos(from_degrees(10.0).value));
   const auto farthest = static_cast<float>(std::cos(kFarthestSpot.value));
@@ -281,6 +285,7 @@ class Fitting {
 }  // namespace
 
 std::optional<AureoleFit> fit_aureole(const CoarseSky& sky, const SunDirection& start, const AureoleReach& limits) {
+  // The reach shrinks with the rounds, so at least eight; then until a step is below .03 deg.
   constexpr int kMostRounds = 12, kLeastRounds = 8;
   Fitting fitting(sky, start, limits);
   for (int round = 0; round < kMostRounds; ++round) {

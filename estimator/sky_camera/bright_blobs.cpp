@@ -21,6 +21,7 @@ constexpr std::size_t kElementsOfTop = 5;       // fewer may be hot pixels
 constexpr std::array kLevels{0.985, 0.945};     // of the top
 constexpr int kPeaks = 3;                       // of each level
 constexpr Radians kLowest = from_degrees(2.0);  // elevation: below are the rim's fringes
+// A dark spot within a core, such as a wire or a clipped channel, still belongs to it.
 constexpr Radians kLargestHole = from_degrees(2.0);
 
 bool shows_sky(const Camera& camera, const SunDirection& direction, const glm::dvec2& pixel) {
@@ -155,7 +156,7 @@ struct Ring {
   }
 };
 
-constexpr int kRays = 32;
+constexpr int kRays = 32;  // 11 deg apart around a blob
 
 Ring ring_around(const SkyPicture& picture, const Camera& camera, const SunDirection& middle, double distance) {
   const glm::dvec3 pole = std::abs(middle.z) < 0.999 ? glm::dvec3{0.0, 0.0, 1.0} : glm::dvec3{1.0, 0.0, 0.0};
@@ -179,7 +180,9 @@ Ring ring_around(const SkyPicture& picture, const Camera& camera, const SunDirec
 // A sky that is brighter towards the horizon moves an isophote of the sun's surroundings that way: by its slope over
 // their fall, which is seen above and beside it. Empty where too little of the surroundings is sky, or does not fall.
 std::optional<Radians> lowered_by_sky(const SkyPicture& picture, const Camera& camera, const BrightBlob& blob) {
+  // Distances of the two rings from the rim: outside the lens's blur, and near enough to see the aureole fall.
   constexpr Radians kNear = from_degrees(1.0), kFar = from_degrees(3.0);
+  // A middle is never moved out of its blob; of a ring all counts as seen but its lowest third, where land may be.
   constexpr double kMostOfRadius = 0.8, kBelow = -0.5;
   const auto seen_above = [](const Ring& ring) {
     return std::ranges::count_if(ring.upwards, [](double upwards) { return upwards > kBelow; }) >= 2 * kRays / 3;
@@ -203,6 +206,7 @@ std::optional<Radians> lowered_by_sky(const SkyPicture& picture, const Camera& c
 
 // Elements per radian at the zenith.
 double scale_of(const SkyPicture& picture, const Camera& camera) {
+  // Far enough for a mean scale, near enough to hold at the zenith.
   constexpr Radians kAside = from_degrees(10.0);
   const auto up = camera.pixel_of({0.0, 0.0, 1.0}), aside = camera.pixel_of(direction_from(kAside, {0.0}));
   return up && aside ? glm::distance(*up, *aside) / picture.step / kAside.value : 0.0;

@@ -9,7 +9,7 @@ namespace kasumi {
 
 double confidence_where_expected(double confidence, const SunDirection& at, Radians sigma,
                                  const ExpectedSun& expected) {
-  constexpr double kWrong = 0.05;
+  constexpr double kWrong = 0.05;  // one clock, place or mounting in twenty is taken to be wrong
   const double variance = square(sigma.value) + square(expected.sigma.value);
   const auto bell = [&](Radians off) { return std::exp(-0.5 * square(off.value) / variance); };
   // Densities over those of a place anywhere in the sky; its zenith angle has the density sin(zenith angle).

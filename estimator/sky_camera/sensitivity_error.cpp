@@ -6,7 +6,7 @@
 namespace kasumi {
 
 GammaError gamma_error(const SpectralSensitivity& assumed, const SpectralSensitivity& truth) {
-  constexpr double kFarthest_m = 10e3, kStep_m = 500.0;
+  constexpr double kFarthest_m = 10e3, kStep_m = 500.0;  // the distances at which buildings are shown
   const auto a = spectral_measure(assumed), b = spectral_measure(truth);
   GammaError error;
   for (std::size_t i = 0; i < error.by_turbidity.size(); ++i)

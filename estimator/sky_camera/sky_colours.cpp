@@ -8,8 +8,8 @@
 namespace kasumi {
 namespace {
 
-constexpr double kCell = 6.0 * kPi / 180.0;
-constexpr int kLeastElements = 12;
+constexpr double kCell = 6.0 * kPi / 180.0;  // [rad]: 6 deg, over which a clear sky's colour hardly changes
+constexpr int kLeastElements = 12;           // fewer elements' mean is noise
 
 struct Sum {
   DaylightWeights spectrum;

@@ -59,7 +59,7 @@ Result<SkySensitivity> sensitivity_from_sky(Camera camera, std::span<const SkyMo
                                             const SkySensitivityOptions& options) {
   SkySensitivity found;
   Skies skies;
-  constexpr int kRounds = 3;
+  constexpr int kRounds = 3;                        // T and sensitivity by turns
   camera.colour_space = Camera::ColourSpace::srgb;  // mostly green, a good enough luminance to begin with
   for (int round = 0; round < kRounds; ++round) {
     skies = look_at(moments, camera, options.turbidity);

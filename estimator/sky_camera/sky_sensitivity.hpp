@@ -37,6 +37,7 @@ struct SkySensitivity {
   // shows this, since another sensitivity absorbs it. Only for a fit.
   std::optional<double> of_more_colourful_sky;
 };
+// Chosen: what Preetham's chromaticities may lack of a real sky's distance from white.
 constexpr double kMoreColourful = 0.1;
 
 // T is estimated from the camera's luminance, which depends on the sensitivity: a few rounds settle both. `camera`

@@ -14,10 +14,10 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kCoarseSide = 160;
+constexpr int kCoarseSide = 160;        // elements: slopes of the aureole extend over many, and noise averages out
 constexpr float kSlowSteepness = 1.0f;  // 1/rad: the sky's own, towards the horizon and across clouds
-constexpr float kDarkestQuanta = 3.0f;
-constexpr float kDarkestLight = 1e-3f;
+constexpr float kDarkestQuanta = 3.0f;  // steps of the encoding: fewer make a logarithm's slope by rounding
+constexpr float kDarkestLight = 1e-3f;  // of full scale: below, a response is uncertain
 
 // Encoded level -> ln light, per channel.
 class LogTable {
@@ -35,7 +35,7 @@ class LogTable {
   }
 
  private:
-  static constexpr std::size_t kLevels = 256;
+  static constexpr std::size_t kLevels = 256;  // nodes between which encoded values are interpolated
   std::array<glm::vec3, kLevels> table_{};
 };
 

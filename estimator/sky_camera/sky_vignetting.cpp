@@ -15,12 +15,12 @@ namespace kasumi {
 
 namespace {
 
-constexpr int kShape = 3;         // v2, v4, v6
-constexpr int kMaskRounds = 4;    // cloud masks with successively better vignetting
-constexpr double kOutlier = 4.0;  // robust standard deviations
-constexpr Radians kCorrelationAngle = from_degrees(20.0);
-constexpr std::size_t kFewestSamples = 200;  // of a picture
-constexpr double kSkyModelError = 0.03;
+constexpr int kShape = 3;                                  // v2, v4, v6
+constexpr int kMaskRounds = 4;                             // cloud masks with successively better vignetting
+constexpr double kOutlier = 4.0;                           // robust standard deviations
+constexpr Radians kCorrelationAngle = from_degrees(20.0);  // as wide as a sky model's errors are alike
+constexpr std::size_t kFewestSamples = 200;                // of a picture
+constexpr double kSkyModelError = 0.03;                    // clear skies of any aerosol leave 1 to 3 % (clear_form.hpp)
 constexpr double kAbsorbed = 1.3;  // the fit absorbs part of a smooth error, which then is missing from the residuals
 
 struct Sample {
@@ -61,7 +61,7 @@ class Fit {
 
   // Gauss-Newton with least squares on the samples in use; outliers are dropped by their residuals.
   void solve() {
-    constexpr int kRounds = 25;
+    constexpr int kRounds = 25;  // Gauss-Newton with a bounded step: far more than it takes
     for (int round = 0; round < kRounds; ++round) {
       build();
       Eigen::VectorXd step = normal_.ldlt().solve(right_);
@@ -146,8 +146,8 @@ class Fit {
   }
 
  private:
-  static constexpr Eigen::Index kRings = 10;
-  static constexpr std::size_t kPatches = 32;
+  static constexpr Eigen::Index kRings = 10;   // of 20 deg each: all distances from the sun
+  static constexpr std::size_t kPatches = 32;  // of sky, within each of which the model's errors are alike
   static Eigen::Index of_t(std::size_t i) { return kShape + 2 * static_cast<Eigen::Index>(i); }
 
   // For each picture: the derivatives of the model by v2, v4, v6 and T for each sample (by the gain it is 1), and
@@ -288,7 +288,7 @@ double lens_reach_px(const Camera& camera, const glm::dvec2& centre) {
 
 // Medians over rings of the picture's light relative to the sky model's.
 std::vector<glm::dvec2> profile_of(const Fit& fit, const Moment& moment, double radius_px) {
-  constexpr std::size_t kBins = 16;
+  constexpr std::size_t kBins = 16;  // rings of the plot
   std::array<std::vector<double>, kBins> rings;
   for (const auto& sample : moment.samples)
     if (sample.used)

@@ -23,7 +23,7 @@ constexpr double kOfSharpDisc = 0.95;                // confidence
 constexpr double kSharpRim = 0.96;                   // of its level
 constexpr double kSmooth = 0.5, kBrightest = 0.4;    // of the sky around a sharp disc: explained, above
 constexpr Radians kLowestDisc = from_degrees(10.0);  // elevation of a sharp one
-constexpr int kLargestBlobs = 3, kMeetings = 3;
+constexpr int kLargestBlobs = 3, kMeetings = 3;      // candidates of each sort; chosen: more cost time alone
 
 // Where the sun may be: the middles of the largest clipped areas, and where the sky's slopes meet.
 std::vector<SunDirection> likely_places(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera) {
@@ -140,7 +140,7 @@ Signs signs_of(const Looks& looks) {
 // The probability that the sun is within 2 deg. Factors by logistic regression on generated pictures
 // (tests/estimator/sky_camera/sun_pictures, development).
 double confidence_of(const Signs& signs) {
-  constexpr Signs kFactors{-2.69, 1.92, 0.7, 0.26, 0.53, 2.08, 0.65, 0.3, 0.56, -0.48};
+  constexpr Signs kFactors{-2.69, 1.92, 0.7, 0.26, 0.53, 2.08, 0.65, 0.3, 0.56, -0.48};  // fitted as said above
   double sum = 0.0;
   for (std::size_t k = 0; k < signs.size(); ++k) sum += kFactors[k] * signs[k];
   return 1.0 / (1.0 + std::exp(-sum));

@@ -12,6 +12,7 @@ namespace {
 
 // What a clear sky's growth towards the horizon does to a blob where it was not seen.
 Radians usually_lowered(const BrightBlob& blob) {
+  // The sky's slope over the fall of the sun's surroundings; a middle stays within its blob.
   constexpr double kSlopeOverFall = 3.0, kMostOfRadius = 0.8;
   const double cosine = std::max(blob.direction.z, 0.0), sine = std::sqrt(1.0 - square(std::min(cosine, 1.0)));
   const double moved = kSlopeOverFall * sine / (cosine + 0.1) * square(blob.radius.value);
@@ -20,7 +21,9 @@ Radians usually_lowered(const BrightBlob& blob) {
 
 // Large blobs are cut off by clouds and the horizon, and the sky is brighter on one side of them.
 Radians sigma_of(const BrightBlob& blob) {
+  // Shares of sigma: of the radius, of the levels' scatter, of what the sky around moved it by.
   constexpr double kOfRadius = 0.12, kOfScatter = 0.3, kOfLowered = 0.4;
+  // The sun's own radius is .27 deg; blobs larger than 10 deg are cut off and count in proportion.
   constexpr Radians kLeast = from_degrees(0.2), kLarge = from_degrees(10.0);
   const double larger = std::max(1.0, blob.radius.value / kLarge.value);
   const double lowered = blob.lowered ? kOfLowered * blob.lowered->value : usually_lowered(blob).value;

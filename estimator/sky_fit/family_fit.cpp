@@ -222,7 +222,7 @@ FamilyFit WhitenedFamily::fitted(const GivenAir& known, std::span<const SkyAmoun
 FamilyFit WhitenedFamily::fitted_again(const GivenAir& known, const FamilyFit& before) {
   hold(known);
   brighter_ground_ = before.brighter_ground;
-  constexpr int kLayouts = 2;
+  constexpr int kLayouts = 2;  // a picture's air differs from the one before by little
   return settled(before.best, kLayouts);
 }
 
@@ -232,7 +232,7 @@ FamilyFit WhitenedFamily::settled(const SkyAmount& from, int layouts) {
   fit.best = from;
   double least = 0.0;
   OfUnknowns curvature;
-  constexpr int kTurns = 4;
+  constexpr int kTurns = 4;  // of Gauss and Newton between two layouts of the doubts
   bool better = false;
   for (int turn = 0; turn < layouts * kTurns; ++turn) {
     if (turn % kTurns == 0) {

@@ -16,13 +16,15 @@ namespace kasumi {
 
 namespace {
 
+// Bounds the time; below the second number no fault is distinguished from another.
 constexpr std::size_t kReadings = 160, kFewest = 30;
-constexpr Radians kLensGlare = from_degrees(10.0);
-constexpr double kExplains = 0.7;  // of the residual left: half of the variance
-constexpr double kPrior = 0.5;     // probability of each fault before the picture was looked at, over that of none
+constexpr Radians kLensGlare = from_degrees(10.0);  // where a lens scatters the sun's light even without a fault
+constexpr double kExplains = 0.7;                   // of the residual left: half of the variance
+constexpr double kPrior = 0.5;  // probability of each fault before the picture was looked at, over that of none
+// All that are looked for.
 constexpr std::array kFaults{InstrumentFault::tone_curve, InstrumentFault::colours, InstrumentFault::vignetting,
                              InstrumentFault::glare};
-constexpr glm::dvec3 kThirds{1.0 / 3.0};
+constexpr glm::dvec3 kThirds{1.0 / 3.0};  // the mean of three channels
 
 // Sums over the readings of what one number beside a gain per colour can and cannot explain.
 struct OneNumber {

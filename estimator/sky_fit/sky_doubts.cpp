@@ -34,7 +34,7 @@ double lobe_slope(double asymmetry, double cosine) {
 }  // namespace
 
 glm::dvec3 light_on_ground(const LightOfSky& sky, const glm::dvec3& sun_illuminance, const SunDirection& sun) {
-  constexpr int kRings = 5, kSectors = 6;
+  constexpr int kRings = 5, kSectors = 6;  // 30 directions: the ground's light is needed to a few per cent
   glm::dvec3 sum = std::max(0.0, sun.z) * sun_illuminance;
   const double azimuth = azimuth_angle(sun).value;
   for (int i = 0; i < kRings; ++i)  // equal steps of cos^2 weigh equally on the ground

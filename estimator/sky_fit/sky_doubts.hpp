@@ -14,7 +14,7 @@
 
 namespace kasumi {
 
-constexpr int kSkyDoubts = 2;
+constexpr int kSkyDoubts = 2;         // the ground's albedo, and the mean cosine of the aerosol's scattering
 constexpr double kSigmaGround = 0.2;  // of its albedo; the first doubt
 // By how much ln light changes for one standard deviation of each, [place of the sky][doubt], for each channel of
 // linear sRGB.

@@ -12,11 +12,11 @@
 namespace kasumi {
 namespace {
 
-constexpr double kDarkestLight = 1e-7;  // of any unit here; no daytime sky is as dark
-constexpr int kDomeNodes = 19, kTurbidityNodes = 25;
+constexpr double kDarkestLight = 1e-7;                // of any unit here; no daytime sky is as dark
+constexpr int kDomeNodes = 19, kTurbidityNodes = 25;  // dome: .2 in ln(aod + .05)
 // The dome is tabulated over ln(aod + .05): with as much aerosol its light equals the molecules', roughly.
 constexpr double kDomeShift = 0.05;
-constexpr double kHosekGround = 0.2;
+constexpr double kHosekGround = 0.2;  // the reference atmosphere's
 
 DomeFunction dome_in_srgb(double altitude_m, const Aerosol& aerosol, const SunDirection& sun) {
   return in_space(dome(altitude_m, aerosol, sun), xyz_to_linear_srgb());

@@ -15,7 +15,7 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kFewestPatches = 8;
+constexpr std::size_t kFewestPatches = 8;  // three gains and two numbers of the aerosol need more than five
 // Hosek's T stands for an amount of aerosol of his own: so far it may be from ours.
 constexpr double kHosekSigmaAod = 0.03, kHosekSigmaShare = 0.3;
 // Sky models that know T alone say of the exponent what they suppose.
@@ -68,6 +68,7 @@ struct Candidate {
 struct TwoKinds {
   AerosolKind one, other;
 };
+// A fine kind with a coarse one, and smoke with the other fine ones.
 constexpr std::array<TwoKinds, 11> kBlends{{{AerosolKind::continental, AerosolKind::maritime},
                                             {AerosolKind::continental, AerosolKind::desert},
                                             {AerosolKind::continental, AerosolKind::dust},
@@ -269,7 +270,7 @@ FoundAerosol found_among(std::span<const Candidate> candidates) {
 
 // What no model knows of the air that it did not make.
 void doubt_models(SkyFit& fit) {
-  constexpr double kStep = 0.01;
+  constexpr double kStep = 0.01;  // of a numerical derivative by optical depth
   Aerosol more = fit.found.aerosol;
   more.aod_550 += kStep;
   const double per_aod = (turbidity_of(more) - turbidity_of(fit.found.aerosol)) / kStep;

@@ -14,13 +14,15 @@ namespace kasumi {
 
 namespace {
 
+// At most so many of a picture, which bounds the time; fewer than 60 see too little contrast.
 constexpr std::size_t kCurveReadings = 160, kFewestReadings = 60;
-constexpr Radians kOneSky = from_degrees(3.0);
+constexpr Radians kOneSky = from_degrees(3.0);   // suns nearer than that count as one sky, whose model errs alike
 constexpr double kLowest = 0.3, kHighest = 3.0;  // exponents
-constexpr int kExponents = 93;
-constexpr double kCoarse = 0.02;             // of ln light: the known skies are that far apart
-constexpr double kIndependentValues = 30.0;  // patches and colours of a sky, as in fit_sky()
-constexpr double kModelsSigma = 0.05;        // the models' own contrasts differ from real skies' by about that
+constexpr int kExponents = 93;                   // steps of 2.5 %
+constexpr double kCoarse = 0.02;                 // of ln light: the known skies are that far apart
+constexpr double kIndependentValues = 30.0;      // patches and colours of a sky, as in fit_sky()
+constexpr double kModelsSigma = 0.05;            // the models' own contrasts differ from real skies' by about that
+// Of the exponent, of ln light: beyond, the curve is not determined or the sky no clear one.
 constexpr double kMostSigma = 0.15, kMostResidual = 0.12;
 
 double exponent_at(int i) {
@@ -146,7 +148,7 @@ Result<ToneCurve> find_tone_curve(std::span<const PictureOfSky> pictures, double
 }
 
 Response corrected(const Response& supposed, double exponent) {
-  constexpr int kLast = 1023;
+  constexpr int kLast = 1023;  // 10 bits: finer than an 8-bit camera's steps
   std::array<std::vector<double>, 3> light;
   for (int i = 0; i <= kLast; ++i) {
     const glm::dvec3 as_read = supposed.to_light(glm::dvec3{static_cast<double>(i) / kLast});

@@ -8,6 +8,7 @@ namespace {
 
 // How far over the sky, over the distance from the sun (in ln) and over elevation a model's error stays the same.
 constexpr double kAlikeWithin_rad = 0.6, kAlikeWithinLogDistance = 0.7, kAlikeWithinHeight = 0.5;
+// Shares of an error's variance that are smooth over place, over the distance from the sun and over height.
 constexpr double kShareByPlace = 0.5, kShareByDistance = 0.35, kShareByHeight = 0.15;
 constexpr double kAnyGain = 10.0;  // of ln light: not known at all
 

@@ -15,8 +15,8 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kLookedAt = 160;
-constexpr int kToneSteps = 61;
+constexpr std::size_t kLookedAt = 160;   // as in tone_curve.cpp: bounds the time
+constexpr int kToneSteps = 61;           // a tenth of a standard deviation each
 constexpr double kReach = 3.0;           // standard deviations of the prior, on either side
 constexpr double kKnownApart = 0.03;     // of ln light: the known skies are about that far apart
 constexpr double kValuesOfOneSky = 8.0;  // of one sky seen through one lens

@@ -56,7 +56,7 @@ class ExpectedElements {
   }
 
  private:
-  static constexpr int kStep = 4;
+  static constexpr int kStep = 4;          // elements between nodes: clear sky is smooth over a degree
   static constexpr float kLowest = 0.1f;   // sine of the elevation
   static constexpr float kCurved = 0.97f;  // cosine of 14 deg
   const SkyGeometry& geometry_;
@@ -87,8 +87,8 @@ std::vector<LookedAt> places_to_fit(const ElementLooks& looks, const SkyGeometry
 
 // Log likelihood, per place, that those within reach of this sky lie so close to it and the rest anywhere.
 double agreement_with(const ClearSkyByForm& sky, const std::vector<LookedAt>& places) {
-  constexpr float kReach = 3.0f, kLeast = 0.01f;
-  constexpr double kAnywhere = 6.0;  // area in ln Y and ln R/B
+  constexpr float kReach = 3.0f, kLeast = 0.01f;  // standard deviations; no sky agrees better than 1 %
+  constexpr double kAnywhere = 6.0;               // area in ln Y and ln R/B
   const float dy = kReach * std::max(kLeast, sky.luminance_scatter), dc = kReach * std::max(kLeast, sky.colour_scatter);
   const auto agreeing = static_cast<double>(std::ranges::count_if(places, [&](const LookedAt& p) {
     return std::abs(p.luminance - sky.luminance_at(p.terms)) < dy && std::abs(p.colour - sky.colour_at(p.terms)) < dc;

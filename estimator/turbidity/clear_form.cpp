@@ -13,7 +13,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr std::size_t kTerms = ClearForm::kTerms;
+constexpr std::size_t kTerms = ClearForm::kTerms;  // short for the class's own
 
 float sum_of(const ClearForm::Terms& terms, const ClearForm::Terms& factors) {
   float sum = 0.0f;
@@ -38,7 +38,7 @@ bool solve_form(const std::vector<LookedAt>& places, ClearSkyByForm& sky) {
     }
   }
   if (all <= 4.0 * kTerms) return false;
-  constexpr int n = kTerms;
+  constexpr int n = kTerms;  // short for the matrices below
   cv::Mat1d a(n, n), b(n, 2), x;
   for (int i = 0; i < n; ++i) {
     const auto row = static_cast<std::size_t>(i);

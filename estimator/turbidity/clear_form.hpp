@@ -19,6 +19,7 @@ class ClearForm {
  public:
   explicit ClearForm(const SunDirection& sun);
 
+  // Around the sun, and slow ones over the sky: 26 stay smoother than a cloud's outline.
   static constexpr std::size_t kRadial = 10, kSlow = 16, kTerms = kRadial + kSlow;
   using Terms = std::array<float, kTerms>;
   Terms at(const glm::vec3& direction) const;

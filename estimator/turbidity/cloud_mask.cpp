@@ -48,7 +48,7 @@ struct ColourSample {
 // The fullest cell of a coarse plane of (colour, luminance) residuals; cells overlap by half.
 ColourConsensus fullest_cell(const std::vector<ColourSample>& samples, Turbidity turbidity, const SiteSky& model,
                              const glm::dmat3& xyz_to_light) {
-  constexpr int kSide = 64;
+  constexpr int kSide = 64;       // cells: a plane of 3.2 by 3.2 in ln R/B and ln Y
   constexpr float kStep = 0.05f;  // two of them make a cell
   std::vector<glm::vec2> residuals;
   residuals.reserve(samples.size());
@@ -101,7 +101,8 @@ ColourConsensus fullest_cell(const std::vector<ColourSample>& samples, Turbidity
 template <class ModelAt>
 ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry, const ModelAt& model_at,
                                 const glm::dmat3& xyz_to_light) {
-  constexpr int kColourSamples = 500;
+  constexpr int kColourSamples = 500;  // two digits of the fullest cell's share
+  // Even in what the sky's colour changes by, dense where it changes fast.
   constexpr std::array kTurbidities{1.8, 2.0, 2.3, 2.7, 3.3, 4.2, 5.5, 7.5, 10.0, 14.0};
   std::mt19937_64 random(2017);
   std::vector<ColourSample> samples;
@@ -139,7 +140,7 @@ class Interpolated {
   }
 
  private:
-  static constexpr int kStep = 6;
+  static constexpr int kStep = 6;  // elements between nodes of a smooth model
   float direct(int x, int y) const { return quantity_(Direction(geometry_.direction.at(x, y))); }
   const SkyGeometry& geometry_;
   Quantity quantity_;

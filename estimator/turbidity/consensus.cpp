@@ -24,6 +24,7 @@ struct Run {
   double first, step;
   int count;
 };
+// Fine where the sky changes fast with T; 55 in all, of which the best is refined.
 constexpr std::array<Run, 6> kGrid{
     {{1.70, 0.02, 16}, {2.02, 0.04, 12}, {2.50, 0.10, 8}, {3.30, 0.25, 8}, {5.30, 0.80, 5}, {9.30, 2.14, 6}}};
 
@@ -113,8 +114,8 @@ class Histogram {
   }
 
  private:
-  static constexpr int kBins = 128;
-  static constexpr float kBin = 0.04f;
+  static constexpr int kBins = 128;     // 5 of ln Y in steps of 4 %
+  static constexpr float kBin = 0.04f;  // of ln Y, see kBins
   std::vector<int> bin_;
 };
 
@@ -216,7 +217,7 @@ class DomeSkies final : public Skies {
 
   // Steps of less than .05 in ln F, except next to the sun.
   void over_the_grid(const std::function<void(float)>& use) override {
-    constexpr int kSteps = 32;
+    constexpr int kSteps = 32;  // of ln T, see above
     for (int i = 0; i <= kSteps; ++i) {
       const double t = dome_.lowest().value *
                        std::pow(dome_.highest().value / dome_.lowest().value, static_cast<double>(i) / kSteps);
@@ -273,7 +274,7 @@ struct Window {
 };
 Window densest_window(const float* residual, std::size_t n, float centre, float narrowest, float widest) {
   constexpr int kFirst = (127 - 10) * 2;  // 2^-10
-  constexpr std::size_t kCount = 20;
+  constexpr std::size_t kCount = 20;      // half octaves: from 2^-10 to 1
   std::array<int, kCount + 1> counts{};
   for (std::size_t i = 0; i < n; ++i) {
     const int half_octave = (std::bit_cast<int>(std::abs(residual[i] - centre)) >> 22) - kFirst;
@@ -295,7 +296,7 @@ Window densest_window(const float* residual, std::size_t n, float centre, float 
 // Graduated non-convexity: Tukey's weights, whose width shrinks from the candidate's window to the one that fits the
 // data.
 Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
-  constexpr int kRounds = 10;
+  constexpr int kRounds = 10;  // of the shrinking window
   const float lowest = skies.lowest(), highest = skies.highest();
   float* residual = skies.residual();
   const float* slope = skies.slope();

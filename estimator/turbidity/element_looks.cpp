@@ -27,7 +27,7 @@ class RelativeSteps {
   glm::vec3 at(const glm::vec3& encoded) const { return {step(encoded, 0), step(encoded, 1), step(encoded, 2)}; }
 
  private:
-  static constexpr int kLast = 255;
+  static constexpr int kLast = 255;  // as an 8-bit picture has levels
   float step(const glm::vec3& encoded, int c) const {
     return steps_[static_cast<std::size_t>(std::clamp(encoded[c], 0.0f, 1.0f) * kLast)][c];
   }

@@ -17,7 +17,7 @@ cv::Mat1f mean_over(const cv::Mat1f& values, const cv::Mat1f& counts, int side) 
 }
 
 cv::Mat1f texture_of(const cv::Mat1f& log_luminance, const cv::Mat1f& counts) {
-  constexpr int kReach = 2;
+  constexpr int kReach = 2;  // neighbours of second order: texture beyond a single element's noise
   cv::Mat1f uneven(log_luminance.size(), 0.0f), known(log_luminance.size(), 0.0f);
   for (int y = kReach; y + kReach < log_luminance.rows; ++y)
     for (int x = kReach; x + kReach < log_luminance.cols; ++x) {

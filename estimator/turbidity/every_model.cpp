@@ -35,7 +35,7 @@ ExpectedLook expected_by(const SiteSky& sky, const SkyGeometry& geometry) {
 // of other aerosols do.
 ClearAir find_clear_air(SkyLight& sky, const ElementLooks& looks, const SkyGeometry& geometry, const SunDirection& sun,
                         const EstimateOptions& options) {
-  constexpr double kAgree = 0.5;
+  constexpr double kAgree = 0.5;  // with half of the sky in agreement no other aerosol's dome is tried
   const double altitude_m = options.sky.altitude_m;
   const auto dome_of = [&](AerosolKind kind) -> SkyToFit {
     return {SiteSkyModel::dome, altitude_m, Aerosol{0.0, natural_exponent(kind), kind}};
@@ -63,6 +63,7 @@ void compare_with_followed(SkyObservation& observation, SkyEvidence& evidence, c
   });
   observation.log_gain = median(residuals);
   for (double& r : residuals) r -= observation.log_gain;
+  // Robust standard deviations, and no stricter than 5 %: models err by as much.
   constexpr double kReach = 3.5, kLeast = 0.05;
   const double limit = std::max(kLeast, kReach * robust_sigma(residuals));
   observation.inlier.assign(samples.size(), 0);
@@ -105,7 +106,7 @@ double sigma_of_offset(std::vector<SkySample> samples, std::span<const float> ha
 // expect. `readings`: one per sample; their light is a mean, of which rounding and noise leave about half.
 void sharpen_papers(SkyFit& fit, std::span<const SkySample> samples, std::span<const SkyReading> readings,
                     std::span<const float> half_steps, const EstimateOptions& options) {
-  constexpr float kLeft = 0.5f;
+  constexpr float kLeft = 0.5f;  // of rounding and noise, see above
   const glm::dmat3 to_xyz = glm::inverse(xyz_to_linear_srgb());
   std::vector<SkySample> apart;
   std::vector<float> apart_half_steps;
@@ -130,7 +131,7 @@ void sharpen_papers(SkyFit& fit, std::span<const SkySample> samples, std::span<c
 
 // What the camera may do to the light is not sure either.
 void doubt_camera(SkyFit& fit, double doubt_of_aod) {
-  constexpr double kStep = 0.01;
+  constexpr double kStep = 0.01;  // of a numerical derivative by optical depth
   Aerosol more = fit.found.aerosol;
   more.aod_550 += kStep;
   const double per_aod = (turbidity_of(more) - turbidity_of(fit.found.aerosol)) / kStep;

@@ -10,10 +10,11 @@
 namespace kasumi {
 namespace {
 
-constexpr double kRingWidth = 0.5 * kPi / MeasuredSky::kRings;
-constexpr double kSectorWidth = 2.0 * kPi / MeasuredSky::kSectors;
+constexpr double kRingWidth = 0.5 * kPi / MeasuredSky::kRings;      // even in zenith angle, [rad]
+constexpr double kSectorWidth = 2.0 * kPi / MeasuredSky::kSectors;  // [rad]
+// Of the hemisphere.
 constexpr std::size_t kCells = static_cast<std::size_t>(MeasuredSky::kRings) * MeasuredSky::kSectors;
-constexpr auto kClipped = static_cast<float>(kSaturatedSky);
+constexpr auto kClipped = static_cast<float>(kSaturatedSky);  // one threshold for all of Kasumi
 constexpr int kStride = 2;  // every other element in both directions is enough for a cell
 
 std::size_t index_of(int ring, int sector) {
@@ -69,7 +70,7 @@ double share_by_disc(const Patch& core, const Patch& around) {
   if (core.open <= 0.0) return 1.0;
   const double by_glare = smooth_step(0.15, 0.6, core.saturated / core.open);
   if (around.judged <= 0.0 || around.cloud > 0.05 * around.judged) return by_glare;
-  constexpr double kDisc_sr = 6.8e-5;
+  constexpr double kDisc_sr = 6.8e-5;  // pi (.267 deg)^2
   return std::max(by_glare, smooth_step(0.25, 0.75, core.coloured / kDisc_sr));
 }
 
@@ -143,6 +144,7 @@ MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, 
 
 double difference(const MeasuredSky& a, const MeasuredSky& b) {
   double largest = std::abs(a.sun_share - b.sun_share);
+  // Compared by quarters, since light from one side is what changes a building.
   constexpr int kQuarter = MeasuredSky::kSectors / 4;
   for (int quarter = 0; quarter < 4; ++quarter) {
     double cloudy_a = 0.0, cloudy_b = 0.0;

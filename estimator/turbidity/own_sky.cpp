@@ -37,8 +37,8 @@ struct Share {
 
 std::vector<LookedAt> places_of(const ElementLooks& looks, const SkyGeometry& geometry, const Image<PixelUse>& use,
                                 const ClearForm& form, float rough) {
-  constexpr double kPlaces = 4000.0;  // more add nothing
-  constexpr float kPerhapsCloud = 0.3f;
+  constexpr double kPlaces = 4000.0;     // more add nothing
+  constexpr float kPerhapsCloud = 0.3f;  // a model's mask may be wrong: what it calls cloud still has a say
   const int step = std::max(1, static_cast<int>(std::lround(std::sqrt(cv::sum(looks.known)[0] / kPlaces))));
   std::vector<LookedAt> places;
   for (int y = step / 2; y < looks.known.rows; y += step)
@@ -107,6 +107,7 @@ Differences differences(const ElementLooks& looks, const SkyLight& light, const 
 // Not 0 where nothing but clear air is seen. Where nearly all agrees, the rest is more likely the form's misfit than a
 // small and faint cloud; and a cloud without edges anywhere in the sky is none.
 cv::Mat1b agreeing(const Differences& found, bool edges_would_show) {
+  // Shares: of places that agree, and of elements with texture, below which there are no edges.
   constexpr double kNearlyAllAgrees = 0.95, kNoEdges = 0.002;
   const bool no_edges = edges_would_show && found.textured.value() < kNoEdges;
   const double limit = no_edges ? 6.0 : found.agreeing.value() > kNearlyAllAgrees ? 2.5 : 1.0;
@@ -138,7 +139,7 @@ OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Cam
   limits.least_sun_distance = kGlare;
   const SkyLight light = sky_light(picture, geometry, camera, sun, limits);
   const ElementLooks looks = looks_of(picture, camera, light);
-  constexpr int kFew = 800;
+  constexpr int kFew = 800;  // elements: 30 for each of the form's 26 terms
   if (cv::sum(looks.known)[0] < kFew) return own;
   const float rough = looks.rough(5.0, 0.02);  // as CloudMaskOptions has it
 
@@ -148,7 +149,7 @@ OwnSky own_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Cam
   const Differences found = differences(looks, light, picture, geometry, camera, use, sun, form, *sky, rough);
   if (!found.trusted()) return own;
   const bool air = is_air(looks, form, *sky, sun);
-  constexpr float kNoisy = 0.04f;
+  constexpr float kNoisy = 0.04f;  // of ln light: texture this rough hides a cloud's edge
   const cv::Mat1b agrees = agreeing(found, air && rough < kNoisy);
 
   std::vector<float> solid_angles = some_of(looks, [&](int x, int y) { return geometry.solid_angle.at(x, y); });

@@ -34,7 +34,7 @@ double error_at(double t, std::span<const Ratio> ratios, std::span<const std::si
 }
 
 double best_turbidity(std::span<const Ratio> ratios, std::span<const std::size_t> chosen, const PerezPoint& reference) {
-  constexpr int kSteps = 28;
+  constexpr int kSteps = 28;  // 9 % of T each; the golden section then refines
   const auto node = [](int i) {
     return kLowestTurbidity.value *
            std::pow(kHighestTurbidity.value / kLowestTurbidity.value, static_cast<double>(i) / kSteps);
@@ -45,7 +45,7 @@ double best_turbidity(std::span<const Ratio> ratios, std::span<const std::size_t
     const double error = error_at(node(i), ratios, chosen, reference);
     if (error < least) least = error, best = i;
   }
-  constexpr double kGolden = 0.6180339887498949;
+  constexpr double kGolden = 0.6180339887498949;  // (sqrt(5) - 1) / 2
   double low = node(std::max(0, best - 1)), high = node(std::min(kSteps, best + 1));
   double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
   double fa = error_at(a, ratios, chosen, reference), fb = error_at(b, ratios, chosen, reference);
@@ -131,7 +131,7 @@ TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, s
   solution.log_residual = std::sqrt(squares / m);
   solution.model_error = solution.log_residual;
   const double information = slope_squared - slope * slope / m;
-  constexpr double kEdge = 1e-3;
+  constexpr double kEdge = 1e-3;  // of T: what a search within bounds leaves
   solution.at_edge = solution.turbidity.value < kLowestTurbidity.value + kEdge ||
                      solution.turbidity.value > kHighestTurbidity.value - kEdge;
   if (!(information > 0.0)) return solution;

@@ -23,7 +23,7 @@ struct Cells {
   Image<glm::vec3> direction;
 };
 Cells cells_of(const SkyGeometry& geometry, const SkyLight& light) {
-  constexpr double kAcross = 160.0;
+  constexpr double kAcross = 160.0;  // cells: a cloud is several, and noise averages out
   const int width = light.use.width(), height = light.use.height();
   const int side = std::max(1, static_cast<int>(std::lround(std::max(width, height) / kAcross)));
   const cv::Mat1f none(height / side, width / side, 0.0f);
@@ -55,7 +55,7 @@ struct Place {
   float luminance, colour, texture;
 };
 std::vector<Place> sky_places(const Cells& cells) {
-  constexpr int kApart = 3;
+  constexpr int kApart = 3;  // every third cell: neighbours say the same
   const cv::Mat1f texture = texture_of(cells.luminance, cells.known);
   const cv::Mat1f luminance = mean_over(cells.luminance, cells.known, kApart);
   const cv::Mat1f colour = mean_over(cells.colour, cells.known, kApart);
@@ -70,6 +70,7 @@ std::vector<Place> sky_places(const Cells& cells) {
 // ln R/B over that of the bluest sky at the same height and distance from the sun: over a smooth lower envelope, from
 // least squares in which what is whiter hardly counts.
 std::vector<float> whiter_than_bluest(const std::vector<Place>& places, const SunDirection& sun) {
+  // Of the smooth envelope below; what is whiter than it weighs 3 %, so that the envelope runs along the bluest places.
   constexpr int kColourTerms = 6, kRounds = 12;
   constexpr double kWhiter = 0.03, kStiffness = 1e-5;
   const glm::vec3 towards_sun(sun);
@@ -106,7 +107,7 @@ std::vector<float> whiter_than_bluest(const std::vector<Place>& places, const Su
 void compare_with_form(SkyLook& look, const std::vector<Place>& places, const SunDirection& sun) {
   constexpr float kAir = 0.12f, kEven = 0.06f, kPerhapsCloud = 0.02f;                    // to begin with
   constexpr float kLuminance = 0.12f, kColour = 0.08f, kTexture = 0.08f, kDark = -0.8f;  // of what agrees; of no sky
-  constexpr float kWhiter = 0.15f;
+  constexpr float kWhiter = 0.15f;  // of ln R/B over the bluest: chosen between haze and thin cloud
   const ClearForm form(sun);
   const std::vector<float> whiter = whiter_than_bluest(places, sun);
   std::vector<LookedAt> looked_at;
@@ -139,6 +140,7 @@ void compare_with_form(SkyLook& look, const std::vector<Place>& places, const Su
 }
 
 void look_at_sun(SkyLook& look, const SkyPicture& picture, const SkyGeometry& geometry, const SunDirection& sun) {
+  // The disc with its glare, and the sky just outside.
   constexpr Radians kCore = from_degrees(1.5), kRingBegins = from_degrees(6.0), kRingEnds = from_degrees(9.0);
   constexpr double kBright = 0.9, kDuller = 0.1;  // encoded, of the darkest channel
   const auto cosine = [](Radians angle) { return static_cast<float>(std::cos(angle.value)); };

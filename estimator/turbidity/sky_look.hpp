@@ -16,7 +16,7 @@ struct SkyLook {
   bool sun_seen = false;     // a small saturated spot stands where the sun is
   bool sun_hidden = false;   // nothing there is saturated
 };
-constexpr int kFewestPlaces = 150;
+constexpr int kFewestPlaces = 150;  // fewer do not show a sky's form, which has 26 terms
 
 // What is much darker than the sky around it, trees and masts, counts as no sky. `light`: clouds not marked.
 SkyLook look_of(const SkyPicture& picture, const SkyGeometry& geometry, const SkyLight& light, const SunDirection& sun);

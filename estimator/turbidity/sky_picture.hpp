@@ -20,7 +20,7 @@ struct SkyPicture {
   glm::dvec2 camera_pixel(double x, double y) const { return first + step * glm::dvec2{x, y}; }
 };
 
-constexpr int kSkyPictureSide = 400;
+constexpr int kSkyPictureSide = 400;  // elements of about half a degree of a fisheye, the size of the sun
 
 // Every n-th pixel, n such that the longer side has at most `largest_side` elements. Pixels are picked, not averaged:
 // an average of encoded values is not proportional to light, and unused pixels need not be read. Error (bad_input): a

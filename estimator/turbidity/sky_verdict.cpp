@@ -16,7 +16,8 @@ namespace kasumi {
 namespace {
 
 constexpr double kNightElevationDeg = -6.0;  // the end of civil twilight
-constexpr double kMostlyDark = 0.6;
+constexpr double kMostlyDark = 0.6;          // of the open sky: more is dusk, under-exposure or a covered lens
+// Of the open sky: what is left would be the part farthest from the sun alone.
 constexpr double kMostlySaturated = 0.5;
 constexpr double kUniform = 0.10;  // of ln Y: even fog varies more from the horizon to the zenith
 constexpr double kBetter = 0.75;   // of the clear sky's error: then it is a grey sky ...
@@ -71,6 +72,7 @@ std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateOpti
 }
 
 SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geometry, const SkyLight& sky) {
+  // 24 patches: enough to see a gradient, each with enough elements for a median.
   constexpr int kRings = 3, kSectors = 8;
   SkyStatistics statistics;
   std::array<std::vector<float>, kRings * kSectors> patches;

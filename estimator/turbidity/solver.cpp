@@ -14,8 +14,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr std::size_t kFewestSamples = 8;
-constexpr double kLeastVariance = 1e-10;  // of ln Y: keeps the weights of a noise-free picture's samples finite
+constexpr std::size_t kFewestSamples = 8;  // two unknowns, and enough left over for a sigma
+constexpr double kLeastVariance = 1e-10;   // of ln Y: keeps the weights of a noise-free picture's samples finite
 
 // Variable projection: for every T the best ln k is the weighted mean residual, which leaves one unknown.
 class LeastSquares {
@@ -60,6 +60,7 @@ class LeastSquares {
     double t = start;
     Sums now = evaluate(weights, t);
     bool converged = false, current = true;
+    // Gauss-Newton with halved steps: it settles in far fewer.
     constexpr int kRounds = 30;
     for (int round = 0; round < kRounds && !converged && now.information > 0.0; ++round) {
       double next = std::clamp(t + now.gradient / now.information, lowest_, highest_);
@@ -155,8 +156,8 @@ class Patches {
   }
 
  private:
-  static constexpr int kZenith = 4, kSun = 8;
-  static constexpr double kSide = 0.35;  // [rad]
+  static constexpr int kZenith = 4, kSun = 8;  // patches of some 20 deg, within which a model's errors are alike
+  static constexpr double kSide = 0.35;        // [rad]
   struct Patch {
     double leverage = 0.0, pull = 0.0, sum = 0.0, squares = 0.0;
     int count = 0;
@@ -195,7 +196,7 @@ Agreement agree(LeastSquares& fit, const std::vector<double>& own, const Consens
   agreed.weights.assign(n, 1.0);
   agreed.local = {Turbidity{static_cast<double>(consensus.t)}, static_cast<double>(consensus.log_gain)};
   fit.evaluate(agreed.weights, static_cast<double>(consensus.t));
-  constexpr int kRounds = 4;
+  constexpr int kRounds = 4;  // of weights and solution by turns; it ends earlier when no sample changes sides
   for (int round = 0; round < kRounds; ++round) {
     double seen = 0.0, known = 0.0;
     bool changed = false;
@@ -270,7 +271,7 @@ ErrorBudget error_budget(std::span<const SkySample> samples, const LeastSquares&
 }
 
 bool is_at_edge(Turbidity turbidity, const FittedSky& sky) {
-  constexpr double kEdge = 1e-3;
+  constexpr double kEdge = 1e-3;  // of T: what a search within bounds leaves
   return (turbidity.value < kLowestTurbidity.value + kEdge && !sky.dome()) ||
          turbidity.value > sky.highest().value - kEdge;
 }

@@ -11,8 +11,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kClearSky = 0.80;  // from this share on the sky is called clear
-constexpr double kNearlyAll = 0.97;
+constexpr double kClearSky = 0.80;          // from this share on the sky is called clear
+constexpr double kNearlyAll = 0.97;         // share of samples that agree: a second draw would find the same
 constexpr double kOutlierSigmas = 3.0;      // standard deviations of the first fit's residuals ...
 constexpr double kSmallestOutlier = 0.004;  // ... and at least this much of ln Y, for elements that are not clear sky
 

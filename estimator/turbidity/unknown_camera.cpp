@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kMostlyClear = 0.80;                    // from this share on the sky is called clear
 constexpr Radians kNearestToBloom = from_degrees(15.0);  // an unknown lens scatters the sun's light that far
-constexpr int kFewestReadings = 60;
-constexpr double kMostLeft = 0.30;  // of ln light: no clear sky, whatever the camera
-constexpr double kMostSigmaAod = 0.2;
+constexpr int kFewestReadings = 60;                      // as a tone curve needs
+constexpr double kMostLeft = 0.30;                       // of ln light: no clear sky, whatever the camera
+constexpr double kMostSigmaAod = 0.2;  // of optical depth, where it is larger than the depth itself: no answer
 
 Refusal unknown(std::string reason) {
   return {SkyCondition::unknown, std::move(reason)};
