@@ -15,6 +15,8 @@ namespace kasumi {
 namespace {
 
 constexpr double kSigmas = 5.0;  // a false alarm is worse than a late alarm
+// Least deviations called drift, however small sigma is (docs/calibration.md): smaller ones shift no building by a
+// visible amount.
 constexpr double kMinSceneTurn_deg = 0.02, kMinSkyTurn_deg = 0.2, kMinSunOffset_deg = 0.3;
 constexpr double kMinWidening = 0.3;     // of edges
 constexpr double kMinVeil = 0.12;        // of the picture's mean light
@@ -22,7 +24,8 @@ constexpr double kVeiledContrast = 0.7;  // and the edges keep less than that
 constexpr double kMinEvenness = 0.5;     // fogged: worst fifth of the edges keeps this share of what the best does
 constexpr double kBrightestVeilReference = 0.4;  // without a darker reference a veil cannot be judged
 constexpr double kMinExposure = 0.35;            // the sky's model itself is no surer
-constexpr std::size_t kFewestSuns = 3;
+constexpr std::size_t kFewestSuns = 3;           // a median of three is not moved by one reflection
+// Suns that differ by more are reflections; the scatter has a floor, since three suns may agree by chance.
 constexpr Radians kSunAgreement = from_degrees(0.4), kMinSunScatter = from_degrees(0.05);
 
 DriftFinding undetermined(const char* camera, const char* what, std::string message) {

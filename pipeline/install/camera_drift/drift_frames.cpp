@@ -13,11 +13,13 @@
 namespace kasumi {
 namespace {
 
-constexpr Radians kLowestSun = from_degrees(10.0);
+constexpr Radians kLowestSun = from_degrees(10.0);    // below, refraction and haze move and dim the disc
 constexpr Radians kFarthestSun = from_degrees(15.0);  // from the ephemeris: anything farther is a reflection
 constexpr Radians kLargestSun = from_degrees(3.0);    // radius with glare: bright clouds are larger
 constexpr int kBesideObstruction_px = 6;              // of the shrunk picture
+// Elevation: trees and houses that a sky camera's mask may miss end there.
 constexpr Radians kLowSky = from_degrees(15.0);
+// A dome's light is judged neither near the sun, where glare moves with it, nor low, where trees are.
 constexpr Radians kNearSun = from_degrees(20.0), kLowForDome = from_degrees(20.0);
 
 GreyPicture grey_of(const Image<Rgb8>& picture) {

@@ -11,10 +11,10 @@
 
 namespace kasumi {
 
-constexpr int kMostCheckFrames = 15;  // of each camera: the median removes what is visible in fewer than half of them
-constexpr int kFewestCheckFrames = 3;
-constexpr int kCheckSide_px = 480;  // longest side of the compared views
-constexpr int kDomeSide_px = 160;
+constexpr int kMostCheckFrames = 15;   // of each camera: the median removes what is visible in fewer than half of them
+constexpr int kFewestCheckFrames = 3;  // a median of fewer does not remove what passes
+constexpr int kCheckSide_px = 480;     // longest side of the compared views
+constexpr int kDomeSide_px = 160;      // shades of a dirty dome are smooth: a third of the views' side shows them
 
 // A grey, encoded picture of the camera's own size.
 using GreyPicture = Image<std::uint8_t>;

@@ -8,6 +8,7 @@
 namespace kasumi {
 namespace {
 
+// Short, so that both cameras are asked by turns.
 constexpr Duration kFrameTimeout = std::chrono::milliseconds(200);
 
 // Keeps one camera streaming and keeps a picture of it now and then.

@@ -14,8 +14,10 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Raised when the file's meaning changes; format 1 kept pictures.
 constexpr int kReferenceFormat = 2;
 constexpr int kFormatWithPictures = 1;
+// Of values in rows of text, one character each.
 constexpr std::string_view kDigits = "0123456789abcdefghijklmnopqrstuvwxyz";
 static_assert(ViewLines::kStrongest < int{kDigits.size()} && DomeShade::kSteepest < int{kDigits.size()});
 
@@ -106,6 +108,7 @@ std::optional<DarkPlaces> darkest_of(const Json& json, const Image<std::uint8_t>
 struct CameraKeys {
   const char *edges, *lines, *darkest;
 };
+// The file's names for each camera's rows.
 constexpr CameraKeys kSceneKeys{"scene_edges", "scene_lines", "scene_darkest"};
 constexpr CameraKeys kSkyKeys{"sky_edges", "sky_lines", "sky_darkest"};
 

@@ -9,6 +9,7 @@
 namespace kasumi {
 namespace {
 
+// What earlier versions kept beside the reference.
 constexpr const char *kScenePicture = ".check-scene.png", *kSkyPicture = ".check-sky.png",
                      *kDomePicture = ".check-dome.png";
 

@@ -16,8 +16,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kProvingInterval = 5s;
-constexpr Duration kProof = 10min;
+constexpr Duration kProvingInterval = 5s;  // between looks: bounds how late a proof is noted
+constexpr Duration kProof = 10min;         // ten minutes of pictures forgive everything before them (docs/operating.md)
 constexpr Duration kKeepAgainInterval = 1h;  // after the disk failed
 
 }  // namespace

@@ -19,12 +19,14 @@ constexpr Duration kAnswerDeadline = 5min;   // a slow GPU with a heavy model; a
 constexpr Duration kReadingDeadline = 1min;  // of everything that the content names
 constexpr Duration kReadingLook = 50ms;      // by the machine's clock
 constexpr int kReadingLooks = 20;            // a step
+// Looks cost file system calls: a reload is awaited by a person, an era's change by the minute.
 constexpr Duration kReloadPollInterval = 10s;
 constexpr Duration kEraPollInterval = 1s;
 constexpr Duration kRefusedEraPause = 10min;  // before it is tried again
 
 // One budget for both: the old content stays until the new one is whole.
 Result<> fits_beside_the_old(const Content& content, const std::optional<std::uint64_t>& left) {
+  // Left to the rest of the machine: no reload may bring it to swap.
   constexpr std::uint64_t kMega = 1'000'000, kReserve = 100 * kMega;
   const auto needed = bytes_to_stage(content) + kReserve;
   if (!left || needed <= *left) return {};

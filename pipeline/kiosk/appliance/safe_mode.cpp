@@ -21,12 +21,15 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kRedrawInterval = 1s;  // it proves that the screen still takes pictures
+// Far longer than a flip: no buffer for so long is a stuck display.
 constexpr Duration kSafeBufferDeadline = 250ms;
 constexpr Duration kSafeStuckDisplay = 1500ms;  // no flip completes: reopen the display
+// Between attempts to open a display: the picture is back within 3 s (docs/faults.md 15)
 constexpr Duration kOpenInterval = 1s;
-constexpr Duration kSafeStatusInterval = 1s;
-constexpr Duration kSafeProof = 10min;
-constexpr Duration kLongestSleep = 200ms;
+constexpr Duration kSafeStatusInterval = 1s;  // bounds how old the status is
+constexpr Duration kSafeProof = 10min;        // as kProof of the proving loop
+constexpr Duration kLongestSleep = 200ms;     // bounds how late a stop or a reload is noticed
+// Doubles: content that lacks a disk is soon back, content that is broken stays broken.
 constexpr Duration kFirstContentPause = 15s, kLongestContentPause = 5min;
 constexpr Duration kTrialDeadline = 2min;  // to read it and try to draw it: then another try begins
 

@@ -9,6 +9,7 @@ namespace kasumi {
 
 namespace {
 
+// Bounds how old the camera's status is while no frame comes.
 constexpr Duration kSceneStatusInterval = std::chrono::milliseconds(500);
 
 }  // namespace

@@ -11,12 +11,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kBufferDeadline = 250ms;
-constexpr Duration kStuckDisplay = 1500ms;  // no flip completes: reopen the display
-constexpr Duration kDisplayInterval = 1s;   // between attempts to open one
-constexpr int kRefusalsForGood = 3;
-constexpr Duration kRefusalFlip = 1s;      // for the still picture to be on the glass
-constexpr Duration kDisplayPause = 250ms;  // the same after a hotplug event
+constexpr Duration kBufferDeadline = 250ms;  // far longer than a flip at 60 Hz
+constexpr Duration kStuckDisplay = 1500ms;   // no flip completes: reopen the display
+constexpr Duration kDisplayInterval = 1s;    // between attempts to open one
+constexpr int kRefusalsForGood = 3;          // one refusal may be the display's; three in a row are the content's
+constexpr Duration kRefusalFlip = 1s;        // for the still picture to be on the glass
+constexpr Duration kDisplayPause = 250ms;    // the same after a hotplug event
 
 }  // namespace
 

@@ -17,6 +17,7 @@ Snapshot snapshot_of(const RenderStatus& status, bool building, const std::vecto
 // state page it says so on the picture, and for some seconds after.
 class SnapshotDesk {
  public:
+  // Long enough to read two lines and to step aside.
   static constexpr Duration kTold = std::chrono::seconds(3), kToldAfter = std::chrono::seconds(5);
 
   explicit SnapshotDesk(SnapshotMailbox& answers) : answers_(answers) {}

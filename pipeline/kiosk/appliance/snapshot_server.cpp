@@ -11,12 +11,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kCallerWait = 250ms;
-constexpr Duration kRequestDeadline = 1s;
-constexpr Duration kPictureWait = 8s;  // visitors are told first, and a display may have to be reopened
-constexpr Duration kAnswerTime = 2s;
-constexpr std::size_t kLongestRequest = 16;
-constexpr std::size_t kCommand = 0, kPage = 1;
+constexpr Duration kCallerWait = 250ms;         // bounds how late a stop is noticed
+constexpr Duration kRequestDeadline = 1s;       // a caller of this machine has its request ready
+constexpr Duration kPictureWait = 8s;           // visitors are told first, and a display may have to be reopened
+constexpr Duration kAnswerTime = 2s;            // a caller that does not read for so long has ended
+constexpr std::size_t kLongestRequest = 16;     // the longest word of the protocol, and a little
+constexpr std::size_t kCommand = 0, kPage = 1;  // places of the two sockets
 static_assert(kBlurredPixels <= kMostScreenPixels);
 
 }  // namespace

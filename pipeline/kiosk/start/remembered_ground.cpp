@@ -14,6 +14,7 @@ namespace kasumi {
 namespace {
 
 constexpr Duration kKeepInterval = std::chrono::hours(1);  // half a megabyte each time: flash memory wears
+// Any version; the version that is written.
 constexpr std::string_view kEveryKind = "kasumi-ground-", kKind = "kasumi-ground-1";
 // What was learnt while the clock was wrong goes by a sun that stood elsewhere: by a degree, in so long.
 constexpr Duration kClockError = std::chrono::minutes(4);

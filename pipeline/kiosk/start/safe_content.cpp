@@ -43,6 +43,7 @@ struct Found {
   int still_width, still_height;
   Text<4096> remark;
 };
+// Shared with the child: whole pages for what it found, then the still picture's pixels.
 constexpr std::size_t kFoundBytes = (sizeof(Found) + 4095) / 4096 * 4096;
 constexpr std::size_t kSharedBytes = kFoundBytes + kStillLimits.pixels * sizeof(Rgba8);
 

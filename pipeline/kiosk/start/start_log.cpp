@@ -18,8 +18,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kRecordName = "starts.json";
-constexpr const char* kModes[] = {"whole", "safe", "plain"};
+constexpr const char* kRecordName = "starts.json";            // in the state folder
+constexpr const char* kModes[] = {"whole", "safe", "plain"};  // names in starts.json, by StartMode
 
 std::filesystem::path folder_of(const char* variable) {
   const char* value = std::getenv(variable);
@@ -78,9 +78,10 @@ StartRecord record_in(const std::string& text) {
   return record;
 }
 
+// A disk that answers does so in milliseconds; the start goes on without the record.
 constexpr Duration kReadDeadline = std::chrono::seconds(2);
-constexpr Duration kShowFirst = std::chrono::seconds(5);  // a picture, before anything is noted on the disk
-constexpr Duration kCountDeadline = std::chrono::seconds(2);
+constexpr Duration kShowFirst = std::chrono::seconds(5);      // a picture, before anything is noted on the disk
+constexpr Duration kCountDeadline = std::chrono::seconds(2);  // as long for writing
 
 // What earlier starts left.
 struct Left {

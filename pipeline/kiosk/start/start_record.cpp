@@ -10,9 +10,11 @@ namespace kasumi {
 
 namespace {
 
+// How long safe mode lasts, and a camera whose opening hung is left alone: doubled with each repetition from the first
+// to the longest, so that a passing fault is soon over and a lasting one is seldom tried.
 constexpr double kFirstSafe_s = 3600.0, kLongestSafe_s = 24 * 3600.0;
 constexpr double kFirstRest_s = 60.0, kLongestRest_s = 3600.0;
-constexpr std::size_t kMostReasons = 3;
+constexpr std::size_t kMostReasons = 3;  // of the newest failed starts, which fit a line of the status
 
 bool reached_start_limit(const StartRecord& record) {
   const auto& starts = record.starts_s;

@@ -10,13 +10,14 @@
 namespace kasumi {
 namespace {
 
-constexpr double kReach = 2.5;    // heights of the object: beyond, a long wall hides less than 4 % of the sky
-constexpr int kMostPoints = 192;  // along a side
-constexpr double kLeastStep_m = 0.1;
-constexpr int kMapSide = 256;  // texels
+constexpr double kReach = 2.5;        // heights of the object: beyond, a long wall hides less than 4 % of the sky
+constexpr int kMostPoints = 192;      // along a side
+constexpr double kLeastStep_m = 0.1;  // no finer: the shade of a whole building is smooth
+constexpr int kMapSide = 256;         // texels
+// Of a shade within .004 of the closed form (docs/physics.md 8); in steps, so that the drawing goes on meanwhile.
 constexpr int kFewestDirections = 64, kDirectionsPerStep = 8;
 constexpr std::size_t kTrianglesInAll = 20'000'000;  // drawn, from all directions together
-constexpr float kNothing = -1e30f;
+constexpr float kNothing = -1e30f;                   // a height below all ground
 
 struct AcrossSky {  // across a direction
   glm::vec3 right, up;
@@ -29,7 +30,7 @@ AcrossSky across_sky(const glm::vec3& direction) {
 
 // Direction `index` of `count` over the upper hemisphere, as dense as the cosine to the vertical: a spiral.
 glm::vec3 sky_direction(int index, int count) {
-  constexpr double kGolden = 2.399963229728653;
+  constexpr double kGolden = 2.399963229728653;  // pi (3 - sqrt(5)): the golden angle
   const double level2 = (index + 0.5) / count, turn = kGolden * index;
   const double level = std::sqrt(level2);
   return glm::vec3(level * std::cos(turn), level * std::sin(turn), std::sqrt(1.0 - level2));

@@ -28,7 +28,7 @@ ResponseCurve response_for_gles(const Response& response) {
     case Response::Kind::table: break;
   }
   curve.kind = ResponseCurve::Kind::table;
-  constexpr int kEntries = 1024;
+  constexpr int kEntries = 1024;  // finer than the steps of 8 bits where the curve is steepest
   for (int i = 0; i < kEntries; ++i) {
     const glm::dvec3 light = response.to_light(glm::dvec3{static_cast<double>(i) / (kEntries - 1)});
     for (int c = 0; c < 3; ++c) curve.light[static_cast<std::size_t>(c)].push_back(light[c]);
@@ -68,6 +68,7 @@ AirlightGrid airlight_grid(const Camera& scene, const PixelBox& box,
 }
 
 ObjectDetail detail_for_gles(const ImageQuality& quality, PixelLayout layout, double haze_blur_px) {
+  // A kernel's programs are compiled anew for each width: fewer widths, fewer stutters.
   constexpr double kStep_px = 0.25;
   ObjectDetail detail;
   detail.point_spread_px = quality.point_spread_px;

@@ -16,8 +16,8 @@
 namespace kasumi {
 namespace {
 
-constexpr int kMostColumns = 160;  // of the grid: no finer than the shadow's edges are soft
-constexpr double kLeastStep_px = 2.0;
+constexpr int kMostColumns = 160;       // of the grid: no finer than the shadow's edges are soft
+constexpr double kLeastStep_px = 2.0;   // no finer than the camera's own blur
 constexpr std::uint8_t kOpen = 250;     // the mask's mean where nothing stands before the ground
 constexpr double kWhite = 0.97;         // encoded: beyond, the camera may have clipped
 constexpr double kAirSigma = 0.02;      // relative, of the air's light before the ground
@@ -45,6 +45,7 @@ class SkyOnSlopes {
  public:
   explicit SkyOnSlopes(const LightAround& around) : around_(around) {}
   double on(const glm::dvec3& normal) {
+    // Of a normal's component: the light on the ground changes little within one.
     constexpr double kSteps = 16.0;
     const auto key = std::pair(std::lround(kSteps * normal.x), std::lround(kSteps * normal.y));
     const auto known = known_.find(key);

@@ -69,7 +69,7 @@ class AirBeforeObject {
 
 // By so much that nothing is left of it; zero would leave the renderer without a scale.
 void darken(ObjectLight& light) {
-  constexpr double kBlack = 1e-6;
+  constexpr double kBlack = 1e-6;  // nearly no light, and no division by zero
   light.sun_irradiance *= kBlack;
   for (glm::vec3& texel : light.around.radiance.elements()) texel *= static_cast<float>(kBlack);
 }

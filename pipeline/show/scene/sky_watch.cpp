@@ -17,6 +17,7 @@ TrackedTurbidity as_turbidity(const TrackedAir& state) {
 
 // Of an estimate by one model alone: what it cannot know is as usual.
 FoundAerosol found_alone(Turbidity turbidity, double sigma, const SkyToFit& sky) {
+  // Of all air: 1.3 +- .4, as SkyFit supposes it of models that know T alone.
   constexpr double kUsualExponent = 1.3, kExponentSigma = 0.4;
   const Aerosol like = sky.aerosol.value_or(Aerosol{0.0, kUsualExponent});
   const AirState air = air_of(turbidity, like, sigma);
@@ -40,7 +41,7 @@ AirTracker tracker_of(const Installation& installation) {
 }  // namespace
 
 double SkyWatch::Saturation::at(Instant when) const {
-  constexpr double kFollowed_s = 300.0;
+  constexpr double kFollowed_s = 300.0;  // time constant: a new saturation shall not be seen to jump
   const double since_s = std::max(0.0, to_seconds(when - learnt_at));
   return learnt + (before - learnt) * std::exp(-since_s / kFollowed_s);
 }

@@ -20,7 +20,7 @@ struct CaptionStyle {
   int most_lines = 8;           // what does not fit is cut off, with dots
 };
 
-constexpr std::size_t kMostCaptionBytes = 10'000;
+constexpr std::size_t kMostCaptionBytes = 10'000;  // bounds the time to lay it out; some 1500 words
 
 // Light text on a dark, translucent, rounded background. `text` is UTF-8, line breaks are kept; lines are centred, and
 // those of one paragraph about equally long.

@@ -12,6 +12,7 @@ namespace kasumi {
 
 namespace {
 
+// Of lines' dark edges: visible before a bright sky and before a dark hill.
 constexpr double kEdgeOpacity = 0.55;
 constexpr glm::dvec3 kEdge{8, 10, 14};
 

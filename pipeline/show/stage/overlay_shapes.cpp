@@ -83,7 +83,7 @@ class Shapes {
   }
 
   Extent extent() const {
-    constexpr int kSteps = 24;
+    constexpr int kSteps = 24;  // sights each way across the picture, whose extent changes little between two
     const double middle = to_degrees(azimuth_angle(scene_.to_world[2]));
     Extent angles;
     for (int j = 0; j <= kSteps; ++j)
@@ -104,7 +104,7 @@ class Shapes {
   void add_grid() {
     const auto angles = extent();
     const double span = std::max(std::min(angles.azimuths(), 180.0), angles.elevations());
-    constexpr std::array kSteps{0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0};
+    constexpr std::array kSteps{0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0};  // [deg]
     double step = kSteps.back();
     for (const double candidate : kSteps)
       if (span / candidate <= 8.0) {
@@ -165,6 +165,7 @@ class Shapes {
       for (const int z : {0, 1}) segment(OverlayLineKind::box, corner(x, 0, z), corner(x, 1, z));
     for (const int y : {1, 0}) {
       const auto kind = y == 0 ? OverlayLineKind::footprint : OverlayLineKind::box;
+      // The corners in order, back to the first.
       constexpr std::array<std::array<int, 2>, 5> kAround{{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}}};
       for (std::size_t i = 0; i < 4; ++i)
         segment(kind, corner(kAround[i][0], y, kAround[i][1]), corner(kAround[i + 1][0], y, kAround[i + 1][1]));

@@ -11,13 +11,14 @@ namespace kasumi {
 namespace {
 
 constexpr int kRows = 7, kColumns = 5, kAdvance = 6, kLine = 10;  // of a letter, in its own pixels
-constexpr std::size_t kMostLetters = 400;
-constexpr Rgba8 kPaper{24, 28, 34, 230}, kInk{240, 240, 236, 255};
+constexpr std::size_t kMostLetters = 400;                         // bounds what is drawn; the longest message has fewer
+constexpr Rgba8 kPaper{24, 28, 34, 230}, kInk{240, 240, 236, 255};  // as a caption's, without its blending
 
 struct Letter {
   char character;
   std::array<std::uint8_t, kRows> rows;  // the leftmost pixel is 16
 };
+// A row of five pixels each, the leftmost the highest bit.
 constexpr Letter kLetters[] = {
     {'A', {0x0e, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11}},  {'B', {0x1e, 0x11, 0x11, 0x1e, 0x11, 0x11, 0x1e}},
     {'C', {0x0e, 0x11, 0x10, 0x10, 0x10, 0x11, 0x0e}},  {'D', {0x1e, 0x11, 0x11, 0x11, 0x11, 0x11, 0x1e}},

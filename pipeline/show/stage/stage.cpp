@@ -8,7 +8,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Rgba8 kBlack{0, 0, 0, 255};
+constexpr Rgba8 kBlack{0, 0, 0, 255};  // opaque
 
 }  // namespace
 

@@ -15,9 +15,9 @@ namespace {
 
 // Smaller changes are invisible in a picture that nobody compares with the previous one.
 const Radians kMinSunMove = from_degrees(0.4);
-constexpr double kMinHazeChange = 0.05;  // of T - 1
-constexpr double kMinCloudChange = 0.1;
-constexpr double kUsualFieldOfView_deg = 50.0;
+constexpr double kMinHazeChange = 0.05;         // of T - 1
+constexpr double kMinCloudChange = 0.1;         // of the cloud cover's share
+constexpr double kUsualFieldOfView_deg = 50.0;  // of a scene camera that is not calibrated
 
 // The scene camera's view; for other lenses than pinholes, and for views too narrow to show more than one colour, a
 // usual field of view instead.

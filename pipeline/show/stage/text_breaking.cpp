@@ -15,10 +15,11 @@ constexpr bool is_without_spaces(char32_t c) {
          (c >= 0xFF00 && c <= 0xFFEF) || (c >= 0x20000 && c <= 0x3FFFF);
 }
 
+// Of a line, after JIS X 4051 (kinsoku).
 constexpr std::u32string_view kNeverFirst =
     U"、。，．・：；？！ー々〻ヽヾゝゞぁぃぅぇぉっゃゅょゎァィゥェォッャュョヮヵヶ）］｝〕〉》」』】〙〗〟’”)]},.:;!?%"
     U"…‥";
-constexpr std::u32string_view kNeverLast = U"（［｛〔〈《「『【〘〖〝‘“([{";
+constexpr std::u32string_view kNeverLast = U"（［｛〔〈《「『【〘〖〝‘“([{";  // of a line
 
 bool may_break_between(char32_t before, char32_t after) {
   if (is_space(before) || is_space(after)) return true;

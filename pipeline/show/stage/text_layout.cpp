@@ -23,7 +23,7 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kMostFontBytes = 64 << 20;
+constexpr std::size_t kMostFontBytes = 64 << 20;   // above a font with all of CJK, some 20 MB
 constexpr const char* kUsualFont = "DejaVu Sans";  // fonts-dejavu-core
 constexpr double kTallest = 3.0;                   // of a line: a font may claim glyphs of any size
 constexpr int kTries = 12;                         // to find lines of equal length
@@ -118,6 +118,7 @@ Result<std::shared_ptr<const Fonts>> read_fonts(const std::optional<std::filesys
 // A picture may have dozens of labels: fonts are kept. Pango does not let go of what it was given, so that reading them for
 // each text would take a quarter of a megabyte each time.
 Result<std::shared_ptr<const Fonts>> fonts_with(const std::optional<std::filesystem::path>& file) {
+  // Sets of fonts: a reload adds one, and all are dropped when they are that many.
   constexpr std::size_t kMostKept = 8;
   using Key = std::pair<std::string, std::filesystem::file_time_type>;
   static std::mutex busy;

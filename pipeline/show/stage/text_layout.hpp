@@ -15,7 +15,7 @@
 
 namespace kasumi {
 
-constexpr double kLineOverEm = 1.2;
+constexpr double kLineOverEm = 1.2;  // distance of lines in units of the letters' size, as in print
 
 struct TextStyle {
   std::optional<std::filesystem::path> font_file{};  // before all others
