@@ -9,9 +9,9 @@
 namespace kasumi {
 namespace {
 
-constexpr int kBlock = 16;  // pixels of a colour difference's 8 x 8 block, at most
-constexpr int kSteps = 8;   // of a block's coefficients, each way
-constexpr std::string_view kWhat = "the camera's processing";
+constexpr int kBlock = 16;                                     // pixels of a colour difference's 8 x 8 block, at most
+constexpr int kSteps = 8;                                      // of a block's coefficients, each way
+constexpr std::string_view kWhat = "the camera's processing";  // in messages
 
 PixelBox around(const std::vector<PixelBox>& boxes) {
   PixelBox whole;

@@ -16,6 +16,7 @@ namespace {
 // A mask that falls from free to covered within a pixel or two shows a still edge, and its shares are those of the
 // pixels; where it falls slowly, something moves, and they are a mean over time.
 std::uint8_t trust_in(const Image<std::uint8_t>& mask, int x, int y) {
+  // Of 255: a still edge falls by nearly all of its range within two pixels.
   constexpr int kMoves = 215, kStill = 255, kMost = 255;
   int low = 255, high = 0;
   for (int v = std::max(0, y - 1); v <= std::min(mask.height() - 1, y + 1); ++v)

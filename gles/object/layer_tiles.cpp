@@ -50,7 +50,7 @@ int LayerTile::height() const {
 }
 
 glm::dmat3 LayerTile::pixel_to_clip() const {
-  constexpr double s = 2.0 / kLatticeSize;
+  constexpr double s = 2.0 / kLatticeSize;  // texels to clip space
   return affine({4.0 * s, s, (0.5 - first_a_) * s - 1.0}, {-s, 4.0 * s, (0.5 - first_b_) * s - 1.0});
 }
 
@@ -73,7 +73,7 @@ std::array<glm::dvec3, 4> LayerTile::horizon_patch(const AirlightGrid& horizon) 
 
 glm::dmat3 LayerTile::layer_fragment_to_sample(const PixelBox& layer) const {
   const double x = layer.left - 0.5, y = layer.top - 0.5;
-  constexpr double s = 1.0 / kLatticeSize;
+  constexpr double s = 1.0 / kLatticeSize;  // texels to texture coordinates
   return affine({4.0 * s, s, (4.0 * x + y - first_a_ + 0.5) * s}, {-s, 4.0 * s, (4.0 * y - x - first_b_ + 0.5) * s});
 }
 

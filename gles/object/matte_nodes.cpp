@@ -17,6 +17,7 @@ bool is_sure(const Image<std::uint8_t>& mask, const glm::ivec2& at, std::uint8_t
   return true;
 }
 
+// The eight neighbours, around.
 constexpr std::array<glm::ivec2, kMatteDirections> kDirections{
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 

@@ -14,9 +14,9 @@
 
 namespace kasumi {
 
-constexpr int kMatteCell_px = 4;    // between nodes; grows where the driver's textures end
-constexpr int kMatteReach_px = 96;  // how far is looked for sure pixels
-constexpr int kMatteDirections = 8;
+constexpr int kMatteCell_px = 4;     // between nodes; grows where the driver's textures end
+constexpr int kMatteReach_px = 96;   // how far is looked for sure pixels
+constexpr int kMatteDirections = 8;  // in which sure pixels are looked for
 
 struct MatteNode {
   glm::ivec2 at{};                                                // column, row

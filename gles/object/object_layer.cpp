@@ -52,7 +52,7 @@ struct LayerLattice {
   std::optional<PixelMeans> means;    // empty: each sample is spread along both axes
 
   static Result<LayerLattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
-    constexpr std::string_view kName = "the buffer for anti-aliasing";
+    constexpr std::string_view kName = "the buffer for anti-aliasing";  // in messages
     auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, options.in_8_bits, info, kName);
     if (!samples) return fail(samples.error());
     LayerLattice made{std::move(*samples), make_renderbuffer(), std::nullopt, std::nullopt};

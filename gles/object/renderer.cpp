@@ -45,7 +45,7 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Renderer::~Renderer() = default;
 
 Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& options) {
-  constexpr GLint kUniforms = 64;
+  constexpr GLint kUniforms = 64;  // what our programs may take; GLES 2 promises 16
   GLint uniforms = 0, textures = 0;
   glGetIntegerv(GL_MAX_FRAGMENT_UNIFORM_VECTORS, &uniforms);
   glGetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &textures);
