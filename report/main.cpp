@@ -23,10 +23,10 @@ namespace {
 using namespace kasumi;
 using namespace kasumi::report;
 
-constexpr int kFailed = 1, kBadInput = 2;
-constexpr int kBadConfiguration = 78;  // EX_CONFIG: the service manager does not start it again
-constexpr const char* kConfigFile = "/etc/kasumi/report.toml";
-constexpr const char* kStatusFile = "/run/kasumi/status.json";
+constexpr int kFailed = 1, kBadInput = 2;  // exit codes, as of kasumi
+constexpr int kBadConfiguration = 78;      // EX_CONFIG: the service manager does not start it again
+constexpr const char* kConfigFile = "/etc/kasumi/report.toml";  // where the package installs it
+constexpr const char* kStatusFile = "/run/kasumi/status.json";  // where kasumi.service writes it
 
 using Action = std::function<Result<int>()>;
 

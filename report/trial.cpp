@@ -12,8 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kLongestTrial = 20s;  // of one channel, but for mail
-constexpr Duration kPauseBetweenLooks = 50ms;
+constexpr Duration kLongestTrial = 20s;        // of one channel, but for mail
+constexpr Duration kPauseBetweenLooks = 50ms;  // below what a person notices
 
 Result<std::string> try_mail(const MailOptions& mail, const ReportConfig& config, const Heard& heard, Clock& clock) {
   auto sendmail =
@@ -28,6 +28,7 @@ Result<std::string> try_mail(const MailOptions& mail, const ReportConfig& config
 }
 
 Result<std::string> try_mqtt(const MqttOptions& mqtt, Clock& clock) {
+  // Below the kiosk's own, so that no reader takes it for a state.
   constexpr std::string_view kTrialTopic = "/trial";
   const auto text =
       fmt::format("{{\"trial_utc\":\"{}\"}}", utc_text(std::chrono::floor<std::chrono::seconds>(clock.utc())));

@@ -10,7 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kFirstWait = 1min;
+constexpr Duration kFirstWait = 1min;  // doubled after each failure
+// A web server's headers take some kB; more is no answer.
 constexpr std::size_t kMostHeaderBytes = 64 * 1024, kMostRefusalBytes = 64 * 1024;
 constexpr int kWhole = 200, kPart = 206, kUnchanged = 304, kNoSuchPart = 416;  // of HTTP
 

@@ -11,7 +11,7 @@ namespace kasumi::report {
 
 namespace {
 
-constexpr std::size_t kLongestTag = 200;
+constexpr std::size_t kLongestTag = 200;  // of ETags: far above what servers send
 
 std::string_view trimmed(std::string_view text) {
   const auto begin = text.find_first_not_of(" \t\r\n");
