@@ -27,7 +27,7 @@ struct Aerosol {
   double angstrom_exponent = 1.3;
   AerosolKind kind = AerosolKind::continental;
   // What of the depth at 550 nm is of another kind: real air is seldom one mixture. Skies are of both (estimator/sky);
-  // whoever asks for one kind gets the first.
+  // code that takes one kind takes the first.
   AerosolKind other = AerosolKind::continental;
   double other_share = 0.0;
   friend bool operator==(const Aerosol&, const Aerosol&) = default;

@@ -7,7 +7,7 @@ namespace kasumi {
 
 // CIELAB of a colour beside a white of D65 and that luminance.
 glm::dvec3 lab_of(const glm::dvec3& xyz, double white_luminance);
-// 1 is about what an eye just tells apart, side by side.
+// 1 is about the least difference that an eye sees side by side.
 double ciede2000(const glm::dvec3& lab_1, const glm::dvec3& lab_2);
 
 }  // namespace kasumi

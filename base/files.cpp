@@ -17,7 +17,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr std::size_t kReadChunk = 1 << 16;  // of what does not tell its size: pipes, /proc
+constexpr std::size_t kReadChunk = 1 << 16;  // for files that report no size: pipes, /proc
 
 // What a person can correct is bad input; the rest is the disk's, the memory's or the system's fault, and may pass.
 FaultKind kind_of(int error) {

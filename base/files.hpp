@@ -15,13 +15,13 @@
 
 namespace kasumi {
 
-// What is read may have been put there by anybody, or be what is left of something. A pipe or a device under a file's
-// name would let its reader wait forever, so they are refused.
+// A file may come from any account, or be left half written. A pipe or a device under a file's name would block its
+// reader for ever, so both are refused.
 struct ReadBounds {
-  std::size_t most_bytes = std::size_t{1} << 30;  // none of ours is as large
+  std::size_t most_bytes = std::size_t{1} << 30;  // larger than any file of Kasumi's
   bool or_pipe = false;                           // what a person names on the command line: <(gpg -d key)
 };
-constexpr ReadBounds kSmallFile{.most_bytes = 1'000'000};  // what programs tell each other, or a person writes
+constexpr ReadBounds kSmallFile{.most_bytes = 1'000'000};  // messages between programs, and files written by hand
 
 // BLOCKS for as long as the disk takes, which may be forever: see base/abandonable.hpp.
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, const ReadBounds& bounds = {});

@@ -10,8 +10,8 @@
 namespace kasumi {
 namespace {
 
-// By what --help calls it. What is called anything else is taken for numbers: a new kind of option is covered until
-// somebody says that it is text.
+// By the type that --help names. Every other type counts as numbers, so that a new kind of option is checked unless it
+// is listed here as text.
 bool takes_text(const CLI::Option& option) {
   static const std::set<std::string> kTexts{"", "TEXT", "FILE", "FILE.csv", "MODEL"};
   const auto name = option.get_type_name();

@@ -16,8 +16,8 @@ Result<bool> update_text_file(const std::filesystem::path& path, std::string_vie
 // Makes the folder and those above it; on return their names are on the disk. Error: io.
 Result<> create_folders(const std::filesystem::path& folder);
 
-// Bytes of the folder's disk that are free for those who are not root. Error: io. Whoever leaves some of it to others
-// takes the function, so that a test can hand in a full disk.
+// Bytes of the folder's disk that are free for those who are not root. Error: io. Code that leaves space to others
+// takes this as a parameter, so that a test can simulate a full disk.
 using FreeBytes = std::function<Result<std::uint64_t>(const std::filesystem::path& folder)>;
 Result<std::uint64_t> free_bytes_of(const std::filesystem::path& folder);
 

@@ -12,7 +12,7 @@ namespace kasumi {
 template <class T>
 class LatestSlot {
  public:
-  // Replaces a value nobody has taken yet.
+  // Replaces a value that was not taken yet.
   void put(T value) {
     std::optional<T> replaced(std::move(value));
     {

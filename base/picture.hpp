@@ -68,7 +68,7 @@ Rgb8 rgb_at(const PictureView& picture, int x, int y);
 // The whole picture, chroma from the nearest sample.
 Image<Rgb8> to_rgb(const PictureView& picture);
 
-// A picture of its own planes: for whoever reads it after its driver has its buffer back.
+// A picture that owns its planes: it stays valid after the driver has its buffer back.
 class CopiedPicture {
  public:
   explicit CopiedPicture(const PictureView& picture);

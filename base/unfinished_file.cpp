@@ -65,7 +65,7 @@ void sweep_once(const std::filesystem::path& folder) {
   if (swept.emplace(status.st_dev, status.st_ino).second) sweep(folder);
 }
 
-// So that nobody can put a link there before us, in a folder that others write to.
+// So that no other account can put a link there first, in a folder that several accounts write to.
 std::uint32_t unguessable() {
   static std::atomic<std::uint32_t> count = 0;  // where the kernel has no random numbers yet
   std::uint32_t random = 0;

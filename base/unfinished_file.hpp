@@ -8,8 +8,8 @@
 
 namespace kasumi {
 
-// The hidden name, ".STEM.RANDOM.PID.part.EXT", which nobody can know beforehand. The first file in a folder sweeps there what processes that were killed, or a
-// power cut, left under such names.
+// The hidden name, ".STEM.RANDOM.PID.part.EXT", which no other account can guess. The first file in a folder removes
+// files of such names there that killed processes or a power cut left.
 std::filesystem::path unfinished_name(const std::filesystem::path& path);
 
 // Gives it its own name. On return the file is on the disk under that name, and stays there whatever happens. Error

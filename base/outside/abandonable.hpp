@@ -19,8 +19,8 @@
 
 namespace kasumi {
 
-// How many threads were left behind and have not ended yet. Whoever ends the program meanwhile has to leave out its
-// destructors (std::_Exit()), which would take away what such a thread uses.
+// How many abandoned threads still run. While any does, the program must end by std::_Exit(): destructors would destroy
+// objects that such a thread uses.
 inline std::atomic<int> abandoned_threads = 0;
 
 // What the work uses must live as long as it does: hand in values, not references.

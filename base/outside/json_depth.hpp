@@ -1,4 +1,4 @@
-// What JSON may cost, seen before it is parsed: each level of nesting takes memory, and stack where somebody recurses.
+// The cost of JSON, bounded before it is parsed: each level of nesting takes memory, and stack in recursive code.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@ namespace kasumi {
 // Brackets within texts do not count.
 int json_depth(std::string_view json);
 
-// The text itself, or nothing (which no parser takes for JSON) where it is larger or deeper than what Kasumi's programs
-// tell each other and keep.
+// The text itself, or nothing (which no parser takes for JSON) where it is larger or deeper than any message or file of
+// Kasumi's.
 std::string_view modest_json(std::string_view json, std::size_t most_bytes = 1 << 20, int deepest = 32);
 
 }  // namespace kasumi

@@ -5,7 +5,7 @@
 
 namespace kasumi {
 
-std::string boot_id();  // the kernel's; empty: it tells none
+std::string boot_id();  // the kernel's; empty: unknown
 double since_boot_s();  // time asleep included
 
 }  // namespace kasumi

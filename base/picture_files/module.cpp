@@ -40,7 +40,7 @@ class OpenCvFilmEncoder final : public FilmEncoder {
 
 template <class T, class Base, class... Arguments>
 std::unique_ptr<Base> opened(const Arguments&... arguments) {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // whoever calls says what is wrong
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // callers report errors themselves
   auto made = std::make_unique<T>(arguments...);
   if (!made->is_open()) return nullptr;
   return made;

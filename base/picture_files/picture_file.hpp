@@ -22,11 +22,11 @@ struct DecodedFile {
   std::vector<std::uint8_t> samples;
 };
 
-// Values as they stand in the file: no gamma, no colour profile, no EXIF orientation. Whoever calls has bounded its
-// size (base/picture_header.hpp). Errors (bad_input): damaged.
+// Values as they stand in the file: no gamma, no colour profile, no EXIF orientation. The caller has checked its size
+// (base/picture_header.hpp). Errors (bad_input): damaged.
 Result<DecodedFile> decode_png(std::span<const std::uint8_t> file);
-// What of the picture is missing becomes grey (capture's check_jpeg tells). Errors: bad_input (no picture can be made
-// of it), unsupported (four colours, as for print).
+// Missing parts of the picture become grey (capture's check_jpeg detects them). Errors: bad_input (no picture can be
+// made of it), unsupported (four colours, as for print).
 Result<DecodedFile> decode_jpeg_file(std::span<const std::uint8_t> file);
 
 // What a PNG says beside its samples.

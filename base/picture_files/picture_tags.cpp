@@ -89,7 +89,7 @@ PictureTags jpeg_tags(TagBytes file) {
   return tags;
 }
 
-// Inflated as far as a profile may be long; one byte more tells that it is longer.
+// Inflated up to the largest profile and one byte more, which shows that it is too long.
 std::vector<std::uint8_t> inflated(TagBytes packed) {
   std::vector<std::uint8_t> bytes(kLargestProfile + 1);
   z_stream stream{};

@@ -78,7 +78,7 @@ class PngReader {
       std::memcpy(to, rest.data(), count);
       rest = rest.subspan(count);
     });
-    // The size that whoever calls has bounded: a chunk before it, which libpng would skip, is no PNG's.
+    // The header's size is what the caller checked. A chunk before it, which libpng would skip, makes this no PNG.
     if (rest_.size() >= 16 && std::memcmp(rest_.data() + 12, "IHDR", 4) != 0) png_error(png_, "it begins with no size");
     // Remarks and profiles are skipped: libpng takes memory for all that such a chunk says it holds, up to 2 GB.
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);

@@ -19,12 +19,12 @@ struct SeenPicture {
   std::vector<std::uint8_t> exif;  // the file's, a TIFF of tags
 };
 
-// Whoever calls has bounded its size. Without orientation and profile the samples are those of decode_picture_file(),
-// bit for bit. Errors (bad_input, unsupported): those of that, a colour profile that cannot be applied.
+// The caller has checked its size. Without orientation and profile the samples are those of decode_picture_file(), bit
+// for bit. Errors (bad_input, unsupported): those of that, a colour profile that cannot be applied.
 Result<SeenPicture> decode_seen_picture(const PictureHeader& header, std::span<const std::uint8_t> file);
 
-// White where a mask lets see, of 8 bits. One painted as transparency is its alpha: transparent hides. Errors
-// (bad_input): other bits; black on transparency, of which nobody knows which of the two is to hide.
+// The mask in 8 bits: white is visible. A mask painted as transparency is its alpha: transparent hides. Errors
+// (bad_input): other depths; black on transparency, where either could mean hidden.
 Result<cv::Mat> mask_of(const SeenPicture& seen);
 
 }  // namespace kasumi

@@ -20,12 +20,12 @@ Result<UniqueFd> listen_at(const std::filesystem::path& path);
 UniqueFd accept_within(const UniqueFd& listening, Duration longest);
 // The same of several, the first before the others; those that are empty have none. BLOCKS likewise.
 struct Caller {
-  std::size_t at = 0;  // whom it called
+  std::size_t at = 0;  // index of the listening socket
   UniqueFd socket;
 };
 std::optional<Caller> accept_within(std::span<const UniqueFd> listening, Duration longest);
 
-// Errors: disconnected (nobody listens there), timeout (others wait already), io.
+// Errors: disconnected (no listener), timeout (its queue is full), io.
 Result<UniqueFd> connect_to(const std::filesystem::path& path);
 
 // Until a line end, which is left out. Errors: timeout, bad_input (longer than `largest`), disconnected.

@@ -1,6 +1,5 @@
-// The picture of the screen that the appliance gives to kasumi-report, over a socket beside its runtime folder: blurred,
-// and too small to hold more than the blur leaves. Whoever connects is given one answer, and nothing is read of what he
-// says.
+// The picture of the screen that the appliance sends to kasumi-report over a socket beside its runtime folder: blurred,
+// and no larger than the blur leaves detail for. Each connection gets one answer; nothing is read from it.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +14,9 @@
 
 namespace kasumi {
 
-// In a folder of its own, which says who may connect: /run/kasumi-screen beside /run/kasumi. Not within it, since root
-// makes it for another group than the appliance's, and there the appliance could lead root's hand elsewhere by a link.
+// In a folder of its own, whose permissions say which accounts may connect: /run/kasumi-screen beside /run/kasumi. Not
+// within it: root creates the folder for another group, and within its own folder the appliance could redirect that by
+// a link.
 std::filesystem::path screen_socket(const std::filesystem::path& runtime_folder);
 // Along a side: what an answer can hold at all.
 constexpr int kMostScreenPixels = 32;

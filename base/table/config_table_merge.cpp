@@ -33,7 +33,7 @@ ConfigTable::Adopted ConfigTable::adopt(const ConfigTable& other, std::string_vi
   auto& root = file_->root;
   if (!root.contains(table)) root.insert(table, toml::table{});
   auto* ours = root[table].as_table();
-  if (!ours) return adopted;  // not a table: whoever reads it reports that
+  if (!ours) return adopted;  // not a table: the reader reports that
   const toml::table before = *ours;
   const auto said_here = [&](std::string_view key) {
     if (before.contains(key)) return true;
