@@ -47,8 +47,8 @@ struct DistanceMap {
 
 // A grey PNG or TIFF of 16 bits, a PFM (whose header's scale is the order of its bytes), a TIFF or EXR of floats. One
 // of another size but the same shape (2 %) is resampled. A sparse one, a lidar's, is filled between its pixels, never
-// above the topmost. Errors (bad_input): the file, a channel, nothing known anywhere, all within a metre though nobody
-// said what a unit is; unsupported.
+// above the topmost. Errors (bad_input): the file, a channel, nothing known anywhere, all within a metre with no unit
+// given; unsupported.
 Result<DistanceMap> read_distances(const std::filesystem::path& path, const DistanceFile& file, int width, int height);
 
 // Metres, 0 where there is sky. A region of which nothing is known is sky from that share of the picture on; a smaller

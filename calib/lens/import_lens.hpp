@@ -25,10 +25,10 @@ struct ImportOptions {
   std::optional<Radians> largest_angle;  // of a fisheye
 };
 
-// By content, not by name: OCamCalib's calib_results.txt; OpenCV's .yml, .xml and .json of pinhole, fisheye and omnidir;
-// ROS' camera_info; Kalibr's camchain; ORB-SLAM's settings; COLMAP's cameras.txt; Agisoft's calibration; Hugin's .pto.
-// Errors (bad_input): everything wrong with it; a number whose meaning is not known; a model that none of ours holds to
-// .1 px; `model` or `largest_angle` without effect.
+// By content, not by name: OCamCalib's calib_results.txt; OpenCV's .yml, .xml and .json of pinhole, fisheye and
+// omnidir; ROS' camera_info; Kalibr's camchain; ORB-SLAM's settings; COLMAP's cameras.txt; Agisoft's calibration;
+// Hugin's .pto. Errors (bad_input): everything wrong with it; a number whose meaning is not known; a model that no lens
+// model of Kasumi follows within .1 px; `model` or `largest_angle` without effect.
 Result<ImportedLens> import_lens(const std::filesystem::path& path, const ImportOptions& options = {});
 
 }  // namespace kasumi

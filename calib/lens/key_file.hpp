@@ -23,7 +23,7 @@ class KeyFile {
   std::optional<double> number(std::initializer_list<const char*> keys, const std::string& prefix = {}) const;
   std::optional<std::string> text(std::initializer_list<const char*> keys, const std::string& prefix = {}) const;
   bool has(const std::string& key) const;
-  // Keys with numbers that nobody asked for, but those below the names in `harmless`.
+  // Keys with numbers that were never read, except those below the names in `harmless`.
   std::vector<std::string> unread(const std::set<std::string, std::less<>>& harmless) const;
 
  private:

@@ -50,9 +50,9 @@ double mean_distance_px(const std::vector<BoardView>& one, const std::vector<Boa
   return count > 0.0 ? sum / count : 0.0;
 }
 
-// A finder locates corners near a fisheye's rim badly, and alike in all views, which bends the lens; only the lens tells
-// where they are: so both in turn, until they stay. The residuals are no judge of that, since a bent lens hides the
-// finder's errors, unless they grow much. Empty: it does not fit.
+// Corner finders are inaccurate near a fisheye's rim, with the same error in all views, which biases the lens. Better
+// corners need the lens, so lens and corners are refined in turn until they settle. Residuals do not measure this,
+// since a biased lens absorbs the finder's errors, unless they grow much. Empty: it does not fit.
 std::optional<LensFit> fit_and_locate(LensFamily family, std::vector<BoardView>& views, int width, int height) {
   constexpr int kMostRounds = 4;
   constexpr double kStays_px = 0.01, kMuchWorse = 1.25;

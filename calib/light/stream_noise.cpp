@@ -205,7 +205,7 @@ std::optional<StreamNoise> fit_stream_noise(std::span<const Image<Rgb8>> picture
     return std::sqrt(sum / static_cast<double>(levels.size()));
   };
   StreamNoise best{0.0, 0.0, 1e9};
-  // By factors, then finer around the best. Read noise is told from shot noise by the dark levels alone.
+  // By factors, then finer around the best. Only dark levels separate read noise from shot noise.
   const auto search = [&](double from, double to, int steps, std::span<const double> reads) {
     for (int i = 0; i <= steps; ++i)
       for (const double read : reads) {

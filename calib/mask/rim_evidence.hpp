@@ -33,7 +33,7 @@ struct RimEvidence {
 };
 RimEvidence evidence_for(const Rim& rim, const cv::Mat3f& tones, const std::vector<RimEdge>& edges);
 
-// Sets what is told of each by comparison with the others.
+// Sets the findings that need a comparison with the others.
 void compare(std::vector<RimEvidence*> all);
 
 // ln of the odds that the circle is within 2 % of the image circle.

@@ -31,8 +31,8 @@ struct SceneMaskOptions {
 };
 
 // GrabCut from the strokes (nearby pixels of like colour join them), then the share of each edge pixel from the
-// picture's own colours (guided filter, He et al. 2013). What is cut away from every stroke of its kind is not
-// believed. Errors (bad_input): a kind of stroke is missing inside the box.
+// picture's own colours (guided filter, He et al. 2013). Areas that touch no stroke of their kind are dropped. Errors
+// (bad_input): a kind of stroke is missing inside the box.
 Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke>& strokes,
                                   const SceneMaskOptions& options);
 

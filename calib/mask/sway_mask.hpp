@@ -21,11 +21,11 @@ struct SwayMask {
 };
 
 // Leaves change the finest details of a picture again and again; light only scales them, clouds have no fine details,
-// and who walks by passes once. So pixels whose detail (ln of light over its mean in 7 x 7 pixels) is often another are
+// and passers-by pass once. So pixels whose detail (ln of light over its mean in 7 x 7 pixels) is often another are
 // those where something sways, and with them what they enclose. What is behind is known at their rim and is followed
-// inwards, from pixel to pixel, through the darker or the brighter half of each pixel's pictures; the other half is what
-// sways. Where nothing of what is behind was ever seen, the pixel is always covered. A trunk that stands still is found
-// only where leaves enclose it.
+// inwards, from pixel to pixel, through the darker or the brighter half of each pixel's pictures; the other half is
+// what sways. Where nothing of what is behind was ever seen, the pixel is always covered. A trunk that stands still is
+// found only where leaves enclose it.
 // Pictures: 8 bits as encoded, all of one size, in order of time; expected: kFewestSwayPictures or more. `box`: left,
 // top, width, height, within the picture.
 constexpr int kFewestSwayPictures = 12;

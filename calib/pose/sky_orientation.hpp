@@ -32,7 +32,7 @@ struct SkyPrior {
   LensDescription lens;
   glm::dvec2 centre_sigma_px{3.0};          // of the lens's centre: about 0.5 for a found image circle
   double scale_sigma = 0.03;                // of its focal length, relative: a data sheet's; 1e-3 for a calibrated lens
-  glm::dmat3 to_world{1.0};                 // as mounted; of it only the optical axis is believed, never the azimuth
+  glm::dmat3 to_world{1.0};                 // as mounted; only its optical axis is used, never the azimuth
   Radians level_sigma = from_degrees(3.0);  // of that axis
   double least_sigma_px = 0.05;             // no centroid is better, however well a few happen to agree
   Radians sag_sigma{0.0};                   // of how far a sight with .lowered 1 is lowered; 0: none is

@@ -18,7 +18,7 @@ struct SkyTurn {
   Radians azimuth_up{};  // of the picture's top; mirrored pictures: after they were turned over, left to right
   Radians sigma{};
   bool mirrored = false;
-  bool mirror_known = false;  // suns at two places told; else it was supposed that they are not
+  bool mirror_known = false;  // determined by suns at two places; false: assumed not mirrored
   int suns = 0;               // that agree
 };
 
