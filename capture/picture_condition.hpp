@@ -24,7 +24,7 @@ PictureSample sample_picture(const PictureView& picture);
 
 // Follows the samples over time. A camera's picture always has noise, so identical bits mean that it is frozen.
 // Darkness and saturation are judged by means, to be independent of noise. Black with lamps in it is night, not a
-// cover; without lamps the two cannot be told apart.
+// cover; without lamps the two look the same.
 class ConditionWatch {
  public:
   explicit ConditionWatch(Duration deadline) : deadline_(deadline) {}

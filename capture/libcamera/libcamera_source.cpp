@@ -141,9 +141,9 @@ class Session : public std::enable_shared_from_this<Session> {
     }
     camera_->stop();  // cancels queued requests, which calls request_completed; does nothing once it is unplugged
     if (queued() == 0) return let_go();
-    // Unplugged, of which libcamera 0.0.3 tells for USB cameras only; stopping another that is gone ends the program, by
-    // an assertion in PipelineHandler::stop(). The camera's thread may still use the requests that were not given back,
-    // until the camera itself is gone: so it is that thread which frees both, between two of its tasks.
+    // Unplugged, which libcamera 0.0.3 reports for USB cameras only; stopping any other camera that is gone aborts the
+    // program by an assertion in PipelineHandler::stop(). The camera's thread may still use the requests that were not
+    // given back, until the camera itself is gone: so that thread frees both, between two of its tasks.
     run_after_queued_tasks(*camera_, [session = shared_from_this()] { session->let_go(); });
   }
 
