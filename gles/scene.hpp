@@ -128,7 +128,7 @@ constexpr double kWidestPointSpread_px = 3.0;
 constexpr double kStrongestSharpening = 3.0;
 
 // The camera's noise: the variance of linear light L (full scale = 1) is shot L + read^2, per channel.
-constexpr std::uint32_t kNoisePatterns = 4;  // in turn; nobody sees them come again
+constexpr std::uint32_t kNoisePatterns = 4;  // in turn; their repetition is not visible
 struct SensorNoise {
   glm::dvec3 shot{0.0};
   glm::dvec3 read{0.0};

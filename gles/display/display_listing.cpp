@@ -37,7 +37,7 @@ ListedConnector listed(const KmsConnector& connector) {
   return made;
 }
 
-// YUV counts where the planes can be told to convert any kind of it.
+// YUV counts where the planes can convert every kind of it.
 Result<> takes(const std::vector<KmsPlane>& planes, std::uint32_t primary, PixelLayout layout) {
   if (!is_yuv(layout)) {
     const auto pairs = choose_planes(planes, primary, drm_format_of(layout), std::nullopt);

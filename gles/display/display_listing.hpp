@@ -24,7 +24,7 @@ struct ListedCard {
   std::string by_path;  // "/dev/dri/by-path/pci-0000:00:02.0-card"; empty: udev gives none
   std::string driver;   // "vc4"
   bool atomic = false;
-  std::string users;    // "kasumi (pid 411) is master"; empty: nobody, or this user may not see it
+  std::string users;    // "kasumi (pid 411) is master"; empty: none, or not visible to this account
   std::string problem;  // why the card could not be queried; then the fields above may be empty
   std::vector<ListedConnector> connectors;
   std::vector<std::string> plane_formats;  // of a camera's pictures that the first connected display may lay a building

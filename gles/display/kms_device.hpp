@@ -97,7 +97,7 @@ struct KmsPlane {
   std::vector<std::uint32_t> formats;  // drm_format()
   std::optional<Zpos> zpos;            // empty: the driver does not say
   std::optional<bool> premultiplied;   // whether it can blend so; empty: the driver does not say
-  std::vector<YuvEncoding> encodings;  // that it can be told to convert
+  std::vector<YuvEncoding> encodings;  // that it can convert
 };
 
 struct KmsRectangle {  // pixels

@@ -94,7 +94,7 @@ Result<> KmsFlips::advance() {
   if (pending_->planes.empty()) return commit();
   const auto committed = commit_planes();
   if (!committed && committed.error().kind != FaultKind::unsupported) return committed;
-  return {};  // a refused one is left out: whoever submits the next learns of it
+  return {};  // a refused one is skipped: the next submission reports it
 }
 
 Result<> KmsFlips::take_events(Duration at_most) {

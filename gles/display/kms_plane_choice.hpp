@@ -20,7 +20,7 @@ struct KmsPlanePair {
 };
 
 // Pairs of which one is `primary`, which drivers want on: those that leave the camera's picture on it come first. Only
-// the driver can tell which of them work together. `encoding`: empty: not YUV.
+// the driver knows which of them work together. `encoding`: empty: not YUV.
 // Error: unsupported, with what is missing.
 Result<std::vector<KmsPlanePair>> choose_planes(const std::vector<KmsPlane>& planes, std::uint32_t primary,
                                                 std::uint32_t camera_format, std::optional<YuvEncoding> encoding);

@@ -61,7 +61,7 @@ void clamp_to_edge();
 
 // Fails, naming `what`, if GL has recorded errors since the last call; clears all of them.
 Result<> check_gl(std::string_view what);
-// BLOCKS until the GPU has done all that it was told.
+// BLOCKS until the GPU has finished all queued commands.
 void finish_gl();
 // Checks the bound framebuffer. Errors: device, with GL's reason.
 Result<> check_framebuffer(std::string_view what);

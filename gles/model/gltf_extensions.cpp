@@ -27,7 +27,7 @@ ExtensionNote extension_note(std::string_view extension) {
       Row{"KHR_node_visibility", read, ""},
       Row{"KHR_texture_basisu", read, ""},
       Row{"KHR_texture_transform", read, ""},
-      Row{"KHR_materials_transmission", read, ""},  // told by each material
+      Row{"KHR_materials_transmission", read, ""},  // reported by each material
 
       Row{"KHR_animation_pointer", without, "animations are not played"},
       Row{"KHR_lights_punctual", without, "lamps do not shine"},

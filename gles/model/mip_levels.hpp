@@ -1,5 +1,5 @@
-// The smaller levels of a model's textures, averaged in linear light. They take seconds for large pictures: whoever must
-// not wait makes them where the model is read.
+// The smaller levels of a model's textures, averaged in linear light. They take seconds for large pictures, so threads
+// that must not wait leave them to the thread that reads the model.
 #pragma once
 
 #include <optional>

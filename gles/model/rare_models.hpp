@@ -49,8 +49,8 @@ class RareModels {
   // can hold, more than `most` bytes.
   virtual Result<std::vector<std::uint8_t>> meshopt_view(std::span<const std::uint8_t> stream, const MeshoptView& view,
                                                          std::size_t most) const = 0;
-  // Whoever calls has bounded its size (base/picture_header.hpp): one of width x height is expected. Errors
-  // (bad_input): damaged, a film, of another size.
+  // The caller has checked its size (base/picture_header.hpp): width x height is expected. Errors (bad_input): damaged,
+  // a film, of another size.
   virtual Result<Image<glm::u8vec4>> webp_picture(std::span<const std::uint8_t> file, int width, int height) const = 0;
   // The same for the largest level of a KTX2 of Basis Universal (ETC1S in BasisLZ, UASTC plain or in Zstandard). Errors
   // (bad_input): damaged, another kind of KTX2, layers, faces, depth.

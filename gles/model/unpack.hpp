@@ -17,7 +17,7 @@ Result<> unpack_views(tinygltf::Model& gltf, const std::string& name, const Mode
 
 // A primitive that Draco packed (KHR_draco_mesh_compression, required or only used) becomes a list of triangles with
 // accessors of its own; any other stays as it is. What cannot be decoded, but stands in the file unpacked as well, is
-// taken from there, which `notes` tell. Errors: bad_input, unsupported.
+// taken from there; `notes` say so. Errors: bad_input, unsupported.
 Result<> unpack_primitive(tinygltf::Model& gltf, tinygltf::Primitive& primitive, const std::string& what,
                           const ModelLimits& limits, std::vector<std::string>& notes);
 

@@ -149,13 +149,13 @@ Result<> Composite::draw_area(PictureArea area, Part* part, Defines defines, Pro
                               const CameraProcessing* processing) {
   const PictureMesh& mesh = mesh_for(measured, part);
   if (mesh.empty(area)) return {};
-  // Who passes before the object makes an edge of all of it.
+  // With passers before it, all of the object is drawn as an edge.
   const bool somebody = area != PictureArea::plain && frame.passers;
   const bool covered = area == PictureArea::covered && !somebody;
   if (!covered) defines.merge(frame.camera.defines());
   if (covered) defines = {"COVERED", "LAYOUT_RGB"};
   if (area != PictureArea::plain && !covered) defines.insert("EDGE");
-  // Then what the processing left tells all.
+  // Then the result of the processing is all that is needed.
   const bool looked_up = processing && !defines.contains("PLANE");
   if (area != PictureArea::plain && !looked_up) {
     defines.insert(frame.response.define());

@@ -23,7 +23,7 @@ struct CameraFrame {
   const GlTexture& dither;
   const Foreground* foreground = nullptr;  // null: it leaves no pixel of the object open
   const Matte* matte = nullptr;            // null: such pixels are mixed as the mask says
-  const PassersOnGpu* passers = nullptr;   // null: nobody passes before the object
+  const PassersOnGpu* passers = nullptr;   // null: no passers before the object
   int passers_unit = -1;                   // where the foreground leaves pixels open; < 0: the driver has none
   int spare_unit = -1;                     // beyond those that GLES 2 promises; < 0: the driver has none
   void bind(const Program& program, const PictureOnTarget& shown) const;

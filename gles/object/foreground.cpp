@@ -54,8 +54,8 @@ std::vector<double> gaussian(double sigma_px) {
   return weights;
 }
 
-// What a camera's point spread makes of a mask near its edges: the shares that are free, and how far they are to be
-// believed: as the surest edge that is mixed into a pixel. One pass along rows, one along columns.
+// What a camera's point spread makes of a mask near its edges: the free shares and their confidence, which is that of
+// the most certain edge mixed into a pixel. One pass along rows, one along columns.
 class SpreadMask {
  public:
   SpreadMask(const Image<std::uint8_t>& mask, const Image<std::uint8_t>& trust, std::vector<double> weights)

@@ -25,7 +25,7 @@ class Foreground {
 
  private:
   Foreground() = default;
-  GlTexture texture_;  // the mask; alpha: how far its mixed pixels are to be believed
+  GlTexture texture_;  // the mask; alpha: confidence of its mixed pixels
   Image<std::uint8_t> mask_;
 };
 

@@ -1,4 +1,4 @@
-// Who passes before the object in one picture, on the GPU.
+// Passers before the object in one picture, on the GPU.
 #pragma once
 
 #include "base/result.hpp"

@@ -116,7 +116,7 @@ class Renderer {
   // without it pass unchanged. Errors: bad_input (grid, noise), device.
   Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
 
-  // Who passes before the object in the picture uploaded last, for draw() and draw_for_plane(); without pixels: nobody.
+  // Passers before the object in the picture uploaded last, for draw() and draw_for_plane(); without pixels: none.
   // Errors: bad_input (larger than the driver's textures), device.
   Result<> set_in_front(const InFront& passers);
 

@@ -15,7 +15,7 @@ class BasisBits {
   std::uint32_t next(int count);
   // Numbers in chunks of `count` bits, each with one more that says whether another follows.
   std::uint32_t next_in_chunks(int count);
-  // Also: whoever reads found what cannot be.
+  // Also called by readers that find an impossible value.
   void fault() { faulty_ = true; }
   bool faulty() const { return faulty_; }
 

@@ -97,7 +97,7 @@ struct Etc1sBooks {
   std::vector<Etc1sSelector> selectors;
 };
 
-// Where each block's endpoint comes from: two bits each, told once for two by two blocks.
+// Where each block's endpoint comes from: two bits each, stored once for two by two blocks.
 class Etc1sEndpoints {
  public:
   Etc1sEndpoints(const Etc1sBooks& books, std::size_t columns)

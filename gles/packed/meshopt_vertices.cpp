@@ -83,7 +83,7 @@ std::uint32_t unzigzag(std::uint32_t v) {
   return v >> 1 ^ (0u - (v & 1u));
 }
 
-// Four bytes of an element from those of the one before. `channel`: how they are told (0: bytes, 1: pairs, 2: by XOR).
+// Four bytes of an element from those of the one before. `channel`: their encoding (0: bytes, 1: pairs, 2: by XOR).
 std::uint32_t moved(std::uint32_t before, std::uint32_t delta, std::uint8_t channel) {
   if ((channel & 3) == 2) return before ^ std::rotr(delta, channel >> 4);
   const int width = (channel & 3) == 0 ? 8 : 16;

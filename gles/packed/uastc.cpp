@@ -15,7 +15,7 @@ struct UastcMode {
   int weight_bits;
   int bits, trits, quints;  // of a number of the end points
   int subsets, planes, channels;
-  int hints;  // bits for those who make textures of GPUs, skipped here
+  int hints;  // bits for encoders of GPU textures, skipped here
 };
 // By number; 8 is one colour for the whole block.
 constexpr std::array<UastcMode, 19> kUastcModes{{

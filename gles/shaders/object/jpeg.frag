@@ -92,7 +92,7 @@ void main() {
 uniform highp sampler2D chroma;
 uniform vec2 chroma_texel;
 uniform vec2 shared_pixels;
-uniform sampler2D picture;  // what it was: alpha still tells which pixels the object changes
+uniform sampler2D picture;  // the input: its alpha still marks the pixels that the object changes
 uniform vec2 picture_texel;
 
 // Of the pixel in its row's block: four texels of two coefficients each.

@@ -1,7 +1,7 @@
 // A pixel in which something stands in front of the object: shown = C + (1 - a) (V - B), with the picture's own light
 // C, the object's V, and what is behind (B) and in front (F) as their sure neighbours show them (physics 13).
 #if defined(MATTE)
-uniform sampler2D foreground;  // r: the share that is free, by the mask; a: how far the mask is to be believed
+uniform sampler2D foreground;  // r: the share that is free, by the mask; a: the mask's confidence
 #if defined(MATTE_NODES)
 uniform sampler2D matte_nodes;  // left half: behind; right half: in front
 uniform vec4 matte_place;       // the picture's 0..1 to the nodes' 0..1: scale, offset
@@ -9,7 +9,7 @@ uniform vec2 matte_last;        // the middle of the last node
 uniform vec2 matte_half;        // half a node
 uniform vec2 pixel_step;
 const vec3 kSeen = vec3(0.299, 0.587, 0.114);
-const float kLeastContrast2 = 0.0064;  // (.08)^2 of what is behind: a smaller difference of F and B tells nothing,
+const float kLeastContrast2 = 0.0064;  // (.08)^2 of what is behind: a smaller difference of F and B is noise,
 const float kLeastLight2 = 4e-6;       // (.002)^2 nor in the dark
 const float kPure = 0.3;               // a pixel of which this much at most is of the other kind shows its kind
 const float kUnsure = 0.15;

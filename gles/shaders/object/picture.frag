@@ -30,7 +30,7 @@ varying vec2 v_pixel;
 #endif
 
 #if defined(IN_FRONT)
-uniform sampler2D in_front;   // rgb: what is behind who passes before the object; a: the pixel's free share
+uniform sampler2D in_front;   // rgb: what is behind passers before the object; a: the pixel's free share
 uniform vec4 in_front_place;  // the picture's 0..1 to the texture's: scale, offset
 #endif
 #if defined(MATTE) || defined(IN_FRONT)
