@@ -1,4 +1,4 @@
-// Minutes on their way to the ring on the disk: told by one thread, written by another, since a disk may not answer.
+// Minutes on their way to the ring on the disk: handed over by one thread, written by another, since a disk may hang.
 #pragma once
 
 #include <deque>

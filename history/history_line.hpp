@@ -20,7 +20,7 @@ struct HistoryLine {
   int hidden_s = 0;                 // so long visitors did not see the live picture, 0..60
   std::optional<double> turbidity, sigma_turbidity;
   std::optional<double> aod_550, sigma_aod_550;
-  std::optional<double> air_age_min;             // since somebody saw the air
+  std::optional<double> air_age_min;             // since the air was last observed
   std::optional<double> scene_age_s, sky_age_s;  // since the cameras' last good picture
   std::optional<double> latency_95_ms;
   std::optional<double> celsius;
@@ -29,7 +29,7 @@ struct HistoryLine {
   friend bool operator==(const HistoryLine&, const HistoryLine&) = default;
 };
 
-// With its line end. Numbers have 3 or 4 digits, blanks fill it up, and a checksum tells a line that a power cut tore.
+// With its line end. Numbers have 3 or 4 digits, blanks fill it up, and a checksum marks a line that a power cut tore.
 constexpr std::size_t kHistoryLineBytes = 104;
 std::string history_text(const HistoryLine& line);
 // Empty: torn, blank or foreign.

@@ -38,7 +38,7 @@ std::optional<HistoryLine> HistoryMinute::end() {
 
 std::optional<HistoryLine> HistoryMinute::add(const HistoryLine& now, Instant at) {
   std::optional<HistoryLine> ended;
-  // Silence before this second is not counted: nobody knows what was.
+  // Silence before this second is not counted, since the state then is unknown.
   const auto since = minute_ ? std::clamp(at - told_, Duration{}, Duration(2s)) : Duration{};
   told_ = at;
   if (minute_ && minute_->utc != now.utc) ended = end();

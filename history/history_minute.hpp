@@ -1,4 +1,4 @@
-// Gathers what is told each second into a line each minute.
+// Gathers the status of each second into a line each minute.
 #pragma once
 
 #include "history/history_line.hpp"

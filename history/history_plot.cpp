@@ -171,7 +171,7 @@ std::string history_plot(const std::vector<HistoryLine>& lines, UtcMinute from, 
   std::vector<HistoryLine> within;
   for (const auto& line : lines)
     if (line.utc >= from && line.utc <= to) within.push_back(line);
-  // As many points as there are pixels tell as much as ten times as many.
+  // More points than pixels would show nothing more.
   const std::size_t every = std::max<std::size_t>(1, within.size() / 720);
   std::vector<HistoryLine> thinned;
   for (std::size_t i = 0; i < within.size(); i += every) thinned.push_back(within[i]);

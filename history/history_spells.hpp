@@ -13,7 +13,7 @@ using UtcMinute = std::chrono::sys_time<std::chrono::minutes>;
 // Minutes in a row with the same rung and the same trouble.
 struct Spell {
   UtcMinute from{}, to{};  // its first and its last minute
-  bool told = false;       // false: nobody wrote anything: off, or not running
+  bool told = false;       // false: nothing was written: off, or not running
   Shown shown = Shown::live;
   Trouble trouble = Trouble::none;
   std::optional<double> turbidity, aod_550;  // means
